@@ -32,7 +32,7 @@ pub use self::{
     error::Error,
     limits::{ENVELOPE_BYTES, Limits},
     memory::{Memory, memory, request_bytes},
-    parts::{STREAMED_PART, part_instances},
+    parts::{STREAMED_PART, part_frames, part_instances},
     session::{MOST_SLOTS, check_session, slots, states_bytes},
     size::reply_bytes,
     twin::TwinShape,

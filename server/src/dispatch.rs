@@ -35,7 +35,7 @@ pub(crate) use plan::Plan;
 pub(crate) use registrations::{Register, Registered};
 use registry::{Entry, Now};
 pub(crate) use registry::{FitRoom, Heartbeat, HeldSession, Memory, WorkerView};
-pub(crate) use rollout::{Held, InParts, RollOut, Whole};
+pub(crate) use rollout::{Held, InParts, Parts, RollOut, Whole};
 use twins::Twins;
 
 /// The routing table. Clones share it.

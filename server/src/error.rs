@@ -104,6 +104,19 @@ impl Refusal {
         Self { retry_after: delay, ..self }
     }
 
+    /// The document of HTTP, for the request of that context.
+    pub(crate) fn document(&self, context: &Context) -> ProblemDocument {
+        let fault = context::redact(self.fault.clone(), &context.request_id);
+        ProblemDocument {
+            kind: format!("urn:bendtwin:error:{}", fault.reason),
+            title: category_name(fault.category).to_owned(),
+            status: self.status.as_u16(),
+            detail: fault.message,
+            reason: fault.reason,
+            request_id: context.request_id.clone(),
+        }
+    }
+
     /// The gRPC form, for the request of that context.
     pub(crate) fn into_status(self, context: &Context) -> Status {
         let fault = context::redact(self.fault, &context.request_id);
@@ -136,29 +149,13 @@ impl From<Refusal> for Status {
     }
 }
 
-impl Refusal {
-    /// The HTTP form, for the request of that context.
-    pub(crate) fn document(self, context: &Context) -> ProblemDocument {
-        let fault = context::redact(self.fault, &context.request_id);
-        ProblemDocument {
-            kind: format!("urn:bendtwin:error:{}", fault.reason),
-            title: category_name(fault.category).to_owned(),
-            status: self.status.as_u16(),
-            detail: fault.message,
-            reason: fault.reason,
-            request_id: context.request_id.clone(),
-        }
-    }
-}
-
 impl IntoResponse for Refusal {
     fn into_response(self) -> Response {
-        let (status, retry_after) = (self.status, self.retry_after);
         let document = self.document(&Context::current());
-        let mut response = (status, axum::Json(document)).into_response();
+        let mut response = (self.status, axum::Json(document)).into_response();
         let headers = response.headers_mut();
         headers.insert(header::CONTENT_TYPE, HeaderValue::from_static("application/problem+json"));
-        if let Some(delay) = retry_after {
+        if let Some(delay) = self.retry_after {
             // Whole seconds, rounded up: never earlier than asked.
             let seconds = delay.as_secs() + u64::from(delay.subsec_nanos() > 0);
             headers.insert(header::RETRY_AFTER, HeaderValue::from(seconds));

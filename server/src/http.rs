@@ -104,6 +104,7 @@ fn described() -> OpenApiRouter<App> {
         .routes(routes!(twins::content))
         .routes(routes!(twins::geometry))
         .routes(routes!(rollouts::create))
+        .routes(routes!(rollouts::stream::stream))
         .routes(routes!(plans::create))
         .routes(routes!(registrations::register))
         .routes(routes!(sessions::open))

@@ -20,7 +20,7 @@ use crate::{
         stop::{Reason, Stop},
     },
     leasing::Execute,
-    observation,
+    observation, priority,
     server_client::ServerClient,
 };
 
@@ -115,6 +115,7 @@ impl Fits {
         let fit = std::thread::Builder::new().name("fit".to_owned());
         let (done, result) = oneshot::channel();
         let spawned = fit.spawn(move || {
+            priority::as_fit();
             let run = || compute.run(inputs, &device, &limits);
             let caught = std::panic::catch_unwind(std::panic::AssertUnwindSafe(run));
             let outcome = match caught {

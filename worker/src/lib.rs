@@ -27,6 +27,7 @@ mod job;
 mod leasing;
 mod observation;
 mod options;
+mod priority;
 mod registration;
 mod rollout;
 mod run;

@@ -23,6 +23,7 @@ mod serve;
 mod service;
 mod sessions;
 mod settle;
+mod spans;
 mod vary;
 mod warm;
 mod world;

@@ -168,6 +168,7 @@ class Fake(
         return self._answer(request, 0, request.trajectories.positions.shape[0])
 
     def StreamRollOut(self, request, context):
+        self.rollout_request = request
         for instance in range(request.trajectories.positions.shape[0]):
             yield self._answer(request, instance, 1)
 

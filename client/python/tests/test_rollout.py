@@ -2,7 +2,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from fake import TWIN
+from fake import TWIN, tensor
 
 from bendtwin import (
     CaptureFrame,
@@ -14,12 +14,14 @@ from bendtwin import (
     Height,
     Keypoints,
     Returns,
+    RolloutResult,
     Smoothness,
     Strain,
     TargetCloud,
     Within,
 )
 from bendtwin.planners import Cem, Grippers, Mppi, Task, Together
+from bendtwin.v1 import rollout_pb2
 
 
 @pytest.fixture
@@ -187,6 +189,28 @@ def test_poses_name_the_gripper_of_each_control(twin, fake):
     poses[..., 6] = 1.0
     twin.rollout(poses=poses, gripper_of_control=[0, 1, 1], frames=5)
     assert list(fake.rollout_request.poses.gripper_of_control.shape) == [3]
+
+
+def test_parts_in_time_and_time_limits_are_sent(twin, fake):
+    twin.rollout(trajectories=actions(1), time_limit_s=0.05)
+    assert fake.rollout_request.time_limit_s == 0.05
+    assert not fake.rollout_request.returns.part_frames
+    list(twin.stream_rollout(trajectories=actions(1), part_frames=2))
+    assert fake.rollout_request.returns.part_frames == 2
+    assert not fake.rollout_request.HasField("time_limit_s")
+
+
+def test_what_a_part_covers_is_read():
+    window = rollout_pb2.RollOutResponse.Window(first_frame=5, last_frame=8)
+    part = RolloutResult.from_proto(
+        rollout_pb2.RollOutResponse(window=window, unfinished=tensor(np.array([1], np.uint32)))
+    )
+    assert part.window == (5, 8)
+    assert part.costs.shape == (0,)
+    np.testing.assert_array_equal(part.unfinished, [1])
+    whole = RolloutResult.from_proto(rollout_pb2.RollOutResponse())
+    assert whole.window is None
+    assert whole.unfinished is None
 
 
 def test_parts_arrive_one_by_one(twin):

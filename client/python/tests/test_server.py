@@ -24,6 +24,7 @@ from bendtwin import (
     Motion,
     Returns,
     Settled,
+    Smoothness,
     aio,
     interpolate,
 )
@@ -169,6 +170,44 @@ def test_a_rollout_may_start_in_a_frame_of_the_capture(twin):
         )
     )
     assert sum(len(part.costs) for part in parts) == 2
+
+
+def test_parts_in_time_are_those_of_the_whole(twin):
+    poses = swing(12)
+    returns = Returns(every_frames=2, velocities=True, frame_costs=True, final_state=True)
+    costs = [
+        Keypoints(nodes=[0], targets=[[0, 0, 0]], when="every_frame"),
+        Smoothness(when="every_frame"),
+    ]
+    request = {"poses": poses, "initial": Settled(), "costs": costs, "returns": returns}
+    whole = twin.rollout(**request)
+    parts = list(twin.stream_rollout(**request, part_frames=4))
+    assert [part.window for part in parts] == [(1, 4), (5, 8), (9, 12)]
+    for name in ("positions", "velocities", "frame_costs"):
+        joined = np.concatenate([getattr(part, name) for part in parts], axis=1)
+        np.testing.assert_array_equal(joined, getattr(whole, name))
+    np.testing.assert_array_equal(np.concatenate([p.frames for p in parts]), whole.frames)
+    assert [len(part.costs) for part in parts] == [0, 0, 2]
+    np.testing.assert_array_equal(parts[-1].costs, whole.costs)
+    np.testing.assert_array_equal(parts[-1].final_positions, whole.final_positions)
+    assert parts[0].final_positions is None
+    with pytest.raises(BendTwinError, match="part_frames"):
+        list(twin.stream_rollout(**request, part_frames=3))
+
+
+def test_what_is_done_at_a_time_limit_comes_back(twin):
+    poses = np.repeat(swing(300, batch=1), 200, axis=0)
+    request = {"poses": poses, "costs": [Keypoints(nodes=[0], targets=[[0, 0, 0]])]}
+    limited = twin.rollout(**request, time_limit_s=0.2)
+    done = np.isfinite(limited.costs)
+    done[limited.unfinished] = False
+    assert len(limited.unfinished) + done.sum() == 200
+    assert np.all(np.isinf(limited.costs[limited.unfinished]))
+    if done.any():
+        first = int(np.flatnonzero(done)[0])
+        alone = twin.rollout(poses=poses[first : first + 1], costs=request["costs"])
+        assert alone.costs[0] == limited.costs[first]
+    assert twin.rollout(**request | {"poses": poses[:2]}).unfinished is None
 
 
 @pytest.fixture

@@ -6,6 +6,7 @@ use std::{
         Arc,
         atomic::{AtomicBool, Ordering},
     },
+    time::Instant,
 };
 
 /// Flag that stops long work early; checked between its units, a simulated frame for instance.
@@ -14,6 +15,7 @@ use std::{
 pub struct CancelToken {
     flag: Arc<AtomicBool>,
     pause: Option<Arc<dyn Pause>>,
+    until: Option<Instant>,
 }
 
 /// Reason for which long work waits between two of its units, because other work goes first.
@@ -27,7 +29,13 @@ impl CancelToken {
     /// says.
     #[must_use]
     pub fn with_pause(&self, pause: Arc<dyn Pause>) -> Self {
-        Self { flag: Arc::clone(&self.flag), pause: Some(pause) }
+        Self { pause: Some(pause), ..self.clone() }
+    }
+
+    /// The same flag, which whoever checks this token or a clone of it also finds set from a time on.
+    #[must_use]
+    pub fn until(&self, time: Instant) -> Self {
+        Self { until: Some(time), ..self.clone() }
     }
 
     /// Asks the work to stop.
@@ -35,20 +43,26 @@ impl CancelToken {
         self.flag.store(true, Ordering::Relaxed);
     }
 
-    /// `true` once [`Self::cancel`] was called on this token or a clone of it. The work that asks
+    /// `true` once the time of [`Self::until`] is over.
+    pub fn is_late(&self) -> bool {
+        self.until.is_some_and(|time| Instant::now() >= time)
+    }
+
+    /// `true` once [`Self::cancel`] was called on this token or a clone of it, or its time is over. The work that asks
     /// may be held here for a while, by [`Self::with_pause`].
     pub fn is_cancelled(&self) -> bool {
         if let Some(pause) = &self.pause {
             pause.pass(&|| self.flag.load(Ordering::Relaxed));
         }
-        self.flag.load(Ordering::Relaxed)
+        self.flag.load(Ordering::Relaxed) || self.is_late()
     }
 }
 
 impl fmt::Debug for CancelToken {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let mut shown = f.debug_struct("CancelToken");
-        shown.field("flag", &self.flag).field("has_pause", &self.pause.is_some()).finish()
+        shown.field("flag", &self.flag).field("has_pause", &self.pause.is_some());
+        shown.field("until", &self.until).finish()
     }
 }
 
@@ -65,6 +79,19 @@ mod tests {
         fn pass(&self, _: &dyn Fn() -> bool) {
             self.0.fetch_add(1, Ordering::Relaxed);
         }
+    }
+
+    #[test]
+    fn a_token_with_a_time_is_cancelled_from_then_on_and_the_others_are_not() {
+        let plain = CancelToken::default();
+        let now = Instant::now();
+        let late = plain.until(now);
+        assert!(late.is_cancelled() && late.is_late());
+        assert!(!plain.is_cancelled() && !plain.is_late());
+        let later = plain.until(now + std::time::Duration::from_secs(3600));
+        assert!(!later.is_cancelled());
+        later.cancel();
+        assert!(later.is_cancelled() && plain.is_cancelled());
     }
 
     #[test]

@@ -36,6 +36,25 @@ pub enum Category {
     Internal,
 }
 
+impl Category {
+    /// All of them, in the order above.
+    pub const ALL: [Self; 13] = [
+        Self::InvalidArgument,
+        Self::NotFound,
+        Self::AlreadyExists,
+        Self::FailedPrecondition,
+        Self::Unauthenticated,
+        Self::PermissionDenied,
+        Self::ResourceExhausted,
+        Self::Aborted,
+        Self::DeadlineExceeded,
+        Self::Cancelled,
+        Self::Unavailable,
+        Self::DataLoss,
+        Self::Internal,
+    ];
+}
+
 /// Implemented by every error enum of the project.
 pub trait Problem: std::error::Error {
     /// The kind of the error.

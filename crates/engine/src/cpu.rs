@@ -22,7 +22,7 @@ mod integrate;
 #[cfg(test)]
 mod jacobian;
 pub(crate) mod lanes;
-mod loss;
+pub(crate) mod loss;
 mod machine;
 mod meet;
 mod nearest;

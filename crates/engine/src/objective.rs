@@ -5,6 +5,8 @@ use std::sync::Arc;
 
 use bendtwin_core::Point;
 
+use crate::cpu::{lanes::Node, loss, real::quad};
+
 /// The loss of a distance.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum PointLoss {
@@ -79,6 +81,16 @@ pub enum Term {
         /// Force up to which it is zero [N at unit node mass].
         limit: f32,
     },
+}
+
+/// The value of [`Term::Acceleration`] [m²] with these positions and those one and two frames earlier
+/// [m], shape [N, 3] each: for the first frame of a rollout that goes on from another's end, which
+/// does not know how it came there.
+pub fn acceleration(now: &[Point], one: &[Point], two: &[Point]) -> f64 {
+    let nodes = |points: &[Point]| -> Vec<Node<f32>> {
+        points.iter().map(|&p| Node { x: quad(p), v: [0.0; 4] }).collect()
+    };
+    loss::acceleration(&nodes(now), &nodes(one), &nodes(two))
 }
 
 /// Source of a force on the object.

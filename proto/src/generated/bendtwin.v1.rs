@@ -3608,6 +3608,11 @@ pub struct RollOutRequest {
     pub plausibility: ::core::option::Option<Plausibility>,
     #[prost(message, optional, tag = "15")]
     pub knot_times: ::core::option::Option<KnotTimes>,
+    /// Seconds from the arrival of the request after which no more instances are simulated, above 0; absent:
+    /// all are. The reply then names those that are missing in `unfinished`. Arrays of `returns.best` are
+    /// simulated after that. Not with gradients or `returns.part_frames`.
+    #[prost(double, optional, tag = "16")]
+    pub time_limit_s: ::core::option::Option<f64>,
     #[prost(oneof = "roll_out_request::Actions", tags = "2, 3")]
     pub actions: ::core::option::Option<roll_out_request::Actions>,
 }
@@ -3819,7 +3824,9 @@ pub mod initial_state {
         /// A state that a rollout returned, or another one that the caller made.
         #[prost(message, tag = "3")]
         Given(GivenState),
-        /// The twin's shape where it comes to rest under gravity, held by its control points at rest.
+        /// The twin's shape where it comes to rest, held by its control points at rest, in the request's
+        /// world as it is at the start: gravity, ground, colliders that stand still or begin a path.
+        /// Grippers come later: what they carry is not there yet, and grasps hold nothing.
         #[prost(message, tag = "4")]
         Settled(Settled),
         /// The states of slots of a session.
@@ -4053,6 +4060,10 @@ pub struct Returns {
     /// Control positions that were simulated, by frame.
     #[prost(bool, tag = "14")]
     pub controls: bool,
+    /// Only of StreamRollOut: parts of at most so many frames, each sent as soon as it is simulated; 0 for whole
+    /// instances. Not with `best` or gradients.
+    #[prost(uint32, tag = "15")]
+    pub part_frames: u32,
 }
 /// Nested message and enum types in `Returns`.
 pub mod returns {
@@ -4193,9 +4204,27 @@ pub struct RollOutResponse {
     /// the twin weighed 1 kg.
     #[prost(double, optional, tag = "32")]
     pub mass_kg: ::core::option::Option<f64>,
+    /// With `returns.part_frames`: what this part covers in time.
+    #[prost(message, optional, tag = "33")]
+    pub window: ::core::option::Option<roll_out_response::Window>,
+    /// UINT32: the instances that were not simulated within `time_limit_s`. Their costs are +inf, their arrays
+    /// NaN.
+    #[prost(message, optional, tag = "34")]
+    pub unfinished: ::core::option::Option<Tensor>,
 }
 /// Nested message and enum types in `RollOutResponse`.
 pub mod roll_out_response {
+    /// Part of the horizon. Arrays by frame have the rows of these frames, so that those of all parts follow one
+    /// another; the start, frame 0, is in the first. Costs, their terms, diagnostics, what is implausible and
+    /// final states come with the last part of an instance, a divergence with the part that it happened in.
+    #[derive(Clone, Copy, PartialEq, Eq, Hash, ::prost::Message)]
+    pub struct Window {
+        /// 1-based; the last counts.
+        #[prost(uint32, tag = "1")]
+        pub first_frame: u32,
+        #[prost(uint32, tag = "2")]
+        pub last_frame: u32,
+    }
     /// Mean forces on the object over each frame.
     #[derive(Clone, PartialEq, ::prost::Message)]
     pub struct Forces {
@@ -4472,7 +4501,8 @@ pub mod rollout_service_client {
         }
         /// The same in parts, as instances finish: each part covers `first_instance` onwards. On a GPU the last bits of
         /// a result may differ from those of RollOut, as they depend on how many instances are simulated together; on
-        /// the CPU they do not. With `returns.best` there is one part.
+        /// the CPU they do not. With `returns.best` there is one part. With `returns.part_frames` every part is divided
+        /// in time as well.
         pub async fn stream_roll_out(
             &mut self,
             request: impl tonic::IntoRequest<super::RollOutRequest>,
@@ -4524,7 +4554,8 @@ pub mod rollout_service_server {
             + 'static;
         /// The same in parts, as instances finish: each part covers `first_instance` onwards. On a GPU the last bits of
         /// a result may differ from those of RollOut, as they depend on how many instances are simulated together; on
-        /// the CPU they do not. With `returns.best` there is one part.
+        /// the CPU they do not. With `returns.best` there is one part. With `returns.part_frames` every part is divided
+        /// in time as well.
         async fn stream_roll_out(
             &self,
             request: tonic::Request<super::RollOutRequest>,

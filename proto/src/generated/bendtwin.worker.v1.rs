@@ -465,6 +465,9 @@ pub struct ExecuteRollOutRequest {
     /// none do.
     #[prost(uint32, repeated, tag = "5")]
     pub commit_slots: ::prost::alloc::vec::Vec<u32>,
+    /// Seconds that are left of `request.time_limit_s`, if it has one.
+    #[prost(double, tag = "6")]
+    pub time_left_s: f64,
 }
 #[derive(Clone, PartialEq, ::prost::Message)]
 pub struct ExecuteRollOutResponse {

@@ -321,7 +321,7 @@ write_tensor(map, "mass", self.mass.as_ref(), tensors)?;
 
 impl Fields for crate::v1::RollOutRequest {
     const NAME: &'static str = "RollOutRequest";
-    const FIELDS: &'static [&'static str] = &["twin", "trajectories", "poses", "initial", "frames", "costs", "returns", "fidelity", "world", "grasps", "vary", "ensemble", "gradient", "plausibility", "knot_times"];
+    const FIELDS: &'static [&'static str] = &["twin", "trajectories", "poses", "initial", "frames", "costs", "returns", "fidelity", "world", "grasps", "vary", "ensemble", "gradient", "plausibility", "knot_times", "time_limit_s"];
     #[allow(unused_variables)]
     fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
         match field {
@@ -340,6 +340,7 @@ impl Fields for crate::v1::RollOutRequest {
 12 => { self.gradient = message(map)?; }
 13 => { self.plausibility = message(map)?; }
 14 => { self.knot_times = message(map)?; }
+15 => { self.time_limit_s = map.next_value()?; }
 
             _ => {}
         }
@@ -362,6 +363,7 @@ write_message(map, "ensemble", self.ensemble.as_ref(), tensors)?;
 write_message(map, "gradient", self.gradient.as_ref(), tensors)?;
 write_message(map, "plausibility", self.plausibility.as_ref(), tensors)?;
 write_message(map, "knot_times", self.knot_times.as_ref(), tensors)?;
+if let Some(value) = &self.time_limit_s { map.serialize_entry("time_limit_s", value)?; }
 
         Ok(())
     }
@@ -949,7 +951,7 @@ impl Words for crate::v1::cost::When {
 
 impl Fields for crate::v1::Returns {
     const NAME: &'static str = "Returns";
-    const FIELDS: &'static [&'static str] = &["every_frames", "nodes", "encoding", "best", "final_state", "diagnostics", "control_gradients", "action_gradients", "initial_gradients", "gradient_norms", "velocities", "forces", "frame_costs", "controls"];
+    const FIELDS: &'static [&'static str] = &["every_frames", "nodes", "encoding", "best", "final_state", "diagnostics", "control_gradients", "action_gradients", "initial_gradients", "gradient_norms", "velocities", "forces", "frame_costs", "controls", "part_frames"];
     #[allow(unused_variables)]
     fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
         match field {
@@ -967,6 +969,7 @@ impl Fields for crate::v1::Returns {
 11 => { self.forces = map.next_value::<Option<_>>()?.unwrap_or_default(); }
 12 => { self.frame_costs = map.next_value::<Option<_>>()?.unwrap_or_default(); }
 13 => { self.controls = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+14 => { self.part_frames = map.next_value::<Option<_>>()?.unwrap_or_default(); }
 
             _ => {}
         }
@@ -988,6 +991,7 @@ map.serialize_entry("velocities", &self.velocities)?;
 map.serialize_entry("forces", &self.forces)?;
 map.serialize_entry("frame_costs", &self.frame_costs)?;
 map.serialize_entry("controls", &self.controls)?;
+map.serialize_entry("part_frames", &self.part_frames)?;
 
         Ok(())
     }
@@ -1005,7 +1009,7 @@ impl Words for crate::v1::returns::Encoding {
 
 impl Fields for crate::v1::RollOutResponse {
     const NAME: &'static str = "RollOutResponse";
-    const FIELDS: &'static [&'static str] = &["first_instance", "costs", "cost_names", "cost_terms", "instances", "frames", "positions", "final_positions", "final_velocities", "control_gradients", "diagnostics", "diverged", "timing", "worker", "fidelity", "substeps", "deviation", "final_twists", "final_controls", "final_grasping", "action_gradients", "initial_position_gradients", "initial_velocity_gradients", "gradient_norms", "gradient_exploded", "velocities", "forces", "frame_costs", "controls", "member_costs", "implausible", "mass_kg"];
+    const FIELDS: &'static [&'static str] = &["first_instance", "costs", "cost_names", "cost_terms", "instances", "frames", "positions", "final_positions", "final_velocities", "control_gradients", "diagnostics", "diverged", "timing", "worker", "fidelity", "substeps", "deviation", "final_twists", "final_controls", "final_grasping", "action_gradients", "initial_position_gradients", "initial_velocity_gradients", "gradient_norms", "gradient_exploded", "velocities", "forces", "frame_costs", "controls", "member_costs", "implausible", "mass_kg", "window", "unfinished"];
     #[allow(unused_variables)]
     fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
         match field {
@@ -1041,6 +1045,8 @@ impl Fields for crate::v1::RollOutResponse {
 29 => { self.member_costs = tensor(map, Dtype::Float32)?; }
 30 => { self.implausible = messages(map)?; }
 31 => { self.mass_kg = map.next_value()?; }
+32 => { self.window = message(map)?; }
+33 => { self.unfinished = tensor(map, Dtype::Float32)?; }
 
             _ => {}
         }
@@ -1080,6 +1086,30 @@ write_tensor(map, "controls", self.controls.as_ref(), tensors)?;
 write_tensor(map, "member_costs", self.member_costs.as_ref(), tensors)?;
 write_messages(map, "implausible", &self.implausible, tensors)?;
 if let Some(value) = &self.mass_kg { map.serialize_entry("mass_kg", value)?; }
+write_message(map, "window", self.window.as_ref(), tensors)?;
+write_tensor(map, "unfinished", self.unfinished.as_ref(), tensors)?;
+
+        Ok(())
+    }
+}
+
+impl Fields for crate::v1::roll_out_response::Window {
+    const NAME: &'static str = "Window";
+    const FIELDS: &'static [&'static str] = &["first_frame", "last_frame"];
+    #[allow(unused_variables)]
+    fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
+        match field {
+            0 => { self.first_frame = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+1 => { self.last_frame = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+
+            _ => {}
+        }
+        Ok(())
+    }
+    #[allow(unused_variables)]
+    fn write<M: SerializeMap>(&self, tensors: TensorFormat, map: &mut M) -> Result<(), M::Error> {
+        map.serialize_entry("first_frame", &self.first_frame)?;
+map.serialize_entry("last_frame", &self.last_frame)?;
 
         Ok(())
     }

@@ -79,6 +79,13 @@ pub fn malformed(twin: &TwinShape) -> Vec<Case> {
     add("times without a horizon", "`frames`", RollOutRequest { knot_times, ..good.clone() });
     add("100001 frames", "`frames`", RollOutRequest { frames: 100_001, ..good.clone() });
     add("2^32 - 1 frames", "`frames`", RollOutRequest { frames: u32::MAX, ..good.clone() });
+    for limit in [0.0, -1.0, f64::NAN, f64::INFINITY] {
+        let request = RollOutRequest { time_limit_s: Some(limit), ..good.clone() };
+        add("a time limit that is none", "`time_limit_s`", request);
+    }
+    let returns = Some(Returns { control_gradients: true, ..Returns::default() });
+    let limited = RollOutRequest { returns, time_limit_s: Some(1.0), ..good.clone() };
+    add("a time limit of gradients", "`time_limit_s`", limited);
     add("fidelity 7", "`fidelity`", RollOutRequest { fidelity: 7, ..good.clone() });
     add("no fast variant", "fast variant", RollOutRequest { fidelity: 2, ..good.clone() });
     cases.extend(surroundings::malformed(&good, twin));
@@ -301,6 +308,7 @@ fn costs(n: u64) -> Named<Vec<Cost>> {
 
 fn returns(n: u64) -> Named<Returns> {
     const NODES: &str = "`returns.nodes`";
+    const PART: &str = "`returns.part_frames`";
     let recording =
         |nodes: Tensor| Returns { every_frames: 1, nodes: Some(nodes), ..Returns::default() };
     vec![
@@ -316,6 +324,22 @@ fn returns(n: u64) -> Named<Returns> {
             "velocities of no frames",
             "`returns.velocities`",
             Returns { velocities: true, ..Returns::default() },
+        ),
+        ("parts in time of one message", PART, Returns { part_frames: 1, ..Returns::default() }),
+        (
+            "parts in time of the best",
+            PART,
+            Returns { part_frames: 1, best: 1, ..Returns::default() },
+        ),
+        (
+            "parts in time of gradients",
+            PART,
+            Returns { part_frames: 1, gradient_norms: true, ..Returns::default() },
+        ),
+        (
+            "parts in time that cut a recording",
+            PART,
+            Returns { part_frames: 3, every_frames: 2, ..Returns::default() },
         ),
     ]
 }

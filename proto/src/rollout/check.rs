@@ -7,6 +7,7 @@ mod costs;
 mod grasps;
 mod initial;
 mod numbers;
+mod partial;
 mod plausibility;
 mod returns;
 pub(crate) mod tensors;
@@ -81,6 +82,7 @@ pub fn check(request: &RollOutRequest, limits: &Limits) -> Result<Batch, Error> 
     fidelity(request.fidelity)?;
     costs::check(request, &batch, limits)?;
     returns::check(request)?;
+    partial::check(request)?;
     initial::check(request.initial.as_ref(), instances)?;
     let grippers = world::grippers(request.actions.as_ref());
     let moves = Moves { instances, knots: Some(knots), grippers };
@@ -103,6 +105,7 @@ pub fn check_for(
     part_instances: u32,
 ) -> Result<Batch, Error> {
     let batch = check(request, limits)?;
+    partial::check_for(request, part_instances)?;
     actions::check_for(request.actions.as_ref(), twin)?;
     costs::check_for(&request.costs, twin)?;
     returns::check_for(request.returns.as_ref(), twin)?;

@@ -5,11 +5,17 @@ use prost::Message as _;
 
 use super::{
     check::{Batch, has_gradients, members, own_targets, targets},
+    parts::part_frames,
     size::reply_bytes,
     surroundings,
     twin::TwinShape,
 };
-use crate::v1::{RollOutRequest, cost::When, initial_state::State, returns::Encoding};
+use crate::v1::{
+    Cost, RollOutRequest,
+    cost::{Kind, When},
+    initial_state::State,
+    returns::Encoding,
+};
 
 /// Messages of a reply that are there at once when it is streamed: one is made, two wait, one is
 /// sent.
@@ -167,6 +173,20 @@ pub fn memory(
             tape(endpoints, rods, twin.substeps),
         ]);
     }
+    // Parts in time: all instances of a part wait at the end of a window, with what is added up.
+    let waiting = if returns.part_frames == 0 {
+        0
+    } else {
+        let count = instances.min(part_instances.into());
+        // A cost that looks back records every frame.
+        let looks_back = |cost: &Cost| matches!(cost.kind, Some(Kind::Smoothness(_)));
+        let recorded = match request.costs.iter().any(looks_back) {
+            true => mul(&[making, 24, twin.nodes, part_frames(request, batch)]),
+            false => 0,
+        };
+        mul(&[count, members(request), sum(&[prepared, mul(&[2, state]), recorded])])
+    };
+    let fixed = sum(&[fixed, waiting]);
     Memory { request: request_bytes(request.encoded_len() as u64), fixed, prepared, running }
 }
 

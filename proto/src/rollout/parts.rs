@@ -1,5 +1,6 @@
 //! Parts that a reply comes in.
 
+use super::Batch;
 use crate::v1::RollOutRequest;
 
 /// Instances of one part of a streamed reply.
@@ -10,4 +11,12 @@ pub const STREAMED_PART: u32 = 16;
 pub fn part_instances(request: &RollOutRequest, streamed: bool) -> u32 {
     let ranked = request.returns.as_ref().is_some_and(|r| r.best > 0);
     if streamed && !ranked { STREAMED_PART } else { 0 }
+}
+
+/// Frames of one part of the reply to a checked request: all of them unless it is divided in time.
+pub fn part_frames(request: &RollOutRequest, batch: &Batch) -> u64 {
+    match request.returns.as_ref().map_or(0, |returns| returns.part_frames) {
+        0 => batch.frames,
+        frames => u64::from(frames).min(batch.frames),
+    }
 }

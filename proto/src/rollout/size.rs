@@ -4,6 +4,7 @@ use prost::length_delimiter_len as varint_len;
 
 use super::{
     check::{Batch, has_gradients, members},
+    parts::part_frames,
     surroundings,
     twin::TwinShape,
 };
@@ -17,6 +18,8 @@ const HEAD: u64 = 2;
 const DIAGNOSTICS: u64 = HEAD + 6 * 5 + 6;
 /// Longest encoding of a `Divergence`: three counts.
 const DIVERGENCE: u64 = HEAD + 3 * 6;
+/// Longest encoding of a `Window`: two counts.
+const WINDOW: u64 = 1 + HEAD + 2 * 6;
 /// Longest encoding of everything else: first_instance, timing, worker, fidelity, substeps,
 /// deviation, mass_kg.
 const REST: u64 = 6 + (HEAD + 2 * 9) + 48 + 2 + 7 + (1 + HEAD + 3 * 9 + 6) + 10;
@@ -44,6 +47,9 @@ pub fn reply_bytes(
     sum.tensor(1, 8, &[covered, terms]);
     let members = members(request);
     sum.add(covered.saturating_mul(members).saturating_mul(DIVERGENCE));
+    if request.time_limit_s.is_some() {
+        sum.tensor(2, 4, &[covered.saturating_mul(members)]);
+    }
     let Some(returns) = &request.returns else {
         surroundings::add_reply(request, batch, twin, [covered, 0], &mut sum);
         return sum.0;
@@ -58,6 +64,10 @@ pub fn reply_bytes(
     };
     // Of an ensemble arrays are by member, gradients by action.
     let holders = ranked.saturating_mul(members);
+    let frames = part_frames(request, batch);
+    if returns.part_frames > 0 {
+        sum.add(WINDOW);
+    }
     surroundings::add_reply(request, batch, twin, [covered, holders], &mut sum);
     let has_arrays = returns.every_frames > 0
         || returns.final_state
@@ -65,11 +75,11 @@ pub fn reply_bytes(
         || returns.frame_costs
         || returns.controls
         || has_gradients(returns);
-    let boundaries = batch.frames.saturating_add(1);
+    let boundaries = frames.saturating_add(1);
     if has_arrays || returns.best > 0 {
         sum.tensor(1, 4, &[holders]);
     }
-    if let Some(recorded) = batch.frames.checked_div(u64::from(returns.every_frames)) {
+    if let Some(recorded) = frames.checked_div(u64::from(returns.every_frames)) {
         let chosen = returns.nodes.as_ref().filter(|t| !t.is_absent());
         let nodes = chosen.map_or(twin.nodes, |t| t.shape.iter().product());
         let is_packed = returns.encoding() == Encoding::Int16;
@@ -135,7 +145,7 @@ pub(super) fn action_numbers(actions: &Actions, batch: &Batch) -> u64 {
 }
 
 /// Bytes of the encoding of a length.
-fn length(n: u64) -> u64 {
+pub(super) fn length(n: u64) -> u64 {
     varint_len(usize::try_from(n).unwrap_or(usize::MAX)) as u64
 }
 

@@ -195,6 +195,7 @@ pub fn join(mut replies: Vec<RollOutResponse>) -> Result<RollOutResponse, Mismat
         frame_costs: joined!(frame_costs),
         controls: joined!(controls),
         member_costs: joined!(member_costs),
+        unfinished: joined!(unfinished),
         diagnostics: replies.iter().flat_map(|r| r.diagnostics.iter().copied()).collect(),
         diverged: replies.iter().flat_map(|r| r.diverged.iter().copied()).collect(),
         implausible: replies.iter().flat_map(|r| r.implausible.iter().cloned()).collect(),
@@ -219,7 +220,7 @@ fn renumber(reply: &mut RollOutResponse, first: u32) -> Result<(), Mismatch> {
     let shifted = |i: u32| i.checked_add(first).ok_or(Mismatch("too many instances"));
     reply.diverged.iter_mut().try_for_each(|d| shifted(d.instance).map(|i| d.instance = i))?;
     reply.implausible.iter_mut().try_for_each(|d| shifted(d.instance).map(|i| d.instance = i))?;
-    if let Some(instances) = &mut reply.instances {
+    for instances in [&mut reply.instances, &mut reply.unfinished].into_iter().flatten() {
         let (shape, values) = instances
             .unpack::<u32>("instances")
             .map_err(|_| Mismatch("one has instances without numbers"))?;

@@ -3,15 +3,19 @@
 
 use super::{
     check::{Batch, bodies_of, members, sets},
-    size::Sum,
+    parts::part_frames,
+    size::{Sum, length},
     twin::TwinShape,
 };
 use crate::v1::RollOutRequest;
 
-/// Longest encoding of an `Implausible`: tag and length, an index, the longest reason, two numbers
-/// and a frame; and the reasons that an instance can have.
-const IMPLAUSIBLE: u64 = 3 + 6 + (2 + 19) + 2 * 9 + 6;
-const REASONS: u64 = 4;
+/// Reasons of an `Implausible`, each at most once an instance, and whether it names a frame.
+const REASONS: [(&str, bool); 4] = [
+    ("START_GAP", false),
+    ("CONTROL_SPEED", true),
+    ("STRAIN", false),
+    ("CONTROL_IN_OBSTACLE", true),
+];
 /// A pose of a body, and its gradient.
 const POSE: u64 = 48;
 /// A parameter of an element in the engine and in the model that keeps it.
@@ -32,19 +36,36 @@ pub(super) fn add_reply(
 ) {
     let members = members(request);
     let instances = covered.saturating_mul(members);
-    sum.add(instances.saturating_mul(REASONS * IMPLAUSIBLE));
+    sum.add(instances.saturating_mul(implausible(request, batch)));
     if request.ensemble.is_some() {
         sum.tensor(2, 8, &[covered, members]);
     }
     if request.returns.as_ref().is_some_and(|returns| returns.forces) {
         let mut forces = Sum(0);
         let (grasps, colliders) = parts(request);
-        forces.tensor(1, 4, &[held, batch.frames, twin.controls, 3]);
-        forces.tensor(1, 4, &[held, batch.frames, grasps, 6]);
-        forces.tensor(1, 4, &[held, batch.frames, 3]);
-        forces.tensor(1, 4, &[held, batch.frames, colliders, 6]);
+        let frames = part_frames(request, batch);
+        forces.tensor(1, 4, &[held, frames, twin.controls, 3]);
+        forces.tensor(1, 4, &[held, frames, grasps, 6]);
+        forces.tensor(1, 4, &[held, frames, 3]);
+        forces.tensor(1, 4, &[held, frames, colliders, 6]);
         sum.message(2, &forces);
     }
+}
+
+/// Most bytes of what is implausible of an instance. What is found is in single precision, so a limit
+/// beyond that is never exceeded.
+fn implausible(request: &RollOutRequest, batch: &Batch) -> u64 {
+    let limits = request.plausibility.unwrap_or_default();
+    let limits =
+        [limits.start_gap_m, limits.control_speed_m_s, limits.strain, limits.control_depth_m];
+    let last = batch.instances.saturating_mul(members(request)).saturating_sub(1);
+    let reasons = REASONS.iter().zip(limits).filter(|(_, limit)| *limit != Some(f64::INFINITY));
+    let each = reasons.map(|((reason, has_frame), _)| {
+        let frame = if *has_frame { 1 + length(batch.frames) } else { 0 };
+        // Tag and length, an index, the reason, what was found and the limit.
+        3 + (1 + length(last)) + (2 + reason.len() as u64) + 2 * 9 + frame
+    });
+    each.sum()
 }
 
 /// Memory that all instances share [bytes]: sets of parameters and what they surround.

@@ -65,11 +65,28 @@ pub(super) struct Prepared {
     pub(super) batch: Batch,
     pub(super) ask: Ask,
     pub(super) execute: ExecuteRollOutRequest,
-    pub(super) deadline: Instant,
+    pub(super) ends: Ends,
     /// Size of its reply, or of one part of that.
     pub(super) reply_bytes: u64,
     /// Memory of the request, held until workers have all of it.
     pub(super) memory: Arc<Shares>,
+}
+
+/// Ends of a rollout's time.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Ends {
+    /// Nobody waits for a reply any more.
+    pub(super) deadline: Instant,
+    /// No more instances are simulated, if the request has a time limit.
+    pub(super) limit: Option<Instant>,
+}
+
+impl Ends {
+    /// Seconds that are left of the time limit.
+    fn time_left_s(self) -> f64 {
+        let left = |end: Instant| end.saturating_duration_since(Instant::now()).as_secs_f64();
+        self.limit.map_or(0.0, left)
+    }
 }
 
 /// Held until a reply has been sent: its memory, and the place in the worker's line.
@@ -162,6 +179,7 @@ impl Dispatch {
 
     /// Checks a rollout.
     async fn prepared(&self, rollout: RollOut) -> Result<Prepared> {
+        let arrived = Instant::now();
         let RollOut { mut request, timeout, in_parts, as_lists, commit_slots, memory } = rollout;
         let session = self.session_of(&mut request)?;
         let id: TwinId = request.twin.parse().map_err(Error::Name)?;
@@ -174,27 +192,31 @@ impl Dispatch {
         }
         let work = rollout::work(&request, &batch, &twin.shape) as f64 * passes(&request, &batch);
         let ask = Ask { client: Context::current().client, work };
+        let limit = request.time_limit_s.and_then(|s| Duration::try_from_secs_f64(s).ok());
+        let limit = limit.map(|time| arrived + time);
         let execute = ExecuteRollOutRequest {
             capture: twin.capture.map(|c| c.to_string()).unwrap_or_default(),
             part_instances,
             request_id: Context::current().request_id,
             request: Some(request),
             commit_slots,
+            time_left_s: 0.0,
         };
         let deadline = Instant::now() + timeout.unwrap_or(LONGEST).min(LONGEST);
-        let (twin, shape) = (id, twin.shape);
-        Ok(Prepared { twin, shape, session, batch, ask, execute, deadline, reply_bytes, memory })
+        let (twin, shape, ends) = (id, twin.shape, Ends { deadline, limit });
+        Ok(Prepared { twin, shape, session, batch, ask, execute, ends, reply_bytes, memory })
     }
 
     /// The reply of one worker.
     async fn by_one(&self, prepared: Prepared) -> Result<InParts> {
-        let Prepared { twin, session, ask, execute, deadline, reply_bytes, memory, .. } = prepared;
+        let Prepared { twin, session, ask, execute, ends, reply_bytes, memory, .. } = prepared;
+        let deadline = ends.deadline;
         let share = tokio::time::timeout_at(deadline, self.memory.reply(reply_bytes));
         let share = share.await.map_err(|_| Error::Deadline)??;
         let started = async {
             match session {
-                None => self.start(twin, &ask, execute, deadline, None).await,
-                Some(session) => self.start_in(&session, &ask, execute, deadline).await,
+                None => self.start(twin, &ask, execute, ends, None).await,
+                Some(session) => self.start_in(&session, &ask, execute, ends).await,
             }
         };
         let (first, running) =
@@ -255,12 +277,12 @@ impl Dispatch {
         twin: TwinId,
         ask: &Ask,
         execute: ExecuteRollOutRequest,
-        deadline: Instant,
+        ends: Ends,
         given: Option<Arc<Entry>>,
     ) -> Result<(RollOutResponse, Running)> {
         self.at_a_worker(twin, ask, given, |entry| {
             let execute = execute.clone();
-            async move { self.start_at(&entry, ask, execute, deadline).await }
+            async move { self.start_at(&entry, ask, execute, ends).await }
         })
         .await
     }
@@ -307,10 +329,10 @@ impl Dispatch {
         &self,
         entry: &Arc<Entry>,
         ask: &Ask,
-        execute: ExecuteRollOutRequest,
-        deadline: Instant,
+        mut execute: ExecuteRollOutRequest,
+        ends: Ends,
     ) -> Result<Option<(RollOutResponse, Running)>> {
-        let started = Instant::now();
+        let (started, deadline) = (Instant::now(), ends.deadline);
         // Others may have joined since the worker was chosen.
         let joined = entry.line.join(ask);
         let mut place = joined.map_err(|full| Error::Busy { retry_after: full.retry_after })?;
@@ -318,6 +340,7 @@ impl Dispatch {
         let place = Arc::new(place);
         let queued = started.elapsed();
         let (mut client, token) = entry.client();
+        execute.time_left_s = ends.time_left_s();
         let length = execute.encoded_len();
         let mut call = Request::new(execute);
         call.metadata_mut().insert(rollout::REQUEST_BYTES, length.into());

@@ -27,7 +27,7 @@ use super::{
     Dispatch,
     line::Ask,
     registry::{Entry, HeldSession},
-    rollout::{Held, RollOut, Running, Whole, failure, is_late, late},
+    rollout::{Ends, Held, RollOut, Running, Whole, failure, is_late, late},
     untaken::was_not_taken,
 };
 use crate::{
@@ -71,9 +71,9 @@ impl Dispatch {
         (session, entry): &(SessionId, Arc<Entry>),
         ask: &Ask,
         execute: ExecuteRollOutRequest,
-        deadline: Instant,
+        ends: Ends,
     ) -> Result<(RollOutResponse, Running)> {
-        match self.start_at(entry, ask, execute, deadline).await {
+        match self.start_at(entry, ask, execute, ends).await {
             Ok(Some(started)) => Ok(started),
             Ok(None) => {
                 entry.broke();

@@ -79,7 +79,8 @@ impl Dispatch {
     ) -> Result<Whole> {
         let request = prepared.execute.request.as_ref();
         let unit = request.zip(sharers.first()).and_then(|(r, first)| prepared.unit(first, r));
-        let Prepared { twin, batch, ask, execute, deadline, reply_bytes, memory, .. } = prepared;
+        let Prepared { twin, batch, ask, execute, ends, reply_bytes, memory, .. } = prepared;
+        let deadline = ends.deadline;
         let (Some(request), Some(unit)) = (&execute.request, unit) else {
             return Err(Error::Internal("a rollout that cannot be shared".to_owned()));
         };
@@ -94,7 +95,7 @@ impl Dispatch {
             let request = Some(split::part(request, &batch, run));
             let execute = ExecuteRollOutRequest { request, ..execute.clone() };
             async move {
-                let started = self.start(twin, &ask, execute, deadline, Some(worker));
+                let started = self.start(twin, &ask, execute, ends, Some(worker));
                 let (reply, mut rest) = tokio::time::timeout_at(deadline, started)
                     .await
                     .map_err(|_| Error::Deadline)??;

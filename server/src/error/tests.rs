@@ -5,27 +5,11 @@ use tonic::Code;
 use super::{Refusal, http_status};
 use crate::context::Context;
 
-const ALL: [Category; 13] = [
-    Category::InvalidArgument,
-    Category::NotFound,
-    Category::AlreadyExists,
-    Category::FailedPrecondition,
-    Category::Unauthenticated,
-    Category::PermissionDenied,
-    Category::ResourceExhausted,
-    Category::Aborted,
-    Category::DeadlineExceeded,
-    Category::Cancelled,
-    Category::Unavailable,
-    Category::DataLoss,
-    Category::Internal,
-];
-
 /// google.rpc.Code's own mapping to HTTP, except for FAILED_PRECONDITION, which it maps to 400:
 /// "cancel it first" is a conflict.
 #[test]
 fn both_transports_say_the_same() {
-    for category in ALL {
+    for category in Category::ALL {
         let expected = match code(category) {
             Code::InvalidArgument => 400,
             Code::Unauthenticated => 401,
@@ -48,7 +32,7 @@ fn both_transports_say_the_same() {
 #[test]
 fn internal_text_stays_inside() {
     let context = Context { request_id: "r-1".into(), ..Context::default() };
-    for category in ALL {
+    for category in Category::ALL {
         let fault =
             Fault { category, reason: "WORD".into(), message: "secret /path/of/file".into() };
         let status = Refusal::new(fault).into_status(&context);

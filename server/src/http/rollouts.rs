@@ -3,6 +3,7 @@
 
 pub(super) mod document;
 pub(super) mod schema;
+pub(super) mod stream;
 
 use std::time::Duration;
 
@@ -18,7 +19,7 @@ use utoipa::IntoParams;
 use super::{
     Result,
     extract::{Id, Params},
-    message::Body,
+    message::{Body, Form},
 };
 use crate::{
     app::{self, App, Error},
@@ -70,9 +71,22 @@ pub(super) async fn create(
     Params(params): Params<ReplyParams>,
     request: Request,
 ) -> Result<Response> {
-    let twin: TwinId = app::name(&id)?;
+    let Asked { rollout, form } = read(&app, &id, &params, request).await?;
+    let Whole { response, held } = app.dispatch.roll_out(rollout).await?;
+    form.answer(response, held)
+}
+
+/// A rollout that was asked for, and the form that its reply is to have.
+struct Asked {
+    rollout: RollOut,
+    form: Form,
+}
+
+/// Reads the request for a rollout of a twin.
+async fn read(app: &App, id: &str, params: &ReplyParams, request: Request) -> Result<Asked> {
+    let twin: TwinId = app::name(id)?;
     let body: Body<RollOutRequest> =
-        Body::read(&app, request, Encoded::RollOut, params.tensors()).await?;
+        Body::read(app, request, Encoded::RollOut, params.tensors()).await?;
     let Body { message, memory, form } = body;
     if !message.twin.is_empty() && message.twin != twin.to_string() {
         let fault = format!("is {}, the path names {twin}: leave it out", message.twin);
@@ -82,6 +96,5 @@ pub(super) async fn create(
     let (commit_slots, timeout) = (Vec::new(), params.timeout()?);
     let as_lists = form.is_lists();
     let rollout = RollOut { request, timeout, in_parts: false, as_lists, commit_slots, memory };
-    let Whole { response, held } = app.dispatch.roll_out(rollout).await?;
-    form.answer(response, held)
+    Ok(Asked { rollout, form })
 }

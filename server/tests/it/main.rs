@@ -17,6 +17,7 @@ mod results;
 mod rollouts;
 mod sessions;
 mod sharing;
+mod streams;
 mod tus;
 mod twins;
 mod worker;

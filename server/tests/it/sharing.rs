@@ -3,9 +3,11 @@
 use std::{sync::Arc, time::Duration};
 
 use bendtwin_proto::v1::{
-    ControlTrajectories, Returns, RollOutRequest, Tensor, roll_out_request::Actions,
+    ControlTrajectories, InitialState, Returns, RollOutRequest, Tensor,
+    initial_state::{SessionSlots, State},
+    roll_out_request::Actions,
 };
-use bendtwin_proto::worker::v1::HeartbeatRequest;
+use bendtwin_proto::worker::v1::{HeartbeatRequest, HeldSession};
 use serde_json::Value;
 use tokio::sync::Notify;
 use tonic::Code;
@@ -131,6 +133,36 @@ async fn the_best_of_a_batch_and_a_short_one_stay_at_one_worker() {
         assert_eq!(in_flight(&server, 1).await.len(), 2);
         call.abort();
     }
+}
+
+#[tokio::test]
+async fn a_batch_from_a_session_stays_at_the_worker_that_has_it() {
+    let server = Server::start().await;
+    let hold = Arc::new(Notify::new());
+    let device = Device { hold: Some(hold.clone()), ..Device::default() };
+    let [mut worker, mut other] = two(&server, &device).await;
+    let twin = twin(&server, &mut worker).await;
+    let session = format!("sessions/{}", uuid::Uuid::now_v7());
+    let held = HeldSession { session: session.clone(), twin: twin.clone() };
+    let heartbeat = HeartbeatRequest {
+        worker: other.id.to_string(),
+        sessions: vec![held],
+        ..HeartbeatRequest::default()
+    };
+    other.link.heartbeat(heartbeat).await.unwrap();
+    let slots = State::Session(SessionSlots { session, slots: Vec::new() });
+    let initial = Some(InitialState { state: Some(slots) });
+    let batch = RollOutRequest { initial, ..request("", 41, LONG) };
+    let mut rollouts = server.rollouts();
+    let call = tokio::spawn(async move { rollouts.roll_out(batch).await });
+    device.begun.notified().await;
+    in_flight(&server, 1).await;
+    while !call.is_finished() {
+        hold.notify_waiters();
+        tokio::time::sleep(Duration::from_millis(10)).await;
+    }
+    let reply = call.await.unwrap().unwrap().into_inner();
+    assert_eq!(reply.worker, other.id.to_string());
 }
 
 #[tokio::test]

@@ -3,7 +3,7 @@
 use std::{
     pin::Pin,
     sync::{
-        Arc,
+        Arc, Mutex,
         atomic::{AtomicBool, Ordering},
     },
     time::Duration,
@@ -92,6 +92,10 @@ pub(crate) struct Device {
     pub(crate) bowl: bool,
     /// Costs of every part, where it is to be large.
     pub(crate) part_costs: usize,
+    /// Fail after so many parts.
+    pub(crate) ends_after: Option<usize>,
+    /// Time limits of the rollouts that came, as they were passed on [s].
+    pub(crate) time_left_s: Arc<Mutex<Vec<f64>>>,
 }
 
 /// Calls of the worker with a key.
@@ -381,6 +385,7 @@ impl WorkerRollouts for Device {
         let token = request.metadata().get("authorization").unwrap().to_str().unwrap();
         assert_eq!(token, format!("Bearer {TOKEN}"));
         let execute = request.into_inner();
+        self.time_left_s.lock().unwrap().push(execute.time_left_s);
         let asked = execute.request.unwrap();
         let has_gradients = asked.returns.is_some_and(|r| r.action_gradients);
         let Some(Actions::Trajectories(t)) = asked.actions else {
@@ -422,6 +427,10 @@ impl WorkerRollouts for Device {
             };
             Ok(ExecuteRollOutResponse { response: Some(response) })
         });
+        let parts: Vec<_> = match self.ends_after {
+            None => parts.collect(),
+            Some(count) => parts.take(count).chain([Err(Status::unavailable("gone"))]).collect(),
+        };
         Ok(Response::new(futures::stream::iter(parts).boxed()))
     }
 }

@@ -17,22 +17,6 @@ use bendtwin_proto::fault::{category_name, code};
 
 use crate::workspace;
 
-const ALL: [Category; 13] = [
-    Category::InvalidArgument,
-    Category::NotFound,
-    Category::AlreadyExists,
-    Category::FailedPrecondition,
-    Category::Unauthenticated,
-    Category::PermissionDenied,
-    Category::ResourceExhausted,
-    Category::Aborted,
-    Category::DeadlineExceeded,
-    Category::Cancelled,
-    Category::Unavailable,
-    Category::DataLoss,
-    Category::Internal,
-];
-
 const REASONS: &str = "| reason | category | HTTP | gRPC | what to do |\n|---|---|--:|--:|---|\n";
 const CODES: &str = "| code | meaning | what to do |\n|---|---|---|\n";
 
@@ -114,7 +98,10 @@ fn table(text: &str) -> (BTreeMap<String, Vec<String>>, &str) {
 /// Category, HTTP status and gRPC code.
 fn seen(reason: &sources::Reason) -> [String; 3] {
     let of = |name: &String| {
-        *ALL.iter().find(|c| format!("{c:?}") == *name).unwrap_or_else(|| panic!("category {name}"))
+        *Category::ALL
+            .iter()
+            .find(|c| format!("{c:?}") == *name)
+            .unwrap_or_else(|| panic!("category {name}"))
     };
     let categories: Vec<_> = reason.categories.iter().map(of).collect();
     let mut http: BTreeSet<_> = reason.statuses.clone();

@@ -19,6 +19,7 @@ use std::{
 use bendtwin_core::{CancelToken, cancel::Pause};
 
 use super::Priority;
+use crate::priority;
 
 /// Device time that is owed to a fit when its turn comes [s]: the shortest turn, for which a rollout
 /// may have to wait.
@@ -101,6 +102,8 @@ struct Fit(Arc<Shared>);
 
 impl Pause for Fit {
     fn pass(&self, is_cancelled: &dyn Fn() -> bool) {
+        // Only threads of fits come here.
+        priority::as_fit();
         if !self.0.has_rollouts.load(Ordering::SeqCst) {
             return;
         }

@@ -61,13 +61,28 @@ impl QueuedBackend {
         lock(&self.0.forward).compute + lock(&self.0.backward).compute
     }
 
+    /// As [`Backend::roll_out`], but with none for instances that are not done by the time of the
+    /// token. Slices are those of the whole batch, and so are the bits of what is done.
+    pub(crate) fn roll_out_in_time(
+        &self,
+        batch: &[Instance],
+        outputs: &Outputs,
+        cancel: &CancelToken,
+    ) -> Result<Vec<Option<Rollout>>, Error> {
+        let (outputs, token) = (outputs.clone(), self.0.token(cancel));
+        self.sliced(batch, Pass::Forward, cancel, move |backend, slice| {
+            backend.roll_out(slice, &outputs, &token)
+        })
+    }
+
+    /// Results, none of what is not done by the time of the token.
     fn sliced<R: Send + 'static>(
         &self,
         batch: &[Instance],
         pass: Pass,
         cancel: &CancelToken,
         run: impl Fn(&dyn Backend, &[Instance]) -> Result<Vec<R>, Error> + Clone + Send + 'static,
-    ) -> Result<Vec<R>, Error> {
+    ) -> Result<Vec<Option<R>>, Error> {
         let work: Vec<f64> = batch.iter().map(instance_work).collect();
         let mut order: Vec<usize> = (0..batch.len()).collect();
         // Stable, so that equal instances keep their order.
@@ -118,7 +133,7 @@ impl Shared {
     }
 
     /// Runs a batch in slices, in this order; `run` takes a slice to the device. Results are in the
-    /// batch's order.
+    /// batch's order, none of what is not done by the time of the token.
     fn in_slices<T: Clone, R>(
         &self,
         batch: &[T],
@@ -127,11 +142,14 @@ impl Shared {
         pass: Pass,
         cancel: &CancelToken,
         run: impl Fn(Vec<T>) -> Result<(Vec<R>, Duration), Error>,
-    ) -> Result<Vec<R>, Error> {
+    ) -> Result<Vec<Option<R>>, Error> {
         let usage = self.usage(pass);
         let mut results: Vec<Option<R>> = batch.iter().map(|_| None).collect();
         let mut rest = order;
         while !rest.is_empty() {
+            if cancel.is_late() {
+                break;
+            }
             if cancel.is_cancelled() {
                 return Err(Error::Cancelled);
             }
@@ -140,7 +158,10 @@ impl Shared {
             let count = slice_len(rest, work, budget, self.device.description().lanes);
             let (slice, later) = rest.split_at(count);
             rest = later;
-            let (values, took) = run(slice.iter().map(|i| batch[*i].clone()).collect())?;
+            let (values, took) = match run(slice.iter().map(|i| batch[*i].clone()).collect()) {
+                Err(Error::Cancelled) if cancel.is_late() => break,
+                done => done?,
+            };
             if values.len() != slice.len() {
                 let fault = format!("{} results for {} instances", values.len(), slice.len());
                 return Err(Error::Device(fault));
@@ -151,7 +172,7 @@ impl Shared {
                 results[*index] = Some(value);
             }
         }
-        Ok(results.into_iter().flatten().collect())
+        Ok(results)
     }
 }
 
@@ -180,17 +201,14 @@ impl Backend for QueuedBackend {
         outputs: &Outputs,
         cancel: &CancelToken,
     ) -> Result<Vec<Rollout>, Error> {
-        let (outputs, token) = (outputs.clone(), self.0.token(cancel));
-        self.sliced(batch, Pass::Forward, cancel, move |backend, slice| {
-            backend.roll_out(slice, &outputs, &token)
-        })
+        all(self.roll_out_in_time(batch, outputs, cancel)?)
     }
 
     fn losses(&self, batch: &[Instance], cancel: &CancelToken) -> Result<Vec<Loss>, Error> {
         let token = self.0.token(cancel);
-        self.sliced(batch, Pass::Forward, cancel, move |backend, slice| {
+        all(self.sliced(batch, Pass::Forward, cancel, move |backend, slice| {
             backend.losses(slice, &token)
-        })
+        })?)
     }
 
     fn gradients(
@@ -200,9 +218,9 @@ impl Backend for QueuedBackend {
         cancel: &CancelToken,
     ) -> Result<Vec<Gradient>, Error> {
         let (request, token) = (request.clone(), self.0.token(cancel));
-        self.sliced(batch, Pass::Backward, cancel, move |backend, slice| {
+        all(self.sliced(batch, Pass::Backward, cancel, move |backend, slice| {
             backend.gradients(slice, &request, &token)
-        })
+        })?)
     }
 
     fn optimizer(
@@ -234,6 +252,11 @@ impl Usage {
         let seconds = self.compute.as_secs_f64();
         (seconds > 0.0).then(|| self.work / seconds)
     }
+}
+
+/// All results of a call that has to come to its end.
+fn all<R>(results: Vec<Option<R>>) -> Result<Vec<R>, Error> {
+    results.into_iter().collect::<Option<_>>().ok_or(Error::Cancelled)
 }
 
 /// Number of instances in `rest` that the next slice takes: whole rounds of SIMD lanes while they

@@ -12,7 +12,7 @@ use bendtwin_engine::{Backend, Device as Description, backend::Memory};
 use tokio::sync::mpsc;
 
 use super::queue::{Broken, Queue};
-use crate::Error;
+use crate::{Error, priority};
 
 /// Time between two samples of the device's memory; a sample may wait for the driver.
 const MEMORY_SAMPLE_INTERVAL: Duration = Duration::from_secs(1);
@@ -63,7 +63,11 @@ impl Threads {
             };
             shared.sample_memory(&*backend);
             let opened = Opened { description: backend.device(), urgent: backend.urgent() };
+            let is_for_fits = opened.urgent.is_some();
             let _ = sender.send(Ok(opened));
+            if is_for_fits {
+                priority::as_fit();
+            }
             shared.work(&shared.main, &*backend);
         })?;
         opened.recv().map_err(|_| {

@@ -11,6 +11,7 @@ use bendtwin_proto::v1::{
     ControlTrajectories, KnotTimes, Tensor, roll_out_request::Actions as Wire,
 };
 
+pub(super) use self::poses::pose;
 use self::poses::{Knots, Poses};
 use super::{
     error::Error,

@@ -9,14 +9,14 @@ use std::sync::Arc;
 
 use bendtwin_core::Point;
 use bendtwin_engine::{
-    Objective,
+    Objective, Term,
     backend::{Gradient, Rollout},
     objective::WeightedTerm,
 };
 use bendtwin_proto::v1::{self, cost::When};
 
 use self::{controls::Paths, measure::Measure};
-use super::error::Error;
+use super::{error::Error, reply::Span};
 
 /// The costs of a checked request.
 #[derive(Debug)]
@@ -66,15 +66,30 @@ impl Costs {
             costs.push(Cost { group, weight, when, temperature, measure });
         }
         let mut costs = Self { names, costs, frames, fps, shared: None };
-        if !costs.costs.iter().any(|cost| cost.measure.is_by_instance()) {
-            costs.shared = Some(costs.make(0, |_, _| 1.0));
+        if !costs.are_by_instance() {
+            costs.shared = Some(costs.make(0, Span::whole(frames), |_, _| 1.0));
         }
         Ok(costs)
     }
 
     /// The objective of the rollouts of an action.
     pub(super) fn objective(&self, action: usize) -> Objective {
-        self.shared.clone().unwrap_or_else(|| self.make(action, |_, _| 1.0))
+        self.shared.clone().unwrap_or_else(|| self.objective_over(action, self.whole()))
+    }
+
+    /// True if actions have objectives of their own.
+    pub(super) fn are_by_instance(&self) -> bool {
+        self.costs.iter().any(|cost| cost.measure.is_by_instance())
+    }
+
+    /// The objective of rollouts of an action over a span, whose frames count from its start.
+    pub(super) fn objective_over(&self, action: usize, span: Span) -> Objective {
+        self.make(action, span, |_, _| 1.0)
+    }
+
+    /// True if a cost compares positions with those of earlier frames.
+    pub(super) fn look_back(&self) -> bool {
+        self.costs.iter().any(|cost| matches!(cost.measure, Measure::Fixed(Term::Acceleration)))
     }
 
     /// The objective whose gradient is that of the costs, at a rollout of an action. There is none
@@ -84,20 +99,27 @@ impl Costs {
             return self.objective(action);
         }
         let shares: Vec<Vec<f64>> = self.costs.iter().map(|cost| self.shares(cost, at)).collect();
-        self.make(action, |cost, frame| shares[cost].get(frame - 1).copied().unwrap_or(1.0))
+        self.make(action, self.whole(), |cost, frame| {
+            shares[cost].get(frame - 1).copied().unwrap_or(1.0)
+        })
     }
 
-    /// Terms with their weights times a factor by cost and frame.
-    fn make(&self, action: usize, factor: impl Fn(usize, usize) -> f64) -> Objective {
+    fn whole(&self) -> Span {
+        Span::whole(self.frames)
+    }
+
+    /// Terms of a span, with their weights times a factor by cost and frame.
+    fn make(&self, action: usize, span: Span, factor: impl Fn(usize, usize) -> f64) -> Objective {
         let mut terms = Vec::new();
         for (number, cost) in self.costs.iter().enumerate() {
             let first = match cost.when {
                 When::Unspecified | When::LastFrame => self.frames,
                 When::EveryFrame | When::SoftMin => 1,
             };
-            for frame in first..=self.frames {
+            for frame in first.max(span.from + 1)..=span.to {
                 let Some(term) = cost.measure.term(action, frame) else { break };
                 let weight = (f64::from(cost.weight) * factor(number, frame)) as f32;
+                let frame = frame - span.from;
                 terms.push(WeightedTerm { frame, weight, group: cost.group, term });
             }
         }
@@ -117,10 +139,10 @@ impl Costs {
     }
 
     /// Completes the costs of a rollout, whose control points have shape [F + 1, C]: soft minima,
-    /// for which it has its costs by frame, and the motion of the controls. Where it diverged they
-    /// are infinite already.
+    /// for which it has its costs by frame, and the motion of the controls. Where it diverged or was not
+    /// simulated they are infinite already.
     pub(super) fn settle(&self, rollout: &mut Rollout, controls: &[Point]) {
-        let is_whole = rollout.diverged.is_none();
+        let is_whole = rollout.diverged.is_none() && rollout.cost != f64::INFINITY;
         let width = self.names.len();
         let mut changed = false;
         for cost in self.costs.iter().filter(|_| is_whole) {

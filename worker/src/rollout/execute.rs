@@ -1,20 +1,20 @@
 //! Runs a plan and makes the parts of its reply.
 
-use std::{ops::Range, sync::Arc, time::Instant};
+use std::{collections::HashSet, ops::Range, sync::Arc, time::Instant};
 
 use bendtwin_core::{CancelToken, Params, Point};
 use bendtwin_engine::{
     Backend as _,
-    backend::{self, Gradient, GradientRequest, Instance, Outputs, Rollout},
+    backend::{self, Diagnostics, Gradient, GradientRequest, Instance, Outputs, Rollout},
 };
-use bendtwin_proto::v1::{RollOutResponse, roll_out_response::Timing};
+use bendtwin_proto::v1::{RollOutResponse, Tensor, roll_out_response::Timing};
 
 use super::{
     error::Error,
     initial::{Start, Starts},
     plan::Plan,
     plausible::Extremes,
-    reply::{self, Gradients},
+    reply::{self, Gradients, Span},
     returns::Returns,
 };
 use crate::cut;
@@ -26,6 +26,8 @@ pub(super) struct Execution<'a> {
     pub(super) starts: &'a Starts,
     pub(super) backend: &'a QueuedBackend,
     pub(super) cancel: &'a CancelToken,
+    /// End of the time limit of the request, if it has one.
+    pub(super) until: Option<Instant>,
     /// When the request arrived.
     pub(super) arrived: Instant,
     /// Name of this worker.
@@ -44,6 +46,8 @@ struct Simulated {
     controls: Vec<Point>,
     /// Control points at all frame boundaries [m] if asked for, shape [instances, F + 1, C, 3].
     paths: Vec<Point>,
+    /// Instances that were not simulated within the time limit.
+    unfinished: Vec<u32>,
 }
 
 /// Results of a simulation that are kept.
@@ -62,9 +66,11 @@ impl Execution<'_> {
         mut emit: impl FnMut(RollOutResponse) -> Result<(), Error>,
     ) -> Result<Vec<Option<Start>>, Error> {
         self.refuse_implausible()?;
-        match self.plan.returns.best {
-            None => self.each_part(&mut emit),
-            Some(best) => self.best_last(best, &mut emit).map(|()| Vec::new()),
+        let returns = &self.plan.returns;
+        match (returns.best, returns.part_frames) {
+            (Some(best), _) => self.best_last(best, &mut emit).map(|()| Vec::new()),
+            (None, Some(frames)) => self.each_span(frames, &mut emit).map(|()| Vec::new()),
+            (None, None) => self.each_part(&mut emit),
         }
     }
 
@@ -78,6 +84,7 @@ impl Execution<'_> {
             let indices = self.plan.instances(range);
             let simulated = self.roll_out(&indices, Kept::Arrays)?;
             let mut part = self.summary(&indices, &simulated.rollouts, &simulated.extremes)?;
+            self.add_unfinished(&simulated.unfinished, &mut part);
             if self.keeps_states {
                 kept.extend(self.ends(&simulated));
             }
@@ -107,22 +114,27 @@ impl Execution<'_> {
     ) -> Result<(), Error> {
         let mut costs = Vec::with_capacity(self.plan.actions());
         let mut held: Option<RollOutResponse> = None;
+        let mut late = HashSet::new();
         for range in self.parts() {
             let indices = self.plan.instances(range);
-            let Simulated { rollouts, extremes, .. } = self.roll_out(&indices, Kept::Costs)?;
-            let part = self.summary(&indices, &rollouts, &extremes)?;
+            let Simulated { rollouts, extremes, unfinished, .. } =
+                self.roll_out(&indices, Kept::Costs)?;
+            let mut part = self.summary(&indices, &rollouts, &extremes)?;
+            self.add_unfinished(&unfinished, &mut part);
+            late.extend(unfinished.iter().map(|i| self.plan.action(*i as usize)));
             costs.extend(reply::costs(&part));
             if let Some(previous) = held.replace(part) {
                 emit(self.signed(previous))?;
             }
         }
         let Some(mut last) = held else { return Ok(()) };
-        let chosen = self.plan.instances(lowest(&costs, best).into_iter());
+        let chosen = lowest(&costs, best).into_iter().filter(|action| !late.contains(action));
+        let chosen = self.plan.instances(chosen);
         let returns = &self.plan.returns;
         // Gradients of soft minima begin with costs by frame.
         let weighs_frames = returns.has_gradients() && self.plan.costs.have_soft_minima();
         let simulated = if returns.has_recordings() || weighs_frames {
-            self.roll_out(&chosen, Kept::Arrays)?
+            Execution { until: None, ..*self }.roll_out(&chosen, Kept::Arrays)?
         } else {
             Simulated::default()
         };
@@ -138,19 +150,20 @@ impl Execution<'_> {
         part: &mut RollOutResponse,
     ) -> Result<(), Error> {
         let Simulated { rollouts, controls, paths, .. } = simulated;
-        reply::add_recordings(self.plan, indices, &rollouts, &controls, part);
+        let span = Span::whole(self.plan.frames);
+        reply::add_recordings(self.plan, span, indices, &rollouts, &controls, part);
         if self.plan.returns.controls {
-            reply::add_controls(self.plan, indices.len(), &paths, part);
+            reply::add_controls(self.plan, span, indices.len(), &paths, part);
         }
         self.add_gradients(indices, &rollouts, part)
     }
 
-    fn parts(&self) -> impl Iterator<Item = Range<usize>> + use<> {
+    pub(super) fn parts(&self) -> impl Iterator<Item = Range<usize>> + use<> {
         cut::runs(0..self.plan.actions(), self.plan.part)
     }
 
     /// Costs and all else that is reported of every instance of a range.
-    fn summary(
+    pub(super) fn summary(
         &self,
         indices: &[usize],
         rollouts: &[Rollout],
@@ -160,6 +173,13 @@ impl Execution<'_> {
         self.plan.plausibility.refuse(&part.implausible)?;
         self.plan.ensemble.fold(&mut part);
         Ok(part)
+    }
+
+    /// Says which instances are missing, if there is a time limit.
+    fn add_unfinished(&self, unfinished: &[u32], part: &mut RollOutResponse) {
+        if self.until.is_some() {
+            part.unfinished = Some(Tensor::pack(&[unfinished.len()], unfinished));
+        }
     }
 
     /// Refuses what the actions alone show to be implausible, if the request says so.
@@ -192,11 +212,16 @@ impl Execution<'_> {
         let keeps_frames = arrays && (returns.frame_costs || returns.has_gradients());
         let mut simulated = Simulated::default();
         let width = self.plan.twin().graph.control_count();
+        let cancel = self.until.map_or_else(|| self.cancel.clone(), |t| self.cancel.until(t));
         for run in cut::runs(0..indices.len(), self.plan.prepared) {
             let indices = &indices[run];
             let batch = self.batch(indices);
-            let rollouts = self.backend.roll_out(&batch, &outputs, self.cancel)?;
-            for ((index, instance), mut rollout) in indices.iter().zip(&batch).zip(rollouts) {
+            let rollouts = self.backend.roll_out_in_time(&batch, &outputs, &cancel)?;
+            for ((index, instance), rollout) in indices.iter().zip(&batch).zip(rollouts) {
+                let mut rollout = rollout.unwrap_or_else(|| {
+                    simulated.unfinished.push(*index as u32);
+                    self.unfinished()
+                });
                 costs.settle(&mut rollout, &instance.controls);
                 let end = rollout.final_state.as_ref();
                 let extremes = self.plan.extremes(*index, instance, self.starts, end);
@@ -220,7 +245,27 @@ impl Execution<'_> {
         Ok(simulated)
     }
 
-    fn batch(&self, indices: &[usize]) -> Vec<Instance> {
+    /// What stands for a rollout that was not simulated.
+    fn unfinished(&self) -> Rollout {
+        let groups = self.plan.costs.names.len();
+        let unknown = Diagnostics {
+            max_strain: f32::NAN,
+            max_control_strain: f32::NAN,
+            max_speed_m_s: f32::NAN,
+            kinetic_energy: f32::NAN,
+            elastic_energy: f32::NAN,
+            ground_contacts: 0,
+        };
+        Rollout {
+            cost: f64::INFINITY,
+            group_costs: vec![f64::INFINITY; groups],
+            frame_costs: vec![f64::INFINITY; groups * (self.plan.frames + 1)],
+            diagnostics: Some(unknown),
+            ..Rollout::default()
+        }
+    }
+
+    pub(super) fn batch(&self, indices: &[usize]) -> Vec<Instance> {
         indices.iter().map(|i| self.plan.instance(*i, self.starts)).collect()
     }
 
@@ -287,7 +332,7 @@ impl Execution<'_> {
         Ok(())
     }
 
-    fn signed(&self, mut part: RollOutResponse) -> RollOutResponse {
+    pub(super) fn signed(&self, mut part: RollOutResponse) -> RollOutResponse {
         let compute = self.backend.compute();
         let queue = self.arrived.elapsed().saturating_sub(compute);
         part.timing =

@@ -26,6 +26,7 @@ use super::{
     lru::Lru,
     settle::settle,
     warm::Warm,
+    world::Still,
 };
 use crate::{
     Limits, artifact,
@@ -63,7 +64,8 @@ pub(crate) struct Replays {
     memory: Memory,
     motions: Mutex<Lru<(TwinId, CaptureId), Motions>>,
     starts: Mutex<Lru<(TwinId, CaptureFrame), Start>>,
-    settled: Mutex<Lru<TwinId, Start>>,
+    /// By twin and world.
+    settled: Mutex<Lru<(TwinId, [u8; 32]), Start>>,
     /// Held while a twin comes to rest, so that a hundred calls for it simulate that once.
     settling: tokio::sync::Mutex<()>,
     /// Held while a capture is read: one at a time keeps memory within its limit.
@@ -113,26 +115,27 @@ impl Replays {
         Ok(start)
     }
 
-    /// The twin's shape where it comes to rest.
+    /// The twin's shape where it comes to rest in a world.
     pub(super) async fn settled(
         &self,
         warm: &Arc<Warm>,
+        world: Still,
         backend: &Arc<QueuedBackend>,
         cancel: &CancelToken,
         work_limit: u64,
     ) -> Result<Start, Error> {
-        let id = warm.id;
-        if let Some(start) = lock(&self.settled).get(&id) {
+        let key = (warm.id, world.key());
+        if let Some(start) = lock(&self.settled).get(&key) {
             return Ok(start);
         }
         let _settling = self.settling.lock().await;
-        if let Some(start) = lock(&self.settled).get(&id) {
+        if let Some(start) = lock(&self.settled).get(&key) {
             return Ok(start);
         }
         let (warm, backend, cancel) = (Arc::clone(warm), Arc::clone(backend), cancel.clone());
-        let settle = move || settle(&warm, work_limit, backend.as_ref(), &cancel);
+        let settle = move || settle(&warm, &world, work_limit, backend.as_ref(), &cancel);
         let start = tokio::task::spawn_blocking(settle).await.map_err(|_| Error::Panicked)??;
-        lock(&self.settled).insert(id, start.clone(), start.bytes());
+        lock(&self.settled).insert(key, start.clone(), start.bytes());
         Ok(start)
     }
 

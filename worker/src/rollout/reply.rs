@@ -2,6 +2,7 @@
 
 mod forces;
 mod gradients;
+mod span;
 
 use bendtwin_core::Point;
 use bendtwin_engine::{backend::Rollout, model::State};
@@ -10,7 +11,10 @@ use bendtwin_proto::v1::{
     roll_out_response::{Deviation, Diagnostics, Divergence},
 };
 
-pub(super) use self::gradients::{Gradients, add_gradients};
+pub(super) use self::{
+    gradients::{Gradients, add_gradients},
+    span::Span,
+};
 use super::{grasping, plan::Plan, plausible::Extremes};
 
 /// The cost of an instance as it is reported: never NaN.
@@ -56,13 +60,26 @@ pub(super) fn summary(
         indices.iter().zip(rollouts).zip(extremes).flat_map(|((instance, rollout), extremes)| {
             plan.plausibility.judge(*instance, extremes, Some(rollout))
         });
-    let diverged = rollouts.iter().zip(indices).filter_map(|(r, instance)| {
-        r.diverged.map(|d| Divergence {
-            instance: *instance as u32,
-            frame: d.frame as u32,
-            node: d.node as u32,
-        })
-    });
+    let diverged = rollouts.iter().zip(indices).filter_map(|(r, i)| divergence(*i, r));
+    RollOutResponse {
+        first_instance: indices.first().map_or(0, |first| *first as u32),
+        costs: Some(Tensor::pack(&[costs.len()], &costs)),
+        cost_terms: Some(Tensor::pack(&[costs.len(), names.len()], &terms)),
+        diagnostics: diagnostics.collect(),
+        diverged: diverged.collect(),
+        implausible: implausible.collect(),
+        ..head(plan)
+    }
+}
+
+/// The divergence of an instance.
+pub(super) fn divergence(instance: usize, rollout: &Rollout) -> Option<Divergence> {
+    let at = rollout.diverged?;
+    Some(Divergence { instance: instance as u32, frame: at.frame as u32, node: at.node as u32 })
+}
+
+/// The part of a reply that is the same for all instances.
+pub(super) fn head(plan: &Plan) -> RollOutResponse {
     let fast = plan.served.fast;
     let fidelity = if fast.is_some() { Fidelity::Fast } else { Fidelity::Exact };
     let deviation = fast.map(|f| Deviation {
@@ -72,13 +89,7 @@ pub(super) fn summary(
         frames: f.frames,
     });
     RollOutResponse {
-        first_instance: indices.first().map_or(0, |first| *first as u32),
-        costs: Some(Tensor::pack(&[costs.len()], &costs)),
-        cost_names: names.clone(),
-        cost_terms: Some(Tensor::pack(&[costs.len(), names.len()], &terms)),
-        diagnostics: diagnostics.collect(),
-        diverged: diverged.collect(),
-        implausible: implausible.collect(),
+        cost_names: plan.costs.names.clone(),
         fidelity: fidelity.into(),
         substeps: plan.served.loaded.model().timing.substeps,
         deviation,
@@ -87,11 +98,12 @@ pub(super) fn summary(
     }
 }
 
-/// Recorded positions and velocities, costs by frame, and final states, whose control points are
-/// `controls`. Frames that a diverged instance did not reach are NaN (with INT16, which has none, the
+/// Recorded positions and velocities and costs by frame of rollouts over a span, and final states at
+/// its end, whose control points are `controls`. Frames that a diverged instance did not reach are NaN (with INT16, which has none, the
 /// middle of the extent).
 pub(super) fn add_recordings(
     plan: &Plan,
+    span: Span,
     instances: &[usize],
     rollouts: &[Rollout],
     controls: &[Point],
@@ -103,13 +115,13 @@ pub(super) fn add_recordings(
     }
     let graph = &plan.twin().graph;
     if returns.forces {
-        part.forces = Some(forces::pack(plan, instances, rollouts));
+        part.forces = Some(forces::pack(plan, span, instances, rollouts));
     }
     let indices: Vec<u32> = instances.iter().map(|i| *i as u32).collect();
     part.instances = Some(Tensor::pack(&[indices.len()], &indices));
     if returns.every > 0 {
-        let (rows, width) = (returns.recorded_frames(plan.frames), returns.recorded_nodes(graph));
-        let frames: Vec<u32> = (1..=rows).map(|i| (i * returns.every) as u32).collect();
+        let (rows, width) = (returns.recorded_frames(span.frames()), returns.recorded_nodes(graph));
+        let frames: Vec<u32> = (1..=rows).map(|i| (span.from + i * returns.every) as u32).collect();
         let pack = |of: fn(&Rollout) -> &[Point]| {
             let mut values = Vec::with_capacity(rollouts.len() * rows * width);
             for rollout in rollouts {
@@ -127,12 +139,12 @@ pub(super) fn add_recordings(
         part.velocities = returns.velocities.then(|| pack(|r| &r.velocities));
     }
     if returns.frame_costs {
-        let (rows, width) = (plan.frames + 1, plan.costs.names.len());
+        let (rows, width) = (span.rows().len(), plan.costs.names.len());
         let values: Vec<f64> =
             rollouts.iter().flat_map(|r| &r.frame_costs).map(|c| never_nan(*c)).collect();
         part.frame_costs = Some(Tensor::pack(&[rollouts.len(), rows, width], &values));
     }
-    if returns.final_state {
+    if returns.final_state && span.to == plan.frames {
         let n = graph.node_count();
         let nothing = State::default();
         let pack = |of: fn(&State) -> &[Point]| {
@@ -163,9 +175,15 @@ pub(super) fn add_recordings(
     }
 }
 
-/// Control points of instances at all frame boundaries, shape [instances, F + 1, C].
-pub(super) fn add_controls(plan: &Plan, count: usize, paths: &[Point], part: &mut RollOutResponse) {
-    let shape = [count, plan.frames + 1, plan.twin().graph.control_count()];
+/// Control points of instances at the frame boundaries of a span, shape [instances, boundaries, C].
+pub(super) fn add_controls(
+    plan: &Plan,
+    span: Span,
+    count: usize,
+    paths: &[Point],
+    part: &mut RollOutResponse,
+) {
+    let shape = [count, span.rows().len(), plan.twin().graph.control_count()];
     part.controls = Some(Tensor::pack_points(&shape, paths));
 }
 

@@ -17,6 +17,8 @@ pub(super) struct Returns {
     pub(super) nodes: Option<Arc<Vec<u32>>>,
     /// Positions as scaled 16-bit integers.
     pub(super) int16: bool,
+    /// Frames of a part of the reply, if it is divided in time.
+    pub(super) part_frames: Option<usize>,
     /// Arrays of only so many instances, the best by cost.
     pub(super) best: Option<usize>,
     pub(super) final_state: bool,
@@ -45,6 +47,7 @@ impl Returns {
             every: wire.every_frames as usize,
             nodes,
             int16,
+            part_frames: (wire.part_frames > 0).then_some(wire.part_frames as usize),
             best: (wire.best > 0).then(|| (wire.best as usize).min(instances)),
             final_state: wire.final_state,
             diagnostics: wire.diagnostics,
@@ -59,7 +62,7 @@ impl Returns {
         })
     }
 
-    /// Recorded frames T' of a rollout of `frames` frames.
+    /// Number of recorded frames T' among so many.
     pub(super) fn recorded_frames(&self, frames: usize) -> usize {
         frames.checked_div(self.every).unwrap_or(0)
     }

@@ -50,6 +50,7 @@ use super::{
     plan::Plan,
     serve::Served,
     sessions::{Begun, Sessions},
+    world::Still,
 };
 use crate::{
     budget::{self, Memory},
@@ -315,6 +316,7 @@ impl Call {
 
     async fn work(&self, inner: &Arc<Inner>, request: ExecuteRollOutRequest) -> Result<(), Error> {
         let mut wire = request.request.ok_or_else(|| Error::field("request", "is missing"))?;
+        let until = wire.time_limit_s.map(|_| self.arrived + seconds(request.time_left_s));
         let begun = Begun::new(&inner.sessions, &mut wire, request.commit_slots).await?;
         let id: TwinId = wire
             .twin
@@ -343,7 +345,8 @@ impl Call {
                 Some(replays.start(&warm, at, &backend, cancel, limits.work).await?)
             }
             Some(Simulated::Settled) => {
-                Some(replays.settled(&warm, &backend, cancel, limits.work).await?)
+                let world = Still::read(checked.request.world.as_ref())?;
+                Some(replays.settled(&warm, world, &backend, cancel, limits.work).await?)
             }
         };
         let share =
@@ -371,6 +374,7 @@ impl Call {
                 starts: &starts,
                 backend: &backend,
                 cancel: &cancel,
+                until,
                 arrived,
                 worker: &worker,
                 keeps_states: begun.as_ref().is_some_and(Begun::commits),
@@ -391,6 +395,11 @@ impl Call {
         })
         .await
     }
+}
+
+/// A span of time; none at all for what is no number.
+fn seconds(seconds: f64) -> Duration {
+    Duration::try_from_secs_f64(seconds).unwrap_or_default()
 }
 
 /// Sends a part, if somebody listens still.

@@ -1,12 +1,12 @@
-//! The settled state of a twin: its rest shape come to rest under its own gravity, on its own
-//! ground, held by its control points where they are at rest.
+//! The settled state of a twin: its rest shape come to rest in a world, held by its control points
+//! where they are at rest.
 //!
 //! It is simulated with more drag, which changes the way there but not where forces balance. Rest is
 //! judged by how far nodes get, not by their velocities: those of nodes on the ground are not zero.
 
 use std::sync::Arc;
 
-use bendtwin_core::{CancelToken, Params, Point, geometry::distance};
+use bendtwin_core::{CancelToken, Point, geometry::distance};
 use bendtwin_engine::{
     Backend, Objective,
     backend::{Instance, Outputs},
@@ -14,7 +14,7 @@ use bendtwin_engine::{
 };
 use bendtwin_proto::rollout;
 
-use super::{error::Error, initial::Start, warm::Warm};
+use super::{error::Error, initial::Start, warm::Warm, world::Still};
 
 /// Drag while settling, at least [1/s]: about critical for what swings once a second.
 const DRAG: f32 = 8.0;
@@ -25,9 +25,10 @@ const LONGEST_S: f64 = 10.0;
 /// A node that gets no farther than this in a second is at rest [m/s].
 const AT_REST_M_S: f64 = 1e-3;
 
-/// Lets a twin come to rest.
+/// Lets a twin come to rest in a world.
 pub(super) fn settle(
     warm: &Warm,
+    world: &Still,
     work_limit: u64,
     backend: &dyn Backend,
     cancel: &CancelToken,
@@ -36,7 +37,8 @@ pub(super) fn settle(
     let interval = ((INTERVAL_S * timing.fps).ceil() as usize).max(1);
     let interval_s = interval as f64 * timing.frame_s();
     let intervals = (LONGEST_S / interval_s).ceil() as usize;
-    let elements = (graph.node_count() + graph.springs.len() + graph.triplets.len()) as u128;
+    let nodes = graph.node_count() as u128 * u128::from(1 + world.work());
+    let elements = nodes + (graph.springs.len() + graph.triplets.len()) as u128;
     let work = (interval * intervals) as u128 * u128::from(timing.substeps) * elements;
     if work > u128::from(work_limit) {
         return Err(Error::Request(rollout::Error::TooLarge {
@@ -46,9 +48,8 @@ pub(super) fn settle(
             advice: "start at rest or in a frame of a capture",
         }));
     }
-    let params = warm.twin.params.clone();
-    let model =
-        backend.with_params(&warm.loaded, Params { drag: params.drag.max(DRAG), ..params })?;
+    let model = world.load(&warm.loaded, DRAG, backend)?;
+    let (world, motion) = world.around(interval);
     let at_rest = Arc::new(graph.control_rest.clone());
     let controls: Arc<Vec<Point>> = Arc::new(at_rest.repeat(interval + 1));
     let outputs = Outputs { final_state: true, ..Outputs::NONE };
@@ -61,8 +62,8 @@ pub(super) fn settle(
             controls: Arc::clone(&controls),
             frames: interval,
             objective: Objective::default(),
-            world: Arc::default(),
-            motion: Arc::default(),
+            world: Arc::clone(&world),
+            motion: Arc::clone(&motion),
         };
         let rollout = backend.roll_out(&[instance], &outputs, cancel)?.into_iter().next();
         let rollout = rollout.unwrap_or_default();

@@ -4,6 +4,7 @@ mod costs;
 mod faults;
 mod fidelity;
 mod gradients;
+mod limit;
 mod registration;
 mod split;
 mod states;
@@ -123,12 +124,23 @@ impl Bench {
         starts: &Starts,
         backend: &QueuedBackend,
     ) -> Result<Vec<RollOutResponse>, Error> {
+        self.execute_until(plan, starts, backend, None)
+    }
+
+    fn execute_until(
+        &self,
+        plan: &Plan,
+        starts: &Starts,
+        backend: &QueuedBackend,
+        until: Option<Instant>,
+    ) -> Result<Vec<RollOutResponse>, Error> {
         let cancel = CancelToken::default();
         let execution = Execution {
             plan,
             starts,
             backend,
             cancel: &cancel,
+            until,
             arrived: Instant::now(),
             worker: "w",
             keeps_states: false,

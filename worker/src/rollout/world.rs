@@ -7,6 +7,7 @@ mod grasps;
 mod holds;
 mod hull;
 mod shapes;
+mod still;
 
 use bendtwin_core::{
     Contact, Environment, Plane, Point, Twin,
@@ -21,8 +22,8 @@ use bendtwin_proto::v1::{
     world::GroundChoice,
 };
 
-pub(super) use self::holds::Path;
 use self::{grasps::Held, shapes::three};
+pub(super) use self::{holds::Path, still::Still};
 use super::{actions::Actions, error::Error, plausible::Obstacles, vary::Factors};
 
 /// Friction and restitution of a collider that does not say.
@@ -99,13 +100,7 @@ impl Surroundings {
                     Some((grippers + paths.len() - 1) as u32)
                 }
             };
-            surroundings.margins.push(collider.margin_m);
-            surroundings.world.colliders.push(Collider {
-                body,
-                shape: shapes::read(collider, index)?,
-                friction: collider.friction.unwrap_or(FRICTION),
-                restitution: collider.restitution.unwrap_or(RESTITUTION),
-            });
+            surroundings.add_collider(collider, index, body)?;
         }
         surroundings.paths =
             (0..boundaries).flat_map(|frame| paths.iter().map(move |path| path[frame])).collect();
@@ -122,7 +117,7 @@ impl Surroundings {
         Ok(surroundings)
     }
 
-    /// Gravity and ground of a checked world, without what is in it.
+    /// Gravity and ground of a checked world, without its colliders.
     pub(super) fn without_bodies(wire: &v1::World) -> Self {
         Self {
             gravity: (!wire.gravity.is_empty()).then(|| three(&wire.gravity)),
@@ -131,6 +126,23 @@ impl Surroundings {
             ground_restitution: wire.ground_restitution,
             ..Self::default()
         }
+    }
+
+    /// Adds the `index`-th collider of a checked request, carried by a body or by none.
+    fn add_collider(
+        &mut self,
+        wire: &v1::Collider,
+        index: usize,
+        body: Option<u32>,
+    ) -> Result<(), Error> {
+        self.margins.push(wire.margin_m);
+        self.world.colliders.push(Collider {
+            body,
+            shape: shapes::read(wire, index)?,
+            friction: wire.friction.unwrap_or(FRICTION),
+            restitution: wire.restitution.unwrap_or(RESTITUTION),
+        });
+        Ok(())
     }
 
     /// The environment that takes the place of a model's own, if it differs.

@@ -2,6 +2,8 @@
 //! rollouts are timed one after another, as a closed loop sends them: alone, beside a fit, and beside
 //! the fit and clients that keep sending large rollouts. The fit's speed is measured meanwhile.
 
+mod spread;
+
 use std::time::{Duration, Instant};
 
 use anyhow::{Context as _, bail};
@@ -14,6 +16,7 @@ use futures::future::join_all;
 use serde::Serialize;
 use tokio_util::sync::CancellationToken;
 
+use self::spread::Spread;
 use super::size::Size;
 use crate::{global::Global, output, rollout::Mode, signals, table::Table};
 
@@ -30,7 +33,10 @@ It needs a server with a twin, whose capture is fitted beside (the fit is delete
 A closed loop of one instance and one frame beside a fit, without greedy clients:
   bendtwin bench load --clients 0 --small 1x1
 A planner's step:
-  bendtwin bench load --clients 0 --small 128x20 --fidelity fast --costs")]
+  bendtwin bench load --clients 0 --small 128x20 --fidelity fast --costs
+What several workers gain on a batch over one of them, in one run:
+  bendtwin server --workers 4 &
+  bendtwin bench load --no-fit --clients 0 --spread 1000x30")]
 pub(crate) struct Load {
     /// Twin to roll out [default: the newest that has a capture]
     #[arg(long, value_name = "NAME")]
@@ -56,6 +62,9 @@ pub(crate) struct Load {
     /// Leave out the fit
     #[arg(long)]
     no_fit: bool,
+    /// Also time a batch of this size as idle workers share it, and as one of them answers it
+    #[arg(long, value_name = "BxF")]
+    spread: Option<Size>,
 }
 
 /// Results of one measurement.
@@ -84,6 +93,8 @@ struct Report {
     greedy: Option<Measured>,
     /// Large rollouts that were refused.
     large_refused: usize,
+    /// A batch that workers share.
+    spread: Option<Spread>,
 }
 
 /// Control points that hold still.
@@ -196,14 +207,26 @@ async fn measure(
     // The first one loads the twin.
     client.rollouts().run(still.rollout(args.small)).await?;
     let alone = phase(client, still, args.small, None, time).await?;
+    let spread = match args.spread {
+        Some(size) => Some(Spread::measure(client, still, size, time).await?),
+        None => None,
+    };
     let mut beside_fit = None;
     if let Some(capture) = capture {
         start_fit(client, capture, fit).await?;
         beside_fit = Some(phase(client, still, args.small, *fit, time).await?);
     }
     let (clients, large, small) = (args.clients, args.large, args.small);
-    let report =
-        Report { clients, large, small, alone, fit: beside_fit, greedy: None, large_refused: 0 };
+    let report = Report {
+        clients,
+        large,
+        small,
+        alone,
+        fit: beside_fit,
+        greedy: None,
+        large_refused: 0,
+        spread,
+    };
     if clients == 0 {
         return Ok(report);
     }
@@ -315,7 +338,8 @@ fn text(report: &Report) -> String {
             report.large_refused
         ),
     };
-    format!("{}\nsmall rollouts of {small}{greedy}", table.text())
+    let spread = report.spread.map(|spread| spread.text()).unwrap_or_default();
+    format!("{}\nsmall rollouts of {small}{greedy}{spread}", table.text())
 }
 
 #[cfg(test)]

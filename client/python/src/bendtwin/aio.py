@@ -69,10 +69,15 @@ class Twin(TwinFacts[AsyncCaller]):
         return await self._caller.run(call, timeout_s)
 
     def stream_rollout(
-        self, *, timeout_s: float | None = None, **arguments: Unpack[RolloutArguments]
+        self,
+        *,
+        part_frames: int = 0,
+        timeout_s: float | None = None,
+        **arguments: Unpack[RolloutArguments],
     ) -> AsyncIterator[RolloutResult]:
-        """The same in parts, as instances finish; see `RolloutResult.first_instance`."""
-        call = calls.stream_roll_out(self.rollout_request(**arguments))
+        """The same in parts, as instances finish, and in time with `part_frames`; see
+        `bendtwin.Twin.stream_rollout`."""
+        call = calls.stream_roll_out(self.rollout_request(**arguments), part_frames)
         return self._caller.parts(call, timeout_s)
 
     async def register(

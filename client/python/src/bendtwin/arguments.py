@@ -67,6 +67,10 @@ class RolloutArguments(TypedDict, total=False):
     #: Limits of what is plausible. Instances beyond them are in `RolloutResult.implausible`, and
     #: one RuntimeWarning names the first.
     plausibility: Plausibility | None
+    #: Seconds from when the server has the request, after which no more instances are simulated;
+    #: `RolloutResult.unfinished` has those that are missing. Unlike a call's `timeout_s`, which
+    #: leaves nothing.
+    time_limit_s: float | None
 
 
 def rollout_request(twin: str, arguments: RolloutArguments) -> rollout_pb2.RollOutRequest:
@@ -91,6 +95,9 @@ def rollout_request(twin: str, arguments: RolloutArguments) -> rollout_pb2.RollO
         returns=arguments.get("returns", Returns()).to_proto(),
         fidelity=FIDELITIES[fidelity],
     )
+    time_limit_s = arguments.get("time_limit_s")
+    if time_limit_s is not None:
+        request.time_limit_s = time_limit_s
     _add_actions(request, arguments)
     Surroundings(
         world=arguments.get("world"),

@@ -326,8 +326,9 @@ def roll_out(request: rollout_pb2.RollOutRequest) -> Call[RolloutResult]:
     return Call(lambda s: s.rollouts.RollOut, request, read_rollout)
 
 
-def stream_roll_out(request: rollout_pb2.RollOutRequest) -> Call[RolloutResult]:
-    """A rollout in parts; the first part that is implausible warns."""
+def stream_roll_out(request: rollout_pb2.RollOutRequest, part_frames: int) -> Call[RolloutResult]:
+    """A rollout in parts, of at most so many frames; the first part that is implausible warns."""
+    request.returns.part_frames = part_frames
     is_warned = False
 
     def read(part: Any) -> RolloutResult:

@@ -190,7 +190,8 @@ class RolloutResult:
 
     #: The first instance that this part covers; 0 unless streamed.
     first_instance: int
-    #: Weighted sums [B], +inf where an instance diverged.
+    #: Weighted sums [B], +inf where an instance diverged or is unfinished; empty in all but the
+    #: last part of an instance that is divided in time.
     costs: FloatArray
     #: Names of the terms.
     cost_names: list[str]
@@ -250,6 +251,12 @@ class RolloutResult:
     substeps: int = 0
     #: How far the fast variant strays; None unless it answered.
     deviation: Deviation | None = None
+    #: First and last frame that this part covers, 1-based, with `part_frames`. Arrays by frame have
+    #: rows of these frames; the start, frame 0, is in the first part.
+    window: tuple[int, int] | None = None
+    #: Instances that were not simulated within `time_limit_s`; None without one. Their costs are
+    #: +inf, their arrays NaN.
+    unfinished: IndexArray | None = None
 
     def state(self, row: int) -> State:
         """The final state of one of `instances`, to go on from: `twin.rollout(initial=...)`."""
@@ -293,6 +300,7 @@ class RolloutResult:
                 "frame_costs",
                 "controls",
                 "member_costs",
+                "unfinished",
             )
         }
         return cls(
@@ -324,6 +332,11 @@ class RolloutResult:
                     message.deviation.frames,
                 )
                 if message.HasField("deviation")
+                else None
+            ),
+            window=(
+                (message.window.first_frame, message.window.last_frame)
+                if message.HasField("window")
                 else None
             ),
             final_grasping=(

@@ -22,8 +22,8 @@ class Rest:
 
 @dataclass(frozen=True)
 class Settled:
-    """The twin's shape where it comes to rest under its gravity, held by its control points at
-    rest."""
+    """The twin's shape where it comes to rest in the rollout's or session's world, held by its
+    control points at rest; what grippers carry is not there yet."""
 
     def to_proto(self) -> rollout_pb2.InitialState:
         """Makes the wire form."""

@@ -69,10 +69,21 @@ class Twin(TwinFacts[Caller]):
         return self._caller.run(calls.roll_out(self.rollout_request(**arguments)), timeout_s)
 
     def stream_rollout(
-        self, *, timeout_s: float | None = None, **arguments: Unpack[RolloutArguments]
+        self,
+        *,
+        part_frames: int = 0,
+        timeout_s: float | None = None,
+        **arguments: Unpack[RolloutArguments],
     ) -> Iterator[RolloutResult]:
-        """The same in parts, as instances finish; see `RolloutResult.first_instance`."""
-        call = calls.stream_roll_out(self.rollout_request(**arguments))
+        """The same in parts, as instances finish; see `RolloutResult.first_instance`.
+
+        Args:
+            part_frames: Divides parts in time too: each has at most so many frames, which
+                `RolloutResult.window` names, and comes while later ones are simulated.
+            timeout_s: Deadline of the call.
+            arguments: As those of `rollout`.
+        """
+        call = calls.stream_roll_out(self.rollout_request(**arguments), part_frames)
         return self._caller.parts(call, timeout_s)
 
     def register(

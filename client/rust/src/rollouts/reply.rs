@@ -1,5 +1,7 @@
 //! A rollout's reply, unpacked.
 
+use std::ops::RangeInclusive;
+
 use bendtwin_core::{Fidelity, Point, ids::WorkerId};
 use bendtwin_proto::v1::{self, RollOutResponse, Tensor, roll_out_response as wire};
 use serde::Serialize;
@@ -12,7 +14,10 @@ use crate::Error;
 pub struct Reply {
     /// The first instance that it covers.
     pub first_instance: usize,
-    /// Cost of each instance covered, shape [B']; infinite where it diverged.
+    /// The frames that it covers, 1-based, if the reply is divided in time. Costs, final states and
+    /// diagnostics then come with the last frames of an instance.
+    pub window: Option<RangeInclusive<usize>>,
+    /// Cost of each instance covered, shape [B']; infinite where it diverged or is unfinished.
     pub costs: Vec<f64>,
     /// Names of the costs.
     pub cost_names: Vec<String>,
@@ -66,6 +71,8 @@ pub struct Reply {
     pub implausible: Vec<Implausible>,
     /// The instances that diverged.
     pub diverged: Vec<Divergence>,
+    /// The instances that were not simulated within the request's time limit.
+    pub unfinished: Vec<usize>,
     /// Times of the rollout.
     pub timing: RolloutTiming,
     /// The worker that computed it.
@@ -188,6 +195,7 @@ impl TryFrom<RollOutResponse> for Reply {
         };
         Ok(Self {
             first_instance: wire.first_instance as usize,
+            window: wire.window.map(|w| w.first_frame as usize..=w.last_frame as usize),
             costs: values(wire.costs, "costs")?,
             cost_names: wire.cost_names,
             cost_terms: values(wire.cost_terms, "cost_terms")?,
@@ -223,6 +231,7 @@ impl TryFrom<RollOutResponse> for Reply {
             forces: wire.forces.map(Forces::try_from).transpose()?,
             implausible: wire.implausible.into_iter().map(Implausible::from).collect(),
             diverged: wire.diverged.into_iter().map(Divergence::from).collect(),
+            unfinished: indices(wire.unfinished, "unfinished")?,
             timing: RolloutTiming { queue_s: timing.queue_s, compute_s: timing.compute_s },
             worker,
             fidelity,

@@ -113,7 +113,7 @@ impl Rollout {
         self
     }
 
-    /// Starts where the twin comes to rest under its gravity.
+    /// Starts where the twin comes to rest in the request's world, without what grippers carry.
     #[must_use]
     pub fn settled(self) -> Self {
         self.start(Initial::Settled(Settled {}))
@@ -215,6 +215,26 @@ impl Rollout {
     #[must_use]
     pub fn best(mut self, count: u32) -> Self {
         self.returns.best = count;
+        self
+    }
+
+    /// Asks for parts of at most so many frames, each as soon as it is simulated: of
+    /// [`Rollouts::stream`] alone.
+    ///
+    /// [`Rollouts::stream`]: super::Rollouts::stream
+    #[must_use]
+    pub fn part_frames(mut self, frames: u32) -> Self {
+        self.returns.part_frames = frames;
+        self
+    }
+
+    /// Simulates for so many seconds from when the server has the request; instances that are not
+    /// done by then are in [`Reply::unfinished`].
+    ///
+    /// [`Reply::unfinished`]: super::Reply::unfinished
+    #[must_use]
+    pub fn time_limit_s(mut self, seconds: f64) -> Self {
+        self.request.time_limit_s = Some(seconds);
         self
     }
 

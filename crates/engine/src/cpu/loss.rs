@@ -150,13 +150,17 @@ fn value<T: Real>(term: &Term, at: Moment<'_, T>) -> f64 {
         Term::Force { by, limit } => {
             at.forces.map_or(0.0, |forces| force::value(forces, *by, *limit))
         }
-        Term::Acceleration => {
-            let Some([one, two]) = at.earlier else { return 0.0 };
-            let sum: f64 =
-                (0..at.now.len()).map(|i| square(second_difference(at.now, one, two, i))).sum();
-            sum * mean_over(at.now.len())
-        }
+        Term::Acceleration => at.earlier.map_or(0.0, |[one, two]| acceleration(at.now, one, two)),
     }
+}
+
+/// Mean squared second difference of positions, one and two frames earlier.
+pub(crate) fn acceleration<T: Real>(now: &[Node<T>], one: &[Node<T>], two: &[Node<T>]) -> f64 {
+    let squares = (0..now.len()).map(|i| {
+        let d = second_difference(now, one, two, i);
+        dot(d, d).to_f64()
+    });
+    squares.sum::<f64>() * mean_over(now.len())
 }
 
 fn smooth_l1<T: Real>(d: Quad<T>, beta_m: f32) -> f64 {

@@ -6,12 +6,19 @@ use prost::Message as _;
 use super::*;
 use crate::v1::{
     Cost, Fidelity, Grasp, Grasping, Returns, RollOutResponse, Tensor,
-    roll_out_response::{Deviation, Diagnostics, Divergence, Implausible, Timing},
+    roll_out_response::{Deviation, Diagnostics, Divergence, Implausible, Timing, Window},
 };
 
-fn implausible() -> Implausible {
-    let reason = "CONTROL_IN_OBSTACLE".to_owned();
-    Implausible { instance: u32::MAX, reason, found: 1.0, limit: 1.0, frame: u32::MAX }
+/// What an instance of a batch can do that is not plausible.
+fn implausible(batch: &Batch) -> Vec<Implausible> {
+    let (instance, last) = ((batch.instances - 1) as u32, batch.frames as u32);
+    let found =
+        [("START_GAP", 0), ("CONTROL_SPEED", last), ("STRAIN", 0), ("CONTROL_IN_OBSTACLE", last)];
+    let each = found.into_iter().map(|(reason, frame)| {
+        let reason = reason.to_owned();
+        Implausible { instance, reason, found: 1.0, limit: 1.0, frame }
+    });
+    each.collect()
 }
 
 /// The reply of a worker in which every number takes as many bytes as it can.
@@ -35,7 +42,7 @@ fn reply(
         cost_names: (0..terms).map(|i| format!("cost{i}")).collect(),
         cost_terms: Some(Tensor::pack(&[n, terms], &vec![0.0f64; n * terms])),
         diverged: vec![Divergence { instance: u32::MAX, frame: u32::MAX, node: u32::MAX }; n],
-        implausible: vec![implausible(); 4 * n],
+        implausible: (0..n).flat_map(|_| implausible(batch)).collect(),
         timing: Some(Timing { queue_s: 1.0, compute_s: 1.0 }),
         worker: format!("workers/{}", "0".repeat(36)),
         fidelity: Fidelity::Fast.into(),
@@ -49,6 +56,12 @@ fn reply(
         }),
         ..RollOutResponse::default()
     };
+    if request.time_limit_s.is_some() {
+        reply.unfinished = Some(tensor(&[covered], 4));
+    }
+    if returns.part_frames > 0 {
+        reply.window = Some(Window { first_frame: u32::MAX, last_frame: u32::MAX });
+    }
     if returns.diagnostics {
         let most = Diagnostics {
             max_strain: 1.0,
@@ -71,7 +84,7 @@ fn reply(
         reply.instances = Some(tensor(&[holders], 4));
     }
     if returns.every_frames > 0 {
-        let rows = batch.frames / u64::from(returns.every_frames);
+        let rows = part_frames(request, batch) / u64::from(returns.every_frames);
         let nodes = returns.nodes.as_ref().map_or(twin.nodes, |t| t.shape[0]);
         reply.frames = Some(tensor(&[rows], 4));
         let is_packed = returns.encoding() == Encoding::Int16;
@@ -80,7 +93,7 @@ fn reply(
         reply.positions = Some(Tensor { scale, offset: scale, ..positions });
         reply.velocities = returns.velocities.then(|| reply.positions.clone()).flatten();
     }
-    let boundaries = batch.frames + 1;
+    let boundaries = part_frames(request, batch) + 1;
     if returns.frame_costs {
         reply.frame_costs = Some(tensor(&[holders, boundaries, terms as u64], 8));
     }
@@ -113,7 +126,7 @@ fn reply(
         reply.action_gradients = Some(tensor(&[holders, batch.knots, twin.controls, 3], 4));
     }
     if returns.control_gradients {
-        let shape = [holders, batch.frames + 1, twin.controls, 3];
+        let shape = [holders, boundaries, twin.controls, 3];
         reply.control_gradients = Some(tensor(&shape, 4));
     }
     reply
@@ -126,6 +139,7 @@ proptest! {
         (nodes, controls, rods) in (1u64..200, 1u64..5, prop::option::of(1u64..3)),
         (every_frames, best, chosen) in (0u32..9, 0u32..5, prop::option::of(1usize..9)),
         (encoding, terms, grasps) in (0i32..3, 0usize..20, 0usize..3),
+        (part_frames, time_limit_s) in (0u32..9, prop::option::of(0.1f64..1.0)),
         flags in any::<[bool; 10]>(),
     ) {
         let part = if best > 0 { 0 } else { part };
@@ -143,6 +157,7 @@ proptest! {
             controls: flags[7],
             initial_gradients: flags[8],
             gradient_norms: flags[9],
+            part_frames,
             ..Returns::default()
         };
         let shape = [instances as usize, 2, controls as usize];
@@ -153,6 +168,7 @@ proptest! {
             grasps: vec![Grasp::default(); grasps],
             costs: vec![Cost::default(); terms],
             returns: flags[3].then_some(returns),
+            time_limit_s,
             ..RollOutRequest::default()
         };
         let batch = Batch { instances, knots: 2, frames };

@@ -10,7 +10,7 @@ use bendtwin_engine::{
     optimizer::{Decay, GradientNorm, GradientSample, Optimizer, OptimizerInit, Position},
 };
 
-use super::{Pass, Shared, instance_work};
+use super::{Pass, Shared, all, instance_work};
 
 /// The backend's own optimizer; only tasks on the device thread open the slot.
 type Slot = Arc<Mutex<Option<Box<dyn Optimizer>>>>;
@@ -83,17 +83,20 @@ impl Optimizer for QueuedOptimizer {
     ) -> Result<Vec<GradientNorm>, Error> {
         let work: Vec<f64> = batch.iter().map(|p| instance_work(&p.instance)).collect();
         let order: Vec<usize> = (0..batch.len()).collect();
-        self.shared.in_slices(batch, &work, &order, Pass::Backward, cancel, |slice| {
-            let (request, token) = (request.clone(), self.shared.token(cancel));
-            let task = on(&self.slot, move |optimizer| optimizer.measure(&slice, &request, &token));
-            // Never twice: after an error some of the slice's gradients may wait.
-            let result = self.shared.call_once(task);
-            if let Err(Error::OutOfMemory { .. }) = result {
-                // The next attempt at the fit goes on from its checkpoint, and finds room.
-                self.shared.device.reclaim(u64::MAX);
-            }
-            result
-        })
+        let results =
+            self.shared.in_slices(batch, &work, &order, Pass::Backward, cancel, |slice| {
+                let (request, token) = (request.clone(), self.shared.token(cancel));
+                let task =
+                    on(&self.slot, move |optimizer| optimizer.measure(&slice, &request, &token));
+                // Never twice: after an error some of the slice's gradients may wait.
+                let result = self.shared.call_once(task);
+                if let Err(Error::OutOfMemory { .. }) = result {
+                    // The next attempt at the fit goes on from its checkpoint, and finds room.
+                    self.shared.device.reclaim(u64::MAX);
+                }
+                result
+            })?;
+        all(results)
     }
 
     fn step(&mut self, walk: usize, weights: &[f64], rate: f64) -> Result<(), Error> {

@@ -55,6 +55,12 @@ impl Placed {
     }
 }
 
+/// The engine's form of a pose: position [m] and quaternion.
+pub(in crate::rollout) fn pose([x, y, z, qx, qy, qz, qw]: [f32; 7]) -> Pose {
+    let rotation = Quaternion::of([qx, qy, qz, qw]);
+    Placed { position: [x, y, z].map(f64::from), rotation }.matrix()
+}
+
 /// Knots of all grippers of an instance.
 #[derive(Clone, Copy)]
 pub(super) struct Knots<'a> {

@@ -4,23 +4,37 @@ use bendtwin_core::Point;
 use bendtwin_engine::backend::{Forces, Rollout};
 use bendtwin_proto::v1::{Tensor, roll_out_response};
 
+use super::Span;
 use crate::rollout::plan::Plan;
 
-/// Forces of instances over all their frames; NaN where an instance has none, as after it diverged.
+/// Forces of instances over the frames of a span; NaN where an instance has none, as after it diverged.
 pub(super) fn pack(
     plan: &Plan,
+    span: Span,
     instances: &[usize],
     rollouts: &[Rollout],
 ) -> roll_out_response::Forces {
     let controls = plan.twin().graph.control_count();
     let colliders = instances.first().map_or(0, |i| plan.variant(*i).world.colliders.len());
-    let (count, frames) = (instances.len(), plan.frames);
+    let (count, frames) = (instances.len(), span.frames());
     let nothing = Forces::default();
     let points = |width: usize, of: fn(&Forces) -> &[Point]| {
-        rows(plan, instances, rollouts, |r| of(r.forces.as_ref().unwrap_or(&nothing)), width)
+        rows(
+            plan,
+            instances,
+            rollouts,
+            |r| of(r.forces.as_ref().unwrap_or(&nothing)),
+            frames * width,
+        )
     };
     let wrenches = |width: usize, of: fn(&Forces) -> &[[f32; 6]]| {
-        rows(plan, instances, rollouts, |r| of(r.forces.as_ref().unwrap_or(&nothing)), width)
+        rows(
+            plan,
+            instances,
+            rollouts,
+            |r| of(r.forces.as_ref().unwrap_or(&nothing)),
+            frames * width,
+        )
     };
     let tensor = |shape: &[usize], values: &[f32]| Some(Tensor::pack(shape, values));
     roll_out_response::Forces {
@@ -40,15 +54,14 @@ pub(super) fn pack(
     }
 }
 
-/// Rows of all instances and frames, `width` in each frame, scaled to newtons.
+/// Rows of all instances, `each` of one, scaled to newtons.
 fn rows<'r, const N: usize>(
     plan: &Plan,
     instances: &[usize],
     rollouts: &'r [Rollout],
     of: impl Fn(&'r Rollout) -> &'r [[f32; N]],
-    width: usize,
+    each: usize,
 ) -> Vec<[f32; N]> {
-    let each = plan.frames * width;
     let mut out = Vec::with_capacity(instances.len() * each);
     for (instance, rollout) in instances.iter().zip(rollouts) {
         let unit = plan.twin().newtons_per_unit() as f32 * plan.variant(*instance).mass;

@@ -101,9 +101,15 @@ fn check_advance(request: &RollOutRequest) -> Result<(), Error> {
         let fault = "belongs to rollouts: a slot has one state";
         return Err(Error::field("rollout.ensemble", fault));
     }
-    if request.returns.as_ref().is_some_and(|r| r.best > 0) {
+    let returns = request.returns.clone().unwrap_or_default();
+    let of_rollouts = [
+        ("rollout.returns.best", returns.best > 0),
+        ("rollout.returns.part_frames", returns.part_frames > 0),
+        ("rollout.time_limit_s", request.time_limit_s.is_some()),
+    ];
+    if let Some((field, _)) = of_rollouts.into_iter().find(|(_, is_set)| *is_set) {
         let fault = "belongs to rollouts: every slot is advanced";
-        return Err(Error::field("rollout.returns.best", fault));
+        return Err(Error::field(field, fault));
     }
     Ok(())
 }

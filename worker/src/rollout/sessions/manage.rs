@@ -8,7 +8,7 @@ use bendtwin_engine::model::State;
 use bendtwin_proto::{
     rollout,
     v1::{
-        GetSessionStatesRequest, InitialState, OpenSessionRequest, SessionStates, Tensor,
+        GetSessionStatesRequest, OpenSessionRequest, SessionStates, Tensor,
         initial_state::GivenState,
     },
     worker::v1::{ManageSessionRequest, ManageSessionResponse, manage_session_request::Call},
@@ -25,6 +25,7 @@ use crate::{
         plan::shape,
         service::{Inner, Unary},
         warm::Warm,
+        world::Still,
     },
 };
 
@@ -155,7 +156,7 @@ impl Inner {
         let limits = self.limits();
         rollout::check_session(open, &shape(&warm.twin, !capture.is_empty()), &limits)?;
         let slots = rollout::slots(open)? as usize;
-        let simulated = self.simulated(warm, open.initial.as_ref(), capture, cancel).await?;
+        let simulated = self.simulated(warm, open, capture, cancel).await?;
         let wanted = Wanted::read(open.initial.clone(), &warm.twin.graph, slots)?;
         Ok(match (wanted, simulated) {
             (Wanted::Ready(Starts::Each(starts)), _) => starts,
@@ -170,19 +171,20 @@ impl Inner {
     async fn simulated(
         &self,
         warm: &Arc<Warm>,
-        initial: Option<&InitialState>,
+        open: &OpenSessionRequest,
         capture: &str,
         cancel: &CancelToken,
     ) -> Result<Option<Start>, Error> {
         let backend = Arc::new(self.device.backend(Priority::Interactive));
         let work = self.limits().work;
-        Ok(match Simulated::wanted(initial, capture)? {
+        Ok(match Simulated::wanted(open.initial.as_ref(), capture)? {
             None => None,
             Some(Simulated::Frame(at)) => {
                 Some(self.replays.start(warm, at, &backend, cancel, work).await?)
             }
             Some(Simulated::Settled) => {
-                Some(self.replays.settled(warm, &backend, cancel, work).await?)
+                let world = Still::read(open.world.as_ref())?;
+                Some(self.replays.settled(warm, world, &backend, cancel, work).await?)
             }
         })
     }

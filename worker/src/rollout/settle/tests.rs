@@ -1,5 +1,6 @@
 use bendtwin_core::{Environment, Problem as _, Twin, ids::TwinId};
 use bendtwin_engine::Model;
+use bendtwin_proto::v1::{Collider, Cuboid, Plane, Tensor, World, collider, world::GroundChoice};
 use tokio::sync::OnceCell;
 
 use super::*;
@@ -8,10 +9,15 @@ use crate::rollout::tests::twin;
 const WORK: u64 = 1_000_000_000;
 
 fn settled(twin: Twin, work: u64) -> Result<Start, Error> {
+    settled_in(None, twin, work)
+}
+
+fn settled_in(world: Option<World>, twin: Twin, work: u64) -> Result<Start, Error> {
     let backend = bendtwin_engine::cpu_with_threads(1);
     let loaded = backend.load(Arc::new(Model::from(&twin))).unwrap();
     let warm = Warm { id: TwinId::generate(), twin, loaded, fast: OnceCell::new(), _share: None };
-    settle(&warm, work, backend.as_ref(), &CancelToken::default())
+    let world = Still::read(world.as_ref())?;
+    settle(&warm, &world, work, backend.as_ref(), &CancelToken::default())
 }
 
 /// Four nodes of 1 kg hang below one another from springs of 500 N per unit strain and 0.1 m.
@@ -41,6 +47,63 @@ fn what_falls_for_ever_is_refused() {
     let error = settled(falling, WORK).err().unwrap();
     assert_eq!(error.reason(), "NEVER_AT_REST");
     assert!(error.to_string().contains("m/s"), "{error}");
+}
+
+fn lowest(start: &Start) -> f32 {
+    start.state.positions.iter().map(|p| p[2]).fold(f32::INFINITY, f32::min)
+}
+
+#[test]
+fn a_chain_hangs_in_the_gravity_of_the_world() {
+    let moon = World { gravity: vec![0.0, 0.0, -1.62], ..World::default() };
+    let start = settled_in(Some(moon), twin(), WORK).unwrap();
+    let expected = 0.2 - 0.1 * 10.0 * 1.62 / 500.0;
+    assert!((lowest(&start) - expected).abs() < 1e-3, "{start:?}, not at {expected}");
+}
+
+#[test]
+fn it_rests_on_the_ground_and_the_colliders_of_the_world() {
+    let plane = Plane { offset_m: 0.25, ..Plane::default() };
+    let ground = World { ground_choice: Some(GroundChoice::Ground(plane)), ..World::default() };
+    let on_ground = settled_in(Some(ground), twin(), WORK).unwrap();
+    assert!((lowest(&on_ground) - 0.25).abs() < 2e-3, "{on_ground:?}");
+
+    let cuboid = Cuboid { low: vec![-1.0, -1.0, -0.5], high: vec![1.0, 1.0, 0.0] };
+    // Begins below the chain, and leaves it later.
+    let poses = [[0.0, 0.0, 0.25, 0.0, 0.0, 0.0, 1.0f32], [9.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0]];
+    let path = Tensor::pack(&[2, 7], poses.as_flattened());
+    let table = |carrier| Collider {
+        shape: Some(collider::Shape::Cuboid(cuboid.clone())),
+        carrier,
+        ..Collider::default()
+    };
+    let on_table = |carrier| {
+        let world = World { colliders: vec![table(carrier)], ..World::default() };
+        settled_in(Some(world), twin(), WORK).unwrap()
+    };
+    let on_path = on_table(Some(collider::Carrier::Path(path)));
+    assert!((lowest(&on_path) - 0.25).abs() < 2e-3, "{on_path:?}");
+    // Nobody knows where the gripper is.
+    let carried = on_table(Some(collider::Carrier::Gripper(0)));
+    assert_eq!(carried.state, settled(twin(), WORK).unwrap().state);
+}
+
+#[test]
+fn worlds_in_which_a_twin_settles_alike_have_one_key() {
+    let key = |world: &World| Still::read(Some(world)).unwrap().key();
+    let collider = |name: &str, carrier| Collider {
+        name: name.to_owned(),
+        shape: Some(collider::Shape::Cuboid(Cuboid::default())),
+        carrier,
+        ..Collider::default()
+    };
+    let world = |colliders| World { colliders, ..World::default() };
+    let fixed = world(vec![collider("table", None)]);
+    assert_eq!(key(&fixed), key(&world(vec![collider("desk", None)])));
+    let carried = collider("finger", Some(collider::Carrier::Gripper(1)));
+    assert_eq!(key(&fixed), key(&world(vec![collider("", None), carried])));
+    assert_ne!(key(&fixed), key(&World::default()));
+    assert_ne!(key(&fixed), key(&World { gravity: vec![0.0, 0.0, -1.0], ..fixed.clone() }));
 }
 
 #[test]

@@ -1,6 +1,8 @@
 //! Grasps, colliders, grounds, parameters by instance and implausible motion, with the physics of
 //! the CPU.
 
+mod spans;
+
 use bendtwin_proto::v1::{
     Capsule, Collider, Ensemble, GradientOptions, Grasp, GripperPoses, Plane, Plausibility, Sphere,
     Vary, World, collider, ensemble::Statistic, grasp, world::GroundChoice,

@@ -30,7 +30,7 @@ CUBIC: Interpolation
 ZERO: Interpolation
 
 class RollOutRequest(_message.Message):
-    __slots__ = ("twin", "trajectories", "poses", "initial", "frames", "costs", "returns", "fidelity", "world", "grasps", "vary", "ensemble", "gradient", "plausibility", "knot_times")
+    __slots__ = ("twin", "trajectories", "poses", "initial", "frames", "costs", "returns", "fidelity", "world", "grasps", "vary", "ensemble", "gradient", "plausibility", "knot_times", "time_limit_s")
     TWIN_FIELD_NUMBER: _ClassVar[int]
     TRAJECTORIES_FIELD_NUMBER: _ClassVar[int]
     POSES_FIELD_NUMBER: _ClassVar[int]
@@ -46,6 +46,7 @@ class RollOutRequest(_message.Message):
     GRADIENT_FIELD_NUMBER: _ClassVar[int]
     PLAUSIBILITY_FIELD_NUMBER: _ClassVar[int]
     KNOT_TIMES_FIELD_NUMBER: _ClassVar[int]
+    TIME_LIMIT_S_FIELD_NUMBER: _ClassVar[int]
     twin: str
     trajectories: ControlTrajectories
     poses: GripperPoses
@@ -61,7 +62,8 @@ class RollOutRequest(_message.Message):
     gradient: GradientOptions
     plausibility: Plausibility
     knot_times: KnotTimes
-    def __init__(self, twin: _Optional[str] = ..., trajectories: _Optional[_Union[ControlTrajectories, _Mapping]] = ..., poses: _Optional[_Union[GripperPoses, _Mapping]] = ..., initial: _Optional[_Union[InitialState, _Mapping]] = ..., frames: _Optional[int] = ..., costs: _Optional[_Iterable[_Union[Cost, _Mapping]]] = ..., returns: _Optional[_Union[Returns, _Mapping]] = ..., fidelity: _Optional[_Union[Fidelity, str]] = ..., world: _Optional[_Union[_world_pb2.World, _Mapping]] = ..., grasps: _Optional[_Iterable[_Union[_world_pb2.Grasp, _Mapping]]] = ..., vary: _Optional[_Union[_world_pb2.Vary, _Mapping]] = ..., ensemble: _Optional[_Union[Ensemble, _Mapping]] = ..., gradient: _Optional[_Union[GradientOptions, _Mapping]] = ..., plausibility: _Optional[_Union[Plausibility, _Mapping]] = ..., knot_times: _Optional[_Union[KnotTimes, _Mapping]] = ...) -> None: ...
+    time_limit_s: float
+    def __init__(self, twin: _Optional[str] = ..., trajectories: _Optional[_Union[ControlTrajectories, _Mapping]] = ..., poses: _Optional[_Union[GripperPoses, _Mapping]] = ..., initial: _Optional[_Union[InitialState, _Mapping]] = ..., frames: _Optional[int] = ..., costs: _Optional[_Iterable[_Union[Cost, _Mapping]]] = ..., returns: _Optional[_Union[Returns, _Mapping]] = ..., fidelity: _Optional[_Union[Fidelity, str]] = ..., world: _Optional[_Union[_world_pb2.World, _Mapping]] = ..., grasps: _Optional[_Iterable[_Union[_world_pb2.Grasp, _Mapping]]] = ..., vary: _Optional[_Union[_world_pb2.Vary, _Mapping]] = ..., ensemble: _Optional[_Union[Ensemble, _Mapping]] = ..., gradient: _Optional[_Union[GradientOptions, _Mapping]] = ..., plausibility: _Optional[_Union[Plausibility, _Mapping]] = ..., knot_times: _Optional[_Union[KnotTimes, _Mapping]] = ..., time_limit_s: _Optional[float] = ...) -> None: ...
 
 class KnotTimes(_message.Message):
     __slots__ = ("at_s", "period_s")
@@ -292,7 +294,7 @@ class Cost(_message.Message):
     def __init__(self, name: _Optional[str] = ..., weight: _Optional[float] = ..., when: _Optional[_Union[Cost.When, str]] = ..., target_cloud: _Optional[_Union[Cost.TargetCloud, _Mapping]] = ..., keypoints: _Optional[_Union[Cost.Keypoints, _Mapping]] = ..., smoothness: _Optional[_Union[Cost.Smoothness, _Mapping]] = ..., strain: _Optional[_Union[Cost.Strain, _Mapping]] = ..., force: _Optional[_Union[Cost.Force, _Mapping]] = ..., height: _Optional[_Union[Cost.Height, _Mapping]] = ..., within: _Optional[_Union[Cost.Within, _Mapping]] = ..., clearance: _Optional[_Union[Cost.Clearance, _Mapping]] = ..., control_path: _Optional[_Union[Cost.ControlPath, _Mapping]] = ..., control_speed: _Optional[_Union[Cost.ControlSpeed, _Mapping]] = ..., temperature: _Optional[float] = ...) -> None: ...
 
 class Returns(_message.Message):
-    __slots__ = ("every_frames", "nodes", "encoding", "best", "final_state", "diagnostics", "control_gradients", "action_gradients", "initial_gradients", "gradient_norms", "velocities", "forces", "frame_costs", "controls")
+    __slots__ = ("every_frames", "nodes", "encoding", "best", "final_state", "diagnostics", "control_gradients", "action_gradients", "initial_gradients", "gradient_norms", "velocities", "forces", "frame_costs", "controls", "part_frames")
     class Encoding(int, metaclass=_enum_type_wrapper.EnumTypeWrapper):
         __slots__ = ()
         ENCODING_UNSPECIFIED: _ClassVar[Returns.Encoding]
@@ -315,6 +317,7 @@ class Returns(_message.Message):
     FORCES_FIELD_NUMBER: _ClassVar[int]
     FRAME_COSTS_FIELD_NUMBER: _ClassVar[int]
     CONTROLS_FIELD_NUMBER: _ClassVar[int]
+    PART_FRAMES_FIELD_NUMBER: _ClassVar[int]
     every_frames: int
     nodes: _tensor_pb2.Tensor
     encoding: Returns.Encoding
@@ -329,10 +332,18 @@ class Returns(_message.Message):
     forces: bool
     frame_costs: bool
     controls: bool
-    def __init__(self, every_frames: _Optional[int] = ..., nodes: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., encoding: _Optional[_Union[Returns.Encoding, str]] = ..., best: _Optional[int] = ..., final_state: bool = ..., diagnostics: bool = ..., control_gradients: bool = ..., action_gradients: bool = ..., initial_gradients: bool = ..., gradient_norms: bool = ..., velocities: bool = ..., forces: bool = ..., frame_costs: bool = ..., controls: bool = ...) -> None: ...
+    part_frames: int
+    def __init__(self, every_frames: _Optional[int] = ..., nodes: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., encoding: _Optional[_Union[Returns.Encoding, str]] = ..., best: _Optional[int] = ..., final_state: bool = ..., diagnostics: bool = ..., control_gradients: bool = ..., action_gradients: bool = ..., initial_gradients: bool = ..., gradient_norms: bool = ..., velocities: bool = ..., forces: bool = ..., frame_costs: bool = ..., controls: bool = ..., part_frames: _Optional[int] = ...) -> None: ...
 
 class RollOutResponse(_message.Message):
-    __slots__ = ("first_instance", "costs", "cost_names", "cost_terms", "instances", "frames", "positions", "final_positions", "final_velocities", "control_gradients", "diagnostics", "diverged", "timing", "worker", "fidelity", "substeps", "deviation", "final_twists", "final_controls", "final_grasping", "action_gradients", "initial_position_gradients", "initial_velocity_gradients", "gradient_norms", "gradient_exploded", "velocities", "forces", "frame_costs", "controls", "member_costs", "implausible", "mass_kg")
+    __slots__ = ("first_instance", "costs", "cost_names", "cost_terms", "instances", "frames", "positions", "final_positions", "final_velocities", "control_gradients", "diagnostics", "diverged", "timing", "worker", "fidelity", "substeps", "deviation", "final_twists", "final_controls", "final_grasping", "action_gradients", "initial_position_gradients", "initial_velocity_gradients", "gradient_norms", "gradient_exploded", "velocities", "forces", "frame_costs", "controls", "member_costs", "implausible", "mass_kg", "window", "unfinished")
+    class Window(_message.Message):
+        __slots__ = ("first_frame", "last_frame")
+        FIRST_FRAME_FIELD_NUMBER: _ClassVar[int]
+        LAST_FRAME_FIELD_NUMBER: _ClassVar[int]
+        first_frame: int
+        last_frame: int
+        def __init__(self, first_frame: _Optional[int] = ..., last_frame: _Optional[int] = ...) -> None: ...
     class Forces(_message.Message):
         __slots__ = ("controls", "grasps", "ground", "colliders")
         CONTROLS_FIELD_NUMBER: _ClassVar[int]
@@ -433,6 +444,8 @@ class RollOutResponse(_message.Message):
     MEMBER_COSTS_FIELD_NUMBER: _ClassVar[int]
     IMPLAUSIBLE_FIELD_NUMBER: _ClassVar[int]
     MASS_KG_FIELD_NUMBER: _ClassVar[int]
+    WINDOW_FIELD_NUMBER: _ClassVar[int]
+    UNFINISHED_FIELD_NUMBER: _ClassVar[int]
     first_instance: int
     costs: _tensor_pb2.Tensor
     cost_names: _containers.RepeatedScalarFieldContainer[str]
@@ -465,4 +478,6 @@ class RollOutResponse(_message.Message):
     member_costs: _tensor_pb2.Tensor
     implausible: _containers.RepeatedCompositeFieldContainer[RollOutResponse.Implausible]
     mass_kg: float
-    def __init__(self, first_instance: _Optional[int] = ..., costs: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., cost_names: _Optional[_Iterable[str]] = ..., cost_terms: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., instances: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., frames: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., positions: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., final_positions: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., final_velocities: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., control_gradients: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., diagnostics: _Optional[_Iterable[_Union[RollOutResponse.Diagnostics, _Mapping]]] = ..., diverged: _Optional[_Iterable[_Union[RollOutResponse.Divergence, _Mapping]]] = ..., timing: _Optional[_Union[RollOutResponse.Timing, _Mapping]] = ..., worker: _Optional[str] = ..., fidelity: _Optional[_Union[Fidelity, str]] = ..., substeps: _Optional[int] = ..., deviation: _Optional[_Union[RollOutResponse.Deviation, _Mapping]] = ..., final_twists: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., final_controls: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., final_grasping: _Optional[_Union[_world_pb2.Grasping, _Mapping]] = ..., action_gradients: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., initial_position_gradients: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., initial_velocity_gradients: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., gradient_norms: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., gradient_exploded: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., velocities: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., forces: _Optional[_Union[RollOutResponse.Forces, _Mapping]] = ..., frame_costs: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., controls: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., member_costs: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., implausible: _Optional[_Iterable[_Union[RollOutResponse.Implausible, _Mapping]]] = ..., mass_kg: _Optional[float] = ...) -> None: ...
+    window: RollOutResponse.Window
+    unfinished: _tensor_pb2.Tensor
+    def __init__(self, first_instance: _Optional[int] = ..., costs: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., cost_names: _Optional[_Iterable[str]] = ..., cost_terms: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., instances: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., frames: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., positions: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., final_positions: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., final_velocities: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., control_gradients: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., diagnostics: _Optional[_Iterable[_Union[RollOutResponse.Diagnostics, _Mapping]]] = ..., diverged: _Optional[_Iterable[_Union[RollOutResponse.Divergence, _Mapping]]] = ..., timing: _Optional[_Union[RollOutResponse.Timing, _Mapping]] = ..., worker: _Optional[str] = ..., fidelity: _Optional[_Union[Fidelity, str]] = ..., substeps: _Optional[int] = ..., deviation: _Optional[_Union[RollOutResponse.Deviation, _Mapping]] = ..., final_twists: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., final_controls: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., final_grasping: _Optional[_Union[_world_pb2.Grasping, _Mapping]] = ..., action_gradients: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., initial_position_gradients: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., initial_velocity_gradients: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., gradient_norms: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., gradient_exploded: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., velocities: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., forces: _Optional[_Union[RollOutResponse.Forces, _Mapping]] = ..., frame_costs: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., controls: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., member_costs: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., implausible: _Optional[_Iterable[_Union[RollOutResponse.Implausible, _Mapping]]] = ..., mass_kg: _Optional[float] = ..., window: _Optional[_Union[RollOutResponse.Window, _Mapping]] = ..., unfinished: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ...) -> None: ...

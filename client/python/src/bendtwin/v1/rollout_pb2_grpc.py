@@ -60,7 +60,8 @@ class RolloutServiceServicer(object):
     def StreamRollOut(self, request, context):
         """The same in parts, as instances finish: each part covers `first_instance` onwards. On a GPU the last bits of
         a result may differ from those of RollOut, as they depend on how many instances are simulated together; on
-        the CPU they do not. With `returns.best` there is one part.
+        the CPU they do not. With `returns.best` there is one part. With `returns.part_frames` every part is divided
+        in time as well.
         """
         context.set_code(grpc.StatusCode.UNIMPLEMENTED)
         context.set_details('Method not implemented!')

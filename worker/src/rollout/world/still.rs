@@ -1,0 +1,112 @@
+//! A world before anything moves, in which a twin settles: its gravity and ground, and the colliders
+//! that stand still or begin a path. What grippers carry is not there: only actions say where they
+//! are, and each instance may have others.
+
+use std::sync::Arc;
+
+use bendtwin_core::Params;
+use bendtwin_engine::{
+    Backend, Loaded, Motion, World,
+    world::{Pose, Shape},
+};
+use bendtwin_proto::v1::{self, collider::Carrier};
+use prost::Message as _;
+
+use super::Surroundings;
+use crate::rollout::{actions::pose, error::Error};
+
+/// Bytes of the first pose of a path.
+const POSE_BYTES: usize = 7 * 4;
+
+/// Faces of a collider that are as much work as a spring.
+const FACES_OF_ELEMENT: usize = 4;
+
+/// A world in which nothing moves.
+#[derive(Debug)]
+pub(in crate::rollout) struct Still {
+    surroundings: Surroundings,
+    /// Poses of the bodies that begin a path, shape [B].
+    poses: Vec<Pose>,
+    key: [u8; 32],
+}
+
+impl Still {
+    /// The world of a checked request, or the twin's own without one.
+    pub(in crate::rollout) fn read(wire: Option<&v1::World>) -> Result<Self, Error> {
+        let default = v1::World::default();
+        let wire = wire.unwrap_or(&default);
+        let key = *blake3::hash(&at_rest(wire).encode_to_vec()).as_bytes();
+        let mut surroundings = Surroundings::without_bodies(wire);
+        let mut poses = Vec::new();
+        for (index, collider) in wire.colliders.iter().enumerate() {
+            let body = match &collider.carrier {
+                Some(Carrier::Gripper(_)) => continue,
+                Some(Carrier::Path(path)) => {
+                    let field = format!("world.colliders[{index}].path");
+                    let (_, rows) = path.unpack::<f32>(&field)?;
+                    rows.as_chunks::<7>().0.first().map(|row| {
+                        poses.push(pose(*row));
+                        (poses.len() - 1) as u32
+                    })
+                }
+                None | Some(Carrier::Fixed(_)) => None,
+            };
+            surroundings.add_collider(collider, index, body)?;
+        }
+        surroundings.world.bodies = poses.len();
+        Ok(Self { surroundings, poses, key })
+    }
+
+    /// Digest, the same for worlds in which a twin settles alike.
+    pub(in crate::rollout) fn key(&self) -> [u8; 32] {
+        self.key
+    }
+
+    /// A model in this gravity and on this ground, with at least so much drag [1/s].
+    pub(in crate::rollout) fn load(
+        &self,
+        model: &Loaded,
+        drag: f32,
+        backend: &dyn Backend,
+    ) -> Result<Loaded, Error> {
+        let own = model.model();
+        let mut params = own.params.clone();
+        self.surroundings.touch(&mut params.contact);
+        let damped = Params { drag: params.drag.max(drag), ..params };
+        let model = backend.with_params(model, damped)?;
+        Ok(match self.surroundings.environment(model.model().environment) {
+            None => model,
+            Some(environment) => backend.with_environment(&model, environment)?,
+        })
+    }
+
+    /// The colliders, and their poses during so many frames.
+    pub(in crate::rollout) fn around(&self, frames: usize) -> (Arc<World>, Arc<Motion>) {
+        let motion = Motion { poses: self.poses.repeat(frames + 1), ..Motion::default() };
+        (Arc::new(self.surroundings.world.clone()), Arc::new(motion))
+    }
+
+    /// Work of the colliders for a node in a substep, in elements.
+    pub(in crate::rollout) fn work(&self) -> u64 {
+        let each = self.surroundings.world.colliders.iter().map(|c| match &c.shape {
+            Shape::Convex(faces) => faces.len().div_ceil(FACES_OF_ELEMENT),
+            Shape::Capsule { .. } => 1,
+        });
+        each.sum::<usize>() as u64
+    }
+}
+
+/// The part of a world that is there before anything moves, without names: paths have their first
+/// pose alone.
+fn at_rest(wire: &v1::World) -> v1::World {
+    let mut world = wire.clone();
+    world.colliders.retain(|c| !matches!(c.carrier, Some(Carrier::Gripper(_))));
+    for collider in &mut world.colliders {
+        collider.name.clear();
+        if let Some(Carrier::Path(path)) = &mut collider.carrier {
+            path.data.truncate(POSE_BYTES);
+            path.shape = vec![1, 7];
+        }
+    }
+    world
+}
