@@ -135,7 +135,8 @@ impl Settings {
         }
         let times = &self.knot_times;
         let rises = times.first() == Some(&0.0) && times.windows(2).all(|t| t[0] < t[1]);
-        if !times.is_empty() && !(rises && times.len() == self.knots) {
+        let is_right = times.is_empty() || (rises && times.len() == self.knots);
+        if !is_right {
             return Err(Invalid::new("knot_times", "give a time for each knot, rising from 0"));
         }
         self.bounds.check(self.dims)?;

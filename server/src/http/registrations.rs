@@ -26,6 +26,7 @@ use crate::{
 /// left between the two. Body and reply are JSON, or with `application/x-protobuf` the messages
 /// RegisterStateRequest and RegisteredState of bendtwin.v1.
 #[utoipa::path(post, path = "/v1/twins/{id}/register", tag = "rollouts",
+    operation_id = "register",
     params(("id" = String, Path), ReplyParams),
     request_body(content((schema::RegisterStateRequest = "application/json"), (Vec<u8> = "application/x-protobuf"))),
     responses((status = 200, content((schema::RegisteredState = "application/json"), (Vec<u8> = "application/x-protobuf"))),

@@ -92,7 +92,8 @@ impl Execution<'_> {
         let window = Window { first_frame: span.from as u32 + 1, last_frame: span.to as u32 };
         let mut part = if span.to == plan.frames {
             let rollouts: Vec<Rollout> = tracks.iter().map(|t| t.whole(&plan.costs)).collect();
-            let extremes: Vec<Extremes> = tracks.iter().map(|t| t.extremes).collect();
+            let extremes: Vec<Extremes> =
+                tracks.iter().map(|t| t.extremes_at_end(plan, self.starts)).collect();
             self.summary(indices, &rollouts, &extremes)?
         } else {
             for track in tracks {

@@ -96,7 +96,7 @@ impl Run {
             let left = self.left();
             match self.simulate(request, left).await {
                 Ok(Whole { response, .. }) => {
-                    self = self.learned(response).await?.proposed().await?
+                    self = self.learned(response).await?.proposed().await?;
                 }
                 // The best until then is the plan.
                 Err(Error::Deadline) if !self.is_first && Instant::now() < self.deadline => {}

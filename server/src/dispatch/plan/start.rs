@@ -8,7 +8,6 @@ use bendtwin_proto::{
         initial_state::{GivenState, SessionSlots, State},
         roll_out_request::Actions,
     },
-    worker::v1::manage_session_request::Call,
 };
 use tokio::time::Instant;
 
@@ -42,8 +41,8 @@ impl Dispatch {
                 let slots = vec![slots.first().copied().unwrap_or(0)];
                 let call = GetSessionStatesRequest { name: session.clone(), slots };
                 let left = deadline.saturating_duration_since(Instant::now());
-                let reply = self.manage_session(session, Call::States(call), Some(left)).await?;
-                reply.states.and_then(|s| s.states).and_then(|s| s.controls)
+                let (states, _) = self.session_states(call, Some(left), false).await?;
+                states.states.and_then(|s| s.controls)
             }
             _ => None,
         };

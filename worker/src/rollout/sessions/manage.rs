@@ -8,7 +8,7 @@ use bendtwin_engine::model::State;
 use bendtwin_proto::{
     rollout,
     v1::{
-        GetSessionStatesRequest, OpenSessionRequest, SessionStates, Tensor,
+        Fidelity, GetSessionStatesRequest, OpenSessionRequest, SessionStates, Tensor,
         initial_state::GivenState,
     },
     worker::v1::{ManageSessionRequest, ManageSessionResponse, manage_session_request::Call},
@@ -135,7 +135,10 @@ impl Inner {
         let setup = Setup {
             twin,
             capture,
-            fidelity: open.fidelity(),
+            fidelity: match open.fidelity() {
+                Fidelity::Unspecified | Fidelity::Exact => Fidelity::Exact,
+                Fidelity::Fast => Fidelity::Fast,
+            },
             world: open.world,
             grasps: open.grasps,
             idle,

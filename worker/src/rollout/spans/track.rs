@@ -30,7 +30,7 @@ pub(super) struct Track {
 impl Track {
     pub(super) fn new(plan: &Plan, starts: &Starts, index: usize) -> Self {
         let whole = plan.instance(index, starts);
-        let extremes = plan.extremes(index, &whole, starts);
+        let extremes = plan.extremes(index, &whole, starts, None);
         let groups = plan.costs.names.len();
         let mut so_far = Rollout {
             frame_costs: vec![0.0; (plan.frames + 1) * groups],
@@ -42,6 +42,12 @@ impl Track {
         plan.costs.settle(&mut so_far, &whole.controls);
         so_far.group_costs.fill(0.0);
         Self { index, now: Arc::clone(&whole.initial), before: None, extremes, so_far, whole }
+    }
+
+    /// Extremes of what is prescribed, once it is known where the instance ends.
+    pub(super) fn extremes_at_end(&self, plan: &Plan, starts: &Starts) -> Extremes {
+        let end = self.runs().then_some(&*self.now);
+        plan.extremes(self.index, &self.whole, starts, end)
     }
 
     /// False once it has diverged.
