@@ -103,9 +103,9 @@ mod tests {
                     exponential(std::array::from_fn(|i| vector[i] + if i == j { by } else { 0.0 }))
                 };
                 let (there, back) = (at(1e-6), at(-1e-6));
-                for i in 0..4 {
+                for (i, row) in jacobian.iter().enumerate() {
                     let slope = (there[i] - back[i]) / 2e-6;
-                    assert!((jacobian[i][j] - slope).abs() < 1e-8, "{vector:?} {i} {j}");
+                    assert!((row[j] - slope).abs() < 1e-8, "{vector:?} {i} {j}");
                 }
             }
         }

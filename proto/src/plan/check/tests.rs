@@ -138,7 +138,7 @@ proptest! {
         let space = ActionSpace {
             coordinates,
             group_of_control: (!groups.is_empty()).then(|| Tensor::pack(&[groups.len()], &groups)),
-            start: (rows > 0).then(|| if has_poses { poses } else { points }),
+            start: (rows > 0).then_some(if has_poses { poses } else { points }),
         };
         let good = if has_poses { cases::sound_with_poses(&TWIN) } else { cases::sound(&TWIN) };
         let request = PlanRequest {

@@ -96,7 +96,7 @@ mod tests {
         assert!(has_exploded(&[61.0, 5.0, 1.0, 0.0]));
         assert!(has_exploded(&[5.0, 41.0, 1.0, 0.0]));
         // A cost in each of a thousand frames.
-        let every: Vec<f64> = (0..1000).rev().map(|f| 3.0 * (f + 1) as f64).collect();
+        let every: Vec<f64> = (0..1000).rev().map(|f| 3.0 * f64::from(f + 1)).collect();
         assert!(!has_exploded(&every));
         assert!(has_exploded(&[f64::NAN, f64::NAN]));
         assert!(has_exploded(&[f64::INFINITY, 1.0]));
