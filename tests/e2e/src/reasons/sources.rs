@@ -25,11 +25,12 @@ const FINDERS: [&str; 6] = [
 ];
 
 /// Files with words in capitals of other vocabularies.
-const OTHERS: [&str; 6] = [
+const OTHERS: [&str; 7] = [
     "crates/capture/src/raw/nerfstudio/",
     "crates/cuda/",
     "proto/src/fault.rs",
     "proto/src/rollout/cases.rs",
+    "proto/src/rollout/surroundings.rs",
     "server/src/http/rollouts/schema.rs",
     "worker/src/rollout/plausible.rs",
 ];
