@@ -11,7 +11,8 @@ mod error;
 
 pub use self::{
     check::{
-        MAX_CAMERAS, MAX_POINTS, MAX_SETTLE_FRAMES, begun, check_correction, check_registration,
+        MAX_CAMERAS, MAX_POINTS, MAX_SETTLE_FRAMES, begun, carry, check_correction,
+        check_registration,
     },
     cost::{memory_bytes, registration_work, reply_bytes, settle_frames},
     error::Error,

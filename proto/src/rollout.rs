@@ -35,5 +35,6 @@ pub use self::{
     parts::{STREAMED_PART, part_frames, part_instances},
     session::{MOST_SLOTS, check_session, slots, states_bytes},
     size::reply_bytes,
+    surroundings::models_bytes,
     twin::TwinShape,
 };

@@ -5,7 +5,7 @@
 //! | requests | 1/8 | rollout requests, from before they are read to their end |
 //! | rollouts | 1/4 | what rollouts unpack and compute, and their replies until they are sent |
 //! | twins | 3/32 | loaded twins, and what is kept of replayed captures |
-//! | sessions | 1/32 | states of sessions |
+//! | sessions | 1/32 | states and rest shapes of sessions |
 //! | fits | 1/2 | the fit under way: [`Limits::fit_bytes`](crate::Limits), which may be set apart |
 //!
 //! Whoever waits for a part holds none that comes after it in this table, so nobody waits in a

@@ -18,6 +18,7 @@ mod quaternion;
 mod register;
 mod replay;
 mod reply;
+mod rest_shape;
 mod returns;
 mod serve;
 mod service;

@@ -457,6 +457,19 @@ def test_a_session_is_corrected_by_what_is_seen(twin, client, seen):
         hold = np.stack([seen.controls] * 2)[None]
         assert not session.advance(trajectories=hold, frames=2, slots=[1]).implausible
 
+        def ends_after(carry):
+            session.reset()
+            for _ in range(3):
+                session.correct(points, nodes=nodes, carry=carry)
+                session.advance(trajectories=hold, frames=2, returns=Returns(final_state=True))
+            [state] = session.states([0])
+            return np.linalg.norm(state.positions - points, axis=1).mean()
+
+        assert ends_after(1.0) < ends_after(0.0)
+        with pytest.raises(BendTwinError) as refused:
+            session.correct(points, nodes=nodes, carry=1.5)
+        assert refused.value.reason == "INVALID_OBSERVATION"
+
     async def same():
         async with aio.Client(client._address) as other:
             theirs = await other.twin(twin.name)

@@ -121,7 +121,7 @@ impl Sessions {
         Ok(replies.chain(last.filter_map(|error: Option<Error>| future::ready(error.map(Err)))))
     }
 
-    /// Copies the state of a slot to others, or to all others if none are named.
+    /// Copies the state of a slot, and its rest shape, to others, or to all others if none are named.
     ///
     /// # Errors
     /// If the session is lost or lacks a slot, or the server cannot be asked.
@@ -130,7 +130,8 @@ impl Sessions {
         self.service.clone().fork_session(request).await?.into_inner().try_into()
     }
 
-    /// Sets slots, or all if none are named, back to the session's first state, or to a given one.
+    /// Sets slots, or all if none are named, back to the session's first state, or to a given one, and
+    /// to the rest shape of the twin.
     ///
     /// # Errors
     /// If the session is lost or lacks a slot, the state does not fit the twin, or the server cannot
@@ -149,7 +150,8 @@ impl Sessions {
     }
 
     /// Brings the states of slots (none: slot 0) closer to what is seen, in place; all of them, or
-    /// none if too much is left at one (reason `OBSERVATION_NOT_EXPLAINED`).
+    /// none if too much is left at one (reason `OBSERVATION_NOT_EXPLAINED`). Rest shapes of the slots
+    /// take part ([`Correction::carry`]); they are lost with the worker of the session.
     ///
     /// # Errors
     /// If the session is lost or lacks a slot, it is refused, or the server cannot be asked.

@@ -5517,6 +5517,12 @@ pub struct CorrectOptions {
     /// distance of neighbouring nodes, or 0.005 if that is more.
     #[prost(double, optional, tag = "6")]
     pub max_residual_m: ::core::option::Option<f64>,
+    /// Share of the correction that the rest shape of the slot takes over, so that the slot does not go
+    /// back to where it was: 0..1, times the share of the distances before that noise_m does not explain;
+    /// default 1. With 0 the state alone is corrected. The rest shape follows what is seen if corrections
+    /// are repeated, several times a second.
+    #[prost(double, optional, tag = "7")]
+    pub carry: ::core::option::Option<f64>,
 }
 /// Generated client implementations.
 pub mod registration_service_client {
@@ -6107,7 +6113,7 @@ pub mod session_service_client {
                 .insert(GrpcMethod::new("bendtwin.v1.SessionService", "GetSession"));
             self.inner.unary(req, path, codec).await
         }
-        /// The states of slots.
+        /// The states of slots, without the rest shapes that corrections gave them.
         pub async fn get_session_states(
             &mut self,
             request: impl tonic::IntoRequest<super::GetSessionStatesRequest>,
@@ -6185,7 +6191,7 @@ pub mod session_service_client {
                 .insert(GrpcMethod::new("bendtwin.v1.SessionService", "ControlSession"));
             self.inner.streaming(req, path, codec).await
         }
-        /// Copies the state of a slot to others.
+        /// Copies the state of a slot to others, and its rest shape.
         pub async fn fork_session(
             &mut self,
             request: impl tonic::IntoRequest<super::ForkSessionRequest>,
@@ -6207,7 +6213,7 @@ pub mod session_service_client {
                 .insert(GrpcMethod::new("bendtwin.v1.SessionService", "ForkSession"));
             self.inner.unary(req, path, codec).await
         }
-        /// Sets slots back to the session's first state, or to a given one.
+        /// Sets slots back to the session's first state, or to a given one, and to the rest shape of the twin.
         pub async fn reset_session(
             &mut self,
             request: impl tonic::IntoRequest<super::ResetSessionRequest>,
@@ -6230,8 +6236,10 @@ pub mod session_service_client {
             self.inner.unary(req, path, codec).await
         }
         /// Brings the states of slots closer to what is seen, in place: smoothly, and without touching what
-        /// control points and grasps hold. Ends with FAILED_PRECONDITION, reason OBSERVATION_NOT_EXPLAINED, if
-        /// more than the stated residual is left at one of them; nothing changes then.
+        /// control points and grasps hold. Their rest shapes take part (CorrectOptions.carry), and belong to
+        /// the slots from then on, in all that is simulated from them. Ends with FAILED_PRECONDITION, reason
+        /// OBSERVATION_NOT_EXPLAINED, if more than the stated residual is left at one of them; nothing changes
+        /// then.
         pub async fn correct_session(
             &mut self,
             request: impl tonic::IntoRequest<super::CorrectSessionRequest>,
@@ -6303,7 +6311,7 @@ pub mod session_service_server {
             &self,
             request: tonic::Request<super::GetSessionRequest>,
         ) -> std::result::Result<tonic::Response<super::Session>, tonic::Status>;
-        /// The states of slots.
+        /// The states of slots, without the rest shapes that corrections gave them.
         async fn get_session_states(
             &self,
             request: tonic::Request<super::GetSessionStatesRequest>,
@@ -6329,19 +6337,21 @@ pub mod session_service_server {
             tonic::Response<Self::ControlSessionStream>,
             tonic::Status,
         >;
-        /// Copies the state of a slot to others.
+        /// Copies the state of a slot to others, and its rest shape.
         async fn fork_session(
             &self,
             request: tonic::Request<super::ForkSessionRequest>,
         ) -> std::result::Result<tonic::Response<super::Session>, tonic::Status>;
-        /// Sets slots back to the session's first state, or to a given one.
+        /// Sets slots back to the session's first state, or to a given one, and to the rest shape of the twin.
         async fn reset_session(
             &self,
             request: tonic::Request<super::ResetSessionRequest>,
         ) -> std::result::Result<tonic::Response<super::Session>, tonic::Status>;
         /// Brings the states of slots closer to what is seen, in place: smoothly, and without touching what
-        /// control points and grasps hold. Ends with FAILED_PRECONDITION, reason OBSERVATION_NOT_EXPLAINED, if
-        /// more than the stated residual is left at one of them; nothing changes then.
+        /// control points and grasps hold. Their rest shapes take part (CorrectOptions.carry), and belong to
+        /// the slots from then on, in all that is simulated from them. Ends with FAILED_PRECONDITION, reason
+        /// OBSERVATION_NOT_EXPLAINED, if more than the stated residual is left at one of them; nothing changes
+        /// then.
         async fn correct_session(
             &self,
             request: tonic::Request<super::CorrectSessionRequest>,

@@ -1751,7 +1751,7 @@ map.serialize_entry("within_mm", &self.within_mm)?;
 
 impl Fields for crate::v1::CorrectOptions {
     const NAME: &'static str = "CorrectOptions";
-    const FIELDS: &'static [&'static str] = &["noise_m", "give", "velocity_noise_m_s", "velocity_gain_per_s", "most_added_strain", "max_residual_m"];
+    const FIELDS: &'static [&'static str] = &["noise_m", "give", "velocity_noise_m_s", "velocity_gain_per_s", "most_added_strain", "max_residual_m", "carry"];
     #[allow(unused_variables)]
     fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
         match field {
@@ -1761,6 +1761,7 @@ impl Fields for crate::v1::CorrectOptions {
 3 => { self.velocity_gain_per_s = map.next_value()?; }
 4 => { self.most_added_strain = map.next_value()?; }
 5 => { self.max_residual_m = map.next_value()?; }
+6 => { self.carry = map.next_value()?; }
 
             _ => {}
         }
@@ -1774,6 +1775,7 @@ if let Some(value) = &self.velocity_noise_m_s { map.serialize_entry("velocity_no
 if let Some(value) = &self.velocity_gain_per_s { map.serialize_entry("velocity_gain_per_s", value)?; }
 if let Some(value) = &self.most_added_strain { map.serialize_entry("most_added_strain", value)?; }
 if let Some(value) = &self.max_residual_m { map.serialize_entry("max_residual_m", value)?; }
+if let Some(value) = &self.carry { map.serialize_entry("carry", value)?; }
 
         Ok(())
     }

@@ -1,5 +1,5 @@
 //! The check of a registration and of a correction. Sizes come before values, so that nothing is
-//! counted out before it is known to be within the limits; nothing is allocated but shapes. The
+//! counted out before it is known to be within the limits; nothing is allocated but shapes. Most
 //! numbers of options and weights are left to `bendtwin-register`, which knows what they mean.
 
 use super::{Error, memory_bytes, registration_work, reply_bytes, settle_frames};
@@ -55,7 +55,18 @@ pub fn check_correction(
     twin: &TwinShape,
     limits: &Limits,
 ) -> Result<(), Error> {
-    observation(request.observation.as_ref(), twin, limits)
+    observation(request.observation.as_ref(), twin, limits)?;
+    let carry = carry(request);
+    if !(0.0..=1.0).contains(&carry) {
+        let fault = format!("is {carry}: it is a share, and must lie in 0..=1");
+        return Err(Error::field("options.carry", fault));
+    }
+    Ok(())
+}
+
+/// Share of a correction that rest shapes take over.
+pub fn carry(request: &CorrectSessionRequest) -> f64 {
+    request.options.as_ref().and_then(|options| options.carry).unwrap_or(1.0)
 }
 
 /// Checks the shape to start from, and what surrounds it: what a session with one slot begins in.

@@ -70,8 +70,7 @@ fn implausible(request: &RollOutRequest, batch: &Batch) -> u64 {
 
 /// Memory that all instances share [bytes]: sets of parameters and what they surround.
 pub(super) fn fixed_bytes(request: &RollOutRequest, batch: &Batch, twin: &TwinShape) -> u64 {
-    let elements = sum(&[twin.springs, twin.triplets, twin.rods.unwrap_or(0)]);
-    let each = sum(&[elements.saturating_mul(3 * PARAMETER), SET]);
+    let each = set_bytes(twin);
     let own = if request.world.is_some() { 1 } else { 0 };
     sum(&[
         each.saturating_mul(sets(request, batch).saturating_add(own)),
@@ -79,6 +78,18 @@ pub(super) fn fixed_bytes(request: &RollOutRequest, batch: &Batch, twin: &TwinSh
         // Costs of members, kept until all are there.
         batch.instances.saturating_mul(members(request)).saturating_mul(64),
     ])
+}
+
+/// Memory of the models of a request whose instances have so many rest shapes beside the twin's own
+/// [bytes]: each is varied as the request says.
+pub fn models_bytes(request: &RollOutRequest, rests: u64, twin: &TwinShape) -> u64 {
+    set_bytes(twin).saturating_mul(rests).saturating_mul(members(request))
+}
+
+/// Memory of a set of parameters.
+fn set_bytes(twin: &TwinShape) -> u64 {
+    let elements = sum(&[twin.springs, twin.triplets, twin.rods.unwrap_or(0)]);
+    sum(&[elements.saturating_mul(3 * PARAMETER), SET])
 }
 
 /// Memory of an instance that is prepared [bytes]: poses of bodies and what is closed.

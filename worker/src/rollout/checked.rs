@@ -42,7 +42,9 @@ impl Checked {
     ) -> Result<Self, Error> {
         let twin = shape(&served.warm.twin, !own_capture.is_empty());
         let batch = rollout::check_for(&request, &twin, limits, part_instances)?;
-        let memory = rollout::memory(&request, &batch, &twin, part_instances);
+        let mut memory = rollout::memory(&request, &batch, &twin, part_instances);
+        let models = rollout::models_bytes(&request, served.distinct_rests() as u64, &twin);
+        memory.fixed = memory.fixed.saturating_add(models);
         let instances = usize::try_from(batch.instances).unwrap_or(usize::MAX);
         let mut prepared = cut::prepared(memory.prepared).min(instances).max(1);
         let bytes = |prepared| memory.bytes(prepared, room.lanes);

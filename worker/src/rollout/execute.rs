@@ -86,7 +86,7 @@ impl Execution<'_> {
             let mut part = self.summary(&indices, &simulated.rollouts, &simulated.extremes)?;
             self.add_unfinished(&simulated.unfinished, &mut part);
             if self.keeps_states {
-                kept.extend(self.ends(&simulated));
+                kept.extend(self.ends(&indices, &simulated));
             }
             self.add_arrays(&indices, simulated, &mut part)?;
             emit(self.signed(part))?;
@@ -94,13 +94,14 @@ impl Execution<'_> {
         Ok(kept)
     }
 
-    /// States in which instances end, with their control points.
-    fn ends(&self, simulated: &Simulated) -> Vec<Option<Start>> {
+    /// States in which instances end, with their control points and rest shapes.
+    fn ends(&self, indices: &[usize], simulated: &Simulated) -> Vec<Option<Start>> {
         let width = self.plan.twin().graph.control_count();
         let each = simulated.rollouts.iter().enumerate().map(|(i, rollout)| {
             let state = Arc::new(rollout.final_state.clone()?);
             let controls = Arc::new(simulated.controls.get(i * width..(i + 1) * width)?.to_vec());
-            Some(Start { state, controls, likely: None })
+            let begun = self.starts.of(self.plan.action(*indices.get(i)?));
+            Some(Start { rest: begun.rest.clone(), ..Start::new(state, controls) })
         });
         each.collect()
     }

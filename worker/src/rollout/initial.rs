@@ -16,7 +16,7 @@ use bendtwin_proto::v1::{
     initial_state::{self as wire, GivenState, State as Wire},
 };
 
-use super::{error::Error, grasping};
+use super::{error::Error, grasping, rest_shape::RestShape};
 
 /// A state and the control points that belong to it.
 #[derive(Clone, Debug)]
@@ -27,10 +27,18 @@ pub(super) struct Start {
     /// If some of them are not known but assumed to be at rest: where the nodes say that they may
     /// be [m], shape [C, 3].
     pub(super) likely: Option<Arc<Vec<Point>>>,
+    /// Rest shape, where it is not that of the twin.
+    pub(super) rest: Option<Arc<RestShape>>,
 }
 
 impl Start {
-    /// Memory that it takes [bytes].
+    /// A state whose control points are known [m], shape [C, 3], of a simulation with the twin's own
+    /// rest shape.
+    pub(super) fn new(state: Arc<State>, controls: Arc<Vec<Point>>) -> Self {
+        Self { state, controls, likely: None, rest: None }
+    }
+
+    /// Memory that it takes beside its rest shape [bytes].
     pub(super) fn bytes(&self) -> u64 {
         (24 * self.state.positions.len() + 12 * self.controls.len()) as u64
     }
@@ -107,6 +115,14 @@ impl Starts {
             Self::Each(starts) => &starts[instance],
         }
     }
+
+    /// Rest shapes that are not the twin's: one for all instances, or one for each.
+    pub(super) fn rests(&self) -> Vec<Option<Arc<RestShape>>> {
+        match self {
+            Self::Shared(start) => vec![start.rest.clone()],
+            Self::Each(starts) => starts.iter().map(|start| start.rest.clone()).collect(),
+        }
+    }
 }
 
 impl Wanted {
@@ -120,7 +136,7 @@ impl Wanted {
             None | Some(Wire::Rest(_)) => {
                 let state = Arc::new(State::rest(graph));
                 let controls = Arc::new(graph.control_rest.clone());
-                Ok(Self::Ready(Starts::Shared(Start { state, controls, likely: None })))
+                Ok(Self::Ready(Starts::Shared(Start::new(state, controls))))
             }
             Some(Wire::CaptureFrame(_) | Wire::Settled(_) | Wire::Session(_)) => {
                 Ok(Self::Simulated)
@@ -164,7 +180,8 @@ fn given(wire: GivenState, graph: &Graph, instances: usize) -> Result<Starts, Er
         let given = controls.as_ref().map(|all| all[i * c..(i + 1) * c].to_vec());
         let likely = if given.is_some() { None } else { controls::likely(graph, &state.positions) };
         let controls = given.unwrap_or_else(|| controls::pinned(graph, &state.positions));
-        Start { state: Arc::new(state), controls: Arc::new(controls), likely: likely.map(Arc::new) }
+        let likely = likely.map(Arc::new);
+        Start { likely, ..Start::new(Arc::new(state), Arc::new(controls)) }
     };
     Ok(if each {
         Starts::Each((0..instances).map(start).collect())

@@ -21,7 +21,7 @@ use super::{
     plausible::{self, Extremes, Plausibility, Prescribed},
     returns::Returns,
     serve::Served,
-    vary::{Variant, Variants},
+    vary::{Base, Variant, Variants},
     world::{Surroundings, gripper_of_control},
 };
 
@@ -71,8 +71,9 @@ impl Plan {
         let grasps = request.grasps.len();
         let surroundings =
             Surroundings::read(&mut request, &actions, map, twin, served.loaded.model())?;
-        let variants =
-            Variants::load(request.vary, &served.loaded, &surroundings, backend, cancel)?;
+        let ensemble = Ensemble::read(request.ensemble);
+        let base = Base { loaded: &served.loaded, rests: &served.rests, members: ensemble.members };
+        let variants = Variants::load(request.vary, &base, &surroundings, backend, cancel)?;
         let costs = Costs::read(request.costs, frames, fps, twin.newtons_per_unit())?;
         let returns = Returns::read(request.returns, instances)?;
         let wanted = Wanted::read(request.initial, graph, instances)?;
@@ -87,7 +88,7 @@ impl Plan {
             grasps,
             surroundings,
             variants,
-            ensemble: Ensemble::read(request.ensemble),
+            ensemble,
             plausibility: Plausibility::read(request.plausibility),
             reach: request.gradient.map_or(0, |gradient| gradient.reach_frames as usize),
             part,
@@ -147,8 +148,7 @@ impl Plan {
 
     /// Model and world of an instance.
     pub(super) fn variant(&self, index: usize) -> &Variant {
-        let members = self.ensemble.members;
-        self.variants.of(if members > 1 { index % members } else { index })
+        self.variants.of(index)
     }
 
     /// Extremes of what is prescribed to an instance; `end` is its last state, if that is known.

@@ -18,7 +18,7 @@ use super::{
     observation,
     plan::shape,
     service::{Inner, Unary},
-    vary::Variants,
+    vary::{Base, Variants},
     warm::Warm,
     world::Surroundings,
 };
@@ -84,8 +84,8 @@ impl Job {
     fn surrounded(&self, cancel: &CancelToken) -> Result<Loaded, Error> {
         let Some(world) = &self.request.world else { return Ok(self.warm.loaded.clone()) };
         let surroundings = Surroundings::without_bodies(world);
-        let variants =
-            Variants::load(None, &self.warm.loaded, &surroundings, &self.backend, cancel)?;
+        let base = Base::own(&self.warm.loaded);
+        let variants = Variants::load(None, &base, &surroundings, &self.backend, cancel)?;
         Ok(variants.of(0).loaded.clone())
     }
 }

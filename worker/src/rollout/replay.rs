@@ -247,7 +247,7 @@ fn replay(
     let row = |frame: usize| &motion.controls[frame * width..(frame + 1) * width];
     let controls = Arc::new(row(at.frame).to_vec());
     if frames == 0 {
-        return Ok(Start { state: Arc::clone(&motion.start), controls, likely: None });
+        return Ok(Start::new(Arc::clone(&motion.start), controls));
     }
     let instance = Instance {
         model: warm.loaded.clone(),
@@ -267,7 +267,7 @@ fn replay(
         return Err(Error::ReplayDiverged { frame: motion.start_frame + divergence.frame });
     }
     match rollout.final_state {
-        Some(state) => Ok(Start { state: Arc::new(state), controls, likely: None }),
+        Some(state) => Ok(Start::new(Arc::new(state), controls)),
         None => {
             Err(bendtwin_engine::Error::Device("no final state was returned".to_owned()).into())
         }

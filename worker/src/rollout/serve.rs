@@ -1,13 +1,13 @@
 //! The model of a twin that answers a request: the exact one, or the fast one, which is made when
 //! it is first asked for.
 
-use std::sync::Arc;
+use std::{collections::HashSet, sync::Arc};
 
 use bendtwin_core::{FastVariant, Fidelity};
 use bendtwin_engine::{Backend as _, Loaded, fidelity::Reduction};
 use bendtwin_proto::rollout;
 
-use super::{error::Error, warm::Warm};
+use super::{error::Error, rest_shape::RestShape, warm::Warm};
 use crate::device::{Device, Priority};
 
 /// A twin and the model of it that answers.
@@ -17,6 +17,8 @@ pub(super) struct Served {
     pub(super) loaded: Loaded,
     /// The variant, if the fast one answers.
     pub(super) fast: Option<FastVariant>,
+    /// Rest shapes that are not the twin's: one for all instances, or one for each; empty: none.
+    pub(super) rests: Vec<Option<Arc<RestShape>>>,
 }
 
 impl Served {
@@ -35,7 +37,12 @@ impl Served {
     /// The exact model.
     pub(super) fn exact(warm: Arc<Warm>) -> Self {
         let loaded = warm.loaded.clone();
-        Self { warm, loaded, fast: None }
+        Self { warm, loaded, fast: None, rests: Vec::new() }
+    }
+
+    /// Number of rest shapes that are not the twin's.
+    pub(super) fn distinct_rests(&self) -> usize {
+        self.rests.iter().flatten().map(Arc::as_ptr).collect::<HashSet<_>>().len()
     }
 
     async fn fast(warm: Arc<Warm>, device: &Device) -> Result<Self, Error> {
@@ -50,6 +57,6 @@ impl Served {
             Ok::<_, Error>(loaded)
         };
         let loaded = warm.fast.get_or_try_init(load).await?.clone();
-        Ok(Self { warm, loaded, fast: Some(fast) })
+        Ok(Self { warm, loaded, fast: Some(fast), rests: Vec::new() })
     }
 }

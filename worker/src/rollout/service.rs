@@ -324,7 +324,10 @@ impl Call {
             .map_err(|e: bendtwin_core::ids::InvalidName| Error::field("twin", e.to_string()))?;
         let fidelity = rollout::fidelity(wire.fidelity)?;
         let warm = inner.twins.get(id).await?;
+        let starts = begun.as_ref().map(Begun::starts);
+        let rests = starts.as_ref().map(Starts::rests).unwrap_or_default();
         let served = Served::choose(Arc::clone(&warm), fidelity, &inner.device).await?;
+        let served = Served { rests, ..served };
         let backend = Arc::new(inner.device.backend(Priority::Interactive));
         let limits = inner.limits();
         let budget = &inner.memory.rollouts;
@@ -357,8 +360,8 @@ impl Call {
         let (plan, wanted) =
             blocking(&self.held, move || Plan::new(checked, part_instances, served, &*on, &cancel))
                 .await?;
-        let starts = match (&begun, wanted, simulated) {
-            (Some(begun), ..) => begun.starts(),
+        let starts = match (starts, wanted, simulated) {
+            (Some(starts), ..) => starts,
             (None, Wanted::Ready(starts), _) => starts,
             (None, Wanted::Simulated, Some(start)) => Starts::Shared(start),
             (None, Wanted::Simulated, None) => return Err(Error::field("initial", "has no state")),

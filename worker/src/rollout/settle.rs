@@ -81,7 +81,7 @@ pub(super) fn settle(
         if speed_m_s < AT_REST_M_S {
             let still =
                 State { velocities: vec![[0.0; 3]; graph.node_count()], ..State::clone(&state) };
-            return Ok(Start { state: Arc::new(still), controls: at_rest, likely: None });
+            return Ok(Start::new(Arc::new(still), at_rest));
         }
     }
     Err(Error::NeverAtRest { speed_m_s, after_s: LONGEST_S })

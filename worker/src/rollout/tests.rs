@@ -1,5 +1,6 @@
 //! Requests against a small real twin on the CPU.
 
+mod carry;
 mod costs;
 mod faults;
 mod fidelity;
@@ -93,9 +94,13 @@ impl Bench {
 
     /// On a backend; also says where the end of the worker is announced.
     fn on(backend: Arc<dyn Backend>) -> (Self, mpsc::UnboundedReceiver<crate::Error>) {
+        Self::of(twin(), backend)
+    }
+
+    /// Of a twin.
+    fn of(twin: Twin, backend: Arc<dyn Backend>) -> (Self, mpsc::UnboundedReceiver<crate::Error>) {
         let (fatal, died) = mpsc::unbounded_channel();
         let device = Device::spawn(move || Ok(backend), fatal, 0.25).unwrap();
-        let twin = twin();
         let model = Arc::new(Model::from(&twin));
         let loaded = device.backend(Priority::Interactive).load(model).unwrap();
         let fast = OnceCell::new();
@@ -104,7 +109,15 @@ impl Bench {
     }
 
     fn plan(&self, request: RollOutRequest, part: u32) -> Result<(Plan, Wanted), Error> {
-        let served = Served::exact(Arc::clone(&self.warm));
+        self.plan_for(request, part, Served::exact(Arc::clone(&self.warm)))
+    }
+
+    fn plan_for(
+        &self,
+        request: RollOutRequest,
+        part: u32,
+        served: Served,
+    ) -> Result<(Plan, Wanted), Error> {
         let room = Room { bytes: 256 << 20, lanes: 2 };
         let checked = Checked::new(request, "", part, &served, &limits(), room)?;
         let backend = self.device.backend(Priority::Interactive);

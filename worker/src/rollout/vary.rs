@@ -1,5 +1,5 @@
 //! Models that the instances of a batch run on: the twin's own, or with parameters of their own and
-//! in other surroundings.
+//! in other surroundings. Factors apply on top of a rest shape that corrections have changed.
 //!
 //! A mass factor m divides what exerts forces (stiffness, damping, drag, holds) by m, which changes
 //! every motion as a mass of m does; a force that the engine reports, at unit node mass, is then m
@@ -14,7 +14,7 @@ use bendtwin_engine::{
 };
 use bendtwin_proto::v1::{Tensor, Vary};
 
-use super::{error::Error, world::Surroundings};
+use super::{error::Error, rest_shape::RestShape, world::Surroundings};
 
 /// Largest Coulomb friction.
 const MOST_FRICTION: f32 = 2.0;
@@ -38,10 +38,20 @@ pub(super) struct Variant {
     pub(super) mass: f32,
 }
 
+/// What variants are made from.
+pub(super) struct Base<'a> {
+    /// The twin.
+    pub(super) loaded: &'a Loaded,
+    /// Rest shapes that are not the twin's: one for all actions, or one for each; empty: none.
+    pub(super) rests: &'a [Option<Arc<RestShape>>],
+    /// Members of the ensemble, 1 without one.
+    pub(super) members: usize,
+}
+
 /// The models of a batch.
 pub(super) struct Variants {
     all: Vec<Variant>,
-    /// Variant of each instance, or of each member of an ensemble; empty: all have the first.
+    /// Variant of each instance; fewer ones repeat: those of the members of an ensemble, or one.
     of: Vec<u32>,
 }
 
@@ -92,27 +102,31 @@ impl Variants {
     /// Loads the models that a checked request asks for, each once.
     pub(super) fn load(
         vary: Option<Vary>,
-        base: &Loaded,
+        base: &Base<'_>,
         surroundings: &Surroundings,
         backend: &dyn Backend,
         cancel: &CancelToken,
     ) -> Result<Self, Error> {
-        let base = match surroundings.environment(base.model().environment) {
-            None => base.clone(),
-            Some(environment) => backend.with_environment(base, environment)?,
+        let around = match surroundings.environment(base.loaded.model().environment) {
+            None => base.loaded.clone(),
+            Some(environment) => backend.with_environment(base.loaded, environment)?,
         };
-        let factors = read(vary.unwrap_or_default())?;
+        let sets = read(vary.unwrap_or_default())?;
+        let count = base.count(sets.len());
         let mut numbers = HashMap::new();
-        let (mut all, mut of) = (Vec::new(), Vec::with_capacity(factors.len()));
-        for (index, factors) in factors.iter().enumerate() {
+        let (mut all, mut of) = (Vec::new(), Vec::with_capacity(count));
+        for index in 0..count {
             if cancel.is_cancelled() {
                 return Err(backend::Error::Cancelled.into());
             }
             let next = all.len() as u32;
-            let number = *numbers.entry(factors.bits()).or_insert(next);
+            let (set, rest) = (index % sets.len(), base.rest(index));
+            let factors = sets[set];
+            let number = *numbers.entry((rest.map(Arc::as_ptr), factors.bits())).or_insert(next);
             if number == next {
-                let loaded = load(*factors, &base, surroundings, index, backend)?;
-                let world = Arc::new(surroundings.world(*factors));
+                let changed = Changed { factors, set, rest: rest.map(|rest| &**rest) };
+                let loaded = changed.load(&around, surroundings, backend)?;
+                let world = Arc::new(surroundings.world(factors));
                 all.push(Variant { loaded, world, mass: factors.mass });
             }
             of.push(number);
@@ -120,10 +134,27 @@ impl Variants {
         Ok(Self { all, of })
     }
 
-    /// The variant of an instance, or of a member of an ensemble.
+    /// The variant of an instance; those of the members of an ensemble follow one another.
     pub(super) fn of(&self, index: usize) -> &Variant {
-        let number = if self.of.len() > 1 { self.of[index] } else { 0 };
-        &self.all[number as usize]
+        &self.all[self.of[index % self.of.len()] as usize]
+    }
+}
+
+impl<'a> Base<'a> {
+    /// A twin with its own rest shape, without an ensemble.
+    pub(super) fn own(loaded: &'a Loaded) -> Self {
+        Self { loaded, rests: &[], members: 1 }
+    }
+
+    /// Number of instances after which pairs of rest shapes and of so many sets of factors repeat.
+    fn count(&self, sets: usize) -> usize {
+        if self.rests.len() > 1 { self.rests.len() * self.members } else { sets }
+    }
+
+    /// The rest shape of an instance, if it is not the twin's.
+    fn rest(&self, index: usize) -> Option<&'a Arc<RestShape>> {
+        let action = if self.rests.len() > 1 { index / self.members } else { 0 };
+        self.rests.get(action)?.as_ref()
     }
 }
 
@@ -146,32 +177,44 @@ impl Variant {
     }
 }
 
-fn load(
+/// What a variant has of its own.
+struct Changed<'a> {
     factors: Factors,
-    base: &Loaded,
-    surroundings: &Surroundings,
-    index: usize,
-    backend: &dyn Backend,
-) -> Result<Loaded, Error> {
-    let model = base.model();
-    let mut params = model.params.clone();
-    surroundings.touch(&mut params.contact);
-    factors.apply(&mut params);
-    if params == model.params {
-        return Ok(base.clone());
+    /// Number of the set of factors.
+    set: usize,
+    rest: Option<&'a RestShape>,
+}
+
+impl Changed<'_> {
+    fn load(
+        &self,
+        base: &Loaded,
+        surroundings: &Surroundings,
+        backend: &dyn Backend,
+    ) -> Result<Loaded, Error> {
+        let model = base.model();
+        let mut params = model.params.clone();
+        if let Some(rest) = self.rest {
+            rest.put_into(&mut params);
+        }
+        surroundings.touch(&mut params.contact);
+        self.factors.apply(&mut params);
+        if params == model.params {
+            return Ok(base.clone());
+        }
+        if self.factors.stiffens() {
+            let (set, substeps) = (self.set, model.timing.substeps);
+            let stiffer = Model { params: params.clone(), ..Model::clone(model) };
+            enough_substeps(&stiffer, substeps).map_err(|needs| {
+                let needed = needs.needed;
+                let fault = format!(
+                    "needs {needed} substeps a frame for {set}, the twin has {substeps}: use smaller factors of stiffness, bending and damping, or a larger one of the mass"
+                );
+                Error::field("vary", fault)
+            })?;
+        }
+        Ok(backend.with_params(base, params)?)
     }
-    if factors.stiffens() {
-        let substeps = model.timing.substeps;
-        let stiffer = Model { params: params.clone(), ..Model::clone(model) };
-        enough_substeps(&stiffer, substeps).map_err(|needs| {
-            let needed = needs.needed;
-            let fault = format!(
-                "needs {needed} substeps a frame for {index}, the twin has {substeps}: use smaller factors of stiffness, bending and damping, or a larger one of the mass"
-            );
-            Error::field("vary", fault)
-        })?;
-    }
-    Ok(backend.with_params(base, params)?)
 }
 
 /// Factors by instance or member; one set if none are given.

@@ -197,11 +197,11 @@ class Session(SessionCalls[AsyncCaller, Twin]):
         return await self._caller.run(session_calls.get_session(self.name))
 
     async def fork(self, source: int, to: Sequence[int] = ()) -> None:
-        """Copies the state of a slot to others, or to all others."""
+        """Copies the state of a slot, and its rest shape, to others, or to all others."""
         await self._caller.run(self._fork(source, to))
 
     async def reset(self, slots: Sequence[int] = (), initial: InitialState | None = None) -> None:
-        """Sets slots, or all, back to the session's first state, or to a given one."""
+        """Sets slots, or all, back to a first or given state: see `bendtwin.Session.reset`."""
         await self._caller.run(self._reset(slots, initial))
 
     async def reopen(self) -> list[int]:

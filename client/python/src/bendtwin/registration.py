@@ -75,6 +75,9 @@ class CorrectArguments(ObservationArguments, total=False):
     most_added_strain: float | None
     #: Median distance of the points beyond which the correction is refused, metres.
     max_residual_m: float | None
+    #: Share of the correction that the rest shape of the slot takes over, 0..1, so that the slot
+    #: does not go back to where it was; 1 by default. With 0 the state alone is corrected.
+    carry: float | None
 
 
 _REGISTER_OPTIONS = (
@@ -92,6 +95,7 @@ _CORRECT_OPTIONS = (
     "velocity_gain_per_s",
     "most_added_strain",
     "max_residual_m",
+    "carry",
 )
 
 

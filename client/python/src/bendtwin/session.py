@@ -214,7 +214,9 @@ class Session(SessionCalls[Caller, Twin]):
     ) -> list[Correction]:
         """Brings the states of slots (default: 0) closer to points [M, 3], metres, that were seen.
 
-        They move smoothly, without touching what control points and grasps hold. All of the slots
+        They move smoothly, without touching what control points and grasps hold. The rest shapes of
+        the slots take part (`carry`), so that what is simulated from them does not go back to where
+        it was; they follow by repetition: correct several times a second. All of the slots
         are corrected, or none if the points are too far from one of them: BendTwinError with the
         reason OBSERVATION_NOT_EXPLAINED. The other arguments are in `CorrectArguments`. The reply
         brings no states: ask for `states` if `reopen` is to know the corrected ones.
@@ -223,7 +225,8 @@ class Session(SessionCalls[Caller, Twin]):
         return self._caller.run(call, timeout_s)
 
     def states(self, slots: Sequence[int] = ()) -> list[State]:
-        """The states of slots, or of all of them; each can be an initial state anywhere."""
+        """The states of slots, or of all of them; each can be an initial state anywhere, from which
+        the twin goes on with its own rest shape, whatever corrections gave to the slot."""
         return self._caller.run(self._states(slots))
 
     def refresh(self) -> SessionInfo:
@@ -231,17 +234,19 @@ class Session(SessionCalls[Caller, Twin]):
         return self._caller.run(session_calls.get_session(self.name))
 
     def fork(self, source: int, to: Sequence[int] = ()) -> None:
-        """Copies the state of a slot to others, or to all others."""
+        """Copies the state of a slot, and its rest shape, to others, or to all others."""
         self._caller.run(self._fork(source, to))
 
     def reset(self, slots: Sequence[int] = (), initial: InitialState | None = None) -> None:
-        """Sets slots, or all, back to the session's first state, or to a given one."""
+        """Sets slots, or all, back to the session's first state, or to a given one, and to the rest
+        shape of the twin."""
         self._caller.run(self._reset(slots, initial))
 
     def reopen(self) -> list[int]:
         """Opens it again after it was lost, under a new name: each slot is in the last state that a
         reply brought, from `advance` with `Returns(final_state=True)` or from `states`, and goes on
-        from there to the bit.
+        from there to the bit. Rest shapes that corrections gave to slots are lost with the worker:
+        the slots have that of the twin, until they are corrected again.
 
         Returns by how many frames each slot is behind where it was: 0 if every advance brought its
         final state. Raises BendTwinError (UNAVAILABLE) while no worker is there: try again.

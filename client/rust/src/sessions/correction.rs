@@ -54,6 +54,15 @@ impl Correction {
         self
     }
 
+    /// Share of the correction that the rest shape of the slot takes over, 0..=1 (default: 1): what
+    /// is simulated from the slot then does not go back to where it was. Correct several times a
+    /// second: the rest shape follows by repetition. With 0 the state alone is corrected.
+    #[must_use]
+    pub fn carry(mut self, share: f64) -> Self {
+        self.options.carry = Some(share);
+        self
+    }
+
     pub(super) fn into_request(self, name: SessionId, slots: &[u32]) -> CorrectSessionRequest {
         CorrectSessionRequest {
             name: name.to_string(),

@@ -3,7 +3,7 @@ use bendtwin_core::{Category, Problem as _};
 use super::*;
 use crate::{
     registration::cases,
-    v1::{InitialState, RegisterOptions, initial_state::Settled},
+    v1::{CorrectOptions, InitialState, RegisterOptions, initial_state::Settled},
 };
 
 /// 5 nodes that hang from a control point.
@@ -45,6 +45,24 @@ fn what_is_right_passes() {
     let blind = CorrectSessionRequest { observation: None, ..correction };
     let error = check_correction(&blind, &TWIN, &Limits::default()).unwrap_err();
     assert_eq!(error.reason(), "INVALID_OBSERVATION");
+}
+
+#[test]
+fn a_carried_share_is_one() {
+    let with = |carry| CorrectSessionRequest {
+        observation: cases::sound().observation,
+        options: Some(CorrectOptions { carry, ..CorrectOptions::default() }),
+        ..CorrectSessionRequest::default()
+    };
+    assert_eq!(carry(&with(None)), 1.0);
+    for sound in [None, Some(0.0), Some(0.5), Some(1.0)] {
+        check_correction(&with(sound), &TWIN, &Limits::default()).unwrap();
+    }
+    for wrong in [-0.1, 1.5, f64::NAN] {
+        let error = check_correction(&with(Some(wrong)), &TWIN, &Limits::default()).unwrap_err();
+        assert_eq!(error.reason(), "INVALID_OBSERVATION");
+        assert!(error.to_string().contains("options.carry"), "{error}");
+    }
 }
 
 #[test]

@@ -4,7 +4,7 @@ use super::*;
 
 fn start(x: f32) -> Start {
     let state = State { positions: vec![[x, 0.0, 0.0]], ..State::default() };
-    Start { state: Arc::new(state), controls: Arc::default(), likely: None }
+    Start::new(Arc::new(state), Arc::default())
 }
 
 fn session(slots: usize, idle: Duration) -> Session {

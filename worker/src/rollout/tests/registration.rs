@@ -1,6 +1,7 @@
 //! Registrations of the small twin, and corrections of a session of it.
 
 use bendtwin_core::Point;
+use bendtwin_engine::model::State;
 use bendtwin_proto::v1::{
     CorrectOptions, Observation, Plane, RegisterOptions, RegisterStateRequest, RegisteredState,
     World, observation::Tracks, world::GroundChoice,
@@ -19,14 +20,14 @@ use crate::rollout::{
 
 const BY: Point = [0.3, -0.1, 0.2];
 
-fn at_rest(bench: &Bench) -> Start {
+pub(super) fn at_rest(bench: &Bench) -> Start {
     let graph = &bench.warm.twin.graph;
     let controls = Arc::new(graph.control_rest.clone());
-    Start { state: Arc::new(bendtwin_engine::model::State::rest(graph)), controls, likely: None }
+    Start::new(Arc::new(State::rest(graph)), controls)
 }
 
 /// What is seen if the nodes are there.
-fn tracked(points: &[Point]) -> Option<Observation> {
+pub(super) fn tracked(points: &[Point]) -> Option<Observation> {
     let nodes: Vec<u32> = (0..points.len() as u32).collect();
     Some(Observation {
         points: Some(Tensor::pack_points(&[points.len()], points)),
@@ -121,8 +122,8 @@ fn what_the_twin_is_not_is_refused_and_cancelled_work_ends() {
     assert_eq!(error.category(), Category::Cancelled);
 }
 
-/// A session with two slots at rest.
-fn session(bench: &Bench) -> Session {
+/// A session whose slots are at rest.
+pub(super) fn session(bench: &Bench, slots: usize) -> Session {
     let setup = Setup {
         twin: bench.warm.id,
         capture: String::new(),
@@ -131,30 +132,31 @@ fn session(bench: &Bench) -> Session {
         grasps: Vec::new(),
         idle: std::time::Duration::from_secs(60),
     };
-    Session::new(setup, vec![at_rest(bench); 2], None)
+    Session::new(setup, vec![at_rest(bench); slots], None)
 }
 
 #[test]
 fn a_correction_moves_the_slots_that_it_names_and_a_refused_one_none() {
     let bench = Bench::new();
     let model = bench.warm.loaded.model();
-    let session = session(&bench);
+    let session = session(&bench, 2);
     let mut there = model.graph.rest_positions.clone();
     there[3][1] += 0.02;
     let seen = |options| Seen {
         model,
         seen: observation::read(tracked(&there), &model.graph).unwrap(),
         options: observation::correct_options(options),
+        carry: 1.0,
     };
     let cancel = CancelToken::default();
     let strict = CorrectOptions { max_residual_m: Some(0.0), ..CorrectOptions::default() };
-    let error = corrected(&session, &[0, 1], &seen(Some(strict)), &cancel).unwrap_err();
+    let error = corrected(&session, &[0, 1], &seen(Some(strict)), Vec::new(), &cancel).unwrap_err();
     assert_eq!(error.reason(), "OBSERVATION_NOT_EXPLAINED");
     assert!(error.to_string().starts_with("slot 0: "), "{error}");
     let state = |slot| session.states(&[slot]).0.remove(0).state;
     assert_eq!([state(0), state(1)], [at_rest(&bench).state, at_rest(&bench).state]);
 
-    let done = corrected(&session, &[1], &seen(None), &cancel).unwrap();
+    let done = corrected(&session, &[1], &seen(None), Vec::new(), &cancel).unwrap();
     assert_eq!(done.len(), 1);
     assert_eq!(done[0].slot, 1);
     let (before, after) = (done[0].before.unwrap(), done[0].after.unwrap());
@@ -171,12 +173,12 @@ fn the_ground_is_that_of_the_session() {
     let mut there = model.graph.rest_positions.clone();
     there[3][2] -= 0.015;
     let height_in = |world: Option<World>| {
-        let session = session(&bench);
+        let session = session(&bench, 2);
         let model = around(model, world.as_ref());
         let seen = observation::read(tracked(&there), &model.graph).unwrap();
         let options = observation::correct_options(None);
-        let by = Seen { model: &model, seen, options };
-        corrected(&session, &[0], &by, &CancelToken::default()).unwrap();
+        let by = Seen { model: &model, seen, options, carry: 1.0 };
+        corrected(&session, &[0], &by, Vec::new(), &CancelToken::default()).unwrap();
         session.states(&[0]).0[0].state.positions[3][2]
     };
     let plane = Plane { normal: Vec::new(), offset_m: 0.1999 };

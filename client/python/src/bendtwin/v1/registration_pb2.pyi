@@ -103,17 +103,19 @@ class Explained(_message.Message):
     def __init__(self, points: _Optional[float] = ..., surface: _Optional[float] = ..., within_mm: _Optional[float] = ...) -> None: ...
 
 class CorrectOptions(_message.Message):
-    __slots__ = ("noise_m", "give", "velocity_noise_m_s", "velocity_gain_per_s", "most_added_strain", "max_residual_m")
+    __slots__ = ("noise_m", "give", "velocity_noise_m_s", "velocity_gain_per_s", "most_added_strain", "max_residual_m", "carry")
     NOISE_M_FIELD_NUMBER: _ClassVar[int]
     GIVE_FIELD_NUMBER: _ClassVar[int]
     VELOCITY_NOISE_M_S_FIELD_NUMBER: _ClassVar[int]
     VELOCITY_GAIN_PER_S_FIELD_NUMBER: _ClassVar[int]
     MOST_ADDED_STRAIN_FIELD_NUMBER: _ClassVar[int]
     MAX_RESIDUAL_M_FIELD_NUMBER: _ClassVar[int]
+    CARRY_FIELD_NUMBER: _ClassVar[int]
     noise_m: float
     give: float
     velocity_noise_m_s: float
     velocity_gain_per_s: float
     most_added_strain: float
     max_residual_m: float
-    def __init__(self, noise_m: _Optional[float] = ..., give: _Optional[float] = ..., velocity_noise_m_s: _Optional[float] = ..., velocity_gain_per_s: _Optional[float] = ..., most_added_strain: _Optional[float] = ..., max_residual_m: _Optional[float] = ...) -> None: ...
+    carry: float
+    def __init__(self, noise_m: _Optional[float] = ..., give: _Optional[float] = ..., velocity_noise_m_s: _Optional[float] = ..., velocity_gain_per_s: _Optional[float] = ..., most_added_strain: _Optional[float] = ..., max_residual_m: _Optional[float] = ..., carry: _Optional[float] = ...) -> None: ...

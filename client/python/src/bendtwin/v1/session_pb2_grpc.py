@@ -108,7 +108,7 @@ class SessionServiceServicer(object):
         raise NotImplementedError('Method not implemented!')
 
     def GetSessionStates(self, request, context):
-        """The states of slots.
+        """The states of slots, without the rest shapes that corrections gave them.
         """
         context.set_code(grpc.StatusCode.UNIMPLEMENTED)
         context.set_details('Method not implemented!')
@@ -131,14 +131,14 @@ class SessionServiceServicer(object):
         raise NotImplementedError('Method not implemented!')
 
     def ForkSession(self, request, context):
-        """Copies the state of a slot to others.
+        """Copies the state of a slot to others, and its rest shape.
         """
         context.set_code(grpc.StatusCode.UNIMPLEMENTED)
         context.set_details('Method not implemented!')
         raise NotImplementedError('Method not implemented!')
 
     def ResetSession(self, request, context):
-        """Sets slots back to the session's first state, or to a given one.
+        """Sets slots back to the session's first state, or to a given one, and to the rest shape of the twin.
         """
         context.set_code(grpc.StatusCode.UNIMPLEMENTED)
         context.set_details('Method not implemented!')
@@ -146,8 +146,10 @@ class SessionServiceServicer(object):
 
     def CorrectSession(self, request, context):
         """Brings the states of slots closer to what is seen, in place: smoothly, and without touching what
-        control points and grasps hold. Ends with FAILED_PRECONDITION, reason OBSERVATION_NOT_EXPLAINED, if
-        more than the stated residual is left at one of them; nothing changes then.
+        control points and grasps hold. Their rest shapes take part (CorrectOptions.carry), and belong to
+        the slots from then on, in all that is simulated from them. Ends with FAILED_PRECONDITION, reason
+        OBSERVATION_NOT_EXPLAINED, if more than the stated residual is left at one of them; nothing changes
+        then.
         """
         context.set_code(grpc.StatusCode.UNIMPLEMENTED)
         context.set_details('Method not implemented!')
