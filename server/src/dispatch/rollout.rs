@@ -460,7 +460,7 @@ pub(super) fn late(status: &Status) -> Error {
 
 /// True if the worker or the way to it broke, as opposed to its having answered
 /// with an error: answers carry an `ErrorInfo`.
-fn is_breakdown(status: &Status) -> bool {
+pub(super) fn is_breakdown(status: &Status) -> bool {
     let broken = matches!(
         status.code(),
         Code::Unavailable | Code::Unknown | Code::Internal | Code::Cancelled

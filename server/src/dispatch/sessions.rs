@@ -27,7 +27,7 @@ use super::{
     Dispatch,
     line::Ask,
     registry::{Entry, HeldSession},
-    rollout::{Ends, Held, RollOut, Running, Whole, failure, is_late, late},
+    rollout::{Ends, Held, RollOut, Running, Whole, failure, is_breakdown, is_late, late},
     untaken::was_not_taken,
 };
 use crate::{
@@ -216,8 +216,15 @@ impl Dispatch {
         let known = self.twins.get(&self.store, twin).await?;
         let capture = known.capture.map(|c| c.to_string()).unwrap_or_default();
         let reply = self.manage(entry, call, capture, timeout).await;
-        if matches!(&reply, Err(Error::Worker(f)) if f.reason == "SESSION_LOST") {
+        let is_lost = match &reply {
+            Err(Error::Worker(fault)) => fault.reason == "SESSION_LOST",
+            // Whatever the worker had in memory went with it.
+            Err(Error::WorkerEnded) => true,
+            _ => false,
+        };
+        if is_lost {
             entry.closed(session);
+            return Err(Error::SessionLost(session.to_string()));
         }
         reply
     }
@@ -244,6 +251,11 @@ impl Dispatch {
             Err(status) if was_not_taken(&status) => {
                 entry.broke();
                 Err(Error::WorkerLost)
+            }
+            Err(status) if is_breakdown(&status) => {
+                tracing::warn!(worker = %entry.id(), %status, "worker broke down in a session's call");
+                entry.broke();
+                Err(Error::WorkerEnded)
             }
             Err(status) => Err(failure(&status)),
         }
