@@ -1,4 +1,4 @@
-"""What a client keeps of a session."""
+"""Tests of the state that a client keeps of a session."""
 
 import numpy as np
 

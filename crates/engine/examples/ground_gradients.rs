@@ -15,9 +15,9 @@
 //! loss is the mean squared distance, at the end, of the nodes that touch the ground at the start to
 //! where they were then, shifted to the side by 5 cm. Everything is in double precision.
 //!
-//! What is compared are the derivatives by all coordinates of the last three knots, with differences
-//! of the same loss between a step to either side, which are mean derivatives over twice the step: a
-//! step of 1 mm is what a planner may take. A row has the width of the layer; the nodes that touch the
+//! Derivatives by all coordinates of the last three knots are compared with differences of the same
+//! loss between a step to either side, which are mean derivatives over twice the step: a step of 1 mm
+//! is what a planner may take. A row has the width of the layer; the nodes that touch the
 //! ground at the start, the mean over frames and motions of those that do, and of those among them
 //! that slide faster than 1 cm/s; the cosines between derivatives and differences for the three
 //! motions, for either step; the ratio of norms that is farthest from 1; and the largest growth of a

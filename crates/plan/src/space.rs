@@ -109,7 +109,7 @@ impl Space {
     }
 
     /// The coordinates, shape [K, D], of a nominal plan with these displacements: means over what
-    /// each moves. What they leave is kept, for all plans of the space.
+    /// each moves. The rest of them is kept, for all plans of the space.
     pub fn around(&mut self, displacements: Knots) -> Knots {
         let (width, dims) = (self.width().max(1), self.dims);
         let mut counts = vec![0.0; dims];

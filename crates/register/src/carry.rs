@@ -22,8 +22,8 @@ const LEAST_M: f64 = 1e-4;
 
 impl Corrected {
     /// Share of the squared distances before the correction that noise of the points does not
-    /// explain, 0..=1: r² / (r² + noise²), Wiener's gain, with the median distance r. What was
-    /// within the noise is no error of the twin that could last.
+    /// explain, 0..=1: r² / (r² + noise²), Wiener's gain, with the median distance r. A
+    /// distance within the noise is no error of the twin that could last.
     pub fn beyond_noise(&self, noise_m: f64) -> f64 {
         let median_m = 1e-3 * self.before.median_mm;
         let total = median_m.powi(2) + noise_m.powi(2);

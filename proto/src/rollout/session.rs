@@ -23,8 +23,8 @@ pub fn slots(request: &OpenSessionRequest) -> Result<u32, Error> {
     }
 }
 
-/// Checks initial state, surroundings and fidelity of a session. What hangs on the actions, such as
-/// their number of knots, is checked with each rollout.
+/// Checks initial state, surroundings and fidelity of a session. Each rollout checks the rest,
+/// which hangs on its actions, such as their number of knots.
 ///
 /// # Errors
 /// The first fault that is found.

@@ -1,4 +1,4 @@
-"""What a client keeps of a session, so that it can open another where that one was lost."""
+"""State of a session at its client, from which another is opened where that one was lost."""
 
 from __future__ import annotations
 

@@ -29,8 +29,8 @@ _Twin = TypeVar("_Twin")
 
 
 class SessionCalls(Generic[_Caller, _Twin]):
-    """The calls of a session as values, whatever the way to wait for a reply. What replies say is
-    kept when they are read."""
+    """The calls of a session as values, whatever the way to wait for a reply. States in replies
+    are kept when they are read."""
 
     def __init__(
         self,

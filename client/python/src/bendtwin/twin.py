@@ -24,7 +24,7 @@ _Caller = TypeVar("_Caller")
 
 
 class TwinFacts(Generic[_Caller]):
-    """What a twin is, whatever the way to wait for a reply."""
+    """Facts of a twin, whatever the way to wait for a reply."""
 
     def __init__(self, info: TwinInfo, caller: _Caller) -> None:
         #: What the server says about it.
@@ -59,7 +59,7 @@ class Twin(TwinFacts[Caller]):
 
         Args:
             timeout_s: Deadline of the call.
-            arguments: What is simulated, and what is returned.
+            arguments: Those of a rollout: actions, costs, returns and so on.
 
         Raises:
             BendTwinError: With the server's reason.

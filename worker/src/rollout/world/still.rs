@@ -1,6 +1,6 @@
 //! A world before anything moves, in which a twin settles: its gravity and ground, and the colliders
-//! that stand still or begin a path. What grippers carry is not there: only actions say where they
-//! are, and each instance may have others.
+//! that stand still or begin a path. Grippers and their load are not there: only actions say where
+//! they are, and each instance may have others.
 
 use std::sync::Arc;
 

@@ -22,8 +22,8 @@ _SEARCH = Search()
 class OnServer:
     """A planner with a warm start whose search is done by the server, in one call a plan.
 
-    What goes over the wire is one plan instead of a batch of them in every iteration, and the
-    server spreads batches over its workers. The space of the task is one of this package.
+    One plan goes over the wire instead of a batch of them in every iteration, and the server
+    spreads batches over its workers. The space of the task is one of this package.
     """
 
     def __init__(self, task: Task, *, knots: int = 5, search: Search = _SEARCH) -> None:

@@ -1,7 +1,7 @@
 """Velocities of a task's coordinates as controls, for libraries whose model is MuJoCo's.
 
 They ask a model for its number of actuators, their limits and its time step: `model_xml` describes
-one that has these and nothing else. What moves is simulated by the twin, in one call.
+one that has these and nothing else. The twin simulates all motion, in one call.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from bendtwin.state import InitialState, Rest
 
 @dataclass(frozen=True)
 class Motion:
-    """What N sequences of controls do, by frame."""
+    """Effect of N sequences of controls, by frame."""
 
     #: Weighted costs [N, F]: row f is what frame f + 1 adds; infinite where an instance diverged.
     costs: Array
