@@ -156,6 +156,9 @@ pub struct Outputs {
     pub final_state: bool,
     /// Compute [`Diagnostics`].
     pub diagnostics: bool,
+    /// With `diagnostics`: only strains and speeds need be right. A device then keeps its final
+    /// states to itself; fetching one for its energies takes longer than to simulate a frame.
+    pub extremes_only: bool,
     /// Record velocities where positions are recorded: a node's way during the frame by the frame's
     /// length, so that what lies on the ground is at rest there. Those at the instant, which
     /// impacts turn round in every substep, are in the final state. In frame 0 they are those of
@@ -175,6 +178,7 @@ impl Outputs {
         nodes: None,
         final_state: false,
         diagnostics: false,
+        extremes_only: false,
         velocities: false,
         forces: false,
         frame_costs: false,

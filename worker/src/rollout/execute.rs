@@ -15,7 +15,6 @@ use super::{
     plan::Plan,
     plausible::Extremes,
     reply::{self, Gradients, Span},
-    returns::Returns,
 };
 use crate::cut;
 use crate::device::QueuedBackend;
@@ -204,7 +203,7 @@ impl Execution<'_> {
     fn roll_out(&self, indices: &[usize], kept: Kept) -> Result<Simulated, Error> {
         let (returns, costs) = (&self.plan.returns, &self.plan.costs);
         let arrays = kept == Kept::Arrays;
-        let asked = if arrays { returns.outputs() } else { Returns::summary() };
+        let asked = if arrays { returns.outputs() } else { returns.summary() };
         let frame_costs = asked.frame_costs || costs.have_soft_minima();
         let keeps_states = asked.final_state || arrays && self.keeps_states;
         // Which nodes grasps have taken on the way is known from what they hold at the end.

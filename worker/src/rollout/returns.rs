@@ -98,6 +98,7 @@ impl Returns {
             nodes: self.nodes.clone(),
             final_state: self.final_state,
             diagnostics: true,
+            extremes_only: !self.diagnostics,
             forces: self.forces,
             velocities: self.velocities,
             frame_costs: self.frame_costs,
@@ -105,7 +106,8 @@ impl Returns {
     }
 
     /// Outputs of the engine where only costs count.
-    pub(super) fn summary() -> Outputs {
-        Outputs { diagnostics: true, ..Outputs::default() }
+    pub(super) fn summary(&self) -> Outputs {
+        let extremes_only = !self.diagnostics;
+        Outputs { diagnostics: true, extremes_only, ..Outputs::default() }
     }
 }

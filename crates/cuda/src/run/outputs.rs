@@ -143,18 +143,18 @@ impl RecordedOutputs {
             let frames: Vec<usize> = kept.map(|&f| f as usize).collect();
             let own = &positions[self.starts[i]..self.starts[i + 1]];
             let a_frame = own.len() / self.frames[i].len().max(1);
-            let last = if outputs.diagnostics || (ended && outputs.final_state) {
+            let looks_at_end =
+                outputs.diagnostics && (!outputs.extremes_only || instance.frames == 0);
+            let last = if looks_at_end || (ended && outputs.final_state) {
                 Some(simulation.state(i, reached)?)
             } else {
                 None
             };
             let first = self.extreme_starts[i];
-            let diagnostics = match &last {
-                Some(state) if outputs.diagnostics => {
-                    Some(diagnose(instance, reached, state, &extremes[first..first + reached]))
-                }
-                _ => None,
-            };
+            let diagnostics = outputs.diagnostics.then(|| {
+                let extremes = &extremes[first..first + reached];
+                diagnose(instance, reached, last.as_ref(), extremes)
+            });
             let recorded = frames.len() * a_frame;
             let own_velocities = velocities.get(self.starts[i]..self.starts[i] + recorded);
             rollouts.push(Rollout {
@@ -181,18 +181,28 @@ impl RecordedOutputs {
     }
 }
 
-/// Diagnostics of the frames that were reached, the last of which ended in a state. There are no
-/// energies if it was not the last of all.
+/// Diagnostics of the frames that were reached, the last of which ended in a state, if that is
+/// known. There are no energies if it was not the last of all.
 fn diagnose(
     instance: &Instance,
     reached: usize,
-    last: &State,
+    last: Option<&State>,
     extremes: &[[f32; 3]],
 ) -> Diagnostics {
     let model = instance.model.model();
     let controls = model.graph.control_count();
     let held = &instance.controls[reached * controls..(reached + 1) * controls];
     let most = |k: usize| extremes.iter().map(|e| e[k]).fold(0.0, f32::max);
+    let Some(last) = last else {
+        return Diagnostics {
+            max_strain: most(0),
+            max_control_strain: most(1),
+            max_speed_m_s: most(2),
+            kinetic_energy: f32::NAN,
+            elastic_energy: f32::NAN,
+            ground_contacts: 0,
+        };
+    };
     let energy = if reached == instance.frames {
         energy(model, last, held).unwrap_or_default()
     } else {
