@@ -361,7 +361,7 @@ impl Job<'_> {
         })
     }
 
-    /// What is left between the observation and nodes at `x`, unless it is too much.
+    /// Distances that are left between the observation and nodes at `x`, unless they are too large.
     fn explain(&self, x: &[Vector3<f64>]) -> Result<(Residual, Explained), Error> {
         let Self { options, spacing_m, .. } = *self;
         let distances = self.seen(self.observation).distances(x)?;

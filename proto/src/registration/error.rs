@@ -10,7 +10,7 @@ pub enum Error {
     /// A field of the observation or of the options is wrong.
     #[error("{0}")]
     Observation(rollout::Error),
-    /// What a rollout has as well is wrong: the initial state, the world, its work or memory.
+    /// A fault of the parts that a rollout has as well: initial state, world, work or memory.
     #[error(transparent)]
     Rollout(#[from] rollout::Error),
 }

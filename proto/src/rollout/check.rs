@@ -38,7 +38,7 @@ pub struct Batch {
     pub frames: u64,
 }
 
-/// What the surroundings of a rollout are checked against of its actions.
+/// Facts of the actions that the surroundings of a rollout are checked against.
 #[derive(Clone, Copy)]
 struct Moves {
     instances: u64,

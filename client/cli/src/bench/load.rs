@@ -102,7 +102,7 @@ struct Report {
 struct Still {
     twin: TwinId,
     fidelity: Fidelity,
-    /// Whether a cost comes back instead of positions.
+    /// True if a cost comes back instead of positions.
     costs: bool,
     controls: Vec<Point>,
 }

@@ -6,7 +6,7 @@ use cudarc::driver::CudaEvent;
 
 use super::{fault, queue::Queue};
 
-/// What has been launched.
+/// Launches under way.
 #[derive(Default)]
 pub(crate) struct LaunchThrottle {
     /// End of the stretch before this one.

@@ -21,7 +21,7 @@ use crate::{
 /// States that instances were given, on the device; they may share them.
 pub(super) struct InitialStates {
     planes: Buffer<f32>,
-    /// Where each instance's begins, and its twists.
+    /// Beginnings of each instance's own, and of its twists.
     places: Vec<(usize, usize)>,
 }
 

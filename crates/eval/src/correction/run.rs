@@ -91,7 +91,7 @@ impl<'a> Run<'a> {
         })
     }
 
-    /// What is seen in a frame of a share of the points, beside a simulation that is in `state`
+    /// Observation of a share of the points in a frame, beside a simulation that is in `state`
     /// there and had its nodes at `before` in the frames from the start on.
     pub(super) fn observe(
         &self,

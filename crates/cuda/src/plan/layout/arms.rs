@@ -16,7 +16,8 @@ const COMPONENTS: u32 = 3;
 /// A reference; see above.
 pub(super) type Reference = u32;
 
-/// What triplet `t` of a share exerts on one of its ends, by role: 0 for i, 1 for k, 2 for j.
+/// Reference to the force of triplet `t` of a share on one of its ends, by role: 0 for i, 1 for k,
+/// 2 for j.
 pub(super) fn reference(t: u32, role: u32) -> Reference {
     let warp = WARP as u32;
     (t / warp * ROLES + role) * COMPONENTS * warp + t % warp
