@@ -57,7 +57,13 @@ mod tests {
 
     fn score(predictor: Predictor, future_m: f64) -> Score {
         let future = ErrorSummary { track_m: Some(future_m), ..ErrorSummary::default() };
-        Score { predictor, train: ErrorSummary::default(), future, per_frame: Vec::new() }
+        Score {
+            predictor,
+            train: ErrorSummary::default(),
+            future,
+            per_frame: Vec::new(),
+            at_nodes: None,
+        }
     }
 
     #[test]

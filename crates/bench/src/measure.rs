@@ -9,7 +9,7 @@ use std::{sync::Arc, time::Duration};
 
 use bendtwin_core::{CancelToken, Point};
 use bendtwin_engine::{
-    Backend, Loaded, Objective, PointLoss, Term,
+    Backend, Loaded, Objective, PointLoss, PointSet, Term,
     backend::{self, Divergence, GradientRequest, Instance},
     model::State,
     objective::WeightedTerm,
@@ -167,8 +167,10 @@ impl Bench<'_> {
             surface.map(|p| std::array::from_fn(|c| p[c] + TARGET_OFFSET_M[c])).collect();
         let nodes = (0..targets.len() as u32).collect();
         let loss = PointLoss::SmoothL1 { beta_m: 1.0 };
-        let terms =
-            [Term::Chamfer { targets: targets.clone() }, Term::Track { nodes, targets, loss }];
+        let terms = [
+            Term::Chamfer { of: PointSet::Nodes, targets: targets.clone() },
+            Term::Track { of: PointSet::Nodes, points: nodes, targets, loss },
+        ];
         let weighted = |(group, term)| WeightedTerm { frame: 1, weight: 1.0, group, term };
         Objective {
             groups: vec!["chamfer".into(), "track".into()],

@@ -151,6 +151,7 @@ impl Scene {
             (0..e).map(|_| 1.0 + STIFFNESS_SPREAD * (2.0 * rng.random::<f32>() - 1.0)).collect();
         let mut model = Model {
             graph: Arc::new(graph),
+            skin: Arc::default(),
             params: Params {
                 spring_stiffness: Vec::new(),
                 spring_dashpot: vec![DASHPOT; e],

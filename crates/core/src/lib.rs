@@ -21,6 +21,7 @@ pub mod params;
 pub mod progress;
 pub mod quality;
 pub mod settings;
+pub mod skin;
 pub mod twin;
 
 pub use cancel::CancelToken;
@@ -35,6 +36,7 @@ pub use params::{Contact, Params};
 pub use progress::{Progress, Stage};
 pub use quality::Quality;
 pub use settings::FitSettings;
+pub use skin::Skin;
 pub use twin::Twin;
 
 /// Name and version of this software, as twins, checkpoints and reports record them.

@@ -7,11 +7,11 @@ use crate::FastVariant;
 /// Errors over a span of frames, averaged over its frames. All in metres.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct ErrorSummary {
-    /// One-sided Chamfer distance in the L1 norm, observed point to nearest surface node.
+    /// One-sided Chamfer distance in the L1 norm, observed point to nearest point of the surface.
     pub chamfer_l1_m: Option<f64>,
     /// The same with Euclidean distances.
     pub chamfer_l2_m: Option<f64>,
-    /// Mean Euclidean distance between ground-truth tracks and their nodes.
+    /// Mean Euclidean distance between ground-truth tracks and their surface points.
     pub track_m: Option<f64>,
     /// Mean absolute coordinate difference over all points (motion capture's metric).
     pub coordinate_m: Option<f64>,
@@ -37,7 +37,16 @@ pub enum Predictor {
     ClampInterpolation,
 }
 
-/// One predictor's errors.
+/// Errors of nodes, where those of the skin are the predictor's.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct NodeErrors {
+    /// Over the training frames.
+    pub train: ErrorSummary,
+    /// Over the frames after the training split, or the held-out sequences.
+    pub future: ErrorSummary,
+}
+
+/// One predictor's errors, at the twin's skin.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Score {
     /// Predictor of this row.
@@ -49,6 +58,9 @@ pub struct Score {
     /// Per frame over all sequences' frames, NaN-free; empty if not asked for.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub per_frame: Vec<ErrorSummary>,
+    /// The same at the nodes; none where they are the skin.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub at_nodes: Option<NodeErrors>,
 }
 
 /// The quality table of a twin.

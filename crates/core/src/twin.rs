@@ -5,7 +5,7 @@ pub mod format;
 use serde::{Deserialize, Serialize};
 
 use crate::{
-    Environment, Graph, Params, Quality, Timing,
+    Environment, Graph, Params, Quality, Skin, Timing,
     environment::ControlVelocity,
     geometry::{length, sub},
     settings::FitSettings,
@@ -16,6 +16,8 @@ use crate::{
 pub struct Twin {
     /// Nodes, springs, triplets.
     pub graph: Graph,
+    /// Surface points that the nodes carry.
+    pub skin: Skin,
     /// Fitted numbers.
     pub params: Params,
     /// Gravity and ground.

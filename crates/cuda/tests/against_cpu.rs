@@ -9,7 +9,7 @@ use std::sync::{Arc, OnceLock};
 use bendtwin_core::{CancelToken, Params};
 use bendtwin_cuda::{Options, cuda};
 use bendtwin_engine::{
-    Backend, Model, Objective, PointLoss, Term,
+    Backend, Model, Objective, PointLoss, PointSet, Term,
     backend::{GradientRequest, Instance, Outputs},
     conformance::{RandomOptions, random_model, random_motion},
     cpu,
@@ -87,9 +87,14 @@ fn objective(model: &Model, frames: usize) -> Objective {
     let targets: Vec<_> = some.iter().map(|&i| aside(i)).collect();
     let loss = PointLoss::SmoothL1 { beta_m: 0.01 };
     let terms = (1..=frames).flat_map(|frame| {
-        let track = Term::Track { nodes: some.clone(), targets: targets.clone(), loss };
+        let track = Term::Track {
+            of: PointSet::Nodes,
+            points: some.clone(),
+            targets: targets.clone(),
+            loss,
+        };
         let terms = [
-            (0, 1.0, Term::Chamfer { targets: targets.clone() }),
+            (0, 1.0, Term::Chamfer { of: PointSet::Nodes, targets: targets.clone() }),
             (1, 0.5, track),
             (2, 0.2, Term::Acceleration),
         ];

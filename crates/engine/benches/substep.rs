@@ -148,7 +148,7 @@ fn cost(backend: &dyn Backend, model: Model) -> Cost {
         frame: frames,
         weight: 1.0,
         group: 0,
-        term: Term::Chamfer { targets: model.graph.rest_positions.clone() },
+        term: Term::Chamfer { of: Default::default(), targets: model.graph.rest_positions.clone() },
     }];
     let instance = Instance {
         model: backend.load(Arc::new(model)).expect("the body is stable"),

@@ -27,7 +27,7 @@ use std::sync::Arc;
 
 use bendtwin_core::{Plane, Twin, geometry::dot};
 use bendtwin_engine::{
-    Model, Objective, PointLoss, Term,
+    Model, Objective, PointLoss, PointSet, Term,
     objective::WeightedTerm,
     reference::{Point64, Reference, ReferenceState},
 };
@@ -282,7 +282,8 @@ fn shifted(positions: &[Point64], nodes: &[u32], way: Point64, frames: usize) ->
         std::array::from_fn(|c| (p[c] + TARGET_M * way[c]) as f32)
     };
     let term = Term::Track {
-        nodes: nodes.to_vec(),
+        of: PointSet::Nodes,
+        points: nodes.to_vec(),
         targets: nodes.iter().map(target).collect(),
         loss: PointLoss::SquaredDistance,
     };

@@ -26,6 +26,7 @@ mod optimizer;
 mod random;
 mod refusals;
 mod scene;
+mod skin;
 mod smooth;
 mod springs;
 mod twist;
@@ -190,6 +191,11 @@ suite! { ($)
         outputs_are_as_asked,
         velocities_are_those_of_the_motion,
         diagnostics_match_the_motion;
+    skin:
+        skins_follow_affine_motions,
+        skins_follow_rigid_motions,
+        gradients_of_skin_terms,
+        a_skin_of_nodes_is_the_nodes;
     gradients:
         gradients_match_finite_differences,
         gradients_of_a_straight_rod,

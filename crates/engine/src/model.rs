@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use bendtwin_core::{
-    Environment, Graph, Params, Point, Timing, Twin, environment::ControlVelocity,
+    Environment, Graph, Params, Point, Skin, Timing, Twin, environment::ControlVelocity,
 };
 
 use crate::world::Grasping;
@@ -13,6 +13,8 @@ use crate::world::Grasping;
 pub struct Model {
     /// Topology and rest geometry; shared by all candidates of a fit.
     pub graph: Arc<Graph>,
+    /// Surface points that the nodes carry; empty where no term or output asks for them.
+    pub skin: Arc<Skin>,
     /// Fitted numbers.
     pub params: Params,
     /// Gravity and ground.
@@ -27,6 +29,7 @@ impl From<&Twin> for Model {
     fn from(twin: &Twin) -> Self {
         Self {
             graph: Arc::new(twin.graph.clone()),
+            skin: Arc::new(twin.skin.clone()),
             params: twin.params.clone(),
             environment: twin.environment,
             timing: twin.timing,

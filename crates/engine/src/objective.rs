@@ -21,19 +21,33 @@ pub enum PointLoss {
     SquaredDistance,
 }
 
+/// The points of an object that a term is about.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum PointSet {
+    /// The nodes; those of the surface where a nearest one is sought.
+    #[default]
+    Nodes,
+    /// The points of the model's skin.
+    Skin,
+}
+
 /// One term of an objective.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Term {
-    /// Mean over target points of the squared distance [m²] to the nearest
-    /// surface node (one-sided Chamfer).
+    /// Mean over target points of the squared distance [m²] to the nearest point of the surface
+    /// (one-sided Chamfer).
     Chamfer {
+        /// Points of the surface.
+        of: PointSet,
         /// Target points [m], shape [M, 3].
         targets: Vec<Point>,
     },
-    /// Mean over pairs of the loss between a node and its target.
+    /// Mean over pairs of the loss between a point and its target.
     Track {
-        /// Node of each pair, shape [M].
-        nodes: Vec<u32>,
+        /// Set of the points.
+        of: PointSet,
+        /// Point of each pair, shape [M].
+        points: Vec<u32>,
         /// Target of each pair [m], shape [M, 3].
         targets: Vec<Point>,
         /// Loss of a difference.

@@ -216,7 +216,8 @@ impl Reference {
         if !fits {
             return Err(Error::InvalidInput("a length of the reference was changed".into()));
         }
-        check::objective(objective, self.frames, n).map_err(Error::InvalidInput)?;
+        let counts = [n, self.model.skin.len()];
+        check::objective(objective, self.frames, counts).map_err(Error::InvalidInput)?;
         let terms = check::surroundings::terms(objective, &self.world, c);
         terms.map_err(Error::InvalidInput)?;
         let system = System::new(&self.model, &Layout::new(graph), p.clone());

@@ -5,6 +5,7 @@ use bendtwin_core::{Capture, Graph, Point, Sequence};
 use crate::{
     Trajectory,
     distance::{euclidean, is_finite},
+    surface::Surface,
     trajectory::difference,
 };
 
@@ -13,11 +14,11 @@ pub(crate) fn standing_still(graph: &Graph, sequence: &Sequence, start: &[Point]
     predicted(graph, sequence, |_, positions| positions.copy_from_slice(start))
 }
 
-/// The twin's prediction plus its error in the last training frame. A node that was seen in that
-/// frame carries its own error, any other one that of the nearest node that was seen. `None` where
+/// The twin's prediction plus its error in the last training frame. A point that was seen in that
+/// frame carries its own error, any other one that of the nearest point that was seen. `None` where
 /// a sequence is not split.
 pub(crate) fn last_residual(
-    graph: &Graph,
+    of: &Surface,
     sequence: &Sequence,
     prediction: &Trajectory,
 ) -> Option<Trajectory> {
@@ -25,28 +26,28 @@ pub(crate) fn last_residual(
     if sequence.train_frame_count >= sequence.frame_count || last <= sequence.start_frame() {
         return None;
     }
-    let nodes = prediction.at(last)?;
+    let predicted = prediction.at(last)?;
     let (points, visible) = (sequence.points_at(last), sequence.visible_at(last));
-    let known: Vec<(usize, Point)> = graph
+    let known: Vec<(usize, Point)> = of
         .observed_points
         .iter()
         .enumerate()
-        .filter_map(|(node, &p)| {
+        .filter_map(|(own, &p)| {
             let p = p as usize;
             let point = points.get(p).filter(|x| visible[p] && is_finite(x))?;
-            Some((node, difference(*point, nodes[node])))
+            Some((own, difference(*point, predicted[own])))
         })
         .collect();
-    let residual = |node: usize| {
-        let at = graph.rest_positions[node];
-        let distance = |k: &&(usize, Point)| euclidean(graph.rest_positions[k.0], at);
+    let residual = |own: usize| {
+        let at = of.rest[own];
+        let distance = |k: &&(usize, Point)| euclidean(of.rest[k.0], at);
         let nearest = known.iter().min_by(|a, b| distance(a).total_cmp(&distance(b)));
         nearest.map_or([0.0; 3], |k| k.1)
     };
     if known.is_empty() {
         return None;
     }
-    let residuals: Vec<Point> = (0..graph.node_count()).map(residual).collect();
+    let residuals: Vec<Point> = (0..of.rest.len()).map(residual).collect();
     let mut corrected = prediction.clone();
     for row in corrected.positions.chunks_exact_mut(residuals.len()) {
         for (x, r) in row.iter_mut().zip(&residuals) {

@@ -1,8 +1,8 @@
 //! The quality table: the twin, the axial-only fit beside it, and the free baselines.
 
 use bendtwin_core::{
-    CancelToken, Capture, Quality, Twin,
-    quality::{Predictor, Score},
+    CancelToken, Capture, Quality, Sequence, Twin,
+    quality::{ErrorSummary, NodeErrors, Predictor, Score},
 };
 use bendtwin_engine::Backend;
 
@@ -11,6 +11,7 @@ use crate::{
     baselines::{clamp_interpolation, last_residual, standing_still},
     metrics::{PredictorErrors, Reference},
     predict,
+    surface::Surface,
 };
 
 /// Contents of the table apart from the twin and the baselines.
@@ -62,23 +63,19 @@ pub fn score(
     rows.push(Row::new(Predictor::ClampInterpolation));
 
     for (index, (sequence, prediction)) in capture.sequences.iter().zip(predictions).enumerate() {
-        let graph = &twin.graph;
-        let Some(start) = prediction.at(sequence.start_frame()) else { continue };
-        let reference = Reference::new(capture, sequence, graph, start);
-        rows[0].errors.add(&reference, prediction);
+        let Some(measured) = Measured::new(twin, capture, sequence, prediction) else { continue };
+        measured.add(prediction, &mut rows[0]);
         if let (Some((other, predictions)), 2) = (axial, free)
             && let Some(prediction) = predictions.get(index)
-            && let Some(start) = prediction.at(sequence.start_frame())
+            && let Some(measured) = Measured::new(other, capture, sequence, prediction)
         {
-            let reference = Reference::new(capture, sequence, &other.graph, start);
-            rows[1].errors.add(&reference, prediction);
+            measured.add(prediction, &mut rows[1]);
         }
-        rows[free].errors.add(&reference, &standing_still(graph, sequence, start));
-        if let Some(corrected) = last_residual(graph, sequence, prediction) {
-            rows[free + 1].errors.add(&reference, &corrected);
-        }
-        if let Some(between) = clamp_interpolation(capture, graph, sequence, start) {
-            rows[free + 2].errors.add(&reference, &between);
+        let start = &prediction.positions[..prediction.node_count];
+        measured.add(&standing_still(&twin.graph, sequence, start), &mut rows[free]);
+        measured.add_last_residual(prediction, &mut rows[free + 1]);
+        if let Some(between) = clamp_interpolation(capture, &twin.graph, sequence, start) {
+            measured.add(&between, &mut rows[free + 2]);
         }
     }
     let mut quality = Quality {
@@ -95,35 +92,84 @@ pub fn score(
     quality
 }
 
+/// A sequence that predictions by a twin's nodes are compared with, at its skin and at its nodes.
+struct Measured<'a> {
+    twin: &'a Twin,
+    sequence: &'a Sequence,
+    points: Surface,
+    at_skin: Reference<'a>,
+    /// None where the skin is the nodes.
+    at_nodes: Option<(Surface, Reference<'a>)>,
+}
+
+impl<'a> Measured<'a> {
+    /// `None` if the prediction has no start.
+    fn new(
+        twin: &'a Twin,
+        capture: &Capture,
+        sequence: &'a Sequence,
+        prediction: &Trajectory,
+    ) -> Option<Self> {
+        let start = prediction.at(sequence.start_frame())?;
+        let points = Surface::of_skin(&twin.graph, &twin.skin);
+        let placed = twin.skin.positions(start);
+        let at_skin = Reference::new(capture, sequence, &points, &placed);
+        let at_nodes = (!twin.skin.is_nodes(&twin.graph)).then(|| {
+            let nodes = Surface::of_nodes(&twin.graph);
+            let reference = Reference::new(capture, sequence, &nodes, start);
+            (nodes, reference)
+        });
+        Some(Self { twin, sequence, points, at_skin, at_nodes })
+    }
+
+    fn add(&self, prediction: &Trajectory, row: &mut Row) {
+        row.errors.add(&self.at_skin, &prediction.at_skin(&self.twin.skin));
+        if let Some((_, reference)) = &self.at_nodes {
+            row.at_nodes.add(reference, prediction);
+        }
+    }
+
+    fn add_last_residual(&self, prediction: &Trajectory, row: &mut Row) {
+        let placed = prediction.at_skin(&self.twin.skin);
+        if let Some(corrected) = last_residual(&self.points, self.sequence, &placed) {
+            row.errors.add(&self.at_skin, &corrected);
+        }
+        if let Some((nodes, reference)) = &self.at_nodes
+            && let Some(corrected) = last_residual(nodes, self.sequence, prediction)
+        {
+            row.at_nodes.add(reference, &corrected);
+        }
+    }
+}
+
 struct Row {
     predictor: Predictor,
     errors: PredictorErrors,
+    at_nodes: PredictorErrors,
 }
 
 impl Row {
     fn new(predictor: Predictor) -> Self {
-        Self { predictor, errors: PredictorErrors::default() }
+        Self { predictor, errors: Default::default(), at_nodes: Default::default() }
     }
 
     /// `None` if the predictor made no prediction.
     fn score(self, per_frame: bool) -> Option<Score> {
-        let mut train = self.errors.train.summary();
-        let future = self.errors.future.summary();
-        if self.predictor == Predictor::LastResidual {
-            // It uses the last training frame: errors before that mean nothing.
-            train = Default::default();
-        }
-        let errors = if per_frame && self.predictor != Predictor::LastResidual {
-            self.errors.per_frame()
-        } else {
-            Vec::new()
-        };
-        let nothing = Default::default();
-        (train != nothing || future != nothing).then_some(Score {
+        let nothing = ErrorSummary::default();
+        let is_residual = self.predictor == Predictor::LastResidual;
+        // It uses the last training frame: errors before that mean nothing.
+        let train = |e: &PredictorErrors| if is_residual { nothing } else { e.train.summary() };
+        let (train_errors, future) = (train(&self.errors), self.errors.future.summary());
+        let per_frame =
+            if per_frame && !is_residual { self.errors.per_frame() } else { Vec::new() };
+        let at_nodes =
+            NodeErrors { train: train(&self.at_nodes), future: self.at_nodes.future.summary() };
+        (train_errors != nothing || future != nothing).then_some(Score {
             predictor: self.predictor,
-            train,
+            train: train_errors,
             future,
-            per_frame: errors,
+            per_frame,
+            at_nodes: Some(at_nodes).filter(|e| *e != NodeErrors::default()),
         })
     }
 }

@@ -12,6 +12,7 @@ mod metrics;
 pub mod picture;
 #[cfg(test)]
 mod scene;
+mod surface;
 mod table;
 mod trajectory;
 

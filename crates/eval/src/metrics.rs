@@ -1,8 +1,8 @@
-//! The metrics, frame by frame and in total.
+//! The metrics, frame by frame and in total, at the points of a [`Surface`].
 //!
 //! - **Chamfer** (one-sided): mean over visible observed points of the distance to the nearest
-//!   surface node, in the L1 norm as PhysTwin's script has it, and Euclidean.
-//! - **Track**: mean Euclidean distance between clean tracks and the surface nodes nearest to them
+//!   surface point, in the L1 norm as PhysTwin's script has it, and Euclidean.
+//! - **Track**: mean Euclidean distance between clean tracks and the surface points nearest to them
 //!   in the start frame. Motion capture is its own clean track: every point against its own node.
 //! - **Coordinate** (motion capture, DEFORM's): mean |difference| per coordinate over all points.
 //!   In total it is summed over predicted frames and divided by the number of frames of the
@@ -12,36 +12,37 @@
 //!   ([`crate::branches`]). In total the squares are summed over predicted frames and divided by
 //!   the number of frames, start frames included, before the root is taken.
 
-use bendtwin_core::{Capture, Graph, Point, Sequence, quality::ErrorSummary};
+use bendtwin_core::{Capture, Point, Sequence, quality::ErrorSummary};
 
 use crate::{
     Trajectory,
     branches::Branches,
     distance::{chamfer, euclidean, is_finite, nearest},
+    surface::Surface,
 };
 
 /// The observations of a sequence that predictions are compared with.
 pub(crate) struct Reference<'a> {
     sequence: &'a Sequence,
     surface_count: usize,
-    /// Clean tracks: (node, track).
+    /// Clean tracks: (surface point, track).
     tracks: Vec<(usize, usize)>,
-    /// Points with their own nodes, if every point has one and the capture is motion capture.
+    /// Predicted points with those that they are, if every point has one and the capture is motion capture.
     coordinates: Option<Vec<(usize, usize)>>,
     branches: Option<Branches>,
 }
 
 impl<'a> Reference<'a> {
-    /// The reference for nodes that are at `start` in the start frame, shape [N, 3].
+    /// The reference for points that are at `start` in the start frame, shape [P, 3].
     pub(crate) fn new(
         capture: &Capture,
         sequence: &'a Sequence,
-        graph: &Graph,
+        points: &Surface,
         start: &[Point],
     ) -> Self {
-        let surface_count = graph.surface_count();
+        let surface_count = points.count;
         let surface = &start[..surface_count.min(start.len())];
-        let own = own_nodes(graph, capture.object.point_count);
+        let own = own_points(&points.observed_points, capture.object.point_count);
         let is_mocap = !capture.object.edges.is_empty() || !capture.object.pins.is_empty();
         let coordinates = own.filter(|_| is_mocap);
         let branches = Branches::new(&capture.object.edges, capture.object.point_count);
@@ -51,32 +52,32 @@ impl<'a> Reference<'a> {
         Self { sequence, surface_count, tracks, coordinates, branches }
     }
 
-    /// Errors of predicted node positions in a frame, shape [N, 3].
-    pub(crate) fn measure(&self, frame: usize, nodes: &[Point]) -> ErrorSummary {
+    /// Errors of predicted positions in a frame, shape [P, 3].
+    pub(crate) fn measure(&self, frame: usize, predicted: &[Point]) -> ErrorSummary {
         let (points, visible) = (self.sequence.points_at(frame), self.sequence.visible_at(frame));
         let seen = |p: &usize| visible[*p] && is_finite(&points[*p]);
         let observed: Vec<Point> = (0..points.len()).filter(seen).map(|p| points[p]).collect();
-        let distances = chamfer(&observed, &nodes[..self.surface_count]);
+        let distances = chamfer(&observed, &predicted[..self.surface_count]);
         let truth = self.sequence.truth_at(frame);
         let pairs = self.tracks.iter().filter(|(_, k)| is_finite(&truth[*k]));
-        let mut track_m = mean(pairs.map(|&(n, k)| euclidean(nodes[n], truth[k])));
+        let mut track_m = mean(pairs.map(|&(n, k)| euclidean(predicted[n], truth[k])));
         let (mut coordinate_m, mut padded_rms_m) = (None, None);
         if let Some(own) = &self.coordinates {
             let own = || own.iter().filter(|(_, p)| seen(p));
             let difference = |&(n, p): &(usize, usize)| {
-                let (a, b): (Point, Point) = (nodes[n], points[p]);
+                let (a, b): (Point, Point) = (predicted[n], points[p]);
                 a.iter().zip(b).map(|(x, y)| f64::from((x - y).abs())).sum::<f64>() / 3.0
             };
             coordinate_m = mean(own().map(difference));
             if let Some(branches) = &self.branches {
                 let square = |&(n, p): &(usize, usize)| {
-                    (branches.memberships[p], euclidean(nodes[n], points[p]).powi(2) / 3.0)
+                    (branches.memberships[p], euclidean(predicted[n], points[p]).powi(2) / 3.0)
                 };
                 padded_rms_m = weighted_mean(own().map(square)).map(|x| x / branches.padding);
                 padded_rms_m = padded_rms_m.map(f64::sqrt);
             }
             if self.tracks.is_empty() {
-                track_m = mean(own().map(|&(n, p)| euclidean(nodes[n], points[p])));
+                track_m = mean(own().map(|&(n, p)| euclidean(predicted[n], points[p])));
             }
         }
         ErrorSummary {
@@ -89,15 +90,15 @@ impl<'a> Reference<'a> {
     }
 }
 
-/// Every point with its own node; `None` if a point has no node.
-fn own_nodes(graph: &Graph, point_count: usize) -> Option<Vec<(usize, usize)>> {
+/// Every observed point with the predicted one that is it; `None` if there is none for some.
+fn own_points(observed_points: &[u32], point_count: usize) -> Option<Vec<(usize, usize)>> {
     let mut own = vec![None; point_count];
-    for (node, &p) in graph.observed_points.iter().enumerate() {
+    for (own_point, &p) in observed_points.iter().enumerate() {
         if let Some(slot) = own.get_mut(p as usize) {
-            *slot = Some(node);
+            *slot = Some(own_point);
         }
     }
-    own.into_iter().enumerate().map(|(p, node)| Some((node?, p))).collect()
+    own.into_iter().enumerate().map(|(p, own)| Some((own?, p))).collect()
 }
 
 fn mean(values: impl Iterator<Item = f64>) -> Option<f64> {

@@ -6,7 +6,10 @@ mod chart;
 use bendtwin_core::{Capture, Point, Twin, quality::Predictor};
 use bendtwin_picture::{Align, Canvas, Color, Rect, View};
 
-use crate::{Error, Trajectory, baselines::standing_still, metrics::Reference, predictor_name};
+use crate::{
+    Error, Trajectory, baselines::standing_still, metrics::Reference, predictor_name,
+    surface::Surface,
+};
 
 const MARGIN: f32 = 24.0;
 const GAP: f32 = 10.0;
@@ -186,18 +189,21 @@ impl Picture<'_> {
         let mut lines = Vec::new();
         let mut is_track = true;
         for (index, model) in models.iter().enumerate() {
-            let graph = &model.twin.graph;
-            let Some(start) = model.trajectory.at(sequence.start_frame()) else { continue };
-            let reference = Reference::new(self.capture, sequence, graph, start);
+            let twin = model.twin;
+            let Some(nodes) = model.trajectory.at(sequence.start_frame()) else { continue };
+            let points = Surface::of_skin(&twin.graph, &twin.skin);
+            let start = twin.skin.positions(nodes);
+            let reference = Reference::new(self.capture, sequence, &points, &start);
             let errors = |t: &Trajectory| {
-                let measure = |f| t.at(f).map(|nodes| reference.measure(f, nodes));
+                let at = |f| t.at(f).map(|nodes| twin.skin.positions(nodes));
+                let measure = |f| at(f).map(|points| reference.measure(f, &points));
                 (first..sequence.frame_count).filter_map(measure).collect::<Vec<_>>()
             };
             let own = errors(model.trajectory);
             is_track &= own.iter().any(|e| e.track_m.is_some());
             lines.push((model.name, MODELS[index], own));
             if index + 1 == models.len() {
-                let still = standing_still(graph, sequence, start);
+                let still = standing_still(&twin.graph, sequence, nodes);
                 let name = predictor_name(Predictor::StandingStill);
                 lines.push((name, FAINT, errors(&still)));
             }

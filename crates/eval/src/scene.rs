@@ -1,7 +1,8 @@
 //! Small captures and twins for this crate's tests.
 
 use bendtwin_core::{
-    Capture, Environment, Graph, NodeKind, Params, Pin, Point, Quality, Sequence, Timing, Twin,
+    Capture, Environment, Graph, NodeKind, Params, Pin, Point, Quality, Sequence, Skin, Timing,
+    Twin,
     capture::{HeldPoint, Object},
     environment::ControlVelocity,
     twin::Provenance,
@@ -70,6 +71,7 @@ pub(crate) fn chain_twin(n: usize) -> Twin {
         ..Params::default()
     };
     Twin {
+        skin: Skin::of_nodes(&graph),
         graph,
         params,
         environment: Environment { gravity: [0.0; 3], ground: None },

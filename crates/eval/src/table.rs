@@ -40,8 +40,12 @@ const COLUMNS: [Column; 5] = [
     ("padded RMS", |e| e.padded_rms_m),
 ];
 
-/// The table in millimetres: a row per predictor, training and future errors side by side. Columns
-/// that the capture does not determine are left out. Warnings follow, one a line.
+/// Columns of errors at the nodes, over future frames.
+const AT_NODES: [Column; 2] =
+    [("CD at nodes", |e| e.chamfer_l1_m), ("track at nodes", |e| e.track_m)];
+
+/// The table in millimetres: a row per predictor, training and future errors side by side, then
+/// those of nodes that are not the skin. Columns that the capture does not determine are left out. Warnings follow, one a line.
 pub fn format_table(quality: &Quality, style: TableStyle) -> String {
     let spans: [Span; 2] = [("train", |s| &s.train), ("future", |s| &s.future)];
     let mut columns: Vec<(String, Vec<Option<f64>>)> = Vec::new();
@@ -51,6 +55,13 @@ pub fn format_table(quality: &Quality, style: TableStyle) -> String {
             if values.iter().any(Option::is_some) {
                 columns.push((format!("{name} {span}"), values));
             }
+        }
+    }
+    for (name, error) in AT_NODES {
+        let at_nodes = |s: &Score| error(&s.at_nodes?.future);
+        let values: Vec<Option<f64>> = quality.scores.iter().map(at_nodes).collect();
+        if values.iter().any(Option::is_some) {
+            columns.push((format!("{name} future"), values));
         }
     }
     let mut rows =

@@ -140,6 +140,7 @@ pub(crate) fn build_model(
 ) -> Result<Model, LoadError> {
     let mut model = Model {
         graph: graph.clone(),
+        skin: task.skin.clone(),
         params,
         environment,
         timing: Timing { fps: task.capture.fps, substeps: 1 },

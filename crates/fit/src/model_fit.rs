@@ -136,6 +136,7 @@ impl ModelFit {
         let (params, timing) = run.best();
         Ok(Twin {
             graph: run.graph.as_ref().clone(),
+            skin: run.loaded.model().skin.as_ref().clone(),
             params,
             environment: run.loaded.model().environment,
             timing,

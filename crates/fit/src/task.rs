@@ -3,14 +3,15 @@
 use std::sync::Arc;
 
 use bendtwin_core::{
-    Capture, FitSettings, Graph, Point, Sequence, capture::Subject, settings::SequenceMean,
+    Capture, FitSettings, Graph, Point, Sequence, Skin, capture::Subject, settings::SequenceMean,
 };
 use bendtwin_engine::{
-    Loaded, Objective, PointLoss, Term, backend::Instance, model::State, objective::WeightedTerm,
+    Loaded, Objective, PointLoss, PointSet, Term, backend::Instance, model::State,
+    objective::WeightedTerm,
 };
 use bendtwin_eval::initial_state;
 
-use bendtwin_graph::{Connectivity, NodeSample, connect, mean_spacing, sample_nodes};
+use bendtwin_graph::{Connectivity, NodeSample, bind_skin, connect, mean_spacing, sample_nodes};
 
 use crate::{Error, sequences, subject::Defaults};
 
@@ -19,6 +20,9 @@ pub(crate) struct Task<'a> {
     pub(crate) capture: &'a Capture,
     pub(crate) settings: &'a FitSettings,
     pub(crate) sample: NodeSample,
+    /// Surface points that the nodes carry, whatever joins them in a candidate: bound along the
+    /// springs of the settings' own connectivity.
+    pub(crate) skin: Arc<Skin>,
     /// Defaults for the kind of object.
     pub(crate) defaults: Defaults,
     /// Training sequences, in the capture's order.
@@ -43,6 +47,7 @@ pub(crate) struct Training<'a> {
 /// The inputs that all training sequences are built from.
 struct Setup<'b> {
     sample: &'b NodeSample,
+    skin: &'b Skin,
     settings: &'b FitSettings,
     fps: f64,
     /// The sample's nodes without anything between them.
@@ -50,14 +55,19 @@ struct Setup<'b> {
 }
 
 impl<'b> Setup<'b> {
-    fn new(capture: &Capture, settings: &'b FitSettings, sample: &'b NodeSample) -> Self {
+    fn new(
+        capture: &Capture,
+        settings: &'b FitSettings,
+        sample: &'b NodeSample,
+        skin: &'b Skin,
+    ) -> Self {
         let nodes = Graph {
             rest_positions: sample.positions.clone(),
             kinds: sample.kinds.clone(),
             observed_points: sample.observed_points.clone(),
             ..Graph::default()
         };
-        Self { sample, settings, fps: capture.fps, nodes }
+        Self { sample, skin, settings, fps: capture.fps, nodes }
     }
 }
 
@@ -69,7 +79,9 @@ impl<'a> Task<'a> {
         settings.validate().map_err(Error::Settings)?;
         bendtwin_eval::check_capture(capture)?;
         let sample = sample_nodes(capture, &settings.graph, settings.seed)?;
-        let setup = Setup::new(capture, settings, &sample);
+        let joined = connect(&sample, &Connectivity::from_settings(&settings.graph, false));
+        let skin = Arc::new(bind_skin(&joined, &sample.surface));
+        let setup = Setup::new(capture, settings, &sample, &skin);
         let sequences = capture.sequences.iter();
         let training: Vec<_> =
             sequences.filter_map(|s| Training::new(s, s.train_frame_count, &setup)).collect();
@@ -82,7 +94,7 @@ impl<'a> Task<'a> {
         }
         let spacing_m = spacing(&sample);
         let defaults = Defaults::of(capture.object.subject());
-        Ok(Self { capture, settings, sample, defaults, training, spacing_m })
+        Ok(Self { capture, settings, sample, skin, defaults, training, spacing_m })
     }
 
     /// The training sequences of the search: fewer sequences and frames if the settings say so, and
@@ -92,7 +104,7 @@ impl<'a> Task<'a> {
         let limit = |n: usize, most: usize| if most == 0 { n } else { n.min(most) };
         let count = limit(self.training.len(), settings.max_sequences);
         let spread = (0..count).map(|i| i * self.training.len() / count);
-        let setup = Setup::new(self.capture, self.settings, &self.sample);
+        let setup = Setup::new(self.capture, self.settings, &self.sample, &self.skin);
         let mut set = Vec::with_capacity(count);
         for sequence in spread.map(|i| self.training[i].sequence) {
             let most = limit(
@@ -185,7 +197,7 @@ impl<'a> Training<'a> {
     fn new(sequence: &'a Sequence, end: usize, setup: &Setup<'_>) -> Option<Self> {
         let start = sequence.start_frame();
         let frames = end.checked_sub(start + 1).filter(|&n| n > 0)?;
-        let objective = objective(sequence, frames, setup.sample, &setup.settings.loss);
+        let objective = objective(sequence, frames, setup);
         if objective.terms.is_empty() {
             return None;
         }
@@ -252,30 +264,30 @@ fn controls_of(sequence: &Sequence, first: usize, count: usize) -> Vec<Point> {
 
 /// Mean over frames of Chamfer distance and tracking loss.
 ///
-/// - Chamfer: visible points against the surface. Left out where every visible point is tracked
-///   by a node of its own: then it adds no information.
-/// - Track: points whose motion is valid against their own nodes, pinned ones excepted. Smooth L1
+/// - Chamfer: visible points against the skin. Left out where every visible point is tracked and
+///   has a skin point of its own: then it adds no information.
+/// - Track: points whose motion is valid against their own skin points, pinned ones excepted. Smooth L1
 ///   is scaled by beta (which makes it Huber's loss), so that beta sets where outliers begin
 ///   without changing the weight against the Chamfer distance.
-fn objective(
-    sequence: &Sequence,
-    frames: usize,
-    sample: &NodeSample,
-    loss: &bendtwin_core::settings::LossSettings,
-) -> Objective {
+fn objective(sequence: &Sequence, frames: usize, setup: &Setup<'_>) -> Objective {
+    let (sample, loss) = (setup.sample, &setup.settings.loss);
     let start = sequence.start_frame();
     let beta_m = loss.track_beta_m as f32;
-    let mut is_free = vec![true; sample.node_count()];
-    sample.pins.iter().for_each(|p| is_free[p.node as usize] = false);
-    let tracked: Vec<(u32, usize)> = (0..)
-        .zip(&sample.observed_points)
-        .filter(|&(node, &p): &(u32, &u32)| is_free[node as usize] && p != Graph::NOT_OBSERVED)
-        .map(|(node, &p)| (node, p as usize))
+    let point_count = sequence.points_at(start).len();
+    let (mut is_free, mut has_point) = (vec![true; point_count], vec![false; point_count]);
+    for pin in &sample.pins {
+        if let Some(free) = is_free.get_mut(sample.observed_points[pin.node as usize] as usize) {
+            *free = false;
+        }
+    }
+    let observed: Vec<(u32, usize)> = (0..)
+        .zip(&setup.skin.observed_points)
+        .filter(|(_, p)| **p != Graph::NOT_OBSERVED)
+        .map(|(m, p)| (m, *p as usize))
         .collect();
-    let mut has_node = vec![false; sequence.points_at(start).len()];
-    let observed = sample.observed_points.iter().filter(|p| **p != Graph::NOT_OBSERVED);
-    observed.for_each(|&p| has_node[p as usize] = true);
-    let all_tracked = has_node.iter().all(|&n| n) && loss.track_weight > 0.0;
+    observed.iter().for_each(|&(_, p)| has_point[p] = true);
+    let tracked: Vec<(u32, usize)> = observed.into_iter().filter(|&(_, p)| is_free[p]).collect();
+    let all_tracked = has_point.iter().all(|&has| has) && loss.track_weight > 0.0;
 
     let mut terms = Vec::new();
     let per_frame = |weight: f64| (weight / frames as f64) as f32;
@@ -293,22 +305,27 @@ fn objective(
                     frame,
                     weight: per_frame(loss.chamfer_weight),
                     group: 0,
-                    term: Term::Chamfer { targets },
+                    term: Term::Chamfer { of: PointSet::Skin, targets },
                 });
             }
         }
         if loss.track_weight > 0.0 {
-            let (nodes, targets): (Vec<u32>, Vec<_>) = tracked
+            let (tracks, targets): (Vec<u32>, Vec<_>) = tracked
                 .iter()
                 .filter(|&&(_, p)| valid[p] && is_seen(p))
-                .map(|&(node, p)| (node, points[p]))
+                .map(|&(m, p)| (m, points[p]))
                 .unzip();
-            if !nodes.is_empty() {
+            if !tracks.is_empty() {
                 terms.push(WeightedTerm {
                     frame,
                     weight: per_frame(loss.track_weight) * beta_m,
                     group: 1,
-                    term: Term::Track { nodes, targets, loss: PointLoss::SmoothL1 { beta_m } },
+                    term: Term::Track {
+                        of: PointSet::Skin,
+                        points: tracks,
+                        targets,
+                        loss: PointLoss::SmoothL1 { beta_m },
+                    },
                 });
             }
         }

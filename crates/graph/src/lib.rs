@@ -12,6 +12,7 @@ mod order;
 mod rest;
 mod rods;
 mod sample;
+mod skin;
 mod spread;
 mod triplets;
 
@@ -25,6 +26,7 @@ pub use self::{
     error::Error,
     rest::rest_geometry,
     sample::sample_nodes,
+    skin::bind_skin,
     spread::{farthest_points, mean_spacing},
 };
 
@@ -52,8 +54,20 @@ pub struct NodeSample {
     pub rest_shape: Option<Vec<Point>>,
     /// Mean spacing of the nodes over that of all points, at least 1: what radii are multiplied by.
     pub spacing_scale: f64,
+    /// All points of the surface, nodes or not.
+    pub surface: SurfacePoints,
     /// Points that could not become nodes.
     pub left_out: LeftOut,
+}
+
+/// Points of a capture's surface at the start frame of its first sequence: observed ones, then the
+/// completed surface.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct SurfacePoints {
+    /// Positions [m], shape [M, 3].
+    pub positions: Vec<Point>,
+    /// Observed point of each, or [`bendtwin_core::Graph::NOT_OBSERVED`], shape [M].
+    pub observed_points: Vec<u32>,
 }
 
 impl NodeSample {

@@ -9,7 +9,7 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
 use super::{
-    Error, LeftOut, NodeSample,
+    Error, LeftOut, NodeSample, SurfacePoints,
     order::along_curve,
     spread::{farthest_points, mean_spacing},
 };
@@ -76,6 +76,7 @@ pub fn sample_nodes(
         edges: cable.then(|| object.edges.clone()),
         rest_shape: rest_shape.map(Iterator::collect),
         spacing_scale,
+        surface: pool.surface(),
         left_out,
         positions,
     })
@@ -203,6 +204,15 @@ impl Pool {
         self.positions.push(position);
         self.kinds.push(kind);
         self.tracked.push(tracked);
+    }
+
+    /// All but interior points.
+    fn surface(&self) -> SurfacePoints {
+        let count = self.kinds.iter().take_while(|k| k.is_surface()).count();
+        SurfacePoints {
+            positions: self.positions[..count].to_vec(),
+            observed_points: (0..count).map(|i| self.observed(i)).collect(),
+        }
     }
 
     fn observed(&self, i: usize) -> u32 {

@@ -359,6 +359,7 @@ fn branched(trunk: usize, branches: &[(usize, usize)], pins: &[u32]) -> NodeSamp
         edges: Some(edges),
         rest_shape: None,
         spacing_scale: 1.0,
+        surface: Default::default(),
         left_out: LeftOut::default(),
         positions,
     }

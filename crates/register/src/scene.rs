@@ -63,6 +63,7 @@ pub(crate) fn model() -> Arc<Model> {
     };
     Arc::new(Model {
         graph: Arc::new(graph),
+        skin: Arc::default(),
         params,
         environment: Environment { ground: None, ..Environment::Z_UP },
         timing: Timing { fps: 30.0, substeps: 60 },

@@ -127,6 +127,7 @@ fn model(specimen: &Specimen<'_>) -> Model {
     };
     Model {
         graph: Arc::new(graph),
+        skin: Arc::default(),
         params,
         environment: Environment::Z_UP,
         timing: Timing { fps: specimen.fps, substeps: 1 },

@@ -1,8 +1,8 @@
 //! Results as workers send them.
 
 use bendtwin_core::{
-    Environment, Graph, NodeKind, Params, Quality, Timing, Twin, environment::ControlVelocity,
-    twin::Provenance,
+    Environment, Graph, NodeKind, Params, Quality, Skin, Timing, Twin,
+    environment::ControlVelocity, twin::Provenance,
 };
 
 /// A twin file of 5 nodes, 4 springs, 3 triplets and 1 control point, different for each label.
@@ -30,6 +30,7 @@ pub(crate) fn twin_file(label: &[u8]) -> Vec<u8> {
     };
     let label = String::from_utf8_lossy(label).into_owned();
     let twin = Twin {
+        skin: Skin::of_nodes(&graph),
         graph,
         params,
         environment: Environment::Z_UP,

@@ -1,6 +1,6 @@
 use bendtwin_core::{
-    Environment, Graph, NodeKind, Params, Pin, Quality, Timing, Twin, environment::ControlVelocity,
-    twin::Provenance,
+    Environment, Graph, NodeKind, Params, Pin, Quality, Skin, Timing, Twin,
+    environment::ControlVelocity, twin::Provenance,
 };
 use bendtwin_proto::v1::{
     CreateTwinRequest, ExportTwinRequest, GetTwinGeometryRequest, ListTwinsRequest, Tensor,
@@ -29,6 +29,7 @@ pub(crate) fn twin_file() -> Vec<u8> {
         ..Params::default()
     };
     let twin = Twin {
+        skin: Skin::of_nodes(&graph),
         graph,
         params,
         environment: Environment::Z_UP,

@@ -3,7 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use bendtwin_core::{
-    Contact, Environment, FitSettings, Graph, NodeKind, Params, Pin, Timing, Twin,
+    Contact, Environment, FitSettings, Graph, NodeKind, Params, Pin, Skin, Timing, Twin,
     settings::ingest::IngestSettings,
 };
 use serde_json::Value;
@@ -124,6 +124,7 @@ fn twin() -> Twin {
     };
     let per_rod = vec![0.0];
     Twin {
+        skin: Skin::of_nodes(&graph),
         graph,
         params: Params {
             contact: Contact::default(),

@@ -15,7 +15,8 @@ use bendtwin_capture::{
     write_bundle,
 };
 use bendtwin_core::{
-    Capture, Environment, Graph, NodeKind, Params, Pin, Point, Quality, Sequence, Timing, Twin,
+    Capture, Environment, Graph, NodeKind, Params, Pin, Point, Quality, Sequence, Skin, Timing,
+    Twin,
     capture::{HeldPoint, Object},
     environment::ControlVelocity,
     geometry::IDENTITY,
@@ -247,19 +248,21 @@ fn image<P>(pixel: impl Fn(usize, usize) -> P) -> Image<P> {
 
 /// A twin of three nodes.
 pub fn twin() -> Twin {
+    let graph = Graph {
+        rest_positions: vec![[0.0, 0.0, 0.1], [0.1, 0.0, 0.1], [0.2, 0.0, 0.1]],
+        kinds: vec![NodeKind::Observed; 3],
+        masses: vec![1.0; 3],
+        object_ids: vec![0; 3],
+        observed_points: vec![0, 1, 2],
+        control_rest: vec![[0.3, 0.0, 0.1]],
+        springs: vec![[0, 1], [1, 2], [2, 3]],
+        triplets: vec![[0, 1, 2]],
+        pins: vec![Pin { node: 2, control: 0, offset_m: [-0.1, 0.0, 0.0] }],
+        rods: Vec::new(),
+    };
     Twin {
-        graph: Graph {
-            rest_positions: vec![[0.0, 0.0, 0.1], [0.1, 0.0, 0.1], [0.2, 0.0, 0.1]],
-            kinds: vec![NodeKind::Observed; 3],
-            masses: vec![1.0; 3],
-            object_ids: vec![0; 3],
-            observed_points: vec![0, 1, 2],
-            control_rest: vec![[0.3, 0.0, 0.1]],
-            springs: vec![[0, 1], [1, 2], [2, 3]],
-            triplets: vec![[0, 1, 2]],
-            pins: vec![Pin { node: 2, control: 0, offset_m: [-0.1, 0.0, 0.0] }],
-            rods: Vec::new(),
-        },
+        skin: Skin::of_nodes(&graph),
+        graph,
         params: Params {
             spring_stiffness: vec![1e3; 3],
             spring_dashpot: vec![1.0; 3],
@@ -295,6 +298,7 @@ pub fn cable() -> Twin {
         rods: vec![vec![0, 1, 2, 3, 4], vec![4, 3, 5, 6, 7, 8]],
         ..Graph::default()
     };
+    twin.skin = Skin::of_nodes(&twin.graph);
     twin.params = Params {
         twist_stiffness: vec![0.1, 0.2],
         twist_damping: vec![0.01, 0.02],

@@ -109,6 +109,7 @@ fn instances(backend: &QueuedBackend, frames: impl IntoIterator<Item = usize>) -
     };
     let model = Model {
         graph: Arc::new(graph),
+        skin: Arc::default(),
         params: Params::default(),
         environment: Environment::Z_UP,
         timing: Timing { fps: 30.0, substeps: 10 },
@@ -309,6 +310,7 @@ fn what_breaks_in_one_queue_ends_both() {
         let fit = device.backend(Priority::Background);
         let model = Arc::new(Model {
             graph: Arc::new(Graph::default()),
+            skin: Arc::default(),
             params: Params::default(),
             environment: Environment::Z_UP,
             timing: Timing { fps: 30.0, substeps: 10 },

@@ -15,7 +15,7 @@ use std::{sync::Arc, time::Instant};
 
 use bendtwin_core::{
     CancelToken, Category, Contact, Environment, Graph, NodeKind, Params, Problem as _, Quality,
-    Timing, Twin, environment::ControlVelocity, ids::TwinId, twin::Provenance,
+    Skin, Timing, Twin, environment::ControlVelocity, ids::TwinId, twin::Provenance,
 };
 use bendtwin_engine::{Backend, Model};
 use bendtwin_proto::rollout::{self, Limits};
@@ -70,6 +70,7 @@ pub(super) fn twin() -> Twin {
         ..Params::default()
     };
     Twin {
+        skin: Skin::of_nodes(&graph),
         graph,
         params,
         environment: Environment::Z_UP,

@@ -11,7 +11,7 @@ use std::{
 use anyhow::Context as _;
 use bendtwin_core::{CancelToken, Twin};
 use bendtwin_engine::{
-    Backend, Loaded, Model, Objective, PointLoss, Term,
+    Backend, Loaded, Model, Objective, PointLoss, PointSet, Term,
     backend::{GradientRequest, Instance},
     fidelity::Reduction,
     model::State,
@@ -137,7 +137,8 @@ fn batch(loaded: &Loaded, size: &Size) -> Vec<Instance> {
     let controls = Arc::new(controls.into_iter().copied().collect());
     let nodes: Vec<u32> = (0..graph.node_count() as u32).collect();
     let targets = graph.rest_positions.clone();
-    let term = Term::Track { nodes, targets, loss: PointLoss::Distance };
+    let term =
+        Term::Track { of: PointSet::Nodes, points: nodes, targets, loss: PointLoss::Distance };
     let terms = Arc::new(vec![WeightedTerm { frame: frames, weight: 1.0, group: 0, term }]);
     let instance = Instance {
         model: loaded.clone(),

@@ -10,16 +10,19 @@ use serde::{Deserialize, Serialize};
 use super::{Provenance, Twin};
 use crate::{
     Category, Contact, Environment, FRAME_RATES, Graph, MASSES, NodeKind, Params, Pin, Point,
-    Problem, Quality, Timing, environment::ControlVelocity,
+    Problem, Quality, Skin, Timing, environment::ControlVelocity,
 };
 
 /// Newest version that this build reads and writes; it reads every earlier one. A twin is written
 /// in the earliest version that can hold it, so that older programs read the twins that they
 /// support and refuse others.
-pub const VERSION: u32 = 2;
+pub const VERSION: u32 = 3;
 
 /// The version with rods.
 const WITH_RODS: u32 = 2;
+
+/// The version with a skin finer than the nodes.
+const WITH_SKIN: u32 = 3;
 
 /// The tensor that says the hand of each control point; a file of any version may have it.
 const HANDS: &str = "controls.hand";
@@ -112,7 +115,11 @@ impl Twin {
         let kinds: Vec<u8> = g.kinds.iter().map(|k| *k as u8).collect();
         let pins: Vec<[u32; 2]> = g.pins.iter().map(|p| [p.node, p.control]).collect();
         let offsets: Vec<Point> = g.pins.iter().map(|p| p.offset_m).collect();
-        let version = if g.rods.is_empty() { 1 } else { WITH_RODS };
+        let version = match (self.skin.is_nodes(g), g.rods.is_empty()) {
+            (false, _) => WITH_SKIN,
+            (true, false) => WITH_RODS,
+            (true, true) => 1,
+        };
         let mut tensors = vec![
             ("nodes.rest_position", raw(Dtype::F32, &[n, 3], &g.rest_positions)),
             ("nodes.kind", raw(Dtype::U8, &[n], &kinds)),
@@ -140,6 +147,19 @@ impl Twin {
                 ("rods.twist_stiffness", raw(Dtype::F32, &[r], &p.twist_stiffness)),
                 ("rods.twist_damping", raw(Dtype::F32, &[r], &p.twist_damping)),
                 ("rods.rest_twist", raw(Dtype::F32, &[r], &p.rest_twists_rad)),
+            ]);
+        }
+        if version >= WITH_SKIN {
+            let s = &self.skin;
+            let counts: Vec<u32> = s.starts.windows(2).map(|w| w[1] - w[0]).collect();
+            let (m, k) = (s.len(), s.nodes.len());
+            tensors.extend([
+                ("skin.observed_point", raw(Dtype::U32, &[m], &s.observed_points)),
+                ("skin.weight_count", raw(Dtype::U32, &[m], &counts)),
+                ("skin.weight_node", raw(Dtype::U32, &[k], &s.nodes)),
+                ("skin.weight", raw(Dtype::F32, &[k], &s.weights)),
+                ("skin.frame", raw(Dtype::U32, &[m, 3], &s.frames)),
+                ("skin.offset", raw(Dtype::F32, &[m, 3], &s.offsets_m)),
             ]);
         }
         if !self.control_hands.is_empty() {
@@ -208,23 +228,26 @@ impl Twin {
         let per_rod = |name| {
             if has_rods { file.read::<f32>(name, Dtype::F32, None) } else { Ok(Vec::new()) }
         };
+        let graph = Graph {
+            rest_positions: file.read("nodes.rest_position", Dtype::F32, Some(3))?,
+            kinds,
+            masses: file.read("nodes.mass", Dtype::F32, None)?,
+            object_ids: file.read("nodes.object_id", Dtype::U32, None)?,
+            observed_points: file.read("nodes.observed_point", Dtype::U32, None)?,
+            control_rest: file.read("controls.rest_position", Dtype::F32, Some(3))?,
+            springs: file.read("springs.ends", Dtype::U32, Some(2))?,
+            triplets: file.read("triplets.ends", Dtype::U32, Some(3))?,
+            pins: pin_ends
+                .into_iter()
+                .zip(pin_offsets)
+                .map(|([node, control], offset_m)| Pin { node, control, offset_m })
+                .collect(),
+            rods: if has_rods { file.rods()? } else { Vec::new() },
+        };
+        let skin = if version >= WITH_SKIN { file.skin()? } else { Skin::of_nodes(&graph) };
         let twin = Self {
-            graph: Graph {
-                rest_positions: file.read("nodes.rest_position", Dtype::F32, Some(3))?,
-                kinds,
-                masses: file.read("nodes.mass", Dtype::F32, None)?,
-                object_ids: file.read("nodes.object_id", Dtype::U32, None)?,
-                observed_points: file.read("nodes.observed_point", Dtype::U32, None)?,
-                control_rest: file.read("controls.rest_position", Dtype::F32, Some(3))?,
-                springs: file.read("springs.ends", Dtype::U32, Some(2))?,
-                triplets: file.read("triplets.ends", Dtype::U32, Some(3))?,
-                pins: pin_ends
-                    .into_iter()
-                    .zip(pin_offsets)
-                    .map(|([node, control], offset_m)| Pin { node, control, offset_m })
-                    .collect(),
-                rods: if has_rods { file.rods()? } else { Vec::new() },
-            },
+            graph,
+            skin,
             params: Params {
                 spring_stiffness: file.read("springs.stiffness", Dtype::F32, None)?,
                 spring_dashpot: file.read("springs.dashpot", Dtype::F32, None)?,
@@ -266,6 +289,9 @@ impl Twin {
         if let Err(m) = self.params.check(&self.graph) {
             return fail(m);
         }
+        if let Err(m) = self.skin.check(self.graph.node_count()) {
+            return fail(m);
+        }
         let t = self.timing;
         if !(FRAME_RATES.contains(&t.fps) && t.substeps > 0) {
             let (low, high) = (FRAME_RATES.start(), FRAME_RATES.end());
@@ -298,6 +324,28 @@ impl Tensors<'_> {
     /// True if there is a tensor of this name.
     fn has(&self, name: &str) -> bool {
         self.0.tensor(name).is_ok()
+    }
+
+    /// The skin; its weights stand one point after another in the file.
+    fn skin(&self) -> Result<Skin, FormatError> {
+        let counts: Vec<u32> = self.read("skin.weight_count", Dtype::U32, None)?;
+        let mut starts = vec![0_u32];
+        for &count in &counts {
+            let last = starts[starts.len() - 1];
+            let Some(end) = last.checked_add(count) else {
+                let why = "skin.weight_count adds up to more than indices can name";
+                return Err(FormatError::Inconsistent(why.into()));
+            };
+            starts.push(end);
+        }
+        Ok(Skin {
+            observed_points: self.read("skin.observed_point", Dtype::U32, None)?,
+            starts,
+            nodes: self.read("skin.weight_node", Dtype::U32, None)?,
+            weights: self.read("skin.weight", Dtype::F32, None)?,
+            frames: self.read("skin.frame", Dtype::U32, Some(3))?,
+            offsets_m: self.read("skin.offset", Dtype::F32, Some(3))?,
+        })
     }
 
     /// The rods' nodes, one rod after another in the file.

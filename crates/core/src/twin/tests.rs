@@ -4,6 +4,7 @@ use super::*;
 
 fn twin(control_rest: Vec<[f32; 3]>) -> Twin {
     Twin {
+        skin: Skin::default(),
         graph: Graph { masses: vec![0.5, 1.5, 2.0], control_rest, ..Graph::default() },
         params: Params { contact: Contact::default(), ..Params::default() },
         environment: Environment::Z_UP,

@@ -87,12 +87,12 @@ impl DeviceObjective {
                 ..args::Term::default()
             };
             match &weighted.term {
-                Term::Chamfer { targets: own } => {
+                Term::Chamfer { targets: own, .. } => {
                     term.kind = 0;
                     targets.extend_from_slice(own);
                     target_nodes.resize(targets.len(), 0);
                 }
-                Term::Track { nodes, targets: own, loss } => {
+                Term::Track { points: nodes, targets: own, loss, .. } => {
                     term.kind = 1;
                     (term.loss, term.beta) = match *loss {
                         PointLoss::SmoothL1 { beta_m } => (0, beta_m),

@@ -117,6 +117,7 @@ fn model(
     };
     let kind = |i| if i < surface { NodeKind::Observed } else { NodeKind::Interior };
     Model {
+        skin: Arc::default(),
         params: Params {
             spring_stiffness: vec![3e3; springs.len()],
             spring_dashpot: vec![10.0; springs.len()],

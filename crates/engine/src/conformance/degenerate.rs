@@ -14,7 +14,7 @@ use super::{
 use bendtwin_core::CancelToken;
 
 use crate::{
-    Backend, PointLoss, Term,
+    Backend, PointLoss, PointSet, Term,
     backend::{Gradient, GradientRequest, Outputs},
     objective::WeightedTerm,
 };
@@ -54,10 +54,18 @@ fn finite_gradient(what: &str, gradient: &Gradient) -> Outcome {
 fn track_all(scene: &mut Scene) {
     let nodes: Vec<u32> = (0..scene.graph.node_count() as u32).collect();
     let targets = vec![[0.01, 0.02, 0.03]; nodes.len()];
-    let track = Term::Track { nodes, targets: targets.clone(), loss: PointLoss::Distance };
+    let track = Term::Track {
+        of: PointSet::Nodes,
+        points: nodes,
+        targets: targets.clone(),
+        loss: PointLoss::Distance,
+    };
     let term = |term| WeightedTerm { frame: scene.frames, weight: 1.0, group: 0, term };
-    scene.objective.terms =
-        Arc::new(vec![term(track), term(Term::Chamfer { targets }), term(Term::Acceleration)]);
+    scene.objective.terms = Arc::new(vec![
+        term(track),
+        term(Term::Chamfer { of: PointSet::Nodes, targets }),
+        term(Term::Acceleration),
+    ]);
     scene.objective.groups = vec!["all".into()];
 }
 

@@ -16,25 +16,25 @@ use super::{
     twist::{branched_cable, cable},
 };
 use crate::{
-    Backend, Objective, PointLoss, Term,
+    Backend, Objective, PointLoss, PointSet, Term,
     backend::GradientRequest,
     objective::{ForceBy, WeightedTerm},
 };
 
 /// A random scene with terms of one kind only, tracks by default.
-fn tracked(seed: u64, options: &RandomOptions, frames: usize) -> Scene {
+pub(super) fn tracked(seed: u64, options: &RandomOptions, frames: usize) -> Scene {
     let model = random_model(seed, options);
     let (mut state, controls) = random_motion(seed, &model, frames);
     // A common velocity, or drag and friction would cancel between the nodes.
     state.velocities.iter_mut().for_each(|v| v[0] += 0.5);
     let mut objective = random_objective(seed, &model, frames);
-    keep(&mut objective, |t| matches!(t, Term::Track { .. }));
+    keep(&mut objective, |t| matches!(t, Term::Track { of: PointSet::Nodes, .. }));
     let mut scene = Scene::around(model, state, controls, frames);
     scene.objective = objective;
     scene
 }
 
-fn keep(objective: &mut Objective, wanted: impl Fn(&Term) -> bool) {
+pub(super) fn keep(objective: &mut Objective, wanted: impl Fn(&Term) -> bool) {
     let mut terms = (*objective.terms).clone();
     terms.retain(|t| wanted(&t.term));
     objective.terms = Arc::new(terms);
@@ -83,7 +83,12 @@ pub(super) fn gradients_of_a_straight_rod(backend: &dyn Backend) -> Outcome {
         frame: 6,
         weight: 1.0,
         group: 0,
-        term: Term::Track { nodes, targets, loss: PointLoss::SquaredDistance },
+        term: Term::Track {
+            of: PointSet::Nodes,
+            points: nodes,
+            targets,
+            loss: PointLoss::SquaredDistance,
+        },
     }]);
     let must_matter = &["controls", "initial positions", "initial velocities"];
     matches_differences(backend, &scene, &Check { seed: 0, tolerance: 1e-2, must_matter })
@@ -116,7 +121,8 @@ pub(super) fn gradients_of_a_twisting_rod(backend: &dyn Backend) -> Outcome {
             .collect();
         let targets = scene.graph.rest_positions.iter().map(|p| [p[0] + 0.08, p[1], p[2] - 0.05]);
         let track = Term::Track {
-            nodes: (0..scene.graph.node_count() as u32).collect(),
+            of: PointSet::Nodes,
+            points: (0..scene.graph.node_count() as u32).collect(),
             targets: targets.collect(),
             loss: PointLoss::SquaredDistance,
         };
@@ -149,7 +155,8 @@ pub(super) fn gradients_of_a_rolling_clamp(backend: &dyn Backend) -> Outcome {
     scene.motion.rolls = (0..=12).map(|f| 0.2 * f as f32).collect();
     let targets = scene.graph.rest_positions.iter().map(|p| [p[0] + 0.08, p[1], p[2] - 0.05]);
     let track = Term::Track {
-        nodes: (0..scene.graph.node_count() as u32).collect(),
+        of: PointSet::Nodes,
+        points: (0..scene.graph.node_count() as u32).collect(),
         targets: targets.collect(),
         loss: PointLoss::SquaredDistance,
     };
@@ -202,7 +209,7 @@ fn in_the_air(seed: u64) -> Scene {
     let mut scene = grasping(seed, 5);
     scene.environment.ground = None;
     scene.environment.gravity = [0.0, 0.0, -2.0];
-    keep(&mut scene.objective, |t| matches!(t, Term::Track { .. }));
+    keep(&mut scene.objective, |t| matches!(t, Term::Track { of: PointSet::Nodes, .. }));
     scene
 }
 
@@ -271,7 +278,12 @@ pub(super) fn gradients_through_object_contact(backend: &dyn Backend) -> Outcome
         scene.last(3);
         let nodes = vec![0, 1, 2];
         let targets = vec![[0.05, 0.0, 0.08], [0.0, 0.0, -0.09], [0.1, 0.1, 0.0]];
-        let track = Term::Track { nodes, targets, loss: PointLoss::SquaredDistance };
+        let track = Term::Track {
+            of: PointSet::Nodes,
+            points: nodes,
+            targets,
+            loss: PointLoss::SquaredDistance,
+        };
         scene.objective.groups = vec!["track".into()];
         scene.objective.terms =
             Arc::new(vec![WeightedTerm { frame: 3, weight: 1.0, group: 0, term: track }]);
@@ -289,11 +301,11 @@ pub(super) fn gradients_through_object_contact(backend: &dyn Backend) -> Outcome
 /// near to where nodes come that the nearest node stays the same within a step.
 pub(super) fn gradients_of_every_term(backend: &dyn Backend) -> Outcome {
     let wanted: [fn(&Term) -> bool; 8] = [
-        |t| matches!(t, Term::Chamfer { .. }),
+        |t| matches!(t, Term::Chamfer { of: PointSet::Nodes, .. }),
         |t| matches!(t, Term::Acceleration),
-        |t| matches!(t, Term::Track { loss: PointLoss::Distance, .. }),
-        |t| matches!(t, Term::Track { loss: PointLoss::SmoothL1 { .. }, .. }),
-        |t| matches!(t, Term::Track { loss: PointLoss::SquaredDistance, .. }),
+        |t| matches!(t, Term::Track { of: PointSet::Nodes, loss: PointLoss::Distance, .. }),
+        |t| matches!(t, Term::Track { of: PointSet::Nodes, loss: PointLoss::SmoothL1 { .. }, .. }),
+        |t| matches!(t, Term::Track { of: PointSet::Nodes, loss: PointLoss::SquaredDistance, .. }),
         |t| matches!(t, Term::Strain { .. }),
         |t| matches!(t, Term::Above { .. }),
         |t| matches!(t, Term::Within { .. }),
@@ -356,7 +368,7 @@ fn near_nodes(backend: &dyn Backend, scene: &mut Scene) -> Outcome {
     let terms = Arc::make_mut(&mut scene.objective.terms);
     for term in terms {
         let nodes = &rollout.positions[term.frame * n..];
-        if let Term::Chamfer { targets } = &mut term.term {
+        if let Term::Chamfer { targets, .. } = &mut term.term {
             for (target, node) in targets.iter_mut().zip(nodes) {
                 *target = node.map(|x| x + 0.01 * (rng.random::<f32>() - 0.2));
             }

@@ -11,7 +11,7 @@ use super::{
     scene::{Scene, difference, dot, norm},
 };
 use crate::{
-    Backend, PointLoss, Term,
+    Backend, PointLoss, PointSet, Term,
     backend::{GradientRequest, Outputs},
 };
 
@@ -51,16 +51,24 @@ fn value(term: &Term, scene: &Scene, frames: &[&[Point]], f: usize) -> f64 {
     let mean = |values: Vec<f64>| values.iter().sum::<f64>() / values.len().max(1) as f64;
     let squared = |a: Point, b: Point| dot(difference(a, b), difference(a, b));
     match term {
-        Term::Chamfer { targets } => {
+        Term::Chamfer { of, targets } => {
+            let surface = match of {
+                PointSet::Nodes => frames[f][..surface].to_vec(),
+                PointSet::Skin => scene.skin.positions(frames[f]),
+            };
             let nearest = |t: &Point| {
-                let nodes = frames[f][..surface].iter().map(|x| squared(*x, *t));
-                nodes.fold(f64::INFINITY, f64::min)
+                let distances = surface.iter().map(|x| squared(*x, *t));
+                distances.fold(f64::INFINITY, f64::min)
             };
             mean(targets.iter().map(nearest).collect())
         }
-        Term::Track { nodes, targets, loss } => {
-            let of = |(node, target): (&u32, &Point)| {
-                let d = difference(frames[f][*node as usize], *target);
+        Term::Track { of, points, targets, loss } => {
+            let all = match of {
+                PointSet::Nodes => frames[f].to_vec(),
+                PointSet::Skin => scene.skin.positions(frames[f]),
+            };
+            let of = |(point, target): (&u32, &Point)| {
+                let d = difference(all[*point as usize], *target);
                 match loss {
                     PointLoss::Distance => norm(d),
                     PointLoss::SquaredDistance => dot(d, d),
@@ -73,7 +81,7 @@ fn value(term: &Term, scene: &Scene, frames: &[&[Point]], f: usize) -> f64 {
                     }
                 }
             };
-            mean(nodes.iter().zip(targets).map(of).collect())
+            mean(points.iter().zip(targets).map(of).collect())
         }
         Term::Strain { limit } => {
             let [of_material, _] = strains(scene, frames[f], &[]);

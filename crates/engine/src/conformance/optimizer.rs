@@ -9,7 +9,7 @@ use super::{
     scene::Scene,
 };
 use crate::{
-    Backend, Error, PointLoss, Term,
+    Backend, Error, PointLoss, PointSet, Term,
     backend::GradientRequest,
     objective::WeightedTerm,
     optimizer::{
@@ -276,7 +276,8 @@ pub(super) fn overflowing_gradients_say_so(backend: &dyn Backend) -> Outcome {
             weight,
             group: 0,
             term: Term::Track {
-                nodes: vec![1],
+                of: PointSet::Nodes,
+                points: vec![1],
                 targets: vec![[20.0, 0.0, 0.0]],
                 loss: PointLoss::SquaredDistance,
             },

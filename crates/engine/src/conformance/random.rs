@@ -8,11 +8,13 @@ use bendtwin_core::{
     Contact, Environment, Graph, NodeKind, Params, Pin, Plane, Point, Timing,
     environment::ControlVelocity, settings::TripletReference,
 };
-use bendtwin_graph::{Connectivity, LeftOut, NodeSample, Triplets, connect, rest_geometry};
+use bendtwin_graph::{
+    Connectivity, LeftOut, NodeSample, SurfacePoints, Triplets, bind_skin, connect, rest_geometry,
+};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-use crate::{Model, Objective, PointLoss, Term, model::State, objective::WeightedTerm};
+use crate::{Model, Objective, PointLoss, PointSet, Term, model::State, objective::WeightedTerm};
 
 /// Composition of a random model.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -72,6 +74,7 @@ pub fn random_model(seed: u64, options: &RandomOptions) -> Model {
     };
     let mut graph = connect(&sample, &connectivity);
     graph.rods.extend(options.rod.then(|| along(&graph)).flatten());
+    let skin = bind_skin(&graph, &around(&mut rng, &graph));
     let params = params(&mut rng, &graph, &sample, options);
     let gravity = if options.ground { [0.3, 0.0, -9.81] } else { [0.0; 3] };
     let ground = options.ground.then(|| {
@@ -80,6 +83,7 @@ pub fn random_model(seed: u64, options: &RandomOptions) -> Model {
     });
     Model {
         graph: Arc::new(graph),
+        skin: Arc::new(skin),
         params,
         environment: Environment { gravity, ground },
         timing: Timing { fps: 100.0, substeps: 40 },
@@ -89,6 +93,14 @@ pub fn random_model(seed: u64, options: &RandomOptions) -> Model {
             ControlVelocity::Ignored
         },
     }
+}
+
+/// Surface points up to a spacing away from surface nodes, two for each.
+fn around(rng: &mut ChaCha8Rng, graph: &Graph) -> SurfacePoints {
+    let nodes = &graph.rest_positions[..graph.surface_count()];
+    let mut beside = |p: &Point| p.map(|x| x + SPACING_M * (2.0 * rng.random::<f32>() - 1.0));
+    let positions: Vec<Point> = nodes.iter().flat_map(|p| [beside(p), beside(p)]).collect();
+    SurfacePoints { observed_points: vec![Graph::NOT_OBSERVED; positions.len()], positions }
 }
 
 fn scatter(rng: &mut ChaCha8Rng, options: &RandomOptions) -> NodeSample {
@@ -137,6 +149,7 @@ fn scatter(rng: &mut ChaCha8Rng, options: &RandomOptions) -> NodeSample {
         edges: None,
         rest_shape: None,
         spacing_scale: 1.0,
+        surface: Default::default(),
         left_out: LeftOut::default(),
         positions: points,
     }
@@ -281,19 +294,39 @@ pub(super) fn random_objective(seed: u64, model: &Model, frames: usize) -> Objec
             1 => PointLoss::SmoothL1 { beta_m: 0.02 },
             _ => PointLoss::SquaredDistance,
         };
+        let points: Vec<u32> = (0..model.skin.len() as u32).step_by(2).collect();
+        let skin_targets: Vec<Point> = targets.iter().cycle().take(points.len()).copied().collect();
+        let of = PointSet::Skin;
         let some = frame.is_multiple_of(2).then(|| Arc::new(nodes.clone()));
         let [above, within] = regions(model, some);
         let all = [
-            (0, 1.5, Term::Chamfer { targets: targets.clone() }),
-            (1, 0.7, Term::Track { nodes, targets, loss }),
+            (0, 1.5, Term::Chamfer { of: PointSet::Nodes, targets: targets.clone() }),
+            (
+                1,
+                0.7,
+                Term::Track { of: PointSet::Nodes, points: nodes, targets: targets.clone(), loss },
+            ),
             (2, 0.3, Term::Acceleration),
             (3, 0.1, Term::Strain { limit: 0.01 }),
             (4, 0.8, above),
             (5, 1.1, within),
+            (6, 1.2, Term::Chamfer { of, targets: targets.clone() }),
+            (7, 0.6, Term::Track { of, points, targets: skin_targets, loss }),
         ];
+        // Without nodes at the surface there is no skin, and there are no targets.
+        let all = all.into_iter().filter(|(group, ..)| *group < 6 || !targets.is_empty());
         terms.extend(all.map(|(group, weight, term)| WeightedTerm { frame, weight, group, term }));
     }
-    let groups = ["chamfer", "track", "acceleration", "strain", "above", "within"];
+    let groups = [
+        "chamfer",
+        "track",
+        "acceleration",
+        "strain",
+        "above",
+        "within",
+        "skin chamfer",
+        "skin track",
+    ];
     Objective { groups: groups.map(str::to_owned).to_vec(), terms: Arc::new(terms) }
 }
 

@@ -10,7 +10,7 @@ use super::{
     scene::Scene,
 };
 use crate::{
-    Backend, Error, Loaded, PointLoss, Term,
+    Backend, Error, Loaded, PointLoss, PointSet, Term,
     backend::{GradientRequest, Instance, Outputs},
     objective::WeightedTerm,
     world::{
@@ -154,13 +154,13 @@ fn add_term(request: &mut Request, frame: usize, group: usize, term: Term) {
 }
 
 fn track(nodes: Vec<u32>, targets: Vec<[f32; 3]>) -> Term {
-    Term::Track { nodes, targets, loss: PointLoss::Distance }
+    Term::Track { of: PointSet::Nodes, points: nodes, targets, loss: PointLoss::Distance }
 }
 
 /// Every input that does not fit its model is InvalidInput, in all three calls (wrong outputs:
 /// in the one that records), and a good input after it still runs.
 pub(super) fn wrong_inputs_are_refused(backend: &dyn Backend) -> Outcome {
-    let breaks: [Break<Request>; 24] = [
+    let breaks: [Break<Request>; 25] = [
         ("a position too few", |r| {
             state(r).positions.pop();
         }),
@@ -179,11 +179,16 @@ pub(super) fn wrong_inputs_are_refused(backend: &dyn Backend) -> Outcome {
             Arc::make_mut(&mut r.instance.controls)[1][2] = f32::NAN;
         }),
         ("a term after the last frame", |r| add_term(r, 99, 0, Term::Acceleration)),
-        ("a term of no group", |r| add_term(r, 2, 7, Term::Acceleration)),
+        ("a term of no group", |r| add_term(r, 2, 8, Term::Acceleration)),
         ("a track of no node", |r| add_term(r, 2, 0, track(vec![9999], vec![[0.0; 3]]))),
         ("a track without targets", |r| add_term(r, 2, 0, track(vec![0, 1], vec![[0.0; 3]]))),
+        ("a track of no skin point", |r| {
+            let (points, targets) = (vec![9999], vec![[0.0; 3]]);
+            let loss = PointLoss::Distance;
+            add_term(r, 2, 0, Term::Track { of: PointSet::Skin, points, targets, loss });
+        }),
         ("a target that is no number", |r| {
-            add_term(r, 2, 0, Term::Chamfer { targets: vec![[f32::NAN; 3]] });
+            add_term(r, 2, 0, Term::Chamfer { of: PointSet::Nodes, targets: vec![[f32::NAN; 3]] });
         }),
         ("a negative limit of strain", |r| add_term(r, 2, 0, Term::Strain { limit: -0.1 })),
         ("a half space without direction", |r| {

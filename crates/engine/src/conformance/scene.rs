@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use bendtwin_core::{
-    CancelToken, Contact, Environment, Graph, NodeKind, Params, Pin, Plane, Point, Timing,
+    CancelToken, Contact, Environment, Graph, NodeKind, Params, Pin, Plane, Point, Skin, Timing,
     environment::ControlVelocity,
 };
 
@@ -20,6 +20,7 @@ use crate::{
 #[derive(Clone, Debug)]
 pub(super) struct Scene {
     pub(super) graph: Graph,
+    pub(super) skin: Skin,
     pub(super) params: Params,
     pub(super) environment: Environment,
     pub(super) timing: Timing,
@@ -49,6 +50,7 @@ impl Scene {
             Contact { between_objects: false, within_object: false, ..Contact::default() };
         Self {
             initial: State::rest(&graph),
+            skin: Skin::default(),
             graph,
             params: Params { contact, ..Params::default() },
             environment: Environment { gravity: [0.0; 3], ground: None },
@@ -71,6 +73,7 @@ impl Scene {
     ) -> Self {
         Self {
             graph: (*model.graph).clone(),
+            skin: (*model.skin).clone(),
             params: model.params,
             environment: model.environment,
             timing: model.timing,
@@ -172,6 +175,7 @@ impl Scene {
             edges: None,
             rest_shape: None,
             spacing_scale: 1.0,
+            surface: Default::default(),
             left_out: Default::default(),
         };
         (self.params.rest_lengths_m, self.params.rest_angles_rad) =
@@ -181,6 +185,7 @@ impl Scene {
     pub(super) fn model(&self) -> Model {
         Model {
             graph: Arc::new(self.graph.clone()),
+            skin: Arc::new(self.skin.clone()),
             params: self.params.clone(),
             environment: self.environment,
             timing: self.timing,

@@ -11,7 +11,7 @@ use super::{
     scene::{Scene, cuboid, difference, dot, pose},
 };
 use crate::{
-    Backend, PointLoss, Term,
+    Backend, PointLoss, PointSet, Term,
     objective::{ForceBy, WeightedTerm},
     world::{Collider, Face, Region, Shape},
 };
@@ -39,7 +39,8 @@ fn scene(seed: u64, ground: bool) -> Scene {
     scene.world.smoothing_m = 4e-3;
     let targets = scene.graph.rest_positions.iter().map(|p| [p[0] + 0.04, p[1] - 0.02, p[2]]);
     let term = Term::Track {
-        nodes: (0..scene.graph.node_count() as u32).collect(),
+        of: PointSet::Nodes,
+        points: (0..scene.graph.node_count() as u32).collect(),
         targets: targets.collect(),
         loss: PointLoss::SquaredDistance,
     };

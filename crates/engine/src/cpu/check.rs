@@ -10,7 +10,7 @@ use bendtwin_core::{Environment, Point, environment::ControlVelocity};
 use crate::{
     Model,
     backend::{Error, Instance, Outputs},
-    objective::{Objective, PointLoss, Term, WeightedTerm},
+    objective::{Objective, PointLoss, PointSet, Term, WeightedTerm},
     stability::enough_substeps,
 };
 
@@ -18,6 +18,9 @@ use crate::{
 const MAX_SUBSTEPS: u32 = 1_000_000;
 /// Largest number of frames of a rollout, which nothing else bounds without control points.
 const MAX_FRAMES: usize = 1_000_000;
+
+/// Fault of a term of a model without skin.
+const NO_SKIN: &str = "the model has no skin: ask for its nodes";
 
 /// Checks a model's graph, parameters, timing and environment.
 ///
@@ -59,6 +62,7 @@ pub fn unstepped_model(model: &Model) -> Result<(), Error> {
     let invalid = Error::InvalidModel;
     model.graph.check().map_err(invalid)?;
     model.params.check(&model.graph).map_err(invalid)?;
+    model.skin.check(model.graph.node_count()).map_err(invalid)?;
     if !model.graph.rods.is_empty() && model.control_velocity == ControlVelocity::Ignored {
         let why = "rods twist by how their clamps move: they need the controls' true velocity";
         return Err(invalid(why.into()));
@@ -133,22 +137,28 @@ pub fn instance(index: usize, instance: &Instance) -> Result<(), Error> {
     }
     surroundings::surroundings(instance).or_else(wrong)?;
     surroundings::terms(&instance.objective, &instance.world, c).or_else(wrong)?;
-    objective(&instance.objective, instance.frames, n).or_else(wrong)
+    let skin = instance.model.model().skin.len();
+    objective(&instance.objective, instance.frames, [n, skin]).or_else(wrong)
 }
 
-/// Checks an objective of a rollout of so many frames and nodes.
+/// Checks an objective of a rollout of so many frames, of so many nodes and skin points.
 ///
 /// # Errors
 /// The first fault, as a sentence.
-pub fn objective(objective: &Objective, frames: usize, nodes: usize) -> Result<(), String> {
+pub fn objective(objective: &Objective, frames: usize, counts: [usize; 2]) -> Result<(), String> {
     let groups = objective.groups.len();
     for (t, weighted) in objective.terms.iter().enumerate() {
-        term(weighted, frames, groups, nodes).map_err(|e| format!("objective term {t}: {e}"))?;
+        term(weighted, frames, groups, counts).map_err(|e| format!("objective term {t}: {e}"))?;
     }
     Ok(())
 }
 
-fn term(t: &WeightedTerm, frames: usize, groups: usize, nodes: usize) -> Result<(), String> {
+fn term(
+    t: &WeightedTerm,
+    frames: usize,
+    groups: usize,
+    [nodes, skin]: [usize; 2],
+) -> Result<(), String> {
     if t.frame > frames {
         return Err(format!("frame {} of a rollout of {frames} frames", t.frame));
     }
@@ -159,13 +169,18 @@ fn term(t: &WeightedTerm, frames: usize, groups: usize, nodes: usize) -> Result<
         return Err("its weight is not finite".into());
     }
     match &t.term {
-        Term::Chamfer { targets } if !finite(targets) => Err("a target is not finite".into()),
-        Term::Track { nodes: of, targets, loss } => {
-            if of.len() != targets.len() {
-                return Err(format!("{} nodes but {} targets", of.len(), targets.len()));
+        Term::Chamfer { of: PointSet::Skin, .. } if skin == 0 => Err(NO_SKIN.into()),
+        Term::Chamfer { targets, .. } if !finite(targets) => Err("a target is not finite".into()),
+        Term::Track { of, points, targets, loss } => {
+            if points.len() != targets.len() {
+                return Err(format!("{} points but {} targets", points.len(), targets.len()));
             }
-            if let Some(node) = of.iter().find(|&&i| i as usize >= nodes) {
-                return Err(format!("node {node} of {nodes} nodes"));
+            let (what, count) = match of {
+                PointSet::Nodes => ("node", nodes),
+                PointSet::Skin => ("skin point", skin),
+            };
+            if let Some(point) = points.iter().find(|&&i| i as usize >= count) {
+                return Err(format!("{what} {point} of {count} {what}s"));
             }
             if !finite(targets) {
                 return Err("a target is not finite".into());

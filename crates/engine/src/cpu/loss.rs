@@ -3,20 +3,20 @@
 
 mod clearance;
 mod force;
+mod points;
 mod region;
 mod strain;
 
-use self::region::Region;
+use self::{points::Points, region::Region};
 use super::{
     body::Pose,
     force::{ForceSeeds, FrameForces},
     lanes::Node,
-    nearest::nearest,
-    real::{Quad, Real, add, add_scaled, dot, quad, scale, sub},
+    real::{Quad, Real, add, add_scaled, dot},
     surroundings::Surroundings,
     system::System,
 };
-use crate::objective::{Objective, PointLoss, Term, WeightedTerm};
+use crate::objective::{Objective, Term, WeightedTerm};
 
 /// Node states at a frame and at the two before it.
 #[derive(Clone, Copy)]
@@ -75,8 +75,9 @@ impl<'a> Terms<'a> {
 
     /// Adds the terms of a frame to their groups.
     pub(crate) fn score<T: Real>(&self, frame: usize, moment: Moment<'_, T>, groups: &mut [f64]) {
+        let points = Points::new(moment);
         for t in self.at(frame) {
-            groups[t.group] += f64::from(t.weight) * value(&t.term, moment);
+            groups[t.group] += f64::from(t.weight) * value(&t.term, moment, &points);
         }
     }
 
@@ -88,8 +89,9 @@ impl<'a> Terms<'a> {
         moment: Moment<'_, T>,
         bars: &mut TermBars<'_, T>,
     ) {
+        let points = Points::new(moment);
         for t in self.at(frame) {
-            add_term_gradient(&t.term, f64::from(t.weight), moment, bars);
+            add_term_gradient(&t.term, f64::from(t.weight), moment, &points, bars);
         }
     }
 
@@ -113,29 +115,11 @@ fn mean_over(count: usize) -> f64 {
     1.0 / count.max(1) as f64
 }
 
-fn value<T: Real>(term: &Term, at: Moment<'_, T>) -> f64 {
-    let square = |d: Quad<T>| dot(d, d).to_f64();
+fn value<T: Real>(term: &Term, at: Moment<'_, T>, points: &Points<'_, T>) -> f64 {
     match term {
-        Term::Chamfer { targets } => {
-            let targets: Vec<Quad<T>> = targets.iter().map(|&p| quad(p)).collect();
-            let found = nearest(&at.now[..at.system.surface], &targets);
-            let pairs = targets.iter().zip(found);
-            let sum: f64 = pairs.map(|(&t, i)| square(sub(at.now[i as usize].x, t))).sum();
-            sum * mean_over(targets.len())
-        }
-        Term::Track { nodes, targets, loss } => {
-            let differences = nodes.iter().zip(targets);
-            let sum: f64 = differences
-                .map(|(&n, &t)| {
-                    let d = sub(at.now[n as usize].x, quad(t));
-                    match *loss {
-                        PointLoss::SmoothL1 { beta_m } => smooth_l1(d, beta_m),
-                        PointLoss::Distance => square(d).sqrt(),
-                        PointLoss::SquaredDistance => square(d),
-                    }
-                })
-                .sum();
-            sum * mean_over(nodes.len())
+        Term::Chamfer { of, targets } => points.chamfer(*of, targets),
+        Term::Track { of, points: which, targets, loss } => {
+            points.track(*of, which, targets, *loss)
         }
         Term::Strain { limit } => strain::value(at.system, at.now, *limit),
         Term::Above { nodes, normal, offset_m } => {
@@ -163,15 +147,6 @@ pub(crate) fn acceleration<T: Real>(now: &[Node<T>], one: &[Node<T>], two: &[Nod
     squares.sum::<f64>() * mean_over(now.len())
 }
 
-fn smooth_l1<T: Real>(d: Quad<T>, beta_m: f32) -> f64 {
-    let beta = f64::from(beta_m);
-    let each = d[..3].iter().map(|x| {
-        let x = x.to_f64().abs();
-        if x < beta { x * x / (2.0 * beta) } else { x - beta / 2.0 }
-    });
-    each.sum::<f64>() / 3.0
-}
-
 fn second_difference<T: Real>(
     now: &[Node<T>],
     one: &[Node<T>],
@@ -185,26 +160,14 @@ fn add_term_gradient<T: Real>(
     term: &Term,
     weight: f64,
     at: Moment<'_, T>,
+    points: &Points<'_, T>,
     bars: &mut TermBars<'_, T>,
 ) {
     let bar = &mut *bars.nodes;
     match term {
-        Term::Chamfer { targets } => {
-            let targets: Vec<Quad<T>> = targets.iter().map(|&p| quad(p)).collect();
-            let found = nearest(&at.now[..at.system.surface], &targets);
-            let w = T::from_f64(2.0 * weight * mean_over(targets.len()));
-            for (&t, i) in targets.iter().zip(found) {
-                let i = i as usize;
-                bar[i].x = add_scaled(bar[i].x, w, sub(at.now[i].x, t));
-            }
-        }
-        Term::Track { nodes, targets, loss } => {
-            let w = weight * mean_over(nodes.len());
-            for (&n, &t) in nodes.iter().zip(targets) {
-                let n = n as usize;
-                let d = sub(at.now[n].x, quad(t));
-                bar[n].x = add_scaled(bar[n].x, T::from_f64(w), point_gradient(*loss, d));
-            }
+        Term::Chamfer { of, targets } => points.add_chamfer_gradient(*of, targets, weight, bar),
+        Term::Track { of, points: which, targets, loss } => {
+            points.add_track_gradient(*of, which, targets, *loss, weight, bar);
         }
         Term::Acceleration => add_acceleration_gradient(weight, at, bar),
         Term::Strain { limit } => {
@@ -227,30 +190,6 @@ fn add_term_gradient<T: Real>(
                 force::add_gradient(forces, *by, *limit, weight, seeds);
             }
         }
-    }
-}
-
-fn point_gradient<T: Real>(loss: PointLoss, d: Quad<T>) -> Quad<T> {
-    match loss {
-        PointLoss::SmoothL1 { beta_m } => {
-            let beta = f64::from(beta_m);
-            d.map(|x| {
-                let x = x.to_f64();
-                let slope = if x.abs() < beta {
-                    x / beta
-                } else if x == 0.0 {
-                    0.0
-                } else {
-                    x.signum()
-                };
-                T::from_f64(slope / 3.0)
-            })
-        }
-        PointLoss::Distance => {
-            let length = dot(d, d).sqrt();
-            if length > T::ZERO { scale(d, T::ONE / length) } else { [T::ZERO; 4] }
-        }
-        PointLoss::SquaredDistance => scale(d, T::from_f64(2.0)),
     }
 }
 

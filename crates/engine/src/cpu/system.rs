@@ -4,7 +4,7 @@
 
 use std::sync::{Arc, OnceLock};
 
-use bendtwin_core::{Graph, environment::ControlVelocity};
+use bendtwin_core::{Graph, Skin, environment::ControlVelocity};
 
 use super::{
     bend::{Triplet, Triplets},
@@ -87,6 +87,8 @@ pub(crate) struct System<T> {
     pub(crate) controls: usize,
     /// Surface nodes; they come first.
     pub(crate) surface: usize,
+    /// Surface points that nodes carry.
+    pub(crate) skin: Arc<Skin>,
     pub(crate) masses: Vec<T>,
     /// 1/m, zero where pinned.
     pub(crate) inverse_mass: Vec<T>,
@@ -128,6 +130,7 @@ impl<T: Real> System<T> {
             nodes: graph.node_count(),
             controls: graph.control_count(),
             surface: graph.surface_count(),
+            skin: model.skin.clone(),
             masses,
             inverse_mass,
             springs: springs(graph, &layout.spring_order, &parameters),

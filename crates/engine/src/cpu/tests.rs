@@ -8,7 +8,7 @@ use bendtwin_core::{
 
 use super::*;
 use crate::{
-    Objective, Term,
+    Objective, PointSet, Term,
     model::State,
     objective::{PointLoss, WeightedTerm},
     reference::Reference,
@@ -36,6 +36,7 @@ fn model(
     };
     let (e, t) = (graph.springs.len(), graph.triplets.len());
     Model {
+        skin: Arc::default(),
         params: Params {
             spring_stiffness: vec![100.0; e],
             spring_dashpot: vec![0.0; e],
@@ -91,7 +92,7 @@ fn instance(backend: &dyn Backend, model: Model, frames: usize) -> Instance {
         frame,
         weight: 1.0,
         group: 0,
-        term: Term::Chamfer { targets: targets.clone() },
+        term: Term::Chamfer { of: PointSet::Nodes, targets: targets.clone() },
     });
     let terms = if targets.is_empty() { Vec::new() } else { terms.collect() };
     Instance {
@@ -312,8 +313,12 @@ fn wrong_inputs_are_refused() {
         |i| Arc::make_mut(&mut i.objective.terms)[0].frame = 3,
         |i| Arc::make_mut(&mut i.objective.terms)[0].group = 1,
         |i| {
-            Arc::make_mut(&mut i.objective.terms)[0].term =
-                Term::Track { nodes: vec![4], targets: vec![[0.0; 3]], loss: PointLoss::Distance };
+            Arc::make_mut(&mut i.objective.terms)[0].term = Term::Track {
+                of: PointSet::Nodes,
+                points: vec![4],
+                targets: vec![[0.0; 3]],
+                loss: PointLoss::Distance,
+            };
         },
     ];
     for (b, break_it) in broken.into_iter().enumerate() {

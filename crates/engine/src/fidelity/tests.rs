@@ -14,6 +14,7 @@ fn chain(dashpot: f32) -> Model {
     let mut spring_stiffness = vec![50.0; n];
     spring_stiffness[3] = 5e3;
     Model {
+        skin: Arc::default(),
         graph: Arc::new(Graph {
             rest_positions: (0..n).map(|i| [0.01 * i as f32, 0.0, 1.0]).collect(),
             kinds: vec![NodeKind::Observed; n],

@@ -11,7 +11,7 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
 use super::*;
-use crate::objective::{PointLoss, Term, WeightedTerm};
+use crate::objective::{PointLoss, PointSet, Term, WeightedTerm};
 
 /// A small body of two objects over a tilted ground, with two control points, control springs, a
 /// pinned node, and triplets of every kind, so that every code path has a gradient.
@@ -58,6 +58,7 @@ fn body(seed: u64) -> Model {
         (0..count).map(|_| rng.random_range(low..high)).collect()
     };
     Model {
+        skin: Arc::default(),
         params: Params {
             rest_lengths_m: lengths.collect(),
             spring_stiffness: uniform(e, 20.0, 80.0),
@@ -108,10 +109,14 @@ fn objective(model: &Model, frames: usize) -> Objective {
         .collect();
     let mut terms = Vec::new();
     for frame in 0..=frames {
-        let track =
-            |loss| Term::Track { nodes: vec![1, 3, 6, 7], targets: targets[..4].to_vec(), loss };
+        let track = |loss| Term::Track {
+            of: PointSet::Nodes,
+            points: vec![1, 3, 6, 7],
+            targets: targets[..4].to_vec(),
+            loss,
+        };
         let kinds = [
-            Term::Chamfer { targets: targets[2..9].to_vec() },
+            Term::Chamfer { of: PointSet::Nodes, targets: targets[2..9].to_vec() },
             track(PointLoss::SmoothL1 { beta_m: 0.02 }),
             track(PointLoss::Distance),
             track(PointLoss::SquaredDistance),

@@ -21,6 +21,7 @@ fn model(positions: Vec<[f32; 3]>, springs: Vec<[u32; 2]>, triplets: Vec<[u32; 3
     };
     let (e, t) = (springs.len(), triplets.len());
     Model {
+        skin: Arc::default(),
         params: Params {
             spring_stiffness: vec![100.0; e],
             spring_dashpot: vec![0.0; e],

@@ -43,11 +43,12 @@ fn the_last_residual_is_exact_in_the_last_training_frame() {
     let capture = scene::chain(4, 6, 4, [0.0, 0.1, 0.0]);
     let (graph, sequence) = (scene::chain_graph(4), &capture.sequences[0]);
     let still = standing_still(&graph, sequence, sequence.points_at(0));
-    let corrected = last_residual(&graph, sequence, &still).unwrap();
+    let points = Surface::of_nodes(&graph);
+    let corrected = last_residual(&points, sequence, &still).unwrap();
     for (a, b) in corrected.at(3).unwrap().iter().zip(sequence.points_at(3)) {
         assert!(euclidean(*a, *b) < 1e-6);
     }
     let mut whole = sequence.clone();
     whole.train_frame_count = 6;
-    assert_eq!(last_residual(&graph, &whole, &still), None);
+    assert_eq!(last_residual(&points, &whole, &still), None);
 }

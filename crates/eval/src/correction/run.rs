@@ -15,6 +15,7 @@ use crate::{
     Error,
     distance::{euclidean, is_finite},
     metrics::Reference,
+    surface::Surface,
     trajectory::initial_state,
 };
 
@@ -67,7 +68,10 @@ impl<'a> Run<'a> {
             true => (places.clone(), skin.clone()),
             false => bind(clean, &|p| is_finite(&clean[p]))?,
         };
-        let reference = Reference::new(capture, sequence, graph, &start.positions);
+        let surface = &loaded.model().skin;
+        let points = Surface::of_skin(graph, surface);
+        let placed = surface.positions(&start.positions);
+        let reference = Reference::new(capture, sequence, &points, &placed);
         let start = Arc::new(start);
         let (_, state) = roll(backend, loaded, sequence, &start, [first, frame], cancel)?;
         let end = (frame + horizon).min(sequence.frame_count - 1);
@@ -169,7 +173,8 @@ impl<'a> Run<'a> {
             }
             let mut summary = ErrorSummary::default();
             if !held {
-                summary = self.reference.measure(frame, nodes);
+                let placed = self.loaded.model().skin.positions(nodes);
+                summary = self.reference.measure(frame, &placed);
             }
             summary.track_m = (count > 0).then(|| sum / count as f64);
             errors.push(summary);

@@ -7,7 +7,7 @@ fn errors(frames: usize, train: usize) -> PredictorErrors {
     let (graph, sequence) = (scene::chain_graph(4), &capture.sequences[0]);
     let start = sequence.points_at(0);
     let mut errors = PredictorErrors::default();
-    let reference = Reference::new(&capture, sequence, &graph, start);
+    let reference = Reference::new(&capture, sequence, &Surface::of_nodes(&graph), start);
     errors.add(&reference, &standing_still(&graph, sequence, start));
     errors
 }
@@ -48,7 +48,7 @@ fn branches_are_filled_up_to_the_longest_as_in_defts_metric() {
     let (graph, sequence) = (scene::chain_graph(5), &capture.sequences[0]);
     let start = sequence.points_at(0);
     let mut errors = PredictorErrors::default();
-    let reference = Reference::new(&capture, sequence, &graph, start);
+    let reference = Reference::new(&capture, sequence, &Surface::of_nodes(&graph), start);
     errors.add(&reference, &standing_still(&graph, sequence, start));
     // Two branches of four places: point 1 counts in both of them, 2 and 3 once, two places are
     // filling.
@@ -57,7 +57,7 @@ fn branches_are_filled_up_to_the_longest_as_in_defts_metric() {
     let mean = (1..5).map(|f| of_frame(f64::from(f))).sum::<f64>() / 5.0;
     assert!(close(errors.future.summary().padded_rms_m, mean.sqrt()));
     let chain = scene::chain(5, 5, 0, [0.0, 0.0, 0.03]);
-    let of_chain = Reference::new(&chain, &chain.sequences[0], &graph, start);
+    let of_chain = Reference::new(&chain, &chain.sequences[0], &Surface::of_nodes(&graph), start);
     assert_eq!(of_chain.measure(1, start).padded_rms_m, None);
 }
 
@@ -73,7 +73,8 @@ fn tracks_belong_to_the_surface_node_nearest_at_the_start() {
     sequence.truth_tracks = vec![near, nan, near, [0.11, 0.02, 1.0], near, nan];
     let graph = scene::chain_graph(3);
     let start = capture.sequences[0].points_at(0);
-    let reference = Reference::new(&capture, &capture.sequences[0], &graph, start);
+    let reference =
+        Reference::new(&capture, &capture.sequences[0], &Surface::of_nodes(&graph), start);
     let error = reference.measure(1, start);
     assert!(close(error.track_m, f64::hypot(0.01, 0.02)), "{error:?}");
     assert_eq!(error.coordinate_m, None);
@@ -89,7 +90,8 @@ fn hidden_points_and_interior_nodes_do_not_count() {
     capture.sequences[0].visible = vec![true, true, true, false, false, true];
     let sequence = &capture.sequences[0];
     let start = sequence.points_at(0);
-    let error = Reference::new(&capture, sequence, &graph, start).measure(1, start);
+    let error =
+        Reference::new(&capture, sequence, &Surface::of_nodes(&graph), start).measure(1, start);
     // Point 2 has moved up by a centimetre; its own node is interior, node 1 is 10 cm away.
     assert!(close(error.chamfer_l1_m, 0.11), "{error:?}");
     assert!(close(error.chamfer_l2_m, f64::hypot(0.1, 0.01)), "{error:?}");

@@ -2,7 +2,13 @@ use super::*;
 
 fn quality() -> Quality {
     let error = |cd: f64| ErrorSummary { chamfer_l1_m: Some(cd), ..ErrorSummary::default() };
-    let score = |predictor, train, future| Score { predictor, train, future, per_frame: vec![] };
+    let score = |predictor, train, future| Score {
+        predictor,
+        train,
+        future,
+        per_frame: vec![],
+        at_nodes: None,
+    };
     Quality {
         scores: vec![
             score(Predictor::Bending, error(0.00512), error(0.0061)),

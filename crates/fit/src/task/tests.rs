@@ -10,10 +10,15 @@ fn a_tracked_cable_needs_no_chamfer_distance() {
     let terms = task.training.iter().flat_map(|t| t.objective.terms.iter());
     let is_track = |t: &WeightedTerm| matches!(t.term, Term::Track { .. });
     assert!(terms.clone().count() > 0 && terms.clone().all(is_track));
+    // Every point of a cable is a node.
+    assert!(
+        task.skin
+            .is_nodes(&connect(&task.sample, &Connectivity::from_settings(&settings.graph, false)))
+    );
     let pinned: Vec<u32> = task.sample.pins.iter().map(|p| p.node).collect();
     for term in terms {
-        let Term::Track { nodes, .. } = &term.term else { continue };
-        assert!(nodes.iter().all(|n| !pinned.contains(n)), "held nodes cannot be wrong");
+        let Term::Track { points, .. } = &term.term else { continue };
+        assert!(points.iter().all(|n| !pinned.contains(n)), "held nodes cannot be wrong");
     }
 }
 

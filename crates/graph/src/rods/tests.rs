@@ -17,6 +17,7 @@ fn cable(n: u32, edges: &[[u32; 2]], held: &[u32]) -> NodeSample {
         edges: Some(edges.to_vec()),
         rest_shape: None,
         spacing_scale: 1.0,
+        surface: Default::default(),
         left_out: LeftOut::default(),
     }
 }

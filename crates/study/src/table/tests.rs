@@ -15,7 +15,13 @@ use crate::{
 fn score(predictor: Predictor, train_mm: f64, future_mm: f64) -> Score {
     let errors =
         |mm: f64| ErrorSummary { chamfer_l1_m: Some(1e-3 * mm), ..ErrorSummary::default() };
-    Score { predictor, train: errors(train_mm), future: errors(future_mm), per_frame: Vec::new() }
+    Score {
+        predictor,
+        train: errors(train_mm),
+        future: errors(future_mm),
+        per_frame: Vec::new(),
+        at_nodes: None,
+    }
 }
 
 fn record(suite: &Suite, run: &str, outcome: Outcome) -> Record {

@@ -1,7 +1,7 @@
 //! Requests that take much memory, and the twins that they are made for.
 
 use bendtwin_core::{
-    Contact, Environment, Graph, NodeKind, Params, Quality, Timing, Twin,
+    Contact, Environment, Graph, NodeKind, Params, Quality, Skin, Timing, Twin,
     environment::ControlVelocity, twin::Provenance,
 };
 use bendtwin_harness::Api;
@@ -58,6 +58,7 @@ fn twin(n: usize, controls: usize) -> Twin {
         ..Params::default()
     };
     Twin {
+        skin: Skin::of_nodes(&graph),
         graph,
         params,
         environment: Environment::Z_UP,

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use bendtwin_core::Point;
-use bendtwin_engine::{PointLoss, Term, objective::ForceBy};
+use bendtwin_engine::{PointLoss, PointSet, Term, objective::ForceBy};
 use bendtwin_proto::v1::{
     Plane, Tensor,
     cost::{Kind, force::By},
@@ -131,9 +131,12 @@ impl Measure {
     /// The term of an instance in a frame; none of what the engine does not measure.
     pub(super) fn term(&self, instance: usize, frame: usize) -> Option<Term> {
         match self {
-            Self::Cloud(targets) => Some(Term::Chamfer { targets: targets.at(instance, frame) }),
+            Self::Cloud(targets) => {
+                Some(Term::Chamfer { of: PointSet::Nodes, targets: targets.at(instance, frame) })
+            }
             Self::Keypoints { nodes, targets, loss } => Some(Term::Track {
-                nodes: nodes.clone(),
+                of: PointSet::Nodes,
+                points: nodes.clone(),
                 targets: targets.at(instance, frame),
                 loss: *loss,
             }),

@@ -36,7 +36,7 @@ fn chain(height: f32) -> Twin {
         rest_angles_rad: vec![std::f32::consts::PI; N - 2],
         ..base.params
     };
-    Twin { graph, params, ..base }
+    Twin { skin: Skin::of_nodes(&graph), graph, params, ..base }
 }
 
 fn bench(twin: Twin) -> Bench {
@@ -392,7 +392,7 @@ fn a_gradient_through_impacts_that_multiply_it_is_flagged() {
         ..base.graph
     };
     let params = Params { drag: 0.0, contact: base.params.contact, ..Params::default() };
-    let bench = bench(Twin { graph, params, ..base });
+    let bench = bench(Twin { skin: Skin::of_nodes(&graph), graph, params, ..base });
     let ball = Collider {
         shape: Some(collider::Shape::Sphere(Sphere { center: Vec::new(), radius_m: 0.02 })),
         friction: Some(0.0),

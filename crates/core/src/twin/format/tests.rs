@@ -3,19 +3,21 @@ use crate::FastVariant;
 use proptest::prelude::*;
 
 fn twin() -> Twin {
+    let graph = Graph {
+        rest_positions: vec![[0.0, 0.0, 0.1], [0.1, 0.0, 0.1], [0.2, 0.0, 0.1]],
+        kinds: vec![NodeKind::Observed, NodeKind::Completed, NodeKind::Interior],
+        masses: vec![1.0; 3],
+        object_ids: vec![0; 3],
+        observed_points: vec![0, Graph::NOT_OBSERVED, Graph::NOT_OBSERVED],
+        control_rest: vec![[0.3, 0.0, 0.1]],
+        springs: vec![[0, 1], [1, 2], [2, 3]],
+        triplets: vec![[0, 1, 2]],
+        pins: vec![Pin { node: 2, control: 0, offset_m: [-0.1, 0.0, 0.0] }],
+        rods: Vec::new(),
+    };
     Twin {
-        graph: Graph {
-            rest_positions: vec![[0.0, 0.0, 0.1], [0.1, 0.0, 0.1], [0.2, 0.0, 0.1]],
-            kinds: vec![NodeKind::Observed, NodeKind::Completed, NodeKind::Interior],
-            masses: vec![1.0; 3],
-            object_ids: vec![0; 3],
-            observed_points: vec![0, Graph::NOT_OBSERVED, Graph::NOT_OBSERVED],
-            control_rest: vec![[0.3, 0.0, 0.1]],
-            springs: vec![[0, 1], [1, 2], [2, 3]],
-            triplets: vec![[0, 1, 2]],
-            pins: vec![Pin { node: 2, control: 0, offset_m: [-0.1, 0.0, 0.0] }],
-            rods: Vec::new(),
-        },
+        skin: Skin::of_nodes(&graph),
+        graph,
         params: Params {
             spring_stiffness: vec![1e3, 2e3, 3e3],
             spring_dashpot: vec![1.0; 3],
@@ -89,6 +91,7 @@ fn cable() -> Twin {
         rods: vec![vec![0, 1, 2, 3, 4], vec![4, 3, 5, 6, 7, 8]],
         ..Graph::default()
     };
+    twin.skin = Skin::of_nodes(&twin.graph);
     twin.params = Params {
         twist_stiffness: vec![0.1, 0.2],
         twist_damping: vec![0.01, 0.02],
@@ -96,6 +99,50 @@ fn cable() -> Twin {
         ..Params::default()
     };
     twin
+}
+
+/// A twin with a skin finer than its nodes.
+fn skinned() -> Twin {
+    let mut twin = twin();
+    twin.skin = Skin::default();
+    twin.skin.push(4, &[(0, 0.25), (1, 0.75)], [Skin::NO_FRAME; 3], [0.0, 0.01, 0.0]);
+    twin.skin.push(Graph::NOT_OBSERVED, &[(2, 1.0)], [0, 1, 2], [0.0, 0.0, 0.02]);
+    twin
+}
+
+#[test]
+fn a_skin_survives_its_file() {
+    let bytes = skinned().encode().unwrap();
+    assert_eq!(Twin::decode(&bytes).unwrap(), skinned());
+    assert!(String::from_utf8_lossy(&bytes).contains("{\\\"version\\\":3,"));
+}
+
+#[test]
+fn a_skin_that_contradicts_itself_is_refused() {
+    let bytes = skinned().encode().unwrap();
+    let spoilt = [
+        ("skin.weight_count", bytemuck::cast_slice(&[2_u32, 2]).to_vec()),
+        ("skin.weight_count", bytemuck::cast_slice(&[u32::MAX, 4]).to_vec()),
+        ("skin.weight_node", bytemuck::cast_slice(&[0_u32, 9, 2]).to_vec()),
+        ("skin.weight", bytemuck::cast_slice(&[f32::NAN, 0.75, 1.0]).to_vec()),
+        ("skin.frame", bytemuck::cast_slice(&[3_u32; 6]).to_vec()),
+    ];
+    for (name, data) in spoilt {
+        let fault = Twin::decode(&replaced(&bytes, name, &data)).unwrap_err().to_string();
+        assert!(fault.contains("skin"), "{name}: {fault}");
+    }
+}
+
+/// The file with the bytes of one tensor replaced.
+fn replaced(bytes: &[u8], tensor: &str, data: &[u8]) -> Vec<u8> {
+    let container = SafeTensors::deserialize(bytes).unwrap();
+    let (_, header) = SafeTensors::read_metadata(bytes).unwrap();
+    let tensors = container.tensors().into_iter().map(|(name, view)| {
+        let own = if name == tensor { data } else { view.data() };
+        let (dtype, shape) = (view.dtype(), view.shape().to_vec());
+        (name, Raw { dtype, shape, bytes: Cow::Owned(own.to_vec()) })
+    });
+    safetensors::serialize(tensors, header.metadata().clone()).unwrap()
 }
 
 #[test]
@@ -113,18 +160,8 @@ fn rods_survive_their_file() {
 #[test]
 fn rods_of_impossible_lengths_are_refused() {
     let bytes = cable().encode().unwrap();
-    let container = SafeTensors::deserialize(&bytes).unwrap();
-    let (_, header) = SafeTensors::read_metadata(&bytes).unwrap();
     for lengths in [[5_u32, 5], [5, 7], [u32::MAX, 6], [11, 0]] {
-        let tensors = container.tensors().into_iter().map(|(name, view)| {
-            let data = match &*name {
-                "rods.lengths" => bytemuck::cast_slice(&lengths).to_vec(),
-                _ => view.data().to_vec(),
-            };
-            let (dtype, shape) = (view.dtype(), view.shape().to_vec());
-            (name, Raw { dtype, shape, bytes: Cow::Owned(data) })
-        });
-        let file = safetensors::serialize(tensors, header.metadata().clone()).unwrap();
+        let file = replaced(&bytes, "rods.lengths", bytemuck::cast_slice(&lengths));
         let fault = Twin::decode(&file).unwrap_err().to_string();
         assert!(fault.contains("rod"), "{lengths:?}: {fault}");
     }

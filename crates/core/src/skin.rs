@@ -1,0 +1,239 @@
+//! The skin of a twin: points of its surface, finer than its nodes, which the nodes carry.
+//!
+//! A point is at p = Σ w_i x_i + o: a fixed affine combination of nodes (Σ w_i = 1), and an offset
+//! that is constant in a frame of three of them. Where nodes lie around the point the offset is
+//! zero, and every affine motion of the nodes, a rotation included, carries the point exactly.
+//! Nodes in a plane or on a line do not say how far beside it the point is: the rest is the offset.
+//!
+//! The frame of nodes a, b, c has the axes e1 along b - a, n along (b - a) × (c - a), and
+//! e2 = n × e1.
+
+use crate::{
+    Graph, Point,
+    geometry::{Vector, add, cross, dot, length, scaled, sub, wide},
+};
+
+/// Shorter edges [m], and smaller areas [m²], give a frame no direction.
+const LEAST: f64 = 1e-12;
+
+/// Points of a surface that nodes carry. M is their number, K that of all weights.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Skin {
+    /// For each point, the capture's observed point that it is, shape [M]; [`Graph::NOT_OBSERVED`]
+    /// where it is none.
+    pub observed_points: Vec<u32>,
+    /// First weight of each point, and the end of the last, shape [M + 1].
+    pub starts: Vec<u32>,
+    /// Node of each weight, shape [K].
+    pub nodes: Vec<u32>,
+    /// Weights, shape [K]; those of a point sum up to 1.
+    pub weights: Vec<f32>,
+    /// Nodes a, b, c of each point's frame, shape [M]; all of them [`Skin::NO_FRAME`] where the
+    /// offset is along the axes of the world.
+    pub frames: Vec<[u32; 3]>,
+    /// Offset of each point along the axes of its frame [m], shape [M, 3].
+    pub offsets_m: Vec<Point>,
+}
+
+/// Axes of a frame, with what their derivatives need.
+struct Axes {
+    axes: [Vector; 3],
+    /// b - a and c - a [m].
+    edges: [Vector; 2],
+    /// Length of b - a [m], and of (b - a) × (c - a) [m²].
+    lengths: [f64; 2],
+}
+
+impl Skin {
+    /// Marks a point whose offset has no frame.
+    pub const NO_FRAME: u32 = u32::MAX;
+
+    /// The skin that is the surface nodes of a graph themselves.
+    pub fn of_nodes(graph: &Graph) -> Self {
+        // A graph that is read from a file is checked later.
+        let m = graph.surface_count().min(graph.observed_points.len());
+        Self {
+            observed_points: graph.observed_points[..m].to_vec(),
+            starts: (0..=m as u32).collect(),
+            nodes: (0..m as u32).collect(),
+            weights: vec![1.0; m],
+            frames: vec![[Self::NO_FRAME; 3]; m],
+            offsets_m: vec![[0.0; 3]; m],
+        }
+    }
+
+    /// Number of points M.
+    pub fn len(&self) -> usize {
+        self.observed_points.len()
+    }
+
+    /// True without points.
+    pub fn is_empty(&self) -> bool {
+        self.observed_points.is_empty()
+    }
+
+    /// True if its points are the surface nodes of a graph, in their order.
+    pub fn is_nodes(&self, graph: &Graph) -> bool {
+        self.len() == graph.surface_count() && *self == Self::of_nodes(graph)
+    }
+
+    /// Adds a point: the observed point that it is, its weights by node, and its offset in a frame.
+    pub fn push(
+        &mut self,
+        observed_point: u32,
+        weights: &[(u32, f32)],
+        frame: [u32; 3],
+        offset_m: Point,
+    ) {
+        if self.starts.is_empty() {
+            self.starts.push(0);
+        }
+        self.observed_points.push(observed_point);
+        self.nodes.extend(weights.iter().map(|w| w.0));
+        self.weights.extend(weights.iter().map(|w| w.1));
+        self.starts.push(self.nodes.len() as u32);
+        self.frames.push(frame);
+        self.offsets_m.push(offset_m);
+    }
+
+    /// Node and weight of each weight of a point.
+    pub fn weights_of(&self, point: usize) -> impl Iterator<Item = (u32, f32)> + '_ {
+        let own = self.starts[point] as usize..self.starts[point + 1] as usize;
+        self.nodes[own.clone()].iter().copied().zip(self.weights[own].iter().copied())
+    }
+
+    /// Position of a point [m], from those of nodes.
+    pub fn position(&self, point: usize, node: impl Fn(u32) -> Vector) -> Vector {
+        let mut sum = [0.0; 3];
+        for (i, w) in self.weights_of(point) {
+            sum = add(sum, scaled(node(i), f64::from(w)));
+        }
+        let offset = wide(self.offsets_m[point]);
+        if offset == [0.0; 3] {
+            return sum;
+        }
+        let Some(nodes) = self.frame(point) else { return add(sum, offset) };
+        let Some(Axes { axes, .. }) = Axes::of(nodes.map(node)) else { return sum };
+        axes.iter().zip(offset).fold(sum, |p, (axis, o)| add(p, scaled(*axis, o)))
+    }
+
+    /// Positions of all points [m], shape [M, 3], from those of nodes, shape [N, 3].
+    pub fn positions(&self, nodes: &[Point]) -> Vec<Point> {
+        let node = |i: u32| wide(nodes[i as usize]);
+        (0..self.len()).map(|m| self.position(m, node).map(|x| x as f32)).collect()
+    }
+
+    /// Passes d loss / d position of a point on to its nodes: `add_to` is called with a node and
+    /// what it gets, more than once for some.
+    pub fn add_gradient(
+        &self,
+        point: usize,
+        node: impl Fn(u32) -> Vector,
+        bar: Vector,
+        mut add_to: impl FnMut(u32, Vector),
+    ) {
+        for (i, w) in self.weights_of(point) {
+            add_to(i, scaled(bar, f64::from(w)));
+        }
+        let offset = wide(self.offsets_m[point]);
+        let Some(nodes) = self.frame(point).filter(|_| offset != [0.0; 3]) else { return };
+        let Some(axes) = Axes::of(nodes.map(node)) else { return };
+        for (i, bar) in nodes.into_iter().zip(axes.node_bars(offset, bar)) {
+            add_to(i, bar);
+        }
+    }
+
+    /// Nodes of a point's frame, if it has one.
+    fn frame(&self, point: usize) -> Option<[u32; 3]> {
+        Some(self.frames[point]).filter(|f| f[0] != Self::NO_FRAME)
+    }
+
+    /// Checks that lengths agree, nodes exist, numbers are finite and weights sum up to 1.
+    ///
+    /// # Errors
+    /// The first contradiction found, as a sentence.
+    pub fn check(&self, node_count: usize) -> Result<(), String> {
+        let m = self.len();
+        if m == 0 && self.starts.len() <= 1 && self.nodes.is_empty() && self.weights.is_empty() {
+            return Ok(());
+        }
+        let lengths = [
+            ("starts of weights", self.starts.len().wrapping_sub(1)),
+            ("frames", self.frames.len()),
+            ("offsets", self.offsets_m.len()),
+        ];
+        if let Some((what, len)) = lengths.into_iter().find(|(_, len)| *len != m) {
+            return Err(format!("{m} skin points but {len} {what}"));
+        }
+        let ends = [self.starts[0], self.starts[m]].map(|s| s as usize);
+        if !self.starts.is_sorted()
+            || ends != [0, self.nodes.len()]
+            || self.nodes.len() != self.weights.len()
+        {
+            return Err(format!(
+                "{} nodes and {} weights do not divide among {m} skin points",
+                self.nodes.len(),
+                self.weights.len()
+            ));
+        }
+        if let Some(node) = self.nodes.iter().find(|&&i| i as usize >= node_count) {
+            return Err(format!("a skin point is carried by node {node} of {node_count} nodes"));
+        }
+        for point in 0..m {
+            let sum: f64 = self.weights_of(point).map(|(_, w)| f64::from(w)).sum();
+            // NaN is beyond it too.
+            if !((sum - 1.0).abs() < 1e-3) {
+                return Err(format!("the weights of skin point {point} sum up to {sum}, not to 1"));
+            }
+            let frame = self.frames[point];
+            let has_frame = frame != [Self::NO_FRAME; 3];
+            if has_frame && frame.iter().any(|&i| i as usize >= node_count) {
+                return Err(format!("the frame of skin point {point} is of nodes {frame:?}"));
+            }
+        }
+        if !self.weights.iter().chain(self.offsets_m.iter().flatten()).all(|x| x.is_finite()) {
+            return Err("a weight or an offset of the skin is not finite".into());
+        }
+        Ok(())
+    }
+}
+
+/// Offset of a point from its weighted mean along the axes of a frame of three nodes at these
+/// places [m]; `None` if they have no frame.
+pub fn offset_in_frame(nodes: [Vector; 3], offset: Vector) -> Option<Vector> {
+    Axes::of(nodes).map(|a| a.axes.map(|axis| dot(axis, offset)))
+}
+
+impl Axes {
+    /// `None` if the nodes span no triangle.
+    fn of([a, b, c]: [Vector; 3]) -> Option<Self> {
+        let edges = [sub(b, a), sub(c, a)];
+        let normal = cross(edges[0], edges[1]);
+        let lengths = [length(edges[0]), length(normal)];
+        if !lengths.iter().all(|l| *l > LEAST) {
+            return None;
+        }
+        let e1 = scaled(edges[0], 1.0 / lengths[0]);
+        let n = scaled(normal, 1.0 / lengths[1]);
+        Some(Self { axes: [e1, cross(n, e1), n], edges, lengths })
+    }
+
+    /// What nodes a, b, c get of d loss / d position of a point with an offset along the axes.
+    fn node_bars(&self, offset: Vector, bar: Vector) -> [Vector; 3] {
+        let [e1, _, n] = self.axes;
+        let [u, v] = self.edges;
+        let e2_bar = scaled(bar, offset[1]);
+        let e1_bar = add(scaled(bar, offset[0]), cross(e2_bar, n));
+        let n_bar = add(scaled(bar, offset[2]), cross(e1, e2_bar));
+        let of_unit = |axis: Vector, bar: Vector, length: f64| {
+            scaled(sub(bar, scaled(axis, dot(axis, bar))), 1.0 / length)
+        };
+        let normal_bar = of_unit(n, n_bar, self.lengths[1]);
+        let u_bar = add(of_unit(e1, e1_bar, self.lengths[0]), cross(v, normal_bar));
+        let v_bar = cross(normal_bar, u);
+        [scaled(add(u_bar, v_bar), -1.0), u_bar, v_bar]
+    }
+}
+
+#[cfg(test)]
+mod tests;
