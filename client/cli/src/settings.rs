@@ -3,7 +3,10 @@
 use std::path::PathBuf;
 
 use anyhow::Context as _;
-use bendtwin_core::{FitSettings, settings::layers::merge};
+use bendtwin_core::{
+    FitSettings,
+    settings::{Effort, layers::merge},
+};
 use clap::Args;
 use serde_json::Value;
 
@@ -18,6 +21,12 @@ pub(crate) struct SettingsArgs {
     /// One setting, for example `graph.max_nodes=400`; may be repeated
     #[arg(long = "set", value_name = "KEY=VALUE")]
     overrides: Vec<String>,
+    /// What settings that are left open follow: draft, standard or best
+    #[arg(long, value_name = "EFFORT", value_parser = effort)]
+    effort: Option<Effort>,
+    /// Time that the fit may take, for example 60s, 5m or 1h
+    #[arg(long, value_name = "TIME", value_parser = seconds)]
+    within: Option<f64>,
     /// Start from PhysTwin's scheme as published instead of the defaults
     #[arg(long)]
     phystwin: bool,
@@ -49,11 +58,28 @@ impl SettingsArgs {
         let mut settings: FitSettings =
             serde_json::from_value(value).map_err(|e| Usage::error(format!("settings: {e}")))?;
         settings.compare_axial |= self.axial;
+        settings.effort = self.effort.unwrap_or(settings.effort);
+        settings.within_s = self.within.or(settings.within_s);
         match settings.validate() {
             Ok(()) => Ok(settings),
             Err(faults) => Err(Usage::error(format!("settings: {}", faults.join("; ")))),
         }
     }
+}
+
+/// An effort by its name.
+fn effort(text: &str) -> Result<Effort, String> {
+    serde_json::from_value(Value::String(text.to_owned()))
+        .map_err(|_| "use draft, standard or best".to_owned())
+}
+
+/// A time in seconds, minutes or hours [s]; without a unit, in seconds.
+fn seconds(text: &str) -> Result<f64, String> {
+    let units = [("s", 1.0), ("m", 60.0), ("h", 3600.0)];
+    let unit = units.iter().find_map(|(unit, s)| Some((text.strip_suffix(unit)?, *s)));
+    let (number, unit_s) = unit.unwrap_or((text, 1.0));
+    let time = number.trim().parse::<f64>().ok().map(|n| n * unit_s);
+    time.filter(|s| s.is_finite() && *s > 0.0).ok_or_else(|| "write 60s, 5m or 1h".to_owned())
 }
 
 /// The text as JSON if it is valid JSON, else as a string.

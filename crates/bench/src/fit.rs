@@ -173,10 +173,10 @@ fn settings(scene: &Scene, plan: &FitPlan) -> FitSettings {
         control_velocity: ControlVelocity::True,
         search: SearchSettings {
             generations: Some(plan.generations),
-            population: plan.candidates,
+            population: Some(plan.candidates),
             ..published.search
         },
-        refine: RefineSettings { passes: plan.passes, ..refine },
+        refine: RefineSettings { passes: Some(plan.passes), ..refine },
         ..FitSettings::phystwin()
     }
 }

@@ -188,9 +188,9 @@ impl Scene {
 pub(crate) fn graph_settings() -> GraphSettings {
     GraphSettings {
         sampling_ratio: 1.0,
-        max_nodes: usize::MAX,
-        interior: true,
-        radius_m: 0.02,
+        max_nodes: Some(usize::MAX),
+        interior: Some(true),
+        radius_m: Some(0.02),
         max_neighbours: 29,
         control_radius_m: 0.04,
         control_neighbours: 50,

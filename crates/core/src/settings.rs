@@ -1,12 +1,14 @@
 //! Settings of a fit. Every field has a default, unknown fields are refused, and
 //! [`FitSettings::validate`] reports all faults at once.
 
+pub mod defaults;
 pub mod ingest;
 pub mod layers;
 pub mod memory;
 
 use serde::{Deserialize, Serialize};
 
+pub use self::defaults::{Conditions, DeviceKind, Effort};
 use crate::environment::ControlVelocity;
 
 /// Settings of a fit job.
@@ -15,6 +17,11 @@ use crate::environment::ControlVelocity;
 pub struct FitSettings {
     /// Seed of every random choice; the same seed gives the same twin.
     pub seed: u64,
+    /// Effort, which settings that are left open follow.
+    pub effort: Effort,
+    /// Time that the fit may take [s]; fewer generations and passes are made then. A twin of such a
+    /// fit carries their numbers, which depend on the machine.
+    pub within_s: Option<f64>,
     /// Bending triplets, and rods that twist where the capture allows them.
     pub bending: bool,
     /// Also fit the same nodes without bending and report it beside.
@@ -41,12 +48,14 @@ pub struct FitSettings {
 pub struct GraphSettings {
     /// Fraction r of the capture's points kept as nodes, in (0, 1].
     pub sampling_ratio: f64,
-    /// Upper bound on the number of nodes; lowers the ratio where it is exceeded.
-    pub max_nodes: usize,
-    /// Keep interior nodes; without them the graph is its surface only.
-    pub interior: bool,
-    /// Spring radius at full sampling [m]; scaled up as nodes get sparser.
-    pub radius_m: f64,
+    /// Upper bound on the number of nodes; lowers the ratio where it is exceeded. If left open, it
+    /// depends on effort and device.
+    pub max_nodes: Option<usize>,
+    /// Keep interior nodes; without them the graph is its surface only. If left open, they are kept.
+    pub interior: Option<bool>,
+    /// Spring radius at full sampling [m]; scaled up as nodes get sparser. If left open, it follows
+    /// the spacing of the capture's points.
+    pub radius_m: Option<f64>,
     /// Most springs that a node opens.
     pub max_neighbours: usize,
     /// Radius of control springs at full sampling [m].
@@ -122,14 +131,14 @@ pub struct LossSettings {
 #[serde(default, deny_unknown_fields)]
 pub struct SearchSettings {
     /// Number of searches with different seeds, each with a refinement of its own; the twin is the
-    /// one with the lowest training loss. If left open, it depends on the capture: 3 where edges
-    /// are known, 1 in others.
+    /// one with the lowest training loss. If left open, it depends on effort, capture and device.
     pub starts: Option<u32>,
-    /// Number of generations; 0 skips the stage. If left open, it depends on the capture: 60 where
-    /// edges are known, whose few nodes make them cheap and whose motion bifurcates, 25 in others.
+    /// Number of generations; 0 skips the stage. If left open, it depends on effort, capture and
+    /// device.
     pub generations: Option<u32>,
-    /// Candidates per generation; 0 means 4 + 3 ln(variables).
-    pub population: usize,
+    /// Candidates per generation; 0 means 4 + 3 ln(variables). If left open, it depends on effort,
+    /// capture and device.
+    pub population: Option<usize>,
     /// Initial step size in the unit cube.
     pub sigma: f64,
     /// Search of radius and neighbour counts too.
@@ -159,8 +168,9 @@ pub enum GradientWindow {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct RefineSettings {
-    /// Passes over the training frames; 0 skips the stage.
-    pub passes: u32,
+    /// Passes over the training frames; 0 skips the stage. If left open, it depends on effort,
+    /// capture and device.
+    pub passes: Option<u32>,
     /// Learning rate in log space.
     pub learning_rate: f64,
     /// Decay of the first moment.
@@ -185,6 +195,8 @@ impl Default for FitSettings {
     fn default() -> Self {
         Self {
             seed: 0,
+            effort: Effort::Standard,
+            within_s: None,
             bending: true,
             compare_axial: false,
             graph: GraphSettings::default(),
@@ -202,9 +214,9 @@ impl Default for GraphSettings {
     fn default() -> Self {
         Self {
             sampling_ratio: 1.0,
-            max_nodes: 150,
-            interior: false,
-            radius_m: 0.02,
+            max_nodes: None,
+            interior: None,
+            radius_m: None,
             max_neighbours: 12,
             control_radius_m: 0.04,
             control_neighbours: 10,
@@ -232,7 +244,7 @@ impl Default for SearchSettings {
         Self {
             starts: None,
             generations: None,
-            population: 32,
+            population: None,
             sigma: 1.0 / 6.0,
             topology: false,
             gravity: None,
@@ -245,7 +257,7 @@ impl Default for SearchSettings {
 impl Default for RefineSettings {
     fn default() -> Self {
         Self {
-            passes: 40,
+            passes: None,
             learning_rate: 5e-2,
             beta1: 0.9,
             beta2: 0.99,
@@ -267,8 +279,9 @@ impl FitSettings {
             substeps: Substeps::Fixed(667),
             control_velocity: ControlVelocity::Ignored,
             graph: GraphSettings {
-                max_nodes: usize::MAX,
-                interior: true,
+                max_nodes: Some(usize::MAX),
+                interior: Some(true),
+                radius_m: Some(0.02),
                 max_neighbours: 30,
                 control_neighbours: 50,
                 ..GraphSettings::default()
@@ -276,12 +289,12 @@ impl FitSettings {
             loss: LossSettings { track_beta_m: 1.0, ..LossSettings::default() },
             search: SearchSettings {
                 generations: Some(20),
-                population: 0,
+                population: Some(0),
                 topology: true,
                 ..SearchSettings::default()
             },
             refine: RefineSettings {
-                passes: 200,
+                passes: Some(200),
                 learning_rate: 1e-3,
                 window: GradientWindow::Frame,
                 prior: 0.0,
@@ -303,10 +316,12 @@ impl FitSettings {
                 faults.push(format!("{name} is {value}: it must lie in {low}..={high}"));
             }
         };
+        within("within_s", self.within_s.unwrap_or(1.0), 1.0, 1e6);
         let g = &self.graph;
         within("graph.sampling_ratio", g.sampling_ratio, 1e-4, 1.0);
-        within("graph.max_nodes", g.max_nodes.min(1 << 24) as f64, 1.0, f64::from(1 << 24));
-        within("graph.radius_m", g.radius_m, 1e-5, 10.0);
+        let max_nodes = g.max_nodes.unwrap_or(1).min(1 << 24) as f64;
+        within("graph.max_nodes", max_nodes, 1.0, f64::from(1 << 24));
+        within("graph.radius_m", g.radius_m.unwrap_or(0.02), 1e-5, 10.0);
         within("graph.max_neighbours", g.max_neighbours as f64, 1.0, 256.0);
         within("graph.control_radius_m", g.control_radius_m, 0.0, 10.0);
         within("graph.control_neighbours", g.control_neighbours as f64, 0.0, 1024.0);
@@ -326,10 +341,11 @@ impl FitSettings {
         within("search.starts", f64::from(self.search.starts.unwrap_or(1)), 1.0, 64.0);
         let generations = self.search.generations.unwrap_or_default();
         within("search.generations", f64::from(generations), 0.0, 10_000.0);
-        within("search.population", self.search.population as f64, 0.0, 10_000.0);
+        let population = self.search.population.unwrap_or_default() as f64;
+        within("search.population", population, 0.0, 10_000.0);
         within("search.sigma", self.search.sigma, 1e-6, 1.0);
         let r = &self.refine;
-        within("refine.passes", f64::from(r.passes), 0.0, 100_000.0);
+        within("refine.passes", f64::from(r.passes.unwrap_or_default()), 0.0, 100_000.0);
         within("refine.learning_rate", r.learning_rate, 1e-9, 1.0);
         within("refine.beta1", r.beta1, 0.0, 0.999_999);
         within("refine.beta2", r.beta2, 0.0, 0.999_999_9);

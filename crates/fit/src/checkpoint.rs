@@ -8,13 +8,17 @@ use crate::{Error, cmaes::CmaEs, refine::RunState};
 
 /// Checkpoints of fits. The version rises with every change of [`Checkpoint`] or of what a stage
 /// computes from it.
-const KIND: Kind = Kind { name: "fit", magic: *b"BTFC", version: 6 };
+const KIND: Kind = Kind { name: "fit", magic: *b"BTFC", version: 7 };
 
 /// The state of a fit that changes while it runs.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Checkpoint {
     /// The state of each model's fit, in the order of the fit.
     pub(crate) models: Vec<ModelFitState>,
+    /// Generations of the search, if a time limit has decided them.
+    pub(crate) generations: Option<u32>,
+    /// Time spent [s]; 0 without a time limit.
+    pub(crate) spent_s: f64,
 }
 
 /// Identity of the fit that a checkpoint belongs to.

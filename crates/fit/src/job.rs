@@ -1,9 +1,10 @@
 //! A fit from its capture to its twin.
 
-use std::sync::Arc;
+use std::{sync::Arc, time::Instant};
 
 use bendtwin_core::{
     CancelToken, Capture, FitSettings, Observer, Progress, Stage, Twin, quality::Predictor,
+    settings::DeviceKind,
 };
 use bendtwin_engine::{Backend, backend};
 use bendtwin_eval::{EvaluateOptions, evaluate, fast_variant};
@@ -12,11 +13,13 @@ use crate::{
     Error,
     checkpoint::{Checkpoint, Identity, ModelFitState},
     cmaes::default_population,
+    memory,
     model_fit::{ModelFit, model_name},
     progress::{ModelProgress, ProgressEstimator},
     refine::Refinement,
     search::{Search, Searcher},
     task::Task,
+    time_limit::TimeLimit,
     warnings,
 };
 
@@ -55,7 +58,7 @@ impl FitJob<'_> {
         observer: &mut dyn Observer<Progress>,
         cancel: &CancelToken,
     ) -> Result<Outcome, Error> {
-        let task = Task::new(self.capture, &self.settings)?;
+        let task = Task::new(self.capture, &self.settings, device_kind(&*self.backend))?;
         let mut run = Run::new(self, &task, observer, cancel);
         if let Some(bytes) = checkpoint {
             run.restore(bytes)?;
@@ -72,9 +75,20 @@ struct Run<'a> {
     task: &'a Task<'a>,
     models: Vec<ModelFit>,
     identity: Identity,
+    /// Generations of the search.
+    generations: u32,
+    limit: Option<TimeLimit>,
     estimator: ProgressEstimator,
     observer: &'a mut dyn Observer<Progress>,
     cancel: &'a CancelToken,
+}
+
+/// Pass whose time tells how many fit into a time limit.
+const MEASURED_PASS: u32 = 2;
+
+/// The kind of a backend's device.
+pub(crate) fn device_kind(backend: &dyn Backend) -> DeviceKind {
+    if memory::lanes(backend).on_host { DeviceKind::Cpu } else { DeviceKind::Gpu }
 }
 
 /// A model whose refinement is done.
@@ -93,16 +107,18 @@ impl<'a> Run<'a> {
         let models = ModelFit::all(task);
         let identity = Identity {
             capture_digest: job.capture_digest.clone(),
-            settings: job.settings.clone(),
+            settings: task.settings.clone(),
             backend: job.backend.device().kind,
         };
         let search_frames = task.search_set().iter().map(|t| t.frames).sum();
-        let population = match job.settings.search.population {
+        let population = match task.population() {
             0 => default_population(models[0].space.start().len()),
             n => n,
         };
         let estimator = ProgressEstimator::new(task, search_frames, population);
-        Self { job, task, models, identity, estimator, observer, cancel }
+        let limit = task.settings.within_s.map(TimeLimit::new);
+        let generations = task.generations();
+        Self { job, task, models, identity, generations, limit, estimator, observer, cancel }
     }
 
     fn restore(&mut self, bytes: &[u8]) -> Result<(), Error> {
@@ -113,12 +129,21 @@ impl<'a> Run<'a> {
         for (model, state) in self.models.iter_mut().zip(checkpoint.models) {
             model.state = state;
         }
+        self.generations = checkpoint.generations.unwrap_or(self.generations);
+        if let Some(limit) = &mut self.limit {
+            limit.resume(checkpoint.spent_s);
+        }
         Ok(())
     }
 
     fn keep(&mut self) -> Result<(), Error> {
         let models = self.models.iter().map(|m| m.state.clone()).collect();
-        let checkpoint = Checkpoint { models }.to_bytes(&self.identity)?;
+        let checkpoint = Checkpoint {
+            models,
+            generations: self.limit.as_ref().map(|_| self.generations),
+            spent_s: self.limit.as_ref().map_or(0.0, TimeLimit::spent_s),
+        };
+        let checkpoint = checkpoint.to_bytes(&self.identity)?;
         self.observer.checkpoint(checkpoint).map_err(Error::Observer)
     }
 
@@ -134,10 +159,10 @@ impl<'a> Run<'a> {
     /// Runs generations until all searches are done. Models that are past the search stay as they
     /// are.
     fn search(&mut self) -> Result<(), Error> {
-        let generations = u64::from(self.task.generations());
         let mut search = Search::new(self.task);
         loop {
             self.check_cancelled()?;
+            let (began, generations) = (Instant::now(), u64::from(self.generations));
             let mut open: Vec<_> = self
                 .models
                 .iter_mut()
@@ -153,6 +178,7 @@ impl<'a> Run<'a> {
                 return Ok(());
             }
             let results = search.generation(&mut open, &*self.job.backend, self.cancel)?;
+            self.limit_generations(began.elapsed().as_secs_f64());
             self.keep()?;
             for result in results {
                 let model = &self.models[result.model];
@@ -170,13 +196,41 @@ impl<'a> Run<'a> {
         }
     }
 
+    /// Makes the search as long as the time limit allows, from the time of a generation.
+    fn limit_generations(&mut self, took_s: f64) {
+        let Some(limit) = &self.limit else { return };
+        let done = self.models.iter().filter_map(|m| match &m.state {
+            ModelFitState::Search(strategy) => Some(strategy.generation() as u32),
+            ModelFitState::Refine { .. } => None,
+        });
+        let done = done.max().unwrap_or(0);
+        self.generations = limit.generations(self.task.generations(), done, took_s);
+        self.estimator.set_generations(self.generations);
+    }
+
+    /// Makes the refinement as long as the time limit allows, from the time of a pass.
+    fn limit_passes(&mut self, refinement: &mut Refinement<'_>, took_s: f64) {
+        let Some(limit) = &self.limit else { return };
+        let Some(done) = refinement.runs.first().map(|r| r.state.pass) else { return };
+        // The rate falls over all passes, so their number stays once it is known; the first pass
+        // may be slow for reasons of its own.
+        let passes = match done {
+            MEASURED_PASS => limit.passes(self.task.passes(), done, took_s),
+            _ if limit.is_over(took_s) => done,
+            _ => return,
+        };
+        refinement.runs.iter_mut().for_each(|r| r.state.passes = r.state.passes.min(passes));
+        self.estimator.set_passes(passes);
+    }
+
     /// Runs passes until all models are refined; returns the best start of each kind of model.
     fn refine(&mut self) -> Result<Vec<Finished>, Error> {
         let mut refinement = self.begin_refinement()?;
-        let passes = self.job.settings.refine.passes;
-        while refinement.runs.iter().any(|r| r.state.pass < passes) {
+        while refinement.runs.iter().any(|r| r.state.pass < r.state.passes) {
             self.check_cancelled()?;
+            let began = Instant::now();
             refinement.pass()?;
+            self.limit_passes(&mut refinement, began.elapsed().as_secs_f64());
             for run in &refinement.runs {
                 self.models[run.model].record_run(&run.state);
             }
@@ -199,7 +253,7 @@ impl<'a> Run<'a> {
             let best = own.min_by(|a, b| a.state.best.loss.total_cmp(&b.state.best.loss));
             let Some(best) = best else { continue };
             let model = &self.models[best.model];
-            let twin = model.twin(self.job, best)?;
+            let twin = model.twin(self.job, self.generations, best)?;
             finished.push(Finished { twin, warnings: warnings::of_fit(self.task, model) });
         }
         Ok(finished)

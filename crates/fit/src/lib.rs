@@ -23,6 +23,7 @@ mod space;
 mod subject;
 mod submit;
 mod task;
+mod time_limit;
 mod warnings;
 
 pub use error::Error;

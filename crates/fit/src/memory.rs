@@ -35,8 +35,9 @@ impl Problem for TooLarge {
 
 /// Memory of a fit [bytes], an upper bound by its settings and the capture.
 pub fn estimate(capture: &Capture, settings: &FitSettings, backend: &dyn Backend) -> u64 {
-    let size = size_of(capture);
-    of_sizes(settings, &size, &GraphSize::largest(settings, &size), lanes(backend)).total()
+    let (size, lanes) = (size_of(capture), lanes(backend));
+    let settings = settings.filled(size.conditions(lanes));
+    of_sizes(&settings, &size, &GraphSize::largest(&settings, &size), lanes).total()
 }
 
 /// Memory of a fit [bytes] that may take at most so much. Settings may allow far more springs than
@@ -56,6 +57,7 @@ pub fn check(
         return Ok(bound);
     }
     let (size, lanes) = (size_of(capture), lanes(backend));
+    let settings = &settings.filled(size.conditions(lanes));
     let largest = GraphSize::largest(settings, &size);
     // Without a single spring it would be too large, or candidates have graphs of their own.
     let is_hopeless = {

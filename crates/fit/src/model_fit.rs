@@ -58,7 +58,7 @@ impl ModelFit {
         let search = &settings.search;
         let steps = u64::from(start) + 1;
         let seed = settings.seed.wrapping_add(SEED_STEP.wrapping_mul(steps));
-        let strategy = CmaEs::new(space.start(), search.sigma, search.population, seed);
+        let strategy = CmaEs::new(space.start(), search.sigma, task.population(), seed);
         let name = match (model_name(bending), starts) {
             (model, 1) => model.to_owned(),
             (model, _) => format!("{model} {}/{starts}", start + 1),
@@ -127,13 +127,22 @@ impl ModelFit {
         }
     }
 
-    /// The twin at a run's best parameters, without its quality.
-    pub(crate) fn twin(&self, job: &FitJob<'_>, run: &OptimizerRun<'_>) -> Result<Twin, Error> {
+    /// The twin at a run's best parameters, without its quality. Its settings have the generations
+    /// and passes that were made.
+    pub(crate) fn twin(
+        &self,
+        job: &FitJob<'_>,
+        generations: u32,
+        run: &OptimizerRun<'_>,
+    ) -> Result<Twin, Error> {
         if !run.state.best.loss.is_finite() {
             let why = "the best one diverged on the whole training set".to_owned();
             return Err(Error::NothingStable(why));
         }
         let (params, timing) = run.best();
+        let mut settings = self.settings.clone();
+        settings.search.generations = Some(generations);
+        settings.refine.passes = Some(run.state.passes);
         Ok(Twin {
             graph: run.graph.as_ref().clone(),
             skin: run.loaded.model().skin.as_ref().clone(),
@@ -144,7 +153,7 @@ impl ModelFit {
             provenance: Provenance {
                 capture_digest: job.capture_digest.clone(),
                 capture_name: job.capture.name.clone(),
-                settings: Some(self.settings.clone()),
+                settings: Some(settings),
                 build: bendtwin_core::BUILD.to_owned(),
                 backend: job.backend.device().kind,
                 source_to_world: job.capture.source_to_world,

@@ -39,9 +39,19 @@ impl ProgressEstimator {
             generation_frames: (search_frames * population) as f64,
             pass_frames: frames as f64 * GRADIENT_COST,
             generations: task.generations(),
-            passes: task.settings.refine.passes,
+            passes: task.passes(),
             origin: None,
         }
+    }
+
+    /// Takes over the number of generations that a time limit allows.
+    pub(crate) fn set_generations(&mut self, generations: u32) {
+        self.generations = generations;
+    }
+
+    /// Takes over the number of passes that a time limit allows.
+    pub(crate) fn set_passes(&mut self, passes: u32) {
+        self.passes = passes;
     }
 
     fn fraction(&self, stage: Stage, iteration: u32) -> f64 {

@@ -53,7 +53,7 @@ impl<'a> Refinement<'a> {
     /// Scores the initial parameters, so that no model can end worse than it began; left to the
     /// first pass if that scores them anyway.
     pub(crate) fn begin(&mut self) -> Result<(), Error> {
-        let passes = self.task.settings.refine.passes;
+        let passes = self.task.passes();
         let first_does = passes > 0 && schedule::steps(self.task, 0).len() == 1;
         if first_does { Ok(()) } else { self.score() }
     }
@@ -68,7 +68,8 @@ impl<'a> Refinement<'a> {
     /// which the pass begins, and the next pass scores those at which this one ends. Only the last
     /// pass has none after it.
     pub(crate) fn pass(&mut self) -> Result<(), Error> {
-        let Some(pass) = self.runs.first().map(|w| w.state.pass) else { return Ok(()) };
+        let first = self.runs.first().map(|w| (w.state.pass, w.state.passes));
+        let Some((pass, passes)) = first else { return Ok(()) };
         let initial: Vec<_> = self.task.training.iter().map(|t| t.initial.clone()).collect();
         // States at the start of the next window, by model and sequence.
         let mut states = vec![initial; self.runs.len()];
@@ -85,7 +86,7 @@ impl<'a> Refinement<'a> {
         for (index, run) in self.runs.iter_mut().enumerate() {
             run.sync(index, &mut *self.optimizer)?;
         }
-        let is_last = pass + 1 >= self.task.settings.refine.passes;
+        let is_last = pass + 1 >= passes;
         if is_last || steps.len() > 1 {
             self.score()?;
         }

@@ -3,7 +3,9 @@
 use std::sync::Arc;
 
 use bendtwin_core::{
-    Capture, FitSettings, Graph, Point, Sequence, Skin, capture::Subject, settings::SequenceMean,
+    Capture, FitSettings, Graph, Point, Sequence, Skin,
+    capture::Subject,
+    settings::{Conditions, DeviceKind, SequenceMean},
 };
 use bendtwin_engine::{
     Loaded, Objective, PointLoss, PointSet, Term, backend::Instance, model::State,
@@ -18,7 +20,8 @@ use crate::{Error, sequences, subject::Defaults};
 /// The data of a fit that no iteration changes.
 pub(crate) struct Task<'a> {
     pub(crate) capture: &'a Capture,
-    pub(crate) settings: &'a FitSettings,
+    /// Settings in force: none is left open that effort, capture or device decide.
+    pub(crate) settings: FitSettings,
     pub(crate) sample: NodeSample,
     /// Surface points that the nodes carry, whatever joins them in a candidate: bound along the
     /// springs of the settings' own connectivity.
@@ -71,17 +74,32 @@ impl<'b> Setup<'b> {
     }
 }
 
+/// Spring radius over the distance of the capture's points to their sixth neighbours, where
+/// settings leave it open: enough for a dozen neighbours inside a body.
+const RADIUS_SPACINGS: f64 = 2.0;
+/// Bounds of that radius [m].
+const LEAST_RADIUS_M: f64 = 1e-5;
+const MOST_RADIUS_M: f64 = 10.0;
+
 /// Names of the groups of the loss in progress and checkpoints.
 const GROUPS: [&str; 3] = ["chamfer", "track", "acceleration"];
 
 impl<'a> Task<'a> {
-    pub(crate) fn new(capture: &'a Capture, settings: &'a FitSettings) -> Result<Self, Error> {
+    pub(crate) fn new(
+        capture: &'a Capture,
+        settings: &FitSettings,
+        device: DeviceKind,
+    ) -> Result<Self, Error> {
         settings.validate().map_err(Error::Settings)?;
         bendtwin_eval::check_capture(capture)?;
+        let subject = capture.object.subject();
+        let mut settings = settings.filled(Conditions { subject, device });
         let sample = sample_nodes(capture, &settings.graph, settings.seed)?;
+        let radius_m = RADIUS_SPACINGS * sample.point_spacing_m;
+        settings.graph.radius_m.get_or_insert(radius_m.clamp(LEAST_RADIUS_M, MOST_RADIUS_M));
         let joined = connect(&sample, &Connectivity::from_settings(&settings.graph, false));
         let skin = Arc::new(bind_skin(&joined, &sample.surface));
-        let setup = Setup::new(capture, settings, &sample, &skin);
+        let setup = Setup::new(capture, &settings, &sample, &skin);
         let sequences = capture.sequences.iter();
         let training: Vec<_> =
             sequences.filter_map(|s| Training::new(s, s.train_frame_count, &setup)).collect();
@@ -104,7 +122,7 @@ impl<'a> Task<'a> {
         let limit = |n: usize, most: usize| if most == 0 { n } else { n.min(most) };
         let count = limit(self.training.len(), settings.max_sequences);
         let spread = (0..count).map(|i| i * self.training.len() / count);
-        let setup = Setup::new(self.capture, self.settings, &self.sample, &self.skin);
+        let setup = Setup::new(self.capture, &self.settings, &self.sample, &self.skin);
         let mut set = Vec::with_capacity(count);
         for sequence in spread.map(|i| self.training[i].sequence) {
             let most = limit(
@@ -129,12 +147,22 @@ impl<'a> Task<'a> {
         if self.generations() == 0 {
             return 1;
         }
-        self.settings.search.starts.unwrap_or(self.defaults.starts)
+        self.settings.search.starts.unwrap_or(1)
     }
 
     /// Number of generations of a search.
     pub(crate) fn generations(&self) -> u32 {
-        self.settings.search.generations.unwrap_or(self.defaults.generations)
+        self.settings.search.generations.unwrap_or_default()
+    }
+
+    /// Number of passes of a refinement.
+    pub(crate) fn passes(&self) -> u32 {
+        self.settings.refine.passes.unwrap_or_default()
+    }
+
+    /// Number of candidates of a generation; 0 leaves it to the search.
+    pub(crate) fn population(&self) -> usize {
+        self.settings.search.population.unwrap_or_default()
     }
 
     /// The mean of the losses of several sequences.

@@ -49,15 +49,15 @@ fn plate() -> Capture {
 
 fn settings() -> FitSettings {
     let mut settings = FitSettings::default();
-    settings.graph.max_nodes = EDGE * EDGE;
-    settings.graph.radius_m = 0.05;
+    settings.graph.max_nodes = Some(EDGE * EDGE);
+    settings.graph.radius_m = Some(0.05);
     settings.graph.max_neighbours = 64;
     settings.graph.max_triplets = 15;
     settings.substeps = Substeps::Auto { safety: 1.1, max: 1_000 };
     settings.search.generations = Some(1);
-    settings.search.population = 48;
+    settings.search.population = Some(48);
     settings.search.starts = Some(3);
-    settings.refine.passes = 2;
+    settings.refine.passes = Some(2);
     settings
 }
 
@@ -101,11 +101,11 @@ fn what_would_take_all_memory_is_refused_before_it_begins() {
     // Neighbours that the radius does not have are not counted.
     let mut generous = settings();
     generous.graph.max_neighbours = 256;
-    generous.graph.radius_m = 0.015;
+    generous.graph.radius_m = Some(0.015);
     let bound = memory::estimate(&capture, &generous, &*backend);
     let built = memory::check(&capture, &generous, &*backend, bound - 1).unwrap();
     assert!(2 * built < bound, "{built} of {bound}");
     // Nor is a population beyond what is loaded at a time.
-    generous.search.population = 10_000;
+    generous.search.population = Some(10_000);
     assert!(memory::estimate(&capture, &generous, &*backend) < bound + GENERATION_BYTES);
 }

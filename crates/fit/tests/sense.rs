@@ -20,9 +20,9 @@ fn fit(scene: Scene, bending: bool) -> Twin {
     let capture = make(scene, &MakeOptions::full(3)).unwrap();
     let mut settings = FitSettings { seed: 1, bending, ..FitSettings::default() };
     // Not the best twin, but long past what it began with.
-    settings.graph.max_nodes = 100;
+    settings.graph.max_nodes = Some(100);
     settings.search.generations = Some(12);
-    settings.refine.passes = 12;
+    settings.refine.passes = Some(12);
     let job = FitJob {
         capture: &capture,
         capture_digest: digest(&capture),

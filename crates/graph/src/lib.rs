@@ -30,6 +30,8 @@ pub use self::{
     spread::{farthest_points, mean_spacing},
 };
 
+/// Spring radius at full sampling where settings leave it open [m].
+const RADIUS_M: f64 = 0.02;
 /// Springs whose rest length would be shorter than this are left out [m].
 pub const MIN_REST_LENGTH_M: f32 = 1e-4;
 
@@ -52,6 +54,8 @@ pub struct NodeSample {
     pub edges: Option<Vec<[u32; 2]>>,
     /// Undeformed positions [m], shape [N, 3], where they are not [`NodeSample::positions`].
     pub rest_shape: Option<Vec<Point>>,
+    /// Mean distance of all points to their sixth neighbours [m].
+    pub point_spacing_m: f64,
     /// Mean spacing of the nodes over that of all points, at least 1: what radii are multiplied by.
     pub spacing_scale: f64,
     /// All points of the surface, nodes or not.
@@ -130,7 +134,7 @@ impl Connectivity {
     /// The settings' own values; without `bending`, without triplets and rods.
     pub fn from_settings(settings: &GraphSettings, bending: bool) -> Self {
         Self {
-            radius_m: settings.radius_m,
+            radius_m: settings.radius_m.unwrap_or(RADIUS_M),
             max_neighbours: settings.max_neighbours,
             control_radius_m: settings.control_radius_m,
             control_neighbours: settings.control_neighbours,

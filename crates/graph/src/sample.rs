@@ -41,7 +41,7 @@ pub fn sample_nodes(
     let pool = if cable {
         start.cable(object)?
     } else {
-        start.pool(capture, settings.interior, &mut left_out)?
+        start.pool(capture, settings.interior.unwrap_or(true), &mut left_out)?
     };
     if pool.positions.is_empty() {
         return Err(Error::NoPoints {
@@ -56,10 +56,11 @@ pub fn sample_nodes(
         pool.reduce(object, settings, seed)
     };
     let positions: Vec<Point> = chosen.iter().map(|&i| pool.positions[i]).collect();
+    let point_spacing_m = mean_spacing(&pool.positions);
     let spacing_scale = if chosen.len() == pool.positions.len() {
         1.0
     } else {
-        let scale = mean_spacing(&positions) / mean_spacing(&pool.positions);
+        let scale = mean_spacing(&positions) / point_spacing_m;
         if scale.is_finite() { scale.max(1.0) } else { 1.0 }
     };
     let observed_points: Vec<u32> = chosen.iter().map(|&i| pool.observed(i)).collect();
@@ -75,6 +76,7 @@ pub fn sample_nodes(
         pins,
         edges: cable.then(|| object.edges.clone()),
         rest_shape: rest_shape.map(Iterator::collect),
+        point_spacing_m,
         spacing_scale,
         surface: pool.surface(),
         left_out,
@@ -223,7 +225,7 @@ impl Pool {
     fn reduce(&self, object: &Object, settings: &GraphSettings, seed: u64) -> Vec<usize> {
         let total = self.positions.len();
         let wanted = (settings.sampling_ratio * total as f64).ceil() as usize;
-        let wanted = wanted.min(settings.max_nodes).clamp(1, total);
+        let wanted = wanted.min(settings.max_nodes.unwrap_or(usize::MAX)).clamp(1, total);
         if wanted == total {
             return (0..total).collect();
         }

@@ -42,7 +42,7 @@ fn cloud(seed: u64, n: usize, size: [f32; 3]) -> Vec<Point> {
 
 fn settings(max_nodes: usize) -> GraphSettings {
     // All kinds of nodes, whatever the default is.
-    GraphSettings { max_nodes, interior: true, ..GraphSettings::default() }
+    GraphSettings { max_nodes: Some(max_nodes), interior: Some(true), ..GraphSettings::default() }
 }
 
 fn build(capture: &Capture, settings: &GraphSettings) -> (NodeSample, Graph) {
@@ -157,7 +157,7 @@ fn full_sampling_keeps_every_point_in_kind_order() {
             _ => assert_eq!(p, Graph::NOT_OBSERVED),
         }
     }
-    let surface = GraphSettings { interior: false, ..settings(1000) };
+    let surface = GraphSettings { interior: Some(false), ..settings(1000) };
     assert_eq!(sample_nodes(&capture, &surface, 0).unwrap().node_count(), 80);
 }
 
@@ -358,6 +358,7 @@ fn branched(trunk: usize, branches: &[(usize, usize)], pins: &[u32]) -> NodeSamp
         pins: pins.iter().map(|&node| Pin { node, control: 0, offset_m: [0.0; 3] }).collect(),
         edges: Some(edges),
         rest_shape: None,
+        point_spacing_m: 0.0,
         spacing_scale: 1.0,
         surface: Default::default(),
         left_out: LeftOut::default(),

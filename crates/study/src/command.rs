@@ -72,7 +72,7 @@ mod tests {
     fn a_command_says_what_is_not_as_usual() {
         let mut settings = FitSettings { seed: 4, bending: false, ..FitSettings::default() };
         settings.substeps = Substeps::Fixed(667);
-        settings.refine.passes = 7;
+        settings.refine.passes = Some(7);
         let command = of_run(Path::new("my data/rope.zip"), &settings, "cpu");
         assert_eq!(
             command,

@@ -51,13 +51,17 @@ impl App {
         let rooms = self.dispatch.fit_rooms();
         let Some(largest) = rooms.iter().max_by_key(|room| room.bytes) else { return Ok(()) };
         let Some(size) = self.capture_size(capture).await else { return Ok(()) };
-        let graph = GraphSize::largest(settings, &size);
-        let needed = |room: &FitRoom| memory::estimate(settings, &size, &graph, room.lanes).total();
+        let needed = |room: &FitRoom| {
+            let settings = settings.filled(size.conditions(room.lanes));
+            let graph = GraphSize::largest(&settings, &size);
+            memory::estimate(&settings, &size, &graph, room.lanes).total()
+        };
         if rooms.iter().any(|room| needed(room) <= room.bytes) {
             return Ok(());
         }
         let FitRoom { bytes, lanes } = *largest;
-        let advice = memory::what_would_fit(settings, &size, lanes, bytes);
+        let filled = settings.filled(size.conditions(lanes));
+        let advice = memory::what_would_fit(&filled, &size, lanes, bytes);
         Err(Error::FitTooLarge(memory::refusal(needed(largest), bytes, &advice)))
     }
 

@@ -171,7 +171,7 @@ async fn start_fit(
 ) -> anyhow::Result<()> {
     let mut settings = FitSettings::default();
     settings.search.generations = Some(10_000);
-    settings.search.population = 8;
+    settings.search.population = Some(8);
     settings.search.starts = Some(1);
     settings.search.max_frames = 15;
     settings.search.max_sequences = 1;

@@ -35,7 +35,7 @@ impl DemoRun {
     pub(super) async fn run_closed_loop(&mut self, connection: &Connection) -> anyhow::Result<()> {
         let (_, capture) = self.record(connection).await?;
         let mut settings = steps::settings(self.seed);
-        (settings.search.generations, settings.refine.passes) = (Some(GENERATIONS), PASSES);
+        (settings.search.generations, settings.refine.passes) = (Some(GENERATIONS), Some(PASSES));
         let name = self.quick_fit(connection, capture, &settings).await?;
         let model = connection.client.twins().download(name).await?;
         self.step(

@@ -28,7 +28,7 @@ const NEIGHBOURS: usize = 8;
 /// The settings of the demo's fits.
 pub(super) fn settings(seed: u64) -> FitSettings {
     let mut settings = FitSettings { seed, ..FitSettings::default() };
-    settings.graph.max_nodes = NODES;
+    settings.graph.max_nodes = Some(NODES);
     settings.graph.max_neighbours = NEIGHBOURS;
     settings
 }

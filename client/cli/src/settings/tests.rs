@@ -19,7 +19,7 @@ fn overrides_reach_every_depth() {
     ])
     .unwrap();
     assert_eq!((settings.seed, settings.bending), (7, false));
-    assert_eq!(settings.graph.max_nodes, 400);
+    assert_eq!(settings.graph.max_nodes, Some(400));
     assert_eq!(settings.refine.window, GradientWindow::Frames(5));
     assert_eq!(settings.substeps, Substeps::Fixed(200));
     let auto = with(&["substeps.auto.max=900"]).unwrap();
@@ -47,7 +47,24 @@ fn a_file_changes_only_what_it_names() {
     let args = SettingsArgs { settings: Some(path), axial: true, ..SettingsArgs::default() };
     let settings = args.resolve().unwrap();
     assert_eq!(settings.substeps, Substeps::Fixed(99));
-    assert_eq!(settings.refine.passes, 3);
+    assert_eq!(settings.refine.passes, Some(3));
     assert_eq!(settings.refine.beta1, FitSettings::default().refine.beta1);
     assert!(settings.compare_axial);
+}
+
+#[test]
+fn effort_and_time_are_words() {
+    let args = SettingsArgs {
+        effort: Some(effort("draft").unwrap()),
+        within: Some(seconds("1.5m").unwrap()),
+        ..SettingsArgs::default()
+    };
+    let settings = args.resolve().unwrap();
+    assert_eq!((settings.effort, settings.within_s), (Effort::Draft, Some(90.0)));
+    assert_eq!(seconds("60"), Ok(60.0));
+    assert_eq!(seconds("2 h"), Ok(7200.0));
+    assert!(effort("more").unwrap_err().contains("standard"));
+    for wrong in ["", "s", "-3s", "soon", "nan", "1e400"] {
+        assert!(seconds(wrong).is_err(), "{wrong}");
+    }
 }

@@ -9,7 +9,7 @@ fn phystwins_count_is_220_candidates_and_200_passes() {
     for scheme in [Scheme::Frame, Scheme::Pass, Scheme::Cut] {
         let settings = settings(&scene, &FitPlan::phystwin(scheme));
         assert_eq!(settings.validate(), Ok(()));
-        assert_eq!((settings.refine.passes, settings.search.population), (200, 11));
+        assert_eq!((settings.refine.passes, settings.search.population), (Some(200), Some(11)));
     }
 }
 

@@ -17,7 +17,8 @@
 //! The sum is that of a process, capture and targets, and the larger of the search (generation) and
 //! the refinement (run and gradients). A test compares it with what a fit takes.
 
-use super::{FitSettings, GradientWindow, Substeps};
+use super::{Conditions, DeviceKind, FitSettings, GradientWindow, Substeps};
+use crate::capture::Subject;
 
 /// Candidates of a generation that are loaded at once, as far as one slice of them allows [bytes].
 pub const GENERATION_BYTES: u64 = 256 << 20;
@@ -101,8 +102,8 @@ impl Estimate {
 }
 
 impl GraphSize {
-    /// The largest graph that a fit may build. The number of neighbours within the radius is not
-    /// known here.
+    /// The largest graph that a fit may build by settings without open ones. The number of
+    /// neighbours within the radius is not known here.
     pub fn largest(settings: &FitSettings, capture: &CaptureSize) -> Self {
         let (graph, topology) = (&settings.graph, settings.search.topology);
         let searched = |value: usize, up_to: u64| {
@@ -112,10 +113,11 @@ impl GraphSize {
         let (nodes, body_springs, triplets_each) = if capture.edges > 0 {
             (capture.points, capture.edges, 2)
         } else {
-            let interior = if graph.interior { capture.interior } else { 0 };
+            let interior = if graph.interior == Some(false) { 0 } else { capture.interior };
             let pool = capture.points.saturating_add(capture.completed).saturating_add(interior);
             let kept = (pool as f64 * graph.sampling_ratio.clamp(0.0, 1.0)).ceil() as u64;
-            let nodes = kept.min(graph.max_nodes as u64).clamp(1, pool.max(1));
+            let most = graph.max_nodes.map_or(u64::MAX, |most| most as u64);
+            let nodes = kept.min(most).clamp(1, pool.max(1));
             let each = searched(graph.max_neighbours, SEARCHED_NEIGHBOURS);
             (nodes, nodes.saturating_mul(each.min(nodes - 1)), MOST_TRIPLETS)
         };
@@ -142,7 +144,17 @@ fn sum<const N: usize>(terms: [(u64, u64); N]) -> u64 {
     terms.into_iter().fold(0, |all, (a, b)| all.saturating_add(a.saturating_mul(b)))
 }
 
-/// Memory of a fit.
+impl CaptureSize {
+    /// Conditions of a fit of such a capture on a device.
+    pub fn conditions(&self, lanes: Lanes) -> Conditions {
+        Conditions {
+            subject: if self.edges > 0 { Subject::Cable } else { Subject::Body },
+            device: if lanes.on_host { DeviceKind::Cpu } else { DeviceKind::Gpu },
+        }
+    }
+}
+
+/// Memory of a fit by settings without open ones.
 pub fn estimate(
     settings: &FitSettings,
     capture: &CaptureSize,
@@ -156,13 +168,12 @@ pub fn estimate(
 
     let starts = match (settings.search.generations, settings.search.starts) {
         (Some(0), _) => 1,
-        (_, Some(starts)) => u64::from(starts),
-        (_, None) if capture.edges > 0 => 3,
-        (_, None) => 1,
+        (_, starts) => starts.map_or(1, u64::from),
     };
     let models = starts * if settings.bending && settings.compare_axial { 2 } else { 1 };
     let candidate = graph.candidate_bytes();
-    let candidates = (settings.search.population as u64).max(64).saturating_mul(models);
+    let population = settings.search.population.unwrap_or_default() as u64;
+    let candidates = population.max(64).saturating_mul(models);
     let loaded = GENERATION_BYTES.max(sum([(lanes.count.max(1).saturating_mul(2), candidate)]));
     let threads = if lanes.on_host { lanes.count } else { lanes.count.min(HOST_THREADS) };
     let building = sum([(200, springs), (320, triplets)]).saturating_mul(threads.max(1));
@@ -204,11 +215,13 @@ pub fn what_would_fit(
     type Set = fn(&mut FitSettings, u64);
     let largest = GraphSize::largest(settings, capture);
     let knobs: [(&'static str, u64, Set); 3] = [
-        ("graph.max_nodes", largest.nodes, |s, v| s.graph.max_nodes = v as usize),
+        ("graph.max_nodes", largest.nodes, |s, v| {
+            s.graph.max_nodes = Some(v as usize);
+        }),
         ("graph.max_neighbours", settings.graph.max_neighbours as u64, |s, v| {
             s.graph.max_neighbours = v as usize;
         }),
-        ("search.starts", settings.search.starts.unwrap_or(3).into(), |s, v| {
+        ("search.starts", settings.search.starts.unwrap_or(1).into(), |s, v| {
             s.search.starts = Some(v as u32);
         }),
     ];

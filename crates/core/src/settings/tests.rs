@@ -23,3 +23,29 @@ fn every_fault_is_reported_at_once() {
 fn unknown_fields_are_refused() {
     assert!(serde_json::from_str::<FitSettings>(r#"{"graph":{"radius":1}}"#).is_err());
 }
+
+#[test]
+fn nothing_is_left_open_for_a_fit() {
+    use crate::capture::Subject;
+    for subject in [Subject::Cable, Subject::Body] {
+        for device in [DeviceKind::Cpu, DeviceKind::Gpu] {
+            let conditions = Conditions { subject, device };
+            let of = |effort| FitSettings { effort, ..FitSettings::default() }.filled(conditions);
+            let [draft, standard, best] = [Effort::Draft, Effort::Standard, Effort::Best].map(of);
+            let work = |s: &FitSettings| {
+                let (search, nodes) = (&s.search, s.graph.max_nodes.unwrap() as f64);
+                let population = search.population.unwrap() as f64;
+                let candidates = f64::from(search.generations.unwrap()) * population;
+                let passes = f64::from(s.refine.passes.unwrap());
+                assert_eq!(s.graph.interior, Some(true));
+                assert_eq!(s.validate(), Ok(()));
+                nodes * f64::from(search.starts.unwrap()) * (candidates + 3.0 * passes)
+            };
+            assert!(work(&draft) < work(&standard) && work(&standard) < work(&best));
+            // What is given stays.
+            let mut given = FitSettings::phystwin();
+            given.search.starts = Some(1);
+            assert_eq!(given.filled(conditions), given);
+        }
+    }
+}

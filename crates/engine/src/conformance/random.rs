@@ -148,6 +148,7 @@ fn scatter(rng: &mut ChaCha8Rng, options: &RandomOptions) -> NodeSample {
         control_rest,
         edges: None,
         rest_shape: None,
+        point_spacing_m: 0.0,
         spacing_scale: 1.0,
         surface: Default::default(),
         left_out: LeftOut::default(),

@@ -174,6 +174,7 @@ impl Scene {
             pins: self.graph.pins.clone(),
             edges: None,
             rest_shape: None,
+            point_spacing_m: 0.0,
             spacing_scale: 1.0,
             surface: Default::default(),
             left_out: Default::default(),

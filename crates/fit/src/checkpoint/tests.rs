@@ -13,7 +13,7 @@ fn identity(digest: &str) -> Identity {
 
 fn checkpoint() -> Checkpoint {
     let search = CmaEs::new(vec![0.5; 3], 0.2, 0, 7);
-    Checkpoint { models: vec![ModelFitState::Search(search)] }
+    Checkpoint { models: vec![ModelFitState::Search(search)], generations: Some(7), spent_s: 2.5 }
 }
 
 #[test]

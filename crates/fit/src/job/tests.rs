@@ -9,13 +9,13 @@ use super::*;
 /// A fit of a second or so, with both models, both stages and all windows of one kind.
 fn settings(window: GradientWindow) -> FitSettings {
     let mut s = FitSettings { seed: 5, compare_axial: true, ..FitSettings::default() };
-    s.graph.max_nodes = 24;
+    s.graph.max_nodes = Some(24);
     s.graph.max_neighbours = 6;
     s.substeps = Substeps::Auto { safety: 1.2, max: 60 };
     s.search.generations = Some(3);
-    s.search.population = 4;
+    s.search.population = Some(4);
     s.search.topology = true;
-    s.refine.passes = 3;
+    s.refine.passes = Some(3);
     s.refine.window = window;
     s.refine.batch = 2;
     s
@@ -108,7 +108,7 @@ fn refinement_never_makes_the_training_loss_worse() {
     settings.compare_axial = false;
     // Steps so long that they cannot go on gaining for as many passes as these.
     settings.refine.learning_rate = 1.0;
-    settings.refine.passes = 24;
+    settings.refine.passes = Some(24);
     let mut recorder = Recorder::default();
     job(&capture, settings).run(None, &mut recorder, &CancelToken::default()).unwrap();
     let best: Vec<f64> = recorder
@@ -142,7 +142,7 @@ fn a_checkpoint_of_other_settings_is_refused() {
     let capture = make(Scene::Rope, &MakeOptions::tiny(2)).unwrap();
     let mut one = settings(GradientWindow::Pass);
     one.search.generations = Some(1);
-    one.refine.passes = 0;
+    one.refine.passes = Some(0);
     let mut recorder = Recorder::default();
     job(&capture, one.clone()).run(None, &mut recorder, &CancelToken::default()).unwrap();
     one.seed += 1;
@@ -206,7 +206,7 @@ fn gravity_is_searched_if_the_settings_say_so() {
     let mut settings = FitSettings { compare_axial: false, ..FitSettings::default() };
     settings.search.gravity = Some(true);
     settings.search.generations = Some(3);
-    settings.refine.passes = 1;
+    settings.refine.passes = Some(1);
     let fit = |settings: &FitSettings| {
         let backend = bendtwin_engine::cpu_with_threads(1);
         let settings = settings.clone();
@@ -219,4 +219,26 @@ fn gravity_is_searched_if_the_settings_say_so() {
     assert_eq!(twin.environment.ground, capture.environment.ground);
     settings.search.gravity = Some(false);
     assert_eq!(fit(&settings).environment, capture.environment);
+}
+
+#[test]
+fn a_time_limit_ends_a_fit_that_would_go_on() {
+    let capture = make(Scene::Rope, &MakeOptions::tiny(2)).unwrap();
+    let mut endless = settings(GradientWindow::Pass);
+    endless.within_s = Some(1.0);
+    (endless.search.generations, endless.refine.passes) = (Some(10_000), Some(100_000));
+    let mut recorder = Recorder::default();
+    let outcome =
+        job(&capture, endless.clone()).run(None, &mut recorder, &CancelToken::default()).unwrap();
+    let made = outcome.twin.provenance.settings.unwrap();
+    assert!(made.search.generations < Some(10_000), "{:?}", made.search.generations);
+    assert!(made.refine.passes < Some(100_000), "{:?}", made.refine.passes);
+    let done = |stage| recorder.progress.iter().filter(|p| p.stage == stage).map(|p| p.iteration);
+    assert_eq!(done(Stage::Search).max(), made.search.generations);
+    assert_eq!(done(Stage::Refine).max(), made.refine.passes);
+    // A fit that is resumed at its end has no time for more.
+    let last = recorder.checkpoints.last().unwrap();
+    let mut resumed = Recorder::default();
+    job(&capture, endless).run(Some(last), &mut resumed, &CancelToken::default()).unwrap();
+    assert!(resumed.progress.iter().all(|p| p.stage != Stage::Search));
 }

@@ -2,13 +2,15 @@ use bendtwin_core::FitSettings;
 use bendtwin_engine::optimizer::{Adam, Bounds, Decay};
 use bendtwin_synth::{MakeOptions, Scene, make};
 
+use bendtwin_core::settings::DeviceKind;
+
 use super::*;
 
 fn with_task(rest_shape: bool, test: impl FnOnce(&Task<'_>)) {
     let capture = make(Scene::Rope, &MakeOptions::tiny(1)).unwrap();
     let mut settings = FitSettings::default();
     settings.refine.rest_shape = rest_shape;
-    test(&Task::new(&capture, &settings).unwrap());
+    test(&Task::new(&capture, &settings, DeviceKind::Cpu).unwrap());
 }
 
 fn base() -> Params {

@@ -27,6 +27,8 @@ const MIN_MARGIN: f64 = 1.15;
 pub(crate) struct RunState {
     /// Passes that are done.
     pub(crate) pass: u32,
+    /// Passes in all.
+    pub(crate) passes: u32,
     /// Position after the last pass.
     position: Position,
     substeps: u32,
@@ -80,6 +82,7 @@ impl<'a> OptimizerRun<'a> {
         let best = Best { theta: position.theta.clone(), substeps, loss: f64::INFINITY };
         let state = RunState {
             pass: 0,
+            passes: task.passes(),
             position,
             substeps,
             step_control: StepControl::new(task.settings.refine.reach),
@@ -180,9 +183,10 @@ impl<'a> OptimizerRun<'a> {
 
     /// Learning rate of the current pass.
     fn learning_rate(&self) -> f64 {
-        let refine = &self.task.settings.refine;
+        let RunState { pass, passes, .. } = self.state;
         let steps = self.state.position.adam.steps;
-        refine.learning_rate * self.state.step_control.rate(self.state.pass, refine.passes, steps)
+        let rate = self.task.settings.refine.learning_rate;
+        rate * self.state.step_control.rate(pass, passes, steps)
     }
 
     /// One optimizer step down the mean of the gradients that were just measured.
@@ -281,7 +285,7 @@ impl<'a> OptimizerRun<'a> {
             self.state.step_control.record_gain();
             return Ok(());
         }
-        let passes = self.task.settings.refine.passes;
+        let passes = self.state.passes;
         if !loss.is_finite() {
             let change = self.state.step_control.halve_rate();
             self.rollback(index, "the simulation diverged", &change, optimizer)?;

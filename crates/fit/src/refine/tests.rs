@@ -12,6 +12,8 @@ use bendtwin_synth::{MakeOptions, Scene, make};
 
 use crate::FitJob;
 
+use bendtwin_core::settings::DeviceKind;
+
 use super::*;
 
 /// The CPU backend with a counter; on request, every gradient is not finite, but losses are as they
@@ -96,9 +98,9 @@ impl Observer<Progress> for Passes {
 /// A fit that is refinement alone.
 fn settings(passes: u32) -> FitSettings {
     let mut settings = FitSettings { compare_axial: false, ..FitSettings::default() };
-    settings.graph.max_nodes = 24;
+    settings.graph.max_nodes = Some(24);
     settings.search.generations = Some(0);
-    settings.refine.passes = passes;
+    settings.refine.passes = Some(passes);
     settings
 }
 
@@ -143,7 +145,7 @@ fn the_best_loss_is_the_twins() {
         let twin = job.run(None, &mut seen, &cancel).unwrap().twin;
         let losses: Vec<f64> = seen.0.iter().filter_map(|p| p.best_loss).collect();
         assert!(losses.is_sorted_by(|a, b| a >= b), "{losses:?}");
-        let task = Task::new(&capture, &settings).unwrap();
+        let task = Task::new(&capture, &settings, DeviceKind::Cpu).unwrap();
         let loaded = backend.load(Arc::new(Model::from(&twin))).unwrap();
         let batch: Vec<_> = task.training.iter().map(|t| t.instance(&loaded)).collect();
         let loss = task.loss(backend.losses(&batch, &cancel).unwrap().iter().map(|l| l.total));

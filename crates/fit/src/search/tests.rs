@@ -13,6 +13,8 @@ use bendtwin_engine::{
 };
 use bendtwin_synth::{MakeOptions, Scene, make};
 
+use bendtwin_core::settings::DeviceKind;
+
 use super::*;
 use crate::{checkpoint::ModelFitState, model_fit::ModelFit};
 
@@ -95,12 +97,12 @@ impl Backend for Counting {
 /// Losses of two generations with so many candidates loaded at a time, and what was counted.
 fn generations(capture: &Capture, most_loaded: usize) -> (Vec<Vec<f64>>, Vec<usize>, usize) {
     let mut settings = FitSettings { seed: 3, ..FitSettings::default() };
-    settings.graph.max_nodes = 16;
-    settings.search.population = 101;
+    settings.graph.max_nodes = Some(16);
+    settings.search.population = Some(101);
     settings.search.topology = true;
     // Few enough that some candidates are too stiff.
     settings.substeps = bendtwin_core::settings::Substeps::Auto { safety: 1.1, max: 25 };
-    let task = Task::new(capture, &settings).unwrap();
+    let task = Task::new(capture, &settings, DeviceKind::Cpu).unwrap();
     let mut models = ModelFit::all(&task);
     let counts = Arc::new(Counts::default());
     let backend =

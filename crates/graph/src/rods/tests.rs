@@ -16,6 +16,7 @@ fn cable(n: u32, edges: &[[u32; 2]], held: &[u32]) -> NodeSample {
         pins: held.iter().enumerate().map(pin).collect(),
         edges: Some(edges.to_vec()),
         rest_shape: None,
+        point_spacing_m: 0.0,
         spacing_scale: 1.0,
         surface: Default::default(),
         left_out: LeftOut::default(),

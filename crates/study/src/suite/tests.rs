@@ -36,10 +36,10 @@ fn settings_stand_over_one_another() {
         suite.settings(&suite.captures[capture], &suite.configurations[configuration], 7).unwrap()
     };
     let axial = of(0, 0);
-    assert_eq!((axial.seed, axial.bending, axial.refine.passes), (7, false, 9));
+    assert_eq!((axial.seed, axial.bending, axial.refine.passes), (7, false, Some(9)));
     assert_eq!(axial.substeps, Substeps::Fixed(300));
     let bending = of(1, 1);
-    assert_eq!((bending.bending, bending.refine.passes), (true, 4));
+    assert_eq!((bending.bending, bending.refine.passes), (true, Some(4)));
     assert_eq!(bending.substeps, Substeps::Auto { safety: 2.0, max: 90 });
     assert_eq!(bending.search, FitSettings::default().search);
 }

@@ -7,7 +7,7 @@ use crate::settings::{GradientWindow, Substeps};
 fn changes_over_the_defaults_give_the_same_settings() {
     let mut one = FitSettings { seed: 3, bending: false, ..FitSettings::default() };
     one.refine.window = GradientWindow::Frames(4);
-    one.graph.radius_m = 0.031;
+    one.graph.radius_m = Some(0.031);
     for settings in [FitSettings::default(), FitSettings::phystwin(), one] {
         let mut document = defaults();
         for (path, value) in changes(&settings) {
@@ -27,7 +27,7 @@ fn a_later_layer_wins_where_it_speaks() {
     merge(&mut document, json!({"refine": {"window": "frame"}}));
     let settings: FitSettings = serde_json::from_value(document).unwrap();
     assert_eq!(settings.substeps, Substeps::Fixed(667));
-    assert_eq!((settings.refine.passes, settings.refine.window), (5, GradientWindow::Frame));
+    assert_eq!((settings.refine.passes, settings.refine.window), (Some(5), GradientWindow::Frame));
 }
 
 #[test]

@@ -22,10 +22,10 @@ fn total(settings: &FitSettings, capture: &CaptureSize, count: u64) -> u64 {
 /// Population 10,000, and as many neighbours and triplets as settings allow, on all points.
 fn greedy() -> FitSettings {
     let mut settings = FitSettings::default();
-    settings.graph.max_nodes = 3_000;
+    settings.graph.max_nodes = Some(3_000);
     settings.graph.max_neighbours = 256;
     settings.graph.max_triplets = 256;
-    settings.search.population = 10_000;
+    settings.search.population = Some(10_000);
     settings
 }
 
@@ -37,8 +37,10 @@ fn usual_fits_are_small() {
 
 #[test]
 fn the_population_does_not_count_once_a_generation_is_loaded_in_parts() {
-    let few =
-        FitSettings { search: SearchSettings { population: 400, ..greedy().search }, ..greedy() };
+    let few = FitSettings {
+        search: SearchSettings { population: Some(400), ..greedy().search },
+        ..greedy()
+    };
     assert_eq!(total(&greedy(), &body(), 2), total(&few, &body(), 2));
 }
 
@@ -77,8 +79,8 @@ fn sums_do_not_overflow() {
         edges: 0,
     };
     let mut settings = greedy();
-    settings.graph.max_nodes = usize::MAX;
-    settings.graph.interior = true;
+    settings.graph.max_nodes = Some(usize::MAX);
+    settings.graph.interior = Some(true);
     assert_eq!(total(&settings, &capture, u64::MAX / 4), u64::MAX);
 }
 
@@ -95,7 +97,7 @@ fn advice_fits_and_one_more_does_not() {
         let with = |value: u64| {
             let mut changed = settings.clone();
             match name {
-                "graph.max_nodes" => changed.graph.max_nodes = value as usize,
+                "graph.max_nodes" => changed.graph.max_nodes = Some(value as usize),
                 "graph.max_neighbours" => changed.graph.max_neighbours = value as usize,
                 _ => changed.search.starts = Some(value as u32),
             }
