@@ -1,10 +1,9 @@
 //! Defaults that depend on the kind of object, on the device, and on the effort that a user asks
 //! for: settings that are left open take them before a fit begins, and its twin carries the result.
 //!
-//! A twin predicts at its skin, so that more nodes than these gain little: on a CPU two hundred come
-//! within a tenth of all nodes' errors on most captures, at a tenth of the time.
+//! A twin predicts at its skin, so that a body needs few nodes (docs/accuracy.md has the errors).
 //! The search finds the order of magnitude of stiffness and damping, which takes a few generations;
-//! what is left is for the refinement, whose passes gain for long.
+//! what is left is for the refinement.
 
 use serde::{Deserialize, Serialize};
 
@@ -70,7 +69,7 @@ impl Defaults {
             (Subject::Cable, _, Standard) => of(usize::MAX, 3, 60, 32, 40),
             (Subject::Cable, _, Best) => of(usize::MAX, 6, 60, 32, 80),
             (Subject::Body, Cpu, Draft) => of(100, 1, 4, 16, 40),
-            (Subject::Body, Cpu, Standard) => of(200, 1, 12, 16, 200),
+            (Subject::Body, Cpu, Standard) => of(200, 1, 12, 16, 120),
             (Subject::Body, Cpu, Best) => of(600, 2, 12, 32, 200),
             (Subject::Body, Gpu, Draft) => of(300, 1, 8, 32, 60),
             (Subject::Body, Gpu, Standard) => of(1000, 1, 12, 32, 120),

@@ -233,7 +233,8 @@ fn a_time_limit_ends_a_fit_that_would_go_on() {
     let made = outcome.twin.provenance.settings.unwrap();
     assert!(made.search.generations < Some(10_000), "{:?}", made.search.generations);
     assert!(made.refine.passes < Some(100_000), "{:?}", made.refine.passes);
-    let done = |stage| recorder.progress.iter().filter(|p| p.stage == stage).map(|p| p.iteration);
+    let done =
+        |stage| recorder.progress.iter().filter(move |p| p.stage == stage).map(|p| p.iteration);
     assert_eq!(done(Stage::Search).max(), made.search.generations);
     assert_eq!(done(Stage::Refine).max(), made.refine.passes);
     // A fit that is resumed at its end has no time for more.
