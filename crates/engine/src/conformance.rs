@@ -189,7 +189,8 @@ suite! { ($)
         frame_costs_match_their_definitions,
         outputs_are_as_asked,
         velocities_are_those_of_the_motion,
-        diagnostics_match_the_motion;
+        diagnostics_match_the_motion,
+        extremes_are_those_of_all_diagnostics;
     gradients:
         gradients_match_finite_differences,
         gradients_of_a_straight_rod,

@@ -9,6 +9,7 @@ use bendtwin_core::{
 use super::*;
 use crate::{
     Objective, Term,
+    backend::Diagnose,
     model::State,
     objective::{PointLoss, WeightedTerm},
     reference::Reference,
@@ -111,7 +112,7 @@ fn everything() -> (Outputs, GradientRequest) {
             every: 1,
             initial: true,
             final_state: true,
-            diagnostics: true,
+            diagnose: Diagnose::All,
             ..Outputs::default()
         },
         GradientRequest {
@@ -137,7 +138,8 @@ fn roll(model: Model, initial: State, frames: usize) -> Rollout {
         world: Arc::default(),
         motion: Arc::default(),
     };
-    let outputs = Outputs { every: 1, final_state: true, diagnostics: true, ..Outputs::default() };
+    let outputs =
+        Outputs { every: 1, final_state: true, diagnose: Diagnose::All, ..Outputs::default() };
     backend.roll_out(&[instance], &outputs, &CancelToken::default()).unwrap().remove(0)
 }
 
