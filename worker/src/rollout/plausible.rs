@@ -106,14 +106,17 @@ pub(super) fn extremes(
     obstacles: &Obstacles,
 ) -> Extremes {
     let Prescribed { start, controls, middles, held } = of;
-    let width = controls.len() / (frames + 1);
     let mut found = Extremes { start_gap_m, ..Extremes::default() };
-    let mut speed = 0.0f32;
-    for (i, (before, after)) in controls.iter().zip(controls.iter().skip(width)).enumerate() {
-        let way = length(sub(*after, *before));
-        if way > speed {
-            speed = way;
-            found.speed = ((f64::from(way) * fps) as f32, i / width + 1);
+    // Frame by frame: batches have millions of points, and a division costs more than a point.
+    let width = |points: &[Point]| (points.len() / (frames + 1)).max(1);
+    let now = controls.chunks_exact(width(controls));
+    let mut most = 0.0f32;
+    for (frame, (before, after)) in now.clone().zip(now.clone().skip(1)).enumerate() {
+        let ways = before.iter().zip(after).map(|(a, b)| sub(*b, *a));
+        let square = ways.map(|way| dot(way, way)).fold(0.0, f32::max);
+        if square > most {
+            most = square;
+            found.speed = ((f64::from(square.sqrt()) * fps) as f32, frame + 1);
         }
     }
     if obstacles.ground.is_none() && obstacles.shapes.is_empty() {
@@ -128,13 +131,12 @@ pub(super) fn extremes(
     // it gets.
     let before = |p: &Point| obstacles.depth(*p).max(0.0);
     let starts: Vec<f32> = start.iter().map(before).collect();
-    for (i, point) in controls.iter().enumerate() {
-        let first = starts.get(i % width).copied().unwrap_or(0.0);
-        see(obstacles.depth(*point) - first, i / width);
+    for (frame, row) in now.enumerate() {
+        let depths = row.iter().zip(&starts).map(|(p, first)| obstacles.depth(*p) - first);
+        see(depths.fold(0.0, f32::max), frame);
     }
-    let width = middles.len() / (frames + 1);
-    for (i, point) in middles.iter().enumerate() {
-        see(obstacles.depth(*point), i / width);
+    for (frame, row) in middles.chunks_exact(width(middles)).enumerate() {
+        see(row.iter().map(|p| obstacles.depth(*p)).fold(0.0, f32::max), frame);
     }
     for path in held {
         let first = path.points.first().map_or(0.0, before);
@@ -148,9 +150,10 @@ pub(super) fn extremes(
 impl Obstacles {
     /// Depth of a point in the obstacle that it is deepest in [m]; negative outside all of them.
     fn depth(&self, p: Point) -> f32 {
-        let ground = self.ground.map(|plane| plane.offset_m - dot(plane.normal, p));
+        let below = |plane: Plane| plane.offset_m - dot(plane.normal, p);
+        let ground = self.ground.map_or(f32::NEG_INFINITY, below);
         let shapes = self.shapes.iter().map(|(shape, margin)| -distance(shape, p) - margin);
-        shapes.chain(ground).fold(f32::NEG_INFINITY, f32::max)
+        shapes.fold(ground, f32::max)
     }
 }
 

@@ -17,7 +17,7 @@ fn speeds_and_depths_are_those_of_the_worst_frame() {
     let obstacles = Obstacles { ground: Some(UP), shapes: Vec::new() };
     let mut path = falling();
     path[1][2] = 0.25;
-    let of = |controls| Prescribed { start: &[], controls, middles: &[], held: &[] };
+    let of = |controls| Prescribed { start: &[[0.0, 0.0, 1.0]], controls, middles: &[], held: &[] };
     let found = extremes(0.0, of(&path), 3, 30.0, &obstacles);
     // From 0.25 to -0.1 m in frame 2; 0.3 m below the ground at the end of frame 3.
     assert!((found.speed.0 - 10.5).abs() < 1e-4 && found.speed.1 == 2, "{found:?}");
