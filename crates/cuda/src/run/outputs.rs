@@ -1,10 +1,12 @@
 //! Outputs of a rollout beside its costs; velocities are means over frames, as on the CPU.
 
+use std::collections::HashMap;
+
+use bendtwin_core::Point;
 use bendtwin_engine::{
-    Error,
+    Energies, Energy, Error, Model,
     backend::{Diagnose, Diagnostics, Instance, Loss, Outputs, Rollout},
     constants::ON_GROUND_M,
-    energy,
     model::State,
 };
 
@@ -19,6 +21,9 @@ use crate::{
     plan::resident::resident,
     run::simulation::{RetainedStates, Simulation},
 };
+
+/// Models arranged at a time: some hundred kilobytes each.
+const KNOWN_MODELS: usize = 32;
 
 /// Recorded arrays of a simulation's instances, on the device.
 pub(crate) struct RecordedOutputs {
@@ -157,6 +162,7 @@ impl RecordedOutputs {
         };
         let ends: Vec<Option<usize>> = losses.iter().enumerate().map(end).collect();
         let last = simulation.states(&ends)?;
+        let mut energies = KnownModels::default();
         let mut rollouts = Vec::with_capacity(losses.len());
         for (i, ((loss, frame_costs), last)) in losses.into_iter().zip(last).enumerate() {
             let (instance, reached) = (&instances[i], reached(i, &loss));
@@ -166,7 +172,8 @@ impl RecordedOutputs {
             let a_frame = own.len() / self.frames[i].len().max(1);
             let diagnostics = diagnoses(outputs).then(|| {
                 let extremes = &extremes[self.extreme_starts[i]..][..reached];
-                diagnose(instance, reached, last.as_ref(), extremes, outputs.diagnose)
+                let energies = (outputs.diagnose == Diagnose::All).then_some(&mut energies);
+                diagnose(instance, reached, last.as_ref(), extremes, energies)
             });
             let recorded = frames.len() * a_frame;
             let own_velocities = velocities.get(self.starts[i]..self.starts[i] + recorded);
@@ -190,14 +197,30 @@ impl RecordedOutputs {
     }
 }
 
+/// Models of a batch arranged for energies. Instances mostly share theirs, and to arrange one takes
+/// longer than to simulate a frame of it.
+#[derive(Default)]
+struct KnownModels(HashMap<*const Model, Option<Energies>>);
+
+impl KnownModels {
+    fn energy(&mut self, model: &Model, state: &State, controls: &[Point]) -> Energy {
+        if self.0.len() >= KNOWN_MODELS {
+            self.0.clear();
+        }
+        let known = self.0.entry(std::ptr::from_ref(model)).or_insert_with(|| Energies::new(model));
+        known.as_ref().and_then(|e| e.of(state, controls)).unwrap_or_default()
+    }
+}
+
 /// Diagnostics of the frames that were reached, the last of which ended in a state; that is needed
-/// for all of them, and where there is no frame. There are no energies if it was not the last of all.
+/// for energies, if they are asked for, and where there is no frame. There are no energies if it was
+/// not the last of all.
 fn diagnose(
     instance: &Instance,
     reached: usize,
     last: Option<&State>,
     extremes: &[[f32; 3]],
-    wanted: Diagnose,
+    energies: Option<&mut KnownModels>,
 ) -> Diagnostics {
     let model = instance.model.model();
     let [max_strain, max_control_strain, max_speed_m_s] = match last {
@@ -212,11 +235,11 @@ fn diagnose(
         elastic_energy: f32::NAN,
         ground_contacts: 0,
     };
-    let Some(last) = last.filter(|_| wanted == Diagnose::All) else { return found };
+    let (Some(last), Some(energies)) = (last, energies) else { return found };
     if reached == instance.frames {
         let controls = model.graph.control_count();
         let held = &instance.controls[reached * controls..(reached + 1) * controls];
-        let energy = energy(model, last, held).unwrap_or_default();
+        let energy = energies.energy(model, last, held);
         found.kinetic_energy = energy.kinetic as f32;
         found.elastic_energy = energy.elastic as f32;
     }
