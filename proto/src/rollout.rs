@@ -10,6 +10,7 @@ pub mod cases;
 mod check;
 mod encoded;
 mod error;
+mod implausible;
 mod limits;
 mod memory;
 mod parts;
@@ -30,6 +31,7 @@ pub use self::{
     check::{Batch, check, check_for, fidelity, has_gradients, members, too_much_memory, work},
     encoded::{Encoded, check_encoded},
     error::Error,
+    implausible::ImplausibleReason,
     limits::{ENVELOPE_BYTES, Limits},
     memory::{Memory, memory, request_bytes},
     parts::{STREAMED_PART, part_frames, part_instances},

@@ -1,6 +1,7 @@
 //! The workers that are there, and the routing of rollouts to them. All of it
 //! is in memory: a worker that the server forgot registers again.
 
+mod call;
 mod executing;
 mod line;
 mod plan;

@@ -25,6 +25,18 @@ struct ExtremesArgs {
     const OutputArgs* outputs;
 };
 
+// Words somewhere on the device, and their place among those that are gathered.
+struct GatherPiece {
+    const u32* from;
+    u64 at;
+    u64 count;
+};
+
+struct GatherArgs {
+    const GatherPiece* pieces;
+    u32* gathered;
+};
+
 // Velocity of a node in a frame; that of the state where no frame has been.
 DEVICE float3 velocity(const OutputArgs& r, u32 frame, u32 node) {
     const u32 n = r.node_count;
@@ -84,5 +96,14 @@ extremes(const __grid_constant__ ExtremesArgs args) {
         out[0] = strains[0];
         out[1] = strains[1];
         out[2] = sqrtf(square);
+    }
+}
+
+// Block (words, piece).
+extern "C" __global__ void gather(const __grid_constant__ GatherArgs args) {
+    const GatherPiece& p = args.pieces[blockIdx.y];
+    const u64 step = (u64)gridDim.x * THREADS;
+    for (u64 k = blockIdx.x * THREADS + threadIdx.x; k < p.count; k += step) {
+        args.gathered[p.at + k] = p.from[k];
     }
 }

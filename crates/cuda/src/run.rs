@@ -11,4 +11,5 @@ pub(crate) mod outputs;
 pub(crate) mod scoring;
 pub(crate) mod simulation;
 mod start;
+mod states;
 mod world;

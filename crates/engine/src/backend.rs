@@ -154,11 +154,8 @@ pub struct Outputs {
     pub nodes: Option<Arc<Vec<u32>>>,
     /// Return the final state.
     pub final_state: bool,
-    /// Compute [`Diagnostics`].
-    pub diagnostics: bool,
-    /// With `diagnostics`: only strains and speeds need be right. A device then keeps its final
-    /// states to itself; fetching one for its energies takes longer than to simulate a frame.
-    pub extremes_only: bool,
+    /// The [`Diagnostics`] to compute.
+    pub diagnose: Diagnose,
     /// Record velocities where positions are recorded: a node's way during the frame by the frame's
     /// length, so that what lies on the ground is at rest there. Those at the instant, which
     /// impacts turn round in every substep, are in the final state. In frame 0 they are those of
@@ -177,12 +174,24 @@ impl Outputs {
         initial: false,
         nodes: None,
         final_state: false,
-        diagnostics: false,
-        extremes_only: false,
+        diagnose: Diagnose::Nothing,
         velocities: false,
         forces: false,
         frame_costs: false,
     };
+}
+
+/// The numbers of [`Diagnostics`] that a rollout computes.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Diagnose {
+    /// None: it returns no diagnostics.
+    #[default]
+    Nothing,
+    /// Strains and speeds alone; energies are NaN, and no node counts as being on the ground. They
+    /// need no final state, which a device would have to send for.
+    Extremes,
+    /// All of them.
+    All,
 }
 
 /// Forces on the object at unit node mass, each the mean over a frame [N], which is its impulse by

@@ -190,7 +190,8 @@ suite! { ($)
         frame_costs_match_their_definitions,
         outputs_are_as_asked,
         velocities_are_those_of_the_motion,
-        diagnostics_match_the_motion;
+        diagnostics_match_the_motion,
+        extremes_are_those_of_all_diagnostics;
     skin:
         skins_follow_affine_motions,
         skins_follow_rigid_motions,

@@ -1,6 +1,8 @@
 //! Energies of a state: what the conformance suite budgets and diagnostics report.
 
-use bendtwin_core::Point;
+use std::sync::Arc;
+
+use bendtwin_core::{Graph, Point};
 
 use crate::{
     Model,
@@ -38,19 +40,37 @@ impl Energy {
 /// Energies of a state, in double precision, with the control points at `controls` [m], shape [C,
 /// 3]. `None` if the lengths do not fit the model or the model contradicts itself.
 pub fn energy(model: &Model, state: &State, controls: &[Point]) -> Option<Energy> {
-    let n = model.graph.node_count();
-    let fits = state.positions.len() == n
-        && state.velocities.len() == n
-        && (state.twists.is_empty() || state.twists.len() == model.graph.rods.len())
-        && controls.len() == model.graph.control_count()
-        && crate::cpu::check::model(model).is_ok();
-    fits.then(|| {
+    Energies::new(model)?.of(state, controls)
+}
+
+/// A model arranged for the energies of its states: that takes ten times as long as those of one.
+pub struct Energies {
+    system: System<f64>,
+    graph: Arc<Graph>,
+}
+
+impl Energies {
+    /// `None` if the model contradicts itself.
+    pub fn new(model: &Model) -> Option<Self> {
+        crate::cpu::check::model(model).ok()?;
         let parameters = Parameters::<f64>::from_params(&model.params);
         let system = System::new(model, &Layout::new(&model.graph), parameters);
-        let mut nodes = nodes_of(state);
-        nodes.extend(controls.iter().map(|&p| Node { x: quad(p), v: [0.0; 4] }));
-        of_nodes(&system, &nodes, &twists_of(state, &model.graph))
-    })
+        Some(Self { system, graph: model.graph.clone() })
+    }
+
+    /// Those of a state, as [`energy`].
+    pub fn of(&self, state: &State, controls: &[Point]) -> Option<Energy> {
+        let n = self.graph.node_count();
+        let fits = state.positions.len() == n
+            && state.velocities.len() == n
+            && (state.twists.is_empty() || state.twists.len() == self.graph.rods.len())
+            && controls.len() == self.graph.control_count();
+        fits.then(|| {
+            let mut nodes = nodes_of(state);
+            nodes.extend(controls.iter().map(|&p| Node { x: quad(p), v: [0.0; 4] }));
+            of_nodes(&self.system, &nodes, &twists_of(state, &self.graph))
+        })
+    }
 }
 
 /// Energies of endpoints, shape [N + C], and twists, shape [R].

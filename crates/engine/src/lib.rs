@@ -17,7 +17,7 @@ pub mod world;
 
 pub use backend::{Backend, Device, Error, Loaded};
 pub use cpu::{CpuBackend, check, cpu, cpu_with_threads};
-pub use energy::{Energy, energy};
+pub use energy::{Energies, Energy, energy};
 pub use model::Model;
 pub use objective::{Objective, PointLoss, PointSet, Term};
 pub use stability::{StableSubsteps, enough_substeps, stable_substeps};

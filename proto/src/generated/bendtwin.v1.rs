@@ -3736,8 +3736,8 @@ pub struct Plausibility {
     pub strain: ::core::option::Option<f64>,
     #[prost(bool, tag = "4")]
     pub refuse: bool,
-    /// Deepest that a control point, or the middle of a grasp's sphere or box, may be below the ground or
-    /// in a collider that stands still; default 0.005.
+    /// Deepest that the middle of a grasp's sphere or box may be below the ground or in a collider that
+    /// stands still, and that a control point may be beyond its depth in the initial state; default 0.005.
     #[prost(double, optional, tag = "5")]
     pub control_depth_m: ::core::option::Option<f64>,
 }
@@ -4275,8 +4275,8 @@ pub mod roll_out_response {
         /// Of springs to control points.
         #[prost(float, tag = "6")]
         pub max_control_strain: f32,
-        /// Deepest that a control point, or the middle of a grasp's sphere or box, was below the ground or in
-        /// a collider that stands still, metres.
+        /// Deepest that the middle of a grasp's sphere or box was below the ground or in a collider that
+        /// stands still, and a control point or a held node beyond its depth at the start, metres.
         #[prost(float, tag = "7")]
         pub control_depth_m: f32,
     }

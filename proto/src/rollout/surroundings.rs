@@ -3,19 +3,13 @@
 
 use super::{
     check::{Batch, bodies_of, members, sets},
+    implausible::ImplausibleReason,
     parts::part_frames,
     size::{Sum, length},
     twin::TwinShape,
 };
 use crate::v1::RollOutRequest;
 
-/// Reasons of an `Implausible`, each at most once an instance, and whether it names a frame.
-const REASONS: [(&str, bool); 4] = [
-    ("START_GAP", false),
-    ("CONTROL_SPEED", true),
-    ("STRAIN", false),
-    ("CONTROL_IN_OBSTACLE", true),
-];
 /// A pose of a body, and its gradient.
 const POSE: u64 = 48;
 /// A parameter of an element in the engine and in the model that keeps it.
@@ -56,14 +50,12 @@ pub(super) fn add_reply(
 /// beyond that is never exceeded.
 fn implausible(request: &RollOutRequest, batch: &Batch) -> u64 {
     let limits = request.plausibility.unwrap_or_default();
-    let limits =
-        [limits.start_gap_m, limits.control_speed_m_s, limits.strain, limits.control_depth_m];
     let last = batch.instances.saturating_mul(members(request)).saturating_sub(1);
-    let reasons = REASONS.iter().zip(limits).filter(|(_, limit)| *limit != Some(f64::INFINITY));
-    let each = reasons.map(|((reason, has_frame), _)| {
-        let frame = if *has_frame { 1 + length(batch.frames) } else { 0 };
+    let can_be = |r: &ImplausibleReason| r.limit(&limits) != Some(f64::INFINITY);
+    let each = ImplausibleReason::ALL.into_iter().filter(can_be).map(|reason| {
+        let frame = if reason.names_frame() { 1 + length(batch.frames) } else { 0 };
         // Tag and length, an index, the reason, what was found and the limit.
-        3 + (1 + length(last)) + (2 + reason.len() as u64) + 2 * 9 + frame
+        3 + (1 + length(last)) + (2 + reason.as_str().len() as u64) + 2 * 9 + frame
     });
     each.sum()
 }

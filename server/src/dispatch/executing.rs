@@ -1,4 +1,4 @@
-//! The rollouts that a worker has taken and not answered. If the worker ends meanwhile, they are as
+//! The calls that a worker has taken and not answered. If the worker ends meanwhile, they are as
 //! likely the cause as the job that it was at.
 
 use std::sync::{
@@ -6,7 +6,7 @@ use std::sync::{
     atomic::{AtomicBool, AtomicUsize, Ordering},
 };
 
-/// The rollouts at one worker. Clones share it.
+/// The calls at one worker. Clones share it.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Executing {
     under_way: Arc<AtomicUsize>,
@@ -14,7 +14,7 @@ pub(super) struct Executing {
     cut_off: Arc<AtomicBool>,
 }
 
-/// A rollout that was sent to the worker; cut off if it is dropped without an answer.
+/// A call that was sent to the worker; cut off if it is dropped without an answer.
 #[derive(Debug)]
 pub(super) struct Sent {
     executing: Executing,
@@ -22,20 +22,20 @@ pub(super) struct Sent {
 }
 
 impl Executing {
-    /// Counts a rollout that is about to be sent.
+    /// Counts a call that is about to be sent.
     pub(super) fn send(&self) -> Sent {
         self.under_way.fetch_add(1, Ordering::SeqCst);
         Sent { executing: self.clone(), answered: false }
     }
 
-    /// The worker is alive, and says how many rollouts it is at.
+    /// The worker is alive, and says how many calls it is at.
     pub(super) fn is_alive(&self, in_flight: u32) {
         if in_flight == 0 {
             self.cut_off.store(false, Ordering::SeqCst);
         }
     }
 
-    /// True if the worker was at a rollout when it was last heard of.
+    /// True if the worker was at a call when it was last heard of.
     pub(super) fn was_under_way(&self) -> bool {
         self.under_way.load(Ordering::SeqCst) > 0 || self.cut_off.load(Ordering::SeqCst)
     }

@@ -6,21 +6,13 @@ use std::{sync::Arc, time::Duration};
 use bendtwin_core::ids::TwinId;
 use bendtwin_proto::{
     registration,
-    rollout::{REQUEST_BYTES, TwinShape},
+    rollout::TwinShape,
     v1::{RegisterStateRequest, RegisteredState},
     worker::v1::ExecuteRegisterStateRequest,
 };
-use prost::Message as _;
 use tokio::time::Instant;
-use tonic::Request;
 
-use super::{
-    Dispatch,
-    line::Ask,
-    registry::Entry,
-    rollout::{Held, ended, is_late, late},
-    untaken::was_not_taken,
-};
+use super::{Dispatch, call, line::Ask, registry::Entry, rollout::Held};
 use crate::{
     context::Context,
     failure::{Error, Result},
@@ -103,24 +95,12 @@ async fn register_at(
     let joined = entry.line.join(ask);
     let mut place = joined.map_err(|full| Error::Busy { retry_after: full.retry_after })?;
     place.turn().await;
-    let (mut client, token) = entry.client();
-    let length = execute.encoded_len();
-    let mut call = Request::new(execute);
-    call.metadata_mut().insert(REQUEST_BYTES, length.into());
-    call.metadata_mut().insert("authorization", token);
-    call.set_timeout(deadline.saturating_duration_since(Instant::now()));
-    let mut sent = entry.executing.send();
-    match client.register_state(call).await {
-        Ok(reply) => {
-            sent.answered();
-            let missing = || Error::Internal("a worker's reply has no state".to_owned());
-            let registered = reply.into_inner().registered.ok_or_else(missing)?;
-            Ok(Some(RegisteredState { worker: entry.id().to_string(), ..registered }))
-        }
-        Err(status) if was_not_taken(&status) => {
-            sent.answered();
-            if is_late(deadline) { Err(late(&status)) } else { Ok(None) }
-        }
-        Err(status) => Err(ended(entry, &mut sent, deadline, &status)),
-    }
+    let sent = call::send(entry, execute, deadline, |mut client, request| async move {
+        client.register_state(request).await
+    });
+    let Some((reply, mut taken)) = sent.await? else { return Ok(None) };
+    taken.answered();
+    let missing = || Error::Internal("a worker's reply has no state".to_owned());
+    let registered = reply.registered.ok_or_else(missing)?;
+    Ok(Some(RegisteredState { worker: entry.id().to_string(), ..registered }))
 }

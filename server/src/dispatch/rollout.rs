@@ -8,7 +8,6 @@ use std::{pin::Pin, sync::Arc, time::Duration};
 use bendtwin_budget::Share;
 use bendtwin_core::ids::{SessionId, TwinId};
 use bendtwin_proto::{
-    fault,
     rollout::{self, Batch, TwinShape},
     v1::{RollOutRequest, RollOutResponse, roll_out_response},
     worker::v1::{ExecuteRollOutRequest, ExecuteRollOutResponse},
@@ -16,15 +15,13 @@ use bendtwin_proto::{
 use futures::{Stream, StreamExt, stream};
 use prost::Message as _;
 use tokio::time::Instant;
-use tonic::{Code, Request, Status, Streaming};
-use tonic_types::StatusExt as _;
+use tonic::{Status, Streaming};
 
 use super::{
     Dispatch,
-    executing::Sent,
+    call::{self, Taken},
     line::{Ask, Place},
     registry::Entry,
-    untaken::was_not_taken,
 };
 use crate::{
     context::Context,
@@ -133,15 +130,13 @@ pub(crate) type Parts = Pin<Box<dyn Stream<Item = Result<RollOutResponse>> + Sen
 /// A reply under way at a worker.
 pub(super) struct Running {
     replies: Streaming<ExecuteRollOutResponse>,
-    entry: Arc<Entry>,
+    taken: Taken,
     /// Held until the last part has come.
     place: Arc<Place>,
-    sent: Sent,
     started: Instant,
     queued: Duration,
     /// Time that the worker has computed, as it says [s].
     computed_s: f64,
-    deadline: Instant,
     metrics: Metrics,
     outcome: &'static str,
 }
@@ -339,37 +334,15 @@ impl Dispatch {
         place.turn().await;
         let place = Arc::new(place);
         let queued = started.elapsed();
-        let (mut client, token) = entry.client();
         execute.time_left_s = ends.time_left_s();
-        let length = execute.encoded_len();
-        let mut call = Request::new(execute);
-        call.metadata_mut().insert(rollout::REQUEST_BYTES, length.into());
-        call.metadata_mut().insert("authorization", token);
-        call.set_timeout(deadline.saturating_duration_since(Instant::now()));
-        let mut sent = entry.executing.send();
-        let replies = match client.roll_out(call).await {
-            Ok(replies) => replies.into_inner(),
-            Err(status) if was_not_taken(&status) => {
-                sent.answered();
-                return if is_late(deadline) { Err(late(&status)) } else { Ok(None) };
-            }
-            Err(status) => return Err(ended(entry, &mut sent, deadline, &status)),
-        };
-        let (entry, metrics) = (entry.clone(), self.metrics.clone());
-        let outcome = "abandoned";
-        let computed_s = 0.0;
-        let mut running = Running {
-            replies,
-            entry,
-            place,
-            sent,
-            started,
-            queued,
-            computed_s,
-            deadline,
-            metrics,
-            outcome,
-        };
+        let sent = call::send(entry, execute, deadline, |mut client, request| async move {
+            client.roll_out(request).await
+        });
+        let Some((replies, taken)) = sent.await? else { return Ok(None) };
+        let metrics = self.metrics.clone();
+        let (computed_s, outcome) = (0.0, "abandoned");
+        let mut running =
+            Running { replies, taken, place, started, queued, computed_s, metrics, outcome };
         match running.receive().await {
             Ok(Some(mut first)) => {
                 let timing = first.timing.get_or_insert_with(Default::default);
@@ -380,7 +353,7 @@ impl Dispatch {
                 Ok(Some((first, running)))
             }
             Ok(None) => Err(Error::WorkerEnded),
-            Err(status) => Err(running.ended(&status)),
+            Err(status) => Err(running.taken.ended(&status)),
         }
     }
 }
@@ -388,24 +361,20 @@ impl Dispatch {
 impl Running {
     /// The next part, within the deadline.
     pub(super) async fn next(&mut self) -> Result<Option<RollOutResponse>> {
-        let received = tokio::time::timeout_at(self.deadline, self.receive()).await;
+        let received = tokio::time::timeout_at(self.taken.deadline, self.receive()).await;
         match received.map_err(|_| Error::Deadline)? {
             Ok(part) => Ok(part),
-            Err(status) => Err(self.ended(&status)),
+            Err(status) => Err(self.taken.ended(&status)),
         }
     }
 
-    fn ended(&mut self, status: &Status) -> Error {
-        ended(&self.entry, &mut self.sent, self.deadline, status)
-    }
-
     async fn receive(&mut self) -> Result<Option<RollOutResponse>, Status> {
-        let worker = self.entry.id();
+        let worker = self.taken.entry.id();
         let part = self.replies.message().await;
         match &part {
             Ok(None) => {
                 self.outcome = "done";
-                self.sent.answered();
+                self.taken.answered();
                 // No worker computes for longer than it was asked to.
                 let most = self.started.elapsed().as_secs_f64();
                 self.place.computed(self.computed_s.min(most));
@@ -430,47 +399,4 @@ fn passes(request: &RollOutRequest, batch: &Batch) -> f64 {
         best => (f64::from(best) / batch.instances.max(1) as f64).min(1.0),
     };
     1.0 + GRADIENT_COST * share
-}
-
-/// True if the deadline is over, give or take the clocks of two timers. Both
-/// ends of the call to the worker give up then, with various codes.
-pub(super) fn is_late(deadline: Instant) -> bool {
-    const SLACK: Duration = Duration::from_millis(2);
-    Instant::now() + SLACK >= deadline
-}
-
-/// The error of a rollout that a worker took, from the status in which that ended.
-pub(super) fn ended(entry: &Entry, sent: &mut Sent, deadline: Instant, status: &Status) -> Error {
-    if is_late(deadline) {
-        return late(status);
-    }
-    if is_breakdown(status) {
-        tracing::warn!(worker = %entry.id(), %status, "worker broke down during a rollout");
-        entry.broke();
-        return Error::WorkerEnded;
-    }
-    sent.answered();
-    failure(status)
-}
-
-pub(super) fn late(status: &Status) -> Error {
-    tracing::debug!(%status, "deadline passed");
-    Error::Deadline
-}
-
-/// True if the worker or the way to it broke, as opposed to its having answered
-/// with an error: answers carry an `ErrorInfo`.
-pub(super) fn is_breakdown(status: &Status) -> bool {
-    let broken = matches!(
-        status.code(),
-        Code::Unavailable | Code::Unknown | Code::Internal | Code::Cancelled
-    );
-    broken && status.get_details_error_info().is_none()
-}
-
-pub(super) fn failure(status: &Status) -> Error {
-    match status.code() {
-        Code::DeadlineExceeded => Error::Deadline,
-        _ => Error::Worker(fault::fault(status)),
-    }
 }

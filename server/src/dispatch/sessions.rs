@@ -6,8 +6,7 @@ use std::{sync::Arc, time::Duration};
 
 use bendtwin_core::ids::{SessionId, TwinId};
 use bendtwin_proto::{
-    registration,
-    rollout::{self, REQUEST_BYTES},
+    registration, rollout,
     v1::{
         AdvanceSessionRequest, CloseSessionRequest, CorrectSessionRequest, CorrectedSession,
         GetSessionStatesRequest, InitialState, OpenSessionRequest, RollOutRequest, RollOutResponse,
@@ -19,16 +18,13 @@ use bendtwin_proto::{
         manage_session_request::Call,
     },
 };
-use prost::Message as _;
 use tokio::time::Instant;
-use tonic::Request;
 
 use super::{
-    Dispatch,
+    Dispatch, call,
     line::Ask,
     registry::{Entry, HeldSession},
-    rollout::{Ends, Held, RollOut, Running, Whole, failure, is_breakdown, is_late, late},
-    untaken::was_not_taken,
+    rollout::{Ends, Held, RollOut, Running, Whole},
 };
 use crate::{
     context::Context,
@@ -238,27 +234,16 @@ impl Dispatch {
     ) -> Result<ManageSessionResponse> {
         let deadline = Instant::now() + timeout.unwrap_or(LONGEST).min(LONGEST);
         let request_id = Context::current().request_id;
-        let (mut client, token) = entry.client();
         let message = ManageSessionRequest { call: Some(call), capture, request_id };
-        let length = message.encoded_len();
-        let mut request = Request::new(message);
-        request.metadata_mut().insert(REQUEST_BYTES, length.into());
-        request.metadata_mut().insert("authorization", token);
-        request.set_timeout(deadline.saturating_duration_since(Instant::now()));
-        match client.manage_session(request).await {
-            Ok(reply) => Ok(reply.into_inner()),
-            Err(status) if is_late(deadline) => Err(late(&status)),
-            Err(status) if was_not_taken(&status) => {
-                entry.broke();
-                Err(Error::WorkerLost)
-            }
-            Err(status) if is_breakdown(&status) => {
-                tracing::warn!(worker = %entry.id(), %status, "worker broke down in a session's call");
-                entry.broke();
-                Err(Error::WorkerEnded)
-            }
-            Err(status) => Err(failure(&status)),
-        }
+        let sent = call::send(entry, message, deadline, |mut client, request| async move {
+            client.manage_session(request).await
+        });
+        let Some((reply, mut taken)) = sent.await? else {
+            entry.broke();
+            return Err(Error::WorkerLost);
+        };
+        taken.answered();
+        Ok(reply)
     }
 }
 

@@ -184,7 +184,7 @@ impl Trajectories {
         let rows = &self.positions[instance * knots * width..(instance + 1) * knots * width];
         let mut out = Vec::with_capacity(schedule.places().len() * width);
         for place in schedule.places() {
-            out.extend((0..width).map(|c| place.at(|k| rows[k * width + c])));
+            place.add_row(|k| &rows[k * width..(k + 1) * width], &mut out);
         }
         out
     }

@@ -185,7 +185,7 @@ impl Execution<'_> {
     /// Refuses what the actions alone show to be implausible, if the request says so.
     fn refuse_implausible(&self) -> Result<(), Error> {
         let plan = self.plan;
-        if !plan.plausibility.is_refused {
+        if !plan.plausibility.is_refused() {
             return Ok(());
         }
         for action in 0..plan.actions() {

@@ -43,11 +43,15 @@ impl Start {
         (24 * self.state.positions.len() + 12 * self.controls.len()) as u64
     }
 
+    /// Control points, or where they may be if they are not known [m], shape [C, 3].
+    pub(super) fn here(&self) -> &[Point] {
+        self.likely.as_ref().unwrap_or(&self.controls)
+    }
+
     /// Largest distance between control points here and in the first row of the actions [m]. Where
     /// they are not known it counts from where they may be.
     pub(super) fn gap_m(&self, row: &[Point]) -> f32 {
-        let here = self.likely.as_ref().unwrap_or(&self.controls);
-        here.iter().zip(row).map(|(a, b)| length(sub(*a, *b))).fold(0.0, f32::max)
+        self.here().iter().zip(row).map(|(a, b)| length(sub(*a, *b))).fold(0.0, f32::max)
     }
 }
 

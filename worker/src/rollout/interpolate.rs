@@ -59,13 +59,31 @@ impl Place {
         if self.share == 0.0 {
             return knot(self.knot);
         }
-        let mut sum = [0.0f64; N];
-        for (k, weight) in self.weights() {
-            for (sum, x) in sum.iter_mut().zip(knot(k)) {
-                *sum += weight * f64::from(x);
-            }
+        weigh(self.weights().map(|(k, weight)| (knot(k), weight)))
+    }
+
+    /// Adds the values here of what is interpolated value by value, of which each knot has a row: the
+    /// same as [`Self::at`] of each.
+    pub(super) fn add_row<'a, const N: usize>(
+        &self,
+        row: impl Fn(usize) -> &'a [[f32; N]],
+        to: &mut Vec<[f32; N]>,
+    ) {
+        let own = row(self.knot);
+        if self.share == 0.0 {
+            to.extend_from_slice(own);
+            return;
         }
-        sum.map(|x| x as f32)
+        let mut rows = [(own, 0.0); 4];
+        let mut count = 0;
+        for (k, weight) in self.weights() {
+            rows[count] = (row(k), weight);
+            count += 1;
+        }
+        let near = &rows[..count];
+        to.extend(
+            (0..own.len()).map(|i| weigh(near.iter().map(|(row, weight)| (row[i], *weight)))),
+        );
     }
 
     /// The knots that count here, with their weights, which add up to 1.
@@ -74,6 +92,17 @@ impl Place {
         let all = self.weights.into_iter().enumerate();
         all.filter(|(_, w)| *w != 0.0).map(move |(i, w)| (first + i - 1, w))
     }
+}
+
+/// The sum of values times their weights.
+fn weigh<const N: usize>(values: impl Iterator<Item = ([f32; N], f64)>) -> [f32; N] {
+    let mut sum = [0.0f64; N];
+    for (value, weight) in values {
+        for (sum, x) in sum.iter_mut().zip(value) {
+            *sum += weight * f64::from(x);
+        }
+    }
+    sum.map(|x| x as f32)
 }
 
 /// Frame boundaries 0..=F of a rollout among the knots of its actions.

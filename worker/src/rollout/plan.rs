@@ -166,7 +166,7 @@ impl Plan {
         let obstacles = self.surroundings.obstacles(&model.environment);
         let middles = self.surroundings.middles(&instance.motion);
         let held = self.surroundings.held_paths(instance, end);
-        let of = Prescribed { controls, middles: &middles, held: &held };
+        let of = Prescribed { start: start.here(), controls, middles: &middles, held: &held };
         // Where control points are not known, what nodes say of them is not exact.
         let slack = if start.likely.is_some() { UNKNOWN_SLACK_M } else { 0.0 };
         let gap = (start.gap_m(first) - slack).max(0.0);

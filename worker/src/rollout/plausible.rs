@@ -6,20 +6,16 @@ use bendtwin_core::{
     geometry::{dot, length, scaled, sub},
 };
 use bendtwin_engine::{backend::Rollout, world::Shape};
-use bendtwin_proto::v1::{Plausibility as Wire, roll_out_response::Implausible};
+use bendtwin_proto::{
+    rollout::ImplausibleReason as Reason,
+    v1::{Plausibility as Wire, roll_out_response::Implausible},
+};
 
 use super::{error::Error, world::Path};
 
 /// Limits of what is plausible.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Plausibility {
-    start_gap_m: f64,
-    control_speed_m_s: f64,
-    strain: f64,
-    control_depth_m: f64,
-    /// Implausible motion is an error.
-    pub(super) is_refused: bool,
-}
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Plausibility(Wire);
 
 /// Extremes of an instance's actions.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -28,13 +24,16 @@ pub(super) struct Extremes {
     pub(super) start_gap_m: f32,
     /// Of the fastest control point [m/s], and its frame.
     speed: (f32, usize),
-    /// Of what is prescribed and deepest in an obstacle [m], and its frame.
+    /// Of what is prescribed and gets deepest in an obstacle [m], and its frame; of control points
+    /// beyond the depth that they have in the initial state.
     pub(super) depth: (f32, usize),
 }
 
 /// Positions that are prescribed to an instance.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Prescribed<'a> {
+    /// Control points of the initial state [m], shape [C].
+    pub(super) start: &'a [Point],
     /// Control points at frame boundaries [m], shape [F + 1, C].
     pub(super) controls: &'a [Point],
     /// Middles of grasps [m], as many at each frame boundary.
@@ -51,29 +50,15 @@ pub(super) struct Obstacles {
     pub(super) shapes: Vec<(Shape, f32)>,
 }
 
-impl Default for Plausibility {
-    fn default() -> Self {
-        Self {
-            start_gap_m: 0.005,
-            control_speed_m_s: 5.0,
-            strain: 1.0,
-            control_depth_m: 0.005,
-            is_refused: false,
-        }
-    }
-}
-
 impl Plausibility {
     /// The limits of a checked request.
     pub(super) fn read(wire: Option<Wire>) -> Self {
-        let (default, wire) = (Self::default(), wire.unwrap_or_default());
-        Self {
-            start_gap_m: wire.start_gap_m.unwrap_or(default.start_gap_m),
-            control_speed_m_s: wire.control_speed_m_s.unwrap_or(default.control_speed_m_s),
-            strain: wire.strain.unwrap_or(default.strain),
-            control_depth_m: wire.control_depth_m.unwrap_or(default.control_depth_m),
-            is_refused: wire.refuse,
-        }
+        Self(wire.unwrap_or_default())
+    }
+
+    /// True if implausible motion is an error.
+    pub(super) fn is_refused(&self) -> bool {
+        self.0.refuse
     }
 
     /// What an instance does that is not plausible, as far as it is known.
@@ -84,29 +69,29 @@ impl Plausibility {
         rollout: Option<&Rollout>,
     ) -> Vec<Implausible> {
         let strain = rollout.and_then(|r| r.diagnostics).map_or(0.0, |d| d.max_strain);
-        let ((speed, fastest), (depth, deepest)) = (extremes.speed, extremes.depth);
-        let found = [
-            ("START_GAP", extremes.start_gap_m, self.start_gap_m, 0),
-            ("CONTROL_SPEED", speed, self.control_speed_m_s, fastest),
-            ("STRAIN", strain, self.strain, 0),
-            ("CONTROL_IN_OBSTACLE", depth, self.control_depth_m, deepest),
-        ];
-        let beyond = found.into_iter().filter(|(_, found, limit, _)| f64::from(*found) > *limit);
-        beyond
-            .map(|(reason, found, limit, frame)| Implausible {
+        let beyond = |reason: Reason| {
+            let (found, frame) = match reason {
+                Reason::StartGap => (extremes.start_gap_m, 0),
+                Reason::ControlSpeed => extremes.speed,
+                Reason::Strain => (strain, 0),
+                Reason::ControlInObstacle => extremes.depth,
+            };
+            let limit = reason.limit(&self.0).unwrap_or_else(|| reason.default_limit());
+            (f64::from(found) > limit).then(|| Implausible {
                 instance: instance as u32,
-                reason: reason.to_owned(),
+                reason: reason.as_str().to_owned(),
                 found: found.into(),
                 limit,
                 frame: frame as u32,
             })
-            .collect()
+        };
+        Reason::ALL.into_iter().filter_map(beyond).collect()
     }
 
     /// Refuses the first of these, if the request says so.
     pub(super) fn refuse(&self, found: &[Implausible]) -> Result<(), Error> {
         match found.first() {
-            Some(first) if self.is_refused => Err(Error::Implausible { what: describe(first) }),
+            Some(first) if self.is_refused() => Err(Error::Implausible { what: describe(first) }),
             _ => Ok(()),
         }
     }
@@ -120,15 +105,18 @@ pub(super) fn extremes(
     fps: f64,
     obstacles: &Obstacles,
 ) -> Extremes {
-    let Prescribed { controls, middles, held } = of;
-    let width = controls.len() / (frames + 1);
+    let Prescribed { start, controls, middles, held } = of;
     let mut found = Extremes { start_gap_m, ..Extremes::default() };
-    let mut speed = 0.0f32;
-    for (i, (before, after)) in controls.iter().zip(controls.iter().skip(width)).enumerate() {
-        let way = length(sub(*after, *before));
-        if way > speed {
-            speed = way;
-            found.speed = ((f64::from(way) * fps) as f32, i / width + 1);
+    // Frame by frame: batches have millions of points, and a division costs more than a point.
+    let width = |points: &[Point]| (points.len() / (frames + 1)).max(1);
+    let now = controls.chunks_exact(width(controls));
+    let mut most = 0.0f32;
+    for (frame, (before, after)) in now.clone().zip(now.clone().skip(1)).enumerate() {
+        let ways = before.iter().zip(after).map(|(a, b)| sub(*b, *a));
+        let square = ways.map(|way| dot(way, way)).fold(0.0, f32::max);
+        if square > most {
+            most = square;
+            found.speed = ((f64::from(square.sqrt()) * fps) as f32, frame + 1);
         }
     }
     if obstacles.ground.is_none() && obstacles.shapes.is_empty() {
@@ -139,15 +127,19 @@ pub(super) fn extremes(
             found.depth = (depth, frame);
         }
     };
-    for points in [controls, middles] {
-        let width = points.len() / (frames + 1);
-        for (i, point) in points.iter().enumerate() {
-            see(obstacles.depth(*point), i / width);
-        }
+    // What was deep already, as a hand at the ground may be in a capture, counts by how much deeper
+    // it gets.
+    let before = |p: &Point| obstacles.depth(*p).max(0.0);
+    let starts: Vec<f32> = start.iter().map(before).collect();
+    for (frame, row) in now.enumerate() {
+        let depths = row.iter().zip(&starts).map(|(p, first)| obstacles.depth(*p) - first);
+        see(depths.fold(0.0, f32::max), frame);
+    }
+    for (frame, row) in middles.chunks_exact(width(middles)).enumerate() {
+        see(row.iter().map(|p| obstacles.depth(*p)).fold(0.0, f32::max), frame);
     }
     for path in held {
-        // A node that was deep already, as noise may have it, counts by how much deeper it gets.
-        let first = path.points.first().map_or(0.0, |p| obstacles.depth(*p).max(0.0));
+        let first = path.points.first().map_or(0.0, before);
         for (point, frame) in path.points.iter().zip(path.from..) {
             see(obstacles.depth(*point) - first, frame);
         }
@@ -158,9 +150,10 @@ pub(super) fn extremes(
 impl Obstacles {
     /// Depth of a point in the obstacle that it is deepest in [m]; negative outside all of them.
     fn depth(&self, p: Point) -> f32 {
-        let ground = self.ground.map(|plane| plane.offset_m - dot(plane.normal, p));
+        let below = |plane: Plane| plane.offset_m - dot(plane.normal, p);
+        let ground = self.ground.map_or(f32::NEG_INFINITY, below);
         let shapes = self.shapes.iter().map(|(shape, margin)| -distance(shape, p) - margin);
-        shapes.chain(ground).fold(f32::NEG_INFINITY, f32::max)
+        shapes.fold(ground, f32::max)
     }
 }
 
@@ -183,24 +176,37 @@ fn distance(shape: &Shape, p: Point) -> f32 {
 
 fn describe(what: &Implausible) -> String {
     let Implausible { instance, reason, found, limit, frame } = what;
-    match reason.as_str() {
-        "START_GAP" => format!(
-            "row 0 of the actions of instance {instance} is {:.1} mm from the control points of the initial state (limit {:.1} mm): start the actions where the state is, or raise plausibility.start_gap_m",
-            1e3 * found,
-            1e3 * limit
+    let Some(reason) = Reason::ALL.into_iter().find(|r| r.as_str() == reason) else {
+        return format!("instance {instance} is beyond the limit of {limit}");
+    };
+    let (found_mm, limit_mm) = (1e3 * found, 1e3 * limit);
+    let (fault, advice) = match reason {
+        Reason::StartGap => (
+            format!(
+                "row 0 of the actions of instance {instance} is {found_mm:.1} mm from the control points of the initial state (limit {limit_mm:.1} mm)"
+            ),
+            "start the actions where the state is",
         ),
-        "CONTROL_SPEED" => format!(
-            "a control point of instance {instance} moves at {found:.1} m/s in frame {frame} (limit {limit}): give it more frames, or raise plausibility.control_speed_m_s"
+        Reason::ControlSpeed => (
+            format!(
+                "a control point of instance {instance} moves at {found:.1} m/s in frame {frame} (limit {limit})"
+            ),
+            "give it more frames",
         ),
-        "STRAIN" => format!(
-            "the material of instance {instance} is strained by {found:.2} (limit {limit}): pull less, or raise plausibility.strain"
+        Reason::Strain => (
+            format!(
+                "the material of instance {instance} is strained by {found:.2} (limit {limit})"
+            ),
+            "pull less",
         ),
-        _ => format!(
-            "a control point, grasp or held node of instance {instance} is {:.1} mm deep in the ground or a collider in frame {frame} (limit {:.1} mm): lift its path, or raise plausibility.control_depth_m",
-            1e3 * found,
-            1e3 * limit
+        Reason::ControlInObstacle => (
+            format!(
+                "a control point, grasp or held node of instance {instance} is {found_mm:.1} mm deeper in the ground or a collider in frame {frame} than it began (limit {limit_mm:.1} mm)"
+            ),
+            "lift its path",
         ),
-    }
+    };
+    format!("{fault}: {advice}, or raise plausibility.{}", reason.field())
 }
 
 #[cfg(test)]

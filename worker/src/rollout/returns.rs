@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use bendtwin_core::Graph;
-use bendtwin_engine::backend::Outputs;
+use bendtwin_engine::backend::{Diagnose, Outputs};
 use bendtwin_proto::v1::{Returns as Wire, returns::Encoding};
 
 use super::error::Error;
@@ -90,15 +90,14 @@ impl Returns {
             || self.gradient_norms
     }
 
-    /// Outputs of the engine where arrays are wanted. Diagnostics tell how plausible all of it is.
+    /// Outputs of the engine where arrays are wanted.
     pub(super) fn outputs(&self) -> Outputs {
         Outputs {
             every: self.every,
             initial: false,
             nodes: self.nodes.clone(),
             final_state: self.final_state,
-            diagnostics: true,
-            extremes_only: !self.diagnostics,
+            diagnose: self.diagnose(),
             forces: self.forces,
             velocities: self.velocities,
             frame_costs: self.frame_costs,
@@ -107,7 +106,11 @@ impl Returns {
 
     /// Outputs of the engine where only costs count.
     pub(super) fn summary(&self) -> Outputs {
-        let extremes_only = !self.diagnostics;
-        Outputs { diagnostics: true, extremes_only, ..Outputs::default() }
+        Outputs { diagnose: self.diagnose(), ..Outputs::default() }
+    }
+
+    /// Extremes, which tell how plausible a rollout is, in any case.
+    fn diagnose(&self) -> Diagnose {
+        if self.diagnostics { Diagnose::All } else { Diagnose::Extremes }
     }
 }

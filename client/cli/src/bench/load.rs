@@ -76,6 +76,12 @@ struct Measured {
     /// Their median and 99th percentile [s].
     p50_s: f64,
     p99_s: f64,
+    /// The same of the time that they waited in line and that they were computed for, as replies
+    /// say [s].
+    queue_p50_s: f64,
+    queue_p99_s: f64,
+    compute_p50_s: f64,
+    compute_p99_s: f64,
     /// Generations of the fit a second.
     generations_per_s: Option<f64>,
 }
@@ -276,12 +282,16 @@ async fn phase(
 ) -> anyhow::Result<Measured> {
     let started = Instant::now();
     let first = generations(client, fit).await?;
-    let mut took = Vec::new();
+    let (mut took, mut queue, mut compute) = (Vec::new(), Vec::new(), Vec::new());
     let mut refused = 0;
     while started.elapsed() < time {
         let begun = Instant::now();
         match client.rollouts().run(still.rollout(size)).await {
-            Ok(_) => took.push(begun.elapsed().as_secs_f64()),
+            Ok(reply) => {
+                took.push(begun.elapsed().as_secs_f64());
+                queue.push(reply.timing.queue_s);
+                compute.push(reply.timing.compute_s);
+            }
             Err(_) => {
                 refused += 1;
                 tokio::time::sleep(PAUSE).await;
@@ -292,9 +302,23 @@ async fn phase(
     let seconds = started.elapsed().as_secs_f64();
     let generations_per_s =
         first.zip(last).map(|(first, last)| f64::from(last.saturating_sub(first)) / seconds);
-    took.sort_by(f64::total_cmp);
-    let (p50_s, p99_s) = (percentile(&took, 0.5), percentile(&took, 0.99));
-    Ok(Measured { answered: took.len(), refused, p50_s, p99_s, generations_per_s })
+    let answered = took.len();
+    let [[p50_s, p99_s], [queue_p50_s, queue_p99_s], [compute_p50_s, compute_p99_s]] =
+        [took, queue, compute].map(|mut times| {
+            times.sort_by(f64::total_cmp);
+            [0.5, 0.99].map(|share| percentile(&times, share))
+        });
+    Ok(Measured {
+        answered,
+        refused,
+        p50_s,
+        p99_s,
+        queue_p50_s,
+        queue_p99_s,
+        compute_p50_s,
+        compute_p99_s,
+        generations_per_s,
+    })
 }
 
 async fn generations(client: &Client, fit: Option<FitId>) -> anyhow::Result<Option<u32>> {
@@ -326,6 +350,9 @@ fn text(report: &Report) -> String {
     };
     row("small, median", &|m| ms(m.p50_s, alone.p50_s));
     row("small, p99", &|m| ms(m.p99_s, alone.p99_s));
+    let both = |p50_s: f64, p99_s: f64| format!("{:.1} / {:.1} ms", 1e3 * p50_s, 1e3 * p99_s);
+    row("in line, median / p99", &|m| both(m.queue_p50_s, m.queue_p99_s));
+    row("computed, median / p99", &|m| both(m.compute_p50_s, m.compute_p99_s));
     row("small rollouts", &|m| format!("{} ({} refused)", m.answered, m.refused));
     row("fit, generations/s", &|m| {
         m.generations_per_s.map_or_else(|| "-".to_owned(), |g| format!("{g:.2}"))

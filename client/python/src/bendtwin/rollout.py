@@ -97,7 +97,8 @@ class Diagnostics:
     ground_contacts: int
     #: Of springs to control points.
     max_control_strain: float = 0.0
-    #: Deepest that a control point was below the ground or in a fixed collider, metres.
+    #: Deepest that a control point got in the ground or a fixed collider, beyond its depth in
+    #: the initial state, metres.
     control_depth_m: float = 0.0
 
 

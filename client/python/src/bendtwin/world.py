@@ -275,7 +275,8 @@ class Plausibility:
     control_speed_m_s: float | None = None
     #: Of the material; 1.
     strain: float | None = None
-    #: Of control points and grasps in the ground or colliders that stand still; 0.005.
+    #: Of control points and grasps in the ground or colliders that stand still, of control
+    #: points beyond their depth in the initial state; 0.005.
     control_depth_m: float | None = None
     #: Raise an error with the reason IMPLAUSIBLE_MOTION instead.
     refuse: bool = False

@@ -5,8 +5,8 @@ use bendtwin_core::{
     ids::{CaptureId, SessionId, TwinId},
 };
 use bendtwin_proto::v1::{
-    self, ControlTrajectories, InitialState, Interpolation, KnotTimes, Returns, RollOutRequest,
-    Tensor,
+    self, ControlTrajectories, InitialState, Interpolation, KnotTimes, Plausibility, Returns,
+    RollOutRequest, Tensor,
     initial_state::{CaptureFrame, GivenState, SessionSlots, Settled, State as Initial},
     knot_times::Times,
     returns::Encoding,
@@ -337,6 +337,23 @@ impl Rollout {
     #[must_use]
     pub fn refuse_implausible(mut self) -> Self {
         self.request.plausibility.get_or_insert_default().refuse = true;
+        self
+    }
+
+    /// Holds any motion to be possible: none is in [`Reply::implausible`], and none is refused.
+    ///
+    /// [`Reply::implausible`]: super::Reply::implausible
+    #[must_use]
+    pub fn allow_any_motion(mut self) -> Self {
+        let refuse = self.request.plausibility.is_some_and(|p| p.refuse);
+        let none = Some(f64::INFINITY);
+        self.request.plausibility = Some(Plausibility {
+            start_gap_m: none,
+            control_speed_m_s: none,
+            strain: none,
+            control_depth_m: none,
+            refuse,
+        });
         self
     }
 

@@ -6,9 +6,9 @@ use super::{
     args::{
         AddSeedsArgs, AdvanceFramesArgs, BackFrameArgs, ChangeGraspsArgs, Checks,
         CollectControlsArgs, CollectMotionArgs, DeviceType, ExtremesArgs, FindPartnersArgs,
-        FinishGradientArgs, GatherSumsArgs, NormBarsArgs, PackBendsArgs, PackHalfSpringsArgs,
-        RecordArgs, ScoreArgs, SeedArgs, SeedForcesArgs, SeedPosesArgs, SeedRestLengthsArgs,
-        SquareLengthsArgs, StartArgs, StepAdamArgs, WeighGradientsArgs,
+        FinishGradientArgs, GatherArgs, GatherSumsArgs, NormBarsArgs, PackBendsArgs,
+        PackHalfSpringsArgs, RecordArgs, ScoreArgs, SeedArgs, SeedForcesArgs, SeedPosesArgs,
+        SeedRestLengthsArgs, SquareLengthsArgs, StartArgs, StepAdamArgs, WeighGradientsArgs,
     },
     launch::Launch,
     specialization::Source,
@@ -86,6 +86,8 @@ kernels! {
     Optimizer: step_adam(StepAdamArgs);
     /// Recorded positions: a block for some nodes of a recorded frame of an instance.
     Outputs: record(RecordArgs);
+    /// Words from many places, into one: some blocks for a piece.
+    Outputs: gather(GatherArgs);
     /// Largest strain and speed at frame ends: a block for a frame of an instance.
     Outputs: extremes(ExtremesArgs);
 }

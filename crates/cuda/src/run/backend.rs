@@ -229,6 +229,7 @@ impl CudaBackend {
         let places =
             if request.initial { self.queue.fetch(&gradients.places)? } else { Vec::new() };
         let norms = self.queue.fetch(&gradients.norms)?;
+        let mut final_states = simulated.final_states(request.final_state)?;
         let mut out = Vec::with_capacity(batch.len());
         for (i, (instance, loss)) in batch.iter().zip(simulated.losses()?).enumerate() {
             let model = instance.model.model();
@@ -282,11 +283,6 @@ impl CudaBackend {
                 at_start.twists.fill(f32::NAN);
                 paths.fill([f32::NAN; 3]);
             }
-            let final_state = if request.final_state && ended {
-                Some(simulated.state(i, instance.frames)?)
-            } else {
-                None
-            };
             if let Some(bars) = places.get(gradients.place_starts[i]..gradients.place_starts[i + 1])
             {
                 at_start.grasping = world::start(instance, |node| match bars.get(node) {
@@ -314,7 +310,7 @@ impl CudaBackend {
                 rolls: motion(&rolls[gradients.roll_starts[i]..gradients.roll_starts[i + 1]]),
                 norms,
                 initial: request.initial.then_some(at_start),
-                final_state,
+                final_state: std::mem::take(&mut final_states[i]),
             });
         }
         Ok(out)
@@ -372,9 +368,14 @@ impl SimulatedBatch<'_> {
         }
     }
 
-    /// State of an instance at the end of a frame.
-    pub(crate) fn state(&self, index: usize, frame: usize) -> Result<State, Error> {
-        self.simulation.state(index, frame)
+    /// States after the last frames of instances that did not diverge, if they are `asked` for; waits
+    /// for the device.
+    pub(crate) fn final_states(&self, asked: bool) -> Result<Vec<Option<State>>, Error> {
+        let each = self.simulation.instances.iter().zip(&self.divergences);
+        let end = |(i, diverged): (&Instance, &Option<Divergence>)| {
+            (asked && diverged.is_none()).then_some(i.frames)
+        };
+        self.simulation.states(&each.map(end).collect::<Vec<_>>())
     }
 }
 

@@ -89,13 +89,10 @@ impl DeviceOptimizer {
         let gradients = Arc::new(gradients);
         let losses = simulated.losses()?;
         let mut norms = Vec::with_capacity(samples.len());
-        for (i, (sample, loss)) in samples.iter().zip(losses).enumerate() {
+        let final_states = simulated.final_states(request.final_state)?;
+        let results = samples.iter().zip(losses).zip(final_states);
+        for (i, ((sample, loss), final_state)) in results.enumerate() {
             let ended = loss.diverged.is_none();
-            let final_state = if request.final_state && ended {
-                Some(simulated.state(i, instances[i].frames)?)
-            } else {
-                None
-            };
             let run = &mut self.runs[sample.run];
             let own =
                 if ended { gradients.params.at(gradients.starts[i]) } else { Pointer::default() };

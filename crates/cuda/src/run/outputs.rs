@@ -1,10 +1,12 @@
 //! Outputs of a rollout beside its costs; velocities are means over frames, as on the CPU.
 
+use std::collections::HashMap;
+
+use bendtwin_core::Point;
 use bendtwin_engine::{
-    Energy, Error,
-    backend::{Diagnostics, Instance, Loss, Outputs, Rollout},
+    Energies, Energy, Error, Model,
+    backend::{Diagnose, Diagnostics, Instance, Loss, Outputs, Rollout},
     constants::ON_GROUND_M,
-    energy,
     model::State,
 };
 
@@ -19,6 +21,9 @@ use crate::{
     plan::resident::resident,
     run::simulation::{RetainedStates, Simulation},
 };
+
+/// Models arranged at a time: some hundred kilobytes each.
+const KNOWN_MODELS: usize = 32;
 
 /// Recorded arrays of a simulation's instances, on the device.
 pub(crate) struct RecordedOutputs {
@@ -35,8 +40,12 @@ pub(crate) struct RecordedOutputs {
 /// States that a rollout needs.
 pub(crate) fn retained_states(batch: &[Instance], outputs: &Outputs) -> RetainedStates {
     let scored = batch.iter().any(|i| !i.objective.terms.is_empty());
-    let all = scored || outputs.every > 0 || outputs.initial || outputs.diagnostics;
+    let all = scored || outputs.every > 0 || outputs.initial || diagnoses(outputs);
     if all { RetainedStates::All } else { RetainedStates::Last }
+}
+
+fn diagnoses(outputs: &Outputs) -> bool {
+    outputs.diagnose != Diagnose::Nothing
 }
 
 /// Frames that a rollout records.
@@ -59,7 +68,7 @@ impl RecordedOutputs {
         let (mut starts, mut extreme_starts, mut frame_starts) = (vec![0], vec![0], vec![0]);
         for (instance, frames) in instances.iter().zip(&frames) {
             starts.push(end_of(&starts) + frames.len() * nodes(instance));
-            let measured = if outputs.diagnostics { instance.frames } else { 0 };
+            let measured = if diagnoses(outputs) { instance.frames } else { 0 };
             extreme_starts.push(end_of(&extreme_starts) + measured);
             frame_starts.push(end_of(&frame_starts) + frames.len());
         }
@@ -115,7 +124,7 @@ impl RecordedOutputs {
             let launch = queue.grid(most_nodes.div_ceil(THREADS), most_frames as u32, count);
             // SAFETY: the arrays have room for all recorded frames and nodes, which exist.
             unsafe { kernels::record(&launch, &RecordArgs { outputs: args })? };
-            if outputs.diagnostics {
+            if diagnoses(outputs) {
                 let launch = queue.grid(longest as u32, count, 1);
                 // SAFETY: as above, for every frame.
                 unsafe { kernels::extremes(&launch, &ExtremesArgs { outputs: args })? };
@@ -134,26 +143,37 @@ impl RecordedOutputs {
         let positions = simulation.queue.fetch(&self.positions)?;
         let velocities = simulation.queue.fetch(&self.velocities)?;
         let extremes = self.extremes.read()?;
+        let forces = match outputs.forces {
+            true => simulation.worlds.forces(simulation.queue)?,
+            false => Vec::new(),
+        };
+        let instances = simulation.instances;
+        let reached = |i: usize, loss: &Loss| {
+            loss.diverged.map_or(instances[i].frames, |d| d.frame.saturating_sub(1))
+        };
+        let end = |(i, (loss, _)): (usize, &(Loss, _))| {
+            let measured = match outputs.diagnose {
+                Diagnose::All => true,
+                Diagnose::Extremes => instances[i].frames == 0,
+                Diagnose::Nothing => false,
+            };
+            let asked = outputs.final_state && loss.diverged.is_none();
+            (asked || measured).then(|| reached(i, loss))
+        };
+        let ends: Vec<Option<usize>> = losses.iter().enumerate().map(end).collect();
+        let last = simulation.states(&ends)?;
+        let mut energies = KnownModels::default();
         let mut rollouts = Vec::with_capacity(losses.len());
-        for (i, (loss, frame_costs)) in losses.into_iter().enumerate() {
-            let instance = &simulation.instances[i];
-            let ended = loss.diverged.is_none();
-            let reached = loss.diverged.map_or(instance.frames, |d| d.frame.saturating_sub(1));
+        for (i, ((loss, frame_costs), last)) in losses.into_iter().zip(last).enumerate() {
+            let (instance, reached) = (&instances[i], reached(i, &loss));
             let kept = self.frames[i].iter().take_while(|&&f| f as usize <= reached);
             let frames: Vec<usize> = kept.map(|&f| f as usize).collect();
             let own = &positions[self.starts[i]..self.starts[i + 1]];
             let a_frame = own.len() / self.frames[i].len().max(1);
-            let looks_at_end =
-                outputs.diagnostics && (!outputs.extremes_only || instance.frames == 0);
-            let last = if looks_at_end || (ended && outputs.final_state) {
-                Some(simulation.state(i, reached)?)
-            } else {
-                None
-            };
-            let first = self.extreme_starts[i];
-            let diagnostics = outputs.diagnostics.then(|| {
-                let extremes = &extremes[first..first + reached];
-                diagnose(instance, reached, last.as_ref(), extremes)
+            let diagnostics = diagnoses(outputs).then(|| {
+                let extremes = &extremes[self.extreme_starts[i]..][..reached];
+                let energies = (outputs.diagnose == Diagnose::All).then_some(&mut energies);
+                diagnose(instance, reached, last.as_ref(), extremes, energies)
             });
             let recorded = frames.len() * a_frame;
             let own_velocities = velocities.get(self.starts[i]..self.starts[i] + recorded);
@@ -164,16 +184,12 @@ impl RecordedOutputs {
                 frames,
                 cost: loss.total,
                 group_costs: loss.groups,
-                final_state: last.filter(|_| ended && outputs.final_state),
+                final_state: last.filter(|_| outputs.final_state && loss.diverged.is_none()),
                 diagnostics,
-                forces: match outputs.forces {
-                    true => Some(simulation.worlds.forces(
-                        i,
-                        instance,
-                        loss.diverged.map_or(instance.frames, |d| d.frame - 1),
-                    )?),
-                    false => None,
-                },
+                forces: outputs.forces.then(|| {
+                    let end = loss.diverged.map_or(instance.frames, |d| d.frame - 1);
+                    simulation.worlds.forces_on(i, instance, end, &forces)
+                }),
                 diverged: loss.diverged,
             });
         }
@@ -181,49 +197,58 @@ impl RecordedOutputs {
     }
 }
 
-/// Diagnostics of the frames that were reached, the last of which ended in a state, if that is
-/// known. There are no energies if it was not the last of all.
+/// Models of a batch arranged for energies. Instances mostly share theirs, and to arrange one takes
+/// longer than to simulate a frame of it.
+#[derive(Default)]
+struct KnownModels(HashMap<*const Model, Option<Energies>>);
+
+impl KnownModels {
+    fn energy(&mut self, model: &Model, state: &State, controls: &[Point]) -> Energy {
+        if self.0.len() >= KNOWN_MODELS {
+            self.0.clear();
+        }
+        let known = self.0.entry(std::ptr::from_ref(model)).or_insert_with(|| Energies::new(model));
+        known.as_ref().and_then(|e| e.of(state, controls)).unwrap_or_default()
+    }
+}
+
+/// Diagnostics of the frames that were reached, the last of which ended in a state; that is needed
+/// for energies, if they are asked for, and where there is no frame. There are no energies if it was
+/// not the last of all.
 fn diagnose(
     instance: &Instance,
     reached: usize,
     last: Option<&State>,
     extremes: &[[f32; 3]],
+    energies: Option<&mut KnownModels>,
 ) -> Diagnostics {
     let model = instance.model.model();
-    let controls = model.graph.control_count();
-    let held = &instance.controls[reached * controls..(reached + 1) * controls];
-    let most = |k: usize| extremes.iter().map(|e| e[k]).fold(0.0, f32::max);
-    let Some(last) = last else {
-        return Diagnostics {
-            max_strain: most(0),
-            max_control_strain: most(1),
-            max_speed_m_s: most(2),
-            kinetic_energy: f32::NAN,
-            elastic_energy: f32::NAN,
-            ground_contacts: 0,
-        };
-    };
-    let energy = if reached == instance.frames {
-        energy(model, last, held).unwrap_or_default()
-    } else {
-        Energy { kinetic: f64::NAN, elastic: f64::NAN, gravitational: f64::NAN }
-    };
-    let low = |x: &[f32; 3]| {
-        model.environment.ground.is_some_and(|g| {
-            let height: f32 = x.iter().zip(g.normal).map(|(x, n)| x * n).sum();
-            height - g.offset_m < ON_GROUND_M as f32
-        })
+    let [max_strain, max_control_strain, max_speed_m_s] = match last {
+        Some(state) if instance.frames == 0 => at_rest(instance, state),
+        _ => [0, 1, 2].map(|k| extremes.iter().map(|e| e[k]).fold(0.0, f32::max)),
     };
     let mut found = Diagnostics {
-        max_strain: most(0),
-        max_control_strain: most(1),
-        max_speed_m_s: most(2),
-        kinetic_energy: energy.kinetic as f32,
-        elastic_energy: energy.elastic as f32,
-        ground_contacts: last.positions.iter().filter(|x| low(x)).count() as u32,
+        max_strain,
+        max_control_strain,
+        max_speed_m_s,
+        kinetic_energy: f32::NAN,
+        elastic_energy: f32::NAN,
+        ground_contacts: 0,
     };
-    if instance.frames == 0 {
-        [found.max_strain, found.max_control_strain, found.max_speed_m_s] = at_rest(instance, last);
+    let (Some(last), Some(energies)) = (last, energies) else { return found };
+    if reached == instance.frames {
+        let controls = model.graph.control_count();
+        let held = &instance.controls[reached * controls..(reached + 1) * controls];
+        let energy = energies.energy(model, last, held);
+        found.kinetic_energy = energy.kinetic as f32;
+        found.elastic_energy = energy.elastic as f32;
+    }
+    if let Some(ground) = model.environment.ground {
+        let is_low = |x: &&[f32; 3]| {
+            let height: f32 = x.iter().zip(ground.normal).map(|(x, n)| x * n).sum();
+            height - ground.offset_m < ON_GROUND_M as f32
+        };
+        found.ground_contacts = last.positions.iter().filter(is_low).count() as u32;
     }
     found
 }

@@ -10,7 +10,6 @@ use bendtwin_engine::{
     Error,
     backend::{Divergence, Instance},
     constants::MAX_PARTNERS,
-    model::State,
 };
 use cudarc::driver::CudaStream;
 use rayon::prelude::*;
@@ -357,27 +356,6 @@ impl<'a> Simulation<'a> {
             (key != u64::MAX).then_some(Divergence { frame, node })
         };
         Ok(found.into_iter().map(decode).collect())
-    }
-
-    /// State of an instance at the end of a frame; waits for the device.
-    pub(crate) fn state(&self, index: usize, frame: usize) -> Result<State, Error> {
-        let graph = &self.instances[index].model.model().graph;
-        let (n, r) = (graph.node_count(), graph.rods.len());
-        let slot = frame % self.slots_of(index);
-        let twists = match r {
-            0 => Vec::new(),
-            r => self.twists.read_from(self.twist_starts[index] + slot * r, r)?,
-        };
-        let planes = self.states.read_from(self.state_starts[index] + slot * 6 * n, 6 * n)?;
-        let point = |first: usize, i: usize| {
-            [planes[first * n + i], planes[(first + 1) * n + i], planes[(first + 2) * n + i]]
-        };
-        Ok(State {
-            positions: (0..n).map(|i| point(0, i)).collect(),
-            velocities: (0..n).map(|i| point(3, i)).collect(),
-            twists,
-            grasping: self.worlds.grasping(index, &self.instances[index], frame)?,
-        })
     }
 }
 

@@ -233,44 +233,42 @@ impl Worlds {
         self.boundaries.range(first + 1..).next().map_or(end, |&b| b.min(end))
     }
 
-    /// Holds of an instance's grasps behind a frame, which is kept; waits for the device.
+    /// Addresses of the phases of an instance's grasps, shape [grasps], and of what they hold, shape
+    /// [N], behind a frame that is kept; nothing if it has no grasps.
     pub(crate) fn grasping(
         &self,
         index: usize,
-        instance: &Instance,
         frame: usize,
-    ) -> Result<Grasping, Error> {
-        if !self.parts[index].grasps {
-            return Ok(Grasping::default());
-        }
-        let n = instance.model.model().graph.node_count();
-        let g = instance.world.grasps.len();
-        let slot = (frame + 1) % self.args[index].slot_count as usize;
-        let phases = self.phases.read_from(self.phase_starts[index] + slot * g, g)?;
-        let holds = self.holds.read_from(self.hold_starts[index] + slot * n, n)?;
-        let held = holds.iter().enumerate().filter(|(_, h)| h.grasp >= 0);
-        Ok(Grasping {
-            phases: phases.into_iter().map(decode_phase).collect(),
-            holds: held
-                .map(|(node, h)| Hold { node: node as u32, grasp: h.grasp as u32, place: h.place })
-                .collect(),
-        })
+    ) -> Option<(Pointer<u32>, Pointer<args::Hold>)> {
+        let args = &self.args[index];
+        let slot = (frame + 1) % args.slot_count.max(1) as usize;
+        let [phases, holds] = [&self.phase_starts, &self.hold_starts].map(|starts| {
+            let stride = (starts[index + 1] - starts[index]) / args.slot_count.max(1) as usize;
+            starts[index] + slot * stride
+        });
+        self.parts[index].grasps.then(|| (self.phases.at(phases), self.holds.at(holds)))
     }
 
-    /// Forces on an instance in its frames before `end`; waits for the device.
-    pub(crate) fn forces(
+    /// Forces on all instances, in the order of the device; waits for it.
+    pub(crate) fn forces(&self, queue: &Queue) -> Result<Vec<f32>, Error> {
+        queue.fetch(&self.forces)
+    }
+
+    /// Forces on an instance in its frames before `end`, from [`Self::forces`].
+    pub(crate) fn forces_on(
         &self,
         index: usize,
         instance: &Instance,
         end: usize,
-    ) -> Result<Forces, Error> {
+        all: &[f32],
+    ) -> Forces {
         let stride = force_stride(instance);
         let count = end.min(instance.frames) * stride;
-        let read = self.forces.read_from(self.force_starts[index], count)?;
+        let own = &all[self.force_starts[index]..][..count];
         let controls = instance.model.model().graph.control_count();
         let grasps = instance.world.grasps.len();
         let mut forces = Forces::default();
-        for frame in read.chunks(stride) {
+        for frame in own.chunks(stride) {
             let (by_controls, rest) = frame.split_at(6 * controls);
             let (by_grasps, rest) = rest.split_at(6 * grasps);
             let (by_ground, by_colliders) = rest.split_at(3);
@@ -279,7 +277,7 @@ impl Worlds {
             forces.ground.push([by_ground[0], by_ground[1], by_ground[2]]);
             forces.colliders.extend(by_colliders.as_chunks().0);
         }
-        Ok(forces)
+        forces
     }
 
     /// Opens and closes the grasps of instances at a boundary; frames from there to before `end`
@@ -306,6 +304,17 @@ fn changes(instance: &Instance) -> impl Iterator<Item = usize> + use<'_> {
     let pairs = rows.clone().zip(rows.skip(1)).enumerate();
     let changed = pairs.filter(|(_, (a, b))| a != b).map(|(f, _)| f + 1);
     [0, instance.frames].into_iter().chain(changed)
+}
+
+/// What grasps hold, by node, with their phases.
+pub(crate) fn decode_grasping(phases: &[u32], holds: &[args::Hold]) -> Grasping {
+    let held = holds.iter().enumerate().filter(|(_, h)| h.grasp >= 0);
+    Grasping {
+        phases: phases.iter().map(|&p| decode_phase(p)).collect(),
+        holds: held
+            .map(|(node, h)| Hold { node: node as u32, grasp: h.grasp as u32, place: h.place })
+            .collect(),
+    }
 }
 
 fn decode_phase(phase: u32) -> Phase {

@@ -9,7 +9,7 @@ use bendtwin_core::CancelToken;
 
 use crate::{
     Backend, Error,
-    backend::{GradientRequest, Instance, Outputs},
+    backend::{Diagnose, GradientRequest, Instance, Outputs},
 };
 
 /// Scenes of different sizes, lengths and features.
@@ -43,7 +43,7 @@ const OUTPUTS: Outputs = Outputs {
     initial: true,
     nodes: None,
     final_state: true,
-    diagnostics: true,
+    diagnose: Diagnose::All,
     ..Outputs::NONE
 };
 const REQUEST: GradientRequest = GradientRequest {

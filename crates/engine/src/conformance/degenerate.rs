@@ -15,7 +15,7 @@ use bendtwin_core::CancelToken;
 
 use crate::{
     Backend, PointLoss, PointSet, Term,
-    backend::{Gradient, GradientRequest, Outputs},
+    backend::{Diagnose, Gradient, GradientRequest, Outputs},
     objective::WeightedTerm,
 };
 
@@ -248,7 +248,7 @@ pub(super) fn divergence_says_where(backend: &dyn Backend) -> Outcome {
     let outputs = Outputs {
         every: 1,
         final_state: true,
-        diagnostics: true,
+        diagnose: Diagnose::All,
         velocities: true,
         frame_costs: true,
         ..Outputs::NONE

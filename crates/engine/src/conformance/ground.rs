@@ -6,7 +6,10 @@ use super::{
     expect::{Outcome, close, ensure},
     scene::{Scene, difference, dot},
 };
-use crate::{Backend, backend::Outputs};
+use crate::{
+    Backend,
+    backend::{Diagnose, Outputs},
+};
 
 const G: f64 = 9.81;
 
@@ -108,7 +111,7 @@ pub(super) fn what_lies_still_reports_no_speed(backend: &dyn Backend) -> Outcome
     scene.last(30);
     scene.initial = scene.end(backend)?;
     scene.last(10);
-    let outputs = Outputs { every: 1, velocities: true, diagnostics: true, ..Outputs::NONE };
+    let outputs = Outputs { every: 1, velocities: true, diagnose: Diagnose::All, ..Outputs::NONE };
     let rollout = scene.roll_out_raw(backend, &outputs)?;
     let speed = |v: &Point| dot(v.map(f64::from), v.map(f64::from)).sqrt();
     let fastest = rollout.velocities.iter().map(speed).fold(0.0, f64::max);

@@ -12,7 +12,7 @@ use super::{
 };
 use crate::{
     Backend, PointLoss, PointSet, Term,
-    backend::{GradientRequest, Outputs},
+    backend::{Diagnose, Diagnostics, GradientRequest, Outputs},
 };
 
 fn measured(seed: u64) -> Scene {
@@ -244,6 +244,34 @@ pub(super) fn velocities_are_those_of_the_motion(backend: &dyn Backend) -> Outco
     let some = scene.roll_out_raw(backend, &some)?;
     let expected: Vec<Point> = nodes.iter().map(|&i| full.velocities[4 * n + i as usize]).collect();
     ensure(some.velocities == expected, || "selected velocities differ from the full record".into())
+}
+
+/// Strains and speed are bit for bit the same whether the rest is asked for or not, with and without
+/// a frame or a final state; what was not asked for is unknown.
+pub(super) fn extremes_are_those_of_all_diagnostics(backend: &dyn Backend) -> Outcome {
+    let mut scene = measured(3);
+    // All nodes lie on it.
+    scene.ground([0.0, 0.0, 1.0], 10.0, 0.0, 0.0);
+    let mut at_rest = scene.clone();
+    at_rest.last(0);
+    at_rest.objective = Default::default();
+    for (scene, final_state) in [(&scene, false), (&scene, true), (&at_rest, false)] {
+        let outputs = |diagnose| Outputs { diagnose, final_state, ..Outputs::NONE };
+        let all = scene.roll_out_raw(backend, &outputs(Diagnose::All))?;
+        let some = scene.roll_out_raw(backend, &outputs(Diagnose::Extremes))?;
+        ensure(some.final_state == all.final_state, || "the final states differ".to_owned())?;
+        let (Some(all), Some(some)) = (all.diagnostics, some.diagnostics) else {
+            return Err("no diagnostics came back".into());
+        };
+        let extremes = |d: Diagnostics| [d.max_strain, d.max_control_strain, d.max_speed_m_s];
+        ensure(extremes(all) == extremes(some) && all.max_speed_m_s > 0.0, || {
+            format!("{some:?}, with the rest {all:?}")
+        })?;
+        let is_known = |d: Diagnostics| [d.kinetic_energy, d.elastic_energy].map(f32::is_finite);
+        ensure(is_known(all) == [true; 2] && all.ground_contacts > 0, || format!("{all:?}"))?;
+        ensure(is_known(some) == [false; 2] && some.ground_contacts == 0, || format!("{some:?}"))?;
+    }
+    Ok(())
 }
 
 /// Diagnostics against the recorded motion and the final state: energies to 0.1 % (f32 sums),

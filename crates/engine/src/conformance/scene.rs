@@ -11,7 +11,7 @@ use bendtwin_graph::{NodeSample, rest_geometry};
 
 use crate::{
     Backend, Error, Loaded, Model, Objective,
-    backend::{Forces, Gradient, GradientRequest, Instance, Loss, Outputs, Rollout},
+    backend::{Diagnose, Forces, Gradient, GradientRequest, Instance, Loss, Outputs, Rollout},
     model::State,
     world::{Face, Grasp, Motion, Pose, Shape, World},
 };
@@ -229,7 +229,7 @@ impl Scene {
             initial: true,
             nodes: None,
             final_state: true,
-            diagnostics: true,
+            diagnose: Diagnose::All,
             ..Outputs::default()
         };
         let rollout = self.roll_out_raw(backend, &outputs)?;

@@ -93,7 +93,9 @@ fn with_colliders(seed: u64) -> Scene {
         (wedge(), [0.01, 0.0, 0.01]),
     ];
     for (k, (shape, [x, y, z])) in shapes.into_iter().enumerate() {
-        let node = scene.initial.positions[5 * k + 2].map(f64::from);
+        // Around these no node comes to an edge of the box or the wedge: the normal jumps there, so
+        // that differences are of two faces and no derivative exists.
+        let node = scene.initial.positions[5 * k + 1].map(f64::from);
         let is_fixed = k == seed as usize % 4;
         let turn = if is_fixed { 0.0 } else { 0.3 * k as f64 + seed as f64 };
         let (s, c) = turn.sin_cos();
@@ -133,10 +135,9 @@ pub(super) fn gradients_through_smooth_ground(backend: &dyn Backend) -> Outcome 
 }
 
 /// Among colliders of every shape, each of which is the fixed one once, with friction, and by the
-/// forces that they exert: to 1 %. (In the scene of seed 2 a node is at an edge of the box, where a
-/// step leads to another face.)
+/// forces that they exert: to 1 %.
 pub(super) fn gradients_through_smooth_colliders(backend: &dyn Backend) -> Outcome {
-    for seed in [0, 1, 3, 6] {
+    for seed in 0..4 {
         let mut scene = with_colliders(seed);
         let forces = scene.forces(backend)?.colliders;
         for k in 0..4 {

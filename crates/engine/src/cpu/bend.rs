@@ -171,6 +171,13 @@ struct BendState<P: Pack> {
     straight: P::Mask,
 }
 
+/// `-q0 / beta0`. A root, since the compiler knows its value: `hypot` would be called in every
+/// substep.
+#[inline(always)]
+fn rounded_share() -> f64 {
+    (1.0 + ROUNDING * ROUNDING).sqrt()
+}
+
 impl<P: Pack> BendState<P> {
     #[inline(always)]
     fn new<T: Real, M: Machine<T, Pack = P>>(m: M, e: &BendGeometry<P>, rest_bend: P) -> Self {
@@ -182,7 +189,7 @@ impl<P: Pack> BendState<P> {
         let beta = T::angle(m, e.sine, -e.cosine);
         let epsilon = rest_bend * m.splat(T::from_f64(ROUNDING));
         let rounded = beta.mul_add(beta, epsilon * epsilon).sqrt();
-        let rest = rest_bend * m.splat(T::from_f64(1.0_f64.hypot(ROUNDING)));
+        let rest = rest_bend * m.splat(T::from_f64(rounded_share()));
         Self {
             inverse: one / e.sine.or(regular, e.cosine.or(straight, one)),
             deviation: rest - rounded,
@@ -347,7 +354,7 @@ fn rest_slope<T: Real, M: Machine<T>>(
     rest_bend: M::Pack,
 ) -> M::Pack {
     let per_rounded = rest_bend * m.splat(T::from_f64(ROUNDING * ROUNDING)) / t.rounded;
-    let of_rest = m.splat(T::from_f64(1.0_f64.hypot(ROUNDING))) - per_rounded;
+    let of_rest = m.splat(T::from_f64(rounded_share())) - per_rounded;
     stiffness * of_rest - moments * (per_rounded / t.rounded)
 }
 

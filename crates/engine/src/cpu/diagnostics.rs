@@ -18,7 +18,7 @@ use super::{
 };
 use crate::constants::ON_GROUND_M;
 use crate::{
-    backend::{Diagnostics, Forces, Loss, Outputs, Rollout},
+    backend::{Diagnose, Diagnostics, Forces, Loss, Outputs, Rollout},
     energy,
     model::State,
     world::{self, Grasping},
@@ -54,9 +54,13 @@ impl<'a, T: Real> Observer<'a, T> {
         }
     }
 
+    fn diagnoses(&self) -> bool {
+        self.outputs.diagnose != Diagnose::Nothing
+    }
+
     pub(crate) fn see(&mut self, frame: usize, now: &Workspace<T>) {
         let nodes = &now.nodes[..self.system.nodes];
-        if self.outputs.velocities || self.outputs.diagnostics {
+        if self.outputs.velocities || self.diagnoses() {
             self.find_velocities(frame, nodes);
         }
         let every = self.outputs.every;
@@ -87,7 +91,7 @@ impl<'a, T: Real> Observer<'a, T> {
         if self.outputs.final_state && last {
             self.rollout.final_state = Some(state_of(nodes, &now.twists, &now.around.hands));
         }
-        if self.outputs.diagnostics && (frame > 0 || last) {
+        if self.diagnoses() && (frame > 0 || last) {
             self.measure(now, last);
         }
     }
@@ -115,6 +119,9 @@ impl<'a, T: Real> Observer<'a, T> {
         let [strain, of_controls] = energy::max_strains(self.system, &now.nodes);
         sanity.max_strain = sanity.max_strain.max(narrow(strain));
         sanity.max_control_strain = sanity.max_control_strain.max(narrow(of_controls));
+        if self.outputs.diagnose != Diagnose::All {
+            return;
+        }
         // Of the last frame that is reached, which may not be the last.
         if let Some(g) = &self.system.ground {
             let on_ground = |n: &&Node<T>| (dot(g.normal, n.x) - g.offset).to_f64() < ON_GROUND_M;
@@ -130,7 +137,7 @@ impl<'a, T: Real> Observer<'a, T> {
 
     /// The rollout; `frame_costs` as in [`Rollout`].
     pub(crate) fn finish(self, loss: Loss, frame_costs: Vec<f64>) -> Rollout {
-        let ended = loss.diverged.is_none();
+        let (ended, diagnoses) = (loss.diverged.is_none(), self.diagnoses());
         let wants_costs = self.outputs.frame_costs;
         Rollout {
             frame_costs: if wants_costs { frame_costs } else { Vec::new() },
@@ -138,7 +145,7 @@ impl<'a, T: Real> Observer<'a, T> {
             group_costs: loss.groups,
             diverged: loss.diverged,
             final_state: self.rollout.final_state.filter(|_| ended),
-            diagnostics: self.outputs.diagnostics.then_some(self.sanity),
+            diagnostics: diagnoses.then_some(self.sanity),
             ..self.rollout
         }
     }

@@ -9,6 +9,7 @@ use bendtwin_core::{
 use super::*;
 use crate::{
     Objective, PointSet, Term,
+    backend::Diagnose,
     model::State,
     objective::{PointLoss, WeightedTerm},
     reference::Reference,
@@ -112,7 +113,7 @@ fn everything() -> (Outputs, GradientRequest) {
             every: 1,
             initial: true,
             final_state: true,
-            diagnostics: true,
+            diagnose: Diagnose::All,
             ..Outputs::default()
         },
         GradientRequest {
@@ -138,7 +139,8 @@ fn roll(model: Model, initial: State, frames: usize) -> Rollout {
         world: Arc::default(),
         motion: Arc::default(),
     };
-    let outputs = Outputs { every: 1, final_state: true, diagnostics: true, ..Outputs::default() };
+    let outputs =
+        Outputs { every: 1, final_state: true, diagnose: Diagnose::All, ..Outputs::default() };
     backend.roll_out(&[instance], &outputs, &CancelToken::default()).unwrap().remove(0)
 }
 

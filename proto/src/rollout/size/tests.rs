@@ -4,6 +4,7 @@ use proptest::prelude::*;
 use prost::Message as _;
 
 use super::*;
+use crate::rollout::ImplausibleReason;
 use crate::v1::{
     Cost, Fidelity, Grasp, Grasping, Returns, RollOutResponse, Tensor,
     roll_out_response::{Deviation, Diagnostics, Divergence, Implausible, Timing, Window},
@@ -12,10 +13,9 @@ use crate::v1::{
 /// What an instance of a batch can do that is not plausible.
 fn implausible(batch: &Batch) -> Vec<Implausible> {
     let (instance, last) = ((batch.instances - 1) as u32, batch.frames as u32);
-    let found =
-        [("START_GAP", 0), ("CONTROL_SPEED", last), ("STRAIN", 0), ("CONTROL_IN_OBSTACLE", last)];
-    let each = found.into_iter().map(|(reason, frame)| {
-        let reason = reason.to_owned();
+    let each = ImplausibleReason::ALL.into_iter().map(|reason| {
+        let frame = if reason.names_frame() { last } else { 0 };
+        let reason = reason.as_str().to_owned();
         Implausible { instance, reason, found: 1.0, limit: 1.0, frame }
     });
     each.collect()

@@ -82,14 +82,20 @@ async fn an_end_that_does_not_come_in_time_is_made() {
 /// The worker's token stands in its environment.
 #[tokio::test]
 async fn the_child_gets_next_to_nothing_of_the_environment() {
-    // Cargo sets it for tests.
-    assert!(std::env::var_os("CARGO_MANIFEST_DIR").is_some());
-    let said = |value: &str| {
-        format!(
-            r#"echo '{{"failed":{{"category":"ABORTED","reason":"X","message":"'{value}'"}}}}'"#
-        )
-    };
-    let script = said(r#""$CARGO_MANIFEST_DIR$HOME$RAYON_NUM_THREADS""#);
-    let fault = run(&script).await.unwrap_err();
-    assert_eq!(fault.message, threads().to_string());
+    let given = [&PASSED_VARIABLES[..], &["TMPDIR", "RAYON_NUM_THREADS"]].concat();
+    let is_kept = |name: &str| !given.contains(&name);
+    assert!(std::env::vars_os().any(|(name, _)| name.to_str().is_some_and(is_kept)));
+    // The shell's own variables are among those that it prints.
+    let names = r#"$(env | sed -n 's/^\([A-Za-z_][A-Za-z_0-9]*\)=.*/\1/p' | tr '\n' ' ')"#;
+    let said = format!(
+        r#"{{\"failed\":{{\"category\":\"ABORTED\",\"reason\":\"X\",\"message\":\"{names}$RAYON_NUM_THREADS\"}}}}"#
+    );
+    let fault = run(&format!(r#"echo "{said}""#)).await.unwrap_err();
+    let (names, threads_given) = fault.message.rsplit_once(' ').unwrap();
+    assert_eq!(threads_given, threads().to_string());
+    let of_the_shell = ["PWD", "OLDPWD", "SHLVL", "_"];
+    let passed: Vec<&str> =
+        names.split(' ').filter(|n| is_kept(n) && !of_the_shell.contains(n)).collect();
+    assert!(passed.is_empty(), "{passed:?}");
+    assert!(names.split(' ').any(|n| n == "TMPDIR"), "{names}");
 }

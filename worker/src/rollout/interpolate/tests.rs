@@ -99,6 +99,12 @@ proptest! {
             let sum: f64 = place.weights().map(|(_, weight)| weight).sum();
             prop_assert!((sum - 1.0).abs() < 1e-9, "{place:?}");
             prop_assert!(place.weights().all(|(k, _)| k < knots));
+            // Rows of three values, of which each is what it is alone.
+            let value = |k: usize, i: usize| [(k * k + i) as f32, 0.1 * k as f32 - i as f32];
+            let rows: Vec<_> = (0..knots).map(|k| [0, 1, 2].map(|i| value(k, i))).collect();
+            let mut row = Vec::new();
+            place.add_row(|k| &rows[k], &mut row);
+            prop_assert_eq!(row, [0, 1, 2].map(|i| place.at(|k| value(k, i))).to_vec());
         }
         if is_even {
             let last = schedule.places()[frames];

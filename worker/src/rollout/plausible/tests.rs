@@ -17,7 +17,7 @@ fn speeds_and_depths_are_those_of_the_worst_frame() {
     let obstacles = Obstacles { ground: Some(UP), shapes: Vec::new() };
     let mut path = falling();
     path[1][2] = 0.25;
-    let of = |controls| Prescribed { controls, middles: &[], held: &[] };
+    let of = |controls| Prescribed { start: &[[0.0, 0.0, 1.0]], controls, middles: &[], held: &[] };
     let found = extremes(0.0, of(&path), 3, 30.0, &obstacles);
     // From 0.25 to -0.1 m in frame 2; 0.3 m below the ground at the end of frame 3.
     assert!((found.speed.0 - 10.5).abs() < 1e-4 && found.speed.1 == 2, "{found:?}");
@@ -32,6 +32,28 @@ fn speeds_and_depths_are_those_of_the_worst_frame() {
     let held = [Path { from: 2, points }];
     let found = extremes(0.0, Prescribed { held: &held, ..of(&still) }, 3, 30.0, &obstacles);
     assert!((found.depth.0 - 0.03).abs() < 1e-6 && found.depth.1 == 3, "{found:?}");
+}
+
+/// A hand that lies in the ground, as those of many captures do, moves there and goes deeper.
+#[test]
+fn control_points_count_by_how_much_deeper_they_get_than_they_were() {
+    let obstacles = Obstacles { ground: Some(UP), shapes: Vec::new() };
+    let deep = |z: [f32; 4]| z.map(|z| [0.0, 0.0, z]);
+    let depth = |start: &[Point], z| {
+        let of = Prescribed { start, controls: &deep(z), middles: &[], held: &[] };
+        let (depth, frame) = extremes(0.0, of, 3, 30.0, &obstacles).depth;
+        ((1e3 * depth).round(), frame)
+    };
+    let start = [[0.0, 0.0, -0.009]];
+    assert_eq!(depth(&start, [-0.009; 4]), (0.0, 0));
+    assert_eq!(depth(&start, [-0.009, 0.001, -0.004, -0.012]), (3.0, 3));
+    // Actions that begin deeper than the state do not begin where it is.
+    assert_eq!(depth(&[[0.0, 0.0, 0.1]], [-0.009, -0.009, 0.0, 0.0]), (9.0, 0));
+    // The middle of a grasp has no place in the state.
+    let controls = deep([0.0; 4]);
+    let middles = deep([-0.009; 4]);
+    let of = Prescribed { start: &start, controls: &controls, middles: &middles, held: &[] };
+    assert!((extremes(0.0, of, 3, 30.0, &obstacles).depth.0 - 0.009).abs() < 1e-6);
 }
 
 #[test]

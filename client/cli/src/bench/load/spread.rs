@@ -34,8 +34,8 @@ impl Spread {
         time: Duration,
     ) -> anyhow::Result<Self> {
         let workers = client.workers().all().await?.len();
-        // A batch that is refused for what one instance does stays whole. Nothing moves here.
-        let whole = || still.rollout(size).refuse_implausible();
+        // A batch that is refused for what one instance does stays whole; nothing is, here.
+        let whole = || still.rollout(size).refuse_implausible().allow_any_motion();
         // Every worker loads the twin before the clock runs.
         for _ in 0..=workers {
             client.rollouts().run(still.rollout(size)).await?;

@@ -240,6 +240,23 @@ device_struct! {
 }
 
 device_struct! {
+    /// Words somewhere on the device, and their place among those that are gathered.
+    GatherPiece {
+        from: Pointer<u32>,
+        at: u64,
+        count: u64,
+    }
+}
+
+device_struct! {
+    /// Parameters of `gather`.
+    GatherArgs {
+        pieces: Pointer<GatherPiece>,
+        gathered: Pointer<u32>,
+    }
+}
+
+device_struct! {
     /// Parameters of `extremes`.
     ExtremesArgs {
         outputs: Pointer<OutputArgs>,
