@@ -12,7 +12,7 @@ fn skin(nodes: u32, points: u32) -> Skin {
         let weights: Vec<(u32, f32)> = (0..carriers).map(of).collect();
         let frame = match m % 3 {
             0 => [Skin::NO_FRAME; 3],
-            _ => [m, m + 1, 5 * m + 3].map(|i| i % nodes),
+            _ => [m, m + 1, m + 3].map(|i| i % nodes),
         };
         let offset = if m % 5 == 0 { [0.0; 3] } else { [0.01 * m as f32, -0.02, 0.03] };
         skin.push(Graph::NOT_OBSERVED, &weights, frame, offset);
