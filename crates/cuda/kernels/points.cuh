@@ -127,7 +127,6 @@ DEVICE float3 target_seed(const ObjectiveArgs& m, const Term& t, u32 first, floa
         // Points before the first wrap around to large numbers.
         const u32 place = i < t.count ? points[t.first + i] - first : THREADS;
         const u32 votes = __ballot_sync(0xffffffffu, place < THREADS);
-        __syncthreads();
         if (lane == 0) counts[warp] = __popc(votes);
         __syncthreads();
         u32 before = 0, size = 0;
