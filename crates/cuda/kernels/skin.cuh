@@ -73,13 +73,13 @@ DEVICE float3 skin_at(const SkinArgs& skin, const Positions& p, u32 point) {
     return add_scaled(add_scaled(add_scaled(sum, o.x, axes.e1), o.y, axes.e2), o.z, axes.n);
 }
 
-// What d loss / d a unit vector is for the vector that it was made of, by 1 / its length.
+// d loss / d the vector that a unit vector was made of, from 1 / its length.
 DEVICE float3 before_unit(float3 unit, float3 bar, float inverse) {
     return scale(add_scaled(bar, -dot(unit, bar), unit), inverse);
 }
 
-// What the first, second or third node of a point's frame gets of d loss / d its position through its
-// offset.
+// d loss / d position of the first, second or third node of a point's frame by its offset, from that
+// of the point.
 DEVICE float3 corner_bar(
     const SkinArgs& skin, const Positions& p, u32 point, u32 corner, float3 bar
 ) {

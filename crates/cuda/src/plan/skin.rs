@@ -19,7 +19,7 @@ pub(crate) struct DeviceSkin {
     by_node: Memo<usize, Arc<DeviceSkinByNode>>,
 }
 
-/// What gradients need to pass from points to nodes, on the device.
+/// A skin by node on the device, for gradients.
 pub(crate) struct DeviceSkinByNode {
     starts: Buffer<u32>,
     points: Buffer<u32>,
@@ -100,7 +100,7 @@ impl DeviceSkin {
 }
 
 impl DeviceSkinByNode {
-    /// Adds what passes gradients on to the arguments of its skin.
+    /// Adds its lists to the arguments of its skin.
     pub(crate) fn add_to(&self, skin: SkinArgs) -> SkinArgs {
         SkinArgs {
             node_starts: self.starts.address(),
