@@ -2,9 +2,8 @@
 // of a Chamfer target counts as fixed in the gradient.
 
 #define TILE 512
-// Targets that a block seeks the nearest point of: that many by each thread.
-#define MOST_EACH 4
-#define PIECE (MOST_EACH * THREADS)
+// Targets that a block seeks the nearest points of.
+#define PIECE (TARGETS_EACH * THREADS)
 
 DEVICE double point_loss(const Term& t, float3 d) {
     if (t.loss == SQUARED_DISTANCE) return dot(d, d);
@@ -98,7 +97,7 @@ DEVICE double chamfer(const ObjectiveArgs& m, const Term& t, u32 piece) {
     const u32 count = min((u32)PIECE, t.count - piece), first = t.first + piece;
     if (count <= THREADS) return chamfer<1>(m, t, first, count, tile);
     if (count <= 2 * THREADS) return chamfer<2>(m, t, first, count, tile);
-    return chamfer<MOST_EACH>(m, t, first, count, tile);
+    return chamfer<TARGETS_EACH>(m, t, first, count, tile);
 }
 
 // Mean loss of a track times their number, of the thread's pairs.

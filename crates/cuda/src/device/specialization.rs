@@ -8,6 +8,8 @@ use super::team::TeamShape;
 
 /// Threads of a block of the small kernels.
 pub(crate) const THREADS: u32 = 256;
+/// Targets that such a thread seeks the nearest point of at a time, at most.
+pub(crate) const TARGETS_EACH: u32 = 4;
 
 const HEADERS: &[(&str, &str)] = &[
     ("vector.cuh", include_str!("../../kernels/vector.cuh")),
@@ -190,6 +192,7 @@ impl Specialization {
             ("INSTANCES", self.instances),
             ("LANES", self.lanes),
             ("THREADS", self.threads),
+            ("TARGETS_EACH", TARGETS_EACH),
             ("ONE_ROW", self.one_row.into()),
             ("HELD", self.held),
             ("HELD_ALWAYS", self.held_always),

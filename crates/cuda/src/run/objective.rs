@@ -14,17 +14,18 @@ use cudarc::driver::CudaStream;
 use crate::device::{
     args::{self, ObjectiveArgs, Piece},
     memory::Buffer,
-    specialization::THREADS,
+    specialization::{TARGETS_EACH, THREADS},
 };
 
 /// Targets kept at a time (a few hundred megabytes): a fit asks for the same ones again and again.
 const KEPT_TARGETS: usize = 1 << 24;
-/// A region that is meant for all nodes, and terms at the skin; see `kernels/objective.cuh`.
+/// A region that is meant for all nodes, a term at the skin, and the kind of a Chamfer distance; see
+/// `kernels/objective.cuh`.
 const ALL_NODES: u32 = 1;
 const SKIN: u32 = 1;
 const CHAMFER: u32 = 0;
-/// Targets of a Chamfer distance that a block scores; see `kernels/points.cuh`.
-const PIECE: u32 = 4 * THREADS;
+/// Targets of a Chamfer distance that a block scores.
+const PIECE: u32 = TARGETS_EACH * THREADS;
 /// Objectives kept at a time.
 const KEPT: usize = 256;
 
