@@ -3,8 +3,9 @@
 
 pub(crate) mod choice;
 pub(crate) mod graph;
-pub(crate) mod graphs;
 pub(crate) mod layout;
 pub(crate) mod partition;
 pub(crate) mod resident;
+pub(crate) mod shared;
+pub(crate) mod skin;
 pub(crate) mod tape;

@@ -10,6 +10,7 @@ pub(crate) mod optimizer;
 pub(crate) mod outputs;
 pub(crate) mod scoring;
 pub(crate) mod simulation;
+pub(crate) mod skin;
 mod start;
 mod states;
 mod world;

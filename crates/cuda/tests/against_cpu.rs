@@ -1,6 +1,8 @@
 //! The device against the CPU, which defines what is correct, on fresh random models: every run
 //! draws its own seed and prints it; `BENDTWIN_SEED` repeats one.
 
+#[path = "against_cpu/skin.rs"]
+mod skin;
 #[path = "against_cpu/surroundings.rs"]
 mod surroundings;
 
@@ -11,7 +13,7 @@ use bendtwin_cuda::{Options, cuda};
 use bendtwin_engine::{
     Backend, Model, Objective, PointLoss, PointSet, Term,
     backend::{GradientRequest, Instance, Outputs},
-    conformance::{RandomOptions, random_model, random_motion},
+    conformance::{RandomOptions, in_frames, random_model, random_motion},
     cpu,
     objective::WeightedTerm,
 };
@@ -57,6 +59,7 @@ fn models() -> Vec<(String, Model)> {
             let options = RandomOptions { nodes, ..options };
             let seed = seed() + (k as u64) * 100 + nodes as u64;
             let mut model = random_model(seed, &options);
+            in_frames(Arc::make_mut(&mut model.skin));
             // Where all dashpots are alike the kernels are others.
             if (k + nodes).is_multiple_of(2) {
                 model.params.spring_dashpot.fill(0.4);
@@ -93,15 +96,20 @@ fn objective(model: &Model, frames: usize) -> Objective {
             targets: targets.clone(),
             loss,
         };
+        let [skin_chamfer, skin_track] = skin::terms(model, frame);
         let terms = [
             (0, 1.0, Term::Chamfer { of: PointSet::Nodes, targets: targets.clone() }),
             (1, 0.5, track),
             (2, 0.2, Term::Acceleration),
+            (3, 0.9, skin_chamfer),
+            (4, 0.7, skin_track),
         ];
         terms.map(|(group, weight, term)| WeightedTerm { frame, weight, group, term })
     });
     Objective {
-        groups: ["chamfer", "track", "acceleration"].map(str::to_owned).to_vec(),
+        groups: ["chamfer", "track", "acceleration", "skin chamfer", "skin track"]
+            .map(str::to_owned)
+            .to_vec(),
         terms: Arc::new(terms.collect()),
     }
 }

@@ -33,9 +33,12 @@ mod twist;
 
 use crate::Backend;
 
-pub use self::random::{
-    RandomOptions, random_model, random_motion,
-    world::{WorldOptions, count_forces, random_world},
+pub use self::{
+    random::{
+        RandomOptions, random_model, random_motion,
+        world::{WorldOptions, count_forces, random_world},
+    },
+    skin::in_frames,
 };
 
 /// One named case.

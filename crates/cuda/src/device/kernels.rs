@@ -8,7 +8,8 @@ use super::{
         CollectControlsArgs, CollectMotionArgs, DeviceType, ExtremesArgs, FindPartnersArgs,
         FinishGradientArgs, GatherArgs, GatherSumsArgs, NormBarsArgs, PackBendsArgs,
         PackHalfSpringsArgs, RecordArgs, ScoreArgs, SeedArgs, SeedForcesArgs, SeedPosesArgs,
-        SeedRestLengthsArgs, SquareLengthsArgs, StartArgs, StepAdamArgs, WeighGradientsArgs,
+        SeedRestLengthsArgs, SeedSkinArgs, SquareLengthsArgs, StartArgs, StepAdamArgs,
+        WeighGradientsArgs,
     },
     launch::Launch,
     specialization::Source,
@@ -54,8 +55,10 @@ kernels! {
     Grasps: change_grasps(ChangeGraspsArgs);
     /// d loss / d poses and rolls of a frame, and of what grasps take: a block for an instance.
     Grasps: collect_motion(CollectMotionArgs);
-    /// Values of objectives: a block for a term of an instance.
+    /// Values of objectives: a block for a piece of a term of an instance.
     Loss: score(ScoreArgs);
+    /// d loss / d skin at frame ends: a block for some points of a frame of an instance.
+    Loss: seed_skin(SeedSkinArgs);
     /// d loss / d positions at frame ends: a block for some nodes of a frame of an instance.
     Loss: seed(SeedArgs);
     /// d loss / d rest lengths by strains: a block for some springs of an instance.

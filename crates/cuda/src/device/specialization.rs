@@ -8,6 +8,8 @@ use super::team::TeamShape;
 
 /// Threads of a block of the small kernels.
 pub(crate) const THREADS: u32 = 256;
+/// Targets that such a thread seeks the nearest point of at a time, at most.
+pub(crate) const TARGETS_EACH: u32 = 4;
 
 const HEADERS: &[(&str, &str)] = &[
     ("vector.cuh", include_str!("../../kernels/vector.cuh")),
@@ -87,7 +89,13 @@ impl Source {
                 ("grasp.cuh", include_str!("../../kernels/grasp.cuh")),
                 ("grasps.cu", include_str!("../../kernels/grasps.cu")),
             ],
-            Self::Loss => &[("loss.cu", include_str!("../../kernels/loss.cu"))],
+            Self::Loss => &[
+                ("skin.cuh", include_str!("../../kernels/skin.cuh")),
+                ("objective.cuh", include_str!("../../kernels/objective.cuh")),
+                ("terms.cuh", include_str!("../../kernels/terms.cuh")),
+                ("points.cuh", include_str!("../../kernels/points.cuh")),
+                ("loss.cu", include_str!("../../kernels/loss.cu")),
+            ],
             Self::Params => &[("params.cu", include_str!("../../kernels/params.cu"))],
             Self::Optimizer => &[("optimizer.cu", include_str!("../../kernels/optimizer.cu"))],
             Self::Outputs => &[("outputs.cu", include_str!("../../kernels/outputs.cu"))],
@@ -184,6 +192,7 @@ impl Specialization {
             ("INSTANCES", self.instances),
             ("LANES", self.lanes),
             ("THREADS", self.threads),
+            ("TARGETS_EACH", TARGETS_EACH),
             ("ONE_ROW", self.one_row.into()),
             ("HELD", self.held),
             ("HELD_ALWAYS", self.held_always),

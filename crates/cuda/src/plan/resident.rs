@@ -1,4 +1,4 @@
-//! A model on the device: its graph, shared by all parameters on it, and its parameters, packed for
+//! A model on the device: its graph and skin, shared by all parameters on them, and its parameters, packed for
 //! each shape of launch that has asked for them.
 
 use std::sync::Arc;
@@ -19,7 +19,10 @@ use crate::{
         memory::Buffer,
         specialization::THREADS,
     },
-    plan::graph::{Cut, CutGraph, DeviceGraph},
+    plan::{
+        graph::{Cut, CutGraph, DeviceGraph},
+        skin::DeviceSkin,
+    },
 };
 
 /// Numbers behind the arrays of elements: drag, and restitution and friction of ground and objects.
@@ -29,6 +32,7 @@ pub(crate) const LAWS: usize = 5;
 pub(crate) struct Resident {
     pub(crate) device: Arc<Device>,
     pub(crate) graph: Arc<DeviceGraph>,
+    pub(crate) skin: Arc<DeviceSkin>,
     /// Stiffness, dashpot, rest length [E each]; bend stiffness, bend damping, rest angle [T each];
     /// twist stiffness, twist damping, rest twist [R each]; [`LAWS`] more.
     pub(crate) params: Buffer<f32>,
@@ -49,7 +53,8 @@ pub(crate) struct Packed {
 impl Resident {
     pub(crate) fn new(
         device: &Arc<Device>,
-        graph: &Arc<DeviceGraph>,
+        graph: Arc<DeviceGraph>,
+        skin: Arc<DeviceSkin>,
         params: &Params,
     ) -> Result<Self, Error> {
         let first = params.spring_dashpot.first().copied().unwrap_or_default();
@@ -58,9 +63,15 @@ impl Resident {
             params: Buffer::of(&device.normal, &flatten(params))?,
             dashpot: alike.then_some(first),
             device: device.clone(),
-            graph: graph.clone(),
+            graph,
+            skin,
             packed: Memo::default(),
         })
+    }
+
+    /// The same with other parameters.
+    pub(crate) fn with_params(&self, params: &Params) -> Result<Self, Error> {
+        Self::new(&self.device, self.graph.clone(), self.skin.clone(), params)
     }
 
     /// One whose parameters on the device will change.

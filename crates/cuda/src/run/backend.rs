@@ -2,7 +2,7 @@
 
 use std::{ops::Range, sync::Arc};
 
-use bendtwin_core::{CancelToken, Environment, Params, graph::Pin};
+use bendtwin_core::{CancelToken, Environment, Graph, Params, Skin, graph::Pin};
 use bendtwin_engine::{
     Backend, Device as Description, Error, Loaded, Model,
     backend::{Divergence, Gradient, GradientRequest, Instance, Loss, Memory, Outputs, Rollout},
@@ -16,8 +16,10 @@ use crate::{
     device::{Device, queue::Queue, specialization::WorldParts},
     plan::{
         choice::{Purpose, choose},
-        graphs::Graphs,
+        graph::DeviceGraph,
         resident::{Resident, resident, unflatten},
+        shared::Shared,
+        skin::DeviceSkin,
         tape::RolloutTapes,
     },
     run::{
@@ -48,7 +50,8 @@ pub(crate) struct CudaBackend {
     objectives: Arc<Objectives>,
     normal: Channel,
     urgent: Channel,
-    graphs: Arc<Graphs>,
+    graphs: Arc<Shared<Graph, DeviceGraph>>,
+    skins: Arc<Shared<Skin, DeviceSkin>>,
 }
 
 /// Instances that have been simulated and scored.
@@ -63,8 +66,8 @@ impl CudaBackend {
         let normal: Channel = (Arc::new(Queue::normal(device)), Arc::default());
         let urgent: Channel = (Arc::new(Queue::urgent(device)), Arc::default());
         let (queue, objectives) = normal.clone();
-        let (device, graphs) = (device.clone(), Arc::default());
-        Self { device, queue, objectives, normal, urgent, graphs }
+        let (device, graphs, skins) = (device.clone(), Arc::default(), Arc::default());
+        Self { device, queue, objectives, normal, urgent, graphs, skins }
     }
 
     /// The same backend on another queue.
@@ -397,8 +400,11 @@ impl Backend for CudaBackend {
             )));
         }
         self.refuse_too_large(resident_bytes(&model))?;
-        let graph = self.graphs.get(&self.device, &model.graph)?;
-        let resident = Resident::new(&self.device, &graph, &model.params)?;
+        let new_graph = || DeviceGraph::new(&self.device, &model.graph);
+        let graph = self.graphs.get_or_make(&model.graph, new_graph)?;
+        let new_skin = || DeviceSkin::new(&self.device, &model.skin);
+        let skin = self.skins.get_or_make(&model.skin, new_skin)?;
+        let resident = Resident::new(&self.device, graph, skin, &model.params)?;
         // One shape is made now, so that what cannot run is refused here.
         let (device, world) = (&self.device.capabilities, WorldParts::default());
         choose(device, &resident, &model, Purpose::Forward, world, 1, 1)?;
@@ -411,7 +417,7 @@ impl Backend for CudaBackend {
         self.own(before)?;
         let model = Model { params, ..Model::clone(loaded.model()) };
         model.params.check(&model.graph).map_err(Error::InvalidModel)?;
-        let resident = Resident::new(&self.device, &before.graph, &model.params)?;
+        let resident = before.with_params(&model.params)?;
         crate::device::synchronize(&self.device.normal)?;
         Ok(Loaded::new(Arc::new(model), Arc::new(resident)))
     }
@@ -499,10 +505,11 @@ impl Backend for CudaBackend {
     }
 }
 
-/// Bytes that a model takes on the device: its graph for two shapes of launch, its parameters.
+/// Bytes that a model takes on the device: its graph for two shapes of launch, its skin, its
+/// parameters.
 fn resident_bytes(model: &Model) -> u64 {
     let graph = &model.graph;
     let (n, e, t) =
         (graph.node_count() as u64, graph.springs.len() as u64, graph.triplets.len() as u64);
-    64 * n + 2 * (2 * e * 28 + 3 * t * 32) + 20 * (e + t)
+    64 * n + 2 * (2 * e * 28 + 3 * t * 32) + DeviceSkin::bytes_of(&model.skin) + 20 * (e + t)
 }

@@ -60,7 +60,7 @@ pub(crate) fn bytes_of(simulated: &bendtwin_engine::backend::Instance) -> u64 {
     let (n, elements) = (graph.node_count() as u64, (graph.springs.len() + hinges(graph)) as u64);
     // The gradient and its sums, what seeds it, and d loss / d initial state.
     let motion = 48 * simulated.motion.poses.len() + 4 * simulated.motion.rolls.len();
-    let seeds = crate::run::scoring::seed_bytes(simulated.frames, n as usize);
+    let seeds = crate::run::scoring::seed_bytes(simulated);
     24 * elements + seeds + 48 * n + motion as u64 + 8 * (simulated.frames as u64 + 1)
 }
 

@@ -6,20 +6,26 @@ use std::{
 };
 
 use bendtwin_engine::{
-    Error, Objective, PointLoss, Term,
+    Error, Objective, PointLoss, PointSet, Term,
     objective::{ForceBy, WeightedTerm},
 };
 use cudarc::driver::CudaStream;
 
 use crate::device::{
-    args::{self, ObjectiveArgs},
+    args::{self, ObjectiveArgs, Piece},
     memory::Buffer,
+    specialization::{TARGETS_EACH, THREADS},
 };
 
 /// Targets kept at a time (a few hundred megabytes): a fit asks for the same ones again and again.
 const KEPT_TARGETS: usize = 1 << 24;
-/// A region that is meant for all nodes; see `kernels/loss.cu`.
+/// A region that is meant for all nodes, a term at the skin, and the kind of a Chamfer distance; see
+/// `kernels/objective.cuh`.
 const ALL_NODES: u32 = 1;
+const SKIN: u32 = 1;
+const CHAMFER: u32 = 0;
+/// Targets of a Chamfer distance that a block scores.
+const PIECE: u32 = TARGETS_EACH * THREADS;
 /// Objectives kept at a time.
 const KEPT: usize = 256;
 
@@ -29,10 +35,12 @@ pub(crate) struct DeviceObjective {
     terms: Arc<Vec<WeightedTerm>>,
     on_device: Buffer<args::Term>,
     frame_terms: Buffer<u32>,
+    pieces: Buffer<Piece>,
     targets: Buffer<[f32; 3]>,
-    target_nodes: Buffer<u32>,
-    /// Index in the objective of each term here.
+    target_points: Buffer<u32>,
+    /// Index in the objective of the term of each piece.
     pub(crate) order: Vec<u32>,
+    skin_frames: Buffer<u32>,
     pub(crate) target_count: usize,
     /// True if a term measures strains.
     pub(crate) has_strains: bool,
@@ -74,8 +82,9 @@ impl DeviceObjective {
     ) -> Result<Self, Error> {
         let mut order: Vec<u32> = (0..terms.len() as u32).collect();
         order.sort_by_key(|&t| terms[t as usize].frame);
-        let (mut targets, mut target_nodes, mut on_device) = (Vec::new(), Vec::new(), Vec::new());
+        let (mut targets, mut target_points, mut on_device) = (Vec::new(), Vec::new(), Vec::new());
         let mut frame_terms = vec![0_u32; frames + 2];
+        let skin_frames = skin_frames(terms);
         for &t in &order {
             let weighted = &terms[t as usize];
             frame_terms[weighted.frame + 1] += 1;
@@ -88,11 +97,11 @@ impl DeviceObjective {
             };
             match &weighted.term {
                 Term::Chamfer { targets: own, .. } => {
-                    term.kind = 0;
+                    term.kind = CHAMFER;
                     targets.extend_from_slice(own);
-                    target_nodes.resize(targets.len(), 0);
+                    target_points.resize(targets.len(), 0);
                 }
-                Term::Track { points: nodes, targets: own, loss, .. } => {
+                Term::Track { points, targets: own, loss, .. } => {
                     term.kind = 1;
                     (term.loss, term.beta) = match *loss {
                         PointLoss::SmoothL1 { beta_m } => (0, beta_m),
@@ -100,17 +109,17 @@ impl DeviceObjective {
                         PointLoss::SquaredDistance => (2, 0.0),
                     };
                     targets.extend_from_slice(own);
-                    target_nodes.extend_from_slice(nodes);
+                    target_points.extend_from_slice(points);
                 }
                 Term::Acceleration => term.kind = 2,
                 Term::Strain { limit } => (term.kind, term.beta) = (3, *limit),
                 Term::Above { nodes, normal, offset_m } => {
                     (term.kind, term.beta, term.low) = (4, *offset_m, *normal);
-                    region(nodes.as_ref(), &mut term, &mut targets, &mut target_nodes);
+                    region(nodes.as_ref(), &mut term, &mut targets, &mut target_points);
                 }
                 Term::Within { nodes, low, high } => {
                     (term.kind, term.low, term.high) = (5, *low, *high);
-                    region(nodes.as_ref(), &mut term, &mut targets, &mut target_nodes);
+                    region(nodes.as_ref(), &mut term, &mut targets, &mut target_points);
                 }
                 Term::Clearance { collider, margin_m } => {
                     (term.kind, term.part, term.beta) = (6, *collider, *margin_m);
@@ -126,9 +135,15 @@ impl DeviceObjective {
                     };
                 }
             }
+            if is_at_skin(weighted) {
+                term.of = SKIN;
+                // The row of its frame.
+                term.part = skin_frames.partition_point(|&f| f < term.frame) as u32;
+            }
             term.count = targets.len() as u32 - first;
             on_device.push(term);
         }
+        let pieces = pieces(&on_device);
         for f in 0..=frames {
             frame_terms[f + 1] += frame_terms[f];
         }
@@ -136,29 +151,40 @@ impl DeviceObjective {
             on_device: Buffer::of(stream, &on_device)?,
             frame_terms: Buffer::of(stream, &frame_terms)?,
             targets: Buffer::of(stream, &targets)?,
-            target_nodes: Buffer::of(stream, &target_nodes)?,
+            target_points: Buffer::of(stream, &target_points)?,
+            skin_frames: Buffer::of(stream, &skin_frames)?,
             target_count: targets.len(),
             has_strains: terms.iter().any(|t| matches!(t.term, Term::Strain { .. })),
             terms: terms.clone(),
-            order,
+            order: pieces.iter().map(|p| order[p.term as usize]).collect(),
+            pieces: Buffer::of(stream, &pieces)?,
             frames,
         })
     }
 
     /// Arguments of an instance's objective; `nearest` has room for its targets, `values` for its
-    /// terms.
+    /// pieces.
     pub(crate) fn args(&self, nodes: usize, surface: usize) -> ObjectiveArgs {
         ObjectiveArgs {
             terms: self.on_device.address(),
             frame_terms: self.frame_terms.address(),
             targets: self.targets.address(),
-            target_nodes: self.target_nodes.address(),
+            target_points: self.target_points.address(),
+            pieces: self.pieces.address(),
+            skin_frames: self.skin_frames.address(),
             node_count: nodes as u32,
             surface_count: surface as u32,
             frame_count: self.frames as u32,
             term_count: self.on_device.len() as u32,
+            piece_count: self.pieces.len() as u32,
+            skin_frame_count: self.skin_frames.len() as u32,
             ..ObjectiveArgs::default()
         }
+    }
+
+    /// Number of frames with terms at the skin.
+    pub(crate) fn skin_frame_count(&self) -> usize {
+        self.skin_frames.len()
     }
 
     /// Weighted sums by group of values in this order.
@@ -182,19 +208,46 @@ impl DeviceObjective {
     }
 }
 
-/// Appends a region's nodes to those of targets, or marks that it is for all.
+/// Pieces of terms, in their order.
+fn pieces(terms: &[args::Term]) -> Vec<Piece> {
+    let of = |(index, term): (u32, &args::Term)| {
+        let count = if term.kind == CHAMFER { term.count } else { 0 };
+        let firsts = (0..count.max(1)).step_by(PIECE as usize);
+        firsts.map(move |first| Piece { term: index, first })
+    };
+    (0..).zip(terms).flat_map(of).collect()
+}
+
+/// True for a term that is about points of the skin.
+fn is_at_skin(term: &WeightedTerm) -> bool {
+    matches!(
+        term.term,
+        Term::Chamfer { of: PointSet::Skin, .. } | Term::Track { of: PointSet::Skin, .. }
+    )
+}
+
+/// Frames with terms at the skin, ascending.
+pub(crate) fn skin_frames(terms: &[WeightedTerm]) -> Vec<u32> {
+    let at_skin = terms.iter().filter(|t| is_at_skin(t));
+    let mut frames: Vec<u32> = at_skin.map(|t| t.frame as u32).collect();
+    frames.sort_unstable();
+    frames.dedup();
+    frames
+}
+
+/// Appends a region's nodes to the points of targets, or marks that it is for all.
 fn region(
     nodes: Option<&Arc<Vec<u32>>>,
     term: &mut args::Term,
     targets: &mut Vec<[f32; 3]>,
-    target_nodes: &mut Vec<u32>,
+    target_points: &mut Vec<u32>,
 ) {
     match nodes {
         None => term.loss = ALL_NODES,
         Some(some) => {
-            target_nodes.extend_from_slice(some);
+            target_points.extend_from_slice(some);
             // One array is as long as the other.
-            targets.resize(target_nodes.len(), [0.0; 3]);
+            targets.resize(target_points.len(), [0.0; 3]);
         }
     }
 }

@@ -215,7 +215,7 @@ impl DeviceRun {
         let OptimizerInit { loaded, parameterization, position } = init;
         let before = resident(&loaded)?;
         let params = parameterization.params(&position.theta);
-        let own = Resident::new(&before.device, &before.graph, &params)?.varying();
+        let own = before.with_params(&params)?.varying();
         let stream = &queue.stream;
         let rates: Vec<f64> = parameterization.rates().collect();
         let model = Model { params, ..Model::clone(loaded.model()) };

@@ -1,4 +1,4 @@
-//! Scores of simulated instances: values of objectives by term, and d loss / d positions at frame
+//! Scores of simulated instances: values of objectives by piece of a term, and d loss / d positions at frame
 //! ends.
 
 use std::sync::Arc;
@@ -25,6 +25,7 @@ use crate::{
     run::{
         objective::{DeviceObjective, Objectives},
         simulation::Simulation,
+        skin::{self, Skins},
         world::force_stride,
     },
 };
@@ -41,13 +42,15 @@ pub(crate) struct Scores {
     /// d loss / d forces of instances that have them in their objectives, shape [F, forces].
     force_bars: Buffer<f32>,
     force_starts: Vec<usize>,
+    skins: Skins,
     /// Keeps alive what the arguments point to.
     _springs: Vec<Arc<NodeSprings>>,
 }
 
-/// Bytes that seeds of an instance of so many frames and nodes take.
-pub(crate) fn seed_bytes(frames: usize, nodes: usize) -> u64 {
-    12 * (frames as u64 + 1) * nodes as u64
+/// Bytes that seeds of an instance take.
+pub(crate) fn seed_bytes(instance: &Instance) -> u64 {
+    let nodes = instance.model.model().graph.node_count() as u64;
+    12 * (instance.frames as u64 + 1) * nodes + skin::bytes_of(instance)
 }
 
 /// Refuses gradients of more frames than are seeded at once, before anything is simulated.
@@ -109,6 +112,7 @@ impl Scores {
             Some(_) => force_bars(stream, instances)?,
             None => (Buffer::empty(stream, 0)?, vec![0; instances.len() + 1]),
         };
+        let skins = Skins::new(queue, instances, &objectives, cut_every.is_some())?;
         let mut objective_args = Vec::with_capacity(instances.len());
         let mut springs = Vec::new();
         for (i, (instance, objective)) in instances.iter().zip(&objectives).enumerate() {
@@ -131,6 +135,7 @@ impl Scores {
                 ObjectiveArgs::default()
             };
             let own = objective.args(graph.node_count(), graph.surface_count());
+            let (skin, point_bars) = skins.of(i);
             objective_args.push(ObjectiveArgs {
                 springs: strains.springs,
                 params: strains.params,
@@ -147,6 +152,8 @@ impl Scores {
                 cut_every: cut_every.unwrap_or(0).min(u32::MAX as usize) as u32,
                 control_count: graph.control_count() as u32,
                 world: simulation.worlds.args(i),
+                skin,
+                point_bars,
                 force_bars: if force_starts[i + 1] > force_starts[i] {
                     force_bars.at(force_starts[i])
                 } else {
@@ -164,6 +171,7 @@ impl Scores {
             value_starts,
             seeds,
             seed_starts,
+            skins,
             _springs: springs,
             force_bars,
             force_starts,
@@ -174,19 +182,20 @@ impl Scores {
 
     fn launch(&self, simulation: &Simulation<'_>) -> Result<(), Error> {
         let (queue, instances) = (simulation.queue, simulation.instances);
-        let terms = self.objectives.iter().map(|o| o.order.len()).max().unwrap_or(0);
+        let pieces = self.objectives.iter().map(|o| o.order.len()).max().unwrap_or(0);
         let graph = |i: &Instance| i.model.model().graph.node_count();
         let nodes = instances.iter().map(graph).max().unwrap_or(0);
         let frames = instances.iter().map(|i| i.frames).max().unwrap_or(0);
         for first in (0..instances.len()).step_by(MOST_BLOCKS) {
             let count = MOST_BLOCKS.min(instances.len() - first) as u32;
             let objectives = self.objective_args.at(first);
-            let launch = queue.grid(terms.min(MOST_BLOCKS) as u32, count, 1);
-            // SAFETY: the objectives' arrays have room for all terms, targets, frames and nodes.
+            let launch = queue.grid(pieces.min(MOST_BLOCKS) as u32, count, 1);
+            // SAFETY: the objectives' arrays have room for all pieces, targets, frames and nodes.
             unsafe { kernels::score(&launch, &ScoreArgs { objectives })? };
             if self.seeds.is_none() {
                 continue;
             }
+            self.skins.seed(queue, objectives, count)?;
             let launch = queue.grid((nodes as u32).div_ceil(THREADS), frames as u32 + 1, count);
             // SAFETY: as above.
             unsafe { kernels::seed(&launch, &SeedArgs { objectives })? };

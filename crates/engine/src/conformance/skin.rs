@@ -92,7 +92,7 @@ pub(super) fn gradients_of_skin_terms(backend: &dyn Backend) -> Outcome {
     for (i, wanted) in wanted.into_iter().enumerate() {
         let seed = 40 + i as u64;
         let mut scene = tracked(seed, &RandomOptions::default(), 4);
-        in_frames(&mut scene);
+        in_frames(&mut scene.skin);
         scene.objective = random_objective(seed, &scene.model(), 4);
         keep(&mut scene.objective, wanted);
         if i == 0 {
@@ -104,9 +104,9 @@ pub(super) fn gradients_of_skin_terms(backend: &dyn Backend) -> Outcome {
     Ok(())
 }
 
-/// Puts every third point 1 cm off its weighted mean, in a frame of its first three carriers.
-fn in_frames(scene: &mut Scene) {
-    let skin = &mut scene.skin;
+/// Puts every third point of a skin 1 cm off its weighted mean, in a frame of its first three
+/// carriers.
+pub fn in_frames(skin: &mut Skin) {
     for m in (0..skin.len()).step_by(3) {
         let first = skin.starts[m] as usize;
         if let [a, b, c] = skin.nodes[first..first + 3] {

@@ -1,15 +1,34 @@
-//! Nearest surface node of each target, by brute force over lanes: for the few thousand nodes of a
-//! twin that is faster than building a tree for every frame. Ties go to the lower index.
+//! Nearest surface point of each target, by brute force over lanes where they are few, which is faster
+//! than sorting them for every frame, and through a grid where they are many. Ties go to the lower
+//! index.
+
+mod grid;
 
 use pulp::{Arch, Simd, WithSimd};
 
+use self::grid::Grid;
 use super::{
     lanes::{LANES, Lane, Node},
     real::{Quad, Real},
 };
 
+/// Pairs of nodes and targets from which on a grid is faster.
+const GRID_PAIRS: usize = 1 << 20;
+
 /// Index of the nearest of `nodes` for each target; empty if there are no nodes.
 pub(crate) fn nearest<T: Real>(nodes: &[Node<T>], targets: &[Quad<T>]) -> Vec<u32> {
+    let is_large = nodes.len().saturating_mul(targets.len()) >= GRID_PAIRS;
+    let Some(grid) = is_large.then(|| Grid::new(nodes)).flatten() else {
+        return by_brute_force(nodes, targets);
+    };
+    let near: Vec<Option<u32>> = targets.iter().map(|t| grid.nearest(t)).collect();
+    let far = |(target, found): (&Quad<T>, &Option<u32>)| found.is_none().then_some(*target);
+    let far: Vec<Quad<T>> = targets.iter().zip(&near).filter_map(far).collect();
+    let mut others = by_brute_force(nodes, &far).into_iter();
+    near.into_iter().filter_map(|found| found.or_else(|| others.next())).collect()
+}
+
+fn by_brute_force<T: Real>(nodes: &[Node<T>], targets: &[Quad<T>]) -> Vec<u32> {
     if nodes.is_empty() {
         return Vec::new();
     }

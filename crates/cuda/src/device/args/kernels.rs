@@ -69,6 +69,13 @@ device_struct! {
 }
 
 device_struct! {
+    /// Parameters of `seed_skin`.
+    SeedSkinArgs {
+        objectives: Pointer<ObjectiveArgs>,
+    }
+}
+
+device_struct! {
     /// Parameters of `seed`.
     SeedArgs {
         objectives: Pointer<ObjectiveArgs>,

@@ -32,6 +32,7 @@ device_struct! {
         count: u32,
         first: u32,
         loss: u32,
+        of: u32,
         beta: f32,
         weight: f32,
         part: u32,
@@ -41,12 +42,37 @@ device_struct! {
 }
 
 device_struct! {
+    Piece {
+        term: u32,
+        first: u32,
+    }
+}
+
+device_struct! {
+    SkinArgs {
+        starts: Pointer<u32>,
+        nodes: Pointer<u32>,
+        weights: Pointer<f32>,
+        frames: Pointer<[u32; 3]>,
+        offsets: Pointer<[f32; 3]>,
+        node_starts: Pointer<u32>,
+        carried: Pointer<u32>,
+        carried_weights: Pointer<f32>,
+        corner_starts: Pointer<u32>,
+        corners: Pointer<[u32; 2]>,
+        point_count: u32,
+        unused: u32,
+    }
+}
+
+device_struct! {
     ObjectiveArgs {
         states: Pointer<f32>,
         terms: Pointer<Term>,
         frame_terms: Pointer<u32>,
+        pieces: Pointer<Piece>,
         targets: Pointer<[f32; 3]>,
-        target_nodes: Pointer<u32>,
+        target_points: Pointer<u32>,
         nearest: Pointer<u32>,
         values: Pointer<f64>,
         seeds: Pointer<f32>,
@@ -58,12 +84,17 @@ device_struct! {
         surface_count: u32,
         frame_count: u32,
         term_count: u32,
+        piece_count: u32,
         cut_every: u32,
         spring_count: u32,
         strained_count: u32,
         control_count: u32,
+        skin_frame_count: u32,
         world: WorldArgs,
         force_bars: Pointer<f32>,
+        skin: SkinArgs,
+        skin_frames: Pointer<u32>,
+        point_bars: Pointer<f32>,
     }
 }
 
