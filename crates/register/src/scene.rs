@@ -38,7 +38,7 @@ pub(crate) fn coarse() -> Model {
     let surface =
         SurfacePoints { observed_points: vec![Graph::NOT_OBSERVED; skin.len()], positions: skin };
     let skin = bind_skin(&graph, &surface);
-    let environment = Environment { ground: None, gravity_m_s2: [0.0; 3], ..Environment::Z_UP };
+    let environment = Environment { ground: None, gravity: [0.0; 3] };
     Model {
         graph: Arc::new(graph),
         skin: Arc::new(skin),
