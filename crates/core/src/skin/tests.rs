@@ -102,7 +102,8 @@ fn chosen_points_stay_what_they_were() {
 
 #[test]
 fn contradictions_are_named() {
-    let faults: [(&str, fn(&mut Skin)); 8] = [
+    type Fault = (&'static str, fn(&mut Skin));
+    let faults: [Fault; 8] = [
         ("carried by node 9", |s| s.nodes[1] = 9),
         ("sum up to", |s| s.weights[0] = 2.0),
         ("sum up to", |s| s.weights[0] = f32::NAN),
