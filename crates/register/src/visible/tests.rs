@@ -22,7 +22,8 @@ fn the_far_side_of_a_slab_is_hidden() {
 #[test]
 fn a_part_of_many_points_stands_for_them() {
     let fine = |p: Vector3<f64>| {
-        (0..25).map(move |i| p + Vector3::new(0.004 * (i % 5) as f64, 0.004 * (i / 5) as f64, 0.0))
+        (0..25)
+            .map(move |i| p + Vector3::new(0.004 * f64::from(i % 5), 0.004 * f64::from(i / 5), 0.0))
     };
     let skin: Vec<Vector3<f64>> = slab().into_iter().flat_map(fine).collect();
     let seen = visible(&skin, &[Vector3::new(0.09, 0.09, 2.0)]);
