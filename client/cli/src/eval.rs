@@ -8,7 +8,7 @@ use std::{path::PathBuf, sync::Arc};
 use bendtwin_core::{CancelToken, Quality, Twin};
 use bendtwin_engine::Backend;
 use bendtwin_eval::{
-    CorrectionScore, EvaluateOptions, TableStyle, evaluate, fast_variant, format_table,
+    Assessment, CorrectionScore, EvaluateOptions, TableStyle, evaluate, fast_variant, format_table,
 };
 use clap::Args;
 use serde_json::json;
@@ -76,6 +76,7 @@ pub(crate) async fn run(args: Eval, global: &Global) -> anyhow::Result<()> {
         let document = json!({
             "path": name,
             "quality": scored.quality,
+            "assessment": scored.assessment,
             "substeps": scored.substeps,
             "fit_s": scored.fit_s,
             "corrections": corrections::document(&scored.corrections),
@@ -88,6 +89,7 @@ pub(crate) async fn run(args: Eval, global: &Global) -> anyhow::Result<()> {
 /// Result of a capture.
 struct Scored {
     quality: Quality,
+    assessment: Assessment,
     /// Substeps of the twin [per frame].
     substeps: u32,
     fit_s: Option<f64>,
@@ -132,7 +134,8 @@ fn score(
         picture::draw(file, &fitted.twin, axial, &capture, &**backend, cancel)?;
     }
     let corrections = args.correct.compare(&**backend, &fitted.twin, &capture, cancel)?;
-    Ok(Scored { quality, substeps: fitted.twin.timing.substeps, fit_s, corrections })
+    let assessment = quality::of_twin(&fitted.twin, &quality);
+    Ok(Scored { quality, assessment, substeps: fitted.twin.timing.substeps, fit_s, corrections })
 }
 
 fn read_twin(path: &std::path::Path) -> anyhow::Result<Twin> {
@@ -143,9 +146,7 @@ fn read_twin(path: &std::path::Path) -> anyhow::Result<Twin> {
 
 fn text(name: &str, scored: &Scored) -> String {
     let mut text = format!("{name}\n\n{}", format_table(&scored.quality, TableStyle::Markdown));
-    if let Some(sentence) = quality::summary(&scored.quality) {
-        text += &format!("\n{sentence}");
-    }
+    text += &format!("\n{}\n", scored.assessment);
     if let Some(line) = quality::fast(&scored.quality, scored.substeps) {
         text += &format!("\nFast: {line}.\n");
     }

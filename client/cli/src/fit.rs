@@ -7,7 +7,7 @@ use bendtwin_client::{CaptureId, FitId};
 use clap::{Args, Subcommand};
 
 pub(crate) use self::watch::{ended_well, watch};
-use crate::{global::Global, output, table::Table};
+use crate::{global::Global, output, quality, table::Table};
 
 #[derive(Debug, Args)]
 pub(crate) struct Fit {
@@ -58,7 +58,7 @@ pub(crate) async fn run(args: Fit, global: &Global) -> anyhow::Result<()> {
         Command::Start(_) => Ok(()),
         Command::Watch { name } => {
             let fit = watch(&client, name, global.json).await?;
-            output::print(global, &fit, || shown(&fit))?;
+            print_ended(&client, &fit, global).await?;
             ended_well(&fit)
         }
         Command::List { capture } => {
@@ -115,6 +115,23 @@ fn columns(fit: &bendtwin_client::Fit) -> [String; 5] {
         started.unwrap_or_default(),
         result,
     ]
+}
+
+/// Prints a fit that has ended; for people with the assessment of its twin.
+async fn print_ended(
+    client: &bendtwin_client::Client,
+    fit: &bendtwin_client::Fit,
+    global: &Global,
+) -> anyhow::Result<()> {
+    let mut text = shown(fit);
+    if let Some(name) = fit.twin.filter(|_| !global.json) {
+        // The fit has ended well, whatever became of its twin since.
+        match quality::of_stored(client, name).await {
+            Ok(assessment) => text += &format!("\n{assessment}"),
+            Err(error) => text += &format!("\nits twin cannot be assessed: {error}"),
+        }
+    }
+    output::print(global, fit, || text)
 }
 
 /// A fit for people.

@@ -1,30 +1,22 @@
-//! A quality table in a sentence.
+//! A quality table in words.
 
-use bendtwin_core::{
-    Quality,
-    quality::{ErrorSummary, Predictor},
-};
+use bendtwin_client::{Client, TwinId};
+use bendtwin_core::{Quality, Twin};
+use bendtwin_eval::{Assessment, Scale, assess};
 
-/// The twin's future error beside standing still and beside the axial-only model; none if the table
-/// lacks one of them.
-pub(crate) fn summary(quality: &Quality) -> Option<String> {
-    let future = |p| quality.score(p).and_then(|s| headline(&s.future));
-    let twin = future(Predictor::Bending)?;
-    let mut parts = Vec::new();
-    if let Some(still) = future(Predictor::StandingStill) {
-        parts.push(format!("{:.1} times nearer than standing still", still / twin));
-    }
-    if let Some(axial) = future(Predictor::Axial) {
-        parts.push(format!("{:.2} times nearer than without bending", axial / twin));
-    }
-    if parts.is_empty() {
-        return None;
-    }
-    Some(format!(
-        "On frames that it never saw the twin is off by {:.1} mm: {}.",
-        1e3 * twin,
-        parts.join(" and ")
-    ))
+/// The assessment of a twin of this machine by a table.
+pub(crate) fn of_twin(twin: &Twin, quality: &Quality) -> Assessment {
+    assess(quality, Scale::of_nodes(&twin.graph.rest_positions))
+}
+
+/// The assessment of a twin of the server by the table that it carries.
+pub(crate) async fn of_stored(
+    client: &Client,
+    name: TwinId,
+) -> Result<Assessment, bendtwin_client::Error> {
+    let twin = client.twins().get(name).await?;
+    let geometry = client.twins().geometry(name).await?;
+    Ok(assess(&twin.quality, Scale::of_nodes(&geometry.rest_positions)))
 }
 
 /// The fast variant in a line; none if there is none. `substeps` are those of the twin.
@@ -44,27 +36,11 @@ pub(crate) fn fast(quality: &Quality, substeps: u32) -> Option<String> {
     ))
 }
 
-/// The headline error: that of tracks, if there are tracks.
-fn headline(errors: &ErrorSummary) -> Option<f64> {
-    errors.track_m.or(errors.coordinate_m).or(errors.chamfer_l1_m).filter(|e| *e > 0.0)
-}
-
 #[cfg(test)]
 mod tests {
-    use bendtwin_core::{FastVariant, quality::Score};
+    use bendtwin_core::FastVariant;
 
     use super::*;
-
-    fn score(predictor: Predictor, future_m: f64) -> Score {
-        let future = ErrorSummary { track_m: Some(future_m), ..ErrorSummary::default() };
-        Score {
-            predictor,
-            train: ErrorSummary::default(),
-            future,
-            per_frame: Vec::new(),
-            at_nodes: None,
-        }
-    }
 
     #[test]
     fn the_fast_variant_is_told_in_a_line() {
@@ -81,17 +57,5 @@ mod tests {
         assert!(line.contains("5.0 times fewer)") && line.contains("0.42 mm"), "{line}");
         assert!(super::fast(&quality, 20).unwrap().contains("as well"));
         assert_eq!(super::fast(&Quality::default(), 20), None);
-    }
-
-    #[test]
-    fn the_sentence_compares() {
-        let scores = vec![
-            score(Predictor::Bending, 0.004),
-            score(Predictor::Axial, 0.006),
-            score(Predictor::StandingStill, 0.1),
-        ];
-        let sentence = summary(&Quality { scores, ..Quality::default() }).unwrap();
-        assert!(sentence.contains("4.0 mm: 25.0 times") && sentence.contains("1.50 times"));
-        assert_eq!(summary(&Quality::default()), None);
     }
 }

@@ -76,7 +76,8 @@ pub(crate) async fn run(args: Twin, global: &Global) -> anyhow::Result<()> {
         }
         Command::Show { name } => {
             let twin = twins.get(name).await?;
-            output::print(global, &twin, || shown(&twin))
+            let assessment = quality::of_stored(&client, name).await?;
+            output::print(global, &twin, || format!("{}\n{assessment}", shown(&twin)))
         }
         Command::Export { name, file } => {
             let content = twins.export(name).await?;
@@ -109,7 +110,7 @@ fn stem(path: &Path) -> String {
 
 fn shown(twin: &bendtwin_client::Twin) -> String {
     let origin = |name: Option<String>| name.unwrap_or_else(|| "imported".to_owned());
-    let mut text = format!(
+    format!(
         "{}\n  what      {}\n  capture   {}\n  fit       {}\n  graph     {} nodes, {} springs, {} triplets, {} control points\n  time      {} frames a second, {} substeps a frame\n  fast      {}\n  size      {}\n\n{}",
         twin.name,
         twin.display_name,
@@ -124,9 +125,5 @@ fn shown(twin: &bendtwin_client::Twin) -> String {
         quality::fast(&twin.quality, twin.substeps).unwrap_or_else(|| "not known".to_owned()),
         output::bytes(twin.size_bytes),
         format_table(&twin.quality, TableStyle::Plain),
-    );
-    if let Some(sentence) = quality::summary(&twin.quality) {
-        text += &format!("\n{sentence}");
-    }
-    text
+    )
 }

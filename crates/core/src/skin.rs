@@ -52,14 +52,32 @@ impl Skin {
     pub fn of_nodes(graph: &Graph) -> Self {
         // A graph that is read from a file is checked later.
         let m = graph.surface_count().min(graph.observed_points.len());
+        let nodes: Vec<u32> = (0..m as u32).collect();
+        Self { observed_points: graph.observed_points[..m].to_vec(), ..Self::at_nodes(&nodes) }
+    }
+
+    /// Points that are nodes, in this order; none of them is an observed point.
+    pub fn at_nodes(nodes: &[u32]) -> Self {
+        let m = nodes.len();
         Self {
-            observed_points: graph.observed_points[..m].to_vec(),
+            observed_points: vec![Graph::NOT_OBSERVED; m],
             starts: (0..=m as u32).collect(),
-            nodes: (0..m as u32).collect(),
+            nodes: nodes.to_vec(),
             weights: vec![1.0; m],
             frames: vec![[Self::NO_FRAME; 3]; m],
             offsets_m: vec![[0.0; 3]; m],
         }
+    }
+
+    /// Some of the points, in this order; indices that do not exist are left out.
+    #[must_use]
+    pub fn select(&self, points: &[usize]) -> Self {
+        let mut chosen = Self::default();
+        for &p in points.iter().filter(|p| **p < self.len()) {
+            let weights: Vec<(u32, f32)> = self.weights_of(p).collect();
+            chosen.push(self.observed_points[p], &weights, self.frames[p], self.offsets_m[p]);
+        }
+        chosen
     }
 
     /// Number of points M.
@@ -104,17 +122,25 @@ impl Skin {
 
     /// Position of a point [m], from those of nodes.
     pub fn position(&self, point: usize, node: impl Fn(u32) -> Vector) -> Vector {
-        let mut sum = [0.0; 3];
-        for (i, w) in self.weights_of(point) {
-            sum = add(sum, scaled(node(i), f64::from(w)));
-        }
+        add(self.combined(point, &node), self.offset(point, node))
+    }
+
+    /// Combination of a quantity of the nodes by the weights of a point.
+    pub fn combined(&self, point: usize, node: impl Fn(u32) -> Vector) -> Vector {
+        let weights = self.weights_of(point);
+        weights.fold([0.0; 3], |sum, (i, w)| add(sum, scaled(node(i), f64::from(w))))
+    }
+
+    /// Offset of a point from the combination of its nodes' positions [m], along the axes of the
+    /// world.
+    pub fn offset(&self, point: usize, node: impl Fn(u32) -> Vector) -> Vector {
         let offset = wide(self.offsets_m[point]);
         if offset == [0.0; 3] {
-            return sum;
+            return offset;
         }
-        let Some(nodes) = self.frame(point) else { return add(sum, offset) };
-        let Some(Axes { axes, .. }) = Axes::of(nodes.map(node)) else { return sum };
-        axes.iter().zip(offset).fold(sum, |p, (axis, o)| add(p, scaled(*axis, o)))
+        let Some(nodes) = self.frame(point) else { return offset };
+        let Some(Axes { axes, .. }) = Axes::of(nodes.map(node)) else { return [0.0; 3] };
+        axes.iter().zip(offset).fold([0.0; 3], |sum, (axis, o)| add(sum, scaled(*axis, o)))
     }
 
     /// Positions of all points [m], shape [M, 3], from those of nodes, shape [N, 3].
@@ -181,8 +207,8 @@ impl Skin {
         }
         for point in 0..m {
             let sum: f64 = self.weights_of(point).map(|(_, w)| f64::from(w)).sum();
-            // NaN is beyond it too.
-            if !((sum - 1.0).abs() < 1e-3) {
+            let off = (sum - 1.0).abs();
+            if off.is_nan() || off >= 1e-3 {
                 return Err(format!("the weights of skin point {point} sum up to {sum}, not to 1"));
             }
             let frame = self.frames[point];

@@ -1,6 +1,7 @@
 //! Quality of a twin: Chamfer distance, track error, free baselines, pictures. Independent of how a
 //! twin was fitted.
 
+mod assess;
 mod baselines;
 mod branches;
 mod correction;
@@ -16,6 +17,7 @@ mod surface;
 mod table;
 mod trajectory;
 
+pub use assess::{Assessment, Level, Scale, assess};
 pub use correction::{CorrectionPlan, CorrectionScore, corrections};
 pub use error::Error;
 pub use evaluate::{EvaluateOptions, evaluate, score};

@@ -27,7 +27,8 @@ pub(crate) struct Reference<'a> {
     surface_count: usize,
     /// Clean tracks: (surface point, track).
     tracks: Vec<(usize, usize)>,
-    /// Predicted points with those that they are, if every point has one and the capture is motion capture.
+    /// Predicted points with those that they are, if every point has one and the capture is motion
+    /// capture.
     coordinates: Option<Vec<(usize, usize)>>,
     branches: Option<Branches>,
 }

@@ -45,7 +45,8 @@ const AT_NODES: [Column; 2] =
     [("CD at nodes", |e| e.chamfer_l1_m), ("track at nodes", |e| e.track_m)];
 
 /// The table in millimetres: a row per predictor, training and future errors side by side, then
-/// those of nodes that are not the skin. Columns that the capture does not determine are left out. Warnings follow, one a line.
+/// those of nodes that are not the skin. Columns that the capture does not determine are left out.
+/// Warnings follow, one a line.
 pub fn format_table(quality: &Quality, style: TableStyle) -> String {
     let spans: [Span; 2] = [("train", |s| &s.train), ("future", |s| &s.future)];
     let mut columns: Vec<(String, Vec<Option<f64>>)> = Vec::new();

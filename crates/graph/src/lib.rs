@@ -26,7 +26,7 @@ pub use self::{
     error::Error,
     rest::rest_geometry,
     sample::sample_nodes,
-    skin::bind_skin,
+    skin::{bind_points, bind_skin},
     spread::{farthest_points, mean_spacing},
 };
 

@@ -40,13 +40,19 @@ const LEAST_AREA: f64 = 0.05;
 /// Binds surface points to the nodes of a graph at rest. Positions must be finite. Without nodes
 /// there is no skin.
 pub fn bind_skin(graph: &Graph, surface: &SurfacePoints) -> Skin {
+    bind_points(graph, &graph.rest_positions, surface)
+}
+
+/// Binds points to the nodes of a graph that are at `nodes` [m], shape [N, 3]. Positions must be
+/// finite, and those of the nodes as many as the graph has. Without nodes no point is bound.
+pub fn bind_points(graph: &Graph, nodes: &[Point], points: &SurfacePoints) -> Skin {
     let mut skin = Skin::default();
-    let Some(tree) = spread::tree(&graph.rest_positions) else { return skin };
-    let neighbours = Neighbours::new(graph);
-    let mut around: Vec<Option<Vec<u32>>> = vec![None; graph.node_count()];
-    for (p, &observed) in surface.positions.iter().zip(&surface.observed_points) {
+    let Some(tree) = spread::tree(nodes) else { return skin };
+    let neighbours = Neighbours::new(graph, nodes);
+    let mut around: Vec<Option<Vec<u32>>> = vec![None; nodes.len()];
+    for (p, &observed) in points.positions.iter().zip(&points.observed_points) {
         let nearest = nearest(&tree, p);
-        let at = |i: u32| wide(graph.rest_positions[i as usize]);
+        let at = |i: u32| wide(nodes[i as usize]);
         if distance(at(nearest), wide(*p)) < SAME_M {
             skin.push(observed, &[(nearest, 1.0)], [Skin::NO_FRAME; 3], [0.0; 3]);
             continue;
@@ -74,13 +80,14 @@ fn nearest(tree: &ImmutableKdTree<f32, 3>, p: &Point) -> u32 {
 
 /// Springs between nodes, by node.
 struct Neighbours<'a> {
-    graph: &'a Graph,
+    /// Positions of the nodes [m], shape [N, 3].
+    nodes: &'a [Point],
     starts: Vec<u32>,
     ends: Vec<u32>,
 }
 
 impl<'a> Neighbours<'a> {
-    fn new(graph: &'a Graph) -> Self {
+    fn new(graph: &Graph, nodes: &'a [Point]) -> Self {
         let n = graph.node_count();
         let inner = || graph.springs.iter().filter(|s| (s[1] as usize) < n);
         let mut starts = vec![0_u32; n + 1];
@@ -96,12 +103,12 @@ impl<'a> Neighbours<'a> {
                 next[from as usize] += 1;
             }
         }
-        Self { graph, starts, ends }
+        Self { nodes, starts, ends }
     }
 
     /// The nodes nearest to a node along springs, itself the first.
     fn around(&self, from: u32) -> Vec<u32> {
-        let at = |i: u32| wide(self.graph.rest_positions[i as usize]);
+        let at = |i: u32| wide(self.nodes[i as usize]);
         let mut found: Vec<u32> = Vec::with_capacity(AROUND);
         // Distances are not negative, so their bits are ordered as they are.
         let mut open = BinaryHeap::from([Reverse((0_u64, from))]);
@@ -159,7 +166,8 @@ fn slope(spread: Matrix3<f64>, y: Vector3<f64>) -> Vector3<f64> {
     let least = THIN * eigen.eigenvalues.max();
     let mut slope = Vector3::zeros();
     for (k, &variance) in eigen.eigenvalues.iter().enumerate() {
-        if !(variance > 0.0 && least > 0.0) {
+        // Nodes in one place have no spread but that of rounding.
+        if variance <= SAME_M * SAME_M {
             continue;
         }
         let axis = eigen.eigenvectors.column(k);

@@ -3,17 +3,17 @@
 
 use bendtwin_core::{
     CancelToken, Graph, Point,
-    geometry::{biweight, median, point, vector3},
+    geometry::{point, vector3},
 };
 use bendtwin_engine::{Model, model::State};
 use nalgebra::Vector3;
 
 use crate::{
     Error, Observation, Residual,
-    elastic::{Elastic, Match},
+    elastic::Elastic,
     observation::is_place,
     residual::share_within,
-    surface::{Surface, spacing},
+    seen::{MatchedSkin, Seen, node_spacing},
 };
 
 /// Options of [`correct`].
@@ -68,8 +68,6 @@ pub struct Corrected {
 const ROUNDS: usize = 5;
 /// Iterations of the deformation in each.
 const ITERATIONS: usize = 4;
-/// Distance from which a point counts as astray, in deviations and in medians.
-const ASTRAY: [f64; 2] = [6.0, 5.0];
 
 /// Corrects a state whose control points are at `controls` [m], shape [C, 3]; they, the nodes that
 /// they pin and the nodes in grasps stay.
@@ -92,7 +90,6 @@ pub fn correct(
     let n = graph.node_count();
     let start: Vec<Vector3<f64>> =
         state.positions.iter().chain(controls).map(|p| vector3(*p)).collect();
-    let spacing_m = spacing(&graph.rest_positions[..graph.surface_count()]);
     let mut fixed = vec![false; start.len()];
     fixed[n..].fill(true);
     graph.pins.iter().for_each(|p| fixed[p.node as usize] = true);
@@ -103,7 +100,9 @@ pub fn correct(
     }
     let elastic = Elastic::new(graph, start.clone(), fixed);
 
-    let seen = Seen { graph, observation, spacing_m };
+    // Tracks say where they are: no skin is matched.
+    let skin = observation.tracks.is_none().then(|| MatchedSkin::new(model));
+    let seen = Seen { graph, skin: skin.as_ref(), observation };
     let before = seen.distances(&start)?;
     let mut x = start.clone();
     for _ in 0..ROUNDS {
@@ -118,7 +117,7 @@ pub fn correct(
 
     let distances = seen.distances(&x)?;
     let after = Residual::of(&distances);
-    let limit_m = options.max_residual_m.unwrap_or((0.5 * spacing_m).max(0.005));
+    let limit_m = options.max_residual_m.unwrap_or((0.5 * node_spacing(graph)).max(0.005));
     let fits = after.median_mm <= 1e3 * limit_m;
     if !fits || x.iter().flatten().any(|c| !c.is_finite()) {
         return Err(Error::NotExplained {
@@ -138,7 +137,8 @@ pub fn correct(
     for ((v, x), from) in corrected.velocities.iter_mut().zip(&x).zip(&start) {
         *v = point(vector3(*v) + (x - from) * rate);
     }
-    if let Some(change) = seen.velocity_change(&elastic, &x, &corrected, options) {
+    let [noise, give] = [options.velocity_noise_m_s, options.give / options.noise_m];
+    if let Some(change) = seen.velocity_change(&elastic, &corrected.velocities, noise, give) {
         for (v, change) in corrected.velocities.iter_mut().zip(change) {
             *v = point(vector3(*v) + change);
         }
@@ -186,124 +186,6 @@ pub(crate) fn check(graph: &Graph, state: &State, controls: &[Point]) -> Result<
     match all.into_iter().all(is_place) {
         true => Ok(()),
         false => Err(Error::Invalid("the state is not finite, or farther than 1 km off".into())),
-    }
-}
-
-/// An observation beside a graph.
-pub(crate) struct Seen<'a> {
-    pub(crate) graph: &'a Graph,
-    pub(crate) observation: &'a Observation,
-    pub(crate) spacing_m: f64,
-}
-
-impl Seen<'_> {
-    /// The observed points with what they should be on, now that endpoints are at `x`: the places
-    /// of tracks, or the nearest points of the surface. Weighted so that points astray of the
-    /// others count little.
-    pub(crate) fn matches(&self, x: &[Vector3<f64>], noise_m: f64) -> Result<Vec<Match>, Error> {
-        let points = &self.observation.points;
-        let (mut matches, mut distances) =
-            (Vec::with_capacity(points.len()), Vec::with_capacity(points.len()));
-        match &self.observation.tracks {
-            Some(skin) => {
-                for (p, y) in points.iter().enumerate() {
-                    let placed = skin.place(p, x);
-                    distances.push((placed.position(x) - vector3(*y)).norm());
-                    let target = vector3(*y) - placed.offset;
-                    let precision = self.observation.weight(p) / (noise_m * noise_m);
-                    let (nodes, weights) = (placed.nodes, placed.weights);
-                    matches.push(Match { nodes, weights, target, precision });
-                }
-            }
-            None => {
-                let surface = self.surface(x)?;
-                for (p, y) in points.iter().enumerate() {
-                    let foot = surface.foot(*y);
-                    distances.push(foot.distance_m);
-                    let precision = self.observation.weight(p) / (noise_m * noise_m);
-                    let (nodes, weights) = (foot.nodes, foot.weights);
-                    matches.push(Match { nodes, weights, target: vector3(*y), precision });
-                }
-            }
-        }
-        let middle = median(&mut distances.clone()).unwrap_or(0.0);
-        let width = (ASTRAY[0] * noise_m).max(ASTRAY[1] * middle);
-        for (m, d) in matches.iter_mut().zip(&distances) {
-            m.precision *= biweight(d / width);
-        }
-        self.share(&mut matches, noise_m);
-        Ok(matches)
-    }
-
-    /// Lets points that are dense share what they know: their errors are not independent, so that
-    /// all points around a node weigh no more than a few.
-    fn share(&self, matches: &mut [Match], noise_m: f64) {
-        const MOST: f64 = 4.0;
-        let mut load = vec![0.0; self.graph.node_count()];
-        for m in &*matches {
-            for (n, w) in m.nodes.iter().zip(m.weights) {
-                load[*n as usize] += m.precision * w * noise_m * noise_m;
-            }
-        }
-        for m in matches {
-            let around: f64 =
-                m.nodes.iter().zip(m.weights).map(|(n, w)| load[*n as usize] * w).sum();
-            m.precision *= (MOST / around.max(1e-12)).min(1.0);
-        }
-    }
-
-    /// Distances of the observed points [m].
-    pub(crate) fn distances(&self, x: &[Vector3<f64>]) -> Result<Vec<f64>, Error> {
-        let points = &self.observation.points;
-        Ok(match &self.observation.tracks {
-            Some(skin) => (0..points.len())
-                .map(|p| (skin.place(p, x).position(x) - vector3(points[p])).norm())
-                .collect(),
-            None => {
-                let surface = self.surface(x)?;
-                points.iter().map(|p| surface.foot(*p).distance_m).collect()
-            }
-        })
-    }
-
-    /// The surface of endpoints at `x`.
-    pub(crate) fn surface(&self, x: &[Vector3<f64>]) -> Result<Surface, Error> {
-        Surface::new(&x[..self.graph.surface_count()], self.spacing_m)
-            .ok_or_else(|| Error::Invalid("the twin's surface is not finite".into()))
-    }
-
-    /// The change of velocity that the observed velocities ask for [m/s], shape [N + C]; `None`
-    /// without them.
-    fn velocity_change(
-        &self,
-        elastic: &Elastic,
-        x: &[Vector3<f64>],
-        state: &State,
-        options: &CorrectOptions,
-    ) -> Option<Vec<Vector3<f64>>> {
-        let observed = &self.observation.velocities;
-        let skin = self.observation.tracks.as_ref().filter(|_| !observed.is_empty())?;
-        let mut v: Vec<Vector3<f64>> = state.velocities.iter().map(|v| vector3(*v)).collect();
-        v.resize(x.len(), Vector3::zeros());
-        let noise = options.velocity_noise_m_s;
-        let mut matches = Vec::with_capacity(observed.len());
-        let mut sizes = Vec::with_capacity(observed.len());
-        for (p, wanted) in observed.iter().enumerate() {
-            let placed = skin.place(p, x);
-            let target = vector3(*wanted) - placed.blend(&v);
-            sizes.push(target.norm());
-            let precision = self.observation.weight(p) / (noise * noise);
-            let (nodes, weights) = (placed.nodes, placed.weights);
-            matches.push(Match { nodes, weights, target, precision });
-        }
-        let middle = median(&mut sizes.clone()).unwrap_or(0.0);
-        let width = (ASTRAY[0] * noise).max(ASTRAY[1] * middle);
-        for (m, size) in matches.iter_mut().zip(&sizes) {
-            m.precision *= biweight(size / width);
-        }
-        self.share(&mut matches, noise);
-        // The field's springs are in metres: a second turns their deviations into velocities.
-        Some(elastic.field(&matches, options.give * noise / options.noise_m))
     }
 }
 

@@ -2,31 +2,60 @@
 //!
 //! After Sorkine and Alexa, "As-rigid-as-possible surface modeling" (2007), on the twin's springs:
 //! the sum over springs of k |(x_i - x_j) - (R_i + R_j)/2 (r_i - r_j)|², k = 1 / (give l)², plus the
-//! sum over points of w |Σ b x - y|² / noise². r is the reference, R_i the rotation of the springs
-//! around i. Rotations and positions are solved for in turn, positions by conjugate gradients.
+//! sum over matches of w |Σ_p b_p Σ_i s_pi x_i - y|² / noise². r is the reference, R_i the rotation
+//! of the springs around i, s_pi the weights of skin point p. Rotations and positions are solved for
+//! in turn, positions by conjugate gradients.
 
-use bendtwin_core::Graph;
+use bendtwin_core::{Graph, Skin};
 use nalgebra::{Matrix3, Vector3};
-
-use crate::skin::BLENDED;
 
 /// Springs count as at least this share of their mean length: short ones would hold like rods.
 const LEAST_LENGTH: f64 = 0.5;
 /// Deviation with which everything is drawn to where it is, for parts that nothing else holds [m].
 const TETHER_M: f64 = 1.0;
+/// Points of a skin that a match is between, at most: the corners of a triangle.
+pub(crate) const CORNERS: usize = 3;
 /// Iterations of conjugate gradients, at most, and the residual at which they end.
 const ITERATIONS: usize = 150;
 const TOLERANCE: f64 = 1e-5;
 
-/// A point of the object that should be somewhere.
+/// A place on the object that should be somewhere.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Match {
-    pub(crate) nodes: [u32; BLENDED],
-    pub(crate) weights: [f64; BLENDED],
-    /// The wanted weighted mean of the nodes [m].
+    /// Points of the skin around the place.
+    pub(crate) points: [u32; CORNERS],
+    /// Their weights, which sum up to 1; 0 for no point.
+    pub(crate) weights: [f64; CORNERS],
+    /// The wanted combination of the nodes that carry the points, offsets left out [m].
     pub(crate) target: Vector3<f64>,
     /// 1 / variance [1/m²].
     pub(crate) precision: f64,
+}
+
+/// Places on a skin and where they should be.
+#[derive(Clone, Debug)]
+pub(crate) struct Matches<'a> {
+    pub(crate) skin: &'a Skin,
+    pub(crate) list: Vec<Match>,
+}
+
+impl Match {
+    /// The points with their weights.
+    pub(crate) fn corners(&self) -> impl Iterator<Item = (usize, f64)> + '_ {
+        let corners = self.points.iter().zip(&self.weights).filter(|(_, w)| **w != 0.0);
+        corners.map(|(p, w)| (*p as usize, *w))
+    }
+}
+
+impl Matches<'_> {
+    /// Points of the skin that matches are on.
+    fn used(&self) -> Vec<usize> {
+        let mut used = vec![false; self.skin.len()];
+        for (p, _) in self.list.iter().flat_map(Match::corners) {
+            used[p] = true;
+        }
+        (0..used.len()).filter(|p| used[*p]).collect()
+    }
 }
 
 /// A spring of the deformation, from a node to an endpoint.
@@ -72,7 +101,7 @@ impl Elastic {
     pub(crate) fn relax(
         &self,
         x: &mut [Vector3<f64>],
-        matches: &[Match],
+        matches: &Matches<'_>,
         give: f64,
         iterations: usize,
     ) {
@@ -93,7 +122,7 @@ impl Elastic {
 
     /// The smooth field on all endpoints, zero where they are fixed, that fits matches of its
     /// values.
-    pub(crate) fn field(&self, matches: &[Match], give: f64) -> Vec<Vector3<f64>> {
+    pub(crate) fn field(&self, matches: &Matches<'_>, give: f64) -> Vec<Vector3<f64>> {
         let mut x = vec![Vector3::zeros(); self.reference.len()];
         let mut right = x.clone();
         self.solve(&mut x, &mut right, matches, 1.0 / (give * give));
@@ -118,7 +147,7 @@ impl Elastic {
         &self,
         x: &mut [Vector3<f64>],
         right: &mut [Vector3<f64>],
-        matches: &[Match],
+        matches: &Matches<'_>,
         scale: f64,
     ) {
         let tether = 1.0 / (TETHER_M * TETHER_M);
@@ -126,17 +155,30 @@ impl Elastic {
         for edge in &self.edges {
             edge.ends.iter().for_each(|&e| diagonal[e] += scale * edge.precision);
         }
-        for m in matches {
-            for (n, w) in m.nodes.iter().zip(m.weights) {
-                diagonal[*n as usize] += m.precision * w * w;
-                right[*n as usize] += m.target * (m.precision * w);
+        let Matches { skin, list } = matches;
+        let used = matches.used();
+        // The pull on each point of the skin and the matches' precision there.
+        let mut pulls = vec![Vector3::zeros(); skin.len()];
+        let mut loads = vec![0.0; skin.len()];
+        for m in list {
+            for (p, b) in m.corners() {
+                pulls[p] += m.target * (m.precision * b);
+                loads[p] += m.precision * b;
+            }
+        }
+        for &p in &used {
+            for (n, w) in skin.weights_of(p) {
+                let (n, w) = (n as usize, f64::from(w));
+                right[n] += pulls[p] * w;
+                diagonal[n] += loads[p] * w * w;
             }
         }
         for (b, x) in right.iter_mut().zip(&*x) {
             *b += x * tether;
         }
         let free = |e: usize| !self.fixed[e];
-        let apply = |v: &[Vector3<f64>], out: &mut [Vector3<f64>]| {
+        let mut carried = pulls.clone();
+        let mut apply = |v: &[Vector3<f64>], out: &mut [Vector3<f64>]| {
             for (o, v) in out.iter_mut().zip(v) {
                 *o = v * tether;
             }
@@ -146,11 +188,18 @@ impl Elastic {
                 out[i] += d;
                 out[j] -= d;
             }
-            for m in matches {
-                let blend: Vector3<f64> =
-                    m.nodes.iter().zip(m.weights).map(|(n, w)| v[*n as usize] * w).sum();
-                for (n, w) in m.nodes.iter().zip(m.weights) {
-                    out[*n as usize] += blend * (m.precision * w);
+            for &p in &used {
+                let weights = skin.weights_of(p);
+                carried[p] = weights.map(|(n, w)| v[n as usize] * f64::from(w)).sum();
+                pulls[p] = Vector3::zeros();
+            }
+            for m in list {
+                let place: Vector3<f64> = m.corners().map(|(p, b)| carried[p] * b).sum();
+                m.corners().for_each(|(p, b)| pulls[p] += place * (m.precision * b));
+            }
+            for &p in &used {
+                for (n, w) in skin.weights_of(p) {
+                    out[n as usize] += pulls[p] * f64::from(w);
                 }
             }
             for (e, o) in out.iter_mut().enumerate() {

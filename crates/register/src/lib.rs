@@ -16,8 +16,9 @@ mod observation;
 mod register;
 mod residual;
 mod rigid;
-mod skin;
+mod seen;
 mod surface;
+mod tracks;
 mod visible;
 
 pub use carry::carried;
@@ -26,7 +27,7 @@ pub use error::Error;
 pub use observation::{MAX_CAMERAS, MAX_POINTS, Observation};
 pub use register::{RegisterOptions, Registered, register};
 pub use residual::{Explained, Residual};
-pub use skin::Skin;
+pub use tracks::bind_tracks;
 
 #[cfg(test)]
 mod scene;

@@ -1,8 +1,8 @@
 //! An observation: points on an object at one time, in the twin's frame.
 
-use bendtwin_core::{Graph, Point};
+use bendtwin_core::{Graph, Point, Skin};
 
-use crate::{Error, Skin};
+use crate::Error;
 
 /// Most points of an observation.
 pub const MAX_POINTS: usize = 200_000;
@@ -16,8 +16,8 @@ const FARTHEST_M: f32 = 1e3;
 pub struct Observation {
     /// Positions [m], shape [M, 3].
     pub points: Vec<Point>,
-    /// The places of the object that the points are, shape [M]: tracks, keypoints. `None` is a
-    /// cloud, whose points are matched to the surface.
+    /// The points are these that nodes carry, shape [M]: tracks, keypoints. `None` is a cloud,
+    /// whose points are matched with the twin's skin.
     pub tracks: Option<Skin>,
     /// Weights from 0, shape [M]; empty for equal ones.
     pub weights: Vec<f32>,
@@ -69,8 +69,10 @@ impl Observation {
             return refuse("all weights are zero".into());
         }
         match &self.tracks {
-            Some(skin) if skin.is_empty() => refuse("it has no tracks".into()),
-            Some(skin) => skin.check(graph.node_count()),
+            Some(tracks) if tracks.is_empty() => refuse("it has no tracks".into()),
+            Some(tracks) => tracks
+                .check(graph.node_count())
+                .map_err(|fault| Error::Invalid(format!("a track has no place: {fault}"))),
             None => Ok(()),
         }
     }

@@ -17,13 +17,13 @@ use nalgebra::Vector3;
 
 use crate::{
     Error, Explained, Observation, Residual,
-    correct::{Seen, check},
+    correct::check,
     elastic::Elastic,
     observation::is_place,
     residual::share_within,
     rigid::{Target, of_tracks, thinned},
-    skin::Skin,
-    surface::spacing,
+    seen::{MatchedSkin, Seen, node_spacing, position},
+    surface::Surface,
     visible::visible,
 };
 
@@ -125,8 +125,9 @@ pub fn register(
     }
     let shape: Vec<Vector3<f64>> =
         start.positions.iter().chain(&start_controls).map(|p| vector3(*p)).collect();
-    let spacing_m = spacing(&graph.rest_positions[..graph.surface_count()]);
-    let job = Job { graph, shape, observation, options, spacing_m, cancel };
+    let skin = MatchedSkin::new(model);
+    let spacing_m = node_spacing(graph);
+    let job = Job { graph, skin, shape, observation, options, spacing_m, cancel };
 
     let before = Residual::of(&job.seen(observation).distances(&job.shape)?);
     let (rigid, mut x) = job.best()?;
@@ -178,17 +179,19 @@ impl RegisterOptions {
 
 struct Job<'a> {
     graph: &'a Graph,
+    skin: MatchedSkin,
     /// Nodes and control points of the start [m], shape [N + C].
     shape: Vec<Vector3<f64>>,
     observation: &'a Observation,
     options: &'a RegisterOptions,
+    /// Distance of neighbouring nodes [m].
     spacing_m: f64,
     cancel: &'a CancelToken,
 }
 
 impl Job<'_> {
     fn seen<'b>(&'b self, observation: &'b Observation) -> Seen<'b> {
-        Seen { graph: self.graph, observation, spacing_m: self.spacing_m }
+        Seen { graph: self.graph, skin: Some(&self.skin), observation }
     }
 
     /// The best of the deformations that follow the best rigid motions.
@@ -225,8 +228,8 @@ impl Job<'_> {
             let (rotation, translation) = (nalgebra::Matrix3::identity(), Vector3::zeros());
             return Ok(vec![RigidMotion { rotation, translation }]);
         }
-        if let Some(skin) = &self.observation.tracks {
-            let at = |p: usize| point(skin.place(p, &self.shape).position(&self.shape));
+        if let Some(tracks) = &self.observation.tracks {
+            let at = |p: usize| point(position(tracks, p, &self.shape));
             let points = self.observation.points.iter().enumerate();
             let pair = |(p, y): (usize, &Point)| Pair {
                 before: at(p),
@@ -236,10 +239,10 @@ impl Job<'_> {
             let pairs: Vec<Pair> = points.map(pair).chain(known).collect();
             return Ok(of_tracks(&pairs, self.options.noise_m).into_iter().collect());
         }
-        let nodes = &self.shape[..self.graph.surface_count()];
-        let surface = self.seen(self.observation).surface(&self.shape)?;
+        let skin = self.skin.positions(&self.shape);
+        let surface = self.skin.surface(&skin)?;
         let points = &self.observation.points;
-        Target { surface: &surface, nodes, points, known: &known, up: Vector3::z() }
+        Target { surface: &surface, skin: &skin, points, known: &known, up: Vector3::z() }
             .motions(self.cancel)
     }
 
@@ -366,7 +369,8 @@ impl Job<'_> {
         let Self { options, spacing_m, .. } = *self;
         let distances = self.seen(self.observation).distances(x)?;
         let residual = Residual::of(&distances);
-        let within_m = (0.75 * spacing_m).max(3.0 * options.noise_m);
+        // Nodes far apart cannot follow all that their skin shows, a sparse skin leaves gaps.
+        let within_m = (0.5 * spacing_m).max(0.75 * self.skin.spacing_m).max(3.0 * options.noise_m);
         let points = share_within(&distances, within_m);
         let limit_mm = 1e3 * options.max_residual_m.unwrap_or((0.5 * spacing_m).max(0.005));
         let fits = residual.median_mm <= limit_mm && points >= options.least_explained;
@@ -378,20 +382,20 @@ impl Job<'_> {
                 least_explained: options.least_explained,
             });
         }
-        let surface = self.covered(x, within_m.max(spacing_m));
+        let surface = self.covered(x, within_m.max(self.skin.spacing_m));
         Ok((residual, Explained { points, surface, within_mm: 1e3 * within_m }))
     }
 
-    /// Share of the surface nodes that could have been seen and are near an observed point.
+    /// Share of the skin that could have been seen and is near an observed point.
     fn covered(&self, x: &[Vector3<f64>], within_m: f64) -> f64 {
-        let nodes = &x[..self.graph.surface_count()];
+        let skin = self.skin.positions(x);
         let cameras: Vec<Vector3<f64>> =
             self.observation.cameras.iter().map(|p| vector3(*p)).collect();
-        let seen = visible(nodes, &cameras, self.spacing_m);
         let points: Vec<Vector3<f64>> =
             self.observation.points.iter().map(|p| vector3(*p)).collect();
-        let Some(cloud) = crate::surface::Surface::new(&points, self.spacing_m) else { return 0.0 };
-        let distances: Vec<f64> = seen.iter().map(|&i| cloud.nearest(point(nodes[i])).1).collect();
+        let Some(cloud) = Surface::new(&points, self.skin.spacing_m) else { return 0.0 };
+        let seen = visible(&skin, &cameras);
+        let distances: Vec<f64> = seen.iter().map(|p| cloud.nearest(point(*p)).1).collect();
         share_within(&distances, within_m)
     }
 
@@ -402,7 +406,7 @@ impl Job<'_> {
         let o = self.observation;
         Observation {
             points: chosen.iter().map(|&p| o.points[p]).collect(),
-            tracks: o.tracks.as_ref().map(|skin: &Skin| skin.select(&chosen)),
+            tracks: o.tracks.as_ref().map(|tracks| tracks.select(&chosen)),
             weights: chosen.iter().filter_map(|&p| o.weights.get(p).copied()).collect(),
             velocities: Vec::new(),
             cameras: Vec::new(),

@@ -3,7 +3,7 @@
 use bendtwin_core::geometry::median;
 
 /// Distances between observed points and the twin: of tracks to their places, of a cloud to the
-/// surface.
+/// surface between the points of the skin.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Residual {
     /// Median [mm].
@@ -19,7 +19,7 @@ pub struct Residual {
 pub struct Explained {
     /// Share of the observed points that are within reach of the twin, 0..=1.
     pub points: f64,
-    /// Share of the surface nodes that could have been seen and have a point within reach, 0..=1.
+    /// Share of the skin that could have been seen and has an observed point within reach, 0..=1.
     /// Tracks say nothing of the rest of the surface: there it is small for few points.
     pub surface: f64,
     /// The reach [mm].

@@ -28,8 +28,8 @@ const OPEN_M: f64 = 1e-3;
 pub(crate) struct Target<'a> {
     /// The shape's surface.
     pub(crate) surface: &'a Surface,
-    /// Its nodes [m].
-    pub(crate) nodes: &'a [Vector3<f64>],
+    /// Its points [m].
+    pub(crate) skin: &'a [Vector3<f64>],
     /// Observed points [m].
     pub(crate) points: &'a [Point],
     /// Points of the shape whose positions are known beside the observation.
@@ -62,7 +62,7 @@ impl Target<'_> {
             let (sum, n) = points.fold((Vector3::zeros(), 0), |(s, n), p| (s + p, n + 1));
             sum / f64::from(n.max(1))
         };
-        let from = middle(&mut self.nodes.iter().copied());
+        let from = middle(&mut self.skin.iter().copied());
         let to = middle(&mut self.points.iter().map(|p| vector3(*p)));
         let mut found: Vec<(f64, RigidMotion)> = Vec::new();
         for rotation in self.starts(from, to) {
@@ -96,9 +96,9 @@ impl Target<'_> {
             let turn = Rotation3::from_axis_angle(&up, angle);
             starts.extend([*turn.matrix(), *(turn * over).matrix()]);
         }
-        let mut nodes = self.nodes.iter().map(|p| p - from);
+        let mut skin = self.skin.iter().map(|p| p - from);
         let mut points = self.points.iter().map(|p| vector3(*p) - to);
-        if let (Some(a), Some(b)) = (axes(&mut nodes), axes(&mut points)) {
+        if let (Some(a), Some(b)) = (axes(&mut skin), axes(&mut points)) {
             for signs in [[1.0, 1.0], [1.0, -1.0], [-1.0, 1.0], [-1.0, -1.0]] {
                 let flip = Vector3::new(signs[0], signs[1], signs[0] * signs[1]);
                 starts.push(b * Matrix3::from_diagonal(&flip) * a.transpose());
@@ -132,13 +132,12 @@ impl Target<'_> {
                     let (before, distance_m) = match fine {
                         true => {
                             let foot = self.surface.foot(p);
-                            let at = |n: &u32| self.nodes[*n as usize];
-                            let ends = foot.nodes.iter().zip(foot.weights);
-                            (ends.map(|(n, w)| at(n) * w).sum(), foot.distance_m)
+                            let place = foot.corners().map(|(p, w)| self.skin[p] * w).sum();
+                            (place, foot.distance_m)
                         }
                         false => {
-                            let (node, distance_m) = self.surface.nearest(p);
-                            (self.nodes[node as usize], distance_m)
+                            let (nearest, distance_m) = self.surface.nearest(p);
+                            (self.skin[nearest as usize], distance_m)
                         }
                     };
                     (distance_m, Pair { before: point(before), after: *y, weight: 1.0 })

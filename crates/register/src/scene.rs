@@ -4,18 +4,50 @@
 use std::sync::Arc;
 
 use bendtwin_core::{
-    CancelToken, Environment, Graph, NodeKind, Params, Point, Timing, environment::ControlVelocity,
+    CancelToken, Environment, Graph, NodeKind, Params, Point, Skin, Timing,
+    environment::ControlVelocity,
 };
 use bendtwin_engine::{
     Backend, Model, Objective,
     backend::{Instance, Outputs},
     model::State,
 };
+use bendtwin_graph::{SurfacePoints, bind_skin};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
 /// Distance of neighbouring nodes [m].
 pub(crate) const SPACING_M: f32 = 0.02;
+
+/// A bar of 7 by 3 by 2 nodes, 4 cm apart, without gravity; its skin, of points 1 cm apart, is 1 cm
+/// outside of the nodes.
+pub(crate) fn coarse() -> Model {
+    let grid = |counts: [usize; 3], spacing_m: f32, from_m: f32| {
+        let at = move |i: usize| from_m + spacing_m * i as f32;
+        (0..counts[0]).flat_map(move |x| {
+            (0..counts[1]).flat_map(move |y| (0..counts[2]).map(move |z| [at(x), at(y), at(z)]))
+        })
+    };
+    let rest: Vec<Point> = grid([7, 3, 2], 0.04, 0.0).collect();
+    let on_a_face = |p: &Point| {
+        let sides = p.iter().zip([0.25, 0.09, 0.05]);
+        sides.into_iter().any(|(x, most)| (*x + 0.01).abs() < 1e-4 || (*x - most).abs() < 1e-4)
+    };
+    let skin: Vec<Point> = grid([27, 11, 7], 0.01, -0.01).filter(on_a_face).collect();
+    let (graph, params) = foam(rest, Vec::new(), 0.04);
+    let surface =
+        SurfacePoints { observed_points: vec![Graph::NOT_OBSERVED; skin.len()], positions: skin };
+    let skin = bind_skin(&graph, &surface);
+    let environment = Environment { ground: None, gravity: [0.0; 3] };
+    Model {
+        graph: Arc::new(graph),
+        skin: Arc::new(skin),
+        params,
+        environment,
+        timing: Timing { fps: 30.0, substeps: 60 },
+        control_velocity: ControlVelocity::True,
+    }
+}
 
 /// The L: 13 nodes long, with a foot to one side, two layers.
 pub(crate) fn model() -> Arc<Model> {
@@ -29,8 +61,21 @@ pub(crate) fn model() -> Arc<Model> {
             }
         }
     }
-    let n = rest.len();
     let control_rest = vec![[0.02, 0.12, 0.05], [0.04, 0.12, 0.05]];
+    let (graph, params) = foam(rest, control_rest, SPACING_M);
+    Arc::new(Model {
+        skin: Arc::new(Skin::of_nodes(&graph)),
+        graph: Arc::new(graph),
+        params,
+        environment: Environment { ground: None, ..Environment::Z_UP },
+        timing: Timing { fps: 30.0, substeps: 60 },
+        control_velocity: ControlVelocity::True,
+    })
+}
+
+/// Nodes at a distance, each joined with those around it, and with control points near it.
+fn foam(rest: Vec<Point>, control_rest: Vec<Point>, spacing_m: f32) -> (Graph, Params) {
+    let n = rest.len();
     let all: Vec<Point> = rest.iter().chain(&control_rest).copied().collect();
     let length =
         |a: usize, b: usize| bendtwin_core::geometry::point_distance(all[a], all[b]) as f32;
@@ -38,7 +83,7 @@ pub(crate) fn model() -> Arc<Model> {
     for a in 0..n {
         for b in a + 1..all.len() {
             let reach = if b < n { 1.8 } else { 2.2 };
-            if length(a, b) < reach * SPACING_M {
+            if length(a, b) < reach * spacing_m {
                 springs.push([a as u32, b as u32]);
             }
         }
@@ -61,14 +106,7 @@ pub(crate) fn model() -> Arc<Model> {
         drag: 1.0,
         ..Params::default()
     };
-    Arc::new(Model {
-        graph: Arc::new(graph),
-        skin: Arc::default(),
-        params,
-        environment: Environment { ground: None, ..Environment::Z_UP },
-        timing: Timing { fps: 30.0, substeps: 60 },
-        control_velocity: ControlVelocity::True,
-    })
+    (graph, params)
 }
 
 /// The state, and the control points, after some frames in which the hand moves sideways and up.

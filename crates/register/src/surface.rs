@@ -1,78 +1,86 @@
-//! The surface between the nodes: triangles of nodes that are near to a point and to each other.
-//! Nodes of a coarse twin stand centimetres apart, so that the nearest node alone says little. In a
-//! body as thin as its nodes are apart, triangles also pass through the inside: points there count
-//! as on the surface, so that a cloud says less of such a body than tracks do.
+//! The surface between the points of a skin: triangles of points that are near to a place and to
+//! each other, because the nearest point alone says little where they are sparse. In a body as thin
+//! as its points are apart, triangles also pass through the inside: places there count as on the
+//! surface, so that a cloud says less of such a body than tracks do.
 
 use bendtwin_core::Point;
 use bendtwin_core::geometry::{point, vector3};
 use kiddo::{ImmutableKdTree, SquaredEuclidean};
 use nalgebra::Vector3;
 
-use crate::skin::BLENDED;
+use crate::elastic::CORNERS;
 
-/// Nodes that may be corners.
-const CORNERS: usize = 7;
+/// Points that may be corners.
+const NEAR: usize = 7;
 /// Corners are at most this many spacings apart.
 const WIDEST: f64 = 2.5;
 
-/// Surface nodes in one shape.
+/// Points of a surface in one shape.
 pub(crate) struct Surface {
-    nodes: Vec<Vector3<f64>>,
+    points: Vec<Vector3<f64>>,
     tree: ImmutableKdTree<f32, 3>,
     /// Largest distance of two corners [m].
     widest_m: f64,
 }
 
-/// The point of a surface that is nearest to another point.
+/// The place on a surface that is nearest to a point.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Foot {
-    pub(crate) nodes: [u32; BLENDED],
-    pub(crate) weights: [f64; BLENDED],
+    pub(crate) points: [u32; CORNERS],
+    /// Weights of the points, 0 for no point.
+    pub(crate) weights: [f64; CORNERS],
     pub(crate) distance_m: f64,
 }
 
+impl Foot {
+    /// The points with their weights.
+    pub(crate) fn corners(&self) -> impl Iterator<Item = (usize, f64)> + '_ {
+        self.points.iter().zip(&self.weights).map(|(p, w)| (*p as usize, *w))
+    }
+}
+
 impl Surface {
-    /// The surface of nodes [m]; `None` if there are none.
-    pub(crate) fn new(nodes: &[Vector3<f64>], spacing_m: f64) -> Option<Self> {
-        let points: Vec<Point> = nodes.iter().map(|p| point(*p)).collect();
-        let finite = points.iter().flatten().all(|x| x.is_finite());
-        let tree = finite.then(|| ImmutableKdTree::new_from_slice(&points).ok()).flatten()?;
+    /// The surface of points that are so far apart [m]; `None` if there are none, or one is not
+    /// finite.
+    pub(crate) fn new(points: &[Vector3<f64>], spacing_m: f64) -> Option<Self> {
+        let places: Vec<Point> = points.iter().map(|p| point(*p)).collect();
+        let finite = places.iter().flatten().all(|x| x.is_finite());
+        let tree = finite.then(|| ImmutableKdTree::new_from_slice(&places).ok()).flatten()?;
         (!points.is_empty()).then(|| Self {
-            nodes: nodes.to_vec(),
+            points: points.to_vec(),
             tree,
             widest_m: WIDEST * spacing_m,
         })
     }
 
-    /// The nearest node and its distance [m].
+    /// The nearest of its points and its distance [m].
     pub(crate) fn nearest(&self, p: Point) -> (u32, f64) {
         let found = self.tree.query(&p).nearest_one::<SquaredEuclidean<f32>>().execute();
         (found.item, f64::from(found.distance).sqrt())
     }
 
-    /// The point of the surface that is nearest to `p`.
+    /// The place on the surface that is nearest to `p`.
     pub(crate) fn foot(&self, p: Point) -> Foot {
         let count =
-            CORNERS.min(self.nodes.len()).try_into().unwrap_or(std::num::NonZero::<usize>::MIN);
+            NEAR.min(self.points.len()).try_into().unwrap_or(std::num::NonZero::<usize>::MIN);
         let found = self.tree.query(&p).nearest_n::<SquaredEuclidean<f32>>(count).execute();
         let mut near: Vec<(f32, u32)> = found.iter().map(|n| (n.distance, n.item)).collect();
         near.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
         let near: Vec<u32> = near.into_iter().map(|(_, n)| n).collect();
         let y = vector3(p);
-        let at = |n: u32| self.nodes[n as usize];
+        let at = |n: u32| self.points[n as usize];
         let joined = |a: u32, b: u32| (at(a) - at(b)).norm() <= self.widest_m;
         let first = near.first().copied().unwrap_or(0);
         let mut best = Foot {
-            nodes: [first, 0, 0, 0],
-            weights: [1.0, 0.0, 0.0, 0.0],
+            points: [first, 0, 0],
+            weights: [1.0, 0.0, 0.0],
             distance_m: (y - at(first)).norm(),
         };
-        let mut offer = |nodes: [u32; 3], w: [f64; 3]| {
-            let foot: Vector3<f64> = nodes.iter().zip(w).map(|(n, w)| at(*n) * w).sum();
+        let mut offer = |points: [u32; CORNERS], weights: [f64; CORNERS]| {
+            let foot: Vector3<f64> = points.iter().zip(weights).map(|(n, w)| at(*n) * w).sum();
             let distance_m = (y - foot).norm();
             if distance_m < best.distance_m {
-                let nodes = [nodes[0], nodes[1], nodes[2], 0];
-                best = Foot { nodes, weights: [w[0], w[1], w[2], 0.0], distance_m };
+                best = Foot { points, weights, distance_m };
             }
         };
         let others = near.get(1..).unwrap_or_default();
@@ -116,11 +124,11 @@ fn in_triangle(
     (s >= 0.0 && t >= 0.0 && s + t <= 1.0).then_some([1.0 - s - t, s, t])
 }
 
-/// Mean distance of surface nodes to their third neighbour [m]; 0 for fewer than two.
-pub(crate) fn spacing(nodes: &[Point]) -> f64 {
-    let count = 4.min(nodes.len());
+/// Mean distance of points to their third neighbour [m]; 0 for fewer than two.
+pub(crate) fn spacing(points: &[Point]) -> f64 {
+    let count = 4.min(points.len());
     let (Ok(tree), Ok(count)) =
-        (ImmutableKdTree::<f32, 3>::new_from_slice(nodes), std::num::NonZero::try_from(count))
+        (ImmutableKdTree::<f32, 3>::new_from_slice(points), std::num::NonZero::try_from(count))
     else {
         return 0.0;
     };
@@ -128,7 +136,7 @@ pub(crate) fn spacing(nodes: &[Point]) -> f64 {
         let found = tree.query(p).nearest_n::<SquaredEuclidean<f32>>(count).execute();
         found.iter().map(|n| f64::from(n.distance)).fold(0.0, f64::max).sqrt()
     };
-    nodes.iter().map(reach).sum::<f64>() / nodes.len() as f64
+    points.iter().map(reach).sum::<f64>() / points.len() as f64
 }
 
 #[cfg(test)]

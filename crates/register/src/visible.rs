@@ -1,38 +1,39 @@
-//! Surface nodes that cameras could have seen: those that no nearer part of the surface hides.
+//! Points of a skin that cameras could have seen: those that no nearer part of the surface hides.
 
+use bendtwin_core::geometry::point;
 use nalgebra::Vector3;
 
-/// Nodes that are looked at, at most; of more, evenly chosen ones.
+use crate::{rigid::thinned, surface::spacing};
+
+/// Points that are looked at, at most; of more, evenly chosen ones stand for the whole.
 const MOST: usize = 2000;
-/// A node hides what is this near to the ray through it, in spacings, and at least a spacing
+/// A point hides what is this near to the ray through it, in spacings, and at least a spacing
 /// farther.
 const WIDTH: f64 = 0.6;
 
-/// Indices of surface nodes that some camera could see; all of them without cameras. Of large
-/// surfaces a part stands for the whole.
-pub(crate) fn visible(
-    nodes: &[Vector3<f64>],
-    cameras: &[Vector3<f64>],
-    spacing_m: f64,
-) -> Vec<usize> {
-    let stride = nodes.len().div_ceil(MOST).max(1);
-    let hidden = |i: usize, camera: &Vector3<f64>| {
-        let ray = nodes[i] - camera;
+/// The points of a skin that some camera could see [m]; all of them without cameras.
+pub(crate) fn visible(skin: &[Vector3<f64>], cameras: &[Vector3<f64>]) -> Vec<Vector3<f64>> {
+    let points = thinned(skin, MOST);
+    if cameras.is_empty() {
+        return points;
+    }
+    let spacing_m = spacing(&points.iter().map(|p| point(*p)).collect::<Vec<_>>());
+    let hidden = |p: &Vector3<f64>, camera: &Vector3<f64>| {
+        let ray = p - camera;
         let far = ray.norm();
         if far <= 0.0 {
             return false;
         }
         let direction = ray / far;
-        nodes.iter().any(|node| {
-            let to = node - camera;
+        points.iter().any(|other| {
+            let to = other - camera;
             let along = to.dot(&direction);
             along > 0.0
                 && along < far - spacing_m
                 && (to - direction * along).norm() < WIDTH * spacing_m
         })
     };
-    let seen = |i: &usize| cameras.is_empty() || cameras.iter().any(|c| !hidden(*i, c));
-    (0..nodes.len()).step_by(stride).filter(seen).collect()
+    points.iter().filter(|p| cameras.iter().any(|c| !hidden(p, c))).copied().collect()
 }
 
 #[cfg(test)]

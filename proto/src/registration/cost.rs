@@ -12,6 +12,8 @@ const POINT: u64 = 640;
 /// A node or control point of the shape: positions, rotations, the vectors of conjugate gradients, and
 /// a simulated state.
 const ENDPOINT: u64 = 1024;
+/// The part of the twin's skin that clouds are matched with.
+const SKIN: u64 = 4 << 20;
 /// A spring of the deformation.
 const SPRING: u64 = 64;
 /// Work for each spring, over all candidates and rounds, in element substeps.
@@ -54,6 +56,7 @@ pub fn memory_bytes(observation: Option<&Observation>, twin: &TwinShape) -> u64 
         .saturating_mul(points(observation))
         .saturating_add(ENDPOINT.saturating_mul(endpoints).saturating_mul(nodes))
         .saturating_add(SPRING.saturating_mul(twin.springs))
+        .saturating_add(SKIN)
 }
 
 /// Largest size of the reply to a registration [bytes].

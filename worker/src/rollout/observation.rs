@@ -1,12 +1,14 @@
 //! Observations and options of a checked request as `bendtwin-register` takes them, and what it
 //! finds as messages.
 
-use bendtwin_core::{Graph, Point};
+use bendtwin_core::{Graph, Point, Skin};
 use bendtwin_proto::{
     registration::{MAX_CAMERAS, MAX_POINTS},
     v1::{self, Tensor, observation::Places, observation::Tracks},
 };
-use bendtwin_register::{self as register, CorrectOptions, Explained, Observation, Residual, Skin};
+use bendtwin_register::{
+    self as register, CorrectOptions, Explained, Observation, Residual, bind_tracks,
+};
 
 use super::error::Error;
 
@@ -21,9 +23,9 @@ pub(super) fn read(wire: Option<v1::Observation>, graph: &Graph) -> Result<Obser
         None => None,
         Some(Tracks::Nodes(nodes)) => {
             let (_, nodes) = nodes.unpack::<u32>("observation.nodes")?;
-            Some(Skin::nodes(&nodes))
+            Some(Skin::at_nodes(&nodes))
         }
-        Some(Tracks::Places(places)) => Some(skin(places, graph)?),
+        Some(Tracks::Places(places)) => Some(tracks(places, graph)?),
     };
     let weights = match wire.weights.filter(|t| !t.is_absent()) {
         None => Vec::new(),
@@ -39,11 +41,11 @@ pub(super) fn read(wire: Option<v1::Observation>, graph: &Graph) -> Result<Obser
 }
 
 /// Places between nodes, bound where the message says or at rest.
-fn skin(places: Places, graph: &Graph) -> Result<Skin, Error> {
+fn tracks(places: Places, graph: &Graph) -> Result<Skin, Error> {
     let at = points(places.points, "observation.places.points")?;
     let nodes = points(places.node_positions, "observation.places.node_positions")?;
     let nodes = if nodes.is_empty() { &graph.rest_positions } else { &nodes };
-    Skin::bind(nodes, &at)
+    bind_tracks(graph, nodes, &at)
         .ok_or_else(|| Error::field("observation.places", "cannot be bound: the twin has no nodes"))
 }
 

@@ -175,9 +175,8 @@ impl DemoRun {
         for line in format_table(&quality, TableStyle::Plain).lines() {
             self.print(&format!("  {line}"));
         }
-        if let Some(sentence) = quality::summary(&quality) {
-            self.print(&format!("  {sentence}"));
-        }
+        let assessment = quality::of_twin(&pair.bending, &quality);
+        self.print(&format!("  {assessment}"));
         self.report.insert("quality".to_owned(), serde_json::to_value(&quality)?);
         Ok(())
     }

@@ -3,7 +3,7 @@
 use bendtwin_client::CaptureId;
 use clap::Args;
 
-use super::{ended_well, shown, watch};
+use super::{ended_well, print_ended, watch};
 use crate::{global::Global, output, settings::SettingsArgs};
 
 #[derive(Debug, Args)]
@@ -37,6 +37,6 @@ pub(super) async fn run(args: Start, global: &Global) -> anyhow::Result<()> {
         });
     }
     let fit = watch(&client, fit.name, global.json).await?;
-    output::print(global, &fit, || shown(&fit))?;
+    print_ended(&client, &fit, global).await?;
     ended_well(&fit)
 }

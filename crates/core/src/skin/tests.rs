@@ -84,8 +84,26 @@ fn nodes_are_a_skin_of_their_own() {
 }
 
 #[test]
+fn chosen_points_stay_what_they_were() {
+    let (mut skin, nodes) = one_point();
+    skin.push(9, &[(2, 1.0)], [Skin::NO_FRAME; 3], [0.0, 0.0, 0.25]);
+    let at = |i: u32| nodes[i as usize];
+    let chosen = skin.select(&[1, 7, 0, 1]);
+    assert_eq!(chosen.check(4), Ok(()));
+    assert_eq!(chosen.observed_points, [9, 3, 9]);
+    for (own, of) in [1, 0, 1].into_iter().enumerate() {
+        assert_eq!(chosen.position(own, at), skin.position(of, at));
+    }
+    assert!(skin.select(&[]).is_empty());
+    let at_nodes = Skin::at_nodes(&[3, 1]);
+    assert_eq!(at_nodes.check(4), Ok(()));
+    assert_eq!([0, 1].map(|p| at_nodes.position(p, at)), [nodes[3], nodes[1]]);
+}
+
+#[test]
 fn contradictions_are_named() {
-    let faults: [(&str, fn(&mut Skin)); 8] = [
+    type Fault = (&'static str, fn(&mut Skin));
+    let faults: [Fault; 8] = [
         ("carried by node 9", |s| s.nodes[1] = 9),
         ("sum up to", |s| s.weights[0] = 2.0),
         ("sum up to", |s| s.weights[0] = f32::NAN),

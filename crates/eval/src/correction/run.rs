@@ -2,13 +2,13 @@
 
 use std::sync::Arc;
 
-use bendtwin_core::{CancelToken, Capture, Point, Sequence, quality::ErrorSummary};
+use bendtwin_core::{CancelToken, Capture, Point, Sequence, Skin, quality::ErrorSummary};
 use bendtwin_engine::{
     Backend, Loaded, Objective,
     backend::{Instance, Outputs},
     model::State,
 };
-use bendtwin_register::{Observation, Skin};
+use bendtwin_register::{Observation, bind_tracks};
 
 use super::CorrectionPlan;
 use crate::{
@@ -26,8 +26,8 @@ pub(super) struct Run<'a> {
     fps: f64,
     pub(super) frame: usize,
     /// Observed points that have a place on the twin, and their places.
-    places: Vec<usize>,
-    skin: Skin,
+    observed: Vec<usize>,
+    places: Skin,
     /// Clean tracks with places, and their places; observed points where there are none.
     tracks: Vec<usize>,
     truth: Skin,
@@ -56,16 +56,16 @@ impl<'a> Run<'a> {
         let bind = |points: &[Point], known: &dyn Fn(usize) -> bool| {
             let chosen: Vec<usize> = (0..points.len()).filter(|&p| known(p)).collect();
             let at: Vec<Point> = chosen.iter().map(|&p| points[p]).collect();
-            let skin = Skin::bind(&start.positions, &at);
-            skin.map(|skin| (chosen, skin)).ok_or_else(|| {
+            let bound = bind_tracks(graph, &start.positions, &at);
+            bound.map(|bound| (chosen, bound)).ok_or_else(|| {
                 Error::Mismatch("the points of its start frame have no place on it".into())
             })
         };
         let (points, visible) = (sequence.points_at(first), sequence.visible_at(first));
-        let (places, skin) = bind(points, &|p| visible[p] && is_finite(&points[p]))?;
+        let (observed, places) = bind(points, &|p| visible[p] && is_finite(&points[p]))?;
         let clean = sequence.truth_at(first);
         let (tracks, truth) = match clean.is_empty() {
-            true => (places.clone(), skin.clone()),
+            true => (observed.clone(), places.clone()),
             false => bind(clean, &|p| is_finite(&clean[p]))?,
         };
         let surface = &loaded.model().skin;
@@ -84,8 +84,8 @@ impl<'a> Run<'a> {
             sequence,
             fps,
             frame,
+            observed,
             places,
-            skin,
             tracks,
             truth,
             reference,
@@ -108,22 +108,22 @@ impl<'a> Run<'a> {
         let (points, visible) = (self.sequence.points_at(frame), self.sequence.visible_at(frame));
         let seen = |p: usize| visible[p] && is_finite(&points[p]);
         let mut chosen: Vec<usize> =
-            (0..self.places.len()).filter(|&i| seen(self.places[i])).collect();
+            (0..self.observed.len()).filter(|&i| seen(self.observed[i])).collect();
         // A fixed order without structure, of which smaller shares are parts of larger ones.
-        chosen.sort_by_key(|&i| (mixed(self.places[i] as u64), i));
+        chosen.sort_by_key(|&i| (mixed(self.observed[i] as u64), i));
         chosen.truncate(((share * chosen.len() as f64).round() as usize).max(1));
-        let skin = self.skin.select(&chosen);
-        let now: Vec<Point> = chosen.iter().map(|&i| points[self.places[i]]).collect();
+        let places = self.places.select(&chosen);
+        let now: Vec<Point> = chosen.iter().map(|&i| points[self.observed[i]]).collect();
         let back = frame.saturating_sub(plan.velocity_frames);
         let mut observation = Observation { points: now, ..Observation::default() };
         let row = back.checked_sub(self.sequence.start_frame()).filter(|_| back < frame);
         if let Some(then) = row.and_then(|row| before.get(row)) {
             let (points, visible) = (self.sequence.points_at(back), self.sequence.visible_at(back));
-            let (was, is) = (skin.positions(then)?, skin.positions(&state.positions)?);
-            let moving = skin.positions(&moved(state, self.fps))?;
+            let (was, is) = (places.positions(then), places.positions(&state.positions));
+            let moving = places.positions(&moved(state, self.fps));
             let rate = (self.fps / (frame - back) as f64) as f32;
             for (k, &i) in chosen.iter().enumerate() {
-                let p = self.places[i];
+                let p = self.observed[i];
                 let now = observation.points[k];
                 let known = visible[p] && is_finite(&points[p]);
                 // The velocity at the end, from the difference over some frames: what the prediction
@@ -135,17 +135,13 @@ impl<'a> Run<'a> {
                 }));
             }
         }
-        observation.tracks = Some(skin);
+        observation.tracks = Some(places);
         Ok(observation)
     }
 
     /// Errors of node positions in the frames after the correction. With `held`, tracks are
     /// corrected by their error in that frame.
-    pub(super) fn errors(
-        &self,
-        predicted: &[Vec<Point>],
-        held: bool,
-    ) -> Result<Vec<ErrorSummary>, Error> {
+    pub(super) fn errors(&self, predicted: &[Vec<Point>], held: bool) -> Vec<ErrorSummary> {
         let observed = |frame: usize| match self.sequence.truth_count() {
             0 => (self.sequence.points_at(frame), self.sequence.visible_at(frame)),
             _ => (self.sequence.truth_at(frame), [].as_slice()),
@@ -156,11 +152,11 @@ impl<'a> Run<'a> {
             let seen = is_finite(&points[p]) && visible.get(p).is_none_or(|v| *v);
             seen.then(|| std::array::from_fn(|a| points[p][a] - at[k][a]))
         };
-        let now = self.truth.positions(&self.state.positions)?;
+        let now = self.truth.positions(&self.state.positions);
         let mut errors = Vec::with_capacity(predicted.len());
         for (row, nodes) in predicted.iter().enumerate() {
             let frame = self.frame + 1 + row;
-            let at = self.truth.positions(nodes)?;
+            let at = self.truth.positions(nodes);
             let (mut sum, mut count) = (0.0, 0_usize);
             for k in 0..self.tracks.len() {
                 let Some(error) = offset(k, &at, frame) else { continue };
@@ -179,7 +175,7 @@ impl<'a> Run<'a> {
             summary.track_m = (count > 0).then(|| sum / count as f64);
             errors.push(summary);
         }
-        Ok(errors)
+        errors
     }
 }
 

@@ -1,3 +1,5 @@
+use bendtwin_core::quality::NodeErrors;
+
 use super::*;
 
 fn quality() -> Quality {
@@ -41,6 +43,21 @@ fn markdown_is_a_table() {
 > the rope is short
 ";
     assert_eq!(format_table(&quality(), TableStyle::Markdown), expected);
+}
+
+#[test]
+fn errors_at_nodes_have_columns_of_their_own() {
+    let mut quality = quality();
+    quality.warnings.clear();
+    let future =
+        ErrorSummary { chamfer_l1_m: Some(0.012), track_m: Some(0.009), ..ErrorSummary::default() };
+    quality.scores[0].at_nodes = Some(NodeErrors { future, ..NodeErrors::default() });
+    let expected = "\
+mm              CD train  CD future  CD at nodes future  track at nodes future
+twin (bending)      5.12       6.10               12.00                   9.00
+last residual          -     150.00                   -                      -
+";
+    assert_eq!(format_table(&quality, TableStyle::Plain), expected);
 }
 
 #[test]

@@ -158,3 +158,22 @@ fn points_at_nodes_are_these_nodes() {
     let (graph, skin) = bound(nodes.clone(), nodes);
     assert!(skin.is_nodes(&graph));
 }
+
+#[test]
+fn nodes_in_one_place_carry_a_point_beside_them() {
+    let nodes = vec![[1.0; 3]; 40];
+    let (_, skin) = bound(nodes.clone(), vec![[1.0, 1.0, 1.5]]);
+    is_at(&skin, &nodes, &[[1.0, 1.0, 1.5]]);
+    is_at(&skin, &[[2.0; 3]; 40], &[[2.0, 2.0, 2.5]]);
+}
+
+#[test]
+fn points_are_bound_where_the_nodes_are() {
+    let graph = graph(grid([6, 3, 3]), 0.04);
+    let bent: Vec<Point> =
+        graph.rest_positions.iter().map(|p| [p[0], p[1], p[2] + 3.0 * p[0] * p[0]]).collect();
+    let points = vec![[0.05, 0.02, 0.02], [0.09, 0.01, 0.06]];
+    let bound = bind_points(&graph, &bent, &surface(points.clone()));
+    is_at(&bound, &bent, &points);
+    assert_ne!(bound, bind_skin(&graph, &surface(points)));
+}

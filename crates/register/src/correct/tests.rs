@@ -1,8 +1,8 @@
-use bendtwin_core::geometry::point_distance;
+use bendtwin_core::{Skin, geometry::point_distance};
 use bendtwin_engine::Backend;
 
 use super::*;
-use crate::{MAX_CAMERAS, Skin, scene};
+use crate::{MAX_CAMERAS, scene};
 
 /// A state that went astray: the truth, pushed by a smooth field of up to 2 cm, and its velocities
 /// likewise.
@@ -21,7 +21,7 @@ fn observe(truth: &State, nodes: &[u32], noise_m: f32) -> Observation {
     let at: Vec<Point> = nodes.iter().map(|n| truth.positions[*n as usize]).collect();
     Observation {
         points: scene::noisy(&at, noise_m, 3),
-        tracks: Some(Skin::nodes(nodes)),
+        tracks: Some(Skin::at_nodes(nodes)),
         ..Observation::default()
     }
 }
@@ -98,6 +98,35 @@ fn a_cloud_without_tracks_pulls_the_surface_to_it() {
     assert!(corrected.after.mean_mm < corrected.before.mean_mm);
 }
 
+/// Median distances that a correction leaves of a cloud of the bent skin of a coarse bar [mm], and
+/// the mean distance of the nodes from where they are, by the skin that the cloud is matched with.
+fn left_of_a_bent_bar(skin: Option<Skin>) -> (f64, f64) {
+    let mut model = scene::coarse();
+    let bent = |p: &Point| [p[0], p[1], p[2] + 0.5 * p[0] * p[0]];
+    let truth: Vec<Point> = model.graph.rest_positions.iter().map(bent).collect();
+    let points = scene::noisy(&model.skin.positions(&truth), 0.0005, 7);
+    if let Some(skin) = skin {
+        model.skin = skin.into();
+    }
+    let observation = Observation { points, ..Observation::default() };
+    let options = CorrectOptions { max_residual_m: Some(1.0), ..OPTIONS };
+    let state = State::rest(&model.graph);
+    let corrected =
+        correct(&model, &state, &[], &observation, &options, &CancelToken::default()).unwrap();
+    let (off, _) = scene::apart(&corrected.state.positions, &truth);
+    (corrected.after.median_mm, 1e3 * off)
+}
+
+#[test]
+fn a_cloud_is_matched_with_the_skin_of_a_coarse_twin() {
+    let at_nodes = Skin::of_nodes(&scene::coarse().graph);
+    let (skin_mm, skin_off_mm) = left_of_a_bent_bar(None);
+    let (nodes_mm, nodes_off_mm) = left_of_a_bent_bar(Some(at_nodes));
+    // Nodes are 40 mm apart.
+    assert!(skin_mm < 2.0 && skin_mm < 0.3 * nodes_mm, "{skin_mm} {nodes_mm}");
+    assert!(skin_off_mm < 0.7 * nodes_off_mm, "{skin_off_mm} {nodes_off_mm}");
+}
+
 #[test]
 fn points_that_went_astray_count_little() {
     let backend = bendtwin_engine::cpu();
@@ -166,8 +195,8 @@ fn absurd_input_is_refused_in_words() {
     refused(&|o| o.weights = vec![0.0, 0.0]);
     refused(&|o| o.velocities = vec![[f32::INFINITY; 3]; 2]);
     refused(&|o| o.cameras = vec![[0.0; 3]; MAX_CAMERAS + 1]);
-    refused(&|o| o.tracks = Some(Skin::nodes(&[0, 1_000_000])));
-    refused(&|o| o.tracks = Some(Skin::nodes(&[])));
+    refused(&|o| o.tracks = Some(Skin::at_nodes(&[0, 1_000_000])));
+    refused(&|o| o.tracks = Some(Skin::at_nodes(&[])));
     refused(&|o| o.points = vec![[0.0; 3]; crate::MAX_POINTS + 1]);
     let short = State { velocities: Vec::new(), ..state.clone() };
     assert!(matches!(run(&short, &controls, &good, &OPTIONS), Err(Error::Invalid(_))));

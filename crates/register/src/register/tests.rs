@@ -1,4 +1,5 @@
-use bendtwin_core::geometry::point_distance;
+use bendtwin_core::{Skin, geometry::point_distance};
+use bendtwin_engine::Model;
 
 use super::*;
 use crate::scene;
@@ -44,6 +45,51 @@ fn a_cloud_with_noise_gaps_and_strangers_becomes_a_state() {
     assert!(mean < 0.015, "{mean}");
 }
 
+/// A coarse bar that is bent and carried elsewhere, registered to a cloud of its own skin; the
+/// state's nodes and where they should be.
+fn bent_bar(skin: Option<Skin>) -> (Registered, Vec<Point>) {
+    let mut model = scene::coarse();
+    let bent = |p: &Point| [p[0], p[1], p[2] + 0.8 * p[0] * p[0]];
+    let truth: Vec<Point> = model.graph.rest_positions.iter().map(bent).collect();
+    let truth = carried(&truth, 0.7);
+    let points = scene::noisy(&model.skin.positions(&truth), 0.0005, 7);
+    if let Some(skin) = skin {
+        model.skin = skin.into();
+    }
+    let observation = Observation { points, ..Observation::default() };
+    let options =
+        RegisterOptions { max_residual_m: Some(1.0), settle_frames: 0, ..Default::default() };
+    let backend = bendtwin_engine::cpu();
+    let loaded = backend.load(model.into()).unwrap();
+    let cancel = CancelToken::default();
+    (register(&*backend, &loaded, &observation, &options, &cancel).unwrap(), truth)
+}
+
+#[test]
+fn a_coarse_twin_is_registered_by_its_skin() {
+    let (by_skin, truth) = bent_bar(None);
+    let (by_nodes, _) = bent_bar(Some(Skin::of_nodes(&scene::coarse().graph)));
+    let [skin_mm, nodes_mm] = [&by_skin, &by_nodes].map(|r| r.residual.median_mm);
+    // Nodes are 40 mm apart.
+    assert!(skin_mm < 2.0 && skin_mm < 0.3 * nodes_mm, "{skin_mm} {nodes_mm}");
+    let (off, _) = scene::apart(&by_skin.state.positions, &truth);
+    assert!(off < 0.01, "{off}");
+    assert!(by_skin.explained.points > 0.99, "{:?}", by_skin.explained);
+    assert!(by_skin.explained.surface > 0.99, "{:?}", by_skin.explained);
+}
+
+#[test]
+fn a_cloud_of_a_twin_without_skin_is_refused() {
+    let model = Model { skin: Arc::default(), ..scene::coarse() };
+    let points = model.graph.rest_positions.clone();
+    let backend = bendtwin_engine::cpu();
+    let loaded = backend.load(model.into()).unwrap();
+    let observation = Observation { points, ..Observation::default() };
+    let options = RegisterOptions::default();
+    let refused = register(&*backend, &loaded, &observation, &options, &CancelToken::default());
+    assert!(matches!(refused, Err(Error::Invalid(_))), "{refused:?}");
+}
+
 #[test]
 fn tracks_and_known_controls_give_the_state_within_millimetres() {
     let (nodes, controls) = truth(-2.5);
@@ -51,7 +97,7 @@ fn tracks_and_known_controls_give_the_state_within_millimetres() {
     let at: Vec<Point> = chosen.iter().map(|n| nodes[*n as usize]).collect();
     let observation = Observation {
         points: scene::noisy(&at, 0.001, 9),
-        tracks: Some(Skin::nodes(&chosen)),
+        tracks: Some(Skin::at_nodes(&chosen)),
         ..Observation::default()
     };
     let options = RegisterOptions { controls: controls.clone(), ..RegisterOptions::default() };
@@ -93,7 +139,7 @@ fn degenerate_points_panic_nowhere() {
     }
     let one = Observation {
         points: vec![[0.5, 0.5, 0.5]],
-        tracks: Some(Skin::nodes(&[3])),
+        tracks: Some(Skin::at_nodes(&[3])),
         ..Observation::default()
     };
     let any =

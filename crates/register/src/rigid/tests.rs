@@ -12,7 +12,7 @@ fn recovered(turn: Rotation3<f64>) -> f64 {
     // A twelfth of them is of something else.
     points.iter_mut().step_by(12).for_each(|p| p[2] += 0.3);
     let target =
-        Target { surface: &surface, nodes: &nodes, points: &points, known: &[], up: Vector3::z() };
+        Target { surface: &surface, skin: &nodes, points: &points, known: &[], up: Vector3::z() };
     let best = target.motions(&CancelToken::default()).unwrap()[0];
     let moved: Vec<Point> = rest.iter().map(|p| best.apply(*p)).collect();
     scene::apart(&moved, &image).0

@@ -1,0 +1,220 @@
+//! The quality table in words: whether predictions of a twin are to be trusted, why, and what to do
+//! next. The rule is stated in docs/accuracy.md.
+
+use std::fmt;
+
+use bendtwin_core::{
+    Point, Quality,
+    quality::{ErrorSummary, Predictor},
+};
+use bendtwin_graph::mean_spacing;
+
+/// Largest error of a good twin, and of a fair one, by the object's size.
+const OF_SIZE: [f64; 2] = [0.03, 0.1];
+/// The same by the error of standing still.
+const OF_STANDING_STILL: [f64; 2] = [0.2, 0.5];
+
+/// Lengths that errors of a twin are compared with.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Scale {
+    /// Mean distance of a node to its sixth neighbour [m].
+    pub spacing_m: f64,
+    /// Diagonal of the box around the nodes at rest [m].
+    pub size_m: f64,
+}
+
+/// The degree to which predictions are to be trusted.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Level {
+    /// It predicts the motion closely.
+    Good,
+    /// It predicts the motion, with an error that planning has to allow for.
+    Fair,
+    /// It does not predict the motion.
+    Poor,
+    /// No frames are left to judge it by.
+    Unknown,
+}
+
+/// A twin's quality table in words.
+#[derive(Clone, Debug, PartialEq, Eq, serde::Serialize)]
+pub struct Assessment {
+    /// The whole in a word.
+    pub level: Level,
+    /// The reason, as a sentence.
+    pub why: String,
+    /// Advice, as a sentence.
+    pub next: String,
+}
+
+/// A comparison of the twin's error.
+struct Comparison {
+    level: Level,
+    /// As it follows "off by 3.1 mm: ".
+    text: String,
+    /// Advice if it is the worst.
+    next: &'static str,
+}
+
+impl Scale {
+    /// Of the nodes of a twin at rest [m], shape [N, 3].
+    pub fn of_nodes(nodes: &[Point]) -> Self {
+        let side = |axis: usize| {
+            let along = || nodes.iter().map(|p| f64::from(p[axis]));
+            along().fold(f64::NEG_INFINITY, f64::max) - along().fold(f64::INFINITY, f64::min)
+        };
+        let size_m = (0..3).map(|axis| side(axis).powi(2)).sum::<f64>().sqrt();
+        let size_m = if nodes.is_empty() { 0.0 } else { size_m };
+        Self { spacing_m: mean_spacing(nodes), size_m }
+    }
+}
+
+/// Puts a quality table in words. Of the comparisons with the object's size, the distance of the
+/// nodes, standing still and the last residual the worst decides; those without data are left out.
+pub fn assess(quality: &Quality, scale: Scale) -> Assessment {
+    let measured = quality.scores.first().and_then(|own| Some((own, headline(&own.future)?)));
+    let Some((own, (measure, error_m))) = measured else { return unknown(quality) };
+    let beside = |p: Predictor| {
+        let score = quality.score(p).filter(|_| p != own.predictor)?;
+        measure(&score.future).filter(|m| *m > 0.0)
+    };
+    let comparisons: Vec<Comparison> = [
+        beside(Predictor::StandingStill).map(|m| beside_standing_still(error_m, m)),
+        (scale.size_m > 0.0).then(|| of_size(error_m, scale)),
+        (scale.spacing_m > 0.0).then(|| of_spacing(error_m, scale.spacing_m)),
+        beside(Predictor::LastResidual).map(|m| beside_last_residual(error_m, m)),
+    ]
+    .into_iter()
+    .flatten()
+    .collect();
+    let mut texts: Vec<String> = comparisons.iter().map(|c| c.text.clone()).collect();
+    texts.extend(beside(Predictor::Axial).map(|axial_m| {
+        let ratio = axial_m / error_m.max(LEAST_M);
+        format!("{} times nearer than without bending", times(ratio))
+    }));
+    let off = format!("On frames that it never saw the twin is off by {:.1} mm", 1e3 * error_m);
+    let why = match texts.is_empty() {
+        true => format!("{off}."),
+        false => format!("{off}: {}.", texts.join(", ")),
+    };
+    let of = |level: Level| comparisons.iter().find(|c| c.level == level);
+    match (comparisons.is_empty(), of(Level::Poor).or_else(|| of(Level::Fair))) {
+        (true, _) => Assessment { level: Level::Unknown, why, next: NOTHING_BESIDE.into() },
+        (_, Some(worst)) => Assessment { level: worst.level, why, next: worst.next.into() },
+        (_, None) => Assessment { level: Level::Good, why, next: USE_IT.into() },
+    }
+}
+
+/// Errors below this have no ratio [m].
+const LEAST_M: f64 = 1e-6;
+
+const USE_IT: &str = "Use it for rollouts and plans of motions like those of its capture.";
+const NOTHING_BESIDE: &str = "There is nothing to compare that with: score the twin with `bendtwin eval CAPTURE --twin FILE`.";
+const DOES_NOT_FOLLOW: &str = "Do not plan with it: where the object hardly moves in these frames record a larger motion; else look for \
+     what the recording lacks in `bendtwin capture report`, and fit again with `search.starts` of 3 or more.";
+const FOLLOWS_ROUGHLY: &str = "Plan over short times with it, and fit again with `search.starts` of 3 or more or with sequences of \
+     more motions.";
+const FINER: &str = "Allow for that error in plans; a larger `graph.max_nodes` and `search.starts` of 3 or more can lower it.";
+const NOT_FINER: &str = "Allow for that error in plans; it is one of motion, not of the graph: `search.starts` of 3 or more or \
+     sequences of more motions can lower it, more nodes hardly.";
+const LASTS: &str = "Its error lasts: correct its states by what cameras see while it runs (docs/accuracy.md, predictions \
+     from corrected states).";
+
+fn beside_standing_still(error_m: f64, still_m: f64) -> Comparison {
+    let level = level(error_m / still_m, OF_STANDING_STILL);
+    let text = match error_m < still_m {
+        true => {
+            format!("{} times nearer than standing still", times(still_m / error_m.max(LEAST_M)))
+        }
+        false => format!("no nearer than standing still ({:.1} mm)", 1e3 * still_m),
+    };
+    let next = if level == Level::Poor { DOES_NOT_FOLLOW } else { FOLLOWS_ROUGHLY };
+    Comparison { level, text, next }
+}
+
+fn of_size(error_m: f64, scale: Scale) -> Comparison {
+    let share = error_m / scale.size_m;
+    let level = level(share, OF_SIZE);
+    let text =
+        format!("{:.1} % of the object's size ({:.0} mm)", 100.0 * share, 1e3 * scale.size_m);
+    let next = match level {
+        Level::Poor => DOES_NOT_FOLLOW,
+        _ if error_m <= scale.spacing_m => FINER,
+        _ => NOT_FINER,
+    };
+    Comparison { level, text, next }
+}
+
+fn of_spacing(error_m: f64, spacing_m: f64) -> Comparison {
+    let less = error_m <= spacing_m;
+    let level = if less { Level::Good } else { Level::Fair };
+    let than = if less { "less" } else { "more" };
+    let text = format!("{than} than the {:.1} mm between its nodes", 1e3 * spacing_m);
+    Comparison { level, text, next: NOT_FINER }
+}
+
+fn beside_last_residual(error_m: f64, residual_m: f64) -> Comparison {
+    let nearer = error_m <= residual_m;
+    let level = if nearer { Level::Good } else { Level::Fair };
+    let by = if nearer { "nearer" } else { "farther" };
+    let text = format!("{by} than with its last training error added ({:.1} mm)", 1e3 * residual_m);
+    Comparison { level, text, next: LASTS }
+}
+
+fn unknown(quality: &Quality) -> Assessment {
+    let train = quality.scores.first().and_then(|own| headline(&own.train));
+    let why = match train {
+        Some((_, error_m)) => format!(
+            "No frame was left that the fit did not see; on those that it saw the twin is off by {:.1} mm, \
+             which says little of others.",
+            1e3 * error_m
+        ),
+        None => "The twin was not scored.".to_owned(),
+    };
+    let next = "Keep frames at the end, or a whole sequence, out of training and fit again, or score the \
+                twin on another capture of the object with `bendtwin eval CAPTURE --twin FILE`.";
+    Assessment { level: Level::Unknown, why, next: next.into() }
+}
+
+fn level(ratio: f64, [good, fair]: [f64; 2]) -> Level {
+    match ratio {
+        r if r <= good => Level::Good,
+        r if r <= fair => Level::Fair,
+        // NaN too.
+        _ => Level::Poor,
+    }
+}
+
+fn times(ratio: f64) -> String {
+    if ratio < 10.0 { format!("{ratio:.2}") } else { format!("{ratio:.0}") }
+}
+
+type Measure = fn(&ErrorSummary) -> Option<f64>;
+
+/// The measure that a table is judged by, and its value: tracks, if there are tracks.
+fn headline(errors: &ErrorSummary) -> Option<(Measure, f64)> {
+    let measures: [Measure; 3] = [|e| e.track_m, |e| e.coordinate_m, |e| e.chamfer_l1_m];
+    measures.into_iter().find_map(|measure| Some((measure, measure(errors)?)))
+}
+
+impl Level {
+    /// The word.
+    pub fn as_str(self) -> &'static str {
+        match self {
+            Self::Good => "good",
+            Self::Fair => "fair",
+            Self::Poor => "poor",
+            Self::Unknown => "unknown",
+        }
+    }
+}
+
+impl fmt::Display for Assessment {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "To be trusted: {}. {} {}", self.level.as_str(), self.why, self.next)
+    }
+}
+
+#[cfg(test)]
+mod tests;
