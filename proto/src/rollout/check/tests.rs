@@ -25,6 +25,7 @@ const TWIN: TwinShape = TwinShape {
     springs: 4,
     triplets: 3,
     controls: 1,
+    skin_points: Some(9),
     rods: Some(0),
     substeps: 10,
     fast_substeps: None,
@@ -52,7 +53,9 @@ fn each_fault_is_refused_and_named() {
 #[test]
 fn what_needs_no_twin_is_refused_without_one() {
     // Only the twin, or the call, tells about these.
-    const NEEDS_TWIN: [&str; 18] = [
+    const NEEDS_TWIN: [&str; 20] = [
+        "a point that the skin does not have",
+        "a point to record that the skin does not have",
         "parts in time of one message",
         "no controls",
         "a control too many",
@@ -169,7 +172,10 @@ fn limits_hold_and_say_what_to_do() {
     let work = 2 * (2 * 10 * 12 + 20);
     beyond(&sound(), Limits { work: work - 1, ..all }, "shorter horizon");
     assert!(check_for(&sound(), &TWIN, &Limits { work, ..all }, 0).is_ok());
-    let cloud = Kind::TargetCloud(TargetCloud { points: Some(Tensor::pack(&[9, 3], &[0f32; 27])) });
+    let cloud = Kind::TargetCloud(TargetCloud {
+        points: Some(Tensor::pack(&[9, 3], &[0f32; 27])),
+        point_set: 0,
+    });
     let everywhere = Cost { when: When::EveryFrame.into(), kind: Some(cloud), ..Cost::default() };
     let request = RollOutRequest { costs: vec![everywhere], ..sound() };
     beyond(&request, Limits { targets: 2 * (9 + 16) - 1, ..all }, "thin the targets out");
@@ -185,7 +191,7 @@ fn targets_may_differ_by_frame_and_instance() {
     let limits = Limits::default();
     let with = |shape: &[usize], when: When, temperature: f64| {
         let points = Some(Tensor::pack(shape, &vec![0.0f32; shape.iter().product()]));
-        let kind = Some(Kind::TargetCloud(TargetCloud { points }));
+        let kind = Some(Kind::TargetCloud(TargetCloud { points, point_set: 0 }));
         let cost = Cost { when: when.into(), temperature, kind, ..Cost::default() };
         RollOutRequest { costs: vec![cost], ..sound() }
     };

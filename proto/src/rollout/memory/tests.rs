@@ -15,6 +15,7 @@ const MANY_CONTROLS: TwinShape = TwinShape {
     springs: 1,
     triplets: 0,
     controls: 10_000,
+    skin_points: Some(0),
     rods: Some(0),
     substeps: 1,
     fast_substeps: None,
