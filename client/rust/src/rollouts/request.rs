@@ -5,8 +5,8 @@ use bendtwin_core::{
     ids::{CaptureId, SessionId, TwinId},
 };
 use bendtwin_proto::v1::{
-    self, ControlTrajectories, InitialState, Interpolation, KnotTimes, PointSet, Returns, RollOutRequest,
-    Tensor,
+    self, ControlTrajectories, InitialState, Interpolation, KnotTimes, PointSet, Returns,
+    RollOutRequest, Tensor,
     initial_state::{CaptureFrame, GivenState, SessionSlots, Settled, State as Initial},
     knot_times::Times,
     returns::Encoding,
