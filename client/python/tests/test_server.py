@@ -25,6 +25,7 @@ from bendtwin import (
     Returns,
     Settled,
     Smoothness,
+    TargetCloud,
     aio,
     interpolate,
 )

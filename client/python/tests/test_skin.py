@@ -48,7 +48,7 @@ def test_a_frame_that_collapsed_has_no_offset():
 def test_other_nodes_are_refused():
     with pytest.raises(ValueError, match="node 3 carries the skin"):
         skin().positions(NODES[:3])
-    with pytest.raises(ValueError, match="not \\[..., N, 3\\]"):
+    with pytest.raises(ValueError, match=r"not \[\.\.\., N, 3\]"):
         skin().positions(NODES[:, :2])
 
 

@@ -5,12 +5,12 @@ use super::*;
 use crate::{
     rollout::cases,
     v1::{
-        ControlTrajectories, Cost, Cuboid, Ensemble, GripperPoses, InitialState, Plane, Returns,
-        Tensor, Vary,
+        ControlTrajectories, Cost, Cuboid, Ensemble, GripperPoses, InitialState, Plane, PointSet,
+        Returns, Tensor, Vary,
         collider::Carrier,
         cost::{
-            Clearance, ControlPath, ControlSpeed, Force, Height, Kind, Strain, TargetCloud, When,
-            Within,
+            Clearance, ControlPath, ControlSpeed, Force, Height, Keypoints, Kind, Strain,
+            TargetCloud, When, Within,
             force::{All, By},
         },
         initial_state::{GivenState, State},
@@ -290,4 +290,54 @@ proptest! {
             }
         }
     }
+}
+
+#[test]
+fn points_of_the_skin_are_counted_where_the_twin_tells() {
+    let list = |point: u32| Some(Tensor::pack(&[1], &[point]));
+    let returns = |point: u32| Returns {
+        every_frames: 1,
+        point_set: PointSet::Skin.into(),
+        skin_points: list(point),
+        ..Returns::default()
+    };
+    let keypoints = |point: u32| Keypoints {
+        skin_points: list(point),
+        targets: Some(Tensor::pack_points(&[1], &[[0.0; 3]])),
+        ..Keypoints::default()
+    };
+    let passes = |point: u32, twin: &TwinShape| {
+        let costs = vec![Cost { kind: Some(Kind::Keypoints(keypoints(point))), ..Cost::default() }];
+        let recording = RollOutRequest { returns: Some(returns(point)), ..sound() };
+        [recording, RollOutRequest { costs, ..sound() }]
+            .map(|request| check_for(&request, twin, &Limits::default(), 0).map(drop))
+    };
+    // More than there are nodes.
+    assert_eq!(passes(8, &TWIN), [Ok(()), Ok(())]);
+    for refused in passes(9, &TWIN) {
+        let text = refused.unwrap_err().to_string();
+        assert!(text.contains("names skin point 9, the twin has 9 (counted from 0)"), "{text}");
+    }
+    // A server that does not know leaves it to the worker.
+    assert_eq!(passes(9, &TwinShape { skin_points: None, ..TWIN }), [Ok(()), Ok(())]);
+}
+
+#[test]
+fn a_twin_without_surface_has_no_skin() {
+    let bare = TwinShape { skin_points: Some(0), ..TWIN };
+    let cloud = |point_set: PointSet| {
+        let points = Some(Tensor::pack_points(&[1], &[[0.0; 3]]));
+        let cloud = TargetCloud { points, point_set: point_set.into() };
+        let costs = vec![Cost { kind: Some(Kind::TargetCloud(cloud)), ..Cost::default() }];
+        RollOutRequest { costs, ..sound() }
+    };
+    let limits = Limits::default();
+    assert!(check_for(&cloud(PointSet::Nodes), &bare, &limits, 0).is_ok());
+    let refused = refused(&cloud(PointSet::Unspecified), &bare, &limits).to_string();
+    assert!(refused.contains("`costs[0].target_cloud.point_set`"), "{refused}");
+    let point_set = PointSet::Skin.into();
+    let returns = Some(Returns { every_frames: 1, point_set, ..Returns::default() });
+    let request = RollOutRequest { returns, ..sound() };
+    assert!(check_for(&request, &TWIN, &limits, 0).is_ok());
+    assert!(check_for(&request, &bare, &limits, 0).is_err());
 }
