@@ -14,6 +14,7 @@ mod implausible;
 mod limits;
 mod memory;
 mod parts;
+mod points;
 mod session;
 mod size;
 pub mod split;
@@ -35,6 +36,7 @@ pub use self::{
     limits::{ENVELOPE_BYTES, Limits},
     memory::{Memory, memory, request_bytes},
     parts::{STREAMED_PART, part_frames, part_instances},
+    points::{measured, recorded},
     session::{MOST_SLOTS, check_session, slots, states_bytes},
     size::reply_bytes,
     surroundings::models_bytes,

@@ -15,6 +15,7 @@ mod observation;
 mod plan;
 mod plausible;
 mod quaternion;
+mod recorded;
 mod register;
 mod replay;
 mod reply;

@@ -50,9 +50,12 @@ pub(crate) struct Rollout {
     /// Record the positions of every k-th frame
     #[arg(long, value_name = "K", default_value_t = 1)]
     every: u32,
-    /// Write the recorded positions to this file: .npy of shape [R, frames, nodes, 3]
+    /// Write the recorded positions to this file: .npy of shape [R, frames, points, 3]
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
+    /// Record the points of the skin instead of the nodes
+    #[arg(long, requires = "out")]
+    skin: bool,
     /// Use the twin as fitted (exact) or its fast variant (fast); the fast one also reports its
     /// deviation
     #[arg(long, value_enum, default_value_t = Mode::Exact)]
@@ -114,6 +117,9 @@ pub(crate) async fn run(args: Rollout, global: &Global) -> anyhow::Result<()> {
     }
     if args.out.is_some() {
         request = request.record_every(args.every.max(1));
+        if args.skin {
+            request = request.record_skin();
+        }
     }
     if let Some(best) = args.best {
         request = request.best(best);
@@ -138,8 +144,8 @@ fn cloud(path: &std::path::Path) -> anyhow::Result<Vec<Point>> {
 
 fn recorded(reply: &Reply) -> Floats {
     let (rows, frames) = (reply.instances.len(), reply.frames.len());
-    let nodes = reply.positions.len().checked_div(rows * frames).unwrap_or(0);
-    Floats { shape: vec![rows, frames, nodes, 3], values: reply.positions.as_flattened().to_vec() }
+    let points = reply.positions.len().checked_div(rows * frames).unwrap_or(0);
+    Floats { shape: vec![rows, frames, points, 3], values: reply.positions.as_flattened().to_vec() }
 }
 
 fn document(reply: &Reply) -> serde_json::Value {

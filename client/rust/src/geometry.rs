@@ -1,7 +1,7 @@
 //! Geometry of a twin.
 
-use bendtwin_core::Point;
-use bendtwin_proto::v1::{Tensor, TwinGeometry};
+use bendtwin_core::{Point, Skin};
+use bendtwin_proto::v1::{Tensor, TwinGeometry, twin_geometry};
 
 use crate::Error;
 
@@ -31,6 +31,8 @@ pub struct Geometry {
     pub mass_kg: Option<f64>,
     /// Mean length of springs between nodes [m].
     pub spacing_m: f64,
+    /// Points of the surface that the nodes carry.
+    pub skin: Skin,
 }
 
 impl TryFrom<TwinGeometry> for Geometry {
@@ -49,8 +51,10 @@ impl TryFrom<TwinGeometry> for Geometry {
         };
         let kinds = wire.kinds.unwrap_or_default();
         let masses = wire.masses.unwrap_or_default();
+        let rest_positions = points(wire.rest_positions, "rest_positions")?;
+        let nodes = rest_positions.len();
         Ok(Self {
-            rest_positions: points(wire.rest_positions, "rest_positions")?,
+            rest_positions,
             kinds: kinds.unpack::<u8>("kinds").map_err(Error::malformed)?.1,
             edges: pairs(wire.edges, "edges")?,
             masses: masses.unpack::<f32>("masses").map_err(Error::malformed)?.1,
@@ -61,6 +65,31 @@ impl TryFrom<TwinGeometry> for Geometry {
             fps: wire.fps,
             mass_kg: wire.mass_kg,
             spacing_m: wire.spacing_m,
+            skin: skin(wire.skin.unwrap_or_default(), nodes)?,
         })
     }
+}
+
+/// The skin of a twin of so many nodes, which can be placed without further checks.
+fn skin(wire: twin_geometry::Skin, nodes: usize) -> Result<Skin, Error> {
+    let numbers = |tensor: Option<Tensor>, name| -> Result<Vec<u32>, Error> {
+        Ok(tensor.unwrap_or_default().unpack::<u32>(name).map_err(Error::malformed)?.1)
+    };
+    let weights = wire.weights.unwrap_or_default();
+    let offsets = wire.offsets.unwrap_or_default();
+    let mut starts = vec![0u32];
+    for count in numbers(wire.weight_counts, "skin.weight_counts")? {
+        let last = starts.last().copied().unwrap_or_default();
+        starts.push(last.saturating_add(count));
+    }
+    let skin = Skin {
+        observed_points: numbers(wire.observed_points, "skin.observed_points")?,
+        starts,
+        nodes: numbers(wire.weight_nodes, "skin.weight_nodes")?,
+        weights: weights.unpack::<f32>("skin.weights").map_err(Error::malformed)?.1,
+        frames: numbers(wire.frames, "skin.frames")?.as_chunks::<3>().0.to_vec(),
+        offsets_m: offsets.unpack_points("skin.offsets").map_err(Error::malformed)?.1,
+    };
+    skin.check(nodes).map_err(|fault| Error::malformed(format!("skin: {fault}")))?;
+    Ok(skin)
 }

@@ -47,6 +47,8 @@ struct Axes {
 impl Skin {
     /// Marks a point whose offset has no frame.
     pub const NO_FRAME: u32 = u32::MAX;
+    /// Most weights of a point: whoever places points knows how much work each is.
+    pub const MOST_WEIGHTS: usize = 64;
 
     /// The skin that is the surface nodes of a graph themselves.
     pub fn of_nodes(graph: &Graph) -> Self {
@@ -149,6 +151,31 @@ impl Skin {
         (0..self.len()).map(|m| self.position(m, node).map(|x| x as f32)).collect()
     }
 
+    /// Velocity of a point [m/s], from positions and velocities of nodes: the derivative of
+    /// [`Skin::position`] by time.
+    pub fn velocity(
+        &self,
+        point: usize,
+        node: impl Fn(u32) -> Vector,
+        velocity: impl Fn(u32) -> Vector,
+    ) -> Vector {
+        let mut sum = [0.0; 3];
+        for (i, w) in self.weights_of(point) {
+            sum = add(sum, scaled(velocity(i), f64::from(w)));
+        }
+        let offset = wide(self.offsets_m[point]);
+        let Some(nodes) = self.frame(point).filter(|_| offset != [0.0; 3]) else { return sum };
+        let Some(axes) = Axes::of(nodes.map(node)) else { return sum };
+        let rates = axes.rates(nodes.map(velocity));
+        rates.iter().zip(offset).fold(sum, |v, (rate, o)| add(v, scaled(*rate, o)))
+    }
+
+    /// Nodes that carry a point or span its frame, some of them more than once.
+    pub fn carriers(&self, point: usize) -> impl Iterator<Item = u32> + '_ {
+        let frame = self.frame(point).into_iter().flatten();
+        self.weights_of(point).map(|(i, _)| i).chain(frame)
+    }
+
     /// Passes d loss / d position of a point on to its nodes: `add_to` is called with a node and
     /// what it gets, more than once for some.
     pub fn add_gradient(
@@ -211,6 +238,12 @@ impl Skin {
             if off.is_nan() || off >= 1e-3 {
                 return Err(format!("the weights of skin point {point} sum up to {sum}, not to 1"));
             }
+            let (count, most) = (self.weights_of(point).count(), Self::MOST_WEIGHTS);
+            if count > most {
+                return Err(format!(
+                    "skin point {point} has {count} weights, at most {most} may be"
+                ));
+            }
             let frame = self.frames[point];
             let has_frame = frame != [Self::NO_FRAME; 3];
             if has_frame && frame.iter().any(|&i| i as usize >= node_count) {
@@ -244,6 +277,17 @@ impl Axes {
         Some(Self { axes: [e1, cross(n, e1), n], edges, lengths })
     }
 
+    /// Derivatives of the axes by time, from the velocities of nodes a, b, c.
+    fn rates(&self, [a, b, c]: [Vector; 3]) -> [Vector; 3] {
+        let [e1, _, n] = self.axes;
+        let [u, v] = self.edges;
+        let [u_rate, v_rate] = [sub(b, a), sub(c, a)];
+        let e1_rate = of_unit(e1, u_rate, self.lengths[0]);
+        let normal_rate = add(cross(u_rate, v), cross(u, v_rate));
+        let n_rate = of_unit(n, normal_rate, self.lengths[1]);
+        [e1_rate, add(cross(n_rate, e1), cross(n, e1_rate)), n_rate]
+    }
+
     /// What nodes a, b, c get of d loss / d position of a point with an offset along the axes.
     fn node_bars(&self, offset: Vector, bar: Vector) -> [Vector; 3] {
         let [e1, _, n] = self.axes;
@@ -251,14 +295,17 @@ impl Axes {
         let e2_bar = scaled(bar, offset[1]);
         let e1_bar = add(scaled(bar, offset[0]), cross(e2_bar, n));
         let n_bar = add(scaled(bar, offset[2]), cross(e1, e2_bar));
-        let of_unit = |axis: Vector, bar: Vector, length: f64| {
-            scaled(sub(bar, scaled(axis, dot(axis, bar))), 1.0 / length)
-        };
         let normal_bar = of_unit(n, n_bar, self.lengths[1]);
         let u_bar = add(of_unit(e1, e1_bar, self.lengths[0]), cross(v, normal_bar));
         let v_bar = cross(normal_bar, u);
         [scaled(add(u_bar, v_bar), -1.0), u_bar, v_bar]
     }
+}
+
+/// A change of the unit vector along a vector of this length, from a change of that; the map is its own
+/// adjoint.
+fn of_unit(axis: Vector, change: Vector, length: f64) -> Vector {
+    scaled(sub(change, scaled(axis, dot(axis, change))), 1.0 / length)
 }
 
 #[cfg(test)]

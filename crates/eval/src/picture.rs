@@ -1,4 +1,4 @@
-//! A picture of how well a twin predicts: its nodes and springs over the observed points at several
+//! A picture of how well a twin predicts: its skin and springs over the observed points at several
 //! frames, one row per model, and the error of every frame below.
 
 mod chart;
@@ -17,8 +17,8 @@ const PANEL_WIDTH: f32 = 330.0;
 const CHART_HEIGHT: f32 = 250.0;
 const HEADER: f32 = 64.0;
 const ROW_TITLE: f32 = 34.0;
-/// From so many surface nodes on they are drawn finer.
-const DENSE_NODES: f32 = 300.0;
+/// From so many points of the skin on they are drawn finer.
+const DENSE_POINTS: f32 = 300.0;
 /// Of more springs than this, only so many are drawn.
 const MOST_SPRINGS: usize = 4000;
 const BACKGROUND: Color = Color(255, 255, 255);
@@ -149,9 +149,9 @@ impl Picture<'_> {
         let Some(nodes) = model.trajectory.at(frame) else { return };
         let graph = &model.twin.graph;
         let at = |p: Point| view.place(p, panel);
-        // A dense graph would hide what was observed: it is drawn finer, and below.
-        let surface = graph.surface_count();
-        let fineness = (DENSE_NODES / surface.max(1) as f32).sqrt().clamp(0.3, 1.0);
+        // A dense skin would hide what was observed: it is drawn finer, and below.
+        let skin = model.twin.skin.positions(nodes);
+        let fineness = (DENSE_POINTS / skin.len().max(1) as f32).sqrt().clamp(0.3, 1.0);
         let every = graph.springs.len().div_ceil(MOST_SPRINGS).max(1);
         for &[a, b] in graph.springs.iter().step_by(every) {
             if let (Some(a), Some(b)) = (nodes.get(a as usize), nodes.get(b as usize)) {
@@ -166,7 +166,7 @@ impl Picture<'_> {
         if fineness == 1.0 {
             draw_observed(canvas);
         }
-        for p in &nodes[..surface] {
+        for p in &skin {
             canvas.disc_clipped(at(*p), 2.6 * fineness, color, 0.95 * fineness, clip.as_ref());
         }
         if fineness < 1.0 {

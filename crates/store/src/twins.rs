@@ -30,6 +30,9 @@ pub struct TwinFacts {
     pub quality: String,
     /// Mass of the object, if it is known [kg].
     pub mass_kg: Option<f64>,
+    /// Number of points of the skin; none of a twin that was stored before it was counted, whose
+    /// skin is its surface nodes.
+    pub skin_point_count: Option<u32>,
 }
 
 /// A stored twin.
@@ -89,6 +92,7 @@ row! {
         substeps: i64,
         quality: String,
         mass_kg: Option<f64>,
+        skin_point_count: Option<i64>,
     }
 }
 
@@ -117,6 +121,7 @@ impl TryFrom<Row> for Twin {
                 substeps: count(row.substeps),
                 quality: row.quality,
                 mass_kg: row.mass_kg,
+                skin_point_count: row.skin_point_count.map(count),
             },
             display_name: row.display_name,
         })
@@ -140,8 +145,8 @@ pub(crate) async fn insert(tx: &mut Transaction<'_, Sqlite>, new: Insert<'_>) ->
     let row: Row = sqlx::query_as(
         "insert into twins (id, display_name, capture, fit, created_at, size_bytes, digest,
              node_count, spring_count, triplet_count, control_count, fps, substeps, quality,
-             request_id, mass_kg)
-         values ($1, $2, $3, $4, $5, $6, $7, $8, $9, $10, $11, $12, $13, $14, $15, $16)
+             request_id, mass_kg, skin_point_count)
+         values ($1, $2, $3, $4, $5, $6, $7, $8, $9, $10, $11, $12, $13, $14, $15, $16, $17)
          returning *",
     )
     .bind(TwinId::generate().uuid().to_string())
@@ -160,6 +165,7 @@ pub(crate) async fn insert(tx: &mut Transaction<'_, Sqlite>, new: Insert<'_>) ->
     .bind(&facts.quality)
     .bind(new.request_id)
     .bind(facts.mass_kg)
+    .bind(facts.skin_point_count.map(i64::from))
     .fetch_one(&mut **tx)
     .await?;
     row.try_into()

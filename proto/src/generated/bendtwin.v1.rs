@@ -2414,6 +2414,39 @@ pub struct TwinGeometry {
     pub rod_starts: ::core::option::Option<Tensor>,
     #[prost(message, optional, tag = "21")]
     pub rod_nodes: ::core::option::Option<Tensor>,
+    #[prost(message, optional, tag = "22")]
+    pub skin: ::core::option::Option<twin_geometry::Skin>,
+}
+/// Nested message and enum types in `TwinGeometry`.
+pub mod twin_geometry {
+    /// Points of a twin's surface, finer than its nodes, that the nodes carry: M points, K weights. Point m is
+    /// at sum over its weights of w x(node), plus its offset along the axes of its frame. With nodes a, b, c of
+    /// the frame these are e1 along x(b) - x(a), e2 = e3 x e1, and e3 along (x(b) - x(a)) x (x(c) - x(a)). A
+    /// twin that was fitted without a skin has its surface nodes here.
+    #[derive(Clone, PartialEq, ::prost::Message)]
+    pub struct Skin {
+        /// FLOAT32 \[M, 3\], metres: with the nodes at rest.
+        #[prost(message, optional, tag = "1")]
+        pub rest_positions: ::core::option::Option<super::Tensor>,
+        /// UINT32 \[M\]: the capture's observed point that each is; 4294967295: none.
+        #[prost(message, optional, tag = "2")]
+        pub observed_points: ::core::option::Option<super::Tensor>,
+        /// UINT32 \[M\]: number of weights of each point, which follow one another.
+        #[prost(message, optional, tag = "3")]
+        pub weight_counts: ::core::option::Option<super::Tensor>,
+        /// UINT32 \[K\].
+        #[prost(message, optional, tag = "4")]
+        pub weight_nodes: ::core::option::Option<super::Tensor>,
+        /// FLOAT32 \[K\]; those of a point sum up to 1.
+        #[prost(message, optional, tag = "5")]
+        pub weights: ::core::option::Option<super::Tensor>,
+        /// UINT32 \[M, 3\]: nodes a, b, c; 4294967295 for all three: the axes are those of the world.
+        #[prost(message, optional, tag = "6")]
+        pub frames: ::core::option::Option<super::Tensor>,
+        /// FLOAT32 \[M, 3\], metres. Where the nodes of a frame span no triangle, an offset counts as 0.
+        #[prost(message, optional, tag = "7")]
+        pub offsets: ::core::option::Option<super::Tensor>,
+    }
 }
 #[derive(Clone, PartialEq, Eq, Hash, ::prost::Message)]
 pub struct CreateTwinRequest {
@@ -3854,18 +3887,22 @@ pub struct Cost {
 }
 /// Nested message and enum types in `Cost`.
 pub mod cost {
-    /// Mean squared distance of the target's points to the nearest surface node, square metres.
+    /// Mean squared distance of the target's points to the nearest point of the twin's surface, square
+    /// metres.
     #[derive(Clone, PartialEq, ::prost::Message)]
     pub struct TargetCloud {
         /// FLOAT32 \[M, 3\], metres, or \[F, M, 3\] by frame (with EVERY_FRAME or SOFT_MIN), or \[B, 1, M, 3\] or
         /// \[B, F, M, 3\] by instance too.
         #[prost(message, optional, tag = "1")]
         pub points: ::core::option::Option<super::Tensor>,
+        /// The surface: SKIN, the default, or NODES for its surface nodes.
+        #[prost(enumeration = "super::PointSet", tag = "2")]
+        pub point_set: i32,
     }
-    /// Mean distance between nodes and their targets, metres.
+    /// Mean distance between nodes or skin points and their targets, metres.
     #[derive(Clone, PartialEq, ::prost::Message)]
     pub struct Keypoints {
-        /// UINT32 \[M\].
+        /// UINT32 \[M\]: nodes. Give either these or `skin_points`.
         #[prost(message, optional, tag = "1")]
         pub nodes: ::core::option::Option<super::Tensor>,
         /// FLOAT32 \[M, 3\], \[F, M, 3\], \[B, 1, M, 3\] or \[B, F, M, 3\], metres, as those of a target cloud.
@@ -3874,6 +3911,9 @@ pub mod cost {
         /// Squared distances instead.
         #[prost(bool, tag = "3")]
         pub squared: bool,
+        /// UINT32 \[M\]: points of the skin.
+        #[prost(message, optional, tag = "4")]
+        pub skin_points: ::core::option::Option<super::Tensor>,
     }
     /// Mean squared second difference of node positions over three frames, square metres.
     #[derive(Clone, Copy, PartialEq, Eq, Hash, ::prost::Message)]
@@ -4023,7 +4063,7 @@ pub struct Returns {
     /// Record the positions of every k-th frame; 0 records none.
     #[prost(uint32, tag = "1")]
     pub every_frames: u32,
-    /// UINT32 \[K\] nodes to record; empty means all.
+    /// UINT32 \[K\]: nodes to record, with the point set NODES; empty means all.
     #[prost(message, optional, tag = "2")]
     pub nodes: ::core::option::Option<Tensor>,
     #[prost(enumeration = "returns::Encoding", tag = "3")]
@@ -4064,6 +4104,13 @@ pub struct Returns {
     /// instances. Not with `best` or gradients.
     #[prost(uint32, tag = "15")]
     pub part_frames: u32,
+    /// Points whose positions and velocities are recorded: NODES, the default, or SKIN. Final states and
+    /// gradients are of nodes.
+    #[prost(enumeration = "PointSet", tag = "16")]
+    pub point_set: i32,
+    /// UINT32 \[K\]: points of the skin to record, with the point set SKIN; empty means all.
+    #[prost(message, optional, tag = "17")]
+    pub skin_points: ::core::option::Option<Tensor>,
 }
 /// Nested message and enum types in `Returns`.
 pub mod returns {
@@ -4128,7 +4175,7 @@ pub struct RollOutResponse {
     /// UINT32 \[T'\]: recorded frames, 1-based.
     #[prost(message, optional, tag = "6")]
     pub frames: ::core::option::Option<Tensor>,
-    /// \[R, T', K, 3\], metres.
+    /// \[R, T', K, 3\], metres: of nodes, or of skin points (`returns.point_set`).
     #[prost(message, optional, tag = "7")]
     pub positions: ::core::option::Option<Tensor>,
     /// FLOAT32 \[R, N, 3\].
@@ -4183,7 +4230,7 @@ pub struct RollOutResponse {
     /// UINT32 \[R\].
     #[prost(message, optional, tag = "25")]
     pub gradient_exploded: ::core::option::Option<Tensor>,
-    /// \[R, T', K, 3\], metres per second.
+    /// \[R, T', K, 3\], metres per second, of the same points.
     #[prost(message, optional, tag = "26")]
     pub velocities: ::core::option::Option<Tensor>,
     #[prost(message, optional, tag = "27")]
@@ -4344,6 +4391,40 @@ impl Fidelity {
             "FIDELITY_UNSPECIFIED" => Some(Self::Unspecified),
             "EXACT" => Some(Self::Exact),
             "FAST" => Some(Self::Fast),
+            _ => None,
+        }
+    }
+}
+/// Set of points of a twin. Their numbers count from 0 in each set.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, ::prost::Enumeration)]
+#[repr(i32)]
+pub enum PointSet {
+    /// The default of the field.
+    Unspecified = 0,
+    /// The nodes, which are simulated.
+    Nodes = 1,
+    /// Points of the surface, finer than the nodes that carry them: TwinGeometry.skin. Those of a twin that
+    /// was fitted without a skin are its surface nodes.
+    Skin = 2,
+}
+impl PointSet {
+    /// String value of the enum field names used in the ProtoBuf definition.
+    ///
+    /// The values are not transformed in any way and thus are considered stable
+    /// (if the ProtoBuf definition does not change) and safe for programmatic use.
+    pub fn as_str_name(&self) -> &'static str {
+        match self {
+            Self::Unspecified => "POINT_SET_UNSPECIFIED",
+            Self::Nodes => "NODES",
+            Self::Skin => "SKIN",
+        }
+    }
+    /// Creates an enum from field names used in the ProtoBuf definition.
+    pub fn from_str_name(value: &str) -> ::core::option::Option<Self> {
+        match value {
+            "POINT_SET_UNSPECIFIED" => Some(Self::Unspecified),
+            "NODES" => Some(Self::Nodes),
+            "SKIN" => Some(Self::Skin),
             _ => None,
         }
     }

@@ -707,11 +707,12 @@ map.serialize_entry("temperature", &self.temperature)?;
 
 impl Fields for crate::v1::cost::TargetCloud {
     const NAME: &'static str = "TargetCloud";
-    const FIELDS: &'static [&'static str] = &["points"];
+    const FIELDS: &'static [&'static str] = &["points", "point_set"];
     #[allow(unused_variables)]
     fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
         match field {
             0 => { self.points = tensor(map, Dtype::Float32)?; }
+1 => { self.point_set = word::<crate::v1::PointSet, A>(map)?; }
 
             _ => {}
         }
@@ -720,6 +721,7 @@ impl Fields for crate::v1::cost::TargetCloud {
     #[allow(unused_variables)]
     fn write<M: SerializeMap>(&self, tensors: TensorFormat, map: &mut M) -> Result<(), M::Error> {
         write_tensor(map, "points", self.points.as_ref(), tensors)?;
+write_word::<crate::v1::PointSet, M>(map, "point_set", self.point_set)?;
 
         Ok(())
     }
@@ -727,13 +729,14 @@ impl Fields for crate::v1::cost::TargetCloud {
 
 impl Fields for crate::v1::cost::Keypoints {
     const NAME: &'static str = "Keypoints";
-    const FIELDS: &'static [&'static str] = &["nodes", "targets", "squared"];
+    const FIELDS: &'static [&'static str] = &["nodes", "targets", "squared", "skin_points"];
     #[allow(unused_variables)]
     fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
         match field {
             0 => { self.nodes = tensor(map, Dtype::Uint32)?; }
 1 => { self.targets = tensor(map, Dtype::Float32)?; }
 2 => { self.squared = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+3 => { self.skin_points = tensor(map, Dtype::Float32)?; }
 
             _ => {}
         }
@@ -744,6 +747,7 @@ impl Fields for crate::v1::cost::Keypoints {
         write_tensor(map, "nodes", self.nodes.as_ref(), tensors)?;
 write_tensor(map, "targets", self.targets.as_ref(), tensors)?;
 map.serialize_entry("squared", &self.squared)?;
+write_tensor(map, "skin_points", self.skin_points.as_ref(), tensors)?;
 
         Ok(())
     }
@@ -951,7 +955,7 @@ impl Words for crate::v1::cost::When {
 
 impl Fields for crate::v1::Returns {
     const NAME: &'static str = "Returns";
-    const FIELDS: &'static [&'static str] = &["every_frames", "nodes", "encoding", "best", "final_state", "diagnostics", "control_gradients", "action_gradients", "initial_gradients", "gradient_norms", "velocities", "forces", "frame_costs", "controls", "part_frames"];
+    const FIELDS: &'static [&'static str] = &["every_frames", "nodes", "encoding", "best", "final_state", "diagnostics", "control_gradients", "action_gradients", "initial_gradients", "gradient_norms", "velocities", "forces", "frame_costs", "controls", "part_frames", "point_set", "skin_points"];
     #[allow(unused_variables)]
     fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
         match field {
@@ -970,6 +974,8 @@ impl Fields for crate::v1::Returns {
 12 => { self.frame_costs = map.next_value::<Option<_>>()?.unwrap_or_default(); }
 13 => { self.controls = map.next_value::<Option<_>>()?.unwrap_or_default(); }
 14 => { self.part_frames = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+15 => { self.point_set = word::<crate::v1::PointSet, A>(map)?; }
+16 => { self.skin_points = tensor(map, Dtype::Float32)?; }
 
             _ => {}
         }
@@ -992,6 +998,8 @@ map.serialize_entry("forces", &self.forces)?;
 map.serialize_entry("frame_costs", &self.frame_costs)?;
 map.serialize_entry("controls", &self.controls)?;
 map.serialize_entry("part_frames", &self.part_frames)?;
+write_word::<crate::v1::PointSet, M>(map, "point_set", self.point_set)?;
+write_tensor(map, "skin_points", self.skin_points.as_ref(), tensors)?;
 
         Ok(())
     }
@@ -1275,6 +1283,16 @@ map.serialize_entry("frames", &self.frames)?;
 
 impl Words for crate::v1::Fidelity {
     const KNOWN: &'static [&'static str] = &["EXACT", "FAST"];
+    fn number(word: &str) -> Option<i32> {
+        Self::from_str_name(word).map(Into::into)
+    }
+    fn word(number: i32) -> Option<&'static str> {
+        Self::try_from(number).ok().map(|value| value.as_str_name())
+    }
+}
+
+impl Words for crate::v1::PointSet {
+    const KNOWN: &'static [&'static str] = &["NODES", "SKIN"];
     fn number(word: &str) -> Option<i32> {
         Self::from_str_name(word).map(Into::into)
     }
@@ -2097,7 +2115,7 @@ impl Fields for crate::v1::CloseSessionResponse {
 
 impl Fields for crate::v1::TwinGeometry {
     const NAME: &'static str = "TwinGeometry";
-    const FIELDS: &'static [&'static str] = &["rest_positions", "kinds", "edges", "rest_lengths", "triplets", "masses", "controls", "hands", "pins", "surface_count", "rod_count", "fps", "substeps", "gravity", "ground", "ground_friction", "ground_restitution", "mass_kg", "spacing_m", "rod_starts", "rod_nodes"];
+    const FIELDS: &'static [&'static str] = &["rest_positions", "kinds", "edges", "rest_lengths", "triplets", "masses", "controls", "hands", "pins", "surface_count", "rod_count", "fps", "substeps", "gravity", "ground", "ground_friction", "ground_restitution", "mass_kg", "spacing_m", "rod_starts", "rod_nodes", "skin"];
     #[allow(unused_variables)]
     fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
         match field {
@@ -2122,6 +2140,7 @@ impl Fields for crate::v1::TwinGeometry {
 18 => { self.spacing_m = map.next_value::<Option<_>>()?.unwrap_or_default(); }
 19 => { self.rod_starts = tensor(map, Dtype::Float32)?; }
 20 => { self.rod_nodes = tensor(map, Dtype::Float32)?; }
+21 => { self.skin = message(map)?; }
 
             _ => {}
         }
@@ -2150,6 +2169,39 @@ if let Some(value) = &self.mass_kg { map.serialize_entry("mass_kg", value)?; }
 map.serialize_entry("spacing_m", &self.spacing_m)?;
 write_tensor(map, "rod_starts", self.rod_starts.as_ref(), tensors)?;
 write_tensor(map, "rod_nodes", self.rod_nodes.as_ref(), tensors)?;
+write_message(map, "skin", self.skin.as_ref(), tensors)?;
+
+        Ok(())
+    }
+}
+
+impl Fields for crate::v1::twin_geometry::Skin {
+    const NAME: &'static str = "Skin";
+    const FIELDS: &'static [&'static str] = &["rest_positions", "observed_points", "weight_counts", "weight_nodes", "weights", "frames", "offsets"];
+    #[allow(unused_variables)]
+    fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
+        match field {
+            0 => { self.rest_positions = tensor(map, Dtype::Float32)?; }
+1 => { self.observed_points = tensor(map, Dtype::Float32)?; }
+2 => { self.weight_counts = tensor(map, Dtype::Float32)?; }
+3 => { self.weight_nodes = tensor(map, Dtype::Float32)?; }
+4 => { self.weights = tensor(map, Dtype::Float32)?; }
+5 => { self.frames = tensor(map, Dtype::Float32)?; }
+6 => { self.offsets = tensor(map, Dtype::Float32)?; }
+
+            _ => {}
+        }
+        Ok(())
+    }
+    #[allow(unused_variables)]
+    fn write<M: SerializeMap>(&self, tensors: TensorFormat, map: &mut M) -> Result<(), M::Error> {
+        write_tensor(map, "rest_positions", self.rest_positions.as_ref(), tensors)?;
+write_tensor(map, "observed_points", self.observed_points.as_ref(), tensors)?;
+write_tensor(map, "weight_counts", self.weight_counts.as_ref(), tensors)?;
+write_tensor(map, "weight_nodes", self.weight_nodes.as_ref(), tensors)?;
+write_tensor(map, "weights", self.weights.as_ref(), tensors)?;
+write_tensor(map, "frames", self.frames.as_ref(), tensors)?;
+write_tensor(map, "offsets", self.offsets.as_ref(), tensors)?;
 
         Ok(())
     }

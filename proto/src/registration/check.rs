@@ -129,7 +129,7 @@ fn tracks(tracks: Option<&Tracks>, count: u64, twin: &TwinShape) -> Result<(), E
         None => Ok(()),
         Some(Tracks::Nodes(nodes)) => {
             let observed = Error::Observation;
-            let tensor = tensors::node_list(Some(nodes), NODES).map_err(observed)?;
+            let tensor = tensors::index_list(Some(nodes), NODES).map_err(observed)?;
             if tensor.shape != [count] {
                 let fault = format!("has shape {:?} beside {count} points", tensor.shape);
                 return Err(Error::field(NODES, fault));

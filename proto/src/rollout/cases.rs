@@ -2,6 +2,7 @@
 //! refuse each of them with the same fault.
 
 mod measures;
+mod points;
 mod surroundings;
 
 use bytes::Bytes;
@@ -56,10 +57,11 @@ pub fn malformed(twin: &TwinShape) -> Vec<Case> {
         add(what, names, RollOutRequest { initial, ..good.clone() });
     }
     let measures = measures::costs(twin.nodes, twin.controls);
-    for (what, names, costs) in costs(twin.nodes).into_iter().chain(measures) {
+    for (what, names, costs) in costs(twin.nodes).into_iter().chain(measures).chain(points::costs())
+    {
         add(what, names, RollOutRequest { costs, ..good.clone() });
     }
-    for (what, names, returns) in returns(twin.nodes) {
+    for (what, names, returns) in returns(twin.nodes).into_iter().chain(points::returns()) {
         add(what, names, RollOutRequest { returns: Some(returns), ..good.clone() });
     }
     let uncosted = Some(Returns { control_gradients: true, ..Returns::default() });
@@ -270,12 +272,13 @@ fn cost(kind: Option<Kind>) -> Cost {
 }
 
 fn cloud(points: Option<Tensor>) -> Option<Kind> {
-    Some(Kind::TargetCloud(TargetCloud { points }))
+    Some(Kind::TargetCloud(TargetCloud { points, point_set: 0 }))
 }
 
 fn keypoints(nodes: &[u32], targets: u64) -> Option<Kind> {
     let nodes = Some(Tensor::pack(&[nodes.len()], nodes));
-    Some(Kind::Keypoints(Keypoints { nodes, targets: Some(zeros(&[targets, 3])), squared: false }))
+    let targets = Some(zeros(&[targets, 3]));
+    Some(Kind::Keypoints(Keypoints { nodes, targets, ..Keypoints::default() }))
 }
 
 fn costs(n: u64) -> Named<Vec<Cost>> {

@@ -136,7 +136,7 @@ pub(crate) fn sizes(
         "the size of the reply in bytes",
         u128::from(size::reply_bytes(request, batch, twin, part_instances)),
         limits.reply_bytes,
-        "ask for fewer nodes (returns.nodes), every k-th frame (returns.every_frames) or the best few (returns.best), or stream it",
+        "ask for fewer points (returns.nodes or returns.skin_points), every k-th frame (returns.every_frames) or the best few (returns.best), or stream it",
     )?;
     let least = memory::memory(request, batch, twin, part_instances).least();
     if least > limits.memory_bytes {

@@ -6,12 +6,13 @@ use prost::Message as _;
 use super::{
     check::{Batch, has_gradients, members, own_targets, targets},
     parts::part_frames,
+    points::{is_at_skin, recorded},
     size::reply_bytes,
     surroundings,
     twin::TwinShape,
 };
 use crate::v1::{
-    Cost, RollOutRequest,
+    Cost, PointSet, RollOutRequest,
     cost::{Kind, When},
     initial_state::State,
     returns::Encoding,
@@ -47,6 +48,13 @@ const CONTROL_GRADIENT: u64 = 28;
 /// A node (or control point) of a simulation that runs: its state, forces, velocities before and
 /// after contact, candidates.
 const NODE: u64 = 256;
+/// A point of the skin where a cost is measured there: its place, and its part of the search for the
+/// nearest.
+const SKIN_POINT: u64 = 128;
+/// A node in a recording, whose buffer may be twice as large.
+const RECORDED_NODE: u64 = 24;
+/// A node's row in a recording that the skin is placed from.
+const ROW: u64 = 8;
 /// State of a node and of a rod at the end of a frame, kept for the way back.
 const NODE_STATE: u64 = 32;
 const ROD_STATE: u64 = 4;
@@ -154,6 +162,9 @@ pub fn memory(
         targets,
         surroundings::running_bytes(request, batch, twin),
     ]);
+    if request.costs.iter().any(is_at_skin) {
+        running = sum(&[running, mul(&[SKIN_POINT, twin.most_skin_points()])]);
+    }
     if has_gradients(&returns) {
         prepared = sum(&[
             prepared,
@@ -181,12 +192,20 @@ pub fn memory(
         // A cost that looks back records every frame.
         let looks_back = |cost: &Cost| matches!(cost.kind, Some(Kind::Smoothness(_)));
         let recorded = match request.costs.iter().any(looks_back) {
-            true => mul(&[making, 24, twin.nodes, part_frames(request, batch)]),
+            true => mul(&[making, RECORDED_NODE, twin.nodes, part_frames(request, batch)]),
             false => 0,
         };
         mul(&[count, members(request), sum(&[prepared, mul(&[2, state]), recorded])])
     };
-    let fixed = sum(&[fixed, waiting]);
+    let mut fixed = sum(&[fixed, waiting]);
+    if recorded(&returns) == PointSet::Skin {
+        // Recordings of nodes, until the skin is placed from them.
+        let rows = part_frames(request, batch).checked_div(returns.every_frames.into());
+        let kinds = if returns.velocities { 2 } else { 1 };
+        let nodes = mul(&[RECORDED_NODE, kinds, twin.nodes, rows.unwrap_or(0)]);
+        prepared = sum(&[prepared, nodes]);
+        fixed = sum(&[fixed, mul(&[ROW, twin.nodes])]);
+    }
     Memory { request: request_bytes(request.encoded_len() as u64), fixed, prepared, running }
 }
 

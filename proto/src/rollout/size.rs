@@ -5,6 +5,7 @@ use prost::length_delimiter_len as varint_len;
 use super::{
     check::{Batch, has_gradients, members},
     parts::part_frames,
+    points::recorded_count,
     surroundings,
     twin::TwinShape,
 };
@@ -80,15 +81,14 @@ pub fn reply_bytes(
         sum.tensor(1, 4, &[holders]);
     }
     if let Some(recorded) = frames.checked_div(u64::from(returns.every_frames)) {
-        let chosen = returns.nodes.as_ref().filter(|t| !t.is_absent());
-        let nodes = chosen.map_or(twin.nodes, |t| t.shape.iter().product());
+        let points = recorded_count(returns, twin);
         let is_packed = returns.encoding() == Encoding::Int16;
         sum.tensor(1, 4, &[recorded]);
-        sum.tensor(1, if is_packed { 2 } else { 4 }, &[holders, recorded, nodes, 3]);
+        sum.tensor(1, if is_packed { 2 } else { 4 }, &[holders, recorded, points, 3]);
         // Scale and offset of 16-bit integers.
         sum.add(if is_packed { 10 } else { 0 });
         if returns.velocities {
-            sum.tensor(2, if is_packed { 2 } else { 4 }, &[holders, recorded, nodes, 3]);
+            sum.tensor(2, if is_packed { 2 } else { 4 }, &[holders, recorded, points, 3]);
             sum.add(if is_packed { 10 } else { 0 });
         }
     }

@@ -13,6 +13,9 @@ pub struct TwinShape {
     pub triplets: u64,
     /// Number of control points C.
     pub controls: u64,
+    /// Number of points of its skin, where it is known: a server that stored the twin before it
+    /// counted them does not. The skin is the surface nodes then.
+    pub skin_points: Option<u64>,
     /// Number of rods, where it is known: the server's database does not hold it.
     pub rods: Option<u64>,
     /// Substeps per frame of the exact twin.
@@ -41,6 +44,11 @@ impl TwinShape {
             u128::from(self.nodes) + u128::from(self.springs) + 2 * u128::from(self.triplets);
         let substeps = self.substeps(fidelity);
         elements.max(1) as f64 * f64::from(substeps) * frames.max(1) as f64
+    }
+
+    /// Number of points of its skin, at most.
+    pub(super) fn most_skin_points(&self) -> u64 {
+        self.skin_points.unwrap_or(self.nodes)
     }
 
     fn substeps(&self, fidelity: Fidelity) -> u32 {

@@ -3,10 +3,10 @@
 use std::sync::Arc;
 
 use bendtwin_budget::Share;
-use bendtwin_core::{Graph, Twin as TwinFile, geometry::distance};
+use bendtwin_core::{Graph, Skin, Twin as TwinFile, geometry::distance};
 use bendtwin_proto::{
     rollout,
-    v1::{Plane, Tensor, TwinGeometry},
+    v1::{Plane, Tensor, TwinGeometry, twin_geometry},
 };
 use futures::TryStreamExt as _;
 use prost::Message as _;
@@ -89,6 +89,21 @@ fn geometry(twin: &TwinFile) -> TwinGeometry {
         spacing_m: spacing(graph),
         rod_starts: Some(Tensor::pack(&[rod_starts.len()], &rod_starts)),
         rod_nodes: Some(Tensor::pack(&[rod_nodes.len()], &rod_nodes)),
+        skin: Some(skin(&twin.skin, graph)),
+    }
+}
+
+fn skin(skin: &Skin, graph: &Graph) -> twin_geometry::Skin {
+    let (m, k) = (skin.len(), skin.nodes.len());
+    let counts: Vec<u32> = skin.starts.windows(2).map(|ends| ends[1] - ends[0]).collect();
+    twin_geometry::Skin {
+        rest_positions: Some(Tensor::pack_points(&[m], &skin.positions(&graph.rest_positions))),
+        observed_points: Some(Tensor::pack(&[m], &skin.observed_points)),
+        weight_counts: Some(Tensor::pack(&[m], &counts)),
+        weight_nodes: Some(Tensor::pack(&[k], &skin.nodes)),
+        weights: Some(Tensor::pack(&[k], &skin.weights)),
+        frames: Some(Tensor::pack(&[m, 3], skin.frames.as_flattened())),
+        offsets: Some(Tensor::pack_points(&[m], &skin.offsets_m)),
     }
 }
 

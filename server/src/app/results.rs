@@ -101,5 +101,6 @@ fn facts(twin: &TwinFile) -> Result<TwinFacts> {
         quality: serde_json::to_string(&twin.quality)
             .map_err(|e| Error::Internal(e.to_string()))?,
         mass_kg: twin.mass_kg,
+        skin_point_count: Some(count(twin.skin.len())),
     })
 }

@@ -241,7 +241,7 @@ impl Dispatch {
             what: "the size of the reply in bytes, as lists in JSON,",
             asked: reply_bytes,
             limit,
-            advice: "ask for ?tensors=base64 or for application/x-protobuf, or for fewer nodes (returns.nodes) or every k-th frame (returns.every_frames)",
+            advice: "ask for ?tensors=base64 or for application/x-protobuf, or for fewer points (returns.nodes or returns.skin_points) or every k-th frame (returns.every_frames)",
         }))
     }
 

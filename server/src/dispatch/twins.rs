@@ -61,6 +61,7 @@ impl From<&Twin> for Known {
             springs: u64::from(facts.spring_count),
             triplets: u64::from(facts.triplet_count),
             controls: u64::from(facts.control_count),
+            skin_points: facts.skin_point_count.map(u64::from),
             rods: None,
             substeps: facts.substeps,
             fast_substeps: fast_substeps(&facts.quality),

@@ -174,6 +174,7 @@ impl WorkerLink for Api {
             substeps: twin.substeps,
             quality: twin.quality_json,
             mass_kg: None,
+            skin_point_count: None,
         };
         let attempt = attempt_of(&shown, &job)?;
         let twin = self.app.complete_fit(attempt, facts, &job.digest, body).await?;

@@ -27,6 +27,7 @@ const TWIN: TwinShape = TwinShape {
     springs: 4,
     triplets: 3,
     controls: 1,
+    skin_points: Some(9),
     rods: None,
     substeps: 10,
     fast_substeps: None,

@@ -90,6 +90,8 @@ async fn the_geometry_of_a_twin_is_told_over_both_transports() {
     twin.params.spring_stiffness.push(1.0);
     twin.params.spring_dashpot.push(1.0);
     twin.mass_kg = Some(0.5);
+    let none = [Skin::NO_FRAME; 3];
+    twin.skin.push(Graph::NOT_OBSERVED, &[(0, 0.25), (1, 0.75)], none, [0.0, 0.0, 0.5]);
     let request = server.http.post(server.url("/v1/twins")).body(twin.encode().unwrap());
     let (_, stored) = read(request.send().await.unwrap()).await;
     assert_eq!(stored["mass_kg"], json!(0.5));
@@ -105,10 +107,22 @@ async fn the_geometry_of_a_twin_is_told_over_both_transports() {
     assert_eq!((geometry.surface_count, geometry.fps, geometry.substeps), (2, 30.0, 20));
     assert!((geometry.spacing_m - 0.1).abs() < 1e-6, "{}", geometry.spacing_m);
     assert_eq!(geometry.ground.unwrap().normal, [0.0, 0.0, 1.0]);
+    let skin = geometry.skin.unwrap();
+    let (shape, at_rest) = skin.rest_positions.as_ref().unwrap().unpack_points("t").unwrap();
+    assert_eq!((shape, at_rest), (vec![3], twin.skin.positions(&twin.graph.rest_positions)));
+    assert_eq!(numbers(&skin.observed_points), (vec![3], vec![0, 1, u32::MAX]));
+    assert_eq!(numbers(&skin.weight_counts), (vec![3], vec![1, 1, 2]));
+    assert_eq!(numbers(&skin.weight_nodes), (vec![4], vec![0, 1, 0, 1]));
+    let (_, weights) = skin.weights.unwrap().unpack::<f32>("t").unwrap();
+    assert_eq!(weights, [1.0, 1.0, 0.25, 0.75]);
+    assert_eq!(numbers(&skin.frames), (vec![3, 3], vec![u32::MAX; 9]));
+    let (_, offsets) = skin.offsets.unwrap().unpack_points("t").unwrap();
+    assert_eq!(offsets, [[0.0; 3], [0.0; 3], [0.0, 0.0, 0.5]]);
 
     let (status, lists) = server.get(&format!("/v1/{name}/geometry")).await;
     assert_eq!((status, &lists["edges"]), (200, &json!([[0, 1], [1, 3]])));
     assert_eq!((&lists["mass_kg"], &lists["kinds"]), (&json!(0.5), &json!([0, 0])));
+    assert_eq!(lists["skin"]["offsets"][2], json!([0.0, 0.0, 0.5]));
     let (_, packed) = server.get(&format!("/v1/{name}/geometry?tensors=base64")).await;
     assert_eq!(packed["hands"]["shape"], json!([3]));
     let absent = name.replace(|c: char| c.is_ascii_digit(), "0");

@@ -232,6 +232,7 @@ fn request(rest: &[[f32; 3]], batch: usize, frames: usize) -> RollOutRequest {
         nodes: Some(Tensor::pack::<u32>(&[1], &[0])),
         targets: Some(Tensor::pack_points(&[1], &[[0.0; 3]])),
         squared: false,
+        skin_points: None,
     });
     RollOutRequest {
         actions: Some(Actions::Trajectories(ControlTrajectories {

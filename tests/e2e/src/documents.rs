@@ -107,7 +107,7 @@ fn the_example_configuration_says_what_holds_by_default() {
     }
 }
 
-/// A twin of the newest version: with a rod.
+/// A twin of the newest version: with a rod and a skin.
 fn twin() -> Twin {
     let n = Graph::MIN_ROD_NODES;
     let pin = |node| Pin { node, control: 0, offset_m: [0.0; 3] };
@@ -123,8 +123,10 @@ fn twin() -> Twin {
         ..Graph::default()
     };
     let per_rod = vec![0.0];
+    let mut skin = Skin::default();
+    skin.push(0, &[(0, 0.5), (1, 0.5)], [Skin::NO_FRAME; 3], [0.0; 3]);
     Twin {
-        skin: Skin::of_nodes(&graph),
+        skin,
         graph,
         params: Params {
             contact: Contact::default(),

@@ -33,6 +33,7 @@ pub(crate) fn request(twin: &Twin, rest: &[[f32; 3]]) -> RollOutRequest {
         nodes: Some(Tensor::pack::<u32>(&[1], &[0])),
         targets: Some(Tensor::pack_points(&[1], &[[0.0; 3]])),
         squared: false,
+        skin_points: None,
     });
     RollOutRequest {
         twin: twin.name.clone(),

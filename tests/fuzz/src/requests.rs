@@ -20,6 +20,7 @@ pub(crate) const SHAPE: TwinShape = TwinShape {
     springs: 3,
     triplets: 1,
     controls: 1,
+    skin_points: Some(4),
     rods: Some(0),
     substeps: 50,
     fast_substeps: Some(10),

@@ -229,6 +229,9 @@ impl Execution<'_> {
                 if !keeps_states {
                     rollout.final_state = None;
                 }
+                if arrays {
+                    returns.recorded.place(&self.plan.twin().skin, &mut rollout);
+                }
                 if !keeps_frames {
                     rollout.frame_costs = Vec::new();
                 }

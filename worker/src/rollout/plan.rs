@@ -75,7 +75,7 @@ impl Plan {
         let base = Base { loaded: &served.loaded, rests: &served.rests, members: ensemble.members };
         let variants = Variants::load(request.vary, &base, &surroundings, backend, cancel)?;
         let costs = Costs::read(request.costs, frames, fps, twin.newtons_per_unit())?;
-        let returns = Returns::read(request.returns, instances)?;
+        let returns = Returns::read(request.returns, twin, instances)?;
         let wanted = Wanted::read(request.initial, graph, instances)?;
 
         let part = if part_instances == 0 { instances } else { part_instances as usize };
@@ -182,6 +182,7 @@ pub(super) fn shape(twin: &Twin, has_capture: bool) -> TwinShape {
         springs: graph.springs.len() as u64,
         triplets: graph.triplets.len() as u64,
         controls: graph.control_count() as u64,
+        skin_points: Some(twin.skin.len() as u64),
         rods: Some(graph.rods.len() as u64),
         substeps: twin.timing.substeps,
         fast_substeps: twin.quality.fast.map(|fast| fast.substeps),

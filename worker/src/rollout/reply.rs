@@ -120,7 +120,8 @@ pub(super) fn add_recordings(
     let indices: Vec<u32> = instances.iter().map(|i| *i as u32).collect();
     part.instances = Some(Tensor::pack(&[indices.len()], &indices));
     if returns.every > 0 {
-        let (rows, width) = (returns.recorded_frames(span.frames()), returns.recorded_nodes(graph));
+        let rows = returns.recorded_frames(span.frames());
+        let width = returns.recorded.count(&plan.twin().skin, graph.node_count());
         let frames: Vec<u32> = (1..=rows).map(|i| (span.from + i * returns.every) as u32).collect();
         let pack = |of: fn(&Rollout) -> &[Point]| {
             let mut values = Vec::with_capacity(rollouts.len() * rows * width);

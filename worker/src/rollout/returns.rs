@@ -1,20 +1,18 @@
 //! Arrays that a request wants back.
 
-use std::sync::Arc;
-
-use bendtwin_core::Graph;
+use bendtwin_core::Twin;
 use bendtwin_engine::backend::{Diagnose, Outputs};
 use bendtwin_proto::v1::{Returns as Wire, returns::Encoding};
 
-use super::error::Error;
+use super::{error::Error, recorded::Recorded};
 
 /// Arrays that are wanted back, of a checked request.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Returns {
     /// Record every k-th frame; 0 records none.
     pub(super) every: usize,
-    /// Nodes to record; none means all.
-    pub(super) nodes: Option<Arc<Vec<u32>>>,
+    /// Points to record.
+    pub(super) recorded: Recorded,
     /// Positions as scaled 16-bit integers.
     pub(super) int16: bool,
     /// Frames of a part of the reply, if it is divided in time.
@@ -35,17 +33,13 @@ pub(super) struct Returns {
 
 impl Returns {
     /// Reads the returns of a checked request of `instances` instances.
-    pub(super) fn read(wire: Option<Wire>, instances: usize) -> Result<Self, Error> {
-        let Some(wire) = wire else { return Ok(Self::default()) };
+    pub(super) fn read(wire: Option<Wire>, twin: &Twin, instances: usize) -> Result<Self, Error> {
+        let Some(mut wire) = wire else { return Ok(Self::default()) };
         let int16 = wire.encoding() == Encoding::Int16;
-        let nodes = wire
-            .nodes
-            .filter(|t| !t.is_absent())
-            .map(|t| t.unpack("returns.nodes").map(|(_, nodes)| Arc::new(nodes)))
-            .transpose()?;
+        let recorded = Recorded::read(&mut wire, &twin.skin, twin.graph.node_count())?;
         Ok(Self {
             every: wire.every_frames as usize,
-            nodes,
+            recorded,
             int16,
             part_frames: (wire.part_frames > 0).then_some(wire.part_frames as usize),
             best: (wire.best > 0).then(|| (wire.best as usize).min(instances)),
@@ -65,11 +59,6 @@ impl Returns {
     /// Number of recorded frames T' among so many.
     pub(super) fn recorded_frames(&self, frames: usize) -> usize {
         frames.checked_div(self.every).unwrap_or(0)
-    }
-
-    /// Recorded nodes K.
-    pub(super) fn recorded_nodes(&self, graph: &Graph) -> usize {
-        self.nodes.as_ref().map_or(graph.node_count(), |n| n.len())
     }
 
     /// True if arrays beside the costs are wanted.
@@ -95,7 +84,7 @@ impl Returns {
         Outputs {
             every: self.every,
             initial: false,
-            nodes: self.nodes.clone(),
+            nodes: self.recorded.nodes().cloned(),
             final_state: self.final_state,
             diagnose: self.diagnose(),
             forces: self.forces,

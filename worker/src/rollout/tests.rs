@@ -7,6 +7,7 @@ mod fidelity;
 mod gradients;
 mod limit;
 mod registration;
+mod skin;
 mod split;
 mod states;
 mod world;
@@ -196,6 +197,7 @@ fn keypoint_cost(x: f32) -> Cost {
         nodes: Some(Tensor::pack(&[1], &[0u32])),
         targets: Some(Tensor::pack_points(&[1], &[[x, 0.0, 0.5]])),
         squared: false,
+        skin_points: None,
     };
     Cost { weight: Some(1.0), kind: Some(Kind::Keypoints(keypoints)), ..Cost::default() }
 }
@@ -330,7 +332,7 @@ fn refusals_name_the_field() {
         (&|r| r.costs[0].kind = None, "costs[0].kind"),
         (
             &|r| {
-                r.costs[0].kind = Some(Kind::TargetCloud(TargetCloud { points: None }));
+                r.costs[0].kind = Some(Kind::TargetCloud(TargetCloud::default()));
             },
             "target_cloud.points",
         ),
@@ -477,6 +479,7 @@ proptest! {
                 nodes: Some(Tensor::pack(&[1], &[node])),
                 targets: Some(Tensor::pack_points(&[1], &[target])),
                 squared: flags[0],
+                skin_points: None,
             })),
             ..Cost::default()
         }];

@@ -54,6 +54,7 @@ from bendtwin.rollout import (
     Timing,
 )
 from bendtwin.session import Session
+from bendtwin.skin import Skin
 from bendtwin.state import (
     CaptureFrame,
     GivenState,
@@ -136,6 +137,7 @@ __all__ = [
     "SessionInfo",
     "SessionSlots",
     "Settled",
+    "Skin",
     "Smoothness",
     "Sphere",
     "State",

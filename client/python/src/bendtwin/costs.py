@@ -9,6 +9,7 @@ from typing import Literal
 import numpy as np
 import numpy.typing as npt
 
+from bendtwin.skin import POINT_SETS, PointSet
 from bendtwin.tensors import pack_floats, pack_indices
 from bendtwin.v1 import rollout_pb2, tensor_pb2
 
@@ -71,31 +72,44 @@ def _three(name: str, values: npt.ArrayLike) -> list[float]:
 
 @dataclass(frozen=True, kw_only=True)
 class TargetCloud(Cost):
-    """Mean squared distance [m²] of target points to the nearest surface node.
+    """Mean squared distance [m²] of target points to the nearest point of the twin's surface.
 
     Points are [M, 3] for all instances and frames, [F, M, 3] by frame (with `when` "every_frame"
     or "soft_min"), or [B, 1, M, 3] or [B, F, M, 3] by instance.
     """
 
     points: npt.ArrayLike
+    #: The surface: its skin, or its surface nodes.
+    point_set: PointSet = "skin"
 
     def _describe(self, cost: rollout_pb2.Cost) -> None:
+        cost.target_cloud.point_set = POINT_SETS[self.point_set]
         cost.target_cloud.points.CopyFrom(_targets("points", self.points))
 
 
 @dataclass(frozen=True, kw_only=True)
 class Keypoints(Cost):
-    """Mean distance [m] between nodes [M] and their targets, squared [m²] if asked.
+    """Mean distance [m] between nodes [M], or points of the skin, and their targets, squared [m²]
+    if asked.
 
     Targets have a shape of `TargetCloud.points`.
     """
 
-    nodes: npt.ArrayLike
+    #: Either these or `skin_points`.
+    nodes: npt.ArrayLike | None = None
     targets: npt.ArrayLike
     squared: bool = False
+    #: Points of the skin: `Geometry.skin`.
+    skin_points: npt.ArrayLike | None = None
 
     def _describe(self, cost: rollout_pb2.Cost) -> None:
-        cost.keypoints.nodes.CopyFrom(pack_indices("nodes", self.nodes))
+        if (self.nodes is None) == (self.skin_points is None):
+            raise ValueError("give keypoints either nodes or skin_points")
+        if self.nodes is not None:
+            cost.keypoints.nodes.CopyFrom(pack_indices("nodes", self.nodes))
+        if self.skin_points is not None:
+            points = pack_indices("skin_points", self.skin_points)
+            cost.keypoints.skin_points.CopyFrom(points)
         cost.keypoints.targets.CopyFrom(_targets("targets", self.targets))
         cost.keypoints.squared = self.squared
 

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from bendtwin.skin import Skin
 from bendtwin.tensors import unpack
 from bendtwin.v1 import twin_pb2
 
@@ -64,6 +65,8 @@ class Geometry:
     mass_kg: float | None
     #: Mean length of springs between nodes, metres.
     spacing_m: float
+    #: Points of the surface that the nodes carry.
+    skin: Skin
 
     @property
     def hand_count(self) -> int:
@@ -103,6 +106,7 @@ class Geometry:
             ground=ground,
             mass_kg=message.mass_kg if message.HasField("mass_kg") else None,
             spacing_m=message.spacing_m,
+            skin=Skin.from_proto(message.skin),
         )
 
 

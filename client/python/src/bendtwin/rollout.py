@@ -9,6 +9,7 @@ from typing import Any, Literal
 import numpy as np
 import numpy.typing as npt
 
+from bendtwin.skin import POINT_SETS, PointSet
 from bendtwin.state import Grasping, State, state_of
 from bendtwin.tensors import pack_indices, unpack
 from bendtwin.v1 import rollout_pb2
@@ -60,6 +61,10 @@ class Returns:
     controls: bool = False
     #: Forces by frame.
     forces: bool = False
+    #: Points whose positions and velocities are recorded; final states and gradients are of nodes.
+    point_set: PointSet = "nodes"
+    #: Indices of the points of the skin to record, with `point_set` "skin"; None means all.
+    skin_points: npt.ArrayLike | None = None
 
     def to_proto(self) -> rollout_pb2.Returns:
         """Makes the wire form."""
@@ -77,9 +82,12 @@ class Returns:
             frame_costs=self.frame_costs,
             controls=self.controls,
             forces=self.forces,
+            point_set=POINT_SETS[self.point_set],
         )
         if self.nodes is not None:
             message.nodes.CopyFrom(pack_indices("nodes", self.nodes))
+        if self.skin_points is not None:
+            message.skin_points.CopyFrom(pack_indices("skin_points", self.skin_points))
         return message
 
 

@@ -2,7 +2,7 @@
 
 use bendtwin_core::Point;
 use bendtwin_proto::v1::{
-    self, Cuboid, Plane, Tensor,
+    self, Cuboid, Plane, PointSet, Tensor,
     cost::{
         Clearance, ControlPath, ControlSpeed, Force, Height, Keypoints, Kind, Smoothness, Strain,
         TargetCloud, When, Within, force,
@@ -30,10 +30,22 @@ pub enum ForceBy {
 pub struct Cost(pub(super) v1::Cost);
 
 impl Cost {
-    /// Mean squared distance of the target's points [m] to the nearest surface node [m²].
+    /// Mean squared distance of the target's points [m] to the nearest point of the skin [m²].
     pub fn target_cloud(name: &str, weight: f64, points: &[Point]) -> Self {
         let points = Some(Tensor::pack_points(&[points.len()], points));
-        Self::new(name, weight, Kind::TargetCloud(TargetCloud { points }))
+        let cloud = TargetCloud { points, point_set: PointSet::Skin.into() };
+        Self::new(name, weight, Kind::TargetCloud(cloud))
+    }
+
+    /// Mean distance between points of the skin and their targets [m], which the server refuses if
+    /// there is one too many or too few.
+    pub fn skin_keypoints(name: &str, weight: f64, points: &[u32], targets: &[Point]) -> Self {
+        let keypoints = Keypoints {
+            skin_points: Some(Tensor::pack(&[points.len()], points)),
+            targets: Some(Tensor::pack_points(&[targets.len()], targets)),
+            ..Keypoints::default()
+        };
+        Self::new(name, weight, Kind::Keypoints(keypoints))
     }
 
     /// Mean distance between nodes and their targets [m]. A target too many or too few is left to
@@ -42,7 +54,7 @@ impl Cost {
         let keypoints = Keypoints {
             nodes: Some(Tensor::pack(&[nodes.len()], nodes)),
             targets: Some(Tensor::pack_points(&[targets.len()], targets)),
-            squared: false,
+            ..Keypoints::default()
         };
         Self::new(name, weight, Kind::Keypoints(keypoints))
     }
@@ -110,6 +122,16 @@ impl Cost {
         };
         if let Some(targets) = targets {
             targets.shape = shape.iter().map(|d| *d as u64).chain([3]).collect();
+        }
+        self
+    }
+
+    /// To the nearest surface node instead of the skin, of a target cloud; nothing changes for other
+    /// costs.
+    #[must_use]
+    pub fn at_nodes(mut self) -> Self {
+        if let Some(Kind::TargetCloud(cloud)) = &mut self.0.kind {
+            cloud.point_set = PointSet::Nodes.into();
         }
         self
     }

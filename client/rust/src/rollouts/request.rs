@@ -5,8 +5,8 @@ use bendtwin_core::{
     ids::{CaptureId, SessionId, TwinId},
 };
 use bendtwin_proto::v1::{
-    self, ControlTrajectories, InitialState, Interpolation, KnotTimes, Plausibility, Returns,
-    RollOutRequest, Tensor,
+    self, ControlTrajectories, InitialState, Interpolation, KnotTimes, Plausibility, PointSet,
+    Returns, RollOutRequest, Tensor,
     initial_state::{CaptureFrame, GivenState, SessionSlots, Settled, State as Initial},
     knot_times::Times,
     returns::Encoding,
@@ -202,6 +202,20 @@ impl Rollout {
     pub fn record_nodes(mut self, nodes: &[u32]) -> Self {
         self.returns.nodes = Some(Tensor::pack(&[nodes.len()], nodes));
         self
+    }
+
+    /// Records the skin instead of nodes.
+    #[must_use]
+    pub fn record_skin(mut self) -> Self {
+        self.returns.point_set = PointSet::Skin.into();
+        self
+    }
+
+    /// Records only these points of the skin, instead of nodes.
+    #[must_use]
+    pub fn record_skin_points(mut self, points: &[u32]) -> Self {
+        self.returns.skin_points = Some(Tensor::pack(&[points.len()], points));
+        self.record_skin()
     }
 
     /// Positions as scaled 16-bit integers on the wire: half the size.

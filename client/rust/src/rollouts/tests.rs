@@ -22,13 +22,17 @@ fn a_builder_makes_the_request_it_describes() {
 
 #[test]
 fn what_the_builder_makes_passes_the_check() {
-    let twin = TwinShape { nodes: 5, controls: 1, rods: Some(1), ..TwinShape::default() };
+    let skin_points = Some(9);
+    let twin =
+        TwinShape { nodes: 5, skin_points, controls: 1, rods: Some(1), ..TwinShape::default() };
     let points = [[0.0; 3]; 5];
     let pose = [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0];
     let costs = |rollout: Rollout| {
         rollout
             .cost(Cost::target_cloud("cloud", 1.0, &points[..2]))
             .cost(Cost::keypoints("tip", 0.0, &[4], &points[..1]).squared())
+            .cost(Cost::target_cloud("nodes", 1.0, &points[..2]).at_nodes())
+            .cost(Cost::skin_keypoints("skin", 1.0, &[8], &points[..1]))
             .cost(Cost::smoothness("", 0.5))
             .cost(Cost::strain("strain", -1.0, 0.1).every_frame())
             .cost(Cost::force("force", 1.0, ForceBy::Control(0), 2.0).soft_min(0.1))
@@ -55,6 +59,7 @@ fn what_the_builder_makes_passes_the_check() {
     let poses =
         GripperPoses { shape: [1, 2, 1], poses: vec![pose; 2], gripper_of_control: vec![0] };
     let poses = Rollout::of(TwinId::generate()).poses(poses).cubic().best(1).final_state();
+    let poses = poses.record_every(1).record_skin_points(&[8, 0]);
     for rollout in [costs(trajectories), costs(poses)] {
         let request = rollout.into_request().unwrap();
         check_for(&request, &twin, &Limits::default(), 0).unwrap();

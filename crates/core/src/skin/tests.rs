@@ -30,6 +30,19 @@ proptest! {
         prop_assert!((found - expected).abs() < 1e-7, "{found} instead of {expected}");
     }
 
+    /// The velocity is the derivative of the position by time, by central differences.
+    #[test]
+    fn the_velocity_is_the_derivative(way in [vector(), vector(), vector(), vector()]) {
+        let (skin, nodes) = one_point();
+        let place = |time: f64| {
+            skin.position(0, |i| add(nodes[i as usize], scaled(way[i as usize], time)))
+        };
+        let step = 1e-5;
+        let expected = scaled(sub(place(step), place(-step)), 0.5 / step);
+        let found = skin.velocity(0, |i| nodes[i as usize], |i| way[i as usize]);
+        prop_assert!(length(sub(found, expected)) < 1e-7, "{found:?} instead of {expected:?}");
+    }
+
     /// A rigid motion of the nodes carries a point along, its offset included.
     #[test]
     fn rigid_motions_carry_points(axis in vector(), angle in -3.0..3.0_f64, shift in vector()) {
@@ -98,6 +111,25 @@ fn chosen_points_stay_what_they_were() {
     let at_nodes = Skin::at_nodes(&[3, 1]);
     assert_eq!(at_nodes.check(4), Ok(()));
     assert_eq!([0, 1].map(|p| at_nodes.position(p, at)), [nodes[3], nodes[1]]);
+}
+
+#[test]
+fn carriers_are_nodes_of_weights_and_frame() {
+    let (mut skin, _) = one_point();
+    assert_eq!(skin.carriers(0).collect::<Vec<_>>(), [0, 1, 3, 0, 1, 2]);
+    skin.frames[0] = [Skin::NO_FRAME; 3];
+    assert_eq!(skin.carriers(0).collect::<Vec<_>>(), [0, 1, 3]);
+}
+
+#[test]
+fn a_point_of_too_many_weights_is_refused() {
+    let point = |count: usize| {
+        let mut skin = Skin::default();
+        skin.push(0, &vec![(0, 1.0 / count as f32); count], [Skin::NO_FRAME; 3], [0.0; 3]);
+        skin.check(1)
+    };
+    assert_eq!(point(Skin::MOST_WEIGHTS), Ok(()));
+    assert!(point(Skin::MOST_WEIGHTS + 1).unwrap_err().contains("65 weights"));
 }
 
 #[test]

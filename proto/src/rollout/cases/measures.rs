@@ -28,7 +28,8 @@ pub(super) fn costs(n: u64, c: u64) -> Named<Vec<Cost>> {
     let speed = |limit_m_s| of(Kind::ControlSpeed(ControlSpeed { limit_m_s }));
     let nodes = |node: u32| Some(Tensor::pack(&[1], &[node]));
     let moving = |targets: Tensor| {
-        let keypoints = Keypoints { nodes: nodes(0), targets: Some(targets), squared: false };
+        let (nodes, targets) = (nodes(0), Some(targets));
+        let keypoints = Keypoints { nodes, targets, ..Keypoints::default() };
         timed(When::EveryFrame, Some(Kind::Keypoints(keypoints)))
     };
     vec![

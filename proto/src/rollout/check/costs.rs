@@ -8,15 +8,19 @@ use self::targets::{by_instance, points};
 use super::{
     Batch, Error, Limits, TwinShape,
     numbers::least,
-    tensors::{given, known_nodes, node_list},
+    returns::has_skin,
+    tensors::{given, index_list, known_nodes, known_skin_points},
     within,
     world::{cuboid, plane},
 };
-use crate::v1::{
-    Cost, RollOutRequest, Tensor,
-    cost::{
-        Kind, When,
-        force::{self, By},
+use crate::{
+    rollout::points::{is_at_skin, measured, point_set},
+    v1::{
+        Cost, PointSet, RollOutRequest, Tensor,
+        cost::{
+            Keypoints, Kind, When,
+            force::{self, By},
+        },
     },
 };
 
@@ -27,6 +31,8 @@ const TARGET_WORK: u128 = 20;
 /// Work of a spring, and of a node in a region, in a cost of all of them.
 const SPRING_WORK: u128 = 4;
 const NODE_WORK: u128 = 2;
+/// Work of placing a point of the skin, which is carried by some sixteen nodes.
+const SKIN_WORK: u128 = 8;
 /// Work of the distance between a node and a collider.
 const COLLIDER_WORK: u128 = 32;
 
@@ -95,7 +101,19 @@ fn one_list(cost: &Cost, batch: &Batch) -> u128 {
 pub(super) fn check_for(costs: &[Cost], twin: &TwinShape) -> Result<(), Error> {
     for (i, cost) in costs.iter().enumerate() {
         let (nodes, field) = match &cost.kind {
-            Some(Kind::Keypoints(k)) => (k.nodes.as_ref(), "keypoints.nodes"),
+            Some(Kind::TargetCloud(cloud)) => {
+                if measured(cloud) == PointSet::Skin {
+                    has_skin(twin, &format!("costs[{i}].target_cloud.point_set"))?;
+                }
+                continue;
+            }
+            Some(Kind::Keypoints(k)) => {
+                if let Some(points) = given(k.skin_points.as_ref()) {
+                    let field = format!("costs[{i}].keypoints.skin_points");
+                    known_skin_points(points, &field, twin.skin_points)?;
+                }
+                (given(k.nodes.as_ref()), "keypoints.nodes")
+            }
             Some(Kind::Height(h)) => (given(h.nodes.as_ref()), "height.nodes"),
             Some(Kind::Within(w)) => (given(w.nodes.as_ref()), "within.nodes"),
             Some(Kind::Force(f)) => {
@@ -123,7 +141,9 @@ pub(super) fn check_for(costs: &[Cost], twin: &TwinShape) -> Result<(), Error> {
 pub(super) fn work(costs: &[Cost], batch: &Batch, twin: &TwinShape) -> u128 {
     let nodes = u128::from(twin.nodes);
     let each = |cost: &Cost| {
-        let listed = points(cost).max(1) * TARGET_WORK;
+        let placed =
+            if is_at_skin(cost) { SKIN_WORK * u128::from(twin.most_skin_points()) } else { 0 };
+        let listed = points(cost).max(1) * TARGET_WORK + placed;
         match &cost.kind {
             Some(Kind::Strain(_)) => u128::from(twin.springs) * SPRING_WORK,
             Some(Kind::Height(_) | Kind::Within(_)) => listed.max(nodes * NODE_WORK),
@@ -148,15 +168,16 @@ fn kind(
             Err(Error::field(field("kind"), fault))
         }
         Some(Kind::TargetCloud(cloud)) => {
+            point_set(cloud.point_set, &field("target_cloud.point_set"))?;
             let points = field("target_cloud.points");
             targets::check(cloud.points.as_ref(), &points, when, batch).map(drop)
         }
         Some(Kind::Keypoints(keypoints)) => {
-            let nodes = node_list(keypoints.nodes.as_ref(), &field("keypoints.nodes"))?;
+            let (points, what) = named(keypoints, &field)?;
             let targets = field("keypoints.targets");
             let count = targets::check(keypoints.targets.as_ref(), &targets, when, batch)?;
-            if nodes.shape != [count] {
-                let fault = format!("has {count} points for {} nodes", nodes.shape[0]);
+            if points.shape != [count] {
+                let fault = format!("has {count} points for {} {what}", points.shape[0]);
                 return Err(Error::field(targets, fault));
             }
             Ok(())
@@ -184,6 +205,23 @@ fn kind(
             amount(speed.limit_m_s, &field("control_speed.limit_m_s"))
         }
         Some(Kind::Smoothness(_) | Kind::ControlPath(_)) => Ok(()),
+    }
+}
+
+/// The points that keypoints name, and of what they are.
+fn named<'k>(
+    keypoints: &'k Keypoints,
+    field: &impl Fn(&str) -> String,
+) -> Result<(&'k Tensor, &'static str), Error> {
+    let (nodes, skin_points) = (field("keypoints.nodes"), field("keypoints.skin_points"));
+    let of_skin = given(keypoints.skin_points.as_ref());
+    match (given(keypoints.nodes.as_ref()), of_skin) {
+        (Some(_), Some(_)) => {
+            let fault = "are given beside `nodes`: make two costs of them";
+            Err(Error::field(skin_points, fault))
+        }
+        (None, Some(points)) => Ok((index_list(Some(points), &skin_points)?, "skin points")),
+        (given, None) => Ok((index_list(given, &nodes)?, "nodes")),
     }
 }
 
@@ -229,7 +267,7 @@ fn amount(value: f64, field: &str) -> Result<(), Error> {
 /// A list of nodes that may be left out.
 fn some_nodes(nodes: Option<&Tensor>, field: &str) -> Result<(), Error> {
     match given(nodes) {
-        Some(nodes) => node_list(Some(nodes), field).map(drop),
+        Some(nodes) => index_list(Some(nodes), field).map(drop),
         None => Ok(()),
     }
 }

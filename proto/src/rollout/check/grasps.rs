@@ -3,7 +3,7 @@
 use super::{
     Error, Moves, TwinShape,
     numbers::least,
-    tensors::{given, indices, known_nodes, node_list, required},
+    tensors::{given, index_list, indices, known_nodes, required},
     world::{cuboid, gripper, parts, sphere},
 };
 use crate::v1::{
@@ -25,7 +25,7 @@ pub(super) fn check(grasps: &[Grasp], moves: &Moves) -> Result<(), Error> {
             }
             Some(Region::Sphere(s)) => sphere(s, &field("sphere"))?,
             Some(Region::Cuboid(c)) => cuboid(c, &field("cuboid"))?,
-            Some(Region::Nodes(nodes)) => node_list(Some(nodes), &field("nodes")).map(drop)?,
+            Some(Region::Nodes(nodes)) => index_list(Some(nodes), &field("nodes")).map(drop)?,
             Some(Region::Hand(hand)) if hands.contains(&hand.hand) => {
                 let fault = format!("is {}, which an earlier grasp has", hand.hand);
                 return Err(Error::field(field("hand.hand"), fault));

@@ -2,11 +2,16 @@
 
 use super::{
     Error, TwinShape,
-    tensors::{given, known_nodes, node_list},
+    tensors::{given, index_list, known_nodes, known_skin_points},
 };
-use crate::v1::{Returns, RollOutRequest, returns::Encoding};
+use crate::{
+    rollout::points::{point_set, recorded},
+    v1::{PointSet, Returns, RollOutRequest, returns::Encoding},
+};
 
 const NODES: &str = "returns.nodes";
+const SKIN_POINTS: &str = "returns.skin_points";
+const POINT_SET: &str = "returns.point_set";
 
 pub(super) fn check(request: &RollOutRequest) -> Result<(), Error> {
     let Some(returns) = &request.returns else { return Ok(()) };
@@ -14,8 +19,20 @@ pub(super) fn check(request: &RollOutRequest) -> Result<(), Error> {
         let fault = format!("has the unknown value {}: use FLOAT32 or INT16", returns.encoding);
         return Err(Error::field("returns.encoding", fault));
     }
-    if let Some(nodes) = given(returns.nodes.as_ref()) {
-        node_list(Some(nodes), NODES)?;
+    point_set(returns.point_set, POINT_SET)?;
+    let chosen = [
+        (NODES, &returns.nodes, PointSet::Nodes),
+        (SKIN_POINTS, &returns.skin_points, PointSet::Skin),
+    ];
+    for (field, tensor, of) in chosen {
+        if let Some(tensor) = given(tensor.as_ref()) {
+            index_list(Some(tensor), field)?;
+            if recorded(returns) != of {
+                let set = of.as_str_name();
+                let fault = format!("are of another point set: set `{POINT_SET}` to {set}");
+                return Err(Error::field(field, fault));
+            }
+        }
     }
     let gradients = [
         ("returns.control_gradients", returns.control_gradients),
@@ -45,8 +62,24 @@ pub fn has_gradients(returns: &Returns) -> bool {
 }
 
 pub(super) fn check_for(returns: Option<&Returns>, twin: &TwinShape) -> Result<(), Error> {
-    match returns.and_then(|r| given(r.nodes.as_ref())) {
-        Some(nodes) => known_nodes(nodes, NODES, twin.nodes),
+    let Some(returns) = returns else { return Ok(()) };
+    if recorded(returns) == PointSet::Skin {
+        has_skin(twin, POINT_SET)?;
+    }
+    if let Some(nodes) = given(returns.nodes.as_ref()) {
+        known_nodes(nodes, NODES, twin.nodes)?;
+    }
+    match given(returns.skin_points.as_ref()) {
+        Some(points) => known_skin_points(points, SKIN_POINTS, twin.skin_points),
         None => Ok(()),
     }
+}
+
+/// Refuses the skin of a twin that has neither a skin nor surface nodes.
+pub(super) fn has_skin(twin: &TwinShape, field: &str) -> Result<(), Error> {
+    if twin.skin_points == Some(0) {
+        let fault = "is SKIN, and the twin has no surface: use NODES";
+        return Err(Error::field(field, fault));
+    }
+    Ok(())
 }

@@ -44,8 +44,8 @@ pub(crate) fn finite(tensor: &Tensor, field: &str) -> Result<(), Error> {
     }
 }
 
-/// A list of node indices that is not empty.
-pub(crate) fn node_list<'t>(tensor: Option<&'t Tensor>, field: &str) -> Result<&'t Tensor, Error> {
+/// A list of indices of points that is not empty.
+pub(crate) fn index_list<'t>(tensor: Option<&'t Tensor>, field: &str) -> Result<&'t Tensor, Error> {
     let (tensor, shape) = required(tensor, field, Dtype::Uint32)?;
     match shape[..] {
         [count] if count > 0 => Ok(tensor),
@@ -55,9 +55,23 @@ pub(crate) fn node_list<'t>(tensor: Option<&'t Tensor>, field: &str) -> Result<&
 
 /// Refuses the first index that is none of the twin's nodes.
 pub(crate) fn known_nodes(tensor: &Tensor, field: &str, nodes: u64) -> Result<(), Error> {
-    match indices(tensor).find(|n| u64::from(*n) >= nodes) {
-        Some(n) => {
-            let fault = format!("names node {n}, the twin has {nodes} (counted from 0)");
+    known(tensor, field, "node", nodes)
+}
+
+/// Refuses the first index that is none of the points of a twin's skin. Where their number is not
+/// known, the worker refuses it.
+pub(crate) fn known_skin_points(
+    tensor: &Tensor,
+    field: &str,
+    skin_points: Option<u64>,
+) -> Result<(), Error> {
+    skin_points.map_or(Ok(()), |count| known(tensor, field, "skin point", count))
+}
+
+fn known(tensor: &Tensor, field: &str, what: &str, count: u64) -> Result<(), Error> {
+    match indices(tensor).find(|i| u64::from(*i) >= count) {
+        Some(i) => {
+            let fault = format!("names {what} {i}, the twin has {count} (counted from 0)");
             Err(Error::field(field, fault))
         }
         None => Ok(()),

@@ -5,12 +5,12 @@ use super::*;
 use crate::{
     rollout::cases,
     v1::{
-        ControlTrajectories, Cost, Cuboid, Ensemble, GripperPoses, InitialState, Plane, Returns,
-        Tensor, Vary,
+        ControlTrajectories, Cost, Cuboid, Ensemble, GripperPoses, InitialState, Plane, PointSet,
+        Returns, Tensor, Vary,
         collider::Carrier,
         cost::{
-            Clearance, ControlPath, ControlSpeed, Force, Height, Kind, Strain, TargetCloud, When,
-            Within,
+            Clearance, ControlPath, ControlSpeed, Force, Height, Keypoints, Kind, Strain,
+            TargetCloud, When, Within,
             force::{All, By},
         },
         initial_state::{GivenState, State},
@@ -25,6 +25,7 @@ const TWIN: TwinShape = TwinShape {
     springs: 4,
     triplets: 3,
     controls: 1,
+    skin_points: Some(9),
     rods: Some(0),
     substeps: 10,
     fast_substeps: None,
@@ -52,7 +53,9 @@ fn each_fault_is_refused_and_named() {
 #[test]
 fn what_needs_no_twin_is_refused_without_one() {
     // Only the twin, or the call, tells about these.
-    const NEEDS_TWIN: [&str; 18] = [
+    const NEEDS_TWIN: [&str; 20] = [
+        "a point that the skin does not have",
+        "a point to record that the skin does not have",
         "parts in time of one message",
         "no controls",
         "a control too many",
@@ -169,7 +172,10 @@ fn limits_hold_and_say_what_to_do() {
     let work = 2 * (2 * 10 * 12 + 20);
     beyond(&sound(), Limits { work: work - 1, ..all }, "shorter horizon");
     assert!(check_for(&sound(), &TWIN, &Limits { work, ..all }, 0).is_ok());
-    let cloud = Kind::TargetCloud(TargetCloud { points: Some(Tensor::pack(&[9, 3], &[0f32; 27])) });
+    let cloud = Kind::TargetCloud(TargetCloud {
+        points: Some(Tensor::pack(&[9, 3], &[0f32; 27])),
+        point_set: 0,
+    });
     let everywhere = Cost { when: When::EveryFrame.into(), kind: Some(cloud), ..Cost::default() };
     let request = RollOutRequest { costs: vec![everywhere], ..sound() };
     beyond(&request, Limits { targets: 2 * (9 + 16) - 1, ..all }, "thin the targets out");
@@ -185,7 +191,7 @@ fn targets_may_differ_by_frame_and_instance() {
     let limits = Limits::default();
     let with = |shape: &[usize], when: When, temperature: f64| {
         let points = Some(Tensor::pack(shape, &vec![0.0f32; shape.iter().product()]));
-        let kind = Some(Kind::TargetCloud(TargetCloud { points }));
+        let kind = Some(Kind::TargetCloud(TargetCloud { points, point_set: 0 }));
         let cost = Cost { when: when.into(), temperature, kind, ..Cost::default() };
         RollOutRequest { costs: vec![cost], ..sound() }
     };
@@ -284,4 +290,54 @@ proptest! {
             }
         }
     }
+}
+
+#[test]
+fn points_of_the_skin_are_counted_where_the_twin_tells() {
+    let list = |point: u32| Some(Tensor::pack(&[1], &[point]));
+    let returns = |point: u32| Returns {
+        every_frames: 1,
+        point_set: PointSet::Skin.into(),
+        skin_points: list(point),
+        ..Returns::default()
+    };
+    let keypoints = |point: u32| Keypoints {
+        skin_points: list(point),
+        targets: Some(Tensor::pack_points(&[1], &[[0.0; 3]])),
+        ..Keypoints::default()
+    };
+    let passes = |point: u32, twin: &TwinShape| {
+        let costs = vec![Cost { kind: Some(Kind::Keypoints(keypoints(point))), ..Cost::default() }];
+        let recording = RollOutRequest { returns: Some(returns(point)), ..sound() };
+        [recording, RollOutRequest { costs, ..sound() }]
+            .map(|request| check_for(&request, twin, &Limits::default(), 0).map(drop))
+    };
+    // More than there are nodes.
+    assert_eq!(passes(8, &TWIN), [Ok(()), Ok(())]);
+    for refused in passes(9, &TWIN) {
+        let text = refused.unwrap_err().to_string();
+        assert!(text.contains("names skin point 9, the twin has 9 (counted from 0)"), "{text}");
+    }
+    // A server that does not know leaves it to the worker.
+    assert_eq!(passes(9, &TwinShape { skin_points: None, ..TWIN }), [Ok(()), Ok(())]);
+}
+
+#[test]
+fn a_twin_without_surface_has_no_skin() {
+    let bare = TwinShape { skin_points: Some(0), ..TWIN };
+    let cloud = |point_set: PointSet| {
+        let points = Some(Tensor::pack_points(&[1], &[[0.0; 3]]));
+        let cloud = TargetCloud { points, point_set: point_set.into() };
+        let costs = vec![Cost { kind: Some(Kind::TargetCloud(cloud)), ..Cost::default() }];
+        RollOutRequest { costs, ..sound() }
+    };
+    let limits = Limits::default();
+    assert!(check_for(&cloud(PointSet::Nodes), &bare, &limits, 0).is_ok());
+    let refused = refused(&cloud(PointSet::Unspecified), &bare, &limits).to_string();
+    assert!(refused.contains("`costs[0].target_cloud.point_set`"), "{refused}");
+    let point_set = PointSet::Skin.into();
+    let returns = Some(Returns { every_frames: 1, point_set, ..Returns::default() });
+    let request = RollOutRequest { returns, ..sound() };
+    assert!(check_for(&request, &TWIN, &limits, 0).is_ok());
+    assert!(check_for(&request, &bare, &limits, 0).is_err());
 }

@@ -3,7 +3,10 @@ use prost::Message as _;
 use super::*;
 use crate::{
     rollout::{TwinShape, cases},
-    v1::{Cost, Returns, RollOutRequest, Tensor},
+    v1::{
+        Cost, Returns, RollOutRequest, Tensor,
+        cost::{Keypoints, Kind},
+    },
 };
 
 fn encoded(change: impl FnOnce(&mut RollOutRequest)) -> Vec<u8> {
@@ -37,6 +40,11 @@ fn a_tensor_has_few_dimensions_wherever_it_stands() {
     };
     assert_eq!(with(MOST_DIMENSIONS), Ok(()));
     assert!(with(10_000).is_err());
+    let returns = Some(Returns { skin_points: flat(100), ..Returns::default() });
+    assert!(check_encoded(Encoded::RollOut, &encoded(|r| r.returns = returns), &limits).is_err());
+    let keypoints = Keypoints { skin_points: flat(100), ..Keypoints::default() };
+    let cost = Cost { kind: Some(Kind::Keypoints(keypoints)), ..Cost::default() };
+    assert!(check_encoded(Encoded::RollOut, &encoded(|r| r.costs = vec![cost]), &limits).is_err());
     // One by one, not packed, as old encoders write them.
     let one_by_one = [&[0x3a, 203, 1, 0x12, 200, 1][..], &[0x10, 0].repeat(100)[..]].concat();
     let decoded = RollOutRequest::decode(&*one_by_one).unwrap();

@@ -2,8 +2,10 @@ use super::*;
 use crate::{
     rollout::{Error, Limits, check_for},
     v1::{
-        ControlTrajectories, Cost, GripperPoses, InitialState, Returns, Tensor,
-        initial_state::GivenState, roll_out_request::Actions,
+        ControlTrajectories, Cost, GripperPoses, InitialState, PointSet, Returns, Tensor,
+        cost::{Kind, TargetCloud},
+        initial_state::GivenState,
+        roll_out_request::Actions,
     },
 };
 
@@ -15,6 +17,7 @@ const MANY_CONTROLS: TwinShape = TwinShape {
     springs: 1,
     triplets: 0,
     controls: 10_000,
+    skin_points: Some(0),
     rods: Some(0),
     substeps: 1,
     fast_substeps: None,
@@ -94,4 +97,44 @@ fn lanes_and_prepared_instances_are_counted() {
     assert_eq!((memory.least(), memory.bytes(8, 4), memory.bytes(2, 4)), (1111, 184, 122));
     let absurd = Memory { request: 0, fixed: 1, prepared: u64::MAX, running: u64::MAX };
     assert_eq!(absurd.bytes(usize::MAX, 3), u64::MAX);
+}
+
+#[test]
+fn the_skin_counts_as_what_it_is_and_as_the_nodes_that_it_is_placed_from() {
+    let twin = TwinShape { nodes: 1_000, skin_points: Some(20_000), controls: 1, ..MANY_CONTROLS };
+    let mut asked = request(&twin, 1, 100);
+    let mut counted = |returns: Returns| {
+        asked.returns = Some(returns);
+        of(&asked, &twin)
+    };
+    let recording = Returns { every_frames: 10, ..Returns::default() };
+    let nodes = counted(recording.clone());
+    let whole = Returns { point_set: PointSet::Skin.into(), ..recording };
+    let skin = counted(whole.clone());
+    // Ten frames of the reply, and of the engine's recording.
+    assert!(skin.fixed - nodes.fixed > 4 * 10 * 12 * 19_000);
+    assert!(skin.prepared - nodes.prepared >= 10 * 12 * 1_000);
+    let some = Returns { skin_points: Some(Tensor::pack(&[1], &[5u32])), ..whole };
+    assert!(counted(some).fixed < nodes.fixed);
+    // A twin whose skin nobody has counted has no more points than nodes.
+    let uncounted = TwinShape { skin_points: None, ..twin };
+    let whole =
+        Returns { point_set: PointSet::Skin.into(), every_frames: 10, ..Returns::default() };
+    let request = RollOutRequest { returns: Some(whole), ..request(&uncounted, 1, 100) };
+    assert_eq!(of(&request, &uncounted).fixed, nodes.fixed + 8 * 1_000);
+}
+
+#[test]
+fn costs_at_the_skin_place_it() {
+    let twin = TwinShape { nodes: 10, skin_points: Some(50_000), controls: 1, ..MANY_CONTROLS };
+    let mut request = request(&twin, 1, 10);
+    let mut running = |point_set: PointSet| {
+        let points = zeros(&[1, 3]);
+        let cloud = TargetCloud { points, point_set: point_set.into() };
+        request.costs = vec![Cost { kind: Some(Kind::TargetCloud(cloud)), ..Cost::default() }];
+        of(&request, &twin).running
+    };
+    let nodes = running(PointSet::Nodes);
+    assert!(running(PointSet::Skin) - nodes >= 32 * 50_000);
+    assert_eq!(running(PointSet::Unspecified), running(PointSet::Skin));
 }

@@ -6,7 +6,7 @@ use prost::Message as _;
 use super::*;
 use crate::rollout::ImplausibleReason;
 use crate::v1::{
-    Cost, Fidelity, Grasp, Grasping, Returns, RollOutResponse, Tensor,
+    Cost, Fidelity, Grasp, Grasping, PointSet, Returns, RollOutResponse, Tensor,
     roll_out_response::{Deviation, Diagnostics, Divergence, Implausible, Timing, Window},
 };
 
@@ -85,10 +85,14 @@ fn reply(
     }
     if returns.every_frames > 0 {
         let rows = part_frames(request, batch) / u64::from(returns.every_frames);
-        let nodes = returns.nodes.as_ref().map_or(twin.nodes, |t| t.shape[0]);
+        let (chosen, all) = match returns.point_set() {
+            PointSet::Skin => (&returns.skin_points, twin.skin_points.unwrap_or(twin.nodes)),
+            _ => (&returns.nodes, twin.nodes),
+        };
+        let points = chosen.as_ref().map_or(all, |t| t.shape[0]);
         reply.frames = Some(tensor(&[rows], 4));
         let is_packed = returns.encoding() == Encoding::Int16;
-        let positions = tensor(&[holders, rows, nodes, 3], if is_packed { 2 } else { 4 });
+        let positions = tensor(&[holders, rows, points, 3], if is_packed { 2 } else { 4 });
         let scale = if is_packed { 1.0 } else { 0.0 };
         reply.positions = Some(Tensor { scale, offset: scale, ..positions });
         reply.velocities = returns.velocities.then(|| reply.positions.clone()).flatten();
@@ -138,16 +142,20 @@ proptest! {
         (instances, frames, part) in (1u64..400, 1u64..40, 0u32..30),
         (nodes, controls, rods) in (1u64..200, 1u64..5, prop::option::of(1u64..3)),
         (every_frames, best, chosen) in (0u32..9, 0u32..5, prop::option::of(1usize..9)),
+        (point_set, skin_points) in (0i32..3, prop::option::of(1u64..500)),
         (encoding, terms, grasps) in (0i32..3, 0usize..20, 0usize..3),
         (part_frames, time_limit_s) in (0u32..9, prop::option::of(0.1f64..1.0)),
         flags in any::<[bool; 10]>(),
     ) {
         let part = if best > 0 { 0 } else { part };
+        let list = |n: usize| Tensor::pack(&[n], &vec![0u32; n]);
         let returns = Returns {
             every_frames,
             best,
             encoding,
-            nodes: chosen.map(|n| Tensor::pack(&[n], &vec![0u32; n])),
+            point_set,
+            nodes: chosen.filter(|_| point_set != PointSet::Skin as i32).map(list),
+            skin_points: chosen.filter(|_| point_set == PointSet::Skin as i32).map(list),
             final_state: flags[0],
             diagnostics: flags[1],
             control_gradients: flags[2],
@@ -172,7 +180,7 @@ proptest! {
             ..RollOutRequest::default()
         };
         let batch = Batch { instances, knots: 2, frames };
-        let twin = TwinShape { nodes, controls, rods, ..TwinShape::default() };
+        let twin = TwinShape { nodes, controls, rods, skin_points, ..TwinShape::default() };
         let covered = if part == 0 { instances } else { instances.min(u64::from(part)) };
         let encoded = reply(&request, &batch, &twin, covered).encoded_len() as u64;
         let bound = reply_bytes(&request, &batch, &twin, part);

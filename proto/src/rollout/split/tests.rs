@@ -29,9 +29,13 @@ fn request(b: usize) -> RollOutRequest {
             places: numbered(&[b, 4, 3], 7e3),
         }),
     };
-    let cloud = TargetCloud { points: numbered(&[b, 1, 5, 3], 8e3) };
-    let keypoints =
-        Keypoints { targets: numbered(&[2, 5, 3], 9e3), nodes: numbered(&[5], 0.0), squared: true };
+    let cloud = TargetCloud { points: numbered(&[b, 1, 5, 3], 8e3), point_set: 0 };
+    let keypoints = Keypoints {
+        targets: numbered(&[2, 5, 3], 9e3),
+        nodes: numbered(&[5], 0.0),
+        squared: true,
+        skin_points: None,
+    };
     let cost = |kind| Cost { kind: Some(kind), ..Cost::default() };
     RollOutRequest {
         twin: "twins/x".to_owned(),

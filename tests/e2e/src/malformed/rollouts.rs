@@ -166,12 +166,13 @@ fn states(nodes: usize) -> Vec<(&'static str, State)> {
 fn costs() -> Vec<(&'static str, Cost)> {
     let points = |values: &[[f32; 3]]| Some(Tensor::pack_points(&[values.len()], values));
     let weighted = |weight: f64, kind| Cost { weight: Some(weight), kind, ..Cost::default() };
-    let cloud = |points| Some(cost::Kind::TargetCloud(cost::TargetCloud { points }));
+    let cloud = |points| Some(cost::Kind::TargetCloud(cost::TargetCloud { points, point_set: 0 }));
     let keypoints = |nodes: &[u32], targets: &[[f32; 3]]| {
         Some(cost::Kind::Keypoints(cost::Keypoints {
             nodes: Some(Tensor::pack(&[nodes.len()], nodes)),
             targets: points(targets),
             squared: false,
+            skin_points: None,
         }))
     };
     vec![

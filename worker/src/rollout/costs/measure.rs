@@ -4,9 +4,12 @@ use std::sync::Arc;
 
 use bendtwin_core::Point;
 use bendtwin_engine::{PointLoss, PointSet, Term, objective::ForceBy};
-use bendtwin_proto::v1::{
-    Plane, Tensor,
-    cost::{Kind, force::By},
+use bendtwin_proto::{
+    rollout,
+    v1::{
+        self, Plane, Tensor,
+        cost::{Kind, force::By},
+    },
 };
 
 use super::controls::Motion;
@@ -15,9 +18,13 @@ use crate::rollout::error::Error;
 /// What a cost measures.
 #[derive(Debug)]
 pub(super) enum Measure {
-    Cloud(Targets),
+    Cloud {
+        of: PointSet,
+        targets: Targets,
+    },
     Keypoints {
-        nodes: Vec<u32>,
+        of: PointSet,
+        points: Vec<u32>,
         targets: Targets,
         loss: PointLoss,
     },
@@ -73,16 +80,26 @@ impl Measure {
         match kind {
             None => Err(Error::field(field("kind"), "is missing")),
             Some(Kind::TargetCloud(cloud)) => {
+                let of = match rollout::measured(&cloud) {
+                    v1::PointSet::Nodes => PointSet::Nodes,
+                    v1::PointSet::Skin | v1::PointSet::Unspecified => PointSet::Skin,
+                };
                 let targets = Targets::read(cloud.points, &field("target_cloud.points"))?;
-                Ok((Self::Cloud(targets), 1.0))
+                Ok((Self::Cloud { of, targets }, 1.0))
             }
             Some(Kind::Keypoints(keypoints)) => {
-                let nodes = keypoints.nodes.unwrap_or_default();
-                let (_, nodes) = nodes.unpack(&field("keypoints.nodes"))?;
+                let of_skin = keypoints.skin_points.filter(|t| !t.is_absent());
+                let (of, points, name) = match of_skin {
+                    Some(points) => (PointSet::Skin, points, "keypoints.skin_points"),
+                    None => {
+                        (PointSet::Nodes, keypoints.nodes.unwrap_or_default(), "keypoints.nodes")
+                    }
+                };
+                let (_, points) = points.unpack(&field(name))?;
                 let targets = Targets::read(keypoints.targets, &field("keypoints.targets"))?;
                 let squared = keypoints.squared;
                 let loss = if squared { PointLoss::SquaredDistance } else { PointLoss::Distance };
-                Ok((Self::Keypoints { nodes, targets, loss }, 1.0))
+                Ok((Self::Keypoints { of, points, targets, loss }, 1.0))
             }
             Some(Kind::Smoothness(_)) => fixed(Term::Acceleration),
             Some(Kind::Strain(strain)) => fixed(Term::Strain { limit: strain.limit }),
@@ -123,7 +140,7 @@ impl Measure {
     /// True if other instances have other targets.
     pub(super) fn is_by_instance(&self) -> bool {
         match self {
-            Self::Cloud(targets) | Self::Keypoints { targets, .. } => targets.instances > 1,
+            Self::Cloud { targets, .. } | Self::Keypoints { targets, .. } => targets.instances > 1,
             Self::Fixed(_) | Self::Controls(_) => false,
         }
     }
@@ -131,12 +148,12 @@ impl Measure {
     /// The term of an instance in a frame; none of what the engine does not measure.
     pub(super) fn term(&self, instance: usize, frame: usize) -> Option<Term> {
         match self {
-            Self::Cloud(targets) => {
-                Some(Term::Chamfer { of: PointSet::Nodes, targets: targets.at(instance, frame) })
+            Self::Cloud { of, targets } => {
+                Some(Term::Chamfer { of: *of, targets: targets.at(instance, frame) })
             }
-            Self::Keypoints { nodes, targets, loss } => Some(Term::Track {
-                of: PointSet::Nodes,
-                points: nodes.clone(),
+            Self::Keypoints { of, points, targets, loss } => Some(Term::Track {
+                of: *of,
+                points: points.clone(),
                 targets: targets.at(instance, frame),
                 loss: *loss,
             }),

@@ -106,6 +106,7 @@ impl Track {
             self.look_back(instance, &mut result);
             thin_out(&plan.returns, &mut result);
         }
+        plan.returns.recorded.place(&plan.twin().skin, &mut result);
         self.add_costs(span, &mut result);
         self.measure(span, &result);
         if let Some(state) = &result.final_state {
@@ -198,7 +199,7 @@ fn thin_out(returns: &Returns, result: &mut Rollout) {
         } else {
             0
         });
-        *values = match &returns.nodes {
+        *values = match returns.recorded.nodes() {
             None => frames.flatten().copied().collect(),
             Some(some) => frames.flat_map(|row| some.iter().map(|&i| row[i as usize])).collect(),
         };

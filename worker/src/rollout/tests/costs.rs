@@ -17,6 +17,7 @@ fn follow(shape: &[usize], x: impl Fn(usize) -> f32) -> Cost {
         nodes: Some(Tensor::pack(&[1], &[3u32])),
         targets: Some(Tensor::pack_points(shape, &targets)),
         squared: true,
+        skin_points: None,
     };
     Cost {
         when: When::EveryFrame.into(),
@@ -155,7 +156,8 @@ fn targets_by_instance_and_frame_are_those_of_requests_of_their_own() {
             let (_, points) = all.targets.unwrap().unpack_points("t").unwrap();
             let targets = Some(Tensor::pack_points(&[count, 1], &points[first..first + count]));
             let nodes = Some(Tensor::pack(&[1], &[3u32]));
-            let kind = Kind::Keypoints(Keypoints { nodes, targets, squared: true });
+            let kind =
+                Kind::Keypoints(Keypoints { nodes, targets, squared: true, skin_points: None });
             Cost { kind: Some(kind), ..follow(&[1], x) }
         };
         let mut fixed = own(1, b);

@@ -15,6 +15,12 @@ class Fidelity(int, metaclass=_enum_type_wrapper.EnumTypeWrapper):
     EXACT: _ClassVar[Fidelity]
     FAST: _ClassVar[Fidelity]
 
+class PointSet(int, metaclass=_enum_type_wrapper.EnumTypeWrapper):
+    __slots__ = ()
+    POINT_SET_UNSPECIFIED: _ClassVar[PointSet]
+    NODES: _ClassVar[PointSet]
+    SKIN: _ClassVar[PointSet]
+
 class Interpolation(int, metaclass=_enum_type_wrapper.EnumTypeWrapper):
     __slots__ = ()
     INTERPOLATION_UNSPECIFIED: _ClassVar[Interpolation]
@@ -24,6 +30,9 @@ class Interpolation(int, metaclass=_enum_type_wrapper.EnumTypeWrapper):
 FIDELITY_UNSPECIFIED: Fidelity
 EXACT: Fidelity
 FAST: Fidelity
+POINT_SET_UNSPECIFIED: PointSet
+NODES: PointSet
+SKIN: PointSet
 INTERPOLATION_UNSPECIFIED: Interpolation
 LINEAR: Interpolation
 CUBIC: Interpolation
@@ -195,19 +204,23 @@ class Cost(_message.Message):
     EVERY_FRAME: Cost.When
     SOFT_MIN: Cost.When
     class TargetCloud(_message.Message):
-        __slots__ = ("points",)
+        __slots__ = ("points", "point_set")
         POINTS_FIELD_NUMBER: _ClassVar[int]
+        POINT_SET_FIELD_NUMBER: _ClassVar[int]
         points: _tensor_pb2.Tensor
-        def __init__(self, points: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ...) -> None: ...
+        point_set: PointSet
+        def __init__(self, points: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., point_set: _Optional[_Union[PointSet, str]] = ...) -> None: ...
     class Keypoints(_message.Message):
-        __slots__ = ("nodes", "targets", "squared")
+        __slots__ = ("nodes", "targets", "squared", "skin_points")
         NODES_FIELD_NUMBER: _ClassVar[int]
         TARGETS_FIELD_NUMBER: _ClassVar[int]
         SQUARED_FIELD_NUMBER: _ClassVar[int]
+        SKIN_POINTS_FIELD_NUMBER: _ClassVar[int]
         nodes: _tensor_pb2.Tensor
         targets: _tensor_pb2.Tensor
         squared: bool
-        def __init__(self, nodes: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., targets: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., squared: bool = ...) -> None: ...
+        skin_points: _tensor_pb2.Tensor
+        def __init__(self, nodes: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., targets: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., squared: bool = ..., skin_points: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ...) -> None: ...
     class Smoothness(_message.Message):
         __slots__ = ()
         def __init__(self) -> None: ...
@@ -294,7 +307,7 @@ class Cost(_message.Message):
     def __init__(self, name: _Optional[str] = ..., weight: _Optional[float] = ..., when: _Optional[_Union[Cost.When, str]] = ..., target_cloud: _Optional[_Union[Cost.TargetCloud, _Mapping]] = ..., keypoints: _Optional[_Union[Cost.Keypoints, _Mapping]] = ..., smoothness: _Optional[_Union[Cost.Smoothness, _Mapping]] = ..., strain: _Optional[_Union[Cost.Strain, _Mapping]] = ..., force: _Optional[_Union[Cost.Force, _Mapping]] = ..., height: _Optional[_Union[Cost.Height, _Mapping]] = ..., within: _Optional[_Union[Cost.Within, _Mapping]] = ..., clearance: _Optional[_Union[Cost.Clearance, _Mapping]] = ..., control_path: _Optional[_Union[Cost.ControlPath, _Mapping]] = ..., control_speed: _Optional[_Union[Cost.ControlSpeed, _Mapping]] = ..., temperature: _Optional[float] = ...) -> None: ...
 
 class Returns(_message.Message):
-    __slots__ = ("every_frames", "nodes", "encoding", "best", "final_state", "diagnostics", "control_gradients", "action_gradients", "initial_gradients", "gradient_norms", "velocities", "forces", "frame_costs", "controls", "part_frames")
+    __slots__ = ("every_frames", "nodes", "encoding", "best", "final_state", "diagnostics", "control_gradients", "action_gradients", "initial_gradients", "gradient_norms", "velocities", "forces", "frame_costs", "controls", "part_frames", "point_set", "skin_points")
     class Encoding(int, metaclass=_enum_type_wrapper.EnumTypeWrapper):
         __slots__ = ()
         ENCODING_UNSPECIFIED: _ClassVar[Returns.Encoding]
@@ -318,6 +331,8 @@ class Returns(_message.Message):
     FRAME_COSTS_FIELD_NUMBER: _ClassVar[int]
     CONTROLS_FIELD_NUMBER: _ClassVar[int]
     PART_FRAMES_FIELD_NUMBER: _ClassVar[int]
+    POINT_SET_FIELD_NUMBER: _ClassVar[int]
+    SKIN_POINTS_FIELD_NUMBER: _ClassVar[int]
     every_frames: int
     nodes: _tensor_pb2.Tensor
     encoding: Returns.Encoding
@@ -333,7 +348,9 @@ class Returns(_message.Message):
     frame_costs: bool
     controls: bool
     part_frames: int
-    def __init__(self, every_frames: _Optional[int] = ..., nodes: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., encoding: _Optional[_Union[Returns.Encoding, str]] = ..., best: _Optional[int] = ..., final_state: bool = ..., diagnostics: bool = ..., control_gradients: bool = ..., action_gradients: bool = ..., initial_gradients: bool = ..., gradient_norms: bool = ..., velocities: bool = ..., forces: bool = ..., frame_costs: bool = ..., controls: bool = ..., part_frames: _Optional[int] = ...) -> None: ...
+    point_set: PointSet
+    skin_points: _tensor_pb2.Tensor
+    def __init__(self, every_frames: _Optional[int] = ..., nodes: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., encoding: _Optional[_Union[Returns.Encoding, str]] = ..., best: _Optional[int] = ..., final_state: bool = ..., diagnostics: bool = ..., control_gradients: bool = ..., action_gradients: bool = ..., initial_gradients: bool = ..., gradient_norms: bool = ..., velocities: bool = ..., forces: bool = ..., frame_costs: bool = ..., controls: bool = ..., part_frames: _Optional[int] = ..., point_set: _Optional[_Union[PointSet, str]] = ..., skin_points: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ...) -> None: ...
 
 class RollOutResponse(_message.Message):
     __slots__ = ("first_instance", "costs", "cost_names", "cost_terms", "instances", "frames", "positions", "final_positions", "final_velocities", "control_gradients", "diagnostics", "diverged", "timing", "worker", "fidelity", "substeps", "deviation", "final_twists", "final_controls", "final_grasping", "action_gradients", "initial_position_gradients", "initial_velocity_gradients", "gradient_norms", "gradient_exploded", "velocities", "forces", "frame_costs", "controls", "member_costs", "implausible", "mass_kg", "window", "unfinished")

@@ -1,0 +1,86 @@
+"""The skin of a twin: placed here, and what requests say of it. What a server returns of it is in
+test_server.py."""
+
+import numpy as np
+import pytest
+
+from bendtwin import Keypoints, Returns, Skin, TargetCloud
+from bendtwin.skin import NONE
+from bendtwin.tensors import pack_floats, pack_indices, pack_integers
+from bendtwin.v1 import rollout_pb2, twin_pb2
+
+NODES = np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]])
+
+
+def skin():
+    """A node, a mean with an offset along the world's axes, and one with a frame."""
+    return Skin(
+        rest_positions=np.zeros((3, 3), np.float32),
+        observed_points=np.array([4, 5, NONE], np.uint32),
+        weight_counts=np.array([1, 2, 3], np.uint32),
+        weight_nodes=np.array([3, 0, 1, 0, 1, 2], np.uint32),
+        weights=np.array([1, 0.5, 0.5, 0.5, 0.25, 0.25], np.float32),
+        frames=np.array([[NONE] * 3, [NONE] * 3, [0, 1, 2]], np.uint32),
+        offsets=np.array([[0, 0, 0], [0, 0, 0.5], [0.125, 0.25, 0.5]], np.float32),
+    )
+
+
+def test_points_are_where_their_nodes_carry_them():
+    expected = [[0, 0, 1], [0.5, 0, 0.5], [0.375, 0.5, 0.5]]
+    np.testing.assert_allclose(skin().positions(NODES), expected, atol=1e-12)
+
+
+def test_frames_turn_with_their_nodes():
+    turn = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
+    moved = np.stack([NODES, NODES @ turn.T + [1, 2, 3]])
+    placed = skin().positions(moved[:, None])
+    assert placed.shape == (2, 1, 3, 3)
+    np.testing.assert_allclose(placed[1, 0, 2], turn @ placed[0, 0, 2] + [1, 2, 3], atol=1e-12)
+    # Offsets along the axes of the world do not.
+    np.testing.assert_allclose(placed[1, 0, 1], [1, 2.5, 3.5], atol=1e-12)
+
+
+def test_a_frame_that_collapsed_has_no_offset():
+    line = np.array([[0.0, 0, 0], [1, 0, 0], [2, 0, 0], [0, 0, 1]])
+    np.testing.assert_allclose(skin().positions(line)[2], [0.75, 0, 0], atol=1e-12)
+
+
+def test_other_nodes_are_refused():
+    with pytest.raises(ValueError, match="node 3 carries the skin"):
+        skin().positions(NODES[:3])
+    with pytest.raises(ValueError, match=r"not \[\.\.\., N, 3\]"):
+        skin().positions(NODES[:, :2])
+
+
+def test_a_skin_is_read_from_the_wire():
+    own = skin()
+    message = twin_pb2.TwinGeometry.Skin(
+        rest_positions=pack_floats("rest", own.rest_positions, (None, 3)),
+        observed_points=pack_indices("observed", own.observed_points),
+        weight_counts=pack_indices("counts", own.weight_counts),
+        weight_nodes=pack_indices("nodes", own.weight_nodes),
+        weights=pack_floats("weights", own.weights, (None,)),
+        frames=pack_integers("frames", own.frames, (None, 3)),
+        offsets=pack_floats("offsets", own.offsets, (None, 3)),
+    )
+    read = Skin.from_proto(message)
+    assert len(read) == 3
+    np.testing.assert_array_equal(read.positions(NODES), own.positions(NODES))
+    none = Skin.from_proto(twin_pb2.TwinGeometry.Skin())
+    assert none.positions(NODES).shape == (0, 3)
+
+
+def test_requests_say_which_points_they_mean():
+    cloud = TargetCloud(points=[[0, 0, 0]]).to_proto()
+    assert cloud.target_cloud.point_set == rollout_pb2.SKIN
+    cloud = TargetCloud(points=[[0, 0, 0]], point_set="nodes").to_proto()
+    assert cloud.target_cloud.point_set == rollout_pb2.NODES
+    keypoints = Keypoints(skin_points=[7], targets=[[0, 0, 0]]).to_proto().keypoints
+    assert list(keypoints.skin_points.shape) == [1]
+    assert not keypoints.HasField("nodes")
+    returns = Returns(every_frames=1, point_set="skin", skin_points=[1, 2]).to_proto()
+    assert returns.point_set == rollout_pb2.SKIN
+    assert list(returns.skin_points.shape) == [2]
+    for wrong in ({}, {"nodes": [0], "skin_points": [0]}):
+        with pytest.raises(ValueError, match="either nodes or skin_points"):
+            Keypoints(targets=[[0, 0, 0]], **wrong).to_proto()
