@@ -25,14 +25,13 @@ const FINDERS: [&str; 6] = [
 ];
 
 /// Files with words in capitals of other vocabularies.
-const OTHERS: [&str; 7] = [
+const OTHERS: [&str; 6] = [
     "crates/capture/src/raw/nerfstudio/",
     "crates/cuda/",
     "proto/src/fault.rs",
     "proto/src/rollout/cases.rs",
-    "proto/src/rollout/surroundings.rs",
+    "proto/src/rollout/implausible.rs",
     "server/src/http/rollouts/schema.rs",
-    "worker/src/rollout/plausible.rs",
 ];
 
 /// Beginnings of words that name environment variables.
