@@ -78,6 +78,7 @@ def test_requests_say_which_points_they_mean():
     keypoints = Keypoints(skin_points=[7], targets=[[0, 0, 0]]).to_proto().keypoints
     assert list(keypoints.skin_points.shape) == [1]
     assert not keypoints.HasField("nodes")
+    assert Returns().to_proto().point_set == rollout_pb2.NODES
     returns = Returns(every_frames=1, point_set="skin", skin_points=[1, 2]).to_proto()
     assert returns.point_set == rollout_pb2.SKIN
     assert list(returns.skin_points.shape) == [2]

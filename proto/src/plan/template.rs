@@ -26,8 +26,9 @@ impl Template {
     /// The template of a checked request of one instance.
     pub(super) fn new(mut request: RollOutRequest) -> Self {
         let shape = actions(&request).map(|t| t.shape.iter().map(|d| *d as usize).collect());
-        // An encoding alone asks for nothing.
-        let asks = |r: &Returns| Returns { encoding: 0, ..r.clone() } != Returns::default();
+        // An encoding or a point set alone asks for nothing.
+        let asks =
+            |r: &Returns| Returns { encoding: 0, point_set: 0, ..r.clone() } != Returns::default();
         let returns = request.returns.take().filter(asks);
         let refuses = request.plausibility.as_ref().is_some_and(|p| p.refuse);
         rollout::split::by_instance(&mut request, shared);

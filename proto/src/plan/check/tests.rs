@@ -54,7 +54,8 @@ fn faults_of_the_rollout_are_those_of_a_rollout() {
 #[test]
 fn what_is_left_is_what_a_planner_needs() {
     let mut request = cases::sound(&TWIN);
-    request.rollout.as_mut().unwrap().returns = Some(Returns { encoding: 1, ..Returns::default() });
+    request.rollout.as_mut().unwrap().returns =
+        Some(Returns { encoding: 1, point_set: 1, ..Returns::default() });
     let checked = checked(request).unwrap();
     assert_eq!((checked.settings.knots, checked.settings.dims), (3, 3));
     assert_eq!((checked.settings.samples, checked.settings.iterations), (4, 1));
