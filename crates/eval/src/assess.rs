@@ -10,9 +10,9 @@ use bendtwin_core::{
 use bendtwin_graph::mean_spacing;
 
 /// Largest error of a good twin, and of a fair one, by the object's size.
-const OF_SIZE: [f64; 2] = [0.03, 0.1];
+const OF_SIZE: [f64; 2] = [0.03, 0.06];
 /// The same by the error of standing still.
-const OF_STANDING_STILL: [f64; 2] = [0.2, 0.5];
+const OF_STANDING_STILL: [f64; 2] = [0.2, 0.33];
 
 /// Lengths that errors of a twin are compared with.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

@@ -123,7 +123,7 @@ impl<'a> Seen<'a> {
     /// Lets points that are dense share what they know: their errors are not independent, so that
     /// all points around a node weigh no more than a few.
     fn share(&self, matches: &mut Matches<'_>, noise_m: f64) {
-        const MOST: f64 = 4.0;
+        const MOST_AROUND: f64 = 4.0;
         let Matches { skin, list } = matches;
         let mut on_points = vec![0.0; skin.len()];
         for m in &*list {
@@ -144,7 +144,7 @@ impl<'a> Seen<'a> {
         }
         for m in list {
             let around: f64 = m.corners().map(|(p, b)| on_points[p] * b).sum();
-            m.precision *= (MOST / around.max(1e-12)).min(1.0);
+            m.precision *= (MOST_AROUND / around.max(1e-12)).min(1.0);
         }
     }
 
@@ -198,3 +198,6 @@ impl<'a> Seen<'a> {
         Some(elastic.field(&matches, give * noise))
     }
 }
+
+#[cfg(test)]
+mod tests;
