@@ -1,7 +1,7 @@
 //! The skin of a twin: points of its surface, finer than its nodes, which the nodes carry.
 //!
 //! A point is at p = Σ w_i x_i + o: a fixed affine combination of nodes (Σ w_i = 1), and an offset
-//! that is constant in a frame of three of them. Where nodes lie around the point the offset is
+//! that is constant in a frame of three of them. With nodes all around the point the offset is
 //! zero, and every affine motion of the nodes, a rotation included, carries the point exactly.
 //! Nodes in a plane or on a line do not say how far beside it the point is: the rest is the offset.
 //!
