@@ -208,8 +208,7 @@ impl Skin {
         }
         for point in 0..m {
             let sum: f64 = self.weights_of(point).map(|(_, w)| f64::from(w)).sum();
-            // NaN is beyond it too.
-            if !((sum - 1.0).abs() < 1e-3) {
+            if sum.is_nan() || (sum - 1.0).abs() >= 1e-3 {
                 return Err(format!("the weights of skin point {point} sum up to {sum}, not to 1"));
             }
             let (count, most) = (self.weights_of(point).count(), Self::MOST_WEIGHTS);
