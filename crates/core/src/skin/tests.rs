@@ -117,7 +117,8 @@ fn a_point_of_too_many_weights_is_refused() {
 
 #[test]
 fn contradictions_are_named() {
-    let faults: [(&str, fn(&mut Skin)); 8] = [
+    type Spoil = fn(&mut Skin);
+    let faults: [(&str, Spoil); 8] = [
         ("carried by node 9", |s| s.nodes[1] = 9),
         ("sum up to", |s| s.weights[0] = 2.0),
         ("sum up to", |s| s.weights[0] = f32::NAN),
