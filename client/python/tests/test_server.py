@@ -25,7 +25,6 @@ from bendtwin import (
     Returns,
     Settled,
     Smoothness,
-    TargetCloud,
     aio,
     interpolate,
 )
@@ -157,38 +156,6 @@ def test_half_size_positions_are_as_close_as_promised(twin, client, folder):
     ).positions
     extent = np.ptp(exact)
     np.testing.assert_allclose(half, exact, atol=extent / 65535 + 1e-7)
-
-
-def test_the_returned_skin_is_where_the_nodes_carry_it(twin):
-    poses = swing(12)
-    skin = twin.geometry().skin
-    assert len(skin) > 0
-    request = {"poses": poses, "initial": Settled()}
-    nodes = twin.rollout(**request, returns=Returns(every_frames=3)).positions
-    placed = skin.positions(nodes)
-    costs = [
-        TargetCloud(points=placed[0, -1, ::2], name="cloud"),
-        Keypoints(skin_points=[0], targets=[[0, 0, 1]], name="point"),
-    ]
-    whole = Returns(every_frames=3, point_set="skin", velocities=True)
-    result = twin.rollout(**request, costs=costs, returns=whole)
-    np.testing.assert_allclose(result.positions, placed, atol=1e-6)
-    assert result.velocities.shape == placed.shape
-    cloud, point = result.cost_terms.T
-    np.testing.assert_allclose(cloud[0], 0, atol=1e-9)
-    distances = np.linalg.norm(placed[:, -1, 0] - [0, 0, 1], axis=-1)
-    np.testing.assert_allclose(point, distances, rtol=1e-4)
-    last = len(skin) - 1
-    some = Returns(every_frames=3, point_set="skin", skin_points=[last, 0])
-    parts = list(twin.stream_rollout(**request, returns=some, part_frames=6))
-    joined = np.concatenate([part.positions for part in parts], axis=1)
-    np.testing.assert_array_equal(joined, result.positions[:, :, [last, 0]])
-    beyond = Returns(every_frames=3, point_set="skin", skin_points=[last + 1])
-    with pytest.raises(BendTwinError, match=f"skin point {last + 1}"):
-        twin.rollout(**request, returns=beyond)
-    np.testing.assert_allclose(
-        skin.positions(twin.geometry().rest_positions), skin.rest_positions, atol=1e-6
-    )
 
 
 def test_a_rollout_may_start_in_a_frame_of_the_capture(twin):

@@ -1,10 +1,10 @@
-"""The skin of a twin: placed here, and what requests say of it. What a server returns of it is in
-test_server.py."""
+"""The skin of a twin: placed here and by a server, and named by requests."""
 
 import numpy as np
 import pytest
+from server import make_rope, needs_server, running
 
-from bendtwin import Keypoints, Returns, Skin, TargetCloud
+from bendtwin import BendTwinError, Client, Keypoints, Returns, Skin, TargetCloud
 from bendtwin.skin import NONE
 from bendtwin.tensors import pack_floats, pack_indices, pack_integers
 from bendtwin.v1 import rollout_pb2, twin_pb2
@@ -85,3 +85,51 @@ def test_requests_say_which_points_they_mean():
     for wrong in ({}, {"nodes": [0], "skin_points": [0]}):
         with pytest.raises(ValueError, match="either nodes or skin_points"):
             Keypoints(targets=[[0, 0, 0]], **wrong).to_proto()
+
+
+@pytest.fixture(scope="module")
+def twin(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("skin")
+    make_rope(folder / "rope.zip")
+    settings = {
+        "graph": {"max_nodes": 30},
+        "search": {"generations": 3, "population": 6},
+        "refine": {"passes": 1},
+    }
+    with running(folder) as address, Client(address) as client:
+        capture = client.wait_for_capture(client.upload_capture(folder / "rope.zip"))
+        yield client.twin(client.wait(client.fit(capture.name, settings), timeout_s=120).twin)
+
+
+@needs_server
+def test_the_returned_skin_is_where_the_nodes_carry_it(twin):
+    skin = twin.geometry().skin
+    assert len(skin) > 0
+    actions = np.tile(twin.geometry().controls, (2, 13, 1, 1))
+    actions[1, :, :, 1] += np.linspace(0, 0.05, 13)[:, None]
+    request = {"trajectories": actions}
+    nodes = twin.rollout(**request, returns=Returns(every_frames=3)).positions
+    placed = skin.positions(nodes)
+    costs = [
+        TargetCloud(points=placed[0, -1, ::2], name="cloud"),
+        Keypoints(skin_points=[0], targets=[[0, 0, 1]], name="point"),
+    ]
+    whole = Returns(every_frames=3, point_set="skin", velocities=True)
+    result = twin.rollout(**request, costs=costs, returns=whole)
+    np.testing.assert_allclose(result.positions, placed, atol=1e-6)
+    assert result.velocities.shape == placed.shape
+    cloud, point = result.cost_terms.T
+    np.testing.assert_allclose(cloud[0], 0, atol=1e-9)
+    distances = np.linalg.norm(placed[:, -1, 0] - [0, 0, 1], axis=-1)
+    np.testing.assert_allclose(point, distances, rtol=1e-4)
+    last = len(skin) - 1
+    some = Returns(every_frames=3, point_set="skin", skin_points=[last, 0])
+    parts = list(twin.stream_rollout(**request, returns=some, part_frames=6))
+    joined = np.concatenate([part.positions for part in parts], axis=1)
+    np.testing.assert_array_equal(joined, result.positions[:, :, [last, 0]])
+    beyond = Returns(every_frames=3, point_set="skin", skin_points=[last + 1])
+    with pytest.raises(BendTwinError, match=f"skin point {last + 1}"):
+        twin.rollout(**request, returns=beyond)
+    np.testing.assert_allclose(
+        skin.positions(twin.geometry().rest_positions), skin.rest_positions, atol=1e-6
+    )

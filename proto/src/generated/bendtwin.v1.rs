@@ -2443,7 +2443,7 @@ pub mod twin_geometry {
         /// UINT32 \[M, 3\]: nodes a, b, c; 4294967295 for all three: the axes are those of the world.
         #[prost(message, optional, tag = "6")]
         pub frames: ::core::option::Option<super::Tensor>,
-        /// FLOAT32 \[M, 3\], metres. Where the nodes of a frame span no triangle, an offset counts as 0.
+        /// FLOAT32 \[M, 3\], metres. Offsets of a frame whose nodes span no triangle count as 0.
         #[prost(message, optional, tag = "7")]
         pub offsets: ::core::option::Option<super::Tensor>,
     }

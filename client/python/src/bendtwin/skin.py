@@ -53,8 +53,8 @@ class Skin:
         """Places the points [..., M, 3] where nodes are at [..., N, 3], metres.
 
         A point is at the weighted sum of its nodes plus its offset along e1, e2 and e3: e1 along
-        b - a, e3 along (b - a) x (c - a), e2 = e3 x e1. Where a, b, c span no triangle, the offset
-        counts as 0.
+        b - a, e3 along (b - a) x (c - a), e2 = e3 x e1. The offset counts as 0 if a, b, c
+        span no triangle.
         """
         x = np.asarray(nodes, dtype=np.float64)
         if x.ndim < 2 or x.shape[-1] != 3:
