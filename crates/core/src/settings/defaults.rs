@@ -71,9 +71,10 @@ impl Defaults {
             (Subject::Body, Cpu, Draft) => of(100, 1, 4, 16, 40),
             (Subject::Body, Cpu, Standard) => of(200, 1, 12, 16, 120),
             (Subject::Body, Cpu, Best) => of(600, 2, 12, 32, 200),
+            // All nodes would need more substeps than the settings allow by default.
             (Subject::Body, Gpu, Draft) => of(300, 1, 8, 32, 60),
             (Subject::Body, Gpu, Standard) => of(1000, 1, 12, 32, 120),
-            (Subject::Body, Gpu, Best) => of(usize::MAX, 2, 25, 32, 200),
+            (Subject::Body, Gpu, Best) => of(600, 2, 25, 32, 200),
         }
     }
 }
