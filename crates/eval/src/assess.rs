@@ -90,8 +90,13 @@ pub fn assess(quality: &Quality, scale: Scale) -> Assessment {
     .collect();
     let mut texts: Vec<String> = comparisons.iter().map(|c| c.text.clone()).collect();
     texts.extend(beside(Predictor::Axial).map(|axial_m| {
-        let ratio = axial_m / error_m.max(LEAST_M);
-        format!("{} times nearer than without bending", times(ratio))
+        if axial_m >= error_m {
+            let ratio = axial_m / error_m.max(LEAST_M);
+            format!("{} times nearer than without bending", times(ratio))
+        } else {
+            let ratio = error_m / axial_m.max(LEAST_M);
+            format!("{} times farther than without bending", times(ratio))
+        }
     }));
     let off = format!("On frames that it never saw the twin is off by {:.1} mm", 1e3 * error_m);
     let why = match texts.is_empty() {
