@@ -21,7 +21,7 @@ pub(crate) struct SettingsArgs {
     /// One setting, for example `graph.max_nodes=400`; may be repeated
     #[arg(long = "set", value_name = "KEY=VALUE")]
     overrides: Vec<String>,
-    /// What settings that are left open follow: draft, standard or best
+    /// Effort, which settings that are left open follow: draft, standard or best
     #[arg(long, value_name = "EFFORT", value_parser = effort)]
     effort: Option<Effort>,
     /// Time that the fit may take, for example 60s, 5m or 1h

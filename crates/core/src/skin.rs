@@ -288,7 +288,7 @@ impl Axes {
         [e1_rate, add(cross(n_rate, e1), cross(n, e1_rate)), n_rate]
     }
 
-    /// What nodes a, b, c get of d loss / d position of a point with an offset along the axes.
+    /// Shares of nodes a, b, c in d loss / d position of a point with an offset along the axes.
     fn node_bars(&self, offset: Vector, bar: Vector) -> [Vector; 3] {
         let [e1, _, n] = self.axes;
         let [u, v] = self.edges;

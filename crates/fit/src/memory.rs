@@ -3,8 +3,11 @@
 
 use bendtwin_core::{
     Capture, Category, FitSettings, Problem, Sequence,
-    settings::memory::{
-        self, Advice, CaptureSize, GraphSize, Lanes, estimate as of_sizes, what_would_fit,
+    settings::{
+        GraphSettings,
+        memory::{
+            self, Advice, CaptureSize, GraphSize, Lanes, estimate as of_sizes, what_would_fit,
+        },
     },
 };
 use bendtwin_engine::Backend;
@@ -77,7 +80,10 @@ pub fn check(
 /// The graph of the settings; none if there cannot be one, which the fit will say.
 fn graph_of(capture: &Capture, settings: &FitSettings) -> Option<GraphSize> {
     let sample = sample_nodes(capture, &settings.graph, settings.seed).ok()?;
-    let graph = connect(&sample, &Connectivity::from_settings(&settings.graph, settings.bending));
+    let radius_m = Some(sample.radius_m(&settings.graph));
+    let settings_of_graph = GraphSettings { radius_m, ..settings.graph.clone() };
+    let connectivity = Connectivity::from_settings(&settings_of_graph, settings.bending);
+    let graph = connect(&sample, &connectivity);
     Some(GraphSize {
         nodes: graph.node_count() as u64,
         springs: graph.springs.len() as u64,

@@ -183,7 +183,7 @@ impl Space {
         if settings.search.topology {
             let graph = &settings.graph;
             if !is_cable {
-                axes.push(Axis::linear(Radius, 0.01, 0.05, graph.radius_m.unwrap_or(0.02)));
+                axes.push(Axis::linear(Radius, 0.01, 0.05, connectivity.radius_m));
                 axes.push(Axis::linear(Neighbours, 10.0, 50.0, graph.max_neighbours as f64));
             }
             if task.has_control_springs() {

@@ -74,13 +74,6 @@ impl<'b> Setup<'b> {
     }
 }
 
-/// Spring radius over the distance of the capture's points to their sixth neighbours, where
-/// settings leave it open: enough for a dozen neighbours inside a body.
-const RADIUS_SPACINGS: f64 = 2.0;
-/// Bounds of that radius [m].
-const LEAST_RADIUS_M: f64 = 1e-5;
-const MOST_RADIUS_M: f64 = 10.0;
-
 /// Names of the groups of the loss in progress and checkpoints.
 const GROUPS: [&str; 3] = ["chamfer", "track", "acceleration"];
 
@@ -95,8 +88,7 @@ impl<'a> Task<'a> {
         let subject = capture.object.subject();
         let mut settings = settings.filled(Conditions { subject, device });
         let sample = sample_nodes(capture, &settings.graph, settings.seed)?;
-        let radius_m = RADIUS_SPACINGS * sample.point_spacing_m;
-        settings.graph.radius_m.get_or_insert(radius_m.clamp(LEAST_RADIUS_M, MOST_RADIUS_M));
+        settings.graph.radius_m = Some(sample.radius_m(&settings.graph));
         let joined = connect(&sample, &Connectivity::from_settings(&settings.graph, false));
         let skin = Arc::new(bind_skin(&joined, &sample.surface));
         let setup = Setup::new(capture, &settings, &sample, &skin);

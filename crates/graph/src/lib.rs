@@ -32,6 +32,12 @@ pub use self::{
 
 /// Spring radius at full sampling where settings leave it open [m].
 const RADIUS_M: f64 = 0.02;
+/// Spring radius over the distance of the capture's points to their sixth neighbours, where
+/// settings leave it open: enough for a dozen neighbours inside a body.
+const RADIUS_SPACINGS: f64 = 2.0;
+/// Bounds of that radius [m].
+const LEAST_RADIUS_M: f64 = 1e-5;
+const MOST_RADIUS_M: f64 = 10.0;
 /// Springs whose rest length would be shorter than this are left out [m].
 pub const MIN_REST_LENGTH_M: f32 = 1e-4;
 
@@ -78,6 +84,13 @@ impl NodeSample {
     /// Number of nodes N.
     pub fn node_count(&self) -> usize {
         self.positions.len()
+    }
+
+    /// Spring radius at full sampling [m]: that of the settings, or one that suits the spacing of the
+    /// points.
+    pub fn radius_m(&self, settings: &GraphSettings) -> f64 {
+        let suited = RADIUS_SPACINGS * self.point_spacing_m;
+        settings.radius_m.unwrap_or(suited.clamp(LEAST_RADIUS_M, MOST_RADIUS_M))
     }
 
     /// Positions of the undeformed object [m], shape [N, 3].

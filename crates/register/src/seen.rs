@@ -67,7 +67,7 @@ fn offset(skin: &Skin, p: usize, x: &[Vector3<f64>]) -> Vector3<f64> {
 /// An observation beside a graph.
 pub(crate) struct Seen<'a> {
     pub(crate) graph: &'a Graph,
-    /// What a cloud is matched with; tracks do without.
+    /// Skin that a cloud is matched with; tracks do without.
     pub(crate) skin: Option<&'a MatchedSkin>,
     pub(crate) observation: &'a Observation,
 }

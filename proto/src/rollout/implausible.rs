@@ -11,7 +11,7 @@ pub enum ImplausibleReason {
     ControlSpeed,
     /// The material is strained too much.
     Strain,
-    /// What is prescribed goes into the ground or a collider that stands still [m].
+    /// Prescribed points go into the ground or a collider that stands still [m].
     ControlInObstacle,
 }
 

@@ -306,7 +306,7 @@ fn changes(instance: &Instance) -> impl Iterator<Item = usize> + use<'_> {
     [0, instance.frames].into_iter().chain(changed)
 }
 
-/// What grasps hold, by node, with their phases.
+/// Phases of grasps, and their holds by node.
 pub(crate) fn decode_grasping(phases: &[u32], holds: &[args::Hold]) -> Grasping {
     let held = holds.iter().enumerate().filter(|(_, h)| h.grasp >= 0);
     Grasping {
