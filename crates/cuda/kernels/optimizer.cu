@@ -1,4 +1,4 @@
-// Adam on the device. A coordinate is a parameter or its logarithm; `indices` has its parameter, as
+// Adam on the device, with one second moment a kind of parameter. A coordinate is a parameter or its logarithm; `indices` has its parameter, as
 // in `params.cu`, with the highest bit set for a logarithm.
 
 #define LOGARITHM 0x80000000u
@@ -62,11 +62,33 @@ extern "C" __global__ void weigh_gradients(const __grid_constant__ WeighGradient
     if (!isfinite(sum)) *args.finite = 0;
 }
 
+struct MeanSquaresArgs {
+    double* second;         // [kinds]: second moments
+    const double* sums;     // [count]: the weighted gradient
+    const u32* starts;      // [kinds + 1]: first coordinate of each kind, and their number
+    double beta2;
+};
+
+// Second moments after a step: one per kind of parameter, of its gradient's mean square. A block a
+// kind.
+extern "C" __global__ void __launch_bounds__(THREADS)
+mean_squares(const __grid_constant__ MeanSquaresArgs args) {
+    u32 first = args.starts[blockIdx.x], end = args.starts[blockIdx.x + 1];
+    double sum = 0.0;
+    for (u32 i = first + threadIdx.x; i < end; i += THREADS) sum += args.sums[i] * args.sums[i];
+    sum = block_sum(sum);
+    if (threadIdx.x > 0) return;
+    double mean = sum / (double)max(end - first, 1u);
+    double* v = &args.second[blockIdx.x];
+    *v = args.beta2 * *v + (1.0 - args.beta2) * mean;
+}
+
 struct StepAdamArgs {
     double* theta;          // [count]: coordinates
     double* first;          // [count]: first moments
-    double* second;         // [count]: second moments
+    const double* second;   // [kinds]: second moments after this step
     const double* sums;     // [count]: the weighted gradient
+    const u32* kinds;       // [count]: kind of each coordinate
     const double* rates;    // [count]: step sizes relative to `rate`
     const double2* bounds;  // [count]: least and largest value
     const double* start;    // [count]: coordinates that `back` pulls towards
@@ -74,8 +96,9 @@ struct StepAdamArgs {
     const u32* indices;     // [count]
     double back;            // share of the distance back to `start`
     double rate;
-    double beta1, beta2;
+    double beta1;
     double unbias1, unbias2;
+    double slope;           // gradient over its kind's size becomes a step by it, up to 1
     double epsilon;
     u32 count;              // coordinates
     u32 angles, angles_end; // parameters that are rest angles
@@ -87,13 +110,11 @@ struct StepAdamArgs {
 extern "C" __global__ void step_adam(const __grid_constant__ StepAdamArgs args) {
     u32 i = blockIdx.x * THREADS + threadIdx.x;
     if (i >= args.count) return;
-    const double beta1 = args.beta1, beta2 = args.beta2;
-    double g = args.sums[i];
-    double m = args.first[i] = beta1 * args.first[i] + (1.0 - beta1) * g;
-    double v = args.second[i] = beta2 * args.second[i] + (1.0 - beta2) * g * g;
-    double step =
-        args.rates[i] * args.rate * (m / args.unbias1) / (sqrt(v / args.unbias2) + args.epsilon);
-    double x = args.theta[i] - step - args.back * (args.theta[i] - args.start[i]);
+    const double beta1 = args.beta1;
+    double m = args.first[i] = beta1 * args.first[i] + (1.0 - beta1) * args.sums[i];
+    double size = sqrt(args.second[args.kinds[i]] / args.unbias2) + args.epsilon;
+    double step = fmin(fmax(args.slope * (m / args.unbias1) / size, -1.0), 1.0);
+    double x = args.theta[i] - args.rate * args.rates[i] * step - args.back * (args.theta[i] - args.start[i]);
     x = fmin(fmax(x, args.bounds[i].x), args.bounds[i].y);
     args.theta[i] = x;
     u32 index = args.indices[i], at = index & ~LOGARITHM;

@@ -11,7 +11,7 @@ use bendtwin_core::{CancelToken, Timing};
 use serde::{Deserialize, Serialize};
 
 pub use self::{
-    adam::{Adam, Bounds, Decay, EPSILON},
+    adam::{Adam, Bounds, Decay, EPSILON, SLOPE},
     host::HostOptimizer,
     parameter::Parameter,
     parameterization::{Parameterization, Scale, Section},
@@ -29,13 +29,6 @@ pub struct Position {
     pub theta: Vec<f64>,
     /// Adam's moments.
     pub adam: Adam,
-}
-
-impl Position {
-    /// A position at these coordinates, without momentum.
-    pub fn at_rest(theta: Vec<f64>) -> Self {
-        Self { adam: Adam::new(theta.len()), theta }
-    }
 }
 
 /// The initial state of one optimizer run.
@@ -111,7 +104,7 @@ pub trait Optimizer: Send {
     ) -> Result<Vec<GradientNorm>, Error>;
 
     /// One step of Adam down the weighted sum of the run's pending gradients, which are then
-    /// cleared. Coordinates move by about `rate` times their [`Section::rate`], within their
+    /// cleared. Coordinates move by at most `rate` times their [`Section::rate`], within their
     /// bounds.
     ///
     /// `weights` has one finite number per pending gradient, in the order of measurement.

@@ -3,7 +3,7 @@
 
 use std::f64::consts::PI;
 
-use bendtwin_core::{Params, params::MAX_SPRING_STIFFNESS, settings::Substeps};
+use bendtwin_core::{Params, params::MAX_SPRING_STIFFNESS};
 use bendtwin_engine::optimizer::{Parameter, Parameterization, Scale};
 
 use crate::task::Task;
@@ -20,6 +20,9 @@ const REST_ANGLE_RATE: f64 = 0.05;
 const REST_TWIST_SPAN: f64 = 2.0 * PI;
 /// Rest twists [rad] per unit of learning rate: a rod turns by more than any one of its angles.
 const REST_TWIST_RATE: f64 = 1.0;
+/// Numbers that the whole object has one of, per unit of learning rate: alone of their kind, they
+/// would always move by all of it.
+const GLOBAL_RATE: f64 = 0.5;
 
 /// The coordinates of one graph's parameters, which start at `base`.
 pub(crate) fn parameterization(task: &Task<'_>, base: Params) -> Parameterization {
@@ -35,13 +38,13 @@ pub(crate) fn parameterization(task: &Task<'_>, base: Params) -> Parameterizatio
     if task.settings.refine.rest_shape {
         parameters.extend([Parameter::RestLength, Parameter::RestAngle, Parameter::RestTwist]);
     }
-    if task.nears_ground() {
+    if task.nears_ground {
         parameters.extend([Parameter::GroundRestitution, Parameter::GroundFriction]);
     }
     if task.has_contact() {
         parameters.extend([Parameter::ObjectRestitution, Parameter::ObjectFriction]);
     }
-    let per_second = f64::from(max_substeps(task)) * task.capture.fps;
+    let per_second = f64::from(task.settings.substeps.most()) * task.capture.fps;
     parameters.into_iter().fold(Parameterization::new(base), |parameterization, parameter| {
         let bounds = |start| bounds(parameter, start, task.spacing_m, per_second);
         parameterization.with(parameter, scale(parameter), rate(parameter), bounds)
@@ -73,15 +76,12 @@ fn rate(parameter: Parameter) -> f64 {
         Parameter::RestLength => REST_LENGTH_RATE,
         Parameter::RestAngle => REST_ANGLE_RATE,
         Parameter::RestTwist => REST_TWIST_RATE,
+        Parameter::Drag
+        | Parameter::GroundRestitution
+        | Parameter::GroundFriction
+        | Parameter::ObjectRestitution
+        | Parameter::ObjectFriction => GLOBAL_RATE,
         _ => 1.0,
-    }
-}
-
-/// The most substeps that a frame may take.
-fn max_substeps(task: &Task<'_>) -> u32 {
-    match task.settings.substeps {
-        Substeps::Auto { max, .. } => max,
-        Substeps::Fixed(n) => n,
     }
 }
 

@@ -222,7 +222,7 @@ fn an_optimizer_measures_in_slices_and_keeps_the_order_of_its_gradients() {
     let parameterization = Parameterization::new(Params { drag: 1.0, ..Params::default() });
     let parameterization =
         parameterization.with(Parameter::Drag, Scale::Linear, 1.0, |_| [0.0, 2.0]);
-    let position = Position::at_rest(parameterization.start());
+    let position = parameterization.at_rest(parameterization.start());
     let init = OptimizerInit { loaded: instances[0].model.clone(), parameterization, position };
     let sample = |instance: &Instance| GradientSample { run: 0, instance: instance.clone() };
     let samples: Vec<GradientSample> = instances.iter().map(sample).collect();

@@ -6,10 +6,10 @@ use super::{
     args::{
         AddSeedsArgs, AdvanceFramesArgs, BackFrameArgs, ChangeGraspsArgs, Checks,
         CollectControlsArgs, CollectMotionArgs, DeviceType, ExtremesArgs, FindPartnersArgs,
-        FinishGradientArgs, GatherArgs, GatherSumsArgs, NormBarsArgs, PackBendsArgs,
-        PackHalfSpringsArgs, RecordArgs, ScoreArgs, SeedArgs, SeedForcesArgs, SeedPosesArgs,
-        SeedRestLengthsArgs, SeedSkinArgs, SquareLengthsArgs, StartArgs, StepAdamArgs,
-        WeighGradientsArgs,
+        FinishGradientArgs, GatherArgs, GatherSumsArgs, MeanSquaresArgs, NormBarsArgs,
+        PackBendsArgs, PackHalfSpringsArgs, RecordArgs, ScoreArgs, SeedArgs, SeedForcesArgs,
+        SeedPosesArgs, SeedRestLengthsArgs, SeedSkinArgs, SquareLengthsArgs, StartArgs,
+        StepAdamArgs, WeighGradientsArgs,
     },
     launch::Launch,
     specialization::Source,
@@ -85,6 +85,8 @@ kernels! {
     Optimizer: square_lengths(SquareLengthsArgs);
     /// The weighted sum of gradients.
     Optimizer: weigh_gradients(WeighGradientsArgs);
+    /// Mean squares of the gradient: a block for a kind of parameter.
+    Optimizer: mean_squares(MeanSquaresArgs);
     /// A step of Adam.
     Optimizer: step_adam(StepAdamArgs);
     /// Recorded positions: a block for some nodes of a recorded frame of an instance.

@@ -9,13 +9,13 @@ use bendtwin_engine::{
     backend::{GradientRequest, Instance},
     optimizer::{
         Adam, Decay, EPSILON, GradientNorm, GradientSample, Optimizer, OptimizerInit,
-        Parameterization, Position, Scale,
+        Parameterization, Position, SLOPE, Scale,
     },
 };
 
 use crate::{
     device::{
-        args::{Pointer, SquareLengthsArgs, StepAdamArgs, WeighGradientsArgs},
+        args::{MeanSquaresArgs, Pointer, SquareLengthsArgs, StepAdamArgs, WeighGradientsArgs},
         kernels,
         memory::Buffer,
         queue::Queue,
@@ -46,6 +46,9 @@ struct DeviceRun {
     current: Option<Loaded>,
     parameterization: Parameterization,
     indices: Buffer<u32>,
+    /// Kind of each coordinate, and the first coordinate of each kind with their number at the end.
+    kinds: Buffer<u32>,
+    starts: Buffer<u32>,
     rates: Buffer<f64>,
     bounds: Buffer<[f64; 2]>,
     start: Buffer<f64>,
@@ -219,8 +222,15 @@ impl DeviceRun {
         let stream = &queue.stream;
         let rates: Vec<f64> = parameterization.rates().collect();
         let model = Model { params, ..Model::clone(loaded.model()) };
+        let ranges = parameterization.kinds();
+        let kinds: Vec<u32> =
+            (0..).zip(&ranges).flat_map(|(k, r)| std::iter::repeat_n(k, r.len())).collect();
+        let ends = ranges.iter().map(|r| r.end as u32);
+        let starts: Vec<u32> = std::iter::once(0).chain(ends).collect();
         Ok(Self {
             indices: Buffer::of(stream, &indices(&parameterization, &model))?,
+            kinds: Buffer::of(stream, &kinds)?,
+            starts: Buffer::of(stream, &starts)?,
             rates: Buffer::of(stream, &rates)?,
             bounds: Buffer::of(stream, parameterization.bounds())?,
             start: Buffer::of(stream, &parameterization.start())?,
@@ -313,6 +323,15 @@ impl DeviceRun {
         }
         self.steps += 1;
         let [unbias_first, unbias_second] = Adam::unbias(self.steps, decay);
+        let args = MeanSquaresArgs {
+            second: self.second.address(),
+            sums: sums.address(),
+            starts: self.starts.address(),
+            beta2: decay.beta2,
+        };
+        let of_kinds = queue.grid(self.second.len() as u32, 1, 1);
+        // SAFETY: the second moments have a place for every kind, whose coordinates the sums have.
+        unsafe { kernels::mean_squares(&of_kinds, &args)? };
         let graph = &self.model.graph;
         let (e, t) = (graph.springs.len() as u32, graph.triplets.len() as u32);
         let args = StepAdamArgs {
@@ -320,6 +339,7 @@ impl DeviceRun {
             first: self.first.address(),
             second: self.second.address(),
             sums: sums.address(),
+            kinds: self.kinds.address(),
             rates: self.rates.address(),
             bounds: self.bounds.address(),
             start: self.start.address(),
@@ -328,9 +348,9 @@ impl DeviceRun {
             back: (decay.prior * rate).clamp(0.0, 1.0),
             rate,
             beta1: decay.beta1,
-            beta2: decay.beta2,
             unbias1: unbias_first,
             unbias2: unbias_second,
+            slope: SLOPE,
             epsilon: EPSILON,
             count,
             angles: 3 * e + 2 * t,

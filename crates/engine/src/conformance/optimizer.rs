@@ -13,7 +13,8 @@ use crate::{
     backend::GradientRequest,
     objective::WeightedTerm,
     optimizer::{
-        GradientNorm, GradientSample, OptimizerInit, Parameter, Parameterization, Position, Scale,
+        Adam, GradientNorm, GradientSample, OptimizerInit, Parameter, Parameterization, Position,
+        Scale,
     },
 };
 use bendtwin_core::CancelToken;
@@ -231,7 +232,7 @@ pub(super) fn optimizer_refuses_nonsense(backend: &dyn Backend) -> Outcome {
     let timing = pair.inits[0].loaded.model().timing;
     let mut stray = pair.samples();
     stray[1].run = 7;
-    let short = Position::at_rest(vec![0.0]);
+    let short = Position { theta: vec![0.0], adam: Adam::new(1, 1) };
     let position = pair.inits[0].position.clone();
     let mut undefined = position.clone();
     undefined.theta[0] = f64::NAN;
@@ -288,7 +289,7 @@ pub(super) fn overflowing_gradients_say_so(backend: &dyn Backend) -> Outcome {
         let parameterization = Parameterization::new(scene.params.clone());
         let parameterization =
             parameterization.with(Parameter::SpringStiffness, Scale::Logarithmic, 1.0, |x| [x, x]);
-        let position = Position::at_rest(parameterization.start());
+        let position = parameterization.at_rest(parameterization.start());
         let sample = GradientSample { run: 0, instance: scene.instance(loaded.clone()) };
         let decay = crate::optimizer::Decay { beta1: 0.9, beta2: 0.99, prior: 0.7 };
         let mut optimizer = backend

@@ -1,9 +1,21 @@
-//! Adam (Kingma and Ba, arXiv 1412.6980) with a rate per coordinate and bounds.
+//! Adam (Kingma and Ba, arXiv 1412.6980) with one second moment for all parameters of a kind (as in
+//! Adam-mini, Zhang et al., arXiv 2406.16793), a rate per coordinate and bounds.
+//!
+//! With a second moment of its own every coordinate moves by the same length, and what the data hardly
+//! say anything about moves as far as what they decide: noise, for most springs of a body. With a
+//! common one a coordinate moves in proportion to its gradient, up to the rate.
+
+use std::ops::Range;
 
 use serde::{Deserialize, Serialize};
 
 /// Addend to the divisor, which keeps a step finite where a gradient is zero.
 pub const EPSILON: f64 = 1e-12;
+
+/// Gradient over the root mean square of its kind, inverted, from which on a coordinate moves by the
+/// whole rate. Gradients differ by orders of magnitude within a kind; with 1 most coordinates would
+/// hardly move.
+pub const SLOPE: f64 = 7.0;
 
 /// Decay rates of Adam's moments, and the pull towards the start.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -27,13 +39,15 @@ pub struct Adam {
     pub steps: u64,
     /// Decaying mean of the gradient, one per coordinate.
     pub first: Vec<f64>,
-    /// Decaying mean of the gradient's square, one per coordinate.
+    /// Decaying mean of the gradient's mean square over the coordinates of a kind, one per kind.
     pub second: Vec<f64>,
 }
 
-/// Relative rates, bounds and start of the coordinates; all of one length.
+/// Relative rates, bounds and start of the coordinates, all of one length, and their kinds.
 #[derive(Clone, Copy, Debug)]
 pub struct Bounds<'a> {
+    /// Coordinates of each kind, one range after another.
+    pub kinds: &'a [Range<usize>],
     /// Each coordinate's step relative to the learning rate.
     pub rates: &'a [f64],
     /// Least and greatest value of each coordinate.
@@ -43,9 +57,9 @@ pub struct Bounds<'a> {
 }
 
 impl Adam {
-    /// Zero moments for this many coordinates.
-    pub fn new(coordinates: usize) -> Self {
-        Self { steps: 0, first: vec![0.0; coordinates], second: vec![0.0; coordinates] }
+    /// Zero moments for this many coordinates of so many kinds.
+    pub fn new(coordinates: usize, kinds: usize) -> Self {
+        Self { steps: 0, first: vec![0.0; coordinates], second: vec![0.0; kinds] }
     }
 
     /// Divisors of the moments after this many steps, which correct their start at zero.
@@ -54,9 +68,9 @@ impl Adam {
         [1.0 - decay.beta1.powi(t), 1.0 - decay.beta2.powi(t)]
     }
 
-    /// Moves `theta` down the gradient: coordinate `i` by at most about `rate` times `rates[i]`,
+    /// Moves `theta` down the gradient: coordinate `i` by at most `rate` times `rates[i]`,
     /// within `bounds[i]`, and towards `start`. Gradients must be finite. All slices have the
-    /// length of [`Adam::new`].
+    /// lengths of [`Adam::new`].
     pub fn step(
         &mut self,
         theta: &mut [f64],
@@ -67,17 +81,20 @@ impl Adam {
     ) {
         self.steps += 1;
         let [unbias_first, unbias_second] = Self::unbias(self.steps, decay);
-        let moments = self.first.iter_mut().zip(&mut self.second);
-        let Bounds { rates, bounds, start } = bounds;
-        let constants = gradient.iter().zip(rates).zip(bounds.iter().zip(start));
+        let Bounds { kinds, rates, bounds, start } = bounds;
         let back = (decay.prior * rate).clamp(0.0, 1.0);
-        for ((x, (m, v)), ((&g, &relative), (&[low, high], &start))) in
-            theta.iter_mut().zip(moments).zip(constants)
-        {
-            *m = decay.beta1 * *m + (1.0 - decay.beta1) * g;
-            *v = decay.beta2 * *v + (1.0 - decay.beta2) * g * g;
-            let step = (*m / unbias_first) / ((*v / unbias_second).sqrt() + EPSILON);
-            *x = (*x - rate * relative * step - back * (*x - start)).clamp(low, high);
+        for (kind, v) in kinds.iter().zip(&mut self.second) {
+            let squares: f64 = gradient[kind.clone()].iter().map(|g| g * g).sum();
+            let mean = squares / kind.len().max(1) as f64;
+            *v = decay.beta2 * *v + (1.0 - decay.beta2) * mean;
+            let size = (*v / unbias_second).sqrt() + EPSILON;
+            for i in kind.clone() {
+                let (m, x) = (&mut self.first[i], &mut theta[i]);
+                *m = decay.beta1 * *m + (1.0 - decay.beta1) * gradient[i];
+                let step = (SLOPE * (*m / unbias_first) / size).clamp(-1.0, 1.0);
+                let [low, high] = bounds[i];
+                *x = (*x - rate * rates[i] * step - back * (*x - start[i])).clamp(low, high);
+            }
         }
     }
 }

@@ -114,8 +114,12 @@ impl Optimizer for HostOptimizer {
             return Err(Error::InvalidInput("rate and weighted gradient must be finite".into()));
         }
         let start = run.parameterization.start();
-        let bounds =
-            Bounds { rates: &run.rates, bounds: run.parameterization.bounds(), start: &start };
+        let bounds = Bounds {
+            kinds: &run.parameterization.kinds(),
+            rates: &run.rates,
+            bounds: run.parameterization.bounds(),
+            start: &start,
+        };
         let mut next = run.position.clone();
         next.adam.step(&mut next.theta, &sum, rate, bounds, decay);
         run.loaded = backend.with_params(&run.loaded, run.parameterization.params(&next.theta))?;

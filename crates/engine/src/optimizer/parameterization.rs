@@ -5,7 +5,7 @@ use std::ops::Range;
 
 use bendtwin_core::{Graph, Params};
 
-use super::{Parameter, Position};
+use super::{Adam, Parameter, Position};
 use crate::backend::Error;
 
 /// Smallest positive value that a logarithm is taken of.
@@ -122,6 +122,16 @@ impl Parameterization {
         self.sections.iter().flat_map(|s| std::iter::repeat_n(s.rate, s.range.len()))
     }
 
+    /// Coordinates of each field, as the kinds of [`super::Bounds`].
+    pub fn kinds(&self) -> Vec<Range<usize>> {
+        self.sections.iter().map(|s| s.range.clone()).collect()
+    }
+
+    /// A position at these coordinates, without momentum.
+    pub fn at_rest(&self, theta: Vec<f64>) -> Position {
+        Position { adam: Adam::new(theta.len(), self.sections.len()), theta }
+    }
+
     /// The base parameters' coordinates.
     pub fn start(&self) -> Vec<f64> {
         let each = |s: &'_ Section| {
@@ -169,16 +179,15 @@ impl Parameterization {
     /// The first contradiction.
     pub fn check_position(&self, position: &Position) -> Result<(), Error> {
         let arrays = [
-            ("coordinates", &position.theta),
-            ("first moments", &position.adam.first),
-            ("second moments", &position.adam.second),
+            ("coordinates", &position.theta, self.len()),
+            ("first moments", &position.adam.first, self.len()),
+            ("second moments", &position.adam.second, self.sections.len()),
         ];
-        for (what, values) in arrays {
-            if values.len() != self.len() {
+        for (what, values, expected) in arrays {
+            if values.len() != expected {
                 return Err(Error::InvalidInput(format!(
-                    "a position has {} {what}, its parameterization {}",
+                    "a position has {} {what}, its parameterization {expected}",
                     values.len(),
-                    self.len()
                 )));
             }
             if let Some(i) = values.iter().position(|x| !x.is_finite()) {

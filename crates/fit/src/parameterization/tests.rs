@@ -1,5 +1,5 @@
 use bendtwin_core::FitSettings;
-use bendtwin_engine::optimizer::{Adam, Bounds, Decay};
+use bendtwin_engine::optimizer::{Bounds, Decay};
 use bendtwin_synth::{MakeOptions, Scene, make};
 
 use bendtwin_core::settings::DeviceKind;
@@ -44,14 +44,19 @@ fn steps_end_at_the_bounds() {
     with_task(true, |task| {
         let parameterization = parameterization(task, base());
         let mut theta = parameterization.start();
-        let mut adam = Adam::new(parameterization.len());
+        let mut adam = parameterization.at_rest(theta.clone()).adam;
         let decay = Decay { beta1: 0.0, beta2: 0.0, prior: 0.0 };
         let uphill = vec![-1.0; theta.len()];
         let (rates, start): (Vec<f64>, _) =
             (parameterization.rates().collect(), parameterization.start());
         for _ in 0..100 {
-            let ground = Bounds { rates: &rates, bounds: parameterization.bounds(), start: &start };
-            adam.step(&mut theta, &uphill, 1.0, ground, decay);
+            let bounds = Bounds {
+                kinds: &parameterization.kinds(),
+                rates: &rates,
+                bounds: parameterization.bounds(),
+                start: &start,
+            };
+            adam.step(&mut theta, &uphill, 1.0, bounds, decay);
         }
         let p = parameterization.params(&theta);
         assert!(p.spring_stiffness.iter().all(|&k| (k - MAX_SPRING_STIFFNESS).abs() < 1.0));

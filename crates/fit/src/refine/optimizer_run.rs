@@ -39,6 +39,13 @@ pub(crate) struct RunState {
     pub(crate) best: Best,
 }
 
+impl RunState {
+    /// True if no pass is left to make.
+    pub(crate) fn is_done(&self) -> bool {
+        self.pass >= self.passes
+    }
+}
+
 /// The best parameters so far, by their loss over all training frames.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Best {
@@ -74,7 +81,7 @@ impl<'a> OptimizerRun<'a> {
         backend: &dyn Backend,
     ) -> Result<(Self, OptimizerInit), Error> {
         let parameterization = parameterization(task, params);
-        let position = Position::at_rest(parameterization.start());
+        let position = parameterization.at_rest(parameterization.start());
         let params = parameterization.params(&position.theta);
         let initial = build_model(task, &graph, params, environment)?;
         let substeps = initial.timing.substeps;
@@ -103,7 +110,7 @@ impl<'a> OptimizerRun<'a> {
         backend: &dyn Backend,
     ) -> Result<(Self, OptimizerInit), Error> {
         let parameterization = parameterization(task, params);
-        let best = Position::at_rest(state.best.theta.clone());
+        let best = parameterization.at_rest(state.best.theta.clone());
         for position in [&state.position, &best] {
             parameterization
                 .check_position(position)
@@ -316,7 +323,8 @@ impl<'a> OptimizerRun<'a> {
         optimizer: &mut dyn Optimizer,
     ) -> Result<(), Error> {
         let best = &self.state.best;
-        let (position, substeps) = (Position::at_rest(best.theta.clone()), best.substeps);
+        let (position, substeps) =
+            (self.parameterization.at_rest(best.theta.clone()), best.substeps);
         self.move_to(index, position, substeps, optimizer)?;
         self.paused = true;
         self.note(format!("{why}: went back to the best parameters, {change}"));

@@ -214,12 +214,23 @@ device_struct! {
 }
 
 device_struct! {
+    /// Parameters of `mean_squares`.
+    MeanSquaresArgs {
+        second: Pointer<f64>,
+        sums: Pointer<f64>,
+        starts: Pointer<u32>,
+        beta2: f64,
+    }
+}
+
+device_struct! {
     /// Parameters of `step_adam`.
     StepAdamArgs {
         theta: Pointer<f64>,
         first: Pointer<f64>,
         second: Pointer<f64>,
         sums: Pointer<f64>,
+        kinds: Pointer<u32>,
         rates: Pointer<f64>,
         bounds: Pointer<[f64; 2]>,
         start: Pointer<f64>,
@@ -228,9 +239,9 @@ device_struct! {
         back: f64,
         rate: f64,
         beta1: f64,
-        beta2: f64,
         unbias1: f64,
         unbias2: f64,
+        slope: f64,
         epsilon: f64,
         count: u32,
         angles: u32,

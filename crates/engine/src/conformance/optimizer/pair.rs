@@ -52,7 +52,7 @@ impl Pair {
         let start = |scene: &Scene| {
             let loaded = scene.load(backend)?;
             let parameterization = parameterization(scene);
-            let position = Position::at_rest(parameterization.start());
+            let position = parameterization.at_rest(parameterization.start());
             // Loaded with exactly what the parameterization makes of its start.
             let loaded = backend.with_params(&loaded, parameterization.params(&position.theta));
             let loaded = loaded.map_err(|e| format!("with_params: {e}"))?;
@@ -132,7 +132,12 @@ pub(super) fn by_hand(
             }
             let (rates, start): (Vec<f64>, _) =
                 (parameterization.rates().collect(), parameterization.start());
-            let bounds = Bounds { rates: &rates, bounds: parameterization.bounds(), start: &start };
+            let bounds = Bounds {
+                kinds: &parameterization.kinds(),
+                rates: &rates,
+                bounds: parameterization.bounds(),
+                start: &start,
+            };
             let Position { theta, adam } = &mut position;
             adam.step(theta, &sum, *rate, bounds, pair.decay);
             let moved = backend.with_params(&loaded, parameterization.params(theta));

@@ -103,13 +103,13 @@ fn sections_follow_each_other_and_bounds_hold_the_start() {
 fn positions_of_other_charts_are_refused() {
     let parameterization = parameterization();
     assert_eq!(
-        parameterization.check_position(&Position::at_rest(parameterization.start())),
+        parameterization.check_position(&parameterization.at_rest(parameterization.start())),
         Ok(())
     );
     let mut wrong = parameterization.start();
     wrong.pop();
-    assert!(parameterization.check_position(&Position::at_rest(wrong)).is_err());
-    let mut wrong = Position::at_rest(parameterization.start());
+    assert!(parameterization.check_position(&parameterization.at_rest(wrong)).is_err());
+    let mut wrong = parameterization.at_rest(parameterization.start());
     wrong.adam.second[3] = f64::NAN;
     assert!(parameterization.check_position(&wrong).is_err());
 }
