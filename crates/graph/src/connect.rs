@@ -9,7 +9,8 @@ use super::{Connectivity, MIN_REST_LENGTH_M, NodeSample, components, rods, sprea
 
 /// Control points nearer than this to each other belong to one hand [m].
 const HAND_LINK_M: f32 = 0.08;
-/// Number of nodes that a control point is attached to if its hand reaches no node.
+/// Number of nodes that a hand reaches at least, and that a control point is attached to if its hand
+/// does not.
 const FALLBACK_NODES: usize = 4;
 /// Of such a hand, control points up to this times as far as the nearest one are attached.
 const FALLBACK_REACH: f32 = 1.5;
@@ -17,8 +18,8 @@ const FALLBACK_REACH: f32 = 1.5;
 /// Changes beyond what a [`Connectivity`] asks for; worth a warning to the user.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Notes {
-    /// Hands that had no node within the control radius and were attached to
-    /// the nodes nearest to them.
+    /// Hands that had too few nodes within the control radius and were attached
+    /// to the nodes nearest to them.
     pub hands_out_of_reach: usize,
     /// Pieces without any spring to the rest of the object that were joined to
     /// the piece nearest to them.
@@ -30,7 +31,7 @@ impl std::fmt::Display for Notes {
         let mut parts = Vec::new();
         if self.hands_out_of_reach > 0 {
             parts.push(format!(
-                "{} hands have no node within the control radius and hold the nodes nearest to them",
+                "{} hands reach fewer than four nodes within the control radius and hold the nodes nearest to them",
                 self.hands_out_of_reach
             ));
         }
@@ -57,9 +58,10 @@ pub fn connect(sample: &NodeSample, connectivity: &Connectivity) -> Graph {
 /// - Pieces that then do not hang together are joined where they are closest.
 ///   Known edges replace both steps: a cable's topology is taken as given.
 /// - Every control point that pins no node opens springs to its up to
-///   `control_neighbours` nearest nodes within `control_radius_m · spacing_scale`.
+///   `control_neighbours` nearest nodes within `control_radius_m`, however sparse
+///   the nodes are: a hand holds what it touches.
 ///   Control points closer than 8 cm to each other are one hand; a hand that
-///   reaches no node is attached to the nodes nearest to it.
+///   reaches fewer than four nodes is attached to the nodes nearest to it.
 /// - With `rods`, what lies between two clamps of a cable with known edges is a rod.
 /// - Springs between nodes come first, ordered by their ends, control springs after.
 pub fn connect_with_notes(sample: &NodeSample, connectivity: &Connectivity) -> (Graph, Notes) {
@@ -120,9 +122,9 @@ fn masses(sample: &NodeSample) -> Vec<f32> {
     lengths.iter().map(mass).collect()
 }
 
-fn tidy(springs: &mut Vec<[u32; 2]>) {
-    springs.sort_unstable();
-    springs.dedup();
+fn tidy<T: Ord>(list: &mut Vec<T>) {
+    list.sort_unstable();
+    list.dedup();
 }
 
 fn node_springs(
@@ -167,7 +169,7 @@ fn control_springs(
     connectivity: &Connectivity,
     tree: &ImmutableKdTree<f32, 3>,
 ) -> Vec<[u32; 2]> {
-    let radius = (connectivity.control_radius_m * sample.spacing_scale) as f32;
+    let radius = connectivity.control_radius_m as f32;
     let mut springs = Vec::new();
     for c in free_controls(sample) {
         springs.extend(nearest_nodes(sample, tree, c, connectivity.control_neighbours, radius));
@@ -195,7 +197,8 @@ fn nearest_nodes(
         .collect()
 }
 
-/// Attaches every hand without springs to the nodes nearest to it; returns how many those were.
+/// Attaches every hand that holds too few nodes to the nodes nearest to it; returns how many those
+/// were.
 fn attach_hands(
     sample: &NodeSample,
     connectivity: &Connectivity,
@@ -206,13 +209,12 @@ fn attach_hands(
         return 0;
     }
     let n = sample.node_count();
-    let mut holds = vec![false; sample.control_rest.len()];
-    for s in springs.iter() {
-        holds[s[1] as usize - n] = true;
-    }
     let mut attached = 0;
     for hand in hands(sample) {
-        if hand.iter().any(|&c| holds[c]) {
+        let mut held: Vec<u32> =
+            springs.iter().filter(|s| hand.contains(&(s[1] as usize - n))).map(|s| s[0]).collect();
+        tidy(&mut held);
+        if held.len() >= FALLBACK_NODES.min(n) {
             continue;
         }
         let reach = |c: usize| {

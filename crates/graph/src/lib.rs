@@ -124,7 +124,7 @@ pub struct Connectivity {
     pub radius_m: f64,
     /// Most springs that a node opens.
     pub max_neighbours: usize,
-    /// Radius of control springs at full sampling [m].
+    /// Radius of control springs [m].
     pub control_radius_m: f64,
     /// Most springs that a control point opens; 0 means no control springs.
     pub control_neighbours: usize,

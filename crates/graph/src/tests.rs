@@ -7,7 +7,7 @@ use proptest::prelude::*;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-use super::*;
+use super::{spread::distance_squared, *};
 
 fn capture(observed: Vec<Point>, completed: Vec<Point>, interior: Vec<Point>) -> Capture {
     let n = observed.len();
@@ -252,6 +252,32 @@ fn a_hand_out_of_reach_still_holds() {
     let none = GraphSettings { control_neighbours: 0, ..settings };
     let graph = connect(&sample, &Connectivity::from_settings(&none, true));
     assert!(graph.springs.iter().all(|s| s[1] < 60));
+}
+
+/// However sparse the nodes are: what is farther away moves by itself.
+#[test]
+fn a_hand_holds_what_it_touches() {
+    let mut capture = capture(cloud(1, 2000, [0.2; 3]), vec![], vec![]);
+    capture.sequences[0].controls = vec![[0.1; 3], [0.1, 0.1, 0.11]];
+    let held = |settings: &GraphSettings| {
+        let (sample, graph) = build(&capture, settings);
+        let n = sample.node_count();
+        let controls = graph.springs.iter().filter(|s| s[1] as usize >= n);
+        let reach = |s: &[u32; 2]| {
+            let control = sample.control_rest[s[1] as usize - n];
+            distance_squared(sample.positions[s[0] as usize], control).sqrt()
+        };
+        let reaches: Vec<f32> = controls.map(reach).collect();
+        reaches.into_iter().fold((0, 0.0_f32), |(n, most), r| (n + 1, most.max(r)))
+    };
+    let radius_m = GraphSettings::default().control_radius_m as f32;
+    for max_nodes in [2000, 1200] {
+        let (springs, farthest) = held(&settings(max_nodes));
+        assert!(springs >= 4 && farthest <= radius_m, "{springs} up to {farthest} m");
+    }
+    // Too few are within its reach to hold the object: then it holds the nearest.
+    let (springs, farthest) = held(&settings(40));
+    assert!(springs >= 4 && farthest > radius_m, "{springs} up to {farthest} m");
 }
 
 fn cable() -> Capture {
