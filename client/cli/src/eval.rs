@@ -5,10 +5,10 @@ mod local;
 
 use std::{path::PathBuf, sync::Arc};
 
-use bendtwin_core::{CancelToken, Quality, Twin};
+use bendtwin_core::{CancelToken, Quality, Twin, quality::Assessment};
 use bendtwin_engine::Backend;
 use bendtwin_eval::{
-    Assessment, CorrectionScore, EvaluateOptions, TableStyle, evaluate, fast_variant, format_table,
+    CorrectionScore, EvaluateOptions, TableStyle, evaluate, fast_variant, format_table,
 };
 use clap::Args;
 use serde_json::json;
@@ -121,7 +121,7 @@ fn score(
     let kept = &fitted.twin.quality;
     let quality = match (&args.twin, args.per_frame) {
         (Some(_), _) => Quality { fast: fast()?, ..again()? },
-        (None, true) => Quality { fast: kept.fast, ..again()? },
+        (None, true) => Quality { fast: kept.fast, choice: kept.choice.clone(), ..again()? },
         (None, false) => kept.clone(),
     };
     if let Some(file) = &args.out {

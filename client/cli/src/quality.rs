@@ -1,20 +1,24 @@
 //! A quality table in words.
 
 use bendtwin_client::{Client, TwinId};
-use bendtwin_core::{Quality, Twin};
-use bendtwin_eval::{Assessment, Scale, assess};
+use bendtwin_core::{Quality, Twin, quality::Assessment};
+use bendtwin_eval::{Scale, assess};
 
 /// The assessment of a twin of this machine by a table.
 pub(crate) fn of_twin(twin: &Twin, quality: &Quality) -> Assessment {
     assess(quality, Scale::of_nodes(&twin.graph.rest_positions))
 }
 
-/// The assessment of a twin of the server by the table that it carries.
+/// The assessment of a twin of the server by the table that it carries: that of its fit, where the
+/// fit has left one.
 pub(crate) async fn of_stored(
     client: &Client,
     name: TwinId,
 ) -> Result<Assessment, bendtwin_client::Error> {
     let twin = client.twins().get(name).await?;
+    if let Some(assessment) = twin.quality.assessment {
+        return Ok(assessment);
+    }
     let geometry = client.twins().geometry(name).await?;
     Ok(assess(&twin.quality, Scale::of_nodes(&geometry.rest_positions)))
 }

@@ -1,5 +1,7 @@
 //! Quality of a twin: the table that an evaluation computes and a twin carries.
 
+use std::fmt;
+
 use serde::{Deserialize, Serialize};
 
 use crate::FastVariant;
@@ -63,6 +65,61 @@ pub struct Score {
     pub at_nodes: Option<NodeErrors>,
 }
 
+/// The degree to which predictions are to be trusted.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Level {
+    /// It predicts the motion closely.
+    Good,
+    /// It predicts the motion, with an error that planning has to allow for.
+    Fair,
+    /// It does not predict the motion.
+    Poor,
+    /// No frames are left to judge it by.
+    Unknown,
+}
+
+/// A twin's quality table in words.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Assessment {
+    /// The whole in a word.
+    pub level: Level,
+    /// The reason, as a sentence.
+    pub why: String,
+    /// Advice, as a sentence.
+    pub next: String,
+}
+
+impl Level {
+    /// The word.
+    pub fn as_str(self) -> &'static str {
+        match self {
+            Self::Good => "good",
+            Self::Fair => "fair",
+            Self::Poor => "poor",
+            Self::Unknown => "unknown",
+        }
+    }
+}
+
+impl fmt::Display for Assessment {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "To be trusted: {}. {} {}", self.level.as_str(), self.why, self.next)
+    }
+}
+
+/// The choice of one of several starts of a fit.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Choice {
+    /// The start that was kept, from 0.
+    pub start: u32,
+    /// Training frames that were held back from all starts and decided; 0 if the loss over the
+    /// training frames themselves did.
+    pub held_back_frames: u32,
+    /// Loss of each start over these frames; `None` where it diverged or found nothing.
+    pub losses: Vec<Option<f64>>,
+}
+
 /// The quality table of a twin.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Quality {
@@ -71,6 +128,12 @@ pub struct Quality {
     /// Warnings for the user: what is suspicious about the fit or the data.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub warnings: Vec<String>,
+    /// The choice of the start that was kept; none if there was a single one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub choice: Option<Choice>,
+    /// The table in words; none in tables that no fit made.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub assessment: Option<Assessment>,
     /// The twin's fast variant with its deviation; none if that could not be measured.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub fast: Option<FastVariant>,

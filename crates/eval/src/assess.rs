@@ -1,11 +1,9 @@
 //! The quality table in words: whether predictions of a twin are to be trusted, why, and what to do
 //! next. The rule is stated in docs/accuracy.md.
 
-use std::fmt;
-
 use bendtwin_core::{
     Point, Quality,
-    quality::{ErrorSummary, Predictor},
+    quality::{Assessment, ErrorSummary, Level, Predictor},
 };
 use bendtwin_graph::mean_spacing;
 
@@ -21,31 +19,6 @@ pub struct Scale {
     pub spacing_m: f64,
     /// Diagonal of the box around the nodes at rest [m].
     pub size_m: f64,
-}
-
-/// The degree to which predictions are to be trusted.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Level {
-    /// It predicts the motion closely.
-    Good,
-    /// It predicts the motion, with an error that planning has to allow for.
-    Fair,
-    /// It does not predict the motion.
-    Poor,
-    /// No frames are left to judge it by.
-    Unknown,
-}
-
-/// A twin's quality table in words.
-#[derive(Clone, Debug, PartialEq, Eq, serde::Serialize)]
-pub struct Assessment {
-    /// The whole in a word.
-    pub level: Level,
-    /// The reason, as a sentence.
-    pub why: String,
-    /// Advice, as a sentence.
-    pub next: String,
 }
 
 /// A comparison of the twin's error.
@@ -201,24 +174,6 @@ type Measure = fn(&ErrorSummary) -> Option<f64>;
 fn headline(errors: &ErrorSummary) -> Option<(Measure, f64)> {
     let measures: [Measure; 3] = [|e| e.track_m, |e| e.coordinate_m, |e| e.chamfer_l1_m];
     measures.into_iter().find_map(|measure| Some((measure, measure(errors)?)))
-}
-
-impl Level {
-    /// The word.
-    pub fn as_str(self) -> &'static str {
-        match self {
-            Self::Good => "good",
-            Self::Fair => "fair",
-            Self::Poor => "poor",
-            Self::Unknown => "unknown",
-        }
-    }
-}
-
-impl fmt::Display for Assessment {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "To be trusted: {}. {} {}", self.level.as_str(), self.why, self.next)
-    }
 }
 
 #[cfg(test)]

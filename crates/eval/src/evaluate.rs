@@ -81,6 +81,8 @@ pub fn score(
     let mut quality = Quality {
         scores: rows.into_iter().filter_map(|row| row.score(per_frame)).collect(),
         warnings: divergences(capture, predictions),
+        choice: None,
+        assessment: None,
         fast: None,
     };
     if let Some((_, predictions)) = axial {

@@ -17,7 +17,7 @@ mod surface;
 mod table;
 mod trajectory;
 
-pub use assess::{Assessment, Level, Scale, assess};
+pub use assess::{Scale, assess};
 pub use correction::{CorrectionPlan, CorrectionScore, corrections};
 pub use error::Error;
 pub use evaluate::{EvaluateOptions, evaluate, score};

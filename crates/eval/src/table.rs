@@ -4,7 +4,7 @@ use std::fmt::Write;
 
 use bendtwin_core::{
     Quality,
-    quality::{ErrorSummary, Predictor, Score},
+    quality::{Choice, ErrorSummary, Predictor, Score},
 };
 
 /// The style of a table.
@@ -44,9 +44,21 @@ const COLUMNS: [Column; 5] = [
 const AT_NODES: [Column; 2] =
     [("CD at nodes", |e| e.chamfer_l1_m), ("track at nodes", |e| e.track_m)];
 
+/// The choice of one of several starts as a sentence.
+fn choice_in_words(choice: &Choice) -> String {
+    let number = |loss: &Option<f64>| loss.map_or("none".to_owned(), |l| format!("{l:.2e}"));
+    let by = match choice.held_back_frames {
+        0 => "lowest loss over the training frames".to_owned(),
+        n => format!("lowest loss over the last {n} training frames, which no start had seen then"),
+    };
+    let losses: Vec<String> = choice.losses.iter().map(number).collect();
+    let (start, starts) = (choice.start + 1, choice.losses.len());
+    format!("kept start {start} of {starts}, which had the {by} ({})", losses.join(", "))
+}
+
 /// The table in millimetres: a row per predictor, training and future errors side by side, then
 /// those of nodes that are not the skin. Columns that the capture does not determine are left out.
-/// Warnings follow, one a line.
+/// The choice of a start and warnings follow, one a line.
 pub fn format_table(quality: &Quality, style: TableStyle) -> String {
     let spans: [Span; 2] = [("train", |s| &s.train), ("future", |s| &s.future)];
     let mut columns: Vec<(String, Vec<Option<f64>>)> = Vec::new();
@@ -76,6 +88,13 @@ pub fn format_table(quality: &Quality, style: TableStyle) -> String {
         );
     }
     let mut text = lay_out(&rows, style);
+    if let Some(choice) = &quality.choice {
+        let choice = choice_in_words(choice);
+        let _ = match style {
+            TableStyle::Plain => writeln!(text, "{choice}"),
+            TableStyle::Markdown => writeln!(text, "\nThe fit {choice}."),
+        };
+    }
     for warning in &quality.warnings {
         let _ = match style {
             TableStyle::Plain => writeln!(text, "warning: {warning}"),

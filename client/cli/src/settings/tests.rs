@@ -23,7 +23,7 @@ fn overrides_reach_every_depth() {
     assert_eq!(settings.refine.window, GradientWindow::Frames(5));
     assert_eq!(settings.substeps, Substeps::Fixed(200));
     let auto = with(&["substeps.auto.max=900"]).unwrap();
-    assert!(matches!(auto.substeps, Substeps::Auto { max: 900, .. }));
+    assert!(matches!(auto.substeps, Substeps::Auto { max: Some(900), .. }));
 }
 
 #[test]

@@ -17,7 +17,7 @@ fn quality() -> Quality {
             score(Predictor::LastResidual, ErrorSummary::default(), error(0.15)),
         ],
         warnings: vec!["the rope is short".into()],
-        fast: None,
+        ..Quality::default()
     }
 }
 
@@ -43,6 +43,17 @@ fn markdown_is_a_table() {
 > the rope is short
 ";
     assert_eq!(format_table(&quality(), TableStyle::Markdown), expected);
+}
+
+#[test]
+fn the_choice_of_a_start_is_told() {
+    let losses = vec![Some(3.2e-5), None, Some(1.5e-5)];
+    let choice = Choice { start: 2, held_back_frames: 14, losses };
+    let quality = Quality { choice: Some(choice), ..quality() };
+    let plain = format_table(&quality, TableStyle::Plain);
+    let expected = "kept start 3 of 3, which had the lowest loss over the last 14 training frames, \
+                    which no start had seen then (3.20e-5, none, 1.50e-5)\nwarning: ";
+    assert!(plain.contains(expected), "{plain}");
 }
 
 #[test]

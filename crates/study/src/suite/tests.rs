@@ -40,7 +40,7 @@ fn settings_stand_over_one_another() {
     assert_eq!(axial.substeps, Substeps::Fixed(300));
     let bending = of(1, 1);
     assert_eq!((bending.bending, bending.refine.passes), (true, Some(4)));
-    assert_eq!(bending.substeps, Substeps::Auto { safety: 2.0, max: 90 });
+    assert_eq!(bending.substeps, Substeps::Auto { safety: 2.0, max: Some(90) });
     assert_eq!(bending.search, FitSettings::default().search);
 }
 
