@@ -21,7 +21,7 @@ use serde_json::Value;
 const SETTINGS: [&str; 2] = [
     r#"{"graph": {"max_nodes": 20}, "search": {"generations": 1}, "refine": {"passes": 1}}"#,
     r#"{"seed": 11, "graph": {"max_nodes": 40},
-        "search": {"generations": 60, "population": 8}, "refine": {"passes": 20}}"#,
+        "search": {"starts": 1, "generations": 60, "population": 8}, "refine": {"passes": 20}}"#,
 ];
 /// Captures: the arguments of `bendtwin capture make`. Those after the first `FITTED` are uploaded
 /// and read, but not fitted.

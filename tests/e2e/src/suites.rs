@@ -20,7 +20,7 @@ const SUITE: &str = r#"{
     "captures": [{"name": "rope", "path": "rope.zip"}, {"name": "cable", "path": "cable.zip"}],
     "base": {
         "graph": {"max_nodes": 24},
-        "search": {"generations": 60, "population": 8},
+        "search": {"starts": 1, "generations": 60, "population": 8},
         "refine": {"passes": 60}
     },
     "configurations": [

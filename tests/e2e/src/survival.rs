@@ -18,7 +18,7 @@ use crate::harness::{
 const SETTINGS: &str = r#"{
     "seed": 11,
     "graph": {"max_nodes": 40},
-    "search": {"generations": 500, "population": 8},
+    "search": {"starts": 1, "generations": 500, "population": 8},
     "refine": {"passes": 40}
 }"#;
 /// Fraction of a fit over which kills are spread.

@@ -14,14 +14,14 @@ pub const FIT: Duration = Duration::from_secs(300);
 pub const SETTINGS: &str = r#"{
     "seed": 11,
     "graph": {"max_nodes": 40},
-    "search": {"generations": 12, "population": 8},
+    "search": {"starts": 1, "generations": 12, "population": 8},
     "refine": {"passes": 24}
 }"#;
 
 /// A fit that never ends by itself within a test.
 pub const ENDLESS: &str = r#"{
     "graph": {"max_nodes": 40},
-    "search": {"generations": 10000, "population": 8}
+    "search": {"starts": 1, "generations": 10000, "population": 8}
 }"#;
 
 /// Result of an undisturbed fit of the capture.
