@@ -58,7 +58,7 @@ pub struct GraphSettings {
     pub radius_m: Option<f64>,
     /// Most springs that a node opens.
     pub max_neighbours: usize,
-    /// Radius of control springs at full sampling [m].
+    /// Radius of control springs [m].
     pub control_radius_m: f64,
     /// Most springs that a control point opens.
     pub control_neighbours: usize,
@@ -94,6 +94,9 @@ pub enum SequenceMean {
     Geometric,
 }
 
+/// Most substeps of a frame where nothing else says how many.
+const MAX_SUBSTEPS: u32 = 1000;
+
 /// Substeps per frame.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
@@ -101,12 +104,29 @@ pub enum Substeps {
     /// The number of the stability estimate, times a margin.
     Auto {
         /// Stable dt over used dt, above 1.
+        #[serde(default = "default_safety")]
         safety: f64,
-        /// Upper limit; candidates that would need more count as unstable.
-        max: u32,
+        /// Upper limit; candidates that would need more count as unstable. If left open, it depends
+        /// on the kind of object.
+        #[serde(default)]
+        max: Option<u32>,
     },
     /// Exactly this many; refused where unstable.
     Fixed(u32),
+}
+
+impl Substeps {
+    /// The most substeps that a frame may take, by settings without open ones.
+    pub fn most(&self) -> u32 {
+        match *self {
+            Self::Auto { max, .. } => max.unwrap_or(MAX_SUBSTEPS),
+            Self::Fixed(n) => n,
+        }
+    }
+}
+
+fn default_safety() -> f64 {
+    1.3
 }
 
 /// Weights of the loss terms.
@@ -131,8 +151,12 @@ pub struct LossSettings {
 #[serde(default, deny_unknown_fields)]
 pub struct SearchSettings {
     /// Number of searches with different seeds, each with a refinement of its own; the twin is the
-    /// one with the lowest training loss. If left open, it depends on effort, capture and device.
+    /// one with the lowest training loss, or the one that predicts frames held back best. If left
+    /// open, it depends on effort, capture and device.
     pub starts: Option<u32>,
+    /// Share of each sequence's training frames, the last ones, that are held back from several
+    /// starts to choose one of them, which is then refined on all; 0: the training loss chooses.
+    pub held_back: f64,
     /// Number of generations; 0 skips the stage. If left open, it depends on effort, capture and
     /// device.
     pub generations: Option<u32>,
@@ -141,6 +165,9 @@ pub struct SearchSettings {
     pub population: Option<usize>,
     /// Initial step size in the unit cube.
     pub sigma: f64,
+    /// Share of the loss that a candidate is charged per square decade by which damping and bending
+    /// are off from where the search starts. If left open, 0.4, and 0 in captures with known edges.
+    pub prior: Option<f64>,
     /// Search of radius and neighbour counts too.
     pub topology: bool,
     /// Search of the strength of gravity too, from half to twice the capture's; if left open, on in
@@ -200,7 +227,7 @@ impl Default for FitSettings {
             bending: true,
             compare_axial: false,
             graph: GraphSettings::default(),
-            substeps: Substeps::Auto { safety: 1.3, max: 200 },
+            substeps: Substeps::Auto { safety: default_safety(), max: None },
             control_velocity: ControlVelocity::True,
             self_contact: false,
             loss: LossSettings::default(),
@@ -218,7 +245,7 @@ impl Default for GraphSettings {
             interior: None,
             radius_m: None,
             max_neighbours: 12,
-            control_radius_m: 0.04,
+            control_radius_m: 0.02,
             control_neighbours: 10,
             max_triplets: 4,
             triplet_reference: TripletReference::OppositePairs,
@@ -243,9 +270,11 @@ impl Default for SearchSettings {
     fn default() -> Self {
         Self {
             starts: None,
+            held_back: 0.0,
             generations: None,
             population: None,
             sigma: 1.0 / 6.0,
+            prior: None,
             topology: false,
             gravity: None,
             max_frames: 0,
@@ -258,10 +287,10 @@ impl Default for RefineSettings {
     fn default() -> Self {
         Self {
             passes: None,
-            learning_rate: 5e-2,
+            learning_rate: 0.1,
             beta1: 0.9,
             beta2: 0.99,
-            prior: 0.2,
+            prior: 0.3,
             window: GradientWindow::Pass,
             reach: 0,
             batch: 8,
@@ -283,6 +312,7 @@ impl FitSettings {
                 interior: Some(true),
                 radius_m: Some(0.02),
                 max_neighbours: 30,
+                control_radius_m: 0.04,
                 control_neighbours: 50,
                 ..GraphSettings::default()
             },
@@ -329,7 +359,7 @@ impl FitSettings {
         match self.substeps {
             Substeps::Auto { safety, max } => {
                 within("substeps.auto.safety", safety, 1.0, 100.0);
-                within("substeps.auto.max", f64::from(max), 1.0, 100_000.0);
+                within("substeps.auto.max", f64::from(max.unwrap_or(1)), 1.0, 100_000.0);
             }
             Substeps::Fixed(n) => within("substeps.fixed", f64::from(n), 1.0, 100_000.0),
         }
@@ -344,6 +374,8 @@ impl FitSettings {
         let population = self.search.population.unwrap_or_default() as f64;
         within("search.population", population, 0.0, 10_000.0);
         within("search.sigma", self.search.sigma, 1e-6, 1.0);
+        within("search.held_back", self.search.held_back, 0.0, 0.5);
+        within("search.prior", self.search.prior.unwrap_or_default(), 0.0, 1000.0);
         let r = &self.refine;
         within("refine.passes", f64::from(r.passes.unwrap_or_default()), 0.0, 100_000.0);
         within("refine.learning_rate", r.learning_rate, 1e-9, 1.0);

@@ -157,10 +157,10 @@ pub(crate) fn substeps(model: &Model, setting: Substeps) -> Result<u32, LoadErro
             Ok(()) => Ok(n),
             Err(needs) => Err(LoadError::TooStiff(needs.needed)),
         },
-        Substeps::Auto { safety, max } => match stable_substeps(model).needed {
+        Substeps::Auto { safety, .. } => match stable_substeps(model).needed {
             // The margin is cut at the limit; stability itself is required.
-            needed if needed <= max => {
-                Ok(((f64::from(needed) * safety).ceil() as u32).clamp(1, max))
+            needed if needed <= setting.most() => {
+                Ok(((f64::from(needed) * safety).ceil() as u32).clamp(1, setting.most()))
             }
             needed => Err(LoadError::TooStiff(needed)),
         },

@@ -8,17 +8,28 @@ use crate::{Error, cmaes::CmaEs, refine::RunState};
 
 /// Checkpoints of fits. The version rises with every change of [`Checkpoint`] or of what a stage
 /// computes from it.
-const KIND: Kind = Kind { name: "fit", magic: *b"BTFC", version: 7 };
+const KIND: Kind = Kind { name: "fit", magic: *b"BTFC", version: 8 };
 
 /// The state of a fit that changes while it runs.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Checkpoint {
     /// The state of each model's fit, in the order of the fit.
     pub(crate) models: Vec<ModelFitState>,
+    /// The starts that were chosen by frames held back; empty before that.
+    pub(crate) chosen: Vec<ChosenStart>,
     /// Generations of the search, if a time limit has decided them.
     pub(crate) generations: Option<u32>,
     /// Time spent [s]; 0 without a time limit.
     pub(crate) spent_s: f64,
+}
+
+/// The start of one kind of model that predicted the frames held back best.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub(crate) struct ChosenStart {
+    /// Index of the model in the fit.
+    pub(crate) model: usize,
+    /// Loss of each start over these frames; infinite where there is none.
+    pub(crate) losses: Vec<f64>,
 }
 
 /// Identity of the fit that a checkpoint belongs to.
@@ -34,6 +45,11 @@ pub(crate) struct Identity {
 pub(crate) enum ModelFitState {
     /// In the search, after a generation.
     Search(CmaEs),
+    /// Chosen among several starts, before its refinement on all training frames.
+    Chosen {
+        /// Best point of the search, in the unit cube.
+        point: Vec<f64>,
+    },
     /// In the refinement, after a pass.
     Refine {
         /// Best point of the search, in the unit cube.

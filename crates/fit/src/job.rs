@@ -3,15 +3,16 @@
 use std::{sync::Arc, time::Instant};
 
 use bendtwin_core::{
-    CancelToken, Capture, FitSettings, Observer, Progress, Stage, Twin, quality::Predictor,
+    CancelToken, Capture, FitSettings, Observer, Progress, Quality, Stage, Twin,
+    quality::{Assessment, Choice, Level, Predictor},
     settings::DeviceKind,
 };
 use bendtwin_engine::{Backend, backend};
-use bendtwin_eval::{EvaluateOptions, evaluate, fast_variant};
+use bendtwin_eval::{EvaluateOptions, Scale, assess, evaluate, fast_variant};
 
 use crate::{
     Error,
-    checkpoint::{Checkpoint, Identity, ModelFitState},
+    checkpoint::{Checkpoint, ChosenStart, Identity, ModelFitState},
     cmaes::default_population,
     memory,
     model_fit::{ModelFit, model_name},
@@ -20,6 +21,7 @@ use crate::{
     search::{Search, Searcher},
     task::Task,
     time_limit::TimeLimit,
+    validation::Validation,
     warnings,
 };
 
@@ -59,7 +61,8 @@ impl FitJob<'_> {
         cancel: &CancelToken,
     ) -> Result<Outcome, Error> {
         let task = Task::new(self.capture, &self.settings, device_kind(&*self.backend))?;
-        let mut run = Run::new(self, &task, observer, cancel);
+        let validation = Validation::new(&task);
+        let mut run = Run::new(self, &task, validation.as_ref(), observer, cancel);
         if let Some(bytes) = checkpoint {
             run.restore(bytes)?;
         }
@@ -73,7 +76,11 @@ impl FitJob<'_> {
 struct Run<'a> {
     job: &'a FitJob<'a>,
     task: &'a Task<'a>,
+    /// The frames that are held back, if there are several starts to choose from.
+    validation: Option<&'a Validation<'a>>,
     models: Vec<ModelFit>,
+    /// The starts that were chosen by frames held back, one for each kind of model; empty before.
+    chosen: Vec<ChosenStart>,
     identity: Identity,
     /// Generations of the search.
     generations: u32,
@@ -95,12 +102,14 @@ pub(crate) fn device_kind(backend: &dyn Backend) -> DeviceKind {
 struct Finished {
     twin: Twin,
     warnings: Vec<String>,
+    choice: Option<Choice>,
 }
 
 impl<'a> Run<'a> {
     fn new(
         job: &'a FitJob<'a>,
         task: &'a Task<'a>,
+        validation: Option<&'a Validation<'a>>,
         observer: &'a mut dyn Observer<Progress>,
         cancel: &'a CancelToken,
     ) -> Self {
@@ -110,15 +119,38 @@ impl<'a> Run<'a> {
             settings: task.settings.clone(),
             backend: job.backend.device().kind,
         };
-        let search_frames = task.search_set().iter().map(|t| t.frames).sum();
+        let searched = validation.map_or(task, |v| &v.shorter);
+        let search_frames = searched.search_set().iter().map(|t| t.frames).sum();
         let population = match task.population() {
             0 => default_population(models[0].space.start().len()),
             n => n,
         };
-        let estimator = ProgressEstimator::new(task, search_frames, population);
+        let mut estimator = ProgressEstimator::new(task, search_frames, population);
+        estimator.set_passes(validation.map_or(0, |v| v.shorter.passes()) + task.passes());
         let limit = task.settings.within_s.map(TimeLimit::new);
         let generations = task.generations();
-        Self { job, task, models, identity, generations, limit, estimator, observer, cancel }
+        let chosen = Vec::new();
+        Self {
+            job,
+            task,
+            validation,
+            models,
+            chosen,
+            identity,
+            generations,
+            limit,
+            estimator,
+            observer,
+            cancel,
+        }
+    }
+
+    /// The task of the stage: without the frames held back, until a start is chosen.
+    fn current_task(&self) -> &'a Task<'a> {
+        match self.validation {
+            Some(validation) if self.chosen.is_empty() => &validation.shorter,
+            _ => self.task,
+        }
     }
 
     fn restore(&mut self, bytes: &[u8]) -> Result<(), Error> {
@@ -129,6 +161,7 @@ impl<'a> Run<'a> {
         for (model, state) in self.models.iter_mut().zip(checkpoint.models) {
             model.state = state;
         }
+        self.chosen = checkpoint.chosen;
         self.generations = checkpoint.generations.unwrap_or(self.generations);
         if let Some(limit) = &mut self.limit {
             limit.resume(checkpoint.spent_s);
@@ -140,6 +173,7 @@ impl<'a> Run<'a> {
         let models = self.models.iter().map(|m| m.state.clone()).collect();
         let checkpoint = Checkpoint {
             models,
+            chosen: self.chosen.clone(),
             generations: self.limit.as_ref().map(|_| self.generations),
             spent_s: self.limit.as_ref().map_or(0.0, TimeLimit::spent_s),
         };
@@ -159,7 +193,7 @@ impl<'a> Run<'a> {
     /// Runs generations until all searches are done. Models that are past the search stay as they
     /// are.
     fn search(&mut self) -> Result<(), Error> {
-        let mut search = Search::new(self.task);
+        let mut search = Search::new(self.current_task());
         loop {
             self.check_cancelled()?;
             let (began, generations) = (Instant::now(), u64::from(self.generations));
@@ -201,7 +235,7 @@ impl<'a> Run<'a> {
         let Some(limit) = &self.limit else { return };
         let done = self.models.iter().filter_map(|m| match &m.state {
             ModelFitState::Search(strategy) => Some(strategy.generation() as u32),
-            ModelFitState::Refine { .. } => None,
+            ModelFitState::Chosen { .. } | ModelFitState::Refine { .. } => None,
         });
         let done = done.max().unwrap_or(0);
         self.generations = limit.generations(self.task.generations(), done, took_s);
@@ -214,23 +248,59 @@ impl<'a> Run<'a> {
         let Some(done) = refinement.runs.first().map(|r| r.state.pass) else { return };
         // The rate falls over all passes, so their number stays once it is known; the first pass
         // may be slow for reasons of its own.
+        let (before, planned) = (self.passes_before(), self.current_task().passes());
+        // Those of the stage after this one take their part of the time.
+        let is_last = self.validation.is_none() || !self.chosen.is_empty();
+        let later = if is_last { 0 } else { self.task.passes() };
         let passes = match done {
-            MEASURED_PASS => limit.passes(self.task.passes(), done, took_s),
+            MEASURED_PASS => {
+                let fitting = limit.passes(planned + later, done, took_s);
+                (u64::from(fitting) * u64::from(planned) / u64::from((planned + later).max(1)))
+                    as u32
+            }
             _ if limit.is_over(took_s) => done,
             _ => return,
         };
+        let passes = passes.max(done);
         refinement.runs.iter_mut().for_each(|r| r.state.passes = r.state.passes.min(passes));
-        self.estimator.set_passes(passes);
+        if is_last {
+            self.estimator.set_passes(before + passes);
+        }
     }
 
-    /// Runs passes until all models are refined; returns the best start of each kind of model.
+    /// Runs passes until all models are refined; returns the start of each kind of model that is
+    /// kept. Where frames are held back, all starts are refined without them first.
     fn refine(&mut self) -> Result<Vec<Finished>, Error> {
         let mut refinement = self.begin_refinement()?;
-        while refinement.runs.iter().any(|r| r.state.pass < r.state.passes) {
+        self.pass(&mut refinement)?;
+        if let Some(validation) = self.validation.filter(|_| self.chosen.is_empty()) {
+            self.choose(validation, &refinement)?;
+            self.keep()?;
+            refinement = self.begin_refinement()?;
+            self.pass(&mut refinement)?;
+        }
+        let mut finished = Vec::new();
+        for bending in self.kinds() {
+            let own = refinement.runs.iter().filter(|r| self.models[r.model].bending == bending);
+            let best = own.min_by(|a, b| a.state.best.loss.total_cmp(&b.state.best.loss));
+            let Some(best) = best else { continue };
+            let model = &self.models[best.model];
+            let choice = self.choice(best.model, &refinement);
+            let twin = model.twin(self.job, self.generations, best)?;
+            let warnings = warnings::of_fit(self.task, model);
+            finished.push(Finished { twin, warnings, choice });
+        }
+        Ok(finished)
+    }
+
+    /// Runs passes until these runs are done.
+    fn pass(&mut self, refinement: &mut Refinement<'_>) -> Result<(), Error> {
+        let before = self.passes_before();
+        while !refinement.runs.iter().all(|r| r.state.is_done()) {
             self.check_cancelled()?;
             let began = Instant::now();
             refinement.pass()?;
-            self.limit_passes(&mut refinement, began.elapsed().as_secs_f64());
+            self.limit_passes(refinement, began.elapsed().as_secs_f64());
             for run in &refinement.runs {
                 self.models[run.model].record_run(&run.state);
             }
@@ -239,33 +309,85 @@ impl<'a> Run<'a> {
                 self.report(ModelProgress {
                     model: self.models[run.model].name.clone(),
                     stage: Stage::Refine,
-                    iteration: run.state.pass,
+                    iteration: before + run.state.pass,
                     loss: Some(run.state.loss),
                     best_loss: Some(run.state.best.loss),
                     note: run.note.take(),
                 });
             }
         }
-        let mut finished = Vec::new();
-        for starts in self.models.chunk_by(|a, b| a.bending == b.bending) {
-            let bending = starts[0].bending;
-            let own = refinement.runs.iter().filter(|r| self.models[r.model].bending == bending);
-            let best = own.min_by(|a, b| a.state.best.loss.total_cmp(&b.state.best.loss));
-            let Some(best) = best else { continue };
-            let model = &self.models[best.model];
-            let twin = model.twin(self.job, self.generations, best)?;
-            finished.push(Finished { twin, warnings: warnings::of_fit(self.task, model) });
-        }
-        Ok(finished)
+        Ok(())
     }
 
-    /// The refinement of all models whose search found something to refine. Of several starts some
+    /// Passes that were planned before those of the current stage.
+    fn passes_before(&self) -> u32 {
+        let is_last = !self.chosen.is_empty();
+        self.validation.filter(|_| is_last).map_or(0, |v| v.shorter.passes())
+    }
+
+    /// The kinds of models, with bending or without, in their order.
+    fn kinds(&self) -> Vec<bool> {
+        let mut kinds: Vec<bool> = self.models.iter().map(|m| m.bending).collect();
+        kinds.dedup();
+        kinds
+    }
+
+    /// Chooses the start of each kind of model that predicts the frames held back best, and sends it
+    /// back to what its search found.
+    fn choose(
+        &mut self,
+        validation: &Validation<'_>,
+        refinement: &Refinement<'_>,
+    ) -> Result<(), Error> {
+        let losses = validation.losses(&refinement.runs, &*self.job.backend, self.cancel)?;
+        for bending in self.kinds() {
+            let runs = || refinement.runs.iter().zip(&losses);
+            let own = || runs().filter(|(r, _)| self.models[r.model].bending == bending);
+            let Some((best, _)) = own().min_by(|a, b| a.1.total_cmp(b.1)) else { continue };
+            let of_model =
+                |m: usize| own().find(|(r, _)| r.model == m).map_or(f64::INFINITY, |(_, l)| *l);
+            let of_kind = (0..self.models.len()).filter(|&m| self.models[m].bending == bending);
+            let losses = of_kind.map(of_model).collect();
+            self.chosen.push(ChosenStart { model: best.model, losses });
+        }
+        self.chosen.iter().for_each(|c| self.models[c.model].choose());
+        Ok(())
+    }
+
+    /// The choice of a model among the starts of its kind; `None` where there was no choice.
+    fn choice(&self, model: usize, refinement: &Refinement<'_>) -> Option<Choice> {
+        let bending = self.models[model].bending;
+        let of_kind: Vec<usize> =
+            (0..self.models.len()).filter(|&m| self.models[m].bending == bending).collect();
+        if of_kind.len() < 2 {
+            return None;
+        }
+        let finite = |loss: f64| loss.is_finite().then_some(loss);
+        let held_back = self.chosen.iter().find(|c| c.model == model).zip(self.validation);
+        let losses = match held_back {
+            Some((chosen, _)) => chosen.losses.iter().map(|&l| finite(l)).collect(),
+            None => {
+                let run = |m: usize| refinement.runs.iter().find(|r| r.model == m);
+                of_kind.iter().map(|&m| run(m).and_then(|r| finite(r.state.best.loss))).collect()
+            }
+        };
+        Some(Choice {
+            start: of_kind.iter().position(|&m| m == model)? as u32,
+            held_back_frames: held_back.map_or(0, |(_, validation)| validation.frames),
+            losses,
+        })
+    }
+
+    /// The refinement of all models whose search found something to refine, of the chosen ones once
+    /// there are any. Of several starts some
     /// may have found nothing, but not all of the same kind of model.
     fn begin_refinement(&mut self) -> Result<Refinement<'a>, Error> {
-        let (task, backend) = (self.task, &*self.job.backend);
+        let (task, backend) = (self.current_task(), &*self.job.backend);
         let (mut runs, mut from_search, mut nothing) = (Vec::new(), false, None);
-        for (index, model) in self.models.iter_mut().enumerate() {
-            let is_searched = matches!(model.state, ModelFitState::Search(_));
+        let takes_part =
+            |model: usize| self.chosen.is_empty() || self.chosen.iter().any(|c| c.model == model);
+        for (index, model) in self.models.iter_mut().enumerate().filter(|(m, _)| takes_part(*m)) {
+            let is_searched = !matches!(model.state, ModelFitState::Refine { .. });
             match model.begin_run(index, task, backend) {
                 Ok(run) => {
                     from_search |= is_searched;
@@ -287,6 +409,22 @@ impl<'a> Run<'a> {
         Ok(refinement)
     }
 
+    /// The table in words. Where the time limit cut the fit short, that comes before other advice.
+    fn assessment(&self, twin: &Twin, quality: &Quality) -> Assessment {
+        let mut assessment = assess(quality, Scale::of_nodes(&twin.graph.rest_positions));
+        let made = twin.provenance.settings.as_ref().and_then(|s| s.refine.passes);
+        if let (Some(made), Some(limit_s)) = (made, self.task.settings.within_s)
+            && made < self.task.passes()
+            && assessment.level != Level::Good
+        {
+            assessment.next = format!(
+                "The time limit of {limit_s} s left {made} of {} passes: fit again with more time.",
+                self.task.passes()
+            );
+        }
+        assessment
+    }
+
     /// Evaluates the twin and adds its fast variant.
     fn evaluate(&mut self, finished: Vec<Finished>) -> Result<Outcome, Error> {
         self.check_cancelled()?;
@@ -301,7 +439,7 @@ impl<'a> Run<'a> {
         };
         self.report(progress(0));
         let mut finished = finished.into_iter();
-        let Some(Finished { mut twin, warnings }) = finished.next() else {
+        let Some(Finished { mut twin, warnings, choice }) = finished.next() else {
             return Err(Error::NothingStable("there is no model".into()));
         };
         let mut axial = finished.next().map(|f| f.twin);
@@ -309,11 +447,13 @@ impl<'a> Run<'a> {
         let mut quality =
             evaluate(&*self.job.backend, &twin, self.job.capture, &options, self.cancel)?;
         quality.warnings.splice(0..0, warnings);
+        quality.choice = choice;
         if let Some(axial) = &mut axial {
             let row = quality.score(Predictor::Axial).cloned();
             axial.quality.scores = row.into_iter().collect();
         }
         quality.fast = fast_variant(&*self.job.backend, &twin, self.job.capture, self.cancel)?;
+        quality.assessment = Some(self.assessment(&twin, &quality));
         twin.quality = quality;
         self.report(progress(1));
         Ok(Outcome { twin, axial })

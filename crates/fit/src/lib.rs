@@ -24,6 +24,7 @@ mod subject;
 mod submit;
 mod task;
 mod time_limit;
+mod validation;
 mod warnings;
 
 pub use error::Error;

@@ -77,7 +77,7 @@ impl ModelFit {
     /// The point that the refinement starts from and its graph; `None` before the refinement.
     pub(crate) fn refined(&self, task: &Task<'_>) -> Option<(&[f64], Arc<BuiltGraph>)> {
         match &self.state {
-            ModelFitState::Search(_) => None,
+            ModelFitState::Search(_) | ModelFitState::Chosen { .. } => None,
             ModelFitState::Refine { point, .. } => Some((point, self.build(task, point).0)),
         }
     }
@@ -100,7 +100,7 @@ impl ModelFit {
                     return Err(Error::NothingStable(why));
                 }
             },
-            ModelFitState::Refine { point, .. } => point.clone(),
+            ModelFitState::Chosen { point } | ModelFitState::Refine { point, .. } => point.clone(),
         };
         if point.len() != dimension {
             return Err(Error::Checkpoint("it has another number of variables".into()));
@@ -108,7 +108,7 @@ impl ModelFit {
         let (built, params, environment) = self.build(task, &point);
         let graph = built.graph.clone();
         let (run, init) = match &self.state {
-            ModelFitState::Search(_) => {
+            ModelFitState::Search(_) | ModelFitState::Chosen { .. } => {
                 OptimizerRun::new(index, task, graph, params, environment, backend)?
             }
             ModelFitState::Refine { run, .. } => {
@@ -118,6 +118,13 @@ impl ModelFit {
         };
         self.state = ModelFitState::Refine { point, run: run.state.clone() };
         Ok((run, init))
+    }
+
+    /// Goes back to what the search found, to be refined on all training frames.
+    pub(crate) fn choose(&mut self) {
+        if let ModelFitState::Refine { point, .. } = &self.state {
+            self.state = ModelFitState::Chosen { point: point.clone() };
+        }
     }
 
     /// Takes over the state of the optimizer run.

@@ -14,7 +14,7 @@ use rayon::prelude::*;
 use crate::{
     Error,
     built_graph::{BuiltGraph, GraphCache, LoadError, build_model, load},
-    cmaes::CmaEs,
+    cmaes::{CmaEs, Sample},
     memory,
     space::{Candidate, Space},
     submit,
@@ -53,6 +53,7 @@ pub(crate) struct Searcher<'m> {
 pub(crate) struct Generation {
     /// Index of the model in the fit.
     pub(crate) model: usize,
+    /// Losses of the candidates, each with the [`Space::penalty`] of its distance from the start.
     pub(crate) losses: Vec<f64>,
     pub(crate) failures: Failures,
 }
@@ -122,6 +123,10 @@ impl<'a> Search<'a> {
             let losses: Vec<f64> =
                 first.into_iter().map(|at| at.map_or(f64::INFINITY, mean)).collect();
             let failed = losses.iter().filter(|l| !l.is_finite()).count() as u32;
+            let prior = self.task.search_prior();
+            let penalty = |s: &Sample| searcher.space.penalty(&s.point, prior);
+            let losses: Vec<f64> =
+                losses.iter().zip(samples).map(|(loss, s)| loss * penalty(s)).collect();
             searcher.strategy.tell(samples, &losses);
             let failures = Failures { too_stiff, diverged: failed - too_stiff };
             generations.push(Generation { model: searcher.model, losses, failures });

@@ -145,7 +145,7 @@ impl Space {
         connectivity.rods &= settings.control_velocity == ControlVelocity::True;
         let mut axes = vec![
             Axis::log(Stiffness, 1e2, f64::from(MAX_SPRING_STIFFNESS), 3e3),
-            Axis::log(Dashpot, 0.1, 300.0, 20.0),
+            Axis::log(Dashpot, 0.1, 300.0, task.defaults.dashpot),
             Axis::log(Drag, 0.01, 20.0, 1.0),
         ];
         if connectivity.triplets.is_some() {
@@ -168,7 +168,7 @@ impl Space {
             axes.push(Axis::log(TwistDamping, 1e-4 * square, 1e3 * square, 0.1 * square));
             axes.push(Axis::linear(RestTwist, -PI, PI, 0.0));
         }
-        if task.nears_ground() {
+        if task.nears_ground {
             axes.push(Axis::linear(GroundRestitution, 0.0, 1.0, 0.3));
             axes.push(Axis::linear(GroundFriction, 0.0, 2.0, 0.5));
         }
@@ -223,6 +223,23 @@ impl Space {
             candidate.set(axis.variable, axis.value(x));
         }
         candidate
+    }
+
+    /// Factor on the loss at a point of the cube, for `prior` of it per square decade that damping
+    /// and bending are away from where the search starts.
+    ///
+    /// A body that is held and moved says much about its stiffness and little about what damps it:
+    /// drag or dashpots, of which either may be anything within two decades at nearly the same loss.
+    /// Where the search leaves them matters for motion that the capture does not show.
+    pub(crate) fn penalty(&self, point: &[f64], prior: f64) -> f64 {
+        let square_decades = |(axis, &x): (&Axis, &f64)| match axis.variable {
+            Variable::Dashpot
+            | Variable::Drag
+            | Variable::BendStiffness
+            | Variable::BendDamping => (axis.value(x) / axis.start).log10().powi(2),
+            _ => 0.0,
+        };
+        1.0 + prior * self.axes.iter().zip(point).map(square_decades).sum::<f64>()
     }
 
     /// Physical variables that ended within a hundredth of an end of their range.
@@ -297,3 +314,6 @@ fn scale_bend(angle_rad: f32, share: f64) -> f32 {
     let bend = f64::from(straight - angle_rad) * share;
     ((f64::from(straight) - bend) as f32).clamp(0.0, straight)
 }
+
+#[cfg(test)]
+mod tests;

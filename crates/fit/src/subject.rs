@@ -13,6 +13,10 @@ pub(crate) struct Defaults {
     /// Initial bending stiffness and damping, relative to those that resist like the springs. A
     /// cable is held by its bending, other bodies by their springs.
     pub(crate) bend_share: f64,
+    /// Initial dashpot coefficient of springs [N s/m].
+    pub(crate) dashpot: f64,
+    /// Pull of the search to where it starts; see [`crate::space::Space::penalty`].
+    pub(crate) search_prior: f64,
 }
 
 impl Defaults {
@@ -23,11 +27,15 @@ impl Defaults {
                 sequence_mean: SequenceMean::Geometric,
                 searches_gravity: true,
                 bend_share: 1.0,
+                dashpot: 20.0,
+                search_prior: 0.0,
             },
             Subject::Body => Self {
                 sequence_mean: SequenceMean::Arithmetic,
                 searches_gravity: false,
                 bend_share: 0.01,
+                dashpot: 100.0,
+                search_prior: 0.4,
             },
         }
     }

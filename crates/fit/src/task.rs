@@ -32,6 +32,8 @@ pub(crate) struct Task<'a> {
     pub(crate) training: Vec<Training<'a>>,
     /// Typical distance of neighbouring nodes [m], the length scale of bending.
     pub(crate) spacing_m: f64,
+    /// True if an object comes near the ground in the training frames.
+    pub(crate) nears_ground: bool,
 }
 
 /// The training frames of one sequence.
@@ -104,7 +106,28 @@ impl<'a> Task<'a> {
         }
         let spacing_m = spacing(&sample);
         let defaults = Defaults::of(capture.object.subject());
-        Ok(Self { capture, settings, sample, skin, defaults, training, spacing_m })
+        let nears_ground = nears_ground(capture, &training);
+        Ok(Self { capture, settings, sample, skin, defaults, training, spacing_m, nears_ground })
+    }
+
+    /// The same task without the last frames of the training sequences, of each this share of its
+    /// frames; `None` if that would leave one without anything to train on.
+    pub(crate) fn without_last(&self, share: f64) -> Option<Self> {
+        let setup = Setup::new(self.capture, &self.settings, &self.sample, &self.skin);
+        let shorter = |t: &Training<'a>| {
+            let held_back = (share * t.frames as f64).round() as usize;
+            Training::new(t.sequence, t.end().checked_sub(held_back)?, &setup)
+        };
+        Some(Self {
+            capture: self.capture,
+            settings: self.settings.clone(),
+            sample: self.sample.clone(),
+            skin: self.skin.clone(),
+            defaults: self.defaults,
+            training: self.training.iter().map(shorter).collect::<Option<_>>()?,
+            spacing_m: self.spacing_m,
+            nears_ground: self.nears_ground,
+        })
     }
 
     /// The training sequences of the search: fewer sequences and frames if the settings say so, and
@@ -116,16 +139,17 @@ impl<'a> Task<'a> {
         let spread = (0..count).map(|i| i * self.training.len() / count);
         let setup = Setup::new(self.capture, &self.settings, &self.sample, &self.skin);
         let mut set = Vec::with_capacity(count);
-        for sequence in spread.map(|i| self.training[i].sequence) {
+        for training in spread.map(|i| &self.training[i]) {
+            let sequence = training.sequence;
             let most = limit(
-                sequence.train_frame_count,
+                training.end(),
                 settings.max_frames.saturating_add(
                     // 0 keeps meaning "all".
                     if settings.max_frames == 0 { 0 } else { sequence.start_frame() + 1 },
                 ),
             );
             // All frames are taken if the first ones show nothing.
-            let full = sequence.train_frame_count;
+            let full = training.end();
             let new = |frames| Training::new(sequence, frames, &setup);
             let Some(mut training) = new(most).or_else(|| new(full)) else { continue };
             training.add_acceleration(self.settings.loss.acceleration_weight);
@@ -157,6 +181,11 @@ impl<'a> Task<'a> {
         self.settings.search.population.unwrap_or_default()
     }
 
+    /// Pull of the search to where it starts.
+    pub(crate) fn search_prior(&self) -> f64 {
+        self.settings.search.prior.unwrap_or(self.defaults.search_prior)
+    }
+
     /// The mean of the losses of several sequences.
     pub(crate) fn sequence_mean(&self) -> SequenceMean {
         self.settings.loss.sequences.unwrap_or(self.defaults.sequence_mean)
@@ -175,21 +204,6 @@ impl<'a> Task<'a> {
     /// The loss of parameters, from those of the sequences.
     pub(crate) fn loss(&self, of_sequences: impl IntoIterator<Item = f64>) -> f64 {
         sequences::mean(self.sequence_mean(), of_sequences)
-    }
-
-    /// True if an object comes near the ground in the training frames.
-    pub(crate) fn nears_ground(&self) -> bool {
-        const NEAR_M: f32 = 0.05;
-        let Some(ground) = self.capture.environment.ground else { return false };
-        self.training.iter().any(|t| {
-            let s = t.sequence;
-            (s.start_frame()..=s.start_frame() + t.frames).any(|f| {
-                s.points_at(f).iter().zip(s.visible_at(f)).any(|(p, seen)| {
-                    let height: f32 = p.iter().zip(ground.normal).map(|(x, n)| x * n).sum();
-                    *seen && height - ground.offset_m < NEAR_M
-                })
-            })
-        })
     }
 
     /// True if a graph of this connectivity has rods that twist.
@@ -226,6 +240,11 @@ impl<'a> Training<'a> {
         Some(Self { sequence, frames, objective, initial, controls })
     }
 
+    /// The frame of the sequence after the last one.
+    pub(crate) fn end(&self) -> usize {
+        self.sequence.start_frame() + self.frames + 1
+    }
+
     /// A rollout from the start, measured by the loss.
     pub(crate) fn instance(&self, model: &Loaded) -> Instance {
         Instance {
@@ -260,6 +279,18 @@ impl<'a> Training<'a> {
         }
     }
 
+    /// The loss of frames after `first` alone, for a rollout from the start; a mean over these
+    /// frames.
+    pub(crate) fn after(&self, first: usize) -> Objective {
+        let scale = self.frames as f32 / self.frames.saturating_sub(first).max(1) as f32;
+        let inside = self.objective.terms.iter().filter(|t| t.frame > first);
+        let scaled = |t: &WeightedTerm| WeightedTerm { weight: t.weight * scale, ..t.clone() };
+        Objective {
+            groups: self.objective.groups.clone(),
+            terms: Arc::new(inside.map(scaled).collect()),
+        }
+    }
+
     /// The loss of frames `first + 1 ..= first + count` alone, for a rollout that starts at the end
     /// of frame `first`; a mean over these frames.
     pub(crate) fn window(&self, first: usize, count: usize) -> Objective {
@@ -275,6 +306,21 @@ impl<'a> Training<'a> {
             terms: Arc::new(self.objective.terms.iter().filter(inside).map(shifted).collect()),
         }
     }
+}
+
+/// True if a point comes near the ground in these frames.
+fn nears_ground(capture: &Capture, training: &[Training<'_>]) -> bool {
+    const NEAR_M: f32 = 0.05;
+    let Some(ground) = capture.environment.ground else { return false };
+    training.iter().any(|t| {
+        let s = t.sequence;
+        (s.start_frame()..t.end()).any(|f| {
+            s.points_at(f).iter().zip(s.visible_at(f)).any(|(p, seen)| {
+                let height: f32 = p.iter().zip(ground.normal).map(|(x, n)| x * n).sum();
+                *seen && height - ground.offset_m < NEAR_M
+            })
+        })
+    })
 }
 
 fn controls_of(sequence: &Sequence, first: usize, count: usize) -> Vec<Point> {

@@ -53,7 +53,7 @@ fn settings() -> FitSettings {
     settings.graph.radius_m = Some(0.05);
     settings.graph.max_neighbours = 64;
     settings.graph.max_triplets = 15;
-    settings.substeps = Substeps::Auto { safety: 1.1, max: 1_000 };
+    settings.substeps = Substeps::Auto { safety: 1.1, max: Some(1_000) };
     settings.search.generations = Some(1);
     settings.search.population = Some(48);
     settings.search.starts = Some(3);

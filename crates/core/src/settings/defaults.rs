@@ -7,7 +7,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::FitSettings;
+use super::{FitSettings, MAX_SUBSTEPS, Substeps};
 use crate::capture::Subject;
 
 /// Effort of a fit, which settings that are left open follow.
@@ -69,12 +69,11 @@ impl Defaults {
             (Subject::Cable, _, Standard) => of(usize::MAX, 3, 60, 32, 40),
             (Subject::Cable, _, Best) => of(usize::MAX, 6, 60, 32, 80),
             (Subject::Body, Cpu, Draft) => of(100, 1, 4, 16, 40),
-            (Subject::Body, Cpu, Standard) => of(200, 1, 12, 16, 120),
-            (Subject::Body, Cpu, Best) => of(600, 2, 12, 32, 200),
-            // All nodes would need more substeps than the settings allow by default.
+            (Subject::Body, Cpu, Standard) => of(200, 2, 12, 16, 120),
+            (Subject::Body, Cpu, Best) => of(600, 4, 12, 32, 200),
             (Subject::Body, Gpu, Draft) => of(300, 1, 8, 32, 60),
-            (Subject::Body, Gpu, Standard) => of(1000, 1, 12, 32, 120),
-            (Subject::Body, Gpu, Best) => of(600, 2, 25, 32, 200),
+            (Subject::Body, Gpu, Standard) => of(1000, 2, 12, 32, 120),
+            (Subject::Body, Gpu, Best) => of(600, 4, 25, 32, 200),
         }
     }
 }
@@ -89,6 +88,15 @@ impl FitSettings {
         filled.graph.max_nodes.get_or_insert(defaults.max_nodes);
         filled.graph.interior.get_or_insert(true);
         filled.search.starts.get_or_insert(defaults.starts);
+        if let Substeps::Auto { max, .. } = &mut filled.substeps {
+            // The search of a cable would spend its time on stiff candidates; a body with many nodes
+            // needs more.
+            max.get_or_insert(if conditions.subject == Subject::Cable {
+                200
+            } else {
+                MAX_SUBSTEPS
+            });
+        }
         filled.search.generations.get_or_insert(defaults.generations);
         filled.search.population.get_or_insert(defaults.population);
         filled.refine.passes.get_or_insert(defaults.passes);

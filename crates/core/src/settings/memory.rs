@@ -17,7 +17,7 @@
 //! The sum is that of a process, capture and targets, and the larger of the search (generation) and
 //! the refinement (run and gradients). A test compares it with what a fit takes.
 
-use super::{Conditions, DeviceKind, FitSettings, GradientWindow, Substeps};
+use super::{Conditions, DeviceKind, FitSettings, GradientWindow};
 use crate::capture::Subject;
 
 /// Candidates of a generation that are loaded at once, as far as one slice of them allows [bytes].
@@ -164,12 +164,15 @@ pub fn estimate(
     let &CaptureSize { points, controls, frames, longest, sequences, .. } = capture;
     let &GraphSize { nodes, springs, triplets, .. } = graph;
     let windows = if settings.refine.window == GradientWindow::Pass { 2 } else { 4 };
-    let targets = sum([(12, points), (16, nodes), (12, controls), (1, 500)]).saturating_mul(frames);
-
     let starts = match (settings.search.generations, settings.search.starts) {
         (Some(0), _) => 1,
         (_, starts) => starts.map_or(1, u64::from),
     };
+    // Where frames are held back, they and those before them have targets of their own.
+    let holds_back = starts > 1 && settings.search.held_back > 0.0;
+    let windows = if holds_back { 2 * windows } else { windows };
+    let targets = sum([(12, points), (16, nodes), (12, controls), (1, 500)]).saturating_mul(frames);
+
     let models = starts * if settings.bending && settings.compare_axial { 2 } else { 1 };
     let candidate = graph.candidate_bytes();
     let population = settings.search.population.unwrap_or_default() as u64;
@@ -187,10 +190,7 @@ pub fn estimate(
     let per_coordinate = 280_u64.saturating_add(batch.saturating_mul(8));
     let run = sum([(per_coordinate, coordinates), (2, candidate)]);
     let endpoints = nodes.saturating_add(controls);
-    let substeps = match settings.substeps {
-        Substeps::Auto { max, .. } => u64::from(max),
-        Substeps::Fixed(n) => u64::from(n),
-    };
+    let substeps = u64::from(settings.substeps.most());
     let tape = endpoints.saturating_mul(48).saturating_mul(substeps).min(TAPE_BYTES);
     let states = endpoints.saturating_mul(32).saturating_mul(longest.saturating_add(1));
     let lane = sum([(1, tape), (1, states), (200, springs), (220, triplets), (400, nodes)]);

@@ -13,7 +13,12 @@ fn identity(digest: &str) -> Identity {
 
 fn checkpoint() -> Checkpoint {
     let search = CmaEs::new(vec![0.5; 3], 0.2, 0, 7);
-    Checkpoint { models: vec![ModelFitState::Search(search)], generations: Some(7), spent_s: 2.5 }
+    Checkpoint {
+        models: vec![ModelFitState::Search(search)],
+        chosen: vec![ChosenStart { model: 1, losses: vec![f64::INFINITY, 0.25] }],
+        generations: Some(7),
+        spent_s: 2.5,
+    }
 }
 
 #[test]

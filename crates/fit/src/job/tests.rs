@@ -11,7 +11,8 @@ fn settings(window: GradientWindow) -> FitSettings {
     let mut s = FitSettings { seed: 5, compare_axial: true, ..FitSettings::default() };
     s.graph.max_nodes = Some(24);
     s.graph.max_neighbours = 6;
-    s.substeps = Substeps::Auto { safety: 1.2, max: 60 };
+    s.substeps = Substeps::Auto { safety: 1.2, max: Some(60) };
+    s.search.starts = Some(1);
     s.search.generations = Some(3);
     s.search.population = Some(4);
     s.search.topology = true;
@@ -135,6 +136,34 @@ fn cancelling_and_refusing_end_the_fit() {
     let mut recorder = Recorder { refuse_after: Some(4), ..Recorder::default() };
     let error = job.run(None, &mut recorder, &CancelToken::default()).unwrap_err();
     assert_eq!(error.reason(), "CHECKPOINT_NOT_KEPT");
+}
+
+#[test]
+fn the_start_that_predicts_frames_held_back_is_kept() {
+    let capture = make(Scene::Rope, &MakeOptions::tiny(2)).unwrap();
+    let mut settings = settings(GradientWindow::Pass);
+    settings.search.starts = Some(3);
+    settings.search.held_back = 0.4;
+    settings.refine.passes = Some(8);
+    let job = job(&capture, settings);
+    let mut recorder = Recorder::default();
+    let whole = job.run(None, &mut recorder, &CancelToken::default()).unwrap();
+    let choice = whole.twin.quality.choice.clone().unwrap();
+    assert!(choice.held_back_frames >= 5, "{choice:?}");
+    let losses: Vec<f64> = choice.losses.iter().map(|l| l.unwrap()).collect();
+    let kept = losses[choice.start as usize];
+    assert!(losses.len() == 3 && losses.iter().all(|l| *l >= kept), "{choice:?}");
+    assert!(whole.axial.as_ref().unwrap().quality.scores.len() == 1);
+    // All starts of both models make four passes, then the chosen ones eight on all frames.
+    let passes = recorder.progress.iter().filter(|p| p.stage == Stage::Refine);
+    assert_eq!(passes.clone().count(), 6 * 4 + 2 * 8);
+    assert!(passes.clone().all(|p| p.iterations == 12 && p.iteration <= 12));
+    let fractions: Vec<f64> = recorder.progress.iter().map(|p| p.fraction).collect();
+    assert!(fractions.is_sorted(), "{fractions:?}");
+    for checkpoint in &recorder.checkpoints {
+        let resumed = job.run(Some(checkpoint), &mut (), &CancelToken::default()).unwrap();
+        assert_eq!(resumed.twin.encode().unwrap(), whole.twin.encode().unwrap());
+    }
 }
 
 #[test]
