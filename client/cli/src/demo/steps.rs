@@ -20,28 +20,19 @@ const CANDIDATES: usize = 64;
 /// Their horizon [frames].
 const HORIZON: u32 = 30;
 
-/// Nodes of the demo's twin: planners need coarse graphs, where bending matters most.
+/// Nodes of the demo's twin: planners need coarse graphs, and people who wait a fast fit.
 const NODES: usize = 60;
-/// Most springs from one node.
-const NEIGHBOURS: usize = 8;
-/// Passes of the refinement: half of the usual ones, for people who wait.
-const PASSES: u32 = 60;
 
 /// The settings of the demo's fits.
 pub(super) fn settings(seed: u64) -> FitSettings {
     let mut settings = FitSettings { seed, ..FitSettings::default() };
     settings.graph.max_nodes = Some(NODES);
-    settings.graph.max_neighbours = NEIGHBOURS;
-    settings.refine.passes = Some(PASSES);
     settings
 }
 
 /// The same settings as flags of the command line.
 pub(super) fn flags() -> String {
-    format!(
-        "--set graph.max_nodes={NODES} --set graph.max_neighbours={NEIGHBOURS} \
-         --set refine.passes={PASSES}"
-    )
+    format!("--set graph.max_nodes={NODES}")
 }
 
 /// The demo under way.
