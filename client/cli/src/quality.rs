@@ -4,9 +4,10 @@ use bendtwin_client::{Client, TwinId};
 use bendtwin_core::{Quality, Twin, quality::Assessment};
 use bendtwin_eval::{Scale, assess};
 
-/// The assessment of a twin of this machine by a table.
+/// The assessment of a twin of this machine by a table: that of its fit, where the table is its fit's.
 pub(crate) fn of_twin(twin: &Twin, quality: &Quality) -> Assessment {
-    assess(quality, Scale::of_nodes(&twin.graph.rest_positions))
+    let anew = || assess(quality, Scale::of_nodes(&twin.graph.rest_positions));
+    quality.assessment.clone().unwrap_or_else(anew)
 }
 
 /// The assessment of a twin of the server by the table that it carries: that of its fit, where the
