@@ -1,6 +1,7 @@
 //! `bendtwin rollout`: predicts the outcome of actions on a twin.
 
 mod actions;
+mod implausible;
 
 use std::path::PathBuf;
 
@@ -159,6 +160,7 @@ fn document(reply: &Reply) -> serde_json::Value {
         "frames": reply.frames,
         "diagnostics": reply.diagnostics,
         "diverged": reply.diverged,
+        "implausible": reply.implausible,
         "timing": reply.timing,
         "fidelity": reply.fidelity,
         "substeps": reply.substeps,
@@ -194,6 +196,7 @@ fn text(reply: &Reply, instances: usize, out: Option<&PathBuf>) -> String {
         text +=
             &format!("\ninstance {} diverged in frame {} at node {}", d.instance, d.frame, d.node);
     }
+    text += &implausible::warnings(&reply.implausible);
     text += &format!(
         "\n{instances} rollouts in {:.0} ms ({:.0} ms waiting)",
         1e3 * reply.timing.compute_s,
