@@ -16,7 +16,7 @@ mod workers;
 
 use std::{str::FromStr, sync::Arc};
 
-use bendtwin_core::ids::InvalidName;
+use bendtwin_core::{ids::InvalidName, settings::layers};
 use bendtwin_store::Store;
 use serde::de::DeserializeOwned;
 use tokio_util::sync::CancellationToken;
@@ -135,9 +135,7 @@ fn read_settings<T: DeserializeOwned + Default>(json: &str, limit: usize) -> Res
     if json.trim().is_empty() {
         return Ok(T::default());
     }
-    if !json.trim_start().starts_with('{') {
-        // Serde would take a list for a struct, field by field.
-        return Err(Error::Settings(vec!["they are not a JSON object".to_owned()]));
-    }
-    serde_json::from_str(json).map_err(|e| Error::Settings(vec![e.to_string()]))
+    let document =
+        serde_json::from_str(json).map_err(|e| Error::Settings(vec![format!("no JSON: {e}")]))?;
+    layers::read(document).map_err(Error::Settings)
 }

@@ -5,7 +5,10 @@ use std::path::PathBuf;
 use anyhow::Context as _;
 use bendtwin_core::{
     FitSettings,
-    settings::{Effort, layers::merge},
+    settings::{
+        Effort,
+        layers::{self, merge},
+    },
 };
 use clap::Args;
 use serde_json::Value;
@@ -47,16 +50,19 @@ impl SettingsArgs {
                 .map_err(|e| Usage::error(format!("{}: {e}", path.display())))?;
             merge(&mut value, file);
         }
+        let mut faults = Vec::new();
         for text in &self.overrides {
-            let (key, given) = text.split_once('=').ok_or_else(|| {
-                Usage::error(format!(
-                    "--set {text}: write key=value, for example `graph.max_nodes=400`"
-                ))
-            })?;
-            set(&mut value, key.trim(), parse(given.trim()))?;
+            let applied = match text.split_once('=') {
+                Some((key, given)) => set(&mut value, key.trim(), parse(given.trim())),
+                None => Err("write key=value, for example `graph.max_nodes=400`".to_owned()),
+            };
+            faults.extend(applied.err().map(|fault| format!("--set {text}: {fault}")));
         }
-        let mut settings: FitSettings =
-            serde_json::from_value(value).map_err(|e| Usage::error(format!("settings: {e}")))?;
+        let read = layers::read::<FitSettings>(value);
+        faults.extend(read.as_ref().err().into_iter().flatten().cloned());
+        let (Ok(mut settings), true) = (read, faults.is_empty()) else {
+            return Err(Usage::error(format!("settings: {}", faults.join("; "))));
+        };
         settings.compare_axial |= self.axial;
         settings.effort = self.effort.unwrap_or(settings.effort);
         settings.within_s = self.within.or(settings.within_s);
@@ -88,7 +94,7 @@ fn parse(text: &str) -> Value {
 }
 
 /// Sets a field by its path; an unknown name is refused with a list of the known ones.
-fn set(root: &mut Value, key: &str, value: Value) -> anyhow::Result<()> {
+fn set(root: &mut Value, key: &str, value: Value) -> Result<(), String> {
     // `substeps` is either {"auto": {...}} or {"fixed": n}: naming the other one switches.
     if let Some(variant) = key.strip_prefix("substeps.")
         && !variant.contains('.')
@@ -104,7 +110,7 @@ fn set(root: &mut Value, key: &str, value: Value) -> anyhow::Result<()> {
         };
         at = at.get_mut(part).ok_or_else(|| {
             let known = if known.is_empty() { "nothing".to_owned() } else { known.join(", ") };
-            Usage::error(format!("--set {key}: there is no `{part}`; there is {known}"))
+            format!("there is no `{part}`; there is {known}")
         })?;
     }
     *at = value;

@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use bendtwin_core::{
     FitSettings,
     quality::{ErrorSummary, Predictor},
-    settings::layers::{merge, unknown_fields},
+    settings::layers::{merge, read, unknown_fields},
 };
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
@@ -173,8 +173,7 @@ fn in_force(layers: &[&Value], seed: u64) -> Result<FitSettings, Vec<String>> {
     for layer in layers.iter().filter(|layer| !layer.is_null()) {
         merge(&mut document, (*layer).clone());
     }
-    let settings: FitSettings =
-        serde_json::from_value(document).map_err(|e| vec![e.to_string()])?;
+    let settings: FitSettings = read(document)?;
     let settings = FitSettings { seed, ..settings };
     settings.validate().map(|()| settings)
 }

@@ -35,8 +35,18 @@ fn wrong_overrides_say_what_there_is() {
     };
     assert!(message("seed").contains("key=value"));
     assert!(message("graph.max_node=4").contains("max_nodes"));
-    assert!(message("graph.max_nodes=many").contains("settings"));
+    assert!(message("graph.max_nodes=many").contains("graph.max_nodes: invalid type: string"));
     assert!(message("refine.learning_rate=-1").contains("refine.learning_rate"));
+}
+
+#[test]
+fn all_faults_are_told_at_once() {
+    let error = with(&["graph.max_nodes=many", "refine.passes=-2", "graf=1", "seed"]).unwrap_err();
+    let message = error.to_string();
+    for part in ["graph.max_nodes: ", "refine.passes: ", "no `graf`", "--set seed: write key=value"]
+    {
+        assert!(message.contains(part), "{message}");
+    }
 }
 
 #[test]

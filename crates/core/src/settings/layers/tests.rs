@@ -36,3 +36,37 @@ fn every_unknown_field_is_found() {
         json!({"graf": 1, "graph": {"radius": 1, "radius_m": 2}, "substeps": {"fixed": 3}});
     assert_eq!(unknown_fields(&document), ["graf", "graph.radius"]);
 }
+
+#[test]
+fn every_fault_is_told_with_its_path() {
+    let document = json!({
+        "graph": {"max_nodes": "many", "radius": 0.1},
+        "refine": {"passes": -2, "learning_rate": true},
+        "substeps": {"auto": {"safety": "x"}},
+        "bending": 1,
+        "seed": 4,
+    });
+    let faults = read::<FitSettings>(document).unwrap_err();
+    let starts = [
+        "bending: invalid type: integer `1`, expected true or false",
+        "graph.max_nodes: invalid type: string \"many\", expected a whole number, 0 or more",
+        "graph.radius: unknown field `radius`, expected one of",
+        "refine.learning_rate: invalid type: boolean `true`, expected a number",
+        "refine.passes: invalid value: integer `-2`, expected a whole number, 0 or more",
+        "substeps: invalid type: string \"x\", expected a number",
+    ];
+    assert_eq!(faults.len(), starts.len(), "{faults:#?}");
+    for (fault, start) in faults.iter().zip(starts) {
+        assert!(fault.starts_with(start), "{fault}");
+    }
+}
+
+#[test]
+fn settings_are_an_object_and_their_faults_are_bounded() {
+    for document in [json!([1, 2]), json!(3), json!(null)] {
+        assert_eq!(read::<FitSettings>(document).unwrap_err(), ["they are not a JSON object"]);
+    }
+    let wrong: Map<_, _> = (0..10_000).map(|i| (format!("x{i}"), json!(1))).collect();
+    assert_eq!(read::<FitSettings>(Value::Object(wrong)).unwrap_err().len(), MOST_FAULTS);
+    assert_eq!(read::<FitSettings>(json!({})), Ok(FitSettings::default()));
+}
