@@ -1,6 +1,10 @@
 //! The server as a whole: its start and its shutdown.
 
-use std::{net::SocketAddr, time::Duration};
+use std::{
+    net::SocketAddr,
+    path::{Path, PathBuf},
+    time::Duration,
+};
 
 use bendtwin_core::{Category, Problem};
 use bendtwin_store::Store;
@@ -25,7 +29,10 @@ pub enum StartError {
     #[error("the options are not accepted: {}", .0.join("; "))]
     Options(Vec<String>),
     /// The address is in use, or not an address of this machine.
-    #[error("cannot listen on {address}: {source}: choose another address")]
+    #[error(
+        "cannot listen on {address}: {source}: choose another address with --listen, or stop the \
+         program that listens there"
+    )]
     Listen {
         /// The address.
         address: SocketAddr,
@@ -33,13 +40,18 @@ pub enum StartError {
         source: std::io::Error,
     },
     /// The data folder cannot be opened.
-    #[error("cannot open the data folder: {0}")]
-    Store(#[from] bendtwin_store::Error),
+    #[error("cannot open the data folder {}: {source}", folder.display())]
+    Store {
+        /// The folder.
+        folder: PathBuf,
+        /// The fault of the store.
+        source: bendtwin_store::Error,
+    },
     /// The file of the client token cannot be read or written.
     #[error("cannot keep the client token in {path}: {source}: give the file to this user")]
     ClientToken {
         /// The file.
-        path: std::path::PathBuf,
+        path: PathBuf,
         /// The system's error.
         source: std::io::Error,
     },
@@ -66,7 +78,7 @@ impl Problem for StartError {
             Self::Listen { .. } | Self::ClientToken { .. } | Self::Program { .. } => {
                 Category::FailedPrecondition
             }
-            Self::Store(error) => error.category(),
+            Self::Store { source, .. } => source.category(),
             Self::Descriptors(_) | Self::Recovery(_) => Category::Internal,
         }
     }
@@ -75,7 +87,7 @@ impl Problem for StartError {
         match self {
             Self::Options(_) => "INVALID_OPTIONS",
             Self::Listen { .. } => "CANNOT_LISTEN",
-            Self::Store(error) => error.reason(),
+            Self::Store { source, .. } => source.reason(),
             Self::ClientToken { .. } => "CLIENT_TOKEN_FILE",
             Self::Program { .. } => "NO_WORKER_PROGRAM",
             Self::Descriptors(_) => "DESCRIPTORS",
@@ -120,9 +132,10 @@ impl Service {
     pub async fn start(options: Options) -> Result<Handle, StartError> {
         options.validate().map_err(StartError::Options)?;
         let program = supervise::program(&options.workers)?;
-        let store = Store::open(bendtwin_store::Options::new(&options.data_dir)).await?;
+        // First of all: a server that cannot listen leaves no folder behind.
         let (socket, address) = bind(options.listen).await?;
         let (worker_socket, worker_address) = bind(options.worker_listen).await?;
+        let store = open_store(&options.data_dir).await?;
         let client_token = match options.client_token {
             ClientTokenPolicy::Required => Some(load_token(&options)?),
             ClientTokenPolicy::None => None,
@@ -181,6 +194,11 @@ impl Service {
             workers,
         })
     }
+}
+
+async fn open_store(folder: &Path) -> Result<Store, StartError> {
+    let opened = Store::open(bendtwin_store::Options::new(folder)).await;
+    opened.map_err(|source| StartError::Store { folder: folder.to_owned(), source })
 }
 
 async fn bind(address: SocketAddr) -> Result<(TcpListener, SocketAddr), StartError> {

@@ -3,8 +3,8 @@
 use clap::{Parser, Subcommand};
 
 use crate::{
-    bench, capture, demo, eval, fit, global::Global, logging, rollout, server, store, suite, twin,
-    worker,
+    bench, capture, completions, demo, doctor, eval, fit, global::Global, logging, rollout, server,
+    store, suite, twin, worker,
 };
 
 /// Turns recordings of soft objects into physical twins, and predicts what robot actions do to
@@ -49,6 +49,10 @@ pub(crate) enum Command {
     Bench(bench::Bench),
     /// Check, repair and back up the data folder of a server
     Store(store::Store),
+    /// Look at this machine, the data folder and the server, and say what is amiss
+    Doctor(doctor::Doctor),
+    /// Print the script with which a shell completes commands and options
+    Completions(completions::Completions),
 }
 
 #[cfg(test)]

@@ -4,7 +4,9 @@ mod args;
 mod backend;
 mod bench;
 mod capture;
+mod completions;
 mod demo;
+mod doctor;
 mod eval;
 mod failure;
 mod fit;
@@ -79,5 +81,7 @@ async fn run(arguments: Arguments) -> anyhow::Result<()> {
         Command::Suite(args) => suite::run(args, global).await,
         Command::Bench(args) => bench::run(args, global).await,
         Command::Store(args) => store::run(args, global).await,
+        Command::Doctor(args) => doctor::run(args, global).await,
+        Command::Completions(args) => completions::run(&args),
     }
 }

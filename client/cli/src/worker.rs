@@ -91,6 +91,11 @@ impl From<SandboxArg> for Sandbox {
     }
 }
 
+/// The parts of the confinement of reading processes that this system lacks, if any.
+pub(crate) fn lacking_confinement() -> Option<String> {
+    bendtwin_worker::available().lacking()
+}
+
 impl Worker {
     fn options(self, server: &str) -> Options {
         let defaults = Options::new(server, self.token);

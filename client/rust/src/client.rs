@@ -1,6 +1,6 @@
 //! The connection to a server.
 
-use std::time::Duration;
+use std::{borrow::Cow, time::Duration};
 
 use bendtwin_proto::v1::{
     capture_service_client::CaptureServiceClient, fit_service_client::FitServiceClient,
@@ -13,7 +13,7 @@ use reqwest::header::{AUTHORIZATION, HeaderMap, HeaderValue};
 use tonic::transport::Endpoint;
 
 use crate::{
-    Captures, Error, Fits, Plans, Registrations, Rollouts, Sessions, Twins, Workers,
+    Captures, Error, Fits, Plans, Readiness, Registrations, Rollouts, Sessions, Twins, Workers,
     channel::{Channel, Credentials},
     token,
 };
@@ -33,13 +33,14 @@ pub struct Client {
 }
 
 impl Client {
-    /// Connects to a server, for example `http://127.0.0.1:7070`, with the token that
-    /// [`token::find`] has for it.
+    /// Connects to a server, for example `http://127.0.0.1:7070` or `localhost:7070`, with the
+    /// token that [`token::find`] has for it.
     ///
     /// # Errors
-    /// If the address is not a URL, or nothing answers there.
+    /// If the address is neither a URL nor a host, or nothing answers there.
     pub async fn connect(url: &str) -> Result<Self, Error> {
-        Self::connect_with_token(url, token::find(url).as_deref()).await
+        let url = complete(url);
+        Self::connect_with_token(&url, token::find(&url).as_deref()).await
     }
 
     /// Connects to a server with a token, or without one.
@@ -47,10 +48,10 @@ impl Client {
     /// # Errors
     /// As [`Client::connect`]; or if the token is none that can be sent.
     pub async fn connect_with_token(url: &str, token: Option<&str>) -> Result<Self, Error> {
-        let url = url.trim_end_matches('/');
+        let (given, url) = (url, &*complete(url));
         let invalid = || {
             Error::invalid(format!(
-                "`{url}` is no server address: give one like http://127.0.0.1:7070"
+                "`{given}` is no server address: give one like http://127.0.0.1:7070"
             ))
         };
         let parsed = reqwest::Url::parse(url).map_err(|_| invalid())?;
@@ -86,6 +87,14 @@ impl Client {
     /// The address of the server.
     pub fn url(&self) -> &str {
         &self.url
+    }
+
+    /// State of the server, which it tells without a token.
+    ///
+    /// # Errors
+    /// If nothing answers, or what answers is no server of BendTwin.
+    pub async fn readiness(&self) -> Result<Readiness, Error> {
+        Readiness::of(&self.http, &self.url).await
     }
 
     /// Recordings.
@@ -135,9 +144,43 @@ impl Client {
     }
 }
 
+/// The address as a URL: `localhost:7070` is `http://localhost:7070`.
+fn complete(address: &str) -> Cow<'_, str> {
+    let address = address.trim_end_matches('/');
+    if address.contains("://") { address.into() } else { format!("http://{address}").into() }
+}
+
 /// The innermost cause, which says more than `transport error`.
-fn innermost_cause<'a>(
+pub(crate) fn innermost_cause<'a>(
     error: &'a (dyn std::error::Error + 'static),
 ) -> &'a (dyn std::error::Error + 'static) {
     std::iter::successors(Some(error), |e| e.source()).last().unwrap_or(error)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_address_without_a_scheme_is_one_of_http() {
+        for (given, url) in [
+            ("localhost:7070", "http://localhost:7070"),
+            ("10.0.0.7:80/", "http://10.0.0.7:80"),
+            ("[::1]:7070", "http://[::1]:7070"),
+            ("http://127.0.0.1:7070/", "http://127.0.0.1:7070"),
+        ] {
+            assert_eq!(complete(given), url);
+        }
+    }
+
+    #[tokio::test]
+    async fn what_is_no_address_is_named_as_it_was_given() {
+        for given in ["https://twin.example", "a b", ""] {
+            let error = Client::connect_with_token(given, None).await.unwrap_err();
+            assert!(
+                error.to_string().contains(&format!("`{given}` is no server address")),
+                "{error}"
+            );
+        }
+    }
 }

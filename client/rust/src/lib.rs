@@ -72,6 +72,7 @@ mod geometry;
 mod page;
 mod plans;
 mod problem;
+mod readiness;
 mod registrations;
 mod resources;
 mod rollouts;
@@ -97,6 +98,7 @@ pub use self::{
     geometry::Geometry,
     page::{Page, PageRequest},
     plans::{PlanUpdate, Planning, Plans},
+    readiness::{Readiness, ReadinessCheck},
     registrations::{Observation, Registered, Registration, Registrations, Residual},
     resources::{Capture, DeviceMemory, Fit, Job, JobProgress, JobState, Twin, Worker},
     rollouts::{

@@ -23,6 +23,9 @@ use crate::{Error, Result, disk::Reserve, folder, migrations};
 /// Name of the database in the data folder.
 pub(crate) const FILE: &str = "bendtwin.sqlite";
 
+/// Name of the file whose lock a server holds.
+pub(crate) const LOCK: &str = "lock";
+
 const READERS: u32 = 4;
 const BUSY_TIMEOUT: Duration = Duration::from_secs(10);
 const ACQUIRE_TIMEOUT: Duration = Duration::from_secs(20);
@@ -117,7 +120,7 @@ pub(crate) fn options(file: &Path) -> SqliteConnectOptions {
 
 /// Takes the lock of a data folder.
 pub(crate) fn lock(data_dir: &Path) -> Result<File> {
-    let path = data_dir.join("lock");
+    let path = data_dir.join(LOCK);
     let lock = File::create(&path)?;
     folder::close_to_others(&path, folder::FILE);
     lock.try_lock().map_err(|error| match error {

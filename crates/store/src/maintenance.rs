@@ -3,6 +3,7 @@
 
 mod backup;
 mod check;
+mod folder_state;
 mod integrity;
 mod mend;
 mod repair;
@@ -10,6 +11,7 @@ mod survey;
 
 pub use backup::{Backup, backup};
 pub use check::{CheckReport, Unreferenced, check};
+pub use folder_state::{FolderState, folder_state};
 pub use repair::{Repair, repair};
 pub use survey::{Damage, Depth};
 

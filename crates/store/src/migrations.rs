@@ -26,6 +26,11 @@ pub(crate) fn migrator() -> Migrator {
     Migrator::with_migrations(all.into())
 }
 
+/// The version of the last migration.
+pub(crate) fn newest() -> i64 {
+    MIGRATIONS.iter().map(|(version, ..)| *version).max().unwrap_or_default()
+}
+
 #[cfg(test)]
 mod tests {
     use std::collections::BTreeSet;

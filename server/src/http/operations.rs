@@ -24,6 +24,8 @@ pub(super) struct Readiness {
     workers: usize,
     /// Rollouts under way or waiting.
     rollouts: usize,
+    /// Name and version of the server's program.
+    build: &'static str,
 }
 
 /// Liveness
@@ -41,7 +43,8 @@ pub(super) async fn readyz(State(app): State<App>) -> Response {
     let ready = checks.iter().all(|check| check.ok);
     let (workers, rollouts) = app.dispatch.counts();
     let status = if ready { StatusCode::OK } else { StatusCode::SERVICE_UNAVAILABLE };
-    (status, Json(Readiness { ready, checks, workers, rollouts })).into_response()
+    let build = bendtwin_core::BUILD;
+    (status, Json(Readiness { ready, checks, workers, rollouts, build })).into_response()
 }
 
 /// Metrics for Prometheus

@@ -10,6 +10,8 @@ mod doc_comments;
 #[cfg(test)]
 mod doc_sentences;
 #[cfg(test)]
+mod doctor;
+#[cfg(test)]
 mod documents;
 #[cfg(test)]
 mod first_five_minutes;

@@ -50,6 +50,11 @@ async fn commands_of_the_user_need_no_setting_and_others_are_refused() {
     let other = push("nothing", &|_| {});
     let told = String::from_utf8_lossy(&other.stderr).into_owned();
     assert!(!other.status.success() && told.contains("BENDTWIN_TOKEN"), "{told}");
+    let mut doctor = bendtwin();
+    doctor.args(["doctor", "--server", &format!("127.0.0.1:{port}"), "--listen", "127.0.0.1:0"]);
+    let doctor = doctor.env("XDG_STATE_HOME", path("nothing")).output().unwrap();
+    let found = String::from_utf8_lossy(&doctor.stdout).into_owned();
+    assert!(!doctor.status.success() && found.contains("PROBLEM  token"), "{found}");
     let file = path("data/client-token");
     let token = std::fs::read_to_string(&file).unwrap().trim().to_owned();
     assert!(

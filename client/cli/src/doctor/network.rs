@@ -1,0 +1,104 @@
+//! The address of a server, and the server that answers at the address of the client.
+
+use std::{io::ErrorKind, net::SocketAddr};
+
+use bendtwin_client::{Category, Client, Readiness, Worker};
+use bendtwin_core::BUILD;
+use tokio::net::TcpListener;
+
+use super::check::Check;
+use crate::global::Global;
+
+/// The check of the address on which a server listens or is to listen.
+pub(super) async fn address(listen: SocketAddr) -> Check {
+    const NAME: &str = "address";
+    match TcpListener::bind(listen).await {
+        Ok(_) => Check::ok(NAME, format!("{listen} is free for `bendtwin server`")),
+        Err(error) if error.kind() == ErrorKind::AddrInUse => match readiness(listen).await {
+            Some(found) => Check::ok(NAME, format!("{} listens on {listen}", found.build)),
+            None => {
+                let advice = "stop it, or start the server with another --listen";
+                Check::problem(NAME, format!("another program listens on {listen}: {advice}"))
+            }
+        },
+        Err(error) => Check::problem(NAME, format!("nothing can listen on {listen}: {error}")),
+    }
+}
+
+/// The state of the server at an address of this machine, if it is one of BendTwin.
+async fn readiness(listen: SocketAddr) -> Option<Readiness> {
+    let ip = match listen.ip() {
+        ip if ip.is_unspecified() => "127.0.0.1".to_owned(),
+        ip if ip.is_ipv6() => format!("[{ip}]"),
+        ip => ip.to_string(),
+    };
+    let url = format!("http://{ip}:{}", listen.port());
+    Client::connect(&url).await.ok()?.readiness().await.ok()
+}
+
+/// Checks of the server that commands talk to; one note if none answers.
+pub(super) async fn server(global: &Global) -> Vec<Check> {
+    const NAME: &str = "server";
+    let client = match global.connect().await {
+        Ok(client) => client,
+        Err(error) => return vec![Check::note(NAME, format!("{error:#}"))],
+    };
+    let found = match client.readiness().await {
+        Ok(found) => found,
+        Err(error) => return vec![Check::problem(NAME, error.to_string())],
+    };
+    let mut checks = vec![build(NAME, &format!("the server at {}", client.url()), &found.build)];
+    for check in found.checks {
+        let make = if check.ok { Check::ok } else { Check::problem };
+        checks.push(make(NAME, check.message));
+    }
+    match client.workers().all().await {
+        Ok(workers) => checks.extend(workers.iter().map(worker)),
+        Err(error) if error.category() == Category::Unauthenticated => {
+            checks.push(Check::problem("token", error.to_string()));
+        }
+        Err(error) => checks.push(Check::problem(NAME, error.to_string())),
+    }
+    checks
+}
+
+fn worker(worker: &Worker) -> Check {
+    let who = format!("{} on {} ({})", worker.name, worker.device, worker.backend);
+    build("worker", &who, &worker.build)
+}
+
+/// The check of another program's version against this one's.
+fn build(name: &'static str, who: &str, build: &str) -> Check {
+    if build == BUILD {
+        return Check::ok(name, format!("{who} is {build}"));
+    }
+    let advice = "use one version everywhere";
+    Check::note(name, format!("{who} is {build}, this program {BUILD}: {advice}"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::doctor::check::State;
+
+    #[tokio::test]
+    async fn an_address_that_another_program_has_is_a_problem() {
+        let taken = TcpListener::bind("127.0.0.1:0").await.unwrap();
+        let address_taken = taken.local_addr().unwrap();
+        tokio::spawn(async move {
+            while let Ok((socket, _)) = taken.accept().await {
+                drop(socket);
+            }
+        });
+        let check = address(address_taken).await;
+        assert_eq!(check.state, State::Problem);
+        assert!(check.message.contains("another program"), "{}", check.message);
+        assert_eq!(address("127.0.0.1:0".parse().unwrap()).await.state, State::Ok);
+    }
+
+    #[test]
+    fn another_version_is_noted() {
+        assert_eq!(build("server", "it", BUILD).state, State::Ok);
+        assert_eq!(build("server", "it", "bendtwin 99.0.0").state, State::Note);
+    }
+}
