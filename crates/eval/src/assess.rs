@@ -44,7 +44,8 @@ impl Scale {
 }
 
 /// Puts a quality table in words. Of the comparisons with the object's size, the distance of the
-/// nodes, standing still and the last residual the worst decides; those without data are left out.
+/// nodes, standing still, the last residual and the error in training the worst decides; those
+/// without data are left out.
 pub fn assess(quality: &Quality, scale: Scale) -> Assessment {
     let measured = quality.scores.first().and_then(|own| Some((own, headline(&own.future)?)));
     let Some((own, (measure, error_m))) = measured else { return unknown(quality) };
@@ -57,6 +58,7 @@ pub fn assess(quality: &Quality, scale: Scale) -> Assessment {
         (scale.size_m > 0.0).then(|| of_size(error_m, scale)),
         (scale.spacing_m > 0.0).then(|| of_spacing(error_m, scale.spacing_m)),
         beside(Predictor::LastResidual).map(|m| beside_last_residual(error_m, m)),
+        measure(&own.train).map(|m| of_training(error_m, m, scale)),
     ]
     .into_iter()
     .flatten()
@@ -96,6 +98,8 @@ const FOLLOWS_ROUGHLY: &str = "Plan over short times with it, and fit again with
 const FINER: &str = "Allow for that error in plans; a larger `graph.max_nodes` and `search.starts` of 3 or more can lower it.";
 const NOT_FINER: &str = "Allow for that error in plans; it is one of motion, not of the graph: `search.starts` of 3 or more or \
      sequences of more motions can lower it, more nodes hardly.";
+const MISSES_TRAINING: &str = "It misses even the frames that it was fitted to: look for what the recording lacks in `bendtwin \
+     capture report`, and fit again with a larger `graph.max_nodes` and `search.starts` of 3 or more.";
 const LASTS: &str = "Its error lasts: correct its states by what cameras see while it runs (docs/accuracy.md, predictions \
      from corrected states).";
 
@@ -138,6 +142,18 @@ fn beside_last_residual(error_m: f64, residual_m: f64) -> Comparison {
     let by = if nearer { "nearer" } else { "farther" };
     let text = format!("{by} than with its last training error added ({:.1} mm)", 1e3 * residual_m);
     Comparison { level, text, next: LASTS }
+}
+
+/// The error on the frames of the fit, which says by itself whether the model can move as the object
+/// did; beside it, the error on other frames tells how far what was found carries.
+fn of_training(error_m: f64, train_m: f64, scale: Scale) -> Comparison {
+    let share = if scale.size_m > 0.0 { train_m / scale.size_m } else { 0.0 };
+    let text = format!(
+        "{} times its error on the frames that it was fitted to ({:.1} mm)",
+        times(error_m / train_m.max(LEAST_M)),
+        1e3 * train_m
+    );
+    Comparison { level: level(share, OF_SIZE), text, next: MISSES_TRAINING }
 }
 
 fn unknown(quality: &Quality) -> Assessment {

@@ -71,6 +71,21 @@ fn a_twin_that_does_not_follow_is_poor() {
 }
 
 #[test]
+fn a_twin_that_misses_its_own_training_is_not_good() {
+    let trained = |mm: f64| {
+        let mut quality = table(4.0, 100.0, 5.0);
+        quality.scores[0].train = tracks(mm);
+        quality
+    };
+    is(&trained(2.0), SCALE, Level::Good, "2.00 times its error on the frames that it", "Use it");
+    is(&trained(18.0), SCALE, Level::Fair, "0.22 times its error on the frames", "misses even");
+    is(&trained(40.0), SCALE, Level::Poor, "(40.0 mm)", "misses even");
+    let mut untrained = table(4.0, 100.0, 5.0);
+    untrained.scores[0].train = ErrorSummary::default();
+    assert!(!assess(&untrained, SCALE).why.contains("fitted to"));
+}
+
+#[test]
 fn a_table_without_unseen_frames_is_unknown() {
     let mut quality = table(4.0, 100.0, 5.0);
     quality.scores.iter_mut().for_each(|s| s.future = ErrorSummary::default());
@@ -83,6 +98,7 @@ fn comparisons_without_data_are_left_out() {
     let mut quality = table(4.0, 100.0, 5.0);
     quality.scores.truncate(1);
     is(&quality, SCALE, Level::Good, "0.8 % of the object's size", "Use it");
+    quality.scores[0].train = ErrorSummary::default();
     is(&quality, Scale::default(), Level::Unknown, "off by 4.0 mm.", "nothing to compare");
     is(&table(4.0, 7.0, 5.0), Scale::default(), Level::Poor, "1.75 times", "Do not plan");
     assert_eq!(Scale::of_nodes(&[]), Scale::default());
