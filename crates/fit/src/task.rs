@@ -183,17 +183,17 @@ impl<'a> Task<'a> {
 
     /// Pull of the search to where it starts.
     pub(crate) fn search_prior(&self) -> f64 {
-        self.settings.search.prior.unwrap_or(self.defaults.search_prior)
+        self.settings.search.prior.unwrap_or_default()
     }
 
     /// The mean of the losses of several sequences.
     pub(crate) fn sequence_mean(&self) -> SequenceMean {
-        self.settings.loss.sequences.unwrap_or(self.defaults.sequence_mean)
+        self.settings.loss.sequences.unwrap_or(SequenceMean::Arithmetic)
     }
 
     /// True if the strength of gravity is searched.
     pub(crate) fn searches_gravity(&self) -> bool {
-        self.settings.search.gravity.unwrap_or(self.defaults.searches_gravity)
+        self.settings.search.gravity.unwrap_or_default()
     }
 
     /// The kind of the captured object.

@@ -7,7 +7,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{FitSettings, MAX_SUBSTEPS, Substeps};
+use super::{FitSettings, MAX_SUBSTEPS, SequenceMean, Substeps};
 use crate::capture::Subject;
 
 /// Effort of a fit, which settings that are left open follow.
@@ -78,6 +78,34 @@ impl Defaults {
     }
 }
 
+/// Values that depend on the kind of object alone.
+struct SubjectDefaults {
+    /// Mean of the losses of several sequences.
+    sequence_mean: SequenceMean,
+    /// True if the strength of gravity is searched. It pays in motion capture, where nothing else
+    /// corrects a frame rate that is not quite true.
+    searches_gravity: bool,
+    /// Pull of the search to where it starts.
+    search_prior: f64,
+}
+
+impl SubjectDefaults {
+    fn of(subject: Subject) -> Self {
+        match subject {
+            Subject::Cable => Self {
+                sequence_mean: SequenceMean::Geometric,
+                searches_gravity: true,
+                search_prior: 0.0,
+            },
+            Subject::Body => Self {
+                sequence_mean: SequenceMean::Arithmetic,
+                searches_gravity: false,
+                search_prior: 0.4,
+            },
+        }
+    }
+}
+
 impl FitSettings {
     /// These settings with defaults in place of those that are left open, apart from
     /// `graph.radius_m`, which follows the spacing of the capture's points.
@@ -100,6 +128,10 @@ impl FitSettings {
         filled.search.generations.get_or_insert(defaults.generations);
         filled.search.population.get_or_insert(defaults.population);
         filled.refine.passes.get_or_insert(defaults.passes);
+        let of_subject = SubjectDefaults::of(conditions.subject);
+        filled.search.prior.get_or_insert(of_subject.search_prior);
+        filled.search.gravity.get_or_insert(of_subject.searches_gravity);
+        filled.loss.sequences.get_or_insert(of_subject.sequence_mean);
         filled
     }
 }

@@ -39,12 +39,19 @@ fn nothing_is_left_open_for_a_fit() {
                 let passes = f64::from(s.refine.passes.unwrap());
                 assert_eq!(s.graph.interior, Some(true));
                 assert_eq!(s.validate(), Ok(()));
+                let is_cable = subject == Subject::Cable;
+                assert_eq!(s.search.gravity, Some(is_cable));
+                assert_eq!(s.search.prior, Some(if is_cable { 0.0 } else { 0.4 }));
+                assert!(s.loss.sequences.is_some());
                 nodes * f64::from(search.starts.unwrap()) * (candidates + 3.0 * passes)
             };
             assert!(work(&draft) < work(&standard) && work(&standard) < work(&best));
             // What is given stays.
             let mut given = FitSettings::phystwin();
             given.search.starts = Some(1);
+            given.search.prior = Some(2.0);
+            given.search.gravity = Some(subject == Subject::Body);
+            given.loss.sequences = Some(SequenceMean::Arithmetic);
             assert_eq!(given.filled(conditions), given);
         }
     }
