@@ -9,6 +9,7 @@ use bendtwin_core::{CancelToken, Quality, Twin, quality::Assessment};
 use bendtwin_engine::Backend;
 use bendtwin_eval::{
     CorrectionScore, EvaluateOptions, TableStyle, evaluate, fast_variant, format_table,
+    in_recording,
 };
 use clap::Args;
 use serde_json::json;
@@ -35,7 +36,8 @@ pub(crate) struct Eval {
     settings: SettingsArgs,
     #[command(flatten)]
     backend: BackendArgs,
-    /// Score this twin file instead of fitting one, and find its fast variant
+    /// Score this twin file instead of fitting one, and find its fast variant. On another recording
+    /// of its object the twin is registered to the first frame
     #[arg(long, value_name = "FILE", conflicts_with_all = ["settings", "overrides", "axial", "phystwin"])]
     twin: Option<PathBuf>,
     /// Write the twin, with its quality table, to this file
@@ -116,7 +118,11 @@ fn score(
         let options = EvaluateOptions { axial: fitted.axial.as_ref(), per_frame: args.per_frame };
         evaluate(&**backend, &fitted.twin, &capture, &options, cancel).map_err(failure::failed)
     };
-    let fast = || fast_variant(&**backend, &fitted.twin, &capture, cancel).map_err(failure::failed);
+    // Elsewhere the twin has the recording's control points.
+    let there = in_recording(&fitted.twin, &capture, cancel).map_err(failure::failed)?;
+    let (shown, recording) =
+        there.as_ref().map_or((&fitted.twin, &capture), |(twin, recording)| (twin, recording));
+    let fast = || fast_variant(&**backend, shown, recording, cancel).map_err(failure::failed);
     // A fit has scored its twin already; again only for what it did not keep.
     let kept = &fitted.twin.quality;
     let quality = match (&args.twin, args.per_frame) {
@@ -131,9 +137,9 @@ fn score(
     }
     if let Some(file) = &args.picture {
         let axial = fitted.axial.as_ref();
-        picture::draw(file, &fitted.twin, axial, &capture, &**backend, cancel)?;
+        picture::draw(file, shown, axial, recording, &**backend, cancel)?;
     }
-    let corrections = args.correct.compare(&**backend, &fitted.twin, &capture, cancel)?;
+    let corrections = args.correct.compare(&**backend, shown, recording, cancel)?;
     let assessment = quality::of_twin(&fitted.twin, &quality);
     Ok(Scored { quality, assessment, substeps: fitted.twin.timing.substeps, fit_s, corrections })
 }

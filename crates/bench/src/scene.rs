@@ -231,6 +231,7 @@ pub(crate) fn capture(
         source_to_world: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
         object: Object { point_count, interior, ..Object::default() },
         sequences: vec![sequence],
+        others: Vec::new(),
     }
 }
 

@@ -142,6 +142,7 @@ fn read(files: &mut Files<'_>, description: &Description) -> Result<Capture, Err
         source_to_world: frame.rotation,
         object,
         sequences,
+        others: Vec::new(),
     })
 }
 

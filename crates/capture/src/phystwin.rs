@@ -115,6 +115,7 @@ pub(crate) fn read(files: &mut Files<'_>, notes: &mut Vec<Note>) -> Result<Captu
         source_to_world: bendtwin_core::geometry::IDENTITY,
         object,
         sequences: vec![sequence],
+        others: Vec::new(),
     };
     turn(&mut capture);
     Ok(capture)

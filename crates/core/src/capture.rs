@@ -21,6 +21,20 @@ pub struct Capture {
     pub object: Object,
     /// Recorded sequences; at least one.
     pub sequences: Vec<Sequence>,
+    /// Further recordings of the same object, each with points, control points and environment of
+    /// its own, and none beyond itself. This capture is the reference: its surface gives the nodes.
+    #[serde(default)]
+    pub others: Vec<Self>,
+}
+
+impl Capture {
+    /// Most recordings of one object, the reference included.
+    pub const MOST_RECORDINGS: usize = 16;
+
+    /// All recordings of the object: the reference, then the others.
+    pub fn recordings(&self) -> impl Iterator<Item = &Self> {
+        std::iter::once(self).chain(&self.others)
+    }
 }
 
 /// The captured object, apart from its motion.

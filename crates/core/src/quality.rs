@@ -120,11 +120,40 @@ pub struct Choice {
     pub losses: Vec<Option<f64>>,
 }
 
+/// Errors of a twin in one recording of its object, beside those of others.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct RecordingScore {
+    /// Name of the recording.
+    pub name: String,
+    /// The registration that brought the twin to this recording; none where it was not needed.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub registered: Option<RegistrationScore>,
+    /// The twin's errors over its training frames.
+    pub train: ErrorSummary,
+    /// The twin's errors over its other frames.
+    pub future: ErrorSummary,
+}
+
+/// Distances of a recording's first frame from the twin that was registered to it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct RegistrationScore {
+    /// Median distance of the observed points from the twin's surface [mm].
+    pub median_mm: f64,
+    /// 95th percentile of these distances [mm].
+    pub p95_mm: f64,
+    /// Share of the observed points within reach of the twin, 0..=1.
+    pub explained: f64,
+}
+
 /// The quality table of a twin.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Quality {
     /// One row per predictor, the twin's own first.
     pub scores: Vec<Score>,
+    /// The twin's errors by recording, where there are several, or the twin was registered to the
+    /// only one.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub recordings: Vec<RecordingScore>,
     /// Warnings for the user: what is suspicious about the fit or the data.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub warnings: Vec<String>,

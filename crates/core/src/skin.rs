@@ -116,6 +116,14 @@ impl Skin {
         self.offsets_m.push(offset_m);
     }
 
+    /// Adds the points of another skin of the same nodes.
+    pub fn append(&mut self, other: &Self) {
+        for p in 0..other.len() {
+            let weights: Vec<(u32, f32)> = other.weights_of(p).collect();
+            self.push(other.observed_points[p], &weights, other.frames[p], other.offsets_m[p]);
+        }
+    }
+
     /// Node and weight of each weight of a point.
     pub fn weights_of(&self, point: usize) -> impl Iterator<Item = (u32, f32)> + '_ {
         let own = self.starts[point] as usize..self.starts[point + 1] as usize;

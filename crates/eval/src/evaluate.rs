@@ -1,18 +1,28 @@
 //! The quality table: the twin, the axial-only fit beside it, and the free baselines.
 
+mod row;
+
+use std::{borrow::Cow, sync::Arc};
+
 use bendtwin_core::{
     CancelToken, Capture, Quality, Sequence, Twin,
-    quality::{ErrorSummary, NodeErrors, Predictor, Score},
+    quality::{Predictor, RecordingScore, RegistrationScore, Score},
 };
-use bendtwin_engine::Backend;
+use bendtwin_engine::{Backend, model::State};
 
+use self::row::{Measured, Row};
 use crate::{
-    Error, Trajectory,
-    baselines::{clamp_interpolation, last_residual, standing_still},
-    metrics::{PredictorErrors, Reference},
+    Error, Placement, Trajectory,
+    baselines::{clamp_interpolation, standing_still},
+    check_capture, is_own_capture,
+    metrics::PredictorErrors,
+    placement::refuse_cable,
     predict,
-    surface::Surface,
+    trajectory::{check, predict_from},
 };
+
+/// Share of the observed points that a registration without a warning explains.
+const LEAST_EXPLAINED: f64 = 0.8;
 
 /// Contents of the table apart from the twin and the baselines.
 #[derive(Clone, Copy, Debug, Default)]
@@ -23,11 +33,13 @@ pub struct EvaluateOptions<'a> {
     pub per_frame: bool,
 }
 
-/// Rolls out every sequence from its start without re-seeding and scores it. Held-out sequences and
-/// the frames after a split count as future.
+/// Rolls out every sequence of every recording from its start without re-seeding and scores it.
+/// Held-out sequences and the frames after a split count as future, and so do all frames of a capture
+/// that the twin was not fitted to. To recordings other than its own the twin is registered first;
+/// one of several to which it cannot be is left out with a warning.
 ///
 /// # Errors
-/// If the twin does not fit the capture, on cancellation, or if the backend fails.
+/// If the twin fits no recording of the capture, on cancellation, or if the backend fails.
 pub fn evaluate(
     backend: &dyn Backend,
     twin: &Twin,
@@ -35,13 +47,38 @@ pub fn evaluate(
     options: &EvaluateOptions<'_>,
     cancel: &CancelToken,
 ) -> Result<Quality, Error> {
-    let predictions = predict(backend, twin, capture, cancel)?;
-    let axial = match options.axial {
-        Some(axial) => Some((axial, predict(backend, axial, capture, cancel)?)),
-        None => None,
-    };
-    let axial = axial.as_ref().map(|(twin, p)| (*twin, p.as_slice()));
-    Ok(score(twin, &predictions, axial, capture, options.per_frame))
+    check_capture(capture)?;
+    let mut table = Table::new(twin, options);
+    let unseen = !is_own_capture(twin, capture);
+    let (mut refused, mut measured) = (None, 0);
+    for recording in capture.recordings() {
+        if is_own_capture(twin, recording) {
+            let own = Case::of_own_capture(backend, twin, options, recording, cancel)?;
+            table.add(&own, false);
+            measured += 1;
+            continue;
+        }
+        match Case::all_elsewhere(backend, twin, options, recording, cancel) {
+            Ok(cases) => {
+                cases.iter().for_each(|case| table.add(case, unseen));
+                measured += cases.len();
+            }
+            Err(error) => {
+                let cancelled = bendtwin_register::Error::Cancelled;
+                if matches!(&error, Error::Backend(_)) || error == Error::Register(cancelled) {
+                    return Err(error);
+                }
+                table
+                    .warnings
+                    .push(format!("recording `{}` is not scored: {error}", recording.name));
+                refused.get_or_insert(error);
+            }
+        }
+    }
+    match refused {
+        Some(error) if measured == 0 => Err(error),
+        _ => Ok(table.quality()),
+    }
 }
 
 /// The quality table of predictions that were made already by [`predict`].
@@ -52,132 +89,207 @@ pub fn score(
     capture: &Capture,
     per_frame: bool,
 ) -> Quality {
-    let own = if twin.graph.triplets.is_empty() { Predictor::Axial } else { Predictor::Bending };
-    let mut rows = vec![Row::new(own)];
-    if axial.is_some() && own == Predictor::Bending {
-        rows.push(Row::new(Predictor::Axial));
-    }
-    let free = rows.len();
-    rows.push(Row::new(Predictor::StandingStill));
-    rows.push(Row::new(Predictor::LastResidual));
-    rows.push(Row::new(Predictor::ClampInterpolation));
-
-    for (index, (sequence, prediction)) in capture.sequences.iter().zip(predictions).enumerate() {
-        let Some(measured) = Measured::new(twin, capture, sequence, prediction) else { continue };
-        measured.add(prediction, &mut rows[0]);
-        if let (Some((other, predictions)), 2) = (axial, free)
-            && let Some(prediction) = predictions.get(index)
-            && let Some(measured) = Measured::new(other, capture, sequence, prediction)
-        {
-            measured.add(prediction, &mut rows[1]);
-        }
-        let start = &prediction.positions[..prediction.node_count];
-        measured.add(&standing_still(&twin.graph, sequence, start), &mut rows[free]);
-        measured.add_last_residual(prediction, &mut rows[free + 1]);
-        if let Some(between) = clamp_interpolation(capture, &twin.graph, sequence, start) {
-            measured.add(&between, &mut rows[free + 2]);
-        }
-    }
-    let mut quality = Quality {
-        scores: rows.into_iter().filter_map(|row| row.score(per_frame)).collect(),
-        warnings: divergences(capture, predictions),
-        choice: None,
-        assessment: None,
-        fast: None,
+    let options = EvaluateOptions { axial: axial.map(|(twin, _)| twin), per_frame };
+    let mut table = Table::new(twin, &options);
+    let own = Case {
+        model: Predicted { twin: Cow::Borrowed(twin), paths: predictions.to_vec() },
+        axial: axial
+            .map(|(twin, paths)| Predicted { twin: Cow::Borrowed(twin), paths: paths.to_vec() }),
+        recording: capture,
+        sequences: &capture.sequences,
+        registered: None,
     };
-    if let Some((_, predictions)) = axial {
-        let named = |w: String| format!("the axial-only fit: {w}");
-        quality.warnings.extend(divergences(capture, predictions).into_iter().map(named));
-    }
-    let warning = beaten_by_standing_still(&quality, own);
-    quality.warnings.extend(warning);
-    quality
+    table.add(&own, false);
+    table.quality()
 }
 
-/// A sequence that predictions by a twin's nodes are compared with, at its skin and at its nodes.
-struct Measured<'a> {
-    twin: &'a Twin,
-    sequence: &'a Sequence,
-    points: Surface,
-    at_skin: Reference<'a>,
-    /// None where the skin is the nodes.
-    at_nodes: Option<(Surface, Reference<'a>)>,
+/// A twin and its predictions of some sequences.
+struct Predicted<'a> {
+    twin: Cow<'a, Twin>,
+    paths: Vec<Trajectory>,
 }
 
-impl<'a> Measured<'a> {
-    /// `None` if the prediction has no start.
-    fn new(
+/// Predictions of some sequences of a recording.
+struct Case<'a> {
+    model: Predicted<'a>,
+    axial: Option<Predicted<'a>>,
+    recording: &'a Capture,
+    sequences: &'a [Sequence],
+    registered: Option<RegistrationScore>,
+}
+
+impl<'a> Case<'a> {
+    /// All sequences of the capture that the twin was fitted to.
+    fn of_own_capture(
+        backend: &dyn Backend,
         twin: &'a Twin,
-        capture: &Capture,
-        sequence: &'a Sequence,
-        prediction: &Trajectory,
-    ) -> Option<Self> {
-        let start = prediction.at(sequence.start_frame())?;
-        let points = Surface::of_skin(&twin.graph, &twin.skin);
-        let placed = twin.skin.positions(start);
-        let at_skin = Reference::new(capture, sequence, &points, &placed);
-        let at_nodes = (!twin.skin.is_nodes(&twin.graph)).then(|| {
-            let nodes = Surface::of_nodes(&twin.graph);
-            let reference = Reference::new(capture, sequence, &nodes, start);
-            (nodes, reference)
-        });
-        Some(Self { twin, sequence, points, at_skin, at_nodes })
-    }
-
-    fn add(&self, prediction: &Trajectory, row: &mut Row) {
-        row.errors.add(&self.at_skin, &prediction.at_skin(&self.twin.skin));
-        if let Some((_, reference)) = &self.at_nodes {
-            row.at_nodes.add(reference, prediction);
-        }
-    }
-
-    fn add_last_residual(&self, prediction: &Trajectory, row: &mut Row) {
-        let placed = prediction.at_skin(&self.twin.skin);
-        if let Some(corrected) = last_residual(&self.points, self.sequence, &placed) {
-            row.errors.add(&self.at_skin, &corrected);
-        }
-        if let Some((nodes, reference)) = &self.at_nodes
-            && let Some(corrected) = last_residual(nodes, self.sequence, prediction)
-        {
-            row.at_nodes.add(reference, &corrected);
-        }
-    }
-}
-
-struct Row {
-    predictor: Predictor,
-    errors: PredictorErrors,
-    at_nodes: PredictorErrors,
-}
-
-impl Row {
-    fn new(predictor: Predictor) -> Self {
-        Self { predictor, errors: Default::default(), at_nodes: Default::default() }
-    }
-
-    /// `None` if the predictor made no prediction.
-    fn score(self, per_frame: bool) -> Option<Score> {
-        let nothing = ErrorSummary::default();
-        let is_residual = self.predictor == Predictor::LastResidual;
-        // It uses the last training frame: errors before that mean nothing.
-        let train = |e: &PredictorErrors| if is_residual { nothing } else { e.train.summary() };
-        let (train_errors, future) = (train(&self.errors), self.errors.future.summary());
-        let per_frame =
-            if per_frame && !is_residual { self.errors.per_frame() } else { Vec::new() };
-        let at_nodes =
-            NodeErrors { train: train(&self.at_nodes), future: self.at_nodes.future.summary() };
-        (train_errors != nothing || future != nothing).then_some(Score {
-            predictor: self.predictor,
-            train: train_errors,
-            future,
-            per_frame,
-            at_nodes: Some(at_nodes).filter(|e| *e != NodeErrors::default()),
+        options: &EvaluateOptions<'a>,
+        recording: &'a Capture,
+        cancel: &CancelToken,
+    ) -> Result<Self, Error> {
+        let predicted = |twin: &'a Twin| -> Result<Predicted<'a>, Error> {
+            let paths = predict(backend, twin, recording, cancel)?;
+            Ok(Predicted { twin: Cow::Borrowed(twin), paths })
+        };
+        Ok(Self {
+            model: predicted(twin)?,
+            axial: options.axial.map(predicted).transpose()?,
+            recording,
+            sequences: &recording.sequences,
+            registered: None,
         })
     }
+
+    /// The sequences of another recording, each registered to the twin.
+    fn all_elsewhere(
+        backend: &dyn Backend,
+        twin: &'a Twin,
+        options: &EvaluateOptions<'a>,
+        recording: &'a Capture,
+        cancel: &CancelToken,
+    ) -> Result<Vec<Self>, Error> {
+        refuse_cable(twin, recording)?;
+        let mut cases = Vec::with_capacity(recording.sequences.len());
+        for sequence in &recording.sequences {
+            let placed = Placement::new(&twin.graph, &twin.skin, recording, sequence, cancel)?;
+            let sequences = std::slice::from_ref(sequence);
+            let start = Arc::new(State {
+                positions: placed.positions.clone(),
+                velocities: placed.velocities.clone(),
+                ..State::default()
+            });
+            // The axial fit has the same nodes.
+            let predicted = |twin: &Twin| -> Result<Predicted<'a>, Error> {
+                let twin = placed.twin(twin, recording, sequence)?;
+                check(&twin, recording)?;
+                let fps = recording.fps;
+                let paths = predict_from(backend, &twin, fps, sequences, Some(&start), cancel)?;
+                Ok(Predicted { twin: Cow::Owned(twin), paths })
+            };
+            cases.push(Self {
+                model: predicted(twin)?,
+                axial: options.axial.map(predicted).transpose()?,
+                recording,
+                sequences,
+                registered: Some(placed.score),
+            });
+        }
+        Ok(cases)
+    }
 }
 
-fn divergences(capture: &Capture, predictions: &[Trajectory]) -> Vec<String> {
-    let pairs = capture.sequences.iter().zip(predictions);
+/// A quality table in the making.
+struct Table {
+    own: Predictor,
+    rows: Vec<Row>,
+    /// Index of the first free baseline.
+    free: usize,
+    per_frame: bool,
+    recordings: Vec<(RecordingScore, PredictorErrors)>,
+    warnings: Vec<String>,
+    of_axial: Vec<String>,
+}
+
+impl Table {
+    fn new(twin: &Twin, options: &EvaluateOptions<'_>) -> Self {
+        let own =
+            if twin.graph.triplets.is_empty() { Predictor::Axial } else { Predictor::Bending };
+        let mut rows = vec![Row::new(own)];
+        if options.axial.is_some() && own == Predictor::Bending {
+            rows.push(Row::new(Predictor::Axial));
+        }
+        let free = rows.len();
+        rows.push(Row::new(Predictor::StandingStill));
+        rows.push(Row::new(Predictor::LastResidual));
+        rows.push(Row::new(Predictor::ClampInterpolation));
+        let per_frame = options.per_frame;
+        let (recordings, warnings, of_axial) = (Vec::new(), Vec::new(), Vec::new());
+        Self { own, rows, free, per_frame, recordings, warnings, of_axial }
+    }
+
+    /// Adds the sequences of a case. If the twin has not seen the recording, all frames count as future.
+    fn add(&mut self, case: &Case<'_>, unseen: bool) {
+        let Case { model, axial, recording, sequences, registered } = case;
+        let (rows, free) = (&mut self.rows, self.free);
+        let mut of_recording = PredictorErrors::default();
+        for (index, sequence) in sequences.iter().enumerate() {
+            let Some(prediction) = model.paths.get(index) else { continue };
+            let measure = |twin, prediction: &Trajectory| {
+                let measured = Measured::new(twin, recording, sequence, prediction)?;
+                Some(if unseen { measured.unseen() } else { measured })
+            };
+            let Some(measured) = measure(&model.twin, prediction) else { continue };
+            measured.add(prediction, &mut rows[0]);
+            of_recording.add(&measured.at_skin, &prediction.at_skin(&model.twin.skin));
+            if let (Some(other), 2) = (axial, free)
+                && let Some(prediction) = other.paths.get(index)
+                && let Some(measured) = measure(&other.twin, prediction)
+            {
+                measured.add(prediction, &mut rows[1]);
+            }
+            let start = &prediction.positions[..prediction.node_count];
+            measured.add(&standing_still(&model.twin.graph, sequence, start), &mut rows[free]);
+            if !unseen {
+                measured.add_last_residual(prediction, &mut rows[free + 1]);
+            }
+            let graph = &model.twin.graph;
+            if let Some(between) = clamp_interpolation(recording, graph, sequence, start) {
+                measured.add(&between, &mut rows[free + 2]);
+            }
+        }
+        self.warnings.extend(divergences(sequences, &model.paths));
+        if let Some(axial) = axial {
+            let named = |w: String| format!("the axial-only fit: {w}");
+            self.of_axial.extend(divergences(sequences, &axial.paths).into_iter().map(named));
+        }
+        if let Some(registered) = registered {
+            self.warnings.extend(doubtful(&recording.name, registered));
+        }
+        let score = RecordingScore {
+            name: recording.name.clone(),
+            registered: *registered,
+            ..RecordingScore::default()
+        };
+        self.recordings.push((score, of_recording));
+    }
+
+    fn quality(self) -> Quality {
+        let per_frame = self.per_frame;
+        let mut quality = Quality {
+            scores: self.rows.into_iter().filter_map(|row| row.score(per_frame)).collect(),
+            warnings: self.warnings,
+            ..Quality::default()
+        };
+        quality.warnings.extend(self.of_axial);
+        // Of a twin's only capture they would say what the table says.
+        let is_plain = self.recordings.len() == 1 && self.recordings[0].0.registered.is_none();
+        if !is_plain {
+            let score = |(score, errors): (RecordingScore, PredictorErrors)| RecordingScore {
+                train: errors.train.summary(),
+                future: errors.future.summary(),
+                ..score
+            };
+            quality.recordings = self.recordings.into_iter().map(score).collect();
+        }
+        let warning = beaten_by_standing_still(&quality, self.own);
+        quality.warnings.extend(warning);
+        quality
+    }
+}
+
+/// A warning about a registration that was accepted, but explains little.
+fn doubtful(name: &str, registered: &RegistrationScore) -> Option<String> {
+    (registered.explained < LEAST_EXPLAINED).then(|| {
+        format!(
+            "only {:.0} % of what recording `{name}` shows at its start is within reach of the twin: \
+             check that it is the same object, seen from the same sides",
+            100.0 * registered.explained
+        )
+    })
+}
+
+fn divergences(sequences: &[Sequence], predictions: &[Trajectory]) -> Vec<String> {
+    let pairs = sequences.iter().zip(predictions);
     let diverged = pairs.filter_map(|(s, p)| Some((s, p.diverged?, p.start_frame)));
     diverged
         .map(|(s, at, start)| {

@@ -11,6 +11,7 @@ mod evaluate;
 mod fidelity;
 mod metrics;
 pub mod picture;
+mod placement;
 #[cfg(test)]
 mod scene;
 mod surface;
@@ -22,5 +23,6 @@ pub use correction::{CorrectionPlan, CorrectionScore, corrections};
 pub use error::Error;
 pub use evaluate::{EvaluateOptions, evaluate, score};
 pub use fidelity::fast_variant;
+pub use placement::{Placement, in_recording, is_own_capture, typical_hold};
 pub use table::{TableStyle, format_table, predictor_name};
 pub use trajectory::{Trajectory, check_capture, initial_state, instance, predict, slice_len};

@@ -24,6 +24,8 @@ use crate::{
 /// The observations of a sequence that predictions are compared with.
 pub(crate) struct Reference<'a> {
     sequence: &'a Sequence,
+    /// Frames that count as training frames.
+    train_frame_count: usize,
     surface_count: usize,
     /// Clean tracks: (surface point, track).
     tracks: Vec<(usize, usize)>,
@@ -50,7 +52,13 @@ impl<'a> Reference<'a> {
         let truth = sequence.truth_at(sequence.start_frame());
         let known = truth.iter().enumerate().filter(|(_, p)| is_finite(p));
         let tracks = known.filter_map(|(k, p)| Some((nearest(*p, surface)?, k))).collect();
-        Self { sequence, surface_count, tracks, coordinates, branches }
+        let train_frame_count = sequence.train_frame_count;
+        Self { sequence, train_frame_count, surface_count, tracks, coordinates, branches }
+    }
+
+    /// The same with all frames as future ones: the twin was fitted to none of them.
+    pub(crate) fn unseen(self) -> Self {
+        Self { train_frame_count: 0, ..self }
     }
 
     /// Errors of predicted positions in a frame, shape [P, 3].
@@ -178,7 +186,7 @@ impl PredictorErrors {
             .filter_map(|f| Some(reference.measure(f, prediction.at(f)?)))
             .collect();
         let (train, future) =
-            errors.split_at(s.train_frame_count.saturating_sub(first).min(errors.len()));
+            errors.split_at(reference.train_frame_count.saturating_sub(first).min(errors.len()));
         // A sequence that is not split counts with all of its frames, as in DEFORM's and DEFT's
         // metrics.
         let divisor = |part: &[ErrorSummary]| {

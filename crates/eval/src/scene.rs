@@ -29,6 +29,7 @@ pub(crate) fn chain(n: usize, frames: usize, train: usize, step: Point) -> Captu
             pins: vec![held(0, 0), held(n as u32 - 1, 1)],
             ..Object::default()
         },
+        others: Vec::new(),
         sequences: vec![Sequence {
             name: "one".into(),
             frame_count: frames,

@@ -4,7 +4,7 @@ use std::fmt::Write;
 
 use bendtwin_core::{
     Quality,
-    quality::{Choice, ErrorSummary, Predictor, Score},
+    quality::{Choice, ErrorSummary, Predictor, RecordingScore, Score},
 };
 
 /// The style of a table.
@@ -56,9 +56,37 @@ fn choice_in_words(choice: &Choice) -> String {
     format!("kept start {start} of {starts}, which had the {by} ({})", losses.join(", "))
 }
 
+/// The twin's errors by recording in millimetres, beside how far the recording's first frame is from
+/// the twin that was registered to it.
+fn recordings(quality: &Quality, style: TableStyle) -> String {
+    let of = &quality.recordings;
+    let mut columns: Vec<(String, Vec<Option<f64>>)> = Vec::new();
+    let registered = of.iter().map(|r| r.registered.map(|s| 1e-3 * s.median_mm)).collect();
+    columns.push(("registered within".to_owned(), registered));
+    for (name, error) in COLUMNS {
+        for (span, is_train) in [("train", true), ("future", false)] {
+            let part = |r: &RecordingScore| if is_train { r.train } else { r.future };
+            columns.push((format!("{name} {span}"), of.iter().map(|r| error(&part(r))).collect()));
+        }
+    }
+    columns.retain(|(_, values)| values.iter().any(Option::is_some));
+    let heads = columns.iter().map(|c| c.0.clone());
+    let mut rows = vec![std::iter::once("mm, by recording".to_owned()).chain(heads).collect()];
+    for (index, recording) in of.iter().enumerate() {
+        let cells = columns.iter().map(|c| in_mm(c.1[index]));
+        rows.push(std::iter::once(recording.name.clone()).chain(cells).collect());
+    }
+    lay_out(&rows, style)
+}
+
+/// A number of metres in millimetres.
+fn in_mm(value_m: Option<f64>) -> String {
+    value_m.map_or("-".to_owned(), |m| format!("{:.2}", 1e3 * m))
+}
+
 /// The table in millimetres: a row per predictor, training and future errors side by side, then
 /// those of nodes that are not the skin. Columns that the capture does not determine are left out.
-/// The choice of a start and warnings follow, one a line.
+/// The twin's errors by recording, the choice of a start and warnings follow.
 pub fn format_table(quality: &Quality, style: TableStyle) -> String {
     let spans: [Span; 2] = [("train", |s| &s.train), ("future", |s| &s.future)];
     let mut columns: Vec<(String, Vec<Option<f64>>)> = Vec::new();
@@ -80,14 +108,16 @@ pub fn format_table(quality: &Quality, style: TableStyle) -> String {
     let mut rows =
         vec![std::iter::once("mm".to_owned()).chain(columns.iter().map(|c| c.0.clone())).collect()];
     for (index, score) in quality.scores.iter().enumerate() {
-        let cell =
-            |value: &Option<f64>| value.map_or("-".to_owned(), |m| format!("{:.2}", 1e3 * m));
-        let cells = columns.iter().map(|c| cell(&c.1[index]));
+        let cells = columns.iter().map(|c| in_mm(c.1[index]));
         rows.push(
             std::iter::once(predictor_name(score.predictor).to_owned()).chain(cells).collect(),
         );
     }
     let mut text = lay_out(&rows, style);
+    if !quality.recordings.is_empty() {
+        text.push('\n');
+        text += &recordings(quality, style);
+    }
     if let Some(choice) = &quality.choice {
         let choice = choice_in_words(choice);
         let _ = match style {

@@ -48,11 +48,29 @@ pub fn predict(
     cancel: &CancelToken,
 ) -> Result<Vec<Trajectory>, Error> {
     check(twin, capture)?;
+    predict_from(backend, twin, capture.fps, &capture.sequences, None, cancel)
+}
+
+/// Simulates checked sequences, from a given state if there is one.
+pub(crate) fn predict_from(
+    backend: &dyn Backend,
+    twin: &Twin,
+    fps: f64,
+    sequences: &[Sequence],
+    start: Option<&Arc<State>>,
+    cancel: &CancelToken,
+) -> Result<Vec<Trajectory>, Error> {
     let loaded = backend.load(Arc::new(Model::from(twin)))?;
-    let mut trajectories = Vec::with_capacity(capture.sequences.len());
-    for slice in capture.sequences.chunks(slice_len(backend)) {
-        let batch: Vec<Instance> =
-            slice.iter().map(|s| instance(&loaded, capture.fps, s, Objective::default())).collect();
+    let mut trajectories = Vec::with_capacity(sequences.len());
+    for slice in sequences.chunks(slice_len(backend)) {
+        let whole = |s| {
+            let own = instance(&loaded, fps, s, Objective::default());
+            match start {
+                Some(start) => Instance { initial: start.clone(), ..own },
+                None => own,
+            }
+        };
+        let batch: Vec<Instance> = slice.iter().map(whole).collect();
         let outputs = Outputs { every: 1, initial: true, ..Outputs::default() };
         let rollouts = backend.roll_out(&batch, &outputs, cancel)?;
         for ((rollout, sequence), instance) in rollouts.into_iter().zip(slice).zip(&batch) {

@@ -33,6 +33,7 @@ fn plate() -> Capture {
         environment: Environment::Z_UP,
         source_to_world: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
         object: Object { point_count: EDGE * EDGE, ..Object::default() },
+        others: Vec::new(),
         sequences: vec![Sequence {
             name: "carried".into(),
             frame_count: FRAMES,

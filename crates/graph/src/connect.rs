@@ -2,10 +2,13 @@
 
 use std::num::NonZero;
 
-use bendtwin_core::Graph;
+use bendtwin_core::{Graph, NodeKind, Point};
 use kiddo::{ImmutableKdTree, SquaredEuclidean};
 
-use super::{Connectivity, MIN_REST_LENGTH_M, NodeSample, components, rods, spread, triplets};
+use super::{
+    Connectivity, LeftOut, MIN_REST_LENGTH_M, NodeSample, SurfacePoints, components, rods, spread,
+    triplets,
+};
 
 /// Control points nearer than this to each other belong to one hand [m].
 const HAND_LINK_M: f32 = 0.08;
@@ -93,12 +96,45 @@ pub fn connect_with_notes(sample: &NodeSample, connectivity: &Connectivity) -> (
         graph.triplets = triplets::find(sample, &graph.springs, choice);
     }
     if let Some(tree) = &tree {
-        let mut held = control_springs(sample, connectivity, tree);
-        notes.hands_out_of_reach = attach_hands(sample, connectivity, tree, &mut held);
-        tidy(&mut held);
-        graph.springs.extend(held);
+        let (springs, attached) = held(sample, connectivity, tree);
+        notes.hands_out_of_reach = attached;
+        graph.springs.extend(springs);
     }
     (graph, notes)
+}
+
+/// Springs by which control points hold nodes that are at `nodes` [m], by the rules of
+/// [`connect_with_notes`]; control point `c` is endpoint `nodes.len() + c`.
+pub fn hold(nodes: &[Point], controls: &[Point], connectivity: &Connectivity) -> Vec<[u32; 2]> {
+    let Some(tree) = spread::tree(nodes) else { return Vec::new() };
+    let sample = NodeSample {
+        positions: nodes.to_vec(),
+        kinds: vec![NodeKind::Observed; nodes.len()],
+        observed_points: vec![Graph::NOT_OBSERVED; nodes.len()],
+        object_ids: vec![0; nodes.len()],
+        control_rest: controls.to_vec(),
+        pins: Vec::new(),
+        edges: None,
+        rest_shape: None,
+        point_spacing_m: 0.0,
+        spacing_scale: 1.0,
+        surface: SurfacePoints::default(),
+        left_out: LeftOut::default(),
+    };
+    held(&sample, connectivity, &tree).0
+}
+
+/// Springs of the control points, and the number of hands that were attached to the nodes nearest to
+/// them.
+fn held(
+    sample: &NodeSample,
+    connectivity: &Connectivity,
+    tree: &ImmutableKdTree<f32, 3>,
+) -> (Vec<[u32; 2]>, usize) {
+    let mut springs = control_springs(sample, connectivity, tree);
+    let attached = attach_hands(sample, connectivity, tree, &mut springs);
+    tidy(&mut springs);
+    (springs, attached)
 }
 
 /// Masses of the nodes. Of a cable each stands for half of the edges that end in it, and those that

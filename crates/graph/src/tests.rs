@@ -22,6 +22,7 @@ fn capture(observed: Vec<Point>, completed: Vec<Point>, interior: Vec<Point>) ->
             interior,
             ..Object::default()
         },
+        others: Vec::new(),
         sequences: vec![Sequence {
             name: "only".into(),
             frame_count: 1,

@@ -101,7 +101,7 @@ pub fn correct(
     let elastic = Elastic::new(graph, start.clone(), fixed);
 
     // Tracks say where they are: no skin is matched.
-    let skin = observation.tracks.is_none().then(|| MatchedSkin::new(model));
+    let skin = observation.tracks.is_none().then(|| MatchedSkin::new(graph, &model.skin));
     let seen = Seen { graph, skin: skin.as_ref(), observation };
     let before = seen.distances(&start)?;
     let mut x = start.clone();

@@ -6,6 +6,8 @@
 //! that it cannot explode; force balance is the engine's part, in frames of the twin's own physics
 //! that [`register`] simulates.
 //!
+//! [`place`] is the geometry of a registration alone: the shape of a graph that explains a cloud.
+//!
 //! Captures, cameras and networks are left to others: points arrive in the twin's frame.
 
 mod carry;
@@ -13,6 +15,7 @@ mod correct;
 mod elastic;
 mod error;
 mod observation;
+mod place;
 mod register;
 mod residual;
 mod rigid;
@@ -25,6 +28,7 @@ pub use carry::carried;
 pub use correct::{CorrectOptions, Corrected, correct};
 pub use error::Error;
 pub use observation::{MAX_CAMERAS, MAX_POINTS, Observation};
+pub use place::{Placed, place};
 pub use register::{RegisterOptions, Registered, register};
 pub use residual::{Explained, Residual};
 pub use tracks::bind_tracks;

@@ -5,7 +5,7 @@
 use std::sync::Arc;
 
 use bendtwin_core::{
-    CancelToken, Graph, Point,
+    CancelToken, Graph, Point, Skin,
     geometry::{Pair, RigidMotion, point, vector3},
 };
 use bendtwin_engine::{
@@ -117,17 +117,9 @@ pub fn register(
     };
     check(graph, &start, &start_controls)?;
     options.check(graph)?;
-    if observation.tracks.is_none() && observation.points.len() < LEAST_CLOUD && !options.near {
-        return Err(Error::Invalid(format!(
-            "{} points without tracks fit anywhere: give at least {LEAST_CLOUD}, or say which nodes they are",
-            observation.points.len()
-        )));
-    }
-    let shape: Vec<Vector3<f64>> =
-        start.positions.iter().chain(&start_controls).map(|p| vector3(*p)).collect();
-    let skin = MatchedSkin::new(model);
-    let spacing_m = node_spacing(graph);
-    let job = Job { graph, skin, shape, observation, options, spacing_m, cancel };
+    check_cloud(observation, options)?;
+    let shape = start.positions.iter().chain(&start_controls).map(|p| vector3(*p)).collect();
+    let job = Job::new(graph, &model.skin, shape, observation, options, cancel);
 
     let before = Residual::of(&job.seen(observation).distances(&job.shape)?);
     let (rigid, mut x) = job.best()?;
@@ -149,8 +141,22 @@ pub fn register(
     Ok(Registered { state, controls, before, residual, explained, rigid, drift_mm })
 }
 
+/// Refuses a cloud that fits anywhere.
+pub(crate) fn check_cloud(
+    observation: &Observation,
+    options: &RegisterOptions,
+) -> Result<(), Error> {
+    let points = observation.points.len();
+    if observation.tracks.is_some() || points >= LEAST_CLOUD || options.near {
+        return Ok(());
+    }
+    Err(Error::Invalid(format!(
+        "{points} points without tracks fit anywhere: give at least {LEAST_CLOUD}, or say which nodes they are"
+    )))
+}
+
 impl RegisterOptions {
-    fn check(&self, graph: &Graph) -> Result<(), Error> {
+    pub(crate) fn check(&self, graph: &Graph) -> Result<(), Error> {
         let refuse = |text: String| Err(Error::Invalid(text));
         let (given, c) = (self.controls.len(), graph.control_count());
         if given != 0 && given != c {
@@ -177,7 +183,8 @@ impl RegisterOptions {
     }
 }
 
-struct Job<'a> {
+/// A registration in progress.
+pub(crate) struct Job<'a> {
     graph: &'a Graph,
     skin: MatchedSkin,
     /// Nodes and control points of the start [m], shape [N + C].
@@ -189,13 +196,27 @@ struct Job<'a> {
     cancel: &'a CancelToken,
 }
 
-impl Job<'_> {
+impl<'a> Job<'a> {
+    /// A registration that starts from endpoints at `shape` [m], shape [N + C].
+    pub(crate) fn new(
+        graph: &'a Graph,
+        skin: &Skin,
+        shape: Vec<Vector3<f64>>,
+        observation: &'a Observation,
+        options: &'a RegisterOptions,
+        cancel: &'a CancelToken,
+    ) -> Self {
+        let skin = MatchedSkin::new(graph, skin);
+        let spacing_m = node_spacing(graph);
+        Self { graph, skin, shape, observation, options, spacing_m, cancel }
+    }
+
     fn seen<'b>(&'b self, observation: &'b Observation) -> Seen<'b> {
         Seen { graph: self.graph, skin: Some(&self.skin), observation }
     }
 
     /// The best of the deformations that follow the best rigid motions.
-    fn best(&self) -> Result<(RigidMotion, Vec<Vector3<f64>>), Error> {
+    pub(crate) fn best(&self) -> Result<(RigidMotion, Vec<Vector3<f64>>), Error> {
         let motions = self.motions()?;
         let few = self.part(TRIED);
         let mut best: Option<(f64, RigidMotion)> = None;
@@ -365,7 +386,7 @@ impl Job<'_> {
     }
 
     /// Distances that are left between the observation and nodes at `x`, unless they are too large.
-    fn explain(&self, x: &[Vector3<f64>]) -> Result<(Residual, Explained), Error> {
+    pub(crate) fn explain(&self, x: &[Vector3<f64>]) -> Result<(Residual, Explained), Error> {
         let Self { options, spacing_m, .. } = *self;
         let distances = self.seen(self.observation).distances(x)?;
         let residual = Residual::of(&distances);

@@ -6,7 +6,6 @@ use bendtwin_core::{
     Graph, Point, Skin,
     geometry::{biweight, median, vector3},
 };
-use bendtwin_engine::Model;
 use nalgebra::Vector3;
 
 use crate::{
@@ -21,7 +20,7 @@ const MOST: usize = 10_000;
 /// Distance from which a point counts as astray, in deviations and in medians.
 const ASTRAY: [f64; 2] = [6.0, 5.0];
 
-/// The part of a model's skin that clouds are matched with.
+/// The part of a skin that clouds are matched with.
 #[derive(Debug)]
 pub(crate) struct MatchedSkin {
     pub(crate) skin: Skin,
@@ -30,10 +29,11 @@ pub(crate) struct MatchedSkin {
 }
 
 impl MatchedSkin {
-    pub(crate) fn new(model: &Model) -> Self {
-        let all: Vec<usize> = (0..model.skin.len()).collect();
-        let skin = model.skin.select(&thinned(&all, MOST));
-        let spacing_m = spacing(&skin.positions(&model.graph.rest_positions));
+    /// Of the skin of a graph.
+    pub(crate) fn new(graph: &Graph, skin: &Skin) -> Self {
+        let all: Vec<usize> = (0..skin.len()).collect();
+        let skin = skin.select(&thinned(&all, MOST));
+        let spacing_m = spacing(&skin.positions(&graph.rest_positions));
         Self { skin, spacing_m }
     }
 

@@ -120,5 +120,6 @@ fn shown(capture: &Capture) -> Option<Capture> {
         source_to_world: capture.source_to_world,
         object: capture.object.clone(),
         sequences: vec![sequence],
+        others: Vec::new(),
     })
 }

@@ -118,6 +118,7 @@ pub(super) fn record(options: &MakeOptions, backend: &dyn Backend) -> Result<Cap
             ..Object::default()
         },
         sequences,
+        others: Vec::new(),
     })
 }
 

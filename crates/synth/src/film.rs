@@ -95,7 +95,12 @@ pub fn film_with(
     options: &FilmOptions,
     backend: &dyn Backend,
 ) -> Result<Recording, Error> {
-    let make = MakeOptions { seed: options.seed, frames: options.frames, tiny: options.tiny };
+    let make = MakeOptions {
+        seed: options.seed,
+        frames: options.frames,
+        tiny: options.tiny,
+        ..MakeOptions::default()
+    };
     let setup = scene::setup(scene, &make).ok_or(Error::NotFilmed(scene.name()))?;
     let Performance { poses, trajectory } = perform(&setup, backend)?;
     let skin = Skin::of(&setup.body, setup.distance);

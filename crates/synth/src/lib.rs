@@ -18,6 +18,7 @@ mod raster;
 mod scene;
 mod simulate;
 mod skin;
+mod take;
 mod texture;
 
 use bendtwin_capture::validate;
@@ -66,7 +67,7 @@ impl Scene {
 }
 
 /// Options of making a capture.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct MakeOptions {
     /// Seed of noise, lost tracks and a cable's motions; the same seed gives the same capture.
     pub seed: u64,
@@ -74,17 +75,20 @@ pub struct MakeOptions {
     pub frames: usize,
     /// A coarse simulation with few points and frames, made in a fraction of a second.
     pub tiny: bool,
+    /// Recording of the object: 0 is the scene's own; others hold the same body elsewhere, move it
+    /// in other ways and lay it down turned. A cable has only the first.
+    pub take: u32,
 }
 
 impl MakeOptions {
     /// The scene at its full size.
     pub fn full(seed: u64) -> Self {
-        Self { seed, frames: 0, tiny: false }
+        Self { seed, ..Self::default() }
     }
 
     /// A small variant for fast tests.
     pub fn tiny(seed: u64) -> Self {
-        Self { seed, frames: 0, tiny: true }
+        Self { seed, tiny: true, ..Self::default() }
     }
 
     fn frames_or(&self, full: usize, tiny: usize) -> usize {
@@ -93,12 +97,6 @@ impl MakeOptions {
             0 => full,
             frames => frames.clamp(4, 1000),
         }
-    }
-}
-
-impl Default for MakeOptions {
-    fn default() -> Self {
-        Self::full(0)
     }
 }
 
@@ -120,7 +118,12 @@ pub fn make_with(
     backend: &dyn Backend,
 ) -> Result<Capture, Error> {
     let capture = match scene::setup(scene, options) {
-        Some(setup) => observe::record(&setup, options, backend)?,
+        Some(mut setup) => {
+            take::vary(&mut setup, scene, options.take);
+            let mut capture = observe::record(&setup, options, backend)?;
+            take::lay_down(&mut capture, options.take);
+            capture
+        }
         None => cable::record(options, backend)?,
     };
     validate(&capture)?;

@@ -99,6 +99,7 @@ pub(super) fn record(
             ..Object::default()
         },
         sequences: vec![sequence],
+        others: Vec::new(),
     })
 }
 

@@ -54,6 +54,35 @@ fn the_cable_has_held_out_sequences_and_pins() {
 }
 
 #[test]
+fn takes_are_recordings_of_the_same_body() {
+    for scene in [Scene::Toy, Scene::Bar] {
+        let takes = (0..4).map(|take| {
+            let options = MakeOptions { take, ..MakeOptions::tiny(3) };
+            make(scene, &options).unwrap()
+        });
+        let takes: Vec<Capture> = takes.collect();
+        for (n, take) in takes.iter().enumerate() {
+            let report = check(take);
+            assert!(report.findings.is_empty(), "{} {n}: {:?}", scene.name(), report.findings);
+            let s = &take.sequences[0];
+            let travel = |f: usize| {
+                let pairs = s.truth_at(0).iter().zip(s.truth_at(f));
+                pairs.map(|(a, b)| pose::norm(pose::sub(*a, *b))).sum::<f32>()
+                    / s.truth_count() as f32
+            };
+            assert!(travel(s.frame_count - 1) > 0.08, "{} {n} hardly moves", scene.name());
+            // The same points of the same body, wherever it lies.
+            let apart = |c: &Capture| {
+                let truth = c.sequences[0].truth_at(0);
+                pose::norm(pose::sub(truth[0], truth[5]))
+            };
+            assert!((apart(take) - apart(&takes[0])).abs() < 1e-5);
+        }
+        assert_ne!(takes[1].sequences[0].controls, takes[2].sequences[0].controls);
+    }
+}
+
+#[test]
 fn names_are_stable() {
     for scene in Scene::ALL {
         assert_eq!(Scene::from_name(scene.name()), Some(scene));

@@ -139,6 +139,7 @@ pub fn capture() -> Capture {
             pins: vec![HeldPoint { point: 0, control: 0 }],
             ..Object::default()
         },
+        others: Vec::new(),
         sequences: vec![Sequence {
             name: "main".to_owned(),
             frame_count: FRAMES,

@@ -7,7 +7,11 @@ use bendtwin_synth::{FilmOptions, MakeOptions, Scene, film, make};
 use clap::Args;
 use serde_json::json;
 
-use crate::{failure, global::Global, output};
+use crate::{
+    failure::{self, Usage},
+    global::Global,
+    output,
+};
 
 #[derive(Debug, Args)]
 pub(crate) struct Make {
@@ -25,6 +29,9 @@ pub(crate) struct Make {
     /// Use a coarse version of a few dozen points
     #[arg(long)]
     tiny: bool,
+    /// Recording of the scene's body: 0 is the scene's own, others hold and move it elsewhere
+    #[arg(long, value_name = "N", default_value_t = 0, conflicts_with = "raw")]
+    take: u32,
     /// Film the scene: images, depth, masks and 2D tracks of three cameras (two small ones with
     /// --tiny). Writes a PhysTwin case, or a BendTwin bundle if the name ends with .zip
     #[arg(long)]
@@ -42,8 +49,12 @@ pub(super) async fn run(args: Make, global: &Global) -> anyhow::Result<()> {
     if args.raw {
         return run_raw(args, global).await;
     }
+    if args.take > 0 && args.scene == Scene::Cable {
+        return Err(Usage::error("a cable has several sequences in one capture: leave out --take"));
+    }
     let path = args.file.unwrap_or_else(|| format!("{}.zip", args.scene.name()).into());
-    let options = MakeOptions { seed: args.seed, frames: args.frames, tiny: args.tiny };
+    let options =
+        MakeOptions { seed: args.seed, frames: args.frames, tiny: args.tiny, take: args.take };
     let capture = write(args.scene, options, &path).await?;
     let sequence = capture.sequences.first();
     let frames = sequence.map_or(0, |s| s.frame_count);

@@ -39,6 +39,7 @@ pub(crate) fn read(files: &mut Files<'_>, notes: &mut Vec<Note>) -> Result<Captu
         source_to_world,
         object,
         sequences,
+        others: Vec::new(),
     })
 }
 

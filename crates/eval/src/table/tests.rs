@@ -1,4 +1,4 @@
-use bendtwin_core::quality::NodeErrors;
+use bendtwin_core::quality::{NodeErrors, RegistrationScore};
 
 use super::*;
 
@@ -74,4 +74,31 @@ last residual          -     150.00                   -                      -
 #[test]
 fn nothing_is_an_empty_table() {
     assert_eq!(format_table(&Quality::default(), TableStyle::Plain), "mm\n");
+}
+
+#[test]
+fn several_recordings_have_a_table_of_their_own() {
+    let error = |cd: f64| ErrorSummary { chamfer_l1_m: Some(cd), ..ErrorSummary::default() };
+    let registered = RegistrationScore { median_mm: 1.25, p95_mm: 3.0, explained: 0.9 };
+    let recording = |name: &str, registered, train, future| RecordingScore {
+        name: name.into(),
+        registered,
+        train,
+        future,
+    };
+    let quality = Quality {
+        recordings: vec![
+            recording("lift", None, error(0.004), error(0.006)),
+            recording("drag", Some(registered), ErrorSummary::default(), error(0.008)),
+        ],
+        ..quality()
+    };
+    let text = format_table(&quality, TableStyle::Plain);
+    let expected = "\
+mm, by recording  registered within  CD train  CD future
+lift                              -      4.00       6.00
+drag                           1.25         -       8.00
+warning: the rope is short
+";
+    assert!(text.ends_with(expected), "{text}");
 }

@@ -105,6 +105,7 @@ pub(super) fn assemble(from: &Assembly<'_>, cancel: &CancelToken) -> Result<Obse
             ..Object::default()
         },
         sequences: vec![sequence],
+        others: Vec::new(),
     };
     Ok(Observation { capture, evidence })
 }

@@ -4,19 +4,19 @@ use crate::scene;
 #[test]
 fn of_a_large_skin_a_part_is_matched() {
     let mut model = scene::coarse();
-    let whole = MatchedSkin::new(&model);
+    let whole = MatchedSkin::new(&model.graph, &model.skin);
     assert_eq!(whole.skin, *model.skin);
     assert!((0.009..0.015).contains(&whole.spacing_m), "{}", whole.spacing_m);
     let many: Vec<usize> = (0..3 * MOST).map(|p| p % model.skin.len()).collect();
     model.skin = model.skin.select(&many).into();
-    let part = MatchedSkin::new(&model);
+    let part = MatchedSkin::new(&model.graph, &model.skin);
     assert!((MOST / 2..=MOST).contains(&part.skin.len()), "{}", part.skin.len());
 }
 
 #[test]
 fn dense_points_share_what_they_know() {
     let model = scene::coarse();
-    let skin = MatchedSkin::new(&model);
+    let skin = MatchedSkin::new(&model.graph, &model.skin);
     let x: Vec<Vector3<f64>> = model.graph.rest_positions.iter().map(|p| vector3(*p)).collect();
     let pull = |count: usize| {
         let points: Vec<Point> =
