@@ -27,11 +27,13 @@ pub(crate) struct BuiltGraph {
 impl BuiltGraph {
     /// Builds the graph of a connectivity.
     pub(crate) fn new(task: &Task<'_>, connectivity: &Connectivity) -> Self {
-        let (graph, notes) = connect_with_notes(&task.sample, connectivity);
+        let (mut graph, notes) = connect_with_notes(&task.sample, connectivity);
         let (mut rest_lengths_m, rest_angles_rad) = rest_geometry(&graph, &task.sample);
         if task.subject() == Subject::Cable {
             measure_lengths(task, &graph, &mut rest_lengths_m);
         }
+        let control_rest = task.control_rest();
+        task.others.attach(connectivity, control_rest, &mut graph, &mut rest_lengths_m);
         Self { graph: Arc::new(graph), rest_lengths_m, rest_angles_rad, notes }
     }
 }
@@ -83,9 +85,10 @@ fn measure_lengths(task: &Task<'_>, graph: &Graph, lengths_m: &mut [f32]) {
         let points = [a, b].map(|&e| graph.observed_points[e as usize] as usize);
         let (mut sum, mut count) = (0.0, 0_usize);
         for t in &task.training {
-            let first = t.sequence.start_frame();
+            let sequence = t.source.sequence;
+            let first = sequence.start_frame();
             for frame in first..=first + t.frames {
-                let (at, seen) = (t.sequence.points_at(frame), t.sequence.visible_at(frame));
+                let (at, seen) = (sequence.points_at(frame), sequence.visible_at(frame));
                 if points.iter().all(|&p| seen.get(p) == Some(&true)) {
                     let [p, q] = points.map(|p| at[p].map(f64::from));
                     let apart: f64 = p.iter().zip(q).map(|(x, y)| (x - y) * (x - y)).sum();

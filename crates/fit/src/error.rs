@@ -21,6 +21,17 @@ pub enum Error {
     /// The finished twin could not be evaluated.
     #[error(transparent)]
     Evaluation(#[from] bendtwin_eval::Error),
+    /// Another recording of the object cannot be brought to the reference.
+    #[error(
+        "the twin cannot be brought to recording `{name}`: {error}; leave this recording out, or make \
+         another one the reference"
+    )]
+    Recording {
+        /// Name of the recording.
+        name: String,
+        /// The reason.
+        error: Box<bendtwin_eval::Error>,
+    },
     /// No candidate could be simulated to its end.
     #[error(
         "no candidate of the search could be simulated ({0}): raise substeps.auto.max, or narrow the graph"
@@ -57,6 +68,7 @@ impl Problem for Error {
             Self::Graph(e) => e.category(),
             Self::Backend(e) => e.category(),
             Self::Evaluation(e) => e.category(),
+            Self::Recording { error, .. } => error.category(),
             Self::Checkpoint(_) | Self::OtherCheckpoint => Category::FailedPrecondition,
             Self::Observer(_) => Category::Aborted,
         }
@@ -69,6 +81,7 @@ impl Problem for Error {
             Self::Graph(e) => e.reason(),
             Self::Backend(e) => e.reason(),
             Self::Evaluation(e) => e.reason(),
+            Self::Recording { error, .. } => error.reason(),
             Self::NothingStable(_) => "NO_STABLE_CANDIDATE",
             Self::Checkpoint(_) => "CHECKPOINT_UNREADABLE",
             Self::OtherCheckpoint => "CHECKPOINT_OF_ANOTHER_FIT",

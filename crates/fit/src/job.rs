@@ -60,7 +60,8 @@ impl FitJob<'_> {
         observer: &mut dyn Observer<Progress>,
         cancel: &CancelToken,
     ) -> Result<Outcome, Error> {
-        let task = Task::new(self.capture, &self.settings, device_kind(&*self.backend))?;
+        let device = device_kind(&*self.backend);
+        let task = Task::new(self.capture, &self.settings, device, cancel)?;
         let validation = Validation::new(&task);
         let mut run = Run::new(self, &task, validation.as_ref(), observer, cancel);
         if let Some(bytes) = checkpoint {
@@ -286,7 +287,7 @@ impl<'a> Run<'a> {
             let Some(best) = best else { continue };
             let model = &self.models[best.model];
             let choice = self.choice(best.model, &refinement);
-            let twin = model.twin(self.job, self.generations, best)?;
+            let twin = model.twin(self.job, self.task, self.generations, best)?;
             let warnings = warnings::of_fit(self.task, model);
             finished.push(Finished { twin, warnings, choice });
         }

@@ -84,11 +84,13 @@ fn graph_of(capture: &Capture, settings: &FitSettings) -> Option<GraphSize> {
     let settings_of_graph = GraphSettings { radius_m, ..settings.graph.clone() };
     let connectivity = Connectivity::from_settings(&settings_of_graph, settings.bending);
     let graph = connect(&sample, &connectivity);
+    let others = other_controls(capture);
+    let held = others.saturating_mul(connectivity.control_neighbours.min(graph.node_count()));
     Some(GraphSize {
         nodes: graph.node_count() as u64,
-        springs: graph.springs.len() as u64,
+        springs: graph.springs.len().saturating_add(held) as u64,
         triplets: graph.triplets.len() as u64,
-        controls: graph.control_count() as u64,
+        controls: (graph.control_count() + others) as u64,
     })
 }
 
@@ -97,17 +99,30 @@ pub(crate) fn lanes(backend: &dyn Backend) -> Lanes {
     Lanes { count: device.lanes as u64, on_host: device.kind == "cpu" }
 }
 
-/// Size of a capture.
+/// Size of a capture with all recordings of its object.
 pub fn size_of(capture: &Capture) -> CaptureSize {
-    let frames = capture.sequences.iter().map(|s| s.frame_count as u64);
+    let sequences: Vec<&Sequence> = capture.recordings().flat_map(|r| &r.sequences).collect();
+    let frames = || sequences.iter().map(|s| s.frame_count as u64);
+    // A frame's targets are points of one recording.
+    let points = capture.recordings().map(|r| r.object.point_count).max().unwrap_or(0);
     CaptureSize {
-        points: capture.object.point_count as u64,
+        points: points as u64,
         completed: capture.object.completed_surface.len() as u64,
         interior: capture.object.interior.len() as u64,
-        controls: capture.sequences.first().map_or(0, Sequence::control_count) as u64,
-        frames: frames.clone().sum(),
-        longest: frames.max().unwrap_or(0),
-        sequences: capture.sequences.len() as u64,
+        controls: (own_controls(capture) + other_controls(capture)) as u64,
+        frames: frames().sum(),
+        longest: frames().max().unwrap_or(0),
+        sequences: sequences.len() as u64,
         edges: capture.object.edges.len() as u64,
     }
+}
+
+/// Control points of the reference.
+fn own_controls(capture: &Capture) -> usize {
+    capture.sequences.first().map_or(0, Sequence::control_count)
+}
+
+/// Control points that the graph has for the sequences of other recordings.
+fn other_controls(capture: &Capture) -> usize {
+    capture.others.iter().flat_map(|r| &r.sequences).map(Sequence::control_count).sum()
 }

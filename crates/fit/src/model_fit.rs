@@ -11,6 +11,7 @@ use crate::{
     built_graph::BuiltGraph,
     checkpoint::ModelFitState,
     cmaes::CmaEs,
+    others,
     refine::{OptimizerRun, RunState},
     space::Space,
     task::Task,
@@ -139,6 +140,7 @@ impl ModelFit {
     pub(crate) fn twin(
         &self,
         job: &FitJob<'_>,
+        task: &Task<'_>,
         generations: u32,
         run: &OptimizerRun<'_>,
     ) -> Result<Twin, Error> {
@@ -150,9 +152,11 @@ impl ModelFit {
         let mut settings = self.settings.clone();
         settings.search.generations = Some(generations);
         settings.refine.passes = Some(run.state.passes);
+        let skin = &run.loaded.model().skin;
+        let (graph, params, skin) = others::of_reference(task, &run.graph, params, skin);
         Ok(Twin {
-            graph: run.graph.as_ref().clone(),
-            skin: run.loaded.model().skin.as_ref().clone(),
+            graph,
+            skin,
             params,
             environment: run.loaded.model().environment,
             timing,

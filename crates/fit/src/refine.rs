@@ -70,7 +70,7 @@ impl<'a> Refinement<'a> {
     pub(crate) fn pass(&mut self) -> Result<(), Error> {
         let first = self.runs.first().map(|w| (w.state.pass, w.state.passes));
         let Some((pass, passes)) = first else { return Ok(()) };
-        let initial: Vec<_> = self.task.training.iter().map(|t| t.initial.clone()).collect();
+        let initial: Vec<_> = self.task.training.iter().map(|t| t.source.initial.clone()).collect();
         // States at the start of the next window, by model and sequence.
         let mut states = vec![initial; self.runs.len()];
         self.runs.iter_mut().for_each(OptimizerRun::begin_pass);

@@ -10,7 +10,10 @@ fn with_task(rest_shape: bool, test: impl FnOnce(&Task<'_>)) {
     let capture = make(Scene::Rope, &MakeOptions::tiny(1)).unwrap();
     let mut settings = FitSettings::default();
     settings.refine.rest_shape = rest_shape;
-    test(&Task::new(&capture, &settings, DeviceKind::Cpu).unwrap());
+    test(
+        &Task::new(&capture, &settings, DeviceKind::Cpu, &bendtwin_core::CancelToken::default())
+            .unwrap(),
+    );
 }
 
 fn base() -> Params {

@@ -145,7 +145,8 @@ fn the_best_loss_is_the_twins() {
         let twin = job.run(None, &mut seen, &cancel).unwrap().twin;
         let losses: Vec<f64> = seen.0.iter().filter_map(|p| p.best_loss).collect();
         assert!(losses.is_sorted_by(|a, b| a >= b), "{losses:?}");
-        let task = Task::new(&capture, &settings, DeviceKind::Cpu).unwrap();
+        let task =
+            Task::new(&capture, &settings, DeviceKind::Cpu, &CancelToken::default()).unwrap();
         let loaded = backend.load(Arc::new(Model::from(&twin))).unwrap();
         let batch: Vec<_> = task.training.iter().map(|t| t.instance(&loaded)).collect();
         let loss = task.loss(backend.losses(&batch, &cancel).unwrap().iter().map(|l| l.total));

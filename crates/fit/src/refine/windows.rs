@@ -1,10 +1,10 @@
-//! Controls and objective of each window of the training frames, built once: a backend that caches
+//! Controls, objective and surroundings of each window of the training frames, built once: a backend that caches
 //! what it derives from them finds the same ones in every pass.
 
 use std::{collections::HashMap, sync::Arc};
 
 use bendtwin_core::Point;
-use bendtwin_engine::{Loaded, Objective, backend::Instance, model::State};
+use bendtwin_engine::{Loaded, Motion, Objective, backend::Instance, model::State};
 
 use crate::task::Task;
 
@@ -19,10 +19,10 @@ pub(crate) struct Window {
     pub(crate) count: usize,
 }
 
-/// Cache of the controls and objectives of windows.
+/// Cache of the controls, objectives and surroundings of windows.
 #[derive(Default)]
 pub(crate) struct Windows {
-    made: HashMap<Window, (Arc<Vec<Point>>, Objective)>,
+    made: HashMap<Window, (Arc<Vec<Point>>, Objective, Arc<Motion>)>,
 }
 
 impl Windows {
@@ -35,12 +35,14 @@ impl Windows {
         initial: Arc<State>,
     ) -> Instance {
         let training = &task.training[window.sequence];
-        let (controls, objective) = self.made.entry(*window).or_insert_with(|| {
+        let source = &training.source;
+        let (controls, objective, motion) = self.made.entry(*window).or_insert_with(|| {
             if window.count == training.frames {
-                (training.controls.clone(), training.objective.clone())
+                (training.controls.clone(), training.objective.clone(), training.motion.clone())
             } else {
-                let controls = training.controls_of(window.first, window.count);
-                (Arc::new(controls), training.window(window.first, window.count))
+                let controls = source.controls(window.first, window.count);
+                let objective = training.window(window.first, window.count);
+                (Arc::new(controls), objective, Arc::new(source.motion_of(window.count)))
             }
         });
         Instance {
@@ -49,8 +51,8 @@ impl Windows {
             controls: controls.clone(),
             frames: window.count,
             objective: objective.clone(),
-            world: Arc::default(),
-            motion: Arc::default(),
+            world: source.world.clone(),
+            motion: motion.clone(),
         }
     }
 }

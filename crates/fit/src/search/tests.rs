@@ -102,7 +102,7 @@ fn generations(capture: &Capture, most_loaded: usize) -> (Vec<Vec<f64>>, Vec<usi
     settings.search.topology = true;
     // Few enough that some candidates are too stiff.
     settings.substeps = bendtwin_core::settings::Substeps::Auto { safety: 1.1, max: Some(25) };
-    let task = Task::new(capture, &settings, DeviceKind::Cpu).unwrap();
+    let task = Task::new(capture, &settings, DeviceKind::Cpu, &CancelToken::default()).unwrap();
     let mut models = ModelFit::all(&task);
     let counts = Arc::new(Counts::default());
     let backend =

@@ -6,7 +6,13 @@ use super::*;
 #[test]
 fn damping_is_drawn_to_where_the_search_starts_and_stiffness_is_not() {
     let capture = make(Scene::Rope, &MakeOptions::tiny(1)).unwrap();
-    let task = Task::new(&capture, &FitSettings::default(), DeviceKind::Cpu).unwrap();
+    let task = Task::new(
+        &capture,
+        &FitSettings::default(),
+        DeviceKind::Cpu,
+        &bendtwin_core::CancelToken::default(),
+    )
+    .unwrap();
     let space = Space::new(&task, true);
     let start = space.start();
     assert_eq!(space.penalty(&start, 0.4), 1.0);

@@ -6,7 +6,7 @@ use super::*;
 fn a_tracked_cable_needs_no_chamfer_distance() {
     let capture = make(Scene::Cable, &MakeOptions::tiny(3)).unwrap();
     let settings = FitSettings::default();
-    let task = Task::new(&capture, &settings, DeviceKind::Cpu).unwrap();
+    let task = Task::new(&capture, &settings, DeviceKind::Cpu, &CancelToken::default()).unwrap();
     let terms = task.training.iter().flat_map(|t| t.objective.terms.iter());
     let is_track = |t: &WeightedTerm| matches!(t.term, Term::Track { .. });
     assert!(terms.clone().count() > 0 && terms.clone().all(is_track));
@@ -31,8 +31,8 @@ fn the_future_is_never_looked_at() {
     blind.sequences[0].points[first..].fill([9.0; 3]);
     let settings = FitSettings::default();
     let (a, b) = (
-        Task::new(&capture, &settings, DeviceKind::Cpu).unwrap(),
-        Task::new(&blind, &settings, DeviceKind::Cpu).unwrap(),
+        Task::new(&capture, &settings, DeviceKind::Cpu, &CancelToken::default()).unwrap(),
+        Task::new(&blind, &settings, DeviceKind::Cpu, &CancelToken::default()).unwrap(),
     );
     assert_eq!(a.training[0].objective, b.training[0].objective);
     assert_eq!(a.training[0].frames, train_frames - 1);
@@ -42,7 +42,7 @@ fn the_future_is_never_looked_at() {
 fn windows_cover_the_whole_once() {
     let capture = make(Scene::Rope, &MakeOptions::tiny(3)).unwrap();
     let settings = FitSettings::default();
-    let task = Task::new(&capture, &settings, DeviceKind::Cpu).unwrap();
+    let task = Task::new(&capture, &settings, DeviceKind::Cpu, &CancelToken::default()).unwrap();
     let whole = &task.training[0];
     let mut terms = 0;
     for first in (0..whole.frames).step_by(4) {
@@ -61,7 +61,7 @@ fn the_search_takes_fewer_sequences_and_frames() {
     settings.search.max_sequences = 2;
     settings.search.max_frames = 5;
     settings.loss.acceleration_weight = 0.01;
-    let task = Task::new(&capture, &settings, DeviceKind::Cpu).unwrap();
+    let task = Task::new(&capture, &settings, DeviceKind::Cpu, &CancelToken::default()).unwrap();
     let set = task.search_set();
     assert_eq!(set.len(), 2.min(task.training.len()));
     for t in set {
@@ -75,7 +75,10 @@ fn the_search_takes_fewer_sequences_and_frames() {
 fn nothing_to_train_on_is_said() {
     let mut capture = make(Scene::Rope, &MakeOptions::tiny(3)).unwrap();
     capture.sequences[0].train_frame_count = 0;
-    let error = Task::new(&capture, &FitSettings::default(), DeviceKind::Cpu).err().unwrap();
+    let error =
+        Task::new(&capture, &FitSettings::default(), DeviceKind::Cpu, &CancelToken::default())
+            .err()
+            .unwrap();
     assert!(matches!(error, Error::Capture(_)), "{error}");
 }
 
@@ -90,7 +93,7 @@ fn cables_are_fitted_in_their_own_way() {
     said.loss.sequences = Some(SequenceMean::Arithmetic);
     let of = |scene, settings: &FitSettings| {
         let capture = make(scene, &MakeOptions::tiny(1)).unwrap();
-        let task = Task::new(&capture, settings, DeviceKind::Cpu).unwrap();
+        let task = Task::new(&capture, settings, DeviceKind::Cpu, &CancelToken::default()).unwrap();
         let rods = task.has_rods(&Connectivity::from_settings(&settings.graph, true));
         (task.starts(), task.generations(), task.searches_gravity(), task.sequence_mean(), rods)
     };

@@ -14,19 +14,27 @@ fn settings(starts: u32, held_back: f64) -> FitSettings {
 fn a_single_start_and_too_few_frames_leave_no_choice() {
     let capture = make(Scene::Rope, &MakeOptions::tiny(3)).unwrap();
     for (starts, held_back, expected) in [(1, 0.4, false), (2, 0.0, false), (2, 0.4, true)] {
-        let task = Task::new(&capture, &settings(starts, held_back), DeviceKind::Cpu).unwrap();
+        let task = Task::new(
+            &capture,
+            &settings(starts, held_back),
+            DeviceKind::Cpu,
+            &CancelToken::default(),
+        )
+        .unwrap();
         assert_eq!(Validation::new(&task).is_some(), expected, "{starts} starts, {held_back}");
     }
     let mut short = capture;
     short.sequences[0].train_frame_count = 2 * LEAST_FRAMES;
-    let task = Task::new(&short, &settings(2, 0.4), DeviceKind::Cpu).unwrap();
+    let task =
+        Task::new(&short, &settings(2, 0.4), DeviceKind::Cpu, &CancelToken::default()).unwrap();
     assert!(Validation::new(&task).is_none());
 }
 
 #[test]
 fn starts_see_nothing_of_the_frames_held_back() {
     let capture = make(Scene::Rope, &MakeOptions::tiny(3)).unwrap();
-    let task = Task::new(&capture, &settings(2, 0.4), DeviceKind::Cpu).unwrap();
+    let task =
+        Task::new(&capture, &settings(2, 0.4), DeviceKind::Cpu, &CancelToken::default()).unwrap();
     let validation = Validation::new(&task).unwrap();
     let (all, kept) = (&task.training[0], &validation.shorter.training[0]);
     assert_eq!(all.frames, kept.frames + validation.frames as usize);
