@@ -18,13 +18,28 @@ pub(crate) use report::Note;
 
 use crate::{Limits, read::read_noting, structure::validate};
 
-/// Checks a capture in memory. Findings come with errors first.
+/// Checks a capture in memory, with all recordings of its object. Findings come with errors first.
 pub fn check(capture: &Capture) -> CheckReport {
-    let mut findings = Vec::new();
     if let Err(error) = validate(capture) {
-        findings.push(Finding::error(error.reason(), error.to_string()));
+        let findings = vec![Finding::error(error.reason(), error.to_string())];
         return CheckReport { findings: report::merge(findings) };
     }
+    let mut findings = one(capture);
+    for other in &capture.others {
+        // Nothing of it may be for fitting: then it is only predicted.
+        let is_split = |f: &Finding| f.code == "SPLIT_EMPTY";
+        let named = |f: Finding| Finding {
+            message: format!("recording `{}`: {}", other.name, f.message),
+            ..f
+        };
+        findings.extend(one(other).into_iter().filter(|f| !is_split(f)).map(named));
+    }
+    CheckReport { findings: report::merge(findings) }
+}
+
+/// Findings about one recording.
+fn one(capture: &Capture) -> Vec<Finding> {
+    let mut findings = Vec::new();
     setting::check(capture, &mut findings);
     for sequence in &capture.sequences {
         tracks::check(capture, sequence, &mut findings);
@@ -37,7 +52,7 @@ pub fn check(capture: &Capture) -> CheckReport {
         }
     }
     controls::check(capture, &mut findings);
-    CheckReport { findings: report::merge(findings) }
+    findings
 }
 
 /// Reads and checks a capture; what reading refuses becomes a finding too.

@@ -7,33 +7,11 @@ use bendtwin_core::{Capture, Point};
 pub fn digest(capture: &Capture) -> String {
     let mut hash = Hash(blake3::Hasher::new());
     hash.bytes(b"bendtwin capture 1");
-    hash.bytes(&capture.fps.to_le_bytes());
-    let environment = &capture.environment;
-    hash.points(&[environment.gravity]);
-    let ground: Vec<Point> =
-        environment.ground.iter().flat_map(|g| [g.normal, [g.offset_m, 0.0, 0.0]]).collect();
-    hash.points(&ground);
-    hash.points(&capture.source_to_world);
-    let object = &capture.object;
-    hash.count(object.point_count);
-    for points in [&object.colors, &object.completed_surface, &object.interior, &object.rest_points]
-    {
-        hash.points(points);
-    }
-    hash.pairs(object.edges.iter().copied());
-    hash.pairs(object.pins.iter().map(|p| [p.point, p.control]));
-    hash.count(capture.sequences.len());
-    for sequence in &capture.sequences {
-        hash.bytes(sequence.name.as_bytes());
-        for count in [sequence.frame_count, sequence.train_frame_count, sequence.start_frames] {
-            hash.count(count);
-        }
-        for points in [&sequence.points, &sequence.controls, &sequence.truth_tracks] {
-            hash.points(points);
-        }
-        for flags in [&sequence.visible, &sequence.motion_valid] {
-            hash.bytes(&flags.iter().map(|f| u8::from(*f)).collect::<Vec<_>>());
-        }
+    hash.recording(capture);
+    // Of a single recording the digest is what it always was.
+    for other in &capture.others {
+        hash.bytes(b"recording");
+        hash.recording(other);
     }
     hash.0.finalize().to_hex().to_string()
 }
@@ -42,6 +20,39 @@ pub fn digest(capture: &Capture) -> String {
 struct Hash(blake3::Hasher);
 
 impl Hash {
+    fn recording(&mut self, capture: &Capture) {
+        let hash = self;
+        hash.bytes(&capture.fps.to_le_bytes());
+        let environment = &capture.environment;
+        hash.points(&[environment.gravity]);
+        let ground: Vec<Point> =
+            environment.ground.iter().flat_map(|g| [g.normal, [g.offset_m, 0.0, 0.0]]).collect();
+        hash.points(&ground);
+        hash.points(&capture.source_to_world);
+        let object = &capture.object;
+        hash.count(object.point_count);
+        for points in
+            [&object.colors, &object.completed_surface, &object.interior, &object.rest_points]
+        {
+            hash.points(points);
+        }
+        hash.pairs(object.edges.iter().copied());
+        hash.pairs(object.pins.iter().map(|p| [p.point, p.control]));
+        hash.count(capture.sequences.len());
+        for sequence in &capture.sequences {
+            hash.bytes(sequence.name.as_bytes());
+            for count in [sequence.frame_count, sequence.train_frame_count, sequence.start_frames] {
+                hash.count(count);
+            }
+            for points in [&sequence.points, &sequence.controls, &sequence.truth_tracks] {
+                hash.points(points);
+            }
+            for flags in [&sequence.visible, &sequence.motion_valid] {
+                hash.bytes(&flags.iter().map(|f| u8::from(*f)).collect::<Vec<_>>());
+            }
+        }
+    }
+
     fn count(&mut self, n: usize) {
         self.0.update(&(n as u64).to_le_bytes());
     }

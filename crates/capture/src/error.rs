@@ -28,8 +28,19 @@ pub enum Error {
     #[error("`{0}` is a raw recording: colour and depth, not yet points. Ingest it first")]
     RawOnly(String),
     /// More than one capture in one archive or folder.
-    #[error("there are several captures ({0}): send one capture at a time")]
+    #[error(
+        "there are several captures ({0}): send one capture at a time, or put a recordings.json beside \
+         them if they are recordings of one object"
+    )]
     Several(String),
+    /// One of several recordings of an object cannot be read.
+    #[error("recording `{name}`: {error}")]
+    InRecording {
+        /// Name of the recording.
+        name: String,
+        /// The reason.
+        error: Box<Error>,
+    },
     /// A ZIP archive that is cut off or corrupted.
     #[error("the ZIP archive is damaged or cut off ({0}): upload or copy it again")]
     ArchiveDamaged(String),
@@ -309,6 +320,7 @@ pub enum Error {
 impl Problem for Error {
     fn category(&self) -> Category {
         match self {
+            Self::InRecording { error, .. } => error.category(),
             Self::NotFound(_) => Category::NotFound,
             Self::Io { .. } => Category::Internal,
             Self::TooLarge { .. }
@@ -321,6 +333,7 @@ impl Problem for Error {
 
     fn reason(&self) -> &'static str {
         match self {
+            Self::InRecording { error, .. } => error.reason(),
             Self::NotFound(_) => "CAPTURE_NOT_FOUND",
             Self::Io { .. } => "CAPTURE_IO",
             Self::UnknownKind(_) => "UNKNOWN_CAPTURE_KIND",

@@ -1,6 +1,7 @@
 //! The files of a capture, from a folder or a ZIP archive, read into memory one
 //! by one under the caps of [`Limits`]. Nothing is ever extracted to disk.
 
+mod part;
 mod storage;
 
 use std::{

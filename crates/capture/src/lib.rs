@@ -12,6 +12,7 @@ pub mod mocap;
 pub mod npy;
 pub mod raw;
 pub mod read;
+pub mod several;
 
 mod array;
 mod digest;
@@ -29,4 +30,5 @@ pub use digest::digest;
 pub use error::Error;
 pub use limits::Limits;
 pub use read::{Opened, open, read, read_bytes};
+pub use several::Part;
 pub use structure::validate;

@@ -10,6 +10,7 @@ use crate::{
     files::Files,
     mocap, phystwin,
     raw::{self, Recording},
+    several::{self, Part},
     structure::validate,
 };
 
@@ -41,6 +42,8 @@ pub enum Opened {
     Observed(Capture, Vec<Finding>),
     /// Colour and depth, to be lifted to points.
     Raw(Recording),
+    /// Several recordings of one object, the reference first.
+    Several(Vec<Part>),
 }
 
 /// Opens whatever lies at a path: as [`read`] and, where there is nothing processed, as
@@ -49,6 +52,9 @@ pub enum Opened {
 /// # Errors
 /// If there is no capture, it is damaged, or it exceeds the limits.
 pub fn open(path: &Path, limits: &Limits) -> Result<Opened, Error> {
+    if let Some(parts) = several::open(path, limits)? {
+        return Ok(Opened::Several(parts));
+    }
     match read_noting(path, limits) {
         Ok((capture, notes)) => {
             Ok(Opened::Observed(capture, notes.into_iter().map(|n| n.0).collect()))
@@ -83,6 +89,14 @@ pub(crate) fn read_noting(path: &Path, limits: &Limits) -> Result<(Capture, Vec<
 }
 
 fn read_files(files: &mut Files<'_>, notes: &mut Vec<Note>) -> Result<Capture, Error> {
+    match several::read(files, notes)? {
+        Some(capture) => Ok(capture),
+        None => read_one(files, notes),
+    }
+}
+
+/// Reads a capture that is not several recordings.
+pub(crate) fn read_one(files: &mut Files<'_>, notes: &mut Vec<Note>) -> Result<Capture, Error> {
     let capture = if files.enter(bundle::MARKER)? {
         bundle::read(files, notes)?
     } else if files.enter(phystwin::MARKER)? {

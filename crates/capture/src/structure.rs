@@ -3,13 +3,24 @@
 
 use bendtwin_core::Capture;
 
-use crate::Error;
+use crate::{Error, files::at_most};
 
 /// Checks lengths and indices.
 ///
 /// # Errors
 /// The first contradiction found.
 pub fn validate(capture: &Capture) -> Result<(), Error> {
+    let count = capture.recordings().count();
+    at_most("recordings", count, Capture::MOST_RECORDINGS)?;
+    if capture.others.iter().any(|r| !r.others.is_empty()) {
+        return Err(Error::Lengths("a recording of several has further recordings".to_owned()));
+    }
+    one(capture)?;
+    let named = |r: &Capture, e| Error::InRecording { name: r.name.clone(), error: Box::new(e) };
+    capture.others.iter().try_for_each(|r| one(r).map_err(|e| named(r, e)))
+}
+
+fn one(capture: &Capture) -> Result<(), Error> {
     let object = &capture.object;
     let points = object.point_count;
     let optional =

@@ -2,6 +2,7 @@
 //! lifted where it is raw. No transport: a worker and the command line call the same function.
 
 mod progress;
+mod several;
 
 use std::path::Path;
 
@@ -45,7 +46,27 @@ pub fn ingest(
     observer.progress(Progress { step: Step::Read, fraction: 0.0 });
     match capture::open(path, limits) {
         Err(error) => Ok(unread(name, &called(error, name).fault())),
-        Ok(Opened::Observed(capture, notes)) => {
+        Ok(Opened::Several(parts)) => {
+            several::ingest(parts, name, settings, checkpoint, observer, cancel)
+        }
+        Ok(opened) => ingest_one(opened, name, settings, checkpoint, observer, cancel),
+    }
+}
+
+/// Ingests one recording.
+fn ingest_one(
+    opened: Opened,
+    name: &str,
+    settings: &IngestSettings,
+    checkpoint: Option<&[u8]>,
+    observer: &mut dyn Observer<Progress>,
+    cancel: &CancelToken,
+) -> Result<Observed, Fault> {
+    match opened {
+        Opened::Several(parts) => {
+            several::ingest(parts, name, settings, checkpoint, observer, cancel)
+        }
+        Opened::Observed(capture, notes) => {
             let mut seen = inspect_observed(&capture);
             name.clone_into(&mut seen.name);
             seen.add(notes);
@@ -53,7 +74,7 @@ pub fn ingest(
             let capture = usable.map(|()| capture).map_err(|e| e.fault());
             Ok(Observed { capture, report: Report::new(seen, None) })
         }
-        Ok(Opened::Raw(recording)) => {
+        Opened::Raw(recording) => {
             let mut tell = |share| {
                 observer.progress(Progress { step: Step::Inspect, fraction: INSPECTED * share });
             };

@@ -75,6 +75,17 @@ impl Report {
         Self { inspection, evidence }
     }
 
+    /// Adds the findings about another recording of the same object, under its name.
+    pub fn add_recording(&mut self, name: &str, other: &Self) {
+        let named = |f: &Finding| Finding {
+            message: format!("recording `{name}`: {}", f.message),
+            cameras: Vec::new(),
+            frames: Vec::new(),
+            ..f.clone()
+        };
+        self.inspection.add(other.inspection.findings.iter().map(named));
+    }
+
     /// The measurements and findings.
     pub fn inspection(&self) -> &Inspection {
         &self.inspection

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use bendtwin_capture::{CheckReport, Limits, Opened, check_path, raw::Recording};
+use bendtwin_capture::{CheckReport, Limits, Opened, Part, check_path, raw::Recording};
 use bendtwin_core::{CancelToken, Finding, Problem as _, Severity};
 
 use crate::{failure, global::Global, output};
@@ -25,6 +25,7 @@ pub(super) async fn check_locally(path: &Path) -> anyhow::Result<CheckReport> {
         if report.has(RAW_CAPTURE) {
             report.findings = match bendtwin_capture::open(&path, &Limits::default()) {
                 Ok(Opened::Raw(recording)) => look(&recording),
+                Ok(Opened::Several(parts)) => parts.into_iter().flat_map(look_at).collect(),
                 Ok(Opened::Observed(..)) => return report,
                 Err(error) => vec![finding(Severity::Error, error.reason(), error.to_string())],
             };
@@ -32,6 +33,20 @@ pub(super) async fn check_locally(path: &Path) -> anyhow::Result<CheckReport> {
         report
     });
     Ok(checked.await?)
+}
+
+/// Findings about one of several recordings, under its name.
+fn look_at(part: Part) -> Vec<Finding> {
+    let found = match part.opened {
+        Opened::Raw(recording) => look(&recording),
+        Opened::Observed(capture, notes) => {
+            bendtwin_capture::check(&capture).findings.into_iter().chain(notes).collect()
+        }
+        Opened::Several(parts) => parts.into_iter().flat_map(look_at).collect(),
+    };
+    let name = part.name;
+    let named = |f: Finding| Finding { message: format!("recording `{name}`: {}", f.message), ..f };
+    found.into_iter().map(named).collect()
 }
 
 /// Findings about a raw recording.

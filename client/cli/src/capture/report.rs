@@ -7,7 +7,7 @@ use anyhow::Context as _;
 use bendtwin_capture::{Limits, Opened};
 use bendtwin_client::CaptureId;
 use bendtwin_core::CancelToken;
-use bendtwin_inspect::{Inspection, Report, inspect, inspect_observed};
+use bendtwin_inspect::{Report, inspect, inspect_observed};
 use clap::Args;
 
 use super::{
@@ -48,8 +48,7 @@ pub(super) async fn run(args: Arguments, global: &Global) -> anyhow::Result<()> 
         return Err(Usage::error(what));
     }
     let path = args.path.clone();
-    let inspected = tokio::task::spawn_blocking(move || open_and_inspect(&path)).await??;
-    let report = Report::new(inspected, None);
+    let report = tokio::task::spawn_blocking(move || open_and_inspect(&path)).await??;
     if let Some(path) = &args.html {
         write(path, &report.to_html())?;
     }
@@ -75,13 +74,28 @@ fn stored(path: &Path) -> Option<CaptureId> {
 }
 
 /// Inspects a capture of any kind on this machine.
-fn open_and_inspect(path: &Path) -> anyhow::Result<Inspection> {
-    match bendtwin_capture::open(path, &Limits::default()).map_err(failure::failed)? {
-        Opened::Observed(capture, _) => Ok(inspect_observed(&capture)),
+fn open_and_inspect(path: &Path) -> anyhow::Result<Report> {
+    look(bendtwin_capture::open(path, &Limits::default()).map_err(failure::failed)?)
+}
+
+/// The report of the reference, with the findings of all recordings.
+fn look(opened: Opened) -> anyhow::Result<Report> {
+    let inspection = match opened {
+        Opened::Observed(capture, _) => inspect_observed(&capture),
         Opened::Raw(recording) => {
-            inspect(&recording, &CancelToken::default(), &mut |_| {}).map_err(failure::failed)
+            inspect(&recording, &CancelToken::default(), &mut |_| {}).map_err(failure::failed)?
         }
-    }
+        Opened::Several(parts) => {
+            let mut parts = parts.into_iter();
+            let first = parts.next().context("there is no recording")?;
+            let mut report = look(first.opened)?;
+            for part in parts {
+                report.add_recording(&part.name, &look(part.opened)?);
+            }
+            return Ok(report);
+        }
+    };
+    Ok(Report::new(inspection, None))
 }
 
 fn write(path: &Path, text: &str) -> anyhow::Result<()> {

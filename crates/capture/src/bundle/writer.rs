@@ -14,23 +14,47 @@ use super::{
     manifest::{Ground, MARKER, Manifest, SequenceEntry},
     reader::seen_twice,
 };
-use crate::{Error, npy, structure::validate};
+use crate::{Error, npy, several, structure::validate};
 
-/// Writes a capture as a bundle ZIP; returns the writer at its end. Flags that
-/// equal their defaults are left out, so motion capture stays small.
+/// Writes a capture as a bundle ZIP, several recordings of an object as as many bundles in one;
+/// returns the writer at its end. Flags that equal their defaults are left out, so motion capture
+/// stays small.
 ///
 /// # Errors
 /// If the capture contradicts itself or writing fails.
 pub fn write_bundle<W: Write + Seek>(capture: &Capture, out: W) -> Result<W, Error> {
     validate(capture)?;
     let mut zip = ZipWriter::new(out);
+    if capture.others.is_empty() {
+        write_recording(&mut zip, capture, "")?;
+    } else {
+        let folder = |index: usize| format!("{index:04}");
+        let named = capture.recordings().enumerate().map(|(i, r)| (folder(i), r.name.as_str()));
+        let marker = several::MARKER;
+        let document = several::document(named).map_err(|e| failed(marker, e.into()))?;
+        put(&mut zip, marker, &document)?;
+        for (index, recording) in capture.recordings().enumerate() {
+            write_recording(&mut zip, recording, &format!("{}/", folder(index)))?;
+        }
+    }
+    zip.finish().map_err(|e| failed("the archive's directory", e.into()))
+}
+
+fn put<W: Write + Seek>(zip: &mut ZipWriter<W>, name: &str, bytes: &[u8]) -> Result<(), Error> {
     let options = SimpleFileOptions::default()
         .compression_method(CompressionMethod::Deflated)
         .last_modified_time(zip::DateTime::default());
-    let mut put = |name: &str, bytes: &[u8]| -> Result<(), Error> {
-        zip.start_file(name, options).map_err(|e| failed(name, e.into()))?;
-        zip.write_all(bytes).map_err(|e| failed(name, e))
-    };
+    zip.start_file(name, options).map_err(|e| failed(name, e.into()))?;
+    zip.write_all(bytes).map_err(|e| failed(name, e))
+}
+
+/// Writes one recording as a bundle in a folder.
+fn write_recording<W: Write + Seek>(
+    zip: &mut ZipWriter<W>,
+    capture: &Capture,
+    at: &str,
+) -> Result<(), Error> {
+    let mut put = |name: &str, bytes: &[u8]| put(zip, &format!("{at}{name}"), bytes);
     let manifest =
         serde_json::to_vec_pretty(&manifest(capture)).map_err(|e| failed(MARKER, e.into()))?;
     put(MARKER, &manifest)?;
@@ -80,7 +104,7 @@ pub fn write_bundle<W: Write + Seek>(capture: &Capture, out: W) -> Result<W, Err
             }
         }
     }
-    zip.finish().map_err(|e| failed("the archive's directory", e.into()))
+    Ok(())
 }
 
 /// Writes a capture as a bundle ZIP at a path.

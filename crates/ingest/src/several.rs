@@ -1,0 +1,83 @@
+//! Several recordings of one object, one after the other. The report is that of the reference with
+//! the findings of all.
+
+use bendtwin_capture::{Opened, Part, several::join};
+use bendtwin_core::{
+    CancelToken, Fault, Observer, ObserverError, Problem as _, Sequence,
+    settings::ingest::IngestSettings,
+};
+
+use crate::{Observed, Progress, ingest_one};
+
+/// Ingests the recordings. A checkpoint is of the one that was being lifted; those before it are
+/// lifted again.
+pub(super) fn ingest(
+    parts: Vec<Part>,
+    name: &str,
+    settings: &IngestSettings,
+    checkpoint: Option<&[u8]>,
+    observer: &mut dyn Observer<Progress>,
+    cancel: &CancelToken,
+) -> Result<Observed, Fault> {
+    let count = parts.len();
+    let (mut captures, mut report, mut fault) = (Vec::with_capacity(count), None, None);
+    for (index, Part { name: own, held_out, mut opened }) in parts.into_iter().enumerate() {
+        let held_out = held_out || is_held_out(&mut opened);
+        let mut share = Share { index, count, observer: &mut *observer };
+        let named = if index == 0 { name } else { &own };
+        let one = ingest_one(opened, named, settings, checkpoint, &mut share, cancel)?;
+        match one.capture {
+            Ok(capture) => captures.push((own.clone(), held_out, capture)),
+            Err(error) => {
+                let message = format!("recording `{own}`: {}", error.message);
+                fault.get_or_insert(Fault { message, ..error });
+            }
+        }
+        match &mut report {
+            None => report = Some(one.report),
+            Some(report) => report.add_recording(&own, &one.report),
+        }
+    }
+    let capture = match fault {
+        Some(fault) => Err(fault),
+        None => join(name.to_owned(), captures).map_err(|e| e.fault()),
+    };
+    match report {
+        Some(report) => Ok(Observed { capture, report }),
+        None => {
+            let error = bendtwin_capture::Error::UnknownKind(name.to_owned());
+            Ok(crate::unread(name, &error.fault()))
+        }
+    }
+}
+
+/// True for points of which no frame is for fitting. They are judged as if all were.
+fn is_held_out(opened: &mut Opened) -> bool {
+    let Opened::Observed(capture, _) = opened else { return false };
+    let all = capture.sequences.iter().all(Sequence::is_held_out);
+    if all {
+        capture.sequences.iter_mut().for_each(|s| s.train_frame_count = s.frame_count);
+    }
+    all
+}
+
+/// Observer of one recording, whose progress is a part of the whole.
+struct Share<'a> {
+    index: usize,
+    count: usize,
+    observer: &'a mut dyn Observer<Progress>,
+}
+
+impl Observer<Progress> for Share<'_> {
+    fn progress(&mut self, Progress { step, fraction }: Progress) {
+        let fraction = (self.index as f64 + fraction) / self.count as f64;
+        self.observer.progress(Progress { step, fraction });
+    }
+
+    fn checkpoint(&mut self, checkpoint: Vec<u8>) -> Result<(), ObserverError> {
+        self.observer.checkpoint(checkpoint)
+    }
+}
+
+#[cfg(test)]
+mod tests;
