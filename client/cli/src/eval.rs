@@ -40,6 +40,10 @@ pub(crate) struct Eval {
     /// of its object the twin is registered to the first frame
     #[arg(long, value_name = "FILE", conflicts_with_all = ["settings", "overrides", "axial", "phystwin"])]
     twin: Option<PathBuf>,
+    /// Refine this twin file without a search instead of fitting one anew; on another recording of
+    /// its object it is registered to the first frame
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["twin", "axial", "phystwin"])]
+    from: Option<PathBuf>,
     /// Write the twin, with its quality table, to this file
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
@@ -110,7 +114,8 @@ fn score(
     let (fitted, fit_s) = match &args.twin {
         Some(file) => (Fitted { twin: read_twin(file)?, axial: None }, None),
         None => {
-            let (fitted, took) = fit(&capture, settings, backend, cancel, quiet)?;
+            let start = args.from.as_deref().map(read_twin).transpose()?;
+            let (fitted, took) = fit(&capture, settings, start.as_ref(), backend, cancel, quiet)?;
             (fitted, Some(took.as_secs_f64()))
         }
     };

@@ -95,6 +95,10 @@ pub struct Provenance {
     pub backend: String,
     /// Rotation from the capture's source frame to the twin's, row-major.
     pub source_to_world: [[f32; 3]; 3],
+    /// BLAKE3 digest of the file of the twin that this one was refined from, hex; none if it was
+    /// searched.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub refined_from: Option<String>,
 }
 
 #[cfg(test)]

@@ -21,6 +21,9 @@ pub enum Error {
     /// The finished twin could not be evaluated.
     #[error(transparent)]
     Evaluation(#[from] bendtwin_eval::Error),
+    /// The twin to be refined cannot be one.
+    #[error("the twin to start from cannot be used: {0}")]
+    Twin(String),
     /// Another recording of the object cannot be brought to the reference.
     #[error(
         "the twin cannot be brought to recording `{name}`: {error}; leave this recording out, or make \
@@ -62,7 +65,7 @@ impl From<Refusal> for Error {
 impl Problem for Error {
     fn category(&self) -> Category {
         match self {
-            Self::Settings(_) | Self::Capture(_) | Self::NothingStable(_) => {
+            Self::Settings(_) | Self::Capture(_) | Self::NothingStable(_) | Self::Twin(_) => {
                 Category::InvalidArgument
             }
             Self::Graph(e) => e.category(),
@@ -78,6 +81,7 @@ impl Problem for Error {
         match self {
             Self::Settings(_) => "INVALID_FIT_SETTINGS",
             Self::Capture(_) => "CAPTURE_CANNOT_BE_FITTED",
+            Self::Twin(_) => "TWIN_TO_START_FROM_UNUSABLE",
             Self::Graph(e) => e.reason(),
             Self::Backend(e) => e.reason(),
             Self::Evaluation(e) => e.reason(),

@@ -62,8 +62,42 @@ impl FitJob<'_> {
     ) -> Result<Outcome, Error> {
         let device = device_kind(&*self.backend);
         let task = Task::new(self.capture, &self.settings, device, cancel)?;
-        let validation = Validation::new(&task);
-        let mut run = Run::new(self, &task, validation.as_ref(), observer, cancel);
+        self.complete(&task, None, checkpoint, observer, cancel)
+    }
+
+    /// Refines a twin: the fit starts from its graph and its parameters, brought to the capture by
+    /// registration where it is not the twin's own, and makes no search.
+    ///
+    /// # Errors
+    /// As [`FitJob::run`], and if the twin cannot be brought to the capture.
+    pub fn refine(
+        &self,
+        twin: &Twin,
+        checkpoint: Option<&[u8]>,
+        observer: &mut dyn Observer<Progress>,
+        cancel: &CancelToken,
+    ) -> Result<Outcome, Error> {
+        let device = device_kind(&*self.backend);
+        let task = Task::from_twin(self.capture, &self.settings, twin, device, cancel)?;
+        let file = twin.encode().map_err(|e| Error::Twin(e.to_string()))?;
+        let digest = blake3::hash(&file).to_hex().to_string();
+        self.complete(&task, Some(&digest), checkpoint, observer, cancel)
+    }
+
+    fn complete(
+        &self,
+        task: &Task<'_>,
+        refined_from: Option<&str>,
+        checkpoint: Option<&[u8]>,
+        observer: &mut dyn Observer<Progress>,
+        cancel: &CancelToken,
+    ) -> Result<Outcome, Error> {
+        let validation = Validation::new(task);
+        let mut run = Run::new(self, task, validation.as_ref(), observer, cancel);
+        if let Some(digest) = refined_from {
+            run.refined_from = Some(digest.to_owned());
+            run.identity.capture_digest = format!("{} from {digest}", self.capture_digest);
+        }
         if let Some(bytes) = checkpoint {
             run.restore(bytes)?;
         }
@@ -83,6 +117,8 @@ struct Run<'a> {
     /// The starts that were chosen by frames held back, one for each kind of model; empty before.
     chosen: Vec<ChosenStart>,
     identity: Identity,
+    /// Digest of the twin that is refined, if there is one.
+    refined_from: Option<String>,
     /// Generations of the search.
     generations: u32,
     limit: Option<TimeLimit>,
@@ -138,6 +174,7 @@ impl<'a> Run<'a> {
             models,
             chosen,
             identity,
+            refined_from: None,
             generations,
             limit,
             estimator,
@@ -281,13 +318,14 @@ impl<'a> Run<'a> {
             self.pass(&mut refinement)?;
         }
         let mut finished = Vec::new();
+        let refined_from = self.refined_from.as_deref();
         for bending in self.kinds() {
             let own = refinement.runs.iter().filter(|r| self.models[r.model].bending == bending);
             let best = own.min_by(|a, b| a.state.best.loss.total_cmp(&b.state.best.loss));
             let Some(best) = best else { continue };
             let model = &self.models[best.model];
             let choice = self.choice(best.model, &refinement);
-            let twin = model.twin(self.job, self.task, self.generations, best)?;
+            let twin = model.twin(self.job, self.task, refined_from, self.generations, best)?;
             let warnings = warnings::of_fit(self.task, model);
             finished.push(Finished { twin, warnings, choice });
         }

@@ -14,6 +14,7 @@ mod error;
 mod job;
 pub mod memory;
 mod model_fit;
+mod nodes;
 mod others;
 mod parameterization;
 mod progress;

@@ -11,7 +11,7 @@ use crate::{
     built_graph::BuiltGraph,
     checkpoint::ModelFitState,
     cmaes::CmaEs,
-    others,
+    nodes, others,
     refine::{OptimizerRun, RunState},
     space::Space,
     task::Task,
@@ -67,8 +67,13 @@ impl ModelFit {
         Self { name, bending, space, state: ModelFitState::Search(strategy), settings }
     }
 
-    /// Graph, parameters and environment at a point of the search space.
+    /// Graph, parameters and environment at a point of the search space, or of the twin that is
+    /// refined.
     fn build(&self, task: &Task<'_>, point: &[f64]) -> (Arc<BuiltGraph>, Params, Environment) {
+        if let Some(twin) = &task.start {
+            let (built, params, environment) = nodes::of_start(task, twin);
+            return (Arc::new(built), params, environment);
+        }
         let candidate = self.space.candidate(point);
         let built = Arc::new(BuiltGraph::new(task, &candidate.connectivity));
         let params = candidate.params(&built);
@@ -141,6 +146,7 @@ impl ModelFit {
         &self,
         job: &FitJob<'_>,
         task: &Task<'_>,
+        refined_from: Option<&str>,
         generations: u32,
         run: &OptimizerRun<'_>,
     ) -> Result<Twin, Error> {
@@ -168,6 +174,7 @@ impl ModelFit {
                 build: bendtwin_core::BUILD.to_owned(),
                 backend: job.backend.device().kind,
                 source_to_world: job.capture.source_to_world,
+                refined_from: refined_from.map(str::to_owned),
             },
             quality: bendtwin_core::Quality::default(),
             mass_kg: job.capture.object.mass_kg,

@@ -3,17 +3,19 @@
 use std::sync::Arc;
 
 use bendtwin_core::{
-    CancelToken, Capture, Environment, FitSettings, Point, Skin,
+    CancelToken, Capture, Environment, FitSettings, Point, Skin, Twin,
     capture::Subject,
     settings::{Conditions, DeviceKind, SequenceMean},
 };
 use bendtwin_engine::{
     Loaded, Motion, Objective, Term, backend::Instance, objective::WeightedTerm,
 };
+use bendtwin_eval::in_recording;
 use bendtwin_graph::{Connectivity, NodeSample, bind_skin, connect, mean_spacing, sample_nodes};
 
 use crate::{
     Error,
+    nodes::Nodes,
     others::{OtherControls, join},
     sequences,
     source::{self, Measure, Source},
@@ -34,6 +36,8 @@ pub(crate) struct Task<'a> {
     pub(crate) own_skin: usize,
     /// Control points of other recordings, which follow those of the reference.
     pub(crate) others: Arc<OtherControls>,
+    /// The twin that is refined, in the reference; none where a graph is built and searched.
+    pub(crate) start: Option<Arc<Twin>>,
     /// Defaults for the kind of object.
     pub(crate) defaults: Defaults,
     /// Training sequences, in the capture's order.
@@ -74,7 +78,41 @@ impl<'a> Task<'a> {
         let sample = sample_nodes(capture, &settings.graph, settings.seed)?;
         settings.graph.radius_m = Some(sample.radius_m(&settings.graph));
         let nodes = connect(&sample, &Connectivity::from_settings(&settings.graph, false));
-        let mut skin = bind_skin(&nodes, &sample.surface);
+        let skin = bind_skin(&nodes, &sample.surface);
+        Self::of_nodes(capture, settings, Nodes { sample, graph: nodes, skin, start: None }, cancel)
+    }
+
+    /// The task of refining a twin: its graph and its parameters are what the refinement starts
+    /// from, in place of what a search finds.
+    ///
+    /// # Errors
+    /// As [`Task::new`], and if the twin cannot be brought to the capture.
+    pub(crate) fn from_twin(
+        capture: &'a Capture,
+        settings: &FitSettings,
+        twin: &Twin,
+        device: DeviceKind,
+        cancel: &CancelToken,
+    ) -> Result<Self, Error> {
+        settings.validate().map_err(Error::Settings)?;
+        capture.recordings().try_for_each(bendtwin_eval::check_capture)?;
+        let subject = capture.object.subject();
+        let mut settings = settings.filled(Conditions { subject, device });
+        (settings.search.starts, settings.search.generations) = (Some(1), Some(0));
+        settings.bending = !twin.graph.triplets.is_empty();
+        (settings.compare_axial, settings.control_velocity) = (false, twin.control_velocity);
+        let there = in_recording(twin, capture, cancel)?;
+        let start = there.map_or_else(|| twin.clone(), |(twin, _)| twin);
+        Self::of_nodes(capture, settings, Nodes::of_twin(start, capture), cancel)
+    }
+
+    fn of_nodes(
+        capture: &'a Capture,
+        settings: FitSettings,
+        nodes: Nodes,
+        cancel: &CancelToken,
+    ) -> Result<Self, Error> {
+        let Nodes { sample, graph: nodes, mut skin, start } = nodes;
         let own_skin = skin.len();
         let mut sources = source::of_reference(capture, &sample, &nodes, &skin);
         let others = join(capture, &nodes, &mut skin, &mut sources, cancel)?;
@@ -92,7 +130,7 @@ impl<'a> Task<'a> {
             ));
         }
         let spacing_m = spacing(&sample);
-        let defaults = Defaults::of(subject);
+        let defaults = Defaults::of(capture.object.subject());
         let nears_ground = training.iter().any(|t| t.nears_ground(&capture.environment));
         Ok(Self {
             capture,
@@ -101,6 +139,7 @@ impl<'a> Task<'a> {
             skin: Arc::new(skin),
             own_skin,
             others: Arc::new(others),
+            start: start.map(Arc::new),
             defaults,
             training,
             spacing_m,
@@ -123,6 +162,7 @@ impl<'a> Task<'a> {
             skin: self.skin.clone(),
             own_skin: self.own_skin,
             others: self.others.clone(),
+            start: self.start.clone(),
             defaults: self.defaults,
             training: self.training.iter().map(shorter).collect::<Option<_>>()?,
             spacing_m: self.spacing_m,

@@ -15,10 +15,11 @@ pub(super) struct Fitted {
     pub(super) axial: Option<Twin>,
 }
 
-/// Fits a capture; also returns the time it took.
+/// Fits a capture, or refines a twin in it; also returns the time it took.
 pub(super) fn fit(
     capture: &Capture,
     settings: FitSettings,
+    start: Option<&Twin>,
     backend: &Arc<dyn Backend>,
     cancel: &CancelToken,
     quiet: bool,
@@ -30,7 +31,10 @@ pub(super) fn fit(
         settings,
         backend: Arc::clone(backend),
     };
-    let outcome = job.run(None, &mut bar, cancel);
+    let outcome = match start {
+        Some(twin) => job.refine(twin, None, &mut bar, cancel),
+        None => job.run(None, &mut bar, cancel),
+    };
     let took = bar.0.finish();
     let outcome = outcome.map_err(failure::failed)?;
     Ok((Fitted { twin: outcome.twin, axial: outcome.axial }, took))

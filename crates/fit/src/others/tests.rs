@@ -14,7 +14,6 @@ use super::*;
 use crate::{
     FitJob,
     built_graph::{BuiltGraph, build_model},
-    model_fit::ModelFit,
 };
 
 /// A recording of a small toy.
@@ -220,10 +219,78 @@ fn sequences_of_a_cable_are_joined_as_they_are() {
     assert!(refused.err().unwrap().to_string().contains("other edges or clamps"));
 }
 
+/// The loss over its training frames that a fit began with, and the one that it ended with.
+#[derive(Default)]
+struct Losses(Vec<f64>);
+
+impl bendtwin_core::Observer<bendtwin_core::Progress> for Losses {
+    fn progress(&mut self, progress: bendtwin_core::Progress) {
+        self.0.extend(progress.best_loss);
+    }
+
+    fn checkpoint(&mut self, _: Vec<u8>) -> Result<(), bendtwin_core::ObserverError> {
+        Ok(())
+    }
+}
+
 #[test]
-fn the_models_of_a_fit_know_what_holds_nothing() {
-    let capture = several(&[0, 1]);
-    let task = task(&capture, &settings());
-    assert_eq!(ModelFit::all(&task).len(), 1);
-    assert_eq!(task.control_rest().len(), 2 * task.sample.control_rest.len());
+fn a_twin_is_refined_in_another_recording() {
+    let (first, second) = (take(0), several(&[1, 2]));
+    let mut settings = settings();
+    settings.search.generations = Some(4);
+    settings.refine.passes = Some(6);
+    let job = |capture, settings: &FitSettings| FitJob {
+        capture,
+        capture_digest: "digest".into(),
+        settings: settings.clone(),
+        backend: cpu_with_threads(2),
+    };
+    let cancel = CancelToken::default();
+    let twin = job(&first, &settings).run(None, &mut (), &cancel).unwrap().twin;
+    assert_eq!(twin.provenance.refined_from, None);
+
+    let mut losses = Losses::default();
+    let refined = job(&second, &settings).refine(&twin, None, &mut losses, &cancel).unwrap().twin;
+    // It is a twin of the second recording, with the nodes and what joins them of the first.
+    assert!(bendtwin_eval::is_own_capture(&refined, &second));
+    assert_eq!(refined.graph.control_rest, second.sequences[0].controls_at(0));
+    assert_eq!(refined.graph.node_count(), twin.graph.node_count());
+    assert_eq!(refined.graph.triplets, twin.graph.triplets);
+    assert!(refined.provenance.refined_from.is_some());
+    let made = refined.provenance.settings.as_ref().unwrap();
+    assert_eq!(made.search.generations, Some(0));
+    assert!(losses.0.last() < losses.0.first(), "{:?}", losses.0);
+    assert_eq!(refined.quality.recordings.len(), 2);
+    // And in its own capture it goes on from where it was.
+    let mut again = Losses::default();
+    let own = job(&first, &settings).refine(&twin, None, &mut again, &cancel).unwrap().twin;
+    assert_eq!(own.graph, twin.graph);
+    assert!(again.0[0] <= losses.0[0]);
+    // A checkpoint of the one fit is none of another.
+    let mut kept = Vec::new();
+    job(&second, &settings).refine(&twin, None, &mut Keeper(&mut kept), &cancel).unwrap();
+    let resumed = job(&second, &settings).refine(&twin, Some(&kept[1]), &mut (), &cancel).unwrap();
+    assert_eq!(resumed.twin, refined);
+    let refused = job(&second, &settings).run(Some(&kept[1]), &mut (), &cancel);
+    assert!(matches!(refused, Err(Error::OtherCheckpoint)));
+}
+
+#[test]
+fn a_cable_is_refined_point_by_point() {
+    let capture = make(Scene::Cable, &MakeOptions::tiny(3)).unwrap();
+    let mut settings = settings();
+    settings.substeps = Substeps::Auto { safety: 1.2, max: None };
+    let job = FitJob {
+        capture: &capture,
+        capture_digest: "digest".into(),
+        settings,
+        backend: cpu_with_threads(2),
+    };
+    let cancel = CancelToken::default();
+    let twin = job.run(None, &mut (), &cancel).unwrap().twin;
+    let refined = job.refine(&twin, None, &mut (), &cancel).unwrap().twin;
+    assert_eq!(refined.graph, twin.graph);
+    let toy = take(0);
+    let job = FitJob { capture: &toy, ..job };
+    assert!(matches!(job.refine(&twin, None, &mut (), &cancel), Err(Error::Evaluation(_))));
 }
