@@ -198,8 +198,9 @@ impl<'a> Words<'a> {
     }
 }
 
-/// An .npy file, version 1; `data` is row-major and little-endian.
-pub(crate) fn write(descr: &str, shape: &[usize], data: &[u8]) -> Vec<u8> {
+/// An .npy file, version 1, of elements such as `<f4`; `data` is row-major and little-endian, and
+/// has the elements of `shape`.
+pub fn write(descr: &str, shape: &[usize], data: &[u8]) -> Vec<u8> {
     let dims: String = shape.iter().map(|d| format!("{d}, ")).collect();
     let mut header = format!(
         "{{'descr': '{descr}', 'fortran_order': False, 'shape': ({}), }}",

@@ -1,0 +1,141 @@
+//! Why something cannot be exchanged, in words that tell what to do.
+
+use std::path::Path;
+
+use bendtwin_core::{Category, Problem, twin::format::FormatError};
+
+use crate::Format;
+
+/// Reason for which a twin or its motion cannot be written.
+#[derive(Debug, thiserror::Error)]
+pub enum Error {
+    /// A name that tells no format.
+    #[error("`{name}` names no known format: {}, or say it with --format", Format::list())]
+    UnknownFormat {
+        /// The file's name.
+        name: String,
+    },
+    /// A format for one state, asked to hold several.
+    #[error("{format} holds no motion: {}", Format::list_of_motion())]
+    NoMotion {
+        /// The format.
+        format: Format,
+    },
+    /// A format in which only nodes have a meaning.
+    #[error(
+        "{format} holds the nodes of a twin, not its skin or a mesh: leave --points and --mesh away"
+    )]
+    NodesOnly {
+        /// The format.
+        format: Format,
+    },
+    /// More frames than a format bears.
+    #[error(
+        "{format} takes at most {limit} frames, and there are {frames}: record fewer with --every"
+    )]
+    TooManyFrames {
+        /// The format.
+        format: Format,
+        /// Frames of the motion.
+        frames: usize,
+        /// The limit.
+        limit: usize,
+    },
+    /// A motion that is not the twin's.
+    #[error(
+        "the motion has {found} {what} where the twin needs {needed}: was it made with this twin?"
+    )]
+    MotionShape {
+        /// The points concerned.
+        what: &'static str,
+        /// Their number in all frames.
+        found: usize,
+        /// The number that fits.
+        needed: usize,
+    },
+    /// A motion that diverged.
+    #[error("frame {frame} of the motion holds a number that is not finite: it has diverged")]
+    NotFinite {
+        /// The frame, counted from 0.
+        frame: usize,
+    },
+    /// Nothing to draw.
+    #[error("the twin has no {0}: choose other points with --points")]
+    NoPoints(&'static str),
+    /// A file that its format cannot address.
+    #[error(
+        "the file would have {bytes} bytes, and {format} ends at {limit}: record fewer frames with --every"
+    )]
+    TooLarge {
+        /// The format.
+        format: Format,
+        /// Bytes that it would have.
+        bytes: u64,
+        /// The limit.
+        limit: u64,
+    },
+    /// The twin contradicts itself.
+    #[error(transparent)]
+    Twin(#[from] FormatError),
+    /// The operating system failed.
+    #[error("`{at}` cannot be written: {source}")]
+    Io {
+        /// The file.
+        at: String,
+        /// Error of the system.
+        source: std::io::Error,
+    },
+}
+
+impl Error {
+    /// The same with the file's name, where it was not known.
+    pub(crate) fn of_file(self, path: &Path) -> Self {
+        match self {
+            Self::Io { source, .. } => Self::Io { at: path.display().to_string(), source },
+            other => other,
+        }
+    }
+}
+
+impl From<std::io::Error> for Error {
+    fn from(source: std::io::Error) -> Self {
+        Self::Io { at: "the file".to_owned(), source }
+    }
+}
+
+impl From<zip::result::ZipError> for Error {
+    fn from(error: zip::result::ZipError) -> Self {
+        std::io::Error::other(error).into()
+    }
+}
+
+impl From<::mcap::McapError> for Error {
+    fn from(error: ::mcap::McapError) -> Self {
+        std::io::Error::other(error).into()
+    }
+}
+
+impl Problem for Error {
+    fn category(&self) -> Category {
+        match self {
+            Self::Io { .. } => Category::Internal,
+            Self::Twin(error) => error.category(),
+            _ => Category::InvalidArgument,
+        }
+    }
+
+    fn reason(&self) -> &'static str {
+        match self {
+            Self::UnknownFormat { .. } => "EXPORT_FORMAT_UNKNOWN",
+            Self::NoMotion { .. } => "EXPORT_HOLDS_NO_MOTION",
+            Self::NodesOnly { .. } => "EXPORT_HOLDS_NODES_ONLY",
+            Self::TooManyFrames { .. } => "EXPORT_TOO_MANY_FRAMES",
+            Self::MotionShape { .. } => "EXPORT_MOTION_SHAPE",
+            Self::NotFinite { .. } => "EXPORT_NOT_FINITE",
+            Self::NoPoints(_) => "EXPORT_NO_POINTS",
+            Self::TooLarge { .. } => "EXPORT_TOO_LARGE",
+            Self::Twin(error) => error.reason(),
+            Self::Io { .. } => "EXPORT_IO",
+        }
+    }
+}

@@ -1,0 +1,133 @@
+//! The formats, and how a file's name tells them.
+
+use std::{fmt, path::Path, str::FromStr};
+
+use crate::Error;
+
+/// A format that twins and motion are written in.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Format {
+    /// The twin file itself (docs/twin-format.md).
+    Twin,
+    /// One state as binary PLY.
+    Ply,
+    /// A binary PLY for each frame, in a ZIP archive or a folder.
+    PlySequence,
+    /// Binary glTF; motion as morph targets.
+    Glb,
+    /// Arrays of numpy: all that the twin file has, and the motion.
+    Npz,
+    /// USD as text; motion as time samples.
+    Usda,
+    /// A model of MuJoCo; motion as keyframes.
+    Mujoco,
+    /// Messages for Foxglove.
+    Mcap,
+}
+
+impl Format {
+    /// All of them.
+    pub const ALL: [Self; 8] = [
+        Self::Twin,
+        Self::Ply,
+        Self::PlySequence,
+        Self::Glb,
+        Self::Npz,
+        Self::Usda,
+        Self::Mujoco,
+        Self::Mcap,
+    ];
+
+    /// Its name, as `--format` takes it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Twin => "twin",
+            Self::Ply => "ply",
+            Self::PlySequence => "ply-sequence",
+            Self::Glb => "glb",
+            Self::Npz => "npz",
+            Self::Usda => "usda",
+            Self::Mujoco => "mujoco",
+            Self::Mcap => "mcap",
+        }
+    }
+
+    /// Ends of names that tell it, the usual one first.
+    pub fn extensions(self) -> &'static [&'static str] {
+        match self {
+            Self::Twin => &["safetensors", "twin"],
+            Self::Ply => &["ply"],
+            Self::PlySequence => &["zip"],
+            Self::Glb => &["glb"],
+            Self::Npz => &["npz"],
+            Self::Usda => &["usda"],
+            Self::Mujoco => &["xml", "mjcf"],
+            Self::Mcap => &["mcap"],
+        }
+    }
+
+    /// The format of a file by its name's end, in any case; a folder is a PLY sequence.
+    ///
+    /// # Errors
+    /// If the name tells none.
+    pub fn of_path(path: &Path) -> Result<Self, Error> {
+        let name = path.to_string_lossy();
+        if name.ends_with(std::path::is_separator) || path.is_dir() {
+            return Ok(Self::PlySequence);
+        }
+        let found = Self::ALL.into_iter().find(|f| f.extensions().iter().any(|e| is(path, e)));
+        found.ok_or_else(|| Error::UnknownFormat { name: name.into_owned() })
+    }
+
+    /// True if a PLY sequence of this name is one file.
+    pub(crate) fn is_archive(path: &Path) -> bool {
+        is(path, "zip") && !path.is_dir()
+    }
+
+    /// True if it holds more than one state.
+    pub fn holds_motion(self) -> bool {
+        !matches!(self, Self::Twin | Self::Ply)
+    }
+
+    /// All formats with their extensions, for messages.
+    pub(crate) fn list() -> String {
+        Self::named(|_| true)
+    }
+
+    /// Those that hold motion, for messages.
+    pub(crate) fn list_of_motion() -> String {
+        Self::named(Self::holds_motion)
+    }
+
+    fn named(of: impl Fn(Self) -> bool) -> String {
+        let names = Self::ALL.into_iter().filter(|f| of(*f)).map(|f| {
+            let extensions: Vec<_> = f.extensions().iter().map(|e| format!(".{e}")).collect();
+            format!("{} ({f})", extensions.join(" or "))
+        });
+        let names: Vec<_> = names.collect();
+        format!("name it {}", names.join(", "))
+    }
+}
+
+fn is(path: &Path, extension: &str) -> bool {
+    path.extension().is_some_and(|e| e.eq_ignore_ascii_case(extension))
+}
+
+impl fmt::Display for Format {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
+    }
+}
+
+impl FromStr for Format {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let names = || Self::ALL.map(Self::name).join(", ");
+        let found = Self::ALL.into_iter().find(|f| f.name().eq_ignore_ascii_case(text));
+        found.ok_or_else(|| format!("known formats are {}", names()))
+    }
+}
+
+#[cfg(test)]
+mod tests;
