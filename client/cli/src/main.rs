@@ -8,6 +8,7 @@ mod completions;
 mod demo;
 mod doctor;
 mod eval;
+mod exchange;
 mod failure;
 mod fit;
 mod global;

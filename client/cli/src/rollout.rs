@@ -2,15 +2,18 @@
 
 mod actions;
 mod implausible;
+mod recording;
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
-use bendtwin_capture::npy::Floats;
 use bendtwin_client::{Cost, Fidelity, Point, Reply, TwinId};
 use clap::Args;
 use serde_json::json;
 
-use self::actions::Actions;
+use self::{
+    actions::Actions,
+    recording::{Recording, RecordingOptions},
+};
 use crate::{failure::Usage, global::Global, npy, output, table::Table};
 
 /// Most rows of a batch that are printed.
@@ -51,12 +54,8 @@ pub(crate) struct Rollout {
     /// Record the positions of every k-th frame
     #[arg(long, value_name = "K", default_value_t = 1)]
     every: u32,
-    /// Write the recorded positions to this file: .npy of shape [R, frames, points, 3]
-    #[arg(long, value_name = "FILE")]
-    out: Option<PathBuf>,
-    /// Record the points of the skin instead of the nodes
-    #[arg(long, requires = "out")]
-    skin: bool,
+    #[command(flatten)]
+    recording: RecordingOptions,
     /// Use the twin as fitted (exact) or its fast variant (fast); the fast one also reports its
     /// deviation
     #[arg(long, value_enum, default_value_t = Mode::Exact)]
@@ -102,6 +101,7 @@ pub(crate) async fn run(args: Rollout, global: &Global) -> anyhow::Result<()> {
         }
     };
     let instances = actions.shape[0];
+    let recording = Recording::of(args.recording, instances, args.best)?;
     let mut request =
         bendtwin_client::Rollout::of(args.twin).trajectories(actions.shape, actions.positions);
     request = request.fidelity(args.fidelity.into());
@@ -116,23 +116,21 @@ pub(crate) async fn run(args: Rollout, global: &Global) -> anyhow::Result<()> {
     if let Some(path) = &args.target {
         request = request.cost(Cost::target_cloud("target", 1.0, &cloud(path)?));
     }
-    if args.out.is_some() {
-        request = request.record_every(args.every.max(1));
-        if args.skin {
-            request = request.record_skin();
-        }
+    if let Some(recording) = &recording {
+        request = recording.ask(request.record_every(args.every.max(1)));
     }
     if let Some(best) = args.best {
         request = request.best(best);
     }
     let reply = client.rollouts().run(request).await?;
-    if let Some(path) = &args.out {
-        npy::write(path, &recorded(&reply))?;
+    if let Some(recording) = &recording {
+        recording.write(&client, args.twin, &reply).await?;
     }
-    output::print(global, &document(&reply), || text(&reply, instances, args.out.as_ref()))
+    let out = recording.as_ref().map(Recording::path);
+    output::print(global, &document(&reply), || text(&reply, instances, out))
 }
 
-fn cloud(path: &std::path::Path) -> anyhow::Result<Vec<Point>> {
+fn cloud(path: &Path) -> anyhow::Result<Vec<Point>> {
     let array = npy::read(path)?;
     match array.shape[..] {
         [_, 3] => Ok(array.values.as_chunks::<3>().0.to_vec()),
@@ -141,12 +139,6 @@ fn cloud(path: &std::path::Path) -> anyhow::Result<Vec<Point>> {
             Err(Usage::error(format!("{}: {fault}", path.display())))
         }
     }
-}
-
-fn recorded(reply: &Reply) -> Floats {
-    let (rows, frames) = (reply.instances.len(), reply.frames.len());
-    let points = reply.positions.len().checked_div(rows * frames).unwrap_or(0);
-    Floats { shape: vec![rows, frames, points, 3], values: reply.positions.as_flattened().to_vec() }
 }
 
 fn document(reply: &Reply) -> serde_json::Value {
@@ -169,7 +161,7 @@ fn document(reply: &Reply) -> serde_json::Value {
     })
 }
 
-fn text(reply: &Reply, instances: usize, out: Option<&PathBuf>) -> String {
+fn text(reply: &Reply, instances: usize, out: Option<&Path>) -> String {
     let mut order: Vec<usize> = (0..reply.costs.len()).collect();
     order.sort_by(|a, b| reply.costs[*a].total_cmp(&reply.costs[*b]));
     let mut table = Table::new(["INSTANCE", "COST", "MAX STRAIN", "MAX SPEED", "ON THE GROUND"]);

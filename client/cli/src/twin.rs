@@ -1,12 +1,13 @@
 //! `bendtwin twin`: list, inspect, export, import.
 
+mod export;
+
 use std::path::{Path, PathBuf};
 
 use anyhow::Context as _;
 use bendtwin_client::{CaptureId, TwinId};
 use bendtwin_eval::{TableStyle, format_table};
 use clap::{Args, Subcommand};
-use serde_json::json;
 
 use crate::{global::Global, output, quality, table::Table};
 
@@ -29,13 +30,8 @@ enum Command {
         /// twins/{uuid}
         name: TwinId,
     },
-    /// Write a twin to a file (safetensors, docs/twin-format.md)
-    Export {
-        /// twins/{uuid}
-        name: TwinId,
-        /// The file to write
-        file: PathBuf,
-    },
+    /// Write a twin to a file, in the twin format or that of another program
+    Export(export::Export),
     /// Store a twin file on the server
     Import {
         /// The file to read
@@ -53,11 +49,9 @@ enum Command {
 }
 
 pub(crate) async fn run(args: Twin, global: &Global) -> anyhow::Result<()> {
-    let client = global.connect().await?;
-    let twins = client.twins();
     match args.command {
         Command::List { capture } => {
-            let list = twins.all(capture).await?;
+            let list = global.connect().await?.twins().all(capture).await?;
             output::print(global, &list, || {
                 let header = ["NAME", "CREATED", "NODES", "SPRINGS", "TRIPLETS", "WHAT"];
                 let mut table = Table::new(header);
@@ -75,29 +69,23 @@ pub(crate) async fn run(args: Twin, global: &Global) -> anyhow::Result<()> {
             })
         }
         Command::Show { name } => {
-            let twin = twins.get(name).await?;
+            let client = global.connect().await?;
+            let twin = client.twins().get(name).await?;
             let assessment = quality::of_stored(&client, name).await?;
             output::print(global, &twin, || format!("{}\n{assessment}", shown(&twin)))
         }
-        Command::Export { name, file } => {
-            let content = twins.export(name).await?;
-            std::fs::write(&file, &content)
-                .with_context(|| format!("cannot write {}", file.display()))?;
-            let written = json!({ "twin": name, "path": file, "size_bytes": content.len() });
-            output::print(global, &written, || {
-                format!("{} ({})", file.display(), output::bytes(content.len() as u64))
-            })
-        }
+        Command::Export(args) => export::run(args, global).await,
         Command::Import { file, name } => {
             let content =
                 std::fs::read(&file).with_context(|| format!("cannot read {}", file.display()))?;
             let name = name.unwrap_or_else(|| stem(&file));
-            let twin = twins.import(content, &name).await?;
+            let twin = global.connect().await?.twins().import(content, &name).await?;
             output::print(global, &twin, || twin.name.to_string())
         }
         Command::Delete { names } => {
+            let client = global.connect().await?;
             for name in &names {
-                twins.delete(*name).await?;
+                client.twins().delete(*name).await?;
             }
             output::print(global, &names, || format!("deleted {}", names.len()))
         }

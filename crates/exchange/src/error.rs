@@ -23,7 +23,7 @@ pub enum Error {
     },
     /// A format in which only nodes have a meaning.
     #[error(
-        "{format} holds the nodes of a twin, not its skin or a mesh: leave --points and --mesh away"
+        "{format} holds the nodes of a twin, not its skin or a mesh: leave --skin and --mesh away"
     )]
     NodesOnly {
         /// The format.
@@ -60,7 +60,7 @@ pub enum Error {
         frame: usize,
     },
     /// Nothing to draw.
-    #[error("the twin has no {0}: choose other points with --points")]
+    #[error("the twin has no {0}: leave --skin and --mesh away")]
     NoPoints(&'static str),
     /// A file that its format cannot address.
     #[error(

@@ -105,7 +105,7 @@ impl Format {
             format!("{} ({f})", extensions.join(" or "))
         });
         let names: Vec<_> = names.collect();
-        format!("name it {}", names.join(", "))
+        format!("name it {}; frames/ is a folder of a PLY sequence", names.join(", "))
     }
 }
 

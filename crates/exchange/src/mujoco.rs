@@ -3,7 +3,7 @@
 //! A tendon pulls with `stiffness (l - springlength) + damping dl/dt`, which is a spring of the twin
 //! with `stiffness = k / l0` and `damping = γ`; damping of a joint by `drag · m` is the drag. MuJoCo's
 //! flexes have one material for a whole body and elements that a twin does not have, so that they
-//! would lose more. What is lost stands in [`LOST`] and at the top of the file.
+//! would lose more. Losses stand in [`LOST`] and at the top of the file.
 
 mod text;
 
@@ -14,7 +14,7 @@ use bendtwin_core::{Point, Twin};
 use self::text::{escaped, numbers};
 use crate::{Error, Scene};
 
-/// What the file does not carry, a line each.
+/// Parts of a twin that the file does not carry, for its comment.
 const LOST: [&str; 6] = [
     "bending: triplets stand under <custom> as bend_ends, bend_stiffness, bend_damping and",
     "  bend_rest_angle; docs/exchange.md has the callback that applies them",

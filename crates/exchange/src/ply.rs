@@ -14,10 +14,10 @@ use crate::{Error, PointSet, Scene};
 /// Writes one frame.
 ///
 /// Vertices have `x y z` [m]; nodes also the `kind`, `object` and `mass` of the twin file. Springs
-/// between nodes are edges with their parameters; faces are those of the mesh.
+/// between nodes are edges; faces are those of the mesh.
 pub(crate) fn write(scene: &Scene<'_>, frame: usize, out: &mut impl Write) -> Result<(), Error> {
     out.write_all(header(scene, frame).as_bytes())?;
-    let (graph, params) = (&scene.twin().graph, &scene.twin().params);
+    let graph = &scene.twin().graph;
     let is_nodes = matches!(scene.points(), PointSet::Nodes);
     for (i, point) in scene.points_at(frame).iter().enumerate() {
         out.write_all(bytemuck::bytes_of(point))?;
@@ -27,16 +27,7 @@ pub(crate) fn write(scene: &Scene<'_>, frame: usize, out: &mut impl Write) -> Re
             out.write_all(&graph.masses[i].to_le_bytes())?;
         }
     }
-    let n = graph.node_count();
-    let springs = graph.springs.iter().enumerate().filter(|(_, s)| is_nodes && (s[1] as usize) < n);
-    for (s, ends) in springs {
-        out.write_all(bytemuck::bytes_of(ends))?;
-        for value in
-            [params.rest_lengths_m[s], params.spring_stiffness[s], params.spring_dashpot[s]]
-        {
-            out.write_all(&value.to_le_bytes())?;
-        }
-    }
+    out.write_all(bytemuck::cast_slice(scene.lines()))?;
     for corners in scene.triangles() {
         out.write_all(&[3])?;
         out.write_all(bytemuck::bytes_of(corners))?;
@@ -56,8 +47,8 @@ fn header(scene: &Scene<'_>, frame: usize) -> String {
     }
     if !scene.lines().is_empty() {
         text += &format!("element edge {}\n", scene.lines().len());
-        text += "property int vertex1\nproperty int vertex2\nproperty float rest_length\n";
-        text += "property float stiffness\nproperty float dashpot\n";
+        // With more than their ends, trimesh refuses the file.
+        text += "property int vertex1\nproperty int vertex2\n";
     }
     if !scene.triangles().is_empty() {
         text += &format!("element face {}\n", scene.triangles().len());

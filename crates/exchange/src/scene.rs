@@ -1,4 +1,4 @@
-//! What is written: a twin, the points of it that are wanted, and their motion.
+//! The content of a file: a twin, the points of it that are wanted, and their motion.
 
 use std::borrow::Cow;
 
@@ -38,7 +38,7 @@ pub struct Scene<'a> {
     twin: &'a Twin,
     points: PointSet<'a>,
     motion: Option<&'a Motion>,
-    /// What carries the points, unless they are nodes.
+    /// Weights by which nodes carry the points, unless these are nodes.
     carried: Cow<'a, Skin>,
     /// Springs between nodes, shape [E'].
     lines: Vec<[u32; 2]>,

@@ -10,13 +10,14 @@ use crate::{rust_code::code_only, workspace};
 /// Crates that talk to a network or wait for one.
 const NETWORK: [&str; 7] = ["tokio", "tonic", "hyper", "axum", "reqwest", "object_store", "quinn"];
 const DATABASE: [&str; 5] = ["sqlx", "sqlx-core", "rusqlite", "libsqlite3-sys", "bendtwin-store"];
-const PHYSICS: [&str; 17] = [
+const PHYSICS: [&str; 18] = [
     "bendtwin-backends",
     "bendtwin-bench",
     "bendtwin-capture",
     "bendtwin-cuda",
     "bendtwin-engine",
     "bendtwin-eval",
+    "bendtwin-exchange",
     "bendtwin-fit",
     "bendtwin-flow",
     "bendtwin-graph",
@@ -29,9 +30,10 @@ const PHYSICS: [&str; 17] = [
     "bendtwin-study",
     "bendtwin-synth",
 ];
-/// Crates that read, judge and lift captures, without physics.
-const CAMERA_SIDE: [&str; 8] = [
+/// Crates that read, judge and lift captures, or write twins, without physics.
+const CAMERA_SIDE: [&str; 9] = [
     "bendtwin-capture",
+    "bendtwin-exchange",
     "bendtwin-flow",
     "bendtwin-graph",
     "bendtwin-ingest",
@@ -90,7 +92,7 @@ const RULES: [Rule; 10] = [
     },
     Rule {
         of: &CAMERA_SIDE,
-        because: "captures are read, judged and lifted without physics, network or database",
+        because: "captures are read, judged and lifted, and twins written, without physics, network or database",
         never: &[
             &SIMULATION,
             &NETWORK,

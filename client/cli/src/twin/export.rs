@@ -1,0 +1,85 @@
+//! `bendtwin twin export`: a twin, of the server or of a file, in the format of another program.
+
+use std::{
+    path::{Path, PathBuf},
+    str::FromStr,
+};
+
+use anyhow::Context as _;
+use bendtwin_client::TwinId;
+use bendtwin_core::Twin;
+use bendtwin_exchange::{Error, Format};
+use clap::Args;
+use serde_json::json;
+
+use crate::{
+    exchange::{self, Points},
+    failure,
+    global::Global,
+    output,
+};
+
+#[derive(Debug, Args)]
+pub(super) struct Export {
+    /// twins/{uuid}, or a twin file on this machine, which needs no server
+    twin: Source,
+    /// The file to write; its name tells the format: .safetensors or .twin (docs/twin-format.md),
+    /// .ply, .zip (PLY), .glb, .npz, .usda, .xml (MuJoCo), .mcap (docs/exchange.md)
+    file: PathBuf,
+    /// Write this format, whatever the file's name: twin, ply, ply-sequence, glb, npz, usda, mujoco
+    /// or mcap
+    #[arg(long)]
+    format: Option<Format>,
+    #[command(flatten)]
+    points: Points,
+}
+
+/// The place of a twin.
+#[derive(Clone, Debug)]
+enum Source {
+    Server(TwinId),
+    File(PathBuf),
+}
+
+impl FromStr for Source {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        if Path::new(text).is_file() {
+            return Ok(Self::File(text.into()));
+        }
+        let id = text.parse().map(Self::Server);
+        id.map_err(|e| format!("{e}, nor is there a file of this name"))
+    }
+}
+
+pub(super) async fn run(args: Export, global: &Global) -> anyhow::Result<()> {
+    let Export { twin: source, file, format, points } = args;
+    let format = exchange::format_of(&file, format)?;
+    let (name, content) = match &source {
+        Source::Server(id) => (id.to_string(), global.connect().await?.twins().export(*id).await?),
+        Source::File(path) => {
+            let read = std::fs::read(path);
+            let content = read.with_context(|| format!("cannot read {}", path.display()))?;
+            (super::stem(path), content)
+        }
+    };
+    match format {
+        Format::Twin if points.skin || points.mesh.is_some() => {
+            return Err(failure::failed(Error::NodesOnly { format }));
+        }
+        // As it is: a twin of a newer version than this build reads can be fetched nevertheless.
+        Format::Twin if matches!(source, Source::Server(_)) => std::fs::write(&file, &content)
+            .with_context(|| format!("cannot write {}", file.display()))?,
+        _ => {
+            let twin = Twin::decode(&content).map_err(failure::failed)?;
+            points.write(&name, &twin, None, format, &file)?;
+        }
+    }
+    let size_bytes = exchange::size_of(&file)?;
+    let written =
+        json!({ "twin": name, "path": file, "format": format.name(), "size_bytes": size_bytes });
+    output::print(global, &written, || {
+        format!("{} ({format}, {})", file.display(), output::bytes(size_bytes))
+    })
+}
