@@ -10,6 +10,7 @@ pub mod bundle;
 pub mod check;
 pub mod mocap;
 pub mod npy;
+pub mod phystwin;
 pub mod raw;
 pub mod read;
 pub mod several;
@@ -20,9 +21,9 @@ mod error;
 mod files;
 mod frame;
 mod limits;
-mod phystwin;
 mod pickle;
 mod structure;
+mod torch;
 
 pub use bundle::{write_bundle, write_bundle_file};
 pub use check::{CheckReport, check, check_path};

@@ -1,6 +1,9 @@
 //! A PhysTwin case as its users have it: `final_data.pkl`, `metadata.json`,
 //! `split.json`, `gt_track_3d.pkl`. Its world has z pointing down and the ground
-//! at z = 0. Raw colour, depth, masks and calibration are not needed and not opened.
+//! at z = 0. Raw colour, depth, masks and calibration are not needed and not opened. [`results`] are
+//! those of its fits.
+
+pub mod results;
 
 use bendtwin_core::{Capture, Environment, Point, Sequence, capture::Object};
 use serde::Deserialize;

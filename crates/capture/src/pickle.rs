@@ -1,17 +1,29 @@
-//! Python pickles of numpy arrays, protocols 2 to 5, read without recursion
+//! Python pickles of numpy arrays and of torch tensors, protocols 2 to 5, read without recursion
 //! through an allow-list. Nothing is ever imported or called: the few globals
-//! that numpy needs are known by name, everything else is refused.
+//! that numpy needs are known by name, and those of torch where its archives are read; everything
+//! else is refused.
 
 mod input;
 mod machine;
 mod numpy;
+mod torch;
 
 use std::borrow::Cow;
 
+pub(crate) use self::torch::Tensor;
 use crate::{Error, Limits, array::Array, limits::Budget};
 
 /// Index of a value in its [`Pickle`].
 type Id = u32;
+
+/// The globals that a pickle may name.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Dialect {
+    /// Those of numpy's arrays.
+    Numpy,
+    /// Those of torch's tensors, too.
+    Torch,
+}
 
 /// A value on the pickle machine's stack or in its memo.
 #[derive(Clone, Debug)]
@@ -19,8 +31,7 @@ enum Value<'a> {
     None,
     Bool(bool),
     Int(i64),
-    /// Read past, never used: captures keep their floats in arrays.
-    Float,
+    Float(f64),
     Str(Cow<'a, str>),
     Bytes(Cow<'a, [u8]>),
     Tuple(Vec<Id>),
@@ -31,6 +42,10 @@ enum Value<'a> {
     /// Array as `_reconstruct` returns it, before its state is set.
     EmptyArray,
     Array(Array<'a>),
+    TorchGlobal(torch::Global),
+    /// Bytes beside the pickle.
+    Storage(torch::Storage<'a>),
+    Tensor(Tensor<'a>),
 }
 
 /// A finished pickle: values by index, so that nesting costs no stack.
@@ -52,7 +67,21 @@ pub(crate) fn read<'a>(
     limits: &Limits,
     budget: &mut Budget,
 ) -> Result<Pickle<'a>, Error> {
-    let (values, root) = machine::Machine::new(at, bytes, limits, budget).run()?;
+    read_dialect(at, bytes, Dialect::Numpy, limits, budget)
+}
+
+/// Reads a pickle of a dialect.
+///
+/// # Errors
+/// As [`read`].
+pub(crate) fn read_dialect<'a>(
+    at: &str,
+    bytes: &'a [u8],
+    dialect: Dialect,
+    limits: &Limits,
+    budget: &mut Budget,
+) -> Result<Pickle<'a>, Error> {
+    let (values, root) = machine::Machine::new(at, bytes, dialect, limits, budget).run()?;
     Ok(Pickle { at: at.to_owned(), values, root })
 }
 
@@ -85,23 +114,44 @@ impl<'a> Pickle<'a> {
     /// The array under a key of the root dictionary, `None` where there is no such
     /// key or it holds Python's None.
     pub(crate) fn entry(&self, key: &str) -> Result<Option<Array<'a>>, Error> {
-        let Value::Dict(entries) = self.value(self.root) else {
-            return Err(self.not_as_needed(
-                "",
-                self.value(self.root),
-                "a dictionary of numpy arrays",
-            ));
-        };
-        // The last entry of a key counts, as in Python.
-        let found =
-            entries.iter().rev().find(|(k, _)| matches!(self.value(*k), Value::Str(s) if s == key));
-        match found.map(|(_, v)| self.value(*v)) {
+        match self.find(key, "a dictionary of numpy arrays")? {
             None | Some(Value::None) => Ok(None),
             Some(Value::Array(array)) => {
                 Ok(Some(array.clone().named(&format!("{}: {key}", self.at))))
             }
             Some(other) => Err(self.not_as_needed(&format!(": {key}"), other, "a numpy array")),
         }
+    }
+
+    /// The number under a key of the root dictionary, `None` where there is no such key.
+    pub(crate) fn number(&self, key: &str) -> Result<Option<f64>, Error> {
+        match self.find(key, "a dictionary of numbers")? {
+            None => Ok(None),
+            Some(Value::Float(number)) => Ok(Some(*number)),
+            Some(Value::Int(number)) => Ok(Some(*number as f64)),
+            Some(other) => Err(self.not_as_needed(&format!(": {key}"), other, "a number")),
+        }
+    }
+
+    /// The tensor under a key of the root dictionary, `None` where there is no such key.
+    pub(crate) fn tensor(&self, key: &str) -> Result<Option<Tensor<'a>>, Error> {
+        match self.find(key, "a dictionary of tensors")? {
+            None => Ok(None),
+            Some(Value::Tensor(tensor)) => Ok(Some(tensor.clone())),
+            Some(other) => Err(self.not_as_needed(&format!(": {key}"), other, "a tensor")),
+        }
+    }
+
+    /// The value under a key of the root dictionary.
+    fn find(&self, key: &str, needed: &'static str) -> Result<Option<&Value<'a>>, Error> {
+        let root = self.value(self.root);
+        let Value::Dict(entries) = root else {
+            return Err(self.not_as_needed("", root, needed));
+        };
+        // The last entry of a key counts, as in Python.
+        let found =
+            entries.iter().rev().find(|(k, _)| matches!(self.value(*k), Value::Str(s) if s == key));
+        Ok(found.map(|(_, v)| self.value(*v)))
     }
 
     fn not_as_needed(&self, within: &str, value: &Value<'_>, needed: &'static str) -> Error {
@@ -116,16 +166,18 @@ impl Value<'_> {
             Self::None => "None",
             Self::Bool(_) => "a bool",
             Self::Int(_) => "an int",
-            Self::Float => "a float",
+            Self::Float(_) => "a float",
             Self::Str(_) => "a str",
             Self::Bytes(_) => "bytes",
             Self::Tuple(_) => "a tuple",
             Self::List(_) => "a list",
             Self::Dict(_) => "a dict",
-            Self::Global(_) => "a function",
+            Self::Global(_) | Self::TorchGlobal(_) => "a function",
             Self::Dtype(_) => "a dtype",
             Self::EmptyArray => "an unfinished array",
             Self::Array(_) => "an array",
+            Self::Storage(_) => "a storage",
+            Self::Tensor(_) => "a tensor",
         }
     }
 }

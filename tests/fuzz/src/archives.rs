@@ -2,9 +2,15 @@
 
 use std::io::Cursor;
 
-use bendtwin_capture::{Error, npy::Floats, raw::DepthImage, read_bytes, write_bundle};
+use bendtwin_capture::{
+    Error,
+    npy::Floats,
+    phystwin::results::{SearchResult, TrainResult},
+    raw::DepthImage,
+    read_bytes, write_bundle,
+};
 use bendtwin_core::Capture;
-use bendtwin_hostile::{archives, samples};
+use bendtwin_hostile::{archives, samples, torch_files};
 
 use crate::{limits, recordings};
 
@@ -49,9 +55,24 @@ pub fn npy(data: &[u8]) {
     assert_eq!((again.shape == array.shape, again.encode()), (true, written));
 }
 
-/// A pickle of arrays.
+/// A training of PhysTwin: an archive of torch, and the pickle in one.
+pub fn pth(data: &[u8]) {
+    let limits = limits();
+    for archive in [data, &torch_files::with(data)] {
+        let Ok(result) = TrainResult::decode("fuzz.pth", archive, &limits) else { continue };
+        assert!(result.stiffness.len() as u64 * 4 <= limits.total_bytes);
+        assert!(result.stiffness.iter().all(|k| k.is_finite() && *k >= 0.0));
+        assert!(result.object_spring_count.is_none_or(|count| count <= result.stiffness.len()));
+    }
+}
+
+/// A pickle of arrays, or of the numbers of PhysTwin's search.
 pub fn pickle(data: &[u8]) {
     let limits = limits();
+    if let Ok(result) = SearchResult::decode("fuzz.pkl", data, &limits) {
+        let numbers = [result.stiffness, result.object_radius_m, result.drag, result.dashpot];
+        assert!(numbers.iter().all(|x| x.is_finite() && *x >= 0.0));
+    }
     let Ok(arrays) = Floats::unpickle("fuzz.pkl", data, &limits) else { return };
     let count: usize = arrays.iter().map(|array| array.values.len()).sum();
     assert!(count as u64 * 4 <= limits.total_bytes);

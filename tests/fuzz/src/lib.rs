@@ -39,6 +39,7 @@ pub const TARGETS: &[Target] = &[
     Target { name: "pickle", run: archives::pickle, seeds: seeds::pickle },
     Target { name: "ply", run: meshes::ply, seeds: seeds::ply },
     Target { name: "png", run: images::png, seeds: seeds::png },
+    Target { name: "pth", run: archives::pth, seeds: seeds::pth },
     Target {
         name: "registration_message",
         run: requests::registration_message,

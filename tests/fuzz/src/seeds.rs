@@ -3,7 +3,7 @@
 
 use bendtwin_hostile::{
     Fault, Rng, arrays, damage, documents, images, meshes, pickles, recordings, requests, samples,
-    twin_files,
+    torch_files, twin_files,
 };
 use bendtwin_proto::{json::Read, registration, rollout::cases, v1::RollOutRequest};
 use prost::Message as _;
@@ -61,6 +61,11 @@ pub(crate) fn case() -> Vec<Vec<u8>> {
 pub(crate) fn pickle() -> Vec<Vec<u8>> {
     let calibration = file(samples::raw_case(), "calibrate.pkl");
     with_faults(vec![calibration, pickles::valid()], pickles::FAULTS)
+}
+
+pub(crate) fn pth() -> Vec<Vec<u8>> {
+    let program = torch_files::valid_program();
+    with_faults(vec![torch_files::valid(), program], torch_files::FAULTS)
 }
 
 pub(crate) fn npy() -> Vec<Vec<u8>> {

@@ -1,8 +1,9 @@
-//! Hostile files by seed: captures, twins and rollout requests that are damaged or mean harm.
+//! Hostile files by seed: captures, twins, results of PhysTwin and rollout requests that are damaged
+//! or mean harm.
 //!
 //! Every file is a small valid one with one fault: a fault of its format from the table of that
 //! format ([`archives`], [`arrays`], [`pickles`], [`images`], [`recordings`], [`meshes`],
-//! [`documents`], [`twin_files`], [`requests`]), or damage to its bytes ([`damage`]). The same seed
+//! [`documents`], [`twin_files`], [`torch_files`], [`requests`]), or damage to its bytes ([`damage`]). The same seed
 //! gives the same files, on every machine; file `n` of a seed does not depend on those before it.
 //! Files are small: what they claim is large.
 
@@ -16,6 +17,7 @@ pub mod pickles;
 pub mod recordings;
 pub mod requests;
 pub mod samples;
+pub mod torch_files;
 pub mod twin_files;
 
 use rand::{RngExt as _, SeedableRng as _};
@@ -62,6 +64,11 @@ pub fn captures(seed: u64) -> impl Iterator<Item = Hostile> {
 /// Twin files without end.
 pub fn twins(seed: u64) -> impl Iterator<Item = Hostile> {
     files(seed, named("safetensors", twin_files::FAULTS))
+}
+
+/// Results of PhysTwin's training, without end.
+pub fn trainings(seed: u64) -> impl Iterator<Item = Hostile> {
+    files(seed, named("pth", torch_files::FAULTS))
 }
 
 /// Bodies of rollout requests as JSON, without end.

@@ -77,7 +77,8 @@ fn shaped(dtype: &str, shape: &[usize]) -> Vec<u8> {
     out
 }
 
-fn text(text: &str) -> Vec<u8> {
+/// Opcodes of a word.
+pub fn text(text: &str) -> Vec<u8> {
     [b"X", (text.len() as u32).to_le_bytes().as_slice(), text.as_bytes()].concat()
 }
 

@@ -1,6 +1,6 @@
 use std::collections::BTreeSet;
 
-use bendtwin_capture::{Limits, read_bytes};
+use bendtwin_capture::{Limits, phystwin::results::TrainResult, read_bytes};
 use bendtwin_core::Twin;
 
 use super::*;
@@ -41,6 +41,7 @@ fn what_they_are_made_from_is_valid() {
     for twin in [samples::twin(), samples::cable()] {
         assert_eq!(Twin::decode(&twin_files::encoded(&twin)).unwrap(), twin);
     }
+    TrainResult::decode("a.pth", &torch_files::valid(), &limits).unwrap();
     for (name, bytes) in [
         ("a.glb", meshes::glb()),
         ("a.obj", meshes::OBJ_TEXT.to_vec()),

@@ -1,4 +1,4 @@
-//! Hostile captures and twins through the code that reads strangers' files, in this process: no
+//! Hostile captures, twins and trainings through the code that reads strangers' files, in this process: no
 //! panic, bounded time, bounded memory.
 
 use std::{
@@ -6,14 +6,15 @@ use std::{
     time::{Duration, Instant},
 };
 
-use bendtwin_capture::Limits;
+use bendtwin_capture::{Limits, phystwin::results::TrainResult};
 use bendtwin_core::{CancelToken, Twin, settings::ingest::IngestSettings};
-use bendtwin_hostile::{Hostile, captures, twins};
+use bendtwin_hostile::{Hostile, captures, trainings, twins};
 use bendtwin_ingest::ingest;
 
 const SEED: u64 = 20_260;
 const CAPTURES: usize = 200;
 const TWINS: usize = 200;
+const TRAININGS: usize = 400;
 /// Far more than any of them takes, because a busy machine is no fault of a reader.
 const LONGEST: Duration = Duration::from_secs(30);
 /// Memory that a reader may charge to its limits.
@@ -51,10 +52,16 @@ fn nothing_hostile_panics_or_takes_long_or_takes_much() {
     for file in twins(SEED).take(TWINS) {
         faults.extend(fault(&file, || unread += usize::from(Twin::decode(&file.bytes).is_err())));
     }
+    let mut untrained = 0;
+    for file in trainings(SEED).take(TRAININGS) {
+        let read = || TrainResult::decode(&file.name, &file.bytes, &limits);
+        faults.extend(fault(&file, || untrained += usize::from(read().is_err())));
+    }
     assert!(faults.is_empty(), "\n{}", faults.join("\n"));
     // Damage may hit what nobody reads; most of it does not.
     assert!(refused > CAPTURES / 2, "{refused} of {CAPTURES} captures refused");
     assert!(unread > TWINS / 2, "{unread} of {TWINS} twins refused");
+    assert!(untrained > TRAININGS / 2, "{untrained} of {TRAININGS} trainings refused");
     if let Some(peak) = peak_bytes() {
         assert!(peak < MOST_BYTES, "{peak} bytes at the peak");
     }

@@ -4,9 +4,10 @@
 use std::borrow::Cow;
 
 use super::{
-    Id, Value,
+    Dialect, Id, Value,
     input::Input,
     numpy::{Descr, Global, Parsed, Parts},
+    torch,
 };
 use crate::{Error, Limits, array::Array, limits::Budget};
 
@@ -36,6 +37,7 @@ const UNDERFLOW: Fault = Fault::Damaged("its stack runs empty");
 pub(super) struct Machine<'a, 'b> {
     at: &'b str,
     input: Input<'a>,
+    dialect: Dialect,
     limits: &'b Limits,
     budget: &'b mut Budget,
     values: Vec<Value<'a>>,
@@ -50,12 +52,14 @@ impl<'a, 'b> Machine<'a, 'b> {
     pub(super) fn new(
         at: &'b str,
         input: &'a [u8],
+        dialect: Dialect,
         limits: &'b Limits,
         budget: &'b mut Budget,
     ) -> Self {
         Self {
             at,
             input: Input(input),
+            dialect,
             limits,
             budget,
             values: Vec::new(),
@@ -72,6 +76,12 @@ impl<'a, 'b> Machine<'a, 'b> {
         match self.steps() {
             Ok(root) => Ok((self.values, root)),
             Err(Fault::Damaged(fault)) => Err(Error::Damaged { at, fault: fault.to_owned() }),
+            Err(Fault::Global(global)) if self.dialect == Dialect::Torch => {
+                let fault = format!(
+                    "the archive asks to load `{global}`: only tensors, dictionaries, lists and numbers are read"
+                );
+                Err(Error::Pickle { at, fault })
+            }
             Err(Fault::Global(global)) => Err(Error::PickleGlobal { at, global }),
             Err(Fault::Refused(fault)) => Err(Error::Pickle { at, fault }),
             Err(Fault::Dtype(found)) => Err(Error::Dtype {
@@ -167,6 +177,12 @@ impl<'a, 'b> Machine<'a, 'b> {
                 self.global(&module, &name)
             }
             b'R' => self.call(),
+            // BINPERSID
+            b'Q' if self.dialect == Dialect::Torch => {
+                let id = self.pop()?;
+                let storage = torch::storage(&Parts { values: &self.values }, self.at(id))?;
+                self.push(Value::Storage(storage), 0)
+            }
             b'b' => self.set_state(),
             _ => Err(Fault::Refused(format!(
                 "the pickle uses opcode 0x{opcode:02x}, which plain numpy arrays do not need"
@@ -241,10 +257,8 @@ impl<'a, 'b> Machine<'a, 'b> {
             b'J' => Value::Int(i64::from(self.input.unsigned(4)? as u32 as i32)),
             b'K' => Value::Int(self.input.unsigned(1)? as i64),
             b'M' => Value::Int(self.input.unsigned(2)? as i64),
-            b'G' => {
-                self.input.take(8)?;
-                Value::Float
-            }
+            // The one number of a pickle that is big-endian.
+            b'G' => Value::Float(f64::from_bits(self.input.unsigned(8)?.swap_bytes())),
             _ => {
                 let bytes = self.input.prefixed(1)?;
                 if bytes.len() > 8 {
@@ -325,9 +339,14 @@ impl<'a, 'b> Machine<'a, 'b> {
     }
 
     fn global(&mut self, module: &str, name: &str) -> Result<(), Fault> {
-        match Global::find(module, name) {
-            Some(global) => self.push(Value::Global(global), 0),
-            None => {
+        let torch = match self.dialect {
+            Dialect::Torch => torch::Global::find(module, name),
+            Dialect::Numpy => None,
+        };
+        match (Global::find(module, name), torch) {
+            (Some(global), _) => self.push(Value::Global(global), 0),
+            (None, Some(global)) => self.push(Value::TorchGlobal(global), 0),
+            (None, None) => {
                 // A file may name anything at any length.
                 let full: String = module.chars().chain(".".chars()).chain(name.chars()).collect();
                 Err(Fault::Global(full.chars().filter(|c| !c.is_control()).take(120).collect()))
@@ -337,10 +356,20 @@ impl<'a, 'b> Machine<'a, 'b> {
 
     fn call(&mut self) -> Result<(), Fault> {
         let (args, callee) = (self.pop()?, self.pop()?);
-        let (Value::Global(global), Value::Tuple(args)) = (self.at(callee), self.at(args)) else {
-            return Err(Fault::Damaged("it calls something that is no function"));
+        let (callee, args) = match (self.at(callee), self.at(args)) {
+            (callee @ (Value::Global(_) | Value::TorchGlobal(_)), Value::Tuple(args)) => {
+                (callee.clone(), few(args)?)
+            }
+            _ => return Err(Fault::Damaged("it calls something that is no function")),
         };
-        let (global, args) = (*global, few(args)?);
+        let global = match callee {
+            Value::Global(global) => global,
+            Value::TorchGlobal(global) => {
+                let value = global.call(&Parts { values: &self.values }, &args)?;
+                return self.push(value, 1);
+            }
+            _ => return Err(Fault::Damaged("it calls something that is no function")),
+        };
         let parts = Parts { values: &self.values };
         let value = match global {
             Global::Reconstruct => Value::EmptyArray,

@@ -83,7 +83,7 @@ pub(super) struct Parts<'m, 'a> {
 }
 
 impl<'m, 'a> Parts<'m, 'a> {
-    fn value(&self, ids: &[Id], at: usize) -> Option<&'m Value<'a>> {
+    pub(super) fn value(&self, ids: &[Id], at: usize) -> Option<&'m Value<'a>> {
         self.values.get(*ids.get(at)? as usize)
     }
 
@@ -101,7 +101,7 @@ impl<'m, 'a> Parts<'m, 'a> {
         }
     }
 
-    fn shape(&self, ids: &[Id], at: usize) -> Option<Vec<usize>> {
+    pub(super) fn shape(&self, ids: &[Id], at: usize) -> Option<Vec<usize>> {
         let Value::Tuple(dims) = self.value(ids, at)? else { return None };
         if dims.len() > Array::MAX_DIMENSIONS {
             return None;
@@ -147,7 +147,8 @@ impl<'m, 'a> Parts<'m, 'a> {
         }
         let raw = bytes.iter().rev().fold(0_u64, |n, b| (n << 8) | u64::from(*b));
         Ok(match dtype {
-            Dtype::F32 | Dtype::F64 => Value::Float,
+            Dtype::F32 => Value::Float(f64::from(f32::from_bits(raw as u32))),
+            Dtype::F64 => Value::Float(f64::from_bits(raw)),
             Dtype::Bool => Value::Bool(raw != 0),
             _ => Value::Int(raw as i64),
         })
