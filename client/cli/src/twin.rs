@@ -1,10 +1,10 @@
 //! `bendtwin twin`: list, inspect, export, import.
 
 mod export;
+mod import;
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
-use anyhow::Context as _;
 use bendtwin_client::{CaptureId, TwinId};
 use bendtwin_eval::{TableStyle, format_table};
 use clap::{Args, Subcommand};
@@ -32,14 +32,8 @@ enum Command {
     },
     /// Write a twin to a file, in the twin format or that of another program
     Export(export::Export),
-    /// Store a twin file on the server
-    Import {
-        /// The file to read
-        file: PathBuf,
-        /// Display name [default: the file's name]
-        #[arg(long, value_name = "NAME")]
-        name: Option<String>,
-    },
+    /// Store a twin file, or a fit by PhysTwin, on the server
+    Import(import::Import),
     /// Delete twins
     Delete {
         /// twins/{uuid}
@@ -75,13 +69,7 @@ pub(crate) async fn run(args: Twin, global: &Global) -> anyhow::Result<()> {
             output::print(global, &twin, || format!("{}\n{assessment}", shown(&twin)))
         }
         Command::Export(args) => export::run(args, global).await,
-        Command::Import { file, name } => {
-            let content =
-                std::fs::read(&file).with_context(|| format!("cannot read {}", file.display()))?;
-            let name = name.unwrap_or_else(|| stem(&file));
-            let twin = global.connect().await?.twins().import(content, &name).await?;
-            output::print(global, &twin, || twin.name.to_string())
-        }
+        Command::Import(args) => import::run(args, global).await,
         Command::Delete { names } => {
             let client = global.connect().await?;
             for name in &names {

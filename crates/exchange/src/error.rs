@@ -6,7 +6,7 @@ use bendtwin_core::{Category, Problem, twin::format::FormatError};
 
 use crate::Format;
 
-/// Reason for which a twin or its motion cannot be written.
+/// Reason for which a twin or its motion cannot be written, or made of results.
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
     /// A name that tells no format.
@@ -74,6 +74,29 @@ pub enum Error {
         /// The limit.
         limit: u64,
     },
+    /// A point of a case without a position.
+    #[error(
+        "point {point} of the case has no position in its first frame: fill it in, or leave it out"
+    )]
+    PointMissing {
+        /// Its index among observed, completed and interior points and control points.
+        point: usize,
+    },
+    /// More than one case for one result.
+    #[error("there are {0} cases, and a fit by PhysTwin is of one: name the folder of that case")]
+    SeveralCases(usize),
+    /// A training of other springs.
+    #[error(
+        "the training has stiffnesses of {} springs ({} between object points), but the case's points with the radii of the \
+         search have {} ({}): take all files from the same case and the same run",
+        found[0], found[1], needed[0], needed[1]
+    )]
+    OtherSprings {
+        /// Springs of the training, and those between object points.
+        found: [usize; 2],
+        /// Springs that the case has, and those between object points.
+        needed: [usize; 2],
+    },
     /// The twin contradicts itself.
     #[error(transparent)]
     Twin(#[from] FormatError),
@@ -134,6 +157,9 @@ impl Problem for Error {
             Self::NotFinite { .. } => "EXPORT_NOT_FINITE",
             Self::NoPoints(_) => "EXPORT_NO_POINTS",
             Self::TooLarge { .. } => "EXPORT_TOO_LARGE",
+            Self::PointMissing { .. } => "IMPORT_POINT_MISSING",
+            Self::SeveralCases(_) => "IMPORT_SEVERAL_CASES",
+            Self::OtherSprings { .. } => "IMPORT_OTHER_SPRINGS",
             Self::Twin(error) => error.reason(),
             Self::Io { .. } => "EXPORT_IO",
         }

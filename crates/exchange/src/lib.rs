@@ -1,8 +1,9 @@
-//! Twins and their predicted motion in the formats of other programs.
+//! Twins and their predicted motion in the formats of other programs, and PhysTwin's results as
+//! twins.
 //!
 //! A [`Scene`] is a twin, the points of it that are wanted, and positions over time if it moves;
 //! [`write()`] puts it into a file in a [`Format`], which follows the file's name or is said, and is
-//! never silently another. `docs/exchange.md` says what each format carries and what is lost. This
+//! never silently another. `docs/exchange.md` says what each format carries and what is lost. [`of_phystwin`] is the way in. This
 //! crate simulates nothing: motion comes from whoever did.
 
 mod error;
@@ -11,6 +12,7 @@ mod gltf;
 mod mcap;
 mod mujoco;
 mod npz;
+mod phystwin;
 mod ply;
 mod scene;
 #[cfg(test)]
@@ -26,6 +28,7 @@ use std::{
 pub use self::{
     error::Error,
     format::Format,
+    phystwin::of_phystwin,
     scene::{Motion, PointSet, Scene},
 };
 
