@@ -35,3 +35,11 @@ def running(folder):
 def make_rope(path):
     """Makes a small recording of a rope."""
     subprocess.run([BINARY, "capture", "make", "rope", path, "--tiny"], check=True)
+
+
+def run(*arguments, address=None):
+    """Runs a command of the binary, with JSON as its output; returns the finished process."""
+    command = [BINARY, "--json", *arguments]
+    if address:
+        command += ["--server", f"http://{address}"]
+    return subprocess.run(command, capture_output=True, text=True)

@@ -4,7 +4,6 @@ Of each library one version or newer is needed; where it is not installed its te
 
 import importlib
 import json
-import subprocess
 import zipfile
 from dataclasses import replace
 from io import BytesIO
@@ -14,8 +13,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 from numpy_twin import TwinFile, norm
-from server import BINARY, needs_server, running
-from test_twin_format import FRAMES, dragged, dropped, sheet, twin_file
+from scenes import FRAMES, dragged, dropped, sheet, twin_file
+from server import needs_server, run, running
 
 from bendtwin import Client, Returns
 
@@ -41,18 +40,10 @@ def twin(client, folder):
     return client.import_twin(path)
 
 
-def bendtwin(*arguments, address=None):
-    command = [BINARY, "--json", *arguments]
-    if address:
-        command += ["--server", f"http://{address}"]
-    done = subprocess.run(command, capture_output=True, text=True)
-    return done
-
-
 def export(folder, name, *options):
     """Exports the twin file without a server; returns the path."""
     path = folder / name
-    done = bendtwin("twin", "export", folder / "twin.safetensors", path, *options)
+    done = run("twin", "export", folder / "twin.safetensors", path, *options)
     assert done.returncode == 0, done.stderr
     return path
 
@@ -69,7 +60,7 @@ def recorded(client, twin, folder):
         file = folder / name
         # A path would lose the slash that tells a folder.
         out = f"{folder}/{name}"
-        done = bendtwin(
+        done = run(
             "rollout",
             twin.name,
             *("--actions", folder / "actions.npy", "--every", "3", "--out", out),
@@ -84,7 +75,7 @@ def recorded(client, twin, folder):
 
 
 def test_the_format_follows_the_name_or_the_flag_and_is_never_another(folder, twin, recorded):
-    done = bendtwin("twin", "export", folder / "twin.safetensors", folder / "rope.obj")
+    done = run("twin", "export", folder / "twin.safetensors", folder / "rope.obj")
     assert done.returncode != 0
     assert json.loads(done.stderr)["error"]["reason"] == "EXPORT_FORMAT_UNKNOWN"
     assert ".glb" in done.stderr
@@ -107,7 +98,7 @@ def test_the_format_follows_the_name_or_the_flag_and_is_never_another(folder, tw
 
 def test_a_server_s_twin_is_exported_by_its_name(client, twin, folder):
     from_server = folder / "from-server.npz"
-    done = bendtwin("twin", "export", twin.name, from_server, address=client._address)
+    done = run("twin", "export", twin.name, from_server, address=client._address)
     assert done.returncode == 0, done.stderr
     assert json.loads(done.stdout)["format"] == "npz"
     mine = np.load(export(folder, "from-file.npz"))
@@ -275,7 +266,7 @@ def test_mujoco_simulates_the_same_with_and_without_bending(client, folder, mujo
     straight = {n: a * 0 if n.startswith("triplets.bend") else a for n, a in file.tensors.items()}
     for name, tensors in {"bends": file.tensors, "straight": straight}.items():
         (folder / f"{name}.twin").write_bytes(replace(file, tensors=tensors).encode())
-        done = bendtwin("twin", "export", folder / f"{name}.twin", folder / f"{name}.xml")
+        done = run("twin", "export", folder / f"{name}.twin", folder / f"{name}.xml")
         assert done.returncode == 0, done.stderr
         twin = client.import_twin(folder / f"{name}.twin")
         ours = twin.rollout(trajectories=path[None], returns=Returns(every_frames=1)).positions[0]
@@ -292,7 +283,7 @@ def test_mujoco_has_pins_objects_ground_and_frames(client, folder, mujoco):
     (folder / "dropped.twin").write_bytes(file.encode())
     twin = client.import_twin(folder / "dropped.twin")
     np.save(folder / "dropped.npy", path[None].astype(np.float32))
-    done = bendtwin(
+    done = run(
         *("rollout", twin.name, "--actions", folder / "dropped.npy"),
         *("--out", folder / "dropped.xml"),
         address=client._address,

@@ -15,8 +15,7 @@ from contextlib import contextmanager
 import numpy as np
 import pytest
 from numpy_twin import norm
-from server import needs_server, running
-from test_exchange import bendtwin
+from server import needs_server, run, running
 
 from bendtwin import Client, Returns
 
@@ -161,7 +160,7 @@ def agree(client, path, reference):
 def test_what_the_search_found_moves_as_in_phystwin(client, case, tmp_path):
     (case / "optimal_params.pkl").write_bytes(pickle.dumps(PARAMS))
     out = tmp_path / "search.safetensors"
-    done = bendtwin("twin", "import", "--phystwin", case, "--search-only", "--out", out)
+    done = run("twin", "import", "--phystwin", case, "--search-only", "--out", out)
     assert done.returncode == 0, done.stderr
     reference = Reference(case, drag=4.75, dashpot=60.5)
     assert json.loads(done.stdout)["springs"] == len(reference.springs)
@@ -188,7 +187,7 @@ def test_what_training_found_moves_as_in_phystwin(client, case, tmp_path, protoc
     content["optimizer_state_dict"] = {"state": {0: {"step": np.array([9], "f4")}}, "lr": 0.001}
     train.write_bytes(archive(content))
     out = tmp_path / "train.safetensors"
-    done = bendtwin("twin", "import", "--phystwin", case, "--out", out)
+    done = run("twin", "import", "--phystwin", case, "--out", out)
     assert done.returncode == 0, done.stderr
     # Its training cuts drag and dashpots of the search to integers.
     reference = Reference(case, 4, 60, stiffness.astype(float), elas=0.25, fric=0.75)
@@ -202,11 +201,11 @@ def test_results_of_other_springs_are_refused(case, tmp_path):
     content = {"spring_Y": np.ones(7, "f4"), **dict.fromkeys(keys, one)}
     (tmp_path / "a.pth").write_bytes(archive(content))
     files = ("--params", tmp_path / "a.pkl", "--checkpoint", tmp_path / "a.pth")
-    done = bendtwin("twin", "import", "--phystwin", case, *files, "--out", tmp_path / "a.twin")
+    done = run("twin", "import", "--phystwin", case, *files, "--out", tmp_path / "a.twin")
     assert json.loads(done.stderr)["error"]["reason"] == "IMPORT_OTHER_SPRINGS"
     # A pickle that would run a command when Python loads it.
     (tmp_path / "a.pkl").write_bytes(b"cos\nsystem\n(S'touch run'\ntR.")
-    done = bendtwin("twin", "import", "--phystwin", case, *files, "--out", tmp_path / "a.twin")
+    done = run("twin", "import", "--phystwin", case, *files, "--out", tmp_path / "a.twin")
     assert done.returncode != 0
     assert not (tmp_path / "a.twin").exists()
 

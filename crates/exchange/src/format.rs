@@ -101,11 +101,14 @@ impl Format {
 
     fn named(of: impl Fn(Self) -> bool) -> String {
         let names = Self::ALL.into_iter().filter(|f| of(*f)).map(|f| {
-            let extensions: Vec<_> = f.extensions().iter().map(|e| format!(".{e}")).collect();
-            format!("{} ({f})", extensions.join(" or "))
+            let mut ends: Vec<_> = f.extensions().iter().map(|e| format!(".{e}")).collect();
+            if f == Self::PlySequence {
+                ends.push("a folder/".to_owned());
+            }
+            format!("{} ({f})", ends.join(" or "))
         });
         let names: Vec<_> = names.collect();
-        format!("name it {}; frames/ is a folder of a PLY sequence", names.join(", "))
+        format!("name it {}", names.join(", "))
     }
 }
 
