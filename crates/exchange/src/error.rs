@@ -62,6 +62,19 @@ pub enum Error {
     /// Nothing to draw.
     #[error("the twin has no {0}: leave --skin and --mesh away")]
     NoPoints(&'static str),
+    /// A mesh in other units or axes, or of something else.
+    #[error(
+        "the mesh is {mesh_m:.3} m large and {apart_m:.3} m from the middle of the twin at rest, which is {twin_m:.3} m large: \
+         write it in the twin's coordinates (metres, z up)"
+    )]
+    MeshElsewhere {
+        /// Diagonal of the box around the mesh [m].
+        mesh_m: f32,
+        /// Diagonal of the box around the nodes [m].
+        twin_m: f32,
+        /// Distance between the middles of both [m].
+        apart_m: f32,
+    },
     /// A file that its format cannot address.
     #[error(
         "the file would have {bytes} bytes, and {format} ends at {limit}: record fewer frames with --every"
@@ -156,6 +169,7 @@ impl Problem for Error {
             Self::MotionShape { .. } => "EXPORT_MOTION_SHAPE",
             Self::NotFinite { .. } => "EXPORT_NOT_FINITE",
             Self::NoPoints(_) => "EXPORT_NO_POINTS",
+            Self::MeshElsewhere { .. } => "EXPORT_MESH_ELSEWHERE",
             Self::TooLarge { .. } => "EXPORT_TOO_LARGE",
             Self::PointMissing { .. } => "IMPORT_POINT_MISSING",
             Self::SeveralCases(_) => "IMPORT_SEVERAL_CASES",

@@ -2,7 +2,10 @@
 
 use std::borrow::Cow;
 
-use bendtwin_core::{Point, Skin, Twin};
+use bendtwin_core::{
+    Point, Skin, Twin,
+    geometry::{length, sub},
+};
 use bendtwin_graph::{SurfacePoints, bind_points};
 use bendtwin_mesh::Mesh;
 
@@ -63,6 +66,7 @@ impl<'a> Scene<'a> {
             PointSet::Nodes => Cow::Owned(Skin::default()),
             PointSet::Skin => Cow::Borrowed(&twin.skin),
             PointSet::Mesh(mesh) => {
+                check_place(mesh, &twin.graph.rest_positions)?;
                 let observed_points = vec![u32::MAX; mesh.vertices.len()];
                 let surface = SurfacePoints { positions: mesh.vertices.clone(), observed_points };
                 Cow::Owned(bind_points(&twin.graph, &twin.graph.rest_positions, &surface))
@@ -158,6 +162,22 @@ impl<'a> Scene<'a> {
             None => &self.twin.graph.control_rest,
         }
     }
+}
+
+/// Refuses a mesh that lies apart from the nodes or is of another size: in other units or axes, it
+/// would be carried along far away from them.
+fn check_place(mesh: &Mesh, nodes: &[Point]) -> Result<(), Error> {
+    let twin = Mesh { vertices: nodes.to_vec(), triangles: Vec::new() };
+    let (Some(a), Some(b)) = (mesh.bounds(), twin.bounds()) else { return Ok(()) };
+    let size_m = |[low, high]: [Point; 2]| length(sub(low, high));
+    let (mesh_m, twin_m) = (size_m(a), size_m(b));
+    let centre = |[low, high]: [Point; 2]| std::array::from_fn(|i| (low[i] + high[i]) / 2.0);
+    let apart_m = length(sub(centre(a), centre(b)));
+    let sizes = mesh_m / twin_m.max(f32::MIN_POSITIVE);
+    if apart_m > twin_m.max(mesh_m) || !(0.1..=10.0).contains(&sizes) {
+        return Err(Error::MeshElsewhere { mesh_m, twin_m, apart_m });
+    }
+    Ok(())
 }
 
 fn check(motion: &Motion, nodes: usize, controls: usize) -> Result<(), Error> {

@@ -57,6 +57,22 @@ fn a_motion_of_another_twin_is_refused() {
 }
 
 #[test]
+fn a_mesh_in_other_units_or_axes_is_refused() {
+    let (twin, mesh) = (twin(), mesh());
+    let changed = |change: fn(Point) -> Point| Mesh {
+        vertices: mesh.vertices.iter().map(|v| change(*v)).collect(),
+        triangles: mesh.triangles.clone(),
+    };
+    let of = |mesh: &Mesh| Scene::new("a", &twin, PointSet::Mesh(mesh), None).map(|_| ());
+    assert!(of(&changed(|v| v)).is_ok());
+    let changes: [fn(Point) -> Point; 3] =
+        [|v| v.map(|x| 1000.0 * x), |v| v.map(|x| 0.01 * x), |[x, y, z]| [x, z, -y - 1.0]];
+    for change in changes {
+        assert_eq!(reason(of(&changed(change))), "EXPORT_MESH_ELSEWHERE");
+    }
+}
+
+#[test]
 fn nothing_is_created_where_a_format_cannot_carry_the_scene() {
     let twin = twin();
     let motion = motion(&twin);
