@@ -14,6 +14,6 @@ pub use self::{
         MAX_CAMERAS, MAX_POINTS, MAX_SETTLE_FRAMES, begun, carry, check_correction,
         check_registration,
     },
-    cost::{memory_bytes, registration_work, reply_bytes, settle_frames},
+    cost::{evaluation_work, memory_bytes, registration_work, reply_bytes, settle_frames},
     error::Error,
 };

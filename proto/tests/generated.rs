@@ -14,7 +14,7 @@ use std::{collections::BTreeMap, path::Path};
 
 use prost::Message as _;
 
-const FILES: [&str; 13] = [
+const FILES: [&str; 14] = [
     "bendtwin/v1/tensor.proto",
     "bendtwin/v1/fault.proto",
     "bendtwin/v1/world.proto",
@@ -26,6 +26,7 @@ const FILES: [&str; 13] = [
     "bendtwin/v1/rollout.proto",
     "bendtwin/v1/planning.proto",
     "bendtwin/v1/registration.proto",
+    "bendtwin/v1/evaluation.proto",
     "bendtwin/v1/session.proto",
     "bendtwin/worker/v1/worker_link.proto",
 ];

@@ -3,6 +3,7 @@
 
 mod captures;
 mod disk;
+mod evaluations;
 mod fits;
 mod geometry;
 mod ingests;

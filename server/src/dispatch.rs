@@ -2,6 +2,7 @@
 //! is in memory: a worker that the server forgot registers again.
 
 mod call;
+mod evaluations;
 mod executing;
 mod line;
 mod plan;

@@ -4,6 +4,7 @@
 mod captures;
 mod convert;
 mod counted;
+mod evaluations;
 mod fits;
 mod health;
 mod link;
@@ -22,7 +23,8 @@ use std::collections::HashSet;
 use bendtwin_proto::{
     DESCRIPTORS,
     v1::{
-        capture_service_server::CaptureServiceServer, fit_service_server::FitServiceServer,
+        capture_service_server::CaptureServiceServer,
+        evaluation_service_server::EvaluationServiceServer, fit_service_server::FitServiceServer,
         planning_service_server::PlanningServiceServer,
         registration_service_server::RegistrationServiceServer,
         rollout_service_server::RolloutServiceServer, session_service_server::SessionServiceServer,
@@ -86,7 +88,8 @@ pub(crate) async fn router(app: &App) -> Result<axum::Router, StartError> {
         .with::<RolloutServiceServer<Api>>()
         .with::<SessionServiceServer<Api>>()
         .with::<PlanningServiceServer<Api>>()
-        .with::<RegistrationServiceServer<Api>>();
+        .with::<RegistrationServiceServer<Api>>()
+        .with::<EvaluationServiceServer<Api>>();
     let mut routes = Routes::builder();
     routes
         .add_service(HealthServer::new(health))
@@ -97,6 +100,7 @@ pub(crate) async fn router(app: &App) -> Result<axum::Router, StartError> {
         .add_service(FitServiceServer::new(api.clone()).max_decoding_message_size(MESSAGE))
         .add_service(TwinServiceServer::new(api.clone()).max_decoding_message_size(MESSAGE))
         .add_service(WorkerServiceServer::new(api.clone()))
+        .add_service(EvaluationServiceServer::new(api.clone()).max_decoding_message_size(MESSAGE))
         .add_service(Counted {
             app: app.clone(),
             inner: RolloutServiceServer::new(api.clone())

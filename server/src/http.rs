@@ -5,6 +5,7 @@ mod captures;
 mod describe;
 mod docs;
 mod download;
+mod evaluations;
 mod events;
 mod extract;
 mod fits;
@@ -107,6 +108,7 @@ fn described() -> OpenApiRouter<App> {
         .routes(routes!(rollouts::stream::stream))
         .routes(routes!(plans::create))
         .routes(routes!(registrations::register))
+        .routes(routes!(evaluations::create))
         .routes(routes!(sessions::open))
         .routes(routes!(sessions::get, sessions::close))
         .routes(routes!(sessions::states))

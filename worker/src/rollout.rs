@@ -6,6 +6,7 @@ mod checked;
 mod costs;
 mod ensemble;
 mod error;
+mod evaluate;
 mod execute;
 mod grasping;
 mod initial;

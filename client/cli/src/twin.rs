@@ -8,6 +8,7 @@ use std::path::Path;
 use bendtwin_client::{CaptureId, TwinId};
 use bendtwin_eval::{TableStyle, format_table};
 use clap::{Args, Subcommand};
+use serde_json::json;
 
 use crate::{global::Global, output, quality, table::Table};
 
@@ -29,6 +30,14 @@ enum Command {
     Show {
         /// twins/{uuid}
         name: TwinId,
+    },
+    /// Score a twin on a capture: on another recording of its object it is registered to the first
+    /// frame
+    Evaluate {
+        /// twins/{uuid}
+        name: TwinId,
+        /// captures/{uuid}
+        capture: CaptureId,
     },
     /// Write a twin to a file, in the twin format or that of another program
     Export(export::Export),
@@ -67,6 +76,18 @@ pub(crate) async fn run(args: Twin, global: &Global) -> anyhow::Result<()> {
             let twin = client.twins().get(name).await?;
             let assessment = quality::of_stored(&client, name).await?;
             output::print(global, &twin, || format!("{}\n{assessment}", shown(&twin)))
+        }
+        Command::Evaluate { name, capture } => {
+            let client = global.connect().await?;
+            let quality = client.evaluations().run(name, capture).await?;
+            let document = json!({ "twin": name, "capture": capture, "quality": quality });
+            output::print(global, &document, || {
+                let table = format_table(&quality, TableStyle::Plain);
+                match &quality.assessment {
+                    Some(assessment) => format!("{table}\n{assessment}"),
+                    None => table,
+                }
+            })
         }
         Command::Export(args) => export::run(args, global).await,
         Command::Import(args) => import::run(args, global).await,

@@ -3,7 +3,8 @@
 use std::{borrow::Cow, time::Duration};
 
 use bendtwin_proto::v1::{
-    capture_service_client::CaptureServiceClient, fit_service_client::FitServiceClient,
+    capture_service_client::CaptureServiceClient,
+    evaluation_service_client::EvaluationServiceClient, fit_service_client::FitServiceClient,
     planning_service_client::PlanningServiceClient,
     registration_service_client::RegistrationServiceClient,
     rollout_service_client::RolloutServiceClient, session_service_client::SessionServiceClient,
@@ -13,7 +14,8 @@ use reqwest::header::{AUTHORIZATION, HeaderMap, HeaderValue};
 use tonic::transport::Endpoint;
 
 use crate::{
-    Captures, Error, Fits, Plans, Readiness, Registrations, Rollouts, Sessions, Twins, Workers,
+    Captures, Error, Evaluations, Fits, Plans, Readiness, Registrations, Rollouts, Sessions, Twins,
+    Workers,
     channel::{Channel, Credentials},
     token,
 };
@@ -117,6 +119,11 @@ impl Client {
     /// Worker processes that the server knows.
     pub fn workers(&self) -> Workers {
         Workers::new(WorkerServiceClient::new(self.channel.clone()))
+    }
+
+    /// Evaluations: twins beside recordings.
+    pub fn evaluations(&self) -> Evaluations {
+        Evaluations::new(EvaluationServiceClient::new(self.channel.clone()))
     }
 
     /// Registrations: states from what was seen.

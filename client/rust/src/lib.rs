@@ -67,6 +67,7 @@ mod captures;
 mod channel;
 mod client;
 mod error;
+mod evaluations;
 mod fits;
 mod geometry;
 mod page;
@@ -94,6 +95,7 @@ pub use self::{
     captures::Captures,
     client::Client,
     error::Error,
+    evaluations::Evaluations,
     fits::Fits,
     geometry::Geometry,
     page::{Page, PageRequest},

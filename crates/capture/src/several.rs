@@ -19,6 +19,8 @@ use crate::{
 
 /// The document that says that folders are recordings of one object.
 pub(crate) const MARKER: &str = "recordings.json";
+/// The folder of a recording that lies beside the document itself.
+pub(crate) const ROOT: &str = ".";
 /// The word in `format`.
 const FORMAT: &str = "bendtwin-recordings";
 /// Version that this build reads and writes.
@@ -179,11 +181,12 @@ fn places<'a>(files: &mut Files<'a>) -> Result<Option<Vec<Place<'a>>>, Error> {
     }
     let mut places: Vec<Place<'a>> = Vec::new();
     for mut entry in entries {
-        if !folders.contains(&entry.folder) {
+        if entry.folder != ROOT && !folders.contains(&entry.folder) {
             return Err(fault(format!("there is no folder `{}` beside it", entry.folder)));
         }
         if entry.name.is_empty() {
-            entry.name.clone_from(&entry.folder);
+            let own = if entry.folder == ROOT { &files.name } else { &entry.folder };
+            entry.name.clone_from(own);
         }
         if places.iter().any(|p| p.entry.folder == entry.folder || p.entry.name == entry.name) {
             return Err(fault(format!("recording `{}` is there twice", entry.name)));

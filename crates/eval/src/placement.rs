@@ -3,8 +3,8 @@
 //! A recording of the same object has tracked points, control points and a start of its own. The
 //! nodes are registered to what was seen at that start ([`bendtwin_register::place`]); the
 //! recording's tracked points are bound to the nodes there, and its control points attached to them
-//! by the rules of graph building. What comes of it is the twin in this recording: a twin like one
-//! that was fitted to it, except for the parameters.
+//! by the rules of graph building. The result is the twin in this recording: a twin like one that
+//! was fitted to it, except for the parameters.
 
 use bendtwin_core::{
     CancelToken, Capture, Environment, Graph, Params, Point, Sequence, Skin, Timing, Twin,
@@ -40,7 +40,7 @@ pub struct Placement {
     pub tracks: Skin,
     /// The rigid part of the motion from the rest shape of the graph.
     pub rigid: RigidMotion,
-    /// How well the nodes explain what was seen.
+    /// Distances of what was seen from the nodes' surface.
     pub score: RegistrationScore,
 }
 

@@ -22,7 +22,7 @@ pub enum Error {
     #[error(transparent)]
     Evaluation(#[from] bendtwin_eval::Error),
     /// The twin to be refined cannot be one.
-    #[error("the twin to start from cannot be used: {0}")]
+    #[error("the twin to start from cannot be used ({0}): export it again, or fit without it")]
     Twin(String),
     /// Another recording of the object cannot be brought to the reference.
     #[error(

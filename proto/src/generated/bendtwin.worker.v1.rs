@@ -14,6 +14,18 @@ pub struct ExecuteRegisterStateResponse {
     #[prost(message, optional, tag = "1")]
     pub registered: ::core::option::Option<super::super::v1::RegisteredState>,
 }
+#[derive(Clone, PartialEq, Eq, Hash, ::prost::Message)]
+pub struct ExecuteEvaluateTwinRequest {
+    #[prost(message, optional, tag = "1")]
+    pub request: ::core::option::Option<super::super::v1::EvaluateTwinRequest>,
+    #[prost(string, tag = "2")]
+    pub request_id: ::prost::alloc::string::String,
+}
+#[derive(Clone, PartialEq, Eq, Hash, ::prost::Message)]
+pub struct ExecuteEvaluateTwinResponse {
+    #[prost(message, optional, tag = "1")]
+    pub evaluation: ::core::option::Option<super::super::v1::Evaluation>,
+}
 /// One of the calls of bendtwin.v1.SessionService that simulate nothing (but the way to a first state).
 #[derive(Clone, PartialEq, ::prost::Message)]
 pub struct ManageSessionRequest {
@@ -1594,6 +1606,32 @@ pub mod worker_rollouts_client {
                 );
             self.inner.unary(req, path, codec).await
         }
+        pub async fn evaluate_twin(
+            &mut self,
+            request: impl tonic::IntoRequest<super::ExecuteEvaluateTwinRequest>,
+        ) -> std::result::Result<
+            tonic::Response<super::ExecuteEvaluateTwinResponse>,
+            tonic::Status,
+        > {
+            self.inner
+                .ready()
+                .await
+                .map_err(|e| {
+                    tonic::Status::unknown(
+                        format!("Service was not ready: {}", e.into()),
+                    )
+                })?;
+            let codec = tonic_prost::ProstCodec::default();
+            let path = http::uri::PathAndQuery::from_static(
+                "/bendtwin.worker.v1.WorkerRollouts/EvaluateTwin",
+            );
+            let mut req = request.into_request();
+            req.extensions_mut()
+                .insert(
+                    GrpcMethod::new("bendtwin.worker.v1.WorkerRollouts", "EvaluateTwin"),
+                );
+            self.inner.unary(req, path, codec).await
+        }
     }
 }
 /// Generated server implementations.
@@ -1631,6 +1669,13 @@ pub mod worker_rollouts_server {
             request: tonic::Request<super::ExecuteRegisterStateRequest>,
         ) -> std::result::Result<
             tonic::Response<super::ExecuteRegisterStateResponse>,
+            tonic::Status,
+        >;
+        async fn evaluate_twin(
+            &self,
+            request: tonic::Request<super::ExecuteEvaluateTwinRequest>,
+        ) -> std::result::Result<
+            tonic::Response<super::ExecuteEvaluateTwinResponse>,
             tonic::Status,
         >;
     }
@@ -1832,6 +1877,51 @@ pub mod worker_rollouts_server {
                     let inner = self.inner.clone();
                     let fut = async move {
                         let method = RegisterStateSvc(inner);
+                        let codec = tonic_prost::ProstCodec::default();
+                        let mut grpc = tonic::server::Grpc::new(codec)
+                            .apply_compression_config(
+                                accept_compression_encodings,
+                                send_compression_encodings,
+                            )
+                            .apply_max_message_size_config(
+                                max_decoding_message_size,
+                                max_encoding_message_size,
+                            );
+                        let res = grpc.unary(method, req).await;
+                        Ok(res)
+                    };
+                    Box::pin(fut)
+                }
+                "/bendtwin.worker.v1.WorkerRollouts/EvaluateTwin" => {
+                    #[allow(non_camel_case_types)]
+                    struct EvaluateTwinSvc<T: WorkerRollouts>(pub Arc<T>);
+                    impl<
+                        T: WorkerRollouts,
+                    > tonic::server::UnaryService<super::ExecuteEvaluateTwinRequest>
+                    for EvaluateTwinSvc<T> {
+                        type Response = super::ExecuteEvaluateTwinResponse;
+                        type Future = BoxFuture<
+                            tonic::Response<Self::Response>,
+                            tonic::Status,
+                        >;
+                        fn call(
+                            &mut self,
+                            request: tonic::Request<super::ExecuteEvaluateTwinRequest>,
+                        ) -> Self::Future {
+                            let inner = Arc::clone(&self.0);
+                            let fut = async move {
+                                <T as WorkerRollouts>::evaluate_twin(&inner, request).await
+                            };
+                            Box::pin(fut)
+                        }
+                    }
+                    let accept_compression_encodings = self.accept_compression_encodings;
+                    let send_compression_encodings = self.send_compression_encodings;
+                    let max_decoding_message_size = self.max_decoding_message_size;
+                    let max_encoding_message_size = self.max_encoding_message_size;
+                    let inner = self.inner.clone();
+                    let fut = async move {
+                        let method = EvaluateTwinSvc(inner);
                         let codec = tonic_prost::ProstCodec::default();
                         let mut grpc = tonic::server::Grpc::new(codec)
                             .apply_compression_config(

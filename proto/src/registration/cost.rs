@@ -20,6 +20,8 @@ const SPRING: u64 = 64;
 const DEFORMED: u64 = 20_000;
 /// Work for each point.
 const MATCHED: u64 = 2_000;
+/// Frames that a recording is taken to have.
+const RECORDED: u64 = 150;
 /// Bytes of a reply beside its state.
 const REPLY: u64 = 1024;
 
@@ -42,6 +44,14 @@ pub fn registration_work(request: &RegisterStateRequest, twin: &TwinShape) -> u6
     physics
         .saturating_add(DEFORMED.saturating_mul(twin.springs))
         .saturating_add(MATCHED.saturating_mul(points(request.observation.as_ref())))
+}
+
+/// Work of an evaluation of a twin on a recording, which may be registered first, in element
+/// substeps; the recording's length is not known.
+pub fn evaluation_work(twin: &TwinShape) -> u64 {
+    let elements = twin.nodes.saturating_add(twin.springs).saturating_add(twin.triplets);
+    let physics = RECORDED.saturating_mul(u64::from(twin.substeps)).saturating_mul(elements);
+    physics.saturating_add(DEFORMED.saturating_mul(twin.springs))
 }
 
 /// Memory of a registration or a correction at a worker, beside the request [bytes].

@@ -335,6 +335,6 @@ pub(super) struct CaptureParams {
 }
 
 /// Stored JSON as it is; null if it is none.
-fn raw(json: String) -> Box<RawValue> {
+pub(super) fn raw(json: String) -> Box<RawValue> {
     RawValue::from_string(json).unwrap_or_else(|_| RawValue::NULL.to_owned())
 }

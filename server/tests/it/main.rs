@@ -4,6 +4,7 @@
 mod access;
 mod captures;
 mod connections;
+mod evaluations;
 mod fits;
 mod harness;
 mod ingests;

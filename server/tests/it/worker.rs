@@ -13,16 +13,17 @@ use bendtwin_core::ids::{SessionId, WorkerId};
 use bendtwin_proto::{
     rollout::Limits,
     v1::{
-        Fault, Progress, RegisteredState, RollOutResponse, Session, Tensor,
-        initial_state::GivenState, roll_out_request::Actions, roll_out_response::Timing,
+        EvaluateTwinRequest, Evaluation, Fault, Progress, RegisteredState, RollOutResponse,
+        Session, Tensor, initial_state::GivenState, roll_out_request::Actions,
+        roll_out_response::Timing,
     },
     worker::v1::{
-        CompleteFitRequest, DownloadRequest, EndIngestRequest, ExecuteRegisterStateRequest,
-        ExecuteRegisterStateResponse, ExecuteRollOutRequest, ExecuteRollOutResponse,
-        FailJobRequest, HeartbeatRequest, HeartbeatResponse, IngestWrite, JobWrite, Lease,
-        LeaseJobRequest, ManageSessionRequest, ManageSessionResponse, RegisterRequest,
-        ReportJobRequest, SaveCheckpointRequest, TwinWrite, complete_fit_request,
-        end_ingest_request,
+        CompleteFitRequest, DownloadRequest, EndIngestRequest, ExecuteEvaluateTwinRequest,
+        ExecuteEvaluateTwinResponse, ExecuteRegisterStateRequest, ExecuteRegisterStateResponse,
+        ExecuteRollOutRequest, ExecuteRollOutResponse, FailJobRequest, HeartbeatRequest,
+        HeartbeatResponse, IngestWrite, JobWrite, Lease, LeaseJobRequest, ManageSessionRequest,
+        ManageSessionResponse, RegisterRequest, ReportJobRequest, SaveCheckpointRequest, TwinWrite,
+        complete_fit_request, end_ingest_request,
         fail_job_request::End,
         lease_job_request::Kind,
         manage_session_request::Call,
@@ -373,6 +374,17 @@ impl WorkerRollouts for Device {
         let state = GivenState { positions: observation.points, ..GivenState::default() };
         let registered = RegisteredState { state: Some(state), ..RegisteredState::default() };
         Ok(Response::new(ExecuteRegisterStateResponse { registered: Some(registered) }))
+    }
+
+    /// A table that says nothing.
+    async fn evaluate_twin(
+        &self,
+        request: Request<ExecuteEvaluateTwinRequest>,
+    ) -> Result<Response<ExecuteEvaluateTwinResponse>, Status> {
+        let EvaluateTwinRequest { twin, capture } = request.into_inner().request.unwrap();
+        let quality_json = r#"{"scores":[]}"#.to_owned();
+        let evaluation = Evaluation { twin, capture, quality_json, worker: String::new() };
+        Ok(Response::new(ExecuteEvaluateTwinResponse { evaluation: Some(evaluation) }))
     }
 
     type RollOutStream = Pin<Box<dyn Stream<Item = Result<ExecuteRollOutResponse, Status>> + Send>>;

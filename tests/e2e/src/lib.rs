@@ -40,6 +40,8 @@ mod sentences;
 #[cfg(test)]
 mod sessions;
 #[cfg(test)]
+mod several_recordings;
+#[cfg(test)]
 mod stores;
 #[cfg(test)]
 mod suites;

@@ -64,6 +64,9 @@ pub(crate) enum Error {
     /// The stored twin cannot be read.
     #[error("the stored twin cannot be used: {0}")]
     StoredTwin(FormatError),
+    /// The twin cannot be evaluated on the capture.
+    #[error(transparent)]
+    Evaluation(bendtwin_eval::Error),
     /// The capture cannot be replayed.
     #[error("the capture cannot be replayed with this twin: {0}")]
     Capture(String),
@@ -139,6 +142,16 @@ impl From<register::Error> for Error {
     }
 }
 
+impl From<bendtwin_eval::Error> for Error {
+    fn from(error: bendtwin_eval::Error) -> Self {
+        match error {
+            bendtwin_eval::Error::Backend(error) => Self::Engine(error),
+            bendtwin_eval::Error::Register(error) => error.into(),
+            other => Self::Evaluation(other),
+        }
+    }
+}
+
 impl From<TensorError> for Error {
     fn from(error: TensorError) -> Self {
         Self::Request(error.into())
@@ -158,6 +171,7 @@ impl Problem for Error {
                 Category::ResourceExhausted
             }
             Self::Fetch(e) => e.category(),
+            Self::Evaluation(e) => e.category(),
             Self::StoredTwin(_) => Category::DataLoss,
             Self::Capture(_)
             | Self::ReplayDiverged { .. }
@@ -180,6 +194,7 @@ impl Problem for Error {
             Self::Memory { exhausted: Exhausted::TooLarge { .. }, .. } => "MEMORY_TOO_SMALL",
             Self::Memory { .. } => "MEMORY_IN_USE",
             Self::Fetch(e) => e.reason(),
+            Self::Evaluation(e) => e.reason(),
             Self::StoredTwin(_) => "TWIN_DAMAGED",
             Self::Capture(_) => "CAPTURE_NOT_REPLAYABLE",
             Self::ReplayDiverged { .. } => "REPLAY_DIVERGED",

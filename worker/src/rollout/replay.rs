@@ -19,6 +19,7 @@ use bendtwin_engine::{
 };
 use bendtwin_eval::{check_capture, initial_state};
 use bendtwin_proto::rollout;
+use tempfile::NamedTempFile;
 
 use super::{
     error::Error,
@@ -140,7 +141,29 @@ impl Replays {
     }
 
     async fn take(&self, bytes: u64) -> Result<Share, Error> {
-        budget::take(&self.memory.rollouts, bytes, "the replay of a capture").await
+        budget::take(&self.memory.rollouts, bytes, "a recording beside the twin").await
+    }
+
+    /// A recording, and the memory that it takes.
+    pub(super) async fn recording(&self, id: CaptureId) -> Result<(Capture, Share), Error> {
+        let _reading = self.reading.lock().await;
+        let (file, limits, share) = self.fetch(id).await?;
+        let read = tokio::task::spawn_blocking(move || {
+            let read = observation::read(file.path(), &limits);
+            read.map(|capture| (capture, share)).map_err(|e| Error::Capture(e.to_string()))
+        });
+        read.await.map_err(|_| Error::Panicked)?
+    }
+
+    /// The observation of a capture as a file, limits for reading it, and memory for it and what is
+    /// made of it.
+    async fn fetch(&self, id: CaptureId) -> Result<(NamedTempFile, Limits, Share), Error> {
+        let name = observation::name(&id.to_string());
+        let file = artifact::fetch_file(&self.server, &name, None, &self.dir).await?;
+        let most = self.memory.rollouts.most() / 2;
+        let limits = Limits { capture_bytes: self.limits.capture_bytes.min(most), ..self.limits };
+        let share = self.take(2 * limits.capture_bytes).await?;
+        Ok((file, limits, share))
     }
 
     async fn motions(&self, warm: &Arc<Warm>, id: CaptureId) -> Result<Motions, Error> {
@@ -152,17 +175,7 @@ impl Replays {
         if let Some(motions) = lock(&self.motions).get(&key) {
             return Ok(motions);
         }
-        let file = artifact::fetch_file(
-            &self.server,
-            &observation::name(&id.to_string()),
-            None,
-            &self.dir,
-        )
-        .await?;
-        // Beside the observation there are the controls that are kept of it.
-        let most = self.memory.rollouts.most() / 2;
-        let limits = Limits { capture_bytes: self.limits.capture_bytes.min(most), ..self.limits };
-        let share = self.take(2 * limits.capture_bytes).await?;
+        let (file, limits, share) = self.fetch(id).await?;
         let warm = Arc::clone(warm);
         let motions = tokio::task::spawn_blocking(move || {
             let _share = share;

@@ -20,8 +20,9 @@ use bendtwin_proto::{
     rollout::{self, Limits},
     v1::RollOutResponse,
     worker::v1::{
-        ExecuteRegisterStateRequest, ExecuteRegisterStateResponse, ExecuteRollOutRequest,
-        ExecuteRollOutResponse, HeldSession, ManageSessionRequest, ManageSessionResponse,
+        ExecuteEvaluateTwinRequest, ExecuteEvaluateTwinResponse, ExecuteRegisterStateRequest,
+        ExecuteRegisterStateResponse, ExecuteRollOutRequest, ExecuteRollOutResponse, HeldSession,
+        ManageSessionRequest, ManageSessionResponse,
         worker_rollouts_server::{WorkerRollouts, WorkerRolloutsServer},
     },
 };
@@ -270,6 +271,18 @@ impl WorkerRollouts for Rollouts {
         let registered = self.0.register(request, &call).await;
         let registered = registered.map_err(|e| refused("registration", &request_id, &e))?;
         Ok(Response::new(ExecuteRegisterStateResponse { registered: Some(registered) }))
+    }
+
+    async fn evaluate_twin(
+        &self,
+        mut request: Request<ExecuteEvaluateTwinRequest>,
+    ) -> Result<Response<ExecuteEvaluateTwinResponse>, Status> {
+        let call = self.unary(&mut request)?;
+        let request = request.into_inner();
+        let request_id = request.request_id.clone();
+        let evaluated = self.0.evaluate(request, &call).await;
+        let evaluation = evaluated.map_err(|e| refused("evaluation", &request_id, &e))?;
+        Ok(Response::new(ExecuteEvaluateTwinResponse { evaluation: Some(evaluation) }))
     }
 }
 

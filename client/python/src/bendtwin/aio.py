@@ -91,6 +91,10 @@ class Twin(TwinFacts[AsyncCaller]):
         call = register_state(self.name, points, arguments)
         return await self._caller.run(call, timeout_s)
 
+    async def evaluate(self, capture: str, *, timeout_s: float | None = None) -> dict[str, Any]:
+        """The quality table of the twin on a capture: see `bendtwin.Twin.evaluate`."""
+        return await self._caller.run(calls.evaluate_twin(self.name, capture), timeout_s)
+
     async def plan(
         self,
         *,

@@ -23,6 +23,8 @@ from bendtwin.rollout import RolloutResult, warned
 from bendtwin.v1 import (
     capture_pb2,
     capture_pb2_grpc,
+    evaluation_pb2,
+    evaluation_pb2_grpc,
     fit_pb2,
     fit_pb2_grpc,
     planning_pb2,
@@ -59,6 +61,7 @@ class Services:
         self.workers = worker_pb2_grpc.WorkerServiceStub(channel)
         self.rollouts = rollout_pb2_grpc.RolloutServiceStub(channel)
         self.registrations = registration_pb2_grpc.RegistrationServiceStub(channel)
+        self.evaluations = evaluation_pb2_grpc.EvaluationServiceStub(channel)
         self.sessions = session_pb2_grpc.SessionServiceStub(channel)
         self.planning = planning_pb2_grpc.PlanningServiceStub(channel)
 
@@ -310,6 +313,17 @@ def create_twin(
 def delete_twin(name: str) -> Call[None]:
     """Deletes a twin."""
     return Call(lambda s: s.twins.DeleteTwin, twin_pb2.DeleteTwinRequest(name=name), _nothing)
+
+
+def evaluate_twin(twin: str, capture: str) -> Call[dict[str, Any]]:
+    """Scores a twin on a capture."""
+    request = evaluation_pb2.EvaluateTwinRequest(twin=twin, capture=capture)
+
+    def quality(reply: evaluation_pb2.Evaluation) -> dict[str, Any]:
+        table: dict[str, Any] = json.loads(reply.quality_json)
+        return table
+
+    return Call(lambda s: s.evaluations.EvaluateTwin, request, quality)
 
 
 def twin_geometry(name: str) -> Call[Geometry]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING, Generic, TypeVar
+from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
 import numpy.typing as npt
 
@@ -110,6 +110,22 @@ class Twin(TwinFacts[Caller]):
         """
         call = register_state(self.name, points, arguments)
         return self._caller.run(call, timeout_s)
+
+    def evaluate(self, capture: str, *, timeout_s: float | None = None) -> dict[str, Any]:
+        """The quality table of the twin on a capture, as `info.quality` has that of its fit.
+
+        To another recording of its object the twin is registered first: `recordings` in the table
+        says how well. All frames of such a recording count as future.
+
+        Args:
+            capture: `captures/{uuid}`, whose ingest has ended.
+            timeout_s: Deadline of the call.
+
+        Raises:
+            BendTwinError: With the reason OBSERVATION_NOT_EXPLAINED if the twin does not explain the
+                first frame, or another one of the server's.
+        """
+        return self._caller.run(calls.evaluate_twin(self.name, capture), timeout_s)
 
     def plan(
         self,

@@ -25,15 +25,18 @@ use crate::{Error, npy, several, structure::validate};
 pub fn write_bundle<W: Write + Seek>(capture: &Capture, out: W) -> Result<W, Error> {
     validate(capture)?;
     let mut zip = ZipWriter::new(out);
-    if capture.others.is_empty() {
-        write_recording(&mut zip, capture, "")?;
-    } else {
-        let folder = |index: usize| format!("{index:04}");
+    // The reference lies in the root, where readers that know a single recording find it.
+    write_recording(&mut zip, capture, "")?;
+    if !capture.others.is_empty() {
+        let folder = |index: usize| match index {
+            0 => several::ROOT.to_owned(),
+            index => format!("recording-{index:04}"),
+        };
         let named = capture.recordings().enumerate().map(|(i, r)| (folder(i), r.name.as_str()));
         let marker = several::MARKER;
         let document = several::document(named).map_err(|e| failed(marker, e.into()))?;
         put(&mut zip, marker, &document)?;
-        for (index, recording) in capture.recordings().enumerate() {
+        for (index, recording) in capture.recordings().enumerate().skip(1) {
             write_recording(&mut zip, recording, &format!("{}/", folder(index)))?;
         }
     }

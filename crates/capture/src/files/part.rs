@@ -30,9 +30,12 @@ impl<'a> Files<'a> {
         }
     }
 
-    /// The files in a folder of the root, with a budget of their own.
+    /// The files in a folder of the root, or in the root itself for `.`, with a budget of their own.
     pub(crate) fn part(&self, folder: &str) -> Self {
-        let within = format!("{}{folder}/", self.prefix);
+        let (within, name) = match folder {
+            "." => (self.prefix.clone(), self.name.as_str()),
+            _ => (format!("{}{folder}/", self.prefix), folder),
+        };
         let (source, entries) = match &self.source {
             Source::Folder(root) => (Source::Folder(root.join(&within)), self.entries.clone()),
             Source::Zip(_) => {
@@ -43,7 +46,7 @@ impl<'a> Files<'a> {
             }
         };
         Self {
-            name: folder.to_owned(),
+            name: name.to_owned(),
             limits: self.limits.clone(),
             budget: Budget::new(&self.limits),
             source,

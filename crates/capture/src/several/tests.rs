@@ -47,6 +47,12 @@ fn several_recordings_are_written_and_read() {
     assert_ne!(digest(&alone), digest(&capture));
     assert_eq!(digest(&alone), digest(&recording("another name", 0.0)));
     assert_eq!(bytes(&capture), bytes(&read));
+    // The reference lies where a reader of a single recording looks.
+    let mut files = bundle(&capture);
+    assert!(files.remove("recordings.json").is_some());
+    files.retain(|name, _| !name.starts_with("recording-"));
+    let reference = read_bytes("lift", &pack(&files), &Limits::default()).unwrap();
+    assert_eq!(digest(&reference), digest(&alone));
 }
 
 #[test]

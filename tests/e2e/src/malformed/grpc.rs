@@ -82,7 +82,7 @@ fn call(what: impl Into<String>, method: &'static str, message: &impl Message) -
 
 /// Every method that takes a name, with every bad name.
 fn names() -> Vec<Call> {
-    const METHODS: [(&str, &str); 19] = [
+    const METHODS: [(&str, &str); 20] = [
         ("captures", "CaptureService/GetCapture"),
         ("captures", "CaptureService/DeleteCapture"),
         ("fits", "FitService/GetFit"),
@@ -93,6 +93,7 @@ fn names() -> Vec<Call> {
         ("twins", "TwinService/DeleteTwin"),
         ("twins", "TwinService/ExportTwin"),
         ("twins", "RegistrationService/RegisterState"),
+        ("twins", "EvaluationService/EvaluateTwin"),
         ("workers", "WorkerService/GetWorker"),
         ("captures", "FitService/CreateFit"),
         ("twins", "SessionService/OpenSession"),

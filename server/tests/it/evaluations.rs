@@ -1,0 +1,40 @@
+use bendtwin_core::ids::CaptureId;
+use bendtwin_proto::v1::{EvaluateTwinRequest, evaluation_service_client::EvaluationServiceClient};
+use serde_json::json;
+use tonic::Code;
+
+use crate::{harness::Server, rollouts::twin, worker::Worker};
+
+#[tokio::test]
+async fn an_evaluation_goes_to_a_worker_and_names_it() {
+    let server = Server::start().await;
+    let mut worker = Worker::register(&server).await;
+    let twin = twin(&server, &mut worker).await;
+    let (_, list) = server.get("/v1/captures").await;
+    let capture = list["captures"][0]["name"].as_str().unwrap().to_owned();
+
+    let mut client = EvaluationServiceClient::new(server.channel.clone());
+    let request =
+        |capture: &str| EvaluateTwinRequest { twin: twin.clone(), capture: capture.into() };
+    let reply = client.evaluate_twin(request(&capture)).await.unwrap().into_inner();
+    assert_eq!((reply.twin, reply.worker), (twin.clone(), worker.id.to_string()));
+    assert_eq!(reply.quality_json, r#"{"scores":[]}"#);
+
+    let path = format!("/v1/{twin}/evaluations");
+    let (status, reply) = server.post(&path, json!({"capture": capture})).await;
+    assert_eq!(status, 200, "{reply}");
+    assert_eq!(reply["quality"], json!({"scores": []}));
+    assert_eq!(reply["capture"], json!(capture));
+
+    // What does not exist is told before a worker is asked.
+    let nowhere = CaptureId::generate().to_string();
+    let missing = client.evaluate_twin(request(&nowhere)).await.unwrap_err();
+    assert_eq!(missing.code(), Code::NotFound);
+    let (status, problem) = server.post(&path, json!({"capture": "fits/x"})).await;
+    assert_eq!((status, &problem["reason"]), (400, &json!("INVALID_NAME")), "{problem}");
+    let (status, _) = server.post(&path, json!({"recording": capture})).await;
+    assert_eq!(status, 400);
+    let late = format!("{path}?timeout_s=-1");
+    let (status, problem) = server.post(&late, json!({"capture": capture})).await;
+    assert_eq!((status, &problem["reason"]), (400, &json!("INVALID_FIELD")));
+}
