@@ -5,7 +5,7 @@ mod twin;
 
 use std::{path::PathBuf, time::Duration};
 
-use bendtwin_core::{Category, Fault, FitSettings, Problem as _};
+use bendtwin_core::{Category, Fault, FitSettings, Problem as _, Twin};
 use bendtwin_proto::worker::v1::{Lease, lease_job_request::Kind};
 use tokio::sync::{mpsc, oneshot};
 use tokio_util::sync::CancellationToken;
@@ -144,7 +144,20 @@ impl Fits {
             .await
             .map_err(|e| e.fault())?;
         let checkpoint = resume::checkpoint(&self.server, lease).await.map_err(|e| e.fault())?;
-        Ok(Inputs { lease: lease.clone(), settings, observation, checkpoint })
+        let start = match &settings.start_from {
+            Some(name) => Some(self.twin(name).await?),
+            None => None,
+        };
+        Ok(Inputs { lease: lease.clone(), settings, start, observation, checkpoint })
+    }
+
+    /// The twin that a fit begins with.
+    async fn twin(&self, name: &str) -> Result<Twin, Fault> {
+        let fetched = artifact::fetch(&self.server, name, self.limits.twin_bytes).await;
+        let file = fetched.map_err(|e| e.fault())?;
+        let read = tokio::task::spawn_blocking(move || Twin::decode(&file)).await;
+        let read = read.map_err(|e| e.to_string()).and_then(|r| r.map_err(|e| e.to_string()));
+        read.map_err(|why| bendtwin_fit::Error::Twin(why).fault())
     }
 
     /// True if the fit failed because a rollout had broken the device.

@@ -9,7 +9,7 @@ pub mod memory;
 use serde::{Deserialize, Serialize};
 
 pub use self::defaults::{Conditions, DeviceKind, Effort};
-use crate::environment::ControlVelocity;
+use crate::{environment::ControlVelocity, ids::TwinId};
 
 /// Settings of a fit job.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -22,6 +22,9 @@ pub struct FitSettings {
     /// Time that the fit may take [s]; fewer generations and passes are made then. A twin of such a
     /// fit carries their numbers, which depend on the machine.
     pub within_s: Option<f64>,
+    /// A twin of the server, `twins/{uuid}`, that is refined: the fit begins with its graph and its
+    /// parameters in place of those of a search.
+    pub start_from: Option<String>,
     /// Bending triplets, and rods that twist where the capture allows them.
     pub bending: bool,
     /// Also fit the same nodes without bending and report it beside.
@@ -224,6 +227,7 @@ impl Default for FitSettings {
             seed: 0,
             effort: Effort::Standard,
             within_s: None,
+            start_from: None,
             bending: true,
             compare_axial: false,
             graph: GraphSettings::default(),
@@ -385,6 +389,9 @@ impl FitSettings {
         within("refine.reach", f64::from(r.reach), 0.0, 1_000_000.0);
         if r.window == GradientWindow::Frames(0) {
             faults.push("refine.window.frames is 0: a window has at least one frame".to_owned());
+        }
+        if let Some(Err(fault)) = self.start_from.as_ref().map(|name| name.parse::<TwinId>()) {
+            faults.push(format!("start_from: {fault}"));
         }
         if faults.is_empty() { Ok(()) } else { Err(faults) }
     }

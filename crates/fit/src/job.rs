@@ -60,6 +60,10 @@ impl FitJob<'_> {
         observer: &mut dyn Observer<Progress>,
         cancel: &CancelToken,
     ) -> Result<Outcome, Error> {
+        if let Some(twin) = &self.settings.start_from {
+            let fault = format!("start_from is {twin}: give the twin itself to start from it");
+            return Err(Error::Settings(vec![fault]));
+        }
         let device = device_kind(&*self.backend);
         let task = Task::new(self.capture, &self.settings, device, cancel)?;
         self.complete(&task, None, checkpoint, observer, cancel)

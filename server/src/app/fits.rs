@@ -32,6 +32,10 @@ impl App {
         self.require_room(0)?;
         let capture = super::name(capture)?;
         let settings = settings(settings_json, self.options.limits.json_bytes)?;
+        if let Some(twin) = &settings.start_from {
+            // A name of nothing is told before the fit waits.
+            self.store.twins().get(super::name(twin)?).await?;
+        }
         self.check_memory(capture, &settings).await?;
         let new = NewFit {
             capture,

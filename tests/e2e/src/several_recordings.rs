@@ -34,6 +34,11 @@ fn folder(root: &Path, takes: &[u32]) -> PathBuf {
     folder
 }
 
+/// A name that no twin has.
+fn unnamed() -> String {
+    "twins/01999999-9999-7999-8999-999999999999".to_owned()
+}
+
 const QUICK: [&str; 8] = [
     "--set",
     "graph.max_nodes=30",
@@ -109,6 +114,22 @@ async fn recordings_are_fitted_and_evaluated_through_a_server() {
     assert!(evaluated["quality"]["assessment"]["level"].is_string(), "{evaluated}");
     let table = run_ok(&["--server", &url, "twin", "evaluate", &twin, &unseen]);
     assert!(table.contains("To be trusted"), "{table}");
+    let started = run_json(&[
+        "--server",
+        &url,
+        "fit",
+        "start",
+        &unseen,
+        "--from",
+        &twin,
+        "--set",
+        "refine.passes=2",
+    ]);
+    let refined = api.succeeded(started["name"].as_str().unwrap(), FIT).await.twin;
+    let own = run_json(&["--server", &url, "twin", "evaluate", &refined, &unseen]);
+    assert!(own["quality"].get("recordings").is_none(), "it is its own capture: {own}");
+    let nothing = run(&["--server", &url, "fit", "start", &unseen, "--from", &unnamed()]);
+    assert!(!nothing.status.success());
     // Its own capture needs no registration of the reference.
     let own = run_json(&["--server", &url, "twin", "evaluate", &twin, &toy]);
     assert_eq!(own["quality"]["scores"][0], quality["scores"][0], "{own}");

@@ -28,6 +28,8 @@ pub(super) struct Compute {
 pub(super) struct Inputs {
     pub(super) lease: Lease,
     pub(super) settings: FitSettings,
+    /// The twin that is refined, if the settings name one.
+    pub(super) start: Option<Twin>,
     /// The bundle that the ingest of the capture made.
     pub(super) observation: NamedTempFile,
     pub(super) checkpoint: Option<Bytes>,
@@ -53,7 +55,11 @@ impl Compute {
         device: &Device,
         limits: &Limits,
     ) -> Result<Finished, Fault> {
-        let Inputs { lease, settings, observation, checkpoint } = inputs;
+        let Inputs { lease, mut settings, start, observation, checkpoint } = inputs;
+        if let Some(twin) = &start {
+            // Its graph is what takes memory.
+            settings.graph.max_nodes = Some(twin.graph.node_count().max(1));
+        }
         self.progress.set(reading_progress());
         // The fit's memory includes its capture.
         let capture_bytes = limits.capture_bytes.min(limits.fit_bytes);
@@ -80,14 +86,18 @@ impl Compute {
         };
         let token = self.stop.token().clone();
         let mut observer = JobObserver { compute: self, stage_ended: false };
-        let mut result = job.run(checkpoint.as_deref(), &mut observer, &token);
+        let run = |checkpoint: Option<&[u8]>, observer: &mut JobObserver| match &start {
+            Some(twin) => job.refine(twin, checkpoint, observer, &token),
+            None => job.run(checkpoint, observer, &token),
+        };
+        let mut result = run(checkpoint.as_deref(), &mut observer);
         if let Err(
             e @ (bendtwin_fit::Error::Checkpoint(_) | bendtwin_fit::Error::OtherCheckpoint),
         ) = &result
         {
             // From a build before an update, for example: the work is lost, the job is not.
             tracing::warn!("restarting the fit from the beginning: {e}");
-            result = job.run(None, &mut observer, &token);
+            result = run(None, &mut observer);
         }
         finished(&result.map_err(|e| e.fault())?.twin)
     }

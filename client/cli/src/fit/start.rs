@@ -1,6 +1,6 @@
 //! `bendtwin fit start`.
 
-use bendtwin_client::CaptureId;
+use bendtwin_client::{CaptureId, TwinId};
 use clap::Args;
 
 use super::{ended_well, print_ended, watch};
@@ -12,6 +12,9 @@ pub(crate) struct Start {
     capture: CaptureId,
     #[command(flatten)]
     settings: SettingsArgs,
+    /// Refine this twin without a search instead of fitting one anew: twins/{uuid}
+    #[arg(long, value_name = "TWIN", conflicts_with_all = ["axial", "phystwin"])]
+    from: Option<TwinId>,
     /// Priority, -100 to 100; higher ones run earlier
     #[arg(long, default_value_t = 0, allow_hyphen_values = true)]
     priority: i32,
@@ -24,7 +27,8 @@ pub(crate) struct Start {
 }
 
 pub(super) async fn run(args: Start, global: &Global) -> anyhow::Result<()> {
-    let settings = args.settings.resolve()?;
+    let mut settings = args.settings.resolve()?;
+    settings.start_from = args.from.map(|twin| twin.to_string()).or(settings.start_from);
     let client = global.connect().await?;
     let fits = client.fits();
     let fit = match &args.request_id {

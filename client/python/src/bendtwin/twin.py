@@ -122,8 +122,8 @@ class Twin(TwinFacts[Caller]):
             timeout_s: Deadline of the call.
 
         Raises:
-            BendTwinError: With the reason OBSERVATION_NOT_EXPLAINED if the twin does not explain the
-                first frame, or another one of the server's.
+            BendTwinError: With the reason OBSERVATION_NOT_EXPLAINED if the twin does not explain
+                the first frame, or another one of the server's.
         """
         return self._caller.run(calls.evaluate_twin(self.name, capture), timeout_s)
 

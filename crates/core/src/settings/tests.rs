@@ -16,7 +16,8 @@ fn every_fault_is_reported_at_once() {
     settings.refine.learning_rate = f64::NAN;
     settings.substeps = Substeps::Fixed(0);
     settings.refine.reach = 1_000_001;
-    assert_eq!(settings.validate().unwrap_err().len(), 4);
+    settings.start_from = Some("captures/x".into());
+    assert_eq!(settings.validate().unwrap_err().len(), 5);
 }
 
 #[test]

@@ -19,10 +19,13 @@ pub(crate) struct Window {
     pub(crate) count: usize,
 }
 
+/// Controls, objective and surroundings of a window.
+type Made = (Arc<Vec<Point>>, Objective, Arc<Motion>);
+
 /// Cache of the controls, objectives and surroundings of windows.
 #[derive(Default)]
 pub(crate) struct Windows {
-    made: HashMap<Window, (Arc<Vec<Point>>, Objective, Arc<Motion>)>,
+    made: HashMap<Window, Made>,
 }
 
 impl Windows {
