@@ -121,6 +121,11 @@ impl<'a> Array<'a> {
         self
     }
 
+    /// `true` if elements are floats.
+    pub(crate) fn is_float(&self) -> bool {
+        self.dtype.is_float()
+    }
+
     /// Number of elements.
     pub(crate) fn len(&self) -> usize {
         self.data.len() / self.dtype.size()

@@ -94,4 +94,4 @@ fn percent(part: usize, whole: usize) -> usize {
 #[cfg(test)]
 pub(crate) mod testing;
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;

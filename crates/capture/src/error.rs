@@ -19,11 +19,26 @@ pub enum Error {
     },
     /// Neither a bundle, nor a PhysTwin case, nor motion capture.
     #[error(
-        "`{0}` is no capture: it has neither `capture.json` (a BendTwin bundle) nor `final_data.pkl` or `metadata.json` \
-         with `color` (a PhysTwin case) nor `transforms.json` (nerfstudio), nor is it an MCAP file or an .npz with its .json \
+        "`{name}` is no capture, {there}: it needs `capture.json` (a BendTwin bundle), `final_data.pkl` or `metadata.json` \
+         with `color` (a PhysTwin case) or `transforms.json` (nerfstudio), unless it is an MCAP file or an .npz with its .json \
          beside it (motion capture)"
     )]
-    UnknownKind(String),
+    UnknownKind {
+        /// Name of the folder or file.
+        name: String,
+        /// What lies there instead, in words.
+        there: String,
+    },
+    /// A format that has to be converted first.
+    #[error("`{at}` is {what}: {advice}")]
+    OtherFormat {
+        /// The file.
+        at: String,
+        /// Its format.
+        what: &'static str,
+        /// The command that converts it.
+        advice: String,
+    },
     /// A recorded but unprocessed case.
     #[error("`{0}` is a raw recording: colour and depth, not yet points. Ingest it first")]
     RawOnly(String),
@@ -41,12 +56,12 @@ pub enum Error {
         /// The reason.
         error: Box<Error>,
     },
-    /// A ZIP archive that is cut off or corrupted.
-    #[error("the ZIP archive is damaged or cut off ({0}): upload or copy it again")]
+    /// An archive that is cut off or corrupted.
+    #[error("the archive is damaged or cut off ({0}): upload or copy it again")]
     ArchiveDamaged(String),
     /// Too many entries.
     #[error(
-        "the ZIP archive has {entries} entries, the limit is {limit}: pack only the capture's files"
+        "the archive has {entries} entries, the limit is {limit}: pack only the capture's files"
     )]
     ArchiveEntries {
         /// Entries found.
@@ -79,6 +94,27 @@ pub enum Error {
         at: String,
         /// Kind of entry.
         kind: &'static str,
+    },
+    /// An entry in a compression that is not read.
+    #[error(
+        "`{at}` in the archive is compressed with {method}: pack it with Deflate, Zstandard, bzip2 or without compression"
+    )]
+    ArchiveCompression {
+        /// The entry.
+        at: String,
+        /// Its compression.
+        method: String,
+    },
+    /// A compressed tar archive that is larger than what may be held in memory.
+    #[error(
+        "`{at}` unpacks to more than {limit} bytes, and a .tar.gz is held in memory: \
+         send the recording as .zip or .tar, which are not"
+    )]
+    UnpackedInMemory {
+        /// The archive.
+        at: String,
+        /// Bytes allowed.
+        limit: u64,
     },
     /// Two entries of one name.
     #[error("the archive has several entries of the same name: pack the folder anew")]
@@ -138,6 +174,26 @@ pub enum Error {
         /// The array.
         array: String,
     },
+    /// A kind of image of which a camera has none.
+    #[error(
+        "camera `{camera}` has no {what}, looked for as {wanted}, but {there}: add them, or name them so"
+    )]
+    ImagesMissing {
+        /// The camera's name.
+        camera: String,
+        /// Kind of image.
+        what: &'static str,
+        /// Names that were looked for.
+        wanted: String,
+        /// What lies there, in words.
+        there: String,
+    },
+    /// Images whose numbers contradict each other or the description.
+    #[error("{0}")]
+    FrameNumbers(String),
+    /// Labels of masks that do not tell the object from the manipulator.
+    #[error("{0}")]
+    MaskLabels(String),
     /// A JSON document that is wrong.
     #[error("`{at}` is not as specified: {fault}")]
     Document {
@@ -326,6 +382,7 @@ impl Problem for Error {
             Self::TooLarge { .. }
             | Self::TooMany { .. }
             | Self::Pixels { .. }
+            | Self::UnpackedInMemory { .. }
             | Self::ArchiveEntries { .. } => Category::ResourceExhausted,
             _ => Category::InvalidArgument,
         }
@@ -336,7 +393,8 @@ impl Problem for Error {
             Self::InRecording { error, .. } => error.reason(),
             Self::NotFound(_) => "CAPTURE_NOT_FOUND",
             Self::Io { .. } => "CAPTURE_IO",
-            Self::UnknownKind(_) => "UNKNOWN_CAPTURE_KIND",
+            Self::UnknownKind { .. } => "UNKNOWN_CAPTURE_KIND",
+            Self::OtherFormat { .. } => "FORMAT_NOT_READ",
             Self::RawOnly(_) => "RAW_CAPTURE",
             Self::Several(_) => "SEVERAL_CAPTURES",
             Self::ArchiveDamaged(_) => "ARCHIVE_DAMAGED",
@@ -344,6 +402,8 @@ impl Problem for Error {
             Self::ArchiveRatio { .. } => "ARCHIVE_BOMB",
             Self::ArchiveName(_) => "ARCHIVE_UNSAFE_NAME",
             Self::ArchiveEntryKind { .. } => "ARCHIVE_NOT_A_FILE",
+            Self::ArchiveCompression { .. } => "ARCHIVE_COMPRESSION_NOT_READ",
+            Self::UnpackedInMemory { .. } => "ARCHIVE_TOO_LARGE_FOR_MEMORY",
             Self::ArchiveDuplicate => "ARCHIVE_DUPLICATE_NAME",
             Self::ArchiveOverlap => "ARCHIVE_OVERLAP",
             Self::Pixels { .. } => "RECORDING_TOO_MANY_PIXELS",
@@ -351,6 +411,9 @@ impl Problem for Error {
             Self::TooMany { .. } => "CAPTURE_TOO_MANY",
             Self::MissingFile(_) => "MISSING_FILE",
             Self::MissingArray { .. } => "MISSING_ARRAY",
+            Self::ImagesMissing { .. } => "IMAGES_NOT_FOUND",
+            Self::FrameNumbers(_) => "FRAME_NUMBERS_UNCLEAR",
+            Self::MaskLabels(_) => "MASK_LABELS_UNCLEAR",
             Self::Document { .. } => "INVALID_DOCUMENT",
             Self::Version { .. } => "UNSUPPORTED_VERSION",
             Self::Units(_) => "UNKNOWN_UNITS",

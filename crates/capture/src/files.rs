@@ -1,36 +1,40 @@
-//! The files of a capture, from a folder or a ZIP archive, read into memory one
-//! by one under the caps of [`Limits`]. Nothing is ever extracted to disk.
+//! The files of a capture, from a folder or an archive (ZIP, tar), read into memory one by one
+//! under the caps of [`Limits`]. Nothing is ever extracted to disk.
 
+mod listing;
+pub(crate) mod other;
 mod part;
 mod storage;
+mod tar;
+mod zip;
 
 use std::{
-    collections::BTreeMap,
+    collections::{BTreeMap, BTreeSet},
     fs::File,
     io::{BufReader, Cursor, Read},
     path::{Path, PathBuf},
-    sync::{
-        Arc,
-        atomic::{AtomicU64, Ordering},
-    },
+    sync::{Arc, Mutex, PoisonError},
 };
 
-use zip::{ZipArchive, result::ZipError};
-
-pub(crate) use self::storage::SharedFile;
-use self::storage::{Metered, Storage};
+use self::storage::Storage;
+pub(crate) use self::{
+    listing::{Contents, shortened},
+    storage::SharedFile,
+};
 use crate::{Error, Limits, limits::Budget};
+
+/// Numbers of an archive's files by their names.
+type Names = BTreeMap<String, usize>;
 
 #[derive(Clone)]
 enum Source<'a> {
     Folder(PathBuf),
-    Zip(Box<ZipArchive<Metered<Storage<'a>>>>),
+    Zip(Box<zip::Zip<'a>>),
+    Tar(Storage<'a>, Arc<Vec<tar::Member>>),
 }
 
-/// Bytes that looking for an archive's directory may read, and those of an
-/// entry apart from its name.
-const DIRECTORY_SEARCH: u64 = 256 << 10;
-const DIRECTORY_ENTRY: usize = 256;
+/// Bytes that tell an archive's format.
+const MAGIC: u64 = 512;
 
 /// `true` if an entry's name stays inside the archive on every system.
 pub(crate) fn is_plain(name: &str) -> bool {
@@ -45,19 +49,20 @@ pub(crate) struct Files<'a> {
     pub(crate) limits: Limits,
     pub(crate) budget: Budget,
     source: Source<'a>,
-    /// Entry index of each name; empty for a folder.
-    entries: Arc<BTreeMap<String, usize>>,
+    /// Empty for a folder.
+    entries: Arc<Names>,
     /// Put before every name: the folder inside the archive that holds the capture.
     prefix: String,
+    /// The folder of these files among those that were opened.
+    origin: String,
     /// Size of the archive [bytes]; none for a folder.
     length: Option<u64>,
+    /// Names of the files that were read, if anybody wants to know.
+    read: Option<Arc<Mutex<BTreeSet<String>>>>,
 }
 
 /// A JSON document longer than this describes no recording.
 pub(crate) const MAX_DOCUMENT: u64 = 16 << 20;
-
-/// Most folders between the root of an archive or folder and a capture.
-const MAX_NESTING: usize = 2;
 
 impl<'a> Files<'a> {
     /// Opens a folder or an archive.
@@ -68,28 +73,77 @@ impl<'a> Files<'a> {
             _ => Error::Io { at: at.clone(), source },
         };
         let metadata = std::fs::metadata(path).map_err(io)?;
-        let stem = path.file_stem().unwrap_or_default().to_string_lossy();
         if metadata.is_dir() {
             // A folder's name may contain dots, and `.` has no name at all.
             let full = path.canonicalize().map_err(io)?;
             let name = full.file_name().unwrap_or_default().to_string_lossy();
-            return Ok(Self {
-                name: name.into_owned(),
-                limits: limits.clone(),
-                budget: Budget::new(limits),
-                source: Source::Folder(path.to_owned()),
-                entries: Arc::default(),
-                prefix: String::new(),
-                length: None,
-            });
+            let source = Source::Folder(path.to_owned());
+            return Ok(Self::over(&name, source, Names::new(), None, limits));
         }
         let file = BufReader::new(SharedFile::open(path).map_err(io)?);
-        Self::zip(&stem, Storage::File(file), limits)
+        let whole = path.file_name().unwrap_or_default().to_string_lossy();
+        Self::archive(stem(&whole), &whole, Storage::File(file), limits)
     }
 
     /// Opens an archive in memory.
     pub(crate) fn from_bytes(name: &str, bytes: &'a [u8], limits: &Limits) -> Result<Self, Error> {
-        Self::zip(name, Storage::Memory(Cursor::new(bytes)), limits)
+        Self::archive(name, name, Storage::Memory(Cursor::new(bytes)), limits)
+    }
+
+    fn over(
+        name: &str,
+        source: Source<'a>,
+        entries: Names,
+        length: Option<u64>,
+        limits: &Limits,
+    ) -> Self {
+        Self {
+            name: name.to_owned(),
+            limits: limits.clone(),
+            budget: Budget::new(limits),
+            source,
+            entries: Arc::new(entries),
+            prefix: String::new(),
+            origin: String::new(),
+            length,
+            read: None,
+        }
+    }
+
+    /// Opens an archive, of whichever format it is; `at` is the name of its file.
+    fn archive(
+        name: &str,
+        at: &str,
+        mut storage: Storage<'a>,
+        limits: &Limits,
+    ) -> Result<Self, Error> {
+        let io = |source| Error::Io { at: at.to_owned(), source };
+        let length = storage.length();
+        let mut limits = limits.clone();
+        let mut start = storage.first(MAGIC).map_err(io)?;
+        let is_gzip = start.starts_with(b"\x1f\x8b");
+        if is_gzip {
+            storage = tar::unpack(at, storage, &mut limits)?;
+            start = storage.first(MAGIC).map_err(io)?;
+        }
+        let mut budget = Budget::new(&limits);
+        let (source, names) = if tar::is_tar(&start) {
+            let (members, names) = tar::open(storage.clone(), &limits, &mut budget)?;
+            (Source::Tar(storage, Arc::new(members)), names)
+        } else if is_gzip {
+            return Err(other::gzip(at));
+        } else if start.starts_with(b"PK") {
+            let (archive, names) = zip::open(name, storage, &limits, &mut budget)?;
+            (Source::Zip(Box::new(archive)), names)
+        } else {
+            let unknown = || Error::UnknownKind {
+                name: at.to_owned(),
+                there: "which is neither a ZIP nor a tar archive".to_owned(),
+            };
+            return Err(other::recognise(at, &mut storage).unwrap_or_else(unknown));
+        };
+        let files = Self::over(name, source, names, Some(length), &limits);
+        Ok(Self { budget, ..files })
     }
 
     /// Another reader of the same files, with a budget of its own.
@@ -101,123 +155,57 @@ impl<'a> Files<'a> {
             source: self.source.clone(),
             entries: self.entries.clone(),
             prefix: self.prefix.clone(),
+            origin: self.origin.clone(),
             length: self.length,
+            read: self.read.clone(),
         }
     }
 
-    fn zip(name: &str, mut reader: Storage<'a>, limits: &Limits) -> Result<Self, Error> {
-        let length = reader.length();
-        let mut magic = [0; 2];
-        let is_zip = reader.read_exact(&mut magic).is_ok() && &magic == b"PK";
-        if !is_zip {
-            return Err(Error::UnknownKind(name.to_owned()));
-        }
-        let mut budget = Budget::new(limits);
-        // The directory is read whole before its entries can be counted.
-        let longest = (DIRECTORY_ENTRY + limits.name_bytes) as u64;
-        let left = DIRECTORY_SEARCH
-            .saturating_add((limits.archive_entries as u64).saturating_mul(longest));
-        let left = Arc::new(AtomicU64::new(left));
-        let metered = Metered { inner: reader, left: left.clone() };
-        let mut archive = ZipArchive::new(metered).map_err(|e| unusable(name, e))?;
-        left.store(u64::MAX, Ordering::Relaxed);
-        let directory = archive.metadata();
-        let entries = directory.len();
-        if entries > limits.archive_entries {
-            return Err(Error::ArchiveEntries { entries, limit: limits.archive_entries });
-        }
-        if directory.has_duplicate_names() {
-            return Err(Error::ArchiveDuplicate);
-        }
-        // Sizes in the directory mean something only where no byte belongs to two entries.
-        if archive.has_overlapping_entries().map_err(|e| unusable(name, e))? {
-            return Err(Error::ArchiveOverlap);
-        }
-        let mut unpacked = 0_u64;
-        let mut names = BTreeMap::new();
-        for index in 0..entries {
-            let entry = directory.entry(index).map_err(|e| unusable(name, e))?;
-            let raw = String::from_utf8_lossy(entry.name_raw()).into_owned();
-            if raw.len() > limits.name_bytes {
-                return Err(Error::ArchiveName(
-                    raw.chars().take(80).chain("...".chars()).collect(),
-                ));
-            }
-            let enclosed = entry.enclosed_name().and_then(|p| p.to_str().map(str::to_owned));
-            let Some(enclosed) = enclosed.filter(|_| is_plain(&raw)) else {
-                return Err(Error::ArchiveName(raw));
-            };
-            unpacked = unpacked.saturating_add(entry.size());
-            if !entry.is_dir() {
-                names.insert(enclosed.replace('\\', "/"), index);
-            }
-        }
-        budget.take(entries as u64 * 256, "the archive's directory")?;
-        let limit = limits.unpacked_of(length);
-        if unpacked > limit {
-            let what = "the archive's unpacked content".to_owned();
-            return Err(Error::TooLarge { what, bytes: unpacked, limit });
-        }
-        Ok(Self {
-            name: name.to_owned(),
-            limits: limits.clone(),
-            budget,
-            source: Source::Zip(Box::new(archive)),
-            entries: Arc::new(names),
-            prefix: String::new(),
-            length: Some(length),
-        })
+    /// Keeps the names of the files that are read from here on.
+    pub(crate) fn keep_names(&mut self) {
+        self.read = Some(Arc::default());
     }
 
-    /// Moves the root to the one place where a file of this name lies, at most
-    /// two folders deep.
-    ///
-    /// # Errors
-    /// If there are several.
-    pub(crate) fn enter(&mut self, marker: &str) -> Result<bool, Error> {
-        let found: Vec<String> = match &self.source {
-            Source::Folder(root) => {
-                if root.join(marker).is_file() {
-                    return Ok(true);
+    /// Names of the files that were read since [`Files::keep_names`], as [`Files::full_name`] has
+    /// them.
+    pub(crate) fn names_read(&self) -> BTreeSet<String> {
+        let read = self.read.as_ref();
+        read.map(|names| names.lock().unwrap_or_else(PoisonError::into_inner).clone())
+            .unwrap_or_default()
+    }
+
+    /// The folder that holds the capture, from the root of all files; ends with `/` unless empty.
+    pub(crate) fn prefix(&self) -> &str {
+        &self.prefix
+    }
+
+    /// Name of a file from the root of what was opened.
+    pub(crate) fn full_name(&self, name: &str) -> String {
+        format!("{}{}{name}", self.origin, self.prefix)
+    }
+
+    /// Why there is no capture, from what lies there.
+    pub(crate) fn unknown(&self) -> Error {
+        let contents = self.list("");
+        for name in &contents.files {
+            match &self.source {
+                Source::Folder(root) => {
+                    let file = SharedFile::open(&root.join(name)).ok();
+                    let mut storage = file.map(|file| Storage::File(BufReader::new(file)));
+                    let known = storage.as_mut().and_then(|file| other::recognise(name, file));
+                    if let Some(known) = known {
+                        return known;
+                    }
                 }
-                let inner = std::fs::read_dir(root)
-                    .map_err(|source| Error::Io { at: self.name.clone(), source })?;
-                inner
-                    .take(self.limits.archive_entries)
-                    .filter_map(|entry| {
-                        let entry = entry.ok()?;
-                        let name = entry.file_name().to_str()?.to_owned();
-                        entry.path().join(marker).is_file().then(|| format!("{name}/"))
-                    })
-                    .collect()
-            }
-            Source::Zip(_) => {
-                if self.entries.contains_key(marker) {
-                    return Ok(true);
+                _ if name.to_ascii_lowercase().ends_with(".mcap") => {
+                    return other::packed_mcap(name);
                 }
-                let ending = format!("/{marker}");
-                let prefixes = self.entries.keys().filter(|n| !n.starts_with("__MACOSX/"));
-                prefixes
-                    .filter_map(|n| n.strip_suffix(&ending))
-                    .filter(|p| p.split('/').count() <= MAX_NESTING)
-                    .map(|p| format!("{p}/"))
-                    .collect()
+                _ => {}
             }
-        };
-        match found.as_slice() {
-            [] => Ok(false),
-            [one] => {
-                self.prefix.clone_from(one);
-                if let Some(name) = one.trim_end_matches('/').rsplit('/').next() {
-                    name.clone_into(&mut self.name);
-                }
-                Ok(true)
-            }
-            several => {
-                let names: Vec<&str> =
-                    several.iter().take(5).map(|p| p.trim_end_matches('/')).collect();
-                Err(Error::Several(names.join(", ")))
-            }
+        }
+        Error::UnknownKind {
+            name: self.name.clone(),
+            there: format!("which {}", contents.in_words()),
         }
     }
 
@@ -236,16 +224,7 @@ impl<'a> Files<'a> {
         let full = format!("{}{name}", self.prefix);
         match &self.source {
             Source::Folder(root) => root.join(full).is_file(),
-            Source::Zip(_) => self.entries.contains_key(&full),
-        }
-    }
-
-    /// `true` if some file's name starts so (`color/`, say).
-    pub(crate) fn has_under(&self, folder: &str) -> bool {
-        let full = format!("{}{folder}", self.prefix);
-        match &self.source {
-            Source::Folder(root) => root.join(full).is_dir(),
-            Source::Zip(_) => self.entries.keys().any(|n| n.starts_with(&full)),
+            Source::Zip(_) | Source::Tar(..) => self.entries.contains_key(&full),
         }
     }
 
@@ -277,13 +256,14 @@ impl<'a> Files<'a> {
 
     /// Reads a JSON document that may be missing; parsed, it takes several times its size.
     pub(crate) fn find_document(&mut self, name: &str) -> Result<Option<Vec<u8>>, Error> {
-        let bytes = self.find(name)?;
-        match bytes.as_ref().map(|b| b.len() as u64).filter(|len| *len > MAX_DOCUMENT) {
-            Some(bytes) => {
-                Err(Error::TooLarge { what: format!("`{name}`"), bytes, limit: MAX_DOCUMENT })
-            }
-            None => Ok(bytes),
+        let Some(mut bytes) = self.find(name)? else { return Ok(None) };
+        let size = bytes.len() as u64;
+        if size > MAX_DOCUMENT {
+            let what = format!("`{name}`");
+            return Err(Error::TooLarge { what, bytes: size, limit: MAX_DOCUMENT });
         }
+        unmark(name, &mut bytes)?;
+        Ok(Some(bytes))
     }
 
     /// Reads a file that may be missing.
@@ -293,50 +273,61 @@ impl<'a> Files<'a> {
 
     /// Reads a file that may be missing and may not be longer than `cap` bytes.
     pub(crate) fn find_within(&mut self, name: &str, cap: u64) -> Result<Option<Vec<u8>>, Error> {
-        let cap = cap.min(self.limits.file_bytes);
+        let bytes = self.read_within(name, cap.min(self.limits.file_bytes))?;
+        if let (Some(_), Some(names)) = (&bytes, &self.read) {
+            let name = self.full_name(name);
+            names.lock().unwrap_or_else(PoisonError::into_inner).insert(name);
+        }
+        Ok(bytes)
+    }
+
+    fn read_within(&mut self, name: &str, cap: u64) -> Result<Option<Vec<u8>>, Error> {
         let full = format!("{}{name}", self.prefix);
-        match &mut self.source {
-            Source::Folder(root) => {
-                let path = root.join(&full);
-                let Ok(metadata) = std::fs::metadata(&path) else { return Ok(None) };
-                if !metadata.is_file() {
-                    return Ok(None);
-                }
-                let io = |source| Error::Io { at: full.clone(), source };
-                let file = File::open(&path).map_err(io)?;
-                read_capped(name, file, metadata.len(), cap, &mut self.budget).map(Some)
+        if let Source::Folder(root) = &self.source {
+            let path = root.join(&full);
+            let Ok(metadata) = std::fs::metadata(&path) else { return Ok(None) };
+            if !metadata.is_file() {
+                return Ok(None);
             }
+            let io = |source| Error::Io { at: full.clone(), source };
+            let file = File::open(&path).map_err(io)?;
+            return read_capped(name, file, metadata.len(), cap, &mut self.budget).map(Some);
+        }
+        let Some(&index) = self.entries.get(&full) else { return Ok(None) };
+        let (names, limits) = ([full.as_str(), name], &self.limits);
+        match &mut self.source {
+            Source::Folder(_) => Ok(None),
             Source::Zip(archive) => {
-                let Some(&index) = self.entries.get(&full) else { return Ok(None) };
-                let entry = archive.by_index(index).map_err(|e| unusable(&full, e))?;
-                let kind = match entry.unix_mode().map(|m| m & 0o170_000) {
-                    _ if entry.encrypted() => Some("encrypted"),
-                    _ if entry.is_symlink() => Some("a link"),
-                    Some(0 | 0o100_000) | None => None,
-                    Some(_) => Some("a special file"),
-                };
-                if let Some(kind) = kind {
-                    return Err(Error::ArchiveEntryKind { at: full, kind });
-                }
-                let size = entry.size();
-                let ratio = size / entry.compressed_size().max(1);
-                if size >= self.limits.ratio_from_bytes && ratio > self.limits.compression_ratio {
-                    let limit = self.limits.compression_ratio;
-                    return Err(Error::ArchiveRatio { at: full, ratio, limit });
-                }
-                read_capped(name, entry, size, cap, &mut self.budget).map(Some)
+                zip::read(archive, index, names, cap, limits, &mut self.budget).map(Some)
+            }
+            Source::Tar(storage, members) => {
+                let Some(&member) = members.get(index) else { return Ok(None) };
+                tar::read(storage, member, names, cap, &mut self.budget).map(Some)
             }
         }
     }
 }
 
-/// Why an archive or an entry of it cannot be read.
-fn unusable(at: &str, error: ZipError) -> Error {
-    match error {
-        ZipError::UnsupportedArchive(ZipError::PASSWORD_REQUIRED) => {
-            Error::ArchiveEntryKind { at: at.to_owned(), kind: "encrypted" }
-        }
-        other => Error::ArchiveDamaged(other.to_string()),
+/// Takes off the mark that some editors put before UTF-8, and refuses UTF-16.
+pub(crate) fn unmark(name: &str, bytes: &mut Vec<u8>) -> Result<(), Error> {
+    if bytes.starts_with(b"\xef\xbb\xbf") {
+        bytes.drain(..3);
+    }
+    if bytes.starts_with(b"\xff\xfe") || bytes.starts_with(b"\xfe\xff") {
+        let fault = "it is UTF-16 text: save it as UTF-8".to_owned();
+        return Err(Error::Document { at: name.to_owned(), fault });
+    }
+    Ok(())
+}
+
+/// A file's name without the extension of an archive.
+fn stem(name: &str) -> &str {
+    let lower = name.to_ascii_lowercase();
+    let double = [".tar.gz", ".tar.bz2"].iter().find(|ending| lower.ends_with(**ending));
+    let end = double.map_or_else(|| name.rfind('.'), |ending| Some(name.len() - ending.len()));
+    match end {
+        Some(end) if end > 0 => name.get(..end).unwrap_or(name),
+        _ => name,
     }
 }
 
@@ -369,3 +360,6 @@ fn read_capped(
     }
     Ok(bytes)
 }
+
+#[cfg(test)]
+mod tests;

@@ -16,6 +16,7 @@ pub mod read;
 pub mod several;
 
 mod array;
+mod contents;
 mod digest;
 mod error;
 mod files;
@@ -27,6 +28,7 @@ mod torch;
 
 pub use bundle::{write_bundle, write_bundle_file};
 pub use check::{CheckReport, check, check_path};
+pub use contents::{FilesRead, files_read};
 pub use digest::digest;
 pub use error::Error;
 pub use limits::Limits;

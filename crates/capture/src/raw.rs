@@ -12,17 +12,21 @@ mod decode;
 mod encode;
 mod image;
 mod mcap;
-mod nerfstudio;
+pub(crate) mod nerfstudio;
+mod numbering;
 mod phystwin;
 mod stored;
 #[cfg(test)]
-mod testing;
+pub(crate) mod testing;
 mod tracks;
 mod validity;
 
-use std::{path::Path, sync::Arc};
+use std::{
+    path::{Path, PathBuf},
+    sync::Arc,
+};
 
-use bendtwin_core::{Environment, Point};
+use bendtwin_core::{Environment, Finding, Point};
 
 pub(crate) use self::bundle::Section;
 pub use self::{
@@ -31,9 +35,13 @@ pub use self::{
     image::{ColorImage, DepthImage, Image, Mask},
     phystwin::{export_case, write_case},
 };
-use crate::{Error, Limits, files::Files, read};
+use crate::{
+    Error, Limits,
+    files::{Contents, Files},
+    read,
+};
 
-/// Opens the raw recording at a path, a folder, a ZIP archive or an MCAP file, without reading its
+/// Opens the raw recording at a path, a folder, an archive or an MCAP file, without reading its
 /// frames. Processed data beside it is passed over.
 ///
 /// # Errors
@@ -44,36 +52,37 @@ pub fn open(path: &Path, limits: &Limits) -> Result<Recording, Error> {
         validity::settle(&mut recording, limits)?;
         return Ok(recording);
     }
-    let files = Files::open(read::root(path), limits)?;
-    let name = files.name.clone();
-    find(files)?.ok_or(Error::UnknownKind(name))
+    find(Files::open(read::root(path), limits)?)
 }
 
-/// `true` if an MCAP file lies at a path.
-pub(crate) fn is_mcap(path: &Path) -> Result<bool, Error> {
-    Ok(mcap::file_at(path)?.is_some())
+/// The MCAP file at a path, if there is one.
+pub(crate) fn mcap_at(path: &Path) -> Result<Option<PathBuf>, Error> {
+    mcap::file_at(path)
 }
 
-/// The recording among these files, if there is one.
-pub(crate) fn find(mut files: Files<'static>) -> Result<Option<Recording>, Error> {
+/// The recording among these files.
+pub(crate) fn find(mut files: Files<'static>) -> Result<Recording, Error> {
     let limits = files.limits.clone();
-    let mut recording = if files.enter(crate::bundle::MARKER)? {
+    if !files.settle(read::is_capture)? {
+        return Err(files.unknown());
+    }
+    let contents = files.list("");
+    let mut recording = if contents.has(crate::bundle::MARKER) {
         bundle::read(files)?
-    } else if files.enter(nerfstudio::MARKER)? {
+    } else if contents.has(nerfstudio::MARKER) {
         nerfstudio::read(files)?
-    } else if files.enter(phystwin::MARKER)? && files.has_under("color") {
+    } else if is_case(&contents) {
         phystwin::read(files)?
     } else {
-        return Ok(None);
+        return Err(files.unknown());
     };
     validity::settle(&mut recording, &limits)?;
-    Ok(Some(recording))
+    Ok(recording)
 }
 
-/// `true` if files that hold no points are a recording.
-pub(crate) fn is_here(files: &mut Files<'_>) -> Result<bool, Error> {
-    Ok(files.enter(nerfstudio::MARKER)?
-        || (files.enter(phystwin::MARKER)? && files.has_under("color")))
+/// `true` if a folder with these files is a raw PhysTwin case.
+pub(crate) fn is_case(contents: &Contents) -> bool {
+    contents.has(phystwin::MARKER) && contents.has_folder("color")
 }
 
 /// Recording of one manipulation by cameras.
@@ -100,6 +109,8 @@ pub struct Recording {
     pub truth_tracks: Vec<Point>,
     /// Mass of the object, if it was weighed [kg].
     pub mass_kg: Option<f64>,
+    /// What the reader took for what, and what it noticed without failing.
+    pub notes: Vec<Finding>,
     /// Source of the frames.
     pub source: Arc<dyn Source>,
 }
@@ -154,6 +165,12 @@ pub trait Source: Send + Sync + std::fmt::Debug {
     /// # Errors
     /// If its files cannot be opened.
     fn frames(&self, camera: usize) -> Result<Box<dyn Frames + '_>, Error>;
+
+    /// Names of the files that hold frames, from the root of what was opened; none if they do not
+    /// lie in files of their own.
+    fn files(&self) -> Vec<String> {
+        Vec::new()
+    }
 }
 
 /// Reads the frames of one camera. All images have the size that the camera says; readers refuse

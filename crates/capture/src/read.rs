@@ -7,15 +7,15 @@ use bendtwin_core::{Capture, Finding};
 use crate::{
     Error, Limits, bundle,
     check::Note,
-    files::Files,
+    files::{Contents, Files},
     mocap, phystwin,
     raw::{self, Recording},
     several::{self, Part},
     structure::validate,
 };
 
-/// Reads a capture from a folder, a ZIP archive or an .npz of motion capture
-/// with its .json beside it.
+/// Reads a capture from a folder, a ZIP or tar archive, or an .npz of motion capture with its .json
+/// beside it.
 ///
 /// The result is structurally sound (lengths agree, indices exist), in metres
 /// with z up. [`crate::check()`] judges its numbers.
@@ -26,7 +26,7 @@ pub fn read(path: &Path, limits: &Limits) -> Result<Capture, Error> {
     read_noting(path, limits).map(|(capture, _)| capture)
 }
 
-/// Reads a capture from the bytes of a ZIP archive; `name` stands in for its file name.
+/// Reads a capture from the bytes of an archive; `name` stands in for its file name.
 ///
 /// # Errors
 /// As [`read`].
@@ -52,16 +52,37 @@ pub enum Opened {
 /// # Errors
 /// If there is no capture, it is damaged, or it exceeds the limits.
 pub fn open(path: &Path, limits: &Limits) -> Result<Opened, Error> {
-    if let Some(parts) = several::open(path, limits)? {
+    let path = root(path);
+    if is_npz(path) {
+        let (capture, notes) = read_noting(path, limits)?;
+        return Ok(observed(capture, notes));
+    }
+    if raw::mcap_at(path)?.is_some() {
+        return raw::open(path, limits).map(Opened::Raw);
+    }
+    open_files(&mut Files::open(path, limits)?)
+}
+
+/// Opens whatever these files are.
+pub(crate) fn open_files(files: &mut Files<'static>) -> Result<Opened, Error> {
+    if let Some(parts) = several::open(files)? {
         return Ok(Opened::Several(parts));
     }
-    match read_noting(path, limits) {
-        Ok((capture, notes)) => {
-            Ok(Opened::Observed(capture, notes.into_iter().map(|n| n.0).collect()))
-        }
-        Err(Error::RawOnly(_)) => raw::open(path, limits).map(Opened::Raw),
+    let mut notes = Vec::new();
+    match read_one(files, &mut notes) {
+        Ok(capture) => Ok(observed(capture, notes)),
+        Err(Error::RawOnly(_)) => raw::find(files.fork()).map(Opened::Raw),
         Err(error) => Err(error),
     }
+}
+
+fn observed(capture: Capture, notes: Vec<Note>) -> Opened {
+    Opened::Observed(capture, notes.into_iter().map(|n| n.0).collect())
+}
+
+/// True for the arrays of motion capture, which are no archive of files.
+fn is_npz(path: &Path) -> bool {
+    path.extension().is_some_and(|e| e.eq_ignore_ascii_case("npz"))
 }
 
 /// The folder or file to open: a person may point at the document inside the bundle.
@@ -77,9 +98,9 @@ pub(crate) fn root(path: &Path) -> &Path {
 pub(crate) fn read_noting(path: &Path, limits: &Limits) -> Result<(Capture, Vec<Note>), Error> {
     let mut notes = Vec::new();
     let path = root(path);
-    let capture = if path.extension().is_some_and(|e| e.eq_ignore_ascii_case("npz")) {
+    let capture = if is_npz(path) {
         mocap::read_npz(path, &path.with_extension("json"), limits)?
-    } else if raw::is_mcap(path)? {
+    } else if raw::mcap_at(path)?.is_some() {
         let name = path.file_stem().unwrap_or_default().to_string_lossy();
         return Err(Error::RawOnly(name.into_owned()));
     } else {
@@ -97,15 +118,49 @@ fn read_files(files: &mut Files<'_>, notes: &mut Vec<Note>) -> Result<Capture, E
 
 /// Reads a capture that is not several recordings.
 pub(crate) fn read_one(files: &mut Files<'_>, notes: &mut Vec<Note>) -> Result<Capture, Error> {
-    let capture = if files.enter(bundle::MARKER)? {
+    if !files.settle(is_capture)? {
+        return Err(files.unknown());
+    }
+    let contents = files.list("");
+    let capture = if contents.has(bundle::MARKER) {
         bundle::read(files, notes)?
-    } else if files.enter(phystwin::MARKER)? {
+    } else if contents.has(phystwin::MARKER) {
         phystwin::read(files, notes)?
-    } else if raw::is_here(files)? {
-        return Err(Error::RawOnly(files.name.clone()));
+    } else if contents.has(several::MARKER) {
+        return Err(files.unknown());
     } else {
-        return Err(Error::UnknownKind(files.name.clone()));
+        return Err(Error::RawOnly(files.name.clone()));
     };
+    notes.extend(taken(&contents).map(Note));
     validate(&capture)?;
     Ok(capture)
+}
+
+/// `true` if a folder with these files is a capture.
+pub(crate) fn is_capture(contents: &Contents) -> bool {
+    formats(contents).next().is_some()
+}
+
+/// Formats in a folder; the first is read.
+pub(crate) fn formats(contents: &Contents) -> impl Iterator<Item = &'static str> {
+    [
+        (contents.has(several::MARKER), "several recordings (`recordings.json`)"),
+        (contents.has(bundle::MARKER), "a bundle (`capture.json`)"),
+        (contents.has(phystwin::MARKER), "a processed PhysTwin case (`final_data.pkl`)"),
+        (contents.has(raw::nerfstudio::MARKER), "nerfstudio (`transforms.json`)"),
+        (raw::is_case(contents), "a raw PhysTwin case (`metadata.json` with `color`)"),
+    ]
+    .into_iter()
+    .filter_map(|(is_there, name)| is_there.then_some(name))
+}
+
+/// The finding that says which format of several was read.
+pub(crate) fn taken(contents: &Contents) -> Option<Finding> {
+    let mut formats = formats(contents);
+    let first = formats.next()?;
+    let others = formats.collect::<Vec<_>>().join(" and ");
+    let message = format!("it was read as {first}; {others} in the same folder is passed over");
+    let advice = "move the files of the first away to have the other read";
+    let finding = Finding { advice: advice.into(), ..Finding::info("FORMAT_TAKEN", message) };
+    (!others.is_empty()).then_some(finding)
 }

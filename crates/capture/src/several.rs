@@ -1,19 +1,17 @@
 //! Several recordings of one object: `recordings.json` and one folder for each, in any format of a
 //! capture. `docs/capture-format.md` specifies it for other programs.
 
-use std::path::Path;
-
 use bendtwin_core::Capture;
 use serde::{Deserialize, Serialize};
 
 use crate::{
-    Error, Limits, Opened,
+    Error, Opened,
     check::Note,
     files::{Files, at_most},
     limits::Budget,
     phystwin::json,
     raw,
-    read::{self, read_one},
+    read::{is_capture, read_one},
     structure::validate,
 };
 
@@ -64,26 +62,16 @@ struct Place<'a> {
     files: Files<'a>,
 }
 
-/// The recordings at a path, opened; `None` if a single capture lies there, or none.
-pub(crate) fn open(path: &Path, limits: &Limits) -> Result<Option<Vec<Part>>, Error> {
-    let root = read::root(path);
-    let is_files = root.is_dir() || root.extension().is_none_or(|e| !is_single(e));
-    if !is_files || raw::is_mcap(root)? {
-        return Ok(None);
-    }
-    let mut files = Files::open(root, limits)?;
-    let Some(places) = places(&mut files)? else { return Ok(None) };
-    let (mut parts, mut budget) = (Vec::with_capacity(places.len()), Budget::new(limits));
+/// The recordings among these files, opened; `None` if there is no document that names them.
+pub(crate) fn open(files: &mut Files<'static>) -> Result<Option<Vec<Part>>, Error> {
+    let Some(places) = places(files)? else { return Ok(None) };
+    let (mut parts, mut budget) = (Vec::with_capacity(places.len()), Budget::new(&files.limits));
     for Place { entry, mut files } in places {
         let named = |error| in_recording(&entry.name, error);
         let mut notes = Vec::new();
         let opened = match read_within(&mut files, &mut budget, &mut notes) {
             Ok(capture) => Opened::Observed(capture, notes.into_iter().map(|n| n.0).collect()),
-            Err(Error::RawOnly(_)) => {
-                let found = raw::find(files).map_err(named)?;
-                let recording = found.ok_or_else(|| Error::UnknownKind(entry.folder.clone()));
-                Opened::Raw(recording.map_err(named)?)
-            }
+            Err(Error::RawOnly(_)) => Opened::Raw(raw::find(files).map_err(named)?),
             Err(error) => return Err(named(error)),
         };
         parts.push(Part { name: entry.name, held_out: entry.held_out, opened });
@@ -132,7 +120,9 @@ pub fn join(
         }
         Capture { name, ..capture }
     });
-    let reference = all.next().ok_or_else(|| Error::UnknownKind(name.clone()))?;
+    let none =
+        || Error::UnknownKind { name: name.clone(), there: "which has no recordings".into() };
+    let reference = all.next().ok_or_else(none)?;
     let capture = Capture { others: all.collect(), name, ..reference };
     validate(&capture)?;
     Ok(capture)
@@ -151,13 +141,8 @@ pub(crate) fn document<'a>(
     })
 }
 
-/// True for files that are no archive.
-fn is_single(extension: &std::ffi::OsStr) -> bool {
-    extension.eq_ignore_ascii_case("npz")
-}
-
 fn places<'a>(files: &mut Files<'a>) -> Result<Option<Vec<Place<'a>>>, Error> {
-    if !files.enter(MARKER)? {
+    if !files.settle(is_capture)? || !files.has(MARKER) {
         return Ok(None);
     }
     let document: Document = json(&files.read_document(MARKER)?, MARKER)?;
@@ -168,12 +153,11 @@ fn places<'a>(files: &mut Files<'a>) -> Result<Option<Vec<Place<'a>>>, Error> {
             document.format, document.version
         )));
     }
-    let folders = files.folders()?;
+    let folders = files.list("").folders;
     let mut entries = document.recordings;
     if entries.is_empty() {
-        let is_hidden = |f: &str| f.starts_with('.') || f == "__MACOSX";
-        let all = folders.iter().filter(|f| !is_hidden(f));
-        entries = all.map(|f| Entry { folder: f.clone(), ..Entry::default() }).collect();
+        let all = folders.iter().cloned();
+        entries = all.map(|folder| Entry { folder, ..Entry::default() }).collect();
     }
     at_most("recordings", entries.len(), Capture::MOST_RECORDINGS)?;
     if entries.is_empty() {

@@ -29,7 +29,7 @@ pub(crate) fn open<'a>(
         return Err(damaged("it is no archive as torch writes them since version 1.6"));
     }
     let mut files = Files::from_bytes(at, bytes, limits)?;
-    if !files.enter(PROGRAM)? {
+    if !files.settle(|contents| contents.has(PROGRAM))? {
         return Err(damaged("it is an archive without a `data.pkl`, and so not of torch"));
     }
     if files.find("byteorder")?.is_some_and(|order| order != b"little") {

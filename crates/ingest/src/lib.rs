@@ -45,7 +45,7 @@ pub fn ingest(
 ) -> Result<Observed, Fault> {
     observer.progress(Progress { step: Step::Read, fraction: 0.0 });
     match capture::open(path, limits) {
-        Err(error) => Ok(unread(name, &called(error, name).fault())),
+        Err(error) => Ok(unread(name, &called(error, path, name).fault())),
         Ok(Opened::Several(parts)) => {
             several::ingest(parts, name, settings, checkpoint, observer, cancel)
         }
@@ -137,10 +137,14 @@ fn error_of(fault: &Fault) -> Finding {
 
 /// Errors call the capture by its name: its path here is a temporary file's, which tells nobody
 /// anything.
-fn called(error: capture::Error, name: &str) -> capture::Error {
-    use capture::Error::{RawOnly, UnknownKind};
+fn called(error: capture::Error, path: &Path, name: &str) -> capture::Error {
+    use capture::Error::{OtherFormat, RawOnly, UnknownKind};
+    let uploaded = path.file_name().and_then(|name| name.to_str()).unwrap_or_default();
     match error {
-        UnknownKind(_) => UnknownKind(name.to_owned()),
+        UnknownKind { there, .. } => UnknownKind { name: name.to_owned(), there },
+        OtherFormat { at, what, advice } if at == uploaded => {
+            OtherFormat { at: name.to_owned(), what, advice: advice.replace(uploaded, name) }
+        }
         RawOnly(_) => RawOnly(name.to_owned()),
         other => other,
     }

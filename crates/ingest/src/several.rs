@@ -45,7 +45,8 @@ pub(super) fn ingest(
     match report {
         Some(report) => Ok(Observed { capture, report }),
         None => {
-            let error = bendtwin_capture::Error::UnknownKind(name.to_owned());
+            let there = "which has no recordings".to_owned();
+            let error = bendtwin_capture::Error::UnknownKind { name: name.to_owned(), there };
             Ok(crate::unread(name, &error.fault()))
         }
     }

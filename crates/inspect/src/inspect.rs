@@ -73,11 +73,13 @@ fn unread(recording: &Recording, thresholds: &Thresholds) -> Inspection {
 }
 
 fn blank(recording: &Recording) -> Inspection {
-    Inspection {
+    let mut inspection = Inspection {
         kind: Kind::Recording,
         fps: Some(recording.fps).filter(|fps| fps.is_finite()),
         frame_count: recording.frame_count,
         train_frame_count: recording.train_frame_count,
         ..Inspection::unread(&recording.name)
-    }
+    };
+    inspection.add(recording.notes.iter().cloned());
+    inspection
 }

@@ -59,6 +59,7 @@ pub(crate) fn healthy() -> (TestScene, Recording) {
         mesh: None,
         truth_tracks: Vec::new(),
         mass_kg: None,
+        notes: Vec::new(),
         source: HEALTHY.clone(),
     };
     (scene, recording)

@@ -76,6 +76,7 @@ impl TestScene {
             mesh: None,
             truth_tracks,
             mass_kg: None,
+            notes: Vec::new(),
             source: Arc::new(SceneSource { scene: self, cameras }),
         }
     }

@@ -134,6 +134,7 @@ pub fn film_with(
         mesh,
         truth_tracks,
         mass_kg: None,
+        notes: Vec::new(),
         source: Arc::new(stage),
     })
 }

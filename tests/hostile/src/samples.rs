@@ -206,6 +206,7 @@ pub fn recording() -> Recording {
         }),
         truth_tracks: Vec::new(),
         mass_kg: None,
+        notes: Vec::new(),
         source: Arc::new(Made),
     }
 }

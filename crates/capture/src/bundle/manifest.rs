@@ -16,6 +16,9 @@ pub(crate) const MARKER: &str = bendtwin_core::capture_files::OBSERVATION_MARKER
 /// The word in `format`.
 pub(super) const FORMAT: &str = "bendtwin-capture";
 
+/// A vector whose length is 1 to this is one that was rounded.
+const UNIT: f32 = 1e-6;
+
 #[derive(Debug, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Manifest {
@@ -192,6 +195,8 @@ impl Manifest {
                         "the ground's normal {normal:?} has no direction: give a unit vector away from the ground"
                     )));
                 }
+                // What was made a unit vector stays as it is: what is written is read as the same.
+                let length = if (length - 1.0).abs() < UNIT { 1.0 } else { length };
                 let normal = frame.turn(*normal).map(|x| x / length);
                 Some(Plane { normal, offset_m: offset * frame.metres / length })
             }

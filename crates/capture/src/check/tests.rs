@@ -11,7 +11,7 @@ use bendtwin_synth::{MakeOptions, Scene, make};
 
 use super::*;
 
-fn rope() -> Capture {
+pub(crate) fn rope() -> Capture {
     static ROPE: OnceLock<Capture> = OnceLock::new();
     ROPE.get_or_init(|| make(Scene::Rope, &MakeOptions::tiny(11)).unwrap()).clone()
 }

@@ -79,6 +79,18 @@ impl Seek for SharedFile {
 pub(super) enum Storage<'a> {
     File(BufReader<SharedFile>),
     Memory(Cursor<&'a [u8]>),
+    /// Unpacked once, shared by all readers.
+    Unpacked(Cursor<Unpacked>),
+}
+
+/// Bytes that clones share.
+#[derive(Clone, Debug)]
+pub(super) struct Unpacked(pub(super) Arc<Vec<u8>>);
+
+impl AsRef<[u8]> for Unpacked {
+    fn as_ref(&self) -> &[u8] {
+        &self.0
+    }
 }
 
 impl Storage<'_> {
@@ -87,7 +99,26 @@ impl Storage<'_> {
         match self {
             Self::File(reader) => reader.get_ref().len(),
             Self::Memory(reader) => reader.get_ref().len() as u64,
+            Self::Unpacked(reader) => reader.get_ref().0.len() as u64,
         }
+    }
+
+    /// The first bytes, at most `count`; the position is the start again.
+    pub(super) fn first(&mut self, count: u64) -> Result<Vec<u8>> {
+        let mut bytes = Vec::new();
+        self.seek(SeekFrom::Start(0))?;
+        self.by_ref().take(count).read_to_end(&mut bytes)?;
+        self.seek(SeekFrom::Start(0))?;
+        Ok(bytes)
+    }
+
+    /// The last bytes, at most `count`; the position is the start again.
+    pub(super) fn last(&mut self, count: u64) -> Result<Vec<u8>> {
+        let mut bytes = Vec::new();
+        self.seek(SeekFrom::Start(self.length().saturating_sub(count)))?;
+        self.by_ref().take(count).read_to_end(&mut bytes)?;
+        self.seek(SeekFrom::Start(0))?;
+        Ok(bytes)
     }
 }
 
@@ -96,6 +127,7 @@ impl Clone for Storage<'_> {
         match self {
             Self::File(reader) => Self::File(BufReader::new(reader.get_ref().clone())),
             Self::Memory(reader) => Self::Memory(reader.clone()),
+            Self::Unpacked(reader) => Self::Unpacked(reader.clone()),
         }
     }
 }
@@ -105,6 +137,7 @@ impl Read for Storage<'_> {
         match self {
             Self::File(reader) => reader.read(buffer),
             Self::Memory(reader) => reader.read(buffer),
+            Self::Unpacked(reader) => reader.read(buffer),
         }
     }
 }
@@ -114,6 +147,7 @@ impl Seek for Storage<'_> {
         match self {
             Self::File(reader) => reader.seek(to),
             Self::Memory(reader) => reader.seek(to),
+            Self::Unpacked(reader) => reader.seek(to),
         }
     }
 }

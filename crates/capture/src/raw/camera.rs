@@ -159,20 +159,21 @@ impl Distortion {
 }
 
 impl Pose {
-    /// From a row-major 4 x 4 matrix whose last row is 0, 0, 0, 1.
-    pub(super) fn from_matrix(camera: &str, m: &[[f64; 4]; 4]) -> Result<Self, Error> {
-        if m[3] != [0.0, 0.0, 0.0, 1.0] {
-            return Err(Error::Camera {
-                camera: camera.to_owned(),
-                fault: format!(
-                    "the last row of its pose is {:?} and not [0, 0, 0, 1]: write camera-to-world, row-major",
-                    m[3]
-                ),
-            });
+    /// From the rows of a matrix of 4 x 4, whose last is 0, 0, 0, 1, or of 3 x 4, which lacks it.
+    pub(super) fn from_rows(camera: &str, m: &[[f64; 4]]) -> Result<Self, Error> {
+        let fail = |fault: String| Err(Error::Camera { camera: camera.to_owned(), fault });
+        let (upper, last) = m.split_at(m.len().min(3));
+        let (&[a, b, c], [] | [_]) = (upper, last) else {
+            return fail(format!("its pose has {} rows of 4 numbers: 3 or 4 are needed", m.len()));
+        };
+        if let Some(last) = last.first().filter(|last| **last != [0.0, 0.0, 0.0, 1.0]) {
+            return fail(format!(
+                "the last row of its pose is {last:?} and not [0, 0, 0, 1]: write camera-to-world, row-major"
+            ));
         }
         Ok(Self {
-            rotation: std::array::from_fn(|i| [m[i][0], m[i][1], m[i][2]]),
-            translation: std::array::from_fn(|i| m[i][3]),
+            rotation: [a, b, c].map(|row| [row[0], row[1], row[2]]),
+            translation: [a, b, c].map(|row| row[3]),
         })
     }
 

@@ -69,7 +69,8 @@ impl DepthImage {
         size: [usize; 2],
         limits: &Limits,
     ) -> Result<Self, Error> {
-        decode::depth(at, bytes, unit_m, size, &mut Budget::new(limits))
+        let unit = decode::DepthUnit::Declared(unit_m);
+        decode::depth(at, bytes, unit, size, &mut Budget::new(limits))
     }
 }
 

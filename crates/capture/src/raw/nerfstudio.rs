@@ -14,6 +14,8 @@ use self::{
 };
 use super::{
     Camera, Pose, Recording,
+    decode::DepthUnit,
+    numbering,
     stored::{CameraFiles, DepthNames, Names, StoredFrames},
     validity,
 };
@@ -24,7 +26,7 @@ use crate::{
     phystwin::json,
 };
 
-pub(super) const MARKER: &str = "transforms.json";
+pub(crate) const MARKER: &str = "transforms.json";
 
 /// nerfstudio's default: depth images in millimetres.
 const DEPTH_UNIT_M: f64 = 0.001;
@@ -51,8 +53,12 @@ pub(super) fn read(mut files: Files<'static>) -> Result<Recording, Error> {
     for group in &groups.cameras {
         let (camera, of) = camera(&document, group, scale, &frame)?;
         validity::check_size(&camera.name, of.size, &files.limits)?;
+        let depth = of.depth.as_ref().map(|depth| &depth.names);
+        for (what, names) in [("colour images", Some(&of.color)), ("depth images", depth)] {
+            expect_some(&files, &camera.name, what, names)?;
+        }
         stored.push(CameraFiles {
-            depth: of.depth.map(|depth| DepthNames { unit_m, ..depth }),
+            depth: of.depth.map(|depth| DepthNames { unit: DepthUnit::Declared(unit_m), ..depth }),
             ..of
         });
         cameras.push(camera);
@@ -79,8 +85,27 @@ pub(super) fn read(mut files: Files<'static>) -> Result<Recording, Error> {
         mesh: None,
         truth_tracks: Vec::new(),
         mass_kg: None,
+        notes: crate::read::taken(&files.list("")).into_iter().collect(),
         source: Arc::new(StoredFrames::new(files.fork(), frame_count, stored)?),
     })
+}
+
+/// Refuses a list of images none of which is there.
+fn expect_some(
+    files: &Files<'_>,
+    camera: &str,
+    what: &'static str,
+    names: Option<&Names>,
+) -> Result<(), Error> {
+    let Some(Names::Listed(names)) = names else { return Ok(()) };
+    let mut names = names.iter().flatten();
+    match names.next() {
+        Some(first) if !files.has(first) && !names.any(|name| files.has(name)) => {
+            let folder = first.rsplit_once('/').map_or("", |(folder, _)| folder);
+            Err(numbering::missing(files, camera, what, format!("`{first}`"), folder))
+        }
+        _ => Ok(()),
+    }
 }
 
 /// One camera and where its frames lie; the depth's unit is still to be filled in.
@@ -106,7 +131,7 @@ fn camera(
             );
         }
         lens = Some(of);
-        let mut pose = Pose::from_matrix(&group.name, &entry.transform_matrix)?;
+        let mut pose = Pose::from_rows(&group.name, &entry.transform_matrix)?;
         // From OpenGL's axes to OpenCV's: y and z of the camera change sign.
         for row in &mut pose.rotation {
             *row = [row[0], -row[1], -row[2]];
@@ -149,7 +174,7 @@ fn camera(
     let files = CameraFiles {
         size: [width, height],
         color: list(|e| Some(&e.file_path))?,
-        depth: Some(DepthNames { names: depth, unit_m: 1.0 }),
+        depth: Some(DepthNames { names: depth, unit: DepthUnit::Declared(1.0) }),
         object: some(list(|e| e.mask_path.as_ref())?),
         manipulator: some(list(|e| e.manipulator_mask_path.as_ref())?),
         tracks: None,

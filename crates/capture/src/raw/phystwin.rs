@@ -1,20 +1,26 @@
 //! A PhysTwin case as its cameras recorded it: colour, depth, masks, tracks and calibration beside
-//! each other. Its world has z pointing down and the ground at z = 0, as that of a processed case.
+//! each other. Its world has z pointing down and the ground at z = 0, as that of a processed case,
+//! unless it says otherwise.
 
+mod labels;
+mod masks;
 mod writer;
 
-use std::sync::Arc;
+use std::{collections::BTreeSet, sync::Arc};
 
-use bendtwin_core::Environment;
+use bendtwin_core::{Environment, Finding};
 use serde::Deserialize;
 
+use self::{labels::Labels, masks::Masks};
 use super::{
     Alignment, Camera, Distortion, Intrinsics, MeshFile, Pose, Recording,
-    stored::{CameraFiles, DepthNames, MAX_MESH, MAX_PARTS, Names, StoredFrames, TrackFiles},
+    decode::DepthUnit,
+    numbering::{self, Images, Numbering},
+    stored::{CameraFiles, DepthNames, MAX_MESH, StoredFrames, TrackFiles},
     validity,
 };
 use crate::{
-    Error,
+    Error, Limits,
     files::{Files, at_most},
     frame::Frame,
     phystwin::{json, split, truth},
@@ -26,12 +32,11 @@ pub use writer::{export_case, write_case};
 pub(super) const MARKER: &str = "metadata.json";
 const CALIBRATION: &str = "calibrate.pkl";
 
+/// The calibration, where it was not written by Python.
+const CALIBRATION_JSON: &str = "calibrate.json";
+
 /// PhysTwin stores millimetres.
 const DEPTH_UNIT_M: f64 = 0.001;
-
-/// Names of masks that show what moves the object.
-const MANIPULATORS: [&str; 8] =
-    ["hand", "hands", "controller", "controllers", "gripper", "grippers", "finger", "robot"];
 
 #[derive(Deserialize)]
 struct Metadata {
@@ -39,52 +44,52 @@ struct Metadata {
     #[serde(rename = "WH")]
     size: [usize; 2],
     fps: f64,
-    frame_num: usize,
+    frame_num: Option<usize>,
     #[serde(default)]
     serial_numbers: Vec<String>,
+    up_axis: Option<String>,
+    #[serde(alias = "depth_scale")]
+    depth_unit_m: Option<f64>,
+    #[serde(default)]
+    object_labels: Vec<String>,
 }
 
 /// Reads the case at the root of `files`, but none of its frames.
 pub(super) fn read(mut files: Files<'static>) -> Result<Recording, Error> {
-    let Some(frame) = Frame::from_up("-z") else {
-        return Err(Error::Axes("the case's axes are unknown".to_owned()));
-    };
     let metadata: Metadata = json(&files.read_document(MARKER)?, MARKER)?;
-    let camera_count = metadata.intrinsics.len();
-    let frame_count = metadata.frame_num;
-    validity::count(camera_count, frame_count, &files.limits)?;
-    let poses = poses(&mut files)?;
-    for (what, count) in
-        [(CALIBRATION, poses.len()), ("`serial_numbers`", metadata.serial_numbers.len())]
-    {
-        if count != camera_count && !(what == "`serial_numbers`" && count == 0) {
-            return Err(Error::Lengths(format!(
-                "{MARKER} has intrinsics of {camera_count} cameras, but {what} has {count}: one each"
-            )));
-        }
-    }
-    let mut cameras = Vec::with_capacity(camera_count);
-    let mut stored = Vec::with_capacity(camera_count);
-    for (index, (matrix, pose)) in metadata.intrinsics.iter().zip(&poses).enumerate() {
-        let serial = metadata.serial_numbers.get(index);
-        let name = serial.cloned().unwrap_or_else(|| index.to_string());
-        validity::check_size(&name, metadata.size, &files.limits)?;
-        cameras.push(Camera {
-            intrinsics: intrinsics(&name, matrix)?,
-            name,
-            width: metadata.size[0],
-            height: metadata.size[1],
-            distortion: Distortion::None,
-            poses: vec![pose.turned(&frame)],
-            times_s: Vec::new(),
+    let up = metadata.up_axis.as_deref().unwrap_or("-z");
+    let frame = Frame::from_up(up).ok_or_else(|| {
+        Error::Axes(format!("`up_axis` is `{up}`: it must be one of +x, -x, +y, -y, +z, -z"))
+    })?;
+    validity::count(metadata.intrinsics.len(), metadata.frame_num.unwrap_or(1), &files.limits)?;
+    let cameras = cameras(&mut files, &metadata, &frame)?;
+    let images = images(&mut files, &cameras)?;
+    let numbering = numbering(&images, metadata.frame_num, &files.limits)?;
+    let frame_count = numbering.frame_count;
+    let masks = masks::find(&mut files, cameras.len())?;
+    let all = masks.iter().flat_map(Masks::labels).map(str::to_owned).collect::<BTreeSet<_>>();
+    let labels = Labels::sort(&all, &metadata.object_labels)?;
+    let mut notes: Vec<Finding> = numbering.note().into_iter().chain(labels.note()).collect();
+    let unit = depth_unit(metadata.depth_unit_m)?;
+    let mut stored = Vec::with_capacity(cameras.len());
+    for (index, ([color, depth], masks)) in images.into_iter().zip(masks).enumerate() {
+        notes.extend(masks.note(index));
+        let [object, manipulator] = masks.names(&labels, numbering, &color)?;
+        stored.push(CameraFiles {
+            size: metadata.size,
+            color: color.names(numbering),
+            depth: Some(DepthNames { names: depth.names(numbering), unit }),
+            object,
+            manipulator,
+            tracks: Some(TrackFiles::Npz(format!("cotracker/{index}.npz"))),
         });
-        stored.push(camera_files(&mut files, index, metadata.size)?);
     }
-    let mut notes = Vec::new();
-    let mut truth_tracks = truth(&mut files, frame_count, &mut notes)?;
+    let mut ignored = Vec::new();
+    let mut truth_tracks = truth(&mut files, frame_count, &mut ignored)?;
     frame.apply(&mut truth_tracks);
-    let train_frame_count = split(&mut files, frame_count, &mut notes)?;
+    let train_frame_count = split(&mut files, frame_count, &mut ignored)?;
     let mesh = mesh(&mut files, &frame)?;
+    notes.extend(crate::read::taken(&files.list("")));
     Ok(Recording {
         name: files.name.clone(),
         fps: metadata.fps,
@@ -96,25 +101,115 @@ pub(super) fn read(mut files: Files<'static>) -> Result<Recording, Error> {
         mesh,
         truth_tracks,
         mass_kg: None,
+        notes,
         source: Arc::new(StoredFrames::new(files.fork(), frame_count, stored)?),
     })
 }
 
-/// Camera-to-world matrices, in the case's own world.
-fn poses(files: &mut Files<'static>) -> Result<Vec<Pose>, Error> {
-    let bytes = files.read(CALIBRATION)?;
-    let data = pickle::read(CALIBRATION, &bytes, &files.limits, &mut files.budget)?;
-    let mut flat = Vec::new();
-    for array in data.arrays()? {
-        match array.shape.as_slice() {
-            [4, 4] | [_, 4, 4] => {}
-            _ => return Err(array.wrong_shape("[4, 4] for each camera")),
+fn cameras(
+    files: &mut Files<'static>,
+    metadata: &Metadata,
+    frame: &Frame,
+) -> Result<Vec<Camera>, Error> {
+    let camera_count = metadata.intrinsics.len();
+    let (at, poses) = poses(files)?;
+    for (what, count) in [(at, poses.len()), ("`serial_numbers`", metadata.serial_numbers.len())] {
+        if count != camera_count && !(what == "`serial_numbers`" && count == 0) {
+            return Err(Error::Lengths(format!(
+                "{MARKER} has intrinsics of {camera_count} cameras, but {what} has {count}: one each"
+            )));
         }
-        at_most("cameras", flat.len() / 16 + array.len() / 16, files.limits.cameras)?;
-        flat.extend(array.doubles(&mut files.budget)?);
     }
-    let matrices = flat.as_chunks::<4>().0.as_chunks::<4>().0;
-    matrices.iter().enumerate().map(|(index, m)| Pose::from_matrix(&index.to_string(), m)).collect()
+    let mut cameras = Vec::with_capacity(camera_count);
+    for (index, (matrix, pose)) in metadata.intrinsics.iter().zip(&poses).enumerate() {
+        let serial = metadata.serial_numbers.get(index);
+        let name = serial.cloned().unwrap_or_else(|| index.to_string());
+        validity::check_size(&name, metadata.size, &files.limits)?;
+        cameras.push(Camera {
+            intrinsics: intrinsics(&name, matrix)?,
+            name,
+            width: metadata.size[0],
+            height: metadata.size[1],
+            distortion: Distortion::None,
+            poses: vec![pose.turned(frame)],
+            times_s: Vec::new(),
+        });
+    }
+    Ok(cameras)
+}
+
+/// Colour and depth of each camera.
+fn images(files: &mut Files<'_>, cameras: &[Camera]) -> Result<Vec<[Images; 2]>, Error> {
+    let kinds =
+        [("colour images", "color", numbering::COLOR), ("depth images", "depth", numbering::DEPTH)];
+    let mut of = |index: usize, camera: &Camera| -> Result<[Images; 2], Error> {
+        let mut found = [Images::default(), Images::default()];
+        for (images, (what, kind, extensions)) in found.iter_mut().zip(kinds) {
+            let folder = format!("{kind}/{index}");
+            *images = Images::in_folder(files, &folder, extensions)?;
+            if images.is_empty() {
+                let wanted = format!("`{folder}/NUMBER.{}`", extensions.join("` or `."));
+                return Err(numbering::missing(files, &camera.name, what, wanted, &folder));
+            }
+        }
+        Ok(found)
+    };
+    cameras.iter().enumerate().map(|(index, camera)| of(index, camera)).collect()
+}
+
+/// Frames of all images, which must be as many as the description says.
+fn numbering(
+    images: &[[Images; 2]],
+    declared: Option<usize>,
+    limits: &Limits,
+) -> Result<Numbering, Error> {
+    let all: Vec<&Images> = images.iter().flatten().collect();
+    let at = format!("`frame_num` of {MARKER}");
+    if let Some(count) = declared {
+        numbering::expect_all(&all, &at, count)?;
+    }
+    let numbering = numbering::align(&all, declared.map(|count| (at.as_str(), count)), limits)?;
+    validity::count(1, numbering.frame_count, limits)?;
+    Ok(numbering)
+}
+
+fn depth_unit(declared: Option<f64>) -> Result<DepthUnit, Error> {
+    match declared {
+        None => Ok(DepthUnit::Usual),
+        Some(unit_m) if unit_m.is_finite() && unit_m > 0.0 => Ok(DepthUnit::Declared(unit_m)),
+        Some(unit_m) => {
+            let fault = format!("`depth_unit_m` is {unit_m}: 0.001 for millimetres");
+            Err(Error::Document { at: MARKER.to_owned(), fault })
+        }
+    }
+}
+
+/// Camera-to-world matrices, in the case's own world, and the file that they come from.
+fn poses(files: &mut Files<'static>) -> Result<(&'static str, Vec<Pose>), Error> {
+    let pose = |(index, rows): (usize, &[[f64; 4]])| Pose::from_rows(&index.to_string(), rows);
+    let Some(bytes) = files.find(CALIBRATION)? else {
+        let Some(bytes) = files.find_document(CALIBRATION_JSON)? else {
+            return Err(Error::MissingFile(format!("{CALIBRATION} (or {CALIBRATION_JSON})")));
+        };
+        let matrices: Vec<Vec<[f64; 4]>> = json(&bytes, CALIBRATION_JSON)?;
+        let poses = matrices.iter().map(Vec::as_slice).enumerate().map(pose);
+        return Ok((CALIBRATION_JSON, poses.collect::<Result<_, _>>()?));
+    };
+    let data = pickle::read(CALIBRATION, &bytes, &files.limits, &mut files.budget)?;
+    let mut poses = Vec::new();
+    for array in data.arrays()? {
+        let rows = match array.shape.as_slice() {
+            &[rows @ (3 | 4), 4] | &[_, rows @ (3 | 4), 4] => rows,
+            _ => return Err(array.wrong_shape("[4, 4] or [3, 4] for each camera")),
+        };
+        let count = poses.len() + array.len() / (4 * rows);
+        at_most("cameras", count, files.limits.cameras)?;
+        let flat = array.doubles(&mut files.budget)?;
+        for matrix in flat.as_chunks::<4>().0.chunks_exact(rows) {
+            poses.push(pose((poses.len(), matrix))?);
+        }
+    }
+    Ok((CALIBRATION, poses))
 }
 
 fn intrinsics(camera: &str, m: &[[f64; 3]; 3]) -> Result<Intrinsics, Error> {
@@ -126,48 +221,6 @@ fn intrinsics(camera: &str, m: &[[f64; 3]; 3]) -> Result<Intrinsics, Error> {
         });
     }
     Ok(Intrinsics { fx: m[0][0], fy: m[1][1], cx: m[0][2], cy: m[1][2] })
-}
-
-fn camera_files(
-    files: &mut Files<'static>,
-    index: usize,
-    size: [usize; 2],
-) -> Result<CameraFiles, Error> {
-    let mut masks = CameraFiles {
-        size,
-        color: Names::numbered(format!("color/{index}/"), ".png"),
-        depth: Some(DepthNames {
-            names: Names::numbered(format!("depth/{index}/"), ".npy"),
-            unit_m: DEPTH_UNIT_M,
-        }),
-        object: Vec::new(),
-        manipulator: Vec::new(),
-        tracks: Some(TrackFiles::Npz(format!("cotracker/{index}.npz"))),
-    };
-    let at = format!("mask/mask_info_{index}.json");
-    if let Some(bytes) = files.find_document(&at)? {
-        let parts: std::collections::BTreeMap<String, String> = json(&bytes, &at)?;
-        at_most("masks of a camera", parts.len(), MAX_PARTS)?;
-        for (id, name) in &parts {
-            if !id.bytes().all(|b| b.is_ascii_digit()) || id.is_empty() {
-                return Err(Error::Document {
-                    at,
-                    fault: format!("`{id}` is no number of a mask"),
-                });
-            }
-            let names = Names::numbered(format!("mask/{index}/{id}/"), ".png");
-            if is_manipulator(name) { &mut masks.manipulator } else { &mut masks.object }
-                .push(names);
-        }
-    }
-    Ok(masks)
-}
-
-/// `true` if a mask's name, such as `left_hand` or `gripper 2`, is that of what moves the object.
-fn is_manipulator(name: &str) -> bool {
-    name.to_lowercase()
-        .split(|c: char| !c.is_ascii_alphabetic())
-        .any(|word| MANIPULATORS.contains(&word))
 }
 
 /// The completed shape: brought into the case's world already, or as it was generated.

@@ -1,11 +1,11 @@
 //! Frames that lie in files of their own, in a folder or a ZIP archive: what PhysTwin, the raw
 //! bundle and nerfstudio have in common.
 
-use std::{borrow::Cow, fmt};
+use std::{borrow::Cow, collections::BTreeMap, fmt, sync::Arc};
 
 use super::{
     ColorImage, DepthImage, Frames, Mask, Region, Source, Tracks,
-    decode::{self, Size},
+    decode::{self, DepthUnit, Size},
     tracks::{self, Order},
 };
 use crate::{Error, files::Files, limits::Budget, npy};
@@ -26,20 +26,18 @@ pub(super) enum Names {
     Numbered { before: String, digits: usize, after: String },
     /// A name for each frame that was recorded.
     Listed(Vec<Option<String>>),
+    /// Names that are there, by their frames.
+    Found(Arc<BTreeMap<usize, String>>),
 }
 
 impl Names {
-    /// Numbers without leading zeros.
-    pub(super) fn numbered(before: String, after: &str) -> Self {
-        Self::Numbered { before, digits: 1, after: after.to_owned() }
-    }
-
     /// Number of images that are read under these names in an archive of `entries` files.
     fn count(&self, frames: usize, entries: usize) -> usize {
         match self {
             Self::Numbered { .. } => frames.min(entries),
             // One file may be listed many times, and is decoded as often.
             Self::Listed(names) => names.iter().flatten().count(),
+            Self::Found(names) => names.len(),
         }
     }
 
@@ -49,6 +47,7 @@ impl Names {
                 Some(format!("{before}{frame:0digits$}{after}").into())
             }
             Self::Listed(names) => names.get(frame)?.as_deref().map(Cow::Borrowed),
+            Self::Found(names) => names.get(&frame).map(|name| Cow::Borrowed(name.as_str())),
         }
     }
 }
@@ -57,8 +56,7 @@ impl Names {
 #[derive(Clone, Debug)]
 pub(super) struct DepthNames {
     pub(super) names: Names,
-    /// Metres per stored number.
-    pub(super) unit_m: f64,
+    pub(super) unit: DepthUnit,
 }
 
 /// Place of one camera's tracks.
@@ -109,12 +107,16 @@ impl StoredFrames {
 }
 
 impl CameraFiles {
-    /// Pixels of all its images, at most.
-    fn pixels(&self, frames: usize, entries: usize) -> u64 {
+    /// Names of its images of all kinds.
+    fn images(&self) -> impl Iterator<Item = &Names> {
         let depth = self.depth.as_ref().map(|d| &d.names);
         let kinds = [&self.color].into_iter().chain(depth);
-        let kinds = kinds.chain(&self.object).chain(&self.manipulator);
-        let images = kinds.map(|names| names.count(frames, entries) as u64).sum::<u64>();
+        kinds.chain(&self.object).chain(&self.manipulator)
+    }
+
+    /// Pixels of all its images, at most.
+    fn pixels(&self, frames: usize, entries: usize) -> u64 {
+        let images = self.images().map(|names| names.count(frames, entries) as u64).sum::<u64>();
         let [width, height] = self.size.map(|n| n as u64);
         width.saturating_mul(height).saturating_mul(images)
     }
@@ -130,6 +132,24 @@ impl Source for StoredFrames {
     fn frames(&self, camera: usize) -> Result<Box<dyn Frames + '_>, Error> {
         let camera = self.cameras.get(camera).ok_or(Error::NoCamera(camera))?;
         Ok(Box::new(Reader { files: self.files.fork(), camera, frame_count: self.frame_count }))
+    }
+
+    fn files(&self) -> Vec<String> {
+        let mut names = Vec::new();
+        for camera in &self.cameras {
+            for frame in 0..self.frame_count {
+                names.extend(camera.images().filter_map(|n| Some(n.at(frame)?.into_owned())));
+            }
+            match &camera.tracks {
+                Some(TrackFiles::Npz(name)) => names.push(name.clone()),
+                Some(TrackFiles::Npy { points, visible }) => {
+                    names.extend([Some(points), visible.as_ref()].into_iter().flatten().cloned());
+                }
+                None => {}
+            }
+        }
+        let there = names.iter().filter(|name| self.files.has(name));
+        there.map(|name| self.files.full_name(name)).collect()
     }
 }
 
@@ -168,7 +188,7 @@ impl Frames for Reader<'_> {
         let camera = self.camera;
         let Some(depth) = &camera.depth else { return Ok(None) };
         let Some((at, bytes)) = self.file(&depth.names, frame)? else { return Ok(None) };
-        decode::depth(&at, &bytes, depth.unit_m, camera.size, &mut self.files.budget).map(Some)
+        decode::depth(&at, &bytes, depth.unit, camera.size, &mut self.files.budget).map(Some)
     }
 
     fn mask(&mut self, frame: usize, region: Region) -> Result<Option<Mask>, Error> {

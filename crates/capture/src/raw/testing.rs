@@ -108,7 +108,7 @@ pub(super) fn floats_npy(shape: &[usize], values: impl IntoIterator<Item = f32>)
 }
 
 /// A PhysTwin case of two cameras.
-pub(super) fn case() -> FileMap {
+pub(crate) fn case() -> FileMap {
     let mut files = FileMap::new();
     let mut put = |name: String, bytes: Vec<u8>| {
         files.insert(name, bytes);
@@ -146,7 +146,7 @@ pub(super) fn case() -> FileMap {
 }
 
 /// Files in a folder that lasts as long as the returned guard.
-pub(super) fn folder(files: &FileMap) -> TempDir {
+pub(crate) fn folder(files: &FileMap) -> TempDir {
     let folder = tempfile::tempdir().unwrap();
     for (name, bytes) in files {
         let path = folder.path().join(name);

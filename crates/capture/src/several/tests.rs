@@ -4,6 +4,7 @@ use bendtwin_synth::{MakeOptions, Scene, make};
 
 use super::*;
 use crate::{
+    Limits,
     check::testing::{FileMap, bundle, pack},
     digest, read_bytes, write_bundle,
 };

@@ -82,6 +82,7 @@ impl Scene {
             mesh: None,
             truth_tracks: Vec::new(),
             mass_kg: None,
+            notes: Vec::new(),
             source: Arc::new(self.clone()),
         }
     }

@@ -2,6 +2,8 @@
 
 use std::sync::Arc;
 
+use bendtwin_core::Finding;
+
 use super::section::{AlignmentEntry, CameraEntry, MeshEntry, Section};
 use crate::{
     Error,
@@ -11,6 +13,8 @@ use crate::{
     npy,
     raw::{
         Alignment, Camera, MeshFile, Pose, Recording,
+        decode::DepthUnit,
+        numbering::{self, Images},
         stored::{CameraFiles, DepthNames, MAX_MESH, MAX_PARTS, Names, StoredFrames, TrackFiles},
         validity,
     },
@@ -36,6 +40,8 @@ pub(in crate::raw) fn read(mut files: Files<'static>) -> Result<Recording, Error
         cameras.push(camera(&mut files, entry, index, frame_count, &frame)?);
         stored.push(camera_files(entry)?);
     }
+    let mut notes = find_images(&mut files, &cameras, &entries, frame_count, &mut stored)?;
+    notes.extend(crate::read::taken(&files.list("")));
     let mut truth = Vec::new();
     if let Some(at) = truth_tracks {
         let bytes = files.read(plain(&at)?)?;
@@ -61,6 +67,7 @@ pub(in crate::raw) fn read(mut files: Files<'static>) -> Result<Recording, Error
         mesh,
         truth_tracks: truth,
         mass_kg: manifest.mass_kg,
+        notes,
         source: Arc::new(StoredFrames::new(files.fork(), frame_count, stored)?),
     })
 }
@@ -79,12 +86,13 @@ fn camera(
         (None, Some(at)) => {
             let bytes = files.read(plain(at)?)?;
             let array = npy::read(at, &bytes)?;
-            if array.shape != [frame_count, 4, 4] {
-                return Err(array.wrong_shape(&format!("[{frame_count}, 4, 4]")));
-            }
+            let rows = match array.shape.as_slice() {
+                &[frames, rows @ (3 | 4), 4] if frames == frame_count => rows,
+                _ => return Err(array.wrong_shape(&format!("[{frame_count}, 4, 4]"))),
+            };
             let flat = array.doubles(&mut files.budget)?;
-            let matrices = flat.as_chunks::<4>().0.as_chunks::<4>().0.iter();
-            matrices.map(|m| Pose::from_matrix(&name, m)).collect::<Result<_, _>>()?
+            let matrices = flat.as_chunks::<4>().0.chunks_exact(rows);
+            matrices.map(|m| Pose::from_rows(&name, m)).collect::<Result<_, _>>()?
         }
         _ => {
             return Err(wrong(format!(
@@ -135,11 +143,71 @@ fn camera_files(entry: &CameraEntry) -> Result<CameraFiles, Error> {
     Ok(CameraFiles {
         size: entry.size,
         color: names(&entry.color)?,
-        depth: Some(DepthNames { names: names(&entry.depth.files)?, unit_m }),
+        depth: Some(DepthNames {
+            names: names(&entry.depth.files)?,
+            unit: DepthUnit::Declared(unit_m),
+        }),
         object: all(&entry.masks.object)?,
         manipulator: all(&entry.masks.manipulator)?,
         tracks,
     })
+}
+
+/// Finds the images of all patterns, so that their numbers may begin anywhere and have any number
+/// of zeros before them; the number of frame 0.
+fn find_images(
+    files: &mut Files<'static>,
+    cameras: &[Camera],
+    entries: &[CameraEntry],
+    frame_count: usize,
+    stored: &mut [CameraFiles],
+) -> Result<Vec<Finding>, Error> {
+    let mut found = Vec::with_capacity(stored.len());
+    for ((of, camera), entry) in stored.iter().zip(cameras).zip(entries) {
+        let depth = of.depth.as_ref().map(|depth| find(files, &depth.names)).transpose()?.flatten();
+        let images = [find(files, &of.color)?, depth];
+        let patterns = [("colour images", &entry.color), ("depth images", &entry.depth.files)];
+        for (images, (what, pattern)) in images.iter().zip(patterns) {
+            if images.as_ref().is_some_and(Images::is_empty) {
+                let folder = pattern.rsplit_once('/').map_or("", |(folder, _)| folder);
+                let wanted = format!("`{pattern}`");
+                return Err(numbering::missing(files, &camera.name, what, wanted, folder));
+            }
+        }
+        found.push(images);
+    }
+    let all: Vec<&Images> = found.iter().flatten().flatten().collect();
+    let declared = format!("`frame_count` of {MARKER}");
+    numbering::expect_end(&all, &declared, frame_count)?;
+    let numbering = numbering::align(&all, Some((&declared, frame_count)), &files.limits)?;
+    let mut notes = Vec::new();
+    for (index, (of, [color, depth])) in stored.iter_mut().zip(found).enumerate() {
+        for part in of.object.iter_mut().chain(&mut of.manipulator) {
+            if let Some(images) = find(files, part)? {
+                notes.extend(images.note_missing(files, index));
+                if let (true, Some(color)) = (numbering.first > 0, &color) {
+                    images.expect_within(numbering, color)?;
+                }
+                *part = images.names(numbering);
+            }
+        }
+        if let Some(images) = color {
+            of.color = images.names(numbering);
+        }
+        if let (Some(images), Some(of)) = (depth, &mut of.depth) {
+            of.names = images.names(numbering);
+        }
+    }
+    notes.extend(numbering.note());
+    Ok(notes)
+}
+
+/// The images that a pattern names.
+fn find(files: &mut Files<'static>, names: &Names) -> Result<Option<Images>, Error> {
+    match names {
+        Names::Numbered { before, after, .. } => Images::of_pattern(files, before, after),
+        Names::Listed(_) | Names::Found(_) => Ok(None),
+    }
 }
 
 /// A pattern such as `left/color/{frame:06}.png`.

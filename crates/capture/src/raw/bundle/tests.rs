@@ -98,12 +98,63 @@ fn the_documented_example_is_read() {
     let text = include_str!("../../../../../docs/capture-format.md");
     let mut examples = text.split("```json").skip(1).filter_map(|rest| rest.split("```").next());
     let example = examples.find(|example| example.contains("\"raw\"")).unwrap();
-    let files = FileMap::from([("capture.json".to_owned(), example.as_bytes().to_vec())]);
+    let mut files = FileMap::from([("capture.json".to_owned(), example.as_bytes().to_vec())]);
+    for name in ["left/color/000000.png", "left/depth/000099.png"] {
+        files.insert(name.to_owned(), Vec::new());
+    }
     let recording = describe(&files).unwrap();
     assert_eq!((recording.frame_count, recording.cameras[0].name.as_str()), (100, "left"));
     // It looks down from half a metre.
     let point = recording.cameras[0].unproject([423.5, 239.5], 0.5, 0);
     assert_eq!(point, [0.0; 3]);
+}
+
+/// Patterns say where names have their number, not how it is written.
+#[test]
+fn images_may_be_numbered_from_anywhere() {
+    let (_guard, recording) = rich();
+    let files = unpack(&written(&recording));
+    let renamed = |first: usize, digits: usize| -> FileMap {
+        let new = |name: &str| {
+            let (folder, file) = name.rsplit_once('/')?;
+            let n: usize = file.strip_suffix(".png")?.parse().ok()?;
+            Some(format!("{folder}/{:0digits$}.png", n + first))
+        };
+        files
+            .iter()
+            .map(|(name, bytes)| (new(name).unwrap_or(name.clone()), bytes.clone()))
+            .collect()
+    };
+    for (first, digits) in [(1, 6), (0, 1), (77, 4)] {
+        let (_zip, path) = archive(&renamed(first, digits));
+        let mut back = raw::open(&path, &Limits::default()).unwrap();
+        assert_eq!(back.notes.iter().any(|n| n.code == "FRAMES_NUMBERED"), first > 0);
+        back.name.clone_from(&recording.name);
+        expect_same(&recording, &back);
+    }
+    let mut masks_from_0 = renamed(1, 6);
+    masks_from_0.retain(|name, _| !name.contains("/object/"));
+    masks_from_0.extend(
+        files.iter().filter(|(n, _)| n.contains("/object/")).map(|(n, b)| (n.clone(), b.clone())),
+    );
+    assert_eq!(reason(describe(&masks_from_0)), "FRAME_NUMBERS_UNCLEAR");
+    let mut maskless = files.clone();
+    maskless.retain(|name, _| !name.contains("0/object/"));
+    let notes = describe(&maskless).unwrap().notes;
+    let note = notes.iter().find(|note| note.code == "MASKS_NOT_FOUND").unwrap();
+    assert!(
+        note.message.contains("no `cameras/0/object`, and `cameras/0` has"),
+        "{}",
+        note.message
+    );
+    assert_eq!(note.cameras, [0]);
+    let mut elsewhere = files.clone();
+    elsewhere.retain(|name, _| !name.starts_with("cameras/0/depth"));
+    elsewhere.insert("cameras/0/depth/a.tif".into(), Vec::new());
+    let text = describe(&elsewhere).unwrap_err().to_string();
+    for part in ["no depth images", "cameras/0/depth/{frame:06}.png", "one file (a.tif)"] {
+        assert!(text.contains(part), "{text} lacks {part}");
+    }
 }
 
 #[test]

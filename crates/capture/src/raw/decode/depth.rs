@@ -9,15 +9,31 @@ use crate::{
     raw::{DepthImage, Image},
 };
 
-/// Depth [m] from a file whose numbers are `unit_m` metres each.
+/// Metres of each 1 where nothing is declared: depth cameras count millimetres.
+const MILLIMETRES: f64 = 0.001;
+
+/// Floats are metres if all are nearer than this [m]: in millimetres no camera measures so near.
+const FARTHEST_METRES: f32 = 50.0;
+
+/// Unit of stored numbers.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(in crate::raw) enum DepthUnit {
+    /// Metres per stored number, as declared.
+    Declared(f64),
+    /// Millimetres, or metres of floats that look so.
+    Usual,
+}
+
+/// Depth [m] from a file.
 pub(in crate::raw) fn decode(
     at: &str,
     bytes: &[u8],
-    unit_m: f64,
+    unit: DepthUnit,
     size: Size,
     budget: &mut Budget,
 ) -> Result<DepthImage, Error> {
     if bytes.starts_with(png::MAGIC) {
+        let unit_m = if let DepthUnit::Declared(unit_m) = unit { unit_m } else { MILLIMETRES };
         return from_png(at, bytes, size, |n| f64::from(n) * unit_m);
     }
     let array: Array<'_> = npy::read(at, bytes)?;
@@ -25,11 +41,27 @@ pub(in crate::raw) fn decode(
         return Err(array.wrong_shape("[height, width]"));
     };
     alike(at, [width, height], size)?;
-    let mut metres = array.scaled(unit_m, budget)?;
+    let mut metres = match unit {
+        DepthUnit::Declared(unit_m) => array.scaled(unit_m, budget)?,
+        DepthUnit::Usual => {
+            let mut numbers = array.scaled(1.0, budget)?;
+            if !(array.is_float() && are_metres(&numbers)) {
+                // The same product as of a declared unit: of the numbers in double precision.
+                numbers.iter_mut().for_each(|x| *x = (f64::from(*x) * MILLIMETRES) as f32);
+            }
+            numbers
+        }
+    };
     for x in &mut metres {
         *x = measured(f64::from(*x));
     }
     settle(at, [width, height], metres, size)
+}
+
+/// `true` if floats are metres and not millimetres by their size and their fractions.
+fn are_metres(numbers: &[f32]) -> bool {
+    let measured = || numbers.iter().filter(|x| x.is_finite() && **x > 0.0);
+    measured().all(|x| *x < FARTHEST_METRES) && measured().any(|x| x.fract() != 0.0)
 }
 
 /// Depth from a 16-bit PNG image; `metres` tells what its numbers mean.

@@ -47,16 +47,25 @@ fn alpha_is_no_mask() {
 fn depth_is_in_metres_and_holes_are_zero() {
     let budget = &mut Budget::new(&Limits::default());
     let png = png_file(2, 1, ColorType::Grayscale, true, &[0x03, 0xE8, 0, 0]);
-    assert_eq!(super::depth("d", &png, 0.001, [2, 1], budget).unwrap().pixels, [1.0, 0.0]);
+    assert_eq!(
+        super::depth("d", &png, DepthUnit::Declared(0.001), [2, 1], budget).unwrap().pixels,
+        [1.0, 0.0]
+    );
     let floats = [1.5_f32, f32::NAN, -1.0, f32::INFINITY];
     let data: Vec<u8> = floats.iter().flat_map(|x| x.to_le_bytes()).collect();
     let array = npy::write("<f4", &[1, 4], &data);
-    let depth = super::depth("d", &array, 1.0, [4, 1], budget).unwrap();
+    let depth = super::depth("d", &array, DepthUnit::Declared(1.0), [4, 1], budget).unwrap();
     assert_eq!(depth.pixels, [1.5, 0.0, 0.0, 0.0]);
     let color = png_file(2, 1, ColorType::Rgb, true, &[0; 12]);
-    assert!(matches!(super::depth("d", &color, 0.001, [2, 1], budget), Err(Error::Dtype { .. })));
+    assert!(matches!(
+        super::depth("d", &color, DepthUnit::Declared(0.001), [2, 1], budget),
+        Err(Error::Dtype { .. })
+    ));
     let shallow = png_file(2, 1, ColorType::Grayscale, false, &[0; 2]);
-    assert!(matches!(super::depth("d", &shallow, 0.001, [2, 1], budget), Err(Error::Dtype { .. })));
+    assert!(matches!(
+        super::depth("d", &shallow, DepthUnit::Declared(0.001), [2, 1], budget),
+        Err(Error::Dtype { .. })
+    ));
 }
 
 #[test]
@@ -73,7 +82,7 @@ fn depth_without_rows_or_columns_is_refused() {
     let budget = &mut Budget::new(&Limits::default());
     for (shape, size) in [([0, 1], [8, 1]), ([0, 4], [8, 1]), ([1, 0], [1, 8])] {
         let array = npy::write("<f4", &shape, &[]);
-        let depth = super::depth("d", &array, 1.0, size, budget);
+        let depth = super::depth("d", &array, DepthUnit::Declared(1.0), size, budget);
         assert!(matches!(depth, Err(Error::ImageSize { .. })), "{shape:?} {size:?}");
     }
 }

@@ -138,6 +138,7 @@ pub(super) fn recording(
         mesh: index.mesh.map(|(name, bytes)| MeshFile { name, bytes, to_world: None }),
         truth_tracks: Vec::new(),
         mass_kg: None,
+        notes: Vec::new(),
         source: Arc::new(source),
     })
 }

@@ -29,8 +29,8 @@ pub(super) struct FrameEntry {
     pub(super) depth_file_path: Option<String>,
     pub(super) mask_path: Option<String>,
     pub(super) manipulator_mask_path: Option<String>,
-    /// Camera to world, row-major.
-    pub(super) transform_matrix: [[f64; 4]; 4],
+    /// Camera to world, row-major, shape [4, 4] or [3, 4].
+    pub(super) transform_matrix: Vec<[f64; 4]>,
     pub(super) camera_label: Option<Label>,
     pub(super) frame_index: Option<usize>,
     /// Seconds.

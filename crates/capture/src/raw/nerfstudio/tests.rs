@@ -84,7 +84,20 @@ fn cameras_in_folders_are_read() {
     assert!(frames.tracks().unwrap().is_none());
 }
 
-/// The document with its frames changed one by one.
+#[test]
+fn poses_may_lack_their_last_row_and_images_must_be_there() {
+    let mut shorter = document();
+    for entry in shorter["frames"].as_array_mut().unwrap() {
+        entry["transform_matrix"].as_array_mut().unwrap().pop();
+    }
+    let whole = describe(&files(&document())).unwrap();
+    assert_eq!(describe(&files(&shorter)).unwrap().cameras, whole.cameras);
+    let mut files = files(&document());
+    files.retain(|name, _| !name.starts_with("depth1"));
+    let text = describe(&files).unwrap_err().to_string();
+    assert!(text.contains("no depth images") && text.contains("`depth1/1.npy`"), "{text}");
+}
+
 /// A small archive may name one large image for every frame.
 #[test]
 fn pixels_are_counted_before_they_are_decoded() {
