@@ -27,7 +27,7 @@ enum Command {
     Make(make::Make),
     /// Check a capture and explain its faults, without a server
     Check {
-        /// A folder, a ZIP archive, or motion capture as .npz with its .json
+        /// A folder, a ZIP or tar archive, an MCAP file, or motion capture as .npz with its .json
         path: PathBuf,
     },
     /// Measure a capture or raw recording and write the report as a page with pictures or as JSON

@@ -23,6 +23,16 @@ impl Usage {
 #[error("{0}")]
 pub(crate) struct Failed(pub(crate) Fault);
 
+/// A fault that a report on the terminal has told already; only scripts are told again.
+#[derive(Debug, thiserror::Error)]
+#[error("{0}")]
+pub(crate) struct Shown(pub(crate) Fault);
+
+/// An error whose message was shown.
+pub(crate) fn shown(error: impl Problem) -> anyhow::Error {
+    Shown(error.fault()).into()
+}
+
 /// An error of one of the project's libraries, with its category and reason.
 pub(crate) fn failed(error: impl Problem) -> anyhow::Error {
     Failed(error.fault()).into()
@@ -39,7 +49,7 @@ pub(crate) fn report(error: &anyhow::Error, json: bool) -> ExitCode {
             "request_id": report.request_id,
         }});
         eprintln!("{document}");
-    } else {
+    } else if !error.is::<Shown>() {
         eprintln!("error: {}", report.message);
         if let Some(id) = &report.request_id
             && matches!(report.category, Some(Category::Internal | Category::DataLoss))
@@ -73,7 +83,7 @@ impl ErrorReport {
                 report.category = Some(error.category());
                 report.reason = Some(error.reason().to_owned());
                 report.request_id = error.request_id().map(str::to_owned);
-            } else if let Some(Failed(fault)) = cause.downcast_ref() {
+            } else if let Some(fault) = fault_of(cause) {
                 report.category = Some(fault.category);
                 report.reason = Some(fault.reason.clone());
             } else if cause.is::<Usage>() {
@@ -84,6 +94,12 @@ impl ErrorReport {
         }
         report
     }
+}
+
+/// The fault that an error keeps.
+fn fault_of<'a>(error: &'a (dyn std::error::Error + 'static)) -> Option<&'a Fault> {
+    let failed = error.downcast_ref().map(|Failed(fault)| fault);
+    failed.or_else(|| error.downcast_ref().map(|Shown(fault)| fault))
 }
 
 #[cfg(test)]

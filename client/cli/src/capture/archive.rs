@@ -1,4 +1,4 @@
-//! Packing a folder as a ZIP archive. The same files give the same bytes, so that an interrupted
+//! Packing files of a folder as a ZIP archive. The same files give the same bytes, so that an interrupted
 //! upload is found again by its content.
 
 use std::{
@@ -8,6 +8,7 @@ use std::{
 };
 
 use anyhow::{Context as _, bail};
+use bendtwin_capture::FilesRead;
 use zip::{CompressionMethod, ZipWriter, write::SimpleFileOptions};
 
 use crate::failure::Usage;
@@ -61,6 +62,24 @@ impl Listing {
             bail!(Usage::error(format!("there are no files in {}", root.display())));
         }
         Ok(listing)
+    }
+
+    /// Lists the files of a folder that its reader reads.
+    pub(super) fn read_of(root: &Path, read: &FilesRead) -> anyhow::Result<Self> {
+        let full = root.canonicalize().with_context(|| root.display().to_string())?;
+        let full = full.join(&read.folder);
+        let size = |name: &String| {
+            let path = full.join(name);
+            let size = std::fs::metadata(&path).with_context(|| path.display().to_string())?.len();
+            anyhow::Ok((name.clone(), size))
+        };
+        let files = read.files.iter().map(size).collect::<Result<_, _>>()?;
+        Ok(Self { root: full, name: read.name.clone(), files, skipped: 0 })
+    }
+
+    /// Number of files.
+    pub(super) fn len(&self) -> usize {
+        self.files.len()
     }
 
     /// Sizes of the files together [bytes].
@@ -144,6 +163,9 @@ fn disk_error(error: io::Error) -> anyhow::Error {
 mod tests {
     use std::io::Cursor;
 
+    use bendtwin_capture::{Limits, files_read, raw};
+    use bendtwin_synth::{FilmOptions, Scene, film};
+
     use super::*;
 
     fn folder() -> tempfile::TempDir {
@@ -197,6 +219,65 @@ mod tests {
         let (listing, bytes) = pack(root.path());
         assert_eq!(listing.skipped, 1);
         assert_eq!(zip::ZipArchive::new(Cursor::new(bytes)).unwrap().len(), 4);
+    }
+
+    /// What else lies in the folder of a PhysTwin case is most of it: here 8 MiB of 8.
+    #[test]
+    fn only_the_files_that_are_read_are_packed() {
+        let root = tempfile::tempdir().unwrap();
+        let case = root.path().join("different_types/toy");
+        let recording =
+            film(Scene::Toy, &FilmOptions { frames: 3, ..FilmOptions::tiny(0) }).unwrap();
+        raw::write_case(&recording, &case).unwrap();
+        std::fs::create_dir_all(case.join("pcd")).unwrap();
+        for frame in 0..4 {
+            std::fs::write(case.join(format!("pcd/{frame}.npz")), vec![7; 2 << 20]).unwrap();
+        }
+        std::fs::write(case.join("color/0.mp4"), vec![7; 1 << 20]).unwrap();
+        let limits = Limits::default();
+        let read = files_read(root.path(), &limits).unwrap();
+        let listing = Listing::read_of(root.path(), &read).unwrap();
+        let all = Listing::of(root.path()).unwrap();
+        assert!(listing.bytes() * 20 < all.bytes(), "{} of {}", listing.bytes(), all.bytes());
+        assert_eq!((listing.len(), all.len()), (all.len() - 5, all.len()));
+        let archive = root.path().join("toy.zip");
+        listing.pack(File::create(&archive).unwrap(), |_| ()).unwrap();
+        assert!(archive.metadata().unwrap().len() < 1 << 20);
+        // The same capture, and all of it.
+        let [from_folder, from_archive] =
+            [&case, &archive].map(|path| raw::open(path, &limits).unwrap());
+        assert_eq!(from_archive.name, "toy");
+        assert_eq!(from_archive.truth_tracks, from_folder.truth_tracks);
+        for camera in 0..2 {
+            let [mut a, mut b] =
+                [&from_folder, &from_archive].map(|r| r.source.frames(camera).unwrap());
+            assert_eq!(a.tracks().unwrap(), b.tracks().unwrap());
+            for frame in 0..3 {
+                assert_eq!(a.color(frame).unwrap(), b.color(frame).unwrap());
+                assert_eq!(a.depth(frame).unwrap(), b.depth(frame).unwrap());
+                for region in [raw::Region::Object, raw::Region::Manipulator] {
+                    assert_eq!(a.mask(frame, region).unwrap(), b.mask(frame, region).unwrap());
+                }
+            }
+        }
+    }
+
+    /// Of a case that is processed already, images are not read.
+    #[test]
+    fn a_processed_case_is_sent_without_its_images() {
+        let root = tempfile::tempdir().unwrap();
+        let data = concat!(env!("CARGO_MANIFEST_DIR"), "/../../crates/capture/testdata/case");
+        for file in ["final_data.pkl", "metadata.json", "split.json", "gt_track_3d.pkl"] {
+            std::fs::copy(Path::new(data).join(file), root.path().join(file)).unwrap();
+        }
+        std::fs::create_dir_all(root.path().join("color/0")).unwrap();
+        std::fs::write(root.path().join("color/0/0.png"), vec![7; 1 << 20]).unwrap();
+        let read = files_read(root.path(), &Limits::default()).unwrap();
+        assert_eq!(
+            read.files,
+            ["final_data.pkl", "gt_track_3d.pkl", "metadata.json", "split.json"]
+        );
+        assert_eq!(read.format, "a processed PhysTwin case (`final_data.pkl`)");
     }
 
     #[test]

@@ -13,7 +13,7 @@ const RAW_CAPTURE: &str = "RAW_CAPTURE";
 pub(super) async fn run(path: &Path, global: &Global) -> anyhow::Result<()> {
     let report = check_locally(path).await?;
     output::print(global, &report, || text(&report))?;
-    report.require().map_err(failure::failed)
+    report.require().map_err(failure::shown)
 }
 
 /// Checks a capture on this machine.

@@ -36,6 +36,9 @@ pub(crate) struct Make {
     /// --tiny). Writes a PhysTwin case, or a BendTwin bundle if the name ends with .zip
     #[arg(long)]
     raw: bool,
+    /// Replace a file that is there
+    #[arg(long)]
+    force: bool,
 }
 
 fn scene(name: &str) -> Result<Scene, String> {
@@ -53,6 +56,7 @@ pub(super) async fn run(args: Make, global: &Global) -> anyhow::Result<()> {
         return Err(Usage::error("a cable has several sequences in one capture: leave out --take"));
     }
     let path = args.file.unwrap_or_else(|| format!("{}.zip", args.scene.name()).into());
+    expect_free(&path, args.force)?;
     let options =
         MakeOptions { seed: args.seed, frames: args.frames, tiny: args.tiny, take: args.take };
     let capture = write(args.scene, options, &path).await?;
@@ -77,9 +81,23 @@ pub(super) async fn run(args: Make, global: &Global) -> anyhow::Result<()> {
     })
 }
 
+/// Refuses to write over what is there, unless that is wanted.
+fn expect_free(path: &Path, force: bool) -> anyhow::Result<()> {
+    let is_free = match std::fs::read_dir(path) {
+        Ok(mut entries) => entries.next().is_none(),
+        Err(_) => !path.exists(),
+    };
+    if is_free || force {
+        return Ok(());
+    }
+    let at = path.display();
+    Err(Usage::error(format!("{at} exists: give another name, or replace it with --force")))
+}
+
 /// Simulates and films a scene.
 async fn run_raw(args: Make, global: &Global) -> anyhow::Result<()> {
     let path = args.file.unwrap_or_else(|| format!("{}_raw.zip", args.scene.name()).into());
+    expect_free(&path, args.force)?;
     let base = if args.tiny { FilmOptions::tiny(args.seed) } else { FilmOptions::full(args.seed) };
     let options = FilmOptions { frames: args.frames, ..base };
     let target = path.clone();
@@ -117,4 +135,24 @@ pub(crate) async fn write(
         Ok::<_, bendtwin_synth::Error>(capture)
     });
     made.await?.map_err(failure::failed)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn nothing_is_written_over_unless_that_is_wanted() {
+        let folder = tempfile::tempdir().unwrap();
+        let (file, inner) = (folder.path().join("rope.zip"), folder.path().join("toy"));
+        assert!(expect_free(&file, false).is_ok());
+        std::fs::write(&file, "mine").unwrap();
+        std::fs::create_dir(&inner).unwrap();
+        assert!(expect_free(&inner, false).is_ok(), "an empty folder has nothing to lose");
+        std::fs::write(inner.join("metadata.json"), "mine").unwrap();
+        for path in [&file, &inner] {
+            assert!(expect_free(path, false).is_err_and(|e| e.is::<Usage>()));
+            assert!(expect_free(path, true).is_ok());
+        }
+    }
 }

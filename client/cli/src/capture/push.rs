@@ -1,5 +1,5 @@
-//! `bendtwin capture push`: checks a capture, packs it if it is no archive yet, and uploads it. An
-//! interrupted upload is resumed by the same command.
+//! `bendtwin capture push`: checks a capture, packs what is read of it if it is no archive yet, and
+//! uploads it. An interrupted upload is resumed by the same command.
 
 use std::{
     fs::File,
@@ -7,7 +7,7 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use bendtwin_capture::Limits;
+use bendtwin_capture::{FilesRead, Limits};
 use bendtwin_client::Client;
 use bendtwin_core::Severity;
 use clap::Args;
@@ -22,7 +22,8 @@ use crate::{failure, global::Global, output, progress, signals};
 
 #[derive(Debug, Args)]
 pub(crate) struct Push {
-    /// A folder, a ZIP archive, or motion capture as .npz with its .json
+    /// A folder, of which only the files that are read are sent; a ZIP or tar archive; an MCAP file;
+    /// or motion capture as .npz with its .json
     path: PathBuf,
     /// Display name [default: the file's name]
     #[arg(long, value_name = "NAME")]
@@ -39,8 +40,10 @@ pub(super) async fn run(args: Push, global: &Global) -> anyhow::Result<()> {
     if !args.no_check {
         let report = check_locally(&args.path).await?;
         if !report.is_usable() {
-            eprintln!("{}", text(&report));
-            return report.require().map_err(failure::failed);
+            if !global.json {
+                eprintln!("{}", text(&report));
+            }
+            return report.require().map_err(failure::shown);
         }
         for finding in report.of(Severity::Warning) {
             eprintln!("warning: {}", finding.sentence());
@@ -108,7 +111,17 @@ async fn pack(path: &Path, quiet: bool) -> anyhow::Result<Option<NamedTempFile>>
 }
 
 fn archive(folder: &Path, into: &Path, quiet: bool) -> anyhow::Result<()> {
-    let listing = Listing::of(folder)?;
+    let listing = match bendtwin_capture::files_read(folder, &Limits::default()) {
+        Ok(read) => {
+            let listing = Listing::read_of(folder, &read)?;
+            if !quiet {
+                eprintln!("{}", selection(&listing, &read, &Listing::of(folder)?));
+            }
+            listing
+        }
+        // Nobody but the server is to judge a capture that was not to be checked.
+        Err(_) => Listing::of(folder)?,
+    };
     if listing.skipped > 0 {
         eprintln!("warning: {} links and special files are left out", listing.skipped);
     }
@@ -119,11 +132,27 @@ fn archive(folder: &Path, into: &Path, quiet: bool) -> anyhow::Result<()> {
     packed
 }
 
+/// A sentence about the files that are sent, out of all.
+fn selection(listing: &Listing, read: &FilesRead, all: &Listing) -> String {
+    let [sent, there] = [listing, all].map(|l| output::bytes(l.bytes()));
+    let place = match read.folder.trim_end_matches('/') {
+        "" => String::new(),
+        folder => format!(" in {folder}"),
+    };
+    format!(
+        "read as {}{place}: {} of {} files are sent, {sent} of {there}",
+        read.format,
+        listing.len(),
+        all.len(),
+    )
+}
+
 fn display_name(path: &Path) -> String {
     // `.` has no name of its own.
     let absolute = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
-    let name = absolute.file_stem().unwrap_or(absolute.as_os_str());
-    name.to_string_lossy().into_owned()
+    let name = absolute.file_stem().unwrap_or(absolute.as_os_str()).to_string_lossy();
+    // Of a .tar.gz one extension is left.
+    name.strip_suffix(".tar").unwrap_or(&name).to_owned()
 }
 
 #[cfg(test)]
@@ -134,6 +163,7 @@ mod tests {
     fn names_come_from_files() {
         assert_eq!(display_name(Path::new("cases/rope.zip")), "rope");
         assert_eq!(display_name(Path::new("cases/rope/")), "rope");
+        assert_eq!(display_name(Path::new("cases/toy.v2.tar.gz")), "toy.v2");
         assert!(!display_name(Path::new(".")).is_empty());
     }
 }

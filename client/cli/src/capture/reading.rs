@@ -10,7 +10,12 @@ use serde::Deserialize;
 use serde_json::Value;
 
 use super::check;
-use crate::{failure::Failed, global::Global, output, progress::FitBar};
+use crate::{
+    failure::{Failed, Shown},
+    global::Global,
+    output,
+    progress::FitBar,
+};
 
 /// The part of a report that is shown without its page.
 #[derive(Deserialize)]
@@ -133,7 +138,8 @@ pub(super) async fn follow(
                 reason: "INGEST_DID_NOT_SUCCEED".to_owned(),
                 message: format!("the ingest is {}", state.as_str()),
             });
-            Err(Failed(fault).into())
+            // A report has told the fault among its findings.
+            Err(if report.is_some() { Shown(fault).into() } else { Failed(fault).into() })
         }
     }
 }

@@ -22,8 +22,8 @@ use crate::{
 
 #[derive(Debug, Args)]
 pub(crate) struct Arguments {
-    /// A raw recording or a capture: a folder, a ZIP archive, or motion capture as .npz with its
-    /// .json; or a capture on the server: captures/{uuid}
+    /// A raw recording or a capture: a folder, a ZIP or tar archive, or motion capture as .npz
+    /// with its .json; or a capture on the server: captures/{uuid}
     path: PathBuf,
     /// Write the page: HTML with pictures, in one file
     #[arg(long, value_name = "FILE")]
