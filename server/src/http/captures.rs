@@ -23,6 +23,10 @@ use crate::{
 const REPORT_POLICY: &str = "default-src 'none'; style-src 'unsafe-inline'; img-src data:; \
                              base-uri 'none'; form-action 'none'; frame-ancestors 'none'; sandbox";
 
+/// Media types of an upload: what it holds is told by its content.
+const ARCHIVES: &[&str] =
+    &["application/zip", "application/x-tar", "application/gzip", "application/octet-stream"];
+
 /// List captures
 #[utoipa::path(get, path = "/v1/captures", tag = "captures", params(Paging),
     responses((status = 200, body = Captures), (status = "default", body = ProblemDocument)))]
@@ -37,7 +41,7 @@ pub(super) async fn list(
 
 /// Upload a capture
 ///
-/// The body is the archive. It is read in the background: `ingest` in the response has the
+/// The body is the archive, ZIP or tar, or an MCAP file. It is read in the background: `ingest` in the response has the
 /// progress. The same archive under the same `Idempotency-Key` answers with the existing capture.
 #[utoipa::path(post, path = "/v1/captures", tag = "captures",
     params(
@@ -52,7 +56,7 @@ pub(super) async fn create(
     Params(params): Params<CaptureParams>,
     request: Request,
 ) -> Result<Response> {
-    extract::expect_type(request.headers(), &["application/zip", "application/octet-stream"])?;
+    extract::expect_type(request.headers(), ARCHIVES)?;
     let upload = CaptureUpload {
         display_name: params.display_name,
         request_id: extract::idempotency_key(request.headers())?,

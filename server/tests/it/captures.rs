@@ -52,6 +52,23 @@ async fn http_round_trip() {
     assert_eq!(server.blob_files(), 0);
 }
 
+/// What an archive is, its content tells the worker.
+#[tokio::test]
+async fn archives_of_every_kind_are_taken() {
+    let server = Server::start().await;
+    for (media_type, expected) in [
+        ("application/zip", 201),
+        ("application/x-tar", 201),
+        ("application/gzip", 201),
+        ("application/octet-stream", 201),
+        ("text/plain", 415),
+    ] {
+        let upload = server.http.post(server.url("/v1/captures"));
+        let upload = upload.header("content-type", media_type).body(media_type);
+        assert_eq!(read(upload.send().await.unwrap()).await.0, expected, "{media_type}");
+    }
+}
+
 #[tokio::test]
 async fn damaged_content_is_never_served_whole() {
     let server = Server::start().await;

@@ -59,7 +59,9 @@ impl Metadata {
             return self.display_name.clone();
         }
         let name = self.filename.rsplit(['/', '\\']).next().unwrap_or_default();
-        name.strip_suffix(".zip").unwrap_or(name).to_owned()
+        let endings = [".zip", ".tar.gz", ".tgz", ".tar", ".mcap"];
+        let ending = endings.iter().find_map(|ending| name.strip_suffix(ending));
+        ending.unwrap_or(name).to_owned()
     }
 
     /// The request id, given here or as a header; if both, the same.
@@ -88,6 +90,8 @@ mod tests {
         assert_eq!(Metadata::parse("").unwrap(), Metadata::default());
         let named = Metadata::parse("filename Yy9yb3BlLnppcA==").unwrap();
         assert_eq!(named.capture_name(), "rope");
+        let packed = Metadata { filename: "toy.v2.tar.gz".into(), ..Metadata::default() };
+        assert_eq!(packed.capture_name(), "toy.v2");
     }
 
     #[test]
