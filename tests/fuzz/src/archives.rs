@@ -19,6 +19,11 @@ pub fn zip(data: &[u8]) {
     expect_sound(data);
 }
 
+/// A tar archive, plain or compressed.
+pub fn tar(data: &[u8]) {
+    expect_sound(data);
+}
+
 /// The pickle of a PhysTwin case.
 pub fn case(data: &[u8]) {
     expect_sound(&archives::with(samples::case(), "final_data.pkl", data.to_vec()));

@@ -53,6 +53,7 @@ pub const TARGETS: &[Target] = &[
         seeds: seeds::rollout_message,
     },
     Target { name: "settings", run: requests::settings, seeds: seeds::settings },
+    Target { name: "tar", run: archives::tar, seeds: seeds::tar },
     Target { name: "transforms", run: archives::transforms, seeds: seeds::transforms },
     #[cfg(feature = "uploads")]
     Target { name: "tus", run: requests::tus, seeds: seeds::tus },

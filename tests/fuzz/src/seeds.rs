@@ -54,6 +54,14 @@ pub(crate) fn zip() -> Vec<Vec<u8>> {
     with_faults(valid, bendtwin_hostile::archives::FAULTS)
 }
 
+pub(crate) fn tar() -> Vec<Vec<u8>> {
+    use bendtwin_hostile::tars;
+    let valid = [samples::observation(), samples::case(), samples::raw_case()];
+    let plain = valid.iter().map(tars::pack);
+    let packed = valid.iter().map(|files| tars::gzip(&tars::pack(files)));
+    with_faults(plain.chain(packed).collect(), tars::FAULTS)
+}
+
 pub(crate) fn case() -> Vec<Vec<u8>> {
     with_faults(vec![pickles::valid()], pickles::FAULTS)
 }

@@ -2,10 +2,10 @@
 //! or mean harm.
 //!
 //! Every file is a small valid one with one fault: a fault of its format from the table of that
-//! format ([`archives`], [`arrays`], [`pickles`], [`images`], [`recordings`], [`meshes`],
-//! [`documents`], [`twin_files`], [`torch_files`], [`requests`]), or damage to its bytes ([`damage`]). The same seed
-//! gives the same files, on every machine; file `n` of a seed does not depend on those before it.
-//! Files are small: what they claim is large.
+//! format ([`archives`], [`tars`], [`arrays`], [`pickles`], [`images`], [`recordings`], [`meshes`],
+//! [`documents`], [`twin_files`], [`torch_files`], [`requests`]), or damage to its bytes
+//! ([`damage`]). The same seed gives the same files, on every machine; file `n` of a seed does not
+//! depend on those before it. Files are small: what they claim is large.
 
 pub mod archives;
 pub mod arrays;
@@ -17,6 +17,7 @@ pub mod pickles;
 pub mod recordings;
 pub mod requests;
 pub mod samples;
+pub mod tars;
 pub mod torch_files;
 pub mod twin_files;
 
@@ -50,6 +51,7 @@ pub struct Fault {
 pub fn captures(seed: u64) -> impl Iterator<Item = Hostile> {
     let kinds: Vec<(&'static str, Fault)> = [
         named("zip", archives::FAULTS),
+        named("tar", tars::FAULTS),
         named("zip", arrays::IN_CAPTURES),
         named("zip", pickles::IN_CAPTURES),
         named("zip", images::IN_CAPTURES),

@@ -37,6 +37,8 @@ fn what_they_are_made_from_is_valid() {
     let limits = Limits::default();
     for files in [samples::observation(), samples::case()] {
         read_bytes("sample", &archives::pack(&files), &limits).unwrap();
+        read_bytes("sample", &tars::pack(&files), &limits).unwrap();
+        read_bytes("sample", &tars::gzip(&tars::pack(&files)), &limits).unwrap();
     }
     for twin in [samples::twin(), samples::cable()] {
         assert_eq!(Twin::decode(&twin_files::encoded(&twin)).unwrap(), twin);
