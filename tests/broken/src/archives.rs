@@ -6,7 +6,7 @@ use zip::{CompressionMethod, ZipWriter, write::SimpleFileOptions};
 
 use crate::{
     Broken,
-    Expected::{self, Damaged, Refused},
+    Expected::{self, Damaged, Refused, Sound},
     Make, Sample, broken,
     files::FileMap,
 };
@@ -17,6 +17,10 @@ const CENTRAL: &[u8] = b"PK\x01\x02";
 
 /// All recordings of this kind.
 pub fn all() -> Vec<Broken> {
+    [faults(), kinds()].concat()
+}
+
+fn faults() -> Vec<Broken> {
     let archive = |name, expected: Expected, pack| broken(name, expected, Make::Archive(pack));
     vec![
         archive("an archive that was cut off", Refused("ARCHIVE_DAMAGED"), |f| {
@@ -24,7 +28,7 @@ pub fn all() -> Vec<Broken> {
             bytes.truncate(bytes.len() * 2 / 3);
             bytes
         }),
-        archive("gzip for ZIP", Refused("UNKNOWN_CAPTURE_KIND"), |f| {
+        archive("gzip of nothing", Refused("ARCHIVE_DAMAGED"), |f| {
             [b"\x1f\x8b\x08\x00\x00\x00\x00\x00\x00\x03".to_vec(), pack(f)[64..4096].to_vec()]
                 .concat()
         }),
@@ -108,6 +112,66 @@ pub fn all() -> Vec<Broken> {
     ]
 }
 
+/// Recordings in archives of other kinds than the usual, and in files that are none.
+fn kinds() -> Vec<Broken> {
+    let archive = |name, expected: Expected, pack| broken(name, expected, Make::Archive(pack));
+    vec![
+        archive("a tar archive", Sound("MASK_LABELS"), tar),
+        archive("a compressed tar archive", Sound("MASK_LABELS"), |f| gzip(&tar(f))),
+        archive("a tar archive that was cut off", Refused("ARCHIVE_DAMAGED"), |f| {
+            let bytes = tar(f);
+            bytes[..bytes.len() / 2].to_vec()
+        }),
+        archive("a bomb in a compressed tar archive", Refused("ARCHIVE_BOMB"), |_| {
+            gzip(&tar(&FileMap::from([("metadata.json".to_owned(), vec![b' '; 48 << 20])])))
+        }),
+        archive("a ZIP archive in bzip2", Sound("MASK_LABELS"), |f| {
+            let options = options().compression_method(CompressionMethod::Bzip2);
+            closed(opened_with(f, options))
+        }),
+        archive("a ZIP archive in LZMA", Refused("ARCHIVE_COMPRESSION_NOT_READ"), |f| {
+            let mut bytes = pack(f);
+            for (start, method) in [(LOCAL, 8), (CENTRAL, 10)] {
+                for at in places(&bytes, start) {
+                    bytes[at + method] = 14;
+                }
+            }
+            bytes
+        }),
+        archive("a case three folders deep", Sound("MASK_LABELS"), |f| {
+            let deep = |(name, bytes): (&String, &Vec<u8>)| {
+                (format!("data/different_types/toy/{name}"), bytes.clone())
+            };
+            pack(&f.iter().map(deep).collect())
+        }),
+        archive("a bag of ROS 1", Refused("FORMAT_NOT_READ"), |_| {
+            [b"#ROSBAG V2.0\n".to_vec(), vec![b' '; 5000]].concat()
+        }),
+        archive("a database of ROS 2", Refused("FORMAT_NOT_READ"), |_| {
+            [b"SQLite format 3\0".to_vec(), vec![0; 5000]].concat()
+        }),
+        archive("a video", Refused("FORMAT_NOT_READ"), |_| {
+            [b"\0\0\0\x20ftypisom".to_vec(), vec![0; 5000]].concat()
+        }),
+    ]
+}
+
+fn tar(files: &FileMap) -> Vec<u8> {
+    let mut tar = tar::Builder::new(Vec::new());
+    for (name, bytes) in files {
+        let mut header = tar::Header::new_ustar();
+        header.set_size(bytes.len() as u64);
+        tar.append_data(&mut header, name, bytes.as_slice()).expect("it is written");
+    }
+    tar.into_inner().expect("it is written")
+}
+
+fn gzip(bytes: &[u8]) -> Vec<u8> {
+    let mut gzip = flate2::write::GzEncoder::new(Vec::new(), flate2::Compression::best());
+    gzip.write_all(bytes).expect("it is written");
+    gzip.finish().expect("it is written")
+}
+
 /// Files as an archive.
 pub fn pack(files: &FileMap) -> Vec<u8> {
     closed(opened(files))
@@ -124,9 +188,13 @@ pub(crate) fn stored(bytes: &[u8]) -> Sample {
 type Writer = ZipWriter<Cursor<Vec<u8>>>;
 
 fn opened(files: &FileMap) -> Writer {
+    opened_with(files, options())
+}
+
+fn opened_with(files: &FileMap, options: SimpleFileOptions) -> Writer {
     let mut zip = ZipWriter::new(Cursor::new(Vec::new()));
     for (name, bytes) in files {
-        zip.start_file(name.as_str(), options()).expect("it is written");
+        zip.start_file(name.as_str(), options).expect("it is written");
         zip.write_all(bytes).expect("it is written");
     }
     zip

@@ -171,7 +171,7 @@ fn manifests() -> Vec<Broken> {
         ),
         broken(
             "no depth images",
-            Found("CAMERA_EMPTY"),
+            Refused("IMAGES_NOT_FOUND"),
             Make::Bundle(|f| {
                 f.retain(|name, _| !name.contains("/depth/"));
             }),
@@ -239,7 +239,7 @@ fn cut(files: &mut FileMap, name: &str) {
 }
 
 /// Changes words of the description.
-fn reword(files: &mut FileMap, from: &str, to: &str) {
+pub(crate) fn reword(files: &mut FileMap, from: &str, to: &str) {
     let mut changed = false;
     for name in ["metadata.json", "capture.json"] {
         if let Some(file) = files.get_mut(name) {
@@ -251,7 +251,7 @@ fn reword(files: &mut FileMap, from: &str, to: &str) {
     assert!(changed, "the description does not say {from}");
 }
 
-fn npy(header: &str, data: &[u8]) -> Vec<u8> {
+pub(crate) fn npy(header: &str, data: &[u8]) -> Vec<u8> {
     let mut out = b"\x93NUMPY\x01\x00".to_vec();
     out.extend((header.len() as u16 + 1).to_le_bytes());
     out.extend(header.as_bytes());

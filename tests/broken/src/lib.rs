@@ -1,13 +1,15 @@
 //! Recordings with one fault each, and the diagnosis expected of each.
 //!
 //! All are derived from one healthy simulated recording. [`all`] lists the faults: in the camera
-//! data ([`footage`]), in files ([`files`]) and in archives ([`archives`]). A user of this crate
+//! data ([`footage`]), in files ([`files`]) and their names ([`naming`]), and in archives
+//! ([`archives`]). A user of this crate
 //! calls [`Broken::make`] and compares the diagnosis with the expected one.
 
 pub mod archives;
 pub mod calibration;
 pub mod files;
 pub mod footage;
+pub mod naming;
 pub mod streams;
 
 use std::path::PathBuf;
@@ -37,6 +39,8 @@ pub enum Expected {
     Damaged(&'static str),
     /// Code of the first finding of the report.
     Found(&'static str),
+    /// No fault: it is read as what it is. Code of a remark.
+    Sound(&'static str),
     /// Code of any finding: relevant, but other recordings of its kind have it too.
     Noticed(&'static str),
 }
@@ -83,7 +87,7 @@ impl Broken {
 
 /// Every broken recording.
 pub fn all() -> Vec<Broken> {
-    [calibration::all(), streams::all(), files::all(), archives::all()].concat()
+    [calibration::all(), streams::all(), files::all(), naming::all(), archives::all()].concat()
 }
 
 fn broken(name: &'static str, expected: Expected, make: Make) -> Broken {

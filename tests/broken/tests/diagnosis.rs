@@ -32,6 +32,7 @@ fn complaint(expected: Expected, found: Result<Inspection, Fault>) -> Option<Str
         (Expected::Found(code), Ok(report)) => {
             report.findings.first().is_some_and(|f| f.code == *code && f.severity != Severity::Info)
         }
+        (Expected::Sound(code), Ok(report)) => report.verdict == Verdict::Good && report.has(code),
         (Expected::Noticed(code), Ok(report)) => report.has(code),
         _ => false,
     };

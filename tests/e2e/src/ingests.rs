@@ -5,6 +5,7 @@ use std::time::Duration;
 
 use bendtwin_proto::v1::{Capture, GetCaptureRequest, job::State};
 use bytes::Bytes;
+use flate2::{Compression, write::GzEncoder};
 use reqwest::{Method, StatusCode};
 use serde_json::{Value, json};
 
@@ -56,6 +57,37 @@ async fn a_recording_of_cameras_becomes_a_report_and_a_twin_by_command_line() {
     })
     .await
     .unwrap();
+}
+
+/// What an archive is, its content tells, whichever way it came; of a folder the command sends what
+/// is read.
+#[tokio::test]
+async fn tar_archives_and_folders_are_read_as_zip_is() {
+    let server = TestCluster::ordinary().await;
+    let api = server.api();
+    let (url, case, packed) = (server.url(), server.path("toy"), server.path("toy.tgz"));
+    let (archive, pushed) = tokio::task::spawn_blocking(move || {
+        run_ok(&["capture", "make", "toy", &case, "--tiny", "--raw"]);
+        let mut tar = tar::Builder::new(GzEncoder::new(Vec::new(), Compression::fast()));
+        tar.append_dir_all("different_types/toy", &case).unwrap();
+        let archive = tar.into_inner().unwrap().finish().unwrap();
+        std::fs::write(&packed, &archive).unwrap();
+        let clouds = std::path::Path::new(&case).join("pcd");
+        std::fs::create_dir(&clouds).unwrap();
+        std::fs::write(clouds.join("0.npz"), vec![7; 16 << 20]).unwrap();
+        let push = |path: &str| run_json(&["capture", "push", path, "--watch", "--server", &url]);
+        (archive, [push(&packed), push(&case)])
+    })
+    .await
+    .unwrap();
+    for pushed in &pushed {
+        assert_eq!(pushed["ingest"]["state"], "SUCCEEDED", "{pushed}");
+    }
+    let sizes = pushed.map(|pushed| pushed["size_bytes"].as_u64().unwrap());
+    assert!(sizes.iter().all(|size| *size < 8 << 20), "{sizes:?}");
+    let stored = api.upload_as(&Bytes::from(archive), "by gRPC", "tar").await.unwrap();
+    let ingest = ingested(&api, &stored.name).await.ingest.unwrap();
+    assert_eq!(ingest.state(), State::Succeeded, "{ingest:?}");
 }
 
 #[tokio::test]
