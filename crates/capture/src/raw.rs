@@ -109,7 +109,8 @@ pub struct Recording {
     pub truth_tracks: Vec<Point>,
     /// Mass of the object, if it was weighed [kg].
     pub mass_kg: Option<f64>,
-    /// What the reader took for what, and what it noticed without failing.
+    /// Remarks of the reader: labels and numbers as it took them, and what it noticed without
+    /// failing.
     pub notes: Vec<Finding>,
     /// Source of the frames.
     pub source: Arc<dyn Source>,

@@ -141,10 +141,13 @@ pub(crate) fn is_capture(contents: &Contents) -> bool {
     formats(contents).next().is_some()
 }
 
+/// Words for recordings that lie in folders.
+const SEVERAL: &str = "several recordings (`recordings.json`)";
+
 /// Formats in a folder; the first is read.
 pub(crate) fn formats(contents: &Contents) -> impl Iterator<Item = &'static str> {
     [
-        (contents.has(several::MARKER), "several recordings (`recordings.json`)"),
+        (contents.has(several::MARKER), SEVERAL),
         (contents.has(bundle::MARKER), "a bundle (`capture.json`)"),
         (contents.has(phystwin::MARKER), "a processed PhysTwin case (`final_data.pkl`)"),
         (contents.has(raw::nerfstudio::MARKER), "nerfstudio (`transforms.json`)"),
@@ -156,7 +159,8 @@ pub(crate) fn formats(contents: &Contents) -> impl Iterator<Item = &'static str>
 
 /// The finding that says which format of several was read.
 pub(crate) fn taken(contents: &Contents) -> Option<Finding> {
-    let mut formats = formats(contents);
+    // One of several recordings may lie beside the document that names them all.
+    let mut formats = formats(contents).filter(|format| *format != SEVERAL);
     let first = formats.next()?;
     let others = formats.collect::<Vec<_>>().join(" and ");
     let message = format!("it was read as {first}; {others} in the same folder is passed over");

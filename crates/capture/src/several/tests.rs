@@ -48,6 +48,18 @@ fn several_recordings_are_written_and_read() {
     assert_ne!(digest(&alone), digest(&capture));
     assert_eq!(digest(&alone), digest(&recording("another name", 0.0)));
     assert_eq!(bytes(&capture), bytes(&read));
+    // It is no second format beside the document that names it.
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("lift.zip");
+    std::fs::write(&path, bytes(&capture)).unwrap();
+    let Opened::Several(parts) = crate::open(&path, &Limits::default()).unwrap() else {
+        panic!("not several")
+    };
+    let is_taken = |part: &Part| match &part.opened {
+        Opened::Observed(_, notes) => notes.iter().any(|note| note.code == "FORMAT_TAKEN"),
+        _ => true,
+    };
+    assert!(!parts.iter().any(is_taken));
     // The reference lies where a reader of a single recording looks.
     let mut files = bundle(&capture);
     assert!(files.remove("recordings.json").is_some());
