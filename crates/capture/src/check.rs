@@ -11,7 +11,7 @@ mod tracks;
 
 use std::path::Path;
 
-use bendtwin_core::{Capture, Finding, Problem, Sequence, Severity};
+use bendtwin_core::{Capture, Environment, Finding, Problem, Sequence, Severity};
 
 pub use report::CheckReport;
 pub(crate) use report::Note;
@@ -53,6 +53,13 @@ fn one(capture: &Capture) -> Vec<Finding> {
     }
     controls::check(capture, &mut findings);
     findings
+}
+
+/// Findings about the direction and the size of gravity.
+pub fn check_gravity(environment: &Environment) -> Vec<Finding> {
+    let mut findings = Vec::new();
+    setting::gravity(environment, &mut findings);
+    report::merge(findings)
 }
 
 /// Reads and checks a capture; what reading refuses becomes a finding too.

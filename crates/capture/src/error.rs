@@ -353,7 +353,7 @@ pub enum Error {
     },
     /// A split outside the recording.
     #[error(
-        "sequence `{sequence}` is split at frame {split}, but it has {frames} frames: the split lies in 0..={frames}"
+        "the split of `{sequence}` is at frame {split}, but there are {frames} frames: let it end within 0..={frames}"
     )]
     SplitRange {
         /// The sequence.

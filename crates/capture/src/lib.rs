@@ -27,7 +27,7 @@ mod structure;
 mod torch;
 
 pub use bundle::{write_bundle, write_bundle_file};
-pub use check::{CheckReport, check, check_path};
+pub use check::{CheckReport, check, check_gravity, check_path};
 pub use contents::{FilesRead, files_read};
 pub use digest::digest;
 pub use error::Error;

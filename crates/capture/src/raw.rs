@@ -19,6 +19,7 @@ mod stored;
 #[cfg(test)]
 pub(crate) mod testing;
 mod tracks;
+mod usable;
 mod validity;
 
 use std::{

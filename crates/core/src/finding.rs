@@ -37,6 +37,9 @@ pub struct Finding {
     /// The first frames concerned, at most 20; empty if it concerns all.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub frames: Vec<usize>,
+    /// Codes of findings that merely follow from this one and are left out.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub consequences: Vec<String>,
     /// The numbers of the message by name, with their unit in it.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub numbers: BTreeMap<String, f64>,
@@ -52,6 +55,7 @@ impl Finding {
             advice: String::new(),
             cameras: Vec::new(),
             frames: Vec::new(),
+            consequences: Vec::new(),
             numbers: BTreeMap::new(),
         }
     }
@@ -102,6 +106,15 @@ impl Finding {
     pub fn number(mut self, name: &str, value: f64) -> Self {
         if value.is_finite() {
             self.numbers.insert(name.to_owned(), value);
+        }
+        self
+    }
+
+    /// Adds the code of a finding that follows from this one.
+    #[must_use]
+    pub fn explains(mut self, code: &str) -> Self {
+        if !self.consequences.iter().any(|known| known == code) {
+            self.consequences.push(code.to_owned());
         }
         self
     }

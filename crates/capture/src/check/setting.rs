@@ -1,6 +1,6 @@
 //! Frame rate, length, split, gravity.
 
-use bendtwin_core::{Capture, FRAME_RATES};
+use bendtwin_core::{Capture, Environment, FRAME_RATES};
 
 use super::Finding;
 
@@ -13,7 +13,7 @@ const MAX_TILT_COS: f32 = 0.866;
 
 pub(super) fn check(capture: &Capture, findings: &mut Vec<Finding>) {
     frame_rate(capture.fps, findings);
-    gravity(capture, findings);
+    gravity(&capture.environment, findings);
     for sequence in &capture.sequences {
         let (name, frames) = (&sequence.name, sequence.frame_count);
         match frames {
@@ -62,8 +62,8 @@ fn frame_rate(fps: f64, findings: &mut Vec<Finding>) {
     }
 }
 
-fn gravity(capture: &Capture, findings: &mut Vec<Finding>) {
-    let gravity = capture.environment.gravity;
+pub(super) fn gravity(environment: &Environment, findings: &mut Vec<Finding>) {
+    let gravity = environment.gravity;
     let size = gravity.iter().map(|x| x * x).sum::<f32>().sqrt();
     if !size.is_finite() {
         findings.push(Finding::error(
@@ -86,7 +86,7 @@ fn gravity(capture: &Capture, findings: &mut Vec<Finding>) {
             format!("gravity is {size} m/s²: about 9.81 is usual, is it in other units?"),
         ));
     }
-    let up = capture.environment.ground.map_or([0.0, 0.0, 1.0], |g| g.normal);
+    let up = environment.ground.map_or([0.0, 0.0, 1.0], |g| g.normal);
     let down = -(gravity[0] * up[0] + gravity[1] * up[1] + gravity[2] * up[2]) / size;
     if down < MAX_TILT_COS {
         let degrees = down.clamp(-1.0, 1.0).acos().to_degrees();

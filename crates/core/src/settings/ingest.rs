@@ -1,6 +1,8 @@
 //! Settings of lifting a raw recording to tracked points. Every field has a default, unknown fields
 //! are refused, and [`IngestSettings::validate`] reports all faults at once.
 
+use std::ops::Range;
+
 use serde::{Deserialize, Serialize};
 
 /// Settings of the ingest of a raw recording.
@@ -182,6 +184,26 @@ impl Default for CompletionSettings {
     }
 }
 
+impl ControlSettings {
+    /// Least pixels with depth, of all cameras together, by which a hand is seen in a frame.
+    pub const MIN_PIXELS: usize = 20;
+
+    /// The first frames without a hand that cannot be filled, given for each frame whether it is
+    /// seen: those at the start, where control points need a place, and those of a gap longer than
+    /// `max_gap_frames`. `None` if there are none, or if there never is a hand.
+    pub fn gap(&self, seen: &[bool]) -> Option<Range<usize>> {
+        let mut from = 0;
+        for hidden in seen.split_inclusive(|seen| *seen) {
+            let count = hidden.iter().filter(|seen| !**seen).count();
+            if count > self.max_gap_frames as usize || (from == 0 && count > 0) {
+                return (count < seen.len()).then_some(from..from + count);
+            }
+            from += hidden.len();
+        }
+        None
+    }
+}
+
 impl IngestSettings {
     /// Checks every value.
     ///
@@ -263,5 +285,19 @@ mod tests {
         };
         let faults = settings.validate().unwrap_err();
         assert_eq!(faults.len(), 3, "{faults:?}");
+    }
+
+    #[test]
+    fn hands_are_filled_for_a_few_frames() {
+        let settings = ControlSettings { max_gap_frames: 2, ..ControlSettings::default() };
+        let gap = |seen: &str| settings.gap(&seen.bytes().map(|b| b == b'x').collect::<Vec<_>>());
+        assert_eq!(gap("xxxx"), None);
+        assert_eq!(gap("x..x..x.."), None);
+        assert_eq!(gap("x..xx...x"), Some(5..8));
+        assert_eq!(gap("x..xx..."), Some(5..8));
+        // Control points need a place at the start.
+        assert_eq!(gap(".xxx"), Some(0..1));
+        // Without any hand there is nothing to fill.
+        assert_eq!((gap("...."), gap("")), (None, None));
     }
 }
