@@ -94,6 +94,9 @@ struct State<'a> {
 
 /// Least textured points in all cameras by which a manipulator's motion can be known.
 const MIN_TEXTURED_POINTS: usize = 30;
+/// Texture from which a point of a manipulator is textured [grey levels of 255 per px]. JPEG images of
+/// quality 80 show a plain hand with 4.6 to 5.3, which does not move with it.
+const MIN_MANIPULATOR_TEXTURE: f32 = 8.0;
 
 impl<'a> State<'a> {
     fn new(recording: &'a Recording, settings: &'a FlowSettings) -> Self {
@@ -170,7 +173,8 @@ impl<'a> State<'a> {
             hands.push(hand.seeds);
         }
         if self.shape_tracker.points.is_empty()
-            && hands.iter().map(Vec::len).sum::<usize>() >= MIN_TEXTURED_POINTS
+            && hands.iter().flatten().filter(|s| s.texture >= MIN_MANIPULATOR_TEXTURE).count()
+                >= MIN_TEXTURED_POINTS
         {
             for (&(camera, posed), seeds) in fresh.iter().zip(&hands) {
                 self.logs[camera].guide = Some(Guide::Texture);
