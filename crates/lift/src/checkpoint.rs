@@ -10,7 +10,7 @@ use crate::{Error, survey::Surveyed};
 
 /// Checkpoints of lifting. The version rises with every change of [`Checkpoint`] or of what a unit
 /// computes.
-const KIND: Kind = Kind { name: "ingest", magic: *b"BTIC", version: 2 };
+const KIND: Kind = Kind { name: "ingest", magic: *b"BTIC", version: 3 };
 
 /// All that takes long.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]

@@ -55,7 +55,27 @@ pub enum Error {
         /// In which frame.
         frame: usize,
     },
-    /// Masks show a hand, but not where it starts.
+    /// The object is gone from all masks.
+    #[error(
+        "no mask shows the object from frame {from} on, and {train} frames are for fitting: segment these frames again, or \
+         cut the recording there"
+    )]
+    ObjectGone {
+        /// First frame without it.
+        from: usize,
+        /// Frames for fitting.
+        train: usize,
+    },
+    /// Masks show a hand, but not from the first frame on.
+    #[error(
+        "the hand's masks are empty up to frame {to}: let the recording begin when the hand is in view, and mask it from the \
+         first frame on"
+    )]
+    HandLate {
+        /// Last frame without it.
+        to: usize,
+    },
+    /// Masks show a hand, but too little of it where it starts.
     #[error(
         "the masks show a hand or gripper, but hardly in the first frame, where {tracks} tracks lie on it and {needed} are \
          needed: let the recording begin when the hand is in view"
@@ -68,12 +88,10 @@ pub enum Error {
     },
     /// A hand that is hidden for long.
     #[error(
-        "hand {hand} is not tracked from frame {from} to {to}, and gaps are filled up to {limit} frames: cut the recording \
-         there, or raise controls.max_gap_frames"
+        "no mask shows the hand from frame {from} to {to}, and gaps are filled up to {limit} frames: segment it there, cut \
+         the recording, or raise controls.max_gap_frames"
     )]
     HandLost {
-        /// Number of the hand, from 0.
-        hand: usize,
         /// First frame without it.
         from: usize,
         /// Last frame without it.
@@ -154,7 +172,8 @@ impl Problem for Error {
             Self::NoObject(_) => "OBJECT_NOT_SEEN",
             Self::NoTracks { .. } => "OBJECT_NOT_TRACKED",
             Self::TracksLost { .. } => "TRACKS_LOST",
-            Self::NoHandTracks { .. } => "HAND_NOT_TRACKED",
+            Self::ObjectGone { .. } => "OBJECT_MASK_EMPTY",
+            Self::NoHandTracks { .. } | Self::HandLate { .. } => "HAND_NOT_TRACKED",
             Self::HandLost { .. } => "HAND_LOST",
             Self::Mesh { .. } => "MESH_UNUSABLE",
             Self::Tracker(e) => e.reason(),

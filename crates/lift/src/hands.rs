@@ -21,6 +21,8 @@ pub(crate) struct Controls {
     /// Positions [m], shape [T, C, 3], those of one hand beside each other.
     pub(crate) points: Vec<Point>,
     pub(crate) hands: Vec<HandEvidence>,
+    /// Longest gap in which a hand's motion is not known [frames].
+    pub(crate) longest_gap: usize,
     pub(crate) findings: Vec<Finding>,
 }
 
@@ -53,13 +55,17 @@ pub(crate) fn controls(tracks: &Tracks, settings: &ControlSettings) -> Result<Co
         return Err(Error::NoHandTracks { tracks: largest, needed: MIN_TRACKS });
     }
     let mut columns = Vec::new();
-    let mut hands = Vec::new();
+    let (mut hands, mut longest_gap) = (Vec::new(), 0);
     for (hand, group) in groups.iter().enumerate() {
         // The first hands get what cannot be dealt out evenly.
         let all = settings.count as usize;
         let wanted = all / groups.len() + usize::from(hand < all % groups.len());
         let tracks = tracks.select(group);
-        let body = Body::fit(&tracks, hand, settings)?;
+        let Some(body) = Body::fit(&tracks, settings) else {
+            return Err(Error::NoHandTracks { tracks: group.len(), needed: MIN_TRACKS });
+        };
+        longest_gap = longest_gap.max(body.longest_gap());
+        findings.extend(long_gap(hand, body.longest_gap(), settings));
         let mut chosen = body.surviving();
         let surviving = chosen.len();
         if surviving < MIN_TRACKS.min(wanted) {
@@ -97,7 +103,20 @@ pub(crate) fn controls(tracks: &Tracks, settings: &ControlSettings) -> Result<Co
         columns.extend(picked.into_iter().map(|i| body.trajectory(i)));
     }
     let points = (0..tracks.frames).flat_map(|f| columns.iter().map(move |c| c[f])).collect();
-    Ok(Controls { points, hands, findings })
+    Ok(Controls { points, hands, longest_gap, findings })
+}
+
+/// Finding of a hand that masks show, but that cannot be followed for longer than gaps are filled.
+fn long_gap(hand: usize, frames: usize, settings: &ControlSettings) -> Option<Finding> {
+    (frames > settings.max_gap_frames as usize).then(|| {
+        warning(
+            "HAND_BARELY_TRACKED",
+            format!(
+                "hand {hand} is not recognised in {frames} successive frames although masks show it: its motion there is \
+                 filled in from before and after; tracks on the hand would show it"
+            ),
+        )
+    })
 }
 
 fn warning(code: &str, message: String) -> Finding {

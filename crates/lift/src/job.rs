@@ -39,7 +39,8 @@ pub struct Observation {
     pub evidence: Evidence,
 }
 
-/// Lifts a recording to a capture, from the start or from a checkpoint of the same ingest.
+/// Lifts a recording to a capture, from the start or from a checkpoint of the same ingest. Damaged
+/// files count as not recorded.
 ///
 /// # Errors
 /// If settings, recording or checkpoint are wrong, frames cannot be read, there is nothing to lift,
@@ -53,6 +54,7 @@ pub fn lift(
 ) -> Result<Observation, Error> {
     settings.validate().map_err(Error::Settings)?;
     examine(recording)?;
+    let recording = &recording.usable();
     let supplied = supplied_tracks(recording)?;
     let identity = Identity::of(recording, &supplied, settings);
     let cameras = recording.cameras.len();

@@ -23,10 +23,13 @@ pub(crate) fn shape(
     findings: &mut Vec<Finding>,
 ) -> Result<Option<(Shape, ShapeEvidence)>, Error> {
     if let Some(file) = recording.mesh.as_ref().filter(|_| settings.completion.mesh) {
-        let from_mesh = from_mesh(file, observed, settings, findings)
+        let mesh = parse(&file.name, &file.bytes, &Limits::default())
             .map_err(|error| Error::Mesh { name: file.name.clone(), why: error.to_string() })?;
-        if from_mesh.is_some() {
-            return Ok(from_mesh);
+        // A mesh that can be read but not used is left out, and a finding says why.
+        match from_mesh(mesh, file, observed, settings, findings) {
+            Ok(None) => {}
+            Ok(shape) => return Ok(shape),
+            Err(error) => findings.push(unused(error_code(&error), &file.name, &error.to_string())),
         }
     }
     if settings.interior != Interior::Convex {
@@ -41,13 +44,13 @@ pub(crate) fn shape(
 }
 
 fn from_mesh(
+    mesh: Mesh,
     file: &MeshFile,
     observed: &[Point],
     settings: &IngestSettings,
     findings: &mut Vec<Finding>,
 ) -> Result<Option<(Shape, ShapeEvidence)>, bendtwin_mesh::Error> {
     let completion = &settings.completion;
-    let mesh = parse(&file.name, &file.bytes, &Limits::default())?;
     let to_world = match &file.to_world {
         Some(given) => similarity(given),
         None if !completion.align => {

@@ -1,7 +1,9 @@
 //! Reading frames: a unit of work is a block of frames of one camera, whose masks are cleaned and
 //! whose tracks are lifted.
 
-use bendtwin_capture::raw::{self, Camera, ColorImage, Frames, Recording, Region};
+use bendtwin_capture::raw::{
+    self, Camera, ColorImage, DepthImage, Frames, Mask, Recording, Region,
+};
 use bendtwin_core::{CancelToken, Point, settings::ingest::IngestSettings};
 use serde::{Deserialize, Serialize};
 
@@ -52,6 +54,10 @@ pub(crate) struct Surveyed {
     pub(crate) surface: Vec<Point>,
     /// Points of the manipulator's surface in each frame [m], shape [F] of lists.
     pub(crate) hands: Vec<Vec<Point>>,
+    /// Pixels of the object with depth in each frame, shape [F].
+    pub(crate) object_px: Vec<u32>,
+    /// Pixels of the manipulator with depth in each frame, shape [F].
+    pub(crate) hand_px: Vec<u32>,
     /// Colours of the tracks there, 0..=1, shape [N] or empty.
     pub(crate) colors: Vec<Point>,
 }
@@ -90,6 +96,13 @@ pub(crate) fn survey(
     Ok(result)
 }
 
+/// Pixels of a mask with depth.
+fn with_depth(mask: Option<&Mask>, depth: &DepthImage) -> u32 {
+    let Some(mask) = mask else { return 0 };
+    let pairs = mask.pixels.iter().zip(&depth.pixels);
+    pairs.filter(|(shown, metres)| **shown && metres.is_finite() && **metres > 0.0).count() as u32
+}
+
 struct FrameReader<'a> {
     camera: &'a Camera,
     frame: usize,
@@ -111,6 +124,8 @@ impl FrameReader<'_> {
             self.result.missing_frames += 1;
             self.result.lifts.no_frame += count as u64;
             self.result.hands.push(Vec::new());
+            self.result.object_px.push(0);
+            self.result.hand_px.push(0);
             return Ok(());
         };
         self.check_size("depth", depth.width, depth.height, depth.pixels.len())?;
@@ -119,6 +134,8 @@ impl FrameReader<'_> {
         for mask in [&object, &manipulator].into_iter().flatten() {
             self.check_size("mask", mask.width, mask.height, mask.pixels.len())?;
         }
+        self.result.object_px.push(with_depth(object.as_ref(), &depth));
+        self.result.hand_px.push(with_depth(manipulator.as_ref(), &depth));
         let intrinsics = &self.camera.intrinsics;
         let cleaned =
             clean(&depth, object.as_ref(), manipulator.as_ref(), intrinsics, &self.settings.masks);

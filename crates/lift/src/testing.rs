@@ -30,6 +30,8 @@ pub(crate) struct TestScene {
     pub(crate) missing: Vec<(usize, usize)>,
     /// Frames in which no track on the hand is visible.
     pub(crate) hand_hidden: std::ops::Range<usize>,
+    /// Frames in which no mask shows the hand, nor any track.
+    pub(crate) hand_unmasked: std::ops::Range<usize>,
     /// True if there is a hand.
     pub(crate) hand: bool,
     /// True if the recording brings 2D tracks.
@@ -50,6 +52,7 @@ impl Default for TestScene {
             distortion: Distortion::None,
             missing: Vec::new(),
             hand_hidden: 0..0,
+            hand_unmasked: 0..0,
             hand: true,
             tracked: true,
             masks: true,

@@ -4,7 +4,6 @@ use bendtwin_core::{Point, settings::ingest::ControlSettings};
 
 use super::MIN_TRACKS;
 use crate::{
-    Error,
     evidence::HandEvidence,
     rigid::{self, Rigid, distance},
     tracks::Tracks,
@@ -24,6 +23,8 @@ pub(super) struct Body<'a> {
     /// Shape [T].
     poses: Vec<Rigid>,
     filled_frames: usize,
+    /// Longest run of frames that were filled in.
+    longest_gap: usize,
     /// Median residual of each track [m], shape [N].
     residuals_m: Vec<f64>,
     residual_m: f64,
@@ -31,12 +32,8 @@ pub(super) struct Body<'a> {
 }
 
 impl<'a> Body<'a> {
-    /// Fits a hand's tracks; `hand` is its number, for messages.
-    pub(super) fn fit(
-        tracks: &'a Tracks,
-        hand: usize,
-        settings: &'a ControlSettings,
-    ) -> Result<Self, Error> {
+    /// Fits a hand's tracks; `None` if its pose is known in no frame.
+    pub(super) fn fit(tracks: &'a Tracks, settings: &'a ControlSettings) -> Option<Self> {
         let mut shape = tracks.points_at(0).to_vec();
         let mut poses = poses_of(tracks, &shape);
         for _ in 1..ROUNDS {
@@ -44,13 +41,14 @@ impl<'a> Body<'a> {
             poses = poses_of(tracks, &shape);
         }
         let filled_frames = poses.iter().filter(|p| p.is_none()).count();
-        let poses = fill(poses, &shape, hand, settings)?;
+        let (poses, longest_gap) = fill(poses, &shape)?;
         let mut body = Self {
             tracks,
             settings,
             shape,
             poses,
             filled_frames,
+            longest_gap,
             residuals_m: Vec::new(),
             residual_m: 0.0,
             residual_p95_m: 0.0,
@@ -68,7 +66,11 @@ impl<'a> Body<'a> {
         all.sort_by(f64::total_cmp);
         body.residual_m = all.get(all.len() / 2).copied().unwrap_or(0.0);
         body.residual_p95_m = all.get(all.len() * 95 / 100).copied().unwrap_or(0.0);
-        Ok(body)
+        Some(body)
+    }
+
+    pub(super) fn longest_gap(&self) -> usize {
+        self.longest_gap
     }
 
     pub(super) fn is_rigid(&self) -> bool {
@@ -178,14 +180,10 @@ fn shape_of(tracks: &Tracks, poses: &[Option<Rigid>], before: &[Point]) -> Vec<P
     (0..tracks.count).map(place).collect()
 }
 
-/// Puts poses into short gaps: between the poses around, or the last one.
-pub(super) fn fill(
-    poses: Vec<Option<Rigid>>,
-    shape: &[Point],
-    hand: usize,
-    settings: &ControlSettings,
-) -> Result<Vec<Rigid>, Error> {
-    let limit = settings.max_gap_frames as usize;
+/// Puts poses into gaps: between the poses around, or the nearest one; and the length of the longest
+/// gap. `None` if there is no pose.
+pub(super) fn fill(poses: Vec<Option<Rigid>>, shape: &[Point]) -> Option<(Vec<Rigid>, usize)> {
+    let mut longest = 0;
     let count = shape.len().max(1) as f32;
     let pivot = std::array::from_fn(|i| shape.iter().map(|p| p[i]).sum::<f32>() / count);
     let mut filled: Vec<Rigid> = Vec::with_capacity(poses.len());
@@ -198,9 +196,8 @@ pub(super) fn fill(
         }
         let gap = poses[frame..].iter().take_while(|p| p.is_none()).count();
         let (before, after) = (filled.last().copied(), poses.get(frame + gap).copied().flatten());
-        let (Some(first), true) = (before.or(after), gap <= limit) else {
-            return Err(Error::HandLost { hand, from: frame, to: frame + gap - 1, limit });
-        };
+        let first = before.or(after)?;
+        longest = longest.max(gap);
         let next = after.unwrap_or(first);
         for step in 1..=gap {
             let share = step as f64 / (gap + 1) as f64;
@@ -208,7 +205,7 @@ pub(super) fn fill(
         }
         frame += gap;
     }
-    Ok(filled)
+    Some((filled, longest))
 }
 
 fn longest_gap(tracks: &Tracks, track: usize) -> usize {

@@ -10,7 +10,7 @@ use bendtwin_core::{Finding, Severity};
 use bendtwin_core::{Point, settings::ingest::ControlSettings};
 use nalgebra::{Matrix3, Matrix6, Rotation3, Vector3, Vector6};
 
-use super::{Controls, MIN_TRACKS, body::fill};
+use super::{Controls, MIN_TRACKS, body::fill, long_gap};
 use crate::{
     Error,
     evidence::HandEvidence,
@@ -50,9 +50,14 @@ pub(crate) fn controls(
     }
     let motions = follow(&templates, clouds);
     let (mut columns, mut hands) = (Vec::new(), Vec::new());
+    let (mut longest_gap, mut gaps) = (0, Vec::new());
     for (hand, (template, motion)) in templates.iter().zip(motions).enumerate() {
         let filled_frames = motion.poses.iter().filter(|p| p.is_none()).count();
-        let poses = fill(motion.poses, &template.points, hand, settings)?;
+        let Some((poses, gap)) = fill(motion.poses, &template.points) else {
+            return Err(Error::NoHandTracks { tracks, needed: MIN_TRACKS });
+        };
+        longest_gap = longest_gap.max(gap);
+        gaps.extend(long_gap(hand, gap, settings));
         let all = settings.count as usize;
         let wanted = all / templates.len() + usize::from(hand < all % templates.len());
         let picked = farthest_first(&template.points, wanted);
@@ -72,15 +77,16 @@ pub(crate) fn controls(
         columns.extend(picked.into_iter().map(trajectory).collect::<Vec<Vec<Point>>>());
     }
     let points = (0..clouds.len()).flat_map(|f| columns.iter().map(move |c| c[f])).collect();
-    let findings = vec![Finding::from_sentence(
+    let by_shape = Finding::from_sentence(
         Severity::Info,
         "HAND_FOLLOWED_BY_SHAPE",
         format!(
             "{tracks} tracks lie on the hand, too few: its motion is taken from its shape in the depth images, which does not \
              tell every turn; tracks on the hand would"
         ),
-    )];
-    Ok(Controls { points, hands, findings })
+    );
+    let findings = std::iter::once(by_shape).chain(gaps).collect();
+    Ok(Controls { points, hands, longest_gap, findings })
 }
 
 /// A hand's surface in the first frame.

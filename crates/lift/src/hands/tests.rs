@@ -68,8 +68,9 @@ fn gaps_are_filled_and_noise_is_smoothed() {
         assert!(best < 1.2e-3, "control {control}: {best}");
     }
     let impatient = ControlSettings { max_gap_frames: 2, ..ControlSettings::default() };
-    let error = controls(&tracks, &impatient).err().unwrap();
-    assert!(matches!(error, Error::HandLost { from: 10, to: 12, limit: 2, .. }), "{error}");
+    let made = controls(&tracks, &impatient).unwrap();
+    assert_eq!(made.longest_gap, 3);
+    assert!(made.findings.iter().any(|f| f.code == "HAND_BARELY_TRACKED"), "{:?}", made.findings);
 }
 
 #[test]

@@ -9,14 +9,14 @@ use bendtwin_flow::Texture;
 use super::{
     Observation,
     gather::Assembly,
-    refuse::{refuse_lost, refuse_nothing},
+    refuse::{refuse_gaps, refuse_lost, refuse_nothing},
 };
 use crate::{
     Error, Evidence,
     complete::{Shape, complete},
     error::check,
     evidence::TrackEvidence,
-    hands::{self, MIN_TRACKS},
+    hands::{self, Controls, MIN_TRACKS},
     motion,
     shape::shape,
     survey::TrackLabel,
@@ -45,17 +45,14 @@ pub(super) fn assemble(from: &Assembly<'_>, cancel: &CancelToken) -> Result<Obse
         }
     }
     let (mut kept, valid) = filter_tracks(&mut object, settings, &mut evidence.tracks, cancel)?;
-    refuse_lost(recording, &kept, &mut evidence.findings)?;
+    refuse_lost(recording, &from.object_seen(), &kept, &mut evidence.findings)?;
     check(cancel)?;
 
     let (mut controls, mut control_hands) = (Vec::new(), Vec::new());
-    let shown: u64 = evidence.cameras.iter().map(|c| c.manipulator.kept).sum();
-    if shown > 0 {
-        let made = if hand.count >= MIN_TRACKS {
-            hands::controls(&hand, &settings.controls)?
-        } else {
-            hands::cloud::controls(&from.hands(), hand.count, &settings.controls)?
-        };
+    let seen = from.hand_seen();
+    if seen.contains(&true) {
+        refuse_gaps(&settings.controls, &seen)?;
+        let made = follow(from, &hand)?;
         controls = made.points;
         // Control points of one hand are beside each other.
         let hands = made.hands.iter().zip(0..);
@@ -108,6 +105,24 @@ pub(super) fn assemble(from: &Assembly<'_>, cancel: &CancelToken) -> Result<Obse
         others: Vec::new(),
     };
     Ok(Observation { capture, evidence })
+}
+
+/// Control points from the tracks on hands, or from the hands' shape where there are too few tracks or
+/// these are lost for long.
+fn follow(from: &Assembly<'_>, hand: &Tracks) -> Result<Controls, Error> {
+    let settings = &from.settings.controls;
+    let by_shape = || hands::cloud::controls(&from.hands(), hand.count, settings);
+    if hand.count < MIN_TRACKS {
+        return by_shape();
+    }
+    match hands::controls(hand, settings) {
+        Ok(made) if made.longest_gap <= settings.max_gap_frames as usize => Ok(made),
+        Ok(made) => match by_shape() {
+            Ok(other) if other.longest_gap < made.longest_gap => Ok(other),
+            _ => Ok(made),
+        },
+        Err(error) => by_shape().map_err(|_| error),
+    }
 }
 
 /// The reliable tracks, one for each spot, and the validity of their motions, shape [T, N].

@@ -1,7 +1,10 @@
 //! The results of all units, put together by camera, track and frame.
 
 use bendtwin_capture::raw::{self, Recording};
-use bendtwin_core::{Point, settings::ingest::IngestSettings};
+use bendtwin_core::{
+    Point,
+    settings::ingest::{ControlSettings, IngestSettings},
+};
 
 use crate::{
     checkpoint::Checkpoint,
@@ -91,6 +94,28 @@ impl Assembly<'_> {
     pub(super) fn surface(&self) -> Vec<Point> {
         let first = self.surveyed().filter(|(u, _)| u.first == 0);
         first.flat_map(|(_, s)| s.surface.iter().copied()).collect()
+    }
+
+    /// True for each frame in which masks show the object.
+    pub(super) fn object_seen(&self) -> Vec<bool> {
+        self.pixels(|s| &s.object_px).into_iter().map(|px| px > 0).collect()
+    }
+
+    /// True for each frame in which masks show a hand.
+    pub(super) fn hand_seen(&self) -> Vec<bool> {
+        let least = ControlSettings::MIN_PIXELS as u64;
+        self.pixels(|s| &s.hand_px).into_iter().map(|px| px >= least).collect()
+    }
+
+    /// Sums over all cameras, by frame.
+    fn pixels(&self, of: fn(&Surveyed) -> &[u32]) -> Vec<u64> {
+        let mut sums = vec![0; self.recording.frame_count];
+        for (unit, surveyed) in self.surveyed() {
+            for (sum, px) in sums[unit.first..unit.end].iter_mut().zip(of(surveyed)) {
+                *sum += u64::from(*px);
+            }
+        }
+        sums
     }
 
     /// Points of the hands that all cameras see, by frame [m].

@@ -2,9 +2,24 @@
 
 use bendtwin_capture::raw::{self, Recording};
 
-use bendtwin_core::{Finding, Severity};
+use bendtwin_core::{Finding, Severity, settings::ingest::ControlSettings};
 
 use crate::{Error, Evidence, evidence::CameraEvidence, tracks::Tracks};
+
+/// Fails if masks show a hand, but not at the start, or not for longer than can be filled.
+pub(super) fn refuse_gaps(settings: &ControlSettings, seen: &[bool]) -> Result<(), Error> {
+    let Some(gap) = settings.gap(seen) else { return Ok(()) };
+    let (from, to) = (gap.start, gap.end - 1);
+    if from == 0 {
+        return Err(Error::HandLate { to });
+    }
+    Err(Error::HandLost { from, to, limit: settings.max_gap_frames as usize })
+}
+
+/// The frame after the last one in which something is seen.
+fn end_of(seen: &[bool]) -> usize {
+    seen.iter().rposition(|seen| *seen).map_or(0, |last| last + 1)
+}
 
 /// Least points of the object in a frame; with fewer, the object is lost.
 const MIN_POINTS: usize = 3;
@@ -57,12 +72,17 @@ pub(super) fn refuse_nothing(
     Ok(())
 }
 
-/// Fails if the object is lost for good before the training frames end.
+/// Fails if the object is gone from the masks, or lost, for good before the training frames end.
 pub(super) fn refuse_lost(
     recording: &Recording,
+    shown: &[bool],
     kept: &Tracks,
     findings: &mut Vec<Finding>,
 ) -> Result<(), Error> {
+    let (train, from) = (recording.train_frame_count, end_of(shown));
+    if from < train {
+        return Err(Error::ObjectGone { from, train });
+    }
     let seen = |f: usize| kept.seen_at(f).iter().filter(|s| **s).count();
     let lost = (0..kept.frames).rev().take_while(|f| seen(*f) < MIN_POINTS).count();
     let frame = kept.frames - lost;

@@ -165,12 +165,14 @@ fn errors_name_what_cannot_be_lifted() {
         "OBJECT_NOT_TRACKED"
     );
 
-    let long = TestScene { hand_hidden: 4..10, ..TestScene::default() };
+    let long = TestScene { hand_unmasked: 4..10, ..TestScene::default() };
     let error = run(long).unwrap_err();
     assert_eq!(error.reason(), "HAND_LOST");
     assert!(error.to_string().contains("from frame 4 to 9"), "{error}");
+    let late = TestScene { hand_unmasked: 0..1, ..TestScene::default() };
+    assert_eq!(reason(late), "HAND_NOT_TRACKED");
     let lost = (4..12).flat_map(|f| [(0, f), (1, f)]).collect();
-    assert_eq!(reason(TestScene { missing: lost, ..TestScene::default() }), "TRACKS_LOST");
+    assert_eq!(reason(TestScene { missing: lost, ..TestScene::default() }), "OBJECT_MASK_EMPTY");
     let stopped = CancelToken::default();
     stopped.cancel();
     let recording = TestScene::default().recording();
@@ -191,6 +193,18 @@ fn short_gaps_of_the_hand_are_filled_and_a_missing_hand_is_reported() {
     let alone = run(TestScene { hand: false, ..TestScene::default() }).unwrap();
     assert_eq!(alone.capture.sequences[0].control_count(), 0);
     assert!(alone.evidence.findings.iter().any(|f| f.code == "NO_HAND"));
+}
+
+#[test]
+fn a_hand_whose_tracks_are_lost_is_followed_by_its_shape() {
+    let observation = run(TestScene { hand_hidden: 4..12, ..TestScene::default() }).unwrap();
+    assert!(observation.evidence.hands[0].by_shape, "{:?}", observation.evidence.hands);
+    let sequence = &observation.capture.sequences[0];
+    let middle = point(place(11, hand_middle()));
+    for p in sequence.controls_at(11) {
+        let off = (distance(*p, middle) - crate::testing::HAND_M).abs();
+        assert!(off < 3e-3, "{off}");
+    }
 }
 
 #[test]

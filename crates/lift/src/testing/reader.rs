@@ -81,7 +81,9 @@ impl Frames for SceneReader<'_> {
 
     fn mask(&mut self, frame: usize, region: Region) -> Result<Option<Mask>, Error> {
         let shown = self.source.scene.masks;
-        let image = self.view(frame).mask(|body| shown && body == region);
+        let unmasked =
+            region == Region::Manipulator && self.source.scene.hand_unmasked.contains(&frame);
+        let image = self.view(frame).mask(|body| shown && !unmasked && body == region);
         let there = region == Region::Object || self.source.scene.hand;
         Ok((there && !self.is_missing(frame)).then_some(image))
     }
