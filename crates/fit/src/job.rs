@@ -9,6 +9,7 @@ use bendtwin_core::{
 };
 use bendtwin_engine::{Backend, backend};
 use bendtwin_eval::{EvaluateOptions, Scale, assess, evaluate, fast_variant};
+use bendtwin_graph::{Connectivity, connect_with_notes};
 
 use crate::{
     Error,
@@ -235,6 +236,7 @@ impl<'a> Run<'a> {
     /// Runs generations until all searches are done. Models that are past the search stay as they
     /// are.
     fn search(&mut self) -> Result<(), Error> {
+        self.report_pieces();
         let mut search = Search::new(self.current_task());
         loop {
             self.check_cancelled()?;
@@ -270,6 +272,34 @@ impl<'a> Run<'a> {
                 });
             }
         }
+    }
+
+    /// Says before a search begins that the graph is in pieces, so that nobody waits for the fit of an
+    /// object that is held together by joints.
+    fn report_pieces(&mut self) {
+        let Some(model) = self.models.first() else { return };
+        if !matches!(&model.state, ModelFitState::Search(strategy) if strategy.generation() == 0) {
+            return;
+        }
+        let connectivity = Connectivity::from_settings(&self.task.settings.graph, false);
+        let pieces = connect_with_notes(&self.task.sample, &connectivity).1.pieces_joined;
+        if pieces == 0 {
+            return;
+        }
+        let note = format!(
+            "with a spring radius of {:.4} m the object falls into {} pieces, which are joined where they are nearest: \
+             raise graph.radius_m, or leave it out and it follows the spacing of the points",
+            connectivity.radius_m,
+            pieces + 1
+        );
+        self.report(ModelProgress {
+            model: model.name.clone(),
+            stage: Stage::Search,
+            iteration: 0,
+            loss: None,
+            best_loss: None,
+            note: Some(note),
+        });
     }
 
     /// Makes the search as long as the time limit allows, from the time of a generation.

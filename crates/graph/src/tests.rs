@@ -419,3 +419,27 @@ fn nodes_of_a_cable_weigh_what_they_stand_for() {
         assert!((mass - halves / 2.0).abs() < 1e-5, "{:?}", graph.masses);
     }
 }
+
+/// A cloth of points 27 mm apart.
+fn sparse_cloth() -> Capture {
+    let points = (0..144).map(|i| [0.027 * (i % 12) as f32, 0.027 * (i / 12) as f32, 0.1]);
+    capture(points.collect(), vec![], vec![])
+}
+
+#[test]
+fn the_radius_that_is_left_open_suits_points_however_sparse() {
+    for max_nodes in [144, 60] {
+        let mut settings = settings(max_nodes);
+        let sample = sample_nodes(&sparse_cloth(), &settings, 7).unwrap();
+        let joined = |settings: &GraphSettings| {
+            connect_with_notes(&sample, &Connectivity::from_settings(settings, true))
+                .1
+                .pieces_joined
+        };
+        settings.radius_m = Some(0.02);
+        assert!(max_nodes < 144 || joined(&settings) == 143, "{}", joined(&settings));
+        settings.radius_m = None;
+        settings.radius_m = Some(sample.radius_m(&settings));
+        assert_eq!(joined(&settings), 0, "{:?}", settings.radius_m);
+    }
+}

@@ -272,3 +272,21 @@ fn a_time_limit_ends_a_fit_that_would_go_on() {
     job(&capture, endless).run(Some(last), &mut resumed, &CancelToken::default()).unwrap();
     assert!(resumed.progress.iter().all(|p| p.stage != Stage::Search));
 }
+
+#[test]
+fn an_object_in_pieces_is_told_before_the_search() {
+    let capture = make(Scene::Toy, &MakeOptions::tiny(2)).unwrap();
+    let first = |radius_m: Option<f64>| {
+        let mut settings = settings(GradientWindow::Pass);
+        settings.graph.radius_m = radius_m;
+        // The first checkpoint is refused: nothing is simulated longer than a generation.
+        let mut recorder = Recorder { refuse_after: Some(0), ..Recorder::default() };
+        let stopped = job(&capture, settings).run(None, &mut recorder, &CancelToken::default());
+        assert!(matches!(stopped, Err(Error::Observer(_))), "{stopped:?}");
+        recorder.progress.into_iter().next()
+    };
+    let told = first(Some(1e-3)).unwrap();
+    assert_eq!((told.stage, told.iteration), (Stage::Search, 0));
+    assert!(told.note.unwrap().contains("falls into 24 pieces"));
+    assert_eq!(first(None), None);
+}
