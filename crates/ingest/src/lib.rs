@@ -78,7 +78,8 @@ fn ingest_one(
             let mut tell = |share| {
                 observer.progress(Progress { step: Step::Inspect, fraction: INSPECTED * share });
             };
-            let mut seen = inspect(&recording, cancel, &mut tell).map_err(|e| e.fault())?;
+            let mut seen =
+                inspect(&recording, settings, cancel, &mut tell).map_err(|e| e.fault())?;
             name.clone_into(&mut seen.name);
             // Lifting takes long, and nothing could be fitted to the result.
             match seen.check_report().require() {

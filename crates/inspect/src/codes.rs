@@ -43,6 +43,11 @@ pub const CODES: &[Code] = &[
         "add its colour and depth, or remove the camera from the recording",
     ),
     code(
+        "MESH_UNUSABLE",
+        "the mesh cannot be read",
+        "repair or export it again, or ingest without it (`completion.mesh`: false)",
+    ),
+    code(
         "INTRINSICS_INVALID",
         "a focal length or principal point is no usable number",
         "calibrate the camera again, or read the intrinsics from its driver",
@@ -71,6 +76,27 @@ pub const CODES: &[Code] = &[
         "EXTRINSICS_AXES",
         "poses are for OpenGL's camera axes",
         "negate the second and third column of the rotations (y down, z into the scene)",
+    ),
+    code(
+        "DEPTH_INVERTED",
+        "depth is larger where things are nearer",
+        "write depth along the optical axis, not disparities: focal length times baseline over disparity",
+    ),
+    code(
+        "DEPTH_MISALIGNED",
+        "depth is on another grid than colour and masks",
+        "align depth to colour while recording (RealSense: `rs.align(rs.stream.color)`; ROS: `align_depth.enable`), and \
+         give the intrinsics of colour",
+    ),
+    code(
+        "MASKS_MISALIGNED",
+        "masks are on another grid than colour and depth",
+        "segment the images that are recorded, at their resolution, uncropped and not mirrored",
+    ),
+    code(
+        "COLOR_MISALIGNED",
+        "colour is mirrored against depth and masks",
+        "store colour as the camera gives it: no mirroring after depth was aligned and masks were drawn",
     ),
     code(
         "CAMERAS_SWAPPED",
@@ -148,19 +174,25 @@ pub const CODES: &[Code] = &[
         "move the camera nearer, light the scene, or use a matte object",
     ),
     code(
-        "DEPTH_MISALIGNED",
+        "MASK_SHOWS_BACKGROUND",
         "the mask shows much that lies far from the object",
-        "align depth to colour, and keep masks off the background",
+        "keep masks off the background, and align depth to colour",
     ),
     code(
         "DEPTH_NOT_FINITE",
         "depth is NaN, infinite or negative",
         "write 0 where nothing was measured",
     ),
+    code("DEPTH_FILLED", "a number stands for no depth", "write 0 where nothing was measured"),
     code(
         "DEPTH_FROZEN",
         "depth stands still while colour moves",
         "restart the depth stream and record again",
+    ),
+    code(
+        "COLOR_FROZEN",
+        "colour stands still while depth moves",
+        "restart the colour stream and record again",
     ),
     code(
         "CAMERAS_SKEWED",
@@ -226,6 +258,21 @@ pub const CODES: &[Code] = &[
         "MASK_JUMPS",
         "the area of a mask jumps",
         "look at these frames in the segmenter: it lost the object or took in something else",
+    ),
+    code(
+        "OBJECT_NOT_TRACKED",
+        "nothing can be followed on the object from the first frame on",
+        "begin the recording with the object in view, or give tracks that lie on it",
+    ),
+    code(
+        "HAND_NOT_TRACKED",
+        "the hand is not in the first frame",
+        "begin the recording when the hand is in view, and mask it from the first frame on",
+    ),
+    code(
+        "HAND_LOST",
+        "the hand's masks have a long gap",
+        "segment the hand in these frames, cut the recording there, or raise `controls.max_gap_frames` of the ingest",
     ),
     code("NOTHING_MOVES", "object and hand stand still", "record the manipulation, not the scene"),
     code(

@@ -21,7 +21,7 @@ use self::{
 use crate::{
     scan::{
         CameraScan,
-        crop::{Crop, Surfel},
+        crop::{Crop, Label, Surfel},
     },
     thresholds::ConsistencyThresholds,
 };
@@ -42,7 +42,9 @@ pub(crate) struct SampledCrop<'a> {
     pub(crate) surfels: Vec<Surfel>,
 }
 
-/// The views of a recording: cameras that saw the object in some frame of which a crop was kept.
+/// The views of a recording: cameras that saw the object in some frame of which a crop was kept. A
+/// frame whose mask of the object is empty is left out: what should be the object there would count
+/// against the others.
 pub(crate) fn views<'a>(
     cameras: &'a [Camera],
     scans: &'a [CameraScan],
@@ -54,11 +56,12 @@ pub(crate) fn views<'a>(
     } else {
         thresholds.max_surfels
     };
+    let shows_object = |crop: &&Crop| crop.labels.contains(&Label::Object);
     let with_crops = cameras.iter().zip(scans).enumerate();
     with_crops
-        .filter(|(_, (_, scan))| !scan.crops.is_empty())
+        .filter(|(_, (_, scan))| scan.crops.iter().any(|crop| shows_object(&crop)))
         .map(|(index, (camera, scan))| {
-            let crops = scan.crops.iter().map(|crop| SampledCrop {
+            let crops = scan.crops.iter().filter(shows_object).map(|crop| SampledCrop {
                 crop,
                 surfels: surfels(crop, camera, most, thresholds.min_normal_share),
             });
@@ -126,6 +129,14 @@ impl ViewSet<'_> {
         let reprojected =
             pairs.filter(|(a, b)| selects(*a, *b)).map(|(a, b)| self.reproject(a, b, hypothesis));
         crate::statistics::mean(reprojected.filter_map(|r| r.misfit()))
+    }
+
+    /// Median distance over all pairs between the surfaces of two views where both face them [m].
+    pub(crate) fn disagreement_m(&self, hypothesis: &Hypothesis) -> Option<f64> {
+        let n = self.views.len();
+        let pairs = (0..n).flat_map(|a| (0..n).map(move |b| (a, b))).filter(|(a, b)| a != b);
+        let apart = pairs.filter_map(|(a, b)| self.reproject(a, b, hypothesis).disagreement_m());
+        crate::statistics::median(apart)
     }
 
     /// Mean misfit over all pairs.

@@ -1,7 +1,7 @@
 //! Inspection of a recording: scan, judgement, pictures.
 
 use bendtwin_capture::raw::Recording;
-use bendtwin_core::CancelToken;
+use bendtwin_core::{CancelToken, settings::ingest::IngestSettings};
 
 use crate::{
     Error, Finding,
@@ -15,37 +15,40 @@ use crate::{
 /// Most images of all cameras that are read: 5 hours of three cameras at 30 frames a second.
 const MAX_IMAGES: usize = 1_600_000;
 
-/// Inspects a recording: reads every frame once, measures, judges. Progress is a share, 0..=1.
+/// Inspects a recording that is to be ingested with these settings: reads every frame once, measures,
+/// judges. Progress is a share, 0..=1.
 /// Memory does not grow with the number of images: of most, only numbers are kept.
 ///
 /// # Errors
 /// If cancelled. Files that cannot be read are findings.
 pub fn inspect(
     recording: &Recording,
+    settings: &IngestSettings,
     cancel: &CancelToken,
     progress: &mut dyn FnMut(f64),
 ) -> Result<Inspection, Error> {
-    inspect_with(recording, &Thresholds::default(), cancel, progress)
+    inspect_with(recording, settings, &Thresholds::default(), cancel, progress)
 }
 
 /// The same with other thresholds.
 pub(crate) fn inspect_with(
     recording: &Recording,
+    settings: &IngestSettings,
     thresholds: &Thresholds,
     cancel: &CancelToken,
     progress: &mut dyn FnMut(f64),
 ) -> Result<Inspection, Error> {
     let images = recording.frame_count.saturating_mul(recording.cameras.len());
     if images > MAX_IMAGES {
-        return Ok(too_long(recording, images, thresholds));
+        return Ok(too_long(recording, images, settings, thresholds));
     }
     // Nothing can be placed in space without a pose. Readers always give one; anything else is a
     // finding.
     if recording.cameras.iter().any(|camera| camera.poses.is_empty()) {
-        return Ok(unread(recording, thresholds));
+        return Ok(unread(recording, settings, thresholds));
     }
-    let scans = scan(recording, &thresholds.scan, cancel, progress)?;
-    let assessment = judge::judge(recording, &scans, thresholds);
+    let scans = scan(recording, thresholds, cancel, progress)?;
+    let assessment = judge::judge(recording, &scans, settings, thresholds);
     let mut inspection = blank(recording);
     inspection.add(assessment.findings);
     inspection.scene = assessment.scene;
@@ -55,20 +58,23 @@ pub(crate) fn inspect_with(
     Ok(inspection)
 }
 
-fn too_long(recording: &Recording, images: usize, thresholds: &Thresholds) -> Inspection {
-    let mut inspection = unread(recording, thresholds);
+fn too_long(
+    recording: &Recording,
+    images: usize,
+    settings: &IngestSettings,
+    thresholds: &Thresholds,
+) -> Inspection {
+    let mut inspection = unread(recording, settings, thresholds);
     let message = format!("the recording has {images} images (limit {MAX_IMAGES})");
     let finding = Finding::error("RECORDING_TOO_LONG", message).number("images", images as f64);
-    let mut findings = [finding];
-    crate::finding::advise(&mut findings);
-    inspection.add(findings);
+    inspection.add([finding]);
     inspection
 }
 
 /// The inspection of a recording whose frames are not read.
-fn unread(recording: &Recording, thresholds: &Thresholds) -> Inspection {
+fn unread(recording: &Recording, settings: &IngestSettings, thresholds: &Thresholds) -> Inspection {
     let mut inspection = blank(recording);
-    inspection.add(judge::judge_unread(recording, thresholds));
+    inspection.add(judge::judge_unread(recording, settings, thresholds));
     inspection
 }
 

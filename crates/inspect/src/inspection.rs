@@ -3,7 +3,7 @@
 use bendtwin_core::Point;
 use serde::{Deserialize, Serialize};
 
-use crate::{Finding, Verdict, finding, picture_inputs::PictureInputs};
+use crate::{Finding, Verdict, consequences, finding, picture_inputs::PictureInputs};
 
 /// The kind of capture that was inspected.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -194,9 +194,28 @@ impl Inspection {
         }
     }
 
-    /// Adds findings, sorts them and judges anew.
+    /// Adds findings that are not known yet, leaves out what merely follows from others, gives each
+    /// the advice of its code, sorts them and judges anew.
     pub fn add(&mut self, findings: impl IntoIterator<Item = Finding>) {
+        for finding in findings {
+            let known = |f: &Finding| f.code == finding.code && f.message == finding.message;
+            if !self.findings.iter().any(known) {
+                self.findings.push(finding);
+            }
+        }
+        consequences::leave_out(&mut self.findings);
+        self.settle();
+    }
+
+    /// Adds findings about another recording: nothing here follows from them, nor they from anything
+    /// here.
+    pub(crate) fn add_unrelated(&mut self, findings: impl IntoIterator<Item = Finding>) {
         self.findings.extend(findings);
+        self.settle();
+    }
+
+    fn settle(&mut self) {
+        finding::advise(&mut self.findings);
         finding::sort(&mut self.findings);
         self.verdict = Verdict::of(&self.findings);
     }

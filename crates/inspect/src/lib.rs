@@ -8,6 +8,7 @@
 //! is a JSON document and one page without scripts. [`CODES`] has every code with what to do.
 
 mod codes;
+mod consequences;
 mod consistency;
 mod draw;
 mod error;

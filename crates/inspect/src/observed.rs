@@ -5,7 +5,7 @@ use bendtwin_capture::check;
 use bendtwin_core::{Capture, Point, Sequence};
 
 use crate::{
-    Verdict, finding,
+    Verdict,
     inspection::{Inspection, Kind, ObservedReport, Scene},
     picture_inputs::PictureInputs,
     statistics::median,
@@ -17,17 +17,15 @@ const MAX_POINTS: usize = 400;
 
 /// Inspects an observed capture. Its findings are those of [`bendtwin_capture::check()`].
 pub fn inspect_observed(capture: &Capture) -> Inspection {
-    let mut findings = check(capture).findings;
-    finding::sort(&mut findings);
     let sequence = capture.sequences.first();
-    Inspection {
+    let mut inspection = Inspection {
         name: capture.name.clone(),
         kind: Kind::Observed,
         fps: Some(capture.fps).filter(|fps| fps.is_finite()),
         frame_count: sequence.map_or(0, |s| s.frame_count),
         train_frame_count: sequence.map_or(0, |s| s.train_frame_count),
-        verdict: Verdict::of(&findings),
-        findings,
+        verdict: Verdict::Good,
+        findings: Vec::new(),
         scene: scene(capture),
         cameras: Vec::new(),
         pairs: Vec::new(),
@@ -37,7 +35,9 @@ pub fn inspect_observed(capture: &Capture) -> Inspection {
             cameras: Vec::new(),
             capture: is_whole(capture).then(|| capture.clone()),
         },
-    }
+    };
+    inspection.add(check(capture).findings);
+    inspection
 }
 
 /// True if the arrays have the lengths that they should have; if not, a check says so and nothing

@@ -60,12 +60,7 @@ impl Report {
             let found = lifted.evidence.as_ref().and_then(|e| e.get("findings"));
             let found = found.and_then(|f| Vec::<Finding>::deserialize(f).ok());
             let found = found.unwrap_or_default();
-            for finding in checked.into_iter().chain(found) {
-                let known = |f: &Finding| f.code == finding.code && f.message == finding.message;
-                if !inspection.findings.iter().any(known) {
-                    inspection.add([finding]);
-                }
-            }
+            inspection.add(checked.into_iter().chain(found));
             inspection.observed = observed::observed(&lifted.capture);
             if observed::is_whole(&lifted.capture) {
                 inspection.picture_inputs.capture = Some(lifted.capture);
@@ -83,7 +78,7 @@ impl Report {
             frames: Vec::new(),
             ..f.clone()
         };
-        self.inspection.add(other.inspection.findings.iter().map(named));
+        self.inspection.add_unrelated(other.inspection.findings.iter().map(named));
     }
 
     /// The measurements and findings.

@@ -3,19 +3,28 @@
 
 pub(crate) mod crop;
 pub(crate) mod mask;
+pub(crate) mod outline;
 pub(crate) mod tracks;
 
-use bendtwin_capture::raw::{Camera, ColorImage, Frames, Recording, Region, Tracks};
+use bendtwin_capture::raw::{
+    Camera, ColorImage, DepthImage, Frames, Mask, Recording, Region, Tracks,
+};
 use bendtwin_core::{CancelToken, Problem as _};
 use rayon::prelude::*;
 
-use self::{crop::Crop, mask::MaskStats, tracks::TrackCounts};
-use crate::{Error, thresholds::ScanThresholds, vector::Upright};
+use self::{crop::Crop, mask::MaskStats, outline::OutlineFit, tracks::TrackCounts};
+use crate::{
+    Error,
+    thresholds::{OutlineThresholds, ScanThresholds, Thresholds},
+    vector::Upright,
+};
 
 /// Cameras that are compared with each other; the others are measured alone.
 pub(crate) const COMPARED_CAMERAS: usize = 16;
 /// Frames of which crops are kept.
 const CROP_FRAMES: usize = 13;
+/// Of those, every so many are compared with depth and colour at their outlines.
+const OUTLINE_EVERY: usize = 3;
 /// Frames that a camera reads before progress is reported.
 const BATCH_FRAMES: usize = 4;
 /// Cameras of which the first image is kept.
@@ -32,6 +41,10 @@ pub(crate) struct FrameStats {
     pub(crate) color: Option<u64>,
     /// Fingerprint of the depth image, if it was recorded.
     pub(crate) depth: Option<u64>,
+    /// Number that stands for no depth instead of 0 [m], if there is one on the object.
+    pub(crate) fill_value_m: Option<f32>,
+    /// Pixels of the object that carry it.
+    pub(crate) filled_px: usize,
     /// Depths that are NaN, infinite or negative.
     pub(crate) bad_depth_px: usize,
     pub(crate) object: Option<MaskStats>,
@@ -57,12 +70,18 @@ pub(crate) struct CameraScan {
     /// Shape [T].
     pub(crate) frames: Vec<FrameStats>,
     pub(crate) crops: Vec<Crop>,
+    /// Depth and colour at the outlines of masks, in some frames.
+    pub(crate) outlines: Vec<OutlineFit>,
     /// The first files that could not be decoded.
     pub(crate) damaged_files: Vec<DamagedFile>,
+    /// Frames of which a file could not be decoded.
+    pub(crate) damaged_frames: Vec<usize>,
     /// Number of files that could not be decoded.
     pub(crate) damaged_file_count: usize,
     /// The first colour image.
     pub(crate) first_image: Option<(usize, ColorImage)>,
+    /// Places of the object that the built-in tracker could follow from frame 0, if no tracker ran.
+    pub(crate) seed_count: Option<usize>,
     /// Number of tracks, if a tracker ran.
     pub(crate) track_count: Option<usize>,
     /// Median over visible tracks of their largest distance from their start [px].
@@ -72,7 +91,7 @@ pub(crate) struct CameraScan {
 /// Reads the whole recording.
 pub(crate) fn scan(
     recording: &Recording,
-    thresholds: &ScanThresholds,
+    thresholds: &Thresholds,
     cancel: &CancelToken,
     progress: &mut dyn FnMut(f64),
 ) -> Result<Vec<CameraScan>, Error> {
@@ -88,7 +107,9 @@ pub(crate) fn scan(
         scanners.par_iter_mut().for_each(|scanner| {
             for f in batch.clone() {
                 if !cancel.is_cancelled() {
-                    scanner.scan_frame(f, with_crop.binary_search(&f).is_ok());
+                    let crop = with_crop.binary_search(&f).ok();
+                    let outline = crop.is_some_and(|i| i % OUTLINE_EVERY == 0);
+                    scanner.scan_frame(f, crop.is_some(), outline);
                 }
             }
         });
@@ -117,6 +138,7 @@ struct CameraScanner<'a> {
     camera: &'a Camera,
     upright: Upright,
     thresholds: &'a ScanThresholds,
+    outline_thresholds: &'a OutlineThresholds,
     frames: Option<Box<dyn Frames + 'a>>,
     tracks: Option<Tracks>,
     scan: CameraScan,
@@ -128,13 +150,14 @@ impl<'a> CameraScanner<'a> {
         index: usize,
         camera: &'a Camera,
         upright: Upright,
-        thresholds: &'a ScanThresholds,
+        thresholds: &'a Thresholds,
     ) -> Self {
         let mut scanner = Self {
             index,
             camera,
             upright,
-            thresholds,
+            thresholds: &thresholds.scan,
+            outline_thresholds: &thresholds.outline,
             frames: None,
             tracks: None,
             scan: CameraScan::default(),
@@ -158,6 +181,9 @@ impl<'a> CameraScanner<'a> {
 
     fn note_damage(&mut self, frame: usize, error: &bendtwin_capture::Error) {
         self.scan.damaged_file_count += 1;
+        if self.scan.damaged_frames.last() != Some(&frame) {
+            self.scan.damaged_frames.push(frame);
+        }
         if self.scan.damaged_files.len() < MAX_DAMAGED_FILES {
             let (reason, message) = (error.reason(), error.to_string());
             self.scan.damaged_files.push(DamagedFile { frame, reason, message });
@@ -176,7 +202,7 @@ impl<'a> CameraScanner<'a> {
         })
     }
 
-    fn scan_frame(&mut self, frame: usize, has_crop: bool) {
+    fn scan_frame(&mut self, frame: usize, has_crop: bool, has_outline: bool) {
         let Some(mut frames) = self.frames.take() else {
             self.scan.frames.push(FrameStats::default());
             return;
@@ -187,10 +213,15 @@ impl<'a> CameraScanner<'a> {
         let manipulator = frames.mask(frame, Region::Manipulator);
         self.frames = Some(frames);
         let color = self.or_damaged(frame, color);
-        let depth = self.or_damaged(frame, depth);
+        let mut depth = self.or_damaged(frame, depth);
         let object = self.or_damaged(frame, object);
         let manipulator = self.or_damaged(frame, manipulator);
 
+        let fingerprints = [
+            color.as_ref().map(|c| fingerprint(c.pixels.as_flattened())),
+            depth.as_ref().map(|d| fingerprint(bytemuck::cast_slice(&d.pixels))),
+        ];
+        let (fill_value_m, filled_px) = empty_filled(depth.as_mut(), object.as_ref());
         let measure = |mask| {
             let depth = depth.as_ref();
             mask::measure(self.camera, frame, &self.upright, mask, depth, self.thresholds)
@@ -213,8 +244,10 @@ impl<'a> CameraScanner<'a> {
         };
         let bad = |d: &&f32| !d.is_finite() || **d < 0.0;
         self.scan.frames.push(FrameStats {
-            color: color.as_ref().map(|c| fingerprint(c.pixels.as_flattened())),
-            depth: depth.as_ref().map(|d| fingerprint(bytemuck::cast_slice(&d.pixels))),
+            color: fingerprints[0],
+            depth: fingerprints[1],
+            fill_value_m,
+            filled_px,
             bad_depth_px: depth.as_ref().map_or(0, |d| d.pixels.iter().filter(bad).count()),
             object: object_stats,
             manipulator: hand_stats,
@@ -222,6 +255,10 @@ impl<'a> CameraScanner<'a> {
             gap_m,
             tracked,
         });
+        if frame == 0 && self.tracks.as_ref().is_none_or(|t| t.count == 0) {
+            let masks = [object.as_ref(), manipulator.as_ref()];
+            self.scan.seed_count = Some(seeds(color.as_ref(), depth.as_ref(), masks));
+        }
         if has_crop
             && self.index < COMPARED_CAMERAS
             && let (Some(object), Some(depth)) = (&object, &depth)
@@ -229,9 +266,44 @@ impl<'a> CameraScanner<'a> {
             let crop = Crop::of(frame, object, manipulator.as_ref(), depth, color.as_ref());
             self.scan.crops.extend(crop);
         }
+        if has_outline
+            && let (Some(object), Some(depth)) = (&object, &depth)
+            && object_stats.is_some_and(|o| o.area_px > 0)
+        {
+            let masks = [Some(object), manipulator.as_ref()];
+            let limits = self.outline_thresholds;
+            let fit = outline::measure(self.camera, masks, depth, color.as_ref(), limits);
+            self.scan.outlines.extend(fit);
+        }
         if self.scan.first_image.is_none() && self.index < MAX_FIRST_IMAGES {
             self.scan.first_image = color.map(|c| (frame, c));
         }
+    }
+}
+
+/// Empties pixels whose number stands for no depth; returns it and how many of them the object's mask
+/// shows.
+fn empty_filled(depth: Option<&mut DepthImage>, object: Option<&Mask>) -> (Option<f32>, usize) {
+    let Some(depth) = depth else { return (None, 0) };
+    let Some(value) = depth.fill_value() else { return (None, 0) };
+    let shown = object.map_or(0, |mask| {
+        depth.pixels.iter().zip(&mask.pixels).filter(|(d, shown)| **shown && **d == value).count()
+    });
+    depth.pixels.iter_mut().filter(|d| **d == value).for_each(|d| *d = 0.0);
+    (Some(value), shown)
+}
+
+/// Places of the object that the built-in tracker could follow.
+fn seeds(
+    color: Option<&ColorImage>,
+    depth: Option<&DepthImage>,
+    masks: [Option<&Mask>; 2],
+) -> usize {
+    match (color, depth, masks) {
+        (Some(color), Some(depth), [Some(object), hand]) => {
+            bendtwin_flow::seed_count(color, depth, object, hand)
+        }
+        _ => 0,
     }
 }
 

@@ -2,30 +2,34 @@
 //!
 //! They are passed as a value, so that a test can vary one and see what it decides. Each field says
 //! its unit and where its number comes from. *Chosen by hand* means that no measurement stands
-//! behind it but this: with all of these numbers, each of the 112 recordings of `tests/broken` gets
+//! behind it but this: with all of these numbers, each of the 206 recordings of `tests/broken` gets
 //! the diagnosis that belongs to it, and the healthy ones get none. *Healthy recordings* are the
 //! made recordings without a fault of `tests/broken` and of this crate's own tests, as measured by
 //! [`crate::inspect()`].
 
 mod agreement;
+mod alignment;
 mod calibration;
 mod consistency;
 mod depth;
 mod labels;
 mod masks;
 mod motion;
+mod outline;
 mod recording;
 mod scale;
 mod scan;
 mod skew;
+mod start;
 mod timing;
 mod tracks;
 
 pub(crate) use self::{
-    agreement::AgreementThresholds, calibration::CalibrationThresholds,
-    consistency::ConsistencyThresholds, depth::DepthThresholds, labels::LabelThresholds,
-    masks::MaskThresholds, motion::MotionThresholds, recording::RecordingThresholds,
-    scale::ScaleThresholds, scan::ScanThresholds, skew::SkewThresholds, timing::TimingThresholds,
+    agreement::AgreementThresholds, alignment::AlignmentThresholds,
+    calibration::CalibrationThresholds, consistency::ConsistencyThresholds, depth::DepthThresholds,
+    labels::LabelThresholds, masks::MaskThresholds, motion::MotionThresholds,
+    outline::OutlineThresholds, recording::RecordingThresholds, scale::ScaleThresholds,
+    scan::ScanThresholds, skew::SkewThresholds, start::StartThresholds, timing::TimingThresholds,
     tracks::TrackThresholds,
 };
 
@@ -46,6 +50,12 @@ pub(crate) struct Thresholds {
     pub(crate) scale: ScaleThresholds,
     /// Motion and contact.
     pub(crate) motion: MotionThresholds,
+    /// Depth and colour at the outlines of masks.
+    pub(crate) outline: OutlineThresholds,
+    /// Depth, colour and masks on one grid.
+    pub(crate) alignment: AlignmentThresholds,
+    /// What lifting needs.
+    pub(crate) start: StartThresholds,
     /// Skew by motion.
     pub(crate) skew: SkewThresholds,
     /// Cameras that disagree.

@@ -4,7 +4,7 @@ use bendtwin_capture::raw::Pose;
 
 use crate::{
     Broken,
-    Expected::{Found, Refused},
+    Expected::{Found, Noticed, Refused},
     Make, broken,
     files::{FileMap, redescribe},
     footage::Footage,
@@ -101,6 +101,65 @@ pub fn all() -> Vec<Broken> {
                 (i.fx, i.fy, i.cx, i.cy) = (2.0 * i.fx, 2.0 * i.fy, 2.0 * i.cx, 2.0 * i.cy);
             }
         }),
+        footage("the principal point in the corner", "INTRINSICS_IMPLAUSIBLE", |f| {
+            f.about.cameras.iter_mut().for_each(|c| {
+                (c.intrinsics.cx, c.intrinsics.cy) = (0.0, 0.0);
+            });
+        }),
+        footage("a focal length in millimetres", "INTRINSICS_IMPLAUSIBLE", |f| {
+            f.about.cameras.iter_mut().for_each(|c| {
+                (c.intrinsics.fx, c.intrinsics.fy) = (3.6, 3.6);
+            });
+        }),
+        footage("a focal length of NaN", "INTRINSICS_INVALID", |f| {
+            f.about.cameras[0].intrinsics.fy = f64::NAN;
+        }),
+        footage("rotations of twice their length", "EXTRINSICS_INVALID", |f| {
+            each_pose(f, |p| Pose { rotation: p.rotation.map(|r| r.map(|x| 2.0 * x)), ..p });
+        }),
+        footage("one camera's pose in millimetres", "EXTRINSICS_UNITS", |f| {
+            let pose = &mut f.about.cameras[2].poses[0];
+            pose.translation = pose.translation.map(|x| 1000.0 * x);
+        }),
+        footage("one coordinate of all places with the wrong sign", "EXTRINSICS_MIRRORED", |f| {
+            each_pose(f, |p| {
+                let [x, y, z] = p.translation;
+                Pose { translation: [x, -y, z], ..p }
+            });
+        }),
+        footage("a camera half a metre from where it stands", "CAMERA_OFF", |f| {
+            f.about.cameras[0].poses[0].translation[1] += 0.5;
+        }),
+        footage("two cameras, one of them pushed", "CAMERAS_DISAGREE", |f| {
+            // They look from different sides and have little in common.
+            f.about.cameras.truncate(2);
+            f.reels.truncate(2);
+            f.about.cameras[1].poses[0].translation[0] += 0.15;
+        }),
+        footage("one pose for all cameras", "CAMERAS_COINCIDE", |f| {
+            let poses = f.about.cameras[0].poses.clone();
+            f.about.cameras.iter_mut().for_each(|c| c.poses = poses.clone());
+        }),
+        footage("a world whose y axis points up", "BELOW_GROUND", |f| {
+            each_pose(f, |p| {
+                let [x, y, z] = p.rotation;
+                let [a, b, c] = p.translation;
+                let back = y.map(|v| -v);
+                Pose { rotation: [x, z, back], translation: [a, c, -b] }
+            });
+        }),
+        footage("gravity that points up", "GRAVITY_DIRECTION", |f| {
+            f.about.environment.gravity = f.about.environment.gravity.map(|g| -g);
+        }),
+        broken(
+            "the ground a metre too low",
+            Noticed("OBJECT_ABOVE_GROUND"),
+            Make::Footage(|f| {
+                if let Some(ground) = &mut f.about.environment.ground {
+                    ground.offset_m -= 1.0;
+                }
+            }),
+        ),
         footage("the ground 10 cm too high", "BELOW_GROUND", |f| {
             if let Some(ground) = &mut f.about.environment.ground {
                 ground.offset_m += 0.1;

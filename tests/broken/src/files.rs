@@ -122,6 +122,18 @@ fn descriptions() -> Vec<Broken> {
         case("no frame count", "LENGTH_MISMATCH", |f| {
             reword(f, "\"frame_num\":36", "\"frame_num\":0");
         }),
+        case("more frames declared than recorded", "LENGTH_MISMATCH", |f| {
+            reword(f, "\"frame_num\":36", "\"frame_num\":50");
+        }),
+        case("fewer frames declared than recorded", "LENGTH_MISMATCH", |f| {
+            reword(f, "\"frame_num\":36", "\"frame_num\":20");
+        }),
+        case("a split behind the last frame", "SPLIT_OUT_OF_RANGE", |f| {
+            f.insert("split.json".to_owned(), br#"{"train": [0, 200]}"#.to_vec());
+        }),
+        case("a split that begins in the middle", "INVALID_DOCUMENT", |f| {
+            f.insert("split.json".to_owned(), br#"{"train": [10, 20]}"#.to_vec());
+        }),
         case("a billion frames", "CAPTURE_TOO_MANY", |f| {
             reword(f, "\"frame_num\":36", "\"frame_num\":1000000000");
         }),

@@ -7,9 +7,12 @@
 
 pub mod archives;
 pub mod calibration;
+pub mod clocks;
 pub mod files;
 pub mod footage;
+pub mod grids;
 pub mod naming;
+pub mod starts;
 pub mod streams;
 
 use std::path::PathBuf;
@@ -87,7 +90,17 @@ impl Broken {
 
 /// Every broken recording.
 pub fn all() -> Vec<Broken> {
-    [calibration::all(), streams::all(), files::all(), naming::all(), archives::all()].concat()
+    [
+        calibration::all(),
+        grids::all(),
+        streams::all(),
+        clocks::all(),
+        starts::all(),
+        files::all(),
+        naming::all(),
+        archives::all(),
+    ]
+    .concat()
 }
 
 fn broken(name: &'static str, expected: Expected, make: Make) -> Broken {

@@ -93,7 +93,7 @@ fn depth() -> Vec<Broken> {
         footage("a depth stream that froze", "DEPTH_FROZEN", |f| {
             f.reels[1].depth = vec![f.reels[1].depth[0].clone(); FRAMES];
         }),
-        footage("depth that is not aligned to colour", "DEPTH_MISALIGNED", |f| {
+        footage("depth whose rows start elsewhere", "DEPTH_MISALIGNED", |f| {
             for depth in f.reels.iter_mut().flat_map(|r| r.depth.iter_mut().flatten()) {
                 let width = depth.width;
                 for row in Arc::make_mut(depth).pixels.chunks_exact_mut(width) {

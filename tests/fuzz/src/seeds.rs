@@ -186,7 +186,8 @@ pub(crate) fn tus() -> Vec<Vec<u8>> {
 
 pub(crate) fn report() -> Vec<Vec<u8>> {
     let cancel = bendtwin_core::CancelToken::default();
-    let inspected = bendtwin_inspect::inspect(&samples::recording(), &cancel, &mut |_| {});
+    let inspected =
+        bendtwin_inspect::inspect(&samples::recording(), &Default::default(), &cancel, &mut |_| {});
     let reports = inspected.into_iter().map(|found| bendtwin_inspect::Report::new(found, None));
     let mut all: Vec<Vec<u8>> = reports.map(|report| report.to_json().into_bytes()).collect();
     all.push(b"{\"format\": \"bendtwin-report\", \"version\": 1}".to_vec());

@@ -3,7 +3,9 @@
 use std::path::Path;
 
 use bendtwin_capture::{CheckReport, Limits, Opened, Part, check_path, raw::Recording};
-use bendtwin_core::{CancelToken, Finding, Problem as _, Severity};
+use bendtwin_core::{
+    CancelToken, Finding, Problem as _, Severity, settings::ingest::IngestSettings,
+};
 
 use crate::{failure, global::Global, output};
 
@@ -54,7 +56,8 @@ fn look(recording: &Recording) -> Vec<Finding> {
     let (cameras, frames) = (recording.cameras.len(), recording.frame_count);
     let message = format!("a raw recording of {cameras} cameras over {frames} frames");
     let what = finding(Severity::Info, RAW_CAPTURE, message);
-    match bendtwin_inspect::inspect(recording, &CancelToken::default(), &mut |_| {}) {
+    let settings = IngestSettings::default();
+    match bendtwin_inspect::inspect(recording, &settings, &CancelToken::default(), &mut |_| {}) {
         Ok(seen) => seen.check_report().findings.into_iter().chain([what]).collect(),
         Err(error) => vec![finding(Severity::Error, error.reason(), error.to_string()), what],
     }

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use anyhow::Context as _;
 use bendtwin_capture::{Limits, Opened};
 use bendtwin_client::CaptureId;
-use bendtwin_core::CancelToken;
+use bendtwin_core::{CancelToken, settings::ingest::IngestSettings};
 use bendtwin_inspect::{Report, inspect, inspect_observed};
 use clap::Args;
 
@@ -83,7 +83,9 @@ fn look(opened: Opened) -> anyhow::Result<Report> {
     let inspection = match opened {
         Opened::Observed(capture, _) => inspect_observed(&capture),
         Opened::Raw(recording) => {
-            inspect(&recording, &CancelToken::default(), &mut |_| {}).map_err(failure::failed)?
+            let settings = IngestSettings::default();
+            let cancel = CancelToken::default();
+            inspect(&recording, &settings, &cancel, &mut |_| {}).map_err(failure::failed)?
         }
         Opened::Several(parts) => {
             let mut parts = parts.into_iter();

@@ -32,12 +32,19 @@ pub(crate) fn of_all(set: &ViewSet<'_>, hypothesis: &Hypothesis) -> Option<Scale
 fn search(set: &ViewSet<'_>, misfit: impl Fn(f64) -> Option<f64>) -> Option<ScaleFit> {
     let tried = |factor: f64| misfit(factor).map(|misfit| ScaleFit { factor, misfit });
     let better = |a: &ScaleFit, b: &ScaleFit| a.misfit.total_cmp(&b.misfit);
-    let mut fine = UNITS.into_iter().chain([1.0]).filter_map(tried).min_by(better)?;
-    for (steps, ratio) in STEPS {
-        let from = fine.factor;
-        let around = |step: i32| tried(from * ratio.powi(step));
-        fine = (-steps..=steps).filter_map(around).min_by(better)?;
-    }
+    let around = |mut fine: ScaleFit| {
+        for (steps, ratio) in STEPS {
+            let from = fine.factor;
+            let near = |step: i32| tried(from * ratio.powi(step));
+            fine = (-steps..=steps).filter_map(near).min_by(better)?;
+        }
+        Some(fine)
+    };
+    // A wrong unit may by chance look better than the declared one before either is refined.
+    let declared = around(tried(1.0)?)?;
+    let unit = UNITS.into_iter().filter_map(tried).min_by(better)?;
+    let other = (unit.misfit < tried(1.0)?.misfit).then(|| around(unit)).flatten();
+    let fine = other.into_iter().chain([declared]).min_by(better)?;
     // As declared, unless another factor is really better.
     match tried(1.0) {
         Some(declared) if declared.misfit <= fine.misfit + set.thresholds.min_scale_gain => {

@@ -43,6 +43,8 @@ impl Mistake {
 #[derive(Clone, Debug)]
 pub(crate) struct Explanation {
     pub(crate) mistake: Mistake,
+    /// The cameras without it.
+    pub(crate) hypothesis: Hypothesis,
     pub(crate) misfit: f64,
 }
 
@@ -54,7 +56,7 @@ pub(crate) fn explain(set: &ViewSet<'_>) -> Option<Explanation> {
     for (mistake, hypothesis) in mistakes(set, &declared) {
         let Some(misfit) = set.misfit(&hypothesis) else { continue };
         if best.as_ref().is_none_or(|b| misfit < set.thresholds.better_ratio * b.misfit) {
-            best = Some(Explanation { mistake, misfit });
+            best = Some(Explanation { mistake, hypothesis, misfit });
         }
     }
     best

@@ -16,7 +16,7 @@ fn a_disturbed_camera_is_put_back() {
     recording.frame_count = 1;
     let thresholds = Thresholds::default();
     let cancel = Default::default();
-    let scans = crate::scan::scan(&recording, &thresholds.scan, &cancel, &mut |_| {}).unwrap();
+    let scans = crate::scan::scan(&recording, &thresholds, &cancel, &mut |_| {}).unwrap();
     let set = ViewSet {
         views: views(&recording.cameras, &scans, &thresholds.consistency),
         frames: vec![0],

@@ -24,10 +24,11 @@ const BORDER: f32 = 0.25;
 /// that can be joined.
 pub(crate) fn graph(inputs: &PictureInputs) -> Figures {
     let Some(capture) = &inputs.capture else { return Ok(Vec::new()) };
-    let settings = FitSettings::default();
+    let mut settings = FitSettings::default();
     let Ok(sample) = sample_nodes(capture, &settings.graph, settings.seed) else {
         return Ok(Vec::new());
     };
+    settings.graph.radius_m = Some(sample.radius_m(&settings.graph));
     let graph = connect(&sample, &Connectivity::from_settings(&settings.graph, settings.bending));
     let drawing = Drawing { graph: &graph, sample: &sample };
     let with_image = inputs.cameras.iter().enumerate().filter(|(_, w)| w.first_image.is_some());

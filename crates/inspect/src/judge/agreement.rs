@@ -16,7 +16,11 @@ use crate::{
     },
     inspection::{Agreement, PairReport},
     statistics::{mean, median},
+    thresholds::AgreementThresholds,
 };
+
+/// Findings with which the cameras cannot agree, whatever their calibration is.
+const NOT_COMPARABLE: [&str; 3] = ["DEPTH_INVERTED", "DEPTH_MISALIGNED", "MASKS_MISALIGNED"];
 
 pub(super) fn judge(context: &Context<'_>, assessment: &mut Assessment) {
     let limits = &context.thresholds.agreement;
@@ -33,6 +37,10 @@ pub(super) fn judge(context: &Context<'_>, assessment: &mut Assessment) {
     let declared = Hypothesis::declared(set.views.len());
     let Some(misfit) = set.misfit(&declared) else { return };
     pairs(&set, &declared, assessment);
+    if assessment.findings.iter().any(|f| NOT_COMPARABLE.contains(&f.code.as_str())) {
+        report(context, &set, misfit, &[], assessment);
+        return;
+    }
     labels::judge(context, &set, &declared, assessment);
     let corrections = corrections(&set, &declared);
     report(context, &set, misfit, &corrections, assessment);
@@ -48,6 +56,7 @@ pub(super) fn judge(context: &Context<'_>, assessment: &mut Assessment) {
     if let Some(found) = explanation
         && found.misfit < limits.max_explained_ratio * misfit
         && found.misfit < limits.max_explained_misfit
+        && agrees(&set, &found.hypothesis, limits)
         && found.misfit < limits.max_rigid_ratio * rigid
         && (has_size || found.mistake.is_about_units(set.thresholds))
     {
@@ -57,6 +66,12 @@ pub(super) fn judge(context: &Context<'_>, assessment: &mut Assessment) {
     if has_size && !judge_depth_scale(context, &set, &declared, misfit, &corrections, assessment) {
         misplaced_cameras(context, &set, misfit, corrections, assessment);
     }
+}
+
+/// True if the cameras agree under a hypothesis: a gain alone is none, since anything that changes
+/// what is compared may gain something.
+fn agrees(set: &ViewSet<'_>, hypothesis: &Hypothesis, limits: &AgreementThresholds) -> bool {
+    set.disagreement_m(hypothesis).is_some_and(|m| m < limits.max_disagreement_m)
 }
 
 /// The frames with crops in which the object moves least: there, skew does no harm.
@@ -174,13 +189,16 @@ fn judge_depth_scale(
     let limits = &context.thresholds.agreement;
     let rigid = corrections.iter().flatten().map(|c| c.1).fold(misfit, f64::min);
     let explains = |left: f64| {
-        left < limits.max_corrected_ratio * misfit && left < limits.max_rigid_ratio * rigid
+        left < limits.max_corrected_ratio * misfit
+            && left < limits.max_rigid_ratio * rigid
+            && left < limits.max_scaled_misfit
     };
     let mut best: Option<(Option<usize>, f64, f64)> = None;
     let mut consider = |which: Option<usize>, factor: f64, hypothesis: Hypothesis| {
         let Some(left) = set.misfit(&hypothesis) else { return };
         let is_better = best.is_none_or(|(_, _, other)| left < other);
-        if (factor - 1.0).abs() > limits.max_scale_error && explains(left) && is_better {
+        let is_off = (factor - 1.0).abs() > limits.max_scale_error;
+        if is_off && explains(left) && is_better && agrees(set, &hypothesis, limits) {
             best = Some((which, factor, left));
         }
     };
@@ -196,12 +214,15 @@ fn judge_depth_scale(
             }
         }
     }
-    let Some((which, factor, _)) = best else { return false };
+    let Some((which, factor, left)) = best else { return false };
     let is_bad = (factor - 1.0).abs() > limits.bad_scale_error;
-    assessment.findings.push(match which {
-        Some(which) => mistakes::depth_of_one(context, set, which, factor, is_bad),
-        None => mistakes::depth_of_all(factor, is_bad),
-    });
+    assessment.findings.push(
+        match which {
+            Some(which) => mistakes::depth_of_one(context, set, which, factor, is_bad),
+            None => mistakes::depth_of_all(factor, is_bad),
+        }
+        .number("misfit_repaired", left),
+    );
     true
 }
 

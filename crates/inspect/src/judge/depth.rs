@@ -20,6 +20,7 @@ pub(super) fn judge(context: &Context<'_>, assessment: &mut Assessment) {
         coverage(context, index, scan, assessment);
         apart(context, index, scan, assessment);
         not_finite(context, index, scan, assessment);
+        filled(context, index, scan, assessment);
     }
 }
 
@@ -55,8 +56,29 @@ fn apart(context: &Context<'_>, index: usize, scan: &CameraScan, assessment: &mu
         100.0 * part,
         named(context.recording, index)
     );
-    let finding = Finding::warning("DEPTH_MISALIGNED", message);
+    let finding = Finding::warning("MASK_SHOWS_BACKGROUND", message);
     assessment.findings.push(finding.cameras([index]).number("share_apart", part));
+}
+
+fn filled(context: &Context<'_>, index: usize, scan: &CameraScan, assessment: &mut Assessment) {
+    let limits = &context.thresholds.depth;
+    let part = |g: &FrameStats| {
+        let area = g.object.filter(|o| o.area_px > 0)?.area_px;
+        g.fill_value_m.map(|_| share(g.filled_px, area))
+    };
+    let shares: Vec<f64> = scan.frames.iter().filter_map(part).collect();
+    let value = scan.frames.iter().find_map(|g| g.fill_value_m);
+    let worst = shares.iter().copied().fold(0.0, f64::max);
+    let Some(value) = value.filter(|_| worst > limits.max_filled_share) else { return };
+    let message = format!(
+        "depth of {} is {value:.3} m, to the last digit, in up to {:.0} % of the object's pixels: a number that stands \
+         for no depth, which is taken as such here",
+        named(context.recording, index),
+        100.0 * worst
+    );
+    let finding = Finding::warning("DEPTH_FILLED", message).cameras([index]);
+    let finding = finding.number("value_m", f64::from(value)).number("largest_share", worst);
+    assessment.findings.push(finding);
 }
 
 fn not_finite(context: &Context<'_>, index: usize, scan: &CameraScan, assessment: &mut Assessment) {

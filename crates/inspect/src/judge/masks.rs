@@ -39,6 +39,42 @@ pub(super) fn judge(context: &Context<'_>, assessment: &mut Assessment) {
         overlapping(context, index, scan, assessment);
         jumps(context, index, scan, assessment);
     }
+    exchanged(context, assessment);
+}
+
+/// Judges labels that are exchanged from some frame on: object and hand jump to each other's place.
+fn exchanged(context: &Context<'_>, assessment: &mut Assessment) {
+    let limits = &context.thresholds.masks;
+    let mut found: Vec<(usize, usize)> = Vec::new();
+    for (index, scan) in context.scans.iter().enumerate() {
+        let Some(camera) = context.recording.cameras.get(index) else { continue };
+        let least_px = limits.min_exchange_widths * camera.width as f64;
+        let middles = |g: &FrameStats| {
+            let shown = |m: Option<MaskStats>| m.filter(|m| m.area_px > 0).map(|m| m.middle_px);
+            Some([shown(g.object)?, shown(g.manipulator)?])
+        };
+        let apart = |a: [f64; 2], b: [f64; 2]| (a[0] - b[0]).hypot(a[1] - b[1]);
+        let pairs = scan.frames.iter().zip(scan.frames.iter().skip(1)).enumerate();
+        for (frame, (before, now)) in pairs {
+            let (Some(before), Some(now)) = (middles(before), middles(now)) else { continue };
+            let kept = apart(before[0], now[0]) + apart(before[1], now[1]);
+            let crossed = apart(before[0], now[1]) + apart(before[1], now[0]);
+            if kept > least_px && crossed < limits.max_exchange_ratio * kept {
+                found.push((index, frame + 1));
+            }
+        }
+    }
+    let Some((_, first)) = found.iter().min_by_key(|(_, frame)| *frame).copied() else { return };
+    let mut cameras: Vec<usize> = found.iter().map(|(camera, _)| *camera).collect();
+    cameras.dedup();
+    let names: Vec<String> = cameras.iter().map(|c| named(context.recording, *c)).collect();
+    let message = format!(
+        "in {}, the masks of object and hand change places from frame {first} on: their numbers are exchanged",
+        names.join(", ")
+    );
+    let frames = found.iter().map(|(_, frame)| *frame);
+    let finding = Finding::error("MASKS_SWAPPED", message).cameras(cameras).frames(frames);
+    assessment.findings.push(finding);
 }
 
 fn empty(context: &Context<'_>, index: usize, scan: &CameraScan, assessment: &mut Assessment) {

@@ -7,9 +7,9 @@ use crate::{
         FrameStats,
         mask::{MaskStats, Surface},
     },
-    statistics::median,
+    statistics::{mean, median},
     thresholds::ScaleThresholds,
-    vector::{dot, wide},
+    vector::dot,
 };
 
 pub(super) fn judge(context: &Context<'_>, assessment: &mut Assessment) {
@@ -20,6 +20,7 @@ pub(super) fn judge(context: &Context<'_>, assessment: &mut Assessment) {
     if let Some(size) = object {
         sizes(size, hand, &context.thresholds.scale, assessment);
     }
+    assessment.findings.extend(bendtwin_capture::check_gravity(&context.recording.environment));
     heights(context, assessment);
 }
 
@@ -41,8 +42,20 @@ fn sizes(size: f64, hand: Option<f64>, limits: &ScaleThresholds, assessment: &mu
         Some(hand) => format!(", the hand {:.1} mm", 1e3 * hand),
         None => String::new(),
     };
+    let hand_is_large = hand.is_none_or(|hand| hand > limits.large_manipulator_m);
     let (code, message) = if size > *limits.object_size_m.end() {
         ("SCALE_TOO_LARGE", format!("the object is {size:.1} m large{and_hand}"))
+    } else if size > limits.large_object_m && hand_is_large {
+        let message = format!(
+            "the object is {size:.1} m large{and_hand}: is depth in tenths of a millimetre, and the object {:.2} m large?",
+            0.1 * size
+        );
+        assessment.findings.push(
+            Finding::warning("SCALE_TOO_LARGE", message)
+                .number("object_size_m", size)
+                .number("manipulator_size_m", hand.unwrap_or(f64::NAN)),
+        );
+        return;
     } else if size < *limits.object_size_m.start() {
         ("SCALE_TOO_SMALL", format!("the object is {:.2} mm large{and_hand}", 1e3 * size))
     } else {
@@ -67,6 +80,8 @@ fn heights(context: &Context<'_>, assessment: &mut Assessment) {
     let Some(lowest) = low.min_by(f64::total_cmp) else { return };
     assessment.scene.lowest_m = Some(lowest);
     let below = median(surfaces(context, |g| g.object.as_ref()).map(|s| s.below)).unwrap_or(0.0);
+    // Of all points in all frames, as the lifted points will be counted.
+    let all_below = mean(surfaces(context, |g| g.object.as_ref()).map(|s| s.below)).unwrap_or(0.0);
     let highest = median(surfaces(context, |g| g.object.as_ref()).map(|s| s.high_m)).unwrap_or(0.0);
 
     let cameras: Vec<_> =
@@ -88,25 +103,18 @@ fn heights(context: &Context<'_>, assessment: &mut Assessment) {
             .push(Finding::error("UP_AXIS_WRONG", message).number("share_below", below));
         return;
     }
-    let gravity = wide(context.recording.environment.gravity);
-    let along = dot(gravity, upright.up);
-    if along > 0.0 {
-        let message = "gravity points away from the ground";
-        assessment.findings.push(Finding::error("UP_AXIS_WRONG", message));
-        return;
-    }
     let worst = surfaces(context, |g| g.object.as_ref()).map(|s| s.below).max_by(f64::total_cmp);
     if below > limits.max_below_share
         || (lowest < -limits.deep_below_m && worst.is_some_and(|w| w > limits.deep_below_share))
     {
         let message = format!(
             "{:.0} % of the object's points lie more than {:.0} mm below the ground, the lowest at {:.0} mm",
-            100.0 * below,
+            100.0 * all_below,
             1e3 * limits.below_m,
             1e3 * lowest
         );
         assessment.findings.push(
-            Finding::graded(below > limits.bad_below_share, "BELOW_GROUND", message)
+            Finding::graded(all_below > limits.bad_below_share, "BELOW_GROUND", message)
                 .number("share_below", below)
                 .number("lowest_mm", 1e3 * lowest),
         );

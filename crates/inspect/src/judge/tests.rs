@@ -10,7 +10,8 @@ use crate::{
 };
 
 fn inspected(scene: TestScene, recording: Recording) -> Inspection {
-    inspect(&filmed(scene, recording), &Default::default(), &mut |_| {}).unwrap()
+    inspect(&filmed(scene, recording), &Default::default(), &Default::default(), &mut |_| {})
+        .unwrap()
 }
 
 /// The finding of a recording with one fault: there is no other that asks for something to be done.
@@ -39,7 +40,7 @@ fn shown(change: impl FnOnce(&mut TestScene)) -> Inspection {
 fn declared(change: impl FnOnce(&mut Recording)) -> Inspection {
     let (_, mut recording) = healthy();
     change(&mut recording);
-    inspect(&recording, &Default::default(), &mut |_| {}).unwrap()
+    inspect(&recording, &Default::default(), &Default::default(), &mut |_| {}).unwrap()
 }
 
 #[test]
@@ -60,7 +61,8 @@ fn results_do_not_depend_on_threads() {
     let (_, recording) = healthy();
     let alone = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
     let many = rayon::ThreadPoolBuilder::new().num_threads(4).build().unwrap();
-    let look = || inspect(&recording, &Default::default(), &mut |_| {}).unwrap();
+    let look =
+        || inspect(&recording, &Default::default(), &Default::default(), &mut |_| {}).unwrap();
     let text = |seen: Inspection| serde_json::to_string(&seen).unwrap();
     assert_eq!(text(alone.install(look)), text(many.install(look)));
 }
@@ -276,7 +278,8 @@ fn an_inspection_can_be_cancelled() {
     let (_, recording) = healthy();
     let cancel = bendtwin_core::CancelToken::default();
     let stop = cancel.clone();
-    let error = inspect(&recording, &cancel, &mut |_| stop.cancel()).unwrap_err();
+    let error =
+        inspect(&recording, &Default::default(), &cancel, &mut |_| stop.cancel()).unwrap_err();
     assert!(matches!(error, crate::Error::Cancelled));
 }
 
@@ -289,8 +292,45 @@ fn thresholds_decide() {
         let mut thresholds = Thresholds::default();
         thresholds.depth.good_coverage = good_coverage;
         let cancel = Default::default();
-        let seen = inspect_with(&recording, &thresholds, &cancel, &mut |_| {}).unwrap();
+        let seen = inspect_with(&recording, &Default::default(), &thresholds, &cancel, &mut |_| {})
+            .unwrap();
         seen.has("DEPTH_SPARSE")
     };
     assert!(!is_sparse(0.6) && is_sparse(0.8));
+}
+
+#[test]
+fn gaps_of_the_hand_are_told_as_lifting_would() {
+    use bendtwin_core::settings::ingest::{ControlSettings, IngestSettings};
+    let (mut scene, recording) = healthy();
+    // A frame that no camera has is a gap of the hand, too.
+    scene.moments.iter_mut().for_each(|camera| camera[10..20].fill(None));
+    let recording = filmed(scene, recording);
+    let cancel = Default::default();
+    let of = |max_gap_frames: u32| {
+        let controls = ControlSettings { max_gap_frames, ..ControlSettings::default() };
+        let settings = IngestSettings { controls, ..IngestSettings::default() };
+        inspect(&recording, &settings, &cancel, &mut |_| {}).unwrap()
+    };
+    let strict = of(5);
+    assert_eq!(
+        (strict.verdict, strict.findings[0].code.as_str()),
+        (Verdict::Unusable, "FRAMES_DROPPED")
+    );
+    assert_eq!(strict.findings[0].consequences, ["HAND_LOST"]);
+    assert_eq!(of(10).verdict, Verdict::Usable);
+}
+
+#[test]
+fn an_object_a_metre_and_a_half_large_is_doubted_with_its_hand() {
+    let (mut scene, mut recording) = healthy();
+    scene.depth_factor = vec![10.0; 3];
+    for camera in &mut recording.cameras {
+        camera.poses[0] = PoseChange::Units(10.0).apply(&camera.poses[0]);
+    }
+    recording.environment.ground = None;
+    // Of a hand of 0.7 m nothing is doubted.
+    let seen = inspected(scene, recording);
+    assert!((1.2..2.5).contains(&seen.scene.object_size_m.unwrap()), "{:?}", seen.scene);
+    assert_eq!(seen.has("SCALE_TOO_LARGE"), seen.scene.manipulator_size_m.unwrap() > 0.8);
 }

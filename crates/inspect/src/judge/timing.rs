@@ -15,6 +15,7 @@ pub(super) fn judge(context: &Context<'_>, assessment: &mut Assessment) {
         missing(context, index, scan, assessment);
         repeated(context, index, &same, assessment);
         frozen_depth(context, index, scan, assessment);
+        frozen_color(context, index, scan, assessment);
     }
     for (index, camera) in context.recording.cameras.iter().enumerate() {
         late(context, index, camera, assessment);
@@ -25,8 +26,11 @@ pub(super) fn judge(context: &Context<'_>, assessment: &mut Assessment) {
 fn missing(context: &Context<'_>, index: usize, scan: &CameraScan, assessment: &mut Assessment) {
     let limits = &context.thresholds.timing;
     let lacks = |g: &FrameStats| g.color.is_none() || g.depth.is_none();
-    let frames: Vec<usize> =
+    let missing: Vec<usize> =
         scan.frames.iter().enumerate().filter(|(_, g)| lacks(g)).map(|(f, _)| f).collect();
+    // Files that are there but damaged have a finding of their own.
+    let damaged = |frame: &usize| scan.damaged_frames.contains(frame);
+    let frames: Vec<usize> = missing.iter().copied().filter(|f| !damaged(f)).collect();
     let all = scan.frames.len();
     if !frames.is_empty() && frames.len() < all {
         let part = share(frames.len(), all);
@@ -56,7 +60,7 @@ fn missing(context: &Context<'_>, index: usize, scan: &CameraScan, assessment: &
         );
     }
     if let Some(report) = assessment.cameras.get_mut(index) {
-        report.missing_frames = frames;
+        report.missing_frames = missing;
     }
 }
 
@@ -126,8 +130,11 @@ fn frozen_depth(
 ) {
     let limits = &context.thresholds.timing;
     let pairs = scan.frames.iter().zip(scan.frames.iter().skip(1)).enumerate();
+    // Depth that is empty everywhere is missing, not frozen.
+    let has_depth =
+        |g: &FrameStats| [g.object, g.manipulator].into_iter().flatten().any(|m| m.depth_px > 0);
     let frozen: Vec<usize> = pairs
-        .filter(|(_, (a, b))| b.depth.is_some() && a.depth == b.depth && a.color != b.color)
+        .filter(|(_, (a, b))| has_depth(b) && a.depth == b.depth && a.color != b.color)
         .map(|(f, _)| f + 1)
         .collect();
     let part = share(frozen.len(), scan.frames.len());
@@ -140,6 +147,35 @@ fn frozen_depth(
         );
         assessment.findings.push(
             Finding::graded(part > limits.max_lost_share, "DEPTH_FROZEN", message)
+                .cameras([index])
+                .frames(frozen)
+                .number("frozen_share", part),
+        );
+    }
+}
+
+fn frozen_color(
+    context: &Context<'_>,
+    index: usize,
+    scan: &CameraScan,
+    assessment: &mut Assessment,
+) {
+    let limits = &context.thresholds.timing;
+    let pairs = scan.frames.iter().zip(scan.frames.iter().skip(1)).enumerate();
+    let frozen: Vec<usize> = pairs
+        .filter(|(_, (a, b))| b.color.is_some() && a.color == b.color && a.depth != b.depth)
+        .map(|(f, _)| f + 1)
+        .collect();
+    let part = share(frozen.len(), scan.frames.len());
+    if part > limits.max_unfrozen_share && frozen.len() > limits.max_unfrozen_frames {
+        let message = format!(
+            "colour of {} does not change in {} of {} frames, while depth does",
+            named(context.recording, index),
+            frozen.len(),
+            scan.frames.len()
+        );
+        assessment.findings.push(
+            Finding::graded(part > limits.max_lost_share, "COLOR_FROZEN", message)
                 .cameras([index])
                 .frames(frozen)
                 .number("frozen_share", part),

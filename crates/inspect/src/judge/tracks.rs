@@ -19,7 +19,9 @@ pub(super) fn judge(context: &Context<'_>, assessment: &mut Assessment) {
         let report = report(scan, count);
         on_masks(context, index, scan, &report, assessment);
         survival(context, index, scan, &report, assessment);
-        motion(context, index, scan, assessment);
+        if report.inside.is_none_or(|inside| inside > 0.0) {
+            motion(context, index, scan, assessment);
+        }
         if let Some(camera) = assessment.cameras.get_mut(index) {
             camera.tracks = Some(report);
         }
@@ -94,6 +96,10 @@ fn survival(
     report: &TrackReport,
     assessment: &mut Assessment,
 ) {
+    if assessment.findings.iter().any(|f| f.code == "TRACKS_LOST" && f.cameras.is_empty()) {
+        // All of them are lost.
+        return;
+    }
     let limits = &context.thresholds.tracks;
     let end = context.recording.train_frame_count.min(scan.frames.len());
     let most = report.visible.iter().copied().max().unwrap_or(0);

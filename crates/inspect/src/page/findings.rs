@@ -24,12 +24,20 @@ pub(super) fn section(seen: &Inspection) -> String {
                 format!("<p class=\"frames\">Frame{s} {}{more}</p>", list.join(", "))
             }
         };
+        let follows = match f.consequences.as_slice() {
+            [] => String::new(),
+            codes => {
+                let list: Vec<String> =
+                    codes.iter().map(|c| format!("<code>{}</code>", escape(c))).collect();
+                format!("<p class=\"frames\">It also explains {}.</p>", list.join(", "))
+            }
+        };
         let advice = match f.advice.as_str() {
             "" => String::new(),
             advice => format!("<p class=\"advice\">{}.</p>", escape(&capitalised(advice))),
         };
         format!(
-            "<li class=\"{class}\"><p class=\"message\">{}.</p>{advice}{frames}<p class=\"code\">{class} <code>{}</code></p></li>\n",
+            "<li class=\"{class}\"><p class=\"message\">{}.</p>{advice}{frames}{follows}<p class=\"code\">{class} <code>{}</code></p></li>\n",
             escape(&capitalised(&f.message)),
             escape(&f.code)
         )

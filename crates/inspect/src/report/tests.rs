@@ -11,7 +11,8 @@ fn inspected() -> Inspection {
     scene.moments[1][9] = None;
     recording.name = "<script>alert('1')</script> & \"toy\"".to_owned();
     recording.cameras[0].name = "<b>front</b>".to_owned();
-    inspect(&filmed(scene, recording), &Default::default(), &mut |_| {}).unwrap()
+    inspect(&filmed(scene, recording), &Default::default(), &Default::default(), &mut |_| {})
+        .unwrap()
 }
 
 /// Every element that is opened is closed, in order; nothing is loaded from elsewhere; no script.
@@ -83,7 +84,7 @@ fn what_was_lifted_is_judged_and_shown() {
         "findings": [{"severity": "warning", "code": "FEW_CONTROLS", "message": "few: add some"}],
     });
     let (_, recording) = healthy();
-    let seen = inspect(&recording, &Default::default(), &mut |_| {}).unwrap();
+    let seen = inspect(&recording, &Default::default(), &Default::default(), &mut |_| {}).unwrap();
     let report = Report::new(seen, Some(Lifted { capture, evidence: Some(evidence.clone()) }));
     assert_eq!(report.inspection().verdict, Verdict::Unusable);
     assert!(report.inspection().has("SPLIT_EMPTY") && report.inspection().has("FEW_CONTROLS"));
@@ -100,4 +101,18 @@ fn broken_captures_have_a_report_too() {
     let seen = inspect_observed(&capture);
     assert_eq!(seen.verdict, Verdict::Unusable);
     assert_well_formed(&Report::new(seen, None).to_html());
+}
+
+#[test]
+fn nothing_of_one_recording_follows_from_another() {
+    let of = |finding: Finding| {
+        let mut inspection = Inspection::unread("one");
+        inspection.add([finding]);
+        Report::new(inspection, None)
+    };
+    let mut report = of(Finding::warning("DEPTH_SPARSE", "much has no depth"));
+    report.add_recording("two", &of(Finding::error("DEPTH_MISALIGNED", "depth is elsewhere")));
+    let codes: Vec<&str> = report.inspection().findings.iter().map(|f| f.code.as_str()).collect();
+    assert_eq!(codes, ["DEPTH_MISALIGNED", "DEPTH_SPARSE"]);
+    assert_eq!(report.inspection().verdict, Verdict::Unusable);
 }

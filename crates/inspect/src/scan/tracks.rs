@@ -13,6 +13,8 @@ pub(crate) struct TrackCounts {
     pub(crate) inside: usize,
     /// Visible tracks that would lie on a mask if x and y were exchanged.
     pub(crate) inside_transposed: usize,
+    /// Tracks on the object's mask, and not on the manipulator's, with depth.
+    pub(crate) on_object: usize,
     /// Tracks on a mask with depth.
     pub(crate) with_depth: usize,
     /// True if there was a mask to compare with.
@@ -48,6 +50,8 @@ pub(crate) fn count(
             counts.inside += 1;
             let metres = depth.and_then(|d| at(d, [x, y])).unwrap_or(0.0);
             counts.with_depth += usize::from(metres > 0.0);
+            let shown = masks.map(|mask| mask.and_then(|m| at(m, [x, y])) == Some(true));
+            counts.on_object += usize::from(metres > 0.0 && shown == [true, false]);
         }
     }
     counts

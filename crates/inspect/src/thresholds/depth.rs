@@ -12,10 +12,18 @@ pub(crate) struct DepthThresholds {
     /// Share of a mask's depth that may lie far from the rest, 0..=1. Chosen by hand: soft edges of
     /// a mask show some background.
     pub(crate) max_apart_share: f64,
+    /// Share of the object's pixels that may carry a number that stands for no depth, 0..=1. Chosen
+    /// by hand.
+    pub(crate) max_filled_share: f64,
 }
 
 impl Default for DepthThresholds {
     fn default() -> Self {
-        Self { good_coverage: 0.6, min_coverage: 0.1, max_apart_share: 0.12 }
+        Self {
+            good_coverage: 0.6,
+            min_coverage: 0.1,
+            max_apart_share: 0.12,
+            max_filled_share: 0.005,
+        }
     }
 }

@@ -78,18 +78,32 @@ fn is_unit(factor: f64, limits: &AgreementThresholds) -> bool {
 }
 
 /// The finding of units that differ between depth and poses: depth times `factor` would suit the
-/// poses. The size of the object, which follows from depth alone, tells which of the two is wrong.
+/// poses. The size of the object, which follows from depth alone, tells which of the two is wrong: the
+/// one without which it would be less usual.
 fn units(context: &Context<'_>, factor: f64, object_size_m: Option<f64>) -> Finding {
     let times = if factor < 1.0 { 1.0 / factor } else { factor };
     let round = if times > 2.0 { format!("{times:.0}") } else { format!("{times:.2}") };
-    let (small, large) = if factor < 1.0 { ("poses", "depth") } else { ("depth", "poses") };
-    let depth_is_right =
-        object_size_m.is_some_and(|size| context.thresholds.scale.object_size_m.contains(&size));
+    let (small, large) =
+        if factor < 1.0 { ("poses are", "depth") } else { ("depth is", "the poses") };
     let size = object_size_m.unwrap_or(f64::NAN);
-    let message = format!(
-        "the cameras agree if {small} are {round} times as large compared with {large}; by depth alone the object is {size:.3} m large"
-    );
-    let code = if depth_is_right { "EXTRINSICS_UNITS" } else { "DEPTH_UNITS" };
+    let usual = context.thresholds.scale.usual_object_m;
+    let unusual = |size: f64| (size / usual).log10().abs();
+    // NaN is not usual.
+    let depth_is_right = unusual(size) <= unusual(size * factor);
+    let (code, message) = if depth_is_right {
+        let message = format!(
+            "the cameras agree if {small} {round} times as large compared with {large}; by depth the object is \
+             {size:.3} m large, as it may be, so that the poses are in other units"
+        );
+        ("EXTRINSICS_UNITS", message)
+    } else {
+        let message = format!(
+            "the cameras agree if {small} {round} times as large compared with {large}; by depth the object is \
+             {size:.3} m large, and {:.3} m if depth is in other units",
+            size * factor
+        );
+        ("DEPTH_UNITS", message)
+    };
     Finding::error(code, message).number("depth_factor", factor).number("object_size_m", size)
 }
 

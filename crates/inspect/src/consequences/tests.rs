@@ -1,0 +1,60 @@
+use bendtwin_core::Severity;
+
+use super::*;
+
+fn left(findings: &[Finding]) -> Vec<Finding> {
+    let mut findings = findings.to_vec();
+    leave_out(&mut findings);
+    findings
+}
+
+#[test]
+fn what_follows_is_left_out_and_named_by_its_cause() {
+    let cause = Finding::error("DEPTH_MISALIGNED", "depth is elsewhere");
+    let consequence = Finding::warning("DEPTH_SPARSE", "much has no depth");
+    let other = Finding::warning("FRAMES_LATE", "frames are late");
+    let found = left(&[consequence, cause, other]);
+    let codes: Vec<&str> = found.iter().map(|f| f.code.as_str()).collect();
+    assert_eq!(codes, ["DEPTH_MISALIGNED", "FRAMES_LATE"]);
+    assert_eq!(found[0].consequences, ["DEPTH_SPARSE"]);
+    assert!(found[1].consequences.is_empty());
+}
+
+#[test]
+fn no_error_is_lost() {
+    // A certain cause takes over the severity.
+    let found = left(&[
+        Finding::warning("TRACKS_OFF_OBJECT", "tracks lie elsewhere"),
+        Finding::error("OBJECT_NOT_TRACKED", "no track lies on the object"),
+    ]);
+    assert_eq!((found.len(), found[0].severity), (1, Severity::Error));
+    // A likely one hides nothing worse.
+    let found = left(&[
+        Finding::warning("CAMERAS_SKEWED", "a camera is late"),
+        Finding::error("CAMERA_OFF", "a camera is elsewhere"),
+    ]);
+    assert_eq!(found.len(), 2);
+}
+
+#[test]
+fn causes_pass_on_what_followed_from_what_they_explain() {
+    let found = left(&[
+        Finding::error("MASK_COVERS_IMAGE", "white"),
+        Finding::warning("MASKS_OVERLAP", "both").explains("TRACKS_OFF_OBJECT"),
+    ]);
+    assert_eq!(found[0].consequences, ["MASKS_OVERLAP", "TRACKS_OFF_OBJECT"]);
+}
+
+#[test]
+fn every_code_exists_and_no_fault_follows_from_itself() {
+    // Those of lifted points, which have no table.
+    let others = ["GRAVITY_DIRECTION"];
+    for (_, causes, consequences) in RULES {
+        for code in causes.iter().chain(*consequences) {
+            assert!(crate::codes::rank(code) > 0 || others.contains(code), "{code}");
+        }
+    }
+    let all = crate::CODES.iter().map(|c| Finding::error(c.name, "found"));
+    let found = left(&all.collect::<Vec<_>>());
+    assert!(found.iter().all(|f| !f.consequences.contains(&f.code)), "{found:?}");
+}
