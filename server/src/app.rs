@@ -8,6 +8,7 @@ mod fits;
 mod geometry;
 mod ingests;
 mod jobs;
+mod labels;
 mod results;
 mod twins;
 mod upload;
@@ -29,9 +30,11 @@ use crate::{
 };
 
 pub(crate) use captures::CaptureUpload;
+pub(crate) use fits::FitOrder;
 pub(crate) use geometry::Geometry;
 pub(crate) use ingests::{IngestPart, IngestUpload};
-pub(crate) use jobs::{Attempt, Leased};
+pub(crate) use jobs::{Attempt, Leased, News};
+pub(crate) use labels::{Change, Listing};
 pub(crate) use twins::TwinUpload;
 pub(crate) use upload::Body;
 pub(crate) use uploads::{ALGORITHMS, Append, Checksum, NewUpload, capture_name};
@@ -88,21 +91,6 @@ pub(crate) fn name<T: FromStr<Err = InvalidName>>(text: &str) -> Result<T> {
 /// Parses the name of an optional filter; empty means none.
 pub(crate) fn optional_name<T: FromStr<Err = InvalidName>>(text: &str) -> Result<Option<T>> {
     if text.is_empty() { Ok(None) } else { name(text).map(Some) }
-}
-
-/// Checks a display name.
-fn display_name(text: String) -> Result<String> {
-    const MAX_LENGTH: usize = 200;
-    if text.chars().count() > MAX_LENGTH {
-        return Err(Error::invalid(
-            "display_name",
-            format!("is longer than {MAX_LENGTH} characters"),
-        ));
-    }
-    if text.chars().any(char::is_control) {
-        return Err(Error::invalid("display_name", "has control characters"));
-    }
-    Ok(text)
 }
 
 /// Checks an idempotency key; empty means none.

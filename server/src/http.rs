@@ -9,6 +9,7 @@ mod evaluations;
 mod events;
 mod extract;
 mod fits;
+mod labels;
 mod message;
 mod operations;
 pub(crate) mod origin;
@@ -87,7 +88,7 @@ fn with_fallbacks(router: axum::Router<App>) -> axum::Router<App> {
 fn described() -> OpenApiRouter<App> {
     OpenApiRouter::with_openapi(Description::openapi())
         .routes(routes!(captures::list, captures::create))
-        .routes(routes!(captures::get, captures::delete))
+        .routes(routes!(captures::get, captures::update, captures::delete))
         .routes(routes!(captures::content))
         .routes(routes!(captures::ingest))
         .routes(routes!(captures::cancel_ingest))
@@ -97,11 +98,12 @@ fn described() -> OpenApiRouter<App> {
         .routes(routes!(events::watch_ingest))
         .merge(uploads::routes())
         .routes(routes!(fits::list, fits::create))
-        .routes(routes!(fits::get, fits::delete))
+        .routes(routes!(fits::get, fits::update, fits::delete))
+        .routes(routes!(fits::losses))
         .routes(routes!(fits::cancel))
         .routes(routes!(events::watch))
         .routes(routes!(twins::list, twins::create))
-        .routes(routes!(twins::get, twins::delete))
+        .routes(routes!(twins::get, twins::update, twins::delete))
         .routes(routes!(twins::content))
         .routes(routes!(twins::geometry))
         .routes(routes!(rollouts::create))

@@ -86,11 +86,14 @@ impl Fits {
         let (progress, reporter) = report::start(job.clone(), stop.clone());
         let (checkpoints, saver) = checkpoints::start(job.clone(), stop.clone());
         let draining = stop.on_drain(drain);
-        let compute = Compute { progress, checkpoints, stop: stop.clone() };
+        let compute = Compute { progress: progress.clone(), checkpoints, stop: stop.clone() };
         let (outcome, straggler) = match self.begin(&lease, compute).await {
             Err(fault) => (Outcome::Failed(fault), None),
             Ok(thread) => finish(thread, &stop).await,
         };
+        if stop.reason().is_none() {
+            report::flush(&job, &progress).await;
+        }
         // The lease is renewed until the end is written: only then may its renewal cease.
         self.conclude(&job, outcome, &stop, saver, drain).await;
         draining.abort();

@@ -7,14 +7,14 @@ pub(crate) mod report;
 pub(crate) mod resume;
 pub(crate) mod stop;
 
-use bendtwin_core::{Fault, Progress};
+use bendtwin_core::{Fault, ModelLoss, Progress};
 use bendtwin_proto::{
     v1,
     worker::v1::{FailJobRequest, JobWrite, Lease, ReportJobRequest, fail_job_request::End},
 };
 use bytes::Bytes;
 
-use self::deliver::Failure;
+use self::{deliver::Failure, report::News};
 use crate::server_client::{CallError, ServerClient};
 
 /// A leased job: every write carries the lease's epoch.
@@ -32,13 +32,15 @@ impl Job {
         Self { server, worker, name: lease.job.clone(), epoch: lease.epoch }
     }
 
-    /// Renews the lease and stores progress. Returns true if the job has been asked to stop.
-    pub(crate) async fn report(&self, progress: Option<&Progress>) -> Result<bool, CallError> {
+    /// Renews the lease and stores progress and losses. Returns true if the job has been asked to
+    /// stop.
+    pub(crate) async fn report(&self, news: &News) -> Result<bool, CallError> {
         let request = ReportJobRequest {
             worker: self.worker.clone(),
             job: self.name.clone(),
             epoch: self.epoch,
-            progress: progress.map(wire_progress),
+            progress: news.progress.as_ref().map(wire_progress),
+            losses: news.losses.iter().map(wire_loss).collect(),
         };
         Ok(self.server.report_job(request).await?.cancel_requested)
     }
@@ -101,5 +103,16 @@ fn wire_progress(progress: &Progress) -> v1::Progress {
         best_loss: progress.best_loss,
         eta_s: progress.eta_s,
         note: progress.note.clone().unwrap_or_default(),
+        models: progress.models.iter().map(wire_loss).collect(),
+    }
+}
+
+fn wire_loss(loss: &ModelLoss) -> v1::ModelLoss {
+    v1::ModelLoss {
+        stage: loss.stage.as_str().to_owned(),
+        variant: loss.variant.clone(),
+        iteration: loss.iteration,
+        loss: loss.loss,
+        best_loss: loss.best_loss,
     }
 }

@@ -1,4 +1,4 @@
-//! `bendtwin capture`: make, check, upload, list and read captures.
+//! `bendtwin capture`: make, check, upload, list, edit and read captures.
 
 mod archive;
 mod check;
@@ -13,7 +13,12 @@ use std::path::PathBuf;
 use bendtwin_client::CaptureId;
 use clap::{Args, Subcommand};
 
-use crate::{global::Global, output, table::Table};
+use crate::{
+    global::Global,
+    labels::{self, Changes, Choice},
+    output,
+    table::Table,
+};
 
 #[derive(Debug, Args)]
 pub(crate) struct Capture {
@@ -35,7 +40,14 @@ enum Command {
     /// Check a capture and upload it
     Push(push::Push),
     /// List the captures of the server
-    List,
+    List(Choice),
+    /// Change name, note and tags of a capture
+    Edit {
+        /// captures/{uuid}
+        name: CaptureId,
+        #[command(flatten)]
+        changes: Changes,
+    },
     /// Show one capture
     Show {
         /// captures/{uuid}
@@ -57,21 +69,27 @@ pub(crate) async fn run(args: Capture, global: &Global) -> anyhow::Result<()> {
         Command::Check { path } => check::run(&path, global).await,
         Command::Report(args) => report::run(args, global).await,
         Command::Push(args) => push::run(args, global).await,
-        Command::List => {
-            let captures = global.connect().await?.captures().all().await?;
+        Command::List(choice) => {
+            let captures = global.connect().await?.captures().all(&choice.query()).await?;
             output::print(global, &captures, || {
                 let mut table = Table::new(["NAME", "CREATED", "SIZE", "READ", "WHAT"]);
                 for c in &captures {
                     let size = output::bytes(c.size_bytes);
                     let created = format!("{:.0}", c.create_time);
                     let read = reading::status(c);
-                    table.row([c.name.to_string(), created, size, read, c.display_name.clone()]);
+                    let what = labels::what(&c.display_name, &c.tags);
+                    table.row([c.name.to_string(), created, size, read, what]);
                 }
                 table.text()
             })
         }
         Command::Show { name } => {
             let capture = global.connect().await?.captures().get(name).await?;
+            output::print(global, &capture, || shown(&capture))
+        }
+        Command::Edit { name, changes } => {
+            let update = changes.update()?;
+            let capture = global.connect().await?.captures().update(name, &update).await?;
             output::print(global, &capture, || shown(&capture))
         }
         Command::Ingest(args) => ingest::run(args, global).await,
@@ -88,9 +106,10 @@ pub(crate) async fn run(args: Capture, global: &Global) -> anyhow::Result<()> {
 fn shown(capture: &bendtwin_client::Capture) -> String {
     let fault = capture.ingest.fault.as_ref();
     format!(
-        "{}\n  what     {}\n  created  {:.0}\n  size     {}\n  digest   {}\n  read     {}{}",
+        "{}\n  what     {}{}\n  created  {:.0}\n  size     {}\n  digest   {}\n  read     {}{}",
         capture.name,
         capture.display_name,
+        labels::lines(&capture.note, &capture.tags, 9),
         capture.create_time,
         output::bytes(capture.size_bytes),
         capture.digest,

@@ -1,13 +1,23 @@
-//! `bendtwin fit`: start, watch, list, cancel.
+//! `bendtwin fit`: start, watch, list, show, compare, edit, cancel.
 
+mod compare;
+mod losses;
+mod settings;
+mod show;
 mod start;
 mod watch;
 
-use bendtwin_client::{CaptureId, FitId};
+use bendtwin_client::{CaptureId, FitId, JobState, ListQuery};
 use clap::{Args, Subcommand};
 
+use self::watch::watch_here;
 pub(crate) use self::watch::{ended_well, watch};
-use crate::{global::Global, output, quality, table::Table};
+use crate::{
+    global::Global,
+    labels::{self, Changes, Choice},
+    output, quality,
+    table::Table,
+};
 
 #[derive(Debug, Args)]
 pub(crate) struct Fit {
@@ -29,11 +39,29 @@ enum Command {
         /// List only fits of this capture
         #[arg(long, value_name = "NAME")]
         capture: Option<CaptureId>,
+        /// List only fits in this state: queued, running, succeeded, failed or cancelled
+        #[arg(long, value_name = "STATE", value_parser = state)]
+        state: Option<JobState>,
+        #[command(flatten)]
+        choice: Choice,
     },
-    /// Show one fit
+    /// Show one fit with its settings, its losses and the errors of its twin
     Show {
         /// fits/{uuid}
         name: FitId,
+    },
+    /// Compare fits: settings that differ, losses and errors
+    Compare {
+        /// fits/{uuid}, two or more
+        #[arg(required = true, num_args = 2..)]
+        names: Vec<FitId>,
+    },
+    /// Change name, note and tags of a fit
+    Edit {
+        /// fits/{uuid}
+        name: FitId,
+        #[command(flatten)]
+        changes: Changes,
     },
     /// Stop fits
     Cancel {
@@ -53,27 +81,33 @@ pub(crate) async fn run(args: Fit, global: &Global) -> anyhow::Result<()> {
     if let Command::Start(args) = args.command {
         return start::run(args, global).await;
     }
+    if let Command::Compare { names } = args.command {
+        return compare::run(names, global).await;
+    }
     let client = global.connect().await?;
     match args.command {
-        Command::Start(_) => Ok(()),
+        Command::Start(_) | Command::Compare { .. } => Ok(()),
         Command::Watch { name } => {
-            let fit = watch(&client, name, global.json).await?;
+            let fit = watch_here(&client, name, global.json).await?;
             print_ended(&client, &fit, global).await?;
             ended_well(&fit)
         }
-        Command::List { capture } => {
-            let fits = client.fits().all(capture).await?;
+        Command::List { capture, state, choice } => {
+            let query = ListQuery { capture, state, ..choice.query() };
+            let fits = client.fits().all(&query).await?;
             output::print(global, &fits, || {
-                let mut table = Table::new(["NAME", "STATE", "DONE", "STARTED", "RESULT"]);
+                let header = ["NAME", "STATE", "DONE", "STARTED", "ERROR", "WHAT", "RESULT"];
+                let mut table = Table::new(header);
                 for fit in &fits {
                     table.row(columns(fit));
                 }
                 table.text()
             })
         }
-        Command::Show { name } => {
-            let fit = client.fits().get(name).await?;
-            output::print(global, &fit, || shown(&fit))
+        Command::Show { name } => show::run(name, global).await,
+        Command::Edit { name, changes } => {
+            let fit = client.fits().update(name, &changes.update()?).await?;
+            output::print(global, &fit, || shown(&fit, None))
         }
         Command::Cancel { names } => {
             let mut fits = Vec::new();
@@ -100,7 +134,15 @@ pub(crate) async fn run(args: Fit, global: &Global) -> anyhow::Result<()> {
     }
 }
 
-fn columns(fit: &bendtwin_client::Fit) -> [String; 5] {
+/// A state by its word.
+fn state(text: &str) -> Result<JobState, String> {
+    use JobState::{Cancelled, Failed, Queued, Running, Succeeded};
+    let states = [Queued, Running, Succeeded, Failed, Cancelled];
+    let found = states.into_iter().find(|state| state.as_str() == text);
+    found.ok_or_else(|| "use queued, running, succeeded, failed or cancelled".to_owned())
+}
+
+fn columns(fit: &bendtwin_client::Fit) -> [String; 7] {
     let done = fit.job.progress.as_ref().map(|p| format!("{:.0}%", 100.0 * p.fraction));
     let started = fit.job.start_time.map(|t| format!("{t:.0}"));
     let result = match (&fit.twin, &fit.job.fault) {
@@ -113,6 +155,8 @@ fn columns(fit: &bendtwin_client::Fit) -> [String; 5] {
         fit.job.state.as_str().to_owned(),
         done.unwrap_or_default(),
         started.unwrap_or_default(),
+        labels::millimetres(fit.error_m),
+        labels::what(&fit.display_name, &fit.tags),
         result,
     ]
 }
@@ -123,8 +167,9 @@ async fn print_ended(
     fit: &bendtwin_client::Fit,
     global: &Global,
 ) -> anyhow::Result<()> {
-    let mut text = shown(fit);
+    let mut text = shown(fit, None);
     if let Some(name) = fit.twin.filter(|_| !global.json) {
+        text += &format!("\nnext: bendtwin twin show {name}");
         // The fit has ended well, whatever became of its twin since.
         match quality::of_stored(client, name).await {
             Ok(assessment) => text += &format!("\n{assessment}"),
@@ -134,12 +179,15 @@ async fn print_ended(
     output::print(global, fit, || text)
 }
 
-/// A fit for people.
-fn shown(fit: &bendtwin_client::Fit) -> String {
+/// A fit for people, with the name of its capture if that is known.
+fn shown(fit: &bendtwin_client::Fit, capture: Option<&str>) -> String {
     let mut text = format!(
-        "{}\n  capture   {}\n  state     {}\n  attempts  {}",
+        "{}\n  what      {}{}\n  capture   {}{}\n  state     {}\n  attempts  {}",
         fit.name,
+        fit.display_name,
+        labels::lines(&fit.note, &fit.tags, 10),
         fit.capture,
+        capture.map(|name| format!(" ({name})")).unwrap_or_default(),
         fit.job.state.as_str(),
         fit.job.attempts
     );
@@ -163,7 +211,7 @@ fn shown(fit: &bendtwin_client::Fit) -> String {
         text += &format!("\n  fault     {} ({})", fault.message, fault.reason);
     }
     if let Some(twin) = &fit.twin {
-        text += &format!("\n  twin      {twin}\nnext: bendtwin twin show {twin}");
+        text += &format!("\n  twin      {twin}");
     }
     text
 }

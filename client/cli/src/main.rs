@@ -12,6 +12,7 @@ mod exchange;
 mod failure;
 mod fit;
 mod global;
+mod labels;
 mod logging;
 mod npy;
 mod observation;

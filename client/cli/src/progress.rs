@@ -2,7 +2,7 @@
 
 use std::time::{Duration, Instant};
 
-use bendtwin_client::JobProgress;
+use bendtwin_client::{JobProgress, ModelLoss};
 use indicatif::{ProgressBar, ProgressStyle};
 
 use crate::output;
@@ -17,6 +17,8 @@ pub(crate) struct FitBar {
     /// Stage and time of the last line.
     last: Option<(String, Instant)>,
     last_note: String,
+    /// The last loss of each model of the stage.
+    models: Vec<ModelLoss>,
     quiet: bool,
 }
 
@@ -28,7 +30,8 @@ impl FitBar {
         if let Ok(style) = style {
             bar.set_style(style.progress_chars("=> "));
         }
-        Self { bar, started: Instant::now(), last: None, last_note: String::new(), quiet }
+        let (last_note, models) = (String::new(), Vec::new());
+        Self { bar, started: Instant::now(), last: None, last_note, models, quiet }
     }
 
     /// Prints a line above the bar.
@@ -47,8 +50,9 @@ impl FitBar {
             self.print(&format!("note: {}", progress.note));
             self.last_note.clone_from(&progress.note);
         }
-        let stage = stage(progress);
-        let details = details(progress);
+        self.models = models(std::mem::take(&mut self.models), progress);
+        let stage = stage(progress, &self.models);
+        let details = details(progress, &self.models);
         if self.bar.is_hidden() {
             self.line(&stage, progress, &details);
         } else {
@@ -77,20 +81,68 @@ impl FitBar {
     }
 }
 
-fn stage(progress: &JobProgress) -> String {
+/// The models of the stage: as the report names them, or those that were reported before with this
+/// one.
+fn models(before: Vec<ModelLoss>, progress: &JobProgress) -> Vec<ModelLoss> {
+    if !progress.models.is_empty() {
+        return progress.models.clone();
+    }
+    let mut models = before;
+    models.retain(|m| m.stage == progress.stage && m.variant != progress.variant);
+    if progress.loss.or(progress.best_loss).is_some() {
+        models.push(ModelLoss {
+            stage: progress.stage.clone(),
+            variant: progress.variant.clone(),
+            iteration: progress.iteration,
+            loss: progress.loss,
+            best_loss: progress.best_loss,
+        });
+    }
+    // A start that was not chosen makes no more passes.
+    models.retain(|m| progress.iteration.saturating_sub(m.iteration) <= 1);
+    models.sort_by_key(|m| (!m.variant.starts_with("bending"), m.variant.clone()));
+    models
+}
+
+/// The stage, with its model if there is only one.
+fn stage(progress: &JobProgress, models: &[ModelLoss]) -> String {
     match progress.variant.as_str() {
-        "" => progress.stage.clone(),
+        variant if variant.is_empty() || models.len() > 1 => progress.stage.clone(),
         variant => format!("{} {variant}", progress.stage),
     }
 }
 
-fn details(progress: &JobProgress) -> String {
+/// The lowest loss of each kind of model, and of how many starts it is the lowest.
+fn lowest(models: &[ModelLoss]) -> Vec<(&str, f64, usize)> {
+    let mut kinds: Vec<(&str, f64, usize)> = Vec::new();
+    for model in models {
+        let Some(loss) = model.best_loss.or(model.loss) else { continue };
+        let kind = model.variant.split(' ').next().unwrap_or_default();
+        match kinds.iter_mut().find(|(other, ..)| *other == kind) {
+            Some((_, lowest, starts)) => (*lowest, *starts) = (lowest.min(loss), *starts + 1),
+            None => kinds.push((kind, loss, 1)),
+        }
+    }
+    kinds
+}
+
+fn details(progress: &JobProgress, models: &[ModelLoss]) -> String {
     let mut parts = Vec::new();
     if progress.iterations > 0 {
         parts.push(format!("{}/{}", progress.iteration, progress.iterations));
     }
-    if let Some(loss) = progress.best_loss.or(progress.loss) {
-        parts.push(format!("loss {loss:.3e}"));
+    match &lowest(models)[..] {
+        [] => {
+            let loss = progress.best_loss.or(progress.loss);
+            parts.extend(loss.map(|loss| format!("loss {loss:.3e}")));
+        }
+        kinds => {
+            parts.extend(kinds.iter().map(|(kind, loss, starts)| match (kinds.len(), starts) {
+                (1, 1) => format!("loss {loss:.3e}"),
+                (_, 1) => format!("{kind} {loss:.3e}"),
+                (_, starts) => format!("{kind} {loss:.3e} (best of {starts})"),
+            }));
+        }
     }
     if let Some(eta) = progress.eta_s {
         parts.push(format!("{} left", output::duration(eta)));
@@ -120,12 +172,45 @@ mod tests {
     #[test]
     fn details_show_what_is_known() {
         let mut progress = JobProgress { iteration: 3, iterations: 20, ..JobProgress::default() };
-        assert_eq!(details(&progress), "3/20");
+        assert_eq!(details(&progress, &[]), "3/20");
         progress.best_loss = Some(0.00123);
         progress.eta_s = Some(61.0);
-        assert_eq!(details(&progress), "3/20  loss 1.230e-3  1 min 01 s left");
+        assert_eq!(details(&progress, &[]), "3/20  loss 1.230e-3  1 min 01 s left");
         progress.stage = "search".into();
         progress.variant = "axial".into();
-        assert_eq!(stage(&progress), "search axial");
+        assert_eq!(stage(&progress, &[]), "search axial");
+    }
+
+    fn report(variant: &str, iteration: u32, loss: f64) -> JobProgress {
+        let (stage, variant) = ("refine".to_owned(), variant.to_owned());
+        let (loss, iterations) = (Some(loss), 20);
+        JobProgress { stage, variant, iteration, iterations, loss, ..JobProgress::default() }
+    }
+
+    /// `--axial` fits two models side by side, whose reports take turns.
+    #[test]
+    fn models_that_are_fitted_side_by_side_are_all_shown() {
+        let first = models(Vec::new(), &report("bending", 3, 0.5));
+        assert_eq!(stage(&report("bending", 3, 0.5), &first), "refine bending");
+        let last = report("axial", 3, 0.25);
+        let both = models(first, &last);
+        assert_eq!(stage(&last, &both), "refine");
+        assert_eq!(details(&last, &both), "3/20  bending 5.000e-1  axial 2.500e-1");
+        // As a server names them.
+        let named = JobProgress { models: both.clone(), ..report("axial", 3, 0.25) };
+        assert_eq!(models(Vec::new(), &named), both);
+        // The next stage begins with its own.
+        let next = JobProgress { stage: "evaluate".into(), ..JobProgress::default() };
+        assert_eq!(models(both, &next), []);
+    }
+
+    #[test]
+    fn of_several_starts_the_best_is_shown() {
+        let reports = ["bending 1/3", "bending 2/3", "axial 1/3"].map(|v| report(v, 4, 0.5));
+        let all = reports.iter().fold(Vec::new(), models);
+        let text = details(&reports[2], &all);
+        assert_eq!(text, "4/20  bending 5.000e-1 (best of 2)  axial 5.000e-1");
+        let later = models(all, &report("bending 2/3", 6, 0.25));
+        assert_eq!(details(&report("bending 2/3", 6, 0.25), &later), "6/20  loss 2.500e-1");
     }
 }

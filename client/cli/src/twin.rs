@@ -1,16 +1,22 @@
-//! `bendtwin twin`: list, inspect, export, import.
+//! `bendtwin twin`: list, inspect, edit, export, import.
 
 mod export;
 mod import;
 
 use std::path::Path;
 
-use bendtwin_client::{CaptureId, TwinId};
+use bendtwin_client::{CaptureId, ListQuery, TwinId};
+use bendtwin_core::quality::ErrorSummary;
 use bendtwin_eval::{TableStyle, format_table};
 use clap::{Args, Subcommand};
 use serde_json::json;
 
-use crate::{global::Global, output, quality, table::Table};
+use crate::{
+    global::Global,
+    labels::{self, Changes, Choice},
+    output, quality,
+    table::Table,
+};
 
 #[derive(Debug, Args)]
 pub(crate) struct Twin {
@@ -25,6 +31,15 @@ enum Command {
         /// List only twins of this capture
         #[arg(long, value_name = "NAME")]
         capture: Option<CaptureId>,
+        #[command(flatten)]
+        choice: Choice,
+    },
+    /// Change name, note and tags of a twin
+    Edit {
+        /// twins/{uuid}
+        name: TwinId,
+        #[command(flatten)]
+        changes: Changes,
     },
     /// Show a twin and its quality
     Show {
@@ -53,19 +68,20 @@ enum Command {
 
 pub(crate) async fn run(args: Twin, global: &Global) -> anyhow::Result<()> {
     match args.command {
-        Command::List { capture } => {
-            let list = global.connect().await?.twins().all(capture).await?;
+        Command::List { capture, choice } => {
+            let query = ListQuery { capture, ..choice.query() };
+            let list = global.connect().await?.twins().all(&query).await?;
             output::print(global, &list, || {
-                let header = ["NAME", "CREATED", "NODES", "SPRINGS", "TRIPLETS", "WHAT"];
+                let header = ["NAME", "CREATED", "NODES", "TRACK", "CD", "WHAT"];
                 let mut table = Table::new(header);
                 for t in &list {
                     table.row([
                         t.name.to_string(),
                         format!("{:.0}", t.create_time),
                         t.node_count.to_string(),
-                        t.spring_count.to_string(),
-                        t.triplet_count.to_string(),
-                        t.display_name.clone(),
+                        labels::millimetres(future(t).track_m),
+                        labels::millimetres(future(t).chamfer_l1_m),
+                        labels::what(&t.display_name, &t.tags),
                     ]);
                 }
                 table.text()
@@ -91,6 +107,11 @@ pub(crate) async fn run(args: Twin, global: &Global) -> anyhow::Result<()> {
         }
         Command::Export(args) => export::run(args, global).await,
         Command::Import(args) => import::run(args, global).await,
+        Command::Edit { name, changes } => {
+            let update = changes.update()?;
+            let twin = global.connect().await?.twins().update(name, &update).await?;
+            output::print(global, &twin, || shown(&twin))
+        }
         Command::Delete { names } => {
             let client = global.connect().await?;
             for name in &names {
@@ -101,6 +122,11 @@ pub(crate) async fn run(args: Twin, global: &Global) -> anyhow::Result<()> {
     }
 }
 
+/// Errors over frames that the twin was not fitted to.
+fn future(twin: &bendtwin_client::Twin) -> ErrorSummary {
+    twin.quality.scores.first().map(|own| own.future).unwrap_or_default()
+}
+
 fn stem(path: &Path) -> String {
     path.file_stem().unwrap_or(path.as_os_str()).to_string_lossy().into_owned()
 }
@@ -108,9 +134,10 @@ fn stem(path: &Path) -> String {
 fn shown(twin: &bendtwin_client::Twin) -> String {
     let origin = |name: Option<String>| name.unwrap_or_else(|| "imported".to_owned());
     format!(
-        "{}\n  what      {}\n  capture   {}\n  fit       {}\n  graph     {} nodes, {} springs, {} triplets, {} control points\n  time      {} frames a second, {} substeps a frame\n  fast      {}\n  size      {}\n\n{}",
+        "{}\n  what      {}{}\n  capture   {}\n  fit       {}\n  graph     {} nodes, {} springs, {} triplets, {} control points\n  time      {} frames a second, {} substeps a frame\n  fast      {}\n  size      {}\n\n{}",
         twin.name,
         twin.display_name,
+        labels::lines(&twin.note, &twin.tags, 10),
         origin(twin.capture.map(|c| c.to_string())),
         origin(twin.fit.map(|f| f.to_string())),
         twin.node_count,

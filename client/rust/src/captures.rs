@@ -4,9 +4,10 @@ use std::{path::Path, time::Duration};
 
 use bendtwin_core::{ids::CaptureId, settings::ingest::IngestSettings};
 use bendtwin_proto::v1::{
-    CancelIngestRequest, DeleteCaptureRequest, ExportObservationRequest, GetCaptureReportRequest,
-    GetCaptureRequest, IngestCaptureRequest, ListCapturesRequest, WatchIngestRequest,
-    capture_service_client::CaptureServiceClient, get_capture_report_request::Format,
+    self, CancelIngestRequest, DeleteCaptureRequest, ExportObservationRequest,
+    GetCaptureReportRequest, GetCaptureRequest, IngestCaptureRequest, ListCapturesRequest,
+    UpdateCaptureRequest, WatchIngestRequest, capture_service_client::CaptureServiceClient,
+    get_capture_report_request::Format,
 };
 use futures::TryStreamExt as _;
 use serde::Deserialize;
@@ -15,9 +16,9 @@ use tokio_util::io::ReaderStream;
 use uuid::Uuid;
 
 use crate::{
-    Capture, Error, Watch,
+    Capture, Error, ListQuery, Update, Watch,
     channel::Channel,
-    page::{self, Page, PageRequest},
+    page::{self, Page},
     problem,
     uploads::Sender,
     watch,
@@ -248,22 +249,50 @@ impl Captures {
         self.service.clone().get_capture(request).await?.into_inner().try_into()
     }
 
-    /// A page of the captures.
+    /// A page of captures.
     ///
     /// # Errors
-    /// If the server cannot be asked.
-    pub async fn list(&self, page: PageRequest) -> Result<Page<Capture>, Error> {
-        let request = ListCapturesRequest { page_size: page.size, page_token: page.token };
+    /// If the query is not allowed, or the server cannot be asked.
+    pub async fn list(&self, query: ListQuery) -> Result<Page<Capture>, Error> {
+        let request = ListCapturesRequest {
+            order_by: query.order.order_by(),
+            page_size: query.page.size,
+            page_token: query.page.token,
+            search: query.search,
+            tag: query.tag,
+        };
         let reply = self.service.clone().list_captures(request).await?.into_inner();
         Page::new(reply.captures, reply.next_page_token, Capture::try_from)
     }
 
-    /// All captures.
+    /// All captures of a query, page by page.
     ///
     /// # Errors
-    /// If the server cannot be asked.
-    pub async fn all(&self) -> Result<Vec<Capture>, Error> {
-        page::all(|page| self.list(page)).await
+    /// As [`Captures::list`].
+    pub async fn all(&self, query: &ListQuery) -> Result<Vec<Capture>, Error> {
+        page::all(|page| self.list(ListQuery { page, ..query.clone() })).await
+    }
+
+    /// Changes name, note and tags.
+    ///
+    /// # Errors
+    /// If one of them is not allowed, there is none of that name, or the server cannot be asked.
+    pub async fn update(&self, name: CaptureId, update: &Update) -> Result<Capture, Error> {
+        let change = update.clone();
+        let capture = v1::Capture {
+            name: name.to_string(),
+            display_name: change.display_name.unwrap_or_default(),
+            note: change.note.unwrap_or_default(),
+            tags: change.tags.unwrap_or_default(),
+            ..v1::Capture::default()
+        };
+        let request = UpdateCaptureRequest {
+            capture: Some(capture),
+            update_mask: update.mask(),
+            add_tags: change.add_tags,
+            remove_tags: change.remove_tags,
+        };
+        self.service.clone().update_capture(request).await?.into_inner().try_into()
     }
 
     /// Deletes a capture; twins that were fitted to it stay.

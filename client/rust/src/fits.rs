@@ -5,15 +5,15 @@ use bendtwin_core::{
     ids::{CaptureId, FitId},
 };
 use bendtwin_proto::v1::{
-    CancelFitRequest, CreateFitRequest, DeleteFitRequest, GetFitRequest, ListFitsRequest,
-    WatchFitRequest, fit_service_client::FitServiceClient,
+    self, CancelFitRequest, CreateFitRequest, DeleteFitRequest, GetFitLossesRequest, GetFitRequest,
+    ListFitsRequest, UpdateFitRequest, WatchFitRequest, fit_service_client::FitServiceClient,
 };
 use uuid::Uuid;
 
 use crate::{
-    Error, Fit, Watch,
+    Error, Fit, ListQuery, LossCurve, Update, Watch,
     channel::Channel,
-    page::{self, Page, PageRequest},
+    page::{self, Page},
     watch,
 };
 
@@ -38,7 +38,7 @@ impl Fits {
         settings: &FitSettings,
         priority: i32,
     ) -> Result<Fit, Error> {
-        self.create_once(capture, settings, priority, &Uuid::new_v4().to_string()).await
+        self.create_named(capture, settings, priority, None, "").await
     }
 
     /// As [`Fits::create`], but calling it again with the same `request_id` gives the same job.
@@ -52,13 +52,30 @@ impl Fits {
         priority: i32,
         request_id: &str,
     ) -> Result<Fit, Error> {
+        self.create_named(capture, settings, priority, Some(request_id), "").await
+    }
+
+    /// As [`Fits::create_once`], or without a `request_id` as [`Fits::create`], under a display
+    /// name; an empty one means the capture's.
+    ///
+    /// # Errors
+    /// As [`Fits::create`].
+    pub async fn create_named(
+        &self,
+        capture: CaptureId,
+        settings: &FitSettings,
+        priority: i32,
+        request_id: Option<&str>,
+        display_name: &str,
+    ) -> Result<Fit, Error> {
         let settings_json = serde_json::to_string(settings)
             .map_err(|e| Error::invalid(format!("the settings cannot be written as JSON: {e}")))?;
         let request = CreateFitRequest {
             capture: capture.to_string(),
             settings_json,
             priority,
-            request_id: request_id.to_owned(),
+            request_id: request_id.map_or_else(|| Uuid::new_v4().to_string(), str::to_owned),
+            display_name: display_name.to_owned(),
         };
         self.service.clone().create_fit(request).await?.into_inner().try_into()
     }
@@ -72,30 +89,62 @@ impl Fits {
         self.service.clone().get_fit(request).await?.into_inner().try_into()
     }
 
-    /// A page of the jobs, of one capture if given.
+    /// A page of fits.
     ///
     /// # Errors
-    /// If the server cannot be asked.
-    pub async fn list(
-        &self,
-        capture: Option<CaptureId>,
-        page: PageRequest,
-    ) -> Result<Page<Fit>, Error> {
+    /// If the query is not allowed, or the server cannot be asked.
+    pub async fn list(&self, query: ListQuery) -> Result<Page<Fit>, Error> {
         let request = ListFitsRequest {
-            page_size: page.size,
-            page_token: page.token,
-            capture: capture.map(|c| c.to_string()).unwrap_or_default(),
+            capture: query.capture_name(),
+            order_by: query.order.order_by(),
+            state: query.state.map_or(0, |state| state.wire().into()),
+            page_size: query.page.size,
+            page_token: query.page.token,
+            search: query.search,
+            tag: query.tag,
         };
         let reply = self.service.clone().list_fits(request).await?.into_inner();
         Page::new(reply.fits, reply.next_page_token, Fit::try_from)
     }
 
-    /// All jobs, of one capture if given.
+    /// All fits of a query, page by page.
     ///
     /// # Errors
-    /// If the server cannot be asked.
-    pub async fn all(&self, capture: Option<CaptureId>) -> Result<Vec<Fit>, Error> {
-        page::all(|page| self.list(capture, page)).await
+    /// As [`Fits::list`].
+    pub async fn all(&self, query: &ListQuery) -> Result<Vec<Fit>, Error> {
+        page::all(|page| self.list(ListQuery { page, ..query.clone() })).await
+    }
+
+    /// The losses of all iterations so far, by stage and model. They stay until the fit is deleted.
+    ///
+    /// # Errors
+    /// If there is none of that name, or the server cannot be asked.
+    pub async fn losses(&self, name: FitId) -> Result<Vec<LossCurve>, Error> {
+        let request = GetFitLossesRequest { name: name.to_string() };
+        let losses = self.service.clone().get_fit_losses(request).await?.into_inner();
+        losses.curves.into_iter().map(LossCurve::try_from).collect()
+    }
+
+    /// Changes name, note and tags.
+    ///
+    /// # Errors
+    /// If one of them is not allowed, there is none of that name, or the server cannot be asked.
+    pub async fn update(&self, name: FitId, update: &Update) -> Result<Fit, Error> {
+        let change = update.clone();
+        let fit = v1::Fit {
+            name: name.to_string(),
+            display_name: change.display_name.unwrap_or_default(),
+            note: change.note.unwrap_or_default(),
+            tags: change.tags.unwrap_or_default(),
+            ..v1::Fit::default()
+        };
+        let request = UpdateFitRequest {
+            fit: Some(fit),
+            update_mask: update.mask(),
+            add_tags: change.add_tags,
+            remove_tags: change.remove_tags,
+        };
+        self.service.clone().update_fit(request).await?.into_inner().try_into()
     }
 
     /// Asks a job to stop; one that has ended is returned as it is.

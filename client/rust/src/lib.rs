@@ -70,6 +70,8 @@ mod error;
 mod evaluations;
 mod fits;
 mod geometry;
+mod labels;
+mod losses;
 mod page;
 mod plans;
 mod problem;
@@ -98,11 +100,13 @@ pub use self::{
     evaluations::Evaluations,
     fits::Fits,
     geometry::Geometry,
+    labels::{ListQuery, Order, Update},
+    losses::LossCurve,
     page::{Page, PageRequest},
     plans::{PlanUpdate, Planning, Plans},
     readiness::{Readiness, ReadinessCheck},
     registrations::{Observation, Registered, Registration, Registrations, Residual},
-    resources::{Capture, DeviceMemory, Fit, Job, JobProgress, JobState, Twin, Worker},
+    resources::{Capture, DeviceMemory, Fit, Job, JobProgress, JobState, ModelLoss, Twin, Worker},
     rollouts::{
         Collider, Cost, Deviation, Diagnostics, Divergence, ForceBy, Forces, Grasp, Grasping,
         GripperPoses, Implausible, Reply, Rollout, RolloutTiming, Rollouts, Shape, State,

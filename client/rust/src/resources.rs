@@ -28,6 +28,10 @@ pub struct Capture {
     pub ingest: Job,
     /// The report's verdict: `good`, `usable` or `unusable`; none while there is no report.
     pub verdict: Option<String>,
+    /// Text that people write about it.
+    pub note: String,
+    /// Tags, sorted.
+    pub tags: Vec<String>,
 }
 
 /// Work that a worker does for a fit, or for the ingest of a capture.
@@ -81,6 +85,17 @@ impl JobState {
         matches!(self, Self::Succeeded | Self::Failed | Self::Cancelled)
     }
 
+    /// Its form in a request.
+    pub(crate) fn wire(self) -> v1::job::State {
+        match self {
+            Self::Queued => v1::job::State::Queued,
+            Self::Running => v1::job::State::Running,
+            Self::Succeeded => v1::job::State::Succeeded,
+            Self::Failed => v1::job::State::Failed,
+            Self::Cancelled => v1::job::State::Cancelled,
+        }
+    }
+
     /// The state as one lower-case word.
     pub fn as_str(self) -> &'static str {
         match self {
@@ -114,6 +129,23 @@ pub struct JobProgress {
     pub eta_s: Option<f64>,
     /// A note for the user; empty if none.
     pub note: String,
+    /// The last loss of each model that is fitted side by side with others.
+    pub models: Vec<ModelLoss>,
+}
+
+/// Loss of a model after an iteration.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct ModelLoss {
+    /// `search` or `refine`.
+    pub stage: String,
+    /// `bending` or `axial`, of several starts followed by which: `bending 2/3`.
+    pub variant: String,
+    /// Iterations of the stage that were done.
+    pub iteration: u32,
+    /// Loss of that iteration; none if it was not finite.
+    pub loss: Option<f64>,
+    /// Lowest loss up to it.
+    pub best_loss: Option<f64>,
 }
 
 /// A fit.
@@ -129,6 +161,14 @@ pub struct Fit {
     pub priority: i32,
     /// The work on it.
     pub job: Job,
+    /// Display name: the capture's, unless one was given.
+    pub display_name: String,
+    /// Text that people write about it.
+    pub note: String,
+    /// Tags, sorted.
+    pub tags: Vec<String>,
+    /// Error of its twin, as there [m].
+    pub error_m: Option<f64>,
 }
 
 /// A stored twin.
@@ -164,6 +204,13 @@ pub struct Twin {
     pub quality: Quality,
     /// Mass of the object, if it is known [kg].
     pub mass_kg: Option<f64>,
+    /// Text that people write about it.
+    pub note: String,
+    /// Tags, sorted.
+    pub tags: Vec<String>,
+    /// Error over frames that it was not fitted to [m]: of tracks, else of coordinates, else the
+    /// Chamfer distance.
+    pub error_m: Option<f64>,
 }
 
 /// A worker process.
@@ -213,6 +260,8 @@ impl TryFrom<v1::Capture> for Capture {
             digest: wire.digest,
             ingest: wire.ingest.ok_or_else(|| Error::malformed("no ingest"))?.try_into()?,
             verdict: Some(wire.verdict).filter(|v| !v.is_empty()),
+            note: wire.note,
+            tags: wire.tags,
         })
     }
 }
@@ -257,6 +306,10 @@ impl TryFrom<v1::Fit> for Fit {
             twin: optional_id(&wire.twin)?,
             priority: wire.priority,
             job: wire.job.ok_or_else(|| Error::malformed("no job"))?.try_into()?,
+            display_name: wire.display_name,
+            note: wire.note,
+            tags: wire.tags,
+            error_m: wire.error_m,
         })
     }
 }
@@ -273,6 +326,19 @@ impl From<v1::Progress> for JobProgress {
             best_loss: wire.best_loss,
             eta_s: wire.eta_s,
             note: wire.note,
+            models: wire.models.into_iter().map(ModelLoss::from).collect(),
+        }
+    }
+}
+
+impl From<v1::ModelLoss> for ModelLoss {
+    fn from(wire: v1::ModelLoss) -> Self {
+        Self {
+            stage: wire.stage,
+            variant: wire.variant,
+            iteration: wire.iteration,
+            loss: wire.loss,
+            best_loss: wire.best_loss,
         }
     }
 }
@@ -300,6 +366,9 @@ impl TryFrom<v1::Twin> for Twin {
             substeps: wire.substeps,
             quality,
             mass_kg: wire.mass_kg,
+            note: wire.note,
+            tags: wire.tags,
+            error_m: wire.error_m,
         })
     }
 }

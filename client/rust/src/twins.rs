@@ -1,21 +1,18 @@
 //! Fitted twins.
 
-use bendtwin_core::{
-    Twin as TwinModel,
-    ids::{CaptureId, TwinId},
-};
+use bendtwin_core::{Twin as TwinModel, ids::TwinId};
 use bendtwin_proto::v1::{
-    CreateTwinRequest, DeleteTwinRequest, ExportTwinRequest, GetTwinGeometryRequest,
-    GetTwinRequest, ListTwinsRequest, TwinMetadata, create_twin_request::Part,
+    self, CreateTwinRequest, DeleteTwinRequest, ExportTwinRequest, GetTwinGeometryRequest,
+    GetTwinRequest, ListTwinsRequest, TwinMetadata, UpdateTwinRequest, create_twin_request::Part,
     twin_service_client::TwinServiceClient,
 };
 use bytes::Bytes;
 use uuid::Uuid;
 
 use crate::{
-    Category, Error, Geometry, Twin,
+    Category, Error, Geometry, ListQuery, Twin, Update,
     channel::Channel,
-    page::{self, Page, PageRequest},
+    page::{self, Page},
 };
 
 /// Bytes of one chunk of an upload.
@@ -41,30 +38,51 @@ impl Twins {
         self.service.clone().get_twin(request).await?.into_inner().try_into()
     }
 
-    /// A page of the twins, of one capture if given.
+    /// A page of twins.
     ///
     /// # Errors
-    /// If the server cannot be asked.
-    pub async fn list(
-        &self,
-        capture: Option<CaptureId>,
-        page: PageRequest,
-    ) -> Result<Page<Twin>, Error> {
+    /// If the query is not allowed, or the server cannot be asked.
+    pub async fn list(&self, query: ListQuery) -> Result<Page<Twin>, Error> {
         let request = ListTwinsRequest {
-            page_size: page.size,
-            page_token: page.token,
-            capture: capture.map(|c| c.to_string()).unwrap_or_default(),
+            capture: query.capture_name(),
+            order_by: query.order.order_by(),
+            page_size: query.page.size,
+            page_token: query.page.token,
+            search: query.search,
+            tag: query.tag,
         };
         let reply = self.service.clone().list_twins(request).await?.into_inner();
         Page::new(reply.twins, reply.next_page_token, Twin::try_from)
     }
 
-    /// All twins, of one capture if given.
+    /// All twins of a query, page by page.
     ///
     /// # Errors
-    /// If the server cannot be asked.
-    pub async fn all(&self, capture: Option<CaptureId>) -> Result<Vec<Twin>, Error> {
-        page::all(|page| self.list(capture, page)).await
+    /// As [`Twins::list`].
+    pub async fn all(&self, query: &ListQuery) -> Result<Vec<Twin>, Error> {
+        page::all(|page| self.list(ListQuery { page, ..query.clone() })).await
+    }
+
+    /// Changes name, note and tags.
+    ///
+    /// # Errors
+    /// If one of them is not allowed, there is none of that name, or the server cannot be asked.
+    pub async fn update(&self, name: TwinId, update: &Update) -> Result<Twin, Error> {
+        let change = update.clone();
+        let twin = v1::Twin {
+            name: name.to_string(),
+            display_name: change.display_name.unwrap_or_default(),
+            note: change.note.unwrap_or_default(),
+            tags: change.tags.unwrap_or_default(),
+            ..v1::Twin::default()
+        };
+        let request = UpdateTwinRequest {
+            twin: Some(twin),
+            update_mask: update.mask(),
+            add_tags: change.add_tags,
+            remove_tags: change.remove_tags,
+        };
+        self.service.clone().update_twin(request).await?.into_inner().try_into()
     }
 
     /// Nodes, springs and control points of a twin.

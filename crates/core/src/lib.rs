@@ -33,7 +33,7 @@ pub use finding::{Finding, Severity};
 pub use graph::{Graph, NodeKind, Pin};
 pub use observer::{Observer, ObserverError};
 pub use params::{Contact, Params};
-pub use progress::{Progress, Stage};
+pub use progress::{ModelLoss, Progress, Stage};
 pub use quality::Quality;
 pub use settings::FitSettings;
 pub use skin::Skin;

@@ -26,6 +26,28 @@ impl Stage {
             Self::Evaluate => "evaluate",
         }
     }
+
+    /// The stage of a name.
+    pub fn parse(name: &str) -> Option<Self> {
+        [Self::Ingest, Self::Search, Self::Refine, Self::Evaluate]
+            .into_iter()
+            .find(|stage| stage.as_str() == name)
+    }
+}
+
+/// Loss of a model after an iteration.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ModelLoss {
+    /// Stage of the iteration.
+    pub stage: Stage,
+    /// Model, as in [`Progress::variant`].
+    pub variant: String,
+    /// Iterations of the stage that were done.
+    pub iteration: u32,
+    /// Loss of that iteration, in the fit's own units; none if it was not finite.
+    pub loss: Option<f64>,
+    /// Lowest loss up to it.
+    pub best_loss: Option<f64>,
 }
 
 /// A progress report of a running fit.
@@ -49,4 +71,21 @@ pub struct Progress {
     pub eta_s: Option<f64>,
     /// A message for people (a rollback, a raised number of substeps).
     pub note: Option<String>,
+    /// The last loss of each model that is fitted side by side with others.
+    #[serde(default)]
+    pub models: Vec<ModelLoss>,
+}
+
+impl Progress {
+    /// The loss that this report tells; none of a stage without losses.
+    pub fn model_loss(&self) -> Option<ModelLoss> {
+        let has_losses = matches!(self.stage, Stage::Search | Stage::Refine);
+        has_losses.then(|| ModelLoss {
+            stage: self.stage,
+            variant: self.variant.clone(),
+            iteration: self.iteration,
+            loss: self.loss,
+            best_loss: self.best_loss,
+        })
+    }
 }

@@ -23,6 +23,18 @@ pub struct ErrorSummary {
     pub padded_rms_m: Option<f64>,
 }
 
+/// One of the errors of a summary [m].
+pub type Measure = fn(&ErrorSummary) -> Option<f64>;
+
+impl ErrorSummary {
+    /// The error that a predictor is judged by: of tracks, else of coordinates, else the Chamfer
+    /// distance, with how it is read from another summary.
+    pub fn headline(&self) -> Option<(Measure, f64)> {
+        let measures: [Measure; 3] = [|e| e.track_m, |e| e.coordinate_m, |e| e.chamfer_l1_m];
+        measures.into_iter().find_map(|measure| Some((measure, measure(self)?)))
+    }
+}
+
 /// The predictor that a row of the table is about.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
@@ -169,6 +181,12 @@ pub struct Quality {
 }
 
 impl Quality {
+    /// The error that the twin is judged by over frames that it was not fitted to [m].
+    pub fn error_m(&self) -> Option<f64> {
+        let (_, error_m) = self.scores.first()?.future.headline()?;
+        Some(error_m).filter(|e| e.is_finite())
+    }
+
     /// The row of a predictor.
     pub fn score(&self, predictor: Predictor) -> Option<&Score> {
         self.scores.iter().find(|s| s.predictor == predictor)

@@ -3,7 +3,7 @@
 
 use bendtwin_core::{
     Point, Quality,
-    quality::{Assessment, ErrorSummary, Level, Predictor},
+    quality::{Assessment, Level, Predictor},
 };
 use bendtwin_graph::mean_spacing;
 
@@ -47,7 +47,7 @@ impl Scale {
 /// nodes, standing still, the last residual and the error in training the worst decides; those
 /// without data are left out.
 pub fn assess(quality: &Quality, scale: Scale) -> Assessment {
-    let measured = quality.scores.first().and_then(|own| Some((own, headline(&own.future)?)));
+    let measured = quality.scores.first().and_then(|own| Some((own, own.future.headline()?)));
     let Some((own, (measure, error_m))) = measured else { return unknown(quality) };
     let beside = |p: Predictor| {
         let score = quality.score(p).filter(|_| p != own.predictor)?;
@@ -157,7 +157,7 @@ fn of_training(error_m: f64, train_m: f64, scale: Scale) -> Comparison {
 }
 
 fn unknown(quality: &Quality) -> Assessment {
-    let train = quality.scores.first().and_then(|own| headline(&own.train));
+    let train = quality.scores.first().and_then(|own| own.train.headline());
     let why = match train {
         Some((_, error_m)) => format!(
             "No frame was left that the fit did not see; on those that it saw the twin is off by {:.1} mm, \
@@ -182,14 +182,6 @@ fn level(ratio: f64, [good, fair]: [f64; 2]) -> Level {
 
 fn times(ratio: f64) -> String {
     if ratio < 10.0 { format!("{ratio:.2}") } else { format!("{ratio:.0}") }
-}
-
-type Measure = fn(&ErrorSummary) -> Option<f64>;
-
-/// The measure that a table is judged by, and its value: tracks, if there are tracks.
-fn headline(errors: &ErrorSummary) -> Option<(Measure, f64)> {
-    let measures: [Measure; 3] = [|e| e.track_m, |e| e.coordinate_m, |e| e.chamfer_l1_m];
-    measures.into_iter().find_map(|measure| Some((measure, measure(errors)?)))
 }
 
 #[cfg(test)]

@@ -92,6 +92,7 @@ impl ProgressEstimator {
             best_loss: report.best_loss.filter(|l| l.is_finite()),
             eta_s,
             note: report.note,
+            models: Vec::new(),
         }
     }
 }

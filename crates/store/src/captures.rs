@@ -7,8 +7,15 @@ use jiff::Timestamp;
 use uuid::Uuid;
 
 use crate::{
-    Content, Digest, Error, Job, Page, PageRequest, Report, Result, Staged, Store,
-    clock::from_micros, failpoint::Failpoint, jobs, observations, row::row, uploads,
+    Content, Digest, Error, Job, LabelChange, Labels, ListQuery, Page, Report, Result, Staged,
+    Store,
+    clock::from_micros,
+    failpoint::Failpoint,
+    jobs,
+    labels::{self, Collection},
+    observations,
+    row::row,
+    uploads,
 };
 
 /// A stored capture.
@@ -16,8 +23,8 @@ use crate::{
 pub struct Capture {
     /// Its id.
     pub id: CaptureId,
-    /// Display name.
-    pub display_name: String,
+    /// Display name, note and tags.
+    pub labels: Labels,
     /// Time of storage.
     pub created: Timestamp,
     /// Size of the archive [bytes].
@@ -63,6 +70,16 @@ row! {
         created_at: i64,
         size_bytes: i64,
         digest: String,
+        note: String,
+        tags: String,
+        first_name: Option<String>,
+    }
+}
+
+impl Row {
+    /// The name that it was created with.
+    fn first_name(&self) -> &str {
+        self.first_name.as_ref().unwrap_or(&self.display_name)
     }
 }
 
@@ -75,10 +92,10 @@ impl TryFrom<Row> for Capture {
         };
         Ok(Self {
             id: Uuid::try_parse(&row.id).map_err(|_| corrupt("id"))?.into(),
-            display_name: row.display_name.clone(),
             created: from_micros(row.created_at),
             size_bytes: row.size_bytes.max(0) as u64,
             digest: Digest::from_hex(&row.digest).map_err(|_| corrupt("digest"))?,
+            labels: Labels::of_row(row.display_name, row.note, &row.tags),
         })
     }
 }
@@ -102,8 +119,9 @@ impl Captures<'_> {
                 .fetch_optional(&mut *tx)
                 .await?;
             if let Some(row) = row {
+                let same_name = row.first_name() == display_name;
                 let before = Capture::try_from(row)?;
-                if before.digest == digest && before.display_name == display_name {
+                if before.digest == digest && same_name {
                     if let Some(upload) = upload {
                         uploads::stored(&mut tx, upload, before.id).await?;
                         tx.commit().await?;
@@ -118,15 +136,18 @@ impl Captures<'_> {
         }
         let id = CaptureId::generate();
         let row: Row = sqlx::query_as(
-            "insert into captures (id, display_name, created_at, size_bytes, digest, request_id)
-             values ($1, $2, $3, $4, $5, $6) returning *",
+            "insert into captures (id, display_name, created_at, size_bytes, digest, request_id,
+                 name_key, search_text)
+             values ($1, $2, $3, $4, $5, $6, $7, $8) returning *",
         )
         .bind(id.uuid().to_string())
-        .bind(display_name)
+        .bind(&display_name)
         .bind(self.store.now_micros())
         .bind(i64::try_from(size_bytes).unwrap_or(i64::MAX))
         .bind(digest.to_hex().as_str())
         .bind(request_id)
+        .bind(labels::name_key(&display_name))
+        .bind(labels::search_text(&display_name, ""))
         .fetch_one(&mut *tx)
         .await?;
         if let Some(upload) = upload {
@@ -164,20 +185,19 @@ impl Captures<'_> {
         Ok(Overview { capture, ingest, report: self.report(id).await? })
     }
 
-    /// A page of captures with their ingests and reports, newest first.
+    /// A page of captures with their ingests and reports.
     ///
     /// # Errors
     /// [`Error::InvalidPageToken`].
-    pub async fn overviews(&self, page: &PageRequest) -> Result<Page<Overview>> {
-        let Page { items, next_token } = self.list(page).await?;
+    pub async fn overviews(&self, query: &ListQuery) -> Result<Page<Overview>> {
+        let Page { items, next_token } = self.list(query).await?;
         let key = |capture: &Capture| capture.id.uuid().to_string();
-        let (from, to) = (items.last().map(key), items.first().map(key));
-        let (from, to) = (from.unwrap_or_default(), to.unwrap_or_default());
-        let ingests = self.store.jobs().ingests_between(&from, &to).await?;
+        let keys: Vec<String> = items.iter().map(key).collect();
+        let ingests = self.store.jobs().ingests_of(&keys).await?;
         let mut ingests: HashMap<CaptureId, Job> =
             ingests.into_iter().map(|job| (job.capture, job)).collect();
         let mut reports: HashMap<String, Report> =
-            self.reports_between(&from, &to).await?.into_iter().collect();
+            self.reports_of(&keys).await?.into_iter().collect();
         let items = items.into_iter().filter_map(|capture| {
             let report = reports.remove(&key(&capture));
             // One without an ingest was deleted in this moment.
@@ -187,20 +207,36 @@ impl Captures<'_> {
         Ok(Page { items: items.collect(), next_token })
     }
 
-    /// A page of captures, newest first.
+    /// A page of captures.
     ///
     /// # Errors
     /// [`Error::InvalidPageToken`].
-    pub async fn list(&self, page: &PageRequest) -> Result<Page<Capture>> {
-        const LISTING: &str = "captures";
+    pub async fn list(&self, query: &ListQuery) -> Result<Page<Capture>> {
+        let mut select = query.select(Collection::Captures)?;
         let rows: Vec<Row> =
-            sqlx::query_as("select * from captures where id < $1 order by id desc limit $2")
-                .bind(page.before(LISTING)?)
-                .bind(page.fetch())
-                .fetch_all(self.store.inner.database.read())
-                .await?;
+            select.build_query_as().fetch_all(self.store.inner.database.read()).await?;
         let items = rows.into_iter().map(Capture::try_from).collect::<Result<_>>()?;
-        Ok(Page::cut(items, page, LISTING, |c: &Capture| c.id.uuid()))
+        let listing = query.listing(Collection::Captures);
+        Ok(Page::cut(items, &query.page, &listing, |c: &Capture| {
+            (c.id.uuid(), query.key(&labels::name_key(&c.labels.display_name), 0.0))
+        }))
+    }
+
+    /// Changes name, note and tags of a capture.
+    ///
+    /// # Errors
+    /// [`Error::NotFound`], [`Error::TooManyTags`].
+    pub async fn update(&self, id: CaptureId, change: &LabelChange) -> Result<Capture> {
+        let key = id.uuid().to_string();
+        let mut tx = self.store.inner.database.write().await?;
+        let find = "select * from captures where id = $1";
+        let row: Option<Row> = sqlx::query_as(find).bind(&key).fetch_optional(&mut *tx).await?;
+        let row = row.ok_or_else(|| Error::NotFound { name: id.to_string() })?;
+        let before = Capture::try_from(row)?.labels;
+        labels::change(&mut tx, Collection::Captures, &key, &before, change).await?;
+        let row: Row = sqlx::query_as(find).bind(&key).fetch_one(&mut *tx).await?;
+        tx.commit().await?;
+        row.try_into()
     }
 
     /// The archive of a capture.
@@ -235,6 +271,7 @@ impl Captures<'_> {
                 .fetch_optional(&mut *tx)
                 .await?;
         let digest = digest.ok_or_else(|| Error::NotFound { name: id.to_string() })?;
+        labels::forget(&mut tx, Collection::Captures, &key).await?;
         let mut obsolete = vec![digest];
         // Its worker learns that the job is gone, and stops.
         let ingest = jobs::dequeue(&mut tx, &key).await?;

@@ -30,6 +30,8 @@ pub enum Error {
     IngestUnderWay { name: String },
     #[error("{fit} is running: cancel it first")]
     FitRunning { fit: FitId },
+    #[error("{name} would have more than {limit} tags: take some away first")]
+    TooManyTags { name: String, limit: usize },
     #[error("the page token is not from this listing: start without one")]
     InvalidPageToken,
     #[error("the content is larger than the limit of {limit} bytes")]
@@ -104,6 +106,7 @@ impl Problem for Error {
             | Self::BackupNotEmpty { .. }
             | Self::DataDirInUse => Category::FailedPrecondition,
             Self::InvalidPageToken
+            | Self::TooManyTags { .. }
             | Self::TooLarge { .. }
             | Self::DigestMismatch { .. }
             | Self::UploadLength { .. } => Category::InvalidArgument,
@@ -131,6 +134,7 @@ impl Problem for Error {
             Self::IngestUnderWay { .. } => "INGEST_UNDER_WAY",
             Self::FitRunning { .. } => "FIT_RUNNING",
             Self::InvalidPageToken => "INVALID_PAGE_TOKEN",
+            Self::TooManyTags { .. } => "TOO_MANY_TAGS",
             Self::TooLarge { .. } => "CONTENT_TOO_LARGE",
             Self::DigestMismatch { .. } => "DIGEST_MISMATCH",
             Self::UploadGone { .. } => "UPLOAD_GONE",

@@ -1,6 +1,6 @@
 //! Jobs: the queue. Its design is in the crate's documentation. Here are the types and the
 //! operations of users on either kind; `fits.rs` and `ingests.rs` have those of one kind,
-//! `lease.rs` those of workers, `lease_time.rs` the time by which leases end, `end.rs` the ends of
+//! `lease.rs` those of workers, `losses.rs` the losses of fits, `lease_time.rs` the time by which leases end, `end.rs` the ends of
 //! attempts, `id.rs` the names and `row.rs` the row.
 
 mod end;
@@ -9,6 +9,7 @@ mod id;
 mod ingests;
 mod lease;
 mod lease_time;
+mod losses;
 mod row;
 
 use std::time::Duration;
@@ -20,16 +21,17 @@ use bendtwin_core::{
 use jiff::Timestamp;
 use tokio::sync::broadcast;
 
-use crate::{Digest, Error, Result, Store};
+use crate::{
+    Digest, Error, Labels, Result, Store,
+    labels::{self, Collection},
+};
 
 pub use end::{AttemptEnd, Loss};
 pub use fits::NewFit;
-#[cfg(test)]
-pub(crate) use fits::{LIST, LIST_OF_CAPTURE};
 pub use id::{JobId, Kind};
 pub use ingests::{IngestResult, NewIngest, NewReport};
 pub(crate) use ingests::{dequeue, enqueue};
-pub use lease::{Lease, Reported};
+pub use lease::{JobReport, Lease, Reported};
 pub use lease_time::LeaseTerms;
 pub(crate) use lease_time::LeaseTimes;
 pub use row::State;
@@ -88,6 +90,10 @@ pub struct Job {
     pub ended: Option<Timestamp>,
     /// Revision; grows with every change, and from one ingest of a capture to the next.
     pub revision: u64,
+    /// Display name, note and tags, if it is a fit.
+    pub labels: Labels,
+    /// Error of the twin that it made, if there is one [m].
+    pub error_m: Option<f64>,
 }
 
 /// Number of jobs by kind and state, and waiting time of the queues.
@@ -185,10 +191,11 @@ impl Jobs<'_> {
         if row.state()? == State::Running {
             return Err(Error::FitRunning { fit });
         }
-        sqlx::query("delete from jobs where id = $1")
-            .bind(fit.uuid().to_string())
-            .execute(&mut *tx)
-            .await?;
+        let key = fit.uuid().to_string();
+        for statement in ["delete from jobs where id = $1", "delete from losses where fit = $1"] {
+            sqlx::query(statement).bind(&key).execute(&mut *tx).await?;
+        }
+        labels::forget(&mut tx, Collection::Fits, &key).await?;
         tx.commit().await?;
         let _ = self.store.inner.changes.send(fit.into());
         match row.checkpoint {

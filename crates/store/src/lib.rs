@@ -42,6 +42,12 @@
 //!   observation is replaced by the next ingest that succeeds, and only while no
 //!   fit of the capture is queued or running: a fit never sees two.
 //!
+//! # Losses of a fit
+//! The table `losses` has a row for each stage, model and iteration, written with the reports of
+//! its worker, up to 4096 for a fit: then every second iteration is forgotten. Losses of an
+//! attempt replace what an earlier one computed from there on, so the rows are those of the way
+//! to the twin, whatever checkpoint it went on from. They stay until the fit is deleted.
+//!
 //! # Content before rows
 //! A blob is written under `incoming/`, synced, and renamed to the name that its
 //! BLAKE3 digest gives it, all before the transaction that first refers to it.
@@ -86,6 +92,8 @@ pub mod failpoint;
 mod folder;
 mod identity;
 mod jobs;
+mod labels;
+mod listing;
 pub mod maintenance;
 mod migrations;
 mod observations;
@@ -103,10 +111,12 @@ pub use clock::{Clock, ManualClock, SystemClock};
 pub use disk::Disk;
 pub use error::{Error, Result};
 pub use jobs::{
-    AttemptEnd, IngestResult, Job, JobId, Jobs, Kind, Lease, LeaseTerms, Loss,
+    AttemptEnd, IngestResult, Job, JobId, JobReport, Jobs, Kind, Lease, LeaseTerms, Loss,
     MAX_INTERRUPTED_ATTEMPTS, MAX_STALLED_ATTEMPTS, NewFit, NewIngest, NewReport, QueueDepth,
     Reported, State,
 };
+pub use labels::{LabelChange, Labels, MAX_TAGS};
+pub use listing::{ListQuery, Order, OrderKey};
 pub use observations::{Observation, Report};
 pub use page::{Page, PageRequest};
 pub use store::{Options, Store};

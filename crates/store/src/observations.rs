@@ -3,7 +3,7 @@
 
 use bendtwin_core::ids::CaptureId;
 use jiff::Timestamp;
-use sqlx::{Sqlite, Transaction};
+use sqlx::{QueryBuilder, Sqlite, Transaction};
 
 use crate::{Captures, Content, Digest, Error, Result, clock::from_micros, row::row};
 
@@ -125,21 +125,19 @@ impl Captures<'_> {
     /// Database errors.
     pub async fn report(&self, id: CaptureId) -> Result<Option<Report>> {
         let key = id.uuid().to_string();
-        Ok(self.reports_between(&key, &key).await?.pop().map(|(_, report)| report))
+        Ok(self.reports_of(&[key]).await?.pop().map(|(_, report)| report))
     }
 
-    /// The reports of the captures between two ids, both included, by the captures' keys.
-    pub(crate) async fn reports_between(
-        &self,
-        from: &str,
-        to: &str,
-    ) -> Result<Vec<(String, Report)>> {
+    /// The reports of these captures, in any order, by the captures' keys.
+    pub(crate) async fn reports_of(&self, captures: &[String]) -> Result<Vec<(String, Report)>> {
+        let mut sql = QueryBuilder::new("select * from reports where capture in (");
+        let mut listed = sql.separated(", ");
+        for capture in captures {
+            listed.push_bind(capture);
+        }
+        sql.push(")");
         let rows: Vec<ReportRow> =
-            sqlx::query_as("select * from reports where capture >= $1 and capture <= $2")
-                .bind(from)
-                .bind(to)
-                .fetch_all(self.store.inner.database.read())
-                .await?;
+            sql.build_query_as().fetch_all(self.store.inner.database.read()).await?;
         rows.into_iter().map(|row| Ok((row.capture.clone(), row.try_into()?))).collect()
     }
 

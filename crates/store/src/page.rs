@@ -15,6 +15,14 @@ pub struct PageRequest {
     pub token: String,
 }
 
+/// Place of a row in the order of a list.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) struct Place {
+    pub(crate) id: String,
+    /// The key that comes before the id in the order; empty if none does.
+    pub(crate) key: String,
+}
+
 impl PageRequest {
     /// Rows of a page without a given size.
     pub const DEFAULT_SIZE: u32 = 50;
@@ -33,24 +41,31 @@ impl PageRequest {
         i64::from(self.size()) + 1
     }
 
-    /// The id that the page's rows come after (newest first), as text that sorts
-    /// above every id where there is no token. `listing` ties a token to one
-    /// listing and filter.
-    pub(crate) fn before(&self, listing: &str) -> Result<String> {
-        const ABOVE_ALL: &str = "~";
+    /// The place that the page's rows come after; none for the first page. `listing` ties a token
+    /// to one listing, its filters and its order.
+    pub(crate) fn place(&self, listing: &str) -> Result<Option<Place>> {
         if self.token.is_empty() {
-            return Ok(ABOVE_ALL.to_owned());
+            return Ok(None);
         }
-        let (id, tag) = self.token.split_once('-').ok_or(Error::InvalidPageToken)?;
+        let mut parts = self.token.splitn(3, '-');
+        let (id, tag) = parts.next().zip(parts.next()).ok_or(Error::InvalidPageToken)?;
         let id = Uuid::try_parse(id).map_err(|_| Error::InvalidPageToken)?;
-        if tag != tag_of(listing, id) {
+        let key = text_of(parts.next().unwrap_or_default()).ok_or(Error::InvalidPageToken)?;
+        if tag != tag_of(listing, id, &key) {
             return Err(Error::InvalidPageToken);
         }
-        Ok(id.to_string())
+        Ok(Some(Place { id: id.to_string(), key }))
+    }
+
+    /// The id that the page's rows come after in a list that is newest first, as text that sorts
+    /// above every id where there is no token.
+    pub(crate) fn before(&self, listing: &str) -> Result<String> {
+        const ABOVE_ALL: &str = "~";
+        Ok(self.place(listing)?.map_or_else(|| ABOVE_ALL.to_owned(), |place| place.id))
     }
 }
 
-/// One page, newest first.
+/// One page, newest first if nothing else was asked for.
 #[derive(Clone, Debug)]
 pub struct Page<T> {
     /// The rows.
@@ -60,20 +75,23 @@ pub struct Page<T> {
 }
 
 impl<T> Page<T> {
-    /// Cuts the surplus row that [`PageRequest::fetch`] asked for.
+    /// Cuts the surplus row that [`PageRequest::fetch`] asked for. `place` are the id of a row and
+    /// the key before it in the order.
     pub(crate) fn cut(
         mut items: Vec<T>,
         request: &PageRequest,
         listing: &str,
-        id: impl Fn(&T) -> Uuid,
+        place: impl Fn(&T) -> (Uuid, String),
     ) -> Self {
         let size = request.size() as usize;
         let more = items.len() > size;
         items.truncate(size);
         let next_token = match items.last() {
             Some(last) if more => {
-                let id = id(last);
-                format!("{}-{}", id.simple(), tag_of(listing, id))
+                let (id, key) = place(last);
+                let tag = tag_of(listing, id, &key);
+                let end = if key.is_empty() { String::new() } else { format!("-{}", hex(&key)) };
+                format!("{}-{tag}{end}", id.simple())
             }
             _ => String::new(),
         };
@@ -81,7 +99,22 @@ impl<T> Page<T> {
     }
 }
 
-fn tag_of(listing: &str, id: Uuid) -> String {
-    let hash = blake3::Hasher::new().update(listing.as_bytes()).update(id.as_bytes()).finalize();
-    hash.to_hex()[..8].to_owned()
+fn tag_of(listing: &str, id: Uuid, key: &str) -> String {
+    let mut hash = blake3::Hasher::new();
+    hash.update(listing.as_bytes()).update(id.as_bytes()).update(key.as_bytes());
+    hash.finalize().to_hex()[..8].to_owned()
+}
+
+/// Text in hexadecimal digits.
+fn hex(text: &str) -> String {
+    text.bytes().map(|byte| format!("{byte:02x}")).collect()
+}
+
+fn text_of(hex: &str) -> Option<String> {
+    let digits: Option<Vec<u8>> = hex
+        .as_bytes()
+        .chunks(2)
+        .map(|pair| u8::from_str_radix(std::str::from_utf8(pair).ok()?, 16).ok())
+        .collect();
+    String::from_utf8(digits?).ok()
 }

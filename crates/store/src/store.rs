@@ -59,8 +59,8 @@ pub(crate) struct Inner {
 
 impl Store {
     /// Opens the folder, migrates its tables, moves blobs that no row refers to into the trash,
-    /// deletes half-written uploads, and queues the ingests of captures from before ingests
-    /// existed.
+    /// deletes half-written uploads, queues the ingests of captures from before ingests existed,
+    /// and fills in what older rows are searched and sorted by.
     ///
     /// # Errors
     /// [`Error::DataDirInUse`] if another server has it open; [`Error::DatabaseMissing`] and
@@ -97,6 +97,7 @@ impl Store {
         }
         store.uploads().collect_garbage().await?;
         store.captures().ingest_old().await?;
+        store.label_old().await?;
         Ok(store)
     }
 

@@ -7,8 +7,11 @@ use sqlx::{Sqlite, Transaction};
 use uuid::Uuid;
 
 use crate::{
-    Content, Digest, Error, Page, PageRequest, Result, Staged, Store, clock::from_micros,
-    failpoint::Failpoint, row::row,
+    Content, Digest, Error, LabelChange, Labels, ListQuery, Page, Result, Staged, Store,
+    clock::from_micros,
+    failpoint::Failpoint,
+    labels::{self, Collection},
+    row::row,
 };
 
 /// Facts of a twin, read from its file, for listings.
@@ -40,8 +43,8 @@ pub struct TwinFacts {
 pub struct Twin {
     /// Its id.
     pub id: TwinId,
-    /// Display name.
-    pub display_name: String,
+    /// Display name, note and tags.
+    pub labels: Labels,
     /// The capture that it was fitted to; none if imported.
     pub capture: Option<CaptureId>,
     /// The fit that made it; none if imported.
@@ -54,6 +57,8 @@ pub struct Twin {
     pub digest: Digest,
     /// Facts from its file.
     pub facts: TwinFacts,
+    /// Error over frames that it was not fitted to, if there is one [m].
+    pub error_m: Option<f64>,
 }
 
 /// A twin to be imported.
@@ -93,6 +98,17 @@ row! {
         quality: String,
         mass_kg: Option<f64>,
         skin_point_count: Option<i64>,
+        note: String,
+        tags: String,
+        first_name: Option<String>,
+        error_m: f64,
+    }
+}
+
+impl Row {
+    /// The name that it was created with.
+    fn first_name(&self) -> &str {
+        self.first_name.as_ref().unwrap_or(&self.display_name)
     }
 }
 
@@ -123,7 +139,8 @@ impl TryFrom<Row> for Twin {
                 mass_kg: row.mass_kg,
                 skin_point_count: row.skin_point_count.map(count),
             },
-            display_name: row.display_name,
+            labels: Labels::of_row(row.display_name, row.note, &row.tags),
+            error_m: labels::error_of(row.error_m),
         })
     }
 }
@@ -145,8 +162,9 @@ pub(crate) async fn insert(tx: &mut Transaction<'_, Sqlite>, new: Insert<'_>) ->
     let row: Row = sqlx::query_as(
         "insert into twins (id, display_name, capture, fit, created_at, size_bytes, digest,
              node_count, spring_count, triplet_count, control_count, fps, substeps, quality,
-             request_id, mass_kg, skin_point_count)
-         values ($1, $2, $3, $4, $5, $6, $7, $8, $9, $10, $11, $12, $13, $14, $15, $16, $17)
+             request_id, mass_kg, skin_point_count, name_key, search_text, error_m)
+         values ($1, $2, $3, $4, $5, $6, $7, $8, $9, $10, $11, $12, $13, $14, $15, $16, $17, $18,
+             $19, $20)
          returning *",
     )
     .bind(TwinId::generate().uuid().to_string())
@@ -166,17 +184,13 @@ pub(crate) async fn insert(tx: &mut Transaction<'_, Sqlite>, new: Insert<'_>) ->
     .bind(new.request_id)
     .bind(facts.mass_kg)
     .bind(facts.skin_point_count.map(i64::from))
+    .bind(labels::name_key(new.display_name))
+    .bind(labels::search_text(new.display_name, ""))
+    .bind(labels::error_key(&facts.quality))
     .fetch_one(&mut **tx)
     .await?;
     row.try_into()
 }
-
-/// A page of twins. One statement with an optional filter would find no index for either.
-pub(crate) const LIST: &str =
-    "select * from twins where id < $1 and $3 is null order by id desc limit $2";
-/// A page of the twins of a capture.
-pub(crate) const LIST_OF_CAPTURE: &str =
-    "select * from twins where capture = $3 and id < $1 order by id desc limit $2";
 
 impl Twins<'_> {
     /// Stores an imported twin. The same request id with the same content and name returns the twin
@@ -196,9 +210,10 @@ impl Twins<'_> {
                 .fetch_optional(&mut *tx)
                 .await?;
             if let Some(row) = row {
+                let same_name = row.first_name() == display_name;
                 let before = Twin::try_from(row)?;
                 drop((tx, guard));
-                if before.digest == digest && before.display_name == display_name {
+                if before.digest == digest && same_name {
                     return Ok(before);
                 }
                 self.store.release(&digest.to_hex()).await?;
@@ -235,18 +250,37 @@ impl Twins<'_> {
         row.ok_or_else(|| Error::NotFound { name: id.to_string() })?.try_into()
     }
 
-    /// A page of twins, newest first; only those of a capture, if one is given.
+    /// A page of twins.
     ///
     /// # Errors
     /// [`Error::InvalidPageToken`].
-    pub async fn list(&self, page: &PageRequest, capture: Option<CaptureId>) -> Result<Page<Twin>> {
-        let capture = capture.map(|c| c.uuid().to_string());
-        let listing = format!("twins/{}", capture.as_deref().unwrap_or_default());
-        let query = sqlx::query_as(if capture.is_some() { LIST_OF_CAPTURE } else { LIST });
-        let query = query.bind(page.before(&listing)?).bind(page.fetch()).bind(capture);
-        let rows: Vec<Row> = query.fetch_all(self.store.inner.database.read()).await?;
+    pub async fn list(&self, query: &ListQuery) -> Result<Page<Twin>> {
+        let mut select = query.select(Collection::Twins)?;
+        let rows: Vec<Row> =
+            select.build_query_as().fetch_all(self.store.inner.database.read()).await?;
         let items = rows.into_iter().map(Twin::try_from).collect::<Result<_>>()?;
-        Ok(Page::cut(items, page, &listing, |t: &Twin| t.id.uuid()))
+        let listing = query.listing(Collection::Twins);
+        Ok(Page::cut(items, &query.page, &listing, |t: &Twin| {
+            let name_key = labels::name_key(&t.labels.display_name);
+            (t.id.uuid(), query.key(&name_key, labels::key_of(t.error_m)))
+        }))
+    }
+
+    /// Changes name, note and tags of a twin.
+    ///
+    /// # Errors
+    /// [`Error::NotFound`], [`Error::TooManyTags`].
+    pub async fn update(&self, id: TwinId, change: &LabelChange) -> Result<Twin> {
+        let key = id.uuid().to_string();
+        let mut tx = self.store.inner.database.write().await?;
+        let find = "select * from twins where id = $1";
+        let row: Option<Row> = sqlx::query_as(find).bind(&key).fetch_optional(&mut *tx).await?;
+        let row = row.ok_or_else(|| Error::NotFound { name: id.to_string() })?;
+        let before = Twin::try_from(row)?.labels;
+        labels::change(&mut tx, Collection::Twins, &key, &before, change).await?;
+        let row: Row = sqlx::query_as(find).bind(&key).fetch_one(&mut *tx).await?;
+        tx.commit().await?;
+        row.try_into()
     }
 
     /// The file of a twin.
@@ -265,13 +299,15 @@ impl Twins<'_> {
     /// # Errors
     /// [`Error::NotFound`].
     pub async fn delete(&self, id: TwinId) -> Result<()> {
+        let key = id.uuid().to_string();
         let mut tx = self.store.inner.database.write().await?;
         let digest: Option<String> =
             sqlx::query_scalar("delete from twins where id = $1 returning digest")
-                .bind(id.uuid().to_string())
+                .bind(&key)
                 .fetch_optional(&mut *tx)
                 .await?;
         let digest = digest.ok_or_else(|| Error::NotFound { name: id.to_string() })?;
+        labels::forget(&mut tx, Collection::Twins, &key).await?;
         tx.commit().await?;
         self.store.pass(Failpoint::BeforeRelease)?;
         self.store.release(&digest).await

@@ -73,7 +73,7 @@ impl Uploads<'_> {
                 .fetch_all(self.store.inner.database.read())
                 .await?;
         let items = rows.into_iter().map(ResumableUpload::try_from).collect::<Result<_>>()?;
-        Ok(Page::cut(items, page, LISTING, |u: &ResumableUpload| u.id.uuid()))
+        Ok(Page::cut(items, page, LISTING, |u: &ResumableUpload| (u.id.uuid(), String::new())))
     }
 
     /// Claims an upload, to write to it or to end it. Its current writer is asked to save the bytes

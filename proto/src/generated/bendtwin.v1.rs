@@ -446,6 +446,26 @@ pub struct Progress {
     pub eta_s: ::core::option::Option<f64>,
     #[prost(string, tag = "9")]
     pub note: ::prost::alloc::string::String,
+    /// The last loss of each model that is fitted side by side with others.
+    #[prost(message, repeated, tag = "10")]
+    pub models: ::prost::alloc::vec::Vec<ModelLoss>,
+}
+/// Loss of a model after an iteration.
+#[derive(Clone, PartialEq, ::prost::Message)]
+pub struct ModelLoss {
+    /// search or refine.
+    #[prost(string, tag = "1")]
+    pub stage: ::prost::alloc::string::String,
+    /// bending or axial, of several starts followed by which: `bending 2/3`.
+    #[prost(string, tag = "2")]
+    pub variant: ::prost::alloc::string::String,
+    #[prost(uint32, tag = "3")]
+    pub iteration: u32,
+    /// Absent where it was not finite.
+    #[prost(double, optional, tag = "4")]
+    pub loss: ::core::option::Option<f64>,
+    #[prost(double, optional, tag = "5")]
+    pub best_loss: ::core::option::Option<f64>,
 }
 #[derive(Clone, PartialEq, ::prost::Message)]
 pub struct Capture {
@@ -468,6 +488,12 @@ pub struct Capture {
     /// The report's verdict in a word; empty until there is a report.
     #[prost(string, tag = "7")]
     pub verdict: ::prost::alloc::string::String,
+    /// Text that people write about it: up to 10,000 bytes.
+    #[prost(string, tag = "8")]
+    pub note: ::prost::alloc::string::String,
+    /// Up to 32 words of up to 50 characters, sorted.
+    #[prost(string, repeated, tag = "9")]
+    pub tags: ::prost::alloc::vec::Vec<::prost::alloc::string::String>,
 }
 #[derive(Clone, PartialEq, Eq, Hash, ::prost::Message)]
 pub struct CreateCaptureRequest {
@@ -513,17 +539,40 @@ pub struct ListCapturesRequest {
     /// At most 1000; 0 means 50.
     #[prost(uint32, tag = "1")]
     pub page_size: u32,
+    /// Of the page before, with the same filters and order.
     #[prost(string, tag = "2")]
     pub page_token: ::prost::alloc::string::String,
+    /// Only those whose display name or note has this text, whatever its case; up to 200 characters.
+    #[prost(string, tag = "3")]
+    pub search: ::prost::alloc::string::String,
+    /// Only those with this tag.
+    #[prost(string, tag = "4")]
+    pub tag: ::prost::alloc::string::String,
+    /// `create_time` or `name`, ascending or, followed by ` desc`, descending; empty means `create_time desc`.
+    #[prost(string, tag = "5")]
+    pub order_by: ::prost::alloc::string::String,
 }
 #[derive(Clone, PartialEq, ::prost::Message)]
 pub struct ListCapturesResponse {
-    /// Newest first.
     #[prost(message, repeated, tag = "1")]
     pub captures: ::prost::alloc::vec::Vec<Capture>,
     /// Empty on the last page.
     #[prost(string, tag = "2")]
     pub next_page_token: ::prost::alloc::string::String,
+}
+#[derive(Clone, PartialEq, ::prost::Message)]
+pub struct UpdateCaptureRequest {
+    /// Its `name` says which one.
+    #[prost(message, optional, tag = "1")]
+    pub capture: ::core::option::Option<Capture>,
+    /// Fields to change: `display_name`, `note` and `tags`. Without it those that are not empty.
+    #[prost(message, optional, tag = "2")]
+    pub update_mask: ::core::option::Option<::prost_types::FieldMask>,
+    /// Tags to add to those that there are, and to take from them; not beside `tags` in the mask.
+    #[prost(string, repeated, tag = "3")]
+    pub add_tags: ::prost::alloc::vec::Vec<::prost::alloc::string::String>,
+    #[prost(string, repeated, tag = "4")]
+    pub remove_tags: ::prost::alloc::vec::Vec<::prost::alloc::string::String>,
 }
 #[derive(Clone, PartialEq, Eq, Hash, ::prost::Message)]
 pub struct DeleteCaptureRequest {
@@ -788,6 +837,28 @@ pub mod capture_service_client {
                 .insert(GrpcMethod::new("bendtwin.v1.CaptureService", "ListCaptures"));
             self.inner.unary(req, path, codec).await
         }
+        /// Changes display name, note and tags.
+        pub async fn update_capture(
+            &mut self,
+            request: impl tonic::IntoRequest<super::UpdateCaptureRequest>,
+        ) -> std::result::Result<tonic::Response<super::Capture>, tonic::Status> {
+            self.inner
+                .ready()
+                .await
+                .map_err(|e| {
+                    tonic::Status::unknown(
+                        format!("Service was not ready: {}", e.into()),
+                    )
+                })?;
+            let codec = tonic_prost::ProstCodec::default();
+            let path = http::uri::PathAndQuery::from_static(
+                "/bendtwin.v1.CaptureService/UpdateCapture",
+            );
+            let mut req = request.into_request();
+            req.extensions_mut()
+                .insert(GrpcMethod::new("bendtwin.v1.CaptureService", "UpdateCapture"));
+            self.inner.unary(req, path, codec).await
+        }
         /// Refused with FAILED_PRECONDITION while a fit of it is queued or running. Twins stay.
         pub async fn delete_capture(
             &mut self,
@@ -972,6 +1043,11 @@ pub mod capture_service_server {
             tonic::Response<super::ListCapturesResponse>,
             tonic::Status,
         >;
+        /// Changes display name, note and tags.
+        async fn update_capture(
+            &self,
+            request: tonic::Request<super::UpdateCaptureRequest>,
+        ) -> std::result::Result<tonic::Response<super::Capture>, tonic::Status>;
         /// Refused with FAILED_PRECONDITION while a fit of it is queued or running. Twins stay.
         async fn delete_capture(
             &self,
@@ -1240,6 +1316,51 @@ pub mod capture_service_server {
                     let inner = self.inner.clone();
                     let fut = async move {
                         let method = ListCapturesSvc(inner);
+                        let codec = tonic_prost::ProstCodec::default();
+                        let mut grpc = tonic::server::Grpc::new(codec)
+                            .apply_compression_config(
+                                accept_compression_encodings,
+                                send_compression_encodings,
+                            )
+                            .apply_max_message_size_config(
+                                max_decoding_message_size,
+                                max_encoding_message_size,
+                            );
+                        let res = grpc.unary(method, req).await;
+                        Ok(res)
+                    };
+                    Box::pin(fut)
+                }
+                "/bendtwin.v1.CaptureService/UpdateCapture" => {
+                    #[allow(non_camel_case_types)]
+                    struct UpdateCaptureSvc<T: CaptureService>(pub Arc<T>);
+                    impl<
+                        T: CaptureService,
+                    > tonic::server::UnaryService<super::UpdateCaptureRequest>
+                    for UpdateCaptureSvc<T> {
+                        type Response = super::Capture;
+                        type Future = BoxFuture<
+                            tonic::Response<Self::Response>,
+                            tonic::Status,
+                        >;
+                        fn call(
+                            &mut self,
+                            request: tonic::Request<super::UpdateCaptureRequest>,
+                        ) -> Self::Future {
+                            let inner = Arc::clone(&self.0);
+                            let fut = async move {
+                                <T as CaptureService>::update_capture(&inner, request).await
+                            };
+                            Box::pin(fut)
+                        }
+                    }
+                    let accept_compression_encodings = self.accept_compression_encodings;
+                    let send_compression_encodings = self.send_compression_encodings;
+                    let max_decoding_message_size = self.max_decoding_message_size;
+                    let max_encoding_message_size = self.max_encoding_message_size;
+                    let inner = self.inner.clone();
+                    let fut = async move {
+                        let method = UpdateCaptureSvc(inner);
                         let codec = tonic_prost::ProstCodec::default();
                         let mut grpc = tonic::server::Grpc::new(codec)
                             .apply_compression_config(
@@ -1586,6 +1707,18 @@ pub struct Fit {
     pub priority: i32,
     #[prost(message, optional, tag = "5")]
     pub job: ::core::option::Option<Job>,
+    /// The capture's when the fit was created, unless one was given; its twin's, too, when it is made.
+    #[prost(string, tag = "6")]
+    pub display_name: ::prost::alloc::string::String,
+    /// Text that people write about it: up to 10,000 bytes.
+    #[prost(string, tag = "7")]
+    pub note: ::prost::alloc::string::String,
+    /// Up to 32 words of up to 50 characters, sorted.
+    #[prost(string, repeated, tag = "8")]
+    pub tags: ::prost::alloc::vec::Vec<::prost::alloc::string::String>,
+    /// Error of its twin, metres, as in `Twin`.
+    #[prost(double, optional, tag = "9")]
+    pub error_m: ::core::option::Option<f64>,
 }
 #[derive(Clone, PartialEq, Eq, Hash, ::prost::Message)]
 pub struct CreateFitRequest {
@@ -1600,6 +1733,9 @@ pub struct CreateFitRequest {
     /// Makes the call idempotent.
     #[prost(string, tag = "4")]
     pub request_id: ::prost::alloc::string::String,
+    /// Empty means the capture's.
+    #[prost(string, tag = "5")]
+    pub display_name: ::prost::alloc::string::String,
 }
 #[derive(Clone, PartialEq, Eq, Hash, ::prost::Message)]
 pub struct GetFitRequest {
@@ -1615,6 +1751,18 @@ pub struct ListFitsRequest {
     /// Only fits of this capture, if given.
     #[prost(string, tag = "3")]
     pub capture: ::prost::alloc::string::String,
+    /// Only fits in this state, if given.
+    #[prost(enumeration = "job::State", tag = "4")]
+    pub state: i32,
+    /// Only those whose display name or note has this text, whatever its case; up to 200 characters.
+    #[prost(string, tag = "5")]
+    pub search: ::prost::alloc::string::String,
+    /// Only those with this tag.
+    #[prost(string, tag = "6")]
+    pub tag: ::prost::alloc::string::String,
+    /// `create_time`, `name` or `error`, ascending or, followed by ` desc`, descending; empty means `create_time desc`.
+    #[prost(string, tag = "7")]
+    pub order_by: ::prost::alloc::string::String,
 }
 #[derive(Clone, PartialEq, ::prost::Message)]
 pub struct ListFitsResponse {
@@ -1622,6 +1770,54 @@ pub struct ListFitsResponse {
     pub fits: ::prost::alloc::vec::Vec<Fit>,
     #[prost(string, tag = "2")]
     pub next_page_token: ::prost::alloc::string::String,
+}
+#[derive(Clone, PartialEq, ::prost::Message)]
+pub struct UpdateFitRequest {
+    /// Its `name` says which one.
+    #[prost(message, optional, tag = "1")]
+    pub fit: ::core::option::Option<Fit>,
+    /// Fields to change: `display_name`, `note` and `tags`. Without it those that are not empty.
+    #[prost(message, optional, tag = "2")]
+    pub update_mask: ::core::option::Option<::prost_types::FieldMask>,
+    /// Tags to add to those that there are, and to take from them; not beside `tags` in the mask.
+    #[prost(string, repeated, tag = "3")]
+    pub add_tags: ::prost::alloc::vec::Vec<::prost::alloc::string::String>,
+    #[prost(string, repeated, tag = "4")]
+    pub remove_tags: ::prost::alloc::vec::Vec<::prost::alloc::string::String>,
+}
+#[derive(Clone, PartialEq, Eq, Hash, ::prost::Message)]
+pub struct GetFitLossesRequest {
+    #[prost(string, tag = "1")]
+    pub name: ::prost::alloc::string::String,
+}
+#[derive(Clone, PartialEq, ::prost::Message)]
+pub struct FitLosses {
+    /// In the order in which they were computed: stages one after another, models side by side.
+    #[prost(message, repeated, tag = "1")]
+    pub curves: ::prost::alloc::vec::Vec<fit_losses::LossCurve>,
+}
+/// Nested message and enum types in `FitLosses`.
+pub mod fit_losses {
+    /// Losses of one model over the iterations of a stage. Of a long stage every second iteration is kept,
+    /// every fourth and so on, and the last.
+    #[derive(Clone, PartialEq, ::prost::Message)]
+    pub struct LossCurve {
+        /// search or refine.
+        #[prost(string, tag = "1")]
+        pub stage: ::prost::alloc::string::String,
+        /// bending or axial, of several starts followed by which: `bending 2/3`.
+        #[prost(string, tag = "2")]
+        pub variant: ::prost::alloc::string::String,
+        /// Ascending, from 1.
+        #[prost(uint32, repeated, tag = "3")]
+        pub iterations: ::prost::alloc::vec::Vec<u32>,
+        /// One for each iteration; NaN where it was not finite.
+        #[prost(double, repeated, tag = "4")]
+        pub losses: ::prost::alloc::vec::Vec<f64>,
+        /// The lowest up to each iteration.
+        #[prost(double, repeated, tag = "5")]
+        pub best_losses: ::prost::alloc::vec::Vec<f64>,
+    }
 }
 #[derive(Clone, PartialEq, Eq, Hash, ::prost::Message)]
 pub struct CancelFitRequest {
@@ -1801,6 +1997,50 @@ pub mod fit_service_client {
                 .insert(GrpcMethod::new("bendtwin.v1.FitService", "ListFits"));
             self.inner.unary(req, path, codec).await
         }
+        /// Changes display name, note and tags.
+        pub async fn update_fit(
+            &mut self,
+            request: impl tonic::IntoRequest<super::UpdateFitRequest>,
+        ) -> std::result::Result<tonic::Response<super::Fit>, tonic::Status> {
+            self.inner
+                .ready()
+                .await
+                .map_err(|e| {
+                    tonic::Status::unknown(
+                        format!("Service was not ready: {}", e.into()),
+                    )
+                })?;
+            let codec = tonic_prost::ProstCodec::default();
+            let path = http::uri::PathAndQuery::from_static(
+                "/bendtwin.v1.FitService/UpdateFit",
+            );
+            let mut req = request.into_request();
+            req.extensions_mut()
+                .insert(GrpcMethod::new("bendtwin.v1.FitService", "UpdateFit"));
+            self.inner.unary(req, path, codec).await
+        }
+        /// The losses of all iterations so far.
+        pub async fn get_fit_losses(
+            &mut self,
+            request: impl tonic::IntoRequest<super::GetFitLossesRequest>,
+        ) -> std::result::Result<tonic::Response<super::FitLosses>, tonic::Status> {
+            self.inner
+                .ready()
+                .await
+                .map_err(|e| {
+                    tonic::Status::unknown(
+                        format!("Service was not ready: {}", e.into()),
+                    )
+                })?;
+            let codec = tonic_prost::ProstCodec::default();
+            let path = http::uri::PathAndQuery::from_static(
+                "/bendtwin.v1.FitService/GetFitLosses",
+            );
+            let mut req = request.into_request();
+            req.extensions_mut()
+                .insert(GrpcMethod::new("bendtwin.v1.FitService", "GetFitLosses"));
+            self.inner.unary(req, path, codec).await
+        }
         /// Asks a queued or running fit to stop; a fit that has ended is returned as it is.
         pub async fn cancel_fit(
             &mut self,
@@ -1903,6 +2143,16 @@ pub mod fit_service_server {
             tonic::Response<super::ListFitsResponse>,
             tonic::Status,
         >;
+        /// Changes display name, note and tags.
+        async fn update_fit(
+            &self,
+            request: tonic::Request<super::UpdateFitRequest>,
+        ) -> std::result::Result<tonic::Response<super::Fit>, tonic::Status>;
+        /// The losses of all iterations so far.
+        async fn get_fit_losses(
+            &self,
+            request: tonic::Request<super::GetFitLossesRequest>,
+        ) -> std::result::Result<tonic::Response<super::FitLosses>, tonic::Status>;
         /// Asks a queued or running fit to stop; a fit that has ended is returned as it is.
         async fn cancel_fit(
             &self,
@@ -2138,6 +2388,96 @@ pub mod fit_service_server {
                     };
                     Box::pin(fut)
                 }
+                "/bendtwin.v1.FitService/UpdateFit" => {
+                    #[allow(non_camel_case_types)]
+                    struct UpdateFitSvc<T: FitService>(pub Arc<T>);
+                    impl<
+                        T: FitService,
+                    > tonic::server::UnaryService<super::UpdateFitRequest>
+                    for UpdateFitSvc<T> {
+                        type Response = super::Fit;
+                        type Future = BoxFuture<
+                            tonic::Response<Self::Response>,
+                            tonic::Status,
+                        >;
+                        fn call(
+                            &mut self,
+                            request: tonic::Request<super::UpdateFitRequest>,
+                        ) -> Self::Future {
+                            let inner = Arc::clone(&self.0);
+                            let fut = async move {
+                                <T as FitService>::update_fit(&inner, request).await
+                            };
+                            Box::pin(fut)
+                        }
+                    }
+                    let accept_compression_encodings = self.accept_compression_encodings;
+                    let send_compression_encodings = self.send_compression_encodings;
+                    let max_decoding_message_size = self.max_decoding_message_size;
+                    let max_encoding_message_size = self.max_encoding_message_size;
+                    let inner = self.inner.clone();
+                    let fut = async move {
+                        let method = UpdateFitSvc(inner);
+                        let codec = tonic_prost::ProstCodec::default();
+                        let mut grpc = tonic::server::Grpc::new(codec)
+                            .apply_compression_config(
+                                accept_compression_encodings,
+                                send_compression_encodings,
+                            )
+                            .apply_max_message_size_config(
+                                max_decoding_message_size,
+                                max_encoding_message_size,
+                            );
+                        let res = grpc.unary(method, req).await;
+                        Ok(res)
+                    };
+                    Box::pin(fut)
+                }
+                "/bendtwin.v1.FitService/GetFitLosses" => {
+                    #[allow(non_camel_case_types)]
+                    struct GetFitLossesSvc<T: FitService>(pub Arc<T>);
+                    impl<
+                        T: FitService,
+                    > tonic::server::UnaryService<super::GetFitLossesRequest>
+                    for GetFitLossesSvc<T> {
+                        type Response = super::FitLosses;
+                        type Future = BoxFuture<
+                            tonic::Response<Self::Response>,
+                            tonic::Status,
+                        >;
+                        fn call(
+                            &mut self,
+                            request: tonic::Request<super::GetFitLossesRequest>,
+                        ) -> Self::Future {
+                            let inner = Arc::clone(&self.0);
+                            let fut = async move {
+                                <T as FitService>::get_fit_losses(&inner, request).await
+                            };
+                            Box::pin(fut)
+                        }
+                    }
+                    let accept_compression_encodings = self.accept_compression_encodings;
+                    let send_compression_encodings = self.send_compression_encodings;
+                    let max_decoding_message_size = self.max_decoding_message_size;
+                    let max_encoding_message_size = self.max_encoding_message_size;
+                    let inner = self.inner.clone();
+                    let fut = async move {
+                        let method = GetFitLossesSvc(inner);
+                        let codec = tonic_prost::ProstCodec::default();
+                        let mut grpc = tonic::server::Grpc::new(codec)
+                            .apply_compression_config(
+                                accept_compression_encodings,
+                                send_compression_encodings,
+                            )
+                            .apply_max_message_size_config(
+                                max_decoding_message_size,
+                                max_encoding_message_size,
+                            );
+                        let res = grpc.unary(method, req).await;
+                        Ok(res)
+                    };
+                    Box::pin(fut)
+                }
                 "/bendtwin.v1.FitService/CancelFit" => {
                     #[allow(non_camel_case_types)]
                     struct CancelFitSvc<T: FitService>(pub Arc<T>);
@@ -2351,6 +2691,16 @@ pub struct Twin {
     /// Mass of the object, if it is known.
     #[prost(double, optional, tag = "15")]
     pub mass_kg: ::core::option::Option<f64>,
+    /// Text that people write about it: up to 10,000 bytes.
+    #[prost(string, tag = "16")]
+    pub note: ::prost::alloc::string::String,
+    /// Up to 32 words of up to 50 characters, sorted.
+    #[prost(string, repeated, tag = "17")]
+    pub tags: ::prost::alloc::vec::Vec<::prost::alloc::string::String>,
+    /// Error over frames that it was not fitted to, metres: of tracks, else of coordinates, else the Chamfer
+    /// distance; of those of the quality table the first that there is.
+    #[prost(double, optional, tag = "18")]
+    pub error_m: ::core::option::Option<f64>,
 }
 #[derive(Clone, PartialEq, Eq, Hash, ::prost::Message)]
 pub struct GetTwinGeometryRequest {
@@ -2486,6 +2836,15 @@ pub struct ListTwinsRequest {
     /// Only twins of this capture, if given.
     #[prost(string, tag = "3")]
     pub capture: ::prost::alloc::string::String,
+    /// Only those whose display name or note has this text, whatever its case; up to 200 characters.
+    #[prost(string, tag = "4")]
+    pub search: ::prost::alloc::string::String,
+    /// Only those with this tag.
+    #[prost(string, tag = "5")]
+    pub tag: ::prost::alloc::string::String,
+    /// `create_time`, `name` or `error`, ascending or, followed by ` desc`, descending; empty means `create_time desc`.
+    #[prost(string, tag = "6")]
+    pub order_by: ::prost::alloc::string::String,
 }
 #[derive(Clone, PartialEq, ::prost::Message)]
 pub struct ListTwinsResponse {
@@ -2493,6 +2852,20 @@ pub struct ListTwinsResponse {
     pub twins: ::prost::alloc::vec::Vec<Twin>,
     #[prost(string, tag = "2")]
     pub next_page_token: ::prost::alloc::string::String,
+}
+#[derive(Clone, PartialEq, ::prost::Message)]
+pub struct UpdateTwinRequest {
+    /// Its `name` says which one.
+    #[prost(message, optional, tag = "1")]
+    pub twin: ::core::option::Option<Twin>,
+    /// Fields to change: `display_name`, `note` and `tags`. Without it those that are not empty.
+    #[prost(message, optional, tag = "2")]
+    pub update_mask: ::core::option::Option<::prost_types::FieldMask>,
+    /// Tags to add to those that there are, and to take from them; not beside `tags` in the mask.
+    #[prost(string, repeated, tag = "3")]
+    pub add_tags: ::prost::alloc::vec::Vec<::prost::alloc::string::String>,
+    #[prost(string, repeated, tag = "4")]
+    pub remove_tags: ::prost::alloc::vec::Vec<::prost::alloc::string::String>,
 }
 #[derive(Clone, PartialEq, Eq, Hash, ::prost::Message)]
 pub struct DeleteTwinRequest {
@@ -2670,6 +3043,28 @@ pub mod twin_service_client {
                 .insert(GrpcMethod::new("bendtwin.v1.TwinService", "ListTwins"));
             self.inner.unary(req, path, codec).await
         }
+        /// Changes display name, note and tags.
+        pub async fn update_twin(
+            &mut self,
+            request: impl tonic::IntoRequest<super::UpdateTwinRequest>,
+        ) -> std::result::Result<tonic::Response<super::Twin>, tonic::Status> {
+            self.inner
+                .ready()
+                .await
+                .map_err(|e| {
+                    tonic::Status::unknown(
+                        format!("Service was not ready: {}", e.into()),
+                    )
+                })?;
+            let codec = tonic_prost::ProstCodec::default();
+            let path = http::uri::PathAndQuery::from_static(
+                "/bendtwin.v1.TwinService/UpdateTwin",
+            );
+            let mut req = request.into_request();
+            req.extensions_mut()
+                .insert(GrpcMethod::new("bendtwin.v1.TwinService", "UpdateTwin"));
+            self.inner.unary(req, path, codec).await
+        }
         pub async fn delete_twin(
             &mut self,
             request: impl tonic::IntoRequest<super::DeleteTwinRequest>,
@@ -2772,6 +3167,11 @@ pub mod twin_service_server {
             tonic::Response<super::ListTwinsResponse>,
             tonic::Status,
         >;
+        /// Changes display name, note and tags.
+        async fn update_twin(
+            &self,
+            request: tonic::Request<super::UpdateTwinRequest>,
+        ) -> std::result::Result<tonic::Response<super::Twin>, tonic::Status>;
         async fn delete_twin(
             &self,
             request: tonic::Request<super::DeleteTwinRequest>,
@@ -2995,6 +3395,51 @@ pub mod twin_service_server {
                     let inner = self.inner.clone();
                     let fut = async move {
                         let method = ListTwinsSvc(inner);
+                        let codec = tonic_prost::ProstCodec::default();
+                        let mut grpc = tonic::server::Grpc::new(codec)
+                            .apply_compression_config(
+                                accept_compression_encodings,
+                                send_compression_encodings,
+                            )
+                            .apply_max_message_size_config(
+                                max_decoding_message_size,
+                                max_encoding_message_size,
+                            );
+                        let res = grpc.unary(method, req).await;
+                        Ok(res)
+                    };
+                    Box::pin(fut)
+                }
+                "/bendtwin.v1.TwinService/UpdateTwin" => {
+                    #[allow(non_camel_case_types)]
+                    struct UpdateTwinSvc<T: TwinService>(pub Arc<T>);
+                    impl<
+                        T: TwinService,
+                    > tonic::server::UnaryService<super::UpdateTwinRequest>
+                    for UpdateTwinSvc<T> {
+                        type Response = super::Twin;
+                        type Future = BoxFuture<
+                            tonic::Response<Self::Response>,
+                            tonic::Status,
+                        >;
+                        fn call(
+                            &mut self,
+                            request: tonic::Request<super::UpdateTwinRequest>,
+                        ) -> Self::Future {
+                            let inner = Arc::clone(&self.0);
+                            let fut = async move {
+                                <T as TwinService>::update_twin(&inner, request).await
+                            };
+                            Box::pin(fut)
+                        }
+                    }
+                    let accept_compression_encodings = self.accept_compression_encodings;
+                    let send_compression_encodings = self.send_compression_encodings;
+                    let max_decoding_message_size = self.max_decoding_message_size;
+                    let max_encoding_message_size = self.max_encoding_message_size;
+                    let inner = self.inner.clone();
+                    let fut = async move {
+                        let method = UpdateTwinSvc(inner);
                         let codec = tonic_prost::ProstCodec::default();
                         let mut grpc = tonic::server::Grpc::new(codec)
                             .apply_compression_config(

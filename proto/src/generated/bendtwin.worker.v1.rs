@@ -260,6 +260,9 @@ pub struct ReportJobRequest {
     pub epoch: u64,
     #[prost(message, optional, tag = "4")]
     pub progress: ::core::option::Option<super::super::v1::Progress>,
+    /// Losses since the last report, at most 1024; sending some twice is safe.
+    #[prost(message, repeated, tag = "5")]
+    pub losses: ::prost::alloc::vec::Vec<super::super::v1::ModelLoss>,
 }
 #[derive(Clone, Copy, PartialEq, Eq, Hash, ::prost::Message)]
 pub struct ReportJobResponse {

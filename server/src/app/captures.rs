@@ -1,9 +1,12 @@
 //! Captures. Their content is opaque here; workers read it.
 
 use bendtwin_core::ids::CaptureId;
-use bendtwin_store::{Capture, Content, NewCapture, Overview, Page, PageRequest, Staged};
+use bendtwin_store::{Capture, Content, NewCapture, Overview, Page, Staged};
 
-use super::{App, Body, Error, Result};
+use super::{
+    App, Body, Error, Result,
+    labels::{CAPTURE_ORDERS, Listing},
+};
 
 /// A requested upload of a capture.
 pub(crate) struct CaptureUpload {
@@ -18,7 +21,7 @@ pub(crate) struct CaptureUpload {
 
 impl App {
     pub(crate) async fn create_capture(&self, upload: CaptureUpload) -> Result<Overview> {
-        let display_name = super::display_name(upload.display_name)?;
+        let display_name = super::labels::display_name(upload.display_name)?;
         let request_id = super::request_id(upload.request_id)?;
         let digest = super::digest(&upload.digest)?;
         let ingest = self.ingest_settings(&upload.ingest_json)?;
@@ -52,8 +55,9 @@ impl App {
         Ok(self.store.captures().overview(super::name(name)?).await?)
     }
 
-    pub(crate) async fn captures(&self, page: &PageRequest) -> Result<Page<Overview>> {
-        Ok(self.store.captures().overviews(page).await?)
+    pub(crate) async fn captures(&self, listing: Listing) -> Result<Page<Overview>> {
+        let query = listing.query(&CAPTURE_ORDERS)?;
+        Ok(self.store.captures().overviews(&query).await?)
     }
 
     pub(crate) async fn capture_content(&self, name: &str) -> Result<(Capture, Content)> {

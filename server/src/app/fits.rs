@@ -1,15 +1,18 @@
 //! Fit jobs as users see them: created, read, cancelled.
 
 use bendtwin_core::{
-    FitSettings,
+    FitSettings, ModelLoss,
     ids::{CaptureId, FitId},
     settings::memory::{self, CaptureSize, GraphSize},
 };
-use bendtwin_store::{Job, NewFit, Page, PageRequest};
+use bendtwin_store::{Job, NewFit, Page};
 use futures::StreamExt as _;
 use serde::Deserialize;
 
-use super::{App, Error, Result};
+use super::{
+    App, Error, Result,
+    labels::{self, Listing, ORDERS},
+};
 use crate::{context::Context, dispatch::FitRoom};
 
 /// Largest report that is read for the size of its capture [bytes].
@@ -17,21 +20,29 @@ const LARGEST_REPORT: u64 = 8 << 20;
 
 const PRIORITIES: std::ops::RangeInclusive<i32> = -100..=100;
 
+/// A requested fit.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct FitOrder {
+    pub(crate) capture: String,
+    /// Settings as JSON; empty means the defaults.
+    pub(crate) settings_json: String,
+    pub(crate) priority: i32,
+    pub(crate) request_id: String,
+    /// Empty means the capture's.
+    pub(crate) display_name: String,
+}
+
 impl App {
-    /// Queues a fit. Empty settings mean the defaults.
-    pub(crate) async fn create_fit(
-        &self,
-        capture: &str,
-        settings_json: &str,
-        priority: i32,
-        request_id: String,
-    ) -> Result<Job> {
+    /// Queues a fit.
+    pub(crate) async fn create_fit(&self, order: FitOrder) -> Result<Job> {
+        let FitOrder { capture, settings_json, priority, request_id, display_name } = order;
         if !PRIORITIES.contains(&priority) {
             return Err(Error::invalid("priority", format!("is {priority}: use -100..=100")));
         }
         self.require_room(0)?;
-        let capture = super::name(capture)?;
-        let settings = settings(settings_json, self.options.limits.json_bytes)?;
+        let display_name = labels::display_name(display_name)?;
+        let capture = super::name(&capture)?;
+        let settings = settings(&settings_json, self.options.limits.json_bytes)?;
         if let Some(twin) = &settings.start_from {
             // A name of nothing is told before the fit waits.
             self.store.twins().get(super::name(twin)?).await?;
@@ -43,6 +54,7 @@ impl App {
             priority,
             request_id: super::request_id(request_id)?,
             trace_parent: Context::current().trace_parent,
+            display_name,
         };
         let fit = self.store.jobs().create_fit(new).await?;
         tracing::info!(fit = %fit.id, capture = %fit.capture, "fit queued");
@@ -98,8 +110,12 @@ impl App {
         Ok(self.store.jobs().get(super::name::<FitId>(name)?).await?)
     }
 
-    pub(crate) async fn fits(&self, page: &PageRequest, capture: &str) -> Result<Page<Job>> {
-        Ok(self.store.jobs().fits(page, super::optional_name(capture)?).await?)
+    pub(crate) async fn fits(&self, listing: Listing) -> Result<Page<Job>> {
+        Ok(self.store.jobs().fits(&listing.query(&ORDERS)?).await?)
+    }
+
+    pub(crate) async fn fit_losses(&self, name: &str) -> Result<Vec<ModelLoss>> {
+        Ok(self.store.jobs().losses(super::name(name)?).await?)
     }
 
     pub(crate) async fn cancel_fit(&self, name: &str) -> Result<Job> {

@@ -3,12 +3,12 @@
 use std::time::Duration;
 
 use bendtwin_core::{
-    Fault, Progress,
+    Fault, ModelLoss, Progress,
     ids::{CaptureId, TwinId, WorkerId},
 };
 use bendtwin_store::{
-    AttemptEnd, Capture, Content, Job, JobId, Kind, Lease, LeaseTerms, Loss, Observation, State,
-    TwinFacts,
+    AttemptEnd, Capture, Content, Job, JobId, JobReport, Kind, Lease, LeaseTerms, Loss,
+    Observation, State, TwinFacts,
 };
 
 use super::{App, Body, Error, Result, results};
@@ -18,6 +18,14 @@ use super::{App, Body, Error, Result, results};
 pub(crate) struct Attempt {
     pub(crate) worker: WorkerId,
     pub(crate) lease: Lease,
+}
+
+/// News of a worker about its job.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct News {
+    pub(crate) progress: Option<Progress>,
+    /// Losses since the last report.
+    pub(crate) losses: Vec<ModelLoss>,
 }
 
 /// Contents that workers may download.
@@ -99,15 +107,15 @@ impl App {
         Ok(Some(Leased { job, capture, observation }))
     }
 
-    /// Renews a lease. Returns true if the job has been asked to stop.
-    pub(crate) async fn report_job(
-        &self,
-        attempt: Attempt,
-        progress: Option<&Progress>,
-    ) -> Result<bool> {
+    /// Renews a lease and keeps what is new. Returns true if the job has been asked to stop.
+    pub(crate) async fn report_job(&self, attempt: Attempt, news: &News) -> Result<bool> {
         self.require_lease(attempt).await?;
-        let renew = self.options.lease();
-        let reported = self.store.jobs().report(attempt.lease, progress, renew).await?;
+        // Ingests have none.
+        let is_fit = attempt.lease.job.fit().is_some();
+        let losses = if is_fit { &news.losses[..] } else { &[] };
+        let (report, renew) =
+            (JobReport { progress: news.progress.as_ref(), losses }, self.options.lease());
+        let reported = self.store.jobs().report(attempt.lease, report, renew).await?;
         self.dispatch.seen(attempt.worker);
         Ok(reported.cancel_requested)
     }

@@ -1,9 +1,12 @@
 //! Twins: read, exported, imported.
 
 use bendtwin_core::ids::TwinId;
-use bendtwin_store::{Content, NewTwin, Page, PageRequest, Twin};
+use bendtwin_store::{Content, NewTwin, Page, Twin};
 
-use super::{App, Body, Result};
+use super::{
+    App, Body, Result,
+    labels::{Listing, ORDERS},
+};
 
 /// A requested import of a twin file.
 pub(crate) struct TwinUpload {
@@ -17,7 +20,7 @@ pub(crate) struct TwinUpload {
 impl App {
     /// Imports a twin file after checking all of it.
     pub(crate) async fn create_twin(&self, upload: TwinUpload) -> Result<Twin> {
-        let display_name = super::display_name(upload.display_name)?;
+        let display_name = super::labels::display_name(upload.display_name)?;
         let request_id = super::request_id(upload.request_id)?;
         let digest = super::digest(&upload.digest)?;
         self.require_room(0)?;
@@ -34,8 +37,8 @@ impl App {
         Ok(self.store.twins().get(super::name(name)?).await?)
     }
 
-    pub(crate) async fn twins(&self, page: &PageRequest, capture: &str) -> Result<Page<Twin>> {
-        Ok(self.store.twins().list(page, super::optional_name(capture)?).await?)
+    pub(crate) async fn twins(&self, listing: Listing) -> Result<Page<Twin>> {
+        Ok(self.store.twins().list(&listing.query(&ORDERS)?).await?)
     }
 
     pub(crate) async fn twin_content(&self, name: &str) -> Result<(Twin, Content)> {

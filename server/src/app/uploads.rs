@@ -21,7 +21,7 @@ use metadata::Metadata;
 
 /// Display name of the capture that an upload with this metadata would become.
 pub(crate) fn capture_name(metadata: &str) -> Result<String> {
-    super::display_name(Metadata::parse(metadata)?.capture_name())
+    super::labels::display_name(Metadata::parse(metadata)?.capture_name())
 }
 
 /// Time for which a request waits for the request before it to release the upload.
@@ -61,7 +61,7 @@ impl App {
         self.check_length(new.length_bytes)?;
         self.ingest_settings(&metadata.ingest)?;
         let new = NewResumableUpload {
-            display_name: super::display_name(metadata.capture_name())?,
+            display_name: super::labels::display_name(metadata.capture_name())?,
             request_id,
             expected_digest: super::digest(&metadata.digest)?,
             metadata: new.metadata,

@@ -5,13 +5,13 @@ use bendtwin_proto::v1::{
     DeleteCaptureRequest, DeleteCaptureResponse, ExportObservationRequest,
     ExportObservationResponse, GetCaptureReportRequest, GetCaptureReportResponse,
     GetCaptureRequest, IngestCaptureRequest, ListCapturesRequest, ListCapturesResponse,
-    WatchIngestRequest, capture_service_server::CaptureService, create_capture_request,
-    get_capture_report_request::Format,
+    UpdateCaptureRequest, WatchIngestRequest, capture_service_server::CaptureService,
+    create_capture_request, get_capture_report_request::Format,
 };
 use tonic::{Request, Response, Status, Streaming};
 
-use super::{Api, Reply, chunks, convert, reply, upload};
-use crate::app::CaptureUpload;
+use super::{Api, Reply, chunks, convert, convert::GivenLabels, reply, upload};
+use crate::app::{CaptureUpload, Listing};
 
 #[tonic::async_trait]
 impl CaptureService for Api {
@@ -48,12 +48,32 @@ impl CaptureService for Api {
         &self,
         request: Request<ListCapturesRequest>,
     ) -> Result<Response<ListCapturesResponse>, Status> {
-        let request = request.into_inner();
-        let page = self.app.captures(&convert::page(request.page_size, request.page_token)).await?;
+        let r = request.into_inner();
+        let page = self
+            .app
+            .captures(Listing {
+                page: convert::page(r.page_size, r.page_token),
+                search: r.search,
+                tag: r.tag,
+                order_by: r.order_by,
+                ..Listing::default()
+            })
+            .await?;
         Ok(Response::new(ListCapturesResponse {
             captures: page.items.into_iter().map(convert::capture).collect(),
             next_page_token: page.next_token,
         }))
+    }
+
+    async fn update_capture(
+        &self,
+        request: Request<UpdateCaptureRequest>,
+    ) -> Result<Response<Capture>, Status> {
+        let r = request.into_inner();
+        let Capture { name, display_name, note, tags, .. } = r.capture.unwrap_or_default();
+        let given = GivenLabels { display_name, note, tags };
+        let change = convert::change(given, r.update_mask, r.add_tags, r.remove_tags)?;
+        Ok(Response::new(convert::capture(self.app.update_capture(&name, change).await?)))
     }
 
     async fn delete_capture(

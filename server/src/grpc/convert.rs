@@ -1,12 +1,12 @@
 //! Rows of the store as messages.
 
-use bendtwin_core::{Progress, Stage};
+use bendtwin_core::{ModelLoss, Progress, Stage};
 use bendtwin_proto::v1;
 use bendtwin_store::{Job, Overview, PageRequest, State, Twin};
 use jiff::Timestamp;
 
 use crate::{
-    app::{Error, Result},
+    app::{Change, Error, Result},
     dispatch::WorkerView,
 };
 
@@ -24,21 +24,69 @@ pub(super) fn page(size: u32, token: String) -> PageRequest {
     PageRequest { size, token }
 }
 
+/// Labels that an update may change.
+pub(super) struct GivenLabels {
+    pub(super) display_name: String,
+    pub(super) note: String,
+    pub(super) tags: Vec<String>,
+}
+
+/// The change that an update asks for (AIP-134): the fields of its mask, or, without one, those that
+/// are not empty.
+pub(super) fn change(
+    given: GivenLabels,
+    mask: Option<prost_types::FieldMask>,
+    add_tags: Vec<String>,
+    remove_tags: Vec<String>,
+) -> Result<Change> {
+    const FIELDS: [&str; 3] = ["display_name", "note", "tags"];
+    let GivenLabels { display_name, note, tags } = given;
+    let paths: Vec<String> = match mask {
+        Some(mask) if mask.paths == ["*"] => FIELDS.map(str::to_owned).into(),
+        Some(mask) => mask.paths,
+        None => [!display_name.is_empty(), !note.is_empty(), !tags.is_empty()]
+            .into_iter()
+            .zip(FIELDS)
+            .filter(|(given, _)| *given)
+            .map(|(_, field)| field.to_owned())
+            .collect(),
+    };
+    if !paths.iter().all(|path| FIELDS.contains(&path.as_str())) {
+        let fault = "has a path that is none of display_name, note, tags";
+        return Err(Error::invalid("update_mask", fault));
+    }
+    let has = |field: &str| paths.iter().any(|path| path == field);
+    Ok(Change {
+        display_name: has("display_name").then_some(display_name),
+        note: has("note").then_some(note),
+        tags: has("tags").then_some(tags),
+        add_tags,
+        remove_tags,
+    })
+}
+
 pub(super) fn capture(overview: Overview) -> v1::Capture {
     let Overview { capture, ingest, report } = overview;
     v1::Capture {
         name: capture.id.to_string(),
-        display_name: capture.display_name,
+        display_name: capture.labels.display_name,
         create_time: Some(time(capture.created)),
         size_bytes: capture.size_bytes,
         digest: capture.digest.to_hex().to_string(),
         ingest: Some(job(ingest)),
         verdict: report.map(|r| r.verdict).unwrap_or_default(),
+        note: capture.labels.note,
+        tags: capture.labels.tags,
     }
 }
 
-pub(super) fn fit(fit: Job) -> v1::Fit {
+pub(super) fn fit(mut fit: Job) -> v1::Fit {
+    let labels = std::mem::take(&mut fit.labels);
     v1::Fit {
+        display_name: labels.display_name,
+        note: labels.note,
+        tags: labels.tags,
+        error_m: fit.error_m,
         name: fit.id.to_string(),
         capture: fit.capture.to_string(),
         twin: fit.twin.map(|t| t.to_string()).unwrap_or_default(),
@@ -64,6 +112,21 @@ fn job(job: Job) -> v1::Job {
     }
 }
 
+/// The state that a list is filtered by; none if there is none to filter by.
+pub(super) fn read_state(number: i32) -> Result<Option<State>> {
+    use v1::job::State as Wire;
+    let state = Wire::try_from(number)
+        .map_err(|_| Error::invalid("state", "is none that this server knows"))?;
+    Ok(match state {
+        Wire::Unspecified => None,
+        Wire::Queued => Some(State::Queued),
+        Wire::Running => Some(State::Running),
+        Wire::Succeeded => Some(State::Succeeded),
+        Wire::Failed => Some(State::Failed),
+        Wire::Cancelled => Some(State::Cancelled),
+    })
+}
+
 fn state(state: State) -> v1::job::State {
     match state {
         State::Queued => v1::job::State::Queued,
@@ -74,17 +137,9 @@ fn state(state: State) -> v1::job::State {
     }
 }
 
-const STAGES: [(Stage, &str); 4] = [
-    (Stage::Ingest, "ingest"),
-    (Stage::Search, "search"),
-    (Stage::Refine, "refine"),
-    (Stage::Evaluate, "evaluate"),
-];
-
 fn progress(progress: Progress) -> v1::Progress {
-    let stage = STAGES.iter().find(|(s, _)| *s == progress.stage).map_or("", |(_, name)| name);
     v1::Progress {
-        stage: stage.to_owned(),
+        stage: progress.stage.as_str().to_owned(),
         variant: progress.variant,
         iteration: progress.iteration,
         iterations: progress.iterations,
@@ -93,19 +148,51 @@ fn progress(progress: Progress) -> v1::Progress {
         best_loss: progress.best_loss,
         eta_s: progress.eta_s,
         note: progress.note.unwrap_or_default(),
+        models: progress.models.into_iter().map(model_loss).collect(),
     }
+}
+
+fn model_loss(loss: ModelLoss) -> v1::ModelLoss {
+    v1::ModelLoss {
+        stage: loss.stage.as_str().to_owned(),
+        variant: loss.variant,
+        iteration: loss.iteration,
+        loss: loss.loss,
+        best_loss: loss.best_loss,
+    }
+}
+
+/// Losses in their order as curves.
+pub(super) fn losses(losses: Vec<ModelLoss>) -> v1::FitLosses {
+    let mut curves: Vec<v1::fit_losses::LossCurve> = Vec::new();
+    for loss in losses {
+        let stage = loss.stage.as_str();
+        let is_next = |c: &v1::fit_losses::LossCurve| c.stage == stage && c.variant == loss.variant;
+        if !curves.last().is_some_and(is_next) {
+            let (stage, variant) = (stage.to_owned(), loss.variant);
+            curves.push(v1::fit_losses::LossCurve { stage, variant, ..Default::default() });
+        }
+        if let Some(curve) = curves.last_mut() {
+            curve.iterations.push(loss.iteration);
+            curve.losses.push(loss.loss.unwrap_or(f64::NAN));
+            curve.best_losses.push(loss.best_loss.unwrap_or(f64::NAN));
+        }
+    }
+    v1::FitLosses { curves }
 }
 
 /// Progress as a worker reports it. Numbers that are none are left out.
 pub(super) fn read_progress(message: v1::Progress) -> Result<Progress> {
     const LONGEST_NOTE: usize = 2000;
-    let stage = STAGES.iter().find(|(_, name)| *name == message.stage).map(|(s, _)| *s);
-    let finite = |x: Option<f64>| x.filter(|x| x.is_finite());
+    // One for each start of each model.
+    const MOST_MODELS: usize = 128;
+    let stage = Stage::parse(&message.stage);
+    let models = message.models.into_iter().take(MOST_MODELS).map(read_loss);
     Ok(Progress {
         stage: stage.ok_or_else(|| {
             Error::invalid("progress.stage", "is none of ingest, search, refine, evaluate")
         })?,
-        variant: message.variant.chars().take(64).collect(),
+        variant: short(&message.variant),
         iteration: message.iteration,
         iterations: message.iterations,
         fraction: if message.fraction.is_finite() { message.fraction.clamp(0.0, 1.0) } else { 0.0 },
@@ -115,14 +202,47 @@ pub(super) fn read_progress(message: v1::Progress) -> Result<Progress> {
         note: Some(message.note)
             .filter(|n| !n.is_empty())
             .map(|n| n.chars().take(LONGEST_NOTE).collect()),
+        models: models.collect::<Result<_>>()?,
     })
 }
 
+/// Losses as a worker reports them.
+pub(super) fn read_losses(losses: Vec<v1::ModelLoss>) -> Result<Vec<ModelLoss>> {
+    const MOST_LOSSES: usize = 1024;
+    if losses.len() > MOST_LOSSES {
+        return Err(Error::invalid("losses", format!("are more than {MOST_LOSSES}")));
+    }
+    losses.into_iter().map(read_loss).collect()
+}
+
+fn read_loss(message: v1::ModelLoss) -> Result<ModelLoss> {
+    let stage = Stage::parse(&message.stage).filter(|s| matches!(s, Stage::Search | Stage::Refine));
+    Ok(ModelLoss {
+        stage: stage
+            .ok_or_else(|| Error::invalid("losses.stage", "is neither search nor refine"))?,
+        variant: short(&message.variant),
+        iteration: message.iteration,
+        loss: finite(message.loss),
+        best_loss: finite(message.best_loss),
+    })
+}
+
+fn short(variant: &str) -> String {
+    variant.chars().take(64).collect()
+}
+
+fn finite(number: Option<f64>) -> Option<f64> {
+    number.filter(|x| x.is_finite())
+}
+
 pub(super) fn twin(twin: Twin) -> v1::Twin {
-    let facts = twin.facts;
+    let (facts, labels) = (twin.facts, twin.labels);
     v1::Twin {
         name: twin.id.to_string(),
-        display_name: twin.display_name,
+        display_name: labels.display_name,
+        note: labels.note,
+        tags: labels.tags,
+        error_m: twin.error_m,
         capture: twin.capture.map(|c| c.to_string()).unwrap_or_default(),
         fit: twin.fit.map(|f| f.to_string()).unwrap_or_default(),
         create_time: Some(time(twin.created)),

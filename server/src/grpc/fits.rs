@@ -1,12 +1,14 @@
 //! `bendtwin.v1.FitService`.
 
 use bendtwin_proto::v1::{
-    CancelFitRequest, CreateFitRequest, DeleteFitRequest, DeleteFitResponse, Fit, GetFitRequest,
-    ListFitsRequest, ListFitsResponse, WatchFitRequest, fit_service_server::FitService,
+    CancelFitRequest, CreateFitRequest, DeleteFitRequest, DeleteFitResponse, Fit, FitLosses,
+    GetFitLossesRequest, GetFitRequest, ListFitsRequest, ListFitsResponse, UpdateFitRequest,
+    WatchFitRequest, fit_service_server::FitService,
 };
 use tonic::{Request, Response, Status};
 
-use super::{Api, Reply, convert, reply};
+use super::{Api, Reply, convert, convert::GivenLabels, reply};
+use crate::app::{FitOrder, Listing};
 
 #[tonic::async_trait]
 impl FitService for Api {
@@ -15,8 +17,14 @@ impl FitService for Api {
         request: Request<CreateFitRequest>,
     ) -> Result<Response<Fit>, Status> {
         let r = request.into_inner();
-        let fit =
-            self.app.create_fit(&r.capture, &r.settings_json, r.priority, r.request_id).await?;
+        let order = FitOrder {
+            capture: r.capture,
+            settings_json: r.settings_json,
+            priority: r.priority,
+            request_id: r.request_id,
+            display_name: r.display_name,
+        };
+        let fit = self.app.create_fit(order).await?;
         Ok(Response::new(convert::fit(fit)))
     }
 
@@ -30,11 +38,40 @@ impl FitService for Api {
         request: Request<ListFitsRequest>,
     ) -> Result<Response<ListFitsResponse>, Status> {
         let r = request.into_inner();
-        let page = self.app.fits(&convert::page(r.page_size, r.page_token), &r.capture).await?;
+        let page = self
+            .app
+            .fits(Listing {
+                page: convert::page(r.page_size, r.page_token),
+                search: r.search,
+                tag: r.tag,
+                capture: r.capture,
+                state: convert::read_state(r.state)?,
+                order_by: r.order_by,
+            })
+            .await?;
         Ok(Response::new(ListFitsResponse {
             fits: page.items.into_iter().map(convert::fit).collect(),
             next_page_token: page.next_token,
         }))
+    }
+
+    async fn update_fit(
+        &self,
+        request: Request<UpdateFitRequest>,
+    ) -> Result<Response<Fit>, Status> {
+        let r = request.into_inner();
+        let Fit { name, display_name, note, tags, .. } = r.fit.unwrap_or_default();
+        let given = GivenLabels { display_name, note, tags };
+        let change = convert::change(given, r.update_mask, r.add_tags, r.remove_tags)?;
+        Ok(Response::new(convert::fit(self.app.update_fit(&name, change).await?)))
+    }
+
+    async fn get_fit_losses(
+        &self,
+        request: Request<GetFitLossesRequest>,
+    ) -> Result<Response<FitLosses>, Status> {
+        let losses = self.app.fit_losses(&request.get_ref().name).await?;
+        Ok(Response::new(convert::losses(losses)))
     }
 
     async fn cancel_fit(

@@ -24,7 +24,7 @@ use super::{
     upload,
 };
 use crate::{
-    app::{self, Attempt, Error, IngestPart, IngestUpload, Leased},
+    app::{self, Attempt, Error, IngestPart, IngestUpload, Leased, News},
     dispatch::{Heartbeat, HeldSession, Memory},
     tokens::Bearer,
 };
@@ -44,7 +44,7 @@ fn lease_of(leased: Leased) -> LeaseMessage {
         job: job.id.to_string(),
         epoch: job.lease_epoch,
         capture: capture.id.to_string(),
-        capture_display_name: capture.display_name,
+        capture_display_name: capture.labels.display_name,
         capture_digest: capture.digest.to_hex().to_string(),
         settings_json: job.settings,
         has_checkpoint: job.checkpoint.is_some(),
@@ -134,7 +134,8 @@ impl WorkerLink for Api {
         let r = request.into_inner();
         let attempt = attempt(&shown, &r.worker, &r.job, r.epoch)?;
         let progress = r.progress.map(convert::read_progress).transpose()?;
-        let cancel_requested = self.app.report_job(attempt, progress.as_ref()).await?;
+        let news = News { progress, losses: convert::read_losses(r.losses)? };
+        let cancel_requested = self.app.report_job(attempt, &news).await?;
         Ok(Response::new(ReportJobResponse { cancel_requested }))
     }
 

@@ -3,12 +3,13 @@
 use bendtwin_proto::v1::{
     CreateTwinRequest, DeleteTwinRequest, DeleteTwinResponse, ExportTwinRequest,
     ExportTwinResponse, GetTwinGeometryRequest, GetTwinRequest, ListTwinsRequest,
-    ListTwinsResponse, Twin, TwinGeometry, create_twin_request, twin_service_server::TwinService,
+    ListTwinsResponse, Twin, TwinGeometry, UpdateTwinRequest, create_twin_request,
+    twin_service_server::TwinService,
 };
 use tonic::{Request, Response, Status, Streaming};
 
-use super::{Api, Reply, chunks, convert, upload};
-use crate::app::TwinUpload;
+use super::{Api, Reply, chunks, convert, convert::GivenLabels, upload};
+use crate::app::{Listing, TwinUpload};
 
 #[tonic::async_trait]
 impl TwinService for Api {
@@ -41,11 +42,32 @@ impl TwinService for Api {
         request: Request<ListTwinsRequest>,
     ) -> Result<Response<ListTwinsResponse>, Status> {
         let r = request.into_inner();
-        let page = self.app.twins(&convert::page(r.page_size, r.page_token), &r.capture).await?;
+        let page = self
+            .app
+            .twins(Listing {
+                page: convert::page(r.page_size, r.page_token),
+                search: r.search,
+                tag: r.tag,
+                capture: r.capture,
+                order_by: r.order_by,
+                ..Listing::default()
+            })
+            .await?;
         Ok(Response::new(ListTwinsResponse {
             twins: page.items.into_iter().map(convert::twin).collect(),
             next_page_token: page.next_token,
         }))
+    }
+
+    async fn update_twin(
+        &self,
+        request: Request<UpdateTwinRequest>,
+    ) -> Result<Response<Twin>, Status> {
+        let r = request.into_inner();
+        let Twin { name, display_name, note, tags, .. } = r.twin.unwrap_or_default();
+        let given = GivenLabels { display_name, note, tags };
+        let change = convert::change(given, r.update_mask, r.add_tags, r.remove_tags)?;
+        Ok(Response::new(convert::twin(self.app.update_twin(&name, change).await?)))
     }
 
     async fn delete_twin(

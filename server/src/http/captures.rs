@@ -11,7 +11,8 @@ use super::{
     Result,
     download::{download, inline},
     extract::{self, Id, Params},
-    resource::{Capture, CaptureParams, Captures, NewIngest, Paging},
+    labels::{CaptureList, LabelUpdate},
+    resource::{Capture, CaptureParams, Captures, NewIngest},
 };
 use crate::{
     app::{App, CaptureUpload},
@@ -28,13 +29,13 @@ const ARCHIVES: &[&str] =
     &["application/zip", "application/x-tar", "application/gzip", "application/octet-stream"];
 
 /// List captures
-#[utoipa::path(get, path = "/v1/captures", tag = "captures", params(Paging),
+#[utoipa::path(get, path = "/v1/captures", tag = "captures", params(CaptureList),
     responses((status = 200, body = Captures), (status = "default", body = ProblemDocument)))]
 pub(super) async fn list(
     State(app): State<App>,
-    Params(paging): Params<Paging>,
+    Params(list): Params<CaptureList>,
 ) -> Result<Json<Captures>> {
-    let page = app.captures(&paging.into()).await?;
+    let page = app.captures(list.into()).await?;
     let captures = page.items.into_iter().map(Capture::from).collect();
     Ok(Json(Captures { captures, next_page_token: page.next_token }))
 }
@@ -75,6 +76,19 @@ pub(super) async fn create(
     responses((status = 200, body = Capture), (status = "default", body = ProblemDocument)))]
 pub(super) async fn get(State(app): State<App>, Id(id): Id) -> Result<Json<Capture>> {
     Ok(Json(app.capture(&id).await?.into()))
+}
+
+/// Change name, note and tags of a capture
+#[utoipa::path(patch, path = "/v1/captures/{id}", tag = "captures",
+    params(("id" = String, Path)),
+    request_body = LabelUpdate,
+    responses((status = 200, body = Capture), (status = "default", body = ProblemDocument)))]
+pub(super) async fn update(
+    State(app): State<App>,
+    Id(id): Id,
+    extract::Json(change): extract::Json<LabelUpdate>,
+) -> Result<Json<Capture>> {
+    Ok(Json(app.update_capture(&id, change.into()).await?.into()))
 }
 
 /// Delete a capture

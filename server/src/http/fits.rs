@@ -10,19 +10,22 @@ use axum::{
 use super::{
     Result,
     extract::{self, Id, Params},
-    resource::{Fit, Fits, NewFit, PagingByCapture},
+    labels::{FitList, LabelUpdate, Losses},
+    resource::{Fit, Fits, NewFit},
 };
-use crate::{app::App, error::ProblemDocument};
+use crate::{
+    app::{App, FitOrder},
+    error::ProblemDocument,
+};
 
 /// List fits
-#[utoipa::path(get, path = "/v1/fits", tag = "fits", params(PagingByCapture),
+#[utoipa::path(get, path = "/v1/fits", tag = "fits", params(FitList),
     responses((status = 200, body = Fits), (status = "default", body = ProblemDocument)))]
 pub(super) async fn list(
     State(app): State<App>,
-    Params(paging): Params<PagingByCapture>,
+    Params(list): Params<FitList>,
 ) -> Result<Json<Fits>> {
-    let (page, capture) = paging.split();
-    let page = app.fits(&page, &capture).await?;
+    let page = app.fits(list.try_into()?).await?;
     let fits = page.items.into_iter().map(Fit::from).collect();
     Ok(Json(Fits { fits, next_page_token: page.next_token }))
 }
@@ -37,9 +40,14 @@ pub(super) async fn create(
     headers: HeaderMap,
     extract::Json(new): extract::Json<NewFit>,
 ) -> Result<Response> {
-    let settings = new.settings.as_deref().map_or("", |s| s.get());
-    let key = extract::idempotency_key(&headers)?;
-    let fit = app.create_fit(&new.capture, settings, new.priority, key).await?;
+    let order = FitOrder {
+        capture: new.capture,
+        settings_json: new.settings.map(|s| s.get().to_owned()).unwrap_or_default(),
+        priority: new.priority,
+        request_id: extract::idempotency_key(&headers)?,
+        display_name: new.display_name,
+    };
+    let fit = app.create_fit(order).await?;
     let location = [(header::LOCATION, format!("/v1/{}", fit.id))];
     Ok((StatusCode::ACCEPTED, location, Json(Fit::from(fit))).into_response())
 }
@@ -49,6 +57,28 @@ pub(super) async fn create(
     responses((status = 200, body = Fit), (status = "default", body = ProblemDocument)))]
 pub(super) async fn get(State(app): State<App>, Id(id): Id) -> Result<Json<Fit>> {
     Ok(Json(app.fit(&id).await?.into()))
+}
+
+/// Change name, note and tags of a fit
+#[utoipa::path(patch, path = "/v1/fits/{id}", tag = "fits",
+    params(("id" = String, Path)),
+    request_body = LabelUpdate,
+    responses((status = 200, body = Fit), (status = "default", body = ProblemDocument)))]
+pub(super) async fn update(
+    State(app): State<App>,
+    Id(id): Id,
+    extract::Json(change): extract::Json<LabelUpdate>,
+) -> Result<Json<Fit>> {
+    Ok(Json(app.update_fit(&id, change.into()).await?.into()))
+}
+
+/// The losses of a fit
+///
+/// Of all iterations so far, by stage and model. They stay until the fit is deleted.
+#[utoipa::path(get, path = "/v1/fits/{id}/losses", tag = "fits", params(("id" = String, Path)),
+    responses((status = 200, body = Losses), (status = "default", body = ProblemDocument)))]
+pub(super) async fn losses(State(app): State<App>, Id(id): Id) -> Result<Json<Losses>> {
+    Ok(Json(app.fit_losses(&id).await?.into()))
 }
 
 /// Ask a fit to stop

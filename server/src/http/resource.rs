@@ -25,6 +25,9 @@ pub(super) struct Capture {
     ingest: Job,
     /// The report's verdict: good, usable or unusable. Null until there is a report.
     verdict: Option<String>,
+    /// Text that people write about it.
+    note: String,
+    tags: Vec<String>,
 }
 
 impl From<store::Overview> for Capture {
@@ -32,12 +35,14 @@ impl From<store::Overview> for Capture {
         let store::Overview { capture, ingest, report } = overview;
         Self {
             name: capture.id.to_string(),
-            display_name: capture.display_name,
+            display_name: capture.labels.display_name,
             create_time: capture.created.to_string(),
             size_bytes: capture.size_bytes,
             digest: capture.digest.to_hex().to_string(),
             ingest: ingest.into(),
             verdict: report.map(|r| r.verdict),
+            note: capture.labels.note,
+            tags: capture.labels.tags,
         }
     }
 }
@@ -98,7 +103,7 @@ pub(super) struct NewIngest {
     pub(super) settings: Option<Box<RawValue>>,
 }
 
-/// A page of captures, newest first.
+/// A page of captures, newest first unless another order was asked for.
 #[derive(Serialize, ToSchema)]
 pub(super) struct Captures {
     pub(super) captures: Vec<Capture>,
@@ -118,11 +123,23 @@ pub(super) struct Fit {
     /// Jobs of higher priority run earlier.
     priority: i32,
     job: Job,
+    /// The capture's when the fit was created, unless one was given.
+    display_name: String,
+    /// Text that people write about it.
+    note: String,
+    tags: Vec<String>,
+    /// Error of its twin [m], as there.
+    error_m: Option<f64>,
 }
 
 impl From<store::Job> for Fit {
-    fn from(fit: store::Job) -> Self {
+    fn from(mut fit: store::Job) -> Self {
+        let labels = std::mem::take(&mut fit.labels);
         Self {
+            display_name: labels.display_name,
+            note: labels.note,
+            tags: labels.tags,
+            error_m: fit.error_m,
             name: fit.id.to_string(),
             capture: fit.capture.to_string(),
             twin: fit.twin.map(|t| t.to_string()),
@@ -132,7 +149,7 @@ impl From<store::Job> for Fit {
     }
 }
 
-/// A page of fits, newest first.
+/// A page of fits, newest first unless another order was asked for.
 #[derive(Serialize, ToSchema)]
 pub(super) struct Fits {
     pub(super) fits: Vec<Fit>,
@@ -152,6 +169,9 @@ pub(super) struct NewFit {
     /// Jobs of higher priority run earlier, -100..=100.
     #[serde(default)]
     pub(super) priority: i32,
+    /// Display name; empty means the capture's.
+    #[serde(default)]
+    pub(super) display_name: String,
 }
 
 /// A stored twin.
@@ -180,14 +200,23 @@ pub(super) struct Twin {
     /// The quality table.
     #[schema(value_type = Object)]
     quality: Box<RawValue>,
+    /// Text that people write about it.
+    note: String,
+    tags: Vec<String>,
+    /// Error over frames that it was not fitted to [m]: of tracks, else of coordinates, else the
+    /// Chamfer distance.
+    error_m: Option<f64>,
 }
 
 impl From<store::Twin> for Twin {
     fn from(twin: store::Twin) -> Self {
-        let facts = twin.facts;
+        let (facts, labels) = (twin.facts, twin.labels);
         Self {
             name: twin.id.to_string(),
-            display_name: twin.display_name,
+            display_name: labels.display_name,
+            note: labels.note,
+            tags: labels.tags,
+            error_m: twin.error_m,
             capture: twin.capture.map(|c| c.to_string()),
             fit: twin.fit.map(|f| f.to_string()),
             create_time: twin.created.to_string(),
@@ -205,7 +234,7 @@ impl From<store::Twin> for Twin {
     }
 }
 
-/// A page of twins, newest first.
+/// A page of twins, newest first unless another order was asked for.
 #[derive(Serialize, ToSchema)]
 pub(super) struct Twins {
     pub(super) twins: Vec<Twin>,
@@ -280,28 +309,6 @@ pub(super) struct Paging {
 impl From<Paging> for store::PageRequest {
     fn from(paging: Paging) -> Self {
         Self { size: paging.page_size, token: paging.page_token }
-    }
-}
-
-/// Selection of a page, of one capture or of all.
-#[derive(Deserialize, IntoParams)]
-#[serde(deny_unknown_fields)]
-#[into_params(parameter_in = Query)]
-pub(super) struct PagingByCapture {
-    /// At most 1000; 0 means 50.
-    #[serde(default)]
-    page_size: u32,
-    /// `next_page_token` of the previous page.
-    #[serde(default)]
-    page_token: String,
-    /// Restricts the list to this capture.
-    #[serde(default)]
-    capture: String,
-}
-
-impl PagingByCapture {
-    pub(super) fn split(self) -> (store::PageRequest, String) {
-        (store::PageRequest { size: self.page_size, token: self.page_token }, self.capture)
     }
 }
 

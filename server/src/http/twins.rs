@@ -15,7 +15,8 @@ use super::{
     Result,
     download::download,
     extract::{self, Id, Params},
-    resource::{PagingByCapture, Twin, Twins, UploadParams},
+    labels::{LabelUpdate, TwinList},
+    resource::{Twin, Twins, UploadParams},
     rollouts::{document, schema},
 };
 use crate::{
@@ -24,14 +25,13 @@ use crate::{
 };
 
 /// List twins
-#[utoipa::path(get, path = "/v1/twins", tag = "twins", params(PagingByCapture),
+#[utoipa::path(get, path = "/v1/twins", tag = "twins", params(TwinList),
     responses((status = 200, body = Twins), (status = "default", body = ProblemDocument)))]
 pub(super) async fn list(
     State(app): State<App>,
-    Params(paging): Params<PagingByCapture>,
+    Params(list): Params<TwinList>,
 ) -> Result<Json<Twins>> {
-    let (page, capture) = paging.split();
-    let page = app.twins(&page, &capture).await?;
+    let page = app.twins(list.into()).await?;
     let twins = page.items.into_iter().map(Twin::from).collect();
     Ok(Json(Twins { twins, next_page_token: page.next_token }))
 }
@@ -94,6 +94,19 @@ pub(super) async fn geometry(
     let as_lists = params.tensors == TensorFormat::Lists;
     let Geometry { message, held } = app.twin_geometry(&id, as_lists).await?;
     Ok(document::answer(message, held, params.tensors)?)
+}
+
+/// Change name, note and tags of a twin
+#[utoipa::path(patch, path = "/v1/twins/{id}", tag = "twins",
+    params(("id" = String, Path)),
+    request_body = LabelUpdate,
+    responses((status = 200, body = Twin), (status = "default", body = ProblemDocument)))]
+pub(super) async fn update(
+    State(app): State<App>,
+    Id(id): Id,
+    extract::Json(change): extract::Json<LabelUpdate>,
+) -> Result<Json<Twin>> {
+    Ok(Json(app.update_twin(&id, change.into()).await?.into()))
 }
 
 /// Delete a twin

@@ -8,6 +8,7 @@ mod evaluations;
 mod fits;
 mod harness;
 mod ingests;
+mod labels;
 mod leases;
 mod malformed;
 mod operations;

@@ -262,6 +262,7 @@ async fn grpc_requests_get_their_codes() {
             settings_json: settings_json.into(),
             priority,
             request_id: request_id.into(),
+            ..CreateFitRequest::default()
         };
         is(server.fits().create_fit(request).await.unwrap_err(), Code::InvalidArgument, "settings");
     }

@@ -13,8 +13,8 @@ use bendtwin_core::ids::{SessionId, WorkerId};
 use bendtwin_proto::{
     rollout::Limits,
     v1::{
-        EvaluateTwinRequest, Evaluation, Fault, Progress, RegisteredState, RollOutResponse,
-        Session, Tensor, initial_state::GivenState, roll_out_request::Actions,
+        EvaluateTwinRequest, Evaluation, Fault, ModelLoss, Progress, RegisteredState,
+        RollOutResponse, Session, Tensor, initial_state::GivenState, roll_out_request::Actions,
         roll_out_response::Timing,
     },
     worker::v1::{
@@ -251,6 +251,22 @@ impl Worker {
             job: lease.job.clone(),
             epoch: lease.epoch,
             progress: Some(progress),
+            losses: Vec::new(),
+        };
+        self.link.report_job(request).await.map(|r| r.into_inner().cancel_requested)
+    }
+
+    pub(crate) async fn report_losses(
+        &mut self,
+        lease: &Lease,
+        losses: Vec<ModelLoss>,
+    ) -> Result<bool, Status> {
+        let request = ReportJobRequest {
+            worker: self.id.to_string(),
+            job: lease.job.clone(),
+            epoch: lease.epoch,
+            progress: None,
+            losses,
         };
         self.link.report_job(request).await.map(|r| r.into_inner().cancel_requested)
     }

@@ -100,7 +100,8 @@ impl Listed {
             let (page_size, mut token) = (1000, String::new());
             let mut captures = BTreeMap::new();
             loop {
-                let request = ListCapturesRequest { page_size, page_token: token };
+                let request =
+                    ListCapturesRequest { page_size, page_token: token, ..Default::default() };
                 let page = api.captures().list_captures(request).await?.into_inner();
                 captures.extend(page.captures.into_iter().map(|c| (c.name.clone(), c)));
                 token = page.next_page_token;

@@ -122,7 +122,7 @@ impl Api {
             capture: capture.to_owned(),
             settings_json: settings.to_owned(),
             priority,
-            request_id: String::new(),
+            ..CreateFitRequest::default()
         };
         Ok(self.fits().create_fit(request).await?.into_inner())
     }

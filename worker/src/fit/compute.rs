@@ -133,6 +133,7 @@ fn reading_progress() -> Progress {
         best_loss: None,
         eta_s: None,
         note: None,
+        models: Vec::new(),
     }
 }
 

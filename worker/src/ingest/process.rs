@@ -160,6 +160,7 @@ impl Observer<bendtwin_ingest::Progress> for StdoutReporter {
             best_loss: None,
             eta_s: None,
             note: None,
+            models: Vec::new(),
         };
         // A worker that does not listen any more is gone, which the other thread notices.
         let _ = write_message(&Message::Progress(progress));

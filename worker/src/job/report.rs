@@ -1,12 +1,12 @@
-//! Renews a job's lease, reports progress and learns of cancellation, in a task of its own and
+//! Renews a job's lease, reports progress and losses and learns of cancellation, in a task of its own and
 //! often enough that a cancelled job ends within a second.
 
 use std::{
-    sync::{Arc, Mutex, PoisonError},
+    sync::{Arc, Mutex, MutexGuard, PoisonError},
     time::Duration,
 };
 
-use bendtwin_core::Progress;
+use bendtwin_core::{ModelLoss, Progress};
 use tokio::{task::JoinHandle, time::MissedTickBehavior};
 
 use super::{
@@ -17,19 +17,108 @@ use crate::server_client::CallError;
 
 /// Time between two reports. A lease lasts tens of seconds, so many may be missed.
 const REPORT_INTERVAL: Duration = Duration::from_millis(500);
+/// Longest time for the last losses of a fit.
+const FLUSH_TIMEOUT: Duration = Duration::from_secs(5);
 
-/// The latest progress, set by the work and read by the reporting task.
+/// Most losses of one report.
+const MOST_LOSSES: usize = 1024;
+/// Losses that wait for a server that cannot be reached, before every second iteration is dropped.
+const MOST_WAITING: usize = 16 * MOST_LOSSES;
+
+/// The latest progress and the losses since the last report, set by the work and read by the
+/// reporting task.
 #[derive(Clone, Default)]
-pub(crate) struct LatestProgress(Arc<Mutex<Option<Progress>>>);
+pub(crate) struct LatestProgress(Arc<Mutex<Waiting>>);
+
+#[derive(Default)]
+struct Waiting {
+    progress: Option<Progress>,
+    /// In the order in which they were computed.
+    losses: Vec<ModelLoss>,
+    /// Iterations that are no multiples of this have been dropped.
+    stride: u32,
+}
+
+/// The content of a report.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct News {
+    pub(crate) progress: Option<Progress>,
+    pub(crate) losses: Vec<ModelLoss>,
+}
 
 impl LatestProgress {
-    pub(crate) fn set(&self, progress: Progress) {
-        *self.0.lock().unwrap_or_else(PoisonError::into_inner) = Some(progress);
+    /// Takes over progress, which names the last loss of every model that is fitted side by side.
+    pub(crate) fn set(&self, mut progress: Progress) {
+        let mut waiting = self.lock();
+        if let Some(loss) = progress.model_loss() {
+            let before = waiting.progress.take().map(|p| p.models).unwrap_or_default();
+            progress.models = beside(before, &loss);
+            waiting.losses.push(loss);
+            waiting.thin_out();
+        }
+        waiting.progress = Some(progress);
     }
 
-    fn get(&self) -> Option<Progress> {
-        self.0.lock().unwrap_or_else(PoisonError::into_inner).clone()
+    /// What there is to report.
+    fn news(&self) -> News {
+        let waiting = self.lock();
+        let losses = waiting.losses.iter().take(MOST_LOSSES).cloned().collect();
+        News { progress: waiting.progress.clone(), losses }
     }
+
+    /// Drops losses that have been reported; these were the first. Where others are the first by
+    /// now, they are reported twice, which is safe.
+    fn acknowledge(&self, reported: &[ModelLoss]) {
+        let mut waiting = self.lock();
+        let same = waiting.losses.iter().zip(reported).take_while(|(a, b)| a == b).count();
+        waiting.losses.drain(..same);
+    }
+
+    fn lock(&self) -> MutexGuard<'_, Waiting> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+impl Waiting {
+    fn thin_out(&mut self) {
+        while self.losses.len() > MOST_WAITING {
+            self.stride = self.stride.max(1).saturating_mul(2);
+            let before = self.losses.len();
+            self.losses.retain(|loss| loss.iteration % self.stride == 0);
+            if self.losses.len() == before {
+                // Many models, all at multiples.
+                self.losses.drain(..before / 2);
+            }
+        }
+    }
+}
+
+/// The last losses of models with one more. Those of another stage are over.
+fn beside(mut models: Vec<ModelLoss>, loss: &ModelLoss) -> Vec<ModelLoss> {
+    models.retain(|model| model.stage == loss.stage);
+    match models.iter_mut().find(|model| model.variant == loss.variant) {
+        Some(model) => model.clone_from(loss),
+        None => models.push(loss.clone()),
+    }
+    // A start that was not chosen makes no more passes.
+    let last = loss.iteration;
+    models.retain(|model| last.saturating_sub(model.iteration) <= 1);
+    models
+}
+
+/// Reports the losses that still wait, so that they are kept with the fit that ends.
+pub(crate) async fn flush(job: &Job, latest: &LatestProgress) {
+    let reports = async {
+        loop {
+            let news = latest.news();
+            if news.losses.is_empty() || job.report(&news).await.is_err() {
+                return;
+            }
+            latest.acknowledge(&news.losses);
+        }
+    };
+    // They are worth no wait for a server that cannot be reached.
+    let _ = tokio::time::timeout(FLUSH_TIMEOUT, reports).await;
 }
 
 /// Starts reporting, which goes on until the task is aborted.
@@ -45,8 +134,10 @@ async fn run(job: Job, stop: Stop, latest: LatestProgress) {
     let mut reachable = true;
     loop {
         ticks.tick().await;
-        match job.report(latest.get().as_ref()).await {
+        let news = latest.news();
+        match job.report(&news).await {
             Ok(cancel_requested) => {
+                latest.acknowledge(&news.losses);
                 reachable = true;
                 if cancel_requested {
                     stop.stop(Reason::Cancelled);
@@ -66,3 +157,6 @@ async fn run(job: Job, stop: Stop, latest: LatestProgress) {
         }
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 
 use anyhow::{Context as _, bail};
 use bendtwin_client::{
-    CaptureId, Client, Cost, Fidelity, Fit, FitId, FitSettings, Point, Rollout, TwinId,
+    CaptureId, Client, Cost, Fidelity, Fit, FitId, FitSettings, ListQuery, Point, Rollout, TwinId,
 };
 use bendtwin_core::Twin;
 use clap::Args;
@@ -160,7 +160,7 @@ async fn subject(
         let twin = client.twins().get(name).await?;
         return Ok((twin.name, twin.capture));
     }
-    let twins = client.twins().all(None).await?;
+    let twins = client.twins().all(&ListQuery::default()).await?;
     let newest = twins.into_iter().filter(|t| t.capture.is_some()).max_by_key(|t| t.create_time);
     match newest {
         Some(twin) => Ok((twin.name, twin.capture)),

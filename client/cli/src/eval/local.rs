@@ -54,6 +54,7 @@ impl Observer<Progress> for BarObserver {
             best_loss: progress.best_loss,
             eta_s: progress.eta_s,
             note: progress.note.unwrap_or_default(),
+            models: Vec::new(),
         });
     }
 }

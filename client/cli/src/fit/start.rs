@@ -3,7 +3,7 @@
 use bendtwin_client::{CaptureId, TwinId};
 use clap::Args;
 
-use super::{ended_well, print_ended, watch};
+use super::{ended_well, print_ended, watch_here};
 use crate::{global::Global, output, settings::SettingsArgs};
 
 #[derive(Debug, Args)]
@@ -21,6 +21,9 @@ pub(crate) struct Start {
     /// Idempotency key: repeating the command with the same one starts no second fit
     #[arg(long, value_name = "WORD")]
     request_id: Option<String>,
+    /// Display name [default: the capture's]
+    #[arg(long, value_name = "NAME", default_value = "", hide_default_value = true)]
+    name: String,
     /// Follow it until it has ended
     #[arg(long)]
     watch: bool,
@@ -31,16 +34,18 @@ pub(super) async fn run(args: Start, global: &Global) -> anyhow::Result<()> {
     settings.start_from = args.from.map(|twin| twin.to_string()).or(settings.start_from);
     let client = global.connect().await?;
     let fits = client.fits();
-    let fit = match &args.request_id {
-        Some(id) => fits.create_once(args.capture, &settings, args.priority, id).await?,
-        None => fits.create(args.capture, &settings, args.priority).await?,
-    };
+    let request_id = args.request_id.as_deref();
+    let fit =
+        fits.create_named(args.capture, &settings, args.priority, request_id, &args.name).await?;
     if !args.watch {
         return output::print(global, &fit, || {
             format!("{}\nnext: bendtwin fit watch {}", fit.name, fit.name)
         });
     }
-    let fit = watch(&client, fit.name, global.json).await?;
+    if !global.json {
+        eprintln!("{}", fit.name);
+    }
+    let fit = watch_here(&client, fit.name, global.json).await?;
     print_ended(&client, &fit, global).await?;
     ended_well(&fit)
 }

@@ -5,7 +5,7 @@ use bendtwin_client::{Client, Fit, FitId, JobState};
 use bendtwin_core::{Category, Fault};
 use futures::StreamExt as _;
 
-use crate::{failure::Failed, progress::FitBar};
+use crate::{failure::Failed, progress::FitBar, signals};
 
 /// Follows a fit until it has ended, well or not.
 pub(crate) async fn watch(client: &Client, name: FitId, quiet: bool) -> anyhow::Result<Fit> {
@@ -29,6 +29,26 @@ pub(crate) async fn watch(client: &Client, name: FitId, quiet: bool) -> anyhow::
     }
     bar.finish();
     last.context("the server sent no state of the fit")
+}
+
+/// As [`watch`], until a person interrupts it: the fit goes on at the server, which is said.
+pub(super) async fn watch_here(client: &Client, name: FitId, quiet: bool) -> anyhow::Result<Fit> {
+    tokio::select! {
+        fit = watch(client, name, quiet) => fit,
+        () = signals::shutdown().cancelled_owned() => Err(Failed(unwatched(name)).into()),
+    }
+}
+
+/// The end of a watch that a person interrupted.
+fn unwatched(name: FitId) -> Fault {
+    Fault {
+        category: Category::Cancelled,
+        reason: "WATCH_INTERRUPTED".to_owned(),
+        message: format!(
+            "no longer watched: {name} goes on at the server. Follow it with `bendtwin fit watch \
+             {name}`, or stop it with `bendtwin fit cancel {name}`"
+        ),
+    }
 }
 
 /// Fails unless the fit has a twin.

@@ -1,7 +1,7 @@
 use bendtwin_core::{Category, Problem, ids::CaptureId};
 
 use crate::{
-    Error, NewCapture, PageRequest,
+    Error, ListQuery, NewCapture, PageRequest,
     store::tests::{Bench, new_capture, new_fit},
 };
 
@@ -45,22 +45,22 @@ async fn pages_newest_first_without_gaps() {
         ids.insert(0, bench.capture("a").await.id);
     }
     let mut seen = Vec::new();
-    let mut page = PageRequest { size: 3, token: String::new() };
+    let mut query = ListQuery::from(PageRequest { size: 3, token: String::new() });
     loop {
-        let got = bench.store.captures().list(&page).await.unwrap();
+        let got = bench.store.captures().list(&query).await.unwrap();
         seen.extend(got.items.iter().map(|c| c.id));
         if got.next_token.is_empty() {
             break;
         }
-        page.token = got.next_token;
+        query.page.token = got.next_token;
     }
     assert_eq!(seen, ids);
-    for token in ["x", "-", &page.token[1..], "00000000000000000000000000000000-00000000"] {
+    for token in ["x", "-", &query.page.token[1..], "00000000000000000000000000000000-00000000"] {
         let page = PageRequest { size: 3, token: token.to_owned() };
-        let refused = bench.store.captures().list(&page).await;
+        let refused = bench.store.captures().list(&page.into()).await;
         assert!(matches!(refused, Err(Error::InvalidPageToken)), "{token}");
     }
     // A token of one listing is none of another.
-    let refused = bench.store.twins().list(&page, None).await;
+    let refused = bench.store.twins().list(&query).await;
     assert!(matches!(refused, Err(Error::InvalidPageToken)));
 }

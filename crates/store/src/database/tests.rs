@@ -1,12 +1,11 @@
 use std::time::Duration;
 
 use bendtwin_core::{Category, Problem as _};
-use sqlx::{Connection as _, Row as _};
+use sqlx::Connection as _;
 
 use crate::{
-    Error, Kind, PageRequest, State, jobs,
+    Error, Kind, State,
     store::tests::{Bench, LEASE, lease_of, new_fit},
-    twins,
 };
 
 /// Runs a statement on the connection that writes.
@@ -112,38 +111,6 @@ async fn damaged_pages_are_noticed_at_start() {
     std::fs::write(&file, "no database at all, for a hundred bytes and more ".repeat(99)).unwrap();
     let refused = crate::Store::open(crate::Options::new(dir.path())).await.unwrap_err();
     assert_eq!(refused.reason(), "DATABASE_DAMAGED");
-}
-
-#[tokio::test]
-async fn no_listing_reads_a_whole_table() {
-    let bench = Bench::new().await;
-    for list in [
-        jobs::LIST,
-        jobs::LIST_OF_CAPTURE,
-        twins::LIST,
-        twins::LIST_OF_CAPTURE,
-        "select * from captures where id < $1 order by id desc limit $2",
-    ] {
-        let plan = sqlx::AssertSqlSafe(format!("explain query plan {list}"));
-        let plan = sqlx::query(plan).fetch_all(bench.store.inner.database.read()).await.unwrap();
-        let steps: Vec<String> = plan.iter().map(|step| step.get("detail")).collect();
-        let searches = |step: &String| step.starts_with("SEARCH") && step.contains("INDEX");
-        assert!(steps.iter().all(searches), "{list}: {steps:?}");
-    }
-    // The filters are those of the index, not only its order.
-    let plan = sqlx::AssertSqlSafe(format!("explain query plan {}", jobs::LIST_OF_CAPTURE));
-    let step = sqlx::query(plan).fetch_one(bench.store.inner.database.read()).await.unwrap();
-    let step: String = step.get("detail");
-    assert!(step.contains("kind=? AND capture=? AND id<?"), "{step}");
-    let page = PageRequest::default();
-    let capture = bench.capture("a").await;
-    let fit = bench.store.jobs().create_fit(new_fit(&capture)).await.unwrap();
-    for filter in [None, Some(capture.id)] {
-        let found = bench.store.jobs().fits(&page, filter).await.unwrap().items;
-        assert_eq!(found.iter().map(|f| f.id).collect::<Vec<_>>(), [fit.id]);
-    }
-    let other = Some(bench.capture("b").await.id);
-    assert!(bench.store.jobs().fits(&page, other).await.unwrap().items.is_empty());
 }
 
 #[cfg(unix)]

@@ -12,7 +12,10 @@ use super::{
     row::{self, Row, State},
 };
 use crate::{
-    Digest, Error, Page, PageRequest, Result, Staged, TwinFacts, failpoint::Failpoint, twins,
+    Digest, Error, LabelChange, ListQuery, Page, Result, Staged, TwinFacts,
+    failpoint::Failpoint,
+    labels::{self, Collection},
+    twins,
 };
 
 /// A fit to be queued.
@@ -28,14 +31,9 @@ pub struct NewFit {
     pub request_id: Option<String>,
     /// W3C traceparent of the call.
     pub trace_parent: Option<String>,
+    /// Display name; empty means the capture's.
+    pub display_name: String,
 }
-
-/// A page of fits. One statement with an optional filter would find no index for either.
-pub(crate) const LIST: &str =
-    "select * from jobs where kind = 'fit' and id < $1 and $3 is null order by id desc limit $2";
-/// A page of the fits of a capture.
-pub(crate) const LIST_OF_CAPTURE: &str =
-    "select * from jobs where kind = 'fit' and capture = $3 and id < $1 order by id desc limit $2";
 
 impl Jobs<'_> {
     /// Queues a fit. It waits for its capture's ingest; if that has failed already, the fit fails
@@ -51,9 +49,11 @@ impl Jobs<'_> {
         if let Some(request_id) = &new.request_id
             && let Some(row) = row::requested(&mut tx, request_id).await?
         {
+            let same_name = row.first_name() == new.display_name;
             let before = Job::try_from(row)?;
             let given = (new.capture, &new.settings, new.priority);
             if before.id.fit().is_some()
+                && same_name
                 && (before.capture, &before.settings, before.priority) == given
             {
                 return Ok(before);
@@ -62,21 +62,23 @@ impl Jobs<'_> {
             return Err(Error::RequestIdTaken { request_id, name });
         }
         let capture = new.capture.uuid().to_string();
-        let exists: bool =
-            sqlx::query_scalar("select exists (select 1 from captures where id = $1)")
+        let capture_name: Option<String> =
+            sqlx::query_scalar("select display_name from captures where id = $1")
                 .bind(&capture)
-                .fetch_one(&mut *tx)
+                .fetch_optional(&mut *tx)
                 .await?;
-        if !exists {
-            return Err(Error::NotFound { name: new.capture.to_string() });
-        }
+        let capture_name =
+            capture_name.ok_or_else(|| Error::NotFound { name: new.capture.to_string() })?;
+        let name = if new.display_name.is_empty() { &capture_name } else { &new.display_name };
         let ingest = row::ingest_of(&mut tx, &capture).await?.map(Job::try_from).transpose()?;
         let fault = ingest.as_ref().and_then(why_not);
         let now = self.store.now_micros();
         let row: Row = sqlx::query_as(
             "insert into jobs (id, kind, capture, state, priority, settings, trace_parent,
-                 request_id, created_at, fault, ended_at)
-             values ($1, 'fit', $2, $3, $4, $5, $6, $7, $8, $9, $10) returning *",
+                 request_id, created_at, fault, ended_at, display_name, first_name, name_key,
+                 search_text)
+             values ($1, 'fit', $2, $3, $4, $5, $6, $7, $8, $9, $10, $11, $12, $13, $14)
+             returning *",
         )
         .bind(FitId::generate().uuid().to_string())
         .bind(capture)
@@ -88,6 +90,10 @@ impl Jobs<'_> {
         .bind(now)
         .bind(fault.as_ref().map(row::to_json))
         .bind(fault.is_some().then_some(now))
+        .bind(name)
+        .bind(&new.display_name)
+        .bind(labels::name_key(name))
+        .bind(labels::search_text(name, ""))
         .fetch_one(&mut *tx)
         .await?;
         self.store.pass(Failpoint::BeforeCommit)?;
@@ -98,18 +104,42 @@ impl Jobs<'_> {
         Ok(fit)
     }
 
-    /// A page of fits, newest first; only those of a capture, if one is given.
+    /// A page of fits.
     ///
     /// # Errors
     /// [`Error::InvalidPageToken`].
-    pub async fn fits(&self, page: &PageRequest, capture: Option<CaptureId>) -> Result<Page<Job>> {
-        let capture = capture.map(|c| c.uuid().to_string());
-        let listing = format!("fits/{}", capture.as_deref().unwrap_or_default());
-        let query = sqlx::query_as(if capture.is_some() { LIST_OF_CAPTURE } else { LIST });
-        let query = query.bind(page.before(&listing)?).bind(page.fetch()).bind(capture);
-        let rows: Vec<Row> = query.fetch_all(self.store.inner.database.read()).await?;
+    pub async fn fits(&self, query: &ListQuery) -> Result<Page<Job>> {
+        let mut select = query.select(Collection::Fits)?;
+        let rows: Vec<Row> =
+            select.build_query_as().fetch_all(self.store.inner.database.read()).await?;
         let items = rows.into_iter().map(Job::try_from).collect::<Result<_>>()?;
-        Ok(Page::cut(items, page, &listing, |f: &Job| f.id.uuid()))
+        let listing = query.listing(Collection::Fits);
+        Ok(Page::cut(items, &query.page, &listing, |f: &Job| {
+            let name_key = labels::name_key(&f.labels.display_name);
+            (f.id.uuid(), query.key(&name_key, labels::key_of(f.error_m)))
+        }))
+    }
+
+    /// Changes name, note and tags of a fit.
+    ///
+    /// # Errors
+    /// [`Error::NotFound`], [`Error::TooManyTags`].
+    pub async fn update_fit(&self, id: FitId, change: &LabelChange) -> Result<Job> {
+        let key = id.uuid().to_string();
+        let mut tx = self.store.inner.database.write().await?;
+        let before = Job::try_from(row::fetch(&mut tx, id.into()).await?)?;
+        if !labels::change(&mut tx, Collection::Fits, &key, &before.labels, change).await? {
+            return Ok(before);
+        }
+        let row: Row =
+            sqlx::query_as("update jobs set revision = revision + 1 where id = $1 returning *")
+                .bind(key)
+                .fetch_one(&mut *tx)
+                .await?;
+        tx.commit().await?;
+        let fit = Job::try_from(row)?;
+        let _ = self.store.inner.changes.send(fit.id);
+        Ok(fit)
     }
 
     /// Stores the twin and ends the fit, in one transaction. Called again under the same lease with
@@ -171,12 +201,13 @@ impl Jobs<'_> {
         let twin = self.insert_twin(&mut tx, &before, facts, digest, size_bytes).await?;
         let row: Row = sqlx::query_as(
             "update jobs set state = 'succeeded', twin = $2, ended_at = $3, lease_until = null,
-                 worker = null, checkpoint = null, revision = revision + 1
+                 worker = null, checkpoint = null, error_m = $4, revision = revision + 1
              where id = $1 returning *",
         )
         .bind(&before.id)
         .bind(twin.uuid().to_string())
         .bind(self.store.now_micros())
+        .bind(labels::error_key(&facts.quality))
         .fetch_one(&mut *tx)
         .await?;
         self.store.pass(Failpoint::BeforeCommit)?;
@@ -185,7 +216,7 @@ impl Jobs<'_> {
         Ok((twin, before.checkpoint))
     }
 
-    /// A twin under its capture's name.
+    /// A twin under its fit's name.
     async fn insert_twin(
         &self,
         tx: &mut Transaction<'_, Sqlite>,
@@ -194,13 +225,8 @@ impl Jobs<'_> {
         digest: Digest,
         size_bytes: u64,
     ) -> Result<TwinId> {
-        let display_name: Option<String> =
-            sqlx::query_scalar("select display_name from captures where id = $1")
-                .bind(&fit.capture)
-                .fetch_optional(&mut **tx)
-                .await?;
         let new = twins::Insert {
-            display_name: display_name.as_deref().unwrap_or_default(),
+            display_name: &fit.display_name,
             origin: Some((&fit.capture, &fit.id)),
             size_bytes,
             digest,

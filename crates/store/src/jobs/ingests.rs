@@ -2,7 +2,7 @@
 //! and a report, repeated on request.
 
 use bendtwin_core::ids::{CaptureId, IngestId};
-use sqlx::{Sqlite, Transaction};
+use sqlx::{QueryBuilder, Sqlite, Transaction};
 
 use super::{
     AttemptEnd, Job, Jobs, Lease,
@@ -100,15 +100,17 @@ impl Jobs<'_> {
         row.ok_or_else(|| Error::NotFound { name: capture.to_string() })?.try_into()
     }
 
-    /// The ingests of the captures between two ids, both included.
-    pub(crate) async fn ingests_between(&self, from: &str, to: &str) -> Result<Vec<Job>> {
-        let rows: Vec<Row> = sqlx::query_as(
-            "select * from jobs where kind = 'ingest' and capture >= $1 and capture <= $2",
-        )
-        .bind(from)
-        .bind(to)
-        .fetch_all(self.store.inner.database.read())
-        .await?;
+    /// The ingests of these captures, in any order.
+    pub(crate) async fn ingests_of(&self, captures: &[String]) -> Result<Vec<Job>> {
+        let mut sql =
+            QueryBuilder::new("select * from jobs where kind = 'ingest' and capture in (");
+        let mut listed = sql.separated(", ");
+        for capture in captures {
+            listed.push_bind(capture);
+        }
+        sql.push(")");
+        let rows: Vec<Row> =
+            sql.build_query_as().fetch_all(self.store.inner.database.read()).await?;
         rows.into_iter().map(Job::try_from).collect()
     }
 

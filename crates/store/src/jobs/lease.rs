@@ -2,11 +2,11 @@
 
 use std::time::Duration;
 
-use bendtwin_core::{Progress, ids::WorkerId};
+use bendtwin_core::{ModelLoss, Progress, ids::WorkerId};
 use tokio::time::Instant;
 
 use super::{
-    Job, JobId, Jobs, Kind,
+    Job, JobId, Jobs, Kind, losses,
     row::{self, Row},
 };
 use crate::{Content, Digest, Error, Result, Staged, clock::micros_after, failpoint::Failpoint};
@@ -52,6 +52,21 @@ pub struct Lease {
     pub job: JobId,
     /// The fencing number.
     pub epoch: u64,
+}
+
+/// News of a worker about its job.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct JobReport<'a> {
+    /// Progress, if there is any to store.
+    pub progress: Option<&'a Progress>,
+    /// Losses since the last report, of a fit.
+    pub losses: &'a [ModelLoss],
+}
+
+impl<'a> From<Option<&'a Progress>> for JobReport<'a> {
+    fn from(progress: Option<&'a Progress>) -> Self {
+        Self { progress, losses: &[] }
+    }
 }
 
 /// Answer to a worker's report.
@@ -133,20 +148,22 @@ impl Jobs<'_> {
         rows.into_iter().map(Job::try_from).collect()
     }
 
-    /// Renews the lease and stores progress, if there is any to store.
+    /// Renews the lease and stores progress and losses, if there are any to store.
     ///
     /// # Errors
     /// [`Error::StaleLease`].
-    pub async fn report(
+    pub async fn report<'r>(
         &self,
         lease: Lease,
-        progress: Option<&Progress>,
+        report: impl Into<JobReport<'r>>,
         renew: Duration,
     ) -> Result<Reported> {
+        let JobReport { progress, losses } = report.into();
         let until = micros_after(self.store.now(), renew);
         let mut tx = self.store.inner.database.write().await?;
         let row = row::fetch_leased(&mut tx, lease).await?;
         self.renew(lease, renew);
+        losses::record(&mut tx, &row, losses).await?;
         let key = lease.job.uuid().to_string();
         let Some(progress) = progress else {
             sqlx::query("update jobs set lease_until = $2 where id = $1")

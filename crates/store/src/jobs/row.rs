@@ -5,7 +5,7 @@ use sqlx::{Sqlite, Transaction};
 use uuid::Uuid;
 
 use super::{Job, JobId, Kind, Lease};
-use crate::{Digest, Error, Result, clock::from_micros, row::row};
+use crate::{Digest, Error, Labels, Result, clock::from_micros, labels, row::row};
 
 /// State of a job.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -73,6 +73,12 @@ row! {
         started_at: Option<i64>,
         ended_at: Option<i64>,
         pub(super) revision: i64,
+        pub(super) display_name: String,
+        note: String,
+        tags: String,
+        first_name: Option<String>,
+        error_m: f64,
+        pub(super) loss_stride: i64,
     }
 }
 
@@ -89,6 +95,11 @@ impl Row {
     /// True if the job's last lease is this one.
     pub(super) fn is_of(&self, lease: Lease) -> bool {
         self.lease_epoch == i64::try_from(lease.epoch).unwrap_or(-1)
+    }
+
+    /// The name that was given when it was created; empty if none was.
+    pub(super) fn first_name(&self) -> &str {
+        self.first_name.as_deref().unwrap_or_default()
     }
 
     fn corrupt(&self, fault: &str) -> Error {
@@ -135,6 +146,8 @@ impl TryFrom<Row> for Job {
             started: row.started_at.map(from_micros),
             ended: row.ended_at.map(from_micros),
             revision: row.revision.max(0) as u64,
+            labels: Labels::of_row(row.display_name, row.note, &row.tags),
+            error_m: labels::error_of(row.error_m),
             settings: row.settings,
             trace_parent: row.trace_parent,
             request_id: row.request_id,

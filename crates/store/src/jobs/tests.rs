@@ -27,6 +27,7 @@ fn progress(fraction: f64) -> Progress {
         best_loss: None,
         eta_s: None,
         note: None,
+        models: Vec::new(),
     }
 }
 

@@ -108,6 +108,7 @@ pub(crate) fn new_fit(capture: &Capture) -> NewFit {
         priority: 0,
         request_id: None,
         trace_parent: None,
+        display_name: String::new(),
     }
 }
 
@@ -140,7 +141,7 @@ async fn captures_survive_crashes_whole() {
             bench.store.captures().content(row.id).await.unwrap();
         }
         assert_eq!(bench.blob_count().await, rows.len(), "{point:?}");
-        let is_there = rows.iter().any(|c| c.display_name == "new");
+        let is_there = rows.iter().any(|c| c.labels.display_name == "new");
         assert_eq!(is_there, created || point == Failpoint::AfterCommit, "{point:?}");
     }
 }
@@ -166,7 +167,7 @@ async fn completion_survives_crashes() {
         let twin = bench.store.jobs().complete_fit(lease, &facts, twin).await.unwrap();
         let fit = bench.store.jobs().get(fit.id).await.unwrap();
         assert_eq!((fit.state, fit.twin), (State::Succeeded, Some(twin)), "{point:?}");
-        let twins = bench.store.twins().list(&Default::default(), None).await.unwrap().items;
+        let twins = bench.store.twins().list(&Default::default()).await.unwrap().items;
         assert_eq!(twins.len(), 1, "{point:?}");
         bench.store.twins().content(twin).await.unwrap();
         // The checkpoint is gone with the job's end, at the latest at the next start.

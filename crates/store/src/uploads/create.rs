@@ -191,7 +191,8 @@ async fn made_before(
     request_id: &str,
 ) -> Result<Option<(String, i64)>> {
     let row: Option<(String, String, i64, String)> = sqlx::query_as(
-        "select id, display_name, size_bytes, digest from captures where request_id = $1",
+        "select id, coalesce(first_name, display_name), size_bytes, digest from captures
+         where request_id = $1",
     )
     .bind(request_id)
     .fetch_optional(&mut **tx)

@@ -68,6 +68,7 @@ async fn order(run: &Run, capture: &str, work: usize, again: bool) -> Option<Str
         settings_json: run.references.works[work].settings.to_owned(),
         priority: 0,
         request_id: run.fresh("fit"),
+        ..CreateFitRequest::default()
     };
     let create =
         async || -> Answer<Fit> { Ok(api.fits().create_fit(request.clone()).await?.into_inner()) };

@@ -1,0 +1,163 @@
+//! Lists of captures, fits and twins: searched, filtered and ordered.
+//!
+//! A page begins after the last row of the page before, by its place in the order, so rows that come
+//! and go in between neither repeat nor hide others. Every order is that of an index: a page deep in
+//! a list costs what the first one does. A search for text looks at the rows in that order until the
+//! page is full.
+
+use bendtwin_core::ids::CaptureId;
+use sqlx::{QueryBuilder, Sqlite};
+
+use crate::{Error, PageRequest, Result, State, labels::Collection, page::Place};
+
+/// Key by which a list is ordered.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum OrderKey {
+    /// Time of creation.
+    #[default]
+    CreateTime,
+    /// Display name, whatever its case.
+    Name,
+    /// Error of a twin; those without one come last in ascending order. Captures have none.
+    Error,
+}
+
+/// Order of a list.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Order {
+    /// Its key; rows of equal keys are in the order of their creation.
+    pub key: OrderKey,
+    /// True if the largest comes first.
+    pub descending: bool,
+}
+
+impl Default for Order {
+    /// Newest first.
+    fn default() -> Self {
+        Self { key: OrderKey::CreateTime, descending: true }
+    }
+}
+
+/// Selection of a list; the default is all, newest first.
+#[derive(Clone, Debug, Default)]
+pub struct ListQuery {
+    /// The page.
+    pub page: PageRequest,
+    /// The order.
+    pub order: Order,
+    /// Text in display name or note, whatever its case; empty means any.
+    pub search: String,
+    /// A tag; empty means any.
+    pub tag: String,
+    /// A capture; captures themselves cannot be filtered by it.
+    pub capture: Option<CaptureId>,
+    /// A state of the job; fits alone can be filtered by it.
+    pub state: Option<State>,
+}
+
+impl From<PageRequest> for ListQuery {
+    fn from(page: PageRequest) -> Self {
+        Self { page, ..Self::default() }
+    }
+}
+
+impl ListQuery {
+    /// Identity of the listing that tokens belong to: all but the page.
+    pub(crate) fn listing(&self, collection: Collection) -> String {
+        let Self { order, search, tag, capture, state, .. } = self;
+        format!("{} {:?}", collection.name(), (order, search, tag, capture, state))
+    }
+
+    /// The statement for a page, `select *` and one row more than the page.
+    pub(crate) fn select(&self, collection: Collection) -> Result<QueryBuilder<Sqlite>> {
+        let place = self.page.place(&self.listing(collection))?;
+        let table = collection.table();
+        let mut sql = QueryBuilder::new("select t.* from ");
+        // Tags have the ids in their order, too.
+        let id = if self.tag.is_empty() { "t.id" } else { "g.resource" };
+        if self.tag.is_empty() {
+            sql.push(format_args!("{table} as t where "));
+        } else {
+            sql.push(format_args!("tags as g join {table} as t on t.id = g.resource"));
+            sql.push(" where g.kind = ").push_bind(collection.name());
+            sql.push(" and g.tag = ").push_bind(self.tag.clone()).push(" and ");
+        }
+        // Rows with a tag of fits are fits: an index of kinds would be the worse way to them.
+        let all_kinds = collection != Collection::Fits || !self.tag.is_empty();
+        sql.push(if all_kinds { "true" } else { "t.kind = 'fit'" });
+        if let Some(capture) = self.capture {
+            sql.push(" and t.capture = ").push_bind(capture.uuid().to_string());
+        }
+        if let Some(state) = self.state {
+            sql.push(" and t.state = ").push_bind(state.as_str());
+        }
+        if !self.search.is_empty() {
+            sql.push(" and t.search_text like ").push_bind(pattern(&self.search));
+            sql.push(" escape '\\'");
+        }
+        self.go_on(&mut sql, id, place)?;
+        let (direction, key) = (if self.order.descending { "desc" } else { "asc" }, self.column());
+        sql.push(" order by ");
+        if let Some(key) = key {
+            sql.push(format_args!("{key} {direction}, "));
+        }
+        sql.push(format_args!("{id} {direction} limit ")).push_bind(self.page.fetch());
+        Ok(sql)
+    }
+
+    /// Leaves out what comes before a place in the order.
+    fn go_on(&self, sql: &mut QueryBuilder<Sqlite>, id: &str, place: Option<Place>) -> Result<()> {
+        let Some(Place { id: last, key }) = place else { return Ok(()) };
+        let than = if self.order.descending { '<' } else { '>' };
+        match self.column() {
+            None => sql.push(format_args!(" and {id} {than} ")).push_bind(last),
+            Some(column) => {
+                sql.push(format_args!(" and ({column}, {id}) {than} ("));
+                match self.order.key {
+                    OrderKey::Error => sql.push_bind(error_of_key(&key)?),
+                    _ => sql.push_bind(key),
+                };
+                sql.push(", ").push_bind(last).push(")")
+            }
+        };
+        Ok(())
+    }
+
+    /// The column of the order before the id, whose order is that of creation.
+    fn column(&self) -> Option<&'static str> {
+        match self.order.key {
+            OrderKey::CreateTime => None,
+            OrderKey::Name => Some("t.name_key"),
+            OrderKey::Error => Some("t.error_m"),
+        }
+    }
+
+    /// The key of a row in this order as text.
+    pub(crate) fn key(&self, name_key: &str, error_m: f64) -> String {
+        match self.order.key {
+            OrderKey::CreateTime => String::new(),
+            OrderKey::Name => name_key.to_owned(),
+            // All digits: it is compared with.
+            OrderKey::Error => format!("{:016x}", error_m.to_bits()),
+        }
+    }
+}
+
+fn error_of_key(key: &str) -> Result<f64> {
+    u64::from_str_radix(key, 16).map(f64::from_bits).map_err(|_| Error::InvalidPageToken)
+}
+
+/// A pattern for texts that contain this one.
+fn pattern(text: &str) -> String {
+    let mut pattern = String::from("%");
+    for letter in text.to_lowercase().chars() {
+        if matches!(letter, '%' | '_' | '\\') {
+            pattern.push('\\');
+        }
+        pattern.push(letter);
+    }
+    pattern + "%"
+}
+
+#[cfg(test)]
+mod tests;

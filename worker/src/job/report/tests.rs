@@ -1,0 +1,69 @@
+use bendtwin_core::Stage;
+
+use super::*;
+
+fn progress(stage: Stage, variant: &str, iteration: u32) -> Progress {
+    Progress {
+        stage,
+        variant: variant.to_owned(),
+        iteration,
+        iterations: 10,
+        fraction: 0.5,
+        loss: Some(f64::from(iteration)),
+        best_loss: Some(1.0),
+        eta_s: None,
+        note: None,
+        models: Vec::new(),
+    }
+}
+
+fn models(latest: &LatestProgress) -> Vec<(String, u32)> {
+    let models = latest.news().progress.unwrap().models;
+    models.into_iter().map(|m| (m.variant, m.iteration)).collect()
+}
+
+#[test]
+fn models_that_are_fitted_side_by_side_are_reported_together() {
+    let latest = LatestProgress::default();
+    for iteration in 1..=3 {
+        latest.set(progress(Stage::Search, "bending", iteration));
+        latest.set(progress(Stage::Search, "axial", iteration));
+    }
+    assert_eq!(models(&latest), [("bending".to_owned(), 3), ("axial".to_owned(), 3)]);
+    latest.set(progress(Stage::Refine, "axial", 1));
+    assert_eq!(models(&latest), [("axial".to_owned(), 1)]);
+    // Of several starts one goes on.
+    latest.set(progress(Stage::Refine, "axial 2", 1));
+    latest.set(progress(Stage::Refine, "axial", 2));
+    assert_eq!(models(&latest), [("axial".to_owned(), 2), ("axial 2".to_owned(), 1)]);
+    latest.set(progress(Stage::Refine, "axial", 3));
+    assert_eq!(models(&latest), [("axial".to_owned(), 3)]);
+    latest.set(progress(Stage::Evaluate, "bending", 0));
+    assert_eq!(latest.news().progress.unwrap().models, []);
+}
+
+#[test]
+fn every_loss_is_reported_though_progress_is_not() {
+    let latest = LatestProgress::default();
+    for iteration in 1..=5 {
+        latest.set(progress(Stage::Search, "bending", iteration));
+    }
+    let news = latest.news();
+    assert_eq!(news.losses.iter().map(|l| l.iteration).collect::<Vec<_>>(), [1, 2, 3, 4, 5]);
+    latest.set(progress(Stage::Search, "bending", 6));
+    // A report that failed is sent again, with what has come since.
+    assert_eq!(latest.news().losses.len(), 6);
+    latest.acknowledge(&news.losses);
+    assert_eq!(latest.news().losses.iter().map(|l| l.iteration).collect::<Vec<_>>(), [6]);
+}
+
+#[test]
+fn losses_that_nobody_takes_are_thinned_out() {
+    let latest = LatestProgress::default();
+    for iteration in 1..=100_000 {
+        latest.set(progress(Stage::Refine, "bending", iteration));
+    }
+    let waiting = latest.lock().losses.len();
+    assert!((MOST_WAITING / 4..=MOST_WAITING).contains(&waiting), "{waiting}");
+    assert_eq!(latest.news().losses.len(), MOST_LOSSES);
+}
