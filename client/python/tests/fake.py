@@ -60,6 +60,8 @@ class Fake(
     fit_request: fit_pb2.CreateFitRequest | None = None
     rollout_request: rollout_pb2.RollOutRequest | None = None
     ingest_request: capture_pb2.IngestCaptureRequest | None = None
+    update: object = None
+    listed: object = None
     reads: int = job_pb2.Job.SUCCEEDED
     ends: int = job_pb2.Job.SUCCEEDED
     watched_from: list[int] = field(default_factory=list)
@@ -117,6 +119,38 @@ class Fake(
             captures=[capture_pb2.Capture(name=f"captures/{page}-{i}") for i in range(2)],
             next_page_token=str(page + 1) if page < 2 else "",
         )
+
+    def UpdateCapture(self, request, context):
+        self.update = request
+        return capture_pb2.Capture(name=request.capture.name, note=request.capture.note)
+
+    def UpdateFit(self, request, context):
+        self.update = request
+        fit = fit_pb2.Fit(name=request.fit.name, tags=["blue", "wet"])
+        fit.job.state = job_pb2.Job.QUEUED
+        return fit
+
+    def UpdateTwin(self, request, context):
+        self.update = request
+        return twin_pb2.Twin(name=request.twin.name, display_name=request.twin.display_name)
+
+    def ListFits(self, request, context):
+        self.listed = request
+        return fit_pb2.ListFitsResponse(fits=[self._fit(1, job_pb2.Job.RUNNING)])
+
+    def ListTwins(self, request, context):
+        self.listed = request
+        return twin_pb2.ListTwinsResponse(twins=[twin_pb2.Twin(name=TWIN, error_m=0.004)])
+
+    def GetFitLosses(self, request, context):
+        curve = fit_pb2.FitLosses.LossCurve(
+            stage="refine",
+            variant="bending",
+            iterations=[1, 2],
+            losses=[float("nan"), 0.5],
+            best_losses=[float("nan"), 0.5],
+        )
+        return fit_pb2.FitLosses(curves=[curve])
 
     def CreateFit(self, request, context):
         self.fit_request = request

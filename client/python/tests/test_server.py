@@ -89,6 +89,9 @@ def twin(client, folder):
     assert fit.state is JobState.SUCCEEDED
     assert seen[-1].state is JobState.SUCCEEDED
     assert fit.job.settings["graph"]["max_nodes"] == 30
+    curves = {(c.stage, c.variant): c for c in client.fit_losses(fit)}
+    assert {stage for stage, _ in curves} == {"search", "refine"}
+    assert all(np.isfinite(curve.best_losses).all() for curve in curves.values())
     twin = client.twin(fit.twin)
     assert [t.name for t in client.twins(capture.name)] == [twin.name]
     assert twin.info.quality["scores"]

@@ -29,6 +29,7 @@ from bendtwin.costs import (
 from bendtwin.errors import BendTwinError, Category, FitFailed, IngestFailed
 from bendtwin.geometry import Geometry, Ground
 from bendtwin.interpolation import Interpolation, interpolate, interpolate_poses
+from bendtwin.labels import LabelArguments, ListArguments
 from bendtwin.motion import Motion
 from bendtwin.plan import PlanUpdate, Search
 from bendtwin.registration import Correction, Registration, Residual
@@ -38,6 +39,8 @@ from bendtwin.resources import (
     Fit,
     Job,
     JobState,
+    LossCurve,
+    ModelLoss,
     Progress,
     SessionInfo,
     TwinInfo,
@@ -120,6 +123,10 @@ __all__ = [
     "Job",
     "JobState",
     "Keypoints",
+    "LabelArguments",
+    "ListArguments",
+    "LossCurve",
+    "ModelLoss",
     "Motion",
     "PlanArguments",
     "PlanUpdate",

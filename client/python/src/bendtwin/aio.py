@@ -28,6 +28,7 @@ from bendtwin.arguments import RolloutArguments
 from bendtwin.caller import AsyncCaller
 from bendtwin.errors import FitFailed, IngestFailed
 from bendtwin.geometry import Geometry
+from bendtwin.labels import LabelArguments, ListArguments
 from bendtwin.motion import Motion, bundle, bundle_file
 from bendtwin.plan import PlanArguments, PlanUpdate, plan_request, whole
 from bendtwin.registration import (
@@ -38,7 +39,15 @@ from bendtwin.registration import (
     correct_session,
     register_state,
 )
-from bendtwin.resources import Capture, Fit, JobState, SessionInfo, TwinInfo, Worker
+from bendtwin.resources import (
+    Capture,
+    Fit,
+    JobState,
+    LossCurve,
+    SessionInfo,
+    TwinInfo,
+    Worker,
+)
 from bendtwin.rollout import Fidelity, RolloutResult
 from bendtwin.session import SessionCalls
 from bendtwin.state import InitialState, State
@@ -341,9 +350,13 @@ class Client:
         """One capture."""
         return await self._caller.run(calls.get_capture(name))
 
-    def captures(self) -> AsyncIterator[Capture]:
-        """All captures, newest first."""
-        return self._caller.pages(calls.list_captures())
+    def captures(self, **choice: Unpack[ListArguments]) -> AsyncIterator[Capture]:
+        """All captures, newest first, or those with a text or a tag, in another order."""
+        return self._caller.pages(calls.list_captures(choice))
+
+    async def update_capture(self, name: str, **change: Unpack[LabelArguments]) -> Capture:
+        """Changes display name, note and tags of a capture; what is not given stays."""
+        return await self._caller.run(calls.update_capture(name, change))
 
     async def delete_capture(self, name: str) -> None:
         """Deletes a capture; its twins stay."""
@@ -404,17 +417,34 @@ class Client:
         *,
         priority: int = 0,
         request_id: str | None = None,
+        display_name: str = "",
     ) -> Fit:
-        """Starts a fit of a capture. `settings` are those of docs/settings.md."""
-        return await self._caller.run(calls.create_fit(capture, settings, priority, request_id))
+        """Starts a fit of a capture. `settings` are those of docs/settings.md.
+
+        Without a `display_name` it has its capture's.
+        """
+        return await self._caller.run(
+            calls.create_fit(capture, settings, priority, request_id, display_name)
+        )
 
     async def get_fit(self, name: str) -> Fit:
         """One fit as it stands."""
         return await self._caller.run(calls.get_fit(name))
 
-    def fits(self, capture: str = "") -> AsyncIterator[Fit]:
-        """All fits, or those of one capture, newest first."""
-        return self._caller.pages(calls.list_fits(capture))
+    def fits(
+        self, capture: str = "", *, state: JobState | None = None, **choice: Unpack[ListArguments]
+    ) -> AsyncIterator[Fit]:
+        """All fits, newest first, or those of a capture, in a state, with a text or a tag."""
+        return self._caller.pages(calls.list_fits(capture, state, choice))
+
+    async def update_fit(self, name: str, **change: Unpack[LabelArguments]) -> Fit:
+        """Changes display name, note and tags of a fit; what is not given stays."""
+        return await self._caller.run(calls.update_fit(name, change))
+
+    async def fit_losses(self, fit: Fit | str) -> list[LossCurve]:
+        """The losses of a fit, by stage and model. They stay until it is deleted."""
+        name = fit if isinstance(fit, str) else fit.name
+        return await self._caller.run(calls.fit_losses(name))
 
     async def cancel_fit(self, name: str) -> Fit:
         """Asks a fit to stop; one that has ended is returned as it is."""
@@ -452,10 +482,16 @@ class Client:
         """A twin, ready for rollouts."""
         return self._twin(await self._caller.run(calls.get_twin(name)))
 
-    async def twins(self, capture: str = "") -> AsyncIterator[Twin]:
-        """All twins, or those of one capture, newest first."""
-        async for info in self._caller.pages(calls.list_twins(capture)):
+    async def twins(
+        self, capture: str = "", **choice: Unpack[ListArguments]
+    ) -> AsyncIterator[Twin]:
+        """All twins, newest first, or those of a capture, with a text or a tag."""
+        async for info in self._caller.pages(calls.list_twins(capture, choice)):
             yield self._twin(info)
+
+    async def update_twin(self, name: str, **change: Unpack[LabelArguments]) -> Twin:
+        """Changes display name, note and tags of a twin; what is not given stays."""
+        return self._twin(await self._caller.run(calls.update_twin(name, change)))
 
     async def export_twin(self, name: str, path: str | PathLike[str]) -> None:
         """Writes a twin's file (safetensors, docs/twin-format.md)."""

@@ -17,8 +17,9 @@ from typing import Any, Generic, TypeVar
 from bendtwin.archive import chunks_of
 from bendtwin.errors import BendTwinError, Category
 from bendtwin.geometry import Geometry
+from bendtwin.labels import LabelArguments, ListArguments, beside, fields
 from bendtwin.plan import PlanUpdate
-from bendtwin.resources import Capture, Fit, TwinInfo, Worker
+from bendtwin.resources import Capture, Fit, JobState, LossCurve, TwinInfo, Worker
 from bendtwin.rollout import RolloutResult, warned
 from bendtwin.v1 import (
     capture_pb2,
@@ -157,14 +158,21 @@ def get_capture(name: str) -> Call[Capture]:
     return Call(lambda s: s.captures.GetCapture, request, Capture.from_proto)
 
 
-def list_captures() -> Pages[Capture]:
-    """All captures."""
-    request = capture_pb2.ListCapturesRequest()
+def list_captures(choice: ListArguments) -> Pages[Capture]:
+    """Captures."""
+    request = capture_pb2.ListCapturesRequest(**choice)
     return Pages(
         lambda s: s.captures.ListCaptures,
         request,
         lambda page: [Capture.from_proto(c) for c in page.captures],
     )
+
+
+def update_capture(name: str, change: LabelArguments) -> Call[Capture]:
+    """Changes name, note and tags of a capture."""
+    capture = capture_pb2.Capture(name=name, **fields(change))
+    request = capture_pb2.UpdateCaptureRequest(capture=capture, **beside(change))
+    return Call(lambda s: s.captures.UpdateCapture, request, Capture.from_proto)
 
 
 def delete_capture(name: str) -> Call[None]:
@@ -222,7 +230,11 @@ def export_observation(name: str) -> Call[bytes]:
 
 
 def create_fit(
-    capture: str, settings: _Settings, priority: int, request_id: str | None
+    capture: str,
+    settings: _Settings,
+    priority: int,
+    request_id: str | None,
+    display_name: str,
 ) -> Call[Fit]:
     """Starts a fit."""
     request = fit_pb2.CreateFitRequest(
@@ -230,6 +242,7 @@ def create_fit(
         settings_json=_json(settings),
         priority=priority,
         request_id=request_id or str(uuid.uuid4()),
+        display_name=display_name,
     )
     return Call(lambda s: s.fits.CreateFit, request, Fit.from_proto)
 
@@ -239,11 +252,29 @@ def get_fit(name: str) -> Call[Fit]:
     return Call(lambda s: s.fits.GetFit, fit_pb2.GetFitRequest(name=name), Fit.from_proto)
 
 
-def list_fits(capture: str) -> Pages[Fit]:
-    """All fits, or those of a capture."""
-    request = fit_pb2.ListFitsRequest(capture=capture)
+def list_fits(capture: str, state: JobState | None, choice: ListArguments) -> Pages[Fit]:
+    """Fits, of all captures or one, in any state or one."""
+    number = None if state is None else state.value
+    request = fit_pb2.ListFitsRequest(capture=capture, state=number, **choice)
     return Pages(
         lambda s: s.fits.ListFits, request, lambda page: [Fit.from_proto(f) for f in page.fits]
+    )
+
+
+def update_fit(name: str, change: LabelArguments) -> Call[Fit]:
+    """Changes name, note and tags of a fit."""
+    fit = fit_pb2.Fit(name=name, **fields(change))
+    request = fit_pb2.UpdateFitRequest(fit=fit, **beside(change))
+    return Call(lambda s: s.fits.UpdateFit, request, Fit.from_proto)
+
+
+def fit_losses(name: str) -> Call[list[LossCurve]]:
+    """The losses of a fit."""
+    request = fit_pb2.GetFitLossesRequest(name=name)
+    return Call(
+        lambda s: s.fits.GetFitLosses,
+        request,
+        lambda losses: [LossCurve.from_proto(c) for c in losses.curves],
     )
 
 
@@ -276,9 +307,9 @@ def get_twin(name: str) -> Call[TwinInfo]:
     return Call(lambda s: s.twins.GetTwin, request, TwinInfo.from_proto)
 
 
-def list_twins(capture: str) -> Pages[TwinInfo]:
-    """All twins, or those of a capture."""
-    request = twin_pb2.ListTwinsRequest(capture=capture)
+def list_twins(capture: str, choice: ListArguments) -> Pages[TwinInfo]:
+    """Twins, of all captures or one."""
+    request = twin_pb2.ListTwinsRequest(capture=capture, **choice)
     return Pages(
         lambda s: s.twins.ListTwins,
         request,
@@ -308,6 +339,13 @@ def create_twin(
             yield twin_pb2.CreateTwinRequest(chunk=chunk)
 
     return Call(lambda s: s.twins.CreateTwin, messages(), TwinInfo.from_proto)
+
+
+def update_twin(name: str, change: LabelArguments) -> Call[TwinInfo]:
+    """Changes name, note and tags of a twin."""
+    twin = twin_pb2.Twin(name=name, **fields(change))
+    request = twin_pb2.UpdateTwinRequest(twin=twin, **beside(change))
+    return Call(lambda s: s.twins.UpdateTwin, request, TwinInfo.from_proto)
 
 
 def delete_twin(name: str) -> Call[None]:

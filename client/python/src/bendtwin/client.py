@@ -6,7 +6,7 @@ import json
 from collections.abc import Callable, Iterator, Sequence
 from os import PathLike
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import grpc
 from numpy.typing import ArrayLike
@@ -15,8 +15,9 @@ from bendtwin import calls, session_calls
 from bendtwin.archive import archive_of
 from bendtwin.caller import Caller
 from bendtwin.errors import FitFailed, IngestFailed
+from bendtwin.labels import LabelArguments, ListArguments
 from bendtwin.motion import Motion, bundle, bundle_file
-from bendtwin.resources import Capture, Fit, JobState, TwinInfo, Worker
+from bendtwin.resources import Capture, Fit, JobState, LossCurve, TwinInfo, Worker
 from bendtwin.rollout import Fidelity
 from bendtwin.session import Session
 from bendtwin.state import InitialState
@@ -24,6 +25,9 @@ from bendtwin.token import find_token, with_token
 from bendtwin.twin import Twin
 from bendtwin.uploads import Sender
 from bendtwin.world import Grasp, World
+
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
 
 
 class Client:
@@ -134,9 +138,13 @@ class Client:
         """One capture."""
         return self._caller.run(calls.get_capture(name))
 
-    def captures(self) -> Iterator[Capture]:
-        """All captures, newest first."""
-        return self._caller.pages(calls.list_captures())
+    def captures(self, **choice: Unpack[ListArguments]) -> Iterator[Capture]:
+        """All captures, newest first, or those with a text or a tag, in another order."""
+        return self._caller.pages(calls.list_captures(choice))
+
+    def update_capture(self, name: str, **change: Unpack[LabelArguments]) -> Capture:
+        """Changes display name, note and tags of a capture; what is not given stays."""
+        return self._caller.run(calls.update_capture(name, change))
 
     def delete_capture(self, name: str) -> None:
         """Deletes a capture; its twins stay."""
@@ -207,17 +215,34 @@ class Client:
         *,
         priority: int = 0,
         request_id: str | None = None,
+        display_name: str = "",
     ) -> Fit:
-        """Starts a fit of a capture. `settings` are those of docs/settings.md."""
-        return self._caller.run(calls.create_fit(capture, settings, priority, request_id))
+        """Starts a fit of a capture. `settings` are those of docs/settings.md.
+
+        Without a `display_name` it has its capture's.
+        """
+        return self._caller.run(
+            calls.create_fit(capture, settings, priority, request_id, display_name)
+        )
 
     def get_fit(self, name: str) -> Fit:
         """One fit as it stands."""
         return self._caller.run(calls.get_fit(name))
 
-    def fits(self, capture: str = "") -> Iterator[Fit]:
-        """All fits, or those of one capture, newest first."""
-        return self._caller.pages(calls.list_fits(capture))
+    def fits(
+        self, capture: str = "", *, state: JobState | None = None, **choice: Unpack[ListArguments]
+    ) -> Iterator[Fit]:
+        """All fits, newest first, or those of a capture, in a state, with a text or a tag."""
+        return self._caller.pages(calls.list_fits(capture, state, choice))
+
+    def update_fit(self, name: str, **change: Unpack[LabelArguments]) -> Fit:
+        """Changes display name, note and tags of a fit; what is not given stays."""
+        return self._caller.run(calls.update_fit(name, change))
+
+    def fit_losses(self, fit: Fit | str) -> list[LossCurve]:
+        """The losses of a fit, by stage and model. They stay until it is deleted."""
+        name = fit if isinstance(fit, str) else fit.name
+        return self._caller.run(calls.fit_losses(name))
 
     def cancel_fit(self, name: str) -> Fit:
         """Asks a fit to stop; one that has ended is returned as it is."""
@@ -283,9 +308,13 @@ class Client:
         info = self._caller.run(session_calls.open_session(request))
         return Session(self._caller, of, request, info)
 
-    def twins(self, capture: str = "") -> Iterator[Twin]:
-        """All twins, or those of one capture, newest first."""
-        return map(self._twin, self._caller.pages(calls.list_twins(capture)))
+    def twins(self, capture: str = "", **choice: Unpack[ListArguments]) -> Iterator[Twin]:
+        """All twins, newest first, or those of a capture, with a text or a tag."""
+        return map(self._twin, self._caller.pages(calls.list_twins(capture, choice)))
+
+    def update_twin(self, name: str, **change: Unpack[LabelArguments]) -> Twin:
+        """Changes display name, note and tags of a twin; what is not given stays."""
+        return self._twin(self._caller.run(calls.update_twin(name, change)))
 
     def export_twin(self, name: str, path: str | PathLike[str]) -> None:
         """Writes a twin's file (safetensors, docs/twin-format.md)."""

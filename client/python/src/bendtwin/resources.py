@@ -8,6 +8,9 @@ from dataclasses import dataclass, field
 from datetime import datetime, timezone
 from typing import Any
 
+import numpy as np
+from numpy.typing import NDArray
+
 from bendtwin.errors import Category, category_named
 from bendtwin.v1 import capture_pb2, fault_pb2, fit_pb2, job_pb2, session_pb2, twin_pb2, worker_pb2
 
@@ -42,6 +45,61 @@ class Fault:
 
 
 @dataclass(frozen=True)
+class ModelLoss:
+    """Loss of a model after an iteration."""
+
+    #: search or refine.
+    stage: str
+    #: bending or axial, of several starts followed by which: `bending 2/3`.
+    variant: str
+    iteration: int
+    #: None where it was not finite.
+    loss: float | None
+    best_loss: float | None
+
+    @classmethod
+    def from_proto(cls, message: job_pb2.ModelLoss) -> ModelLoss:
+        """Reads the wire form."""
+        return cls(
+            message.stage,
+            message.variant,
+            message.iteration,
+            _optional(message, "loss"),
+            _optional(message, "best_loss"),
+        )
+
+
+@dataclass(frozen=True)
+class LossCurve:
+    """Losses of one model over the iterations of a stage of a fit.
+
+    Of a long stage every second iteration is kept, every fourth and so on, and the last.
+    """
+
+    #: search or refine.
+    stage: str
+    #: bending or axial, of several starts followed by which: `bending 2/3`.
+    variant: str
+    #: Ascending, from 1, [n].
+    iterations: NDArray[np.int64]
+    #: NaN where it was not finite, [n].
+    losses: NDArray[np.float64]
+    #: The lowest up to each iteration, [n].
+    best_losses: NDArray[np.float64]
+
+    @classmethod
+    def from_proto(cls, message: fit_pb2.FitLosses.LossCurve) -> LossCurve:
+        """Reads the wire form."""
+        return cls(
+            message.stage,
+            message.variant,
+            np.array(message.iterations, np.int64),
+            np.array(message.losses, np.float64),
+            np.array(message.best_losses, np.float64),
+        )
+
+
+@dataclass(frozen=True)
 class Progress:
     """Progress of a running job."""
 
@@ -57,6 +115,8 @@ class Progress:
     best_loss: float | None
     eta_s: float | None
     note: str
+    #: The last loss of each model that is fitted side by side with others.
+    models: tuple[ModelLoss, ...] = ()
 
     @classmethod
     def from_proto(cls, message: job_pb2.Progress) -> Progress:
@@ -71,6 +131,7 @@ class Progress:
             _optional(message, "best_loss"),
             _optional(message, "eta_s"),
             message.note,
+            tuple(ModelLoss.from_proto(m) for m in message.models),
         )
 
 
@@ -130,6 +191,10 @@ class Capture:
     ingest: Job | None = None
     #: The report's: good, usable or unusable; empty until there is a report.
     verdict: str = ""
+    #: Text that people write about it.
+    note: str = ""
+    #: Sorted.
+    tags: tuple[str, ...] = ()
 
     @classmethod
     def from_proto(cls, message: capture_pb2.Capture) -> Capture:
@@ -142,6 +207,8 @@ class Capture:
             message.digest,
             Job.from_proto(message.ingest) if message.HasField("ingest") else None,
             message.verdict,
+            message.note,
+            tuple(message.tags),
         )
 
 
@@ -156,6 +223,14 @@ class Fit:
     job: Job
     #: Fits of higher priority run earlier.
     priority: int = 0
+    #: The capture's when the fit was created, unless one was given.
+    display_name: str = ""
+    #: Text that people write about it.
+    note: str = ""
+    #: Sorted.
+    tags: tuple[str, ...] = ()
+    #: Error of its twin over frames that it was not fitted to, in metres; None if there is none.
+    error_m: float | None = None
 
     @classmethod
     def from_proto(cls, message: fit_pb2.Fit) -> Fit:
@@ -166,6 +241,10 @@ class Fit:
             twin=message.twin,
             job=Job.from_proto(message.job),
             priority=message.priority,
+            display_name=message.display_name,
+            note=message.note,
+            tags=tuple(message.tags),
+            error_m=_optional(message, "error_m"),
         )
 
     @property
@@ -206,6 +285,13 @@ class TwinInfo:
     quality: dict[str, Any]
     #: Mass of the object; None if it is not known.
     mass_kg: float | None = None
+    #: Text that people write about it.
+    note: str = ""
+    #: Sorted.
+    tags: tuple[str, ...] = ()
+    #: Error over frames that it was not fitted to, in metres: of tracks, else of coordinates, else
+    #: the Chamfer distance; None if there is none.
+    error_m: float | None = None
 
     @classmethod
     def from_proto(cls, message: twin_pb2.Twin) -> TwinInfo:
@@ -226,6 +312,9 @@ class TwinInfo:
             message.substeps,
             _json(message.quality_json),
             _optional(message, "mass_kg"),
+            message.note,
+            tuple(message.tags),
+            _optional(message, "error_m"),
         )
 
 

@@ -51,6 +51,11 @@ class CaptureServiceStub(object):
                 request_serializer=bendtwin_dot_v1_dot_capture__pb2.ListCapturesRequest.SerializeToString,
                 response_deserializer=bendtwin_dot_v1_dot_capture__pb2.ListCapturesResponse.FromString,
                 _registered_method=True)
+        self.UpdateCapture = channel.unary_unary(
+                '/bendtwin.v1.CaptureService/UpdateCapture',
+                request_serializer=bendtwin_dot_v1_dot_capture__pb2.UpdateCaptureRequest.SerializeToString,
+                response_deserializer=bendtwin_dot_v1_dot_capture__pb2.Capture.FromString,
+                _registered_method=True)
         self.DeleteCapture = channel.unary_unary(
                 '/bendtwin.v1.CaptureService/DeleteCapture',
                 request_serializer=bendtwin_dot_v1_dot_capture__pb2.DeleteCaptureRequest.SerializeToString,
@@ -104,6 +109,13 @@ class CaptureServiceServicer(object):
 
     def ListCaptures(self, request, context):
         """Missing associated documentation comment in .proto file."""
+        context.set_code(grpc.StatusCode.UNIMPLEMENTED)
+        context.set_details('Method not implemented!')
+        raise NotImplementedError('Method not implemented!')
+
+    def UpdateCapture(self, request, context):
+        """Changes display name, note and tags.
+        """
         context.set_code(grpc.StatusCode.UNIMPLEMENTED)
         context.set_details('Method not implemented!')
         raise NotImplementedError('Method not implemented!')
@@ -168,6 +180,11 @@ def add_CaptureServiceServicer_to_server(servicer, server):
                     servicer.ListCaptures,
                     request_deserializer=bendtwin_dot_v1_dot_capture__pb2.ListCapturesRequest.FromString,
                     response_serializer=bendtwin_dot_v1_dot_capture__pb2.ListCapturesResponse.SerializeToString,
+            ),
+            'UpdateCapture': grpc.unary_unary_rpc_method_handler(
+                    servicer.UpdateCapture,
+                    request_deserializer=bendtwin_dot_v1_dot_capture__pb2.UpdateCaptureRequest.FromString,
+                    response_serializer=bendtwin_dot_v1_dot_capture__pb2.Capture.SerializeToString,
             ),
             'DeleteCapture': grpc.unary_unary_rpc_method_handler(
                     servicer.DeleteCapture,
@@ -283,6 +300,33 @@ class CaptureService(object):
             '/bendtwin.v1.CaptureService/ListCaptures',
             bendtwin_dot_v1_dot_capture__pb2.ListCapturesRequest.SerializeToString,
             bendtwin_dot_v1_dot_capture__pb2.ListCapturesResponse.FromString,
+            options,
+            channel_credentials,
+            insecure,
+            call_credentials,
+            compression,
+            wait_for_ready,
+            timeout,
+            metadata,
+            _registered_method=True)
+
+    @staticmethod
+    def UpdateCapture(request,
+            target,
+            options=(),
+            channel_credentials=None,
+            call_credentials=None,
+            insecure=False,
+            compression=None,
+            wait_for_ready=None,
+            timeout=None,
+            metadata=None):
+        return grpc.experimental.unary_unary(
+            request,
+            target,
+            '/bendtwin.v1.CaptureService/UpdateCapture',
+            bendtwin_dot_v1_dot_capture__pb2.UpdateCaptureRequest.SerializeToString,
+            bendtwin_dot_v1_dot_capture__pb2.Capture.FromString,
             options,
             channel_credentials,
             insecure,

@@ -1,4 +1,5 @@
 from bendtwin.v1 import job_pb2 as _job_pb2
+from google.protobuf import field_mask_pb2 as _field_mask_pb2
 from google.protobuf.internal import containers as _containers
 from google.protobuf import descriptor as _descriptor
 from google.protobuf import message as _message
@@ -8,30 +9,40 @@ from typing import ClassVar as _ClassVar, Optional as _Optional, Union as _Union
 DESCRIPTOR: _descriptor.FileDescriptor
 
 class Fit(_message.Message):
-    __slots__ = ("name", "capture", "twin", "priority", "job")
+    __slots__ = ("name", "capture", "twin", "priority", "job", "display_name", "note", "tags", "error_m")
     NAME_FIELD_NUMBER: _ClassVar[int]
     CAPTURE_FIELD_NUMBER: _ClassVar[int]
     TWIN_FIELD_NUMBER: _ClassVar[int]
     PRIORITY_FIELD_NUMBER: _ClassVar[int]
     JOB_FIELD_NUMBER: _ClassVar[int]
+    DISPLAY_NAME_FIELD_NUMBER: _ClassVar[int]
+    NOTE_FIELD_NUMBER: _ClassVar[int]
+    TAGS_FIELD_NUMBER: _ClassVar[int]
+    ERROR_M_FIELD_NUMBER: _ClassVar[int]
     name: str
     capture: str
     twin: str
     priority: int
     job: _job_pb2.Job
-    def __init__(self, name: _Optional[str] = ..., capture: _Optional[str] = ..., twin: _Optional[str] = ..., priority: _Optional[int] = ..., job: _Optional[_Union[_job_pb2.Job, _Mapping]] = ...) -> None: ...
+    display_name: str
+    note: str
+    tags: _containers.RepeatedScalarFieldContainer[str]
+    error_m: float
+    def __init__(self, name: _Optional[str] = ..., capture: _Optional[str] = ..., twin: _Optional[str] = ..., priority: _Optional[int] = ..., job: _Optional[_Union[_job_pb2.Job, _Mapping]] = ..., display_name: _Optional[str] = ..., note: _Optional[str] = ..., tags: _Optional[_Iterable[str]] = ..., error_m: _Optional[float] = ...) -> None: ...
 
 class CreateFitRequest(_message.Message):
-    __slots__ = ("capture", "settings_json", "priority", "request_id")
+    __slots__ = ("capture", "settings_json", "priority", "request_id", "display_name")
     CAPTURE_FIELD_NUMBER: _ClassVar[int]
     SETTINGS_JSON_FIELD_NUMBER: _ClassVar[int]
     PRIORITY_FIELD_NUMBER: _ClassVar[int]
     REQUEST_ID_FIELD_NUMBER: _ClassVar[int]
+    DISPLAY_NAME_FIELD_NUMBER: _ClassVar[int]
     capture: str
     settings_json: str
     priority: int
     request_id: str
-    def __init__(self, capture: _Optional[str] = ..., settings_json: _Optional[str] = ..., priority: _Optional[int] = ..., request_id: _Optional[str] = ...) -> None: ...
+    display_name: str
+    def __init__(self, capture: _Optional[str] = ..., settings_json: _Optional[str] = ..., priority: _Optional[int] = ..., request_id: _Optional[str] = ..., display_name: _Optional[str] = ...) -> None: ...
 
 class GetFitRequest(_message.Message):
     __slots__ = ("name",)
@@ -40,14 +51,22 @@ class GetFitRequest(_message.Message):
     def __init__(self, name: _Optional[str] = ...) -> None: ...
 
 class ListFitsRequest(_message.Message):
-    __slots__ = ("page_size", "page_token", "capture")
+    __slots__ = ("page_size", "page_token", "capture", "state", "search", "tag", "order_by")
     PAGE_SIZE_FIELD_NUMBER: _ClassVar[int]
     PAGE_TOKEN_FIELD_NUMBER: _ClassVar[int]
     CAPTURE_FIELD_NUMBER: _ClassVar[int]
+    STATE_FIELD_NUMBER: _ClassVar[int]
+    SEARCH_FIELD_NUMBER: _ClassVar[int]
+    TAG_FIELD_NUMBER: _ClassVar[int]
+    ORDER_BY_FIELD_NUMBER: _ClassVar[int]
     page_size: int
     page_token: str
     capture: str
-    def __init__(self, page_size: _Optional[int] = ..., page_token: _Optional[str] = ..., capture: _Optional[str] = ...) -> None: ...
+    state: _job_pb2.Job.State
+    search: str
+    tag: str
+    order_by: str
+    def __init__(self, page_size: _Optional[int] = ..., page_token: _Optional[str] = ..., capture: _Optional[str] = ..., state: _Optional[_Union[_job_pb2.Job.State, str]] = ..., search: _Optional[str] = ..., tag: _Optional[str] = ..., order_by: _Optional[str] = ...) -> None: ...
 
 class ListFitsResponse(_message.Message):
     __slots__ = ("fits", "next_page_token")
@@ -56,6 +75,43 @@ class ListFitsResponse(_message.Message):
     fits: _containers.RepeatedCompositeFieldContainer[Fit]
     next_page_token: str
     def __init__(self, fits: _Optional[_Iterable[_Union[Fit, _Mapping]]] = ..., next_page_token: _Optional[str] = ...) -> None: ...
+
+class UpdateFitRequest(_message.Message):
+    __slots__ = ("fit", "update_mask", "add_tags", "remove_tags")
+    FIT_FIELD_NUMBER: _ClassVar[int]
+    UPDATE_MASK_FIELD_NUMBER: _ClassVar[int]
+    ADD_TAGS_FIELD_NUMBER: _ClassVar[int]
+    REMOVE_TAGS_FIELD_NUMBER: _ClassVar[int]
+    fit: Fit
+    update_mask: _field_mask_pb2.FieldMask
+    add_tags: _containers.RepeatedScalarFieldContainer[str]
+    remove_tags: _containers.RepeatedScalarFieldContainer[str]
+    def __init__(self, fit: _Optional[_Union[Fit, _Mapping]] = ..., update_mask: _Optional[_Union[_field_mask_pb2.FieldMask, _Mapping]] = ..., add_tags: _Optional[_Iterable[str]] = ..., remove_tags: _Optional[_Iterable[str]] = ...) -> None: ...
+
+class GetFitLossesRequest(_message.Message):
+    __slots__ = ("name",)
+    NAME_FIELD_NUMBER: _ClassVar[int]
+    name: str
+    def __init__(self, name: _Optional[str] = ...) -> None: ...
+
+class FitLosses(_message.Message):
+    __slots__ = ("curves",)
+    class LossCurve(_message.Message):
+        __slots__ = ("stage", "variant", "iterations", "losses", "best_losses")
+        STAGE_FIELD_NUMBER: _ClassVar[int]
+        VARIANT_FIELD_NUMBER: _ClassVar[int]
+        ITERATIONS_FIELD_NUMBER: _ClassVar[int]
+        LOSSES_FIELD_NUMBER: _ClassVar[int]
+        BEST_LOSSES_FIELD_NUMBER: _ClassVar[int]
+        stage: str
+        variant: str
+        iterations: _containers.RepeatedScalarFieldContainer[int]
+        losses: _containers.RepeatedScalarFieldContainer[float]
+        best_losses: _containers.RepeatedScalarFieldContainer[float]
+        def __init__(self, stage: _Optional[str] = ..., variant: _Optional[str] = ..., iterations: _Optional[_Iterable[int]] = ..., losses: _Optional[_Iterable[float]] = ..., best_losses: _Optional[_Iterable[float]] = ...) -> None: ...
+    CURVES_FIELD_NUMBER: _ClassVar[int]
+    curves: _containers.RepeatedCompositeFieldContainer[FitLosses.LossCurve]
+    def __init__(self, curves: _Optional[_Iterable[_Union[FitLosses.LossCurve, _Mapping]]] = ...) -> None: ...
 
 class CancelFitRequest(_message.Message):
     __slots__ = ("name",)

@@ -50,6 +50,16 @@ class FitServiceStub(object):
                 request_serializer=bendtwin_dot_v1_dot_fit__pb2.ListFitsRequest.SerializeToString,
                 response_deserializer=bendtwin_dot_v1_dot_fit__pb2.ListFitsResponse.FromString,
                 _registered_method=True)
+        self.UpdateFit = channel.unary_unary(
+                '/bendtwin.v1.FitService/UpdateFit',
+                request_serializer=bendtwin_dot_v1_dot_fit__pb2.UpdateFitRequest.SerializeToString,
+                response_deserializer=bendtwin_dot_v1_dot_fit__pb2.Fit.FromString,
+                _registered_method=True)
+        self.GetFitLosses = channel.unary_unary(
+                '/bendtwin.v1.FitService/GetFitLosses',
+                request_serializer=bendtwin_dot_v1_dot_fit__pb2.GetFitLossesRequest.SerializeToString,
+                response_deserializer=bendtwin_dot_v1_dot_fit__pb2.FitLosses.FromString,
+                _registered_method=True)
         self.CancelFit = channel.unary_unary(
                 '/bendtwin.v1.FitService/CancelFit',
                 request_serializer=bendtwin_dot_v1_dot_fit__pb2.CancelFitRequest.SerializeToString,
@@ -85,6 +95,20 @@ class FitServiceServicer(object):
 
     def ListFits(self, request, context):
         """Missing associated documentation comment in .proto file."""
+        context.set_code(grpc.StatusCode.UNIMPLEMENTED)
+        context.set_details('Method not implemented!')
+        raise NotImplementedError('Method not implemented!')
+
+    def UpdateFit(self, request, context):
+        """Changes display name, note and tags.
+        """
+        context.set_code(grpc.StatusCode.UNIMPLEMENTED)
+        context.set_details('Method not implemented!')
+        raise NotImplementedError('Method not implemented!')
+
+    def GetFitLosses(self, request, context):
+        """The losses of all iterations so far.
+        """
         context.set_code(grpc.StatusCode.UNIMPLEMENTED)
         context.set_details('Method not implemented!')
         raise NotImplementedError('Method not implemented!')
@@ -127,6 +151,16 @@ def add_FitServiceServicer_to_server(servicer, server):
                     servicer.ListFits,
                     request_deserializer=bendtwin_dot_v1_dot_fit__pb2.ListFitsRequest.FromString,
                     response_serializer=bendtwin_dot_v1_dot_fit__pb2.ListFitsResponse.SerializeToString,
+            ),
+            'UpdateFit': grpc.unary_unary_rpc_method_handler(
+                    servicer.UpdateFit,
+                    request_deserializer=bendtwin_dot_v1_dot_fit__pb2.UpdateFitRequest.FromString,
+                    response_serializer=bendtwin_dot_v1_dot_fit__pb2.Fit.SerializeToString,
+            ),
+            'GetFitLosses': grpc.unary_unary_rpc_method_handler(
+                    servicer.GetFitLosses,
+                    request_deserializer=bendtwin_dot_v1_dot_fit__pb2.GetFitLossesRequest.FromString,
+                    response_serializer=bendtwin_dot_v1_dot_fit__pb2.FitLosses.SerializeToString,
             ),
             'CancelFit': grpc.unary_unary_rpc_method_handler(
                     servicer.CancelFit,
@@ -226,6 +260,60 @@ class FitService(object):
             '/bendtwin.v1.FitService/ListFits',
             bendtwin_dot_v1_dot_fit__pb2.ListFitsRequest.SerializeToString,
             bendtwin_dot_v1_dot_fit__pb2.ListFitsResponse.FromString,
+            options,
+            channel_credentials,
+            insecure,
+            call_credentials,
+            compression,
+            wait_for_ready,
+            timeout,
+            metadata,
+            _registered_method=True)
+
+    @staticmethod
+    def UpdateFit(request,
+            target,
+            options=(),
+            channel_credentials=None,
+            call_credentials=None,
+            insecure=False,
+            compression=None,
+            wait_for_ready=None,
+            timeout=None,
+            metadata=None):
+        return grpc.experimental.unary_unary(
+            request,
+            target,
+            '/bendtwin.v1.FitService/UpdateFit',
+            bendtwin_dot_v1_dot_fit__pb2.UpdateFitRequest.SerializeToString,
+            bendtwin_dot_v1_dot_fit__pb2.Fit.FromString,
+            options,
+            channel_credentials,
+            insecure,
+            call_credentials,
+            compression,
+            wait_for_ready,
+            timeout,
+            metadata,
+            _registered_method=True)
+
+    @staticmethod
+    def GetFitLosses(request,
+            target,
+            options=(),
+            channel_credentials=None,
+            call_credentials=None,
+            insecure=False,
+            compression=None,
+            wait_for_ready=None,
+            timeout=None,
+            metadata=None):
+        return grpc.experimental.unary_unary(
+            request,
+            target,
+            '/bendtwin.v1.FitService/GetFitLosses',
+            bendtwin_dot_v1_dot_fit__pb2.GetFitLossesRequest.SerializeToString,
+            bendtwin_dot_v1_dot_fit__pb2.FitLosses.FromString,
             options,
             channel_credentials,
             insecure,

@@ -24,42 +24,45 @@ _sym_db = _symbol_database.Default()
 
 from bendtwin.v1 import tensor_pb2 as bendtwin_dot_v1_dot_tensor__pb2
 from bendtwin.v1 import world_pb2 as bendtwin_dot_v1_dot_world__pb2
+from google.protobuf import field_mask_pb2 as google_dot_protobuf_dot_field__mask__pb2
 from google.protobuf import timestamp_pb2 as google_dot_protobuf_dot_timestamp__pb2
 
 
-DESCRIPTOR = _descriptor_pool.Default().AddSerializedFile(b'\n\x16\x62\x65ndtwin/v1/twin.proto\x12\x0b\x62\x65ndtwin.v1\x1a\x18\x62\x65ndtwin/v1/tensor.proto\x1a\x17\x62\x65ndtwin/v1/world.proto\x1a\x1fgoogle/protobuf/timestamp.proto\"\xcc\x02\n\x04Twin\x12\x0c\n\x04name\x18\x01 \x01(\t\x12\x14\n\x0c\x64isplay_name\x18\x02 \x01(\t\x12\x0f\n\x07\x63\x61pture\x18\x03 \x01(\t\x12\x0b\n\x03\x66it\x18\x04 \x01(\t\x12/\n\x0b\x63reate_time\x18\x05 \x01(\x0b\x32\x1a.google.protobuf.Timestamp\x12\x12\n\nsize_bytes\x18\x06 \x01(\x04\x12\x0e\n\x06\x64igest\x18\x07 \x01(\t\x12\x12\n\nnode_count\x18\x08 \x01(\r\x12\x14\n\x0cspring_count\x18\t \x01(\r\x12\x15\n\rtriplet_count\x18\n \x01(\r\x12\x15\n\rcontrol_count\x18\x0b \x01(\r\x12\x0b\n\x03\x66ps\x18\x0c \x01(\x01\x12\x10\n\x08substeps\x18\r \x01(\r\x12\x14\n\x0cquality_json\x18\x0e \x01(\t\x12\x14\n\x07mass_kg\x18\x0f \x01(\x01H\x00\x88\x01\x01\x42\n\n\x08_mass_kg\"&\n\x16GetTwinGeometryRequest\x12\x0c\n\x04name\x18\x01 \x01(\t\"\xfb\x07\n\x0cTwinGeometry\x12+\n\x0erest_positions\x18\x01 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12\"\n\x05kinds\x18\x02 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12\"\n\x05\x65\x64ges\x18\x03 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12)\n\x0crest_lengths\x18\x04 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12%\n\x08triplets\x18\x05 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12#\n\x06masses\x18\x06 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12%\n\x08\x63ontrols\x18\x07 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12\"\n\x05hands\x18\x08 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12!\n\x04pins\x18\t \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12\x15\n\rsurface_count\x18\n \x01(\r\x12\x11\n\trod_count\x18\x0b \x01(\r\x12\x0b\n\x03\x66ps\x18\x0c \x01(\x01\x12\x10\n\x08substeps\x18\r \x01(\r\x12\x0f\n\x07gravity\x18\x0e \x03(\x02\x12\"\n\x06ground\x18\x0f \x01(\x0b\x32\x12.bendtwin.v1.Plane\x12\x17\n\x0fground_friction\x18\x10 \x01(\x02\x12\x1a\n\x12ground_restitution\x18\x11 \x01(\x02\x12\x14\n\x07mass_kg\x18\x12 \x01(\x01H\x00\x88\x01\x01\x12\x11\n\tspacing_m\x18\x13 \x01(\x01\x12\'\n\nrod_starts\x18\x14 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12&\n\trod_nodes\x18\x15 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12,\n\x04skin\x18\x16 \x01(\x0b\x32\x1e.bendtwin.v1.TwinGeometry.Skin\x1a\xa9\x02\n\x04Skin\x12+\n\x0erest_positions\x18\x01 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12,\n\x0fobserved_points\x18\x02 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12*\n\rweight_counts\x18\x03 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12)\n\x0cweight_nodes\x18\x04 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12$\n\x07weights\x18\x05 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12#\n\x06\x66rames\x18\x06 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12$\n\x07offsets\x18\x07 \x01(\x0b\x32\x13.bendtwin.v1.TensorB\n\n\x08_mass_kg\"[\n\x11\x43reateTwinRequest\x12-\n\x08metadata\x18\x01 \x01(\x0b\x32\x19.bendtwin.v1.TwinMetadataH\x00\x12\x0f\n\x05\x63hunk\x18\x02 \x01(\x0cH\x00\x42\x06\n\x04part\"H\n\x0cTwinMetadata\x12\x14\n\x0c\x64isplay_name\x18\x01 \x01(\t\x12\x12\n\nrequest_id\x18\x02 \x01(\t\x12\x0e\n\x06\x64igest\x18\x03 \x01(\t\"\x1e\n\x0eGetTwinRequest\x12\x0c\n\x04name\x18\x01 \x01(\t\"J\n\x10ListTwinsRequest\x12\x11\n\tpage_size\x18\x01 \x01(\r\x12\x12\n\npage_token\x18\x02 \x01(\t\x12\x0f\n\x07\x63\x61pture\x18\x03 \x01(\t\"N\n\x11ListTwinsResponse\x12 \n\x05twins\x18\x01 \x03(\x0b\x32\x11.bendtwin.v1.Twin\x12\x17\n\x0fnext_page_token\x18\x02 \x01(\t\"!\n\x11\x44\x65leteTwinRequest\x12\x0c\n\x04name\x18\x01 \x01(\t\"\x14\n\x12\x44\x65leteTwinResponse\"!\n\x11\x45xportTwinRequest\x12\x0c\n\x04name\x18\x01 \x01(\t\"#\n\x12\x45xportTwinResponse\x12\r\n\x05\x63hunk\x18\x01 \x01(\x0c\x32\xca\x03\n\x0bTwinService\x12\x41\n\nCreateTwin\x12\x1e.bendtwin.v1.CreateTwinRequest\x1a\x11.bendtwin.v1.Twin(\x01\x12\x39\n\x07GetTwin\x12\x1b.bendtwin.v1.GetTwinRequest\x1a\x11.bendtwin.v1.Twin\x12J\n\tListTwins\x12\x1d.bendtwin.v1.ListTwinsRequest\x1a\x1e.bendtwin.v1.ListTwinsResponse\x12M\n\nDeleteTwin\x12\x1e.bendtwin.v1.DeleteTwinRequest\x1a\x1f.bendtwin.v1.DeleteTwinResponse\x12O\n\nExportTwin\x12\x1e.bendtwin.v1.ExportTwinRequest\x1a\x1f.bendtwin.v1.ExportTwinResponse0\x01\x12Q\n\x0fGetTwinGeometry\x12#.bendtwin.v1.GetTwinGeometryRequest\x1a\x19.bendtwin.v1.TwinGeometryb\x06proto3')
+DESCRIPTOR = _descriptor_pool.Default().AddSerializedFile(b'\n\x16\x62\x65ndtwin/v1/twin.proto\x12\x0b\x62\x65ndtwin.v1\x1a\x18\x62\x65ndtwin/v1/tensor.proto\x1a\x17\x62\x65ndtwin/v1/world.proto\x1a google/protobuf/field_mask.proto\x1a\x1fgoogle/protobuf/timestamp.proto\"\x8a\x03\n\x04Twin\x12\x0c\n\x04name\x18\x01 \x01(\t\x12\x14\n\x0c\x64isplay_name\x18\x02 \x01(\t\x12\x0f\n\x07\x63\x61pture\x18\x03 \x01(\t\x12\x0b\n\x03\x66it\x18\x04 \x01(\t\x12/\n\x0b\x63reate_time\x18\x05 \x01(\x0b\x32\x1a.google.protobuf.Timestamp\x12\x12\n\nsize_bytes\x18\x06 \x01(\x04\x12\x0e\n\x06\x64igest\x18\x07 \x01(\t\x12\x12\n\nnode_count\x18\x08 \x01(\r\x12\x14\n\x0cspring_count\x18\t \x01(\r\x12\x15\n\rtriplet_count\x18\n \x01(\r\x12\x15\n\rcontrol_count\x18\x0b \x01(\r\x12\x0b\n\x03\x66ps\x18\x0c \x01(\x01\x12\x10\n\x08substeps\x18\r \x01(\r\x12\x14\n\x0cquality_json\x18\x0e \x01(\t\x12\x14\n\x07mass_kg\x18\x0f \x01(\x01H\x00\x88\x01\x01\x12\x0c\n\x04note\x18\x10 \x01(\t\x12\x0c\n\x04tags\x18\x11 \x03(\t\x12\x14\n\x07\x65rror_m\x18\x12 \x01(\x01H\x01\x88\x01\x01\x42\n\n\x08_mass_kgB\n\n\x08_error_m\"&\n\x16GetTwinGeometryRequest\x12\x0c\n\x04name\x18\x01 \x01(\t\"\xfb\x07\n\x0cTwinGeometry\x12+\n\x0erest_positions\x18\x01 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12\"\n\x05kinds\x18\x02 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12\"\n\x05\x65\x64ges\x18\x03 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12)\n\x0crest_lengths\x18\x04 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12%\n\x08triplets\x18\x05 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12#\n\x06masses\x18\x06 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12%\n\x08\x63ontrols\x18\x07 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12\"\n\x05hands\x18\x08 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12!\n\x04pins\x18\t \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12\x15\n\rsurface_count\x18\n \x01(\r\x12\x11\n\trod_count\x18\x0b \x01(\r\x12\x0b\n\x03\x66ps\x18\x0c \x01(\x01\x12\x10\n\x08substeps\x18\r \x01(\r\x12\x0f\n\x07gravity\x18\x0e \x03(\x02\x12\"\n\x06ground\x18\x0f \x01(\x0b\x32\x12.bendtwin.v1.Plane\x12\x17\n\x0fground_friction\x18\x10 \x01(\x02\x12\x1a\n\x12ground_restitution\x18\x11 \x01(\x02\x12\x14\n\x07mass_kg\x18\x12 \x01(\x01H\x00\x88\x01\x01\x12\x11\n\tspacing_m\x18\x13 \x01(\x01\x12\'\n\nrod_starts\x18\x14 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12&\n\trod_nodes\x18\x15 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12,\n\x04skin\x18\x16 \x01(\x0b\x32\x1e.bendtwin.v1.TwinGeometry.Skin\x1a\xa9\x02\n\x04Skin\x12+\n\x0erest_positions\x18\x01 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12,\n\x0fobserved_points\x18\x02 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12*\n\rweight_counts\x18\x03 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12)\n\x0cweight_nodes\x18\x04 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12$\n\x07weights\x18\x05 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12#\n\x06\x66rames\x18\x06 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12$\n\x07offsets\x18\x07 \x01(\x0b\x32\x13.bendtwin.v1.TensorB\n\n\x08_mass_kg\"[\n\x11\x43reateTwinRequest\x12-\n\x08metadata\x18\x01 \x01(\x0b\x32\x19.bendtwin.v1.TwinMetadataH\x00\x12\x0f\n\x05\x63hunk\x18\x02 \x01(\x0cH\x00\x42\x06\n\x04part\"H\n\x0cTwinMetadata\x12\x14\n\x0c\x64isplay_name\x18\x01 \x01(\t\x12\x12\n\nrequest_id\x18\x02 \x01(\t\x12\x0e\n\x06\x64igest\x18\x03 \x01(\t\"\x1e\n\x0eGetTwinRequest\x12\x0c\n\x04name\x18\x01 \x01(\t\"y\n\x10ListTwinsRequest\x12\x11\n\tpage_size\x18\x01 \x01(\r\x12\x12\n\npage_token\x18\x02 \x01(\t\x12\x0f\n\x07\x63\x61pture\x18\x03 \x01(\t\x12\x0e\n\x06search\x18\x04 \x01(\t\x12\x0b\n\x03tag\x18\x05 \x01(\t\x12\x10\n\x08order_by\x18\x06 \x01(\t\"N\n\x11ListTwinsResponse\x12 \n\x05twins\x18\x01 \x03(\x0b\x32\x11.bendtwin.v1.Twin\x12\x17\n\x0fnext_page_token\x18\x02 \x01(\t\"\x8c\x01\n\x11UpdateTwinRequest\x12\x1f\n\x04twin\x18\x01 \x01(\x0b\x32\x11.bendtwin.v1.Twin\x12/\n\x0bupdate_mask\x18\x02 \x01(\x0b\x32\x1a.google.protobuf.FieldMask\x12\x10\n\x08\x61\x64\x64_tags\x18\x03 \x03(\t\x12\x13\n\x0bremove_tags\x18\x04 \x03(\t\"!\n\x11\x44\x65leteTwinRequest\x12\x0c\n\x04name\x18\x01 \x01(\t\"\x14\n\x12\x44\x65leteTwinResponse\"!\n\x11\x45xportTwinRequest\x12\x0c\n\x04name\x18\x01 \x01(\t\"#\n\x12\x45xportTwinResponse\x12\r\n\x05\x63hunk\x18\x01 \x01(\x0c\x32\x8b\x04\n\x0bTwinService\x12\x41\n\nCreateTwin\x12\x1e.bendtwin.v1.CreateTwinRequest\x1a\x11.bendtwin.v1.Twin(\x01\x12\x39\n\x07GetTwin\x12\x1b.bendtwin.v1.GetTwinRequest\x1a\x11.bendtwin.v1.Twin\x12J\n\tListTwins\x12\x1d.bendtwin.v1.ListTwinsRequest\x1a\x1e.bendtwin.v1.ListTwinsResponse\x12?\n\nUpdateTwin\x12\x1e.bendtwin.v1.UpdateTwinRequest\x1a\x11.bendtwin.v1.Twin\x12M\n\nDeleteTwin\x12\x1e.bendtwin.v1.DeleteTwinRequest\x1a\x1f.bendtwin.v1.DeleteTwinResponse\x12O\n\nExportTwin\x12\x1e.bendtwin.v1.ExportTwinRequest\x1a\x1f.bendtwin.v1.ExportTwinResponse0\x01\x12Q\n\x0fGetTwinGeometry\x12#.bendtwin.v1.GetTwinGeometryRequest\x1a\x19.bendtwin.v1.TwinGeometryb\x06proto3')
 
 _globals = globals()
 _builder.BuildMessageAndEnumDescriptors(DESCRIPTOR, _globals)
 _builder.BuildTopDescriptorsAndMessages(DESCRIPTOR, 'bendtwin.v1.twin_pb2', _globals)
 if not _descriptor._USE_C_DESCRIPTORS:
   DESCRIPTOR._loaded_options = None
-  _globals['_TWIN']._serialized_start=124
-  _globals['_TWIN']._serialized_end=456
-  _globals['_GETTWINGEOMETRYREQUEST']._serialized_start=458
-  _globals['_GETTWINGEOMETRYREQUEST']._serialized_end=496
-  _globals['_TWINGEOMETRY']._serialized_start=499
-  _globals['_TWINGEOMETRY']._serialized_end=1518
-  _globals['_TWINGEOMETRY_SKIN']._serialized_start=1209
-  _globals['_TWINGEOMETRY_SKIN']._serialized_end=1506
-  _globals['_CREATETWINREQUEST']._serialized_start=1520
-  _globals['_CREATETWINREQUEST']._serialized_end=1611
-  _globals['_TWINMETADATA']._serialized_start=1613
-  _globals['_TWINMETADATA']._serialized_end=1685
-  _globals['_GETTWINREQUEST']._serialized_start=1687
-  _globals['_GETTWINREQUEST']._serialized_end=1717
-  _globals['_LISTTWINSREQUEST']._serialized_start=1719
-  _globals['_LISTTWINSREQUEST']._serialized_end=1793
-  _globals['_LISTTWINSRESPONSE']._serialized_start=1795
-  _globals['_LISTTWINSRESPONSE']._serialized_end=1873
-  _globals['_DELETETWINREQUEST']._serialized_start=1875
-  _globals['_DELETETWINREQUEST']._serialized_end=1908
-  _globals['_DELETETWINRESPONSE']._serialized_start=1910
-  _globals['_DELETETWINRESPONSE']._serialized_end=1930
-  _globals['_EXPORTTWINREQUEST']._serialized_start=1932
-  _globals['_EXPORTTWINREQUEST']._serialized_end=1965
-  _globals['_EXPORTTWINRESPONSE']._serialized_start=1967
-  _globals['_EXPORTTWINRESPONSE']._serialized_end=2002
-  _globals['_TWINSERVICE']._serialized_start=2005
-  _globals['_TWINSERVICE']._serialized_end=2463
+  _globals['_TWIN']._serialized_start=158
+  _globals['_TWIN']._serialized_end=552
+  _globals['_GETTWINGEOMETRYREQUEST']._serialized_start=554
+  _globals['_GETTWINGEOMETRYREQUEST']._serialized_end=592
+  _globals['_TWINGEOMETRY']._serialized_start=595
+  _globals['_TWINGEOMETRY']._serialized_end=1614
+  _globals['_TWINGEOMETRY_SKIN']._serialized_start=1305
+  _globals['_TWINGEOMETRY_SKIN']._serialized_end=1602
+  _globals['_CREATETWINREQUEST']._serialized_start=1616
+  _globals['_CREATETWINREQUEST']._serialized_end=1707
+  _globals['_TWINMETADATA']._serialized_start=1709
+  _globals['_TWINMETADATA']._serialized_end=1781
+  _globals['_GETTWINREQUEST']._serialized_start=1783
+  _globals['_GETTWINREQUEST']._serialized_end=1813
+  _globals['_LISTTWINSREQUEST']._serialized_start=1815
+  _globals['_LISTTWINSREQUEST']._serialized_end=1936
+  _globals['_LISTTWINSRESPONSE']._serialized_start=1938
+  _globals['_LISTTWINSRESPONSE']._serialized_end=2016
+  _globals['_UPDATETWINREQUEST']._serialized_start=2019
+  _globals['_UPDATETWINREQUEST']._serialized_end=2159
+  _globals['_DELETETWINREQUEST']._serialized_start=2161
+  _globals['_DELETETWINREQUEST']._serialized_end=2194
+  _globals['_DELETETWINRESPONSE']._serialized_start=2196
+  _globals['_DELETETWINRESPONSE']._serialized_end=2216
+  _globals['_EXPORTTWINREQUEST']._serialized_start=2218
+  _globals['_EXPORTTWINREQUEST']._serialized_end=2251
+  _globals['_EXPORTTWINRESPONSE']._serialized_start=2253
+  _globals['_EXPORTTWINRESPONSE']._serialized_end=2288
+  _globals['_TWINSERVICE']._serialized_start=2291
+  _globals['_TWINSERVICE']._serialized_end=2814
 # @@protoc_insertion_point(module_scope)

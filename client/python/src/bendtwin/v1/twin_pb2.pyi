@@ -2,6 +2,7 @@ import datetime
 
 from bendtwin.v1 import tensor_pb2 as _tensor_pb2
 from bendtwin.v1 import world_pb2 as _world_pb2
+from google.protobuf import field_mask_pb2 as _field_mask_pb2
 from google.protobuf import timestamp_pb2 as _timestamp_pb2
 from google.protobuf.internal import containers as _containers
 from google.protobuf import descriptor as _descriptor
@@ -12,7 +13,7 @@ from typing import ClassVar as _ClassVar, Optional as _Optional, Union as _Union
 DESCRIPTOR: _descriptor.FileDescriptor
 
 class Twin(_message.Message):
-    __slots__ = ("name", "display_name", "capture", "fit", "create_time", "size_bytes", "digest", "node_count", "spring_count", "triplet_count", "control_count", "fps", "substeps", "quality_json", "mass_kg")
+    __slots__ = ("name", "display_name", "capture", "fit", "create_time", "size_bytes", "digest", "node_count", "spring_count", "triplet_count", "control_count", "fps", "substeps", "quality_json", "mass_kg", "note", "tags", "error_m")
     NAME_FIELD_NUMBER: _ClassVar[int]
     DISPLAY_NAME_FIELD_NUMBER: _ClassVar[int]
     CAPTURE_FIELD_NUMBER: _ClassVar[int]
@@ -28,6 +29,9 @@ class Twin(_message.Message):
     SUBSTEPS_FIELD_NUMBER: _ClassVar[int]
     QUALITY_JSON_FIELD_NUMBER: _ClassVar[int]
     MASS_KG_FIELD_NUMBER: _ClassVar[int]
+    NOTE_FIELD_NUMBER: _ClassVar[int]
+    TAGS_FIELD_NUMBER: _ClassVar[int]
+    ERROR_M_FIELD_NUMBER: _ClassVar[int]
     name: str
     display_name: str
     capture: str
@@ -43,7 +47,10 @@ class Twin(_message.Message):
     substeps: int
     quality_json: str
     mass_kg: float
-    def __init__(self, name: _Optional[str] = ..., display_name: _Optional[str] = ..., capture: _Optional[str] = ..., fit: _Optional[str] = ..., create_time: _Optional[_Union[datetime.datetime, _timestamp_pb2.Timestamp, _Mapping]] = ..., size_bytes: _Optional[int] = ..., digest: _Optional[str] = ..., node_count: _Optional[int] = ..., spring_count: _Optional[int] = ..., triplet_count: _Optional[int] = ..., control_count: _Optional[int] = ..., fps: _Optional[float] = ..., substeps: _Optional[int] = ..., quality_json: _Optional[str] = ..., mass_kg: _Optional[float] = ...) -> None: ...
+    note: str
+    tags: _containers.RepeatedScalarFieldContainer[str]
+    error_m: float
+    def __init__(self, name: _Optional[str] = ..., display_name: _Optional[str] = ..., capture: _Optional[str] = ..., fit: _Optional[str] = ..., create_time: _Optional[_Union[datetime.datetime, _timestamp_pb2.Timestamp, _Mapping]] = ..., size_bytes: _Optional[int] = ..., digest: _Optional[str] = ..., node_count: _Optional[int] = ..., spring_count: _Optional[int] = ..., triplet_count: _Optional[int] = ..., control_count: _Optional[int] = ..., fps: _Optional[float] = ..., substeps: _Optional[int] = ..., quality_json: _Optional[str] = ..., mass_kg: _Optional[float] = ..., note: _Optional[str] = ..., tags: _Optional[_Iterable[str]] = ..., error_m: _Optional[float] = ...) -> None: ...
 
 class GetTwinGeometryRequest(_message.Message):
     __slots__ = ("name",)
@@ -141,14 +148,20 @@ class GetTwinRequest(_message.Message):
     def __init__(self, name: _Optional[str] = ...) -> None: ...
 
 class ListTwinsRequest(_message.Message):
-    __slots__ = ("page_size", "page_token", "capture")
+    __slots__ = ("page_size", "page_token", "capture", "search", "tag", "order_by")
     PAGE_SIZE_FIELD_NUMBER: _ClassVar[int]
     PAGE_TOKEN_FIELD_NUMBER: _ClassVar[int]
     CAPTURE_FIELD_NUMBER: _ClassVar[int]
+    SEARCH_FIELD_NUMBER: _ClassVar[int]
+    TAG_FIELD_NUMBER: _ClassVar[int]
+    ORDER_BY_FIELD_NUMBER: _ClassVar[int]
     page_size: int
     page_token: str
     capture: str
-    def __init__(self, page_size: _Optional[int] = ..., page_token: _Optional[str] = ..., capture: _Optional[str] = ...) -> None: ...
+    search: str
+    tag: str
+    order_by: str
+    def __init__(self, page_size: _Optional[int] = ..., page_token: _Optional[str] = ..., capture: _Optional[str] = ..., search: _Optional[str] = ..., tag: _Optional[str] = ..., order_by: _Optional[str] = ...) -> None: ...
 
 class ListTwinsResponse(_message.Message):
     __slots__ = ("twins", "next_page_token")
@@ -157,6 +170,18 @@ class ListTwinsResponse(_message.Message):
     twins: _containers.RepeatedCompositeFieldContainer[Twin]
     next_page_token: str
     def __init__(self, twins: _Optional[_Iterable[_Union[Twin, _Mapping]]] = ..., next_page_token: _Optional[str] = ...) -> None: ...
+
+class UpdateTwinRequest(_message.Message):
+    __slots__ = ("twin", "update_mask", "add_tags", "remove_tags")
+    TWIN_FIELD_NUMBER: _ClassVar[int]
+    UPDATE_MASK_FIELD_NUMBER: _ClassVar[int]
+    ADD_TAGS_FIELD_NUMBER: _ClassVar[int]
+    REMOVE_TAGS_FIELD_NUMBER: _ClassVar[int]
+    twin: Twin
+    update_mask: _field_mask_pb2.FieldMask
+    add_tags: _containers.RepeatedScalarFieldContainer[str]
+    remove_tags: _containers.RepeatedScalarFieldContainer[str]
+    def __init__(self, twin: _Optional[_Union[Twin, _Mapping]] = ..., update_mask: _Optional[_Union[_field_mask_pb2.FieldMask, _Mapping]] = ..., add_tags: _Optional[_Iterable[str]] = ..., remove_tags: _Optional[_Iterable[str]] = ...) -> None: ...
 
 class DeleteTwinRequest(_message.Message):
     __slots__ = ("name",)

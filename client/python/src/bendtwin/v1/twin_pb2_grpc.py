@@ -50,6 +50,11 @@ class TwinServiceStub(object):
                 request_serializer=bendtwin_dot_v1_dot_twin__pb2.ListTwinsRequest.SerializeToString,
                 response_deserializer=bendtwin_dot_v1_dot_twin__pb2.ListTwinsResponse.FromString,
                 _registered_method=True)
+        self.UpdateTwin = channel.unary_unary(
+                '/bendtwin.v1.TwinService/UpdateTwin',
+                request_serializer=bendtwin_dot_v1_dot_twin__pb2.UpdateTwinRequest.SerializeToString,
+                response_deserializer=bendtwin_dot_v1_dot_twin__pb2.Twin.FromString,
+                _registered_method=True)
         self.DeleteTwin = channel.unary_unary(
                 '/bendtwin.v1.TwinService/DeleteTwin',
                 request_serializer=bendtwin_dot_v1_dot_twin__pb2.DeleteTwinRequest.SerializeToString,
@@ -86,6 +91,13 @@ class TwinServiceServicer(object):
 
     def ListTwins(self, request, context):
         """Missing associated documentation comment in .proto file."""
+        context.set_code(grpc.StatusCode.UNIMPLEMENTED)
+        context.set_details('Method not implemented!')
+        raise NotImplementedError('Method not implemented!')
+
+    def UpdateTwin(self, request, context):
+        """Changes display name, note and tags.
+        """
         context.set_code(grpc.StatusCode.UNIMPLEMENTED)
         context.set_details('Method not implemented!')
         raise NotImplementedError('Method not implemented!')
@@ -127,6 +139,11 @@ def add_TwinServiceServicer_to_server(servicer, server):
                     servicer.ListTwins,
                     request_deserializer=bendtwin_dot_v1_dot_twin__pb2.ListTwinsRequest.FromString,
                     response_serializer=bendtwin_dot_v1_dot_twin__pb2.ListTwinsResponse.SerializeToString,
+            ),
+            'UpdateTwin': grpc.unary_unary_rpc_method_handler(
+                    servicer.UpdateTwin,
+                    request_deserializer=bendtwin_dot_v1_dot_twin__pb2.UpdateTwinRequest.FromString,
+                    response_serializer=bendtwin_dot_v1_dot_twin__pb2.Twin.SerializeToString,
             ),
             'DeleteTwin': grpc.unary_unary_rpc_method_handler(
                     servicer.DeleteTwin,
@@ -226,6 +243,33 @@ class TwinService(object):
             '/bendtwin.v1.TwinService/ListTwins',
             bendtwin_dot_v1_dot_twin__pb2.ListTwinsRequest.SerializeToString,
             bendtwin_dot_v1_dot_twin__pb2.ListTwinsResponse.FromString,
+            options,
+            channel_credentials,
+            insecure,
+            call_credentials,
+            compression,
+            wait_for_ready,
+            timeout,
+            metadata,
+            _registered_method=True)
+
+    @staticmethod
+    def UpdateTwin(request,
+            target,
+            options=(),
+            channel_credentials=None,
+            call_credentials=None,
+            insecure=False,
+            compression=None,
+            wait_for_ready=None,
+            timeout=None,
+            metadata=None):
+        return grpc.experimental.unary_unary(
+            request,
+            target,
+            '/bendtwin.v1.TwinService/UpdateTwin',
+            bendtwin_dot_v1_dot_twin__pb2.UpdateTwinRequest.SerializeToString,
+            bendtwin_dot_v1_dot_twin__pb2.Twin.FromString,
             options,
             channel_credentials,
             insecure,
