@@ -4,7 +4,8 @@
 use std::time::{Duration, Instant};
 
 use bendtwin_proto::v1::{
-    CreateFitRequest, DeleteCaptureRequest, DeleteFitRequest, Fit, WatchFitRequest, job::State,
+    CreateFitRequest, DeleteCaptureRequest, DeleteFitRequest, Fit, GetFitLossesRequest,
+    WatchFitRequest, job::State,
 };
 use tonic::Code;
 
@@ -38,6 +39,7 @@ async fn creating_twice_with_one_request_id_is_creating_once() {
         settings_json: SHORT.to_owned(),
         priority: 3,
         request_id: "once".to_owned(),
+        ..CreateFitRequest::default()
     };
     let first = api.fits().create_fit(request.clone()).await.unwrap().into_inner();
     server.kill();
@@ -124,6 +126,12 @@ async fn another_worker_takes_over_from_a_dead_one() {
     println!("with a lease of 1 s the next worker had the job after {:?}", killed.elapsed());
     let fit = api.succeeded(&fit.name, FIT).await;
     assert_eq!(fit.job.unwrap().attempts, 2);
+    // Its losses are those of an undisturbed fit: each iteration once.
+    let request = GetFitLossesRequest { name: fit.name };
+    let curves = api.fits().get_fit_losses(request).await.unwrap().into_inner().curves;
+    let all: Vec<_> = curves.into_iter().map(|c| (c.stage, c.iterations)).collect();
+    let expected = [("search", 12), ("refine", 24)].map(|(s, n)| (s.to_owned(), (1..=n).collect()));
+    assert_eq!(all, expected);
 }
 
 #[tokio::test]

@@ -20,6 +20,8 @@ mod fits;
 #[cfg(test)]
 mod ingests;
 #[cfg(test)]
+mod labels;
+#[cfg(test)]
 mod local_access;
 #[cfg(test)]
 mod malformed;
