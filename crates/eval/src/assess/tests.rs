@@ -1,4 +1,4 @@
-use bendtwin_core::quality::Score;
+use bendtwin_core::quality::{ErrorSummary, Score};
 
 use super::*;
 
