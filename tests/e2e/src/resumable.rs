@@ -177,8 +177,9 @@ async fn of_a_folder_the_files_that_are_read_are_pushed() {
         let (mut before, mut after) = (Vec::new(), Vec::new());
         let mut file = made.by_index(i).unwrap();
         file.read_to_end(&mut before).unwrap();
-        packed.by_name(&format!("rope/{}", file.name())).unwrap().read_to_end(&mut after).unwrap();
-        assert_eq!(before, after, "{}", file.name());
+        let name = file.name().unwrap().into_owned();
+        packed.by_name(&format!("rope/{name}")).unwrap().read_to_end(&mut after).unwrap();
+        assert_eq!(before, after, "{name}");
     }
     assert_eq!(packed.len(), made.len(), "notes and hidden files are nobody's to read");
 }
