@@ -141,6 +141,16 @@ fn a_plain_manipulator_is_followed_by_its_shape() {
 }
 
 #[test]
+fn what_jpeg_leaves_of_a_plain_manipulator_is_no_texture() {
+    let ball = Some([[-0.02, 0.0, 0.2], [0.002, 0.001, 0.0]]);
+    let scene = Scene { ball, blocks: 8.0, ..Scene::default() };
+    let found = &tracked(&scene.recording())[0].quality;
+    let texture = found.manipulator_texture.unwrap();
+    assert!((2.0..8.0).contains(&texture), "{texture}");
+    assert_eq!(found.manipulator_guide, Some(Guide::Shape), "{found:?}");
+}
+
+#[test]
 fn a_lack_of_texture_is_reported() {
     let found = &tracked(&Scene { contrast: 0.0, ..Scene::default() }.recording())[0];
     assert_eq!(found.tracks.count, 0);

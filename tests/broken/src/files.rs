@@ -122,12 +122,6 @@ fn descriptions() -> Vec<Broken> {
         case("no frame count", "LENGTH_MISMATCH", |f| {
             reword(f, "\"frame_num\":36", "\"frame_num\":0");
         }),
-        case("more frames declared than recorded", "FRAME_NUMBERS_UNCLEAR", |f| {
-            reword(f, "\"frame_num\":36", "\"frame_num\":50");
-        }),
-        case("fewer frames declared than recorded", "FRAME_NUMBERS_UNCLEAR", |f| {
-            reword(f, "\"frame_num\":36", "\"frame_num\":20");
-        }),
         case("a split behind the last frame", "SPLIT_OUT_OF_RANGE", |f| {
             f.insert("split.json".to_owned(), br#"{"train": [0, 200]}"#.to_vec());
         }),

@@ -45,6 +45,9 @@ pub(crate) struct Scene {
     /// A plain ball in front, as a second manipulator: its centre in the first frame, and its
     /// motion per frame [m].
     pub(crate) ball: Option<[[f64; 3]; 2]>,
+    /// Amplitude of a pattern of 8 x 8 pixels that lies over the hand and the ball and stays where
+    /// it is in the image, as what JPEG leaves of a plain surface does [grey levels of 255].
+    pub(crate) blocks: f64,
     /// Frames that are missing.
     pub(crate) missing: Vec<usize>,
     /// Places of further cameras, relative to the first one [m].
@@ -61,6 +64,7 @@ impl Default for Scene {
             light: [1.0, 0.0],
             hand: |_| 0..0,
             ball: None,
+            blocks: 0.0,
             missing: Vec::new(),
             others: Vec::new(),
         }
@@ -140,6 +144,18 @@ impl Scene {
     }
 }
 
+impl Scene {
+    fn hand_color(&self, [column, row]: [usize; 2]) -> [u8; 3] {
+        // Each block has cosines of its own, with the phases that JPEG's have.
+        let wave =
+            |at: usize, k: usize| ((at % 8) as f64 + 0.5) * k as f64 * std::f64::consts::PI / 8.0;
+        let block = column / 8 * 3 + row / 8 * 5;
+        let [across, down] = [block % 4, block / 4 % 4];
+        let pattern = wave(column, across).cos() * wave(row, down).cos();
+        [200.0, 150.0, 120.0].map(|plain| (plain + self.blocks * pattern).round() as u8)
+    }
+}
+
 impl Source for Scene {
     fn frames(&self, camera_idx: usize) -> Result<Box<dyn Frames + '_>, Error> {
         let camera = self.recording().cameras[camera_idx].clone();
@@ -157,7 +173,7 @@ impl Reader<'_> {
         &self,
         frame: usize,
         background: P,
-        hand: impl Fn(f64) -> P,
+        hand: impl Fn([usize; 2], f64) -> P,
         square: impl Fn([f64; 2], f64) -> P,
     ) -> Option<Image<P>> {
         if self.scene.missing.contains(&frame) {
@@ -165,12 +181,12 @@ impl Reader<'_> {
         }
         let covered = (self.scene.hand)(frame);
         let view = self.scene.bodies(frame).view(&self.camera, 0, Precision::Single);
-        Some(view.image(|[column, _], hit| match hit {
-            _ if covered.contains(&column) => hand(HAND_M),
+        Some(view.image(|pixel, hit| match hit {
+            _ if covered.contains(&pixel[0]) => hand(pixel, HAND_M),
             Some(Hit { body: Region::Object, depth_m, local: [x, y, _] }) => {
                 square([x, y], depth_m)
             }
-            Some(ball) => hand(ball.depth_m),
+            Some(ball) => hand(pixel, ball.depth_m),
             None => background,
         }))
     }
@@ -178,14 +194,15 @@ impl Reader<'_> {
 
 impl Frames for Reader<'_> {
     fn color(&mut self, frame: usize) -> Result<Option<ColorImage>, Error> {
-        Ok(self.draw(frame, [250; 3], |_| [200, 150, 120], |on, _| self.scene.color_at(on, frame)))
+        let hand = |pixel, _| self.scene.hand_color(pixel);
+        Ok(self.draw(frame, [250; 3], hand, |on, _| self.scene.color_at(on, frame)))
     }
     fn depth(&mut self, frame: usize) -> Result<Option<DepthImage>, Error> {
-        Ok(self.draw(frame, 0.0, |depth| depth as f32, |_, depth| depth as f32))
+        Ok(self.draw(frame, 0.0, |_, depth| depth as f32, |_, depth| depth as f32))
     }
     fn mask(&mut self, frame: usize, region: Region) -> Result<Option<Mask>, Error> {
         let object = region == Region::Object;
-        Ok(self.draw(frame, false, |_| !object, |_, _| object))
+        Ok(self.draw(frame, false, |_, _| !object, |_, _| object))
     }
     fn tracks(&mut self) -> Result<Option<Tracks>, Error> {
         Ok(None)
