@@ -32,11 +32,15 @@ pub struct Notes {
 impl std::fmt::Display for Notes {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let mut parts = Vec::new();
-        if self.hands_out_of_reach > 0 {
-            parts.push(format!(
-                "{} hands reach fewer than four nodes within the control radius and hold the nodes nearest to them",
-                self.hands_out_of_reach
-            ));
+        match self.hands_out_of_reach {
+            0 => {}
+            1 => parts.push(
+                "a hand reaches fewer than four nodes within the control radius and holds those nearest to it"
+                    .to_owned(),
+            ),
+            n => parts.push(format!(
+                "{n} hands reach fewer than four nodes within the control radius and hold those nearest to them"
+            )),
         }
         if self.pieces_joined > 0 {
             parts.push(format!(
