@@ -39,33 +39,58 @@ pub(super) fn value<'s>(settings: &'s [(String, Value)], name: &str) -> Option<&
     settings.iter().find(|(other, _)| other == name).map(|(_, value)| value)
 }
 
-/// All settings in force, those that are not the defaults marked.
-pub(super) fn table(settings: &Value) -> String {
+/// All settings of a fit, those that are not the defaults marked; of those that were left open the
+/// value that was chosen, if there is a twin that tells it.
+pub(super) fn table(settings: &Value, in_force: Option<&Value>) -> String {
+    let in_force = in_force.map(flat).unwrap_or_default();
     let defaults = serde_json::to_value(FitSettings::default()).map(|v| flat(&v));
     let defaults = defaults.unwrap_or_default();
     let mut table = Table::new(["", "SETTING", "VALUE"]);
     for (name, own) in flat(settings) {
         let given = value(&defaults, &name) != Some(&own);
         let mark = if given { "*" } else { "" };
-        table.row([mark.to_owned(), name, word(Some(&own))]);
+        let chosen = value(&in_force, &name).filter(|v| own.is_null() && !v.is_null());
+        let shown = match chosen {
+            Some(_) => format!("{} (chosen)", word(chosen)),
+            None => word(Some(&own)),
+        };
+        table.row([mark.to_owned(), name, shown]);
     }
     table.text()
 }
 
 #[cfg(test)]
 mod tests {
+    use bendtwin_core::{
+        capture::Subject,
+        settings::{Conditions, DeviceKind},
+    };
+
     use super::*;
 
     #[test]
     fn settings_that_were_given_are_marked() {
         let mut settings = FitSettings { seed: 7, ..FitSettings::default() };
         settings.graph.max_nodes = Some(40);
-        let text = table(&serde_json::to_value(&settings).unwrap());
+        let text = table(&serde_json::to_value(&settings).unwrap(), None);
         let marked: Vec<_> = text.lines().filter(|line| line.starts_with('*')).collect();
         assert_eq!(marked.len(), 2, "{text}");
         assert!(marked[0].contains("graph.max_nodes") && marked[0].ends_with("40"), "{text}");
         assert!(marked[1].contains("seed") && marked[1].ends_with('7'), "{text}");
-        let plain = table(&serde_json::to_value(FitSettings::default()).unwrap());
+        let plain = table(&serde_json::to_value(FitSettings::default()).unwrap(), None);
         assert!(!plain.contains('*') && plain.contains("open"), "{plain}");
+    }
+
+    #[test]
+    fn what_was_left_open_shows_what_was_chosen() {
+        let conditions = Conditions { subject: Subject::Body, device: DeviceKind::Cpu };
+        let given = FitSettings::default();
+        let [given, chosen] =
+            [given.clone(), given.filled(conditions)].map(|s| serde_json::to_value(s).unwrap());
+        let text = table(&given, Some(&chosen));
+        let line = text.lines().find(|line| line.contains("graph.max_nodes")).unwrap();
+        assert!(line.ends_with("200 (chosen)") && !text.contains('*'), "{text}");
+        let line = text.lines().find(|line| line.contains("graph.max_neighbours")).unwrap();
+        assert!(!line.contains("chosen"), "{line}");
     }
 }

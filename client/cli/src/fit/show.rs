@@ -4,6 +4,7 @@ use bendtwin_client::{Client, Fit, FitId, LossCurve, Quality};
 use bendtwin_core::Category;
 use bendtwin_eval::{TableStyle, format_table};
 use serde::Serialize;
+use serde_json::Value;
 
 use super::{losses, settings, shown};
 use crate::{global::Global, output};
@@ -33,10 +34,10 @@ impl Details {
         Ok(Self { fit, capture_display_name, losses, quality: twin.map(|t| t.quality) })
     }
 
-    fn text(&self) -> String {
+    fn text(&self, in_force: Option<&Value>) -> String {
         let mut text = shown(&self.fit, self.capture_display_name.as_deref());
-        text += "\n\nsettings (* not the default; what is open follows effort and capture)\n";
-        text += &settings::table(&self.fit.job.settings);
+        text += "\n\nsettings (* not the default; what is left open follows effort, capture and device)\n";
+        text += &settings::table(&self.fit.job.settings, in_force);
         text += "\n\nlosses\n";
         text += &match self.losses.is_empty() {
             true => "  none yet".to_owned(),
@@ -53,8 +54,15 @@ impl Details {
 }
 
 pub(super) async fn run(name: FitId, global: &Global) -> anyhow::Result<()> {
-    let details = Details::fetch(&global.connect().await?, name).await?;
-    output::print(global, &details, || details.text())
+    let client = global.connect().await?;
+    let details = Details::fetch(&client, name).await?;
+    let in_force = match details.fit.twin {
+        Some(twin) => unless_gone(client.twins().download(twin).await)?,
+        None => None,
+    };
+    let in_force = in_force.map(|twin| serde_json::to_value(twin.provenance.settings));
+    let in_force = in_force.transpose()?;
+    output::print(global, &details, || details.text(in_force.as_ref()))
 }
 
 /// None of what has been deleted since.
