@@ -26,7 +26,7 @@ pub enum Error {
     UnknownKind {
         /// Name of the folder or file.
         name: String,
-        /// What lies there instead, in words.
+        /// Files that lie there instead, in words.
         there: String,
     },
     /// A format that has to be converted first.
@@ -185,7 +185,7 @@ pub enum Error {
         what: &'static str,
         /// Names that were looked for.
         wanted: String,
-        /// What lies there, in words.
+        /// Files that lie there, in words.
         there: String,
     },
     /// Images whose numbers contradict each other or the description.

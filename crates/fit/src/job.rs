@@ -322,7 +322,7 @@ impl<'a> Run<'a> {
         // may be slow for reasons of its own.
         let (before, planned) = (self.passes_before(), self.current_task().passes());
         // Those of the stage after this one take their part of the time.
-        let is_last = self.validation.is_none() || !self.chosen.is_empty();
+        let is_last = self.is_last_stage();
         let later = if is_last { 0 } else { self.task.passes() };
         let passes = match done {
             MEASURED_PASS => {
@@ -394,8 +394,12 @@ impl<'a> Run<'a> {
 
     /// Passes that were planned before those of the current stage.
     fn passes_before(&self) -> u32 {
-        let is_last = !self.chosen.is_empty();
-        self.validation.filter(|_| is_last).map_or(0, |v| v.shorter.passes())
+        self.validation.filter(|_| self.is_last_stage()).map_or(0, |v| v.shorter.passes())
+    }
+
+    /// True if the models in refinement are those that are kept: no choice among starts is left.
+    fn is_last_stage(&self) -> bool {
+        self.validation.is_none() || !self.chosen.is_empty()
     }
 
     /// The kinds of models, with bending or without, in their order.

@@ -115,7 +115,7 @@ impl Comparison {
         text + &self.verdict(&letters)
     }
 
-    /// What each fit is better on, a line each.
+    /// Measures on which each fit is the best, a line each.
     fn verdict(&self, letters: &[String]) -> String {
         let mut text = String::new();
         for (index, letter) in letters.iter().enumerate() {

@@ -195,7 +195,8 @@ impl Manifest {
                         "the ground's normal {normal:?} has no direction: give a unit vector away from the ground"
                     )));
                 }
-                // What was made a unit vector stays as it is: what is written is read as the same.
+                // A vector that has unit length already stays as it is, so that what is written is read as the
+                // same.
                 let length = if (length - 1.0).abs() < UNIT { 1.0 } else { length };
                 let normal = frame.turn(*normal).map(|x| x / length);
                 Some(Plane { normal, offset_m: offset * frame.metres / length })

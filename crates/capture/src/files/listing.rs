@@ -145,7 +145,7 @@ impl Files<'_> {
         }
     }
 
-    /// What lies in a folder, in words; of one that is not there, what lies in the nearest above.
+    /// Content of a folder in words; of one that is not there, that of the nearest above.
     pub(crate) fn describe(&self, folder: &str) -> String {
         let folder = folder.trim_end_matches('/');
         let mut nearest = folder;

@@ -219,7 +219,7 @@ fn compressed_archives_are_unpacked_within_the_limits() {
     let tight = Limits { unpacked_bytes, unpacked_per_byte: 0, ..Limits::default() };
     assert_eq!(reason_of(&gzip(&tar), &tight), "ARCHIVE_TOO_LARGE_FOR_MEMORY");
     assert_eq!(reason_of(&tar, &tight), "no error");
-    // What it takes is taken from what may be read.
+    // Its size is taken from what may be read.
     let packed = gzip(&tar);
     let files = Files::from_bytes("x", &packed, &Limits::default()).unwrap();
     assert_eq!(files.limits.total_bytes, Limits::default().total_bytes - tar.len() as u64);

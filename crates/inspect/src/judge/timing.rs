@@ -122,65 +122,64 @@ fn repeated(context: &Context<'_>, index: usize, same: &[Vec<bool>], assessment:
     }
 }
 
+/// Depth that stays while colour changes.
 fn frozen_depth(
     context: &Context<'_>,
     index: usize,
     scan: &CameraScan,
     assessment: &mut Assessment,
 ) {
-    let limits = &context.thresholds.timing;
-    let pairs = scan.frames.iter().zip(scan.frames.iter().skip(1)).enumerate();
     // Depth that is empty everywhere is missing, not frozen.
     let has_depth =
         |g: &FrameStats| [g.object, g.manipulator].into_iter().flatten().any(|m| m.depth_px > 0);
-    let frozen: Vec<usize> = pairs
-        .filter(|(_, (a, b))| has_depth(b) && a.depth == b.depth && a.color != b.color)
-        .map(|(f, _)| f + 1)
-        .collect();
-    let part = share(frozen.len(), scan.frames.len());
-    if part > limits.max_unfrozen_share && frozen.len() > limits.max_unfrozen_frames {
-        let message = format!(
-            "depth of {} does not change in {} of {} frames, while colour does",
-            named(context.recording, index),
-            frozen.len(),
-            scan.frames.len()
-        );
-        assessment.findings.push(
-            Finding::graded(part > limits.max_lost_share, "DEPTH_FROZEN", message)
-                .cameras([index])
-                .frames(frozen)
-                .number("frozen_share", part),
-        );
-    }
+    let is_frozen =
+        |a: &FrameStats, b: &FrameStats| has_depth(b) && a.depth == b.depth && a.color != b.color;
+    let words = ["DEPTH_FROZEN", "depth", "colour"];
+    assessment.findings.extend(frozen(context, index, scan, words, is_frozen));
 }
 
+/// Colour that stays while depth changes.
 fn frozen_color(
     context: &Context<'_>,
     index: usize,
     scan: &CameraScan,
     assessment: &mut Assessment,
 ) {
+    let is_frozen = |a: &FrameStats, b: &FrameStats| {
+        b.color.is_some() && a.color == b.color && a.depth != b.depth
+    };
+    let words = ["COLOR_FROZEN", "colour", "depth"];
+    assessment.findings.extend(frozen(context, index, scan, words, is_frozen));
+}
+
+/// The finding about frames in which one kind of image is that of the frame before, while the other
+/// kind changes; none if they are few.
+fn frozen(
+    context: &Context<'_>,
+    index: usize,
+    scan: &CameraScan,
+    [code, still, moving]: [&'static str; 3],
+    is_frozen: impl Fn(&FrameStats, &FrameStats) -> bool,
+) -> Option<Finding> {
     let limits = &context.thresholds.timing;
     let pairs = scan.frames.iter().zip(scan.frames.iter().skip(1)).enumerate();
-    let frozen: Vec<usize> = pairs
-        .filter(|(_, (a, b))| b.color.is_some() && a.color == b.color && a.depth != b.depth)
-        .map(|(f, _)| f + 1)
-        .collect();
+    let frozen: Vec<usize> =
+        pairs.filter(|(_, (a, b))| is_frozen(a, b)).map(|(f, _)| f + 1).collect();
     let part = share(frozen.len(), scan.frames.len());
-    if part > limits.max_unfrozen_share && frozen.len() > limits.max_unfrozen_frames {
-        let message = format!(
-            "colour of {} does not change in {} of {} frames, while depth does",
-            named(context.recording, index),
-            frozen.len(),
-            scan.frames.len()
-        );
-        assessment.findings.push(
-            Finding::graded(part > limits.max_lost_share, "COLOR_FROZEN", message)
-                .cameras([index])
-                .frames(frozen)
-                .number("frozen_share", part),
-        );
+    if part <= limits.max_unfrozen_share || frozen.len() <= limits.max_unfrozen_frames {
+        return None;
     }
+    let message = format!(
+        "{still} of {} does not change in {} of {} frames, while {moving} does",
+        named(context.recording, index),
+        frozen.len(),
+        scan.frames.len()
+    );
+    let finding = Finding::graded(part > limits.max_lost_share, code, message)
+        .cameras([index])
+        .frames(frozen)
+        .number("frozen_share", part);
+    Some(finding)
 }
 
 fn late(context: &Context<'_>, index: usize, camera: &Camera, assessment: &mut Assessment) {

@@ -73,7 +73,7 @@ const QUALIFIERS: &[&str] = &[
 /// Key of the description that says which labels are the object.
 pub(super) const KEY: &str = "object_labels";
 
-/// What a label names by its words alone.
+/// Kind of thing that a label names by its words alone.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Meaning {
     /// Any word that is not known is what somebody wants a twin of.
@@ -178,7 +178,7 @@ fn folded(label: &str) -> String {
     label.trim().to_lowercase()
 }
 
-/// What a label names, by whole words: that of `left_hand`, `gripper 2` or `UR5` is clear, that of
+/// Kind of thing that a label names, by whole words: that of `left_hand`, `gripper 2` or `UR5` is clear, that of
 /// `hand towel` or `toy robot` is not.
 fn meaning(label: &str) -> Meaning {
     let lower = folded(label);
