@@ -25,8 +25,8 @@ use tokio_util::sync::CancellationToken;
 
 pub(crate) use crate::failure::{Error, Result};
 use crate::{
-    dispatch::Dispatch, memory::Memory, metrics::Metrics, options::Options, readiness::Readiness,
-    tokens::Tokens,
+    dispatch::Dispatch, memory::Memory, metrics::Metrics, options::Options, play::Plays,
+    readiness::Readiness, tokens::Tokens,
 };
 
 pub(crate) use captures::CaptureUpload;
@@ -54,6 +54,7 @@ pub(crate) struct Inner {
     pub(crate) metrics: Metrics,
     pub(crate) readiness: Readiness,
     pub(crate) memory: Memory,
+    pub(crate) plays: Plays,
     /// Cancelled when the server begins to stop: streams end then.
     pub(crate) stopping: CancellationToken,
 }
@@ -75,6 +76,7 @@ impl App {
             metrics,
             readiness: Readiness::default(),
             memory,
+            plays: Plays::new(&options.limits),
             stopping: CancellationToken::new(),
             options,
             store,

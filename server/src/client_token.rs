@@ -17,6 +17,8 @@ use crate::error::Refusal;
 const FILE: &str = "client-token";
 /// Fewest characters that count as a token.
 const SHORTEST: usize = 32;
+/// The protocol of a WebSocket that is followed by the token.
+pub(crate) const TOKEN_PROTOCOL: &str = "bendtwin.token";
 /// Challenges of a refusal. The second makes a browser ask for a password, which is the token.
 pub(crate) const CHALLENGES: [HeaderValue; 2] = [
     HeaderValue::from_static("Bearer realm=\"BendTwin\""),
@@ -80,7 +82,8 @@ impl ClientToken {
         Self(blake3::hash(token.as_bytes()))
     }
 
-    /// Checks that a request shows it, as `Bearer`, or as the password of `Basic` with any name.
+    /// Checks that a request shows it, as `Bearer`, as the password of `Basic` with any name, or, as
+    /// a page cannot set headers of a WebSocket, among its protocols.
     pub(crate) fn check(&self, headers: &HeaderMap) -> Result<(), Refusal> {
         let shown = headers.get(header::AUTHORIZATION).and_then(|v| v.to_str().ok());
         let token = shown.and_then(|v| v.split_once(' ')).and_then(|(scheme, value)| match scheme
@@ -91,11 +94,19 @@ impl ClientToken {
             "basic" => password(value.trim()),
             _ => None,
         });
-        match token {
+        match token.or_else(|| of_protocols(headers)) {
             Some(token) if blake3::hash(token.as_bytes()) == self.0 => Ok(()),
             token => Err(refusal(token.is_some())),
         }
     }
+}
+
+/// The token after [`TOKEN_PROTOCOL`] in the list of a WebSocket's protocols.
+fn of_protocols(headers: &HeaderMap) -> Option<String> {
+    let list = headers.get(header::SEC_WEBSOCKET_PROTOCOL)?.to_str().ok()?;
+    let mut protocols = list.split(',').map(str::trim);
+    protocols.find(|protocol| *protocol == TOKEN_PROTOCOL)?;
+    protocols.next().map(str::to_owned)
 }
 
 fn password(credentials: &str) -> Option<String> {

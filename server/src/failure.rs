@@ -90,6 +90,16 @@ pub(crate) enum Error {
     Memory { purpose: &'static str, exhausted: Exhausted },
     #[error("the server is stopping: retry")]
     Stopping,
+    #[error("{most} {what} already: close one, or raise {option}")]
+    PlayFull { what: &'static str, most: usize, option: &'static str },
+    #[error("{0} is not there: the page that played it was closed")]
+    PlayEnded(String),
+    #[error("nobody has touched the play for {} s: open it again", .0.as_secs())]
+    PlayIdle(Duration),
+    #[error("messages come faster than they can be taken in: send at most 200 a second")]
+    PlayTooFast,
+    #[error("nothing was recorded in this play: record something, or put a recording")]
+    NothingRecorded,
     /// The answer of a worker, unchanged.
     #[error("{0}")]
     Worker(Fault),
@@ -144,16 +154,20 @@ impl Problem for Error {
             | Self::UploadTooLong { .. }
             | Self::ChecksumMismatch
             | Self::Unsound { .. } => Category::InvalidArgument,
-            Self::UploadOffset { .. } | Self::UploadTakenOver | Self::SessionLost(_) => {
-                Category::Aborted
-            }
+            Self::UploadOffset { .. }
+            | Self::UploadTakenOver
+            | Self::SessionLost(_)
+            | Self::PlayIdle(_) => Category::Aborted,
             Self::BadToken => Category::Unauthenticated,
             Self::WorkerKeyMismatch(_) | Self::NotLeased(_) => Category::PermissionDenied,
-            Self::WorkerUnknown(_) => Category::NotFound,
+            Self::WorkerUnknown(_) | Self::PlayEnded(_) => Category::NotFound,
             Self::NoWorker | Self::WorkerLost | Self::WorkerEnded | Self::Stopping => {
                 Category::Unavailable
             }
-            Self::Busy { .. } => Category::ResourceExhausted,
+            Self::Busy { .. } | Self::PlayFull { .. } | Self::PlayTooFast => {
+                Category::ResourceExhausted
+            }
+            Self::NothingRecorded => Category::FailedPrecondition,
             // Sent again, it would be refused again.
             Self::Memory { exhausted: Exhausted::TooLarge { .. }, .. } => Category::InvalidArgument,
             Self::Memory { .. } => Category::ResourceExhausted,
@@ -190,6 +204,11 @@ impl Problem for Error {
             Self::SessionLost(_) => "SESSION_LOST",
             Self::WorkerLost | Self::WorkerEnded => "WORKER_LOST",
             Self::Busy { .. } => "WORKERS_BUSY",
+            Self::PlayFull { .. } => "PLAYS_FULL",
+            Self::PlayEnded(_) => "PLAY_NOT_FOUND",
+            Self::PlayTooFast => "PLAY_TOO_FAST",
+            Self::PlayIdle(_) => "PLAY_IDLE",
+            Self::NothingRecorded => "NOTHING_RECORDED",
             Self::Memory { exhausted: Exhausted::TooLarge { .. }, .. } => "MEMORY_TOO_SMALL",
             Self::Memory { .. } => "MEMORY_IN_USE",
             Self::Deadline => "DEADLINE_EXCEEDED",

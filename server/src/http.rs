@@ -14,6 +14,7 @@ mod message;
 mod operations;
 pub(crate) mod origin;
 mod plans;
+mod plays;
 mod registrations;
 mod resource;
 mod rollouts;
@@ -46,6 +47,7 @@ type Result<T, E = Refusal> = std::result::Result<T, E>;
         (name = "twins", description = "Fitted twins"),
         (name = "rollouts", description = "Predictions"),
         (name = "plans", description = "Actions that lower the costs of a rollout"),
+        (name = "plays", description = "Simulations in real time that a person moves"),
         (name = "sessions", description = "Simulations that stay between calls"),
         (name = "workers", description = "Worker processes"),
         (name = "operations", description = "Health and metrics"),
@@ -118,6 +120,9 @@ fn described() -> OpenApiRouter<App> {
         .routes(routes!(sessions::correct))
         .routes(routes!(sessions::fork))
         .routes(routes!(sessions::reset))
+        .routes(routes!(plays::play))
+        .routes(routes!(plays::watch))
+        .routes(routes!(plays::recording, plays::put_recording))
         .routes(routes!(workers::list))
         .routes(routes!(workers::get))
         .routes(routes!(operations::healthz))

@@ -13,7 +13,7 @@
 //!
 //! `app/` has the use cases and knows no transport; `http/` and `grpc/` turn
 //! them into two APIs over one error table (`error.rs`); `dispatch/` knows the
-//! workers and routes rollouts; `supervise.rs` keeps worker processes alive; `sweeps.rs` does what
+//! workers and routes rollouts; `play/` advances sessions in real time; `supervise.rs` keeps worker processes alive; `sweeps.rs` does what
 //! is to be done at intervals, and `readiness.rs` says whether requests can be served.
 
 mod app;
@@ -29,6 +29,7 @@ mod listen;
 mod memory;
 mod metrics;
 mod options;
+mod play;
 mod readiness;
 mod service;
 mod supervise;

@@ -128,6 +128,12 @@ pub struct Limits {
     pub uploads: u64,
     /// The room that is kept for them together, which grows with what has come of each [bytes].
     pub uploads_bytes: u64,
+    /// Plays under way, each a session at a worker that is advanced in real time.
+    pub plays: usize,
+    /// Browsers that watch one play.
+    pub play_watchers: usize,
+    /// Time after which a play ends that nobody touches [s].
+    pub play_idle_s: f64,
 }
 
 impl Default for Options {
@@ -185,6 +191,9 @@ impl Default for Limits {
             upload_idle_s: 60.0,
             uploads: 1024,
             uploads_bytes: 256 << 30,
+            plays: 8,
+            play_watchers: 64,
+            play_idle_s: 600.0,
         }
     }
 }
@@ -257,6 +266,9 @@ impl Options {
         within("limits.upload_idle_s", limits.upload_idle_s, 0.1, 86_400.0);
         within("limits.uploads", limits.uploads as f64, 1.0, 1e6);
         within("limits.uploads_bytes", limits.uploads_bytes as f64, 1.0, large);
+        within("limits.plays", limits.plays as f64, 0.0, 256.0);
+        within("limits.play_watchers", limits.play_watchers as f64, 0.0, 65_536.0);
+        within("limits.play_idle_s", limits.play_idle_s, 1.0, 86_400.0);
         if self.heartbeat_interval_s > self.lease_s / 2.0 {
             faults.push(format!(
                 "heartbeat_interval_s is {}: it must be at most half of lease_s ({})",

@@ -239,6 +239,8 @@ impl Handle {
         let ends = Instant::now() + self.grace;
         // Nobody waits for silent connections, but workers need their socket to give jobs back.
         self.close.cancel();
+        // Plays end their sessions while there are workers to hear it.
+        let _ = tokio::time::timeout(self.grace.min(LAST_WORDS), self.app.plays.ended()).await;
         self.workers.stop(self.grace).await;
         self.close_workers.cancel();
         let last = ends.max(Instant::now() + self.grace.min(LAST_WORDS));

@@ -1,5 +1,5 @@
 //! Typed ids. Resources are named `captures/{id}`, `fits/{id}`, `twins/{id}`, `uploads/{id}`,
-//! `sessions/{id}` and `workers/{id}`, jobs that are no resources `ingests/{id}`; ids are UUIDv7, so they sort by
+//! `sessions/{id}`, `plays/{id}` and `workers/{id}`, jobs that are no resources `ingests/{id}`; ids are UUIDv7, so they sort by
 //! creation time.
 
 use std::{fmt, str::FromStr};
@@ -108,6 +108,10 @@ id!(
 id!(
     /// A simulation that lives at a worker between calls.
     SessionId, "sessions"
+);
+id!(
+    /// A simulation in real time that a person plays with.
+    PlayId, "plays"
 );
 id!(
     /// An upload that can be resumed.

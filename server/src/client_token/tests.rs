@@ -49,3 +49,17 @@ fn it_is_shown_as_bearer_or_as_a_password() {
     }
     assert!(expected.check(&HeaderMap::new()).is_err());
 }
+
+#[test]
+fn a_websocket_shows_it_among_its_protocols() {
+    let token = "0123456789abcdef0123456789abcdef";
+    let expected = ClientToken::new(token);
+    let asks = |protocols: &str| {
+        let value = HeaderValue::from_str(protocols).unwrap();
+        expected.check(&HeaderMap::from_iter([(header::SEC_WEBSOCKET_PROTOCOL, value)])).is_ok()
+    };
+    assert!(asks(&format!("bendtwin.play.v1, bendtwin.token, {token}")));
+    assert!(!asks(&format!("bendtwin.play.v1, {token}")));
+    assert!(!asks(&format!("{token}, bendtwin.token")));
+    assert!(!asks("bendtwin.token, 0123456789abcdef0123456789abcdee"));
+}

@@ -67,7 +67,8 @@ pub(super) async fn serve(
         let activity = activity.clone();
         move |request| answer(request, peer, root_service.clone(), activity.clone(), timeouts)
     });
-    let serving = builder.serve_connection(TokioIo::new(stream), TowerToHyperService::new(service));
+    let serving = builder
+        .serve_connection_with_upgrades(TokioIo::new(stream), TowerToHyperService::new(service));
     let mut serving = std::pin::pin!(serving);
     let ended = tokio::select! {
         ended = serving.as_mut() => ended,

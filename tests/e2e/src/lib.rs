@@ -30,6 +30,8 @@ mod memory;
 #[cfg(test)]
 mod over_http;
 #[cfg(test)]
+mod plays;
+#[cfg(test)]
 mod reasons;
 #[cfg(test)]
 mod resumable;

@@ -5,6 +5,7 @@ pub mod api;
 pub mod cluster;
 pub mod command;
 pub mod http;
+pub mod play;
 pub mod process;
 pub mod raw;
 pub mod reference;

@@ -1,0 +1,201 @@
+//! Requests of the browser that plays.
+
+use bendtwin_proto::{
+    json::Read,
+    v1::{InitialState, ResetSessionRequest, initial_state::State},
+    worker::v1::manage_session_request::Call,
+};
+use futures::StreamExt as _;
+use tokio::{sync::mpsc, time::Instant};
+
+use super::{Run, session};
+use crate::{
+    context::Context,
+    dispatch::Plan,
+    failure::Result,
+    play::{
+        goal::{Pursuit, Stage},
+        message::{Goal, Message},
+        recording::Recording,
+    },
+};
+
+/// Most frames that wait while it is paused.
+const MOST_STEPS: u32 = 1000;
+
+impl Run {
+    /// Does what has come; what is wrong with it is answered, and changes nothing.
+    pub(super) async fn take_messages(&mut self) -> Result<()> {
+        self.last_message = Instant::now();
+        for message in self.inbox.take() {
+            if let Err(error) = self.take(message).await {
+                match bendtwin_core::Problem::category(&error) {
+                    bendtwin_core::Category::Unavailable | bendtwin_core::Category::Aborted => {
+                        self.reopen(error).await?;
+                    }
+                    _ => self.refuse(error),
+                }
+            }
+        }
+        Ok(())
+    }
+
+    async fn take(&mut self, message: Message) -> Result<()> {
+        match message {
+            Message::Move { input, grippers, colliders } => {
+                self.took(input);
+                if !grippers.is_empty() {
+                    self.end_pursuit(Some(Stage::Stopped));
+                }
+                return self.scene.aim(&grippers, &colliders);
+            }
+            Message::Grasp { input, gripper, node, radius_m, springs } => {
+                self.took(input);
+                self.end_pursuit(Some(Stage::Stopped));
+                return self.scene.grasp(gripper, node, radius_m, springs);
+            }
+            Message::Release { input, gripper } => {
+                self.took(input);
+                self.end_pursuit(Some(Stage::Stopped));
+                return self.scene.release(gripper);
+            }
+            Message::World { input, world: Read(world), vary } => {
+                self.took(input);
+                self.scene.surround(world, vary)?;
+            }
+            Message::Pause { paused } => {
+                self.paused = paused;
+                self.steps = 0;
+                self.clock.restart(Instant::now());
+            }
+            Message::Step { frames } => {
+                self.paused = true;
+                self.steps = self.steps.saturating_add(frames.max(1)).min(MOST_STEPS);
+                self.clock.restart(Instant::now());
+            }
+            Message::Speed { factor } => {
+                self.clock.set_speed(factor);
+                self.clock.restart(Instant::now());
+            }
+            Message::Reset {} => self.reset().await?,
+            Message::Record { on: true } => {
+                if self.replay.is_none() {
+                    self.recording = Some(Recording::default());
+                    self.scene.begin_segment();
+                }
+            }
+            Message::Record { on: false } => self.end_recording(),
+            Message::Replay {} => self.begin_replay().await?,
+            Message::Goal(goal) => self.pursue(goal).await?,
+            Message::Stop {} => {
+                self.end_pursuit(Some(Stage::Stopped));
+                if self.replay.is_some() {
+                    self.end_replay().await?;
+                }
+            }
+            Message::Seen { .. } => return Ok(()),
+        }
+        // Flags of a state that stands still change as well.
+        self.show(None);
+        self.tell();
+        Ok(())
+    }
+
+    fn took(&mut self, input: u32) {
+        self.has_input = true;
+        if input > 0 {
+            self.input = input;
+        }
+    }
+
+    /// Goes back to the first state.
+    async fn reset(&mut self) -> Result<()> {
+        self.end_pursuit(Some(Stage::Stopped));
+        if self.replay.is_some() {
+            self.end_replay().await?;
+        }
+        let (first, poses) = self.first.clone();
+        let initial = Some(InitialState { state: Some(State::Given(first.clone())) });
+        let name = self.session.clone();
+        let reset = ResetSessionRequest { name: name.clone(), slots: Vec::new(), initial };
+        self.app
+            .dispatch
+            .session_call(&name, Call::Reset(reset), Some(super::FRAME_TIMEOUT))
+            .await?;
+        self.scene.see(session::points(first.positions.as_ref())?);
+        self.scene.begin_again(&poses);
+        self.known = first;
+        if let Some(recording) = &mut self.recording {
+            recording.part();
+        }
+        self.number = self.number.wrapping_add(1);
+        self.clock.restart(Instant::now());
+        Ok(())
+    }
+
+    /// Ends the recording; it stays until the next one has ended.
+    pub(super) fn end_recording(&mut self) {
+        if let Some(recording) = self.recording.take().filter(|r| r.frames() > 0) {
+            self.play.set_recording(recording);
+        }
+    }
+
+    async fn pursue(&mut self, goal: Goal) -> Result<()> {
+        if self.replay.is_some() {
+            self.end_replay().await?;
+        }
+        self.end_pursuit(Some(Stage::Stopped));
+        self.scene.stay();
+        self.pursuit = Some(Pursuit::new(goal, &self.scene)?);
+        self.paused = false;
+        let asked = self.ask_for_a_plan().await;
+        if asked.is_err() {
+            self.end_pursuit(Some(Stage::Stopped));
+        }
+        asked
+    }
+
+    /// Asks for a plan from where it is; it stands still meanwhile.
+    pub(super) async fn ask_for_a_plan(&mut self) -> Result<()> {
+        let Some(pursuit) = &mut self.pursuit else { return Ok(()) };
+        let seed = u64::from(self.number);
+        let plan = Plan {
+            request: pursuit.request(&self.session, &self.scene, seed),
+            timeout: Some(3 * super::FRAME_TIMEOUT),
+            as_lists: false,
+            memory: std::sync::Arc::default(),
+            stopping: self.app.stopping.clone(),
+        };
+        let mut updates = Box::pin(self.app.dispatch.plan(plan)).await?;
+        // On a task of its own, as its future is large and this one is part of others.
+        let (sender, plan) = mpsc::channel(1);
+        tokio::spawn(Context::current().scope(async move {
+            loop {
+                let update = tokio::select! {
+                    () = sender.closed() => return,
+                    update = updates.next() => update,
+                };
+                let Some(update) = update else { return };
+                if sender.send(update).await.is_err() {
+                    return;
+                }
+            }
+        }));
+        self.plan = Some(plan);
+        self.tell();
+        Ok(())
+    }
+
+    /// Pursues a goal no more.
+    pub(super) fn end_pursuit(&mut self, stage: Option<Stage>) {
+        self.plan = None;
+        let Some(mut pursuit) = self.pursuit.take() else { return };
+        if let Some(stage) = stage {
+            pursuit.progress.state = stage;
+            self.scene.stay();
+        }
+        self.goal = Some(pursuit.progress);
+        self.clock.restart(Instant::now());
+        self.tell();
+    }
+}
