@@ -13,8 +13,11 @@ use crate::{
     geometry::{Vector, add, cross, dot, length, scaled, sub, wide},
 };
 
-/// Shorter edges [m], and smaller areas [m²], give a frame no direction.
-const LEAST: f64 = 1e-12;
+/// Shorter edges [m] give a frame no direction.
+const LEAST_M: f64 = 1e-12;
+/// Sine of the angle between a frame's edges up to which its nodes span no triangle. Rounding in
+/// single precision gives nodes on a line a sine of 1e-7 and any direction.
+pub const LEAST_SINE: f64 = 1e-4;
 
 /// Points of a surface that nodes carry. M is their number, K that of all weights.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -277,7 +280,8 @@ impl Axes {
         let edges = [sub(b, a), sub(c, a)];
         let normal = cross(edges[0], edges[1]);
         let lengths = [length(edges[0]), length(normal)];
-        if !lengths.iter().all(|l| *l > LEAST) {
+        let sides = lengths[0] * length(edges[1]);
+        if !(lengths[0] > LEAST_M && lengths[1] > LEAST_SINE * sides) {
             return None;
         }
         let e1 = scaled(edges[0], 1.0 / lengths[0]);

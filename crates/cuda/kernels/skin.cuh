@@ -4,8 +4,8 @@
 
 // Marks a point whose offset is along the axes of the world.
 #define NO_FRAME 0xffffffffu
-// Shorter edges [m], and smaller areas [m^2], give a frame no direction.
-#define LEAST_OF_FRAME 1e-12f
+// Shorter edges [m] give a frame no direction.
+#define LEAST_EDGE_M 1e-12f
 
 struct SkinArgs {
     const u32* starts;          // [M + 1]: first weight of each point
@@ -48,7 +48,8 @@ DEVICE bool axes_of(const Positions& p, const u32* frame, Axes& axes) {
     axes.v = sub(node_at(p, frame[2]), a);
     const float3 normal = cross(axes.u, axes.v);
     const float edge = sqrtf(dot(axes.u, axes.u)), area = sqrtf(dot(normal, normal));
-    if (!(edge > LEAST_OF_FRAME && area > LEAST_OF_FRAME)) return false;
+    const float sides = edge * sqrtf(dot(axes.v, axes.v));
+    if (!(edge > LEAST_EDGE_M && area > LEAST_FRAME_SINE * sides)) return false;
     axes.inverse_edge = 1.0f / edge;
     axes.inverse_area = 1.0f / area;
     axes.e1 = scale(axes.u, axes.inverse_edge);

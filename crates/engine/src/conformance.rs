@@ -198,6 +198,7 @@ suite! { ($)
     skin:
         skins_follow_affine_motions,
         skins_follow_rigid_motions,
+        frames_without_a_triangle_hold_nothing_off,
         gradients_of_skin_terms,
         a_skin_of_nodes_is_the_nodes;
     gradients:

@@ -23,8 +23,10 @@ POINT_SETS: dict[str, rollout_pb2.PointSet] = {
 
 #: Marks a point that is no observed one, and one whose offset is along the axes of the world.
 NONE = np.iinfo(np.uint32).max
-#: Shorter edges, metres, and smaller areas, square metres, give a frame no direction.
-_LEAST = 1e-12
+#: Shorter edges, metres, give a frame no direction.
+_LEAST_M = 1e-12
+#: Sine of the angle between a frame's edges up to which its nodes span no triangle.
+_LEAST_SINE = 1e-4
 
 
 @dataclass(frozen=True)
@@ -101,9 +103,10 @@ class Skin:
 def _axes(corners: FloatArray) -> FloatArray:
     """Axes [..., 3, 3] of frames of nodes a, b, c [..., 3, 3]; zeros where there are none."""
     along = corners[..., 1, :] - corners[..., 0, :]
-    normal = np.cross(along, corners[..., 2, :] - corners[..., 0, :])
-    lengths = [np.linalg.norm(v, axis=-1, keepdims=True) for v in (along, normal)]
-    is_frame = (lengths[0] > _LEAST) & (lengths[1] > _LEAST)
+    other = corners[..., 2, :] - corners[..., 0, :]
+    normal = np.cross(along, other)
+    lengths = [np.linalg.norm(v, axis=-1, keepdims=True) for v in (along, normal, other)]
+    is_frame = (lengths[0] > _LEAST_M) & (lengths[1] > _LEAST_SINE * lengths[0] * lengths[2])
     with np.errstate(divide="ignore", invalid="ignore"):
         e1, e3 = along / lengths[0], normal / lengths[1]
         axes = np.stack([e1, np.cross(e3, e1), e3], axis=-2)

@@ -2,6 +2,7 @@
 
 use std::fmt::Write as _;
 
+use bendtwin_core::skin::LEAST_SINE;
 use bendtwin_engine::constants;
 
 use super::team::TeamShape;
@@ -228,6 +229,7 @@ impl Specialization {
 fn physics() -> String {
     let single = [
         ("MIN_SINE", constants::MIN_SINE),
+        ("LEAST_FRAME_SINE", LEAST_SINE),
         ("MIN_ARM_M", constants::MIN_ARM_M),
         ("ROUNDING", constants::ROUNDING),
         ("ROUNDED_REST", 1.0_f64.hypot(constants::ROUNDING)),

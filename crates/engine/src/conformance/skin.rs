@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use bendtwin_core::{Point, Skin};
+use bendtwin_core::{Graph, Point, Skin};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
@@ -78,6 +78,29 @@ pub(super) fn skins_follow_rigid_motions(backend: &dyn Backend) -> Outcome {
     carried(backend, &turn, |skin, m| {
         skin.offsets_m[m] == [0.0; 3] || skin.frames[m][0] != Skin::NO_FRAME
     })
+}
+
+/// Nodes on a line, and a node named twice, give a frame no direction in any precision: what is off
+/// them in it is at the weighted mean. To 2e-6 m.
+pub(super) fn frames_without_a_triangle_hold_nothing_off(backend: &dyn Backend) -> Outcome {
+    let line = [0.0, 1.0, 2.0].map(|i: f32| [0.013 * i, 0.037 * i, 0.029 * i]);
+    for corners in [[0, 1, 2], [2, 0, 1], [0, 1, 1], [0, 0, 1]] {
+        let mut scene = Scene::of(&line);
+        scene.skin.push(Graph::NOT_OBSERVED, &[(0, 0.5), (1, 0.5)], corners, [0.02, -0.03, 0.05]);
+        scene.frames = 0;
+        let term = Term::Track {
+            of: PointSet::Skin,
+            points: vec![0],
+            targets: vec![line[1].map(|x| 0.5 * x)],
+            loss: PointLoss::Distance,
+        };
+        scene.objective.groups = vec!["here".into()];
+        scene.objective.terms =
+            Arc::new(vec![WeightedTerm { frame: 0, weight: 1.0, group: 0, term }]);
+        let loss = scene.loss(backend)?;
+        close("the distance from the weighted mean", loss.total, 0.0, 2e-6)?;
+    }
+    Ok(())
 }
 
 /// Every term at the skin: to 1 %. Chamfer's targets lie so near to where points come that the
