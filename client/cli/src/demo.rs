@@ -2,10 +2,14 @@
 
 mod candidates;
 mod closed_loop;
+mod playground;
 mod server;
 mod steps;
 
-use std::path::PathBuf;
+use std::{
+    path::PathBuf,
+    sync::atomic::{AtomicBool, Ordering},
+};
 
 use clap::Args;
 use tempfile::TempDir;
@@ -25,6 +29,9 @@ pub(crate) struct Demo {
     /// differs from it, and plan again from where that is
     #[arg(long)]
     plan: bool,
+    /// Fit the rope alone, open a browser in which it can be dragged, and stay until Ctrl-C
+    #[arg(long, conflicts_with_all = ["plan", "out"])]
+    open: bool,
     /// Seed of the capture, of the fits and of the plans
     #[arg(long, default_value_t = 0)]
     seed: u64,
@@ -38,16 +45,25 @@ pub(crate) async fn run(args: Demo, global: &Global) -> anyhow::Result<()> {
     let mut demo = DemoRun::new(global.json, args.seed, args.out, folder.path().to_owned());
     let mut server = demo.start_server(&args.backend).await?;
     let connection = server.connection.clone();
+    let is_open = AtomicBool::new(false);
     let steps = async {
-        match args.plan {
-            true => demo.run_closed_loop(&connection).await,
-            false => demo.run(&connection).await,
+        match (args.open, args.plan) {
+            (true, _) => {
+                demo.open_playground(&connection).await?;
+                is_open.store(true, Ordering::SeqCst);
+                std::future::pending().await
+            }
+            (false, true) => demo.run_closed_loop(&connection).await,
+            (false, false) => demo.run(&connection).await,
         }
     };
     let outcome = tokio::select! {
         // Ctrl-C reaches the server as well: its end is no fault then.
         biased;
-        () = shutdown.cancelled() => Err(anyhow::anyhow!("interrupted; everything was stopped")),
+        () = shutdown.cancelled() => match is_open.load(Ordering::SeqCst) {
+            true => Ok(()),
+            false => Err(anyhow::anyhow!("interrupted; everything was stopped")),
+        },
         outcome = steps => outcome,
         fault = server.ended() => Err(fault),
     };

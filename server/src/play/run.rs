@@ -57,8 +57,6 @@ pub(super) struct Run {
     /// Number of the last state that was shown, and of the last input that was taken in.
     number: u32,
     input: u32,
-    /// True if something came that no frame has yet.
-    has_input: bool,
     paused: bool,
     /// Frames to simulate although it is paused.
     steps: u32,
@@ -116,7 +114,6 @@ impl Run {
             first: (first, poses),
             number: 0,
             input: 0,
-            has_input: false,
             paused: false,
             steps: 0,
             recording: None,
@@ -173,7 +170,7 @@ impl Run {
     /// Time at which the next frame begins, if there is to be one.
     fn begins(&self) -> Option<Instant> {
         let stands = self.paused && self.steps == 0 || self.plan.is_some();
-        (!stands).then(|| self.clock.begins(self.has_input))
+        (!stands).then(|| self.clock.begins())
     }
 
     /// Simulates a frame.
@@ -187,7 +184,7 @@ impl Run {
                 (frame.request(&self.scene.template(), 0..2), frame)
             }
         };
-        self.has_input = false;
+        self.clock.begun();
         match self.advance(request).await {
             Ok(reply) if !reply.diverged.is_empty() => self.diverged().await,
             Ok(reply) => self.passed(&frame, reply).await,

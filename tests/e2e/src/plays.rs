@@ -1,6 +1,7 @@
 //! Plays as a browser has them: dragging, grasping, recording and repeating, a goal, watchers, a worker
 //! that is lost, and messages that no browser sends.
 
+mod demo;
 mod hostile;
 
 use std::time::Duration;

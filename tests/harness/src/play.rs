@@ -6,7 +6,7 @@ use futures::{SinkExt as _, StreamExt as _};
 use serde_json::{Value, json};
 use tokio::net::TcpStream;
 use tokio_tungstenite::{
-    MaybeTlsStream, WebSocketStream, connect_async,
+    MaybeTlsStream, WebSocketStream, connect_async, connect_async_with_config,
     tungstenite::{Error, Message},
 };
 
@@ -101,7 +101,9 @@ impl Play {
 
     /// Connects, and says nothing.
     pub async fn connect(url: &str, path: &str, headers: &[(&'static str, &str)]) -> Self {
-        let (socket, _) = connect_async(request(url, path, headers)).await.unwrap();
+        // As browsers do: small messages wait for nothing.
+        let connected = connect_async_with_config(request(url, path, headers), None, true);
+        let (socket, _) = connected.await.unwrap();
         let (ready, facts) = (Value::Null, Value::Null);
         Self { socket, ready, facts, replies: Vec::new(), draws: true }
     }

@@ -33,6 +33,8 @@ pub(super) struct DemoServer {
 #[derive(Clone)]
 pub(super) struct Connection {
     pub(super) url: String,
+    /// The token that clients show.
+    pub(super) token: String,
     pub(super) client: Client,
 }
 
@@ -91,13 +93,14 @@ impl DemoServer {
         // Whatever token the user's own server has.
         let token = std::fs::read_to_string(folder.join("data/client-token"))
             .context("cannot read the token of the server")?;
-        let client = Client::connect_with_token(&url, Some(token.trim())).await?;
+        let token = token.trim().to_owned();
+        let client = Client::connect_with_token(&url, Some(&token)).await?;
         while client.workers().all().await?.is_empty() {
             anyhow::ensure!(started.elapsed() < START_TIMEOUT, "no worker starts{}", tail(&log));
             tokio::time::sleep(POLL_INTERVAL).await;
         }
         let stdin = child.stdin.take();
-        Ok(Self { child, stdin, log, connection: Connection { url, client } })
+        Ok(Self { child, stdin, log, connection: Connection { url, token, client } })
     }
 
     /// Waits until the server ends by itself, which it should not.

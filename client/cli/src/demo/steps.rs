@@ -37,7 +37,7 @@ pub(super) fn flags() -> String {
 
 /// The demo under way.
 pub(super) struct DemoRun {
-    quiet: bool,
+    pub(super) quiet: bool,
     pub(super) seed: u64,
     pub(super) picture: PathBuf,
     folder: PathBuf,
@@ -45,6 +45,8 @@ pub(super) struct DemoRun {
     steps: u32,
     /// The document of `--json`, printed at the end.
     pub(super) report: serde_json::Map<String, serde_json::Value>,
+    /// True once there is nothing to sum up.
+    pub(super) is_told: bool,
 }
 
 /// The two fits of the same nodes.
@@ -57,7 +59,8 @@ struct FittedPair {
 impl DemoRun {
     pub(super) fn new(quiet: bool, seed: u64, picture: PathBuf, folder: PathBuf) -> Self {
         let report = serde_json::Map::new();
-        Self { quiet, seed, picture, folder, started: Instant::now(), steps: 0, report }
+        let (started, steps, is_told) = (Instant::now(), 0, false);
+        Self { quiet, seed, picture, folder, started, steps, report, is_told }
     }
 
     /// Step 1: a server with a worker.
@@ -115,14 +118,7 @@ impl DemoRun {
         capture: CaptureId,
     ) -> anyhow::Result<FittedPair> {
         let settings = settings(self.seed);
-        self.step(
-            &format!(
-                "Fit a coarse twin, fast enough to plan with: {NODES} nodes. Search its global numbers, then\n   \
-                 refine every spring and bending triplet"
-            ),
-            &format!("bendtwin fit start {capture} {} --watch", flags()),
-        );
-        let bending = self.one_fit(connection, capture, &settings, "fit_s").await?;
+        let bending = self.bending_fit(connection, capture).await?;
         self.step(
             "Fit the same nodes once more without bending, for comparison",
             &format!("bendtwin fit start {capture} {} --set bending=false --watch", flags()),
@@ -137,6 +133,22 @@ impl DemoRun {
             axial: twins.download(axial).await?,
             name,
         })
+    }
+
+    /// The fit that all else is about.
+    pub(super) async fn bending_fit(
+        &mut self,
+        connection: &Connection,
+        capture: CaptureId,
+    ) -> anyhow::Result<Fit> {
+        self.step(
+            &format!(
+                "Fit a coarse twin, fast enough to plan with: {NODES} nodes. Search its global numbers, then\n   \
+                 refine every spring and bending triplet"
+            ),
+            &format!("bendtwin fit start {capture} {} --watch", flags()),
+        );
+        self.one_fit(connection, capture, &settings(self.seed), "fit_s").await
     }
 
     pub(super) async fn one_fit(
@@ -250,6 +262,10 @@ impl DemoRun {
     /// Prints the summary, once everything has stopped.
     pub(super) fn conclude(mut self, kept: bool) -> anyhow::Result<()> {
         let took = self.started.elapsed().as_secs_f64();
+        if self.is_told {
+            self.print("\nServer and worker are stopped.");
+            return Ok(());
+        }
         self.report.insert("seconds".to_owned(), json!(took));
         if self.quiet {
             return output::line(&serde_json::Value::Object(self.report).to_string());
@@ -265,7 +281,8 @@ impl DemoRun {
             ));
         } else {
             self.print(
-                "Next: `bendtwin server`, then the commands above with a capture of your own.",
+                "Next: `bendtwin demo --open` to drag the rope in a browser, or `bendtwin server` and the\n\
+                 commands above with a capture of your own.",
             );
         }
         Ok(())

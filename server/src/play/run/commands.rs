@@ -102,7 +102,7 @@ impl Run {
     }
 
     fn took(&mut self, input: u32) {
-        self.has_input = true;
+        self.clock.input(Instant::now());
         if input > 0 {
             self.input = input;
         }
