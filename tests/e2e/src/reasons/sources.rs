@@ -25,7 +25,7 @@ const FINDERS: [&str; 6] = [
 ];
 
 /// Files with words in capitals of other vocabularies.
-const OTHERS: [&str; 7] = [
+const OTHERS: [&str; 8] = [
     "client/cli/src/demo/playground.rs",
     "client/cli/src/rollout/implausible.rs",
     "crates/capture/src/raw/nerfstudio/",
