@@ -72,7 +72,7 @@ impl Defaults {
             (Subject::Body, Cpu, Standard) => of(200, 2, 12, 16, 120),
             (Subject::Body, Cpu, Best) => of(600, 4, 12, 32, 200),
             (Subject::Body, Gpu, Draft) => of(300, 1, 8, 32, 60),
-            (Subject::Body, Gpu, Standard) => of(1000, 2, 12, 32, 120),
+            (Subject::Body, Gpu, Standard) => of(600, 2, 12, 32, 120),
             (Subject::Body, Gpu, Best) => of(600, 4, 25, 32, 200),
         }
     }
