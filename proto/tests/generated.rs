@@ -32,6 +32,7 @@ const FILES: [&str; 14] = [
 ];
 
 const TWINS: &str = "bendtwin/v1/twin.proto";
+const EVALUATIONS: &str = "bendtwin/v1/evaluation.proto";
 
 #[test]
 fn the_generated_code_is_that_of_the_proto_files() {
@@ -69,12 +70,15 @@ fn generate(root: &Path) -> BTreeMap<String, Vec<u8>> {
         "bendtwin/v1/registration.proto",
         "bendtwin/v1/session.proto",
     ];
-    // Of twins only their geometry has tensors.
-    let mut geometry = descriptors.file.iter().find(|f| f.name() == TWINS).unwrap().clone();
-    geometry.message_type.retain(|message| message.name() == "TwinGeometry");
-    let code = json::implementations(
-        descriptors.file.iter().filter(|f| in_json.contains(&f.name())).chain([&geometry]),
-    );
+    // Of twins only their geometry has tensors, of evaluations the motion.
+    let alone = |file: &str, wanted: &str| {
+        let mut file = descriptors.file.iter().find(|f| f.name() == file).unwrap().clone();
+        file.message_type.retain(|message| message.name() == wanted);
+        file
+    };
+    let single = [alone(TWINS, "TwinGeometry"), alone(EVALUATIONS, "PredictedMotion")];
+    let whole = descriptors.file.iter().filter(|f| in_json.contains(&f.name()));
+    let code = json::implementations(whole.chain(&single));
     std::fs::write(folder.path().join("json.rs"), code).unwrap();
     tonic_prost_build::configure()
         .bytes(".")

@@ -76,15 +76,15 @@ pub(crate) fn operations_router(app: &App) -> axum::Router {
 }
 
 fn with_fallbacks(router: axum::Router<App>) -> axum::Router<App> {
-    router
-        .fallback(|| async {
-            let message = "there is nothing at this path: see /docs for what there is";
-            Refusal::http_only(StatusCode::NOT_FOUND, "NO_SUCH_ROUTE", message)
-        })
-        .method_not_allowed_fallback(|| async {
-            let message = "this path does not have that method: see /docs for what it has";
-            Refusal::http_only(StatusCode::METHOD_NOT_ALLOWED, "METHOD_NOT_ALLOWED", message)
-        })
+    router.fallback(|| async { no_such_route() }).method_not_allowed_fallback(|| async {
+        let message = "this path does not have that method: see /docs for what it has";
+        Refusal::http_only(StatusCode::METHOD_NOT_ALLOWED, "METHOD_NOT_ALLOWED", message)
+    })
+}
+
+fn no_such_route() -> Refusal {
+    let message = "there is nothing at this path: see /docs for what there is";
+    Refusal::http_only(StatusCode::NOT_FOUND, "NO_SUCH_ROUTE", message)
 }
 
 fn described() -> OpenApiRouter<App> {
@@ -97,6 +97,7 @@ fn described() -> OpenApiRouter<App> {
         .routes(routes!(captures::report))
         .routes(routes!(captures::report_page))
         .routes(routes!(captures::observation))
+        .routes(routes!(captures::playback))
         .routes(routes!(events::watch_ingest))
         .merge(uploads::routes())
         .routes(routes!(fits::list, fits::create))

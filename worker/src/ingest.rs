@@ -1,4 +1,4 @@
-//! One ingest job from lease to observation and report. Captures are untrusted files, so each is
+//! One ingest job from lease to observation, playback and report. Captures are untrusted files, so each is
 //! read in a process of its own, confined and under limits of memory and time: whatever happens to
 //! that process, worker and server are unharmed.
 //!

@@ -3,6 +3,7 @@
 mod actions;
 mod implausible;
 mod recording;
+mod spread;
 
 use std::path::{Path, PathBuf};
 
@@ -13,6 +14,7 @@ use serde_json::json;
 use self::{
     actions::Actions,
     recording::{Recording, RecordingOptions},
+    spread::Spread,
 };
 use crate::{failure::Usage, global::Global, npy, output, table::Table};
 
@@ -63,6 +65,9 @@ pub(crate) struct Rollout {
     /// Keep the positions of the best instances only
     #[arg(long, value_name = "N")]
     best: Option<u32>,
+    /// Also simulate the twin's other fits, and say how far their predictions are apart
+    #[arg(long, conflicts_with = "fidelity")]
+    spread: bool,
 }
 
 #[derive(Clone, Copy, Debug, clap::ValueEnum)]
@@ -122,12 +127,19 @@ pub(crate) async fn run(args: Rollout, global: &Global) -> anyhow::Result<()> {
     if let Some(best) = args.best {
         request = request.best(best);
     }
-    let reply = client.rollouts().run(request).await?;
+    let spread = if args.spread { Some(Spread::of(&client, args.twin).await?) } else { None };
+    if let Some(spread) = &spread {
+        request = spread.ask(request, args.every.max(1));
+    }
+    let mut reply = client.rollouts().run(request).await?;
+    if let Some(spread) = &spread {
+        spread.fold(&mut reply);
+    }
     if let Some(recording) = &recording {
         recording.write(&client, args.twin, &reply).await?;
     }
     let out = recording.as_ref().map(Recording::path);
-    output::print(global, &document(&reply), || text(&reply, instances, out))
+    output::print(global, &document(&reply), || text(&reply, instances, spread.as_ref(), out))
 }
 
 fn cloud(path: &Path) -> anyhow::Result<Vec<Point>> {
@@ -151,6 +163,7 @@ fn document(reply: &Reply) -> serde_json::Value {
         "instances": reply.instances,
         "frames": reply.frames,
         "diagnostics": reply.diagnostics,
+        "spread_m": if reply.spread.is_empty() { Vec::new() } else { Spread::by_frame(reply) },
         "diverged": reply.diverged,
         "implausible": reply.implausible,
         "timing": reply.timing,
@@ -161,7 +174,7 @@ fn document(reply: &Reply) -> serde_json::Value {
     })
 }
 
-fn text(reply: &Reply, instances: usize, out: Option<&Path>) -> String {
+fn text(reply: &Reply, instances: usize, spread: Option<&Spread>, out: Option<&Path>) -> String {
     let mut order: Vec<usize> = (0..reply.costs.len()).collect();
     order.sort_by(|a, b| reply.costs[*a].total_cmp(&reply.costs[*b]));
     let mut table = Table::new(["INSTANCE", "COST", "MAX STRAIN", "MAX SPEED", "ON THE GROUND"]);
@@ -189,6 +202,9 @@ fn text(reply: &Reply, instances: usize, out: Option<&Path>) -> String {
             &format!("\ninstance {} diverged in frame {} at node {}", d.instance, d.frame, d.node);
     }
     text += &implausible::warnings(&reply.implausible);
+    if let Some(spread) = spread {
+        text += &spread.text(reply);
+    }
     text += &format!(
         "\n{instances} rollouts in {:.0} ms ({:.0} ms waiting)",
         1e3 * reply.timing.compute_s,

@@ -100,6 +100,21 @@ def test_members_vary_and_their_costs_come_back(twin, fake):
     assert result.member_costs.shape == (2, 2)
 
 
+def test_fits_and_their_spread_are_asked_for(fake, twin):
+    quiet(
+        twin,
+        poses=poses(),
+        vary=Vary(fits=True),
+        ensemble=Ensemble(3, "worst"),
+        returns=Returns(every_frames=1, spread=True),
+    )
+    sent = fake.rollout_request
+    assert sent.vary.fits
+    assert sent.returns.spread
+    quiet(twin, poses=poses())
+    assert not fake.rollout_request.returns.spread
+
+
 def test_forces_come_back_in_newtons(twin):
     result = quiet(twin, poses=poses(), grasps=[Grasp(hand=0)], returns=Returns(forces=True))
     assert result.forces.controls.shape == (1, 2, 1, 3)

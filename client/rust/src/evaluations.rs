@@ -27,7 +27,8 @@ impl Evaluations {
     /// If there is no such twin or capture, if the twin does not explain the recording's first frame
     /// (reason `OBSERVATION_NOT_EXPLAINED`), or the server cannot be asked.
     pub async fn run(&self, twin: TwinId, capture: CaptureId) -> Result<Quality, Error> {
-        let request = EvaluateTwinRequest { twin: twin.to_string(), capture: capture.to_string() };
+        let (twin, capture) = (twin.to_string(), capture.to_string());
+        let request = EvaluateTwinRequest { twin, capture, motion: None };
         let reply = self.service.clone().evaluate_twin(request).await?.into_inner();
         serde_json::from_str(&reply.quality_json).map_err(Error::malformed)
     }

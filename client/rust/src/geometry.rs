@@ -33,6 +33,8 @@ pub struct Geometry {
     pub spacing_m: f64,
     /// Points of the surface that the nodes carry.
     pub skin: Skin,
+    /// Number of fits: the twin and its members.
+    pub fits: usize,
 }
 
 impl TryFrom<TwinGeometry> for Geometry {
@@ -66,6 +68,7 @@ impl TryFrom<TwinGeometry> for Geometry {
             mass_kg: wire.mass_kg,
             spacing_m: wire.spacing_m,
             skin: skin(wire.skin.unwrap_or_default(), nodes)?,
+            fits: wire.fits.max(1) as usize,
         })
     }
 }

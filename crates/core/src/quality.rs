@@ -157,6 +157,33 @@ pub struct RegistrationScore {
     pub explained: f64,
 }
 
+/// The distance between the predictions of several fits of one object, beside the twin's error: over
+/// tracked points in the frames that the twin was not fitted to, or in its training frames if there are
+/// no others.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct SpreadScore {
+    /// Number of fits: the twin and its members.
+    pub fits: u32,
+    /// Mean spread of the points: root mean square distance of the members' predictions from the
+    /// twin's [m].
+    pub mean_m: f64,
+    /// The twin's mean error at these points [m].
+    pub error_m: f64,
+    /// Share of the points whose error is at most twice what the spread lets expect: it times
+    /// [`SpreadScore::factor`].
+    pub within: f64,
+    /// Correlation of spread and error by rank, -1..=1; none if one of them is the same everywhere.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub rank_correlation: Option<f64>,
+}
+
+impl SpreadScore {
+    /// The error to expect at a point, over its spread; none if the fits agree everywhere.
+    pub fn factor(&self) -> Option<f64> {
+        Some(self.error_m / self.mean_m).filter(|f| f.is_finite())
+    }
+}
+
 /// The quality table of a twin.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Quality {
@@ -178,6 +205,9 @@ pub struct Quality {
     /// The twin's fast variant with its deviation; none if that could not be measured.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub fast: Option<FastVariant>,
+    /// The spread of the predictions of several fits; none if the twin has no members.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub spread: Option<SpreadScore>,
 }
 
 impl Quality {

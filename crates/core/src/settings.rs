@@ -149,6 +149,9 @@ pub struct LossSettings {
     pub sequences: Option<SequenceMean>,
 }
 
+/// Most members of a twin: other fits of the same object that it keeps.
+pub const MOST_MEMBERS: usize = 15;
+
 /// CMA-ES over the global variables.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
@@ -160,6 +163,9 @@ pub struct SearchSettings {
     /// Share of each sequence's training frames, the last ones, that are held back from several
     /// starts to choose one of them, which is then refined on all; 0: the training loss chooses.
     pub held_back: f64,
+    /// Largest number of other starts that the twin keeps as members, of those that fit about as well:
+    /// their predictions differ as far as the capture leaves open. 0 keeps none.
+    pub members: u32,
     /// Number of generations; 0 skips the stage. If left open, it depends on effort, capture and
     /// device.
     pub generations: Option<u32>,
@@ -275,6 +281,7 @@ impl Default for SearchSettings {
         Self {
             starts: None,
             held_back: 0.0,
+            members: 7,
             generations: None,
             population: None,
             sigma: 1.0 / 6.0,
@@ -379,6 +386,7 @@ impl FitSettings {
         within("search.population", population, 0.0, 10_000.0);
         within("search.sigma", self.search.sigma, 1e-6, 1.0);
         within("search.held_back", self.search.held_back, 0.0, 0.5);
+        within("search.members", f64::from(self.search.members), 0.0, MOST_MEMBERS as f64);
         within("search.prior", self.search.prior.unwrap_or_default(), 0.0, 1000.0);
         let r = &self.refine;
         within("refine.passes", f64::from(r.passes.unwrap_or_default()), 0.0, 100_000.0);

@@ -1,6 +1,7 @@
 //! A twin: the fitted result, everything that a rollout needs.
 
 pub mod format;
+mod member;
 
 use serde::{Deserialize, Serialize};
 
@@ -10,6 +11,8 @@ use crate::{
     geometry::{length, sub},
     settings::FitSettings,
 };
+
+pub use member::{Member, spread};
 
 /// A fitted spring-mass model of an object.
 #[derive(Clone, Debug, PartialEq)]
@@ -35,6 +38,9 @@ pub struct Twin {
     /// The hand or gripper of the capture that each control point belongs to, shape [C]; empty if the
     /// capture does not say: [`Twin::hands`].
     pub control_hands: Vec<u32>,
+    /// Other fits of the same object, whose predictions differ as far as the capture leaves open;
+    /// at most [`MOST_MEMBERS`](crate::settings::MOST_MEMBERS).
+    pub members: Vec<Member>,
 }
 
 impl Twin {

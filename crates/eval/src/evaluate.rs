@@ -12,12 +12,13 @@ use bendtwin_engine::{Backend, model::State};
 
 use self::row::{Measured, Row};
 use crate::{
-    Error, Placement, Trajectory,
+    Error, Motion, Placement, Trajectory,
     baselines::{clamp_interpolation, standing_still},
     check_capture, is_own_capture,
     metrics::PredictorErrors,
     placement::refuse_cable,
     predict,
+    spread::SpreadErrors,
     trajectory::{check, predict_from},
 };
 
@@ -47,8 +48,37 @@ pub fn evaluate(
     options: &EvaluateOptions<'_>,
     cancel: &CancelToken,
 ) -> Result<Quality, Error> {
+    Ok(fill(Table::new(twin, options), backend, twin, capture, options, cancel)?.quality())
+}
+
+/// The same with the predicted motion of one sequence, by its index among those of all recordings. There
+/// is none if the twin could not be registered to its recording, or there is no such sequence.
+///
+/// # Errors
+/// As [`evaluate`].
+pub fn evaluate_with_motion(
+    backend: &dyn Backend,
+    twin: &Twin,
+    capture: &Capture,
+    options: &EvaluateOptions<'_>,
+    sequence: usize,
+    cancel: &CancelToken,
+) -> Result<(Quality, Option<Motion>), Error> {
+    let table = Table { wanted: Some(sequence), ..Table::new(twin, options) };
+    let mut table = fill(table, backend, twin, capture, options, cancel)?;
+    let motion = table.motion.take();
+    Ok((table.quality(), motion))
+}
+
+fn fill(
+    mut table: Table,
+    backend: &dyn Backend,
+    twin: &Twin,
+    capture: &Capture,
+    options: &EvaluateOptions<'_>,
+    cancel: &CancelToken,
+) -> Result<Table, Error> {
     check_capture(capture)?;
-    let mut table = Table::new(twin, options);
     let unseen = !is_own_capture(twin, capture);
     let (mut refused, mut measured) = (None, 0);
     for recording in capture.recordings() {
@@ -56,11 +86,15 @@ pub fn evaluate(
             let own = Case::of_own_capture(backend, twin, options, recording, cancel)?;
             table.add(&own, false);
             measured += 1;
+            table.passed += recording.sequences.len();
             continue;
         }
         match Case::all_elsewhere(backend, twin, options, recording, cancel) {
             Ok(cases) => {
-                cases.iter().for_each(|case| table.add(case, unseen));
+                for case in &cases {
+                    table.add(case, unseen);
+                    table.passed += 1;
+                }
                 measured += cases.len();
             }
             Err(error) => {
@@ -72,16 +106,17 @@ pub fn evaluate(
                     .warnings
                     .push(format!("recording `{}` is not scored: {error}", recording.name));
                 refused.get_or_insert(error);
+                table.passed += recording.sequences.len();
             }
         }
     }
     match refused {
         Some(error) if measured == 0 => Err(error),
-        _ => Ok(table.quality()),
+        _ => Ok(table),
     }
 }
 
-/// The quality table of predictions that were made already by [`predict`].
+/// The quality table of predictions that were made already by [`predict`], without a spread.
 pub fn score(
     twin: &Twin,
     predictions: &[Trajectory],
@@ -95,6 +130,7 @@ pub fn score(
         model: Predicted { twin: Cow::Borrowed(twin), paths: predictions.to_vec() },
         axial: axial
             .map(|(twin, paths)| Predicted { twin: Cow::Borrowed(twin), paths: paths.to_vec() }),
+        members: Vec::new(),
         recording: capture,
         sequences: &capture.sequences,
         registered: None,
@@ -113,6 +149,8 @@ struct Predicted<'a> {
 struct Case<'a> {
     model: Predicted<'a>,
     axial: Option<Predicted<'a>>,
+    /// Predictions of the twin's members.
+    members: Vec<Vec<Trajectory>>,
     recording: &'a Capture,
     sequences: &'a [Sequence],
     registered: Option<RegistrationScore>,
@@ -134,6 +172,9 @@ impl<'a> Case<'a> {
         Ok(Self {
             model: predicted(twin)?,
             axial: options.axial.map(predicted).transpose()?,
+            members: fits(twin)
+                .map(|fit| predict(backend, &fit, recording, cancel))
+                .collect::<Result<_, _>>()?,
             recording,
             sequences: &recording.sequences,
             registered: None,
@@ -169,6 +210,9 @@ impl<'a> Case<'a> {
             cases.push(Self {
                 model: predicted(twin)?,
                 axial: options.axial.map(predicted).transpose()?,
+                members: fits(twin)
+                    .map(|fit| predicted(&fit).map(|predicted| predicted.paths))
+                    .collect::<Result<_, _>>()?,
                 recording,
                 sequences,
                 registered: Some(placed.score),
@@ -176,6 +220,11 @@ impl<'a> Case<'a> {
         }
         Ok(cases)
     }
+}
+
+/// A twin's members as twins.
+fn fits(twin: &Twin) -> impl Iterator<Item = Twin> + '_ {
+    twin.members.iter().map(|member| member.twin(twin))
 }
 
 /// A quality table in the making.
@@ -186,8 +235,14 @@ struct Table {
     free: usize,
     per_frame: bool,
     recordings: Vec<(RecordingScore, PredictorErrors)>,
+    spread: SpreadErrors,
     warnings: Vec<String>,
     of_axial: Vec<String>,
+    /// Sequences of the recordings before the one that is added.
+    passed: usize,
+    /// The sequence whose motion is kept, and that motion.
+    wanted: Option<usize>,
+    motion: Option<Motion>,
 }
 
 impl Table {
@@ -204,12 +259,25 @@ impl Table {
         rows.push(Row::new(Predictor::ClampInterpolation));
         let per_frame = options.per_frame;
         let (recordings, warnings, of_axial) = (Vec::new(), Vec::new(), Vec::new());
-        Self { own, rows, free, per_frame, recordings, warnings, of_axial }
+        let (passed, wanted, motion) = (0, None, None);
+        Self {
+            own,
+            rows,
+            free,
+            per_frame,
+            recordings,
+            spread: SpreadErrors::default(),
+            warnings,
+            of_axial,
+            passed,
+            wanted,
+            motion,
+        }
     }
 
     /// Adds the sequences of a case. If the twin has not seen the recording, all frames count as future.
     fn add(&mut self, case: &Case<'_>, unseen: bool) {
-        let Case { model, axial, recording, sequences, registered } = case;
+        let Case { model, axial, members, recording, sequences, registered } = case;
         let (rows, free) = (&mut self.rows, self.free);
         let mut of_recording = PredictorErrors::default();
         for (index, sequence) in sequences.iter().enumerate() {
@@ -220,7 +288,13 @@ impl Table {
             };
             let Some(measured) = measure(&model.twin, prediction) else { continue };
             measured.add(prediction, &mut rows[0]);
-            of_recording.add(&measured.at_skin, &prediction.at_skin(&model.twin.skin));
+            let on_skin = prediction.at_skin(&model.twin.skin);
+            of_recording.add(&measured.at_skin, &on_skin);
+            if self.wanted == Some(self.passed + index) {
+                let reference = &measured.at_skin;
+                self.motion =
+                    Some(Motion::new(recording, sequence, reference, prediction, &on_skin));
+            }
             if let (Some(other), 2) = (axial, free)
                 && let Some(prediction) = other.paths.get(index)
                 && let Some(measured) = measure(&other.twin, prediction)
@@ -231,6 +305,11 @@ impl Table {
             measured.add(&standing_still(&model.twin.graph, sequence, start), &mut rows[free]);
             if !unseen {
                 measured.add_last_residual(prediction, &mut rows[free + 1]);
+            }
+            let others: Vec<&Trajectory> = members.iter().filter_map(|m| m.get(index)).collect();
+            if !others.is_empty() {
+                let train_frames = if unseen { 0 } else { sequence.train_frame_count };
+                self.spread.add(&model.twin, sequence, prediction, &others, train_frames);
             }
             let graph = &model.twin.graph;
             if let Some(between) = clamp_interpolation(recording, graph, sequence, start) {
@@ -258,6 +337,7 @@ impl Table {
         let mut quality = Quality {
             scores: self.rows.into_iter().filter_map(|row| row.score(per_frame)).collect(),
             warnings: self.warnings,
+            spread: self.spread.score(),
             ..Quality::default()
         };
         quality.warnings.extend(self.of_axial);

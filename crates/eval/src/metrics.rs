@@ -61,6 +61,11 @@ impl<'a> Reference<'a> {
         Self { train_frame_count: 0, ..self }
     }
 
+    /// Frames before this one count as training frames.
+    pub(crate) fn train_frame_count(&self) -> usize {
+        self.train_frame_count
+    }
+
     /// Errors of predicted positions in a frame, shape [P, 3].
     pub(crate) fn measure(&self, frame: usize, predicted: &[Point]) -> ErrorSummary {
         let (points, visible) = (self.sequence.points_at(frame), self.sequence.visible_at(frame));

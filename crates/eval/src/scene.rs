@@ -82,5 +82,6 @@ pub(crate) fn chain_twin(n: usize) -> Twin {
         quality: Quality::default(),
         mass_kg: None,
         control_hands: Vec::new(),
+        members: Vec::new(),
     }
 }

@@ -4,7 +4,7 @@ use std::fmt::Write;
 
 use bendtwin_core::{
     Quality,
-    quality::{Choice, ErrorSummary, Predictor, RecordingScore, Score},
+    quality::{Choice, ErrorSummary, Predictor, RecordingScore, Score, SpreadScore},
 };
 
 /// The style of a table.
@@ -54,6 +54,24 @@ fn choice_in_words(choice: &Choice) -> String {
     let losses: Vec<String> = choice.losses.iter().map(number).collect();
     let (start, starts) = (choice.start + 1, choice.losses.len());
     format!("kept start {start} of {starts}, which had the {by} ({})", losses.join(", "))
+}
+
+/// The spread of several fits as a sentence.
+fn spread_in_words(spread: &SpreadScore) -> String {
+    let mut text = format!(
+        "the predictions of {} fits are {} mm apart where the twin's error is {} mm",
+        spread.fits,
+        in_mm(Some(spread.mean_m)),
+        in_mm(Some(spread.error_m))
+    );
+    if let Some(factor) = spread.factor() {
+        let percent = 100.0 * spread.within;
+        let _ = write!(
+            text,
+            ": expect {factor:.1} times the spread; {percent:.0} % of the points are within twice that"
+        );
+    }
+    text
 }
 
 /// The twin's errors by recording in millimetres, beside how far the recording's first frame is from
@@ -123,6 +141,13 @@ pub fn format_table(quality: &Quality, style: TableStyle) -> String {
         let _ = match style {
             TableStyle::Plain => writeln!(text, "{choice}"),
             TableStyle::Markdown => writeln!(text, "\nThe fit {choice}."),
+        };
+    }
+    if let Some(spread) = &quality.spread {
+        let spread = spread_in_words(spread);
+        let _ = match style {
+            TableStyle::Plain => writeln!(text, "{spread}"),
+            TableStyle::Markdown => writeln!(text, "\nUncertainty: {spread}."),
         };
     }
     for warning in &quality.warnings {

@@ -92,6 +92,7 @@ pub fn of_phystwin(
         quality: Quality::default(),
         mass_kg: None,
         control_hands: Vec::new(),
+        members: Vec::new(),
     };
     twin.check()?;
     Ok(twin)

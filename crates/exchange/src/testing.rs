@@ -52,6 +52,7 @@ pub(crate) fn twin() -> Twin {
         quality: Default::default(),
         mass_kg: Some(0.55),
         control_hands: Vec::new(),
+        members: Vec::new(),
     }
 }
 

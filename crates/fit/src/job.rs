@@ -1,5 +1,7 @@
 //! A fit from its capture to its twin.
 
+mod members;
+
 use std::{sync::Arc, time::Instant};
 
 use bendtwin_core::{
@@ -352,15 +354,17 @@ impl<'a> Run<'a> {
             self.pass(&mut refinement)?;
         }
         let mut finished = Vec::new();
-        let refined_from = self.refined_from.as_deref();
+        let refined_from = self.refined_from.clone();
+        let refined_from = refined_from.as_deref();
         for bending in self.kinds() {
             let own = refinement.runs.iter().filter(|r| self.models[r.model].bending == bending);
             let best = own.min_by(|a, b| a.state.best.loss.total_cmp(&b.state.best.loss));
             let Some(best) = best else { continue };
             let model = &self.models[best.model];
             let choice = self.choice(best.model, &refinement);
-            let twin = model.twin(self.job, self.task, refined_from, self.generations, best)?;
+            let mut twin = model.twin(self.job, self.task, refined_from, self.generations, best)?;
             let warnings = warnings::of_fit(self.task, model);
+            twin.members = self.members(&twin, best.model, &refinement)?;
             finished.push(Finished { twin, warnings, choice });
         }
         Ok(finished)

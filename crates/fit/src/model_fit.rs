@@ -179,6 +179,7 @@ impl ModelFit {
             quality: bendtwin_core::Quality::default(),
             mass_kg: job.capture.object.mass_kg,
             control_hands: job.capture.object.control_hands.clone(),
+            members: Vec::new(),
         })
     }
 }

@@ -1,6 +1,8 @@
-//! Ingest: a capture of any kind becomes an observation and a report. It is opened, inspected, and
-//! lifted where it is raw. No transport: a worker and the command line call the same function.
+//! Ingest: a capture of any kind becomes an observation, a report and a playback. It is opened,
+//! inspected, and lifted where it is raw. No transport: a worker and the command line call the same
+//! function.
 
+mod playback;
 mod progress;
 mod several;
 
@@ -15,6 +17,7 @@ use bendtwin_inspect::{Inspection, Lifted, Report, inspect, inspect_observed};
 use bendtwin_lift::lift;
 
 pub use bendtwin_lift::Error;
+pub use playback::write_playback;
 pub use progress::{Progress, Step};
 
 /// Share of the work on a raw recording that is over when it has been inspected.
@@ -27,6 +30,16 @@ pub struct Observed {
     pub capture: Result<Capture, Fault>,
     /// The report, in either case.
     pub report: Report,
+    /// The recordings of cameras that the capture's recordings were lifted from or lie beside, in their
+    /// order.
+    pub recorded: Vec<Option<Recording>>,
+}
+
+impl Observed {
+    /// One that no images were lifted for.
+    fn new(capture: Result<Capture, Fault>, report: Report) -> Self {
+        Self { capture, report, recorded: Vec::new() }
+    }
 }
 
 /// Ingests the capture at `path`, from a checkpoint of the same work if there is one. `name` is
@@ -49,8 +62,23 @@ pub fn ingest(
         Ok(Opened::Several(parts)) => {
             several::ingest(parts, name, settings, checkpoint, observer, cancel)
         }
-        Ok(opened) => ingest_one(opened, name, settings, checkpoint, observer, cancel),
+        Ok(opened) => {
+            let one = ingest_one(opened, name, settings, checkpoint, observer, cancel)?;
+            let recorded = match (&one.capture, one.recorded.is_empty()) {
+                (Ok(capture), true) => vec![images_beside(path, capture, limits)],
+                _ => one.recorded,
+            };
+            Ok(Observed { recorded, ..one })
+        }
     }
+}
+
+/// The recording of cameras that lies beside points that were tracked already, if there is one of the
+/// same frames.
+fn images_beside(path: &Path, capture: &Capture, limits: &Limits) -> Option<Recording> {
+    let [sequence] = capture.sequences.as_slice() else { return None };
+    let recording = capture::raw::open(path, limits).ok()?;
+    (recording.frame_count == sequence.frame_count).then_some(recording)
 }
 
 /// Ingests one recording.
@@ -72,7 +100,7 @@ fn ingest_one(
             seen.add(notes);
             let usable = seen.check_report().require();
             let capture = usable.map(|()| capture).map_err(|e| e.fault());
-            Ok(Observed { capture, report: Report::new(seen, None) })
+            Ok(Observed::new(capture, Report::new(seen, None)))
         }
         Opened::Raw(recording) => {
             let mut tell = |share| {
@@ -83,10 +111,8 @@ fn ingest_one(
             name.clone_into(&mut seen.name);
             // Lifting takes long, and nothing could be fitted to the result.
             match seen.check_report().require() {
-                Err(error) => {
-                    Ok(Observed { capture: Err(error.fault()), report: Report::new(seen, None) })
-                }
-                Ok(()) => lift_sound(&recording, seen, settings, checkpoint, observer, cancel),
+                Err(error) => Ok(Observed::new(Err(error.fault()), Report::new(seen, None))),
+                Ok(()) => lift_sound(recording, seen, settings, checkpoint, observer, cancel),
             }
         }
     }
@@ -94,7 +120,7 @@ fn ingest_one(
 
 /// A recording that is sound enough, lifted.
 fn lift_sound(
-    recording: &Recording,
+    recording: Recording,
     mut seen: Inspection,
     settings: &IngestSettings,
     checkpoint: Option<&[u8]>,
@@ -102,11 +128,11 @@ fn lift_sound(
     cancel: &CancelToken,
 ) -> Result<Observed, Fault> {
     let mut observer = Lifting(observer);
-    let mut lifted = lift(recording, settings, checkpoint, &mut observer, cancel);
+    let mut lifted = lift(&recording, settings, checkpoint, &mut observer, cancel);
     if let Err(error @ (Error::Checkpoint(_) | Error::OtherCheckpoint)) = &lifted {
         // Written by a build before an update, say: the work is lost, the job is not.
         tracing::warn!("starting the ingest anew: {error}");
-        lifted = lift(recording, settings, None, &mut observer, cancel);
+        lifted = lift(&recording, settings, None, &mut observer, cancel);
     }
     match lifted {
         Ok(observation) => {
@@ -114,13 +140,14 @@ fn lift_sound(
             let evidence = serde_json::to_value(observation.evidence).ok();
             let report = Report::new(seen, Some(Lifted { capture: capture.clone(), evidence }));
             let usable = report.inspection().check_report().require();
-            Ok(Observed { capture: usable.map(|()| capture).map_err(|e| e.fault()), report })
+            let capture = usable.map(|()| capture).map_err(|e| e.fault());
+            Ok(Observed { capture, report, recorded: vec![Some(recording)] })
         }
         Err(error @ (Error::Observer(_) | Error::Cancelled)) => Err(error.fault()),
         Err(error) => {
             let fault = error.fault();
             seen.add([error_of(&fault)]);
-            Ok(Observed { capture: Err(fault), report: Report::new(seen, None) })
+            Ok(Observed::new(Err(fault), Report::new(seen, None)))
         }
     }
 }
@@ -129,7 +156,7 @@ fn lift_sound(
 pub fn unread(name: &str, fault: &Fault) -> Observed {
     let mut seen = Inspection::unread(name);
     seen.add([error_of(fault)]);
-    Observed { capture: Err(fault.clone()), report: Report::new(seen, None) }
+    Observed::new(Err(fault.clone()), Report::new(seen, None))
 }
 
 fn error_of(fault: &Fault) -> Finding {

@@ -15,6 +15,8 @@ pub enum Step {
     Assemble,
     /// Aligning and sampling the mesh.
     Complete,
+    /// Making the playback.
+    Playback,
 }
 
 impl Step {
@@ -27,6 +29,7 @@ impl Step {
             Self::Lift => "lift",
             Self::Assemble => "assemble",
             Self::Complete => "complete",
+            Self::Playback => "playback",
         }
     }
 }

@@ -21,11 +21,13 @@ pub(super) fn ingest(
 ) -> Result<Observed, Fault> {
     let count = parts.len();
     let (mut captures, mut report, mut fault) = (Vec::with_capacity(count), None, None);
+    let mut recorded = Vec::with_capacity(count);
     for (index, Part { name: own, held_out, mut opened }) in parts.into_iter().enumerate() {
         let held_out = held_out || is_held_out(&mut opened);
         let mut share = Share { index, count, observer: &mut *observer };
         let named = if index == 0 { name } else { &own };
         let one = ingest_one(opened, named, settings, checkpoint, &mut share, cancel)?;
+        recorded.push(one.recorded.into_iter().next().flatten());
         match one.capture {
             Ok(capture) => captures.push((own.clone(), held_out, capture)),
             Err(error) => {
@@ -43,7 +45,7 @@ pub(super) fn ingest(
         None => join(name.to_owned(), captures).map_err(|e| e.fault()),
     };
     match report {
-        Some(report) => Ok(Observed { capture, report }),
+        Some(report) => Ok(Observed { capture, report, recorded }),
         None => {
             let there = "which has no recordings".to_owned();
             let error = bendtwin_capture::Error::UnknownKind { name: name.to_owned(), there };

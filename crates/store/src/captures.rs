@@ -253,7 +253,7 @@ impl Captures<'_> {
         Ok((capture, content))
     }
 
-    /// Deletes a capture with its ingest, observation and report. Its twins and
+    /// Deletes a capture with its ingest, observation, playback and report. Its twins and
     /// ended fits stay.
     ///
     /// # Errors

@@ -16,6 +16,11 @@ pub enum Error {
     #[error("{name} does not exist")]
     NotFound { name: String },
     #[error(
+        "{name} has no playback: wait for the end of its ingest or, if it was read before there were \
+         playbacks, run the ingest again"
+    )]
+    PlaybackMissing { name: String },
+    #[error(
         "request id `{request_id}` was used before for {name}, with other content: \
          choose a new request id"
     )]
@@ -95,7 +100,9 @@ pub enum Error {
 impl Problem for Error {
     fn category(&self) -> Category {
         match self {
-            Self::NotFound { .. } | Self::UploadGone { .. } => Category::NotFound,
+            Self::NotFound { .. } | Self::PlaybackMissing { .. } | Self::UploadGone { .. } => {
+                Category::NotFound
+            }
             Self::RequestIdTaken { .. } => Category::AlreadyExists,
             Self::StaleLease { .. } | Self::UploadLocked { .. } => Category::Aborted,
             Self::CaptureInUse { .. }
@@ -128,6 +135,7 @@ impl Problem for Error {
     fn reason(&self) -> &'static str {
         match self {
             Self::NotFound { .. } => "NOT_FOUND",
+            Self::PlaybackMissing { .. } => "PLAYBACK_MISSING",
             Self::RequestIdTaken { .. } => "REQUEST_ID_TAKEN",
             Self::StaleLease { .. } => "STALE_LEASE",
             Self::CaptureInUse { .. } => "CAPTURE_IN_USE",

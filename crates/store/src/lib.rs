@@ -98,6 +98,7 @@ pub mod maintenance;
 mod migrations;
 mod observations;
 mod page;
+mod playbacks;
 mod references;
 mod row;
 mod store;

@@ -8,7 +8,7 @@ use sqlx::{
 };
 
 /// Version, description and SQL of every migration.
-const MIGRATIONS: [(i64, &str, &str); 8] = [
+const MIGRATIONS: [(i64, &str, &str); 9] = [
     (1, "initial", include_str!("../migrations/0001_initial.sql")),
     (2, "ingest", include_str!("../migrations/0002_ingest.sql")),
     (3, "uploads", include_str!("../migrations/0003_uploads.sql")),
@@ -17,6 +17,7 @@ const MIGRATIONS: [(i64, &str, &str); 8] = [
     (6, "mass", include_str!("../migrations/0006_mass.sql")),
     (7, "skin", include_str!("../migrations/0007_skin.sql")),
     (8, "labels", include_str!("../migrations/0008_labels.sql")),
+    (9, "playback", include_str!("../migrations/0009_playback.sql")),
 ];
 
 pub(crate) fn migrator() -> Migrator {

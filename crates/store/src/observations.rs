@@ -1,11 +1,11 @@
 //! Results of ingests: the observation that fits read, and the report. One row each for a capture,
-//! replaced by the next ingest.
+//! replaced by the next ingest, as is the playback (`playbacks`).
 
 use bendtwin_core::ids::CaptureId;
 use jiff::Timestamp;
 use sqlx::{QueryBuilder, Sqlite, Transaction};
 
-use crate::{Captures, Content, Digest, Error, Result, clock::from_micros, row::row};
+use crate::{Captures, Content, Digest, Error, Result, clock::from_micros, playbacks, row::row};
 
 /// Observation of a capture, made by its last successful ingest.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -35,6 +35,8 @@ pub struct Report {
 pub(crate) struct Made {
     /// Digest and size.
     pub(crate) observation: Option<(Digest, u64)>,
+    /// Digest and size; only beside an observation.
+    pub(crate) playback: Option<(Digest, u64)>,
     pub(crate) verdict: String,
     pub(crate) json: Digest,
     pub(crate) html: Digest,
@@ -185,8 +187,9 @@ pub(crate) async fn replace(
     .bind(made.html.to_hex().as_str())
     .execute(&mut **tx)
     .await?;
-    // An ingest that failed leaves the observation of the one before.
+    // An ingest that failed leaves the observation of the one before, with its playback.
     let Some((digest, size_bytes)) = made.observation else { return Ok(obsolete) };
+    obsolete.extend(playbacks::replace(tx, capture, made.playback, now).await?);
     obsolete.extend(forget_observation(tx, capture).await?);
     sqlx::query(
         "insert into observations (capture, created_at, size_bytes, digest)
@@ -201,10 +204,11 @@ pub(crate) async fn replace(
     Ok(obsolete)
 }
 
-/// Removes both rows of a capture. Returns the content that is obsolete afterwards.
+/// Removes all rows of a capture. Returns the content that is obsolete afterwards.
 pub(crate) async fn forget(tx: &mut Transaction<'_, Sqlite>, capture: &str) -> Result<Vec<String>> {
     let mut obsolete = forget_report(tx, capture).await?;
     obsolete.extend(forget_observation(tx, capture).await?);
+    obsolete.extend(playbacks::forget(tx, capture).await?);
     Ok(obsolete)
 }
 

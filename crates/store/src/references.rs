@@ -20,6 +20,7 @@ row! {
 pub(crate) const ALL: &str = "
     select 'captures/' || id as name, 'archive' as part, digest, size_bytes from captures
     union all select 'captures/' || capture, 'observation', digest, size_bytes from observations
+    union all select 'captures/' || capture, 'playback', digest, size_bytes from playbacks
     union all select 'captures/' || capture, 'report', json_digest, null from reports
     union all select 'captures/' || capture, 'report page', html_digest, null from reports
     union all select kind || 's/' || id, 'checkpoint', checkpoint, null
@@ -35,6 +36,7 @@ pub(crate) async fn exist(readers: &SqlitePool, digest: &str) -> Result<bool> {
              or exists (select 1 from twins where digest = $1)
              or exists (select 1 from jobs where checkpoint = $1)
              or exists (select 1 from observations where digest = $1)
+             or exists (select 1 from playbacks where digest = $1)
              or exists (select 1 from reports where json_digest = $1 or html_digest = $1)
              or exists (select 1 from uploads where digest = $1)",
     );

@@ -337,6 +337,11 @@ pub struct Vary {
     /// Of the mass of all nodes, 0.01..100.
     #[prost(message, optional, tag = "5")]
     pub mass: ::core::option::Option<Tensor>,
+    /// With an ensemble: member e is simulated on fit e of the twin, 0 being the twin itself and the others its
+    /// members; at most as many as TwinGeometry.fits. Not with FAST, nor with rest shapes that corrections have
+    /// changed. Factors apply on top of each fit.
+    #[prost(bool, tag = "6")]
+    pub fits: bool,
 }
 /// Work that a worker does for a fit, or for the ingest of a capture.
 #[derive(Clone, PartialEq, ::prost::Message)]
@@ -2766,6 +2771,15 @@ pub struct TwinGeometry {
     pub rod_nodes: ::core::option::Option<Tensor>,
     #[prost(message, optional, tag = "22")]
     pub skin: ::core::option::Option<twin_geometry::Skin>,
+    /// Number of fits: the twin and its members.
+    #[prost(uint32, tag = "23")]
+    pub fits: u32,
+    /// FLOAT32 \[E\]: newtons per unit strain if `mass_kg` is known, else per unit mass.
+    #[prost(message, optional, tag = "24")]
+    pub spring_stiffness: ::core::option::Option<Tensor>,
+    /// FLOAT32 \[T\]: newton metres per radian, or per unit mass.
+    #[prost(message, optional, tag = "25")]
+    pub bend_stiffness: ::core::option::Option<Tensor>,
 }
 /// Nested message and enum types in `TwinGeometry`.
 pub mod twin_geometry {
@@ -4556,6 +4570,11 @@ pub struct Returns {
     /// UINT32 \[K\]: points of the skin to record, with the point set SKIN; empty means all.
     #[prost(message, optional, tag = "17")]
     pub skin_points: ::core::option::Option<Tensor>,
+    /// With an ensemble of two members or more, and every_frames: `spread` of the recorded points. Arrays beside
+    /// it (positions, velocities, final states, forces, costs by frame, controls) are of member 0 of each action
+    /// alone then.
+    #[prost(bool, tag = "18")]
+    pub spread: bool,
 }
 /// Nested message and enum types in `Returns`.
 pub mod returns {
@@ -4703,6 +4722,10 @@ pub struct RollOutResponse {
     /// NaN.
     #[prost(message, optional, tag = "34")]
     pub unfinished: ::core::option::Option<Tensor>,
+    /// FLOAT32 \[actions, T', K\], metres: root mean square distance of the other members' points from those of
+    /// member 0, which positions are of. NaN where a member diverged.
+    #[prost(message, optional, tag = "35")]
+    pub spread: ::core::option::Option<Tensor>,
 }
 /// Nested message and enum types in `RollOutResponse`.
 pub mod roll_out_response {
@@ -6367,8 +6390,58 @@ pub struct EvaluateTwinRequest {
     /// captures/{uuid}
     #[prost(string, tag = "2")]
     pub capture: ::prost::alloc::string::String,
+    /// Also return the predicted motion of a sequence.
+    #[prost(message, optional, tag = "3")]
+    pub motion: ::core::option::Option<MotionRequest>,
 }
-#[derive(Clone, PartialEq, Eq, Hash, ::prost::Message)]
+/// A sequence whose predicted motion is asked for.
+#[derive(Clone, Copy, PartialEq, Eq, Hash, ::prost::Message)]
+pub struct MotionRequest {
+    /// Its index among the sequences of all recordings of the capture, in their order.
+    #[prost(uint32, tag = "1")]
+    pub sequence: u32,
+}
+/// The prediction of a sequence by nodes, and its errors frame by frame. T frames of the sequence, the
+/// prediction starts in `start_frame` S.
+#[derive(Clone, PartialEq, ::prost::Message)]
+pub struct PredictedMotion {
+    /// The index that was asked for.
+    #[prost(uint32, tag = "1")]
+    pub sequence: u32,
+    /// Name of its recording.
+    #[prost(string, tag = "2")]
+    pub recording: ::prost::alloc::string::String,
+    /// Its name.
+    #[prost(string, tag = "3")]
+    pub name: ::prost::alloc::string::String,
+    /// Frames per second.
+    #[prost(double, tag = "4")]
+    pub fps: f64,
+    /// T
+    #[prost(uint32, tag = "5")]
+    pub frame_count: u32,
+    /// S
+    #[prost(uint32, tag = "6")]
+    pub start_frame: u32,
+    /// Frames before this one were for fitting; 0 if the twin was fitted to none of them.
+    #[prost(uint32, tag = "7")]
+    pub train_frame_count: u32,
+    /// Frames from one row of `positions` to the next: 1, or more where all would take more than 16 MiB.
+    #[prost(uint32, tag = "8")]
+    pub every_frames: u32,
+    /// Positions of nodes \[m\], float32 \[R, N, 3\]; row r is of frame `start_frame + r * every_frames`.
+    #[prost(message, optional, tag = "9")]
+    pub positions: ::core::option::Option<Tensor>,
+    /// Mean distance of tracked points from where they were, in each frame from S on \[m\], float32 \[T - S\];
+    /// not a number where that was not measured.
+    #[prost(message, optional, tag = "10")]
+    pub track_m: ::core::option::Option<Tensor>,
+    /// One-sided Chamfer distance in the L1 norm, in each frame from S on \[m\], float32 \[T - S\]; not a number
+    /// where that was not measured.
+    #[prost(message, optional, tag = "11")]
+    pub chamfer_l1_m: ::core::option::Option<Tensor>,
+}
+#[derive(Clone, PartialEq, ::prost::Message)]
 pub struct Evaluation {
     /// twins/{uuid}
     #[prost(string, tag = "1")]
@@ -6384,6 +6457,10 @@ pub struct Evaluation {
     /// workers/{uuid}
     #[prost(string, tag = "4")]
     pub worker: ::prost::alloc::string::String,
+    /// The motion that was asked for; missing if the twin could not be registered to its recording, which
+    /// a warning of the table explains.
+    #[prost(message, optional, tag = "5")]
+    pub motion: ::core::option::Option<PredictedMotion>,
 }
 /// Generated client implementations.
 pub mod evaluation_service_client {

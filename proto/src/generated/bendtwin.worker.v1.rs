@@ -21,7 +21,7 @@ pub struct ExecuteEvaluateTwinRequest {
     #[prost(string, tag = "2")]
     pub request_id: ::prost::alloc::string::String,
 }
-#[derive(Clone, PartialEq, Eq, Hash, ::prost::Message)]
+#[derive(Clone, PartialEq, ::prost::Message)]
 pub struct ExecuteEvaluateTwinResponse {
     #[prost(message, optional, tag = "1")]
     pub evaluation: ::core::option::Option<super::super::v1::Evaluation>,
@@ -339,7 +339,7 @@ pub struct CompleteFitResponse {
 }
 #[derive(Clone, PartialEq, Eq, Hash, ::prost::Message)]
 pub struct EndIngestRequest {
-    #[prost(oneof = "end_ingest_request::Part", tags = "1, 2, 3, 4")]
+    #[prost(oneof = "end_ingest_request::Part", tags = "1, 2, 3, 4, 5")]
     pub part: ::core::option::Option<end_ingest_request::Part>,
 }
 /// Nested message and enum types in `EndIngestRequest`.
@@ -357,6 +357,9 @@ pub mod end_ingest_request {
         /// The report as a page.
         #[prost(bytes, tag = "4")]
         Page(::prost::bytes::Bytes),
+        /// The playback of the observation. Missing without one.
+        #[prost(bytes, tag = "5")]
+        Playback(::prost::bytes::Bytes),
     }
 }
 #[derive(Clone, PartialEq, Eq, Hash, ::prost::Message)]
@@ -376,6 +379,9 @@ pub struct IngestWrite {
     /// Reason why there is nothing to fit; missing if there is an observation.
     #[prost(message, optional, tag = "6")]
     pub fault: ::core::option::Option<super::super::v1::Fault>,
+    /// BLAKE3 of the playback, hex.
+    #[prost(string, tag = "7")]
+    pub playback_digest: ::prost::alloc::string::String,
 }
 #[derive(Clone, Copy, PartialEq, Eq, Hash, ::prost::Message)]
 pub struct EndIngestResponse {}

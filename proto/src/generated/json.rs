@@ -293,7 +293,7 @@ write_tensor(map, "places", self.places.as_ref(), tensors)?;
 
 impl Fields for crate::v1::Vary {
     const NAME: &'static str = "Vary";
-    const FIELDS: &'static [&'static str] = &["stiffness", "damping", "bending", "friction", "mass"];
+    const FIELDS: &'static [&'static str] = &["stiffness", "damping", "bending", "friction", "mass", "fits"];
     #[allow(unused_variables)]
     fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
         match field {
@@ -302,6 +302,7 @@ impl Fields for crate::v1::Vary {
 2 => { self.bending = tensor(map, Dtype::Float32)?; }
 3 => { self.friction = tensor(map, Dtype::Float32)?; }
 4 => { self.mass = tensor(map, Dtype::Float32)?; }
+5 => { self.fits = map.next_value::<Option<_>>()?.unwrap_or_default(); }
 
             _ => {}
         }
@@ -314,6 +315,7 @@ write_tensor(map, "damping", self.damping.as_ref(), tensors)?;
 write_tensor(map, "bending", self.bending.as_ref(), tensors)?;
 write_tensor(map, "friction", self.friction.as_ref(), tensors)?;
 write_tensor(map, "mass", self.mass.as_ref(), tensors)?;
+map.serialize_entry("fits", &self.fits)?;
 
         Ok(())
     }
@@ -955,7 +957,7 @@ impl Words for crate::v1::cost::When {
 
 impl Fields for crate::v1::Returns {
     const NAME: &'static str = "Returns";
-    const FIELDS: &'static [&'static str] = &["every_frames", "nodes", "encoding", "best", "final_state", "diagnostics", "control_gradients", "action_gradients", "initial_gradients", "gradient_norms", "velocities", "forces", "frame_costs", "controls", "part_frames", "point_set", "skin_points"];
+    const FIELDS: &'static [&'static str] = &["every_frames", "nodes", "encoding", "best", "final_state", "diagnostics", "control_gradients", "action_gradients", "initial_gradients", "gradient_norms", "velocities", "forces", "frame_costs", "controls", "part_frames", "point_set", "skin_points", "spread"];
     #[allow(unused_variables)]
     fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
         match field {
@@ -976,6 +978,7 @@ impl Fields for crate::v1::Returns {
 14 => { self.part_frames = map.next_value::<Option<_>>()?.unwrap_or_default(); }
 15 => { self.point_set = word::<crate::v1::PointSet, A>(map)?; }
 16 => { self.skin_points = tensor(map, Dtype::Float32)?; }
+17 => { self.spread = map.next_value::<Option<_>>()?.unwrap_or_default(); }
 
             _ => {}
         }
@@ -1000,6 +1003,7 @@ map.serialize_entry("controls", &self.controls)?;
 map.serialize_entry("part_frames", &self.part_frames)?;
 write_word::<crate::v1::PointSet, M>(map, "point_set", self.point_set)?;
 write_tensor(map, "skin_points", self.skin_points.as_ref(), tensors)?;
+map.serialize_entry("spread", &self.spread)?;
 
         Ok(())
     }
@@ -1017,7 +1021,7 @@ impl Words for crate::v1::returns::Encoding {
 
 impl Fields for crate::v1::RollOutResponse {
     const NAME: &'static str = "RollOutResponse";
-    const FIELDS: &'static [&'static str] = &["first_instance", "costs", "cost_names", "cost_terms", "instances", "frames", "positions", "final_positions", "final_velocities", "control_gradients", "diagnostics", "diverged", "timing", "worker", "fidelity", "substeps", "deviation", "final_twists", "final_controls", "final_grasping", "action_gradients", "initial_position_gradients", "initial_velocity_gradients", "gradient_norms", "gradient_exploded", "velocities", "forces", "frame_costs", "controls", "member_costs", "implausible", "mass_kg", "window", "unfinished"];
+    const FIELDS: &'static [&'static str] = &["first_instance", "costs", "cost_names", "cost_terms", "instances", "frames", "positions", "final_positions", "final_velocities", "control_gradients", "diagnostics", "diverged", "timing", "worker", "fidelity", "substeps", "deviation", "final_twists", "final_controls", "final_grasping", "action_gradients", "initial_position_gradients", "initial_velocity_gradients", "gradient_norms", "gradient_exploded", "velocities", "forces", "frame_costs", "controls", "member_costs", "implausible", "mass_kg", "window", "unfinished", "spread"];
     #[allow(unused_variables)]
     fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
         match field {
@@ -1055,6 +1059,7 @@ impl Fields for crate::v1::RollOutResponse {
 31 => { self.mass_kg = map.next_value()?; }
 32 => { self.window = message(map)?; }
 33 => { self.unfinished = tensor(map, Dtype::Float32)?; }
+34 => { self.spread = tensor(map, Dtype::Float32)?; }
 
             _ => {}
         }
@@ -1096,6 +1101,7 @@ write_messages(map, "implausible", &self.implausible, tensors)?;
 if let Some(value) = &self.mass_kg { map.serialize_entry("mass_kg", value)?; }
 write_message(map, "window", self.window.as_ref(), tensors)?;
 write_tensor(map, "unfinished", self.unfinished.as_ref(), tensors)?;
+write_tensor(map, "spread", self.spread.as_ref(), tensors)?;
 
         Ok(())
     }
@@ -2115,7 +2121,7 @@ impl Fields for crate::v1::CloseSessionResponse {
 
 impl Fields for crate::v1::TwinGeometry {
     const NAME: &'static str = "TwinGeometry";
-    const FIELDS: &'static [&'static str] = &["rest_positions", "kinds", "edges", "rest_lengths", "triplets", "masses", "controls", "hands", "pins", "surface_count", "rod_count", "fps", "substeps", "gravity", "ground", "ground_friction", "ground_restitution", "mass_kg", "spacing_m", "rod_starts", "rod_nodes", "skin"];
+    const FIELDS: &'static [&'static str] = &["rest_positions", "kinds", "edges", "rest_lengths", "triplets", "masses", "controls", "hands", "pins", "surface_count", "rod_count", "fps", "substeps", "gravity", "ground", "ground_friction", "ground_restitution", "mass_kg", "spacing_m", "rod_starts", "rod_nodes", "skin", "fits", "spring_stiffness", "bend_stiffness"];
     #[allow(unused_variables)]
     fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
         match field {
@@ -2141,6 +2147,9 @@ impl Fields for crate::v1::TwinGeometry {
 19 => { self.rod_starts = tensor(map, Dtype::Float32)?; }
 20 => { self.rod_nodes = tensor(map, Dtype::Float32)?; }
 21 => { self.skin = message(map)?; }
+22 => { self.fits = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+23 => { self.spring_stiffness = tensor(map, Dtype::Float32)?; }
+24 => { self.bend_stiffness = tensor(map, Dtype::Float32)?; }
 
             _ => {}
         }
@@ -2170,6 +2179,9 @@ map.serialize_entry("spacing_m", &self.spacing_m)?;
 write_tensor(map, "rod_starts", self.rod_starts.as_ref(), tensors)?;
 write_tensor(map, "rod_nodes", self.rod_nodes.as_ref(), tensors)?;
 write_message(map, "skin", self.skin.as_ref(), tensors)?;
+map.serialize_entry("fits", &self.fits)?;
+write_tensor(map, "spring_stiffness", self.spring_stiffness.as_ref(), tensors)?;
+write_tensor(map, "bend_stiffness", self.bend_stiffness.as_ref(), tensors)?;
 
         Ok(())
     }
@@ -2202,6 +2214,46 @@ write_tensor(map, "weight_nodes", self.weight_nodes.as_ref(), tensors)?;
 write_tensor(map, "weights", self.weights.as_ref(), tensors)?;
 write_tensor(map, "frames", self.frames.as_ref(), tensors)?;
 write_tensor(map, "offsets", self.offsets.as_ref(), tensors)?;
+
+        Ok(())
+    }
+}
+
+impl Fields for crate::v1::PredictedMotion {
+    const NAME: &'static str = "PredictedMotion";
+    const FIELDS: &'static [&'static str] = &["sequence", "recording", "name", "fps", "frame_count", "start_frame", "train_frame_count", "every_frames", "positions", "track_m", "chamfer_l1_m"];
+    #[allow(unused_variables)]
+    fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
+        match field {
+            0 => { self.sequence = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+1 => { self.recording = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+2 => { self.name = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+3 => { self.fps = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+4 => { self.frame_count = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+5 => { self.start_frame = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+6 => { self.train_frame_count = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+7 => { self.every_frames = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+8 => { self.positions = tensor(map, Dtype::Float32)?; }
+9 => { self.track_m = tensor(map, Dtype::Float32)?; }
+10 => { self.chamfer_l1_m = tensor(map, Dtype::Float32)?; }
+
+            _ => {}
+        }
+        Ok(())
+    }
+    #[allow(unused_variables)]
+    fn write<M: SerializeMap>(&self, tensors: TensorFormat, map: &mut M) -> Result<(), M::Error> {
+        map.serialize_entry("sequence", &self.sequence)?;
+map.serialize_entry("recording", &self.recording)?;
+map.serialize_entry("name", &self.name)?;
+map.serialize_entry("fps", &self.fps)?;
+map.serialize_entry("frame_count", &self.frame_count)?;
+map.serialize_entry("start_frame", &self.start_frame)?;
+map.serialize_entry("train_frame_count", &self.train_frame_count)?;
+map.serialize_entry("every_frames", &self.every_frames)?;
+write_tensor(map, "positions", self.positions.as_ref(), tensors)?;
+write_tensor(map, "track_m", self.track_m.as_ref(), tensors)?;
+write_tensor(map, "chamfer_l1_m", self.chamfer_l1_m.as_ref(), tensors)?;
 
         Ok(())
     }

@@ -23,7 +23,10 @@ pub(super) use self::{
     vary::sets,
     world::{bodies_of, parts},
 };
-pub use self::{returns::has_gradients, vary::members};
+pub use self::{
+    returns::{has_gradients, has_spread},
+    vary::members,
+};
 use super::{Error, Limits, TwinShape, memory, size};
 use crate::v1::{Fidelity, OpenSessionRequest, RollOutRequest};
 

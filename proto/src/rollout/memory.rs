@@ -4,7 +4,7 @@
 use prost::Message as _;
 
 use super::{
-    check::{Batch, has_gradients, members, own_targets, targets},
+    check::{Batch, has_gradients, has_spread, members, own_targets, targets},
     parts::part_frames,
     points::{is_at_skin, recorded},
     size::reply_bytes,
@@ -96,6 +96,22 @@ impl Memory {
     }
 }
 
+/// A message of the reply, with the arrays of the members that only their spread is returned of.
+fn made_bytes(
+    request: &RollOutRequest,
+    batch: &Batch,
+    twin: &TwinShape,
+    part_instances: u32,
+) -> u64 {
+    let sent = reply_bytes(request, batch, twin, part_instances);
+    if !has_spread(request) {
+        return sent;
+    }
+    let mut all = request.clone();
+    all.returns.iter_mut().for_each(|returns| returns.spread = false);
+    sent.saturating_add(reply_bytes(&all, batch, twin, part_instances))
+}
+
 /// Memory of a request that has passed the other checks, with `part_instances` instances to a
 /// message of its reply (0: all in one).
 pub fn memory(
@@ -111,7 +127,7 @@ pub fn memory(
     let names = request.costs.iter().map(|cost| cost.name.len() as u64 + NAME);
     let names = names.sum::<u64>();
 
-    let part = reply_bytes(request, batch, twin, part_instances);
+    let part = made_bytes(request, batch, twin, part_instances);
     let making = if returns.encoding() == Encoding::Int16 { MAKING_INT16 } else { MAKING };
     let messages = making + if part_instances == 0 { 0 } else { STREAMED_MESSAGES };
     let narrow = |count: u128| u64::try_from(count).unwrap_or(u64::MAX);

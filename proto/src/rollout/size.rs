@@ -3,7 +3,7 @@
 use prost::length_delimiter_len as varint_len;
 
 use super::{
-    check::{Batch, has_gradients, members},
+    check::{Batch, has_gradients, has_spread, members},
     parts::part_frames,
     points::recorded_count,
     surroundings,
@@ -63,8 +63,8 @@ pub fn reply_bytes(
         0 => covered,
         best => u64::from(best).min(batch.instances),
     };
-    // Of an ensemble arrays are by member, gradients by action.
-    let holders = ranked.saturating_mul(members);
+    // Of an ensemble arrays are by member, or of the first with a spread; gradients are by action.
+    let holders = if has_spread(request) { ranked } else { ranked.saturating_mul(members) };
     let frames = part_frames(request, batch);
     if returns.part_frames > 0 {
         sum.add(WINDOW);
@@ -87,6 +87,9 @@ pub fn reply_bytes(
         sum.tensor(1, if is_packed { 2 } else { 4 }, &[holders, recorded, points, 3]);
         // Scale and offset of 16-bit integers.
         sum.add(if is_packed { 10 } else { 0 });
+        if returns.spread {
+            sum.tensor(2, 4, &[ranked, recorded, points]);
+        }
         if returns.velocities {
             sum.tensor(2, if is_packed { 2 } else { 4 }, &[holders, recorded, points, 3]);
             sum.add(if is_packed { 10 } else { 0 });

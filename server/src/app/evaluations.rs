@@ -3,22 +3,21 @@
 use std::time::Duration;
 
 use bendtwin_core::ids::{CaptureId, TwinId};
-use bendtwin_proto::v1::Evaluation;
+use bendtwin_proto::v1::{EvaluateTwinRequest, Evaluation};
 
 use super::{App, Result};
 
 impl App {
-    /// The quality table of a twin on a capture.
+    /// The quality table of a twin on a capture, and the motion of a sequence if that was asked for.
     pub(crate) async fn evaluate_twin(
         &self,
-        twin: &str,
-        capture: &str,
+        request: EvaluateTwinRequest,
         timeout: Option<Duration>,
     ) -> Result<Evaluation> {
-        let twin: TwinId = super::name(twin)?;
-        let capture: CaptureId = super::name(capture)?;
+        let twin: TwinId = super::name(&request.twin)?;
+        let capture: CaptureId = super::name(&request.capture)?;
         // A name of nothing is told before a worker is asked.
         self.store.captures().get(capture).await?;
-        self.dispatch.evaluate_twin(twin, capture, timeout).await
+        self.dispatch.evaluate_twin(twin, request, timeout).await
     }
 }

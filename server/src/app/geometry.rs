@@ -52,7 +52,10 @@ fn geometry(twin: &TwinFile) -> TwinGeometry {
     let (n, c) = (graph.node_count(), graph.control_count());
     let kinds: Vec<u8> = graph.kinds.iter().map(|kind| *kind as u8).collect();
     let unit = twin.newtons_per_unit();
-    let masses: Vec<f32> = graph.masses.iter().map(|m| (unit * f64::from(*m)) as f32).collect();
+    let physical = |values: &[f32]| -> Vec<f32> {
+        values.iter().map(|value| (unit * f64::from(*value)) as f32).collect()
+    };
+    let numbers = |values: &[f32]| Some(Tensor::pack(&[values.len()], values));
     let pins: Vec<[u32; 2]> = graph.pins.iter().map(|pin| [pin.node, pin.control]).collect();
     let hands = twin.hands();
     let mut rod_starts = vec![0u32];
@@ -71,9 +74,9 @@ fn geometry(twin: &TwinFile) -> TwinGeometry {
         rest_positions: Some(Tensor::pack_points(&[n], &graph.rest_positions)),
         kinds: Some(Tensor::pack(&[n], &kinds)),
         edges: rows(&graph.springs),
-        rest_lengths: Some(Tensor::pack(&[graph.springs.len()], &twin.params.rest_lengths_m)),
+        rest_lengths: numbers(&twin.params.rest_lengths_m),
         triplets: Some(Tensor::pack(&[graph.triplets.len(), 3], graph.triplets.as_flattened())),
-        masses: Some(Tensor::pack(&[n], &masses)),
+        masses: numbers(&physical(&graph.masses)),
         controls: Some(Tensor::pack_points(&[c], &graph.control_rest)),
         hands: Some(Tensor::pack(&[c], &hands)),
         pins: rows(&pins),
@@ -90,6 +93,9 @@ fn geometry(twin: &TwinFile) -> TwinGeometry {
         rod_starts: Some(Tensor::pack(&[rod_starts.len()], &rod_starts)),
         rod_nodes: Some(Tensor::pack(&[rod_nodes.len()], &rod_nodes)),
         skin: Some(skin(&twin.skin, graph)),
+        spring_stiffness: numbers(&physical(&twin.params.spring_stiffness)),
+        bend_stiffness: numbers(&physical(&twin.params.bend_stiffness)),
+        fits: 1 + twin.members.len() as u32,
     }
 }
 

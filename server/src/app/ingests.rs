@@ -1,10 +1,13 @@
 //! Ingests: repeated or stopped by users, ended by workers; and their results. Settings are checked
 //! here, of the content only the head.
 
-use bendtwin_core::{Category, Fault, ids::CaptureId, settings::ingest::IngestSettings};
+use bendtwin_core::{
+    Category, Fault, capture_files::MAX_PLAYBACK_BYTES, ids::CaptureId,
+    settings::ingest::IngestSettings,
+};
 use bendtwin_store::{
-    AttemptEnd, Content, Digest, IngestResult, NewIngest, NewReport, Observation, Overview, Staged,
-    Upload,
+    AttemptEnd, Blobs, Content, Digest, IngestResult, NewIngest, NewReport, Observation, Overview,
+    Staged, Upload,
 };
 use bytes::Bytes;
 use futures::{StreamExt, stream::BoxStream};
@@ -19,6 +22,7 @@ const MAX_VERDICT: usize = 32;
 #[derive(Debug)]
 pub(crate) enum IngestPart {
     Observation(Bytes),
+    Playback(Bytes),
     Report(Bytes),
     Page(Bytes),
 }
@@ -28,11 +32,32 @@ pub(crate) struct IngestUpload {
     pub(crate) verdict: String,
     /// BLAKE3 in hex; checked if not empty.
     pub(crate) observation_digest: String,
+    pub(crate) playback_digest: String,
     pub(crate) report_digest: String,
     pub(crate) page_digest: String,
     /// The fault of a capture without an observation.
     pub(crate) fault: Option<Fault>,
     pub(crate) body: BoxStream<'static, Result<IngestPart>>,
+}
+
+/// The files of a result.
+struct Received {
+    observation: Option<Staged>,
+    playback: Option<Staged>,
+    json: Staged,
+    html: Staged,
+}
+
+/// The upload of a part, begun with its first chunk.
+async fn begin<'a>(
+    blobs: &Blobs,
+    upload: &'a mut Option<Upload>,
+    limit: u64,
+) -> Result<&'a mut Upload> {
+    match upload {
+        Some(begun) => Ok(begun),
+        none => Ok(none.insert(blobs.upload(limit).await?)),
+    }
 }
 
 impl App {
@@ -77,6 +102,12 @@ impl App {
         Ok((id, observation, content))
     }
 
+    /// The playback of a capture, which its ingest made.
+    pub(crate) async fn playback(&self, name: &str) -> Result<(CaptureId, Content)> {
+        let id: CaptureId = super::name(name)?;
+        Ok((id, self.store.captures().playback_content(id).await?))
+    }
+
     /// Stores the result of an ingest, which ends its attempt.
     pub(crate) async fn end_ingest(&self, attempt: Attempt, upload: IngestUpload) -> Result<()> {
         let verdict = upload.verdict.clone();
@@ -86,14 +117,19 @@ impl App {
         }
         let fault = upload.fault.clone();
         self.require_lease(attempt).await?;
-        let (observation, json, html) = self.receive_parts(upload).await?;
+        let Received { observation, playback, json, html } = self.receive_parts(upload).await?;
         self.check_report(&json, &verdict).await?;
         if let Some(observation) = &observation {
             results::check_observation(observation).await?;
         }
+        if let Some(playback) = &playback {
+            results::check_playback(playback).await?;
+        }
         let report = NewReport { verdict, json, html };
         let result = match (observation, fault) {
-            (Some(observation), None) => IngestResult::Observed { observation, report },
+            (Some(observation), None) => {
+                IngestResult::Observed { observation, playback: playback.map(Box::new), report }
+            }
             (None, Some(fault)) => {
                 let end = match fault.category {
                     // Another attempt would do no better.
@@ -116,15 +152,13 @@ impl App {
         Ok(())
     }
 
-    /// Receives the observation, if there is one, and the report as a document and as a page.
-    async fn receive_parts(
-        &self,
-        upload: IngestUpload,
-    ) -> Result<(Option<Staged>, Staged, Staged)> {
-        let IngestUpload { observation_digest, report_digest, page_digest, mut body, .. } = upload;
+    /// Receives observation and playback, if there are any, and the report as a document and as a
+    /// page.
+    async fn receive_parts(&self, upload: IngestUpload) -> Result<Received> {
+        let IngestUpload { report_digest, page_digest, mut body, .. } = upload;
         let limits = &self.options.limits;
         let blobs = self.store.blobs();
-        let mut observation: Option<Upload> = None;
+        let (mut observation, mut playback): (Option<Upload>, Option<Upload>) = (None, None);
         let mut report = blobs.upload(limits.report_bytes).await?;
         let mut page = blobs.upload(limits.report_bytes).await?;
         let idle = limits.upload_idle();
@@ -134,11 +168,12 @@ impl App {
                 Ok(None) => break,
                 Ok(Some(part)) => match part? {
                     IngestPart::Observation(chunk) => {
-                        let upload = match &mut observation {
-                            Some(upload) => upload,
-                            none => none.insert(blobs.upload(limits.capture_bytes).await?),
-                        };
-                        upload.write(chunk).await?;
+                        let begun = begin(blobs, &mut observation, limits.capture_bytes).await?;
+                        begun.write(chunk).await?;
+                    }
+                    IngestPart::Playback(chunk) => {
+                        let begun = begin(blobs, &mut playback, MAX_PLAYBACK_BYTES).await?;
+                        begun.write(chunk).await?;
                     }
                     IngestPart::Report(chunk) => report.write(chunk).await?,
                     IngestPart::Page(chunk) => page.write(chunk).await?,
@@ -146,13 +181,16 @@ impl App {
             }
         }
         let expected = |hex: &str| -> Result<Option<Digest>> { super::digest(hex) };
-        let observation = match observation {
-            Some(upload) => Some(upload.finish(expected(&observation_digest)?).await?),
-            None => None,
+        let finish = async |upload: Option<Upload>, hex: &str| match upload {
+            Some(upload) => Ok::<_, Error>(Some(upload.finish(expected(hex)?).await?)),
+            None => Ok(None),
         };
-        let report = report.finish(expected(&report_digest)?).await?;
-        let page = page.finish(expected(&page_digest)?).await?;
-        Ok((observation, report, page))
+        Ok(Received {
+            observation: finish(observation, &upload.observation_digest).await?,
+            playback: finish(playback, &upload.playback_digest).await?,
+            json: report.finish(expected(&report_digest)?).await?,
+            html: page.finish(expected(&page_digest)?).await?,
+        })
     }
 
     /// The settings in force as canonical JSON: equal settings are equal text.

@@ -1,10 +1,10 @@
 //! Results of workers, checked before they are stored. A worker holds a token, and what it sends
-//! goes to users and to other workers: twins are decoded, reports and observations are what their
-//! headers should say.
+//! goes to users and to other workers: twins are decoded, reports, observations and playbacks are
+//! what their headers should say.
 
 use bendtwin_core::{
     Twin as TwinFile,
-    capture_files::{OBSERVATION_MARKER, REPORT_FORMAT},
+    capture_files::{OBSERVATION_MARKER, PLAYBACK_MAGIC, REPORT_FORMAT},
 };
 use bendtwin_store::{Staged, TwinFacts};
 use serde::Deserialize;
@@ -86,6 +86,15 @@ pub(super) async fn check_observation(content: &Staged) -> Result<()> {
     }
     let fault = format!("it does not begin with `{OBSERVATION_MARKER}`");
     Err(Error::Unsound { what: "an observation", fault })
+}
+
+/// Checks that a playback begins like one. It is for browsers: no program here reads it.
+pub(super) async fn check_playback(content: &Staged) -> Result<()> {
+    if content.head(PLAYBACK_MAGIC.len() as u64).await?.starts_with(PLAYBACK_MAGIC) {
+        return Ok(());
+    }
+    let fault = "it does not begin like one".to_owned();
+    Err(Error::Unsound { what: "a playback", fault })
 }
 
 /// The facts of a twin that listings show.

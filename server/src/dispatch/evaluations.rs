@@ -2,7 +2,7 @@
 
 use std::{sync::Arc, time::Duration};
 
-use bendtwin_core::ids::{CaptureId, TwinId};
+use bendtwin_core::ids::TwinId;
 use bendtwin_proto::{
     registration,
     v1::{EvaluateTwinRequest, Evaluation},
@@ -24,12 +24,11 @@ impl Dispatch {
     pub(crate) async fn evaluate_twin(
         &self,
         twin: TwinId,
-        capture: CaptureId,
+        request: EvaluateTwinRequest,
         timeout: Option<Duration>,
     ) -> Result<Evaluation> {
         let deadline = Instant::now() + timeout.unwrap_or(LONGEST).min(LONGEST);
         let known = self.twins.get(&self.store, twin).await?;
-        let request = EvaluateTwinRequest { twin: twin.to_string(), capture: capture.to_string() };
         let work = registration::evaluation_work(&known.shape) as f64;
         let ask = Ask { client: Context::current().client, work };
         let execute = ExecuteEvaluateTwinRequest {

@@ -15,7 +15,6 @@ impl EvaluationService for Api {
         request: Request<EvaluateTwinRequest>,
     ) -> Result<Response<Evaluation>, Status> {
         let timeout = timeout(request.metadata());
-        let EvaluateTwinRequest { twin, capture } = request.into_inner();
-        Ok(Response::new(self.app.evaluate_twin(&twin, &capture, timeout).await?))
+        Ok(Response::new(self.app.evaluate_twin(request.into_inner(), timeout).await?))
     }
 }

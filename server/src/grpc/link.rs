@@ -197,6 +197,7 @@ impl WorkerLink for Api {
         };
         let body = messages.map(move |message| match message.map(|m| m.part) {
             Ok(Some(Part::Observation(chunk))) => Ok(IngestPart::Observation(chunk)),
+            Ok(Some(Part::Playback(chunk))) => Ok(IngestPart::Playback(chunk)),
             Ok(Some(Part::Report(chunk))) => Ok(IngestPart::Report(chunk)),
             Ok(Some(Part::Page(chunk))) => Ok(IngestPart::Page(chunk)),
             Ok(_) => Err(Error::invalid("part", "must be in every message after the first")),
@@ -206,6 +207,7 @@ impl WorkerLink for Api {
         let upload = IngestUpload {
             verdict: made.verdict,
             observation_digest: made.observation_digest,
+            playback_digest: made.playback_digest,
             report_digest: made.report_digest,
             page_digest: made.page_digest,
             fault: made.fault.as_ref().map(Fault::from),

@@ -93,7 +93,7 @@ pub(super) async fn update(
 
 /// Delete a capture
 ///
-/// Its observation and report are deleted, too. Refused while a fit of it is queued or running. Its
+/// Its observation, playback and report are deleted, too. Refused while a fit of it is queued or running. Its
 /// twins stay.
 #[utoipa::path(delete, path = "/v1/captures/{id}", tag = "captures",
     params(("id" = String, Path)),
@@ -195,4 +195,26 @@ pub(super) async fn observation(
     let (capture, _, content) = app.observation(&id).await?;
     let file_name = format!("{}-observation.zip", capture.uuid());
     download(&headers, content, "application/zip", &file_name).await
+}
+
+/// Download the playback of a capture
+///
+/// What a player shows, for reading by ranges: tracked points as 16-bit numbers and small images of
+/// the cameras (docs/playback.md). A capture that was read before there were playbacks has none until
+/// its ingest is run again.
+#[utoipa::path(get, path = "/v1/captures/{id}/playback", tag = "captures",
+    params(("id" = String, Path),
+        ("Range" = Option<String>, Header, description = "One range of bytes"),
+        ("If-Range" = Option<String>, Header, description = "The ETag that the range is of")),
+    responses((status = 200, body = Vec<u8>, content_type = "application/octet-stream"),
+        (status = 206, body = Vec<u8>, content_type = "application/octet-stream"),
+        (status = "default", body = ProblemDocument)))]
+pub(super) async fn playback(
+    State(app): State<App>,
+    Id(id): Id,
+    headers: HeaderMap,
+) -> Result<Response> {
+    let (capture, content) = app.playback(&id).await?;
+    let file_name = format!("{}.playback", capture.uuid());
+    download(&headers, content, "application/octet-stream", &file_name).await
 }

@@ -14,8 +14,11 @@ async fn an_evaluation_goes_to_a_worker_and_names_it() {
     let capture = list["captures"][0]["name"].as_str().unwrap().to_owned();
 
     let mut client = EvaluationServiceClient::new(server.channel.clone());
-    let request =
-        |capture: &str| EvaluateTwinRequest { twin: twin.clone(), capture: capture.into() };
+    let request = |capture: &str| EvaluateTwinRequest {
+        twin: twin.clone(),
+        capture: capture.into(),
+        motion: None,
+    };
     let reply = client.evaluate_twin(request(&capture)).await.unwrap().into_inner();
     assert_eq!((reply.twin, reply.worker), (twin.clone(), worker.id.to_string()));
     assert_eq!(reply.quality_json, r#"{"scores":[]}"#);
@@ -25,6 +28,16 @@ async fn an_evaluation_goes_to_a_worker_and_names_it() {
     assert_eq!(status, 200, "{reply}");
     assert_eq!(reply["quality"], json!({"scores": []}));
     assert_eq!(reply["capture"], json!(capture));
+
+    assert_eq!(reply["motion"], json!(null));
+    let asked = json!({"capture": capture, "motion": {"sequence": 2}});
+    let (_, reply) = server.post(&path, asked.clone()).await;
+    let motion = &reply["motion"];
+    assert_eq!((&motion["sequence"], &motion["train_frame_count"]), (&json!(2), &json!(1)));
+    assert_eq!(motion["positions"], json!([[[1.0, 2.0, 3.0]]]));
+    assert_eq!(motion["track_m"], json!([0.5, null]));
+    let (_, reply) = server.post(&format!("{path}?tensors=base64"), asked).await;
+    assert_eq!(reply["motion"]["positions"]["shape"], json!([1, 1, 3]), "{reply}");
 
     // What does not exist is told before a worker is asked.
     let nowhere = CaptureId::generate().to_string();

@@ -9,7 +9,11 @@ use bendtwin_proto::{
 };
 use serde_json::json;
 
-use crate::{harness::Server, results::observation, worker::Worker};
+use crate::{
+    harness::Server,
+    results::{observation, playback},
+    worker::Worker,
+};
 
 const SOON: Duration = Duration::from_secs(5);
 
@@ -29,9 +33,11 @@ async fn a_capture_is_read_before_it_is_fitted() {
     let capture = server.get(&format!("/v1/{fit}")).await.1["capture"].as_str().unwrap().to_owned();
     let (_, fresh) = server.get(&format!("/v1/{capture}")).await;
     assert_eq!((&fresh["ingest"]["state"], &fresh["verdict"]), (&json!("QUEUED"), &json!(null)));
-    for what in ["report", "report.html", "observation"] {
+    for what in ["report", "report.html", "observation", "playback"] {
         assert_eq!(server.get(&format!("/v1/{capture}/{what}")).await.0, 404, "{what}");
     }
+    let (_, problem) = server.get(&format!("/v1/{capture}/playback")).await;
+    assert_eq!(problem["reason"], "PLAYBACK_MISSING", "{problem}");
     let mut worker = Worker::register(&server).await;
     assert!(worker.lease_a(Kind::Fit, Duration::ZERO).await.is_none());
     let lease = worker.lease_a(Kind::Ingest, SOON).await.unwrap();
@@ -71,6 +77,12 @@ async fn a_capture_is_read_before_it_is_fitted() {
     let url = server.url(&format!("/v1/{capture}/observation"));
     let content = server.http.get(url).send().await.unwrap().bytes().await.unwrap();
     assert!(content == observation(b"seen"));
+    let url = server.url(&format!("/v1/{capture}/playback"));
+    let part = server.http.get(url).header("range", "bytes=5-11").send().await.unwrap();
+    assert_eq!(part.status(), 206);
+    let tag = part.headers()["etag"].to_str().unwrap().to_owned();
+    assert_eq!(tag, format!("\"{}\"", blake3::hash(&playback()).to_hex()));
+    assert_eq!(part.bytes().await.unwrap(), playback()[5..12]);
 
     // The fit that waited for it.
     let lease = worker.lease_a(Kind::Fit, SOON).await.unwrap();

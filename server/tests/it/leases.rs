@@ -63,8 +63,8 @@ async fn a_job_goes_from_worker_to_worker_until_it_is_a_twin() {
     assert_eq!((&got["fit"], &got["display_name"]), (&json!(fit), &json!("rope")));
     assert_eq!((&got["node_count"], &got["quality"]), (&json!(5), &json!({"scores": []})));
     assert_eq!(second.download(&twin).await.unwrap(), twin_file(b"a twin"));
-    // Capture, observation, the two forms of its report and twin: no checkpoint is left.
-    assert_eq!(server.blob_files(), 5);
+    // Capture, observation, playback, the two forms of its report and twin: no checkpoint is left.
+    assert_eq!(server.blob_files(), 6);
 }
 
 #[tokio::test]
@@ -326,5 +326,8 @@ async fn junk_does_not_become_an_observation_or_a_report() {
     }
     assert_eq!(server.get(&format!("/v1/{capture}")).await.1["ingest"]["state"], "RUNNING");
     let (seen, said) = good();
+    let junk = Some((observation(b"seen"), b"BENDPLA".to_vec()));
+    let status = worker.send_seen(&lease, junk, report("good"), "good", None).await.unwrap_err();
+    assert_eq!(reason(&status), "RESULT_UNSOUND");
     worker.send_ingest(&lease, seen, said, "good", None).await.unwrap();
 }

@@ -22,7 +22,7 @@ fn http_requests(capture: &str, twin: &str) -> Vec<(Method, String, &'static str
     let (get, post, delete, put) = (Method::GET, Method::POST, Method::DELETE, Method::PUT);
     let json = "application/json";
     for path in [
-        "/",
+        "/index.html",
         "/v1",
         "/v1/",
         "/v2/captures",

@@ -40,6 +40,7 @@ pub(crate) fn twin_file(label: &[u8]) -> Vec<u8> {
         quality: Quality::default(),
         mass_kg: None,
         control_hands: Vec::new(),
+        members: Vec::new(),
     };
     twin.encode().unwrap()
 }
@@ -53,6 +54,11 @@ pub(crate) fn observation(label: &[u8]) -> Vec<u8> {
     bytes.extend(name);
     bytes.extend(label);
     bytes
+}
+
+/// The begin of a playback.
+pub(crate) fn playback() -> Vec<u8> {
+    b"BENDPLAY and the rest".to_vec()
 }
 
 /// A report of this verdict.

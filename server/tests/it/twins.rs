@@ -39,6 +39,7 @@ pub(crate) fn twin_file() -> Vec<u8> {
         quality: Quality::default(),
         mass_kg: None,
         control_hands: Vec::new(),
+        members: Vec::new(),
     };
     twin.encode().unwrap()
 }
@@ -104,6 +105,9 @@ async fn the_geometry_of_a_twin_is_told_over_both_transports() {
     assert_eq!(numbers(&geometry.pins), (vec![1, 2], vec![0, 2]));
     let (_, masses) = geometry.masses.as_ref().unwrap().unpack::<f32>("m").unwrap();
     assert_eq!(masses, [0.25; 2]);
+    let stiffness = |tensor: &Option<Tensor>| tensor.as_ref().unwrap().unpack::<f32>("s").unwrap();
+    assert_eq!(stiffness(&geometry.spring_stiffness), (vec![2], vec![25.0, 0.25]));
+    assert_eq!(stiffness(&geometry.bend_stiffness), (vec![0], vec![]));
     assert_eq!((geometry.surface_count, geometry.fps, geometry.substeps), (2, 30.0, 20));
     assert!((geometry.spacing_m - 0.1).abs() < 1e-6, "{}", geometry.spacing_m);
     assert_eq!(geometry.ground.unwrap().normal, [0.0, 0.0, 1.0]);

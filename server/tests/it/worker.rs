@@ -13,9 +13,9 @@ use bendtwin_core::ids::{SessionId, WorkerId};
 use bendtwin_proto::{
     rollout::Limits,
     v1::{
-        EvaluateTwinRequest, Evaluation, Fault, ModelLoss, Progress, RegisteredState,
-        RollOutResponse, Session, Tensor, initial_state::GivenState, roll_out_request::Actions,
-        roll_out_response::Timing,
+        EvaluateTwinRequest, Evaluation, Fault, ModelLoss, PredictedMotion, Progress,
+        RegisteredState, RollOutResponse, Session, Tensor, initial_state::GivenState,
+        roll_out_request::Actions, roll_out_response::Timing,
     },
     worker::v1::{
         CompleteFitRequest, DownloadRequest, EndIngestRequest, ExecuteEvaluateTwinRequest,
@@ -218,19 +218,35 @@ impl Worker {
         verdict: &str,
         fault: Option<Fault>,
     ) -> Result<(), Status> {
+        let seen = observation.map(|observation| (observation, results::playback()));
+        self.send_seen(lease, seen, report, verdict, fault).await
+    }
+
+    /// Ends an ingest with these very contents, among them an observation with a playback.
+    pub(crate) async fn send_seen(
+        &mut self,
+        lease: &Lease,
+        seen: Option<(Vec<u8>, Vec<u8>)>,
+        report: String,
+        verdict: &str,
+        fault: Option<Fault>,
+    ) -> Result<(), Status> {
         use end_ingest_request::Part;
+        let (observation, playback) = seen.unzip();
         let page: &[u8] = b"<p>";
         let digest = |content: &[u8]| blake3::hash(content).to_hex().to_string();
         let made = IngestWrite {
             job: Some(JobWrite { digest: String::new(), ..self.write(lease, b"") }),
             verdict: verdict.to_owned(),
             observation_digest: observation.as_deref().map(digest).unwrap_or_default(),
+            playback_digest: playback.as_deref().map(digest).unwrap_or_default(),
             report_digest: digest(report.as_bytes()),
             page_digest: digest(page),
             fault,
         };
         let parts = std::iter::once(Part::Metadata(made))
             .chain(observation.map(|o| Part::Observation(o.into())))
+            .chain(playback.map(|p| Part::Playback(p.into())))
             .chain([Part::Report(report.into()), Part::Page(Bytes::from_static(page))]);
         let parts: Vec<_> = parts.map(|part| EndIngestRequest { part: Some(part) }).collect();
         self.link.end_ingest(futures::stream::iter(parts)).await.map(drop)
@@ -392,14 +408,21 @@ impl WorkerRollouts for Device {
         Ok(Response::new(ExecuteRegisterStateResponse { registered: Some(registered) }))
     }
 
-    /// A table that says nothing.
+    /// A table that says nothing, and a motion of one node.
     async fn evaluate_twin(
         &self,
         request: Request<ExecuteEvaluateTwinRequest>,
     ) -> Result<Response<ExecuteEvaluateTwinResponse>, Status> {
-        let EvaluateTwinRequest { twin, capture } = request.into_inner().request.unwrap();
+        let EvaluateTwinRequest { twin, capture, motion } = request.into_inner().request.unwrap();
         let quality_json = r#"{"scores":[]}"#.to_owned();
-        let evaluation = Evaluation { twin, capture, quality_json, worker: String::new() };
+        let motion = motion.map(|asked| PredictedMotion {
+            sequence: asked.sequence,
+            train_frame_count: 1,
+            positions: Some(Tensor::pack_points(&[1, 1], &[[1.0, 2.0, 3.0]])),
+            track_m: Some(Tensor::pack(&[2], &[0.5_f32, f32::NAN])),
+            ..PredictedMotion::default()
+        });
+        let evaluation = Evaluation { twin, capture, quality_json, worker: String::new(), motion };
         Ok(Response::new(ExecuteEvaluateTwinResponse { evaluation: Some(evaluation) }))
     }
 

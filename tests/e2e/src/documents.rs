@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use bendtwin_core::{
     Contact, Environment, FitSettings, Graph, NodeKind, Params, Pin, Skin, Timing, Twin,
-    settings::ingest::IngestSettings,
+    settings::ingest::IngestSettings, twin::Member,
 };
 use serde_json::Value;
 
@@ -107,7 +107,7 @@ fn the_example_configuration_says_what_holds_by_default() {
     }
 }
 
-/// A twin of the newest version: with a rod and a skin.
+/// A twin of the newest version: with a rod, a skin and a member.
 fn twin() -> Twin {
     let n = Graph::MIN_ROD_NODES;
     let pin = |node| Pin { node, control: 0, offset_m: [0.0; 3] };
@@ -125,7 +125,7 @@ fn twin() -> Twin {
     let per_rod = vec![0.0];
     let mut skin = Skin::default();
     skin.push(0, &[(0, 0.5), (1, 0.5)], [Skin::NO_FRAME; 3], [0.0; 3]);
-    Twin {
+    let twin = Twin {
         skin,
         graph,
         params: Params {
@@ -142,7 +142,9 @@ fn twin() -> Twin {
         quality: Default::default(),
         mass_kg: Some(0.5),
         control_hands: vec![0],
-    }
+        members: Vec::new(),
+    };
+    Twin { members: Member::of(&twin, &twin).into_iter().collect(), ..twin }
 }
 
 /// The tensors and the metadata that a twin's file declares.

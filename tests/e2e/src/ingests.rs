@@ -30,7 +30,7 @@ async fn a_recording_of_cameras_becomes_a_report_and_a_twin_by_command_line() {
     let (settings, twin) = (server.path("settings.json"), server.path("toy.twin"));
     let document = server.path("report.json");
     std::fs::write(&settings, SETTINGS).unwrap();
-    tokio::task::spawn_blocking(move || {
+    let (capture, twin) = tokio::task::spawn_blocking(move || {
         let at = ["--server", url.as_str()];
         run_ok(&["capture", "make", "toy", &recording, "--tiny", "--raw"]);
         let pushed = run_json(&[&["capture", "push", &recording, "--watch"], &at[..]].concat());
@@ -50,13 +50,39 @@ async fn a_recording_of_cameras_becomes_a_report_and_a_twin_by_command_line() {
         let fit = run_json(
             &[&["fit", "start", &name, "--settings", &settings, "--watch"], &at[..]].concat(),
         );
-        let name = fit["twin"].as_str().unwrap();
-        run_ok(&[&["twin", "export", name, &twin], &at[..]].concat());
+        let fitted = fit["twin"].as_str().unwrap();
+        run_ok(&[&["twin", "export", fitted, &twin], &at[..]].concat());
         let file = std::fs::read(&twin).unwrap();
         assert!(bendtwin_core::Twin::decode(&file).unwrap().graph.node_count() > 0);
+        (name, fitted.to_owned())
     })
     .await
     .unwrap();
+    it_can_be_played(&server, &capture, &twin).await;
+}
+
+/// The capture has a playback with images, and the twin a prediction of the same frames.
+async fn it_can_be_played(server: &TestCluster, capture: &str, twin: &str) {
+    let http = server.http();
+    let playback = http.get(&format!("/v1/{capture}/playback")).await.bytes().await.unwrap();
+    let length = u32::from_le_bytes(playback[12..16].try_into().unwrap()) as usize;
+    let head: Value = serde_json::from_slice(&playback[16..16 + length]).unwrap();
+    let sequence = &head["sequences"][0];
+    let images = &sequence["cameras"][0]["images"];
+    let first = 16 + length + images["bytes"][0].as_u64().unwrap() as usize;
+    assert!(playback[first..].starts_with(&[0xff, 0xd8]), "{images}");
+    let asked = json!({"capture": capture, "motion": {"sequence": 0}});
+    let path = format!("/v1/{twin}/evaluations");
+    let answer = http.request(Method::POST, &path).json(&asked).send().await.unwrap();
+    let evaluated: Value = answer.json().await.unwrap();
+    let motion = &evaluated["motion"];
+    assert_eq!(motion["train_frame_count"], sequence["train_frame_count"], "{motion}");
+    let frames = sequence["frame_count"].as_u64().unwrap() as usize;
+    assert_eq!(motion["positions"].as_array().unwrap().len(), frames);
+    assert!(motion["track_m"][frames - 1].as_f64().unwrap() > 0.0);
+    let beyond = json!({"capture": capture, "motion": {"sequence": 1}});
+    let refused = http.request(Method::POST, &path).json(&beyond).send().await.unwrap();
+    assert_eq!(refused.status(), StatusCode::BAD_REQUEST);
 }
 
 /// What an archive is, its content tells, whichever way it came; of a folder the command sends what

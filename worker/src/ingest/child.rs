@@ -51,7 +51,7 @@ const PASSED_VARIABLES: [&str; 3] = ["BENDTWIN_LOG", "BENDTWIN_LOG_FORMAT", "RUS
 /// Outcome of the child's work.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Ended {
-    /// Observation and report lie in the folder.
+    /// Observation, playback and report lie in the folder.
     Observed { verdict: Verdict },
     /// The report lies in the folder.
     Refused { verdict: Verdict, fault: Fault },

@@ -14,7 +14,7 @@ use tokio_util::io::ReaderStream;
 use super::{
     child::Ended,
     process::write_report,
-    protocol::{OBSERVATION, PAGE, REPORT, open_result},
+    protocol::{OBSERVATION, PAGE, PLAYBACK, REPORT, open_result},
 };
 use crate::{
     job::{
@@ -69,9 +69,9 @@ type Wrap = fn(Bytes) -> Part;
 
 /// The files of a result, in the order in which they are sent.
 fn parts(folder: &Path, observed: bool) -> Vec<(PathBuf, Wrap)> {
-    let observation: (&str, Wrap) = (OBSERVATION, Part::Observation);
+    let seen: [(&str, Wrap); 2] = [(OBSERVATION, Part::Observation), (PLAYBACK, Part::Playback)];
     let reports: [(&str, Wrap); 2] = [(REPORT, Part::Report), (PAGE, Part::Page)];
-    let parts = observed.then_some(observation).into_iter().chain(reports);
+    let parts = seen.into_iter().filter(|_| observed).chain(reports);
     parts.map(|(file, wrap)| (folder.join(file), wrap)).collect()
 }
 
@@ -88,13 +88,15 @@ async fn measure(
             hasher.update_reader(open_result(&folder.join(file))?)?;
             Ok(hasher.finalize().to_hex().to_string())
         };
+        let of_seen = |file: &str| match fault {
+            None => digest(file),
+            Some(_) => Ok(String::new()),
+        };
         Ok(IngestWrite {
             job: Some(write),
             verdict: verdict_name(verdict).to_owned(),
-            observation_digest: match fault {
-                None => digest(OBSERVATION)?,
-                Some(_) => String::new(),
-            },
+            observation_digest: of_seen(OBSERVATION)?,
+            playback_digest: of_seen(PLAYBACK)?,
             report_digest: digest(REPORT)?,
             page_digest: digest(PAGE)?,
             fault: fault.as_ref().map(Into::into),

@@ -12,16 +12,18 @@ use bendtwin_core::{
     CancelToken, Category, Fault, Observer, ObserverError, Problem as _, Progress, Stage,
     settings::ingest::IngestSettings,
 };
-use bendtwin_ingest::{Error, Observed, ingest};
+use bendtwin_ingest::{Error, Observed, Step, ingest, write_playback};
 use bendtwin_inspect::Report;
 
 use super::{
-    protocol::{ARCHIVE, CHECKPOINT, Message, OBSERVATION, PAGE, REPORT, Request},
+    protocol::{ARCHIVE, CHECKPOINT, Message, OBSERVATION, PAGE, PLAYBACK, REPORT, Request},
     sandbox::{self, Enforced, Sandbox},
 };
 
 /// Least time between two progress messages.
 const PROGRESS_INTERVAL: Duration = Duration::from_millis(200);
+/// Share of an ingest that is over when the playback is begun.
+const OBSERVED: f64 = 0.9;
 
 /// Reads the capture in a folder that a worker prepared, writes progress to standard output, and
 /// leaves the results in the folder. A fault of the capture is a result, too.
@@ -60,13 +62,13 @@ fn work(folder: &Path, request: &Request, enforced: Enforced) -> Result<Message,
     let mut reporter = StdoutReporter { checkpoint: folder.join(CHECKPOINT), reported_at: None };
     let checkpoint = std::fs::read(folder.join(CHECKPOINT)).ok();
     let archive = folder.join(ARCHIVE);
-    let Observed { capture, report } = ingest(
+    let Observed { capture, report, recorded } = ingest(
         &archive,
         &request.name,
         &settings,
         &limits,
         checkpoint.as_deref(),
-        &mut reporter,
+        &mut Observing(&mut reporter),
         &CancelToken::default(),
     )?;
     write_report(folder, &report).map_err(|e| unwritable(REPORT, e))?;
@@ -79,6 +81,13 @@ fn work(folder: &Path, request: &Request, enforced: Enforced) -> Result<Message,
                     error => error.fault(),
                 }
             })?;
+            let mut tell = |share: f64| {
+                let fraction = OBSERVED + (1.0 - OBSERVED) * share;
+                let progress = bendtwin_ingest::Progress { step: Step::Playback, fraction };
+                reporter.progress(progress);
+            };
+            write_playback(&observed, &recorded, &folder.join(PLAYBACK), &mut tell)
+                .map_err(|e| unwritable(PLAYBACK, e))?;
             Ok(Message::Observed { verdict })
         }
         Err(fault) => Ok(Message::Refused { verdict, fault }),
@@ -135,6 +144,20 @@ fn write_message(message: &Message) -> io::Result<()> {
     let mut out = io::stdout().lock();
     out.write_all(&line)?;
     out.flush()
+}
+
+/// Observer of the ingest itself, whose progress is a part of the whole.
+struct Observing<'a>(&'a mut StdoutReporter);
+
+impl Observer<bendtwin_ingest::Progress> for Observing<'_> {
+    fn progress(&mut self, progress: bendtwin_ingest::Progress) {
+        let fraction = OBSERVED * progress.fraction;
+        self.0.progress(bendtwin_ingest::Progress { fraction, ..progress });
+    }
+
+    fn checkpoint(&mut self, checkpoint: Vec<u8>) -> Result<(), ObserverError> {
+        self.0.checkpoint(checkpoint)
+    }
 }
 
 /// Writes progress and checkpoints as messages to standard output.

@@ -21,6 +21,8 @@ pub(super) const ARCHIVE: &str = "capture.zip";
 pub(super) const CHECKPOINT: &str = "checkpoint";
 /// File with the bundle that fits read.
 pub(super) const OBSERVATION: &str = "observation.zip";
+/// File with what a player shows.
+pub(super) const PLAYBACK: &str = "playback";
 /// File with the report as JSON.
 pub(super) const REPORT: &str = "report.json";
 /// File with the report as HTML.
@@ -76,7 +78,7 @@ pub(super) enum Message {
     Progress(Progress),
     /// A checkpoint has been written.
     Checkpoint,
-    /// Observation and report have been written. The final message.
+    /// Observation, playback and report have been written. The final message.
     Observed {
         /// Verdict of the report.
         verdict: Verdict,

@@ -150,11 +150,8 @@ impl Execution<'_> {
         part: &mut RollOutResponse,
     ) -> Result<(), Error> {
         let Simulated { rollouts, controls, paths, .. } = simulated;
-        let span = Span::whole(self.plan.frames);
-        reply::add_recordings(self.plan, span, indices, &rollouts, &controls, part);
-        if self.plan.returns.controls {
-            reply::add_controls(self.plan, span, indices.len(), &paths, part);
-        }
+        let arrays = reply::Arrays { indices, rollouts: &rollouts, ends: &controls, paths: &paths };
+        reply::add_arrays(self.plan, Span::whole(self.plan.frames), &arrays, part);
         self.add_gradients(indices, &rollouts, part)
     }
 

@@ -72,7 +72,12 @@ impl Plan {
         let surroundings =
             Surroundings::read(&mut request, &actions, map, twin, served.loaded.model())?;
         let ensemble = Ensemble::read(request.ensemble);
-        let base = Base { loaded: &served.loaded, rests: &served.rests, members: ensemble.members };
+        let members = ensemble.members;
+        let fits = match request.vary.as_ref().is_some_and(|vary| vary.fits) {
+            true => served.fits(members, backend)?,
+            false => Vec::new(),
+        };
+        let base = Base { loaded: &served.loaded, fits: &fits, rests: &served.rests, members };
         let variants = Variants::load(request.vary, &base, &surroundings, backend, cancel)?;
         let costs = Costs::read(request.costs, frames, fps, twin.newtons_per_unit())?;
         let returns = Returns::read(request.returns, twin, instances)?;

@@ -3,6 +3,7 @@
 mod forces;
 mod gradients;
 mod span;
+mod spread;
 
 use bendtwin_core::Point;
 use bendtwin_engine::{backend::Rollout, model::State};
@@ -98,17 +99,39 @@ pub(super) fn head(plan: &Plan) -> RollOutResponse {
     }
 }
 
+/// Arrays of simulated instances over a span.
+pub(super) struct Arrays<'a> {
+    pub(super) indices: &'a [usize],
+    pub(super) rollouts: &'a [Rollout],
+    /// Control points of final states [m], shape [instances, C, 3]; empty without such states.
+    pub(super) ends: &'a [Point],
+    /// Control points at the frame boundaries [m] if asked for, shape [instances, boundaries, C, 3].
+    pub(super) paths: &'a [Point],
+}
+
+/// Adds the arrays that were asked for: of all instances, or the spread of ensembles and those of
+/// their first members.
+pub(super) fn add_arrays(plan: &Plan, span: Span, arrays: &Arrays<'_>, part: &mut RollOutResponse) {
+    if plan.returns.spread {
+        let first = spread::first_members(arrays, plan.ensemble.members);
+        part.spread = Some(spread::pack(plan, span, arrays.rollouts));
+        return add_own(plan, span, &first.arrays(), part);
+    }
+    add_own(plan, span, arrays, part);
+}
+
+fn add_own(plan: &Plan, span: Span, arrays: &Arrays<'_>, part: &mut RollOutResponse) {
+    add_recordings(plan, span, arrays, part);
+    if plan.returns.controls {
+        add_controls(plan, span, arrays.indices.len(), arrays.paths, part);
+    }
+}
+
 /// Recorded positions and velocities and costs by frame of rollouts over a span, and final states at
-/// its end, whose control points are `controls`. Frames that a diverged instance did not reach are NaN (with INT16, which has none, the
+/// its end. Frames that a diverged instance did not reach are NaN (with INT16, which has none, the
 /// middle of the extent).
-pub(super) fn add_recordings(
-    plan: &Plan,
-    span: Span,
-    instances: &[usize],
-    rollouts: &[Rollout],
-    controls: &[Point],
-    part: &mut RollOutResponse,
-) {
+fn add_recordings(plan: &Plan, span: Span, arrays: &Arrays<'_>, part: &mut RollOutResponse) {
+    let Arrays { indices: instances, rollouts, ends: controls, .. } = *arrays;
     let returns = &plan.returns;
     if !returns.has_arrays() && returns.best.is_none() {
         return;
@@ -177,7 +200,7 @@ pub(super) fn add_recordings(
 }
 
 /// Control points of instances at the frame boundaries of a span, shape [instances, boundaries, C].
-pub(super) fn add_controls(
+fn add_controls(
     plan: &Plan,
     span: Span,
     count: usize,

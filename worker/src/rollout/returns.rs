@@ -29,6 +29,8 @@ pub(super) struct Returns {
     pub(super) velocities: bool,
     pub(super) frame_costs: bool,
     pub(super) controls: bool,
+    /// The spread of an ensemble, and arrays of its first member alone.
+    pub(super) spread: bool,
 }
 
 impl Returns {
@@ -53,6 +55,7 @@ impl Returns {
             velocities: wire.velocities,
             frame_costs: wire.frame_costs,
             controls: wire.controls,
+            spread: wire.spread,
         })
     }
 

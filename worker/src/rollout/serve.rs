@@ -1,10 +1,13 @@
 //! The model of a twin that answers a request: the exact one, or the fast one, which is made when
 //! it is first asked for.
 
-use std::{collections::HashSet, sync::Arc};
+use std::{
+    collections::HashSet,
+    sync::{Arc, PoisonError},
+};
 
 use bendtwin_core::{FastVariant, Fidelity};
-use bendtwin_engine::{Backend as _, Loaded, fidelity::Reduction};
+use bendtwin_engine::{Backend, Loaded, Model, fidelity::Reduction};
 use bendtwin_proto::rollout;
 
 use super::{error::Error, rest_shape::RestShape, warm::Warm};
@@ -43,6 +46,33 @@ impl Served {
     /// Number of rest shapes that are not the twin's.
     pub(super) fn distinct_rests(&self) -> usize {
         self.rests.iter().flatten().map(Arc::as_ptr).collect::<HashSet<_>>().len()
+    }
+
+    /// So many fits: the twin and its members, which are loaded when they are first asked for.
+    pub(super) fn fits(&self, count: usize, backend: &dyn Backend) -> Result<Vec<Loaded>, Error> {
+        let twin = &self.warm.twin;
+        let there = 1 + twin.members.len();
+        if count > there {
+            let fault = match there {
+                1 => "asks for other fits, and the twin has none: fit its capture with `search.starts` of 2 or more".to_owned(),
+                _ => format!("asks for {count} fits, and the twin has {there}: use at most {there} members"),
+            };
+            return Err(Error::field("vary.fits", fault));
+        }
+        if self.fast.is_some() {
+            let fault = "is for the exact twin, and this session follows the fast variant: open another one, or leave it out";
+            return Err(Error::field("vary.fits", fault));
+        }
+        if self.rests.iter().any(Option::is_some) {
+            let fault = "is for the twin as it was fitted, and a correction has changed its rest shape: begin in another state, or leave it out";
+            return Err(Error::field("vary.fits", fault));
+        }
+        let mut members = self.warm.members.lock().unwrap_or_else(PoisonError::into_inner);
+        for member in twin.members.iter().take(count.saturating_sub(1)).skip(members.len()) {
+            members.push(backend.load(Arc::new(Model::from(&member.twin(twin))))?);
+        }
+        let others = members.iter().take(count.saturating_sub(1)).cloned();
+        Ok(std::iter::once(self.loaded.clone()).chain(others).collect())
     }
 
     async fn fast(warm: Arc<Warm>, device: &Device) -> Result<Self, Error> {

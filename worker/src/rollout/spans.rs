@@ -121,11 +121,10 @@ impl Execution<'_> {
     ) {
         let plan = self.plan;
         let ends: Vec<Point> = tracks.iter().flat_map(Track::end).copied().collect();
-        reply::add_recordings(plan, span, indices, rollouts, &ends, part);
-        if plan.returns.controls {
-            let paths: Vec<Point> =
-                tracks.iter().flat_map(|track| track.controls(span.rows())).copied().collect();
-            reply::add_controls(plan, span, indices.len(), &paths, part);
-        }
+        let path = |track: &Track| track.controls(span.rows()).to_vec();
+        let paths =
+            if plan.returns.controls { tracks.iter().flat_map(path).collect() } else { Vec::new() };
+        let arrays = reply::Arrays { indices, rollouts, ends: &ends, paths: &paths };
+        reply::add_arrays(plan, span, &arrays, part);
     }
 }

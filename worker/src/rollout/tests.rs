@@ -81,6 +81,7 @@ pub(super) fn twin() -> Twin {
         quality: Quality::default(),
         mass_kg: None,
         control_hands: Vec::new(),
+        members: Vec::new(),
     }
 }
 
@@ -106,7 +107,14 @@ impl Bench {
         let model = Arc::new(Model::from(&twin));
         let loaded = device.backend(Priority::Interactive).load(model).unwrap();
         let fast = OnceCell::new();
-        let warm = Warm { id: TwinId::generate(), twin, loaded, fast, _share: None };
+        let warm = Warm {
+            id: TwinId::generate(),
+            twin,
+            loaded,
+            fast,
+            members: Default::default(),
+            _share: None,
+        };
         (Self { device, warm: Arc::new(warm) }, died)
     }
 

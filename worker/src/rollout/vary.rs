@@ -42,6 +42,8 @@ pub(super) struct Variant {
 pub(super) struct Base<'a> {
     /// The twin.
     pub(super) loaded: &'a Loaded,
+    /// The twin and its members, if the members of the ensemble are to be simulated on these.
+    pub(super) fits: &'a [Loaded],
     /// Rest shapes that are not the twin's: one for all actions, or one for each; empty: none.
     pub(super) rests: &'a [Option<Arc<RestShape>>],
     /// Members of the ensemble, 1 without one.
@@ -107,10 +109,11 @@ impl Variants {
         backend: &dyn Backend,
         cancel: &CancelToken,
     ) -> Result<Self, Error> {
-        let around = match surroundings.environment(base.loaded.model().environment) {
-            None => base.loaded.clone(),
-            Some(environment) => backend.with_environment(base.loaded, environment)?,
+        let around = |loaded: &Loaded| match surroundings.environment(loaded.model().environment) {
+            None => Ok(loaded.clone()),
+            Some(environment) => backend.with_environment(loaded, environment),
         };
+        let fits = base.models().iter().map(around).collect::<Result<Vec<_>, _>>()?;
         let sets = read(vary.unwrap_or_default())?;
         let count = base.count(sets.len());
         let mut numbers = HashMap::new();
@@ -120,12 +123,13 @@ impl Variants {
                 return Err(backend::Error::Cancelled.into());
             }
             let next = all.len() as u32;
-            let (set, rest) = (index % sets.len(), base.rest(index));
+            let (set, rest, fit) = (index % sets.len(), base.rest(index), index % fits.len());
             let factors = sets[set];
-            let number = *numbers.entry((rest.map(Arc::as_ptr), factors.bits())).or_insert(next);
+            let key = (rest.map(Arc::as_ptr), fit, factors.bits());
+            let number = *numbers.entry(key).or_insert(next);
             if number == next {
                 let changed = Changed { factors, set, rest: rest.map(|rest| &**rest) };
-                let loaded = changed.load(&around, surroundings, backend)?;
+                let loaded = changed.load(&fits[fit], surroundings, backend)?;
                 let world = Arc::new(surroundings.world(factors));
                 all.push(Variant { loaded, world, mass: factors.mass });
             }
@@ -143,12 +147,22 @@ impl Variants {
 impl<'a> Base<'a> {
     /// A twin with its own rest shape, without an ensemble.
     pub(super) fn own(loaded: &'a Loaded) -> Self {
-        Self { loaded, rests: &[], members: 1 }
+        Self { loaded, fits: &[], rests: &[], members: 1 }
     }
 
-    /// Number of instances after which pairs of rest shapes and of so many sets of factors repeat.
+    /// Models of the members of the ensemble, or one for all of them.
+    fn models(&self) -> &'a [Loaded] {
+        if self.fits.is_empty() { std::slice::from_ref(self.loaded) } else { self.fits }
+    }
+
+    /// Number of instances after which fits, rest shapes and so many sets of factors repeat.
     fn count(&self, sets: usize) -> usize {
-        if self.rests.len() > 1 { self.rests.len() * self.members } else { sets }
+        match (self.rests.len(), self.fits.len()) {
+            (2.., _) => self.rests.len() * self.members,
+            // Factors are the same for all members, or as many as these.
+            (_, 1..) => self.members,
+            _ => sets,
+        }
     }
 
     /// The rest shape of an instance, if it is not the twin's.

@@ -31,6 +31,8 @@ pub(crate) struct Warm {
     pub(super) loaded: Loaded,
     /// The fast variant, once somebody has asked for it.
     pub(super) fast: OnceCell<Loaded>,
+    /// Its members, as many as somebody has asked for.
+    pub(super) members: Mutex<Vec<Loaded>>,
     /// Memory of it all; none in tests.
     pub(super) _share: Option<Share>,
 }
@@ -125,6 +127,7 @@ impl WarmTwins {
                 twin,
                 loaded,
                 fast: OnceCell::new(),
+                members: Mutex::default(),
                 _share: share,
             }))
         })

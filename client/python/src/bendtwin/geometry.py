@@ -41,6 +41,10 @@ class Geometry:
     rest_lengths: FloatArray
     #: Bending triplets [T, 3], the centre in the middle.
     triplets: IndexArray
+    #: [E], newtons per unit strain if `mass_kg` is known, else per unit mass.
+    spring_stiffness: FloatArray
+    #: [T], newton metres per radian, or per unit mass.
+    bend_stiffness: FloatArray
     #: [N], kilograms if `mass_kg` is known, else in units of a node.
     masses: FloatArray
     #: Control points at rest [C, 3], metres.
@@ -67,6 +71,8 @@ class Geometry:
     spacing_m: float
     #: Points of the surface that the nodes carry.
     skin: Skin
+    #: Number of fits: the twin and its members (`Vary(fits=True)`).
+    fits: int = 1
 
     @property
     def hand_count(self) -> int:
@@ -91,6 +97,8 @@ class Geometry:
             "edges",
             "rest_lengths",
             "triplets",
+            "spring_stiffness",
+            "bend_stiffness",
             "masses",
             "controls",
             "hands",
@@ -107,6 +115,7 @@ class Geometry:
             mass_kg=message.mass_kg if message.HasField("mass_kg") else None,
             spacing_m=message.spacing_m,
             skin=Skin.from_proto(message.skin),
+            fits=max(message.fits, 1),
         )
 
 

@@ -65,6 +65,8 @@ class Returns:
     point_set: PointSet = "nodes"
     #: Indices of the points of the skin to record, with `point_set` "skin"; None means all.
     skin_points: npt.ArrayLike | None = None
+    #: The spread of an ensemble's recorded points; arrays beside it are of member 0 alone then.
+    spread: bool = False
 
     def to_proto(self) -> rollout_pb2.Returns:
         """Makes the wire form."""
@@ -83,6 +85,7 @@ class Returns:
             controls=self.controls,
             forces=self.forces,
             point_set=POINT_SETS[self.point_set],
+            spread=self.spread,
         )
         if self.nodes is not None:
             message.nodes.CopyFrom(pack_indices("nodes", self.nodes))
@@ -243,6 +246,9 @@ class RolloutResult:
     final_grasping: Grasping | None = None
     #: Costs of the members of an ensemble [B, E], of which `costs` are a statistic.
     member_costs: FloatArray | None = None
+    #: Distance of the other members' points from those of member 0 [actions, T, K], metres: root
+    #: mean square. NaN where a member diverged.
+    spread: FloatArray | None = None
     #: If they were asked for.
     forces: Forces | None = None
     #: Instances that are not plausible.
@@ -309,6 +315,7 @@ class RolloutResult:
                 "frame_costs",
                 "controls",
                 "member_costs",
+                "spread",
                 "unfinished",
             )
         }

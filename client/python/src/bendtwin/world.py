@@ -219,10 +219,13 @@ class Vary:
     friction: npt.ArrayLike | None = None
     #: Of all nodes, 0.01..100.
     mass: npt.ArrayLike | None = None
+    #: Member e of the ensemble is simulated on fit e of the twin, 0 being the twin itself: at most
+    #: `TwinGeometry.fits` of them.
+    fits: bool = False
 
     def to_proto(self) -> world_pb2.Vary:
         """Makes the wire form."""
-        message = world_pb2.Vary()
+        message = world_pb2.Vary(fits=self.fits)
         for name in ("stiffness", "damping", "bending", "friction", "mass"):
             values = getattr(self, name)
             if values is not None:

@@ -65,6 +65,9 @@ pub struct Reply {
     pub diagnostics: Vec<Diagnostics>,
     /// Costs of the members of an ensemble, of which `costs` are a statistic, shape [B', E].
     pub member_costs: Vec<f64>,
+    /// Root mean square distance of the other members of an ensemble from the first, whose
+    /// `positions` are returned [m], shape [actions, recorded frames, K]; NaN where one diverged.
+    pub spread: Vec<f32>,
     /// Forces, if asked for.
     pub forces: Option<Forces>,
     /// Motion that is not plausible.
@@ -228,6 +231,7 @@ impl TryFrom<RollOutResponse> for Reply {
             controls: points(wire.controls, "controls")?,
             diagnostics: wire.diagnostics.into_iter().map(Diagnostics::from).collect(),
             member_costs: values(wire.member_costs, "member_costs")?,
+            spread: floats(wire.spread, "spread")?,
             forces: wire.forces.map(Forces::try_from).transpose()?,
             implausible: wire.implausible.into_iter().map(Implausible::from).collect(),
             diverged: wire.diverged.into_iter().map(Divergence::from).collect(),

@@ -329,6 +329,22 @@ impl Rollout {
         self
     }
 
+    /// Simulates every action on so many fits of the twin, the first being the twin itself: at most
+    /// [`Geometry::fits`](crate::Geometry::fits). Its cost is a statistic of theirs.
+    #[must_use]
+    pub fn on_fits(mut self, count: u32, statistic: Statistic) -> Self {
+        self.request.vary.get_or_insert_default().fits = true;
+        self.ensemble(count, statistic)
+    }
+
+    /// Returns how far the recorded points of the members of an ensemble are apart. Arrays beside
+    /// that are of the first member of each action alone.
+    #[must_use]
+    pub fn spread(mut self) -> Self {
+        self.returns.spread = true;
+        self
+    }
+
     /// Simulates every action under the sets of parameters of [`Rollout::vary`], so many; its cost is
     /// a statistic of theirs.
     #[must_use]

@@ -212,6 +212,7 @@ impl From<Vary> for v1::Vary {
             bending: factors(&vary.bending),
             friction: factors(&vary.friction),
             mass: factors(&vary.mass),
+            fits: false,
         }
     }
 }

@@ -2,6 +2,8 @@
 //! for other programs; [`Twin::decode`] checks every index and number, so a
 //! decoded twin can be simulated without further checks.
 
+mod members;
+
 use std::borrow::Cow;
 
 use safetensors::{Dtype, SafeTensors, View};
@@ -16,13 +18,16 @@ use crate::{
 /// Newest version that this build reads and writes; it reads every earlier one. A twin is written
 /// in the earliest version that can hold it, so that older programs read the twins that they
 /// support and refuse others.
-pub const VERSION: u32 = 3;
+pub const VERSION: u32 = 4;
 
 /// The version with rods.
 const WITH_RODS: u32 = 2;
 
 /// The version with a skin finer than the nodes.
 const WITH_SKIN: u32 = 3;
+
+/// The version with other fits of the object.
+const WITH_MEMBERS: u32 = 4;
 
 /// The tensor that says the hand of each control point; a file of any version may have it.
 const HANDS: &str = "controls.hand";
@@ -76,6 +81,8 @@ struct Metadata {
     quality: Quality,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     mass_kg: Option<f64>,
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    members: Vec<members::Numbers>,
 }
 
 struct Raw<'a> {
@@ -115,10 +122,11 @@ impl Twin {
         let kinds: Vec<u8> = g.kinds.iter().map(|k| *k as u8).collect();
         let pins: Vec<[u32; 2]> = g.pins.iter().map(|p| [p.node, p.control]).collect();
         let offsets: Vec<Point> = g.pins.iter().map(|p| p.offset_m).collect();
-        let version = match (self.skin.is_nodes(g), g.rods.is_empty()) {
-            (false, _) => WITH_SKIN,
-            (true, false) => WITH_RODS,
-            (true, true) => 1,
+        let version = match (self.members.is_empty(), self.skin.is_nodes(g), g.rods.is_empty()) {
+            (false, ..) => WITH_MEMBERS,
+            (true, false, _) => WITH_SKIN,
+            (true, true, false) => WITH_RODS,
+            (true, true, true) => 1,
         };
         let mut tensors = vec![
             ("nodes.rest_position", raw(Dtype::F32, &[n, 3], &g.rest_positions)),
@@ -162,6 +170,9 @@ impl Twin {
                 ("skin.offset", raw(Dtype::F32, &[m, 3], &s.offsets_m)),
             ]);
         }
+        if version >= WITH_MEMBERS {
+            tensors.extend(members::tensors(&self.members));
+        }
         if !self.control_hands.is_empty() {
             tensors.push((HANDS, raw(Dtype::U32, &[c], &self.control_hands)));
         }
@@ -175,6 +186,7 @@ impl Twin {
             provenance: self.provenance.clone(),
             quality: self.quality.clone(),
             mass_kg: self.mass_kg,
+            members: self.members.iter().map(members::Numbers::of).collect(),
         };
         let json =
             serde_json::to_string(&metadata).map_err(|e| FormatError::Metadata(e.to_string()))?;
@@ -245,6 +257,11 @@ impl Twin {
             rods: if has_rods { file.rods()? } else { Vec::new() },
         };
         let skin = if version >= WITH_SKIN { file.skin()? } else { Skin::of_nodes(&graph) };
+        let members = if version >= WITH_MEMBERS {
+            file.members(&metadata.members, graph.rods.len())?
+        } else {
+            Vec::new()
+        };
         let twin = Self {
             graph,
             skin,
@@ -272,6 +289,7 @@ impl Twin {
             } else {
                 Vec::new()
             },
+            members,
         };
         twin.check()?;
         Ok(twin)
@@ -283,12 +301,9 @@ impl Twin {
     /// The first contradiction found.
     pub fn check(&self) -> Result<(), FormatError> {
         let fail = |m: String| Err(FormatError::Inconsistent(m));
-        if let Err(m) = self.graph.check() {
-            return fail(m);
-        }
-        if let Err(m) = self.params.check(&self.graph) {
-            return fail(m);
-        }
+        self.graph.check().or_else(fail)?;
+        self.params.check(&self.graph).or_else(fail)?;
+        self.check_members()?;
         if let Err(m) = self.skin.check(self.graph.node_count()) {
             return fail(m);
         }

@@ -14,6 +14,7 @@ fn twin(control_rest: Vec<[f32; 3]>) -> Twin {
         quality: Quality::default(),
         mass_kg: None,
         control_hands: Vec::new(),
+        members: Vec::new(),
     }
 }
 

@@ -64,3 +64,31 @@ fn a_twin_of_another_capture_is_refused() {
     short.sequences[0].visible.pop();
     assert!(matches!(refuse(&scene::chain_twin(4), &short), Error::Inconsistent(_)));
 }
+
+#[test]
+fn the_motion_of_a_sequence_has_the_errors_of_its_frames() {
+    let mut capture = scene::chain(5, 8, 5, [0.0, 0.0, 0.001]);
+    let mut second = capture.sequences[0].clone();
+    (second.name, second.train_frame_count) = ("two".to_owned(), 0);
+    capture.sequences.push(second);
+    let (twin, options) = (scene::chain_twin(5), EvaluateOptions::default());
+    let run = |sequence| {
+        let cancel = CancelToken::default();
+        evaluate_with_motion(&*backend(), &twin, &capture, &options, sequence, &cancel).unwrap()
+    };
+    let (quality, motion) = run(0);
+    let motion = motion.unwrap();
+    assert_eq!(quality, run(7).0);
+    assert_eq!((motion.sequence.as_str(), motion.train_frame_count), ("one", 5));
+    assert_eq!((motion.frame_count, motion.errors.len()), (8, 8));
+    assert_eq!(motion.prediction.positions.len(), 8 * 5);
+    assert_eq!(motion.errors[0].track_m, Some(0.0));
+    // The mean of those after the training frames is the table's.
+    let future: f64 = motion.errors[5..].iter().map(|e| e.track_m.unwrap()).sum();
+    let both = quality.score(Predictor::Axial).unwrap().future.track_m.unwrap();
+    let held_out = run(1).1.unwrap();
+    assert_eq!((held_out.sequence.as_str(), held_out.train_frame_count), ("two", 0));
+    let all: f64 = held_out.errors[1..].iter().map(|e| e.track_m.unwrap()).sum();
+    assert!(both > 0.0 && ((future + all) / 10.0 - both).abs() < 1e-12, "{both}");
+    assert_eq!(run(2).1, None);
+}

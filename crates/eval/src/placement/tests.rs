@@ -80,6 +80,7 @@ fn twin() -> Twin {
         quality: Quality::default(),
         mass_kg: None,
         control_hands: vec![0, 0],
+        members: Vec::new(),
     }
 }
 

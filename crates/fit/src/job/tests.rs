@@ -153,6 +153,9 @@ fn the_start_that_predicts_frames_held_back_is_kept() {
     let losses: Vec<f64> = choice.losses.iter().map(|l| l.unwrap()).collect();
     let kept = losses[choice.start as usize];
     assert!(losses.len() == 3 && losses.iter().all(|l| *l >= kept), "{choice:?}");
+    let as_good = losses.iter().filter(|l| **l <= 2.0 * kept).count() - 1;
+    assert_eq!(whole.twin.members.len(), as_good);
+    assert!(as_good > 0, "no other start is as good: the test says nothing of members");
     assert!(whole.axial.as_ref().unwrap().quality.scores.len() == 1);
     // All starts of both models make four passes, then the chosen ones eight on all frames.
     let passes = recorder.progress.iter().filter(|p| p.stage == Stage::Refine);
@@ -227,6 +230,13 @@ fn of_several_starts_the_one_with_the_lowest_training_loss_is_the_twin() {
         assert_eq!(best == 0, several.params == single.params);
     }
     assert!(best(0) > 0 || best(4) > 0, "the first start won twice: the test says little");
+    assert!(single.twin.members.is_empty() && single.twin.quality.spread.is_none());
+    let ends: Vec<f64> = losses[..4].iter().map(|(_, loss)| *loss).collect();
+    let as_good = ends.iter().filter(|l| **l <= 2.0 * ends[best(0)]).count() - 1;
+    assert_eq!(several.twin.members.len(), as_good);
+    let spread = several.twin.quality.spread.unwrap();
+    assert_eq!(spread.fits as usize, 1 + as_good);
+    assert!(spread.mean_m > 0.0 && spread.error_m > 0.0, "{spread:?}");
 }
 
 #[test]

@@ -41,6 +41,8 @@ pub enum IngestResult {
     Observed {
         /// The bundle that fits read.
         observation: Staged,
+        /// What a player shows of it.
+        playback: Option<Box<Staged>>,
         /// The report of the capture.
         report: NewReport,
     },
@@ -172,18 +174,23 @@ impl Jobs<'_> {
     /// # Errors
     /// [`Error::StaleLease`], file errors.
     pub async fn end_ingest(&self, lease: Lease, result: IngestResult) -> Result<Job> {
-        let (observation, report, end) = match result {
-            IngestResult::Observed { observation, report } => (Some(observation), report, None),
-            IngestResult::Refused { end, report } => (None, report, Some(end)),
+        let (observation, playback, report, end) = match result {
+            IngestResult::Observed { observation, playback, report } => {
+                (Some(observation), playback, report, None)
+            }
+            IngestResult::Refused { end, report } => (None, None, report, Some(end)),
         };
         let NewReport { verdict, json, html } = report;
+        let of = |content: &Staged| (content.digest(), content.size_bytes());
         let made = observations::Made {
-            observation: observation.as_ref().map(|o| (o.digest(), o.size_bytes())),
+            observation: observation.as_ref().map(of),
+            playback: playback.as_deref().map(of),
             verdict,
             json: json.digest(),
             html: html.digest(),
         };
-        let contents: Vec<Staged> = observation.into_iter().chain([json, html]).collect();
+        let contents: Vec<Staged> =
+            observation.into_iter().chain(playback.map(|p| *p)).chain([json, html]).collect();
         let new: Vec<Digest> = contents.iter().map(Staged::digest).collect();
         let guard = self.store.blobs().publish_all(contents).await?;
         let stored = self.end_published(lease, &made, end).await;

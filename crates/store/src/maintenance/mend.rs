@@ -35,7 +35,9 @@ pub(super) async fn rows(
                 give_up(&mut tx, id, now).await?;
                 actions.push(format!("gave {} up: what had arrived of it is gone", damage.name));
             }
-            "observation" | "report" | "report page" if !without_archive.contains(&damage.name) => {
+            "observation" | "playback" | "report" | "report page"
+                if !without_archive.contains(&damage.name) =>
+            {
                 if read_again.insert(damage.name.clone()) {
                     queue_ingest(&mut tx, id).await?;
                     let Damage { name, part, .. } = damage;
@@ -66,6 +68,7 @@ async fn give_up(tx: &mut Transaction<'_, Sqlite>, id: &str, now: i64) -> Result
 async fn queue_ingest(tx: &mut Transaction<'_, Sqlite>, capture: &str) -> Result<()> {
     for statement in [
         "delete from observations where capture = $1",
+        "delete from playbacks where capture = $1",
         "delete from reports where capture = $1",
         "update jobs set state = 'queued', attempts = 0, stalled = 0, furthest = 0,
              checkpoint = null, fault = null, attempt_faults = '[]', progress = null,

@@ -19,7 +19,7 @@ fn file(dir: &Path, content: &str) -> PathBuf {
     files::published(&dir.join("blobs"), &blake3::hash(content.as_bytes()).to_hex())
 }
 
-/// A capture whose ingest has made `seen`, `{}` and `<p>`.
+/// A capture whose ingest has made `seen`, `played`, `{}` and `<p>`.
 async fn observed(bench: &Bench, content: &'static str) -> Capture {
     let capture = bench.fresh_capture(content).await;
     let lease = lease_of(&bench.claim(Kind::Ingest).await.unwrap());
@@ -28,8 +28,8 @@ async fn observed(bench: &Bench, content: &'static str) -> Capture {
         json: bench.stage("{}").await,
         html: bench.stage("<p>").await,
     };
-    let observation = bench.stage("seen").await;
-    let result = IngestResult::Observed { observation, report };
+    let (observation, playback) = (bench.stage("seen").await, bench.stage("played").await);
+    let result = IngestResult::Observed { observation, playback: Some(Box::new(playback)), report };
     bench.store.jobs().end_ingest(lease, result).await.unwrap();
     capture
 }
@@ -58,10 +58,11 @@ async fn a_check_beside_a_server_names_what_is_damaged_and_changes_nothing() {
     let dir = bench.dir.path();
     let sound = check(dir, Depth::Digests).await.unwrap();
     assert!(sound.is_sound() && sound.unreferenced.is_empty(), "{sound:?}");
-    assert_eq!((sound.references, sound.blobs), (5, 5));
+    assert_eq!((sound.references, sound.blobs), (6, 6));
 
     fs::write(file(dir, "archive"), "archi").unwrap();
     fs::write(file(dir, "seen"), "SEEN").unwrap();
+    fs::write(file(dir, "played"), "PLAYED").unwrap();
     fs::remove_file(file(dir, "half way")).unwrap();
     fs::write(file(dir, "seen").with_file_name("f".repeat(64)), "stranger").unwrap();
     let found = check(dir, Depth::Digests).await.unwrap();
@@ -75,8 +76,9 @@ async fn a_check_beside_a_server_names_what_is_damaged_and_changes_nothing() {
     let archive = fault("archive", "5 bytes instead of 7");
     let checkpoint = fault("checkpoint", "missing");
     let observation = fault("observation", "other content");
+    let playback = fault("playback", "other content");
     assert!(!found.is_sound());
-    assert_eq!(faults(&found), [archive.clone(), checkpoint.clone(), observation]);
+    assert_eq!(faults(&found), [archive.clone(), checkpoint.clone(), observation, playback]);
     assert_eq!(found.unreferenced.len(), 1);
     // Without reading it, changed content goes unnoticed.
     let quick = check(dir, Depth::Sizes).await.unwrap();

@@ -5,7 +5,7 @@ use crate::{
     rollout::TwinShape,
     v1::{
         Capsule, Collider, ConvexMesh, Cuboid, Ensemble, GradientOptions, Grasp, GripperPoses,
-        Plane, Plausibility, RollOutRequest, Sphere, Tensor, Vary, World,
+        Plane, Plausibility, Returns, RollOutRequest, Sphere, Tensor, Vary, World,
         collider::{Carrier, Shape},
         ensemble::Statistic,
         grasp::{Attachment, CaptureHand, Region},
@@ -57,6 +57,23 @@ pub(super) fn malformed(good: &RollOutRequest, twin: &TwinShape) -> Vec<Case> {
         let ensemble = Some(ensemble);
         add(what, names, RollOutRequest { ensemble, vary, ..good.clone() });
     }
+    let (_, _, ensemble, _) = ensembles().swap_remove(1);
+    let vary = Some(Vary { fits: true, ..Vary::default() });
+    let fast = crate::v1::Fidelity::Fast.into();
+    let of_fits = RollOutRequest { ensemble: Some(ensemble), vary, ..good.clone() };
+    add(
+        "fits of the fast variant",
+        "`vary.fits`",
+        RollOutRequest { fidelity: fast, ..of_fits.clone() },
+    );
+    let spread = |every_frames| Some(Returns { spread: true, every_frames, ..Returns::default() });
+    add(
+        "a spread of nothing",
+        "`returns.spread`",
+        RollOutRequest { returns: spread(0), ..of_fits },
+    );
+    let alone = RollOutRequest { returns: spread(1), ..good.clone() };
+    add("a spread of one prediction", "`returns.spread`", alone);
     for (what, smoothing_m) in
         [("a smoothing that is NaN", f64::NAN), ("a metre of smoothing", 1.0)]
     {
@@ -234,6 +251,7 @@ fn varied() -> Named<Vary> {
         ("a stiffness of 0", "`vary.stiffness`", stiffness(&[1.0, 0.0])),
         ("a mass that is NaN", "`vary.mass`", mass(&[f32::NAN, 1.0])),
         ("a mass of 101", "`vary.mass`", mass(&[1.0, 101.0])),
+        ("fits without an ensemble", "`vary.fits`", Vary { fits: true, ..Vary::default() }),
     ]
 }
 
@@ -243,6 +261,7 @@ fn ensembles() -> Vec<(&'static str, &'static str, Ensemble, Option<Vary>)> {
         statistic: statistic.into(),
         share,
     };
+    let fits = || Some(Vary { fits: true, ..Vary::default() });
     let vary = |count: usize| Some(Vary { mass: factors(&vec![1.0; count]), ..Vary::default() });
     vec![
         ("no members", "`ensemble.members`", of(0, Statistic::Mean, 0.0), None),
@@ -254,6 +273,12 @@ fn ensembles() -> Vec<(&'static str, &'static str, Ensemble, Option<Vary>)> {
             "`ensemble.statistic`",
             Ensemble { members: 3, statistic: 9, share: 0.0 },
             vary(3),
+        ),
+        (
+            "more fits than the limits allow",
+            "actions x members",
+            of(u32::MAX, Statistic::Mean, 0.0),
+            fits(),
         ),
         ("2^32 - 1 members", "actions x members", of(u32::MAX, Statistic::Mean, 0.0), vary(3)),
     ]

@@ -3,6 +3,7 @@
 use super::{
     Error, TwinShape,
     tensors::{given, index_list, known_nodes, known_skin_points},
+    vary::members,
 };
 use crate::{
     rollout::points::{point_set, recorded},
@@ -50,7 +51,20 @@ pub(super) fn check(request: &RollOutRequest) -> Result<(), Error> {
         let fault = "are recorded with positions: set `returns.every_frames`, 1 say";
         return Err(Error::field("returns.velocities", fault));
     }
+    if returns.spread && returns.every_frames == 0 {
+        let fault = "is of recorded points: set `returns.every_frames`, 1 say";
+        return Err(Error::field("returns.spread", fault));
+    }
+    if returns.spread && members(request) < 2 {
+        let fault = "is between the members of an ensemble: give an `ensemble` of two or more";
+        return Err(Error::field("returns.spread", fault));
+    }
     Ok(())
+}
+
+/// True if a reply has the spread of an ensemble, and arrays of its first member alone.
+pub fn has_spread(request: &RollOutRequest) -> bool {
+    request.returns.as_ref().is_some_and(|returns| returns.spread)
 }
 
 /// True if a reply needs a run backward.

@@ -5,7 +5,7 @@ use super::{
     tensors::{floats, given, required},
     within,
 };
-use crate::v1::{RollOutRequest, Tensor, Vary, ensemble::Statistic, tensor::Dtype};
+use crate::v1::{Fidelity, RollOutRequest, Tensor, Vary, ensemble::Statistic, tensor::Dtype};
 
 /// Largest factor of a parameter.
 const MOST: f32 = 100.0;
@@ -44,6 +44,14 @@ pub(super) fn check(request: &RollOutRequest, batch: &Batch, limits: &Limits) ->
         )?;
     }
     let Some(vary) = &request.vary else { return Ok(()) };
+    if vary.fits && request.ensemble.is_none() {
+        let fault = "is without an `ensemble`, whose members are simulated on the fits";
+        return Err(Error::field("vary.fits", fault));
+    }
+    if vary.fits && request.fidelity() == Fidelity::Fast {
+        let fault = "is for the exact twin, and the fast variant has no other fits: ask for EXACT";
+        return Err(Error::field("vary.fits", fault));
+    }
     for (name, tensor, least) in factors(vary) {
         if let Some(tensor) = given(tensor) {
             self::factor(tensor, &format!("vary.{name}"), sets, least)?;
@@ -68,7 +76,7 @@ pub(in crate::rollout) fn sets(request: &RollOutRequest, batch: &Batch) -> u64 {
 }
 
 fn is_empty(vary: &Vary) -> bool {
-    factors(vary).into_iter().all(|(_, tensor, _)| given(tensor).is_none())
+    !vary.fits && factors(vary).into_iter().all(|(_, tensor, _)| given(tensor).is_none())
 }
 
 /// Name and tensor of each factor, and the least that it may be.

@@ -17,13 +17,14 @@ use utoipa::{
 };
 
 /// The files whose messages are described, all or some of them.
-const FILES: [(&str, Option<&str>); 6] = [
+const FILES: [(&str, Option<&str>); 7] = [
     ("bendtwin/v1/world.proto", None),
     ("bendtwin/v1/rollout.proto", None),
     ("bendtwin/v1/planning.proto", None),
     ("bendtwin/v1/registration.proto", None),
     ("bendtwin/v1/session.proto", None),
     ("bendtwin/v1/twin.proto", Some("TwinGeometry")),
+    ("bendtwin/v1/evaluation.proto", Some("PredictedMotion")),
 ];
 const PACKAGE: &str = ".bendtwin.v1.";
 
@@ -64,6 +65,7 @@ described! {
     OpenSessionRequest
     PlanRequest
     PlanUpdate
+    PredictedMotion
     RegisterStateRequest
     RegisteredState
     ResetSessionRequest

@@ -68,6 +68,7 @@ fn twin(n: usize, controls: usize) -> Twin {
         quality: Quality::default(),
         mass_kg: None,
         control_hands: Vec::new(),
+        members: Vec::new(),
     }
 }
 

@@ -15,7 +15,14 @@ fn settled(twin: Twin, work: u64) -> Result<Start, Error> {
 fn settled_in(world: Option<World>, twin: Twin, work: u64) -> Result<Start, Error> {
     let backend = bendtwin_engine::cpu_with_threads(1);
     let loaded = backend.load(Arc::new(Model::from(&twin))).unwrap();
-    let warm = Warm { id: TwinId::generate(), twin, loaded, fast: OnceCell::new(), _share: None };
+    let warm = Warm {
+        id: TwinId::generate(),
+        twin,
+        loaded,
+        fast: OnceCell::new(),
+        members: Default::default(),
+        _share: None,
+    };
     let world = Still::read(world.as_ref())?;
     settle(&warm, &world, work, backend.as_ref(), &CancelToken::default())
 }

@@ -18,7 +18,14 @@ async fn a_fast_rollout_uses_the_variant_and_says_how_far_it_strays() {
         frames: 30,
     });
     let (id, loaded) = (bench.warm.id, bench.warm.loaded.clone());
-    bench.warm = Arc::new(Warm { id, twin, loaded, fast: OnceCell::new(), _share: None });
+    bench.warm = Arc::new(Warm {
+        id,
+        twin,
+        loaded,
+        fast: OnceCell::new(),
+        members: Default::default(),
+        _share: None,
+    });
     let choose = |fidelity| Served::choose(Arc::clone(&bench.warm), fidelity, &bench.device);
     let (exact, fast) =
         (choose(Fidelity::Exact).await.unwrap(), choose(Fidelity::Fast).await.unwrap());

@@ -1,6 +1,7 @@
 //! Grasps, colliders, grounds, parameters by instance and implausible motion, with the physics of
 //! the CPU.
 
+mod fits;
 mod spans;
 
 use bendtwin_proto::v1::{
@@ -44,7 +45,8 @@ fn bench(twin: Twin) -> Bench {
     let model = Arc::new(Model::from(&twin));
     let loaded = bench.device.backend(Priority::Interactive).load(model).unwrap();
     let (id, fast) = (TwinId::generate(), OnceCell::new());
-    bench.warm = Arc::new(Warm { id, twin, loaded, fast, _share: None });
+    bench.warm =
+        Arc::new(Warm { id, twin, loaded, fast, members: Default::default(), _share: None });
     bench
 }
 
@@ -197,7 +199,7 @@ fn a_mass_is_the_inverse_of_all_that_exerts_forces() {
         stiffness: factors(&[1.0, 1.0, 0.5]),
         damping: factors(&[1.0, 1.0, 0.5]),
         bending: factors(&[1.0, 1.0, 0.5]),
-        friction: None,
+        ..Vary::default()
     });
     request.returns = recording(0);
     let part = bench.run(request.clone(), 0).unwrap().remove(0);

@@ -1,5 +1,5 @@
 use super::*;
-use crate::FastVariant;
+use crate::{FastVariant, settings::MOST_MEMBERS, twin::Member};
 use proptest::prelude::*;
 
 fn twin() -> Twin {
@@ -36,6 +36,7 @@ fn twin() -> Twin {
         quality: Quality::default(),
         mass_kg: None,
         control_hands: Vec::new(),
+        members: Vec::new(),
     }
 }
 
@@ -74,6 +75,109 @@ fn mass_and_hands_survive_their_file_and_are_checked() {
     }
     let wrong = Twin { control_hands: vec![0, 0], ..twin() };
     assert!(wrong.encode().unwrap_err().to_string().contains("2 hands for 1"));
+}
+
+/// A twin with rods and two members: one of other numbers, one of other springs.
+fn with_members() -> Twin {
+    let mut twin = cable();
+    twin.graph.springs = vec![[0, 1], [1, 2], [2, 3]];
+    twin.graph.triplets = vec![[0, 1, 2]];
+    let Params { spring_stiffness, spring_dashpot, rest_lengths_m, .. } = self::twin().params;
+    let Params { bend_stiffness, bend_damping, rest_angles_rad, .. } = self::twin().params;
+    twin.params = Params {
+        spring_stiffness,
+        spring_dashpot,
+        rest_lengths_m,
+        bend_stiffness,
+        bend_damping,
+        rest_angles_rad,
+        ..twin.params
+    };
+    let first = Twin {
+        params: Params { drag: 2.0, spring_stiffness: vec![9.0; 3], ..twin.params.clone() },
+        environment: Environment { gravity: [0.0, 0.0, -9.0], ..twin.environment },
+        ..twin.clone()
+    };
+    let params = Params {
+        spring_stiffness: vec![5.0],
+        spring_dashpot: vec![6.0],
+        rest_lengths_m: vec![0.3],
+        bend_stiffness: Vec::new(),
+        bend_damping: Vec::new(),
+        rest_angles_rad: Vec::new(),
+        rest_twists_rad: vec![0.7, 0.8],
+        ..twin.params.clone()
+    };
+    let graph = Graph { springs: vec![[0, 2]], triplets: Vec::new(), ..twin.graph.clone() };
+    let timing = Timing { substeps: 7, ..twin.timing };
+    let second = Twin { graph, params, timing, ..twin.clone() };
+    let members = [first, second].iter().map(|fit| Member::of(fit, &twin).unwrap()).collect();
+    Twin { members, ..twin }
+}
+
+#[test]
+fn members_survive_their_file() {
+    let twin = with_members();
+    let bytes = twin.encode().unwrap();
+    assert_eq!(Twin::decode(&bytes).unwrap(), twin);
+    let fourth = include_bytes!("../../../testdata/twin-v4.safetensors");
+    assert_eq!(Twin::decode(fourth).unwrap(), twin);
+}
+
+#[test]
+fn members_are_checked_as_twins_are() {
+    let refusal = |change: fn(&mut Member)| {
+        let mut twin = with_members();
+        change(&mut twin.members[1]);
+        twin.encode().unwrap_err().to_string()
+    };
+    assert!(refusal(|m| m.springs.push([0, 99])).contains("member 2"));
+    assert!(refusal(|m| m.params.rest_twists_rad.clear()).contains("member 2"));
+    assert!(refusal(|m| m.substeps = 0).contains("0 substeps"));
+    assert!(refusal(|m| m.environment.gravity[0] = f32::NAN).contains("member 2"));
+    let mut many = with_members();
+    many.members = vec![many.members[0].clone(); MOST_MEMBERS + 1];
+    assert!(many.encode().unwrap_err().to_string().contains("16 members"));
+}
+
+#[test]
+fn a_fit_of_other_nodes_is_no_member() {
+    let (twin, cable) = (twin(), cable());
+    assert_eq!(Member::of(&twin, &cable), None);
+    let moved =
+        Graph { rest_positions: vec![[0.5; 3]; cable.graph.node_count()], ..cable.graph.clone() };
+    assert_eq!(Member::of(&Twin { graph: moved, ..cable.clone() }, &cable), None);
+    let faster = Timing { fps: 60.0, ..cable.timing };
+    assert_eq!(Member::of(&Twin { timing: faster, ..cable.clone() }, &cable), None);
+}
+
+#[test]
+fn tensors_of_members_that_contradict_their_counts_are_refused() {
+    let changed = |name: &str, change: fn(&mut Vec<u8>)| {
+        let bytes = with_members().encode().unwrap();
+        let (_, header) = SafeTensors::read_metadata(&bytes).unwrap();
+        let file = SafeTensors::deserialize(&bytes).unwrap();
+        let tensors: Vec<_> = file
+            .tensors()
+            .into_iter()
+            .map(|(own, view)| {
+                let mut data = view.data().to_vec();
+                if own == name {
+                    change(&mut data);
+                }
+                let raw =
+                    Raw { dtype: view.dtype(), shape: view.shape().to_vec(), bytes: data.into() };
+                (own, raw)
+            })
+            .collect();
+        let bytes = safetensors::serialize(tensors, header.metadata().clone()).unwrap();
+        Twin::decode(&bytes).unwrap_err().to_string()
+    };
+    // Counts of more rows than there are, whatever they add up to.
+    let most = |data: &mut Vec<u8>| data.fill(0xff);
+    assert!(changed("members.springs.count", most).contains("members.springs.ends"));
+    assert!(changed("members.triplets.count", most).contains("members.triplets.ends"));
+    assert!(changed("members.springs.stiffness", most).contains("member 1"));
 }
 
 /// A twin with two rods between clamps.

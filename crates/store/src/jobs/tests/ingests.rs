@@ -1,5 +1,7 @@
 use std::time::Duration;
 
+use bendtwin_core::{Category, Problem as _};
+
 use super::{fault, progress};
 use crate::{
     AttemptEnd, Capture, Error, IngestResult, Job, Kind, Lease, Loss, NewIngest, NewReport, State,
@@ -13,9 +15,13 @@ async fn report(bench: &Bench, verdict: &str) -> NewReport {
 }
 
 async fn observe(bench: &Bench, lease: Lease, content: &'static str) -> crate::Result<Job> {
-    let observation = bench.stage(content).await;
-    let result = IngestResult::Observed { observation, report: report(bench, "good").await };
-    bench.store.jobs().end_ingest(lease, result).await
+    bench.store.jobs().end_ingest(lease, observed(bench, content).await).await
+}
+
+async fn observed(bench: &Bench, content: &'static str) -> IngestResult {
+    let (observation, playback) = (bench.stage(content).await, bench.stage("played").await);
+    let report = report(bench, "good").await;
+    IngestResult::Observed { observation, playback: Some(Box::new(playback)), report }
 }
 
 fn again(capture: &Capture) -> NewIngest {
@@ -51,9 +57,11 @@ async fn a_capture_is_made_with_its_ingest_and_fits_wait_for_it() {
     assert_eq!(overview.report.unwrap().verdict, "good");
     assert_eq!(bench.store.captures().overviews(&Default::default()).await.unwrap().items.len(), 2);
     bench.store.captures().observation_content(capture.id).await.unwrap();
+    let playback = bench.store.captures().playback_content(capture.id).await.unwrap();
+    assert_eq!(playback.size_bytes, 6);
     assert_eq!(bench.claim(Kind::Fit).await.unwrap().id, fit.id);
-    // Two captures, an observation, a document and a page.
-    assert_eq!(bench.blob_count().await, 5);
+    // Two captures, an observation, a playback, a document and a page.
+    assert_eq!(bench.blob_count().await, 6);
 }
 
 #[tokio::test]
@@ -159,6 +167,29 @@ async fn captures_from_before_get_their_ingest_at_the_next_start() {
     assert_eq!(bench.store.jobs().depth().await.unwrap().count(Kind::Ingest, State::Queued), 1);
 }
 
+#[tokio::test]
+async fn a_capture_without_a_playback_says_that_its_ingest_makes_one() {
+    let bench = Bench::new().await;
+    let capture = bench.fresh_capture("a").await;
+    let playback = async || bench.store.captures().playback_content(capture.id).await;
+    let missing = playback().await.err().unwrap();
+    assert_eq!((missing.category(), missing.reason()), (Category::NotFound, "PLAYBACK_MISSING"));
+    assert!(missing.to_string().contains("ingest again"), "{missing}");
+    observe(&bench, lease_of(&bench.claim(Kind::Ingest).await.unwrap()), "seen").await.unwrap();
+    playback().await.unwrap();
+    // A worker from before makes none, and the old one is not of the new observation.
+    bench.store.jobs().create_ingest(again(&capture)).await.unwrap();
+    let lease = lease_of(&bench.claim(Kind::Ingest).await.unwrap());
+    let (observation, report) = (bench.stage("anew").await, report(&bench, "good").await);
+    let result = IngestResult::Observed { observation, playback: None, report };
+    bench.store.jobs().end_ingest(lease, result).await.unwrap();
+    assert!(matches!(playback().await, Err(Error::PlaybackMissing { .. })));
+    // The archive, an observation, a document and a page.
+    assert_eq!(bench.blob_count().await, 4);
+    bench.store.captures().delete(capture.id).await.unwrap();
+    assert!(matches!(playback().await, Err(Error::NotFound { .. })));
+}
+
 /// A crash at any point of an ingest's end: the worker repeats its call, and all of it is stored.
 #[tokio::test]
 async fn an_ingests_end_survives_crashes() {
@@ -168,8 +199,7 @@ async fn an_ingests_end_survives_crashes() {
         let lease = lease_of(&bench.claim(Kind::Ingest).await.unwrap());
         let checkpoint = bench.stage("checkpoint").await;
         bench.store.jobs().save_checkpoint(lease, checkpoint, LEASE).await.unwrap();
-        let observation = bench.stage("seen").await;
-        let result = IngestResult::Observed { observation, report: report(&bench, "good").await };
+        let result = observed(&bench, "seen").await;
         bench.store.inner.armed.arm(point);
         assert!(bench.store.jobs().end_ingest(lease, result).await.is_err(), "{point:?}");
 
@@ -179,7 +209,8 @@ async fn an_ingests_end_survives_crashes() {
         for page in [false, true] {
             bench.store.captures().report_content(capture.id, page).await.unwrap();
         }
-        assert_eq!(bench.reopen().await.blob_count().await, 4, "{point:?}");
+        bench.store.captures().playback_content(capture.id).await.unwrap();
+        assert_eq!(bench.reopen().await.blob_count().await, 5, "{point:?}");
     }
 }
 

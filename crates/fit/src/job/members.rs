@@ -1,0 +1,56 @@
+//! Other starts of a fit that fit about as well as the one that is kept: the twin's members.
+
+use bendtwin_core::{Twin, twin::Member};
+
+use super::Run;
+use crate::{Error, refine::Refinement};
+
+/// Largest loss of a member, over that of the twin: what fits worse is no explanation of the capture.
+const WORST: f64 = 2.0;
+
+impl Run<'_> {
+    /// Members of a twin, that of a model: the best of the other starts of its kind by the loss that the
+    /// choice was made by. Where frames were held back, the others are as they were refined without them.
+    pub(super) fn members(
+        &mut self,
+        twin: &Twin,
+        chosen: usize,
+        refinement: &Refinement<'_>,
+    ) -> Result<Vec<Member>, Error> {
+        let most = self.task.settings.search.members as usize;
+        let losses = match self.choice(chosen, refinement) {
+            Some(choice) if most > 0 => choice.losses,
+            _ => return Ok(Vec::new()),
+        };
+        let bending = self.models[chosen].bending;
+        let of_kind: Vec<usize> =
+            (0..self.models.len()).filter(|&m| self.models[m].bending == bending).collect();
+        let own = of_kind.iter().zip(&losses).find(|(m, _)| **m == chosen).and_then(|(_, l)| *l);
+        let Some(own) = own else { return Ok(Vec::new()) };
+        let mut others: Vec<(usize, f64)> = of_kind
+            .into_iter()
+            .zip(losses)
+            .filter_map(|(model, loss)| Some((model, loss?)))
+            .filter(|&(model, loss)| model != chosen && loss <= WORST * own)
+            .collect();
+        others.sort_by(|a, b| a.1.total_cmp(&b.1));
+        others.truncate(most);
+        let fits = others.into_iter().map(|(model, _)| self.other_fit(model, refinement));
+        let fits = fits.collect::<Result<Vec<_>, Error>>()?;
+        Ok(fits.iter().filter_map(|fit| Member::of(fit, twin)).collect())
+    }
+
+    /// The twin of a start that is not kept.
+    fn other_fit(&mut self, model: usize, refinement: &Refinement<'_>) -> Result<Twin, Error> {
+        let (job, refined_from) = (self.job, self.refined_from.clone());
+        let generations = self.generations;
+        if let Some(run) = refinement.runs.iter().find(|r| r.model == model) {
+            let fit = &self.models[model];
+            return fit.twin(job, self.task, refined_from.as_deref(), generations, run);
+        }
+        let task = self.validation.map_or(self.task, |v| &v.shorter);
+        let fit = &mut self.models[model];
+        let (run, _) = fit.begin_run(model, task, &*job.backend)?;
+        fit.twin(job, task, refined_from.as_deref(), generations, &run)
+    }
+}
