@@ -19,11 +19,16 @@ const FILE: &str = "client-token";
 const SHORTEST: usize = 32;
 /// The protocol of a WebSocket that is followed by the token.
 pub(crate) const TOKEN_PROTOCOL: &str = "bendtwin.token";
-/// Challenges of a refusal. The second makes a browser ask for a password, which is the token.
-pub(crate) const CHALLENGES: [HeaderValue; 2] = [
-    HeaderValue::from_static("Bearer realm=\"BendTwin\""),
-    HeaderValue::from_static("Basic realm=\"BendTwin\", charset=\"UTF-8\""),
-];
+const BEARER: HeaderValue = HeaderValue::from_static("Bearer realm=\"BendTwin\"");
+const BASIC: HeaderValue = HeaderValue::from_static("Basic realm=\"BendTwin\", charset=\"UTF-8\"");
+
+/// Challenges of a refusal. That of `Basic` makes a browser ask for a password, which is the token;
+/// a script that showed one of its own asks its user itself.
+pub(crate) fn challenges(request: &HeaderMap) -> impl Iterator<Item = HeaderValue> {
+    let shown = request.get(header::AUTHORIZATION).map(HeaderValue::as_bytes).unwrap_or_default();
+    let is_bearer = shown.len() >= 6 && shown[..6].eq_ignore_ascii_case(b"bearer");
+    [Some(BEARER), (!is_bearer).then_some(BASIC)].into_iter().flatten()
+}
 
 /// The file of the token.
 pub(crate) fn path(data_dir: &Path) -> PathBuf {

@@ -1,7 +1,8 @@
-//! The HTTP form of the API: JSON resources, raw content, server-sent events,
-//! and a document that describes all of it. No decisions are made here.
+//! The HTTP form of the API: JSON resources, raw content, server-sent events, a document that
+//! describes all of it, and the console that uses it. No decisions are made here.
 
 mod captures;
+mod console;
 mod describe;
 mod docs;
 mod download;
@@ -60,6 +61,7 @@ pub(crate) fn router(app: &App) -> axum::Router {
     let (router, description) = described().split_for_parts();
     let router = router
         .merge(docs::router(&description))
+        .merge(console::router())
         .route_layer(axum::middleware::from_fn(root_service::note_route));
     with_fallbacks(router).with_state(app.clone())
 }

@@ -100,7 +100,7 @@ pub(crate) async fn run(args: Server) -> anyhow::Result<()> {
         write_port(path, address.port())?;
     }
     output::line(&format!(
-        "BendTwin answers HTTP and gRPC at http://{address} ({workers} workers, data in {data_dir}; docs at http://{address}/docs)"
+        "BendTwin answers HTTP and gRPC at http://{address} ({workers} workers, data in {data_dir}; console at http://{address}, API at http://{address}/docs)"
     ))?;
     shutdown.cancelled().await;
     handle.shutdown().await;

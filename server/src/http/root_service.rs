@@ -16,9 +16,9 @@ use futures::FutureExt;
 use tower::ServiceExt;
 use tracing::Instrument;
 
-use super::{origin::Hosts, uploads};
+use super::{console, origin::Hosts, uploads};
 use crate::{
-    client_token::{CHALLENGES, ClientToken},
+    client_token::{self, ClientToken},
     deadline::{Call, Cut},
     error::Refusal,
     metrics::Metrics,
@@ -82,7 +82,13 @@ impl RootService {
 
     async fn admit_and_answer(self, request: Request<Body>, call: &Call) -> Response<Body> {
         if let Err(refusal) = self.admit(&request, call.is_grpc) {
-            return refused(refusal, call.is_grpc);
+            let mut response = refused(refusal, call.is_grpc);
+            if response.status() == StatusCode::UNAUTHORIZED {
+                for challenge in client_token::challenges(request.headers()) {
+                    response.headers_mut().append(header::WWW_AUTHENTICATE, challenge);
+                }
+            }
+            return response;
         }
         let router = if call.is_grpc { self.grpc } else { self.http };
         let request = uploads::with_overridden_method(request);
@@ -104,8 +110,11 @@ impl RootService {
             return Ok(());
         }
         self.hosts.check(request)?;
-        let is_open =
-            if is_grpc { path.starts_with(OPEN_SERVICE) } else { OPEN_PATHS.contains(&path) };
+        let is_open = if is_grpc {
+            path.starts_with(OPEN_SERVICE)
+        } else {
+            OPEN_PATHS.contains(&path) || console::is_open(path)
+        };
         match &self.token {
             Some(token) if !is_open => token.check(request.headers()),
             _ => Ok(()),
@@ -137,16 +146,7 @@ fn grpc_code(response: &Response<Body>) -> String {
 }
 
 fn refused(refusal: Refusal, is_grpc: bool) -> Response<Body> {
-    if is_grpc {
-        return tonic::Status::from(refusal).into_http();
-    }
-    let mut response = refusal.into_response();
-    if response.status() == StatusCode::UNAUTHORIZED {
-        for challenge in CHALLENGES {
-            response.headers_mut().append(header::WWW_AUTHENTICATE, challenge);
-        }
-    }
-    response
+    if is_grpc { tonic::Status::from(refusal).into_http() } else { refusal.into_response() }
 }
 
 fn panicked() -> Refusal {

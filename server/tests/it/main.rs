@@ -4,6 +4,7 @@
 mod access;
 mod captures;
 mod connections;
+mod console;
 mod evaluations;
 mod fits;
 mod harness;

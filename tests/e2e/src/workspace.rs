@@ -3,12 +3,13 @@
 use std::path::{Path, PathBuf};
 
 /// Folders and files at the root that have the project's own text.
-const PARTS: [&str; 15] = [
+const PARTS: [&str; 16] = [
     "proto",
     "crates",
     "server",
     "worker",
     "client",
+    "console",
     "tests",
     "docs",
     "studies",
@@ -44,8 +45,15 @@ pub(crate) fn files() -> Vec<(String, PathBuf)> {
 }
 
 fn is_generated(name: &str) -> bool {
-    let folders = ["proto/src/generated/", "client/python/src/bendtwin/v1/"];
-    folders.iter().any(|folder| name.starts_with(folder)) || name.ends_with("Cargo.lock")
+    let parts = [
+        "proto/src/generated/",
+        "client/python/src/bendtwin/v1/",
+        "console/built/",
+        "console/screenshots/",
+        "console/src/api/schema.ts",
+        "console/package-lock.json",
+    ];
+    parts.iter().any(|part| name.starts_with(part)) || name.ends_with("Cargo.lock")
 }
 
 fn walk(path: &Path, found: &mut Vec<PathBuf>) {

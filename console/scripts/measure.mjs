@@ -1,0 +1,123 @@
+// Measures the console in Chromium, which draws in software:
+//
+//   node scripts/measure.mjs picture [NODES POINTS]         time of a picture of so many moving nodes and skin points
+//   node scripts/measure.mjs play URL TWIN [SECONDS]        time from an input to the picture that has it, and memory
+//
+// The server of `play` is one that runs, for example `bendtwin server --client-token none`; for one with a
+// token BENDTWIN_TOKEN has it.
+
+import { fileURLToPath } from 'node:url';
+import { chromium } from 'playwright-core';
+import { createServer } from 'vite';
+
+const ROOT = fileURLToPath(new URL('..', import.meta.url));
+const ARGUMENTS = ['--no-sandbox', '--use-angle=swiftshader', '--enable-unsafe-swiftshader', '--ignore-gpu-blocklist'];
+/** Inputs a second, as a mouse has them. */
+const INPUTS = 60;
+
+const [what, ...rest] = process.argv.slice(2);
+const executablePath = process.env['BENDTWIN_CHROMIUM'] ?? '/usr/bin/chromium';
+const browser = await chromium.launch({ executablePath, args: [...ARGUMENTS, '--js-flags=--expose-gc'] });
+try {
+  if (what === 'picture') await picture(Number(rest[0] ?? 10_000), Number(rest[1] ?? 5_000));
+  else if (what === 'play' && rest[0] !== undefined && rest[1] !== undefined) {
+    await play(rest[0], rest[1], Number(rest[2] ?? 20));
+  } else throw new Error('say `picture` or `play URL TWIN`');
+} finally {
+  await browser.close();
+}
+
+/**
+ * @param {number} nodes
+ * @param {number} points
+ */
+async function picture(nodes, points) {
+  const server = await createServer({ root: ROOT, logLevel: 'error', server: { port: 0, host: '127.0.0.1' } });
+  await server.listen();
+  const address = server.resolvedUrls?.local[0];
+  const page = await browser.newPage({ viewport: { width: 1200, height: 800 } });
+  const before = await work();
+  await page.goto(`${address}bench/index.html?nodes=${nodes}&points=${points}`);
+  const text = await page.locator('pre').textContent({ timeout: 120_000 });
+  const after = await work();
+  const { cpu, apart } = JSON.parse(text ?? '');
+  console.log(`${nodes} nodes, ${points} points of skin, ${cpu.length} pictures`);
+  console.log(`JavaScript per picture: ${quantiles(cpu)}`);
+  console.log(`between pictures: ${quantiles(apart)}, ${(1000 / mean(apart)).toFixed(1)} a second`);
+  const each = [...after].map(([type, s]) => `${type} ${((1000 * (s - (before.get(type) ?? 0))) / cpu.length).toFixed(1)} ms`);
+  console.log(`time of processors per picture, with the start of the page: ${each.join(', ')}`);
+  await server.close();
+}
+
+/** Time of processors that Chromium's processes have taken, by their type [s]. */
+async function work() {
+  const session = await browser.newBrowserCDPSession();
+  const { processInfo } = await session.send('SystemInfo.getProcessInfo');
+  await session.detach();
+  const sums = new Map();
+  for (const { type, cpuTime } of processInfo) sums.set(type, (sums.get(type) ?? 0) + cpuTime);
+  return sums;
+}
+
+/**
+ * @param {string} url
+ * @param {string} twin
+ * @param {number} seconds
+ */
+async function play(url, twin, seconds) {
+  const page = await browser.newPage({ viewport: { width: 1200, height: 800 } });
+  const token = process.env['BENDTWIN_TOKEN'];
+  const query = token === undefined ? '' : `?token=${token}`;
+  await page.goto(`${url}/#/${twin.startsWith('twins/') ? twin : `twins/${twin}`}/play${query}`);
+  await page.getByText('frames/s simulated').waitFor();
+  const box = await page.locator('canvas').boundingBox();
+  if (box === null) throw new Error('there is no picture');
+  await page.evaluate(() => {
+    const found = /** @type {{ times: number[], drawn: number }} */ ({ times: [], drawn: 0 });
+    Object.assign(window, { found });
+    const canvas = document.querySelector('canvas');
+    canvas?.addEventListener('bendtwin-acted', (event) => found.times.push(/** @type {CustomEvent} */ (event).detail));
+  });
+  const [x, y] = [box.x + box.width / 2, box.y + box.height / 2];
+  await page.mouse.move(x, y);
+  await page.mouse.down();
+  const until = Date.now() + 1000 * seconds;
+  const heaps = [await heap(page)];
+  for (let input = 0; Date.now() < until; input += 1) {
+    const begun = Date.now();
+    await page.mouse.move(x + 60 * Math.sin(input / 20), y - 60 - 50 * Math.cos(input / 20));
+    if (input % (20 * INPUTS) === 20 * INPUTS - 1) heaps.push(await heap(page));
+    const pause = 1000 / INPUTS - (Date.now() - begun);
+    if (pause > 0) await page.waitForTimeout(pause);
+  }
+  heaps.push(await heap(page));
+  const times = await page.evaluate(() => /** @type {any} */ (window).found.times);
+  console.log(`input to the first picture with it, ${times.length} inputs: ${quantiles(times)}`);
+  console.log(await page.locator('.play-facts').innerText());
+  console.log(`memory of the page [MB]: ${heaps.map((bytes) => (bytes / 1e6).toFixed(1)).join(', ')}`);
+  await page.mouse.up();
+}
+
+/**
+ * JavaScript's memory after a collection [bytes].
+ * @param {import('playwright-core').Page} page
+ */
+async function heap(page) {
+  const session = await page.context().newCDPSession(page);
+  await session.send('HeapProfiler.collectGarbage');
+  const { usedSize } = await session.send('Runtime.getHeapUsage');
+  await session.detach();
+  return usedSize;
+}
+
+/** @param {number[]} values */
+function quantiles(values) {
+  const sorted = [...values].sort((a, b) => a - b);
+  const at = (/** @type {number} */ share) => (sorted[Math.floor(share * (sorted.length - 1))] ?? NaN).toFixed(1);
+  return `p50 ${at(0.5)} ms, p95 ${at(0.95)} ms, worst ${at(1)} ms`;
+}
+
+/** @param {number[]} values */
+function mean(values) {
+  return values.reduce((sum, value) => sum + value, 0) / Math.max(values.length, 1);
+}

@@ -1,0 +1,41 @@
+// Writes `built/` from `dist/`; with --check it compares the two instead and fails if they differ.
+
+import { mkdirSync, rmSync, writeFileSync } from 'node:fs';
+import { dirname, join } from 'node:path';
+import { BUILT, DIST, MOST_BYTES, pack, read, unpack } from './built.mjs';
+
+const packed = pack(read(DIST));
+if (process.argv.includes('--check')) check();
+else write();
+weigh();
+
+function write() {
+  rmSync(BUILT, { recursive: true, force: true });
+  for (const [name, content] of packed) {
+    const path = join(BUILT, name);
+    mkdirSync(dirname(path), { recursive: true });
+    writeFileSync(path, content);
+  }
+}
+
+function check() {
+  const committed = unpack(read(BUILT));
+  const wanted = unpack(packed);
+  const names = new Set([...committed.keys(), ...wanted.keys()]);
+  const others = [...names].filter((name) => !(committed.get(name)?.equals(wanted.get(name) ?? Buffer.of(0)) ?? false));
+  if (others.length === 0) return;
+  console.error(`console/built is not what the sources make:\n  ${others.join('\n  ')}`);
+  console.error('run console/rebuild and commit console/built');
+  process.exit(1);
+}
+
+function weigh() {
+  const files = [...packed].filter(([name]) => name.endsWith('.gz'));
+  const bytes = files.reduce((sum, [, content]) => sum + content.length, 0);
+  console.log(`${files.length} files, ${bytes} bytes compressed, ${MOST_BYTES} at most`);
+  if (bytes <= MOST_BYTES) return;
+  for (const [name, content] of files.sort(([, a], [, b]) => b.length - a.length)) {
+    console.error(`${String(content.length).padStart(8)} ${name}`);
+  }
+  process.exit(1);
+}

@@ -1,0 +1,49 @@
+import { pauseMs, sleep } from './backoff';
+import type { Api } from './client';
+import { ServerLost } from './connection';
+import { Problem } from './problem';
+import { messages } from './sse';
+
+export interface Watch<T> {
+  /** Ends the watch. */
+  readonly signal: AbortSignal;
+  readonly onData: (data: T) => void;
+  /** True of the last data that there will be. */
+  readonly isLast: (data: T) => boolean;
+}
+
+/**
+ * Follows server-sent events, as of `/v1/fits/{id}/events`, until the last of them or until the
+ * signal is aborted. A stream that breaks off, as when the server is killed, is opened again with
+ * `Last-Event-ID`. Throws the `Problem` of a request that the server refuses for good.
+ */
+export async function watch<T>(api: Api, path: string, { signal, onData, isLast }: Watch<T>): Promise<void> {
+  let seen = '';
+  let failures = 0;
+  while (!signal.aborted) {
+    try {
+      const headers = { accept: 'text/event-stream', ...(seen === '' ? {} : { 'last-event-id': seen }) };
+      const answer = await api.fetch(path, { headers, signal });
+      for await (const message of messages(answer)) {
+        if (signal.aborted) return;
+        failures = 0;
+        seen = message.id;
+        const data = JSON.parse(message.data) as T;
+        onData(data);
+        if (isLast(data)) return;
+      }
+    } catch (error) {
+      if (signal.aborted) return;
+      if (error instanceof TypeError) api.connection.lost();
+      else if (!isPassing(error)) throw error;
+    }
+    failures += 1;
+    await api.connection.back(signal);
+    await sleep(pauseMs(failures), signal);
+  }
+}
+
+/** True of faults after which trying again makes sense. */
+function isPassing(error: unknown): boolean {
+  return error instanceof ServerLost || (error instanceof Problem && [429, 503].includes(error.status));
+}

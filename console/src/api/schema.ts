@@ -1,0 +1,4444 @@
+// Written by `npm run generate` from /openapi.json.
+
+export interface paths {
+    "/healthz": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /** Liveness */
+        get: operations["operations.healthz"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/metrics": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /** Metrics for Prometheus */
+        get: operations["operations.metrics"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/readyz": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /** Readiness */
+        get: operations["operations.readyz"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/v1/captures": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /** List captures */
+        get: operations["captures.list"];
+        put?: never;
+        /**
+         * Upload a capture
+         * @description The body is the archive, ZIP or tar, or an MCAP file. It is read in the background: `ingest` in the response has the
+         *     progress. The same archive under the same `Idempotency-Key` answers with the existing capture.
+         */
+        post: operations["captures.create"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/v1/captures/{id}": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /** One capture */
+        get: operations["captures.get"];
+        put?: never;
+        post?: never;
+        /**
+         * Delete a capture
+         * @description Its observation, playback and report are deleted, too. Refused while a fit of it is queued or running. Its
+         *     twins stay.
+         */
+        delete: operations["captures.delete"];
+        options?: never;
+        head?: never;
+        /** Change name, note and tags of a capture */
+        patch: operations["captures.update"];
+        trace?: never;
+    };
+    "/v1/captures/{id}/content": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /** Download the archive of a capture */
+        get: operations["captures.content"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/v1/captures/{id}/events": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Watch a capture being read
+         * @description Server-sent events named `capture`, each with the whole capture as data and the
+         *     revision of its ingest as id, until that has ended. `Last-Event-ID` skips what is known.
+         */
+        get: operations["captures.watch_ingest"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/v1/captures/{id}/ingest": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Read a capture again
+         * @description For example with other settings. Refused while it is being read, and while a fit of it is queued
+         *     or running.
+         */
+        post: operations["captures.ingest"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/v1/captures/{id}/ingest/cancel": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Ask the ingest of a capture to stop
+         * @description An ingest that has ended is returned as it is.
+         */
+        post: operations["captures.cancel_ingest"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/v1/captures/{id}/observation": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Download the observation of a capture
+         * @description The bundle that fits read: tracked points in space, whatever the format of the capture.
+         */
+        get: operations["captures.observation"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/v1/captures/{id}/playback": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Download the playback of a capture
+         * @description What a player shows, for reading by ranges: tracked points as 16-bit numbers and small images of
+         *     the cameras (docs/playback.md). A capture that was read before there were playbacks has none until
+         *     its ingest is run again.
+         */
+        get: operations["captures.playback"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/v1/captures/{id}/report": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /** The report of a capture */
+        get: operations["captures.report"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/v1/captures/{id}/report.html": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * The report of a capture as a page
+         * @description The pictures are embedded. The page has no scripts, and its security policy allows none.
+         */
+        get: operations["captures.report_page"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/v1/fits": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /** List fits */
+        get: operations["fits.list"];
+        put?: never;
+        /** Queue a fit */
+        post: operations["fits.create"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/v1/fits/{id}": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /** One fit */
+        get: operations["fits.get"];
+        put?: never;
+        post?: never;
+        /**
+         * Delete a fit
+         * @description Refused while it runs. Its twin stays.
+         */
+        delete: operations["fits.delete"];
+        options?: never;
+        head?: never;
+        /** Change name, note and tags of a fit */
+        patch: operations["fits.update"];
+        trace?: never;
+    };
+    "/v1/fits/{id}/cancel": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Ask a fit to stop
+         * @description A fit that has ended is returned as it is.
+         */
+        post: operations["fits.cancel"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/v1/fits/{id}/events": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Watch a fit
+         * @description Server-sent events named `fit`, each with the whole fit as data and its
+         *     revision as id, until it has ended. `Last-Event-ID` skips what is known.
+         */
+        get: operations["fits.watch"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/v1/fits/{id}/losses": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * The losses of a fit
+         * @description Of all iterations so far, by stage and model. They stay until the fit is deleted.
+         */
+        get: operations["fits.losses"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/v1/plans": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Plan
+         * @description Actions that lower the costs of a rollout, found at the server. Server-sent events named `update`,
+         *     each with a PlanUpdate as data: one after each iteration with the best so far, and a last one. An
+         *     event named `error` has a problem document as data, and ends them. Closing the connection stops
+         *     the work. The body is JSON or, as `application/x-protobuf`, the message PlanRequest of bendtwin.v1.
+         */
+        post: operations["plans.create"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/v1/plays/{id}/recording": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Recording of a play
+         * @description The last recording of a play that is under way. Each segment is the body of a rollout.
+         */
+        get: operations["plays.recording"];
+        /**
+         * Put a recording
+         * @description In the place of the last one of a play, to be shown again there.
+         */
+        put: operations["plays.put_recording"];
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/v1/plays/{id}/watch": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Watch a play
+         * @description A WebSocket on which the states of a play come, for any number of browsers; they move nothing.
+         */
+        get: operations["plays.watch"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/v1/sessions": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Open a session
+         * @description Simulations of a twin that stay at a worker until they are closed or nobody has used them for
+         *     `idle_timeout_s`.
+         */
+        post: operations["sessions.open"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/v1/sessions/{id}": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /** One session */
+        get: operations["sessions.get"];
+        put?: never;
+        post?: never;
+        /**
+         * Close a session
+         * @description It is no error if it has ended.
+         */
+        delete: operations["sessions.close"];
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/v1/sessions/{id}/advance": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Advance a session
+         * @description Simulates the rollout from where slots are, and leaves them where it ends. Nothing changes if it
+         *     fails or an instance diverges.
+         */
+        post: operations["sessions.advance"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/v1/sessions/{id}/correct": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Correct slots by what is seen
+         * @description Brings their states closer to points that were seen of the object, in place; all of them, or none
+         *     if more than the stated residual is left at one.
+         */
+        post: operations["sessions.correct"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/v1/sessions/{id}/fork": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /** Copy the state of a slot to others */
+        post: operations["sessions.fork"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/v1/sessions/{id}/reset": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Set slots back
+         * @description To the session's first state, or to a given one.
+         */
+        post: operations["sessions.reset"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/v1/sessions/{id}/states": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * States of slots
+         * @description `states` is what `initial.given` takes.
+         */
+        get: operations["sessions.states"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/v1/twins": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /** List twins */
+        get: operations["twins.list"];
+        put?: never;
+        /** Import a twin file */
+        post: operations["twins.create"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/v1/twins/{id}": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /** One twin */
+        get: operations["twins.get"];
+        put?: never;
+        post?: never;
+        /** Delete a twin */
+        delete: operations["twins.delete"];
+        options?: never;
+        head?: never;
+        /** Change name, note and tags of a twin */
+        patch: operations["twins.update"];
+        trace?: never;
+    };
+    "/v1/twins/{id}/content": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /** Download a twin file */
+        get: operations["twins.content"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/v1/twins/{id}/evaluations": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Evaluate a twin
+         * @description The quality table of a twin on a capture: the twin is rolled out beside every sequence. To a
+         *     recording of its object that it was not fitted to it is registered first, and all frames count as
+         *     future. The table is kept nowhere. `motion` also asks for the predicted positions of nodes in a
+         *     sequence, and its errors frame by frame.
+         */
+        post: operations["twins.evaluate"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/v1/twins/{id}/geometry": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * The geometry of a twin
+         * @description What planners need to know of a twin without reading its file: nodes, springs, control points
+         *     and the hand that each belongs to.
+         */
+        get: operations["twins.geometry"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/v1/twins/{id}/play": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Play with a twin
+         * @description A WebSocket on which a simulation of the twin runs in real time. The first message says where it
+         *     begins, `{"type": "begin"}` at least; docs/play.md has all messages. The play ends with the socket.
+         */
+        get: operations["plays.play"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/v1/twins/{id}/register": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Register a state
+         * @description Points that were seen of an object in; the state of its twin that explains them out, with what is
+         *     left between the two. Body and reply are JSON, or with `application/x-protobuf` the messages
+         *     RegisterStateRequest and RegisteredState of bendtwin.v1.
+         */
+        post: operations["rollouts.register"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/v1/twins/{id}/rollouts": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Roll out
+         * @description Robot actions in; motion, costs or gradients out. Body and reply are JSON,
+         *     or with `application/x-protobuf` the messages RollOutRequest and
+         *     RollOutResponse of bendtwin.v1. A large body must be protobuf, and a large
+         *     reply base64 or protobuf.
+         */
+        post: operations["rollouts.create"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/v1/twins/{id}/rollouts/stream": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Roll out in parts
+         * @description The same rollout, whose reply comes in parts as instances finish, and with
+         *     `returns.part_frames` in time as well: server-sent events named `part`, each with a
+         *     RollOutResponse as data. The stream ends after the last part. If something fails under way, an
+         *     event named `error` has the problem document. The request may be protobuf, the parts are JSON.
+         */
+        post: operations["rollouts.stream"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/v1/uploads": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * List uploads
+         * @description Those under way, and those that ended and are still remembered.
+         */
+        get: operations["uploads.list"];
+        put?: never;
+        /**
+         * Begin a resumable upload
+         * @description `Upload-Metadata` may give `filename`, `display_name`, `request_id` (or as `Idempotency-Key`)
+         *     and `digest` (BLAKE3, hex). The same request id with the same metadata answers with the upload
+         *     that was begun before, however far it is. A body is the first part of the content.
+         */
+        post: operations["uploads.create"];
+        delete?: never;
+        /** Supported features of tus */
+        options: operations["uploads.options"];
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/v1/uploads/{id}": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * One upload
+         * @description The sender is not disturbed.
+         */
+        get: operations["uploads.get"];
+        put?: never;
+        post?: never;
+        /**
+         * Terminate an upload
+         * @description Frees what it held. A capture that was made of it stays.
+         */
+        delete: operations["uploads.terminate"];
+        options?: never;
+        /**
+         * Offset at which to resume
+         * @description A request that still sends to the upload is ended: its connection may be dead. Makes the capture
+         *     if only that is missing. To look without disturbing, GET.
+         */
+        head: operations["uploads.head"];
+        /**
+         * Append to an upload
+         * @description Acknowledged bytes are durable. With the last byte the capture is made; the response names it.
+         */
+        patch: operations["uploads.append"];
+        trace?: never;
+    };
+    "/v1/workers": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /** List workers */
+        get: operations["workers.list"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/v1/workers/{id}": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /** One worker */
+        get: operations["workers.get"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+}
+export type webhooks = Record<string, never>;
+export interface components {
+    schemas: {
+        /** @description Coordinates of a plan, and the points or grippers that they move. Motion of the nominal plan that no coordinate has stays in every plan. */
+        ActionSpace: {
+            /** @enum {string} */
+            coordinates?: "TOGETHER" | "PER_GROUP" | "POINTS" | "TRANSLATION" | "RIGID";
+            /** @description With PER_GROUP. UINT32 [C]: the group of each control point, of a hand say. */
+            group_of_control?: components["schemas"]["Tensor"];
+            /** @description The place that coordinates, and their bounds, are counted from: FLOAT32 [C, 3] of trajectories, [G, 7] of poses; absent: row 0 of the nominal plan. */
+            start?: components["schemas"]["Tensor"];
+        };
+        AdvanceSessionRequest: {
+            name?: string;
+            /** @description Its twin, initial state and fidelity are those of the session and must be left out. */
+            rollout?: components["schemas"]["RollOutRequest"];
+            /** @description One for each instance of the rollout; empty: slot 0 alone. */
+            slots?: number[];
+        };
+        Capsule: {
+            /** @description Ends of the axis, three numbers each. */
+            from?: number[];
+            /** Format: float */
+            radius_m?: number;
+            to?: number[];
+        };
+        /** @description A stored capture. */
+        Capture: {
+            /** @description RFC 3339. */
+            create_time: string;
+            /** @description BLAKE3 of the archive, hex. */
+            digest: string;
+            display_name: string;
+            /**
+             * @description The job that reads it. There is one for each capture; running it again replaces it. Fits of
+             *     the capture fail with its fault.
+             */
+            ingest: components["schemas"]["Job"];
+            /** @description `captures/{uuid}` */
+            name: string;
+            /** @description Text that people write about it. */
+            note: string;
+            /** Format: int64 */
+            size_bytes: number;
+            tags: string[];
+            /** @description The report's verdict: good, usable or unusable. Null until there is a report. */
+            verdict?: string | null;
+        };
+        /** @description A page of captures, newest first unless another order was asked for. */
+        Captures: {
+            captures: components["schemas"]["Capture"][];
+            /** @description Empty on the last page. */
+            next_page_token: string;
+        };
+        /** @description One condition of readiness. */
+        Check: {
+            /** @description The state found, and what to do if it is not ok. */
+            message: string;
+            /** @description running, writes, disk or workers */
+            name: string;
+            ok: boolean;
+        };
+        CloseSessionRequest: {
+            name?: string;
+        };
+        CloseSessionResponse: Record<string, never>;
+        /** @description A rigid obstacle. It acts on nodes; control points and grippers pass through it, which a reply's diagnostics report. */
+        Collider: {
+            /** @description Only one of sphere, capsule, cuboid, convex_mesh may be given. */
+            capsule?: components["schemas"]["Capsule"];
+            /** @description Only one of sphere, capsule, cuboid, convex_mesh may be given. */
+            convex_mesh?: components["schemas"]["ConvexMesh"];
+            /** @description Only one of sphere, capsule, cuboid, convex_mesh may be given. */
+            cuboid?: components["schemas"]["Cuboid"];
+            /** @description Stands still in the world; the default. Only one of fixed, gripper, path may be given. */
+            fixed?: components["schemas"]["Collider.Fixed"];
+            /**
+             * Format: float
+             * @description Coulomb friction, 0..2; default 0.5.
+             */
+            friction?: number;
+            /**
+             * Format: int64
+             * @description Carried by the gripper with this number. Only one of fixed, gripper, path may be given.
+             */
+            gripper?: number;
+            /**
+             * Format: float
+             * @description Distance that nodes keep from the shape, metres: about the radius of a cable, or half of the distance between nodes.
+             */
+            margin_m?: number;
+            /** @description Reported under this name; default `collider{index}`. At most 128 bytes. */
+            name?: string;
+            /** @description FLOAT32 [K, 7] for all instances: x, y, z in metres, quaternion x, y, z, w, at knots as those of the actions. Only one of fixed, gripper, path may be given. */
+            path?: components["schemas"]["Tensor"];
+            /** @description Pose of the shape on its carrier: x, y, z in metres, quaternion x, y, z, w; absent: none. */
+            pose?: number[];
+            /**
+             * Format: float
+             * @description Restitution, 0..1; default 0.
+             */
+            restitution?: number;
+            /** @description Only one of sphere, capsule, cuboid, convex_mesh may be given. */
+            sphere?: components["schemas"]["Sphere"];
+        };
+        "Collider.Fixed": Record<string, never>;
+        /** @description Positions of every control point. */
+        ControlTrajectories: {
+            /** @enum {string} */
+            interpolation?: "LINEAR" | "CUBIC" | "ZERO";
+            /** @description FLOAT32 [B, K, C, 3], metres. K = F + 1 is dense: row 0 belongs to the initial state. Any other K >= 2 is spread evenly over the horizon and interpolated. */
+            positions?: components["schemas"]["Tensor"];
+        };
+        /** @description The convex hull of points. */
+        ConvexMesh: {
+            /** @description FLOAT32 [M, 3], metres, M in 4..4096; its hull has at most 128 faces. */
+            points?: components["schemas"]["Tensor"];
+        };
+        CorrectOptions: {
+            /**
+             * Format: double
+             * @description Share of the correction that the rest shape of the slot takes over, so that the slot does not go back to where it was: 0..1, times the share of the distances before that noise_m does not explain; default 1. With 0 the state alone is corrected. The rest shape follows what is seen if corrections are repeated, several times a second.
+             */
+            carry?: number;
+            /**
+             * Format: double
+             * @description Deviation of a spring by its length in one correction; default 0.03: how far the shape is doubted.
+             */
+            give?: number;
+            /**
+             * Format: double
+             * @description Median distance of the points beyond which the correction is refused, metres; default: half the distance of neighbouring nodes, or 0.005 if that is more.
+             */
+            max_residual_m?: number;
+            /**
+             * Format: double
+             * @description Largest increase of the strain of a spring; default 0.5.
+             */
+            most_added_strain?: number;
+            /**
+             * Format: double
+             * @description Deviation of a point from its place, metres; default 0.005: noise, and what a coarse twin cannot follow.
+             */
+            noise_m?: number;
+            /**
+             * Format: double
+             * @description Share of the displacement that is added to the velocity, per second, where velocities are not observed; default 0.
+             */
+            velocity_gain_per_s?: number;
+            /**
+             * Format: double
+             * @description Deviation of an observed velocity, metres per second; default 0.2.
+             */
+            velocity_noise_m_s?: number;
+        };
+        CorrectSessionRequest: {
+            name?: string;
+            observation?: components["schemas"]["Observation"];
+            options?: components["schemas"]["CorrectOptions"];
+            /** @description All by the same observation; empty: slot 0 alone. */
+            slots?: number[];
+        };
+        CorrectedSession: {
+            /** @description One for each slot, in the order of the request. */
+            corrections?: components["schemas"]["CorrectedSession.Correction"][];
+            session?: components["schemas"]["Session"];
+        };
+        "CorrectedSession.Correction": {
+            after?: components["schemas"]["Residual"];
+            /** @description Distances of the points before and after. */
+            before?: components["schemas"]["Residual"];
+            /**
+             * Format: double
+             * @description Largest displacement of a node, millimetres.
+             */
+            moved_mm?: number;
+            /** Format: int64 */
+            slot?: number;
+        };
+        Cost: {
+            /** @description Only one of target_cloud, keypoints, smoothness, strain, force, height, within, clearance, control_path, control_speed may be given. */
+            clearance?: components["schemas"]["Cost.Clearance"];
+            /** @description Only one of target_cloud, keypoints, smoothness, strain, force, height, within, clearance, control_path, control_speed may be given. */
+            control_path?: components["schemas"]["Cost.ControlPath"];
+            /** @description Only one of target_cloud, keypoints, smoothness, strain, force, height, within, clearance, control_path, control_speed may be given. */
+            control_speed?: components["schemas"]["Cost.ControlSpeed"];
+            /** @description Only one of target_cloud, keypoints, smoothness, strain, force, height, within, clearance, control_path, control_speed may be given. */
+            force?: components["schemas"]["Cost.Force"];
+            /** @description Only one of target_cloud, keypoints, smoothness, strain, force, height, within, clearance, control_path, control_speed may be given. */
+            height?: components["schemas"]["Cost.Height"];
+            /** @description Only one of target_cloud, keypoints, smoothness, strain, force, height, within, clearance, control_path, control_speed may be given. */
+            keypoints?: components["schemas"]["Cost.Keypoints"];
+            /** @description Reported under this name; default `cost{index}`. Names differ; at most 128 bytes each. */
+            name?: string;
+            /** @description Only one of target_cloud, keypoints, smoothness, strain, force, height, within, clearance, control_path, control_speed may be given. */
+            smoothness?: components["schemas"]["Cost.Smoothness"];
+            /** @description Only one of target_cloud, keypoints, smoothness, strain, force, height, within, clearance, control_path, control_speed may be given. */
+            strain?: components["schemas"]["Cost.Strain"];
+            /** @description Only one of target_cloud, keypoints, smoothness, strain, force, height, within, clearance, control_path, control_speed may be given. */
+            target_cloud?: components["schemas"]["Cost.TargetCloud"];
+            /**
+             * Format: double
+             * @description Of SOFT_MIN: the cost difference at which frames count for clearly less, in the cost's own unit; above 0.
+             */
+            temperature?: number;
+            /**
+             * Format: double
+             * @description 1 if it is not given; 0 switches the cost off: it is reported as 0.
+             */
+            weight?: number;
+            /**
+             * @description When it is counted, default: after the last frame.
+             * @enum {string}
+             */
+            when?: "LAST_FRAME" | "EVERY_FRAME" | "SOFT_MIN";
+            /** @description Only one of target_cloud, keypoints, smoothness, strain, force, height, within, clearance, control_path, control_speed may be given. */
+            within?: components["schemas"]["Cost.Within"];
+        };
+        /** @description Mean over nodes of max(0, margin - distance)^2 to a collider of the request, square metres. */
+        "Cost.Clearance": {
+            /** Format: int64 */
+            collider?: number;
+            /** Format: float */
+            margin_m?: number;
+        };
+        /** @description Length of the way of the control points, mean over them, metres: counted whatever `when` says. */
+        "Cost.ControlPath": Record<string, never>;
+        /** @description Mean over control points and frames of max(0, speed - limit)^2, square metres per square second: counted whatever `when` says. */
+        "Cost.ControlSpeed": {
+            /** Format: double */
+            limit_m_s?: number;
+        };
+        /** @description max(0, |f| - limit)^2 of the mean force over a frame, square newtons (per unit mass without a mass_kg). */
+        "Cost.Force": {
+            /**
+             * Format: int64
+             * @description Number of a collider of the request. Only one of controls, control, grasp, ground, collider may be given.
+             */
+            collider?: number;
+            /**
+             * Format: int64
+             * @description Only one of controls, control, grasp, ground, collider may be given.
+             */
+            control?: number;
+            /** @description All control points together. Only one of controls, control, grasp, ground, collider may be given. */
+            controls?: components["schemas"]["Cost.Force.All"];
+            /**
+             * Format: int64
+             * @description Number of a grasp of the request. Only one of controls, control, grasp, ground, collider may be given.
+             */
+            grasp?: number;
+            /** @description Only one of controls, control, grasp, ground, collider may be given. */
+            ground?: components["schemas"]["Cost.Force.All"];
+            /** Format: double */
+            limit_n?: number;
+        };
+        "Cost.Force.All": Record<string, never>;
+        /** @description Mean over nodes of the squared depth below a plane, square metres. */
+        "Cost.Height": {
+            /** @description UINT32 [M]; absent: all. */
+            nodes?: components["schemas"]["Tensor"];
+            plane?: components["schemas"]["Plane"];
+        };
+        /** @description Mean distance between nodes or skin points and their targets, metres. */
+        "Cost.Keypoints": {
+            /** @description UINT32 [M]: nodes. Give either these or `skin_points`. */
+            nodes?: components["schemas"]["Tensor"];
+            /** @description UINT32 [M]: points of the skin. */
+            skin_points?: components["schemas"]["Tensor"];
+            /** @description Squared distances instead. */
+            squared?: boolean;
+            /** @description FLOAT32 [M, 3], [F, M, 3], [B, 1, M, 3] or [B, F, M, 3], metres, as those of a target cloud. */
+            targets?: components["schemas"]["Tensor"];
+        };
+        /** @description Mean squared second difference of node positions over three frames, square metres. */
+        "Cost.Smoothness": Record<string, never>;
+        /** @description Mean over springs of the material of max(0, |strain| - limit)^2. */
+        "Cost.Strain": {
+            /** Format: float */
+            limit?: number;
+        };
+        /** @description Mean squared distance of the target's points to the nearest point of the twin's surface, square metres. */
+        "Cost.TargetCloud": {
+            /**
+             * @description The surface: SKIN, the default, or NODES for its surface nodes.
+             * @enum {string}
+             */
+            point_set?: "NODES" | "SKIN";
+            /** @description FLOAT32 [M, 3], metres, or [F, M, 3] by frame (with EVERY_FRAME or SOFT_MIN), or [B, 1, M, 3] or [B, F, M, 3] by instance too. */
+            points?: components["schemas"]["Tensor"];
+        };
+        /** @description Mean over nodes of the squared distance to a box, square metres. */
+        "Cost.Within": {
+            cuboid?: components["schemas"]["Cuboid"];
+            /** @description UINT32 [M]; absent: all. */
+            nodes?: components["schemas"]["Tensor"];
+        };
+        /** @description A box along the axes. */
+        Cuboid: {
+            high?: number[];
+            /** @description Least and greatest corner, three numbers each. */
+            low?: number[];
+        };
+        /** @description Every action is simulated under E sets of parameters, given by `vary`, and its cost is a statistic of their costs. Instances are then B x E, those of one action together: member e of action b is instance b E + e in `instances`, positions, final states, forces, diagnostics, `diverged` and `implausible`. Costs, gradients, `first_instance` and `returns.best` count actions. A member that diverges has the cost +inf, and so has the mean. */
+        Ensemble: {
+            /** Format: int64 */
+            members?: number;
+            /**
+             * Format: double
+             * @description Of CVAR: the share of the worst that is averaged, above 0 and at most 1; rounded up to whole members.
+             */
+            share?: number;
+            /** @enum {string} */
+            statistic?: "MEAN" | "WORST" | "CVAR";
+        };
+        /** @description A recording to evaluate a twin on. */
+        EvaluateTwin: {
+            /** @description `captures/{uuid}` */
+            capture: string;
+            motion?: components["schemas"]["MotionOf"] | null;
+        };
+        /** @description The quality of a twin on a recording. */
+        Evaluation: {
+            /** @description `captures/{uuid}` */
+            capture: string;
+            motion?: components["schemas"]["PredictedMotion"] | null;
+            /** @description The quality table, with its assessment; `recordings` says how well the twin was registered. */
+            quality: Record<string, never>;
+            /** @description `twins/{uuid}` */
+            twin: string;
+            /** @description `workers/{uuid}` */
+            worker: string;
+        };
+        /** @description Shares of an observation and of the twin that explain each other. */
+        Explained: {
+            /**
+             * Format: double
+             * @description Of the points that are within reach of the twin, 0..1.
+             */
+            points?: number;
+            /**
+             * Format: double
+             * @description Of the surface that could have been seen and has a point within reach, 0..1. Tracks say nothing of the rest of the surface: there it is small.
+             */
+            surface?: number;
+            /**
+             * Format: double
+             * @description The reach.
+             */
+            within_mm?: number;
+        };
+        /** @description A fit. */
+        Fit: {
+            /** @description `captures/{uuid}` */
+            capture: string;
+            /** @description The capture's when the fit was created, unless one was given. */
+            display_name: string;
+            /**
+             * Format: double
+             * @description Error of its twin [m], as there.
+             */
+            error_m?: number | null;
+            job: components["schemas"]["Job"];
+            /** @description `fits/{uuid}` */
+            name: string;
+            /** @description Text that people write about it. */
+            note: string;
+            /**
+             * Format: int32
+             * @description Jobs of higher priority run earlier.
+             */
+            priority: number;
+            tags: string[];
+            /** @description `twins/{uuid}` once it has succeeded. */
+            twin?: string | null;
+        };
+        /** @description A page of fits, newest first unless another order was asked for. */
+        Fits: {
+            fits: components["schemas"]["Fit"][];
+            /** @description Empty on the last page. */
+            next_page_token: string;
+        };
+        ForkSessionRequest: {
+            /** Format: int64 */
+            from?: number;
+            name?: string;
+            /** @description Empty: all others. */
+            to?: number[];
+        };
+        GetSessionRequest: {
+            name?: string;
+        };
+        GetSessionStatesRequest: {
+            name?: string;
+            /** @description Empty: all. */
+            slots?: number[];
+        };
+        GradientOptions: {
+            /**
+             * Format: int64
+             * @description Frames through which a gradient reaches back at most: it is cut at every such number of frames; 0 for all of them. Gradients through many contacts grow until they say nothing; 15 is a good start where the object lies on something.
+             */
+            reach_frames?: number;
+            /**
+             * Format: double
+             * @description Width of the layer in which ground and colliders act as smooth forces, metres, in the simulation that gradients are of and in the costs and arrays that come with them; 0 for impacts. 0.001 is a good start where the object lies on something. Nothing changes in requests without gradients.
+             */
+            smoothing_m?: number;
+        };
+        /** @description A hold of a gripper on the object. The twin's own control points hold as they were fitted, unless a grasp of their `hand` is open: to take hold elsewhere, let go of them by one that is never closed. */
+        Grasp: {
+            /** @enum {string} */
+            attachment?: "PIN" | "SPRINGS";
+            /** @description UINT32 [K] for all instances or [B, K]: whether it is closed from each knot of the actions on, 1 or 0; absent: always closed. */
+            closed?: components["schemas"]["Tensor"];
+            /** @description Only one of sphere, cuboid, nodes, hand may be given. */
+            cuboid?: components["schemas"]["Cuboid"];
+            /**
+             * Format: float
+             * @description Newton seconds per metre; 0 chooses critical damping.
+             */
+            damping?: number;
+            /**
+             * Format: int64
+             * @description The gripper, by its number in the actions' poses.
+             */
+            gripper?: number;
+            /** @description The twin's own control points of a hand of its capture (TwinGeometry.hands), held as they were fitted. Once it has opened it stays open. Only one of sphere, cuboid, nodes, hand may be given. */
+            hand?: components["schemas"]["Grasp.CaptureHand"];
+            /**
+             * Format: double
+             * @description Mean force over a frame beyond which it lets go, newtons; absent: never.
+             */
+            max_force_n?: number;
+            /** @description UINT32 [M]. Only one of sphere, cuboid, nodes, hand may be given. */
+            nodes?: components["schemas"]["Tensor"];
+            /** @description In the coordinates of the gripper. Only one of sphere, cuboid, nodes, hand may be given. */
+            sphere?: components["schemas"]["Sphere"];
+            /**
+             * Format: float
+             * @description Of SPRINGS: newtons per metre and node (per unit mass without a mass_kg); 0 chooses what the twin's substeps allow.
+             */
+            stiffness?: number;
+        };
+        "Grasp.CaptureHand": {
+            /** Format: int64 */
+            hand?: number;
+        };
+        /** @description Holds of grasps in a state: of G grasps and N nodes. All for one state, or with [B] in front. */
+        Grasping: {
+            /** @description UINT32 [N]: g + 1 for a node that grasp g holds; 0 for none. */
+            holders?: components["schemas"]["Tensor"];
+            /** @description UINT32 [G]: 0 open, 1 closed, 2 slipped. */
+            phases?: components["schemas"]["Tensor"];
+            /** @description FLOAT32 [N, 3]: where a held node is in the coordinates of its gripper, metres. */
+            places?: components["schemas"]["Tensor"];
+        };
+        /** @description Poses of rigid grippers that carry the control points attached to them. */
+        GripperPoses: {
+            /** @description UINT32 [C]: the gripper of each control point; empty means gripper 0 for all. */
+            gripper_of_control?: components["schemas"]["Tensor"];
+            /** @enum {string} */
+            interpolation?: "LINEAR" | "CUBIC" | "ZERO";
+            /** @description FLOAT32 [B, K, G, 7]: x, y, z in metres, quaternion x, y, z, w. K as in ControlTrajectories. Control points move as if glued to the gripper in its pose of row 0. */
+            poses?: components["schemas"]["Tensor"];
+        };
+        InitialState: {
+            /** @description The twin's state after following the capture's own controls up to a frame. Only one of rest, capture_frame, given, settled, session may be given. */
+            capture_frame?: components["schemas"]["InitialState.CaptureFrame"];
+            /** @description A state that a rollout returned, or another one that the caller made. Only one of rest, capture_frame, given, settled, session may be given. */
+            given?: components["schemas"]["InitialState.GivenState"];
+            /** @description The twin's rest shape, not moving. The default. Only one of rest, capture_frame, given, settled, session may be given. */
+            rest?: components["schemas"]["InitialState.Rest"];
+            /** @description The states of slots of a session. Only one of rest, capture_frame, given, settled, session may be given. */
+            session?: components["schemas"]["InitialState.SessionSlots"];
+            /** @description The twin's shape where it comes to rest, held by its control points at rest, in the request's world as it is at the start: gravity, ground, colliders that stand still or begin a path. Grippers come later: what they carry is not there yet, and grasps hold nothing. Only one of rest, capture_frame, given, settled, session may be given. */
+            settled?: components["schemas"]["InitialState.Settled"];
+        };
+        "InitialState.CaptureFrame": {
+            /** @description captures/{uuid}; empty means the twin's own capture. */
+            capture?: string;
+            /** Format: int64 */
+            frame?: number;
+            /** Format: int64 */
+            sequence?: number;
+        };
+        "InitialState.GivenState": {
+            /** @description FLOAT32 [C, 3] or [B, C, 3], metres: where the control points are. Absent: where pins say, others at rest; then `poses` carry control points that pin no node from there, so give it. */
+            controls?: components["schemas"]["Tensor"];
+            grasping?: components["schemas"]["Grasping"];
+            /** @description FLOAT32 [N, 3] for all instances or [B, N, 3], metres. */
+            positions?: components["schemas"]["Tensor"];
+            /** @description FLOAT32 [rods] for all instances or [B, rods], as the positions; radians since the twin's rods counted as untwisted. Empty means that none is twisted, and is what a twin without rods needs. */
+            twists?: components["schemas"]["Tensor"];
+            /** @description The same shape, metres per second; empty means at rest. */
+            velocities?: components["schemas"]["Tensor"];
+        };
+        "InitialState.Rest": Record<string, never>;
+        "InitialState.SessionSlots": {
+            /** @description sessions/{uuid}; the request's twin may be left out then. */
+            session?: string;
+            /** @description One for all instances, or one for each; empty: slot 0 for all. */
+            slots?: number[];
+        };
+        "InitialState.Settled": Record<string, never>;
+        /** @description Work that a worker does for a fit, or for the ingest of a capture. */
+        Job: {
+            /** @description Faults of earlier attempts. */
+            attempt_faults: Record<string, never>[];
+            /** Format: int32 */
+            attempts: number;
+            cancel_requested: boolean;
+            create_time: string;
+            end_time?: string | null;
+            /** @description Reason for a failure: category, reason, message. Fits of the capture fail with it. */
+            fault?: Record<string, never> | null;
+            progress?: Record<string, never> | null;
+            /**
+             * Format: int64
+             * @description Number that grows with every change, and from one run of an ingest to the next.
+             */
+            revision: number;
+            /** @description The settings in force. */
+            settings: Record<string, never>;
+            start_time?: string | null;
+            /** @description QUEUED, RUNNING, SUCCEEDED, FAILED or CANCELLED. */
+            state: string;
+            /** @description `workers/{uuid}` while it runs. */
+            worker?: string | null;
+        };
+        /** @description When the knots of the actions are, if they are not spread evenly over the horizon. */
+        KnotTimes: {
+            /** @description FLOAT32 [K], seconds from the start, rising; the first is 0, the last holds until the end. Only one of at_s, period_s may be given. */
+            at_s?: components["schemas"]["Tensor"];
+            /**
+             * Format: double
+             * @description Seconds from knot to knot: the period of a controller, whatever the twin's frame rate. Only one of at_s, period_s may be given.
+             */
+            period_s?: number;
+        };
+        /** @description Fields to change; those that are left out or null stay. */
+        LabelUpdate: {
+            /** @description Tags to add to those that there are; not beside `tags`. */
+            add_tags?: string[];
+            /** @description Up to 200 characters. */
+            display_name?: string | null;
+            /** @description Up to 10,000 bytes. */
+            note?: string | null;
+            /** @description Tags to take from those that there are; not beside `tags`. */
+            remove_tags?: string[];
+            /** @description All tags: up to 32 words of up to 50 letters, digits and `-_.:/`. */
+            tags?: string[] | null;
+        };
+        /**
+         * @description Losses of one model over the iterations of a stage. Of a long stage every second iteration is
+         *     kept, every fourth and so on, and the last.
+         */
+        LossCurve: {
+            /** @description The lowest up to each iteration. */
+            best_losses: (number | null)[];
+            /** @description Ascending, from 1. */
+            iterations: number[];
+            /** @description One for each iteration; null where it was not finite. */
+            losses: (number | null)[];
+            /** @description `search` or `refine`. */
+            stage: string;
+            /** @description `bending` or `axial`, of several starts followed by which: `bending 2/3`. */
+            variant: string;
+        };
+        /** @description Losses of a fit. */
+        Losses: {
+            curves: components["schemas"]["LossCurve"][];
+        };
+        /** @description A sequence whose predicted motion is asked for. */
+        MotionOf: {
+            /**
+             * Format: int32
+             * @description Its index among the sequences of all recordings of the capture, in their order.
+             */
+            sequence?: number;
+        };
+        /** @description A fit to be queued. */
+        NewFit: {
+            /** @description `captures/{uuid}` */
+            capture: string;
+            /** @description Display name; empty means the capture's. */
+            display_name?: string;
+            /**
+             * Format: int32
+             * @description Jobs of higher priority run earlier, -100..=100.
+             */
+            priority?: number;
+            /** @description Settings that differ from the defaults. */
+            settings?: Record<string, never> | null;
+        };
+        /** @description An ingest to be run again. */
+        NewIngest: {
+            /** @description Settings that differ from the defaults. */
+            settings?: Record<string, never> | null;
+        };
+        /** @description Points on the surface of an object at one time, in the twin's coordinates. Points that were not seen are left out. */
+        Observation: {
+            /** @description FLOAT32 [K, 3], metres, K up to 16: the cameras that saw the points, which say what part of the surface could have been seen. Absent: all of it. */
+            cameras?: components["schemas"]["Tensor"];
+            /** @description UINT32 [M]: nodes of the twin. Only one of nodes, places may be given. */
+            nodes?: components["schemas"]["Tensor"];
+            /** @description Places between nodes. Only one of nodes, places may be given. */
+            places?: components["schemas"]["Observation.Places"];
+            /** @description FLOAT32 [M, 3], metres, M in 1..200000. */
+            points?: components["schemas"]["Tensor"];
+            /** @description FLOAT32 [M, 3], metres per second; absent: not known. Only a correction by tracks uses them. */
+            velocities?: components["schemas"]["Tensor"];
+            /** @description FLOAT32 [M], from 0; absent: equal ones. */
+            weights?: components["schemas"]["Tensor"];
+        };
+        /** @description Points that move with the nodes around them, as tracked points do. */
+        "Observation.Places": {
+            /** @description FLOAT32 [N, 3], metres: where the nodes were at that time; absent: at rest. */
+            node_positions?: components["schemas"]["Tensor"];
+            /** @description FLOAT32 [M, 3], metres: where they were at one time. */
+            points?: components["schemas"]["Tensor"];
+        };
+        OpenSessionRequest: {
+            /** @enum {string} */
+            fidelity?: "EXACT" | "FAST";
+            grasps?: components["schemas"]["Grasp"][];
+            /**
+             * Format: double
+             * @description 1..3600; 0 means 300.
+             */
+            idle_timeout_s?: number;
+            /** @description First state; default: the rest shape. A batch of given states has one for each slot. */
+            initial?: components["schemas"]["InitialState"];
+            /**
+             * Format: int64
+             * @description Number of simulations, 1..4096; 0 means 1.
+             */
+            slots?: number;
+            /** @description twins/{uuid} */
+            twin?: string;
+            /** @description Surroundings of every rollout from here that names none itself. */
+            world?: components["schemas"]["World"];
+        };
+        /** @description Limits that every plan keeps, FLOAT32 [1] or by coordinate [D], absent: none. They hold at the knots, and between them as well along straight lines. */
+        PlanBounds: {
+            high?: components["schemas"]["Tensor"];
+            /** @description Smallest and largest value of a coordinate, metres or radians from the start of the space. */
+            low?: components["schemas"]["Tensor"];
+            /** @description Fastest change of a coordinate, per second. */
+            speed?: components["schemas"]["Tensor"];
+        };
+        /** @description Way to propose plans and to learn from their costs. */
+        PlanMethod: {
+            /** @description Only one of mppi, cem, predictive_sampling, gradient may be given. */
+            cem?: components["schemas"]["PlanMethod.Cem"];
+            /** @description Only one of mppi, cem, predictive_sampling, gradient may be given. */
+            gradient?: components["schemas"]["PlanMethod.Gradient"];
+            /** @description Only one of mppi, cem, predictive_sampling, gradient may be given. */
+            mppi?: components["schemas"]["PlanMethod.Mppi"];
+            /** @description Only one of mppi, cem, predictive_sampling, gradient may be given. */
+            predictive_sampling?: components["schemas"]["PlanMethod.PredictiveSampling"];
+        };
+        /** @description Cross-entropy: mean and spread of the best samples, iteration by iteration. */
+        "PlanMethod.Cem": {
+            /**
+             * Format: int64
+             * @description 0 means 8.
+             */
+            elites?: number;
+            /**
+             * Format: double
+             * @description Share of the old mean and spread in the new ones, less than 1; absent: 0.1.
+             */
+            memory?: number;
+            /**
+             * Format: double
+             * @description Spread below which it does not shrink, as a share of sigma; absent: 0.05.
+             */
+            smallest?: number;
+        };
+        /** @description Adam along the gradient, from the nominal plan and others that begin sigma away. */
+        "PlanMethod.Gradient": {
+            /** @description FLOAT32 [1] or [D]: largest step of an iteration, metres or radians; absent: 0.005. */
+            rate?: components["schemas"]["Tensor"];
+        };
+        /** @description Model-predictive path integral control: the mean of all samples, weighted by their costs. */
+        "PlanMethod.Mppi": {
+            /**
+             * Format: double
+             * @description As a share of the costs' spread; 0 means 0.1.
+             */
+            temperature?: number;
+        };
+        /** @description The best sample around the best plan so far. */
+        "PlanMethod.PredictiveSampling": Record<string, never>;
+        PlanRequest: {
+            bounds?: components["schemas"]["PlanBounds"];
+            /**
+             * Format: double
+             * @description Of neighbouring knots of a sample, 0 or more and less than 1: larger is smoother.
+             */
+            correlation?: number;
+            /**
+             * Format: double
+             * @description Time for the iterations, seconds; the best so far comes back then, the first iteration is always finished. 0 means as long as it takes.
+             */
+            deadline_s?: number;
+            /**
+             * Format: double
+             * @description Samples have sigma times a factor, evenly spread in its logarithm from 1 to this, above 0 and at most 1; absent: 0.1, and 1 for methods that shrink their samples themselves.
+             */
+            finest?: number;
+            /**
+             * Format: int64
+             * @description 0 means 1, and 20 with a gradient. At most 1,000,000 plans are simulated in all.
+             */
+            iterations?: number;
+            method?: components["schemas"]["PlanMethod"];
+            /** @description The rollout to minimize: twin or session, costs, horizon, surroundings, fidelity. Its actions, of one instance, are the nominal plan, which the first iteration begins with; knots that came back can be sent as they are. Row 0 is where things are, and stays: where the initial state tells the control points (a session, or given controls), row 0 of trajectories is taken from there. With `plausibility.refuse` a plan beyond the limits counts as one that diverges. `returns` are those of one more rollout, of the best plan alone; without any there is none. */
+            rollout?: components["schemas"]["RollOutRequest"];
+            /**
+             * Format: int64
+             * @description Plans that are simulated in an iteration; 0 means 64, and 1 with a gradient.
+             */
+            samples?: number;
+            /**
+             * Format: int64
+             * @description Same seed, same plan, if no deadline stops it.
+             */
+            seed?: number;
+            /**
+             * Format: double
+             * @description Frames that were executed since the nominal plan was made: its actions are moved on by them, and stand still at their end. Closings of grasps and paths of colliders are taken as they are given.
+             */
+            shift_frames?: number;
+            /** @description FLOAT32 [1], by coordinate [D], or by knot and coordinate [K, D]: standard deviations of samples, metres or radians; absent: 0.02. */
+            sigma?: components["schemas"]["Tensor"];
+            space?: components["schemas"]["ActionSpace"];
+        };
+        /** @description The best plan so far. */
+        PlanUpdate: {
+            /** @description FLOAT64 [K, D]: the same in the coordinates of the space. */
+            coordinates?: components["schemas"]["Tensor"];
+            /**
+             * Format: double
+             * @description Cost of exactly these knots, as simulated.
+             */
+            cost?: number;
+            cost_names?: string[];
+            /** @description FLOAT64 [terms], weighted. */
+            cost_terms?: components["schemas"]["Tensor"];
+            /** Format: int64 */
+            diverged?: number;
+            /**
+             * Format: int64
+             * @description Iterations that were finished.
+             */
+            iterations?: number;
+            /** @description FLOAT32, in the shape of the request's actions: [1, K, C, 3] or [1, K, G, 7]. */
+            knots?: components["schemas"]["Tensor"];
+            /** @description True for the last update. */
+            last?: boolean;
+            /** @description True if there was no time for all iterations. */
+            met_deadline?: boolean;
+            /**
+             * Format: double
+             * @description +inf if the nominal plan diverges.
+             */
+            nominal_cost?: number;
+            /** @enum {string} */
+            origin?: "NOMINAL" | "MEAN" | "SAMPLE";
+            /** @description In the last update, if returns were asked for: the rollout of the best plan. */
+            rollout?: components["schemas"]["RollOutResponse"];
+            /**
+             * Format: int64
+             * @description Plans that were simulated, and those of them that diverged.
+             */
+            simulated?: number;
+            /**
+             * Format: double
+             * @description Since planning began, seconds.
+             */
+            time_s?: number;
+        };
+        /** @description Points with normal . x >= offset are above it. */
+        Plane: {
+            /** @description Three numbers, of length 1, away from the ground; absent: upwards, 0 0 1. */
+            normal?: number[];
+            /**
+             * Format: float
+             * @description Metres along the normal.
+             */
+            offset_m?: number;
+        };
+        /** @description Limits of what is held to be possible. A reply flags instances beyond; with `refuse` it is an error instead (FAILED_PRECONDITION, reason IMPLAUSIBLE_MOTION), before anything is simulated where the actions alone tell. */
+        Plausibility: {
+            /**
+             * Format: double
+             * @description Deepest that the middle of a grasp's sphere or box may be below the ground or in a collider that stands still, and that a control point may be beyond its depth in the initial state; default 0.005.
+             */
+            control_depth_m?: number;
+            /**
+             * Format: double
+             * @description Fastest control point; default 5.
+             */
+            control_speed_m_s?: number;
+            refuse?: boolean;
+            /**
+             * Format: double
+             * @description Largest distance between the initial state's control points and row 0 of the actions; default 0.005. It is 0.02 more if a given state does not say where they are.
+             */
+            start_gap_m?: number;
+            /**
+             * Format: double
+             * @description Largest strain of the material; default 1.
+             */
+            strain?: number;
+        };
+        /** @description A recorded play, as rollouts that anyone can repeat. */
+        PlayRecording: {
+            /**
+             * Format: double
+             * @description Frames a second.
+             */
+            fps: number;
+            /** @description Bodies of `POST /v1/twins/{id}/rollouts`, one after the other. */
+            segments: components["schemas"]["RollOutRequest"][];
+            /** @description twins/{uuid} */
+            twin: string;
+        };
+        /** @description The prediction of a sequence by nodes, and its errors frame by frame. T frames of the sequence, the prediction starts in `start_frame` S. */
+        PredictedMotion: {
+            /** @description One-sided Chamfer distance in the L1 norm, in each frame from S on [m], float32 [T - S]; not a number where that was not measured. */
+            chamfer_l1_m?: components["schemas"]["Tensor"];
+            /**
+             * Format: int64
+             * @description Frames from one row of `positions` to the next: 1, or more where all would take more than 16 MiB.
+             */
+            every_frames?: number;
+            /**
+             * Format: double
+             * @description Frames per second.
+             */
+            fps?: number;
+            /**
+             * Format: int64
+             * @description T
+             */
+            frame_count?: number;
+            /** @description Its name. */
+            name?: string;
+            /** @description Positions of nodes [m], float32 [R, N, 3]; row r is of frame `start_frame + r * every_frames`. */
+            positions?: components["schemas"]["Tensor"];
+            /** @description Name of its recording. */
+            recording?: string;
+            /**
+             * Format: int64
+             * @description The index that was asked for.
+             */
+            sequence?: number;
+            /**
+             * Format: int64
+             * @description S
+             */
+            start_frame?: number;
+            /** @description Mean distance of tracked points from where they were, in each frame from S on [m], float32 [T - S]; not a number where that was not measured. */
+            track_m?: components["schemas"]["Tensor"];
+            /**
+             * Format: int64
+             * @description Frames before this one were for fitting; 0 if the twin was fitted to none of them.
+             */
+            train_frame_count?: number;
+        };
+        /** @description An RFC 9457 problem document. */
+        ProblemDocument: {
+            /** @description The event, and the action to take. */
+            detail: string;
+            /** @description A stable word for programs. */
+            reason: string;
+            /** @description To be quoted when reporting the problem. */
+            request_id: string;
+            /**
+             * Format: int32
+             * @description The HTTP status.
+             */
+            status: number;
+            /** @description The category, as gRPC names it. */
+            title: string;
+            /** @description `urn:bendtwin:error:{reason}`. */
+            type: string;
+        };
+        /** @description State of the server as `/readyz` reports it. */
+        Readiness: {
+            /** @description Name and version of the server's program. */
+            build: string;
+            /**
+             * @description `running`: the server is not stopping; `writes`: a change can be made to last; `disk`: there
+             *     is more free space than the floor; `workers`: at least one answers.
+             */
+            checks: components["schemas"]["Check"][];
+            /** @description True if all checks are ok. */
+            ready: boolean;
+            /** @description Rollouts under way or waiting. */
+            rollouts: number;
+            /** @description Registered workers. */
+            workers: number;
+        };
+        RegisterOptions: {
+            /**
+             * Format: double
+             * @description Deviation of a spring by its length; default 0.1.
+             */
+            give?: number;
+            /**
+             * Format: double
+             * @description Least share of the points that must be explained, 0..1; default 0.5.
+             */
+            least_explained?: number;
+            /**
+             * Format: double
+             * @description Median distance of the points beyond which the registration is refused, metres; default: half the distance of neighbouring nodes, or 0.005 if that is more.
+             */
+            max_residual_m?: number;
+            /** @description The object is near the shape to start from: no other pose is tried. */
+            near?: boolean;
+            /**
+             * Format: double
+             * @description Deviation of a point from the surface, metres; default 0.004.
+             */
+            noise_m?: number;
+            /**
+             * Format: int64
+             * @description Frames of physics, 0..1000; default 12. Without any the shape is as the points have it.
+             */
+            settle_frames?: number;
+        };
+        RegisterStateRequest: {
+            /** @description FLOAT32 [C, 3], metres: where the control points are, if that is known, say from the gripper. Absent: they go where the nodes go that they hold. */
+            controls?: components["schemas"]["Tensor"];
+            /** @description Shape to start from: a single state, of no session; default: the rest shape. */
+            initial?: components["schemas"]["InitialState"];
+            observation?: components["schemas"]["Observation"];
+            options?: components["schemas"]["RegisterOptions"];
+            /** @description twins/{uuid} */
+            twin?: string;
+            /** @description Gravity and ground during the frames of physics, where they are not those of the twin; without colliders. */
+            world?: components["schemas"]["World"];
+        };
+        RegisteredState: {
+            after?: components["schemas"]["Residual"];
+            /** @description Distances of the points from the shape to start from, and from the state. */
+            before?: components["schemas"]["Residual"];
+            /**
+             * Format: double
+             * @description Mean distance by which nodes move in a frame when the points stop pulling, millimetres: how far the state is from where forces balance.
+             */
+            drift_mm?: number;
+            explained?: components["schemas"]["Explained"];
+            /** @description The rigid part of the motion from the shape to start from, about the origin: x, y, z in metres, quaternion x, y, z, w. */
+            motion?: number[];
+            /** @description At rest, with its control points; InitialState.given takes it as it is. */
+            state?: components["schemas"]["InitialState.GivenState"];
+            /** @description workers/{uuid} */
+            worker?: string;
+        };
+        ResetSessionRequest: {
+            /** @description Absent: the session's first state. */
+            initial?: components["schemas"]["InitialState"];
+            name?: string;
+            /** @description Empty: all. */
+            slots?: number[];
+        };
+        /** @description Distances between points and the twin, millimetres: of tracks from their places, of a cloud from the surface. */
+        Residual: {
+            /** Format: double */
+            mean_mm?: number;
+            /** Format: double */
+            median_mm?: number;
+            /**
+             * Format: double
+             * @description 95th percentile.
+             */
+            p95_mm?: number;
+        };
+        Returns: {
+            /** @description d cost / d what the request gave as actions: knots or poses, in their shape. */
+            action_gradients?: boolean;
+            /**
+             * Format: int64
+             * @description Positions, final states and gradients of only the best k instances by cost; 0 means all. These are simulated once more: on a GPU they may differ in the last bits from what the costs were computed from.
+             */
+            best?: number;
+            /** @description d cost / d control positions, dense. */
+            control_gradients?: boolean;
+            /** @description Control positions that were simulated, by frame. */
+            controls?: boolean;
+            diagnostics?: boolean;
+            /** @enum {string} */
+            encoding?: "FLOAT32" | "INT16";
+            /**
+             * Format: int64
+             * @description Record the positions of every k-th frame; 0 records none.
+             */
+            every_frames?: number;
+            final_state?: boolean;
+            /** @description Forces by frame. */
+            forces?: boolean;
+            /** @description Costs by frame and by term. */
+            frame_costs?: boolean;
+            /** @description Norm of d cost / d positions by frame. */
+            gradient_norms?: boolean;
+            /** @description d cost / d initial positions and velocities. */
+            initial_gradients?: boolean;
+            /** @description UINT32 [K]: nodes to record, with the point set NODES; empty means all. */
+            nodes?: components["schemas"]["Tensor"];
+            /**
+             * Format: int64
+             * @description Only of StreamRollOut: parts of at most so many frames, each sent as soon as it is simulated; 0 for whole instances. Not with `best` or gradients.
+             */
+            part_frames?: number;
+            /**
+             * @description Points whose positions and velocities are recorded: NODES, the default, or SKIN. Final states and gradients are of nodes.
+             * @enum {string}
+             */
+            point_set?: "NODES" | "SKIN";
+            /** @description UINT32 [K]: points of the skin to record, with the point set SKIN; empty means all. */
+            skin_points?: components["schemas"]["Tensor"];
+            /** @description With an ensemble of two members or more, and every_frames: `spread` of the recorded points. Arrays beside it (positions, velocities, final states, forces, costs by frame, controls) are of member 0 of each action alone then. */
+            spread?: boolean;
+            /** @description Velocities where positions are recorded. */
+            velocities?: boolean;
+        };
+        /** @description B instances of one twin, F frames each. */
+        RollOutRequest: {
+            costs?: components["schemas"]["Cost"][];
+            ensemble?: components["schemas"]["Ensemble"];
+            /** @enum {string} */
+            fidelity?: "EXACT" | "FAST";
+            /**
+             * Format: int64
+             * @description Horizon F in frames, 1..100000; 0 means that of the dense actions.
+             */
+            frames?: number;
+            gradient?: components["schemas"]["GradientOptions"];
+            /** @description At most 32. */
+            grasps?: components["schemas"]["Grasp"][];
+            initial?: components["schemas"]["InitialState"];
+            knot_times?: components["schemas"]["KnotTimes"];
+            plausibility?: components["schemas"]["Plausibility"];
+            /** @description Only one of trajectories, poses may be given. */
+            poses?: components["schemas"]["GripperPoses"];
+            returns?: components["schemas"]["Returns"];
+            /**
+             * Format: double
+             * @description Seconds from the arrival of the request after which no more instances are simulated, above 0; absent: all are. The reply then names those that are missing in `unfinished`. Arrays of `returns.best` are simulated after that. Not with gradients or `returns.part_frames`.
+             */
+            time_limit_s?: number;
+            /** @description Only one of trajectories, poses may be given. */
+            trajectories?: components["schemas"]["ControlTrajectories"];
+            /** @description twins/{uuid} */
+            twin?: string;
+            vary?: components["schemas"]["Vary"];
+            world?: components["schemas"]["World"];
+        };
+        RollOutResponse: {
+            /** @description In the actions' shape for R instances: [R, K, C, 3], or [R, K, G, 7] for poses; d cost / d quaternion along the sphere of unit quaternions. */
+            action_gradients?: components["schemas"]["Tensor"];
+            /** @description FLOAT32 [R, F + 1, C, 3]. */
+            control_gradients?: components["schemas"]["Tensor"];
+            /** @description FLOAT32 [R, F + 1, C, 3], metres. */
+            controls?: components["schemas"]["Tensor"];
+            cost_names?: string[];
+            /** @description FLOAT64 [B', terms], weighted. */
+            cost_terms?: components["schemas"]["Tensor"];
+            /** @description FLOAT64 [B']: weighted sums; +inf where an instance diverged. */
+            costs?: components["schemas"]["Tensor"];
+            /** @description With FAST only: how far the variant strays where that was measured. */
+            deviation?: components["schemas"]["RollOutResponse.Deviation"];
+            diagnostics?: components["schemas"]["RollOutResponse.Diagnostics"][];
+            diverged?: components["schemas"]["RollOutResponse.Divergence"][];
+            /**
+             * @description Fidelity of the answer: EXACT or FAST.
+             * @enum {string}
+             */
+            fidelity?: "EXACT" | "FAST";
+            /** @description FLOAT32 [R, C, 3], metres: the control points of the final state. */
+            final_controls?: components["schemas"]["Tensor"];
+            /** @description With [R] in front; absent without grasps. */
+            final_grasping?: components["schemas"]["Grasping"];
+            /** @description FLOAT32 [R, N, 3]. */
+            final_positions?: components["schemas"]["Tensor"];
+            /** @description FLOAT32 [R, rods], radians; absent if the twin has no rods. With final_positions and final_velocities a whole state, to go on from by InitialState.given. */
+            final_twists?: components["schemas"]["Tensor"];
+            final_velocities?: components["schemas"]["Tensor"];
+            /**
+             * Format: int64
+             * @description The instances that this part covers: first_instance .. first_instance + B'.
+             */
+            first_instance?: number;
+            forces?: components["schemas"]["RollOutResponse.Forces"];
+            /** @description FLOAT64 [R, F + 1, terms], weighted. */
+            frame_costs?: components["schemas"]["Tensor"];
+            /** @description UINT32 [T']: recorded frames, 1-based. */
+            frames?: components["schemas"]["Tensor"];
+            /** @description True for an instance whose gradient exploded on its way back (docs/gradients.md): it says little. UINT32 [R]. */
+            gradient_exploded?: components["schemas"]["Tensor"];
+            /** @description FLOAT64 [R, F + 1]. */
+            gradient_norms?: components["schemas"]["Tensor"];
+            /** @description Instances that are not plausible, with the reason; limits in RollOutRequest.plausibility. */
+            implausible?: components["schemas"]["RollOutResponse.Implausible"][];
+            /** @description FLOAT32 [R, N, 3]. */
+            initial_position_gradients?: components["schemas"]["Tensor"];
+            initial_velocity_gradients?: components["schemas"]["Tensor"];
+            /** @description UINT32 [R]: the instances that positions, final states and gradients are of, best first if `best` was given, ascending otherwise. */
+            instances?: components["schemas"]["Tensor"];
+            /**
+             * Format: double
+             * @description Kilograms of the object: forces are in newtons. Without it they are per unit mass, as if a node of the twin weighed 1 kg.
+             */
+            mass_kg?: number;
+            /** @description With an ensemble: FLOAT64 [B', E], the costs that `costs` are statistics of. */
+            member_costs?: components["schemas"]["Tensor"];
+            /** @description [R, T', K, 3], metres: of nodes, or of skin points (`returns.point_set`). */
+            positions?: components["schemas"]["Tensor"];
+            /** @description FLOAT32 [actions, T', K], metres: root mean square distance of the other members' points from those of member 0, which positions are of. NaN where a member diverged. */
+            spread?: components["schemas"]["Tensor"];
+            /**
+             * Format: int64
+             * @description Substeps per frame that were simulated.
+             */
+            substeps?: number;
+            timing?: components["schemas"]["RollOutResponse.Timing"];
+            /** @description UINT32: the instances that were not simulated within `time_limit_s`. Their costs are +inf, their arrays NaN. */
+            unfinished?: components["schemas"]["Tensor"];
+            /** @description [R, T', K, 3], metres per second, of the same points. */
+            velocities?: components["schemas"]["Tensor"];
+            /** @description With `returns.part_frames`: what this part covers in time. */
+            window?: components["schemas"]["RollOutResponse.Window"];
+            /** @description workers/{uuid} */
+            worker?: string;
+        };
+        /** @description Between the fast variant and the exact twin when both follow the twin's own capture from its start. */
+        "RollOutResponse.Deviation": {
+            /**
+             * Format: int64
+             * @description Frames of each recording, at most.
+             */
+            frames?: number;
+            /** Format: double */
+            max_m?: number;
+            /**
+             * Format: double
+             * @description Between a node here and there, over nodes and frames, metres.
+             */
+            mean_m?: number;
+            /**
+             * Format: double
+             * @description To compare with: of the exact twin's nodes from where they started, metres.
+             */
+            mean_travel_m?: number;
+        };
+        "RollOutResponse.Diagnostics": {
+            /**
+             * Format: float
+             * @description Deepest that the middle of a grasp's sphere or box was below the ground or in a collider that stands still, and a control point or a held node beyond its depth at the start, metres.
+             */
+            control_depth_m?: number;
+            /** Format: float */
+            elastic_energy?: number;
+            /** Format: int64 */
+            ground_contacts?: number;
+            /**
+             * Format: float
+             * @description Joules per unit mass scale.
+             */
+            kinetic_energy?: number;
+            /**
+             * Format: float
+             * @description Of springs to control points.
+             */
+            max_control_strain?: number;
+            /** Format: float */
+            max_speed_m_s?: number;
+            /**
+             * Format: float
+             * @description Of springs between nodes.
+             */
+            max_strain?: number;
+        };
+        "RollOutResponse.Divergence": {
+            /**
+             * Format: int64
+             * @description 1-based.
+             */
+            frame?: number;
+            /** Format: int64 */
+            instance?: number;
+            /** Format: int64 */
+            node?: number;
+        };
+        /** @description Mean forces on the object over each frame. */
+        "RollOutResponse.Forces": {
+            /** @description FLOAT32 [R, F, K, 6], as `grasps`; about the carrier's origin. */
+            colliders?: components["schemas"]["Tensor"];
+            /** @description FLOAT32 [R, F, C, 3], newtons. */
+            controls?: components["schemas"]["Tensor"];
+            /** @description FLOAT32 [R, F, G, 6]: force in newtons, then torque in newton metres about the gripper's origin at the end of the frame, along the world's axes. */
+            grasps?: components["schemas"]["Tensor"];
+            /** @description FLOAT32 [R, F, 3]. */
+            ground?: components["schemas"]["Tensor"];
+        };
+        "RollOutResponse.Implausible": {
+            /**
+             * Format: double
+             * @description Most that was found, and the limit, in the unit of the limit.
+             */
+            found?: number;
+            /**
+             * Format: int64
+             * @description The frame in which it was found, where it is known.
+             */
+            frame?: number;
+            /** Format: int64 */
+            instance?: number;
+            /** Format: double */
+            limit?: number;
+            /** @description START_GAP, CONTROL_SPEED, STRAIN, CONTROL_IN_OBSTACLE. */
+            reason?: string;
+        };
+        "RollOutResponse.Timing": {
+            /** Format: double */
+            compute_s?: number;
+            /** Format: double */
+            queue_s?: number;
+        };
+        /** @description Part of the horizon. Arrays by frame have the rows of these frames, so that those of all parts follow one another; the start, frame 0, is in the first. Costs, their terms, diagnostics, what is implausible and final states come with the last part of an instance, a divergence with the part that it happened in. */
+        "RollOutResponse.Window": {
+            /**
+             * Format: int64
+             * @description 1-based; the last counts.
+             */
+            first_frame?: number;
+            /** Format: int64 */
+            last_frame?: number;
+        };
+        Session: {
+            /** @enum {string} */
+            fidelity?: "EXACT" | "FAST";
+            /** @description Frames by which each slot has been advanced since its first state, [slots]. */
+            frames?: number[];
+            /**
+             * Format: double
+             * @description The session ends when nobody has used it for so long.
+             */
+            idle_timeout_s?: number;
+            /** @description sessions/{uuid} */
+            name?: string;
+            /** Format: int64 */
+            slots?: number;
+            /** @description twins/{uuid} */
+            twin?: string;
+            /** @description workers/{uuid} */
+            worker?: string;
+        };
+        SessionStates: {
+            frames?: number[];
+            slots?: number[];
+            /** @description With [S] in front for S slots; InitialState.given takes it as it is. */
+            states?: components["schemas"]["InitialState.GivenState"];
+        };
+        Sphere: {
+            /** @description Three numbers; absent: the origin. */
+            center?: number[];
+            /** Format: float */
+            radius_m?: number;
+        };
+        /** @description A dense array: nested lists of numbers, in which null stands for what is no finite number, or raw bytes. */
+        Tensor: unknown[] | {
+            /** @description Base64 of the little-endian, row-major bytes. */
+            data: string;
+            /** @enum {string} */
+            dtype: "FLOAT32" | "FLOAT64" | "UINT32" | "INT32" | "UINT8" | "INT16_SCALED";
+            /** @description Of INT16_SCALED. */
+            offset?: number;
+            /** @description Of INT16_SCALED: value = int16 * scale + offset. */
+            scale?: number;
+            shape: number[];
+        };
+        /** @description A stored twin. */
+        Twin: {
+            /** @description None if it was imported. */
+            capture?: string | null;
+            /** Format: int32 */
+            control_count: number;
+            create_time: string;
+            /** @description BLAKE3 of the twin file, hex. */
+            digest: string;
+            display_name: string;
+            /**
+             * Format: double
+             * @description Error over frames that it was not fitted to [m]: of tracks, else of coordinates, else the
+             *     Chamfer distance.
+             */
+            error_m?: number | null;
+            /** @description None if it was imported. */
+            fit?: string | null;
+            /** Format: double */
+            fps: number;
+            /**
+             * Format: double
+             * @description Mass of the object [kg]; absent if unknown.
+             */
+            mass_kg?: number | null;
+            /** @description `twins/{uuid}` */
+            name: string;
+            /** Format: int32 */
+            node_count: number;
+            /** @description Text that people write about it. */
+            note: string;
+            /** @description The quality table. */
+            quality: Record<string, never>;
+            /** Format: int64 */
+            size_bytes: number;
+            /** Format: int32 */
+            spring_count: number;
+            /** Format: int32 */
+            substeps: number;
+            tags: string[];
+            /** Format: int32 */
+            triplet_count: number;
+        };
+        TwinGeometry: {
+            /** @description FLOAT32 [T]: newton metres per radian, or per unit mass. */
+            bend_stiffness?: components["schemas"]["Tensor"];
+            /** @description FLOAT32 [C, 3], metres: control points at rest. */
+            controls?: components["schemas"]["Tensor"];
+            /** @description UINT32 [E, 2]: springs between endpoints; from N on these are control points. */
+            edges?: components["schemas"]["Tensor"];
+            /**
+             * Format: int64
+             * @description Number of fits: the twin and its members.
+             */
+            fits?: number;
+            /** Format: double */
+            fps?: number;
+            /** @description Three numbers, m/s^2. */
+            gravity?: number[];
+            /** @description Absent: none. */
+            ground?: components["schemas"]["Plane"];
+            /** Format: float */
+            ground_friction?: number;
+            /** Format: float */
+            ground_restitution?: number;
+            /** @description UINT32 [C]: the hand of the capture that each control point belongs to. */
+            hands?: components["schemas"]["Tensor"];
+            /** @description UINT8 [N]: 0 observed surface, 1 completed surface, 2 interior. Surface nodes come first. */
+            kinds?: components["schemas"]["Tensor"];
+            /** Format: double */
+            mass_kg?: number;
+            /** @description FLOAT32 [N]: masses; kilograms if `mass_kg` is known, else in units of a node. */
+            masses?: components["schemas"]["Tensor"];
+            /** @description UINT32 [P, 2]: nodes that control points hold exactly, as pairs of node and control point. */
+            pins?: components["schemas"]["Tensor"];
+            /** @description FLOAT32 [E], metres. */
+            rest_lengths?: components["schemas"]["Tensor"];
+            /** @description FLOAT32 [N, 3], metres: the rest shape. */
+            rest_positions?: components["schemas"]["Tensor"];
+            /** Format: int64 */
+            rod_count?: number;
+            rod_nodes?: components["schemas"]["Tensor"];
+            /** @description UINT32 [rods + 1] and UINT32 [..]: nodes of each rod, one after another. */
+            rod_starts?: components["schemas"]["Tensor"];
+            skin?: components["schemas"]["TwinGeometry.Skin"];
+            /**
+             * Format: double
+             * @description Mean length of springs between nodes, metres.
+             */
+            spacing_m?: number;
+            /** @description FLOAT32 [E]: newtons per unit strain if `mass_kg` is known, else per unit mass. */
+            spring_stiffness?: components["schemas"]["Tensor"];
+            /** Format: int64 */
+            substeps?: number;
+            /** Format: int64 */
+            surface_count?: number;
+            /** @description UINT32 [T, 3]: bending triplets, the centre in the middle. */
+            triplets?: components["schemas"]["Tensor"];
+        };
+        /** @description Points of a twin's surface, finer than its nodes, that the nodes carry: M points, K weights. Point m is at sum over its weights of w x(node), plus its offset along the axes of its frame. With nodes a, b, c of the frame these are e1 along x(b) - x(a), e2 = e3 x e1, and e3 along (x(b) - x(a)) x (x(c) - x(a)). A twin that was fitted without a skin has its surface nodes here. */
+        "TwinGeometry.Skin": {
+            /** @description UINT32 [M, 3]: nodes a, b, c; 4294967295 for all three: the axes are those of the world. */
+            frames?: components["schemas"]["Tensor"];
+            /** @description UINT32 [M]: the capture's observed point that each is; 4294967295: none. */
+            observed_points?: components["schemas"]["Tensor"];
+            /** @description FLOAT32 [M, 3], metres. Offsets of a frame whose nodes span no triangle count as 0. */
+            offsets?: components["schemas"]["Tensor"];
+            /** @description FLOAT32 [M, 3], metres: with the nodes at rest. */
+            rest_positions?: components["schemas"]["Tensor"];
+            /** @description UINT32 [M]: number of weights of each point, which follow one another. */
+            weight_counts?: components["schemas"]["Tensor"];
+            /** @description UINT32 [K]. */
+            weight_nodes?: components["schemas"]["Tensor"];
+            /** @description FLOAT32 [K]; those of a point sum up to 1. */
+            weights?: components["schemas"]["Tensor"];
+        };
+        /** @description A page of twins, newest first unless another order was asked for. */
+        Twins: {
+            /** @description Empty on the last page. */
+            next_page_token: string;
+            twins: components["schemas"]["Twin"][];
+        };
+        /** @description An upload that can be resumed. */
+        Upload: {
+            /** @description `captures/{uuid}` once it is stored. */
+            capture?: string | null;
+            /** @description RFC 3339. */
+            create_time: string;
+            display_name: string;
+            /** @description Time at which it is abandoned unless more bytes arrive, or forgotten if it has ended. */
+            expire_time: string;
+            /**
+             * Format: int64
+             * @description Size of the whole; null while the client does not know it.
+             */
+            length_bytes?: number | null;
+            /** @description `uploads/{uuid}` */
+            name: string;
+            /**
+             * Format: int64
+             * @description Bytes that are stored durably.
+             */
+            offset_bytes: number;
+            /** @description RECEIVING, STORED or GONE. */
+            state: string;
+            /** @description Reason for which it is gone. */
+            why?: string | null;
+        };
+        /** @description A page of uploads, newest first. */
+        Uploads: {
+            /** @description Empty on the last page. */
+            next_page_token: string;
+            uploads: components["schemas"]["Upload"][];
+        };
+        /** @description Parameters by instance, as factors of the twin's own: B numbers each, FLOAT32 [B], or [E] with an ensemble. Absent: 1. */
+        Vary: {
+            /** @description Of stiffness of bending and twist, 0..100. */
+            bending?: components["schemas"]["Tensor"];
+            /** @description Of dashpots, drag and damping of bending and twist, 0..100. */
+            damping?: components["schemas"]["Tensor"];
+            /** @description With an ensemble: member e is simulated on fit e of the twin, 0 being the twin itself and the others its members; at most as many as TwinGeometry.fits. Not with FAST, nor with rest shapes that corrections have changed. Factors apply on top of each fit. */
+            fits?: boolean;
+            /** @description Of friction with ground, colliders and other nodes, 0..100; friction is at most 2. */
+            friction?: components["schemas"]["Tensor"];
+            /** @description Of the mass of all nodes, 0.01..100. */
+            mass?: components["schemas"]["Tensor"];
+            /** @description Of axial stiffness, 0.01..100. */
+            stiffness?: components["schemas"]["Tensor"];
+        };
+        /** @description A worker process. */
+        Worker: {
+            /** @description cpu or cuda. */
+            backend: string;
+            build: string;
+            device: string;
+            /** @description `fits/{uuid}` under way. */
+            fit?: string | null;
+            /** @description `captures/{uuid}` whose ingest is under way. */
+            ingest?: string | null;
+            last_seen_time: string;
+            /** Format: int64 */
+            memory_total_bytes?: number | null;
+            /**
+             * Format: int64
+             * @description Memory of its device in use by all processes, and in total [bytes]; absent if unknown.
+             */
+            memory_used_bytes?: number | null;
+            /** @description `workers/{uuid}` */
+            name: string;
+            /** Format: int32 */
+            rollouts_in_flight: number;
+            start_time: string;
+            /** @description Twins that are loaded and answer at once. */
+            warm_twins: string[];
+        };
+        /** @description All workers, newest first. */
+        Workers: {
+            /** @description Always empty: workers are few. */
+            next_page_token: string;
+            workers: components["schemas"]["Worker"][];
+        };
+        /** @description The surroundings of an object in a rollout. Grippers are rigid bodies whose poses are the actions (GripperPoses); they are numbered from 0. */
+        World: {
+            /** @description At most 32. */
+            colliders?: components["schemas"]["Collider"][];
+            /** @description Three numbers, m/s^2; absent: the twin's own. */
+            gravity?: number[];
+            /** @description Instead of the twin's own ground. Only one of ground, no_ground may be given. */
+            ground?: components["schemas"]["Plane"];
+            /**
+             * Format: float
+             * @description Coulomb friction of the ground, 0..2, and its restitution, 0..1; absent: the twin's own.
+             */
+            ground_friction?: number;
+            /** Format: float */
+            ground_restitution?: number;
+            /** @description No ground at all. Only one of ground, no_ground may be given. */
+            no_ground?: boolean;
+        };
+    };
+    responses: never;
+    parameters: never;
+    requestBodies: never;
+    headers: never;
+    pathItems: never;
+}
+export type $defs = Record<string, never>;
+export interface operations {
+    "operations.healthz": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Success. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "text/plain": string;
+                };
+            };
+        };
+    };
+    "operations.metrics": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Success. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "text/plain": string;
+                };
+            };
+            /** @description An RFC 9457 problem document: what happened and what to do. */
+            default: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDocument"];
+                };
+            };
+        };
+    };
+    "operations.readyz": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Success. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Readiness"];
+                };
+            };
+            /** @description Not ready. */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Readiness"];
+                };
+            };
+        };
+    };
+    "captures.list": {
+        parameters: {
+            query?: {
+                /** @description At most 1000; 0 means 50. */
+                page_size?: number;
+                /** @description `next_page_token` of the previous page, with the same filters and order. */
+                page_token?: string;
+                /** @description Text in display name or note, whatever its case. */
+                search?: string;
+                /** @description A tag. */
+                tag?: string;
+                /** @description `create_time` or `name`, ascending or, followed by ` desc`, descending. Newest first if empty. */
+                order_by?: string;
+            };
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Success. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Captures"];
+                };
+            };
+            /** @description An RFC 9457 problem document: what happened and what to do. */
+            default: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDocument"];
+                };
+            };
+        };
+    };
+    "captures.create": {
+        parameters: {
+            query?: {
+                /** @description Display name. */
+                display_name?: string;
+                /** @description BLAKE3 of the body, hex; checked. Headers may give it instead. */
+                digest?: string;
+                /** @description Settings of the ingest that differ from the defaults, as JSON. */
+                ingest?: string;
+            };
+            header?: {
+                /** @description Makes the upload idempotent */
+                "Idempotency-Key"?: string | null;
+                /** @description BLAKE3 of the body, hex; checked */
+                "X-Content-Blake3"?: string | null;
+                /** @description blake3=:{base64}:; checked */
+                "Content-Digest"?: string | null;
+            };
+            path?: never;
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/zip": number[];
+            };
+        };
+        responses: {
+            /** @description Created. */
+            201: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Capture"];
+                };
+            };
+            /** @description An RFC 9457 problem document: what happened and what to do. */
+            default: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDocument"];
+                };
+            };
+        };
+    };
+    "captures.get": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description The uuid of the resource's name. */
+                id: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Success. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Capture"];
+                };
+            };
+            /** @description An RFC 9457 problem document: what happened and what to do. */
+            default: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDocument"];
+                };
+            };
+        };
+    };
+    "captures.delete": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description The uuid of the resource's name. */
+                id: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Success, without content. */
+            204: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content?: never;
+            };
+            /** @description An RFC 9457 problem document: what happened and what to do. */
+            default: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDocument"];
+                };
+            };
+        };
+    };
+    "captures.update": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description The uuid of the resource's name. */
+                id: string;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["LabelUpdate"];
+            };
+        };
+        responses: {
+            /** @description Success. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Capture"];
+                };
+            };
+            /** @description An RFC 9457 problem document: what happened and what to do. */
+            default: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDocument"];
+                };
+            };
+        };
+    };
+    "captures.content": {
+        parameters: {
+            query?: never;
+            header?: {
+                /** @description One range of bytes */
+                Range?: string | null;
+                /** @description The ETag that the range is of */
+                "If-Range"?: string | null;
+            };
+            path: {
+                /** @description The uuid of the resource's name. */
+                id: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Success. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/zip": number[];
+                };
+            };
+            /** @description See the description of the operation. */
+            206: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/zip": number[];
+                };
+            };
+            /** @description An RFC 9457 problem document: what happened and what to do. */
+            default: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDocument"];
+                };
+            };
+        };
+    };
+    "captures.watch_ingest": {
+        parameters: {
+            query?: never;
+            header?: {
+                /** @description Skip revisions up to this one */
+                "Last-Event-ID"?: number | null;
+            };
+            path: {
+                /** @description The uuid of the resource's name. */
+                id: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Success. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "text/event-stream": string;
+                };
+            };
+            /** @description An RFC 9457 problem document: what happened and what to do. */
+            default: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDocument"];
+                };
+            };
+        };
+    };
+    "captures.ingest": {
+        parameters: {
+            query?: never;
+            header?: {
+                /** @description Makes the call idempotent */
+                "Idempotency-Key"?: string | null;
+            };
+            path: {
+                /** @description The uuid of the resource's name. */
+                id: string;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["NewIngest"];
+            };
+        };
+        responses: {
+            /** @description Accepted: it is under way. */
+            202: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Capture"];
+                };
+            };
+            /** @description An RFC 9457 problem document: what happened and what to do. */
+            default: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDocument"];
+                };
+            };
+        };
+    };
+    "captures.cancel_ingest": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description The uuid of the resource's name. */
+                id: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Success. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Capture"];
+                };
+            };
+            /** @description An RFC 9457 problem document: what happened and what to do. */
+            default: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDocument"];
+                };
+            };
+        };
+    };
+    "captures.observation": {
+        parameters: {
+            query?: never;
+            header?: {
+                /** @description One range of bytes */
+                Range?: string | null;
+                /** @description The ETag that the range is of */
+                "If-Range"?: string | null;
+            };
+            path: {
+                /** @description The uuid of the resource's name. */
+                id: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Success. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/zip": number[];
+                };
+            };
+            /** @description See the description of the operation. */
+            206: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/zip": number[];
+                };
+            };
+            /** @description An RFC 9457 problem document: what happened and what to do. */
+            default: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDocument"];
+                };
+            };
+        };
+    };
+    "captures.playback": {
+        parameters: {
+            query?: never;
+            header?: {
+                /** @description One range of bytes */
+                Range?: string | null;
+                /** @description The ETag that the range is of */
+                "If-Range"?: string | null;
+            };
+            path: {
+                /** @description The uuid of the resource's name. */
+                id: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Success. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/octet-stream": number[];
+                };
+            };
+            /** @description See the description of the operation. */
+            206: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/octet-stream": number[];
+                };
+            };
+            /** @description An RFC 9457 problem document: what happened and what to do. */
+            default: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDocument"];
+                };
+            };
+        };
+    };
+    "captures.report": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description The uuid of the resource's name. */
+                id: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Success. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": Record<string, never>;
+                };
+            };
+            /** @description An RFC 9457 problem document: what happened and what to do. */
+            default: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDocument"];
+                };
+            };
+        };
+    };
+    "captures.report_page": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description The uuid of the resource's name. */
+                id: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Success. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "text/html": string;
+                };
+            };
+            /** @description An RFC 9457 problem document: what happened and what to do. */
+            default: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDocument"];
+                };
+            };
+        };
+    };
+    "fits.list": {
+        parameters: {
+            query?: {
+                /** @description At most 1000; 0 means 50. */
+                page_size?: number;
+                /** @description `next_page_token` of the previous page, with the same filters and order. */
+                page_token?: string;
+                /** @description Restricts the list to this capture. */
+                capture?: string;
+                /** @description QUEUED, RUNNING, SUCCEEDED, FAILED or CANCELLED. */
+                state?: string;
+                /** @description Text in display name or note, whatever its case. */
+                search?: string;
+                /** @description A tag. */
+                tag?: string;
+                /**
+                 * @description `create_time`, `name` or `error`, ascending or, followed by ` desc`, descending. Newest first
+                 *     if empty.
+                 */
+                order_by?: string;
+            };
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Success. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Fits"];
+                };
+            };
+            /** @description An RFC 9457 problem document: what happened and what to do. */
+            default: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDocument"];
+                };
+            };
+        };
+    };
+    "fits.create": {
+        parameters: {
+            query?: never;
+            header?: {
+                /** @description Makes the call idempotent */
+                "Idempotency-Key"?: string | null;
+            };
+            path?: never;
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["NewFit"];
+            };
+        };
+        responses: {
+            /** @description Accepted: it is under way. */
+            202: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Fit"];
+                };
+            };
+            /** @description An RFC 9457 problem document: what happened and what to do. */
+            default: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDocument"];
+                };
+            };
+        };
+    };
+    "fits.get": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description The uuid of the resource's name. */
+                id: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Success. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Fit"];
+                };
+            };
+            /** @description An RFC 9457 problem document: what happened and what to do. */
+            default: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDocument"];
+                };
+            };
+        };
+    };
+    "fits.delete": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description The uuid of the resource's name. */
+                id: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Success, without content. */
+            204: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content?: never;
+            };
+            /** @description An RFC 9457 problem document: what happened and what to do. */
+            default: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDocument"];
+                };
+            };
+        };
+    };
+    "fits.update": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description The uuid of the resource's name. */
+                id: string;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["LabelUpdate"];
+            };
+        };
+        responses: {
+            /** @description Success. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Fit"];
+                };
+            };
+            /** @description An RFC 9457 problem document: what happened and what to do. */
+            default: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDocument"];
+                };
+            };
+        };
+    };
+    "fits.cancel": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description The uuid of the resource's name. */
+                id: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Success. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Fit"];
+                };
+            };
+            /** @description An RFC 9457 problem document: what happened and what to do. */
+            default: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDocument"];
+                };
+            };
+        };
+    };
+    "fits.watch": {
+        parameters: {
+            query?: never;
+            header?: {
+                /** @description Skip revisions up to this one */
+                "Last-Event-ID"?: number | null;
+            };
+            path: {
+                /** @description The uuid of the resource's name. */
+                id: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Success. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "text/event-stream": string;
+                };
+            };
+            /** @description An RFC 9457 problem document: what happened and what to do. */
+            default: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDocument"];
+                };
+            };
+        };
+    };
+    "fits.losses": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description The uuid of the resource's name. */
+                id: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Success. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Losses"];
+                };
+            };
+            /** @description An RFC 9457 problem document: what happened and what to do. */
+            default: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDocument"];
+                };
+            };
+        };
+    };
+    "plans.create": {
+        parameters: {
+            query?: {
+                /** @description `lists` (nested lists of numbers, the default) or `base64`. */
+                tensors?: string;
+                /** @description Give up after so many seconds. */
+                timeout_s?: number;
+            };
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["PlanRequest"];
+                "application/x-protobuf": number[];
+            };
+        };
+        responses: {
+            /** @description Success. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "text/event-stream": components["schemas"]["PlanUpdate"];
+                };
+            };
+            /** @description An RFC 9457 problem document: what happened and what to do. */
+            default: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDocument"];
+                };
+            };
+        };
+    };
+    "plays.recording": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description The uuid of the resource's name. */
+                id: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Success. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["PlayRecording"];
+                };
+            };
+            /** @description An RFC 9457 problem document: what happened and what to do. */
+            default: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDocument"];
+                };
+            };
+        };
+    };
+    "plays.put_recording": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description The uuid of the resource's name. */
+                id: string;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["PlayRecording"];
+            };
+        };
+        responses: {
+            /** @description Success, without content. */
+            204: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content?: never;
+            };
+            /** @description An RFC 9457 problem document: what happened and what to do. */
+            default: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDocument"];
+                };
+            };
+        };
+    };
+    "plays.watch": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description The uuid of the resource's name. */
+                id: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description The WebSocket. */
+            101: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content?: never;
+            };
+            /** @description An RFC 9457 problem document: what happened and what to do. */
+            default: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDocument"];
+                };
+            };
+        };
+    };
+    "sessions.open": {
+        parameters: {
+            query?: {
+                /** @description `lists` (nested lists of numbers, the default) or `base64`. */
+                tensors?: string;
+                /** @description Give up after so many seconds. */
+                timeout_s?: number;
+            };
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["OpenSessionRequest"];
+                "application/x-protobuf": number[];
+            };
+        };
+        responses: {
+            /** @description Created. */
+            201: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Session"];
+                };
+            };
+            /** @description An RFC 9457 problem document: what happened and what to do. */
+            default: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDocument"];
+                };
+            };
+        };
+    };
+    "sessions.get": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description The uuid of the resource's name. */
+                id: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Success. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Session"];
+                };
+            };
+            /** @description An RFC 9457 problem document: what happened and what to do. */
+            default: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDocument"];
+                };
+            };
+        };
+    };
+    "sessions.close": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description The uuid of the resource's name. */
+                id: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Success, without content. */
+            204: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content?: never;
+            };
+            /** @description An RFC 9457 problem document: what happened and what to do. */
+            default: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDocument"];
+                };
+            };
+        };
+    };
+    "sessions.advance": {
+        parameters: {
+            query?: {
+                /** @description `lists` (nested lists of numbers, the default) or `base64`. */
+                tensors?: string;
+                /** @description Give up after so many seconds. */
+                timeout_s?: number;
+            };
+            header?: never;
+            path: {
+                /** @description The uuid of the resource's name. */
+                id: string;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["AdvanceSessionRequest"];
+                "application/x-protobuf": number[];
+            };
+        };
+        responses: {
+            /** @description Success. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["RollOutResponse"];
+                    "application/x-protobuf": number[];
+                };
+            };
+            /** @description An RFC 9457 problem document: what happened and what to do. */
+            default: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDocument"];
+                };
+            };
+        };
+    };
+    "sessions.correct": {
+        parameters: {
+            query?: {
+                /** @description `lists` (nested lists of numbers, the default) or `base64`. */
+                tensors?: string;
+                /** @description Give up after so many seconds. */
+                timeout_s?: number;
+            };
+            header?: never;
+            path: {
+                /** @description The uuid of the resource's name. */
+                id: string;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["CorrectSessionRequest"];
+                "application/x-protobuf": number[];
+            };
+        };
+        responses: {
+            /** @description Success. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["CorrectedSession"];
+                };
+            };
+            /** @description An RFC 9457 problem document: what happened and what to do. */
+            default: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDocument"];
+                };
+            };
+        };
+    };
+    "sessions.fork": {
+        parameters: {
+            query?: {
+                /** @description `lists` (nested lists of numbers, the default) or `base64`. */
+                tensors?: string;
+                /** @description Give up after so many seconds. */
+                timeout_s?: number;
+            };
+            header?: never;
+            path: {
+                /** @description The uuid of the resource's name. */
+                id: string;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["ForkSessionRequest"];
+                "application/x-protobuf": number[];
+            };
+        };
+        responses: {
+            /** @description Success. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Session"];
+                };
+            };
+            /** @description An RFC 9457 problem document: what happened and what to do. */
+            default: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDocument"];
+                };
+            };
+        };
+    };
+    "sessions.reset": {
+        parameters: {
+            query?: {
+                /** @description `lists` (nested lists of numbers, the default) or `base64`. */
+                tensors?: string;
+                /** @description Give up after so many seconds. */
+                timeout_s?: number;
+            };
+            header?: never;
+            path: {
+                /** @description The uuid of the resource's name. */
+                id: string;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["ResetSessionRequest"];
+                "application/x-protobuf": number[];
+            };
+        };
+        responses: {
+            /** @description Success. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Session"];
+                };
+            };
+            /** @description An RFC 9457 problem document: what happened and what to do. */
+            default: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDocument"];
+                };
+            };
+        };
+    };
+    "sessions.states": {
+        parameters: {
+            query?: {
+                /** @description Numbers of slots with commas between them; all of them by default. */
+                slots?: string;
+                /** @description `lists` (nested lists of numbers, the default) or `base64`. */
+                tensors?: string;
+            };
+            header?: never;
+            path: {
+                /** @description The uuid of the resource's name. */
+                id: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Success. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["SessionStates"];
+                };
+            };
+            /** @description An RFC 9457 problem document: what happened and what to do. */
+            default: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDocument"];
+                };
+            };
+        };
+    };
+    "twins.list": {
+        parameters: {
+            query?: {
+                /** @description At most 1000; 0 means 50. */
+                page_size?: number;
+                /** @description `next_page_token` of the previous page, with the same filters and order. */
+                page_token?: string;
+                /** @description Restricts the list to this capture. */
+                capture?: string;
+                /** @description Text in display name or note, whatever its case. */
+                search?: string;
+                /** @description A tag. */
+                tag?: string;
+                /**
+                 * @description `create_time`, `name` or `error`, ascending or, followed by ` desc`, descending. Newest first
+                 *     if empty.
+                 */
+                order_by?: string;
+            };
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Success. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Twins"];
+                };
+            };
+            /** @description An RFC 9457 problem document: what happened and what to do. */
+            default: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDocument"];
+                };
+            };
+        };
+    };
+    "twins.create": {
+        parameters: {
+            query?: {
+                /** @description Display name. */
+                display_name?: string;
+                /** @description BLAKE3 of the body, hex; checked. Headers may give it instead. */
+                digest?: string;
+            };
+            header?: {
+                /** @description Makes the import idempotent */
+                "Idempotency-Key"?: string | null;
+                /** @description BLAKE3 of the body, hex; checked */
+                "X-Content-Blake3"?: string | null;
+            };
+            path?: never;
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/octet-stream": number[];
+            };
+        };
+        responses: {
+            /** @description Created. */
+            201: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Twin"];
+                };
+            };
+            /** @description An RFC 9457 problem document: what happened and what to do. */
+            default: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDocument"];
+                };
+            };
+        };
+    };
+    "twins.get": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description The uuid of the resource's name. */
+                id: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Success. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Twin"];
+                };
+            };
+            /** @description An RFC 9457 problem document: what happened and what to do. */
+            default: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDocument"];
+                };
+            };
+        };
+    };
+    "twins.delete": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description The uuid of the resource's name. */
+                id: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Success, without content. */
+            204: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content?: never;
+            };
+            /** @description An RFC 9457 problem document: what happened and what to do. */
+            default: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDocument"];
+                };
+            };
+        };
+    };
+    "twins.update": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description The uuid of the resource's name. */
+                id: string;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["LabelUpdate"];
+            };
+        };
+        responses: {
+            /** @description Success. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Twin"];
+                };
+            };
+            /** @description An RFC 9457 problem document: what happened and what to do. */
+            default: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDocument"];
+                };
+            };
+        };
+    };
+    "twins.content": {
+        parameters: {
+            query?: never;
+            header?: {
+                /** @description One range of bytes */
+                Range?: string | null;
+                /** @description The ETag that the range is of */
+                "If-Range"?: string | null;
+            };
+            path: {
+                /** @description The uuid of the resource's name. */
+                id: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Success. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/octet-stream": number[];
+                };
+            };
+            /** @description See the description of the operation. */
+            206: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/octet-stream": number[];
+                };
+            };
+            /** @description An RFC 9457 problem document: what happened and what to do. */
+            default: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDocument"];
+                };
+            };
+        };
+    };
+    "twins.evaluate": {
+        parameters: {
+            query?: {
+                /** @description `lists` (nested lists of numbers, the default) or `base64`. */
+                tensors?: string;
+                /** @description Give up after so many seconds. */
+                timeout_s?: number;
+            };
+            header?: never;
+            path: {
+                /** @description The uuid of the resource's name. */
+                id: string;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["EvaluateTwin"];
+            };
+        };
+        responses: {
+            /** @description Success. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Evaluation"];
+                };
+            };
+            /** @description An RFC 9457 problem document: what happened and what to do. */
+            default: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDocument"];
+                };
+            };
+        };
+    };
+    "twins.geometry": {
+        parameters: {
+            query?: {
+                /** @description `lists` (nested lists of numbers, the default) or `base64`. */
+                tensors?: string;
+            };
+            header?: never;
+            path: {
+                /** @description The uuid of the resource's name. */
+                id: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Success. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["TwinGeometry"];
+                };
+            };
+            /** @description An RFC 9457 problem document: what happened and what to do. */
+            default: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDocument"];
+                };
+            };
+        };
+    };
+    "plays.play": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description The uuid of the resource's name. */
+                id: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description The WebSocket. */
+            101: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content?: never;
+            };
+            /** @description An RFC 9457 problem document: what happened and what to do. */
+            default: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDocument"];
+                };
+            };
+        };
+    };
+    "rollouts.register": {
+        parameters: {
+            query?: {
+                /** @description `lists` (nested lists of numbers, the default) or `base64`. */
+                tensors?: string;
+                /** @description Give up after so many seconds. */
+                timeout_s?: number;
+            };
+            header?: never;
+            path: {
+                /** @description The uuid of the resource's name. */
+                id: string;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["RegisterStateRequest"];
+                "application/x-protobuf": number[];
+            };
+        };
+        responses: {
+            /** @description Success. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["RegisteredState"];
+                    "application/x-protobuf": number[];
+                };
+            };
+            /** @description An RFC 9457 problem document: what happened and what to do. */
+            default: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDocument"];
+                };
+            };
+        };
+    };
+    "rollouts.create": {
+        parameters: {
+            query?: {
+                /** @description `lists` (nested lists of numbers, the default) or `base64`. */
+                tensors?: string;
+                /** @description Give up after so many seconds. */
+                timeout_s?: number;
+            };
+            header?: never;
+            path: {
+                /** @description The uuid of the resource's name. */
+                id: string;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["RollOutRequest"];
+                "application/x-protobuf": number[];
+            };
+        };
+        responses: {
+            /** @description Success. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["RollOutResponse"];
+                    "application/x-protobuf": number[];
+                };
+            };
+            /** @description An RFC 9457 problem document: what happened and what to do. */
+            default: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDocument"];
+                };
+            };
+        };
+    };
+    "rollouts.stream": {
+        parameters: {
+            query?: {
+                /** @description `lists` (nested lists of numbers, the default) or `base64`. */
+                tensors?: string;
+                /** @description Give up after so many seconds. */
+                timeout_s?: number;
+            };
+            header?: never;
+            path: {
+                /** @description The uuid of the resource's name. */
+                id: string;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["RollOutRequest"];
+                "application/x-protobuf": number[];
+            };
+        };
+        responses: {
+            /** @description Parts of the reply */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "text/event-stream": string;
+                };
+            };
+            /** @description An RFC 9457 problem document: what happened and what to do. */
+            default: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDocument"];
+                };
+            };
+        };
+    };
+    "uploads.list": {
+        parameters: {
+            query?: {
+                /** @description At most 1000; 0 means 50. */
+                page_size?: number;
+                /** @description `next_page_token` of the previous page. */
+                page_token?: string;
+            };
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Success. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Uploads"];
+                };
+            };
+            /** @description An RFC 9457 problem document: what happened and what to do. */
+            default: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDocument"];
+                };
+            };
+        };
+    };
+    "uploads.create": {
+        parameters: {
+            query?: never;
+            header: {
+                /** @description 1.0.0 */
+                "Tus-Resumable": string;
+                /** @description Size of the whole [bytes] */
+                "Upload-Length"?: number | null;
+                /** @description 1 if the size is not known yet */
+                "Upload-Defer-Length"?: number | null;
+                /** @description Pairs `key base64`, separated by commas */
+                "Upload-Metadata"?: string | null;
+                /** @description Makes the upload idempotent */
+                "Idempotency-Key"?: string | null;
+                /** @description `algorithm base64` of the body */
+                "Upload-Checksum"?: string | null;
+            };
+            path?: never;
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/offset+octet-stream": number[];
+            };
+        };
+        responses: {
+            /** @description Created. */
+            201: {
+                headers: {
+                    Location?: string;
+                    "Upload-Expires"?: string;
+                    "Upload-Offset"?: number;
+                    [name: string]: unknown;
+                };
+                content?: never;
+            };
+            /** @description An RFC 9457 problem document: what happened and what to do. */
+            default: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDocument"];
+                };
+            };
+        };
+    };
+    "uploads.options": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Success, without content. */
+            204: {
+                headers: {
+                    "Tus-Checksum-Algorithm"?: string;
+                    "Tus-Extension"?: string;
+                    "Tus-Max-Size"?: number;
+                    "Tus-Version"?: string;
+                    [name: string]: unknown;
+                };
+                content?: never;
+            };
+        };
+    };
+    "uploads.get": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description The uuid of the resource's name. */
+                id: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Success. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Upload"];
+                };
+            };
+            /** @description An RFC 9457 problem document: what happened and what to do. */
+            default: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDocument"];
+                };
+            };
+        };
+    };
+    "uploads.terminate": {
+        parameters: {
+            query?: never;
+            header?: {
+                /** @description 1.0.0 */
+                "Tus-Resumable"?: string | null;
+            };
+            path: {
+                /** @description The uuid of the resource's name. */
+                id: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Success, without content. */
+            204: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content?: never;
+            };
+            /** @description An RFC 9457 problem document: what happened and what to do. */
+            default: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDocument"];
+                };
+            };
+        };
+    };
+    "uploads.head": {
+        parameters: {
+            query?: never;
+            header: {
+                /** @description 1.0.0 */
+                "Tus-Resumable": string;
+            };
+            path: {
+                /** @description The uuid of the resource's name. */
+                id: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Success. */
+            200: {
+                headers: {
+                    "Bendtwin-Capture"?: string;
+                    "Upload-Defer-Length"?: number;
+                    "Upload-Expires"?: string;
+                    "Upload-Length"?: number;
+                    "Upload-Metadata"?: string;
+                    "Upload-Offset"?: number;
+                    [name: string]: unknown;
+                };
+                content?: never;
+            };
+            /** @description An RFC 9457 problem document: what happened and what to do. */
+            default: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDocument"];
+                };
+            };
+        };
+    };
+    "uploads.append": {
+        parameters: {
+            query?: never;
+            header: {
+                /** @description 1.0.0 */
+                "Tus-Resumable": string;
+                /** @description Where the body begins; must be the upload's offset */
+                "Upload-Offset": number;
+                /** @description Size of the whole, if it was deferred [bytes] */
+                "Upload-Length"?: number | null;
+                /** @description `algorithm base64` of the body: sha1, sha256 or blake3 */
+                "Upload-Checksum"?: string | null;
+            };
+            path: {
+                /** @description The uuid of the resource's name. */
+                id: string;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/offset+octet-stream": number[];
+            };
+        };
+        responses: {
+            /** @description Success, without content. */
+            204: {
+                headers: {
+                    "Bendtwin-Capture"?: string;
+                    "Content-Location"?: string;
+                    "Upload-Expires"?: string;
+                    "Upload-Offset"?: number;
+                    [name: string]: unknown;
+                };
+                content?: never;
+            };
+            /** @description An RFC 9457 problem document: what happened and what to do. */
+            default: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDocument"];
+                };
+            };
+        };
+    };
+    "workers.list": {
+        parameters: {
+            query?: {
+                /** @description At most 1000; 0 means 50. */
+                page_size?: number;
+                /** @description `next_page_token` of the previous page. */
+                page_token?: string;
+            };
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Success. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Workers"];
+                };
+            };
+            /** @description An RFC 9457 problem document: what happened and what to do. */
+            default: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDocument"];
+                };
+            };
+        };
+    };
+    "workers.get": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description The uuid of the resource's name. */
+                id: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Success. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Worker"];
+                };
+            };
+            /** @description An RFC 9457 problem document: what happened and what to do. */
+            default: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDocument"];
+                };
+            };
+        };
+    };
+}

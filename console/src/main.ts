@@ -1,0 +1,10 @@
+import { Api } from './api/client';
+import { takeTokenFromAddress } from './api/token';
+import { acceptDrops } from './pages/upload/anywhere';
+import { start } from './router';
+
+takeTokenFromAddress();
+const app = document.getElementById('app');
+const api = new Api();
+if (app !== null) start(app, api);
+acceptDrops(api);

@@ -1,0 +1,146 @@
+import { watch } from '../../api/events';
+import { hasEnded, type Capture } from '../../api/types';
+import type { OpenPage, PageContext } from '../../page';
+import { h } from '../../ui/dom';
+import { facts } from '../../ui/form';
+import { size, time } from '../../ui/format';
+import { problemBox } from '../../ui/problem';
+import { actionButton, deleteButton, download, faultPlace } from '../parts/actions';
+import { JobView } from '../parts/job';
+import { LabelEditor } from '../parts/labels';
+import { settingsView } from '../parts/settings_view';
+import { findingsView } from './findings';
+import { ingestAgain } from './again';
+import { camerasView, factsView } from './measured';
+import { picturesView } from './pictures';
+import { fitsOf, twinsOf } from './results';
+import type { Report } from './report';
+
+/** The page of a capture. */
+export const open: OpenPage = async (context) => {
+  const id = context.parameters['id'] ?? '';
+  const path = `/v1/captures/${id}`;
+  const capture = await context.api.json<Capture>(path, { signal: context.signal });
+  const page = new CapturePage(context, id, path, capture);
+  void page.follow();
+  return { element: page.element };
+};
+
+class CapturePage {
+  readonly element: HTMLElement;
+  readonly #job = new JobView('Reading of the recording');
+  readonly #report = h('div');
+  readonly #actions = h('div', { class: 'buttons' });
+  readonly #faults = faultPlace();
+  readonly #settings = h('div');
+  /** State that is shown: what depends on it is drawn anew only when it changes. */
+  #state = '';
+
+  constructor(
+    private readonly context: PageContext,
+    private readonly id: string,
+    private readonly path: string,
+    private capture: Capture,
+  ) {
+    const labels = new LabelEditor<Capture>(context, 'captures', path, capture, (changed) => this.update(changed));
+    this.element = h(
+      'div',
+      {},
+      this.#actions,
+      this.#faults,
+      labels.element,
+      this.#job.element,
+      facts([
+        ['Uploaded', time(capture.create_time)],
+        ['Size', size(capture.size_bytes)],
+        ['BLAKE3', h('code', {}, capture.digest.slice(0, 16), '…')],
+      ]),
+      this.#report,
+      fitsOf(context, capture.name),
+      twinsOf(context, capture.name),
+      h('h2', {}, 'More'),
+      ingestAgain(context, path, (changed) => {
+        this.update(changed);
+        void this.follow();
+      }),
+      this.#settings,
+    );
+    this.update(capture);
+  }
+
+  /** Follows the ingest until it has ended. */
+  async follow(): Promise<void> {
+    const { context } = this;
+    if (hasEnded(this.capture.ingest)) return;
+    try {
+      await watch<Capture>(context.api, `${this.path}/events`, {
+        signal: context.signal,
+        onData: (capture) => this.update(capture),
+        isLast: ({ ingest }) => hasEnded(ingest),
+      });
+    } catch (error) {
+      if (!context.signal.aborted) this.#faults.replaceChildren(problemBox(error));
+    }
+  }
+
+  private update(capture: Capture): void {
+    // An answer of before must not take the place of a later one.
+    if (capture.ingest.revision < this.capture.ingest.revision) return;
+    this.capture = capture;
+    this.context.setTitle(capture.display_name || 'Capture without a name');
+    this.#job.update(capture.ingest);
+    const { state: word, revision } = capture.ingest;
+    // One run may end as the one before did, with another report.
+    const state = hasEnded(capture.ingest) ? `${word} ${revision}` : word;
+    if (state === this.#state) return;
+    if (this.#state !== '') this.context.announce(`Reading: ${capture.ingest.state.toLowerCase()}`);
+    this.#state = state;
+    this.#actions.replaceChildren(...this.actions());
+    this.#settings.replaceChildren(settingsView('Settings of the ingest', capture.ingest.settings));
+    if (hasEnded(capture.ingest)) void this.showReport();
+  }
+
+  private actions(): HTMLElement[] {
+    const { context, id, path, capture } = this;
+    const faults = this.#faults;
+    const isRead = capture.ingest.state === 'SUCCEEDED';
+    const cancel = async (): Promise<void> => {
+      this.update(await context.api.send<Capture>('POST', `${path}/ingest/cancel`, {}, context.signal));
+    };
+    const question = {
+      title: 'Delete this capture?',
+      text: 'Its recording, observation and report are deleted. Twins that were fitted to it stay.',
+    };
+    return [
+      ...(isRead ? [h('a', { class: 'button primary', href: `#/fits/new?capture=${id}` }, 'Start a fit')] : []),
+      ...(isRead ? [h('a', { class: 'button', href: `#/captures/${id}/playback` }, 'Play back')] : []),
+      ...(hasEnded(capture.ingest) ? [] : [actionButton(context, 'Stop reading', faults, cancel)]),
+      download(context, 'Download the recording', `${path}/content`, `${id}.zip`, faults),
+      ...(isRead
+        ? [download(context, 'Download the observation', `${path}/observation`, `${id}-observation.zip`, faults)]
+        : []),
+      deleteButton(context, path, question, '#/captures', faults),
+    ];
+  }
+
+  private async showReport(): Promise<void> {
+    const { context, id, path } = this;
+    if (!this.capture.verdict) return this.#report.replaceChildren();
+    try {
+      const report = await context.api.json<Report>(`${path}/report`, { signal: context.signal });
+      this.#report.replaceChildren(
+        findingsView(report),
+        factsView(report),
+        ...[camerasView(report.cameras)].filter((view) => view !== null),
+        picturesView(context, id),
+        h(
+          'p',
+          {},
+          download(context, 'Download the report as a page', `${path}/report.html`, `${id}-report.html`, this.#faults),
+        ),
+      );
+    } catch (error) {
+      if (!context.signal.aborted) this.#report.replaceChildren(problemBox(error, () => void this.showReport()));
+    }
+  }
+}

@@ -1,0 +1,103 @@
+import uPlot from 'uplot';
+import 'uplot/dist/uPlot.min.css';
+
+import { h } from '../../ui/dom';
+import { chartsOf, type LossCurve, type StageChart } from './losses';
+
+const TITLES: Record<string, string> = { search: 'Search', refine: 'Refinement' };
+const HEIGHT = 260;
+/** Steps between the marks of iterations, which are whole. */
+const WHOLE = [1, 2, 5].flatMap((step) => [0, 1, 2, 3, 4].map((power) => step * 10 ** power)).sort((a, b) => a - b);
+
+/** Losses as curves over a logarithmic axis, a chart for each stage. The charts stay while curves grow. */
+export class LossCharts {
+  readonly element = h('div', { class: 'charts' });
+  #charts = new Map<string, { plot: uPlot; lines: string; place: HTMLElement }>();
+  #shown: readonly StageChart[] = [];
+  readonly #resized = new ResizeObserver(() => this.resize());
+  readonly #scheme = matchMedia('(prefers-color-scheme: dark)');
+  readonly #repaint = (): void =>
+    this.#shown.forEach((chart) => this.draw(chart, this.#charts.get(chart.stage)?.lines ?? ''));
+
+  constructor() {
+    this.#resized.observe(this.element);
+    this.#scheme.addEventListener('change', this.#repaint);
+  }
+
+  update(curves: readonly LossCurve[]): void {
+    this.#shown = chartsOf(curves);
+    for (const chart of this.#shown) {
+      const known = this.#charts.get(chart.stage);
+      const lines = JSON.stringify(chart.lines.map(({ label }) => label));
+      if (known?.lines === lines) known.plot.setData(dataOf(chart));
+      else this.draw(chart, lines);
+    }
+    this.resize();
+  }
+
+  dispose(): void {
+    this.#resized.disconnect();
+    this.#scheme.removeEventListener('change', this.#repaint);
+    for (const { plot } of this.#charts.values()) plot.destroy();
+  }
+
+  /** Draws a chart, in the place of what was there of its stage. */
+  private draw(chart: StageChart, lines: string): void {
+    const known = this.#charts.get(chart.stage);
+    known?.plot.destroy();
+    const place = known?.place ?? h('figure', { class: 'chart' });
+    const title = TITLES[chart.stage] ?? chart.stage;
+    place.replaceChildren(h('figcaption', {}, h('strong', {}, title), ' loss over iterations'));
+    if (known === undefined) this.element.append(place);
+    const plot = new uPlot(optionsOf(chart, widthOf(place)), dataOf(chart), place);
+    // What it shows is in a table besides.
+    plot.root.setAttribute('aria-hidden', 'true');
+    this.#charts.set(chart.stage, { plot, lines, place });
+  }
+
+  /** Charts are as wide as their places, which the page lays out. */
+  private resize(): void {
+    for (const { plot, place } of this.#charts.values()) {
+      const width = widthOf(place);
+      if (plot.width !== width) plot.setSize({ width, height: HEIGHT });
+    }
+  }
+}
+
+function widthOf(place: HTMLElement): number {
+  const { paddingLeft, paddingRight } = getComputedStyle(place);
+  return Math.max(Math.floor(place.clientWidth - parseFloat(paddingLeft) - parseFloat(paddingRight)), 200) || 200;
+}
+
+function dataOf({ iterations, lines }: StageChart): uPlot.AlignedData {
+  return [iterations as number[], ...lines.map(({ values }) => values as (number | null)[])];
+}
+
+function optionsOf({ lines }: StageChart, width: number): uPlot.Options {
+  const style = getComputedStyle(document.documentElement);
+  const color = (name: string): string => style.getPropertyValue(name).trim();
+  const [text, grid] = [color('--muted'), color('--border')];
+  const colors = ['--series-1', '--series-2', '--series-3', '--series-4', '--series-5', '--series-6'].map(color);
+  const axis = { stroke: text, grid: { stroke: grid, width: 1 }, ticks: { stroke: grid, width: 1 } };
+  return {
+    width,
+    height: HEIGHT,
+    scales: { x: { time: false }, y: { distr: 3 } },
+    axes: [
+      { ...axis, incrs: WHOLE },
+      { ...axis, size: 64, values: (_plot, splits) => splits.map((v) => (v === null ? '' : v.toExponential(0))) },
+    ],
+    series: [
+      { label: 'Iteration' },
+      ...lines.map(({ label, isBest, model }) => ({
+        label,
+        stroke: colors[model % colors.length] ?? text,
+        width: isBest ? 2 : 1,
+        ...(isBest ? {} : { dash: [2, 3] }),
+        spanGaps: true,
+        points: { show: false },
+        value: (_plot: uPlot, value: number | null) => (value === null ? '–' : value.toExponential(2)),
+      })),
+    ],
+  };
+}

@@ -1,0 +1,157 @@
+import { idOf } from '../../api/routes';
+import { Problem } from '../../api/problem';
+import { watch } from '../../api/events';
+import { hasEnded, type Capture, type Fit, type Twin } from '../../api/types';
+import type { OpenPage, PageContext } from '../../page';
+import { h } from '../../ui/dom';
+import { facts } from '../../ui/form';
+import { name, time } from '../../ui/format';
+import { problemBox } from '../../ui/problem';
+import { actionButton, deleteButton, faultPlace } from '../parts/actions';
+import { JobView } from '../parts/job';
+import { LabelEditor } from '../parts/labels';
+import { settingsView } from '../parts/settings_view';
+import { assessmentView, qualityView } from '../twins/assessment';
+import { parametersView } from '../twins/parameters';
+import type { Quality } from '../twins/quality';
+import { LossView } from './curves';
+
+/** The page of a fit: how far it is, its losses, and what came of it. */
+export const open: OpenPage = async (context) => {
+  const path = `/v1/fits/${encodeURIComponent(context.parameters['id'] ?? '')}`;
+  const fit = await context.api.json<Fit>(path, { signal: context.signal });
+  const page = new FitPage(context, path, fit);
+  void page.follow();
+  return { element: page.element, dispose: () => page.dispose() };
+};
+
+class FitPage {
+  readonly element: HTMLElement;
+  readonly #job = new JobView('Fit');
+  readonly #losses: LossView;
+  readonly #actions = h('div', { class: 'buttons' });
+  readonly #faults = faultPlace();
+  readonly #result = h('div');
+  /** State that is shown: what depends on it is drawn anew only when it changes. */
+  #state = '';
+
+  constructor(
+    private readonly context: PageContext,
+    private readonly path: string,
+    private fit: Fit,
+  ) {
+    this.#losses = new LossView(context, path);
+    const labels = new LabelEditor<Fit>(context, 'fits', path, fit, (changed) => this.update(changed));
+    this.element = h(
+      'div',
+      {},
+      this.#actions,
+      this.#faults,
+      labels.element,
+      this.#job.element,
+      facts([
+        ['Capture', captureLink(context, fit.capture)],
+        ['Asked for', time(fit.job.create_time)],
+        ['Priority', fit.priority],
+      ]),
+      this.#result,
+      this.#losses.element,
+      // With a twin its file has the settings, and what was chosen for open ones.
+      fit.twin ? '' : settingsView('Settings', fit.job.settings),
+    );
+    this.update(fit);
+  }
+
+  dispose(): void {
+    this.#losses.dispose();
+  }
+
+  /** Follows the fit until it has ended. */
+  async follow(): Promise<void> {
+    const { context } = this;
+    if (hasEnded(this.fit.job)) return;
+    try {
+      await watch<Fit>(context.api, `${this.path}/events`, {
+        signal: context.signal,
+        onData: (fit) => this.update(fit),
+        isLast: ({ job }) => hasEnded(job),
+      });
+    } catch (error) {
+      if (!context.signal.aborted) this.#faults.replaceChildren(problemBox(error));
+    }
+  }
+
+  private update(fit: Fit): void {
+    // An answer of before must not take the place of a later one.
+    if (fit.job.revision < this.fit.job.revision) return;
+    this.fit = fit;
+    this.context.setTitle(fit.display_name || 'Fit without a name');
+    this.#job.update(fit.job);
+    void this.#losses.update(hasEnded(fit.job));
+    const state = `${fit.job.state} ${fit.job.cancel_requested} ${fit.twin ?? ''}`;
+    if (state === this.#state) return;
+    if (this.#state !== '') this.context.announce(`The fit is ${fit.job.state.toLowerCase()}`);
+    this.#state = state;
+    this.#actions.replaceChildren(...this.actions());
+    if (fit.twin) void this.showResult(fit.twin);
+  }
+
+  private actions(): HTMLElement[] {
+    const { context, path, fit } = this;
+    const faults = this.#faults;
+    const cancel = async (): Promise<void> => {
+      this.update(await context.api.send<Fit>('POST', `${path}/cancel`, {}, context.signal));
+    };
+    const id = fit.twin ? idOf(fit.twin) : '';
+    const toTwin = [
+      h('a', { class: 'button primary', href: `#/twins/${id}/play` }, 'Play with the twin'),
+      h('a', { class: 'button', href: `#/twins/${id}` }, 'Open the twin'),
+      h('a', { class: 'button', href: `#/captures/${idOf(fit.capture)}/playback?twin=${id}` }, 'Beside the recording'),
+    ];
+    const question = { title: 'Delete this fit?', text: 'Its losses are deleted. Its twin stays.' };
+    return [
+      ...(fit.twin ? toTwin : []),
+      ...(hasEnded(fit.job) || fit.job.cancel_requested
+        ? []
+        : [actionButton(context, 'Cancel the fit', faults, cancel)]),
+      h(
+        'a',
+        {
+          class: 'button',
+          href: `#/fits/new?${new URLSearchParams({ capture: idOf(fit.capture), like: idOf(fit.name) })}`,
+        },
+        'Fit again with changes',
+      ),
+      ...(fit.job.state === 'RUNNING' ? [] : [deleteButton(context, path, question, '#/fits', faults)]),
+    ];
+  }
+
+  private async showResult(twin: string): Promise<void> {
+    const { context } = this;
+    try {
+      const { quality } = await context.api.json<Twin>(`/v1/${twin}`, { signal: context.signal });
+      const asked = (): Promise<unknown> => Promise.resolve(this.fit.job.settings);
+      this.#result.replaceChildren(
+        ...[assessmentView(quality as Quality), qualityView(quality as Quality)].filter((view) => view !== null),
+        parametersView(context, `/v1/${twin}`, asked),
+      );
+    } catch (error) {
+      if (context.signal.aborted) return;
+      const isGone = error instanceof Problem && error.status === 404;
+      const box = isGone
+        ? h('p', { class: 'muted' }, 'Its twin was deleted.')
+        : problemBox(error, () => void this.showResult(twin));
+      this.#result.replaceChildren(box);
+    }
+  }
+}
+
+/** The capture by its name, once that is known. */
+export function captureLink({ api, signal }: PageContext, capture: string): HTMLElement {
+  const link = h('a', { href: `#/captures/${idOf(capture)}` }, idOf(capture));
+  api.json<Capture>(`/v1/${capture}`, { signal }).then(
+    ({ display_name }) => link.replaceChildren(name(display_name)),
+    () => undefined,
+  );
+  return link;
+}

@@ -1,0 +1,38 @@
+import { expect, test } from 'vitest';
+
+import { chartsOf, lastLosses, lossText, type LossCurve } from './losses';
+
+const CURVES: LossCurve[] = [
+  { stage: 'search', variant: 'bending 1/2', iterations: [1, 2, 4], losses: [3, null, 1], best_losses: [3, 3, 1] },
+  { stage: 'search', variant: 'bending 2/2', iterations: [1, 3], losses: [0, 2], best_losses: [0, 0] },
+  { stage: 'refine', variant: 'bending 2/2', iterations: [1], losses: [0.5], best_losses: [0.5] },
+];
+
+test('curves become a chart a stage, whose lines share their iterations', () => {
+  const [search, refine, ...others] = chartsOf(CURVES);
+  expect(others).toEqual([]);
+  expect(search?.iterations).toEqual([1, 2, 3, 4]);
+  expect(search?.lines.map(({ values }) => values)).toEqual([
+    [3, null, null, 1],
+    [3, 3, null, 1],
+    [null, null, 2, null],
+    [null, null, null, null],
+  ]);
+  // A model keeps its colour from one stage to the next.
+  expect(refine?.lines.map(({ model, label }) => [model, label])).toEqual([
+    [1, 'bending 2/2'],
+    [1, 'bending 2/2, best'],
+  ]);
+  expect(chartsOf([])).toEqual([]);
+});
+
+test('the ends of curves say where models are', () => {
+  expect(lastLosses(CURVES)[0]).toEqual({ stage: 'search', variant: 'bending 1/2', iteration: 4, loss: 1, best: 1 });
+  expect([null, 0, 0.00003251, 0.1234, 12345].map(lossText)).toEqual([
+    'not finite',
+    '0',
+    '3.25e-5',
+    '0.123',
+    '1.23e+4',
+  ]);
+});

@@ -1,0 +1,130 @@
+import { idOf } from '../../api/routes';
+import { Problem } from '../../api/problem';
+import type { Capture, Fit } from '../../api/types';
+import type { OpenPage, PageContext } from '../../page';
+import { h } from '../../ui/dom';
+import { field } from '../../ui/form';
+import { moment } from '../../ui/format';
+import { problemBox } from '../../ui/problem';
+import { faultsByName } from '../parts/settings';
+import { SettingsForm } from './form';
+import { formOf, settingsOf, type FitForm } from './request';
+
+/** Captures to choose from; older ones are reached from their own pages. */
+const CHOICES = 200;
+
+/**
+ * The form that starts a fit: `?capture=` says of what, `?like=` the fit whose settings it begins with, `?from=` the
+ * twin that it refines.
+ */
+export const open: OpenPage = async (context) => {
+  context.setTitle('Start a fit');
+  const like = context.query.get('like');
+  const [captures, model] = await Promise.all([choices(context), like === null ? null : fitOf(context, like)]);
+  const wanted = context.query.get('capture') ?? (model === null ? null : idOf(model.capture));
+  return { element: new NewFit(context, captures, wanted, model).element };
+};
+
+class NewFit {
+  readonly element: HTMLFormElement;
+  readonly #capture: HTMLSelectElement;
+  readonly #name = h('input', { maxlength: '200', placeholder: 'that of the capture' });
+  readonly #priority = h('input', { inputmode: 'numeric', placeholder: '0' });
+  readonly #settings: SettingsForm;
+  readonly #faults = h('div');
+  readonly #submit = h('button', { type: 'submit', class: 'primary' }, 'Start the fit');
+  /** Makes a repeated request the same one, as after an answer was lost. */
+  #key = newKey();
+
+  constructor(
+    private readonly context: PageContext,
+    captures: readonly Capture[],
+    wanted: string | null,
+    model: Fit | null,
+  ) {
+    const form = formOf(model?.job.settings ?? {});
+    const from = context.query.get('from');
+    const refined: FitForm['others'] = from === null ? [] : [['start_from', `twins/${from}`]];
+    this.#settings = new SettingsForm({ ...form, others: [...form.others, ...refined] });
+    const options = captures.map((capture) => {
+      const words = [capture.display_name || 'without a name', moment(capture.create_time), capture.verdict ?? ''];
+      const text = words.filter((word) => word !== '').join(', ');
+      return h('option', { value: capture.name, selected: idOf(capture.name) === wanted }, text);
+    });
+    this.#capture = h(
+      'select',
+      { required: true },
+      ...(wanted === null ? [h('option', { value: '' }, 'Choose a capture')] : []),
+      ...options,
+    );
+    const hint = 'Higher runs earlier, -100 to 100.';
+    this.element = h(
+      'form',
+      { onsubmit: (event) => void this.submit(event) },
+      field('Capture', this.#capture),
+      field('Name', this.#name),
+      this.#settings.element,
+      h('details', { class: 'card' }, h('summary', {}, 'Order in the queue'), field('Priority', this.#priority, hint)),
+      this.#faults,
+      h('div', { class: 'buttons' }, this.#submit),
+    );
+    // Another content under the same key would be refused.
+    this.element.addEventListener('input', () => (this.#key = newKey()));
+  }
+
+  private async submit(event: Event): Promise<void> {
+    event.preventDefault();
+    const { context } = this;
+    const { settings, faults } = settingsOf(this.#settings.value);
+    if (this.tell(faults)) return;
+    this.#submit.disabled = true;
+    try {
+      const body = {
+        capture: this.#capture.value,
+        settings,
+        display_name: this.#name.value.trim(),
+        priority: Number(this.#priority.value) || 0,
+      };
+      const fit = await context.api.json<Fit>('/v1/fits', {
+        method: 'POST',
+        headers: { 'content-type': 'application/json', 'idempotency-key': this.#key },
+        body: JSON.stringify(body),
+        signal: context.signal,
+      });
+      context.navigate(`#/fits/${idOf(fit.name)}`);
+    } catch (error) {
+      if (context.signal.aborted) return;
+      const isAboutSettings = error instanceof Problem && error.reason === 'INVALID_SETTINGS';
+      if (!isAboutSettings) this.#faults.replaceChildren(problemBox(error));
+      else this.tell(faultsByName(error.message));
+    }
+    this.#submit.disabled = false;
+  }
+
+  /** Shows faults at their fields, others below; false if there are none. */
+  private tell(faults: ReadonlyMap<string, string>): boolean {
+    const rest = this.#settings.show(faults);
+    this.#faults.replaceChildren(...(rest.length > 0 ? [problemBox(new Error(rest.join('; ')))] : []));
+    if (faults.size > 0) this.context.announce(`${faults.size} settings are not accepted`);
+    return faults.size > 0;
+  }
+}
+
+/** The last captures, and the one that was asked for. */
+async function choices(context: PageContext): Promise<Capture[]> {
+  const { api, query, signal } = context;
+  const { captures } = await api.get('/v1/captures', { query: { page_size: CHOICES }, signal });
+  const found = captures as unknown as Capture[];
+  const wanted = query.get('capture');
+  if (wanted === null || found.some(({ name }) => idOf(name) === wanted)) return found;
+  return [await api.json<Capture>(`/v1/captures/${encodeURIComponent(wanted)}`, { signal }), ...found];
+}
+
+function fitOf({ api, signal }: PageContext, id: string): Promise<Fit> {
+  return api.json<Fit>(`/v1/fits/${encodeURIComponent(id)}`, { signal });
+}
+
+function newKey(): string {
+  const bytes = crypto.getRandomValues(new Uint8Array(16));
+  return `console-${[...bytes].map((byte) => byte.toString(16).padStart(2, '0')).join('')}`;
+}

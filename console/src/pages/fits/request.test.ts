@@ -1,0 +1,69 @@
+import { expect, test } from 'vitest';
+
+import { formOf, settingsOf, type FitForm } from './request';
+
+const PLAIN: FitForm = {
+  effort: 'standard',
+  within_s: '',
+  seed: '',
+  starts: '',
+  bending: true,
+  compareAxial: false,
+  others: [],
+};
+
+test('a form that was not changed asks for no settings', () => {
+  expect(settingsOf(PLAIN)).toEqual({ settings: {}, faults: new Map() });
+  expect(formOf({})).toEqual(PLAIN);
+});
+
+test('what was filled in becomes settings by their names', () => {
+  const others = [
+    ['graph.max_nodes', '400'],
+    ['refine.window', '{"frames": 3}'],
+    ['loss.sequences', 'geometric'],
+    ['', ''],
+  ] as const;
+  const form = {
+    ...PLAIN,
+    effort: 'draft',
+    within_s: '60',
+    seed: '7',
+    starts: '3',
+    bending: false,
+    compareAxial: true,
+    others,
+  };
+  const { settings, faults } = settingsOf(form);
+  expect(faults.size).toBe(0);
+  expect(settings).toEqual({
+    effort: 'draft',
+    within_s: 60,
+    seed: 7,
+    search: { starts: 3 },
+    bending: false,
+    compare_axial: true,
+    graph: { max_nodes: 400 },
+    refine: { window: { frames: 3 } },
+    loss: { sequences: 'geometric' },
+  });
+  const again = [
+    ['graph.max_nodes', '400'],
+    ['refine.window.frames', '3'],
+    ['loss.sequences', '"geometric"'],
+  ];
+  expect(formOf(settings)).toEqual({ ...form, others: again });
+  expect(settingsOf(formOf(settings)).settings).toEqual(settings);
+});
+
+test('what cannot be sent is told at its name', () => {
+  const others = [
+    ['a', ''],
+    ['', '3'],
+    ['graph.max_nodes', '1'],
+    ['graph.max_nodes', '2'],
+    ['seed', '3'],
+  ] as const;
+  const { faults } = settingsOf({ ...PLAIN, within_s: 'soon', seed: '18446744073709551615', starts: '1', others });
+  expect([...faults.keys()].sort()).toEqual(['', 'a', 'graph.max_nodes', 'seed', 'within_s']);
+});

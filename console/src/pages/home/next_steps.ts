@@ -1,0 +1,35 @@
+import { idOf } from '../../api/routes';
+import { h } from '../../ui/dom';
+import { command } from '../../ui/empty';
+import type { Numbers } from './numbers';
+
+/** What to do next, where the way from a recording to a twin that can be moved has not been gone yet. */
+export function nextSteps(numbers: Numbers): HTMLElement {
+  const steps = [...stepsOf(numbers)];
+  if (steps.length === 0) return h('div');
+  return h('section', { class: 'card' }, h('h2', { class: 'first' }, 'What to do next'), ...steps);
+}
+
+function* stepsOf(numbers: Numbers): Generator<HTMLElement> {
+  if (numbers.workers.length === 0) {
+    yield h('p', {}, 'No worker is connected: nothing is read, fitted or predicted until one is.');
+    yield h('p', {}, 'See ', h('a', { href: '#/workers' }, 'how workers are started'), '.');
+  }
+  if (numbers.captures === 0) {
+    yield h('p', {}, 'Upload a recording of a soft object: tracked points or the images of your cameras.');
+    yield h('p', {}, h('a', { class: 'button primary', href: '#/upload' }, 'Upload a recording'));
+    yield h('p', {}, 'Or make one of a simulated rope, to try everything out:');
+    yield command('bendtwin capture make rope rope.zip --tiny');
+    yield command('bendtwin capture push rope.zip');
+  } else if (numbers.fits === 0) {
+    const [newest] = numbers.newestCaptures;
+    const query = newest === undefined ? '' : `?${new URLSearchParams({ capture: idOf(newest.name) })}`;
+    yield h('p', {}, 'Fit a twin to your recording. With the effort “draft” that takes a minute or so.');
+    yield h('p', {}, h('a', { class: 'button primary', href: `#/fits/new${query}` }, 'Fit a twin'));
+  }
+  const [twin] = numbers.newestTwins;
+  if (twin !== undefined && numbers.twins === 1 && !numbers.hasMoreTwins) {
+    yield h('p', {}, 'Your first twin is there: drag its hands, grasp it anywhere, change the world around it.');
+    yield h('p', {}, h('a', { class: 'button primary', href: `#/twins/${idOf(twin.name)}/play` }, 'Play with it'));
+  }
+}

@@ -1,0 +1,60 @@
+import { jobs, parseMetrics, total } from '../../api/metrics';
+import type { Capture, Fit, Twin, Worker } from '../../api/types';
+import type { PageContext } from '../../page';
+
+/** Most twins that are counted: there is no other way than to list them. */
+const COUNTED = 50;
+/** Rows of each list. */
+const SHOWN = 5;
+
+/** State of the server as the first page shows it. */
+export interface Numbers {
+  readonly captures: number;
+  readonly reading: number;
+  readonly unread: number;
+  readonly unreadable: number;
+  readonly fits: number;
+  readonly fitsRunning: number;
+  readonly fitsQueued: number;
+  readonly fitsFailed: number;
+  /** Twins up to `COUNTED`; `hasMoreTwins` says if there are more. */
+  readonly twins: number;
+  readonly hasMoreTwins: boolean;
+  /** `cpu` or `cuda` for each worker. */
+  readonly workers: readonly string[];
+  readonly diskFreeBytes: number;
+  readonly newestCaptures: readonly Capture[];
+  readonly newestFits: readonly Fit[];
+  readonly newestTwins: readonly Twin[];
+}
+
+/** Asks the server, for everything at once. */
+export async function ask({ api, signal }: PageContext): Promise<Numbers> {
+  const [text, captures, fits, twins, workers] = await Promise.all([
+    api.fetch('/metrics', { signal }).then((answer) => answer.text()),
+    api.json<{ captures: Capture[] }>(`/v1/captures?page_size=${SHOWN}`, { signal }),
+    api.json<{ fits: Fit[] }>(`/v1/fits?page_size=${SHOWN}`, { signal }),
+    api.json<{ twins: Twin[]; next_page_token: string }>(`/v1/twins?page_size=${COUNTED}`, { signal }),
+    api.json<{ workers: Worker[] }>('/v1/workers', { signal }),
+  ]);
+  const metrics = parseMetrics(text);
+  const ingests = jobs(metrics, 'ingests');
+  const fitJobs = jobs(metrics, 'fits');
+  return {
+    captures: total(ingests),
+    reading: ingests('running'),
+    unread: ingests('queued'),
+    unreadable: ingests('failed'),
+    fits: total(fitJobs),
+    fitsRunning: fitJobs('running'),
+    fitsQueued: fitJobs('queued'),
+    fitsFailed: fitJobs('failed'),
+    twins: twins.twins.length,
+    hasMoreTwins: twins.next_page_token !== '',
+    workers: workers.workers.map((worker) => worker.backend),
+    diskFreeBytes: metrics.get('bendtwin_disk_bytes{state="free"}') ?? 0,
+    newestCaptures: captures.captures,
+    newestFits: fits.fits,
+    newestTwins: twins.twins.slice(0, SHOWN),
+  };
+}

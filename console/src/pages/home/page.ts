@@ -1,0 +1,27 @@
+import type { OpenPage } from '../../page';
+import { h } from '../../ui/dom';
+import { keepingFocus } from '../../ui/focus';
+import { refresh } from '../../ui/refresh';
+import { ask } from './numbers';
+import type { Numbers } from './numbers';
+import { newest } from './newest';
+import { nextSteps } from './next_steps';
+import { tiles } from './tiles';
+
+const EVERY_MS = 4000;
+
+/** The first page: what is here, in numbers, what is newest, and what to do next. */
+export const open: OpenPage = async (context) => {
+  context.setTitle('BendTwin');
+  const element = h('div');
+  let shown = '';
+  const draw = (numbers: Numbers): void => {
+    // What has not changed is not drawn anew, for those who select or read it.
+    const text = JSON.stringify(numbers);
+    if (text === shown) return;
+    shown = text;
+    keepingFocus(element, () => element.replaceChildren(tiles(numbers), nextSteps(numbers), newest(numbers)));
+  };
+  await refresh(context, EVERY_MS, async () => draw(await ask(context)));
+  return { element };
+};

@@ -1,0 +1,80 @@
+import { h, type Child } from '../../ui/dom';
+import { table } from '../../ui/table';
+import { flat } from './settings';
+import { settingWord } from './settings_view';
+
+/** Most resources beside each other. */
+const MOST = 6;
+
+/** Rows of a list that were chosen to be compared. They stay chosen on other pages of the list. */
+export class Selection {
+  readonly #chosen = new Set<string>();
+  readonly button: HTMLAnchorElement;
+
+  constructor(private readonly kind: 'fits' | 'twins') {
+    this.button = h('a', { class: 'button', role: 'link' });
+    this.update();
+  }
+
+  /** A box that chooses a row. */
+  box(id: string, label: string): HTMLElement {
+    const input = h('input', { type: 'checkbox', checked: this.#chosen.has(id), 'aria-label': `Compare ${label}` });
+    input.addEventListener('change', () => {
+      if (input.checked) this.#chosen.add(id);
+      else this.#chosen.delete(id);
+      this.update();
+    });
+    return input;
+  }
+
+  private update(): void {
+    const count = this.#chosen.size;
+    const can = count >= 2 && count <= MOST;
+    this.button.textContent = can ? `Compare ${count}` : `Compare (choose 2 to ${MOST})`;
+    // A link without an address is one that cannot be followed.
+    if (can) this.button.setAttribute('href', `#/${this.kind}/compare?ids=${[...this.#chosen].join(',')}`);
+    else this.button.removeAttribute('href');
+    this.button.setAttribute('aria-disabled', String(!can));
+  }
+}
+
+/** The ids in the address of a comparison, without repeats. */
+export function comparedIds(query: URLSearchParams): string[] {
+  return [...new Set((query.get('ids') ?? '').split(',').filter((id) => /^[0-9a-f-]{36}$/.test(id)))].slice(0, MOST);
+}
+
+/** A line of a comparison: what is compared, and the cell of each resource. */
+export interface Line {
+  readonly text: string;
+  readonly cells: readonly Child[];
+}
+
+/** Resources side by side: a column for each, with its name as the header, and a row for each line. */
+export function compareTable(caption: string, names: readonly string[], lines: readonly Line[]): HTMLElement {
+  return table<Line>({
+    caption,
+    rows: lines,
+    columns: [
+      { header: '', cell: ({ text }) => text },
+      ...names.map((header, index) => ({ header, cell: ({ cells }: Line) => cells[index] ?? '' })),
+    ],
+  });
+}
+
+/** Lines of the settings in which resources differ. */
+export function differingSettings(all: readonly unknown[]): Line[] {
+  const maps = all.map((settings) => new Map(settings === null ? [] : flat(settings)));
+  const names = [...new Set(maps.flatMap((map) => [...map.keys()]))];
+  return names.flatMap((text) => {
+    const cells = maps.map((map) => (map.has(text) ? settingWord(map.get(text)) : '–'));
+    return new Set(cells).size > 1 ? [{ text, cells }] : [];
+  });
+}
+
+/** Names that can be told apart: those that several have are followed by a number. */
+export function distinctNames(names: readonly string[]): string[] {
+  const isTwice = (name: string): boolean => names.filter((other) => other === name).length > 1;
+  return names.map((name, index) =>
+    isTwice(name) ? `${name || 'without a name'} (${index + 1})` : name || 'without a name',
+  );
+}

@@ -1,0 +1,80 @@
+import { hasEnded, type Fault, type Job } from '../../api/types';
+import { badge } from '../../ui/badge';
+import { h } from '../../ui/dom';
+import { progress } from '../../ui/form';
+import { counted, duration, percent, time } from '../../ui/format';
+import { prose } from './text';
+
+/** Words for the stages of a job, and for the steps of an ingest. */
+const STAGES: Record<string, string> = {
+  ingest: 'Reading',
+  search: 'Searching',
+  refine: 'Refining',
+  evaluate: 'Evaluating',
+};
+
+/** What a job does at this moment, in a sentence; empty when it has ended. */
+export function stageText({ state, progress: at, cancel_requested, attempts }: Job): string {
+  if (state === 'QUEUED') return attempts > 0 ? 'Waits for a worker, to go on where it was.' : 'Waits for a worker.';
+  if (state !== 'RUNNING') return '';
+  if (cancel_requested) return 'Is being stopped.';
+  if (at === null || at === undefined) return 'Begins.';
+  const stage = STAGES[at.stage] ?? at.stage;
+  const variant = at.variant === '' ? '' : at.stage === 'ingest' ? `: ${at.variant}` : ` (${at.variant})`;
+  const step = at.iterations > 0 ? `, ${at.iteration} of ${at.iterations}` : '';
+  const left = at.eta_s === null || at.eta_s === undefined ? '' : `, about ${duration(at.eta_s)} left`;
+  return `${stage}${variant}${step}${left}.`;
+}
+
+/** How far a job is, live. Its elements stay while it changes. */
+export class JobView {
+  readonly element: HTMLElement;
+  readonly #head = h('p', { class: 'job-head' });
+  readonly #bar: HTMLProgressElement;
+  readonly #text = h('p', {});
+  readonly #faults = h('div');
+
+  constructor(label: string) {
+    this.#bar = progress(label, 0);
+    this.element = h('section', { class: 'job', 'aria-label': label }, this.#head, this.#bar, this.#text, this.#faults);
+  }
+
+  update(job: Job): void {
+    const fraction = job.progress?.fraction ?? 0;
+    const took = job.start_time && job.end_time ? (Date.parse(job.end_time) - Date.parse(job.start_time)) / 1000 : null;
+    this.#head.replaceChildren(
+      badge(job.state),
+      ...(job.state === 'RUNNING' ? [` ${percent(fraction)}`] : []),
+      ...(took === null ? [] : [` took ${duration(took)}`]),
+      ...(job.attempts > 1 ? [`, ${counted(job.attempts, 'attempt')}`] : []),
+      ...(job.end_time ? [', ended ', time(job.end_time)] : []),
+    );
+    this.#bar.hidden = hasEnded(job);
+    this.#bar.value = fraction;
+    const text = [stageText(job), job.state === 'RUNNING' ? (job.progress?.note ?? '') : ''].join(' ').trim();
+    if (this.#text.textContent !== text) this.#text.textContent = text;
+    this.#text.hidden = text === '';
+    this.#faults.replaceChildren(...faultBoxes(job));
+  }
+}
+
+/** Why a job failed, and why attempts before ended. */
+function faultBoxes({ fault, attempt_faults }: Job): HTMLElement[] {
+  const earlier =
+    attempt_faults.length === 0
+      ? []
+      : [
+          h(
+            'details',
+            { class: 'card' },
+            h('summary', {}, `Why ${counted(attempt_faults.length, 'earlier attempt')} ended`),
+            h('ol', {}, ...attempt_faults.map((own) => h('li', {}, ...faultText(own)))),
+          ),
+        ];
+  if (fault === null || fault === undefined) return earlier;
+  return [h('div', { class: 'problem', role: 'alert' }, h('p', {}, ...faultText(fault))), ...earlier];
+}
+
+function faultText({ reason, message }: Fault): (Node | string)[] {
+  return [prose(message), ' ', h('code', {}, reason)];
+}

@@ -1,0 +1,88 @@
+import { idOf } from '../../api/routes';
+import type { Fit, Twin } from '../../api/types';
+import type { OpenPage, PageContext } from '../../page';
+import { h } from '../../ui/dom';
+import { facts } from '../../ui/form';
+import { count, size, time } from '../../ui/format';
+import { deleteButton, download, faultPlace } from '../parts/actions';
+import { LabelEditor } from '../parts/labels';
+import { LossView } from '../fits/curves';
+import { captureLink } from '../fits/detail';
+import { assessmentView, qualityView } from './assessment';
+import { evaluationView } from './evaluate';
+import { parametersView } from './parameters';
+import type { Quality } from './quality';
+
+/** The page of a twin: what it is worth, what it is made of, and what can be done with it. */
+export const open: OpenPage = async (context) => {
+  const id = context.parameters['id'] ?? '';
+  const path = `/v1/twins/${encodeURIComponent(id)}`;
+  const twin = await context.api.json<Twin>(path, { signal: context.signal });
+  const setTitle = ({ display_name }: Twin): void => context.setTitle(display_name || 'Twin without a name');
+  setTitle(twin);
+  const faults = faultPlace();
+  const quality = twin.quality as Quality;
+  const losses = twin.fit ? new LossView(context, `/v1/${twin.fit}`) : null;
+  void losses?.update(true);
+  const element = h(
+    'div',
+    {},
+    h('div', { class: 'buttons' }, ...actions(context, twin, id, path, faults)),
+    faults,
+    new LabelEditor<Twin>(context, 'twins', path, twin, setTitle).element,
+    ...[assessmentView(quality)].filter((view) => view !== null),
+    twinFacts(context, twin),
+    qualityView(quality),
+    evaluationView(context, twin),
+    parametersView(context, path, () => settingsAsked(context, twin.fit ?? null)),
+    losses?.element ?? '',
+  );
+  return { element, dispose: () => losses?.dispose() };
+};
+
+function actions(context: PageContext, twin: Twin, id: string, path: string, faults: HTMLElement): HTMLElement[] {
+  const own = twin.capture ? { capture: idOf(twin.capture) } : {};
+  const question = { title: 'Delete this twin?', text: 'Its file is deleted. Its capture and its fit stay.' };
+  return [
+    h('a', { class: 'button primary', href: `#/twins/${id}/play` }, 'Play'),
+    h('a', { class: 'button', href: `#/twins/${id}/view` }, 'View in 3D'),
+    ...(twin.capture
+      ? [
+          h(
+            'a',
+            { class: 'button', href: `#/captures/${idOf(twin.capture)}/playback?twin=${id}` },
+            'Beside its recording',
+          ),
+        ]
+      : []),
+    h('a', { class: 'button', href: `#/fits/new?${new URLSearchParams({ from: id, ...own })}` }, 'Refine'),
+    download(context, 'Download the file', `${path}/content`, `${id}.safetensors`, faults),
+    deleteButton(context, path, question, '#/twins', faults),
+  ];
+}
+
+function twinFacts(context: PageContext, twin: Twin): HTMLElement {
+  return facts([
+    ['Capture', twin.capture ? captureLink(context, twin.capture) : 'imported'],
+    ...(twin.fit ? ([['Fit', h('a', { href: `#/fits/${idOf(twin.fit)}` }, 'Open')]] as const) : []),
+    ['Created', time(twin.create_time)],
+    ['Nodes', count(twin.node_count)],
+    ['Springs', count(twin.spring_count)],
+    ['Bending triplets', count(twin.triplet_count)],
+    ['Control points', count(twin.control_count)],
+    ['Frames per second', twin.fps],
+    ['Substeps per frame', twin.substeps],
+    ['Mass', twin.mass_kg === undefined ? 'unknown' : `${twin.mass_kg} kg`],
+    ['File', size(twin.size_bytes)],
+  ]);
+}
+
+/** The settings that its fit was asked for; null if it is not there any more. */
+async function settingsAsked({ api, signal }: PageContext, fit: string | null): Promise<unknown> {
+  if (fit === null) return null;
+  try {
+    return (await api.json<Fit>(`/v1/${fit}`, { signal })).job.settings;
+  } catch {
+    return null;
+  }
+}

@@ -1,0 +1,71 @@
+import { idOf } from '../../api/routes';
+import type { Capture, Twin } from '../../api/types';
+import type { PageContext } from '../../page';
+import { h } from '../../ui/dom';
+import { field } from '../../ui/form';
+import { moment } from '../../ui/format';
+import { problemBox } from '../../ui/problem';
+import { assessmentView, qualityView } from './assessment';
+import type { Quality } from './quality';
+
+/** Captures to choose from. */
+const CHOICES = 200;
+
+/** A form that measures a twin on another capture of its object. */
+export function evaluationView(context: PageContext, twin: Twin): HTMLElement {
+  const { api, signal } = context;
+  const select = h('select', { required: true });
+  const result = h('div', { 'aria-live': 'polite' });
+  const button = h('button', { type: 'submit', disabled: true }, 'Evaluate');
+  const submit = async (event: Event): Promise<void> => {
+    event.preventDefault();
+    button.disabled = true;
+    result.replaceChildren(h('p', { class: 'muted' }, 'The twin is simulated and compared…'));
+    try {
+      const { quality } = await api.send<{ quality: Quality }>(
+        'POST',
+        `/v1/${twin.name}/evaluations`,
+        { capture: select.value },
+        signal,
+      );
+      result.replaceChildren(...[assessmentView(quality), qualityView(quality)].filter((view) => view !== null));
+    } catch (error) {
+      if (!signal.aborted) result.replaceChildren(problemBox(error));
+    }
+    button.disabled = false;
+  };
+  const fill = async (): Promise<void> => {
+    const { captures } = await api.get('/v1/captures', { query: { page_size: CHOICES }, signal });
+    const all = captures as unknown as Capture[];
+    select.replaceChildren(
+      ...all.map(({ name, display_name, create_time }) => {
+        const own = name === twin.capture ? ', its own' : '';
+        return h(
+          'option',
+          { value: name, selected: idOf(name) === context.query.get('evaluate') },
+          `${display_name || 'without a name'}, ${moment(create_time)}${own}`,
+        );
+      }),
+    );
+    button.disabled = all.length === 0;
+  };
+  const form = h(
+    'form',
+    { onsubmit: (event) => void submit(event) },
+    field(
+      'Capture',
+      select,
+      'To another recording of its object it is registered first; all frames count as future then.',
+    ),
+    h('div', { class: 'buttons' }, button),
+  );
+  const details = h('details', { class: 'card' }, h('summary', {}, 'Evaluate on a capture'), form, result);
+  details.addEventListener(
+    'toggle',
+    () =>
+      details.open &&
+      select.options.length === 0 &&
+      void fill().catch((error: unknown) => result.replaceChildren(problemBox(error))),
+  );
+  return details;
+}

@@ -1,0 +1,58 @@
+import { expect, test } from 'vitest';
+
+import { choiceText, comparedText, errorOf, measuresOf, rowsOf, spreadText, type Errors } from './quality';
+
+const NONE: Errors = { chamfer_l1_m: null, chamfer_l2_m: null, track_m: null, coordinate_m: null };
+
+test('a table has the rows and the measures that there are', () => {
+  const quality = {
+    scores: [
+      {
+        predictor: 'bending',
+        train: { ...NONE, track_m: 0.001 },
+        future: NONE,
+        at_nodes: { train: NONE, future: NONE },
+      },
+      { predictor: 'standing_still', train: NONE, future: { ...NONE, chamfer_l2_m: 0 } },
+      { predictor: 'another', train: NONE, future: NONE },
+    ],
+  };
+  const rows = rowsOf(quality);
+  expect(rows.map(({ text }) => text)).toEqual(['This twin', 'This twin, at its nodes', 'Standing still', 'another']);
+  expect(measuresOf(rows).map(([measure]) => measure)).toEqual(['track_m', 'chamfer_l2_m']);
+  expect(rowsOf({})).toEqual([]);
+});
+
+test('the error of a twin is of tracks, else of coordinates, else of surfaces', () => {
+  const score = (future: Errors) => ({ scores: [{ predictor: 'bending', train: NONE, future }] });
+  expect(errorOf(score({ ...NONE, track_m: 1, coordinate_m: 2, chamfer_l2_m: 3 }))).toBe(1);
+  expect(errorOf(score({ ...NONE, coordinate_m: 2, chamfer_l2_m: 3 }))).toBe(2);
+  expect(errorOf(score({ ...NONE, chamfer_l2_m: 0 }))).toBe(0);
+  expect([errorOf(score(NONE)), errorOf({})]).toEqual([null, null]);
+});
+
+test('the spread of several fits is told in words', () => {
+  const spread = { fits: 4, mean_m: 0.002, error_m: 0.005, within: 0.87, rank_correlation: 0.4 };
+  expect(spreadText({ spread })).toBe(
+    'The predictions of 4 fits are 2 mm apart where the twin is off by 5 mm. ' +
+      '87 % of the points are off by at most twice what that lets expect, and spread and error agree in rank by 0.40.',
+  );
+  expect(spreadText({ spread: { ...spread, rank_correlation: null } })).toMatch(/lets expect\.$/);
+  expect(spreadText({})).toBeNull();
+});
+
+test('differences are told in words', () => {
+  expect(comparedText('A', 'B', 0.004, 0.01)).toContain(
+    'A is nearer to frames that it was not fitted to than B by a factor of 2.50',
+  );
+  expect(comparedText('A', 'B', 0.01, 0.004)).toContain('B is nearer');
+  expect(comparedText('A', 'B', 0.01, 0.0099)).toContain('about as good');
+  expect(comparedText('A', 'B', 0, 0)).toContain('about as good');
+  expect(comparedText('A', 'B', null, 0.1)).toBeNull();
+  const choice = { start: 1, held_back_frames: 0, losses: [2, 1, null] };
+  expect(choiceText({ choice })).toBe(
+    'Of 3 starts number 2 was chosen: it has the lowest loss over the training frames.',
+  );
+  expect(choiceText({ choice: { ...choice, held_back_frames: 6 } })).toContain('6 frames that were held back');
+  expect(choiceText({})).toBeNull();
+});

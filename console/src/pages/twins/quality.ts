@@ -1,0 +1,158 @@
+import { millimetres } from '../../ui/format';
+
+/** Errors of a prediction [m]; null where they cannot be measured. */
+export interface Errors {
+  readonly chamfer_l1_m: number | null;
+  readonly chamfer_l2_m: number | null;
+  readonly track_m: number | null;
+  readonly coordinate_m: number | null;
+  readonly padded_rms_m?: number | null;
+}
+
+export interface Score {
+  readonly predictor: string;
+  readonly train: Errors;
+  readonly future: Errors;
+  readonly at_nodes?: { readonly train: Errors; readonly future: Errors };
+}
+
+/** A twin in words. */
+export interface Assessment {
+  readonly level: string;
+  readonly why: string;
+  readonly next: string;
+}
+
+/** The quality table of a twin (docs/twin-format.md, `quality`). */
+export interface Quality {
+  readonly scores?: readonly Score[];
+  readonly warnings?: readonly string[];
+  readonly assessment?: Assessment;
+  readonly choice?: {
+    readonly start: number;
+    readonly held_back_frames: number;
+    readonly losses: readonly (number | null)[];
+  };
+  readonly recordings?: readonly Recording[];
+  readonly spread?: Spread;
+  readonly fast?: {
+    readonly substeps: number;
+    readonly mean_deviation_m: number;
+    readonly max_deviation_m: number;
+    readonly mean_travel_m: number;
+    readonly frames: number;
+  };
+}
+
+/** How far the predictions of several fits of one capture are apart, beside the twin's error. */
+export interface Spread {
+  /** The twin and its members. */
+  readonly fits: number;
+  readonly mean_m: number;
+  readonly error_m: number;
+  /** Share of the points whose error is at most twice what the spread lets expect. */
+  readonly within: number;
+  /** Of spread and error, -1 to 1. */
+  readonly rank_correlation?: number | null;
+}
+
+export interface Recording {
+  readonly name: string;
+  readonly train: Errors;
+  readonly future: Errors;
+  readonly registered?: { readonly median_mm: number; readonly p95_mm: number; readonly explained: number };
+}
+
+type Measure = keyof Errors;
+
+const MEASURES: readonly (readonly [Measure, string])[] = [
+  ['track_m', 'tracks'],
+  ['coordinate_m', 'coordinates'],
+  ['chamfer_l2_m', 'surface'],
+  ['chamfer_l1_m', 'surface L1'],
+  ['padded_rms_m', 'padded RMS'],
+];
+
+const PREDICTORS: Record<string, string> = {
+  bending: 'This twin',
+  axial: 'Axial springs alone',
+  standing_still: 'Standing still',
+  last_residual: 'With its last training error added',
+  clamp_interpolation: 'Interpolation between the clamps',
+};
+
+/** A predictor in words. A twin that was fitted without bending has its own table's first score as axial. */
+export function predictorText(predictor: string, isFirst: boolean): string {
+  if (isFirst && predictor === 'axial') return 'This twin, axial springs alone';
+  return PREDICTORS[predictor] ?? predictor;
+}
+
+/** A row of the table: errors of training and future frames by measure. */
+export interface Row {
+  readonly text: string;
+  readonly train: Errors;
+  readonly future: Errors;
+}
+
+/** All rows: predictors, and below each what it has at the nodes in place of the skin. */
+export function rowsOf({ scores = [] }: Quality): Row[] {
+  return scores.flatMap(({ predictor, train, future, at_nodes }, index) => {
+    const text = predictorText(predictor, index === 0);
+    return [
+      { text, train, future },
+      ...(at_nodes === undefined ? [] : [{ text: `${text}, at its nodes`, ...at_nodes }]),
+    ];
+  });
+}
+
+/** The measures that anything has in a table, with their words. */
+export function measuresOf(rows: readonly Row[]): (readonly [Measure, string])[] {
+  return MEASURES.filter(([measure]) =>
+    rows.some(({ train, future }) => isNumber(train[measure]) || isNumber(future[measure])),
+  );
+}
+
+/** A twin's error as the server tells it: in future frames, of tracks, else of coordinates, else of surfaces. */
+export function errorOf({ scores }: Quality): number | null {
+  const future = scores?.[0]?.future;
+  const found = [future?.track_m, future?.coordinate_m, future?.chamfer_l2_m].find(isNumber);
+  return found ?? null;
+}
+
+/** How the fit chose among its starts, in a sentence; null where there was one. */
+export function choiceText({ choice }: Quality): string | null {
+  if (choice === undefined || choice.losses.length < 2) return null;
+  const by =
+    choice.held_back_frames > 0
+      ? `predicts the ${choice.held_back_frames} frames that were held back best`
+      : 'has the lowest loss over the training frames';
+  return `Of ${choice.losses.length} starts number ${choice.start + 1} was chosen: it ${by}.`;
+}
+
+/** What the spread of several fits says, in sentences; null where there is one. */
+export function spreadText({ spread }: Quality): string | null {
+  if (spread === undefined) return null;
+  const { fits, mean_m, error_m, within, rank_correlation } = spread;
+  const off = millimetres(error_m);
+  const apart = `The predictions of ${fits} fits are ${millimetres(mean_m)} apart where the twin is off by ${off}.`;
+  const share = `${Math.round(within * 100)} % of the points are off by at most twice what that lets expect`;
+  if (rank_correlation === null || rank_correlation === undefined) return `${apart} ${share}.`;
+  return `${apart} ${share}, and spread and error agree in rank by ${rank_correlation.toFixed(2)}.`;
+}
+
+/**
+ * Two errors in a sentence: by how much the second is larger or smaller. Differences below a
+ * twentieth are within what chance does to a fit.
+ */
+export function comparedText(first: string, second: string, a: number | null, b: number | null): string | null {
+  if (a === null || b === null) return null;
+  const both = `${millimetres(a)} against ${millimetres(b)}`;
+  if (a === b || Math.abs(a - b) < 0.05 * Math.max(a, b)) return `${first} and ${second} are about as good: ${both}.`;
+  const [better, worse, ratio] = a < b ? [first, second, b / a] : [second, first, a / b];
+  const factor = ratio.toFixed(2);
+  return `${better} is nearer to frames that it was not fitted to than ${worse} by a factor of ${factor}: ${both}.`;
+}
+
+function isNumber(value: number | null | undefined): value is number {
+  return typeof value === 'number';
+}

@@ -1,0 +1,62 @@
+const KEY = 'bendtwin.uploads';
+
+/** What people say about a capture when they send it. */
+export interface Labels {
+  readonly name: string;
+  readonly note: string;
+  readonly tags: readonly string[];
+}
+
+/** An upload that was begun and did not end: enough to go on once its files are chosen again. */
+export interface Kept extends Labels {
+  /** Fingerprint of the files. */
+  readonly files: string;
+  /** Name of the file or folder to choose. */
+  readonly source: string;
+  readonly kind: 'file' | 'folder';
+  readonly sizeBytes: number;
+  /** Settings of the ingest as JSON, or empty. */
+  readonly ingest: string;
+  /** Address of the upload at the server, or null if it was not begun there. */
+  readonly address: string | null;
+}
+
+/** Uploads that were begun in this browser and did not end. */
+export function kept(storage: Storage = localStorage): Kept[] {
+  try {
+    const all: unknown = JSON.parse(storage.getItem(KEY) ?? '[]');
+    return Array.isArray(all) ? all.filter(isKept) : [];
+  } catch {
+    return [];
+  }
+}
+
+/** Keeps an upload, in the place of an earlier one of the same files. */
+export function keep(upload: Kept, storage: Storage = localStorage): void {
+  const others = kept(storage).filter(({ files }) => files !== upload.files);
+  store([...others, upload], storage);
+}
+
+/** Forgets the upload of these files. */
+export function forget(files: string, storage: Storage = localStorage): void {
+  store(
+    kept(storage).filter((upload) => upload.files !== files),
+    storage,
+  );
+}
+
+function store(all: readonly Kept[], storage: Storage): void {
+  try {
+    storage.setItem(KEY, JSON.stringify(all));
+  } catch {
+    // A browser that keeps nothing: the upload goes on, and after a reload the same files find it.
+  }
+}
+
+/** What stands in the storage may be of another version of this page. */
+function isKept(value: unknown): value is Kept {
+  if (typeof value !== 'object' || value === null) return false;
+  const upload = value as Record<string, unknown>;
+  const texts = ['files', 'source', 'kind', 'name', 'note', 'ingest'].every((key) => typeof upload[key] === 'string');
+  return texts && Array.isArray(upload['tags']) && typeof upload['sizeBytes'] === 'number';
+}

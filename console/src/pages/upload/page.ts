@@ -1,0 +1,167 @@
+import type { OpenPage, PageContext } from '../../page';
+import { h } from '../../ui/dom';
+import { command } from '../../ui/empty';
+import { field } from '../../ui/form';
+import { count, name, size } from '../../ui/format';
+import { readSettings } from '../parts/settings';
+import { readTags } from '../parts/tags';
+import { forget, type Kept } from './kept';
+import { transferList } from './rows';
+import { intake, take, transfersOf } from './take';
+import { isUnderWay, type Transfers } from './transfers';
+
+/** The page on which captures are uploaded. */
+export const open: OpenPage = (context) => {
+  context.setTitle('Upload');
+  const transfers = transfersOf(context.api);
+  const said = h('div', { role: 'alert' });
+  const busy = h('p', { role: 'status' });
+  const say = (): void => {
+    const texts = intake.sentences.map((text) => h('p', {}, text));
+    busy.textContent = intake.busy > 0 ? 'Looking through the files…' : '';
+    said.replaceChildren(...(texts.length > 0 ? [h('div', { class: 'problem' }, ...texts)] : []));
+  };
+  intake.addEventListener('said', say, { signal: context.signal });
+  say();
+  const element = h(
+    'div',
+    {},
+    dropZone(context),
+    busy,
+    said,
+    transferList(transfers, context.signal, context.announce),
+    interrupted(transfers, context),
+    labels(),
+    h('h2', {}, 'From a terminal'),
+    command('bendtwin capture push FOLDER --watch'),
+  );
+  const dispose = (): void => intake.say([]);
+  return { element, dispose };
+};
+
+function dropZone({ api }: PageContext): HTMLElement {
+  return h(
+    'div',
+    { class: 'drop-zone card' },
+    h(
+      'p',
+      {},
+      h('strong', {}, 'Drop recordings here'),
+      ', or anywhere on any page: folders, .zip, .tar, .tar.gz and .mcap, several at once.',
+    ),
+    h(
+      'p',
+      { class: 'muted' },
+      'Of a folder only the files that are read are sent. An upload that was interrupted goes on where it was.',
+    ),
+    h('div', { class: 'buttons' }, chooser('Choose files', api, false), chooser('Choose a folder', api, true)),
+  );
+}
+
+/** A button that opens the browser's own dialog. */
+function chooser(text: string, api: PageContext['api'], isFolder: boolean): HTMLElement[] {
+  const input = h('input', {
+    type: 'file',
+    hidden: true,
+    multiple: true,
+    webkitdirectory: isFolder,
+    'aria-label': text,
+  });
+  input.addEventListener('change', () => {
+    take(api, [...(input.files ?? [])]);
+    input.value = '';
+  });
+  const button = h(
+    'button',
+    { type: 'button', class: isFolder ? null : 'primary', onclick: () => input.click() },
+    text,
+  );
+  return [button, input];
+}
+
+/** What goes with the files that are taken next. */
+function labels(): HTMLElement {
+  const given = intake.options;
+  const named = h('input', { maxlength: '200', value: given.labels.name });
+  const note = h('textarea', { rows: '3', maxlength: '10000' }, given.labels.note);
+  const tags = h('input', { value: given.labels.tags.join(' '), spellcheck: 'false' });
+  const settings = h('textarea', { rows: '2', spellcheck: 'false', class: 'code' });
+  settings.value =
+    given.ingest === ''
+      ? ''
+      : Object.entries(JSON.parse(given.ingest) as object)
+          .map(([k, v]) => `${k} = ${JSON.stringify(v)}`)
+          .join('\n');
+  const fault = h('p', { class: 'fault', role: 'alert' });
+  const update = (): void => {
+    const read = readSettings(settings.value);
+    const wrong = readTags(tags.value).faults;
+    fault.textContent = [...read.faults.map(({ text }) => text), ...wrong].join(' ');
+    intake.options = {
+      labels: { name: named.value.trim(), note: note.value.trim(), tags: readTags(tags.value).tags },
+      ingest: read.isEmpty ? '' : JSON.stringify(read.value),
+    };
+  };
+  for (const control of [named, note, tags, settings]) control.addEventListener('input', update);
+  return h(
+    'details',
+    { class: 'card' },
+    h('summary', {}, 'Name, note, tags and settings of what is dropped or chosen next'),
+    field('Name', named, 'Otherwise that of the file or folder; it counts where one is dropped.'),
+    field('Note', note),
+    field('Tags', tags, 'Words with spaces between them.'),
+    field('Settings of the ingest', settings, [
+      'One a line, as ',
+      h('code', {}, 'spacing_m = 0.004'),
+      '. Left out ones have their defaults.',
+    ]),
+    fault,
+  );
+}
+
+/** Uploads that did not end before the page was closed: the browser has to be given their files again. */
+function interrupted(transfers: Transfers, context: PageContext): HTMLElement {
+  const element = h('section', { 'aria-label': 'Interrupted uploads' });
+  let last = '';
+  const update = (): void => {
+    const own = new Set(transfers.all.filter(isUnderWay).map(({ name: text }) => text));
+    const all = transfers.interrupted;
+    const state = JSON.stringify([all, [...own]]);
+    if (state === last) return;
+    last = state;
+    element.hidden = all.length === 0;
+    element.replaceChildren(
+      h('h2', {}, 'Interrupted'),
+      h(
+        'p',
+        {},
+        'These uploads were begun in this browser. ',
+        'Choose or drop the same files again, and they go on where they were.',
+      ),
+      h('ul', { class: 'transfers' }, ...all.map((upload) => interruptedRow(upload, transfers, context))),
+    );
+  };
+  transfers.addEventListener('change', update, { signal: context.signal });
+  update();
+  return element;
+}
+
+function interruptedRow(upload: Kept, transfers: Transfers, { api }: PageContext): HTMLElement {
+  const drop = (): void => {
+    transfers.forget(upload);
+    forget(upload.files);
+  };
+  return h(
+    'li',
+    { class: 'card' },
+    h(
+      'div',
+      { class: 'transfer-head' },
+      h('strong', {}, name(upload.name)),
+      h('span', { class: 'muted' }, `${upload.kind} `, h('bdi', {}, upload.source), `, ${size(upload.sizeBytes)}`),
+      chooser(upload.kind === 'folder' ? 'Choose the folder' : 'Choose the file', api, upload.kind === 'folder'),
+      h('button', { type: 'button', class: 'small', onclick: drop, 'aria-label': `Forget ${upload.name}` }, 'Forget'),
+    ),
+    upload.tags.length > 0 && h('p', { class: 'muted' }, `${count(upload.tags.length)} tags: ${upload.tags.join(' ')}`),
+  );
+}

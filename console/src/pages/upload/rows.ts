@@ -1,0 +1,98 @@
+import { idOf } from '../../api/routes';
+import { badge } from '../../ui/badge';
+import { h } from '../../ui/dom';
+import { progress } from '../../ui/form';
+import { counted, duration, name, percent, size } from '../../ui/format';
+import { textOf } from '../../ui/problem';
+import { isolated } from '../parts/text';
+import { isUnderWay, type Transfer, type TransferState, type Transfers } from './transfers';
+
+const WORDS: Record<TransferState, [string, Parameters<typeof badge>[1]]> = {
+  queued: ['waits for its turn', 'neutral'],
+  sending: ['uploading', 'busy'],
+  waiting: ['interrupted', 'warn'],
+  stored: ['uploaded', 'good'],
+  failed: ['failed', 'bad'],
+  cancelled: ['cancelled', 'neutral'],
+};
+
+/** The uploads of this page as a list that follows them until the signal is aborted. */
+export function transferList(transfers: Transfers, signal: AbortSignal, announce: (text: string) => void): HTMLElement {
+  const element = h('ul', { class: 'transfers', 'aria-label': 'Uploads' });
+  const rows = new Map<number, Row>();
+  const update = (): void => {
+    for (const shown of transfers.all) {
+      const row = rows.get(shown.id) ?? new Row(shown, transfers);
+      if (row.update(shown)) announce(`${shown.name}: ${WORDS[shown.state][0]}`);
+      if (!rows.has(shown.id)) element.prepend(row.element);
+      rows.set(shown.id, row);
+    }
+    for (const [id, row] of rows) {
+      if (transfers.all.some((shown) => shown.id === id)) continue;
+      row.element.remove();
+      rows.delete(id);
+    }
+    element.hidden = rows.size === 0;
+  };
+  transfers.addEventListener('change', update, { signal });
+  update();
+  return element;
+}
+
+/** One upload. Its elements stay while it changes, so that the focus does. */
+class Row {
+  readonly element: HTMLElement;
+  readonly #state = h('span');
+  readonly #bar: HTMLProgressElement;
+  readonly #text = h('p', { class: 'muted' });
+  readonly #open = h('a', { class: 'button small', hidden: true }, 'Open the capture');
+  readonly #button: HTMLButtonElement;
+  #last: TransferState | null = null;
+
+  constructor(shown: Transfer, transfers: Transfers) {
+    this.#bar = progress(`Progress of ${shown.name}`, 0);
+    const act = (): void =>
+      this.#last !== null && !UNDER_WAY.has(this.#last) ? transfers.remove(shown.id) : transfers.cancel(shown.id);
+    this.#button = h('button', { type: 'button', class: 'small', onclick: act });
+    this.element = h(
+      'li',
+      { class: 'card' },
+      h('div', { class: 'transfer-head' }, h('strong', {}, name(shown.name)), this.#state, this.#open, this.#button),
+      h('p', { class: 'muted' }, sourceText(shown)),
+      this.#bar,
+      this.#text,
+    );
+  }
+
+  /** Shows the upload as it is now; true if its state is another one. */
+  update(shown: Transfer): boolean {
+    this.#bar.value = shown.sizeBytes > 0 ? shown.offset / shown.sizeBytes : shown.state === 'stored' ? 1 : 0;
+    this.#bar.hidden = !isUnderWay(shown);
+    this.#text.textContent = textFor(shown);
+    if (shown.state === this.#last) return false;
+    this.#last = shown.state;
+    this.#state.replaceChildren(badge(...WORDS[shown.state]));
+    this.#button.textContent = isUnderWay(shown) ? 'Cancel' : 'Clear';
+    this.#button.setAttribute('aria-label', `${isUnderWay(shown) ? 'Cancel' : 'Clear'} ${shown.name}`);
+    if (shown.capture !== null) this.#open.setAttribute('href', `#/captures/${idOf(shown.capture)}`);
+    this.#open.hidden = shown.capture === null;
+    return true;
+  }
+}
+
+const UNDER_WAY: ReadonlySet<TransferState> = new Set(['queued', 'sending', 'waiting']);
+
+function sourceText({ source, sizeBytes }: Transfer): string {
+  if (source.kind === 'file') return `${isolated(source.file.name)}, ${size(sizeBytes)}`;
+  const left = source.left > 0 ? `, ${counted(source.left, 'other file')} not needed and left out` : '';
+  return `Folder of ${counted(source.files.length, 'file')}, ${size(sizeBytes)}${left}`;
+}
+
+function textFor({ state, offset, sizeBytes, rate, error }: Transfer): string {
+  const there = `${size(offset)} of ${size(sizeBytes)} (${percent(sizeBytes > 0 ? offset / sizeBytes : 0)})`;
+  if (state === 'waiting') return `${textOf(error)} ${there} are there; the upload goes on by itself.`;
+  if (state === 'failed') return textOf(error);
+  if (state !== 'sending') return '';
+  const speed = rate === null || rate <= 0 ? '' : `, ${size(rate)}/s, ${duration((sizeBytes - offset) / rate)} left`;
+  return there + speed;
+}

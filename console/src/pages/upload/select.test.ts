@@ -1,0 +1,114 @@
+import { describe, expect, test } from 'vitest';
+
+import { nameOf, packagesOf, type FolderFile, type Package } from './select';
+
+function files(names: readonly string[], documents: Record<string, string> = {}): FolderFile[] {
+  return names.map((path) => ({ path, file: new File([documents[path] ?? ''], path.split('/').at(-1) ?? '') }));
+}
+
+function sent(packages: readonly Package[]): [string, string[]][] {
+  return packages.map((p) => [p.name, p.kind === 'file' ? [p.file.name] : p.files.map(({ path }) => path)]);
+}
+
+describe('the files of a folder that are sent', () => {
+  test('of a raw PhysTwin case are those that its reader reads', async () => {
+    const read = [
+      'calibrate.pkl',
+      'color/0/0.png',
+      'color/1/frame_7.JPG',
+      'cotracker/0.npz',
+      'depth/0/0.npy',
+      'gt_track_3d.pkl',
+      'mask/0/1/0.png',
+      'mask/mask_info_0.json',
+      'metadata.json',
+      'shape/matching/final_mesh.glb',
+      'split.json',
+    ];
+    const other = [
+      '.DS_Store',
+      'color/.cache/0.png',
+      'color/0.mp4',
+      'pcd/0.npz',
+      'shape/object.png',
+      '__MACOSX/metadata.json',
+    ];
+    const [only, ...more] = await packagesOf('toy', files([...other, ...read]));
+    expect(more).toEqual([]);
+    expect(only).toMatchObject({ kind: 'folder', name: 'toy', left: 3 });
+    expect(sent([only as Package])[0]?.[1]).toEqual(read);
+  });
+
+  test('of a processed case leave out what its cameras saw', async () => {
+    const packages = await packagesOf(
+      'case',
+      files(['final_data.pkl', 'metadata.json', 'color/0/0.png', 'split.json']),
+    );
+    expect(sent(packages)).toEqual([['case', ['final_data.pkl', 'metadata.json', 'split.json']]]);
+  });
+
+  test('of several cases, however deep, are one capture each', async () => {
+    const deep = 'data/different_types/';
+    const names = [
+      `${deep}a/final_data.pkl`,
+      `${deep}a/metadata.json`,
+      `${deep}b/final_data.pkl`,
+      'data/notes.txt',
+      'data/old.tar.gz',
+    ];
+    expect(sent(await packagesOf('PhysTwin', files(names)))).toEqual([
+      ['a', ['final_data.pkl', 'metadata.json']],
+      ['b', ['final_data.pkl']],
+      ['old', ['old.tar.gz']],
+    ]);
+  });
+
+  test('of a raw bundle are those that its document names', async () => {
+    const document = JSON.stringify({
+      raw: {
+        cameras: [
+          { color: './l/{frame:06}.png', depth: { files: 'd{frame}/x.npy' }, masks: { object: ['m+(1)/{frame}.png'] } },
+        ],
+      },
+    });
+    const names = [
+      'capture.json',
+      'd12/x.npy',
+      'l/000001.png',
+      'l/preview.png',
+      'm+(1)/3.png',
+      'mm(1)/3.png',
+      'readme.md',
+    ];
+    expect(sent(await packagesOf('b', files(names, { 'capture.json': `\ufeff${document}` })))).toEqual([
+      ['b', ['capture.json', 'd12/x.npy', 'l/000001.png', 'm+(1)/3.png']],
+    ]);
+  });
+
+  test('are all of them where a document is damaged or nothing is recognised', async () => {
+    const damaged = await packagesOf('b', files(['capture.json', 'a.png'], { 'capture.json': '{' }));
+    expect(sent(damaged)).toEqual([['b', ['a.png', 'capture.json']]]);
+    expect(sent(await packagesOf('b', files(['x/a.png', 'b.txt'])))).toEqual([['b', ['b.txt', 'x/a.png']]]);
+    expect(await packagesOf('empty', files(['.hidden']))).toEqual([]);
+  });
+
+  test('of several recordings of one object stay one capture', async () => {
+    const names = [
+      'recordings.json',
+      'one/final_data.pkl',
+      'one/metadata.json',
+      'one/color/0/0.png',
+      'two/transforms.json',
+      'two/a.png',
+      'two/b.png',
+    ];
+    const documents = { 'recordings.json': '{}', 'two/transforms.json': '{"frames": [{"file_path": "./a.png"}]}' };
+    expect(sent(await packagesOf('o', files(names, documents)))).toEqual([
+      ['o', ['recordings.json', 'one/final_data.pkl', 'one/metadata.json', 'two/a.png', 'two/transforms.json']],
+    ]);
+  });
+});
+
+test('names of captures are those of their files without what says the format', () => {
+  expect(['toy.v2.tar.gz', 'rope.ZIP', 'a.mcap', '.zip'].map(nameOf)).toEqual(['toy.v2', 'rope', 'a', '.zip']);
+});

@@ -1,0 +1,167 @@
+/** A file below a folder that was given: its path from there on, `/` between parts. */
+export interface FolderFile {
+  readonly path: string;
+  readonly file: File;
+}
+
+/** What is sent as one capture: a file as it is, or the files of a folder that are read. */
+export type Package =
+  | { readonly kind: 'file'; readonly name: string; readonly file: File }
+  | { readonly kind: 'folder'; readonly name: string; readonly files: readonly FolderFile[]; readonly left: number };
+
+/** Files that are a capture each, by their names. */
+const ARCHIVE = /\.(zip|tar|tgz|tar\.gz|mcap)$/i;
+/** Documents that are larger are not looked into [bytes]. */
+const DOCUMENT_BYTES = 64 * 2 ** 20;
+
+/** A person's name for a capture, from the name of its file. */
+export function nameOf(fileName: string): string {
+  return asName(fileName.replace(ARCHIVE, '') || fileName);
+}
+
+/** A text as a name that the server takes: without control characters, of 200 characters at most. */
+function asName(text: string): string {
+  return [...text.replace(/\p{Cc}/gu, ' ')].slice(0, 200).join('');
+}
+
+/**
+ * The captures in a folder, `root` being its name: each with the files that the server's reader reads of it,
+ * as docs/capture-format.md has them. Archives in it are captures of their own. Of a folder in
+ * which no capture is recognised all files are sent, for the server to say what is missing.
+ */
+export async function packagesOf(root: string, given: readonly FolderFile[]): Promise<Package[]> {
+  const files = given.filter(
+    ({ path }) => !path.split('/').some((part) => part.startsWith('.') || part === '__MACOSX'),
+  );
+  files.sort((a, b) => (a.path < b.path ? -1 : 1));
+  const captures = byFolder(files, captureFolders(files.map(({ path }) => path)));
+  const packages: Package[] = [];
+  for (const [folder, own] of captures.inside) {
+    const read = await filesRead(own);
+    const name = asName(folder.split('/').at(-2) ?? root);
+    packages.push({ kind: 'folder', name, files: read, left: own.length - read.length });
+  }
+  const single = captures.outside.filter(({ path }) => ARCHIVE.test(path));
+  packages.push(...single.map(({ file }): Package => ({ kind: 'file', name: nameOf(file.name), file })));
+  if (packages.length > 0 || files.length === 0) return packages;
+  return [{ kind: 'folder', name: asName(root), files, left: 0 }];
+}
+
+/** Files by the folder, of those given, that they lie in; their paths begin there. */
+function byFolder(
+  files: readonly FolderFile[],
+  folders: readonly string[],
+): { inside: Map<string, FolderFile[]>; outside: FolderFile[] } {
+  const inside = new Map(folders.map((folder): [string, FolderFile[]] => [folder, []]));
+  const outside: FolderFile[] = [];
+  for (const { path, file } of files) {
+    const folder = foldersOf(path).find((prefix) => inside.has(prefix));
+    if (folder === undefined) outside.push({ path, file });
+    else inside.get(folder)?.push({ path: path.slice(folder.length), file });
+  }
+  return { inside, outside };
+}
+
+/** The folders that a file lies in, as prefixes of its path, the outermost first. */
+function foldersOf(path: string): string[] {
+  const ends = [...path.matchAll(/\//g)].map(({ index }) => index + 1);
+  return ['', ...ends.map((end) => path.slice(0, end))];
+}
+
+/** Folders with a capture, as prefixes of paths: the outermost ones, for a capture may have captures in it. */
+function captureFolders(paths: readonly string[]): string[] {
+  const found = new Set<string>();
+  const withColor = new Set(paths.flatMap((path) => /^(?:.*\/)?(?=color\/)/.exec(path) ?? []));
+  for (const path of paths) {
+    const at = path.lastIndexOf('/') + 1;
+    const [folder, name] = [path.slice(0, at), path.slice(at)];
+    if (['recordings.json', 'capture.json', 'final_data.pkl', 'transforms.json'].includes(name)) found.add(folder);
+    if (name === 'metadata.json' && withColor.has(folder)) found.add(folder);
+  }
+  // In this order a folder follows right after those that it lies in, and after what else lies in them.
+  const outermost: string[] = [];
+  for (const folder of [...found].sort()) {
+    const last = outermost.at(-1);
+    if (last === undefined || !folder.startsWith(last)) outermost.push(folder);
+  }
+  return outermost;
+}
+
+/** The files of a capture's folder that are read. */
+async function filesRead(files: readonly FolderFile[]): Promise<FolderFile[]> {
+  const has = (name: string): boolean => files.some(({ path }) => path === name);
+  if (has('recordings.json')) return severalRead(files);
+  if (has('capture.json')) return named(files, 'capture.json', /^capture\.json$|\.npy$/i);
+  if (has('final_data.pkl')) return matching(files, PROCESSED_CASE);
+  if (has('metadata.json')) return matching(files, RAW_CASE);
+  if (has('transforms.json')) return named(files, 'transforms.json', /^transforms\.json$/);
+  return [...files];
+}
+
+const PROCESSED_CASE = /^(final_data\.pkl|metadata\.json|split\.json|gt_track_3d\.pkl)$/;
+const RAW_CASE = new RegExp(
+  [
+    '^(metadata\\.json|calibrate\\.(pkl|json)|split\\.json|gt_track_3d\\.pkl)$',
+    '^color/.*\\.(png|jpe?g)$',
+    '^depth/.*\\.(npy|png)$',
+    '^mask/.*\\.(png|json)$',
+    '^cotracker/[^/]*\\.npz$',
+    '^shape/(matching/final_mesh|object)\\.glb$',
+  ].join('|'),
+  'i',
+);
+
+function matching(files: readonly FolderFile[], pattern: RegExp): FolderFile[] {
+  return files.filter(({ path }) => pattern.test(path));
+}
+
+/** Several recordings: each folder as what it is by itself. */
+async function severalRead(files: readonly FolderFile[]): Promise<FolderFile[]> {
+  const read = files.filter(({ path }) => path === 'recordings.json');
+  const folders = new Set(
+    files.flatMap(({ path }) => (path.includes('/') ? [path.slice(0, path.indexOf('/') + 1)] : [])),
+  );
+  for (const folder of folders) {
+    const own = files
+      .filter(({ path }) => path.startsWith(folder))
+      .map((f) => ({ ...f, path: f.path.slice(folder.length) }));
+    read.push(...(await filesRead(own)).map((f) => ({ ...f, path: folder + f.path })));
+  }
+  return read;
+}
+
+/** Files of a pattern, and those that a document names: as they are, or by `{frame}` or `{frame:06}`. */
+async function named(files: readonly FolderFile[], document: string, always: RegExp): Promise<FolderFile[]> {
+  const file = files.find(({ path }) => path === document)?.file;
+  const texts = file === undefined || file.size > DOCUMENT_BYTES ? null : textsOf(await file.text());
+  // The server says what is wrong with it.
+  if (texts === null) return [...files];
+  const names = new Set(texts);
+  const patterns = texts.filter((text) => text.includes('{frame')).map(patternOf);
+  return files.filter(({ path }) => always.test(path) || names.has(path) || patterns.some((p) => p.test(path)));
+}
+
+function patternOf(text: string): RegExp {
+  const parts = text.split(/\{frame(?::\d+)?\}/).map((part) => part.replace(/[^\w/]/g, '\\$&'));
+  return new RegExp(`^${parts.join('\\d+')}$`);
+}
+
+/** All texts in a JSON document, as paths; null if it is none. */
+function textsOf(json: string): string[] | null {
+  const texts: string[] = [];
+  try {
+    JSON.parse(json.replace(/^\ufeff/, ''), (_key, value: unknown) => {
+      if (typeof value === 'string')
+        texts.push(
+          value
+            .split('/')
+            .filter((part) => part !== '' && part !== '.')
+            .join('/'),
+        );
+      return value;
+    });
+  } catch {
+    return null;
+  }
+  return texts;
+}

@@ -1,0 +1,203 @@
+import type { Api } from '../../api/client';
+import type { Capture } from '../../api/types';
+import { fingerprint, fingerprintOf } from './fingerprint';
+import { forget, keep, kept, type Kept, type Labels } from './kept';
+import type { Package } from './select';
+import { tar } from './tar';
+import { send, terminate } from './tus';
+
+/** Uploads that are sent at once; others wait for their turn. */
+const AT_ONCE = 2;
+
+export type TransferState = 'queued' | 'sending' | 'waiting' | 'stored' | 'failed' | 'cancelled';
+
+/** An upload on its way. */
+export interface Transfer {
+  readonly id: number;
+  readonly name: string;
+  readonly source: Package;
+  readonly sizeBytes: number;
+  readonly state: TransferState;
+  /** What the server has on disk [bytes]. */
+  readonly offset: number;
+  /** Of what was sent since it last began or went on [bytes/s]; null until that is known. */
+  readonly rate: number | null;
+  /** `captures/{uuid}` once it is stored. */
+  readonly capture: string | null;
+  /** Why it waits or failed. */
+  readonly error: unknown;
+}
+
+/** What the manager itself knows of one. */
+interface Job {
+  shown: Transfer;
+  readonly kept: Kept;
+  readonly abort: AbortController;
+  address: string | null;
+}
+
+/**
+ * Uploads of this page, which go on while people look at other pages of the console. Event `change`
+ * after every change of any of them.
+ */
+export class Transfers extends EventTarget {
+  #jobs: Job[] = [];
+  #count = 0;
+
+  constructor(private readonly api: Api) {
+    super();
+  }
+
+  get all(): readonly Transfer[] {
+    return this.#jobs.map(({ shown }) => shown);
+  }
+
+  /** True while something is being sent. */
+  get isBusy(): boolean {
+    return this.#jobs.some(({ shown }) => isUnderWay(shown));
+  }
+
+  /** Uploads that did not end before the page was left, without those that go on already. */
+  get interrupted(): readonly Kept[] {
+    return kept().filter(({ files }) => !this.#jobs.some((job) => job.kept.files === files && isUnderWay(job.shown)));
+  }
+
+  /** Begins an upload; one of the same files that was interrupted goes on as what it was. */
+  add(source: Package, labels: Labels, ingest: string): void {
+    const files = fingerprintOfPackage(source);
+    if (this.#jobs.some((job) => job.kept.files === files && isUnderWay(job.shown))) return;
+    const known = kept().find((upload) => upload.files === files);
+    const own: Kept = known ?? {
+      ...labels,
+      files,
+      ingest,
+      source: source.kind === 'file' ? source.file.name : source.name,
+      kind: source.kind,
+      sizeBytes: sizeOf(source),
+      address: null,
+    };
+    this.#count += 1;
+    const shown: Transfer = {
+      id: this.#count,
+      name: own.name,
+      source,
+      sizeBytes: own.sizeBytes,
+      state: 'queued',
+      offset: 0,
+      rate: null,
+      capture: null,
+      error: null,
+    };
+    this.#jobs.push({ shown, kept: own, abort: new AbortController(), address: own.address });
+    keep(own);
+    this.next();
+  }
+
+  /** Stops an upload and lets the server forget it. */
+  cancel(id: number): void {
+    const job = this.#jobs.find(({ shown }) => shown.id === id);
+    if (job === undefined || !isUnderWay(job.shown)) return;
+    job.abort.abort();
+    forget(job.kept.files);
+    if (job.address !== null) terminate(this.api, job.address).catch(() => undefined);
+    this.change(job, { state: 'cancelled', rate: null });
+    this.next();
+  }
+
+  /** Takes one that has ended out of the list. */
+  remove(id: number): void {
+    this.#jobs = this.#jobs.filter(({ shown }) => shown.id !== id || isUnderWay(shown));
+    this.dispatchEvent(new Event('change'));
+  }
+
+  /** Forgets one that was interrupted, here and at the server. */
+  forget({ files, address }: Kept): void {
+    forget(files);
+    if (address !== null) terminate(this.api, address).catch(() => undefined);
+    this.dispatchEvent(new Event('change'));
+  }
+
+  private next(): void {
+    const sending = this.#jobs.filter(({ shown }) => shown.state === 'sending' || shown.state === 'waiting').length;
+    const queued = this.#jobs.filter(({ shown }) => shown.state === 'queued');
+    for (const job of queued.slice(0, Math.max(AT_ONCE - sending, 0))) void this.run(job);
+    this.dispatchEvent(new Event('change'));
+  }
+
+  private async run(job: Job): Promise<void> {
+    this.change(job, { state: 'sending' });
+    try {
+      const capture = await this.sent(job);
+      await this.label(job, capture);
+      forget(job.kept.files);
+      this.change(job, { state: 'stored', capture, offset: job.shown.sizeBytes, error: null });
+    } catch (error) {
+      // What failed stays among the interrupted ones: its files can be chosen again.
+      if (!job.abort.signal.aborted) this.change(job, { state: 'failed', error, rate: null });
+    }
+    this.next();
+  }
+
+  private sent(job: Job): Promise<string> {
+    const { kept: own, abort } = job;
+    const source = job.shown.source;
+    const content = source.kind === 'file' ? source.file : tar(inFolder(source));
+    let began: { at: number; offset: number } | null = null;
+    return send(this.api, {
+      content,
+      metadata: {
+        filename: own.source,
+        display_name: own.name,
+        request_id: `console-${fingerprint(JSON.stringify([own.files, own.name, own.ingest]))}`,
+        ...(own.ingest === '' ? {} : { ingest: own.ingest }),
+      },
+      signal: abort.signal,
+      onAddress: (address) => {
+        job.address = address;
+        keep({ ...own, sizeBytes: content.size, address });
+        this.change(job, { sizeBytes: content.size });
+      },
+      onOffset: (offset) => {
+        const now = performance.now();
+        began ??= { at: now, offset };
+        const seconds = (now - began.at) / 1000;
+        this.change(job, { offset, rate: seconds > 0 ? (offset - began.offset) / seconds : null });
+      },
+      onWaiting: (error) => {
+        began = null;
+        this.change(job, { state: error === null ? 'sending' : 'waiting', error, rate: null });
+      },
+    });
+  }
+
+  /** Note and tags, which an upload itself does not have. */
+  private async label({ kept: { note, tags }, abort }: Job, capture: string): Promise<void> {
+    if (note === '' && tags.length === 0) return;
+    await this.api.send<Capture>('PATCH', `/v1/${capture}`, { note, add_tags: tags }, abort.signal);
+  }
+
+  private change(job: Job, changes: Partial<Transfer>): void {
+    // One that was cancelled stays so, whatever its last request still answers.
+    if (job.shown.state === 'cancelled') return;
+    job.shown = { ...job.shown, ...changes };
+    this.dispatchEvent(new Event('change'));
+  }
+}
+
+export function isUnderWay({ state }: Transfer): boolean {
+  return state === 'queued' || state === 'sending' || state === 'waiting';
+}
+
+/** Names in the archive begin with that of its folder. */
+function inFolder({ name, files }: Package & { kind: 'folder' }): { path: string; file: File }[] {
+  return files.map(({ path, file }) => ({ path: `${name}/${path}`, file }));
+}
+
+function sizeOf(source: Package): number {
+  return source.kind === 'file' ? source.file.size : source.files.reduce((sum, { file }) => sum + file.size, 0);
+}
+
+function fingerprintOfPackage(source: Package): string {
+  const files = source.kind === 'file' ? [{ path: source.file.name, file: source.file }] : inFolder(source);
+  return fingerprintOf(files.map(({ path, file }) => ({ path, size: file.size, lastModified: file.lastModified })));
+}

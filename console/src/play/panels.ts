@@ -1,0 +1,63 @@
+import { h } from '../ui/dom';
+import { pointCount } from '../view3d/skin';
+import type { TwinShape } from '../view3d/shape';
+import type { ColourBy } from '../view3d/twin_view';
+import type { Facts, Ready } from './messages';
+import { goalPanel, type GoalPanel } from './panels/goal';
+import { grippersPanel } from './panels/grippers';
+import { helpPanel } from './panels/help';
+import { obstaclesPanel } from './panels/obstacles';
+import { panel } from './panels/parts';
+import { pictureControls, readLook } from './panels/picture';
+import { recordingPanel } from './panels/recording';
+import { timePanel } from './panels/time';
+import { worldPanel } from './panels/world';
+import type { Playing } from './playing';
+import { shareMenu } from './share';
+
+/** All panels of a play's page. */
+export interface Panels {
+  readonly bar: HTMLElement;
+  readonly column: HTMLElement;
+  readonly goal: GoalPanel;
+  keepsHold(): boolean;
+  update(facts: Facts): void;
+  refresh(): void;
+  /** Takes away what moves something. */
+  watchOnly(): void;
+  /** What is seen, in words. */
+  describe(ready: Ready): string;
+}
+
+/** Makes the panels. */
+export function panelsOf(
+  playing: Playing,
+  shape: TwinShape,
+  selected: () => void,
+  query: () => URLSearchParams,
+): Panels {
+  const [time, world] = [timePanel(playing), worldPanel(playing)];
+  const [grippers, obstacles] = [grippersPanel(playing, selected), obstaclesPanel(playing)];
+  const [goal, recording] = [goalPanel(playing), recordingPanel(playing)];
+  const moving = [grippers, world, obstacles, goal, recording];
+  const column = h('div', { class: 'play-panels-column' }, ...moving.map(({ element }) => element),
+    picturePanel(playing, shape), shareMenu(playing.scene.stage, playing.context, query, playing.name), helpPanel());
+  return {
+    bar: time.element,
+    column,
+    goal,
+    keepsHold: () => grippers.keeps,
+    update: (facts) => [time, ...moving].forEach((part) => part.update?.(facts)),
+    refresh: () => [grippers, obstacles].forEach((part) => part.refresh?.()),
+    watchOnly: () => [time, ...moving].forEach(({ element }) => element.remove()),
+    describe: (ready) =>
+      `A twin of ${ready.nodes} nodes and ${pointCount(shape.skin)} points of skin, held by ` +
+      `${ready.grippers.filter(({ hand }) => hand !== null).length} hands, simulated ${ready.fps} times a second.`,
+  };
+}
+
+/** What is shown of the twin. */
+function picturePanel({ scene, context }: Playing, shape: TwinShape): HTMLElement {
+  const colours: ColourBy[] = shape.springStiffness.length > 0 ? ['none', 'strain', 'stiffness'] : ['none', 'strain'];
+  return panel('Picture', false, pictureControls(scene.twin, readLook(context.query), colours, () => undefined));
+}

@@ -1,0 +1,202 @@
+import { Vector3 } from 'three';
+import { h } from '../ui/dom';
+import { ArrowsLayer, type Arrow } from '../view3d/layers/arrows';
+import { CollidersLayer, type Collider } from '../view3d/layers/colliders';
+import { GroundLayer } from '../view3d/layers/ground';
+import { HandsLayer } from '../view3d/layers/hands';
+import { Legend, number } from '../view3d/legend';
+import { planeOf, type TwinShape } from '../view3d/shape';
+import { Stage } from '../view3d/stage';
+import { TwinView } from '../view3d/twin_view';
+import type { Driver } from './driver';
+import { GoalLayer } from './goal_layer';
+import type { Facts, Ready } from './messages';
+import { Motion, carry } from './motion';
+import type { PlayState } from './state';
+
+/** The least force that is shown [N]. */
+const LEAST_FORCE = 0.02;
+
+/** What a play looks like: the twin, hands, forces, obstacles, the ground, a goal. */
+export class PlayScene {
+  readonly stage: Stage;
+  readonly twin: TwinView;
+  readonly goal: GoalLayer;
+  readonly colliders: CollidersLayer;
+  readonly motion = new Motion();
+  /** The size of the object at rest [m]. */
+  readonly size: number;
+  /** Radius of a hand [m]. */
+  readonly handRadius: number;
+  state: PlayState | null = null;
+  selectedCollider: number | null = null;
+  showsForces = true;
+
+  readonly #shape: TwinShape;
+  readonly #ground: GroundLayer;
+  readonly #hands: HandsLayer;
+  readonly #arrows: ArrowsLayer;
+  readonly #labels = h('div', { class: 'force-labels', 'aria-hidden': 'true' });
+  readonly #controls: Float32Array;
+  #ready: Ready | null = null;
+  #forceScale = 0;
+
+  constructor(shape: TwinShape, label: string) {
+    this.#shape = shape;
+    this.stage = new Stage(label, 'application');
+    const legend = new Legend();
+    this.stage.overlay.append(legend.element, this.#labels);
+    this.size = sizeOf(shape.rest);
+    this.handRadius = Math.min(Math.max(0.022 * this.size, 0.5 * shape.spacing), 0.05);
+    this.#ground = this.stage.add(new GroundLayer());
+    this.twin = new TwinView(this.stage, shape, legend);
+    this.#hands = this.stage.add(new HandsLayer(this.handRadius));
+    this.#arrows = this.stage.add(new ArrowsLayer(0.22 * this.handRadius));
+    this.colliders = this.stage.add(new CollidersLayer());
+    this.goal = this.stage.add(new GoalLayer(0.8 * this.handRadius));
+    this.#controls = shape.controls.slice();
+    this.#lie({});
+  }
+
+  /** Control points as they are shown [m], shape [C, 3]. */
+  get controls(): Float32Array {
+    return this.#controls;
+  }
+
+  /** A play has begun. */
+  begin(ready: Ready): void {
+    this.#ready = ready;
+  }
+
+  /** Takes over the world of a play. */
+  surround({ world }: Facts): void {
+    this.colliders.set(world.colliders ?? []);
+    this.#lie(world);
+  }
+
+  /** Shows these obstacles until the server has them. */
+  put(colliders: readonly Collider[]): void {
+    this.colliders.set(colliders);
+    this.stage.invalidate();
+  }
+
+  /** Takes in a state that has come. */
+  push(state: PlayState): void {
+    this.state = state;
+    this.motion.push(state, performance.now());
+    this.stage.invalidate();
+  }
+
+  /** Places everything for a picture; true while it moves. */
+  draw(now: number, driver: Driver): boolean {
+    const { state } = this;
+    if (state === null || state.positions.length !== this.#shape.rest.length) return false;
+    const moves = this.motion.sample(now);
+    const { positions, grippers, colliders } = this.motion.shown;
+    const ready = this.#ready;
+    if (ready !== null) {
+      const first = ready.grippers.map(({ pose }) => pose);
+      carry(ready.controls, ready.hands, first, grippers, this.#controls);
+    }
+    const hands = this.#shape.hands;
+    this.twin.place(positions, this.#controls, (c) => state.grippers[hands[c]!]?.holds ?? true);
+    this.colliders.place(colliders, this.selectedCollider);
+    this.goal.place(positions);
+    this.#drawHands(grippers, driver);
+    this.#drawForces(grippers);
+    return moves;
+  }
+
+  /** Where a gripper is shown [m]. */
+  gripper(index: number): Vector3 {
+    return new Vector3().fromArray(this.motion.shown.grippers, 7 * index);
+  }
+
+  /** Where a node is shown [m]. */
+  node(index: number): Vector3 {
+    return new Vector3().fromArray(this.motion.shown.positions, 3 * index);
+  }
+
+  /** The node that is nearest to a place, or null without any. */
+  nearest(to: Vector3): number | null {
+    const { positions } = this.motion.shown;
+    let [best, found] = [Infinity, null as number | null];
+    for (let n = 0; n < positions.length / 3; n += 1) {
+      const distance = this.node(n).distanceToSquared(to);
+      if (distance < best) [best, found] = [distance, n];
+    }
+    return found;
+  }
+
+  dispose(): void {
+    this.twin.dispose();
+    this.stage.dispose();
+  }
+
+  #drawHands(grippers: Float32Array, driver: Driver): void {
+    const usable = new Set(driver.usable);
+    const hands = Array.from({ length: grippers.length / 7 }, (_, g) => ({
+      position: this.gripper(g),
+      holds: driver.isHolding(g),
+      selected: g === driver.selected,
+      visible: g < driver.hands || driver.isHolding(g) || (usable.has(g) && g === driver.selected),
+    }));
+    this.#hands.place(hands, this.stage.camera.position);
+  }
+
+  #drawForces(grippers: Float32Array): void {
+    const forces = this.showsForces ? (this.state?.grippers ?? []) : [];
+    const sizes = forces.map(({ force, holds }) => (holds ? Math.hypot(...force) : 0));
+    // The strongest one lately has a third of the object's length; it fades, so that weak ones come to be seen.
+    this.#forceScale = Math.max(0.995 * this.#forceScale, ...sizes, LEAST_FORCE);
+    const arrows: Arrow[] = [];
+    const labels: HTMLElement[] = [];
+    sizes.forEach((size, g) => {
+      if (size < Math.max(LEAST_FORCE, 0.02 * this.#forceScale) || 7 * g + 6 >= grippers.length) return;
+      const way = new Vector3(...forces[g]!.force).multiplyScalar((0.3 * this.size) / this.#forceScale);
+      const from = this.gripper(g);
+      arrows.push({ from, way });
+      const at = this.stage.project(from.clone().add(way));
+      if (at === null) return;
+      const label = h('span', {}, this.#force(size));
+      const { clientWidth, clientHeight } = this.stage.canvas;
+      const [x, y] = [Math.min(Math.max(at.x, 4), clientWidth - 104), Math.min(Math.max(at.y, 4), clientHeight - 24)];
+      label.style.transform = `translate(${x.toFixed(1)}px, ${y.toFixed(1)}px)`;
+      labels.push(label);
+    });
+    this.#arrows.place(arrows);
+    this.#labels.replaceChildren(...labels);
+  }
+
+  /** A force in newtons, or as a multiple of the object's weight where its mass is not known. */
+  #force(size: number): string {
+    const { massKg, mass, gravity } = this.#shape;
+    const weight = mass * Math.hypot(...gravity);
+    return massKg !== null ? `${number(size)} N` : weight > 0 ? `${number(size / weight)} × weight` : number(size);
+  }
+
+  #lie(world: Facts['world']): void {
+    const own = this.#shape.ground;
+    const plane = world.no_ground === true ? null : world.ground === undefined ? own : planeOf(world.ground);
+    this.#ground.place(plane, middleOf(this.#shape.rest));
+    this.twin.above(plane);
+    this.stage.invalidate();
+  }
+}
+
+function middleOf(points: Float32Array): Vector3 {
+  const middle = new Vector3();
+  for (let i = 0; i < points.length; i += 3) middle.add(new Vector3().fromArray(points, i));
+  return middle.divideScalar(Math.max(points.length / 3, 1));
+}
+
+/** Length of the diagonal of a box around points [m]. */
+function sizeOf(points: Float32Array): number {
+  const [low, high] = [new Vector3().setScalar(Infinity), new Vector3().setScalar(-Infinity)];
+  for (let i = 0; i < points.length; i += 3) {
+    const point = new Vector3().fromArray(points, i);
+    low.min(point);
+    high.max(point);
+  }
+  return points.length === 0 ? 0.1 : Math.max(high.distanceTo(low), 0.01);
+}

@@ -1,0 +1,46 @@
+/** Ways to colour the observed points. */
+export type ColourBy = 'own' | 'plain' | 'error';
+
+/** What is seen of a sequence, and how. */
+export interface Look {
+  colour: ColourBy;
+  observed: boolean;
+  controls: boolean;
+  prediction: boolean;
+  springs: boolean;
+  /** The prediction stands beside the observed points in place of over them. */
+  beside: boolean;
+}
+
+const FLAGS = ['observed', 'controls', 'prediction', 'springs', 'beside'] as const;
+
+/** What is seen if nothing was said. */
+export function usual(hasColours: boolean): Look {
+  return {
+    colour: hasColours ? 'own' : 'plain',
+    observed: true,
+    controls: true,
+    prediction: true,
+    springs: true,
+    beside: false,
+  };
+}
+
+/** The look that an address has, the usual one where it has none. */
+export function readLook(query: URLSearchParams, hasColours: boolean): Look {
+  const look = usual(hasColours);
+  const colour = query.get('colour');
+  if (colour === 'plain' || colour === 'error' || (colour === 'own' && hasColours)) look.colour = colour;
+  for (const flag of FLAGS) {
+    const text = query.get(flag);
+    if (text === '0' || text === '1') look[flag] = text === '1';
+  }
+  return look;
+}
+
+/** Writes into an address what is not usual. */
+export function writeLook(look: Look, query: URLSearchParams, hasColours: boolean): void {
+  const known = usual(hasColours);
+  if (look.colour !== known.colour) query.set('colour', look.colour);
+  for (const flag of FLAGS) if (look[flag] !== known[flag]) query.set(flag, look[flag] ? '1' : '0');
+}

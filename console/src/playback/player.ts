@@ -1,0 +1,121 @@
+import type { TwinShape } from '../view3d/shape';
+import { placeSkin, pointCount } from '../view3d/skin';
+import { rangeOf, type Range } from '../view3d/colour';
+import type { CameraView, Dots } from './camera_view';
+import type { Look } from './look';
+import type { Frame, Motion } from './motion';
+import { Nearest } from './nearest';
+import type { Prediction } from './prediction';
+import { COLOURS, coloursOf, type Scene } from './scene';
+
+/** Least difference between the ends of the colours of errors [m]. */
+const LEAST_RANGE_M = 1e-3;
+
+/** Draws frames of a sequence: into space, and into the image of a camera. */
+export class Player {
+  /** The prediction with the shape of its twin, once it is here. */
+  twin: { readonly prediction: Prediction; readonly shape: TwinShape } | null = null;
+  camera: CameraView | null = null;
+  #range: Range | null = null;
+
+  constructor(
+    private readonly motion: Motion,
+    private readonly scene: Scene,
+    /** Red, green, blue of each point, shape [P, 3]; null if unknown. */
+    private readonly colors: Uint8Array | null,
+    private readonly look: Look,
+  ) {}
+
+  /** True if a frame can be drawn. */
+  has(frame: number): boolean {
+    return this.motion.frame(frame) !== null && (this.camera?.has(frame) ?? true);
+  }
+
+  /** Loads what a frame needs. */
+  async load(frame: number): Promise<void> {
+    await Promise.all([this.motion.load(frame), this.camera?.load(frame)]);
+  }
+
+  /** Draws a frame as far as it is here. */
+  draw(frame: number): void {
+    const { look, scene } = this;
+    const here = this.motion.frame(frame);
+    if (here === null) return;
+    const nodes = this.twin?.prediction.nodes(frame) ?? null;
+    const seen = visiblePoints(here);
+    const colours = this.#colours(seen, nodes);
+    const shown = { points: seen.points, colours, controls: here.controls, nodes };
+    scene.show(shown, look);
+    const layers: Dots[] = [];
+    // In colours of their own they would not be seen on the image.
+    const colour = look.colour === 'own' ? css(COLOURS.observed) : colours;
+    if (look.observed) layers.push({ points: seen.points, colour, radius: 1.25 });
+    if (look.controls) layers.push({ points: here.controls, colour: css(COLOURS.controls), radius: 2.5 });
+    if (look.prediction && nodes !== null && this.twin !== null) {
+      const count = nodes.length / 3;
+      const inner = this.twin.shape.springs;
+      const lines = look.springs ? { lines: innerLines(inner, count) } : {};
+      layers.push({ points: nodes, colour: css(COLOURS.predicted), radius: 1.25, ...lines });
+    }
+    this.camera?.draw(frame, layers);
+  }
+
+  #colours(seen: Seen, nodes: Float32Array | null): Uint8Array {
+    const { look, colors } = this;
+    if (look.colour === 'error' && nodes !== null && this.twin !== null) {
+      const errors = distances(seen.points, nodes, this.twin.shape);
+      const found = rangeOf(errors);
+      // The range only grows, so that a colour means the same in all frames that were seen.
+      this.#range = { low: 0, high: Math.max(found.high, this.#range?.high ?? 0, LEAST_RANGE_M) };
+      this.scene.explain(this.#range);
+      return coloursOf(errors, this.#range);
+    }
+    this.scene.explain(null);
+    const bytes = new Uint8Array(seen.points.length);
+    const plain = [(COLOURS.observed >> 16) & 255, (COLOURS.observed >> 8) & 255, COLOURS.observed & 255];
+    seen.indices.forEach((index, i) => {
+      bytes.set(look.colour === 'own' && colors !== null ? colors.subarray(3 * index, 3 * index + 3) : plain, 3 * i);
+    });
+    return bytes;
+  }
+}
+
+/** Points that a camera saw in a frame. */
+interface Seen {
+  readonly points: Float32Array;
+  readonly indices: readonly number[];
+}
+
+function visiblePoints({ points, visible }: Frame): Seen {
+  const indices: number[] = [];
+  visible.forEach((flag, i) => {
+    if (flag === 1 && !Number.isNaN(points[3 * i]!)) indices.push(i);
+  });
+  const kept = new Float32Array(3 * indices.length);
+  indices.forEach((index, i) => kept.set(points.subarray(3 * index, 3 * index + 3), 3 * i));
+  return { points: kept, indices };
+}
+
+/** Distance of each point to the nearest one of a twin's skin [m], or to the nearest node. */
+function distances(points: Float32Array, nodes: Float32Array, shape: TwinShape): Float32Array {
+  let surface = nodes;
+  if (pointCount(shape.skin) > 0 && nodes.length === shape.rest.length) {
+    surface = new Float32Array(3 * pointCount(shape.skin));
+    placeSkin(shape.skin, nodes, surface);
+  }
+  const nearest = new Nearest(surface, shape.spacing);
+  return Float32Array.from({ length: points.length / 3 }, (_, i) => nearest.distance(points, i));
+}
+
+/** Springs between nodes, without those of control points. */
+function innerLines(springs: Uint32Array, nodes: number): Uint32Array {
+  const lines: number[] = [];
+  for (let s = 0; s + 1 < springs.length; s += 2) {
+    if (springs[s]! < nodes && springs[s + 1]! < nodes) lines.push(springs[s]!, springs[s + 1]!);
+  }
+  return Uint32Array.from(lines);
+}
+
+function css(colour: number): string {
+  return `#${colour.toString(16).padStart(6, '0')}`;
+}

@@ -1,0 +1,161 @@
+import { Vector3 } from 'three';
+import { SEQUENTIAL, colourAt, shareOf, type Range } from '../view3d/colour';
+import { GroundLayer } from '../view3d/layers/ground';
+import { PointsLayer } from '../view3d/layers/points';
+import { Legend } from '../view3d/legend';
+import type { TwinShape } from '../view3d/shape';
+import { Stage } from '../view3d/stage';
+import { TwinView } from '../view3d/twin_view';
+import type { SequenceHead } from './head';
+import type { Frame } from './motion';
+
+/** Colours of observed points without own ones, of control points and of predicted nodes. */
+export const COLOURS = { observed: 0x2f6fd0, controls: 0xf08c00, predicted: 0x0ca678 };
+
+/** Observed points of a frame that are shown, with their colours. */
+export interface Shown {
+  /** [m], shape [M, 3] */
+  readonly points: Float32Array;
+  /** Red, green, blue, shape [M, 3]. */
+  readonly colours: Uint8Array;
+  readonly controls: Float32Array;
+  /** Predicted nodes [m], shape [N, 3]. */
+  readonly nodes: Float32Array | null;
+}
+
+/** The points of a sequence in three dimensions, with a prediction over them or beside them. */
+export class Scene {
+  readonly stage: Stage;
+  readonly legend = new Legend();
+  readonly #observed: PointsLayer;
+  readonly #controls: PointsLayer;
+  #twin: TwinView | null = null;
+  #shape: TwinShape | null = null;
+  /** Way from the observed points to the prediction that is shown beside them [m]. */
+  #beside = new Vector3();
+
+  constructor(
+    private readonly sequence: SequenceHead,
+    /** The first frame and the last, between which things move. */
+    private readonly ends: readonly Frame[],
+    label: string,
+  ) {
+    this.stage = new Stage(label);
+    this.stage.overlay.append(this.legend.element);
+    const { point_count: points, control_count: controls } = sequence.motion;
+    const first = this.#first;
+    const extent = extentOf(first);
+    const size = Math.max((0.65 * extent) / Math.sqrt(Math.max(points, 1)), 0.002);
+    this.#observed = this.stage.add(
+      new PointsLayer(new Float32Array(3 * Math.max(points, 1)), { size, colour: COLOURS.observed }),
+    );
+    this.#controls = this.stage.add(
+      new PointsLayer(new Float32Array(3 * Math.max(controls, 1)), { size: 1.2 * size, colour: COLOURS.controls }),
+    );
+    this.stage.add(new GroundLayer()).place(sequence.ground, middleOf(first));
+    this.#lookAtAll();
+  }
+
+  /** Shows the prediction of a twin from now on. */
+  setTwin(shape: TwinShape): void {
+    this.#shape = shape;
+    this.#twin = new TwinView(this.stage, shape, this.legend);
+    this.#twin.above(this.sequence.ground);
+  }
+
+  /** Layers of the twin that are seen, and whether it stands beside the observed points. */
+  showTwin(layers: ReadonlySet<'skin' | 'nodes' | 'springs'>, isBeside: boolean): void {
+    this.#twin?.show(layers);
+    const way = isBeside ? 1.5 * extentOf(this.#first) : 0;
+    if (this.#beside.x === way) return;
+    this.#beside.set(way, 0, 0);
+    this.#lookAtAll();
+  }
+
+  /** Looks at the way of all points, and at the place beside them if the prediction stands there. */
+  #lookAtAll(): void {
+    const points = this.ends.flatMap((end) => [...end.points]);
+    const other = this.#beside.x === 0 ? [] : moved(this.#first, this.#beside);
+    this.stage.lookAt(Float32Array.from([...points, ...other]));
+  }
+
+  get #first(): Float32Array {
+    return this.ends[0]?.points ?? new Float32Array(0);
+  }
+
+  /** What colours mean, if they mean a number. */
+  explain(range: Range | null): void {
+    if (range === null) this.legend.hide();
+    else this.legend.show('Distance to the prediction', 'mm', scaled(range), SEQUENTIAL);
+  }
+
+  /** Shows a frame. */
+  show({ points, colours, controls, nodes }: Shown, visible: { observed: boolean; controls: boolean }): void {
+    place(this.#observed, points, visible.observed);
+    this.#observed.tint(padded(colours, this.#observed.positions.length));
+    place(this.#controls, controls, visible.controls);
+    if (this.#twin !== null && this.#shape !== null && nodes !== null && nodes.length === this.#shape.rest.length) {
+      // Control points of another recording are others than the twin's own, which carry no springs here.
+      this.#twin.place(moved(nodes, this.#beside), this.#shape.controls, () => false);
+    }
+    this.stage.invalidate();
+  }
+
+  dispose(): void {
+    this.#twin?.dispose();
+    this.stage.dispose();
+  }
+}
+
+/** Colours of values, red, green and blue as bytes; grey where there is no value. */
+export function coloursOf(values: Float32Array, range: Range): Uint8Array {
+  const bytes = new Uint8Array(3 * values.length).fill(128);
+  values.forEach((value, i) => {
+    if (Number.isNaN(value)) return;
+    const colour = colourAt(SEQUENTIAL, shareOf(range, value));
+    bytes.set(colour.map((part) => Math.round(255 * part)), 3 * i);
+  });
+  return bytes;
+}
+
+function place(layer: PointsLayer, points: Float32Array, isVisible: boolean): void {
+  layer.object.visible = isVisible;
+  layer.positions.set(points);
+  layer.moved(points.length / 3);
+}
+
+function padded(bytes: Uint8Array, length: number): Uint8Array {
+  const all = new Uint8Array(length);
+  all.set(bytes);
+  return all;
+}
+
+function moved(points: Float32Array, by: Vector3): Float32Array {
+  const way = by.toArray();
+  return points.map((x, i) => x + way[i % 3]!);
+}
+
+function scaled({ low, high }: Range): Range {
+  return { low: 1000 * low, high: 1000 * high };
+}
+
+/** Largest extent of points along any axis, or along one [m]. */
+function extentOf(points: Float32Array, axis?: number): number {
+  const spans = (axis === undefined ? [0, 1, 2] : [axis]).map((a) => {
+    const values = Array.from(points).filter((x, i) => i % 3 === a && Number.isFinite(x));
+    const high = values.reduce((most, x) => Math.max(most, x), -Infinity);
+    return values.length === 0 ? 0 : high - values.reduce((least, x) => Math.min(least, x), Infinity);
+  });
+  return Math.max(...spans, 0.05);
+}
+
+function middleOf(points: Float32Array): Vector3 {
+  const sum = new Vector3();
+  let count = 0;
+  for (let i = 0; i + 2 < points.length; i += 3) {
+    if (!Number.isFinite(points[i]!)) continue;
+    sum.add(new Vector3(points[i], points[i + 1], points[i + 2]));
+    count += 1;
+  }
+  return sum.divideScalar(Math.max(count, 1));
+}

@@ -1,0 +1,147 @@
+import { Problem } from './api/client';
+import type { Api } from './api/client';
+import { ServerLost } from './api/connection';
+import { sleep } from './api/backoff';
+import { Tabs } from './api/tabs';
+import { takeTokenFromAddress } from './api/token';
+import { load } from './load';
+import type { Page, PageContext } from './page';
+import { ROUTES, match } from './routes';
+import { h } from './ui/dom';
+import { frame } from './ui/frame';
+import type { Frame } from './ui/frame';
+import { problemBox } from './ui/problem';
+
+const LOGIN = '/login';
+/** Time after which a page that is not there yet is announced [ms]. */
+const QUICK_MS = 200;
+
+/** Shows the page of the address in `app`, now and whenever the address changes. */
+export function start(app: HTMLElement, api: Api): void {
+  const tabs = new Tabs(goToLogin);
+  const logOut = (): void => {
+    tabs.forget();
+    goToLogin();
+  };
+  new Router(api, frame(app, api, logOut), tabs).start();
+}
+
+class Router {
+  #page: Page | null = null;
+  #left = new AbortController();
+  /** True if the page could not be opened because the server did not answer. */
+  #isWaiting = false;
+  /** True while other tabs are asked for the token. */
+  #isAsking = false;
+
+  constructor(
+    private readonly api: Api,
+    private readonly frame: Frame,
+    private readonly tabs: Tabs,
+  ) {}
+
+  start(): void {
+    addEventListener('hashchange', () => void this.show(true));
+    this.api.onUnauthenticated = () => void this.askForToken();
+    this.api.connection.addEventListener('back', () => {
+      if (this.#isWaiting) void this.show(false);
+    });
+    void this.show(false);
+  }
+
+  /** Opens the page of the address. */
+  private async show(movesFocus: boolean): Promise<void> {
+    takeTokenFromAddress();
+    this.#left.abort();
+    this.#page?.dispose?.();
+    this.#page = null;
+    this.#isWaiting = false;
+    const { signal } = (this.#left = new AbortController());
+    const { path, search } = address();
+    this.frame.mark(path);
+    this.frame.status.textContent = '';
+    const found = match(ROUTES, path);
+    if (found === null) {
+      this.frame.place.removeAttribute('aria-busy');
+      this.setTitle('Nothing here');
+      this.frame.place.replaceChildren(h('p', {}, 'There is no page at this address.'));
+      return;
+    }
+    const context = this.context(path, search, found.parameters, signal);
+    this.frame.place.setAttribute('aria-busy', 'true');
+    void this.sayThatItLoads(signal);
+    try {
+      const open = await load(found.route, this.api);
+      if (signal.aborted) return;
+      const opened = await open(context);
+      if (signal.aborted) return opened.dispose?.();
+      this.#page = opened;
+      this.frame.place.replaceChildren(opened.element);
+    } catch (error) {
+      // Without a token one is on the way to the page that asks for it.
+      if (signal.aborted || (error instanceof Problem && error.status === 401)) return;
+      this.#isWaiting = error instanceof ServerLost;
+      if (this.frame.heading.textContent === '') this.setTitle('BendTwin');
+      this.frame.place.replaceChildren(problemBox(error, () => void this.show(false)));
+    }
+    this.frame.place.removeAttribute('aria-busy');
+    if (movesFocus) this.frame.heading.focus();
+  }
+
+  /** What a page may do. One that was left, but has still to notice, changes nothing of the next one. */
+  private context(
+    path: string,
+    search: string,
+    parameters: Readonly<Record<string, string>>,
+    signal: AbortSignal,
+  ): PageContext {
+    const ifHere = (change: () => void): void => {
+      if (!signal.aborted) change();
+    };
+    return {
+      parameters,
+      query: new URLSearchParams(search),
+      api: this.api,
+      signal,
+      setTitle: (title) => ifHere(() => this.setTitle(title)),
+      announce: (text) => ifHere(() => (this.frame.status.textContent = text)),
+      navigate: (hash) => ifHere(() => (location.hash = hash)),
+      setQuery: (query) =>
+        ifHere(() => history.replaceState(null, '', `#${path}${query.size === 0 ? '' : `?${query}`}`)),
+    };
+  }
+
+  private setTitle(title: string): void {
+    this.frame.heading.replaceChildren(h('bdi', {}, title));
+    document.title = title === 'BendTwin' ? title : `${title} - BendTwin`;
+  }
+
+  private async sayThatItLoads(signal: AbortSignal): Promise<void> {
+    await sleep(QUICK_MS, signal);
+    if (signal.aborted || !this.frame.place.hasAttribute('aria-busy')) return;
+    this.frame.place.replaceChildren(h('p', { class: 'muted' }, 'Loading…'));
+  }
+
+  /** Takes the token of another tab, or goes to the page that asks for it, which leads back here. */
+  private async askForToken(): Promise<void> {
+    if (address().path === LOGIN || this.#isAsking) return;
+    this.#isAsking = true;
+    const taken = await this.tabs.take();
+    this.#isAsking = false;
+    if (taken) return this.show(false);
+    const here = location.hash;
+    if (address().path === LOGIN) return;
+    const next = here === '' || here === '#/' ? '' : `?${new URLSearchParams({ next: here })}`;
+    location.replace(`#${LOGIN}${next}`);
+  }
+}
+
+function goToLogin(): void {
+  location.hash = `#${LOGIN}`;
+}
+
+/** Path and query of the address behind its `#`. */
+function address(): { path: string; search: string } {
+  const [path = '', search = ''] = location.hash.replace(/^#/, '').split('?', 2);
+  return { path, search };
+}

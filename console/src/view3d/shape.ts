@@ -1,0 +1,127 @@
+import type { Api } from '../api/client';
+import { startsOf, type Skin } from './skin';
+import { floats, indices, type PackedTensor } from './tensor';
+
+/** Points with normal . x >= offset are above it. */
+export interface Plane {
+  readonly normal: readonly [number, number, number];
+  readonly offset_m: number;
+}
+
+/** What a twin consists of: N nodes, C control points, E springs, T triplets. */
+export interface TwinShape {
+  /** Nodes at rest [m], shape [N, 3]. */
+  readonly rest: Float32Array;
+  /** Control points at rest [m], shape [C, 3]. */
+  readonly controls: Float32Array;
+  /** Hand of each control point, shape [C]. */
+  readonly hands: Uint32Array;
+  /** Endpoints of springs, from N on control points, shape [E, 2]. */
+  readonly springs: Uint32Array;
+  /** Lengths of springs at rest [m], shape [E]. */
+  readonly restLengths: Float32Array;
+  /** [N per unit strain], or per unit mass where the mass is not known, shape [E]. Empty if it was not told. */
+  readonly springStiffness: Float32Array;
+  /** Endpoints of bending triplets, the centre in the middle, shape [T, 3]. */
+  readonly triplets: Uint32Array;
+  /** [N m/rad], or per unit mass, shape [T]. Empty if it was not told. */
+  readonly bendStiffness: Float32Array;
+  readonly rods: readonly Uint32Array[];
+  readonly skin: Skin;
+  readonly ground: Plane | null;
+  /** [m/s^2] */
+  readonly gravity: readonly [number, number, number];
+  readonly fps: number;
+  readonly massKg: number | null;
+  /** Mass of all nodes [kg], or in units of a node where the mass is not known. */
+  readonly mass: number;
+  /** Mean length of springs between nodes [m]. */
+  readonly spacing: number;
+}
+
+type Tensors<Name extends string> = { readonly [name in Name]?: PackedTensor };
+
+/** The reply to `GET /v1/twins/{id}/geometry?tensors=base64`. */
+export interface GeometryReply
+  extends Tensors<
+    'rest_positions' | 'masses' | 'controls' | 'hands' | 'edges' | 'rest_lengths' | 'triplets' | 'spring_stiffness' |
+    'bend_stiffness' | 'rod_starts' | 'rod_nodes'
+  > {
+  readonly skin?: Tensors<'weight_counts' | 'weight_nodes' | 'weights' | 'frames' | 'offsets'>;
+  readonly ground?: { readonly normal?: readonly number[]; readonly offset_m?: number };
+  readonly gravity?: readonly number[];
+  readonly fps?: number;
+  readonly mass_kg?: number;
+  readonly spacing_m?: number;
+}
+
+/** Asks for the shape of a twin. */
+export async function loadShape(api: Api, twin: string, signal: AbortSignal): Promise<TwinShape> {
+  const path = `/v1/twins/${encodeURIComponent(twin)}/geometry?tensors=base64`;
+  return readShape(await api.json<GeometryReply>(path, { signal }));
+}
+
+/** Reads a reply; throws if its arrays do not belong together. */
+export function readShape(reply: GeometryReply): TwinShape {
+  const rest = floats(reply.rest_positions, 'rest_positions');
+  const controls = floats(reply.controls, 'controls');
+  const nodes = rest.length / 3;
+  const springs = indices(reply.edges, 'edges');
+  const triplets = indices(reply.triplets, 'triplets');
+  within(springs, nodes + controls.length / 3, 'edges');
+  within(triplets, nodes + controls.length / 3, 'triplets');
+  const starts = indices(reply.rod_starts, 'rod_starts');
+  const rodNodes = indices(reply.rod_nodes, 'rod_nodes');
+  within(rodNodes, nodes, 'rod_nodes');
+  return {
+    rest,
+    controls,
+    hands: ofLength(indices(reply.hands, 'hands'), controls.length / 3, 'hands'),
+    springs,
+    restLengths: ofLength(floats(reply.rest_lengths, 'rest_lengths'), springs.length / 2, 'rest_lengths'),
+    springStiffness: floats(reply.spring_stiffness, 'spring_stiffness'),
+    triplets,
+    bendStiffness: floats(reply.bend_stiffness, 'bend_stiffness'),
+    rods: Array.from(starts.subarray(1), (end, rod) => rodNodes.subarray(starts[rod], end)),
+    skin: readSkin(reply.skin ?? {}, nodes),
+    ground: reply.ground === undefined ? null : planeOf(reply.ground),
+    gravity: vectorOf(reply.gravity, [0, 0, 0]),
+    fps: reply.fps ?? 30,
+    massKg: reply.mass_kg ?? null,
+    mass: floats(reply.masses, 'masses').reduce((sum, mass) => sum + mass, 0),
+    spacing: reply.spacing_m || 0.01,
+  };
+}
+
+/** A plane as the wire has it. */
+export function planeOf(plane: { readonly normal?: readonly number[]; readonly offset_m?: number }): Plane {
+  return { normal: vectorOf(plane.normal, [0, 0, 1]), offset_m: plane.offset_m ?? 0 };
+}
+
+function vectorOf(values: readonly number[] | undefined, absent: [number, number, number]): [number, number, number] {
+  const [x, y, z] = values ?? [];
+  return x === undefined || y === undefined || z === undefined ? absent : [x, y, z];
+}
+
+function readSkin(reply: NonNullable<GeometryReply['skin']>, nodes: number): Skin {
+  const starts = startsOf(indices(reply.weight_counts, 'skin.weight_counts'));
+  const points = starts.length - 1;
+  const carriers = ofLength(indices(reply.weight_nodes, 'skin.weight_nodes'), starts[points]!, 'skin.weight_nodes');
+  within(carriers, nodes, 'skin.weight_nodes');
+  return {
+    starts,
+    nodes: carriers,
+    weights: ofLength(floats(reply.weights, 'skin.weights'), carriers.length, 'skin.weights'),
+    frames: ofLength(indices(reply.frames, 'skin.frames'), 3 * points, 'skin.frames'),
+    offsets: ofLength(floats(reply.offsets, 'skin.offsets'), 3 * points, 'skin.offsets'),
+  };
+}
+
+function within(values: Uint32Array, count: number, name: string): void {
+  if (values.some((value) => value >= count)) throw new Error(`${name} names what is not there`);
+}
+
+function ofLength<A extends Uint32Array | Float32Array>(values: A, length: number, name: string): A {
+  if (values.length !== length) throw new Error(`${name} has ${values.length} values in place of ${length}`);
+  return values;
+}

@@ -1,0 +1,249 @@
+import {
+  Box3,
+  Color,
+  DirectionalLight,
+  HemisphereLight,
+  PerspectiveCamera,
+  Scene,
+  Vector3,
+  WebGLRenderer,
+} from 'three';
+import { OrbitControls } from 'three/addons/controls/OrbitControls.js';
+import { h } from '../ui/dom';
+import { CameraKeys } from './camera_keys';
+import { drawsInSoftware } from './renderer_kind';
+import { Sharpness } from './sharpness';
+import './view3d.css';
+
+/** A part of what a stage shows, which frees its memory at the GPU when it is disposed of. */
+export interface Layer {
+  readonly object: import('three').Object3D;
+  dispose(): void;
+}
+
+/**
+ * A picture in three dimensions, z up, in metres. It is drawn when something has changed, and with the
+ * screen as long as a listener says that things move.
+ */
+export class Stage {
+  /** The canvas, what is laid over it, and a description for those who do not see it. */
+  readonly element: HTMLElement;
+  readonly canvas: HTMLCanvasElement;
+  /** For elements that are placed over the picture. */
+  readonly overlay: HTMLElement;
+  readonly scene = new Scene();
+  readonly camera = new PerspectiveCamera(45, 1, 0.005, 200);
+  readonly controls: OrbitControls;
+  /** Frames that were drawn, and the time that the last one took on the CPU [ms]. */
+  drawn = 0;
+  drawMs = 0;
+
+  readonly #renderer: WebGLRenderer;
+  readonly #keys: CameraKeys;
+  readonly #description = h('p', { class: 'visually-hidden' });
+  readonly #resize: ResizeObserver;
+  readonly #dark = matchMedia('(prefers-color-scheme: dark)');
+  readonly #layers = new Set<Layer>();
+  readonly #listeners = new Set<(now: number) => boolean>();
+  readonly #sharpness = new Sharpness();
+  /** What the camera looks at until someone moves it. */
+  #framed: { readonly middle: Vector3; readonly size: number } | null = null;
+  #request = 0;
+  #disposed = false;
+
+  /** `role` is `application` where the canvas takes keys of its own. */
+  constructor(label: string, role: 'img' | 'application' = 'img') {
+    this.canvas = h('canvas', { tabindex: 0, role, 'aria-label': label });
+    this.overlay = h('div', { class: 'stage-overlay' });
+    this.element = h('div', { class: 'stage' }, this.canvas, this.overlay, this.#description);
+    this.#renderer = rendererOf(this.canvas);
+    this.camera.up.set(0, 0, 1);
+    this.controls = new OrbitControls(this.camera, this.canvas);
+    this.controls.addEventListener('change', this.invalidate);
+    this.controls.addEventListener('start', () => (this.#framed = null));
+    this.controls.minDistance = 0.02;
+    this.controls.maxDistance = 50;
+    this.#keys = new CameraKeys(this, role === 'application');
+    const sun = new DirectionalLight(0xffffff, 2);
+    sun.position.set(0.5, -1, 2);
+    this.scene.add(new HemisphereLight(0xffffff, 0x8a8f98, 1.6), sun);
+    this.#resize = new ResizeObserver(this.#fit);
+    this.#resize.observe(this.element);
+    this.#dark.addEventListener('change', this.#paint);
+    this.canvas.addEventListener('webglcontextrestored', this.invalidate);
+    this.#paint();
+  }
+
+  /** True on a dark page. */
+  get isDark(): boolean {
+    return this.#dark.matches;
+  }
+
+  /** Shows a layer from now on; the stage disposes of it. */
+  add<L extends Layer>(layer: L): L {
+    this.#layers.add(layer);
+    this.scene.add(layer.object);
+    this.invalidate();
+    return layer;
+  }
+
+  /** Shows a layer no more, and frees its memory. */
+  remove(layer: Layer): void {
+    if (!this.#layers.delete(layer)) return;
+    this.scene.remove(layer.object);
+    layer.dispose();
+    this.invalidate();
+  }
+
+  /** Calls a listener before each frame; while one answers true, another frame follows. */
+  beforeFrame(listener: (now: number) => boolean): void {
+    this.#listeners.add(listener);
+    this.invalidate();
+  }
+
+  /** Draws a frame soon. */
+  readonly invalidate = (): void => {
+    if (this.#request === 0 && !this.#disposed) this.#request = requestAnimationFrame(this.#frame);
+  };
+
+  /** Says what is seen. */
+  describe(text: string): void {
+    if (this.#description.textContent !== text) this.#description.textContent = text;
+  }
+
+  /** Looks at points [M, 3] from the front and from above. */
+  lookAt(points: Float32Array): void {
+    const box = new Box3();
+    const point = new Vector3();
+    for (let i = 0; i + 2 < points.length; i += 3) {
+      point.fromArray(points, i);
+      if (Number.isFinite(point.x + point.y + point.z)) box.expandByPoint(point);
+    }
+    if (box.isEmpty()) return;
+    this.#framed = { middle: box.getCenter(new Vector3()), size: Math.max(box.getSize(new Vector3()).length(), 0.05) };
+    this.#look();
+  }
+
+  /** Place of the camera and what it looks at, as an address has it. */
+  get view(): string {
+    const { position } = this.camera;
+    return [...position.toArray(), ...this.controls.target.toArray()].map((x) => x.toFixed(4)).join(',');
+  }
+
+  /** Takes over a place of the camera; false if the text is none. */
+  setView(text: string): boolean {
+    const numbers = text.split(',').map(Number);
+    if (numbers.length !== 6 || !numbers.every((x) => Number.isFinite(x) && Math.abs(x) < 1000)) return false;
+    this.#framed = null;
+    this.camera.position.fromArray(numbers);
+    this.controls.target.fromArray(numbers, 3);
+    this.controls.update();
+    this.invalidate();
+    return true;
+  }
+
+  /** What is seen as a PNG. */
+  picture(): Promise<Blob> {
+    this.#sharpness.restore();
+    this.#resizeCanvas();
+    // The canvas keeps what was drawn until the end of this task only.
+    this.#draw();
+    return new Promise((resolve, reject) => {
+      this.canvas.toBlob((blob) => (blob === null ? reject(new Error('no picture was made')) : resolve(blob)));
+    });
+  }
+
+  /** Number of pixels of the page from the canvas's left and top at which a point is seen; null behind the camera. */
+  project(point: Vector3): { x: number; y: number } | null {
+    const seen = point.clone().project(this.camera);
+    if (seen.z > 1) return null;
+    const { clientWidth, clientHeight } = this.canvas;
+    return { x: ((seen.x + 1) / 2) * clientWidth, y: ((1 - seen.y) / 2) * clientHeight };
+  }
+
+  /** Objects and textures in the GPU's memory, for tests of what is freed. */
+  get memory(): { geometries: number; textures: number } {
+    return this.#renderer.info.memory;
+  }
+
+  /** The camera is moved by keys: it does not go back by itself. */
+  unframe(): void {
+    this.#framed = null;
+  }
+
+  /** Frees everything. */
+  dispose(): void {
+    this.#disposed = true;
+    cancelAnimationFrame(this.#request);
+    this.#resize.disconnect();
+    this.#dark.removeEventListener('change', this.#paint);
+    this.#keys.dispose();
+    this.controls.dispose();
+    this.#listeners.clear();
+    for (const layer of this.#layers) {
+      this.scene.remove(layer.object);
+      layer.dispose();
+    }
+    this.#layers.clear();
+    this.#renderer.dispose();
+    this.#renderer.forceContextLoss();
+  }
+
+  /** Stands where all that is framed is seen, which on narrow screens is farther away. */
+  #look(): void {
+    if (this.#framed === null) return;
+    const { middle, size } = this.#framed;
+    const distance = 1.15 * size * Math.max(1, 1.25 / this.camera.aspect);
+    this.controls.target.copy(middle);
+    this.camera.position.copy(middle).add(new Vector3(0.35, -1, 0.55).multiplyScalar(distance));
+    this.controls.update();
+    this.invalidate();
+  }
+
+  readonly #frame = (now: number): void => {
+    this.#request = 0;
+    let moves = false;
+    for (const listener of this.#listeners) moves = listener(now) || moves;
+    if (this.#sharpness.next(now, moves)) this.#resizeCanvas();
+    this.#draw();
+    if (moves || !this.#sharpness.isFull) this.invalidate();
+  };
+
+  #draw(): void {
+    const begun = performance.now();
+    this.#renderer.render(this.scene, this.camera);
+    this.drawMs = performance.now() - begun;
+    this.drawn += 1;
+  }
+
+  readonly #fit = (): void => {
+    const { clientWidth: width, clientHeight: height } = this.element;
+    if (width === 0 || height === 0) return;
+    this.camera.aspect = width / height;
+    this.camera.updateProjectionMatrix();
+    this.#look();
+    this.#resizeCanvas();
+    // A canvas whose size has changed is empty until it is drawn.
+    this.#draw();
+  };
+
+  #resizeCanvas(): void {
+    const { clientWidth: width, clientHeight: height } = this.element;
+    this.#renderer.setPixelRatio(this.#sharpness.ratio(devicePixelRatio));
+    this.#renderer.setSize(width, height, false);
+  }
+
+  readonly #paint = (): void => {
+    this.scene.background = new Color(this.isDark ? 0x14181d : 0xf4f6f8);
+    this.invalidate();
+  };
+}
+
+/** What draws on a canvas; throws, in words for people, where nothing can. */
+function rendererOf(canvas: HTMLCanvasElement): WebGLRenderer {
+  try {
+    return new WebGLRenderer({ canvas, antialias: !drawsInSoftware() });
+  } catch {
+    throw new Error('This browser cannot draw in three dimensions: WebGL 2 is missing or switched off in it.');
+  }
+}

@@ -1,0 +1,46 @@
+/** A tensor of a reply with `?tensors=base64`: little-endian, row-major. */
+export interface PackedTensor {
+  readonly dtype: string;
+  readonly shape: readonly number[];
+  readonly data: string;
+}
+
+const SIZES: Readonly<Record<string, number>> = { FLOAT32: 4, UINT32: 4, UINT8: 1 };
+
+/** Values of a FLOAT32 tensor; none if it was left out. Throws if it is something else. */
+export function floats(tensor: PackedTensor | null | undefined, name: string): Float32Array {
+  return tensor == null ? new Float32Array(0) : new Float32Array(bytesOf(tensor, 'FLOAT32', name));
+}
+
+/** Values of a UINT32 tensor; none if it was left out. Throws if it is something else. */
+export function indices(tensor: PackedTensor | null | undefined, name: string): Uint32Array {
+  return tensor == null ? new Uint32Array(0) : new Uint32Array(bytesOf(tensor, 'UINT32', name));
+}
+
+/** A FLOAT32 tensor of rows, as requests have it. */
+export function packed(values: Float32Array, shape: readonly number[]): PackedTensor {
+  return { dtype: 'FLOAT32', shape, data: base64(new Uint8Array(values.buffer, values.byteOffset, values.byteLength)) };
+}
+
+/** Bytes as base64. */
+export function base64(bytes: Uint8Array): string {
+  let text = '';
+  // In parts, as a call has room for so many arguments only.
+  for (let at = 0; at < bytes.length; at += 0x8000) text += String.fromCharCode(...bytes.subarray(at, at + 0x8000));
+  return btoa(text);
+}
+
+/** Bytes of base64; throws if it is none. */
+export function bytesOfBase64(text: string): Uint8Array<ArrayBuffer> {
+  return Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0));
+}
+
+function bytesOf(tensor: PackedTensor, dtype: string, name: string): ArrayBuffer {
+  if (tensor.dtype !== dtype) throw new Error(`${name} is ${tensor.dtype}, not ${dtype}`);
+  const bytes = bytesOfBase64(tensor.data);
+  const count = tensor.shape.reduce((product, length) => product * length, 1);
+  if (bytes.length !== count * (SIZES[dtype] ?? 1)) {
+    throw new Error(`${name} has ${bytes.length} bytes, which its shape [${tensor.shape.join(', ')}] does not say`);
+  }
+  return bytes.buffer;
+}

@@ -1,0 +1,170 @@
+import { DIVERGING, SEQUENTIAL, rangeOf, type Range } from './colour';
+import { Endpoints } from './endpoints';
+import { LinesLayer } from './layers/lines';
+import { PointsLayer } from './layers/points';
+import { ShadowLayer } from './layers/shadow';
+import type { Legend } from './legend';
+import type { Plane, TwinShape } from './shape';
+import { placeSkin, pointCount } from './skin';
+import type { Stage } from './stage';
+
+/** Layers of a twin that can be switched on and off. */
+export type TwinLayer = 'skin' | 'nodes' | 'springs' | 'triplets' | 'rods' | 'controls' | 'shadow';
+
+/** Quantities that a twin can be coloured by. */
+export type ColourBy = 'none' | 'stiffness' | 'strain';
+
+const COLOURS = {
+  skin: 0x1098ad,
+  nodes: 0x0b7285,
+  springs: 0x6b7783,
+  triplets: 0x9c36b5,
+  rods: 0x5f3dc4,
+  controls: 0xf08c00,
+};
+/** Strain at both ends of the colours. */
+const STRAINS: Range = { low: -0.1, high: 0.1 };
+
+/** A twin on a stage: all of its layers, moved together by its nodes. */
+export class TwinView {
+  readonly #stage: Stage;
+  readonly #shape: TwinShape;
+  readonly #legend: Legend;
+  readonly #endpoints: Endpoints;
+  readonly #skin: PointsLayer;
+  readonly #nodes: PointsLayer;
+  readonly #controls: PointsLayer;
+  readonly #shadow: ShadowLayer;
+  #plane: Plane | null = null;
+  #hasShadow = false;
+  readonly #lines: Record<'springs' | 'triplets' | 'rods', LinesLayer>;
+
+  constructor(stage: Stage, shape: TwinShape, legend: Legend) {
+    this.#stage = stage;
+    this.#shape = shape;
+    this.#legend = legend;
+    const [nodes, controls] = [shape.rest.length / 3, shape.controls.length / 3];
+    this.#endpoints = new Endpoints(nodes, controls);
+    const points = Math.max(pointCount(shape.skin), 1);
+    // About as large as the room that a point has on the surface.
+    const room = shape.spacing * Math.min(1, Math.sqrt(nodes / points));
+    this.#skin = stage.add(
+      new PointsLayer(new Float32Array(3 * points), { size: 1.1 * room, colour: COLOURS.skin }),
+    );
+    this.#nodes = stage.add(
+      new PointsLayer(new Float32Array(3 * nodes), { size: 0.45 * shape.spacing, colour: COLOURS.nodes }),
+    );
+    this.#controls = stage.add(
+      new PointsLayer(new Float32Array(3 * controls), { size: 0.35 * shape.spacing, colour: COLOURS.controls }),
+    );
+    this.#shadow = stage.add(new ShadowLayer(this.#nodes.object.geometry, 1.3 * shape.spacing));
+    this.#lines = {
+      springs: stage.add(this.#springs()),
+      triplets: stage.add(this.#triplets()),
+      rods: stage.add(this.#rods()),
+    };
+    this.show(new Set(['skin', 'shadow']));
+    this.place(shape.rest, shape.controls);
+  }
+
+  /** Layers that have something to show. */
+  get layers(): readonly TwinLayer[] {
+    const { skin, triplets, rods, controls } = this.#shape;
+    const empty: Partial<Record<TwinLayer, boolean>> = {
+      skin: pointCount(skin) === 0,
+      triplets: triplets.length === 0,
+      rods: rods.length === 0,
+      controls: controls.length === 0,
+    };
+    const all: TwinLayer[] = ['skin', 'nodes', 'springs', 'triplets', 'rods', 'controls', 'shadow'];
+    return all.filter((layer) => empty[layer] !== true);
+  }
+
+  /** Shows these layers and no others. */
+  show(layers: ReadonlySet<TwinLayer>): void {
+    const objects = {
+      skin: this.#skin, nodes: this.#nodes, controls: this.#controls, shadow: this.#shadow, ...this.#lines,
+    };
+    for (const [name, layer] of Object.entries(objects)) layer.object.visible = layers.has(name as TwinLayer);
+    this.#hasShadow = layers.has('shadow');
+    this.#shadow.object.visible = this.#hasShadow && this.#plane !== null;
+    // The skin is placed only while it is seen.
+    this.#placeSkin();
+    this.#stage.invalidate();
+  }
+
+  /** Places nodes [N, 3] and control points [C, 3], of which those that hold nothing carry no springs. */
+  place(nodes: Float32Array, controls: Float32Array, holds: (control: number) => boolean = () => true): void {
+    this.#nodes.positions.set(nodes);
+    this.#nodes.moved();
+    this.#placeSkin();
+    this.#controls.positions.set(controls);
+    this.#controls.moved();
+    this.#endpoints.place(nodes, controls, holds);
+    this.#stage.invalidate();
+  }
+
+  /** Lies above a ground. */
+  above(plane: Plane | null): void {
+    this.#plane = plane;
+    this.#shadow.place(plane);
+    this.#shadow.object.visible = this.#hasShadow && plane !== null;
+  }
+
+  /** Colours springs and triplets, and says what the colours mean. */
+  colourBy(quantity: ColourBy): void {
+    const { springs, triplets } = this.#lines;
+    const { springStiffness, bendStiffness, massKg } = this.#shape;
+    springs.plain();
+    triplets.plain();
+    this.#legend.hide();
+    if (quantity === 'strain') {
+      springs.colourByStrain(STRAINS, DIVERGING);
+      this.#legend.show('Strain of springs, pressed to stretched', '', STRAINS, DIVERGING);
+    } else if (quantity === 'stiffness' && springStiffness.length > 0) {
+      const range = rangeOf(springStiffness);
+      springs.colourBy(springStiffness, range, SEQUENTIAL);
+      if (bendStiffness.length > 0) triplets.colourBy(twice(bendStiffness), rangeOf(bendStiffness), SEQUENTIAL);
+      const unit = massKg === null ? 'N per unit strain and mass' : 'N per unit strain';
+      this.#legend.show('Stiffness of springs', unit, range, SEQUENTIAL);
+    }
+    this.#stage.invalidate();
+  }
+
+  /** Frees what the stage does not. */
+  dispose(): void {
+    this.#endpoints.dispose();
+  }
+
+  #placeSkin(): void {
+    if (!this.#skin.object.visible) return;
+    placeSkin(this.#shape.skin, this.#nodes.positions, this.#skin.positions);
+    this.#skin.moved(pointCount(this.#shape.skin));
+  }
+
+  #springs(): LinesLayer {
+    const { springs: ends, restLengths } = this.#shape;
+    return new LinesLayer(this.#endpoints, { ends, from: 0, to: 1, restLengths }, COLOURS.springs, 0.55);
+  }
+
+  /** Each as two short lines from its centre towards its ends. */
+  #triplets(): LinesLayer {
+    const { triplets } = this.#shape;
+    const ends = new Uint32Array((4 * triplets.length) / 3);
+    for (let t = 0; t < triplets.length / 3; t += 1) {
+      const [i, j, k] = triplets.subarray(3 * t, 3 * t + 3) as unknown as [number, number, number];
+      ends.set([j, i, j, k], 4 * t);
+    }
+    return new LinesLayer(this.#endpoints, { ends, from: 0, to: 0.45 }, COLOURS.triplets, 0.8);
+  }
+
+  #rods(): LinesLayer {
+    const pairs = this.#shape.rods.flatMap((rod) => Array.from(rod.subarray(1), (node, i) => [rod[i]!, node]));
+    return new LinesLayer(this.#endpoints, { ends: new Uint32Array(pairs.flat()), from: 0, to: 1 }, COLOURS.rods, 1);
+  }
+}
+
+/** A value for each of the two lines of a triplet. */
+function twice(values: Float32Array): Float32Array {
+  return Float32Array.from({ length: 2 * values.length }, (_, line) => values[line >> 1]!);
+}

@@ -1,0 +1,76 @@
+import type { Browser } from 'playwright-core';
+import { afterAll, beforeAll, describe, expect, it } from 'vitest';
+import { Server } from '../scripts/server.mjs';
+import { ROUTES, match } from '../src/routes';
+import { call } from './made';
+import { fittedRope } from './rope';
+import { Visit, launch } from './visit';
+
+/** Routes that need more than something stored: a play that is under way has a story of its own. */
+const ELSEWHERE = ['/plays/:id'];
+
+describe('every page', () => {
+  let server: Server;
+  let browser: Browser;
+  let ids: Record<string, string[]>;
+  beforeAll(async () => {
+    [server, browser] = await Promise.all([Server.start(['--client-token', 'none']), launch()]);
+    for (const name of ['rope', 'another rope']) await fittedRope(server, name);
+    const captures = await listed(server, 'captures');
+    ids = { captures, fits: await listed(server, 'fits'), twins: await listed(server, 'twins') };
+  });
+  afterAll(async () => {
+    await browser.close();
+    await server.remove();
+  });
+
+  for (const { path } of ROUTES.filter((route) => !ELSEWHERE.includes(route.path))) {
+    it(`${path} is for everyone, on screens of any size`, async () => {
+      const at = address(path, ids);
+      const name = path === '/' ? 'home' : path.slice(1).replaceAll('/', '-').replace(':id', 'one');
+      const large = await Visit.open(browser, server, { at });
+      await settled(large, 1200);
+      await large.stop(`page-${name}`);
+      expect(await deadLinks(large), 'links that lead nowhere').toEqual([]);
+      await large.close();
+      const viewport = { width: 360, height: 740 };
+      const small = await Visit.open(browser, server, { at, viewport, colorScheme: 'dark', reducedMotion: 'reduce' });
+      await settled(small, 360);
+      await small.stop(`page-${name}-small`);
+      await small.close();
+    });
+  }
+});
+
+/** The address of a route, with what is stored in the places of its parameters. */
+function address(path: string, ids: Record<string, string[]>): string {
+  const [, kind = ''] = path.split('/');
+  const of = (wanted: string): string[] => ids[wanted] ?? [];
+  if (path === '/fits/new') return `${path}?capture=${of('captures')[0]}`;
+  if (path.endsWith('/compare')) return `${path}?ids=${of(kind).join(',')}`;
+  return path.replace(':id', of(kind)[0] ?? '');
+}
+
+/** Waits until a page shows all that it has; it may not be wider than the screen. */
+async function settled({ page }: Visit, width: number): Promise<void> {
+  await page.locator('.page > *').first().waitFor();
+  await page.waitForFunction(() => !document.querySelector('[aria-busy=true]'));
+  await page.waitForLoadState('networkidle', { timeout: 3000 }).catch(() => undefined);
+  expect(await page.locator('h1').allInnerTexts()).toEqual([expect.stringMatching(/\S/)]);
+  // Places for messages may be there, but without one.
+  const messages = await page.locator('main [role=alert]').allInnerTexts();
+  expect(messages.filter((text) => text !== '')).toEqual([]);
+  expect(await page.evaluate(() => document.documentElement.scrollWidth)).toBeLessThanOrEqual(width);
+}
+
+/** Addresses of the console that a page links to and that have no page. */
+async function deadLinks({ page }: Visit): Promise<string[]> {
+  const links = page.locator('a[href^="#/"]');
+  const hrefs = await links.evaluateAll((found) => found.map((link) => link.getAttribute('href') ?? ''));
+  return hrefs.filter((href) => match(ROUTES, href.slice(1).split('?')[0] ?? '') === null);
+}
+
+async function listed(server: Server, kind: string): Promise<string[]> {
+  const page = await call<Record<string, { name: string }[]>>(server, 'GET', `/v1/${kind}`);
+  return (page[kind] ?? []).map(({ name }) => name.slice(kind.length + 1));
+}

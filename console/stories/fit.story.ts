@@ -1,0 +1,182 @@
+import { readFileSync, rmSync } from 'node:fs';
+import { join } from 'node:path';
+import type { Browser } from 'playwright-core';
+import { afterAll, beforeAll, describe, expect, it } from 'vitest';
+import { Server } from '../scripts/server.mjs';
+import { call, folder, makeCapture, sendCapture, until } from './made';
+import { Visit, launch } from './visit';
+
+describe('fits and twins', () => {
+  let server: Server;
+  let browser: Browser;
+  let capture = '';
+  const files = folder();
+  beforeAll(async () => {
+    [server, browser] = await Promise.all([Server.start(['--client-token', 'none']), launch()]);
+    capture = await sendCapture(server, makeCapture(join(files, 'rope.zip'), 'rope'), 'rope');
+  });
+  afterAll(async () => {
+    await browser.close();
+    await server.remove();
+    rmSync(files, { recursive: true });
+  });
+
+  it('start with settings, whose faults stand at their fields, and are watched to their end', async () => {
+    const visit = await Visit.open(browser, server, { at: `/captures/${capture.split('/')[1]}` });
+    const { page } = visit;
+    visit.allow(/status of 400/);
+    await page.getByRole('link', { name: 'Start a fit' }).click();
+    await visit.heading('Start a fit');
+    await page.getByLabel('Name', { exact: true }).fill('two starts');
+    await page.getByLabel('Starts').fill('2');
+    await page.getByLabel('Seed').fill('half');
+    await page.getByRole('button', { name: 'Start the fit' }).click();
+    await page.getByText('is no number').waitFor();
+    await page.getByLabel('Seed').fill('7');
+    await page.getByLabel('Finish within').fill('0');
+    for (const [index, [name, value]] of [
+      ['search.generations', 'ten'],
+      ['refine.pases', '30'],
+    ].entries()) {
+      await page.getByRole('button', { name: 'Add a setting' }).click();
+      await page.getByLabel(`Setting ${index + 1}, name`).fill(name ?? '');
+      await page.getByLabel(`Setting ${index + 1}, value`).fill(value ?? '');
+    }
+    await page.getByText('Generations; 0 skips the stage.').waitFor();
+    await page.getByRole('button', { name: 'Start the fit' }).click();
+    const rows = page.locator('.setting-row');
+    await rows.nth(0).getByText('invalid type').waitFor();
+    await rows.nth(1).getByText('unknown field').waitFor();
+    expect(await page.getByLabel('Setting 1, value').getAttribute('aria-invalid')).toBe('true');
+    await visit.stop('fit-wrong-settings');
+    await page.getByLabel('Setting 1, value').fill('6');
+    await page.getByLabel('Setting 2, name').fill('refine.passes');
+    await page.getByRole('button', { name: 'Start the fit' }).click();
+    // The server looks at ranges once all types are right.
+    await page.getByText('it must lie in 1..=1000000').waitFor();
+    await page.getByLabel('Finish within').fill('');
+    await page.getByRole('button', { name: 'Start the fit' }).click();
+    await visit.heading('two starts');
+    await page.getByRole('heading', { name: 'Losses' }).waitFor();
+    await page.locator('.chart canvas').first().waitFor();
+    await visit.stop('fit-running');
+    await page.getByRole('link', { name: 'Play with the twin' }).waitFor({ timeout: 150_000 });
+    await page.getByText('On frames that it never saw').waitFor();
+    await expect.poll(() => page.locator('.chart').count()).toBe(2);
+    await page
+      .getByRole('cell', { name: 'bending 2/2' })
+      .or(page.getByRole('rowheader', { name: 'bending 2/2' }))
+      .first()
+      .waitFor();
+    await page.getByText('Stiffness of springs').waitFor();
+    await visit.stop('fit-done');
+    await visit.close();
+  });
+
+  it('go on being watched after the server was killed', async () => {
+    const settings = { effort: 'draft', refine: { passes: 300 } };
+    const body = { capture, display_name: 'interrupted', settings };
+    const { name } = await call<{ name: string }>(server, 'POST', '/v1/fits', body);
+    const visit = await Visit.open(browser, server, { at: `/${name}` });
+    visit.allow(/ERR_CONNECTION|ERR_EMPTY_RESPONSE|ERR_INCOMPLETE|ERR_FAILED/);
+    const bar = visit.page.getByRole('region', { name: 'Fit', exact: true }).getByRole('progressbar');
+    await expect.poll(async () => Number(await bar.getAttribute('value')), { timeout: 100_000 }).toBeGreaterThan(0.1);
+    await server.kill();
+    await visit.page.getByText('The server does not answer').waitFor();
+    await server.start();
+    await visit.page.getByRole('link', { name: 'Play with the twin' }).waitFor({ timeout: 150_000 });
+    await visit.stop('fit-after-kill');
+    await visit.close();
+    await call(server, 'DELETE', `/v1/${name}`);
+    const { twins } = await call<{ twins: { name: string }[] }>(server, 'GET', '/v1/twins?order_by=create_time desc');
+    await call(server, 'DELETE', `/v1/${twins[0]?.name ?? ''}`);
+  }, 120_000);
+
+  it('can be cancelled, also while they wait', async () => {
+    const [first, second] = await Promise.all(
+      ['long', 'waiting'].map((display_name) =>
+        call<{ name: string }>(server, 'POST', '/v1/fits', {
+          capture,
+          display_name,
+          settings: { refine: { passes: 100_000 } },
+        }),
+      ),
+    );
+    const visit = await Visit.open(browser, server, { at: '/fits' });
+    await visit.page.getByRole('link', { name: 'waiting' }).waitFor();
+    for (const fit of [second, first]) {
+      await visit.go(`/${fit?.name ?? ''}`);
+      await visit.page.getByRole('button', { name: 'Cancel the fit' }).click();
+      await visit.page.locator('.job .badge').getByText('cancelled').waitFor();
+    }
+    await visit.page.getByRole('button', { name: 'Delete' }).click();
+    await visit.page.getByRole('dialog').getByRole('button', { name: 'Delete' }).click();
+    await visit.heading('Fits');
+    await visit.page.getByRole('link', { name: 'waiting' }).waitFor();
+    expect(await visit.page.getByRole('link', { name: 'long' }).count()).toBe(0);
+    await visit.stop('fits');
+    await visit.close();
+  });
+
+  it('are compared, twins as well as fits', async () => {
+    const settings = { effort: 'draft', seed: 1, search: { generations: 2 }, refine: { passes: 4 } };
+    await call(server, 'POST', '/v1/fits', { capture, display_name: 'two starts', settings });
+    const twins = async (): Promise<{ name: string }[]> =>
+      (await call<{ twins: { name: string }[] }>(server, 'GET', '/v1/twins')).twins;
+    await until(async () => (await twins()).length === 2);
+    const visit = await Visit.open(browser, server, { at: '/twins' });
+    const { page } = visit;
+    await page.getByRole('checkbox').nth(1).waitFor();
+    for (const index of [0, 1]) await page.getByRole('checkbox').nth(index).check();
+    await visit.stop('twins');
+    await page.getByRole('link', { name: 'Compare 2' }).click();
+    await visit.heading('Compare twins');
+    await page.getByText(/two starts \(\d\)\u2069 is nearer|are about as good/).waitFor();
+    await page.getByRole('rowheader', { name: 'effort' }).waitFor();
+    await visit.stop('twins-compared');
+    await visit.go('/fits');
+    for (const index of [0, 1])
+      await page
+        .getByRole('row', { name: /two starts/ })
+        .getByRole('checkbox')
+        .nth(index)
+        .check();
+    await page.getByRole('link', { name: 'Compare 2' }).click();
+    await visit.heading('Compare fits');
+    await page.locator('.chart canvas').nth(1).waitFor();
+    await visit.stop('fits-compared');
+    await visit.close();
+  });
+
+  it('have names, notes and tags, and twins are files that come and go', async () => {
+    const { twins } = await call<{ twins: { name: string }[] }>(server, 'GET', '/v1/twins');
+    const visit = await Visit.open(browser, server, { at: `/${twins[0]?.name ?? ''}` });
+    const { page } = visit;
+    await page.getByRole('button', { name: 'Edit name, note and tags' }).click();
+    await page.getByLabel('Name', { exact: true }).fill('blue rope');
+    await page.getByLabel('Note', { exact: true }).fill('two lines\nof a note');
+    await page.getByLabel('Tags', { exact: true }).fill('wet, wet no<good>');
+    await page.getByRole('button', { name: 'Save' }).click();
+    await page.getByText('is no tag').waitFor();
+    await visit.stop('twin-edited');
+    await page.getByLabel('Tags', { exact: true }).fill('wet slow');
+    await page.getByRole('button', { name: 'Save' }).click();
+    await visit.heading('blue rope');
+    const download = page.waitForEvent('download');
+    await page.getByRole('link', { name: 'Download the file' }).click();
+    const path = await (await download).path();
+    await page.getByRole('link', { name: 'wet' }).click();
+    await visit.heading('Twins');
+    await expect.poll(() => page.getByRole('row').count()).toBe(2);
+    await page
+      .getByLabel('File of a twin')
+      .setInputFiles({ name: 'copy.safetensors', mimeType: '', buffer: readFileSync(path) });
+    await visit.heading('copy');
+    await page.getByText('imported').waitFor();
+    await page.getByText('Evaluate on a capture').click();
+    await page.getByRole('button', { name: 'Evaluate' }).click();
+    await page.getByRole('heading', { name: 'Errors' }).nth(1).waitFor();
+    await visit.stop('twin-evaluated');
+    await visit.close();
+  });
+});

@@ -1,0 +1,79 @@
+import type { Browser } from 'playwright-core';
+import { afterAll, beforeAll, describe, expect, it } from 'vitest';
+import { Server } from '../scripts/server.mjs';
+import { Visit, launch } from './visit';
+
+describe('the token', () => {
+  let server: Server;
+  let browser: Browser;
+  beforeAll(async () => {
+    [server, browser] = await Promise.all([Server.start(['--workers', '0']), launch()]);
+  });
+  afterAll(async () => {
+    await browser.close();
+    await server.remove();
+  });
+
+  it('is asked for, a wrong one is refused, and the right one leads back', async () => {
+    const visit = await Visit.open(browser, server, { at: '/workers?x=1' });
+    visit.allow(/status of 401/);
+    await visit.heading('Log in');
+    await visit.stop('login');
+    const input = visit.page.getByLabel('Token', { exact: true });
+    for (const wrong of ['wrong', 'falsch-ü', 'x'.repeat(64)]) {
+      await input.fill(wrong);
+      await visit.page.keyboard.press('Enter');
+      await visit.page.getByRole('alert').filter({ hasText: 'This is not the token of this server.' }).waitFor();
+      await visit.page.getByRole('button', { name: 'Log in' }).and(visit.page.locator(':enabled')).waitFor();
+    }
+    await visit.stop('login-wrong');
+    await input.fill(server.token);
+    await visit.page.getByRole('button', { name: 'Log in' }).click();
+    await visit.heading('Workers');
+    expect(new URL(visit.page.url()).hash).toBe('#/workers?x=1');
+    await visit.page.getByText('No worker is connected.').waitFor();
+    // The tab keeps it over a reload; nothing else does.
+    await visit.page.reload();
+    await visit.heading('Workers');
+    expect(await visit.page.evaluate(() => [localStorage.length, document.cookie])).toEqual([0, '']);
+    await visit.page.getByRole('button', { name: 'Log out' }).click();
+    await visit.heading('Log in');
+    await visit.go('/workers');
+    await visit.heading('Log in');
+    await visit.close();
+  });
+
+  it('is known to tabs beside each other, and forgotten by all of them', async () => {
+    const visit = await Visit.open(browser, server, { at: `/?token=${server.token}` });
+    visit.allow(/status of 401/);
+    await visit.page.getByRole('list', { name: 'What is here' }).waitFor();
+    const beside = await visit.page.context().newPage();
+    await beside.goto(`${server.url}/#/workers`);
+    await beside.getByText('No worker is connected.').waitFor();
+    await beside.getByRole('button', { name: 'Log out' }).click();
+    await visit.heading('Log in');
+    await beside.getByRole('heading', { name: 'Log in' }).waitFor();
+    await visit.close();
+    const stranger = await Visit.open(browser, server);
+    stranger.allow(/status of 401/);
+    await stranger.heading('Log in');
+    await stranger.close();
+  });
+
+  it('is taken out of an address that has it', async () => {
+    const visit = await Visit.open(browser, server, { at: `/workers?token=${server.token}` });
+    await visit.heading('Workers');
+    expect(visit.page.url()).toBe(`${server.url}/#/workers`);
+    await visit.close();
+  });
+
+  it('leads to no other site', async () => {
+    const next = encodeURIComponent('https://evil.example/#/');
+    const visit = await Visit.open(browser, server, { at: `/login?next=${next}` });
+    await visit.page.getByLabel('Token', { exact: true }).fill(server.token);
+    await visit.page.keyboard.press('Enter');
+    await visit.heading('BendTwin');
+    expect(visit.page.url()).toBe(`${server.url}/#/`);
+    await visit.close();
+  });
+});

@@ -1,0 +1,16 @@
+import { defineConfig } from 'vitest/config';
+
+/** Stories in Chromium, each file with a server of its own. */
+export default defineConfig({
+  test: {
+    include: ['stories/**/*.story.ts'],
+    environment: 'node',
+    testTimeout: 300_000,
+    hookTimeout: 180_000,
+    // Bounds, not expectations: what is waited for comes late where other programs take the processor.
+    expect: { poll: { timeout: 60_000 } },
+    // Chromium draws in software: more than two at once would be slow, not quicker.
+    maxWorkers: 2,
+    reporters: ['verbose'],
+  },
+});
