@@ -110,7 +110,9 @@ describe('the playback', () => {
     const visit = await Visit.open(browser, server, { at: `/${rope}/playback` });
     await visit.heading('Playback of <b>rope</b>');
     await visit.page.getByText('40 points').first().waitFor();
+    await expect.poll(() => time(visit.page)).toContain('frame 0 of');
     expect(await visit.page.locator('.playback-camera').count()).toBe(0);
+    await visit.stop('playback-tracked');
     await visit.close();
   });
 

@@ -97,6 +97,7 @@ class PlaybackPage {
     context.signal.addEventListener('abort', () => clearTimeout(this.#address));
     document.addEventListener('keydown', this.#key);
     this.#showCamera();
+    this.#changed();
     void this.#loadTwins();
     void this.#predict();
   }
@@ -135,6 +136,7 @@ class PlaybackPage {
     const cameraChoice = names.length < 2 ? null : choice('Camera', names, String(this.#camera), (value) => {
       this.#camera = Number(value);
       this.#showCamera();
+      this.#changed();
     });
     const all = sequence.observed_points;
     const thinned = motion.point_count < all ? ` of ${counted(all, 'point')}` : '';
@@ -166,7 +168,6 @@ class PlaybackPage {
     this.player.camera?.dispose();
     this.player.camera = new CameraView(camera, file.read.bind(file), () => this.player.draw(this.#clock.frame));
     this.#cameraPlace.replaceChildren(this.player.camera.element);
-    this.#changed();
   }
 
   async #loadTwins(): Promise<void> {
