@@ -3,7 +3,7 @@ import type { Api } from './api/client';
 import { ServerLost } from './api/connection';
 import { sleep } from './api/backoff';
 import { Tabs } from './api/tabs';
-import { takeTokenFromAddress } from './api/token';
+import { takeTokenFromAddress, token } from './api/token';
 import { load } from './load';
 import type { Page, PageContext } from './page';
 import { ROUTES, match } from './routes';
@@ -13,6 +13,7 @@ import type { Frame } from './ui/frame';
 import { problemBox } from './ui/problem';
 
 const LOGIN = '/login';
+const LISTS = ['captures', 'fits', 'twins'];
 /** Time after which a page that is not there yet is announced [ms]. */
 const QUICK_MS = 200;
 
@@ -33,6 +34,10 @@ class Router {
   #isWaiting = false;
   /** True while other tabs are asked for the token. */
   #isAsking = false;
+  /** True once the server is known to answer without a token. */
+  #isOpen = false;
+  /** True once the page that is being opened has a title. */
+  #hasTitle = false;
 
   constructor(
     private readonly api: Api,
@@ -68,10 +73,12 @@ class Router {
       return;
     }
     const context = this.context(path, search, found.parameters, signal);
+    this.#hasTitle = false;
     this.frame.place.setAttribute('aria-busy', 'true');
     void this.sayThatItLoads(signal);
     try {
       const open = await load(found.route, this.api);
+      if (path !== LOGIN) await this.checkAccess(signal);
       if (signal.aborted) return;
       const opened = await open(context);
       if (signal.aborted) return opened.dispose?.();
@@ -81,8 +88,9 @@ class Router {
       // Without a token one is on the way to the page that asks for it.
       if (signal.aborted || (error instanceof Problem && error.status === 401)) return;
       this.#isWaiting = error instanceof ServerLost;
-      if (this.frame.heading.textContent === '') this.setTitle('BendTwin');
-      this.frame.place.replaceChildren(problemBox(error, () => void this.show(false)));
+      const isMissing = error instanceof Problem && error.status === 404;
+      if (!this.#hasTitle) this.setTitle(isMissing ? 'Not found' : 'BendTwin');
+      this.frame.place.replaceChildren(problemBox(error, () => void this.show(false)), wayOn(path));
     }
     this.frame.place.removeAttribute('aria-busy');
     if (movesFocus) this.frame.heading.focus();
@@ -111,7 +119,18 @@ class Router {
     };
   }
 
+  /**
+   * Throws what the server says to those who have no token, before a page is opened that asks for
+   * nothing at first, or by a socket, which is refused without a word.
+   */
+  private async checkAccess(signal: AbortSignal): Promise<void> {
+    if (token() !== null || this.#isOpen) return;
+    await this.api.get('/v1/workers', { signal });
+    this.#isOpen = true;
+  }
+
   private setTitle(title: string): void {
+    this.#hasTitle = true;
     this.frame.heading.replaceChildren(h('bdi', {}, title));
     document.title = title === 'BendTwin' ? title : `${title} - BendTwin`;
   }
@@ -134,6 +153,12 @@ class Router {
     const next = here === '' || here === '#/' ? '' : `?${new URLSearchParams({ next: here })}`;
     location.replace(`#${LOGIN}${next}`);
   }
+}
+
+/** A link to the list that a page belongs to. */
+function wayOn(path: string): HTMLElement | string {
+  const list = LISTS.find((name) => path.startsWith(`/${name}/`));
+  return list === undefined ? '' : h('p', {}, h('a', { href: `#/${list}` }, `All ${list}`));
 }
 
 function goToLogin(): void {

@@ -89,10 +89,12 @@ describe('the frame of all pages', () => {
     const visit = await Visit.open(browser, server);
     visit.allow(/404/);
     await visit.go('/twins/01999999-9999-7999-8999-999999999999');
-    await visit.page.getByRole('alert').waitFor();
+    await visit.heading('Not found');
     // Longer than it takes a page to say that it loads.
     await visit.page.waitForTimeout(400);
     expect(await visit.page.getByRole('alert').innerText()).not.toBe('');
+    await visit.page.getByRole('link', { name: 'All twins' }).click();
+    await visit.heading('Twins');
     await visit.close();
   });
 

@@ -60,6 +60,23 @@ describe('the token', () => {
     await stranger.close();
   });
 
+  it('is asked for, or taken from another tab, by pages that ask for nothing at first', async () => {
+    const visit = await Visit.open(browser, server, { at: '/upload' });
+    visit.allow(/status of 401/);
+    await visit.heading('Log in');
+    await visit.page.getByLabel('Token', { exact: true }).fill(server.token);
+    await visit.page.keyboard.press('Enter');
+    await visit.heading('Upload');
+    for (const at of ['/upload', '/plays/01999999-9999-7999-8999-999999999999']) {
+      const beside = await visit.page.context().newPage();
+      await beside.goto(`${server.url}/#${at}`);
+      await beside.locator('main .page:not([aria-busy])').waitFor();
+      await beside.getByRole('button', { name: 'Log out' }).waitFor();
+      await beside.close();
+    }
+    await visit.close();
+  });
+
   it('is taken out of an address that has it', async () => {
     const visit = await Visit.open(browser, server, { at: `/workers?token=${server.token}` });
     await visit.heading('Workers');

@@ -70,7 +70,7 @@ describe('the playback', () => {
     await visit.heading('Playback of a toy');
     await page.getByRole('combobox', { name: 'Prediction of' }).selectOption(twin);
     await page.getByText('Error (not fitted to this frame):').waitFor();
-    expect(await page.locator('.playback-errors').innerText()).toMatch(/Tracks [\d.]+ mm\s*Chamfer distance [\d.]+ mm/);
+    expect(await page.locator('.playback-errors').innerText()).toMatch(/Tracks [\d.]+ mm\s*Surface L1 [\d.]+ mm/);
     await visit.stop('playback-twin');
     await page.getByRole('checkbox', { name: 'Side by side' }).check();
     await page.getByRole('combobox', { name: 'Colour of points' }).selectOption('error');

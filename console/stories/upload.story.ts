@@ -58,6 +58,18 @@ describe('uploads', () => {
     await visit.close();
   });
 
+  it('of what was uploaded before say so', async () => {
+    const visit = await Visit.open(browser, server, { at: '/upload' });
+    const before = (await all()).length;
+    await visit.page.getByLabel('Choose files').setInputFiles(rope);
+    await visit.page.getByText('was there already').or(visit.page.getByText('uploaded', { exact: true })).waitFor();
+    await visit.page.getByRole('button', { name: 'Clear' }).click();
+    await visit.page.getByLabel('Choose files').setInputFiles(rope);
+    await visit.page.getByText('was there already').waitFor();
+    expect((await all()).length).toBeLessThanOrEqual(before + 1);
+    await visit.close();
+  });
+
   it('refuse what is no capture, and say what to do', async () => {
     const visit = await Visit.open(browser, server, { at: '/upload' });
     const chosen = { name: 'film.mp4', mimeType: 'video/mp4', buffer: Buffer.from('no archive at all') };

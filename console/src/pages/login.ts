@@ -29,7 +29,7 @@ export const open: OpenPage = (context) => {
     'form',
     { class: 'login', onsubmit: (event) => void submit(event) },
     h('p', {}, 'This server answers those who have its token. It is kept until this tab is closed.'),
-    field('Token', input, 'The file client-token in the data folder of the server has it:'),
+    field('Token', input, 'The file client-token in the data folder of the server has it. If that is the default one:'),
     command('cat bendtwin-data/client-token'),
     fault,
     h('div', { class: 'buttons' }, button),
@@ -47,6 +47,11 @@ async function faults(context: PageContext, shown: string): Promise<HTMLElement[
     context.navigate(next(context.query));
     return [];
   } catch (error) {
+    // What is known but may not see workers is no wrong one.
+    if (error instanceof Problem && error.status === 403) {
+      context.navigate(next(context.query));
+      return [];
+    }
     setToken(null);
     if (context.signal.aborted) return [];
     const isWrong = error instanceof Problem && error.status === 401;

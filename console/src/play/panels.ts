@@ -1,4 +1,5 @@
 import { h } from '../ui/dom';
+import { counted } from '../ui/format';
 import { pointCount } from '../view3d/skin';
 import type { TwinShape } from '../view3d/shape';
 import type { ColourBy } from '../view3d/twin_view';
@@ -40,8 +41,9 @@ export function panelsOf(
   const [grippers, obstacles] = [grippersPanel(playing, selected), obstaclesPanel(playing)];
   const [goal, recording] = [goalPanel(playing), recordingPanel(playing)];
   const moving = [grippers, world, obstacles, goal, recording];
+  const help = helpPanel();
   const column = h('div', { class: 'play-panels-column' }, ...moving.map(({ element }) => element),
-    picturePanel(playing, shape), shareMenu(playing.scene.stage, playing.context, query, playing.name), helpPanel());
+    picturePanel(playing, shape), shareMenu(playing.scene.stage, playing.context, query, playing.name), help);
   return {
     bar: time.element,
     column,
@@ -49,10 +51,10 @@ export function panelsOf(
     keepsHold: () => grippers.keeps,
     update: (facts) => [time, ...moving].forEach((part) => part.update?.(facts)),
     refresh: () => [grippers, obstacles].forEach((part) => part.refresh?.()),
-    watchOnly: () => [time, ...moving].forEach(({ element }) => element.remove()),
+    watchOnly: () => [...[time, ...moving].map(({ element }) => element), help].forEach((part) => part.remove()),
     describe: (ready) =>
       `A twin of ${ready.nodes} nodes and ${pointCount(shape.skin)} points of skin, held by ` +
-      `${ready.grippers.filter(({ hand }) => hand !== null).length} hands, simulated ${ready.fps} times a second.`,
+      `${counted(ready.grippers.filter(({ hand }) => hand !== null).length, 'hand')}, simulated ${ready.fps} times a second.`,
   };
 }
 

@@ -39,7 +39,7 @@ export class PlayPage implements Page, SocketListener {
   readonly #hint = h('p', { class: 'play-hint' }, 'Drag the object or an orange hand');
   readonly #overlay = h('p', { class: 'play-message', role: 'status' }, 'Opening…');
   readonly #said = h('p', { role: 'status', class: 'play-message' });
-  readonly #watch = h('a', { hidden: true }, 'Watch this play in another window');
+  readonly #watch = h('a', { hidden: true, target: '_blank' }, 'Watch this play in another window');
   readonly #shape: TwinShape;
   #socket: PlaySocket | null = null;
   #ready: Ready | null = null;
@@ -137,7 +137,11 @@ export class PlayPage implements Page, SocketListener {
 
   ended(problem: ProblemText | null): void {
     this.#show(`The play has ended. ${problem?.detail ?? ''}`);
-    if (!this.#plays) return;
+    this.#status.clear();
+    if (!this.#plays) {
+      this.#hint.hidden = true;
+      return;
+    }
     const again = h('button', { type: 'button', class: 'small', onclick: () => this.#connect() }, 'Play on');
     this.#overlay.append(' ', again);
   }
@@ -171,11 +175,13 @@ export class PlayPage implements Page, SocketListener {
   }
 
   #know(facts: Facts): void {
+    // A replay has a world of its own, after which that of the play is back.
+    const isOther = facts.replay !== null || (this.#facts !== null && this.#facts.replay !== null);
     this.#facts = facts;
     this.#scene.surround(facts);
-    if (this.#adopts || !this.#plays || facts.replay !== null) {
+    if (this.#adopts || !this.#plays || isOther) {
       this.#adopts = false;
-      if (facts.replay === null) this.#model.adopt(facts.world, facts.vary);
+      this.#model.adopt(facts.world, facts.vary);
     }
     this.#panels.update(facts);
     this.#status.update(facts, this.#scene);

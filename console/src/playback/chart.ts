@@ -6,7 +6,7 @@ const HEIGHT = 96;
 /** The errors that are drawn, with the words and the colours for them. */
 const LINES = [
   { of: 'track', label: 'Tracks', series: '--series-1' },
-  { of: 'chamfer', label: 'Chamfer distance', series: '--series-2' },
+  { of: 'chamfer', label: 'Surface L1', series: '--series-2' },
 ] as const;
 
 /** The error of each frame under the time line. A place in it that is pointed at is shown. */
@@ -54,13 +54,15 @@ export class ErrorChart {
 
   /** Mean errors over frames in words, for those who do not see the curves. */
   summary(): string {
-    const { trainFrameCount } = this.prediction;
+    const { trainFrameCount, startFrame } = this.prediction;
+    // The frame that a prediction begins in is none.
+    const first = startFrame + 1;
     const mean = (of: keyof FrameErrors, from: number, to: number): number | null => {
       const values = this.#all(of).slice(from, to).filter((value) => value !== null);
       return values.length === 0 ? null : values.reduce((sum, value) => sum + value, 0) / values.length;
     };
     const parts = LINES.filter(({ of }) => this.#has(of)).map(({ of, label }) => {
-      const [fitted, later] = [mean(of, 0, trainFrameCount), mean(of, trainFrameCount, this.frameCount)];
+      const [fitted, later] = [mean(of, first, trainFrameCount), mean(of, Math.max(trainFrameCount, first), this.frameCount)];
       return `${label}: ${millimetres(fitted)} over fitted frames, ${millimetres(later)} over others`;
     });
     return parts.join('. ');

@@ -6,6 +6,16 @@ export function empty(text: Child, ...commands: string[]): HTMLElement {
   return h('div', { class: 'empty' }, h('p', {}, text), ...commands.map(command));
 }
 
+/** The port that clients look at without being told. */
+const DEFAULT_PORT = '7070';
+
+/** A command of the command line for this server: its address is in it unless it is the default. */
+export function cli(text: string): string {
+  const { origin, hostname, port, protocol } = location;
+  const isDefault = protocol === 'http:' && port === DEFAULT_PORT && ['127.0.0.1', 'localhost'].includes(hostname);
+  return isDefault ? text : `${text} --server ${origin}`;
+}
+
 /** A command to be run in a terminal, with a button that copies it. */
 export function command(text: string): HTMLElement {
   const button = h('button', { type: 'button', class: 'small', 'aria-label': `Copy: ${text}` }, 'Copy');

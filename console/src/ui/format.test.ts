@@ -8,6 +8,7 @@ it('writes sizes with three digits', () => {
 
 it('writes lengths in millimetres', () => {
   expect([0.0041337, 0.1234, 12, -0.5].map(millimetres)).toEqual(['4.13 mm', '123 mm', '12000 mm', '-500 mm']);
+  expect([0, 2.39e-10].map(millimetres)).toEqual(['0 mm', '0 mm']);
   expect([null, undefined, Number.NaN].map(millimetres)).toEqual(['–', '–', '–']);
 });
 

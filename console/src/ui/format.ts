@@ -29,7 +29,8 @@ export function size(bytes: number | null | undefined): string {
 /** A length [m] in millimetres with three digits, as 4.13 mm. */
 export function millimetres(metres: number | null | undefined): string {
   if (metres === null || metres === undefined || !Number.isFinite(metres)) return NOTHING;
-  const value = metres * 1000;
+  // Less than a nanometre is rounding.
+  const value = Math.abs(metres) < 1e-9 ? 0 : metres * 1000;
   return `${Math.abs(value) >= 100 ? value.toFixed(0) : Number(value.toPrecision(3))} mm`;
 }
 

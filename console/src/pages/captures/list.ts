@@ -3,7 +3,7 @@ import { hasEnded, type Capture } from '../../api/types';
 import type { OpenPage } from '../../page';
 import { badge } from '../../ui/badge';
 import { h, type Child } from '../../ui/dom';
-import { empty } from '../../ui/empty';
+import { cli, empty } from '../../ui/empty';
 import { name, percent, size, time } from '../../ui/format';
 import { list } from '../../ui/list';
 import { tagLinks } from '../parts/labels';
@@ -51,7 +51,7 @@ export const open: OpenPage = (context) => {
               h('a', { href: '#/upload' }, 'upload one'),
               ', or make one:',
             ],
-            'bendtwin capture make rope && bendtwin capture push rope.zip',
+            `bendtwin capture make rope && ${cli('bendtwin capture push rope.zip')}`,
           ),
   });
   refresh(context, REFRESH_MS, () => isReading, captures.reload);

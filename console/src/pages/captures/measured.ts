@@ -1,6 +1,6 @@
 import { h } from '../../ui/dom';
 import { facts } from '../../ui/form';
-import { count, duration, millimetres, percent } from '../../ui/format';
+import { count, counted, duration, millimetres, percent } from '../../ui/format';
 import { table } from '../../ui/table';
 import type { CameraReport, Report } from './report';
 
@@ -15,7 +15,7 @@ export function factsView({
   cameras,
 }: Report): HTMLElement {
   const pairs: [string, string][] = [
-    ['Length', `${count(frame_count)} frames, ${duration(frame_count / fps)} at ${fps} per second`],
+    ['Length', fps > 0 ? `${counted(frame_count, 'frame')}, ${duration(frame_count / fps)} at ${fps} per second` : 'unknown'],
     ['For fitting', train_frame_count > 0 ? `frames 0 to ${train_frame_count - 1}` : 'none'],
     ['Kind', kind === 'recording' ? `colour and depth of ${cameras.length} cameras` : 'tracked points'],
   ];

@@ -29,8 +29,11 @@ export class LossCharts {
     for (const chart of this.#shown) {
       const known = this.#charts.get(chart.stage);
       const lines = JSON.stringify(chart.lines.map(({ label }) => label));
-      if (known?.lines === lines) known.plot.setData(dataOf(chart));
-      else this.draw(chart, lines);
+      if (known?.lines !== lines) this.draw(chart, lines);
+      else {
+        known.plot.setData(dataOf(chart));
+        tellLast(known.plot);
+      }
     }
     this.resize();
   }
@@ -50,6 +53,7 @@ export class LossCharts {
     place.replaceChildren(h('figcaption', {}, h('strong', {}, title), ' loss over iterations'));
     if (known === undefined) this.element.append(place);
     const plot = new uPlot(optionsOf(chart, widthOf(place)), dataOf(chart), place);
+    tellLast(plot);
     // What it shows is in a table besides.
     plot.root.setAttribute('aria-hidden', 'true');
     this.#charts.set(chart.stage, { plot, lines, place });
@@ -62,6 +66,11 @@ export class LossCharts {
       if (plot.width !== width) plot.setSize({ width, height: HEIGHT });
     }
   }
+}
+
+/** Tells the last values, unless others are pointed at. */
+function tellLast(plot: uPlot): void {
+  if (plot.cursor.idx === null || plot.cursor.idx === undefined) plot.setLegend({ idx: plot.data[0].length - 1 }, false);
 }
 
 function widthOf(place: HTMLElement): number {
@@ -82,6 +91,9 @@ function optionsOf({ lines }: StageChart, width: number): uPlot.Options {
   return {
     width,
     height: HEIGHT,
+    // As the lines: those of the best are solid.
+    legend: { markers: { width: 2, dash: (_plot, index) => (lines[index - 1]?.isBest ? 'solid' : 'dotted') } },
+    hooks: { setCursor: [tellLast] },
     scales: { x: { time: false }, y: { distr: 3 } },
     axes: [
       { ...axis, incrs: WHOLE },
@@ -95,7 +107,8 @@ function optionsOf({ lines }: StageChart, width: number): uPlot.Options {
         width: isBest ? 2 : 1,
         ...(isBest ? {} : { dash: [2, 3] }),
         spanGaps: true,
-        points: { show: false },
+        // A single value has no line.
+        points: { show: (plot: uPlot) => plot.data[0].length < 2 },
         value: (_plot: uPlot, value: number | null) => (value === null ? '–' : value.toExponential(2)),
       })),
     ],

@@ -9,7 +9,7 @@ import { comparedIds, compareTable, differingSettings, distinctNames, type Line 
 import { isolated } from '../parts/text';
 import { comparedText } from '../twins/quality';
 import { LossCharts } from './chart';
-import { captureLink } from './detail';
+import { captureLink } from '../parts/capture';
 import { lastLosses, lossText, type LossCurve } from './losses';
 
 /** Fits beside each other: their results, losses, and settings that differ. */

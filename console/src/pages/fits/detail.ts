@@ -5,9 +5,10 @@ import { hasEnded, type Capture, type Fit, type Twin } from '../../api/types';
 import type { OpenPage, PageContext } from '../../page';
 import { h } from '../../ui/dom';
 import { facts } from '../../ui/form';
-import { name, time } from '../../ui/format';
+import { time } from '../../ui/format';
 import { problemBox } from '../../ui/problem';
 import { actionButton, deleteButton, faultPlace } from '../parts/actions';
+import { captureText, findCapture } from '../parts/capture';
 import { JobView } from '../parts/job';
 import { LabelEditor } from '../parts/labels';
 import { settingsView } from '../parts/settings_view';
@@ -20,7 +21,7 @@ import { LossView } from './curves';
 export const open: OpenPage = async (context) => {
   const path = `/v1/fits/${encodeURIComponent(context.parameters['id'] ?? '')}`;
   const fit = await context.api.json<Fit>(path, { signal: context.signal });
-  const page = new FitPage(context, path, fit);
+  const page = new FitPage(context, path, fit, await findCapture(context, fit.capture));
   void page.follow();
   return { element: page.element, dispose: () => page.dispose() };
 };
@@ -39,6 +40,7 @@ class FitPage {
     private readonly context: PageContext,
     private readonly path: string,
     private fit: Fit,
+    private readonly capture: Capture | null,
   ) {
     this.#losses = new LossView(context, path);
     const labels = new LabelEditor<Fit>(context, 'fits', path, fit, (changed) => this.update(changed));
@@ -50,7 +52,7 @@ class FitPage {
       labels.element,
       this.#job.element,
       facts([
-        ['Capture', captureLink(context, fit.capture)],
+        ['Capture', captureText(capture)],
         ['Asked for', time(fit.job.create_time)],
         ['Priority', fit.priority],
       ]),
@@ -106,8 +108,11 @@ class FitPage {
     const toTwin = [
       h('a', { class: 'button primary', href: `#/twins/${id}/play` }, 'Play with the twin'),
       h('a', { class: 'button', href: `#/twins/${id}` }, 'Open the twin'),
-      h('a', { class: 'button', href: `#/captures/${idOf(fit.capture)}/playback?twin=${id}` }, 'Beside the recording'),
+      ...(this.capture === null
+        ? []
+        : [h('a', { class: 'button', href: `#/${fit.capture}/playback?twin=${id}` }, 'Beside the recording')]),
     ];
+    const own = this.capture === null ? {} : { capture: idOf(fit.capture) };
     const question = { title: 'Delete this fit?', text: 'Its losses are deleted. Its twin stays.' };
     return [
       ...(fit.twin ? toTwin : []),
@@ -118,7 +123,7 @@ class FitPage {
         'a',
         {
           class: 'button',
-          href: `#/fits/new?${new URLSearchParams({ capture: idOf(fit.capture), like: idOf(fit.name) })}`,
+          href: `#/fits/new?${new URLSearchParams({ ...own, like: idOf(fit.name) })}`,
         },
         'Fit again with changes',
       ),
@@ -144,14 +149,4 @@ class FitPage {
       this.#result.replaceChildren(box);
     }
   }
-}
-
-/** The capture by its name, once that is known. */
-export function captureLink({ api, signal }: PageContext, capture: string): HTMLElement {
-  const link = h('a', { href: `#/captures/${idOf(capture)}` }, idOf(capture));
-  api.json<Capture>(`/v1/${capture}`, { signal }).then(
-    ({ display_name }) => link.replaceChildren(name(display_name)),
-    () => undefined,
-  );
-  return link;
 }

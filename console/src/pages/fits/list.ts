@@ -3,7 +3,7 @@ import { hasEnded, type Fit } from '../../api/types';
 import type { OpenPage } from '../../page';
 import { badge } from '../../ui/badge';
 import { h, type Child } from '../../ui/dom';
-import { empty } from '../../ui/empty';
+import { cli, empty } from '../../ui/empty';
 import { duration, millimetres, name, percent, time } from '../../ui/format';
 import { list } from '../../ui/list';
 import { Selection } from '../parts/compare';
@@ -60,7 +60,7 @@ export const open: OpenPage = (context) => {
         ? empty('No fit is like that.')
         : empty(
             ['There are no fits yet. ', h('a', { href: '#/fits/new' }, 'Start one'), ', or from a terminal:'],
-            'bendtwin fit start CAPTURE --watch',
+            cli('bendtwin fit start CAPTURE --watch'),
           ),
   });
   refresh(context, REFRESH_MS, () => mayChange, fits.reload);

@@ -6,6 +6,7 @@ import { h } from '../../ui/dom';
 import { field } from '../../ui/form';
 import { moment } from '../../ui/format';
 import { problemBox } from '../../ui/problem';
+import { findCapture } from '../parts/capture';
 import { faultsByName } from '../parts/settings';
 import { SettingsForm } from './form';
 import { formOf, settingsOf, type FitForm } from './request';
@@ -21,7 +22,9 @@ export const open: OpenPage = async (context) => {
   context.setTitle('Start a fit');
   const like = context.query.get('like');
   const [captures, model] = await Promise.all([choices(context), like === null ? null : fitOf(context, like)]);
-  const wanted = context.query.get('capture') ?? (model === null ? null : idOf(model.capture));
+  const asked = context.query.get('capture') ?? (model === null ? null : idOf(model.capture));
+  // One that was deleted leaves the choice open.
+  const wanted = captures.some(({ name }) => idOf(name) === asked) ? asked : null;
   return { element: new NewFit(context, captures, wanted, model).element };
 };
 
@@ -117,7 +120,8 @@ async function choices(context: PageContext): Promise<Capture[]> {
   const found = captures as unknown as Capture[];
   const wanted = query.get('capture');
   if (wanted === null || found.some(({ name }) => idOf(name) === wanted)) return found;
-  return [await api.json<Capture>(`/v1/captures/${encodeURIComponent(wanted)}`, { signal }), ...found];
+  const older = await findCapture(context, `captures/${encodeURIComponent(wanted)}`);
+  return older === null ? found : [older, ...found];
 }
 
 function fitOf({ api, signal }: PageContext, id: string): Promise<Fit> {

@@ -1,6 +1,6 @@
 import { idOf } from '../../api/routes';
 import { h } from '../../ui/dom';
-import { command } from '../../ui/empty';
+import { cli, command } from '../../ui/empty';
 import type { Numbers } from './numbers';
 
 /** What to do next, where the way from a recording to a twin that can be moved has not been gone yet. */
@@ -20,7 +20,7 @@ function* stepsOf(numbers: Numbers): Generator<HTMLElement> {
     yield h('p', {}, h('a', { class: 'button primary', href: '#/upload' }, 'Upload a recording'));
     yield h('p', {}, 'Or make one of a simulated rope, to try everything out:');
     yield command('bendtwin capture make rope rope.zip --tiny');
-    yield command('bendtwin capture push rope.zip');
+    yield command(cli('bendtwin capture push rope.zip'));
   } else if (numbers.fits === 0) {
     const [newest] = numbers.newestCaptures;
     const query = newest === undefined ? '' : `?${new URLSearchParams({ capture: idOf(newest.name) })}`;

@@ -47,7 +47,7 @@ export class JobView {
       ...(job.state === 'RUNNING' ? [` ${percent(fraction)}`] : []),
       ...(took === null ? [] : [` took ${duration(took)}`]),
       ...(job.attempts > 1 ? [`, ${counted(job.attempts, 'attempt')}`] : []),
-      ...(job.end_time ? [', ended ', time(job.end_time)] : []),
+      ...(job.end_time ? [took === null ? ' ended ' : ', ended ', time(job.end_time)] : []),
     );
     this.#bar.hidden = hasEnded(job);
     this.#bar.value = fraction;

@@ -5,7 +5,7 @@ import { badge } from '../../ui/badge';
 import { h } from '../../ui/dom';
 import { empty } from '../../ui/empty';
 import { count, millimetres, time } from '../../ui/format';
-import { captureLink } from '../fits/detail';
+import { captureLink } from '../parts/capture';
 import { comparedIds, compareTable, differingSettings, distinctNames, type Line } from '../parts/compare';
 import { isolated } from '../parts/text';
 import { assessmentTone } from './assessment';

@@ -1,13 +1,13 @@
 import { idOf } from '../../api/routes';
-import type { Fit, Twin } from '../../api/types';
+import type { Capture, Fit, Twin } from '../../api/types';
 import type { OpenPage, PageContext } from '../../page';
 import { h } from '../../ui/dom';
 import { facts } from '../../ui/form';
 import { count, size, time } from '../../ui/format';
 import { deleteButton, download, faultPlace } from '../parts/actions';
+import { captureText, findCapture } from '../parts/capture';
 import { LabelEditor } from '../parts/labels';
 import { LossView } from '../fits/curves';
-import { captureLink } from '../fits/detail';
 import { assessmentView, qualityView } from './assessment';
 import { evaluationView } from './evaluate';
 import { parametersView } from './parameters';
@@ -18,6 +18,7 @@ export const open: OpenPage = async (context) => {
   const id = context.parameters['id'] ?? '';
   const path = `/v1/twins/${encodeURIComponent(id)}`;
   const twin = await context.api.json<Twin>(path, { signal: context.signal });
+  const capture = twin.capture ? await findCapture(context, twin.capture) : null;
   const setTitle = ({ display_name }: Twin): void => context.setTitle(display_name || 'Twin without a name');
   setTitle(twin);
   const faults = faultPlace();
@@ -27,11 +28,11 @@ export const open: OpenPage = async (context) => {
   const element = h(
     'div',
     {},
-    h('div', { class: 'buttons' }, ...actions(context, twin, id, path, faults)),
+    h('div', { class: 'buttons' }, ...actions(context, capture, id, path, faults)),
     faults,
     new LabelEditor<Twin>(context, 'twins', path, twin, setTitle).element,
     ...[assessmentView(quality)].filter((view) => view !== null),
-    twinFacts(context, twin),
+    twinFacts(twin, capture),
     qualityView(quality),
     evaluationView(context, twin),
     parametersView(context, path, () => settingsAsked(context, twin.fit ?? null)),
@@ -40,30 +41,30 @@ export const open: OpenPage = async (context) => {
   return { element, dispose: () => losses?.dispose() };
 };
 
-function actions(context: PageContext, twin: Twin, id: string, path: string, faults: HTMLElement): HTMLElement[] {
-  const own = twin.capture ? { capture: idOf(twin.capture) } : {};
+function actions(
+  context: PageContext,
+  capture: Capture | null,
+  id: string,
+  path: string,
+  faults: HTMLElement,
+): HTMLElement[] {
+  const own = capture === null ? {} : { capture: idOf(capture.name) };
   const question = { title: 'Delete this twin?', text: 'Its file is deleted. Its capture and its fit stay.' };
   return [
     h('a', { class: 'button primary', href: `#/twins/${id}/play` }, 'Play'),
     h('a', { class: 'button', href: `#/twins/${id}/view` }, 'View in 3D'),
-    ...(twin.capture
-      ? [
-          h(
-            'a',
-            { class: 'button', href: `#/captures/${idOf(twin.capture)}/playback?twin=${id}` },
-            'Beside its recording',
-          ),
-        ]
-      : []),
+    ...(capture === null
+      ? []
+      : [h('a', { class: 'button', href: `#/captures/${own.capture}/playback?twin=${id}` }, 'Beside its recording')]),
     h('a', { class: 'button', href: `#/fits/new?${new URLSearchParams({ from: id, ...own })}` }, 'Refine'),
     download(context, 'Download the file', `${path}/content`, `${id}.safetensors`, faults),
     deleteButton(context, path, question, '#/twins', faults),
   ];
 }
 
-function twinFacts(context: PageContext, twin: Twin): HTMLElement {
+function twinFacts(twin: Twin, capture: Capture | null): HTMLElement {
   return facts([
-    ['Capture', twin.capture ? captureLink(context, twin.capture) : 'imported'],
+    ['Capture', twin.capture ? captureText(capture) : 'imported'],
     ...(twin.fit ? ([['Fit', h('a', { href: `#/fits/${idOf(twin.fit)}` }, 'Open')]] as const) : []),
     ['Created', time(twin.create_time)],
     ['Nodes', count(twin.node_count)],

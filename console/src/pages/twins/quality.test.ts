@@ -42,10 +42,12 @@ test('the spread of several fits is told in words', () => {
 });
 
 test('differences are told in words', () => {
-  expect(comparedText('A', 'B', 0.004, 0.01)).toContain(
-    'A is nearer to frames that it was not fitted to than B by a factor of 2.50',
+  expect(comparedText('A', 'B', 0.004, 0.01)).toBe(
+    'A is nearer to frames that it was not fitted to than B by a factor of 2.50: 4 mm against 10 mm.',
   );
-  expect(comparedText('A', 'B', 0.01, 0.004)).toContain('B is nearer');
+  expect(comparedText('A', 'B', 0.01, 0.004)).toBe(
+    'B is nearer to frames that it was not fitted to than A by a factor of 2.50: 4 mm against 10 mm.',
+  );
   expect(comparedText('A', 'B', 0.01, 0.0099)).toContain('about as good');
   expect(comparedText('A', 'B', 0, 0)).toContain('about as good');
   expect(comparedText('A', 'B', null, 0.1)).toBeNull();

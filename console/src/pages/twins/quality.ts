@@ -146,11 +146,12 @@ export function spreadText({ spread }: Quality): string | null {
  */
 export function comparedText(first: string, second: string, a: number | null, b: number | null): string | null {
   if (a === null || b === null) return null;
-  const both = `${millimetres(a)} against ${millimetres(b)}`;
-  if (a === b || Math.abs(a - b) < 0.05 * Math.max(a, b)) return `${first} and ${second} are about as good: ${both}.`;
+  const both = (one: number, other: number): string => `${millimetres(one)} against ${millimetres(other)}`;
+  if (a === b || Math.abs(a - b) < 0.05 * Math.max(a, b)) return `${first} and ${second} are about as good: ${both(a, b)}.`;
   const [better, worse, ratio] = a < b ? [first, second, b / a] : [second, first, a / b];
   const factor = ratio.toFixed(2);
-  return `${better} is nearer to frames that it was not fitted to than ${worse} by a factor of ${factor}: ${both}.`;
+  const errors = both(Math.min(a, b), Math.max(a, b));
+  return `${better} is nearer to frames that it was not fitted to than ${worse} by a factor of ${factor}: ${errors}.`;
 }
 
 function isNumber(value: number | null | undefined): value is number {

@@ -1,6 +1,6 @@
 import type { OpenPage, PageContext } from '../../page';
 import { h } from '../../ui/dom';
-import { command } from '../../ui/empty';
+import { cli, command } from '../../ui/empty';
 import { field } from '../../ui/form';
 import { count, name, size } from '../../ui/format';
 import { readSettings } from '../parts/settings';
@@ -33,7 +33,7 @@ export const open: OpenPage = (context) => {
     interrupted(transfers, context),
     labels(),
     h('h2', {}, 'From a terminal'),
-    command('bendtwin capture push FOLDER --watch'),
+    command(cli('bendtwin capture push FOLDER --watch')),
   );
   const dispose = (): void => intake.say([]);
   return { element, dispose };

@@ -12,6 +12,7 @@ const WORDS: Record<TransferState, [string, Parameters<typeof badge>[1]]> = {
   sending: ['uploading', 'busy'],
   waiting: ['interrupted', 'warn'],
   stored: ['uploaded', 'good'],
+  known: ['was there already', 'good'],
   failed: ['failed', 'bad'],
   cancelled: ['cancelled', 'neutral'],
 };
@@ -84,8 +85,9 @@ const UNDER_WAY: ReadonlySet<TransferState> = new Set(['queued', 'sending', 'wai
 
 function sourceText({ source, sizeBytes }: Transfer): string {
   if (source.kind === 'file') return `${isolated(source.file.name)}, ${size(sizeBytes)}`;
+  const note = source.note === null ? '' : `. ${source.note}`;
   const left = source.left > 0 ? `, ${counted(source.left, 'other file')} not needed and left out` : '';
-  return `Folder of ${counted(source.files.length, 'file')}, ${size(sizeBytes)}${left}`;
+  return `Folder of ${counted(source.files.length, 'file')}, ${size(sizeBytes)}${left}${note}`;
 }
 
 function textFor({ state, offset, sizeBytes, rate, error }: Transfer): string {

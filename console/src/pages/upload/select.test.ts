@@ -45,6 +45,7 @@ describe('the files of a folder that are sent', () => {
       files(['final_data.pkl', 'metadata.json', 'color/0/0.png', 'split.json']),
     );
     expect(sent(packages)).toEqual([['case', ['final_data.pkl', 'metadata.json', 'split.json']]]);
+    expect(packages[0]).toMatchObject({ left: 1, note: expect.stringContaining('the points are read') as string });
   });
 
   test('of several cases, however deep, are one capture each', async () => {
@@ -90,6 +91,7 @@ describe('the files of a folder that are sent', () => {
     expect(sent(damaged)).toEqual([['b', ['a.png', 'capture.json']]]);
     expect(sent(await packagesOf('b', files(['x/a.png', 'b.txt'])))).toEqual([['b', ['b.txt', 'x/a.png']]]);
     expect(await packagesOf('empty', files(['.hidden']))).toEqual([]);
+    expect(await packagesOf('letters', files(['a.txt', 'b/c.pdf']))).toEqual([]);
   });
 
   test('of several recordings of one object stay one capture', async () => {

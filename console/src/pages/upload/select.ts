@@ -7,10 +7,20 @@ export interface FolderFile {
 /** What is sent as one capture: a file as it is, or the files of a folder that are read. */
 export type Package =
   | { readonly kind: 'file'; readonly name: string; readonly file: File }
-  | { readonly kind: 'folder'; readonly name: string; readonly files: readonly FolderFile[]; readonly left: number };
+  | {
+      readonly kind: 'folder';
+      readonly name: string;
+      readonly files: readonly FolderFile[];
+      /** Files that are not read. */
+      readonly left: number;
+      /** What should be known of the files that are left out, in a sentence. */
+      readonly note: string | null;
+    };
 
 /** Files that are a capture each, by their names. */
 const ARCHIVE = /\.(zip|tar|tgz|tar\.gz|mcap)$/i;
+/** Files of kinds that captures have, or that people take for captures. */
+const OF_CAPTURES = /\.(json|pkl|npy|npz|png|jpe?g|csv|c3d|tsv|trc|mp4|avi|mkv|mov|bag|db3|glb|ply|obj|txt\.gz|exr|tiff?)$/i;
 /** Documents that are larger are not looked into [bytes]. */
 const DOCUMENT_BYTES = 64 * 2 ** 20;
 
@@ -27,7 +37,8 @@ function asName(text: string): string {
 /**
  * The captures in a folder, `root` being its name: each with the files that the server's reader reads of it,
  * as docs/capture-format.md has them. Archives in it are captures of their own. Of a folder in
- * which no capture is recognised all files are sent, for the server to say what is missing.
+ * which no capture is recognised all files are sent, for the server to say what is missing, unless
+ * no file in it is of a kind that captures have.
  */
 export async function packagesOf(root: string, given: readonly FolderFile[]): Promise<Package[]> {
   const files = given.filter(
@@ -39,12 +50,20 @@ export async function packagesOf(root: string, given: readonly FolderFile[]): Pr
   for (const [folder, own] of captures.inside) {
     const read = await filesRead(own);
     const name = asName(folder.split('/').at(-2) ?? root);
-    packages.push({ kind: 'folder', name, files: read, left: own.length - read.length });
+    packages.push({ kind: 'folder', name, files: read, left: own.length - read.length, note: noteOf(own) });
   }
   const single = captures.outside.filter(({ path }) => ARCHIVE.test(path));
   packages.push(...single.map(({ file }): Package => ({ kind: 'file', name: nameOf(file.name), file })));
-  if (packages.length > 0 || files.length === 0) return packages;
-  return [{ kind: 'folder', name: asName(root), files, left: 0 }];
+  if (packages.length > 0 || !files.some(({ path }) => OF_CAPTURES.test(path))) return packages;
+  return [{ kind: 'folder', name: asName(root), files, left: 0, note: null }];
+}
+
+/** A folder may have a recording twice: as tracked points, which are read, and as the images that they were made of. */
+function noteOf(files: readonly FolderFile[]): string | null {
+  const has = (pattern: RegExp): boolean => files.some(({ path }) => pattern.test(path));
+  const isTwice = has(/^final_data\.pkl$/) && has(/^color\//) && !has(/^(recordings|capture)\.json$/);
+  if (!isTwice) return null;
+  return 'It has tracked points (final_data.pkl) and images: the points are read. Without that file the images are.';
 }
 
 /** Files by the folder, of those given, that they lie in; their paths begin there. */

@@ -15,6 +15,9 @@ export interface Options {
   readonly ingest: string;
 }
 
+const NOTHING_READ =
+  'There is no capture in it: no file is of a kind that captures have, such as capture.json, metadata.json or final_data.pkl.';
+
 /** Event `said` with a sentence about files that were not taken. */
 class Intake extends EventTarget {
   options: Options = { labels: { name: '', note: '', tags: [] }, ingest: '' };
@@ -59,7 +62,7 @@ export function take(api: Api, given: DataTransfer | readonly File[]): void {
 }
 
 async function takeAll(api: Api, packages: readonly Package[]): Promise<void> {
-  const sentences: string[] = packages.length === 0 ? ['There are no files in it.'] : [];
+  const sentences: string[] = packages.length === 0 ? [NOTHING_READ] : [];
   const { labels, ingest } = intake.options;
   for (const source of packages) {
     const content = source.kind === 'folder' ? 'capture' : await contentOf(source.file);

@@ -4,12 +4,12 @@ import { fingerprint, fingerprintOf } from './fingerprint';
 import { forget, keep, kept, type Kept, type Labels } from './kept';
 import type { Package } from './select';
 import { tar } from './tar';
-import { send, terminate } from './tus';
+import { send, terminate, type Sent } from './tus';
 
 /** Uploads that are sent at once; others wait for their turn. */
 const AT_ONCE = 2;
 
-export type TransferState = 'queued' | 'sending' | 'waiting' | 'stored' | 'failed' | 'cancelled';
+export type TransferState = 'queued' | 'sending' | 'waiting' | 'stored' | 'known' | 'failed' | 'cancelled';
 
 /** An upload on its way. */
 export interface Transfer {
@@ -127,10 +127,11 @@ export class Transfers extends EventTarget {
   private async run(job: Job): Promise<void> {
     this.change(job, { state: 'sending' });
     try {
-      const capture = await this.sent(job);
+      const { capture, wasThere } = await this.sent(job);
       await this.label(job, capture);
       forget(job.kept.files);
-      this.change(job, { state: 'stored', capture, offset: job.shown.sizeBytes, error: null });
+      const state = wasThere ? 'known' : 'stored';
+      this.change(job, { state, capture, offset: job.shown.sizeBytes, error: null });
     } catch (error) {
       // What failed stays among the interrupted ones: its files can be chosen again.
       if (!job.abort.signal.aborted) this.change(job, { state: 'failed', error, rate: null });
@@ -138,7 +139,7 @@ export class Transfers extends EventTarget {
     this.next();
   }
 
-  private sent(job: Job): Promise<string> {
+  private sent(job: Job): Promise<Sent> {
     const { kept: own, abort } = job;
     const source = job.shown.source;
     const content = source.kind === 'file' ? source.file : tar(inFolder(source));

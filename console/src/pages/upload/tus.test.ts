@@ -55,7 +55,7 @@ describe('an upload', () => {
   test('is sent in parts', async () => {
     const server = new Server(BYTES);
     const { capture, offsets } = run(server);
-    expect(await capture).toBe('captures/1');
+    expect(await capture).toEqual({ capture: 'captures/1', wasThere: false });
     expect(server.stored.equals(Buffer.from(await CONTENT.arrayBuffer()))).toBe(true);
     expect(offsets[0]).toBe(0);
     expect(offsets.at(-1)).toBe(BYTES);
@@ -71,10 +71,30 @@ describe('an upload', () => {
       if (method === 'PATCH' && (lost += 1) === 1) throw new ServerLost();
     };
     const { capture, waits } = run(server);
-    expect(await capture).toBe('captures/1');
+    expect(await capture).toEqual({ capture: 'captures/1', wasThere: false });
     expect(server.stored.equals(Buffer.from(await CONTENT.arrayBuffer()))).toBe(true);
     expect(server.created).toBe(1);
     expect(waits.map((why) => why?.constructor)).toEqual([ServerLost, undefined]);
+  });
+
+  test('of what the server has already sends nothing, and says so', async () => {
+    const server = new Server(BYTES);
+    server.stored = Buffer.alloc(BYTES);
+    const methods: string[] = [];
+    server.trouble = (method) => methods.push(method);
+    expect(await run(server).capture).toEqual({ capture: 'captures/1', wasThere: true });
+    expect(methods).toEqual(['POST', 'HEAD']);
+  });
+
+  test('waits for a token, and goes on with it', async () => {
+    const server = new Server(BYTES);
+    let refused = 0;
+    server.trouble = (method) => {
+      if (method === 'POST' && (refused += 1) === 1) throw new Problem(401, 'BAD_CLIENT_TOKEN', 'missing', null);
+    };
+    const { capture, waits } = run(server);
+    expect(await capture).toEqual({ capture: 'captures/1', wasThere: false });
+    expect(waits.map((why) => why?.message)).toEqual(['missing', undefined]);
   });
 
   test('is begun anew, once, if the server has forgotten it', async () => {
@@ -83,7 +103,7 @@ describe('an upload', () => {
     server.trouble = (method) => {
       if (method === 'HEAD' && (heads += 1) === 1) throw new Problem(410, 'UPLOAD_GONE', 'expired', null);
     };
-    expect(await run(server).capture).toBe('captures/1');
+    expect(await run(server).capture).toEqual({ capture: 'captures/1', wasThere: false });
     expect(server.created).toBe(2);
     server.trouble = () => {
       throw new Problem(410, 'UPLOAD_GONE', 'expired', null);

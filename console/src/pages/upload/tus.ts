@@ -8,8 +8,8 @@ const FIRST_BYTES = 2 ** 20;
 const MOST_BYTES = 32 * 2 ** 20;
 /** Time that sending a part should take, so that progress is seen and little is lost [ms]. */
 const PART_MS = 1000;
-/** Statuses that pass: timeouts, a wrong offset, a sender that is still being ended, full queues. */
-const PASSING = [408, 409, 423, 429, 503, 504];
+/** Statuses that pass: no token yet, timeouts, a wrong offset, a sender that is still being ended, full queues. */
+const PASSING = [401, 408, 409, 423, 429, 503, 504];
 
 /** Statuses of an upload that is there no more. */
 const GONE = [404, 410];
@@ -35,24 +35,35 @@ export class FilesChanged extends Error {
   }
 }
 
+/** What came of an upload. */
+export interface Sent {
+  /** `captures/{uuid}` */
+  readonly capture: string;
+  /** True if the server had all of it before anything was sent. */
+  readonly wasThere: boolean;
+}
+
 /**
- * Sends all of an upload, from where the server has it, and gives the name of the capture. Goes on
+ * Sends all of an upload, from where the server has it, and gives the capture. Goes on
  * after interruptions until the signal is aborted; throws what the server refuses for good.
  */
-export async function send(api: Api, upload: Upload): Promise<string> {
+export async function send(api: Api, upload: Upload): Promise<Sent> {
   const { signal, onWaiting } = upload;
   let address: string | null = null;
   let failures = 0;
   let sent = 0;
   let isAnew = false;
+  let hasSent = false;
   const onOffset = (offset: number): void => upload.onOffset((sent = offset));
   for (;;) {
     try {
       address ??= await create(api, upload);
-      return await sendParts(api, { ...upload, onOffset }, address, () => {
+      const capture = await sendParts(api, { ...upload, onOffset }, address, () => {
         if (failures > 0) onWaiting(null);
         failures = 0;
+        hasSent ||= sent < upload.content.size;
       });
+      return { capture, wasThere: !hasSent };
     } catch (error) {
       signal.throwIfAborted();
       // One that was given up meanwhile, as after a long time without a server, is begun again, once.
@@ -93,9 +104,9 @@ async function sendParts(api: Api, upload: Upload, address: string, onAnswer: ()
   let bytes = FIRST_BYTES;
   let answer = await api.fetch(address, { method: 'HEAD', headers: { 'tus-resumable': '1.0.0' }, signal });
   for (;;) {
-    onAnswer();
     const offset = Number(answer.headers.get('upload-offset'));
     onOffset(offset);
+    onAnswer();
     const capture = answer.headers.get('bendtwin-capture');
     if (capture !== null) return capture;
     const began = performance.now();
