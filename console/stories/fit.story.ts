@@ -90,7 +90,7 @@ describe('fits and twins', () => {
     await call(server, 'DELETE', `/v1/${name}`);
     const { twins } = await call<{ twins: { name: string }[] }>(server, 'GET', '/v1/twins?order_by=create_time desc');
     await call(server, 'DELETE', `/v1/${twins[0]?.name ?? ''}`);
-  }, 120_000);
+  });
 
   it('can be cancelled, also while they wait', async () => {
     const [first, second] = await Promise.all(

@@ -218,7 +218,8 @@ describe('the playground', () => {
     const picture = await saved(page, () => page.getByRole('button', { name: 'Picture', exact: true }).click());
     expect(readFileSync(await picture.path()).subarray(1, 4).toString()).toBe('PNG');
     await page.getByRole('button', { name: 'Video' }).click();
-    await page.waitForTimeout(1500);
+    // The first part is there.
+    await page.getByRole('button', { name: /End the video \(/ }).waitFor();
     const video = await saved(page, () => page.getByRole('button', { name: 'End the video' }).click());
     expect(video.suggestedFilename()).toMatch(/^blue-rope\.(webm|mp4)$/);
     expect(readFileSync(await video.path()).length).toBeGreaterThan(2000);

@@ -62,10 +62,11 @@ describe('uploads', () => {
     const visit = await Visit.open(browser, server, { at: '/upload' });
     const before = (await all()).length;
     await visit.page.getByLabel('Choose files').setInputFiles(rope);
-    await visit.page.getByText('was there already').or(visit.page.getByText('uploaded', { exact: true })).waitFor();
+    const row = visit.page.getByRole('list', { name: 'Uploads' }).getByRole('listitem');
+    await row.getByText(/^(uploaded|was there already)$/).waitFor();
     await visit.page.getByRole('button', { name: 'Clear' }).click();
     await visit.page.getByLabel('Choose files').setInputFiles(rope);
-    await visit.page.getByText('was there already').waitFor();
+    await row.getByText('was there already').waitFor();
     expect((await all()).length).toBeLessThanOrEqual(before + 1);
     await visit.close();
   });

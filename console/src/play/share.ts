@@ -6,8 +6,10 @@ import { panel } from './panels/parts';
 
 /** Longest video [s]. */
 const LONGEST_S = 60;
-/** Formats of videos in the order of preference. */
-const FORMATS = ['video/webm;codecs=vp9', 'video/webm;codecs=vp8', 'video/webm', 'video/mp4'];
+/** Formats of videos in the order of preference: what costs less beside the drawing comes first. */
+const FORMATS = ['video/webm;codecs=vp8', 'video/webm;codecs=vp9', 'video/webm', 'video/mp4'];
+/** Time after which each part of a video comes [ms]. */
+const PART_MS = 1000;
 
 /** Buttons for a link to what is seen, a picture of it, and a video. */
 export function shareMenu(
@@ -57,8 +59,13 @@ function videoButton(
     const stream = stage.canvas.captureStream(30);
     const mine = (recorder = new MediaRecorder(stream, { mimeType: type, videoBitsPerSecond: 6_000_000 }));
     const parts: Blob[] = [];
+    const began = performance.now();
     const end = setTimeout(() => mine.stop(), LONGEST_S * 1000);
-    mine.addEventListener('dataavailable', ({ data }) => parts.push(data));
+    mine.addEventListener('dataavailable', ({ data }) => {
+      if (data.size === 0) return;
+      parts.push(data);
+      button.textContent = `End the video (${Math.round((performance.now() - began) / 1000)} s)`;
+    });
     mine.addEventListener('stop', () => {
       clearTimeout(end);
       stream.getTracks().forEach((track) => track.stop());
@@ -66,11 +73,12 @@ function videoButton(
       button.textContent = 'Video';
       button.setAttribute('aria-pressed', 'false');
       if (context.signal.aborted) return;
+      if (parts.length === 0) return say('Nothing is filmed yet: let it run a little longer.');
       download(new Blob(parts, { type }), fileName(name, type.startsWith('video/mp4') ? 'mp4' : 'webm'));
       say('The video is in your downloads.');
     });
     context.signal.addEventListener('abort', () => mine.state !== 'inactive' && mine.stop(), { once: true });
-    mine.start(1000);
+    mine.start(PART_MS);
     button.textContent = 'End the video';
     button.setAttribute('aria-pressed', 'true');
     say(`What is seen is filmed, for ${LONGEST_S} s at most.`);
