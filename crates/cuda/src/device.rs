@@ -12,6 +12,7 @@ pub(crate) mod specialization;
 pub(crate) mod staging;
 pub(crate) mod team;
 pub(crate) mod throttle;
+pub(crate) mod wait;
 
 use std::sync::Arc;
 
@@ -245,7 +246,7 @@ pub(crate) fn fault(what: &str, error: DriverError) -> Error {
     Error::Device(format!("{what}: {error}"))
 }
 
-/// Waits for a stream's work.
+/// Waits for a stream's work, as [`wait`] does.
 pub(crate) fn synchronize(stream: &CudaStream) -> Result<(), Error> {
-    stream.synchronize().map_err(|e| fault("the device's work", e))
+    wait::for_stream(stream).map_err(|e| fault("the device's work", e))
 }

@@ -125,7 +125,8 @@ impl<T: Pod> Buffer<T> {
         }
         let mut values = vec![T::zeroed(); count];
         if count > 0 {
-            self.bind()?;
+            // The copy to pageable memory would wait in the driver.
+            super::synchronize(&self.stream)?;
             let stream = self.stream.cu_stream();
             // SAFETY: the range is ours; the host's memory lives until the stream has been waited
             // for.

@@ -11,6 +11,7 @@ use super::{
     staging::Staging,
     synchronize,
     team::{Team, TeamShape},
+    wait,
 };
 
 /// Times after which the host lets others have their turn [us]. What waits for a fit waits for two of
@@ -115,6 +116,11 @@ impl Queue {
     /// Waits for all work.
     pub(crate) fn synchronize(&self) -> Result<(), Error> {
         synchronize(&self.stream)
+    }
+
+    /// Waits for a mark of this queue.
+    pub(crate) fn wait_for(&self, mark: &CudaEvent) -> Result<(), Error> {
+        wait::for_event(mark, &self.stream).map_err(|e| fault("the device's work", e))
     }
 
     /// Marks what has been launched so far.

@@ -48,13 +48,25 @@ impl Queue {
             .map_err(|e| fault("copying from the device", e))?;
             let copied = self.mark()?;
             if let Some((before, event)) = under_way.replace((start, copied)) {
-                empty(&halves[(k + 1) % 2], &event, &mut into[before..before + HALF_BYTES])?;
+                self.empty(&halves[(k + 1) % 2], &event, &mut into[before..before + HALF_BYTES])?;
             }
         }
         if let Some((start, event)) = under_way {
-            empty(&halves[(starts.len() + 1) % 2], &event, &mut into[start..])?;
+            self.empty(&halves[(starts.len() + 1) % 2], &event, &mut into[start..])?;
         }
         Ok(values)
+    }
+
+    fn empty(
+        &self,
+        half: &PinnedHostSlice<u8>,
+        copied: &CudaEvent,
+        into: &mut [u8],
+    ) -> Result<(), Error> {
+        self.wait_for(copied)?;
+        let from = half.as_slice().map_err(|e| fault("pinned memory", e))?;
+        into.copy_from_slice(&from[..into.len()]);
+        Ok(())
     }
 
     fn pinned(&self) -> Result<PinnedHostSlice<u8>, Error> {
@@ -63,11 +75,4 @@ impl Queue {
         unsafe { context.alloc_pinned_with_flags(HALF_BYTES, 0) }
             .map_err(|e| fault("allocating pinned memory", e))
     }
-}
-
-fn empty(half: &PinnedHostSlice<u8>, copied: &CudaEvent, into: &mut [u8]) -> Result<(), Error> {
-    copied.synchronize().map_err(|e| fault("the device's work", e))?;
-    let from = half.as_slice().map_err(|e| fault("pinned memory", e))?;
-    into.copy_from_slice(&from[..into.len()]);
-    Ok(())
 }

@@ -4,7 +4,7 @@
 use bendtwin_engine::Error;
 use cudarc::driver::CudaEvent;
 
-use super::{fault, queue::Queue};
+use super::queue::Queue;
 
 /// Launches under way.
 #[derive(Default)]
@@ -27,7 +27,7 @@ impl LaunchThrottle {
         self.since_us = 0.0;
         let now = queue.mark()?;
         match self.before.replace(now) {
-            Some(before) => before.synchronize().map_err(|e| fault("the device's work", e)),
+            Some(before) => queue.wait_for(&before),
             None => Ok(()),
         }
     }
