@@ -13,11 +13,14 @@
 
 mod device;
 mod plan;
+mod preparation;
 mod run;
 
 use std::{path::PathBuf, sync::Arc};
 
 use bendtwin_engine::{Backend, Error};
+
+pub use self::preparation::{Chip, Prepared, prepare};
 
 /// Settings of a device.
 #[derive(Clone, Debug, Default)]

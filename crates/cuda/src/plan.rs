@@ -4,6 +4,7 @@
 pub(crate) mod choice;
 pub(crate) mod graph;
 pub(crate) mod layout;
+pub(crate) mod layouts;
 pub(crate) mod partition;
 pub(crate) mod resident;
 pub(crate) mod shared;

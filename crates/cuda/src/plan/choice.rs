@@ -11,9 +11,9 @@ use crate::{
         team::{BLOCK_THREADS, TEAM_THREADS, Team, TeamShape},
     },
     plan::{
-        graph::{Cut, CutGraph},
         layout::Layout,
-        resident::{Resident, has_contact},
+        layouts::{Cut, Layouts},
+        resident::has_contact,
     },
 };
 
@@ -36,6 +36,17 @@ impl Purpose {
             Self::Backward => "back_frame",
         }
     }
+}
+
+/// What the choice of a team looks at beside the model and its surroundings.
+#[derive(Clone, Copy)]
+pub(crate) struct Shapes<'a> {
+    /// Of the model's graph.
+    pub(crate) layouts: &'a Layouts,
+    /// All springs have the same dashpot.
+    pub(crate) uniform_dashpot: bool,
+    /// The one kind of team that is used, whatever would be best.
+    pub(crate) team: Option<Team>,
 }
 
 /// Launch of a team for a model: the kernel's specialization, and its memory.
@@ -85,20 +96,20 @@ const WORLD_REGISTERS: u32 = 32;
 /// `alike` says how many of them share their parameters.
 pub(crate) fn choose(
     capabilities: &Capabilities,
-    resident: &Resident,
+    shapes: &Shapes<'_>,
     model: &Model,
     purpose: Purpose,
     world: WorldParts,
     batch: usize,
     alike: usize,
 ) -> Result<LaunchPlan, Error> {
-    let mut candidates = match resident.device.team {
+    let mut candidates = match shapes.team {
         Some(team) => vec![(BLOCK_US, for_purpose(team, purpose))],
         None => candidates(capabilities, &model.graph, purpose, batch, alike),
     };
     if !model.graph.rods.is_empty() {
         // A rod's twist depends on all of its nodes: they stay in one block.
-        let chosen = resident.device.team.is_some();
+        let chosen = shapes.team.is_some();
         candidates.iter_mut().filter(|_| chosen).for_each(|(_, t)| t.keep_together());
         candidates.retain(|(_, t)| t.shape == TeamShape::Block);
     }
@@ -106,7 +117,7 @@ pub(crate) fn choose(
         candidates.iter_mut().for_each(|(_, t)| t.instances = 1);
     }
     candidates.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let chosen = resident.device.team.is_some();
+    let chosen = shapes.team.is_some();
     let wasteful = |f: &LaunchPlan| !chosen && f.team.instances > 1 && f.specialization.spills();
     let mut least = u64::MAX;
     let mut best: Option<LaunchPlan> = None;
@@ -114,7 +125,7 @@ pub(crate) fn choose(
         if best.is_some_and(|b| b.substep_us <= substep_us) {
             break;
         }
-        match fit(capabilities, resident, model, purpose, world, team)? {
+        match fit(capabilities, shapes, model, purpose, world, team)? {
             // Interleaved instances pay for what does not fit several times.
             Fit::Fits(plan) if wasteful(&plan) => {}
             Fit::Fits(plan) => {
@@ -191,40 +202,40 @@ fn candidates(
 /// estimate of [`candidates`].
 pub(crate) fn fit(
     capabilities: &Capabilities,
-    resident: &Resident,
+    shapes: &Shapes<'_>,
     model: &Model,
     purpose: Purpose,
     world: WorldParts,
     team: Team,
 ) -> Result<Fit, Error> {
-    let cut = match resident.graph.cut(&resident.device, Cut::of(&team)) {
-        Ok(cut) => cut,
+    let layout = match shapes.layouts.of(Cut::of(&team)) {
+        Ok(layout) => layout,
         // Too many local nodes for this cut: another may do.
         Err(Error::InvalidModel(_)) => return Ok(Fit::TooLarge { bytes: u64::MAX }),
         Err(e) => return Err(e),
     };
     let room = u64::from(capabilities.dynamic_shared());
-    let states = 16 * state_float4s(&cut, purpose, team.instances);
+    let states = 16 * state_float4s(&layout, purpose, team.instances);
     if states > room {
         return Ok(Fit::TooLarge { bytes: states });
     }
-    let mut specialization = specialization(&cut, resident, model, purpose, world, team);
+    let mut specialization = specialization(&layout, shapes, model, purpose, world, team);
     let mut used = states;
-    let bend = bend_float4s(&cut, purpose, team.instances);
+    let bend = bend_float4s(&layout, purpose, team.instances);
     specialization.bend_in_shared = used + 16 * bend <= room;
     if specialization.bend_in_shared {
         used += 16 * bend;
     }
     let pair_bytes = if specialization.uniform_dashpot { 20 } else { 28 };
     let pairs = match purpose {
-        Purpose::Backward => cut.layout.max_all_pairs,
-        _ if world.forces => cut.layout.max_all_pairs,
-        _ => cut.layout.max_pairs,
+        Purpose::Backward => layout.max_all_pairs,
+        _ if world.forces => layout.max_all_pairs,
+        _ => layout.max_pairs,
     };
     let half_springs = (u64::from(pairs) * pair_bytes).next_multiple_of(16);
     let in_registers = purpose != Purpose::Backward
         && !world.forces
-        && specialization.held >= cut.layout.max_row_pairs;
+        && specialization.held >= layout.max_row_pairs;
     specialization.half_springs_in_shared = !in_registers && used + half_springs <= room;
     if specialization.half_springs_in_shared {
         used += half_springs;
@@ -232,7 +243,7 @@ pub(crate) fn fit(
     let spill_stride = if specialization.bend_in_shared { 0 } else { bend as u32 };
     let shared_bytes = used as u32;
     let substep_us = match purpose {
-        Purpose::Backward => 1.0 + SUMS_IN_MEMORY * share_in_memory(&cut.layout, &specialization),
+        Purpose::Backward => 1.0 + SUMS_IN_MEMORY * share_in_memory(&layout, &specialization),
         _ => 1.0,
     };
     Ok(Fit::Fits(LaunchPlan { team, specialization, shared_bytes, spill_stride, substep_us }))
@@ -245,17 +256,17 @@ fn share_in_memory(layout: &Layout, specialization: &Specialization) -> f64 {
     ((mean - f64::from(specialization.held_sums)) / mean.max(1.0)).clamp(0.0, 1.0)
 }
 
-fn state_float4s(cut: &CutGraph, purpose: Purpose, instances: u32) -> u64 {
-    let stride = u64::from(cut.layout.stride());
+fn state_float4s(layout: &Layout, purpose: Purpose, instances: u32) -> u64 {
+    let stride = u64::from(layout.stride());
     match purpose {
-        Purpose::Backward => 5 * stride + 2 * u64::from(cut.layout.control_base),
+        Purpose::Backward => 5 * stride + 2 * u64::from(layout.control_base),
         _ => 3 * stride * u64::from(instances),
     }
 }
 
 /// Float4s of what a block's triplets leave for their ends.
-fn bend_float4s(cut: &CutGraph, purpose: Purpose, instances: u32) -> u64 {
-    let triplets = u64::from(cut.layout.max_triplets);
+fn bend_float4s(layout: &Layout, purpose: Purpose, instances: u32) -> u64 {
+    let triplets = u64::from(layout.max_triplets);
     // Vectors of three floats, forward those of 32 triplets together.
     let vectors = match purpose {
         Purpose::Backward => triplets * 4,
@@ -265,14 +276,13 @@ fn bend_float4s(cut: &CutGraph, purpose: Purpose, instances: u32) -> u64 {
 }
 
 fn specialization(
-    cut: &CutGraph,
-    resident: &Resident,
+    layout: &Layout,
+    shapes: &Shapes<'_>,
     model: &Model,
     purpose: Purpose,
     world: WorldParts,
     team: Team,
 ) -> Specialization {
-    let layout = &cut.layout;
     let one_row = layout.max_rows * 32 <= team.threads;
     // Graphs that differ a little share a kernel. Registers are handed out to four warps at a time
     // anyway.
@@ -280,7 +290,7 @@ fn specialization(
     let threads = threads.clamp(64, team.threads.max(64));
     let even = |pairs: u32| pairs.next_multiple_of(2);
     let registers = (REGISTERS / threads.next_multiple_of(128) / 8 * 8).min(248);
-    let uniform_dashpot = resident.dashpot.is_some();
+    let uniform_dashpot = shapes.uniform_dashpot;
     let more = if world == WorldParts::default() { 0 } else { WORLD_REGISTERS };
     let (held, held_sums) = match purpose {
         Purpose::Backward => {

@@ -11,24 +11,12 @@ use crate::{
         args::{self, LocalPin, Pointer, Share, Triplet},
         memo::Memo,
         memory::Buffer,
-        team::Team,
     },
-    plan::layout::Layout,
+    plan::{
+        layout::Layout,
+        layouts::{Cut, Layouts},
+    },
 };
-
-/// Cut of a graph: into so many blocks for about so many threads each.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub(crate) struct Cut {
-    pub(crate) blocks: u32,
-    pub(crate) threads: u32,
-}
-
-impl Cut {
-    /// The cut for a team.
-    pub(crate) fn of(team: &Team) -> Self {
-        Self { blocks: team.blocks, threads: team.threads }
-    }
-}
 
 /// A graph on the device.
 pub(crate) struct DeviceGraph {
@@ -45,6 +33,8 @@ pub(crate) struct DeviceGraph {
     neighbours: Memo<(), Arc<Neighbours>>,
     /// Made when a strain first asks for it.
     node_springs: Memo<(), Arc<NodeSprings>>,
+    pub(crate) layouts: Layouts,
+    /// Those of its layouts that are on the device.
     cuts: Memo<Cut, Arc<CutGraph>>,
 }
 
@@ -66,7 +56,7 @@ pub(crate) struct NodeSprings {
 
 /// A graph cut for one shape of launch.
 pub(crate) struct CutGraph {
-    pub(crate) layout: Layout,
+    pub(crate) layout: Arc<Layout>,
     pub(crate) topology: args::TopologyArgs,
     pub(crate) springs: Buffer<u32>,
     pub(crate) others: Buffer<u32>,
@@ -116,6 +106,7 @@ impl DeviceGraph {
             springs: Buffer::of(stream, &graph.springs)?,
             neighbours: Memo::default(),
             node_springs: Memo::default(),
+            layouts: Layouts::new(graph.clone()),
             cuts: Memo::default(),
             graph: graph.clone(),
         })
@@ -129,12 +120,12 @@ impl DeviceGraph {
     /// The graph cut in this way; made at first use.
     pub(crate) fn cut(&self, device: &Device, cut: Cut) -> Result<Arc<CutGraph>, Error> {
         self.cuts.get_or_make(cut, || {
-            let layout = Layout::new(&self.graph, cut.blocks as usize, cut.threads)?;
+            let layout = self.layouts.of(cut)?;
             Ok(Arc::new(self.upload(device, layout)?))
         })
     }
 
-    fn upload(&self, device: &Device, layout: Layout) -> Result<CutGraph, Error> {
+    fn upload(&self, device: &Device, layout: Arc<Layout>) -> Result<CutGraph, Error> {
         let stream = &device.normal;
         let parts = TopologyBuffers {
             _shares: Buffer::of(stream, &layout.shares)?,

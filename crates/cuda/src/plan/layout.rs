@@ -79,7 +79,7 @@ pub(crate) struct Layout {
 }
 
 /// Half-springs and triplets by endpoint.
-struct Incidence {
+pub(crate) struct Incidence {
     starts: Vec<u32>,
     /// (spring, other end, whether this end reports the gradient).
     springs: Vec<(u32, u32, bool)>,
@@ -88,12 +88,22 @@ struct Incidence {
 }
 
 impl Layout {
-    /// Cuts a checked graph for a team of `blocks` blocks, each with about `threads` threads.
+    /// [`Layout::cut`] for a single cut.
+    #[cfg(test)]
     pub(crate) fn new(graph: &Graph, blocks: usize, threads: u32) -> Result<Self, Error> {
-        let incidence = Incidence::new(graph);
+        Self::cut(graph, &Incidence::new(graph), blocks, threads)
+    }
+
+    /// Cuts a checked graph for a team of `blocks` blocks, each with about `threads` threads.
+    pub(crate) fn cut(
+        graph: &Graph,
+        incidence: &Incidence,
+        blocks: usize,
+        threads: u32,
+    ) -> Result<Self, Error> {
         let mut parts = partition(graph, blocks);
         let largest = parts.iter().map(Vec::len).max().unwrap_or(0);
-        let lanes = lanes_for(largest, &incidence, threads);
+        let lanes = lanes_for(largest, incidence, threads);
         // Nodes of like valence share a row, so that few of its slots stay empty; among them
         // neighbours in space, which reach for the same nodes at once.
         let pairs = |i: u32| incidence.springs_of(i).len().div_ceil(2 * lanes as usize);
@@ -113,7 +123,7 @@ impl Layout {
         let mut local = vec![NONE; graph.node_count()];
         let mut halos = Vec::with_capacity(blocks);
         for (b, part) in parts.iter().enumerate() {
-            halos.push(this.add_share(graph, &incidence, &owner, b as u32, part, &mut local));
+            halos.push(this.add_share(graph, incidence, &owner, b as u32, part, &mut local));
         }
         this.min_row_pairs = this.fewest_pairs();
         this.place_controls()?;
@@ -359,7 +369,8 @@ fn encode(local: u32) -> u16 {
 }
 
 impl Incidence {
-    fn new(graph: &Graph) -> Self {
+    /// Of a checked graph.
+    pub(crate) fn new(graph: &Graph) -> Self {
         let ends = graph.node_count() + graph.control_count();
         let mut starts = vec![0_u32; ends + 1];
         for &e in graph.springs.iter().flatten() {

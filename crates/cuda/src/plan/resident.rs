@@ -20,7 +20,9 @@ use crate::{
         specialization::THREADS,
     },
     plan::{
-        graph::{Cut, CutGraph, DeviceGraph},
+        choice::Shapes,
+        graph::{CutGraph, DeviceGraph},
+        layouts::Cut,
         skin::DeviceSkin,
     },
 };
@@ -77,6 +79,15 @@ impl Resident {
     /// One whose parameters on the device will change.
     pub(crate) fn varying(self) -> Self {
         Self { dashpot: None, ..self }
+    }
+
+    /// What the choice of a team looks at.
+    pub(crate) fn shapes(&self) -> Shapes<'_> {
+        Shapes {
+            layouts: &self.graph.layouts,
+            uniform_dashpot: self.dashpot.is_some(),
+            team: self.device.team,
+        }
     }
 
     /// Packed for a cut; made at first use, on the stream that fits and loads use.

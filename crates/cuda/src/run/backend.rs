@@ -407,7 +407,7 @@ impl Backend for CudaBackend {
         let resident = Resident::new(&self.device, graph, skin, &model.params)?;
         // One shape is made now, so that what cannot run is refused here.
         let (device, world) = (&self.device.capabilities, WorldParts::default());
-        choose(device, &resident, &model, Purpose::Forward, world, 1, 1)?;
+        choose(device, &resident.shapes(), &model, Purpose::Forward, world, 1, 1)?;
         crate::device::synchronize(&self.device.normal)?;
         Ok(Loaded::new(model, Arc::new(resident)))
     }
@@ -500,7 +500,8 @@ impl Backend for CudaBackend {
         let resident = resident(model).ok()?;
         let (capabilities, purpose) = (&self.device.capabilities, Purpose::Forward);
         let (model, world) = (model.model(), WorldParts::default());
-        let plan = choose(capabilities, resident, model, purpose, world, batch, batch).ok()?;
+        let plan =
+            choose(capabilities, &resident.shapes(), model, purpose, world, batch, batch).ok()?;
         Some(plan.team.to_string())
     }
 }

@@ -26,7 +26,7 @@ use crate::{
     },
     plan::{
         choice::{LaunchPlan, Purpose, choose},
-        graph::Cut,
+        layouts::Cut,
         resident::{Packed, has_contact, resident},
         tape::RolloutTapes,
     },
@@ -319,7 +319,7 @@ impl<'a> Simulation<'a> {
             let (key, resident, model) = (key(m)?, resident(model(m))?, model(m).model());
             let (batch, alike) = (members.len(), alike[&key].1);
             let device = &device.capabilities;
-            let plan = choose(device, resident, model, purpose, key.1, batch, alike)?;
+            let plan = choose(device, &resident.shapes(), model, purpose, key.1, batch, alike)?;
             Ok((key, (plan, resident.packed(Cut::of(&plan.team))?)))
         })?;
         let known: HashMap<(usize, WorldParts), (LaunchPlan, Arc<Packed>)> =
