@@ -39,18 +39,18 @@ pub(super) fn arrange(lanes: usize, mut ends: Vec<Vec<Reference>>) -> Vec<Slot> 
     let slots = longest.div_ceil(lanes);
     (0..slots)
         .map(|slot| {
-            let mut matching =
-                Matching { lanes, ends: &ends, left_in_bank, lane_in_bank: [None; WARP] };
-            matching.fill();
-            let lane_in_bank = matching.lane_in_bank;
+            let ranks = Ranks::new(&left_in_bank);
+            let lane_in_rank = Matching::new(lanes, &ends, &ranks).fill();
             let mut taken: Slot = [NO_ARM; WARP];
             let mut take = |ends: &mut Vec<Vec<Reference>>, lane: usize, at: usize| {
                 let reference = ends[lane / lanes].swap_remove(at);
                 left_in_bank[bank_of(reference)] -= 1;
                 taken[lane] = reference;
             };
-            for (bank, lane) in lane_in_bank.iter().enumerate() {
-                let Some(lane) = *lane else { continue };
+            let mut seated = 0_u32;
+            for bank in 0..WARP {
+                let Some(lane) = lane_in_rank[ranks.of_bank[bank] as usize] else { continue };
+                seated |= 1 << lane;
                 let own = &ends[lane / lanes];
                 if let Some(at) = own.iter().position(|&r| bank_of(r) == bank) {
                     take(&mut ends, lane, at);
@@ -58,8 +58,7 @@ pub(super) fn arrange(lanes: usize, mut ends: Vec<Vec<Reference>>) -> Vec<Slot> 
             }
             // What would not fit into the slots that are left comes now, whatever its bank.
             let room = (slots - slot - 1) * lanes;
-            let seated = |lane: usize| lane_in_bank.contains(&Some(lane));
-            for lane in (0..ends.len() * lanes).filter(|&lane| !seated(lane)) {
+            for lane in (0..ends.len() * lanes).filter(|&lane| seated >> lane & 1 == 0) {
                 if ends[lane / lanes].len() > room {
                     take(&mut ends, lane, 0);
                 }
@@ -69,49 +68,77 @@ pub(super) fn arrange(lanes: usize, mut ends: Vec<Vec<Reference>>) -> Vec<Slot> 
         .collect()
 }
 
-/// Lanes of a slot and the banks that they read, one each.
-struct Matching<'a> {
-    lanes: usize,
-    /// References that endpoints still have.
-    ends: &'a [Vec<Reference>],
-    left_in_bank: [u32; WARP],
-    lane_in_bank: [Option<usize>; WARP],
+/// Banks by the references that are left in them, those with most first.
+struct Ranks {
+    /// Rank of each bank.
+    of_bank: [u8; WARP],
 }
 
-impl Matching<'_> {
-    /// Finds a bank for as many lanes as possible.
-    fn fill(&mut self) {
-        let mut order: Vec<usize> = (0..self.ends.len() * self.lanes).collect();
-        order.sort_by_key(|&lane| std::cmp::Reverse(self.ends[lane / self.lanes].len()));
-        for lane in order {
-            // Lanes of an endpoint do not take more than it has.
-            if lane % self.lanes < self.ends[lane / self.lanes].len() {
-                self.seat(lane, &mut 0);
-            }
+impl Ranks {
+    fn new(left_in_bank: &[u32; WARP]) -> Self {
+        let mut banks: [u8; WARP] = std::array::from_fn(|bank| bank as u8);
+        banks.sort_by_key(|&bank| std::cmp::Reverse(left_in_bank[bank as usize]));
+        let mut of_bank = [0; WARP];
+        for (rank, &bank) in (0_u8..).zip(&banks) {
+            of_bank[bank as usize] = rank;
+        }
+        Self { of_bank }
+    }
+}
+
+/// Lanes of a slot and the banks that they read, one each, by rank.
+struct Matching {
+    lanes: usize,
+    /// Number of references that each endpoint still has.
+    counts: Vec<usize>,
+    /// Ranks of their banks, a bit for each.
+    wanted: Vec<u32>,
+    lane_in_rank: [Option<usize>; WARP],
+}
+
+impl Matching {
+    fn new(lanes: usize, ends: &[Vec<Reference>], ranks: &Ranks) -> Self {
+        let bit = |&r: &Reference| 1_u32 << ranks.of_bank[bank_of(r)];
+        Self {
+            lanes,
+            counts: ends.iter().map(Vec::len).collect(),
+            wanted: ends.iter().map(|own| own.iter().map(bit).fold(0, |all, b| all | b)).collect(),
+            lane_in_rank: [None; WARP],
         }
     }
 
-    /// Finds a bank for a lane; others may have to move. `tried` has a bit for each bank.
-    fn seat(&mut self, lane: usize, tried: &mut u32) -> bool {
-        let own = &self.ends[lane / self.lanes];
-        let mut banks: Vec<usize> = own.iter().map(|&r| bank_of(r)).collect();
-        banks.sort_unstable_by_key(|&bank| (std::cmp::Reverse(self.left_in_bank[bank]), bank));
-        banks.dedup();
-        for bank in banks {
-            if *tried >> bank & 1 == 1 {
-                continue;
+    /// Finds a bank for as many lanes as possible; the lane at each rank.
+    fn fill(mut self) -> [Option<usize>; WARP] {
+        let mut order: Vec<usize> = (0..self.counts.len() * self.lanes).collect();
+        order.sort_by_key(|&lane| std::cmp::Reverse(self.counts[lane / self.lanes]));
+        for lane in order {
+            // Lanes of an endpoint do not take more than it has.
+            if lane % self.lanes < self.counts[lane / self.lanes] {
+                self.seat(lane, &mut 0);
             }
-            *tried |= 1 << bank;
-            let free = match self.lane_in_bank[bank] {
+        }
+        self.lane_in_rank
+    }
+
+    /// Finds a bank for a lane; others may have to move. `tried` has a bit for each rank.
+    fn seat(&mut self, lane: usize, tried: &mut u32) -> bool {
+        let wanted = self.wanted[lane / self.lanes];
+        loop {
+            let open = wanted & !*tried;
+            if open == 0 {
+                return false;
+            }
+            let rank = open.trailing_zeros() as usize;
+            *tried |= 1 << rank;
+            let free = match self.lane_in_rank[rank] {
                 None => true,
                 Some(other) => self.seat(other, tried),
             };
             if free {
-                self.lane_in_bank[bank] = Some(lane);
+                self.lane_in_rank[rank] = Some(lane);
                 return true;
             }
         }
-        false
     }
 }
 

@@ -2,7 +2,10 @@
 //! memory at once, and in one go only if they lie in different banks: indices that differ modulo 8.
 //! Half a warp reads sixteen float2s at once: indices that differ modulo 16.
 
-use super::rows::{Half, WARP};
+use super::{
+    NONE,
+    rows::{Half, WARP},
+};
 
 /// Lanes whose reads of 16 bytes are served together.
 const TOGETHER: usize = 8;
@@ -16,68 +19,98 @@ pub(super) type Slot = [Option<Half>; WARP];
 /// `first` fill the first ones, `then` what is left.
 pub(super) fn arrange(
     lanes: usize,
-    mut first: Vec<Vec<Half>>,
-    mut then: Vec<Vec<Half>>,
+    first: Vec<Vec<Half>>,
+    then: Vec<Vec<Half>>,
     slots: usize,
 ) -> Vec<Slot> {
+    let mut left: usize = first.iter().chain(&then).map(Vec::len).sum();
+    let mut first: Vec<Undealt> = first.into_iter().map(Undealt::new).collect();
+    let mut then: Vec<Undealt> = then.into_iter().map(Undealt::new).collect();
     let mut out = Vec::with_capacity(slots);
-    while out.len() < slots || first.iter().chain(&then).any(|n| !n.is_empty()) {
+    while out.len() < slots || left > 0 {
         let mut slot: Slot = [None; WARP];
         let mut reads = Reads::default();
         for (lane, taken) in slot.iter_mut().enumerate() {
             reads.next_lane(lane);
             let node = lane / lanes;
             let Some(own) = first.get_mut(node) else { continue };
-            let from = if own.is_empty() { &mut then[node] } else { own };
-            *taken = take(from, &mut reads);
+            let from = if own.halves.is_empty() { &mut then[node] } else { own };
+            *taken = from.take(&mut reads);
+            left -= usize::from(taken.is_some());
         }
         out.push(slot);
     }
     out
 }
 
-/// Takes a half-spring that is read along with another lane's, or else one whose banks are free,
-/// from the bank that has most of them left; any if none is.
-fn take(from: &mut Vec<Half>, reads: &mut Reads) -> Option<Half> {
-    let bank = |h: &Half| h.1 as usize % BANKS;
-    let mut left = [0_u32; BANKS];
-    from.iter().for_each(|h| left[bank(h)] += 1);
-    let rank = |i: usize| {
-        let h = &from[i];
-        (reads.gain(h.1), left[bank(h)], std::cmp::Reverse(i))
-    };
-    let best = (0..from.len()).max_by_key(|&i| rank(i))?;
-    let taken = from.swap_remove(best);
-    reads.take(taken.1);
-    Some(taken)
+/// Half-springs of a node that are to be dealt.
+struct Undealt {
+    halves: Vec<Half>,
+    /// How many of them are in each bank.
+    in_bank: [u32; BANKS],
+}
+
+impl Undealt {
+    fn new(halves: Vec<Half>) -> Self {
+        let mut in_bank = [0; BANKS];
+        halves.iter().for_each(|h| in_bank[h.1 as usize % BANKS] += 1);
+        Self { halves, in_bank }
+    }
+
+    /// Takes a half-spring that is read along with another lane's, or else one whose banks are free,
+    /// from the bank that has most of them left; any if none is. The first of several.
+    fn take(&mut self, reads: &mut Reads) -> Option<Half> {
+        let (mut best, mut most) = (0, 0);
+        for (i, half) in self.halves.iter().enumerate() {
+            // There are fewer springs at a node than 1 << 24.
+            let worth = reads.gain(half.1) << 24 | self.in_bank[half.1 as usize % BANKS];
+            if worth > most {
+                (best, most) = (i, worth);
+            }
+        }
+        if most == 0 {
+            return None;
+        }
+        let taken = self.halves.swap_remove(best);
+        self.in_bank[taken.1 as usize % BANKS] -= 1;
+        reads.take(taken.1);
+        Some(taken)
+    }
 }
 
 /// States that the lanes of a warp read together, by bank.
-#[derive(Clone, Copy, Default)]
+#[derive(Clone, Copy)]
 pub(super) struct Reads {
-    by_quarter: [Option<u32>; BANKS],
-    by_half: [Option<u32>; 2 * BANKS],
+    /// Local index that is read, [`NONE`] where none is.
+    by_quarter: [u32; BANKS],
+    by_half: [u32; 2 * BANKS],
+}
+
+impl Default for Reads {
+    fn default() -> Self {
+        Self { by_quarter: [NONE; BANKS], by_half: [NONE; 2 * BANKS] }
+    }
 }
 
 impl Reads {
     /// Goes on to a lane: the first of a quarter or half of a warp reads alone.
     pub(super) fn next_lane(&mut self, lane: usize) {
         if lane.is_multiple_of(TOGETHER) {
-            self.by_quarter = [None; BANKS];
+            self.by_quarter = [NONE; BANKS];
         }
         if lane.is_multiple_of(2 * TOGETHER) {
-            self.by_half = [None; 2 * BANKS];
+            self.by_half = [NONE; 2 * BANKS];
         }
     }
+
+    /// Most that [`Reads::gain`] says.
+    pub(super) const MOST: u32 = 8;
 
     /// Worth of reading the state of a local index: most where another lane reads the same, nothing
     /// where it waits for others.
     pub(super) fn gain(&self, local: u32) -> u32 {
-        let of = |used: Option<u32>| match used {
-            Some(other) if other == local => 2,
-            None => 1,
-            Some(_) => 0,
-        };
+        // Without branches, for this is asked of every half-spring again and again.
+        let of = |used: u32| 2 * u32::from(used == local) + u32::from(used == NONE);
         let at = local as usize;
         3 * of(self.by_quarter[at % BANKS]) + of(self.by_half[at % (2 * BANKS)])
     }
@@ -85,8 +118,11 @@ impl Reads {
     /// Reads it.
     pub(super) fn take(&mut self, local: u32) {
         let at = local as usize;
-        self.by_quarter[at % BANKS].get_or_insert(local);
-        self.by_half[at % (2 * BANKS)].get_or_insert(local);
+        for used in [&mut self.by_quarter[at % BANKS], &mut self.by_half[at % (2 * BANKS)]] {
+            if *used == NONE {
+                *used = local;
+            }
+        }
     }
 }
 

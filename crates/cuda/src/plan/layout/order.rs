@@ -15,12 +15,18 @@ pub(super) fn arrange(ends: &[[u32; 3]]) -> Vec<usize> {
     while !left.is_empty() {
         reads.iter_mut().for_each(|r| r.next_lane(order.len()));
         let first = left.len().saturating_sub(CONSIDERED);
-        let gain = |&at: &usize| -> (u32, usize) {
-            let gains = reads.iter().zip(ends[left[at]]).map(|(r, end)| r.gain(end));
-            (gains.sum(), at)
-        };
         // The earliest of the best: they stand in reverse.
-        let Some(best) = (first..left.len()).max_by_key(gain) else { break };
+        let (mut best, mut most) = (left.len() - 1, 0);
+        for at in (first..left.len()).rev() {
+            let ends = ends[left[at]];
+            let gain = (0..3).map(|role| reads[role].gain(ends[role])).sum::<u32>();
+            if gain > most {
+                (best, most) = (at, gain);
+                if most == 3 * Reads::MOST {
+                    break;
+                }
+            }
+        }
         let taken = left.remove(best);
         reads.iter_mut().zip(ends[taken]).for_each(|(r, end)| r.take(end));
         order.push(taken);

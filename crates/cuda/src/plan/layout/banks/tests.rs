@@ -48,3 +48,28 @@ fn banks_rarely_collide() {
         assert!(found < 1.2, "{lanes} lanes: {found}");
     }
 }
+
+#[test]
+fn each_lane_takes_the_best_of_its_node_and_the_first_of_several() {
+    for lanes in [1, 2, 8] {
+        let mut left = chain(lanes);
+        let slots = arrange(lanes, vec![Vec::new(); left.len()], left.clone(), 2);
+        for slot in slots {
+            let mut reads = Reads::default();
+            for (lane, taken) in slot.iter().enumerate() {
+                reads.next_lane(lane);
+                let own = &mut left[lane / lanes];
+                let in_bank = |h: &Half| {
+                    own.iter().filter(|o| o.1 as usize % BANKS == h.1 as usize % BANKS).count()
+                };
+                let worth = |h: &Half| (reads.gain(h.1), in_bank(h));
+                let best = own.iter().map(worth).max();
+                let wanted = own.iter().position(|h| Some(worth(h)) == best);
+                assert_eq!(wanted.map(|at| own[at]), *taken);
+                if let Some(at) = wanted {
+                    reads.take(own.swap_remove(at).1);
+                }
+            }
+        }
+    }
+}

@@ -34,3 +34,24 @@ fn all_triplets_come_once_and_in_fewer_goes() {
     assert!(goes(&ends, &order) < goes(&ends, &plain));
     assert!(arrange(&[]).is_empty());
 }
+
+#[test]
+fn each_lane_takes_the_best_of_those_considered_and_the_earliest_of_several() {
+    let mut bits = 7_u32;
+    let mut node = || {
+        bits = bits.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        bits >> 24
+    };
+    let ends: Vec<[u32; 3]> = (0..700).map(|_| [node(), node(), node()]).collect();
+    let mut left: Vec<usize> = (0..ends.len()).collect();
+    let mut reads = [Reads::default(); 3];
+    for (lane, taken) in arrange(&ends).into_iter().enumerate() {
+        reads.iter_mut().for_each(|r| r.next_lane(lane));
+        let worth = |t: usize| reads.iter().zip(ends[t]).map(|(r, e)| r.gain(e)).sum::<u32>();
+        let considered = &left[..left.len().min(CONSIDERED)];
+        let best = considered.iter().map(|&t| worth(t)).max();
+        assert_eq!(considered.iter().find(|&&t| Some(worth(t)) == best), Some(&taken));
+        left.retain(|&t| t != taken);
+        reads.iter_mut().zip(ends[taken]).for_each(|(r, end)| r.take(end));
+    }
+}
