@@ -85,6 +85,8 @@ const HALF_SPRING_BACK_US: f64 = 0.64e-3;
 const SUMS_IN_MEMORY: f64 = 0.3;
 /// Of one end of a triplet, in half-springs.
 const TRIPLET_END: f64 = 1.5;
+/// Float4s of a local node forward.
+const STATES: u64 = 3;
 /// Registers of a multiprocessor, and those that a thread needs beside its half-springs and sums.
 const REGISTERS: u32 = 65_536;
 const WORKING_REGISTERS: u32 = 72;
@@ -143,6 +145,18 @@ pub(crate) fn choose(
             capabilities.shared_bytes
         ))
     })
+}
+
+/// True if it is certain that a team exists that simulates a model: a single block has room for the
+/// states of all nodes, whatever its graph is like.
+pub(crate) fn fits_one_block(
+    capabilities: &Capabilities,
+    shapes: &Shapes<'_>,
+    model: &Model,
+) -> bool {
+    let graph = &model.graph;
+    let states = 16 * STATES * (graph.node_count() + graph.control_count()) as u64;
+    shapes.team.is_none() && states <= u64::from(capabilities.dynamic_shared())
 }
 
 /// The same team for another purpose.
@@ -260,7 +274,7 @@ fn state_float4s(layout: &Layout, purpose: Purpose, instances: u32) -> u64 {
     let stride = u64::from(layout.stride());
     match purpose {
         Purpose::Backward => 5 * stride + 2 * u64::from(layout.control_base),
-        _ => 3 * stride * u64::from(instances),
+        _ => STATES * stride * u64::from(instances),
     }
 }
 

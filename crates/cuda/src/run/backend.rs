@@ -15,7 +15,7 @@ use bendtwin_engine::{
 use crate::{
     device::{Device, queue::Queue, specialization::WorldParts},
     plan::{
-        choice::{Purpose, choose},
+        choice::{Purpose, choose, fits_one_block},
         graph::DeviceGraph,
         resident::{Resident, resident, unflatten},
         shared::Shared,
@@ -405,9 +405,13 @@ impl Backend for CudaBackend {
         let new_skin = || DeviceSkin::new(&self.device, &model.skin);
         let skin = self.skins.get_or_make(&model.skin, new_skin)?;
         let resident = Resident::new(&self.device, graph, skin, &model.params)?;
-        // One shape is made now, so that what cannot run is refused here.
+        // What cannot run is refused here. Where that takes no cut of the graph, none is made but for
+        // rollouts, which begin with few instances: a batch of candidates takes another.
         let (device, world) = (&self.device.capabilities, WorldParts::default());
-        choose(device, &resident.shapes(), &model, Purpose::Forward, world, 1, 1)?;
+        let shapes = resident.shapes();
+        if self.queue.is_urgent || !fits_one_block(device, &shapes, &model) {
+            choose(device, &shapes, &model, Purpose::Forward, world, 1, 1)?;
+        }
         crate::device::synchronize(&self.device.normal)?;
         Ok(Loaded::new(model, Arc::new(resident)))
     }
