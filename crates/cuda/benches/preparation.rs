@@ -48,7 +48,7 @@ fn row(nodes: usize, bending: bool) {
     let enough = mean(&mut || {
         models.iter().for_each(|m| {
             let _ = black_box(enough_substeps(m, SUBSTEPS));
-        })
+        });
     });
     let stable = mean(&mut || {
         models.iter().for_each(|m| {
