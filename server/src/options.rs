@@ -17,8 +17,8 @@ const BACKENDS: [&str; 3] = ["auto", "cpu", "cuda"];
 #[derive(Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Options {
-    /// Address for HTTP and gRPC; port 0 takes a free one. There is no TLS, so any address but
-    /// loopback trusts its network.
+    /// Address for HTTP and gRPC; port 0 takes a free one. One that is not loopback takes
+    /// `tls_terminated_by_proxy` or `insecure`.
     pub listen: SocketAddr,
     /// Address for workers alone, with `/healthz`, `/readyz` and `/metrics`; port 0 takes a free
     /// one. The server's own workers use it, so that clients cannot take their connections.
@@ -28,6 +28,12 @@ pub struct Options {
     pub allowed_hosts: Vec<String>,
     /// Token that clients have to show.
     pub client_token: ClientTokenPolicy,
+    /// True if a proxy in front has the TLS, so that the server may listen on an address that is
+    /// not loopback.
+    pub tls_terminated_by_proxy: bool,
+    /// True if the server may listen on an address that is not loopback without TLS, and without a
+    /// token: everyone on the way reads and changes what passes.
+    pub insecure: bool,
     /// The folder of the database and the blobs; made if missing.
     pub data_dir: PathBuf,
     /// The token of workers that others start; without one, only the server's own workers may
@@ -143,6 +149,8 @@ impl Default for Options {
             worker_listen: SocketAddr::from(([127, 0, 0, 1], 0)),
             allowed_hosts: Vec::new(),
             client_token: ClientTokenPolicy::Required,
+            tls_terminated_by_proxy: false,
+            insecure: false,
             data_dir: PathBuf::from("bendtwin-data"),
             worker_token: None,
             workers: WorkerPolicy::default(),
@@ -291,10 +299,36 @@ impl Options {
                 "allowed_hosts has `{host}`: give names without scheme and port, or *"
             ));
         }
+        faults.extend(self.openness());
         if self.data_dir.as_os_str().is_empty() {
             faults.push("data_dir is empty: name a folder".to_owned());
         }
         if faults.is_empty() { Ok(()) } else { Err(faults) }
+    }
+
+    /// Faults of a server that would be open to a network.
+    fn openness(&self) -> Vec<String> {
+        let open = [("listen", self.listen), ("worker_listen", self.worker_listen)];
+        let open = open.into_iter().filter(|(_, address)| !address.ip().is_loopback());
+        let mut faults = Vec::new();
+        for (name, address) in open.filter(|_| !self.insecure) {
+            if !self.tls_terminated_by_proxy {
+                faults.push(format!(
+                    "{name} is {address}, which others can reach, and there is no TLS: listen on \
+                     127.0.0.1, or put a proxy with TLS in front and set tls_terminated_by_proxy \
+                     (--tls-terminated-by-proxy), or set insecure (--insecure) if everyone on the \
+                     network may read and change what passes"
+                ));
+            }
+            if name == "listen" && self.client_token == ClientTokenPolicy::None {
+                faults.push(format!(
+                    "listen is {address}, which others can reach, and client_token is `none`: set \
+                     it to `required`, or set insecure (--insecure) if everyone who reaches the \
+                     address may do everything"
+                ));
+            }
+        }
+        faults
     }
 
     /// Memory that requests under way may take together [bytes].

@@ -140,9 +140,7 @@ impl Service {
             ClientTokenPolicy::Required => Some(load_token(&options)?),
             ClientTokenPolicy::None => None,
         };
-        if !address.ip().is_loopback() && client_token.is_none() {
-            tracing::warn!(%address, "everyone who reaches this address may use the API");
-        }
+        warn_of_openness(&options, address, worker_address);
         let (grace, hosts) = (options.shutdown_grace(), Hosts::new(&options.allowed_hosts));
         let memory_mib = options.memory_bytes() >> 20;
         let worker_memory_mib = options.workers.each_memory_mib();
@@ -193,6 +191,21 @@ impl Service {
             sweeps,
             workers,
         })
+    }
+}
+
+/// Says in the log what a server on a network trusts.
+fn warn_of_openness(options: &Options, address: SocketAddr, worker_address: SocketAddr) {
+    let open = [address, worker_address].into_iter().filter(|a| !a.ip().is_loopback());
+    for address in open {
+        if options.insecure {
+            tracing::warn!(%address, "insecure: there is no TLS, and everyone on the way can read");
+        } else {
+            tracing::warn!(%address, "a proxy is trusted to have the TLS in front of this address");
+        }
+    }
+    if !address.ip().is_loopback() && options.client_token == ClientTokenPolicy::None {
+        tracing::warn!(%address, "insecure: everyone who reaches this address may use the API");
     }
 }
 

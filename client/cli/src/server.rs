@@ -34,6 +34,27 @@ pub(crate) struct Server {
     /// required]
     #[arg(long, env = "BENDTWIN_CLIENT_TOKEN", value_name = "POLICY", value_parser = ["required", "none"])]
     client_token: Option<String>,
+    /// Listen on an address that is not loopback: a proxy in front has the TLS [default: false]
+    #[arg(
+        long,
+        env = "BENDTWIN_TLS_TERMINATED_BY_PROXY",
+        value_name = "true|false",
+        num_args = 0..=1,
+        require_equals = true,
+        default_missing_value = "true"
+    )]
+    tls_terminated_by_proxy: Option<bool>,
+    /// Listen on an address that is not loopback without TLS, and with --client-token none
+    /// [default: false]
+    #[arg(
+        long,
+        env = "BENDTWIN_INSECURE",
+        value_name = "true|false",
+        num_args = 0..=1,
+        require_equals = true,
+        default_missing_value = "true"
+    )]
+    insecure: Option<bool>,
     /// Folder of the database and of all content [default: bendtwin-data]
     #[arg(long, env = "BENDTWIN_DATA_DIR", value_name = "DIR")]
     data_dir: Option<PathBuf>,

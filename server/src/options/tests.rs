@@ -17,6 +17,29 @@ fn all_faults_are_reported_at_once() {
 }
 
 #[test]
+fn a_server_is_not_open_to_a_network_by_accident() {
+    let public = || Options { listen: ([0, 0, 0, 0], 7070).into(), ..Options::default() };
+    let faults = public().validate().unwrap_err();
+    assert_eq!(faults.len(), 1);
+    assert!(faults[0].contains("--tls-terminated-by-proxy") && faults[0].contains("--insecure"));
+    Options { tls_terminated_by_proxy: true, ..public() }.validate().unwrap();
+    Options { insecure: true, ..public() }.validate().unwrap();
+    // Without a token not even behind a proxy.
+    let open = Options {
+        client_token: super::ClientTokenPolicy::None,
+        tls_terminated_by_proxy: true,
+        ..public()
+    };
+    let faults = open.validate().unwrap_err();
+    assert!(faults.len() == 1 && faults[0].contains("client_token"), "{faults:?}");
+    Options { insecure: true, ..open }.validate().unwrap();
+    let workers = Options { worker_listen: "[::]:0".parse().unwrap(), ..Options::default() };
+    assert!(workers.validate().unwrap_err()[0].starts_with("worker_listen"));
+    let local = Options { listen: "[::1]:0".parse().unwrap(), ..Options::default() };
+    local.validate().unwrap();
+}
+
+#[test]
 fn options_survive_json_and_unknown_fields_are_refused() {
     let json = serde_json::to_string(&Options::default()).unwrap();
     assert_eq!(serde_json::from_str::<Options>(&json).unwrap(), Options::default());

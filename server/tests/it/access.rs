@@ -87,6 +87,7 @@ async fn the_token_is_the_same_after_a_restart() {
 async fn other_hosts_are_refused_on_every_address() {
     let server = Server::start_with(|o| {
         o.listen = ([0, 0, 0, 0], 0).into();
+        o.insecure = true;
         o.allowed_hosts = vec!["twin.example".to_owned()];
     })
     .await;

@@ -29,6 +29,8 @@ pub fn bendtwin() -> Command {
         "BENDTWIN_TOKEN_FILE",
         "BENDTWIN_CLIENT_TOKEN",
         "BENDTWIN_ALLOWED_HOSTS",
+        "BENDTWIN_INSECURE",
+        "BENDTWIN_TLS_TERMINATED_BY_PROXY",
     ] {
         command.env_remove(variable);
     }

@@ -35,6 +35,12 @@ impl Server {
             Some(_) => options.client_token = ClientTokenPolicy::Required,
             None => {}
         }
+        if let Some(by_proxy) = self.tls_terminated_by_proxy {
+            options.tls_terminated_by_proxy = by_proxy;
+        }
+        if let Some(insecure) = self.insecure {
+            options.insecure = insecure;
+        }
         if let Some(data_dir) = &self.data_dir {
             options.data_dir.clone_from(data_dir);
         }
@@ -87,6 +93,8 @@ mod tests {
             worker_listen: None,
             allowed_hosts: None,
             client_token: None,
+            tls_terminated_by_proxy: None,
+            insecure: None,
             data_dir: None,
             workers: None,
             backend: None,
@@ -136,6 +144,16 @@ mod tests {
         assert_eq!(options.client_token, ClientTokenPolicy::None);
         let wrong = Server { allowed_hosts: Some(vec!["http://twin".to_owned()]), ..server() };
         assert!(wrong.options().unwrap_err().to_string().contains("allowed_hosts"));
+    }
+
+    #[test]
+    fn openness_is_set_by_flags() {
+        let listen = Some("0.0.0.0:7070".parse().unwrap());
+        let error = Server { listen, ..server() }.options().unwrap_err();
+        assert!(error.is::<Usage>() && error.to_string().contains("--insecure"), "{error}");
+        let by_proxy = Server { listen, tls_terminated_by_proxy: Some(true), ..server() };
+        assert!(by_proxy.options().unwrap().tls_terminated_by_proxy);
+        assert!(Server { listen, insecure: Some(true), ..server() }.options().unwrap().insecure);
     }
 
     #[test]
