@@ -14,7 +14,7 @@ use std::{collections::BTreeMap, path::Path};
 
 use prost::Message as _;
 
-const FILES: [&str; 14] = [
+const FILES: [&str; 15] = [
     "bendtwin/v1/tensor.proto",
     "bendtwin/v1/fault.proto",
     "bendtwin/v1/world.proto",
@@ -23,6 +23,7 @@ const FILES: [&str; 14] = [
     "bendtwin/v1/fit.proto",
     "bendtwin/v1/twin.proto",
     "bendtwin/v1/worker.proto",
+    "bendtwin/v1/key.proto",
     "bendtwin/v1/rollout.proto",
     "bendtwin/v1/planning.proto",
     "bendtwin/v1/registration.proto",

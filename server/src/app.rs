@@ -8,6 +8,7 @@ mod fits;
 mod geometry;
 mod ingests;
 mod jobs;
+mod keys;
 mod labels;
 mod results;
 mod twins;
@@ -25,8 +26,8 @@ use tokio_util::sync::CancellationToken;
 
 pub(crate) use crate::failure::{Error, Result};
 use crate::{
-    dispatch::Dispatch, memory::Memory, metrics::Metrics, options::Options, play::Plays,
-    readiness::Readiness, tokens::Tokens,
+    access::KeyRing, dispatch::Dispatch, memory::Memory, metrics::Metrics, options::Options,
+    play::Plays, readiness::Readiness, tokens::Tokens,
 };
 
 pub(crate) use captures::CaptureUpload;
@@ -34,6 +35,7 @@ pub(crate) use fits::FitOrder;
 pub(crate) use geometry::Geometry;
 pub(crate) use ingests::{IngestPart, IngestUpload};
 pub(crate) use jobs::{Attempt, Leased, News};
+pub(crate) use keys::KeyOrder;
 pub(crate) use labels::{Change, Listing};
 pub(crate) use twins::TwinUpload;
 pub(crate) use upload::Body;
@@ -51,6 +53,7 @@ pub(crate) struct Inner {
     pub(crate) store: Store,
     pub(crate) dispatch: Dispatch,
     pub(crate) tokens: Tokens,
+    pub(crate) keys: KeyRing,
     pub(crate) metrics: Metrics,
     pub(crate) readiness: Readiness,
     pub(crate) memory: Memory,
@@ -73,6 +76,7 @@ impl App {
         let inner = Inner {
             dispatch: Dispatch::new(&options, store.clone(), metrics.clone(), memory.clone()),
             tokens: Tokens::new(options.worker_token.as_deref()),
+            keys: KeyRing::new(store.clone()),
             metrics,
             readiness: Readiness::default(),
             memory,

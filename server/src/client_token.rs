@@ -87,23 +87,23 @@ impl ClientToken {
         Self(blake3::hash(token.as_bytes()))
     }
 
-    /// Checks that a request shows it, as `Bearer`, as the password of `Basic` with any name, or, as
-    /// a page cannot set headers of a WebSocket, among its protocols.
-    pub(crate) fn check(&self, headers: &HeaderMap) -> Result<(), Refusal> {
-        let shown = headers.get(header::AUTHORIZATION).and_then(|v| v.to_str().ok());
-        let token = shown.and_then(|v| v.split_once(' ')).and_then(|(scheme, value)| match scheme
-            .to_ascii_lowercase()
-            .as_str()
-        {
+    pub(crate) fn matches(&self, shown: &str) -> bool {
+        blake3::hash(shown.as_bytes()) == self.0
+    }
+}
+
+/// The token or key that a request shows, as `Bearer`, as the password of `Basic` with any name, or,
+/// as a page cannot set headers of a WebSocket, among its protocols.
+pub(crate) fn shown(headers: &HeaderMap) -> Option<String> {
+    let given = headers.get(header::AUTHORIZATION).and_then(|v| v.to_str().ok());
+    let token = given.and_then(|v| v.split_once(' ')).and_then(|(scheme, value)| {
+        match scheme.to_ascii_lowercase().as_str() {
             "bearer" => Some(value.trim().to_owned()),
             "basic" => password(value.trim()),
             _ => None,
-        });
-        match token.or_else(|| of_protocols(headers)) {
-            Some(token) if blake3::hash(token.as_bytes()) == self.0 => Ok(()),
-            token => Err(refusal(token.is_some())),
         }
-    }
+    });
+    token.or_else(|| of_protocols(headers))
 }
 
 /// The token after [`TOKEN_PROTOCOL`] in the list of a WebSocket's protocols.
@@ -119,15 +119,15 @@ fn password(credentials: &str) -> Option<String> {
     text.split_once(':').map(|(_, password)| password.to_owned())
 }
 
-fn refusal(is_wrong: bool) -> Refusal {
-    let fault = if is_wrong { "is wrong" } else { "is missing" };
+/// A refusal that says what is wrong with what a request shows.
+pub(crate) fn refusal(fault: &str) -> Refusal {
     Refusal::new(Fault {
         category: Category::Unauthenticated,
         reason: "BAD_CLIENT_TOKEN".to_owned(),
         message: format!(
-            "the client token {fault}: send `Authorization: Bearer` with the content of \
-             `{FILE}` in the server's data folder; clients of BendTwin take it from BENDTWIN_TOKEN \
-             or --token-file"
+            "{fault}: send `Authorization: Bearer` with a key, or with the content of `{FILE}` in \
+             the server's data folder; clients of BendTwin take either from BENDTWIN_TOKEN or \
+             --token-file"
         ),
     })
 }

@@ -1,10 +1,12 @@
-//! The context of a request: its id, its trace and its client. The middleware sets it once; errors
+//! The context of a request: its id, its trace, its client and its caller. The middleware sets it once; errors
 //! and jobs take it over.
 
 use std::{net::SocketAddr, sync::Arc};
 
 use axum::http::HeaderMap;
 use bendtwin_core::{Category, Fault};
+
+use crate::access::Caller;
 
 tokio::task_local! {
     static CURRENT: Context;
@@ -21,6 +23,8 @@ pub(crate) struct Context {
     /// it sends one, else its address. Many clients have this machine's, so there each connection
     /// counts as a client.
     pub(crate) client: Arc<str>,
+    /// The caller, as far as it has shown who it is.
+    pub(crate) caller: Caller,
 }
 
 impl Context {
@@ -42,13 +46,18 @@ impl Context {
             .map_or_else(|| uuid::Uuid::now_v7().to_string(), str::to_owned);
         let trace_parent = text("traceparent").filter(|t| is_trace_parent(t)).map(str::to_owned);
         let client = client(peer, text("x-client-id").filter(|id| is_sane_id(id)));
-        Self { request_id, trace_parent, client }
+        Self { request_id, trace_parent, client, caller: Caller::default() }
     }
 }
 
 impl Default for Context {
     fn default() -> Self {
-        Self { request_id: String::new(), trace_parent: None, client: client(None, None) }
+        Self {
+            request_id: String::new(),
+            trace_parent: None,
+            client: client(None, None),
+            caller: Caller::default(),
+        }
     }
 }
 

@@ -7,6 +7,7 @@ mod counted;
 mod evaluations;
 mod fits;
 mod health;
+mod keys;
 mod link;
 mod plans;
 mod registrations;
@@ -25,7 +26,7 @@ use bendtwin_proto::{
     v1::{
         capture_service_server::CaptureServiceServer,
         evaluation_service_server::EvaluationServiceServer, fit_service_server::FitServiceServer,
-        planning_service_server::PlanningServiceServer,
+        key_service_server::KeyServiceServer, planning_service_server::PlanningServiceServer,
         registration_service_server::RegistrationServiceServer,
         rollout_service_server::RolloutServiceServer, session_service_server::SessionServiceServer,
         twin_service_server::TwinServiceServer, worker_service_server::WorkerServiceServer,
@@ -85,6 +86,7 @@ pub(crate) async fn router(app: &App) -> Result<axum::Router, StartError> {
         .with::<FitServiceServer<Api>>()
         .with::<TwinServiceServer<Api>>()
         .with::<WorkerServiceServer<Api>>()
+        .with::<KeyServiceServer<Api>>()
         .with::<RolloutServiceServer<Api>>()
         .with::<SessionServiceServer<Api>>()
         .with::<PlanningServiceServer<Api>>()
@@ -100,6 +102,7 @@ pub(crate) async fn router(app: &App) -> Result<axum::Router, StartError> {
         .add_service(FitServiceServer::new(api.clone()).max_decoding_message_size(MESSAGE))
         .add_service(TwinServiceServer::new(api.clone()).max_decoding_message_size(MESSAGE))
         .add_service(WorkerServiceServer::new(api.clone()))
+        .add_service(KeyServiceServer::new(api.clone()).max_decoding_message_size(MESSAGE))
         .add_service(EvaluationServiceServer::new(api.clone()).max_decoding_message_size(MESSAGE))
         .add_service(Counted {
             app: app.clone(),

@@ -10,6 +10,7 @@ mod evaluations;
 mod events;
 mod extract;
 mod fits;
+mod keys;
 mod labels;
 mod message;
 mod operations;
@@ -50,6 +51,7 @@ type Result<T, E = Refusal> = std::result::Result<T, E>;
         (name = "plans", description = "Actions that lower the costs of a rollout"),
         (name = "plays", description = "Simulations in real time that a person moves"),
         (name = "sessions", description = "Simulations that stay between calls"),
+        (name = "keys", description = "Keys of clients: scope `admin`"),
         (name = "workers", description = "Worker processes"),
         (name = "operations", description = "Health and metrics"),
     )
@@ -62,6 +64,7 @@ pub(crate) fn router(app: &App) -> axum::Router {
     let router = router
         .merge(docs::router(&description))
         .merge(console::router())
+        .route_layer(axum::middleware::from_fn(root_service::authorize))
         .route_layer(axum::middleware::from_fn(root_service::note_route));
     with_fallbacks(router).with_state(app.clone())
 }
@@ -73,7 +76,9 @@ pub(crate) fn operations_router(app: &App) -> axum::Router {
         .routes(routes!(operations::readyz))
         .routes(routes!(operations::metrics))
         .split_for_parts();
-    let router = router.route_layer(axum::middleware::from_fn(root_service::note_route));
+    let router = router
+        .route_layer(axum::middleware::from_fn(root_service::authorize))
+        .route_layer(axum::middleware::from_fn(root_service::note_route));
     with_fallbacks(router).with_state(app.clone())
 }
 
@@ -89,7 +94,7 @@ fn no_such_route() -> Refusal {
     Refusal::http_only(StatusCode::NOT_FOUND, "NO_SUCH_ROUTE", message)
 }
 
-fn described() -> OpenApiRouter<App> {
+pub(crate) fn described() -> OpenApiRouter<App> {
     OpenApiRouter::with_openapi(Description::openapi())
         .routes(routes!(captures::list, captures::create))
         .routes(routes!(captures::get, captures::update, captures::delete))
@@ -126,6 +131,8 @@ fn described() -> OpenApiRouter<App> {
         .routes(routes!(plays::play))
         .routes(routes!(plays::watch))
         .routes(routes!(plays::recording, plays::put_recording))
+        .routes(routes!(keys::list, keys::create))
+        .routes(routes!(keys::get, keys::revoke))
         .routes(routes!(workers::list))
         .routes(routes!(workers::get))
         .routes(routes!(operations::healthz))

@@ -12,9 +12,9 @@ use tokio::{net::TcpListener, task::JoinHandle, time::Instant};
 use tokio_util::sync::CancellationToken;
 
 use crate::{
+    access::Gate,
     app::App,
-    client_token::{self, ClientToken},
-    grpc,
+    client_token, grpc,
     http::{self, origin::Hosts, root_service::RootService},
     listen,
     options::{ClientTokenPolicy, Options},
@@ -153,7 +153,7 @@ impl Service {
             metrics: app.metrics.clone(),
             methods: grpc::methods()?.into(),
             hosts,
-            token: client_token.as_deref().map(ClientToken::new),
+            gate: Gate::new(client_token.as_deref(), app.keys.clone(), app.store.clone()),
         };
         let for_workers = RootService {
             http: http::operations_router(&app),
@@ -265,6 +265,9 @@ impl Handle {
             let _ = listeners.await;
         }
         self.sweeps.stop();
+        if let Err(error) = self.app.keys.record_uses().await {
+            tracing::warn!(%error, "the last uses of keys are not recorded");
+        }
         self.app.store.close().await;
         tracing::info!("stopped");
     }

@@ -1,5 +1,5 @@
-//! The work that a server repeats by itself: leases end, uploads expire, unused content goes, and
-//! the health that gRPC reports follows readiness.
+//! The work that a server repeats by itself: leases end, uploads expire, unused content goes, uses
+//! of keys are recorded, and the health that gRPC reports follows readiness.
 
 use std::time::Duration;
 
@@ -16,16 +16,22 @@ const LEASE_INTERVAL: Duration = Duration::from_secs(1);
 /// Longest interval at which expired uploads, and those that a crash left complete, are searched
 /// for.
 const UPLOAD_INTERVAL: Duration = Duration::from_secs(60);
+/// Interval at which the last uses of keys are recorded.
+const KEY_USE_INTERVAL: Duration = Duration::from_secs(30);
 /// Interval at which unused content is searched for; the store also does so when it opens.
 const GARBAGE_COLLECTION_INTERVAL: Duration = Duration::from_secs(3600);
 
 /// The tasks.
 #[derive(Debug)]
-pub(crate) struct Sweeps([JoinHandle<()>; 2]);
+pub(crate) struct Sweeps([JoinHandle<()>; 3]);
 
 impl Sweeps {
     pub(crate) fn start(app: &App) -> Self {
-        Self([tokio::spawn(leases(app.clone())), tokio::spawn(uploads(app.clone()))])
+        Self([
+            tokio::spawn(leases(app.clone())),
+            tokio::spawn(uploads(app.clone())),
+            tokio::spawn(key_uses(app.clone())),
+        ])
     }
 
     pub(crate) fn stop(self) {
@@ -64,6 +70,17 @@ async fn uploads(app: App) {
         tick.tick().await;
         if let Err(error) = app.sweep_uploads().await {
             tracing::error!(%error, "sweeping uploads failed; trying again");
+        }
+    }
+}
+
+/// Records when keys were used last.
+async fn key_uses(app: App) {
+    let mut tick = ticks(KEY_USE_INTERVAL);
+    loop {
+        tick.tick().await;
+        if let Err(error) = app.keys.record_uses().await {
+            tracing::warn!(%error, "cannot record the last uses of keys; trying again");
         }
     }
 }

@@ -72,13 +72,13 @@ pub(crate) async fn run(args: Capture, global: &Global) -> anyhow::Result<()> {
         Command::List(choice) => {
             let captures = global.connect().await?.captures().all(&choice.query()).await?;
             output::print(global, &captures, || {
-                let mut table = Table::new(["NAME", "CREATED", "SIZE", "READ", "WHAT"]);
+                let mut table = Table::new(["NAME", "CREATED", "SIZE", "READ", "OWNER", "WHAT"]);
                 for c in &captures {
                     let size = output::bytes(c.size_bytes);
                     let created = format!("{:.0}", c.create_time);
                     let read = reading::status(c);
                     let what = labels::what(&c.display_name, &c.tags);
-                    table.row([c.name.to_string(), created, size, read, what]);
+                    table.row([c.name.to_string(), created, size, read, c.owner.clone(), what]);
                 }
                 table.text()
             })

@@ -96,7 +96,8 @@ pub(crate) async fn run(args: Fit, global: &Global) -> anyhow::Result<()> {
             let query = ListQuery { capture, state, ..choice.query() };
             let fits = client.fits().all(&query).await?;
             output::print(global, &fits, || {
-                let header = ["NAME", "STATE", "DONE", "STARTED", "ERROR", "WHAT", "RESULT"];
+                let header =
+                    ["NAME", "STATE", "DONE", "STARTED", "ERROR", "OWNER", "WHAT", "RESULT"];
                 let mut table = Table::new(header);
                 for fit in &fits {
                     table.row(columns(fit));
@@ -142,7 +143,7 @@ fn state(text: &str) -> Result<JobState, String> {
     found.ok_or_else(|| "use queued, running, succeeded, failed or cancelled".to_owned())
 }
 
-fn columns(fit: &bendtwin_client::Fit) -> [String; 7] {
+fn columns(fit: &bendtwin_client::Fit) -> [String; 8] {
     let done = fit.job.progress.as_ref().map(|p| format!("{:.0}%", 100.0 * p.fraction));
     let started = fit.job.start_time.map(|t| format!("{t:.0}"));
     let result = match (&fit.twin, &fit.job.fault) {
@@ -156,6 +157,7 @@ fn columns(fit: &bendtwin_client::Fit) -> [String; 7] {
         done.unwrap_or_default(),
         started.unwrap_or_default(),
         labels::millimetres(fit.error_m),
+        fit.owner.clone(),
         labels::what(&fit.display_name, &fit.tags),
         result,
     ]

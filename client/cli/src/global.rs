@@ -2,8 +2,7 @@
 
 use std::path::PathBuf;
 
-use anyhow::Context as _;
-use bendtwin_client::Client;
+use bendtwin_client::{Client, token};
 use clap::Args;
 
 /// Address of a server on this machine with default options.
@@ -15,8 +14,9 @@ pub(crate) struct Global {
     /// Address of the server
     #[arg(long, global = true, env = "BENDTWIN_SERVER", value_name = "URL", default_value = DEFAULT_SERVER)]
     pub(crate) server: String,
-    /// File with the token of the server: `client-token` in its data folder [default: BENDTWIN_TOKEN,
-    /// or what a server of this user on this machine left]
+    /// File with a key, or with the token of the server, `client-token` in its data folder; others
+    /// must not be able to read it [default: BENDTWIN_TOKEN, or what a server of this user on this
+    /// machine left]
     #[arg(long, global = true, env = "BENDTWIN_TOKEN_FILE", value_name = "FILE")]
     pub(crate) token_file: Option<PathBuf>,
     /// Print results as JSON, for scripts
@@ -30,8 +30,7 @@ impl Global {
         let Some(path) = &self.token_file else {
             return Ok(Client::connect(&self.server).await?);
         };
-        let token = std::fs::read_to_string(path)
-            .with_context(|| format!("cannot read the token in {}", path.display()))?;
-        Ok(Client::connect_with_token(&self.server, Some(token.trim())).await?)
+        let token = token::read(path)?;
+        Ok(Client::connect_with_token(&self.server, Some(&token)).await?)
     }
 }

@@ -47,6 +47,9 @@ pub(crate) struct Choice {
     /// List only those with this tag
     #[arg(long, value_name = "TAG", default_value = "", hide_default_value = true)]
     tag: String,
+    /// List only those of this owner: the owner of the key with which they were made
+    #[arg(long, value_name = "NAME", default_value = "", hide_default_value = true)]
+    owner: String,
     /// Order of the list
     #[arg(long, value_name = "KEY", value_enum, default_value_t)]
     sort: Sort,
@@ -75,7 +78,8 @@ impl Choice {
             Sort::Name => Order::Name,
             Sort::Error => Order::Error,
         };
-        ListQuery { search: self.search, tag: self.tag, order, ..ListQuery::default() }
+        let Self { search, tag, owner, .. } = self;
+        ListQuery { search, tag, owner, order, ..ListQuery::default() }
     }
 }
 

@@ -12,6 +12,7 @@ mod exchange;
 mod failure;
 mod fit;
 mod global;
+mod key;
 mod labels;
 mod logging;
 mod npy;
@@ -77,6 +78,7 @@ async fn run(arguments: Arguments) -> anyhow::Result<()> {
         Command::IngestCapture(args) => worker::ingest_capture(&args),
         Command::Capture(args) => capture::run(args, global).await,
         Command::Fit(args) => fit::run(args, global).await,
+        Command::Key(args) => key::run(args, global).await,
         Command::Twin(args) => twin::run(args, global).await,
         Command::Rollout(args) => rollout::run(args, global).await,
         Command::Eval(args) => eval::run(args, global).await,

@@ -72,7 +72,7 @@ pub(crate) async fn run(args: Twin, global: &Global) -> anyhow::Result<()> {
             let query = ListQuery { capture, ..choice.query() };
             let list = global.connect().await?.twins().all(&query).await?;
             output::print(global, &list, || {
-                let header = ["NAME", "CREATED", "NODES", "TRACK", "CD", "WHAT"];
+                let header = ["NAME", "CREATED", "NODES", "TRACK", "CD", "OWNER", "WHAT"];
                 let mut table = Table::new(header);
                 for t in &list {
                     table.row([
@@ -81,6 +81,7 @@ pub(crate) async fn run(args: Twin, global: &Global) -> anyhow::Result<()> {
                         t.node_count.to_string(),
                         labels::millimetres(future(t).track_m),
                         labels::millimetres(future(t).chamfer_l1_m),
+                        t.owner.clone(),
                         labels::what(&t.display_name, &t.tags),
                     ]);
                 }

@@ -260,6 +260,7 @@ impl Captures {
             page_token: query.page.token,
             search: query.search,
             tag: query.tag,
+            owner: query.owner,
         };
         let reply = self.service.clone().list_captures(request).await?.into_inner();
         Page::new(reply.captures, reply.next_page_token, Capture::try_from)

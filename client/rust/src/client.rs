@@ -5,7 +5,7 @@ use std::{borrow::Cow, time::Duration};
 use bendtwin_proto::v1::{
     capture_service_client::CaptureServiceClient,
     evaluation_service_client::EvaluationServiceClient, fit_service_client::FitServiceClient,
-    planning_service_client::PlanningServiceClient,
+    key_service_client::KeyServiceClient, planning_service_client::PlanningServiceClient,
     registration_service_client::RegistrationServiceClient,
     rollout_service_client::RolloutServiceClient, session_service_client::SessionServiceClient,
     twin_service_client::TwinServiceClient, worker_service_client::WorkerServiceClient,
@@ -14,8 +14,8 @@ use reqwest::header::{AUTHORIZATION, HeaderMap, HeaderValue};
 use tonic::transport::Endpoint;
 
 use crate::{
-    Captures, Error, Evaluations, Fits, Plans, Readiness, Registrations, Rollouts, Sessions, Twins,
-    Workers,
+    Captures, Error, Evaluations, Fits, Keys, Plans, Readiness, Registrations, Rollouts, Sessions,
+    Twins, Workers,
     channel::{Channel, Credentials},
     token,
 };
@@ -39,10 +39,11 @@ impl Client {
     /// token that [`token::find`] has for it.
     ///
     /// # Errors
-    /// If the address is neither a URL nor a host, or nothing answers there.
+    /// If the address is neither a URL nor a host, or nothing answers there; or if the file of a
+    /// token cannot be used.
     pub async fn connect(url: &str) -> Result<Self, Error> {
         let url = complete(url);
-        Self::connect_with_token(&url, token::find(&url).as_deref()).await
+        Self::connect_with_token(&url, token::find(&url)?.as_deref()).await
     }
 
     /// Connects to a server with a token, or without one.
@@ -114,6 +115,11 @@ impl Client {
     pub fn twins(&self) -> Twins {
         let service = TwinServiceClient::new(self.channel.clone());
         Twins::new(service.max_decoding_message_size(MAX_MESSAGE))
+    }
+
+    /// Keys of clients.
+    pub fn keys(&self) -> Keys {
+        Keys::new(KeyServiceClient::new(self.channel.clone()))
     }
 
     /// Worker processes that the server knows.

@@ -102,6 +102,7 @@ impl Fits {
             page_token: query.page.token,
             search: query.search,
             tag: query.tag,
+            owner: query.owner,
         };
         let reply = self.service.clone().list_fits(request).await?.into_inner();
         Page::new(reply.fits, reply.next_page_token, Fit::try_from)

@@ -98,6 +98,8 @@ pub struct ListQuery {
     pub search: String,
     /// A tag; empty means any.
     pub tag: String,
+    /// An owner; empty means any.
+    pub owner: String,
     /// A capture, of fits and twins.
     pub capture: Option<CaptureId>,
     /// A state, of fits.

@@ -70,6 +70,7 @@ mod error;
 mod evaluations;
 mod fits;
 mod geometry;
+mod keys;
 mod labels;
 mod losses;
 mod page;
@@ -89,7 +90,7 @@ mod workers;
 pub use bendtwin_core::settings::ingest::IngestSettings;
 pub use bendtwin_core::{
     Category, FastVariant, Fault, Fidelity, FitSettings, Point, Quality, Twin as TwinModel,
-    ids::{CaptureId, FitId, SessionId, TwinId, WorkerId},
+    ids::{CaptureId, FitId, KeyId, SessionId, TwinId, WorkerId},
 };
 pub use bendtwin_plan::{Bounds, Limit, Method, Movement, Origin};
 
@@ -100,6 +101,7 @@ pub use self::{
     evaluations::Evaluations,
     fits::Fits,
     geometry::Geometry,
+    keys::{Key, KeyQuotas, Keys, MadeKey, NewKey},
     labels::{ListQuery, Order, Update},
     losses::LossCurve,
     page::{Page, PageRequest},

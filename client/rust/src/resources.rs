@@ -32,6 +32,8 @@ pub struct Capture {
     pub note: String,
     /// Tags, sorted.
     pub tags: Vec<String>,
+    /// Owner of the key with which it was made; empty if that is not known.
+    pub owner: String,
 }
 
 /// Work that a worker does for a fit, or for the ingest of a capture.
@@ -167,6 +169,8 @@ pub struct Fit {
     pub note: String,
     /// Tags, sorted.
     pub tags: Vec<String>,
+    /// Owner of the key with which it was made; empty if that is not known.
+    pub owner: String,
     /// Error of its twin, as there [m].
     pub error_m: Option<f64>,
 }
@@ -208,6 +212,8 @@ pub struct Twin {
     pub note: String,
     /// Tags, sorted.
     pub tags: Vec<String>,
+    /// Owner of the key with which it was made; empty if that is not known.
+    pub owner: String,
     /// Error over frames that it was not fitted to [m]: of tracks, else of coordinates, else the
     /// Chamfer distance.
     pub error_m: Option<f64>,
@@ -262,6 +268,7 @@ impl TryFrom<v1::Capture> for Capture {
             verdict: Some(wire.verdict).filter(|v| !v.is_empty()),
             note: wire.note,
             tags: wire.tags,
+            owner: wire.owner,
         })
     }
 }
@@ -309,6 +316,7 @@ impl TryFrom<v1::Fit> for Fit {
             display_name: wire.display_name,
             note: wire.note,
             tags: wire.tags,
+            owner: wire.owner,
             error_m: wire.error_m,
         })
     }
@@ -368,6 +376,7 @@ impl TryFrom<v1::Twin> for Twin {
             mass_kg: wire.mass_kg,
             note: wire.note,
             tags: wire.tags,
+            owner: wire.owner,
             error_m: wire.error_m,
         })
     }
@@ -402,7 +411,7 @@ fn settings(json: &str) -> Result<serde_json::Value, Error> {
     serde_json::from_str(json).map_err(Error::malformed)
 }
 
-fn id<T: std::str::FromStr<Err: std::fmt::Display>>(name: &str) -> Result<T, Error> {
+pub(crate) fn id<T: std::str::FromStr<Err: std::fmt::Display>>(name: &str) -> Result<T, Error> {
     name.parse().map_err(Error::malformed)
 }
 
@@ -412,10 +421,17 @@ fn optional_id<T: std::str::FromStr<Err: std::fmt::Display>>(
     if name.is_empty() { Ok(None) } else { id(name).map(Some) }
 }
 
-fn time(wire: Option<prost_types::Timestamp>) -> Result<Timestamp, Error> {
+pub(crate) fn time(wire: Option<prost_types::Timestamp>) -> Result<Timestamp, Error> {
     optional_time(wire)?.ok_or_else(|| Error::malformed("a time is missing"))
 }
 
-fn optional_time(wire: Option<prost_types::Timestamp>) -> Result<Option<Timestamp>, Error> {
+pub(crate) fn optional_time(
+    wire: Option<prost_types::Timestamp>,
+) -> Result<Option<Timestamp>, Error> {
     wire.map(|t| Timestamp::new(t.seconds, t.nanos).map_err(Error::malformed)).transpose()
+}
+
+/// The form of a time in a request, to the second.
+pub(crate) fn wire_time(time: Timestamp) -> prost_types::Timestamp {
+    prost_types::Timestamp { seconds: time.as_second(), nanos: 0 }
 }

@@ -1,20 +1,77 @@
-//! The token of a server: in the environment, or, for servers of this user on this machine, in a
-//! file that the server leaves by its port. Nobody has to know of it then.
+//! The token or key that is shown to a server: in the environment, in a file that is named there,
+//! or, for servers of this user on this machine, in a file that the server leaves by its port.
+//! Nobody has to know of it then.
 
 use std::{
     io::{self, Write as _},
     net::IpAddr,
-    path::PathBuf,
+    path::{Path, PathBuf},
 };
 
-/// The environment variable with the token of a server.
-pub const TOKEN_VARIABLE: &str = "BENDTWIN_TOKEN";
+use bendtwin_core::Category;
 
-/// The token for a server: that of `BENDTWIN_TOKEN`; else, if the URL names this machine, the one
-/// that a server of this user left for its port.
-pub fn find(url: &str) -> Option<String> {
-    let given = std::env::var(TOKEN_VARIABLE).ok().filter(|token| !token.is_empty());
-    given.or_else(|| left(&reqwest::Url::parse(url).ok()?))
+use crate::Error;
+
+/// The environment variable with a token or a key.
+pub const TOKEN_VARIABLE: &str = "BENDTWIN_TOKEN";
+/// The environment variable with the path of a file that has one.
+pub const FILE_VARIABLE: &str = "BENDTWIN_TOKEN_FILE";
+
+/// Token or key to be shown to a server: that of `BENDTWIN_TOKEN`; else that in the file that
+/// `BENDTWIN_TOKEN_FILE` names; else, if the URL names this machine, the token that a server of this
+/// user left for its port.
+///
+/// # Errors
+/// If the file cannot be used ([`read`]).
+pub fn find(url: &str) -> Result<Option<String>, Error> {
+    let set = |name| std::env::var_os(name).filter(|value| !value.is_empty());
+    if let Some(given) = set(TOKEN_VARIABLE).and_then(|token| token.into_string().ok()) {
+        return Ok(Some(given));
+    }
+    if let Some(file) = set(FILE_VARIABLE) {
+        return read(Path::new(&file)).map(Some);
+    }
+    Ok(reqwest::Url::parse(url).ok().and_then(|url| left(&url)))
+}
+
+/// The token or key in a file.
+///
+/// # Errors
+/// If it cannot be read, is empty, or other users of the machine can read it.
+pub fn read(path: &Path) -> Result<String, Error> {
+    let unusable = |error| Error::file(path, &error);
+    let file = std::fs::File::open(path).map_err(unusable)?;
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::PermissionsExt as _;
+        let mode = file.metadata().map_err(unusable)?.permissions().mode();
+        if mode & 0o077 != 0 {
+            let path = path.display();
+            let message = format!(
+                "other users can use {path}, which has a token or key (mode {:03o}): \
+                 `chmod 600 {path}`, and have another key made if they may have read this one",
+                mode & 0o777
+            );
+            return Err(Error::new(Category::FailedPrecondition, "KEY_FILE_OPEN", message));
+        }
+    }
+    let text = io::read_to_string(file).map_err(unusable)?;
+    match text.trim() {
+        "" => Err(Error::invalid(format!("{}: there is no token or key in it", path.display()))),
+        token => Ok(token.to_owned()),
+    }
+}
+
+/// A new file for a key, which only this user can read.
+///
+/// # Errors
+/// If it exists already, or cannot be made.
+pub fn create_private(path: &Path) -> io::Result<std::fs::File> {
+    let mut options = std::fs::OpenOptions::new();
+    options.write(true).create_new(true);
+    #[cfg(unix)]
+    std::os::unix::fs::OpenOptionsExt::mode(&mut options, 0o600);
+    options.open(path)
 }
 
 /// The token that a server on this machine left.
@@ -36,14 +93,10 @@ pub fn publish(port: u16, token: &str) -> io::Result<()> {
     let no_home = || io::Error::new(io::ErrorKind::NotFound, "neither HOME nor XDG_STATE_HOME");
     let path = path(port).ok_or_else(no_home)?;
     let folder = path.parent().ok_or_else(no_home)?;
-    let (mut folders, mut options) = (std::fs::DirBuilder::new(), std::fs::OpenOptions::new());
+    let mut folders = std::fs::DirBuilder::new();
     folders.recursive(true);
-    options.write(true).create_new(true);
     #[cfg(unix)]
-    {
-        std::os::unix::fs::DirBuilderExt::mode(&mut folders, 0o700);
-        std::os::unix::fs::OpenOptionsExt::mode(&mut options, 0o600);
-    }
+    std::os::unix::fs::DirBuilderExt::mode(&mut folders, 0o700);
     folders.create(folder)?;
     // Anew, so that the file has these permissions whatever was there, and whole or not at all.
     let partial = path.with_extension(format!("{}.partial", std::process::id()));
@@ -51,7 +104,7 @@ pub fn publish(port: u16, token: &str) -> io::Result<()> {
         Err(error) if error.kind() != io::ErrorKind::NotFound => return Err(error),
         _ => {}
     }
-    writeln!(options.open(&partial)?, "{token}")?;
+    writeln!(create_private(&partial)?, "{token}")?;
     std::fs::rename(&partial, &path)
 }
 
@@ -77,4 +130,32 @@ fn path(port: u16) -> Option<PathBuf> {
     let state = std::env::var_os("XDG_STATE_HOME").map(PathBuf::from).filter(|p| p.is_absolute());
     let home = || std::env::home_dir().map(|home| home.join(".local/state"));
     Some(state.or_else(home)?.join("bendtwin/tokens").join(port.to_string()))
+}
+
+#[cfg(all(test, unix))]
+mod tests {
+    use std::os::unix::fs::PermissionsExt as _;
+
+    use super::*;
+
+    #[test]
+    fn a_file_that_others_can_read_is_refused() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("key");
+        writeln!(create_private(&path).unwrap(), "bt_1_2").unwrap();
+        assert_eq!(read(&path).unwrap(), "bt_1_2");
+        for mode in [0o644, 0o640, 0o604, 0o620] {
+            std::fs::set_permissions(&path, std::fs::Permissions::from_mode(mode)).unwrap();
+            let error = read(&path).unwrap_err();
+            assert_eq!(error.reason(), "KEY_FILE_OPEN");
+            assert!(error.message().contains("chmod 600"), "{error}");
+            assert!(!error.message().contains("bt_1_2"), "{error}");
+        }
+        assert!(create_private(&path).is_err());
+        std::fs::write(folder.path().join("empty"), "\n").unwrap();
+        let empty = folder.path().join("empty");
+        std::fs::set_permissions(&empty, std::fs::Permissions::from_mode(0o600)).unwrap();
+        assert!(read(&empty).unwrap_err().message().contains("no token"));
+        assert_eq!(read(&folder.path().join("none")).unwrap_err().reason(), "FILE_UNUSABLE");
+    }
 }

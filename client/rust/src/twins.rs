@@ -50,6 +50,7 @@ impl Twins {
             page_token: query.page.token,
             search: query.search,
             tag: query.tag,
+            owner: query.owner,
         };
         let reply = self.service.clone().list_twins(request).await?.into_inner();
         Page::new(reply.twins, reply.next_page_token, Twin::try_from)

@@ -356,6 +356,51 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/v1/keys": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * List keys
+         * @description Newest first; revoked and expired keys are among them.
+         */
+        get: operations["keys.list"];
+        put?: never;
+        /**
+         * Make a key
+         * @description The response has the key itself, which is stored nowhere: keep it.
+         */
+        post: operations["keys.create"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/v1/keys/{id}": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /** One key */
+        get: operations["keys.get"];
+        put?: never;
+        post?: never;
+        /**
+         * Revoke a key
+         * @description No server accepts it 30 s later. It stays in the list, with its `revoke_time`.
+         */
+        delete: operations["keys.revoke"];
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/v1/plans": {
         parameters: {
             query?: never;
@@ -888,6 +933,8 @@ export interface components {
             name: string;
             /** @description Text that people write about it. */
             note: string;
+            /** @description Owner of the key with which it was made; empty if that is not known. */
+            owner: string;
             /** Format: int64 */
             size_bytes: number;
             tags: string[];
@@ -1213,6 +1260,8 @@ export interface components {
             name: string;
             /** @description Text that people write about it. */
             note: string;
+            /** @description Owner of the key with which it was made; empty if that is not known. */
+            owner: string;
             /**
              * Format: int32
              * @description Jobs of higher priority run earlier.
@@ -1376,6 +1425,58 @@ export interface components {
             /** @description `workers/{uuid}` while it runs. */
             worker?: string | null;
         };
+        /** @description A key with which clients identify themselves. */
+        Key: {
+            /** @description RFC 3339. */
+            create_time: string;
+            display_name: string;
+            /** @description From then on it is refused; null: never. */
+            expire_time?: string | null;
+            /** @description To about a minute; null if it has not been used. */
+            last_use_time?: string | null;
+            /** @description `keys/{uuid}` */
+            name: string;
+            /** @description Recorded as `owner` of the captures, fits and twins that are made with the key. */
+            owner: string;
+            quotas: components["schemas"]["KeyQuotas"];
+            /** @description Null unless it has been revoked. */
+            revoke_time?: string | null;
+            /**
+             * @description Sorted: admin, captures:read, captures:write, fits:read, fits:write, rollouts:run,
+             *     twins:read, twins:write.
+             */
+            scopes: string[];
+        };
+        /**
+         * @description Bounds on what the owner of a key may have when the key asks for more; none where a field is
+         *     null.
+         */
+        KeyQuotas: {
+            /**
+             * Format: int64
+             * @description Fits and ingests that wait for a worker.
+             * @default null
+             */
+            queued_jobs: number | null;
+            /**
+             * Format: int64
+             * @description Rollouts, plans, registrations and evaluations under way at one server.
+             * @default null
+             */
+            rollouts: number | null;
+            /**
+             * Format: int64
+             * @description Size of captures, twin files and resumable uploads under way [bytes].
+             * @default null
+             */
+            stored_bytes: number | null;
+        };
+        /** @description A page of keys, newest first. */
+        Keys: {
+            keys: components["schemas"]["Key"][];
+            /** @description Empty on the last page. */
+            next_page_token: string;
+        };
         /** @description When the knots of the actions are, if they are not spread evenly over the horizon. */
         KnotTimes: {
             /** @description FLOAT32 [K], seconds from the start, rising; the first is 0, the last holds until the end. Only one of at_s, period_s may be given. */
@@ -1419,6 +1520,12 @@ export interface components {
         Losses: {
             curves: components["schemas"]["LossCurve"][];
         };
+        /** @description A key that was made. */
+        MadeKey: {
+            key: components["schemas"]["Key"];
+            /** @description The key itself, `bt_{id}_{secret}`: what clients show. It is told here and nowhere else. */
+            secret_key: string;
+        };
         /** @description A sequence whose predicted motion is asked for. */
         MotionOf: {
             /**
@@ -1445,6 +1552,18 @@ export interface components {
         NewIngest: {
             /** @description Settings that differ from the defaults. */
             settings?: Record<string, never> | null;
+        };
+        /** @description A key to be made. */
+        NewKey: {
+            /** @description 1 to 200 characters. */
+            display_name: string;
+            /** @description RFC 3339; without it the key does not expire. */
+            expire_time?: string | null;
+            /** @description Up to 200 characters; empty means the display name. */
+            owner?: string;
+            quotas?: components["schemas"]["KeyQuotas"];
+            /** @description At least one. */
+            scopes: string[];
         };
         /** @description Points on the surface of an object at one time, in the twin's coordinates. Points that were not seen are left out. */
         Observation: {
@@ -2165,6 +2284,8 @@ export interface components {
             node_count: number;
             /** @description Text that people write about it. */
             note: string;
+            /** @description Owner of the key with which it was made; empty if that is not known. */
+            owner: string;
             /** @description The quality table. */
             quality: Record<string, never>;
             /** Format: int64 */
@@ -2451,6 +2572,8 @@ export interface operations {
                 search?: string;
                 /** @description A tag. */
                 tag?: string;
+                /** @description An owner. */
+                owner?: string;
                 /** @description `create_time` or `name`, ascending or, followed by ` desc`, descending. Newest first if empty. */
                 order_by?: string;
             };
@@ -2948,6 +3071,8 @@ export interface operations {
                 search?: string;
                 /** @description A tag. */
                 tag?: string;
+                /** @description An owner. */
+                owner?: string;
                 /**
                  * @description `create_time`, `name` or `error`, ascending or, followed by ` desc`, descending. Newest first
                  *     if empty.
@@ -3201,6 +3326,135 @@ export interface operations {
                 content: {
                     "application/json": components["schemas"]["Losses"];
                 };
+            };
+            /** @description An RFC 9457 problem document: what happened and what to do. */
+            default: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDocument"];
+                };
+            };
+        };
+    };
+    "keys.list": {
+        parameters: {
+            query?: {
+                /** @description At most 1000; 0 means 50. */
+                page_size?: number;
+                /** @description `next_page_token` of the previous page. */
+                page_token?: string;
+            };
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Success. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Keys"];
+                };
+            };
+            /** @description An RFC 9457 problem document: what happened and what to do. */
+            default: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDocument"];
+                };
+            };
+        };
+    };
+    "keys.create": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["NewKey"];
+            };
+        };
+        responses: {
+            /** @description Created. */
+            201: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["MadeKey"];
+                };
+            };
+            /** @description An RFC 9457 problem document: what happened and what to do. */
+            default: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDocument"];
+                };
+            };
+        };
+    };
+    "keys.get": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description The uuid of the resource's name. */
+                id: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Success. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Key"];
+                };
+            };
+            /** @description An RFC 9457 problem document: what happened and what to do. */
+            default: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDocument"];
+                };
+            };
+        };
+    };
+    "keys.revoke": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description The uuid of the resource's name. */
+                id: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Success, without content. */
+            204: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content?: never;
             };
             /** @description An RFC 9457 problem document: what happened and what to do. */
             default: {
@@ -3668,6 +3922,8 @@ export interface operations {
                 search?: string;
                 /** @description A tag. */
                 tag?: string;
+                /** @description An owner. */
+                owner?: string;
                 /**
                  * @description `create_time`, `name` or `error`, ascending or, followed by ` desc`, descending. Newest first
                  *     if empty.

@@ -1,6 +1,6 @@
 //! Typed ids. Resources are named `captures/{id}`, `fits/{id}`, `twins/{id}`, `uploads/{id}`,
-//! `sessions/{id}`, `plays/{id}` and `workers/{id}`, jobs that are no resources `ingests/{id}`; ids are UUIDv7, so they sort by
-//! creation time.
+//! `sessions/{id}`, `plays/{id}`, `workers/{id}` and `keys/{id}`, jobs that are no resources
+//! `ingests/{id}`; ids are UUIDv7, so they sort by creation time.
 
 use std::{fmt, str::FromStr};
 
@@ -116,4 +116,8 @@ id!(
 id!(
     /// An upload that can be resumed.
     UploadId, "uploads"
+);
+id!(
+    /// A key with which a client identifies itself.
+    KeyId, "keys"
 );

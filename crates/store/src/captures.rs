@@ -7,13 +7,14 @@ use jiff::Timestamp;
 use uuid::Uuid;
 
 use crate::{
-    Content, Digest, Error, Job, LabelChange, Labels, ListQuery, Page, Report, Result, Staged,
-    Store,
+    Content, Creator, Digest, Error, Job, LabelChange, Labels, ListQuery, Page, Report, Result,
+    Staged, Store,
     clock::from_micros,
     failpoint::Failpoint,
     jobs,
     labels::{self, Collection},
     observations,
+    quotas::{self, More},
     row::row,
     uploads,
 };
@@ -31,6 +32,8 @@ pub struct Capture {
     pub size_bytes: u64,
     /// BLAKE3 of the archive.
     pub digest: Digest,
+    /// Owner of the key with which it was uploaded; empty if that is not known.
+    pub owner: String,
 }
 
 /// A capture with its ingest and its report.
@@ -55,6 +58,8 @@ pub struct NewCapture {
     pub content: Staged,
     /// Settings of its ingest as JSON, the same text for the same settings.
     pub ingest: String,
+    /// The uploader.
+    pub creator: Creator,
 }
 
 /// The captures of a store.
@@ -73,6 +78,7 @@ row! {
         note: String,
         tags: String,
         first_name: Option<String>,
+        owner: String,
     }
 }
 
@@ -96,6 +102,7 @@ impl TryFrom<Row> for Capture {
             size_bytes: row.size_bytes.max(0) as u64,
             digest: Digest::from_hex(&row.digest).map_err(|_| corrupt("digest"))?,
             labels: Labels::of_row(row.display_name, row.note, &row.tags),
+            owner: row.owner,
         })
     }
 }
@@ -108,7 +115,7 @@ impl Captures<'_> {
     /// [`Error::RequestIdTaken`], [`Error::DiskFull`], database and file errors.
     pub async fn create(&self, new: NewCapture) -> Result<Capture> {
         self.store.admit()?;
-        let NewCapture { display_name, request_id, content, ingest } = new;
+        let NewCapture { display_name, request_id, content, ingest, creator } = new;
         let (digest, size_bytes) = (content.digest(), content.size_bytes());
         let upload = content.upload();
         let guard = self.store.blobs().publish(content).await?;
@@ -134,11 +141,17 @@ impl Captures<'_> {
                 return Err(Error::RequestIdTaken { request_id, name });
             }
         }
+        let more = More { jobs: 1, bytes: size_bytes, upload };
+        if let Err(error) = quotas::require(&mut tx, &creator, more).await {
+            drop((tx, guard));
+            self.store.release(&digest.to_hex()).await?;
+            return Err(error);
+        }
         let id = CaptureId::generate();
         let row: Row = sqlx::query_as(
             "insert into captures (id, display_name, created_at, size_bytes, digest, request_id,
-                 name_key, search_text)
-             values ($1, $2, $3, $4, $5, $6, $7, $8) returning *",
+                 name_key, search_text, owner)
+             values ($1, $2, $3, $4, $5, $6, $7, $8, $9) returning *",
         )
         .bind(id.uuid().to_string())
         .bind(&display_name)
@@ -148,12 +161,15 @@ impl Captures<'_> {
         .bind(request_id)
         .bind(labels::name_key(&display_name))
         .bind(labels::search_text(&display_name, ""))
+        .bind(&creator.owner)
         .fetch_one(&mut *tx)
         .await?;
         if let Some(upload) = upload {
             uploads::stored(&mut tx, upload, id).await?;
         }
-        let ingest = jobs::enqueue(&mut tx, &row.id, &ingest, self.store.now_micros()).await?;
+        let ingest =
+            jobs::enqueue(&mut tx, &row.id, &ingest, &creator.owner, self.store.now_micros())
+                .await?;
         self.store.pass(Failpoint::BeforeCommit)?;
         tx.commit().await?;
         drop(guard);
@@ -299,7 +315,7 @@ impl Captures<'_> {
         .fetch_all(&mut *tx)
         .await?;
         for capture in &old {
-            jobs::enqueue(&mut tx, capture, "{}", self.store.now_micros()).await?;
+            jobs::enqueue(&mut tx, capture, "{}", "", self.store.now_micros()).await?;
         }
         tx.commit().await?;
         if !old.is_empty() {

@@ -57,6 +57,16 @@ pub enum Error {
          finish or delete one, or retry later"
     )]
     UploadsFull { count: u64, bytes: u64 },
+    #[error(
+        "{queued} jobs of {owner} wait already, and its key allows {limit}: wait for some to begin, or \
+         cancel some"
+    )]
+    QuotaJobs { owner: String, queued: u64, limit: u64 },
+    #[error(
+        "{owner} has {stored} bytes stored, and with {more} more there were more than its key allows \
+         ({limit}): delete captures or twins"
+    )]
+    QuotaBytes { owner: String, stored: u64, more: u64, limit: u64 },
     #[error("the server's disk is full: free space or delete captures and twins")]
     DiskFull,
     #[error("the data folder is in use by another server: stop it or choose another folder")]
@@ -117,7 +127,10 @@ impl Problem for Error {
             | Self::TooLarge { .. }
             | Self::DigestMismatch { .. }
             | Self::UploadLength { .. } => Category::InvalidArgument,
-            Self::DiskFull | Self::UploadsFull { .. } => Category::ResourceExhausted,
+            Self::DiskFull
+            | Self::UploadsFull { .. }
+            | Self::QuotaJobs { .. }
+            | Self::QuotaBytes { .. } => Category::ResourceExhausted,
             Self::ContentLost { .. }
             | Self::ContentDamaged { .. }
             | Self::DatabaseDamaged { .. }
@@ -149,6 +162,8 @@ impl Problem for Error {
             Self::UploadLocked { .. } => "UPLOAD_LOCKED",
             Self::UploadLength { .. } => "UPLOAD_LENGTH",
             Self::UploadsFull { .. } => "UPLOADS_FULL",
+            Self::QuotaJobs { .. } => "QUOTA_QUEUED_JOBS",
+            Self::QuotaBytes { .. } => "QUOTA_STORED_BYTES",
             Self::DiskFull => "DISK_FULL",
             Self::DataDirInUse => "DATA_DIR_IN_USE",
             Self::DatabaseMissing { .. } => "DATABASE_MISSING",

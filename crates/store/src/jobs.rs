@@ -94,6 +94,8 @@ pub struct Job {
     pub labels: Labels,
     /// Error of the twin that it made, if there is one [m].
     pub error_m: Option<f64>,
+    /// Owner of the key with which it was asked for; empty if that is not known.
+    pub owner: String,
 }
 
 /// Number of jobs by kind and state, and waiting time of the queues.

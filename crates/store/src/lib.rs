@@ -1,4 +1,4 @@
-//! The durable truth: captures, jobs (the queue), twins, workers and blobs.
+//! The durable truth: captures, jobs (the queue), twins, workers, keys and blobs.
 //!
 //! Rows are in SQLite, content is in files behind [`object_store`]. Acknowledged data survives
 //! `kill -9` of any process and loss of power.
@@ -92,6 +92,7 @@ pub mod failpoint;
 mod folder;
 mod identity;
 mod jobs;
+mod keys;
 mod labels;
 mod listing;
 pub mod maintenance;
@@ -99,6 +100,7 @@ mod migrations;
 mod observations;
 mod page;
 mod playbacks;
+mod quotas;
 mod references;
 mod row;
 mod store;
@@ -116,10 +118,12 @@ pub use jobs::{
     MAX_INTERRUPTED_ATTEMPTS, MAX_STALLED_ATTEMPTS, NewFit, NewIngest, NewReport, QueueDepth,
     Reported, State,
 };
+pub use keys::{Key, Keys, NewKey};
 pub use labels::{LabelChange, Labels, MAX_TAGS};
 pub use listing::{ListQuery, Order, OrderKey};
 pub use observations::{Observation, Report};
 pub use page::{Page, PageRequest};
+pub use quotas::{Creator, Quotas};
 pub use store::{Options, Store};
 pub use twins::{NewTwin, Twin, TwinFacts, Twins};
 pub use uploads::{

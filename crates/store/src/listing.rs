@@ -53,6 +53,8 @@ pub struct ListQuery {
     pub capture: Option<CaptureId>,
     /// A state of the job; fits alone can be filtered by it.
     pub state: Option<State>,
+    /// An owner; empty means any.
+    pub owner: String,
 }
 
 impl From<PageRequest> for ListQuery {
@@ -64,8 +66,8 @@ impl From<PageRequest> for ListQuery {
 impl ListQuery {
     /// Identity of the listing that tokens belong to: all but the page.
     pub(crate) fn listing(&self, collection: Collection) -> String {
-        let Self { order, search, tag, capture, state, .. } = self;
-        format!("{} {:?}", collection.name(), (order, search, tag, capture, state))
+        let Self { order, search, tag, capture, state, owner, .. } = self;
+        format!("{} {:?}", collection.name(), (order, search, tag, capture, state, owner))
     }
 
     /// The statement for a page, `select *` and one row more than the page.
@@ -90,6 +92,9 @@ impl ListQuery {
         }
         if let Some(state) = self.state {
             sql.push(" and t.state = ").push_bind(state.as_str());
+        }
+        if !self.owner.is_empty() {
+            sql.push(" and t.owner = ").push_bind(self.owner.clone());
         }
         if !self.search.is_empty() {
             sql.push(" and t.search_text like ").push_bind(pattern(&self.search));

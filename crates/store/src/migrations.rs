@@ -8,7 +8,7 @@ use sqlx::{
 };
 
 /// Version, description and SQL of every migration.
-const MIGRATIONS: [(i64, &str, &str); 9] = [
+const MIGRATIONS: [(i64, &str, &str); 10] = [
     (1, "initial", include_str!("../migrations/0001_initial.sql")),
     (2, "ingest", include_str!("../migrations/0002_ingest.sql")),
     (3, "uploads", include_str!("../migrations/0003_uploads.sql")),
@@ -18,6 +18,7 @@ const MIGRATIONS: [(i64, &str, &str); 9] = [
     (7, "skin", include_str!("../migrations/0007_skin.sql")),
     (8, "labels", include_str!("../migrations/0008_labels.sql")),
     (9, "playback", include_str!("../migrations/0009_playback.sql")),
+    (10, "keys", include_str!("../migrations/0010_keys.sql")),
 ];
 
 pub(crate) fn migrator() -> Migrator {

@@ -6,7 +6,7 @@ use jiff::Timestamp;
 use tokio::sync::{Notify, RwLockWriteGuard, broadcast};
 
 use crate::{
-    Blobs, Captures, Clock, Error, JobId, Jobs, Result, SystemClock, Twins, Uploads, Workers,
+    Blobs, Captures, Clock, Error, JobId, Jobs, Keys, Result, SystemClock, Twins, Uploads, Workers,
     clock::micros,
     database::{self, Database},
     disk::{Disk, Reserve},
@@ -124,6 +124,11 @@ impl Store {
     /// Worker processes.
     pub fn workers(&self) -> Workers<'_> {
         Workers { store: self }
+    }
+
+    /// Keys of clients.
+    pub fn keys(&self) -> Keys<'_> {
+        Keys { store: self }
     }
 
     /// Content: uploads and downloads.

@@ -7,10 +7,11 @@ use sqlx::{Sqlite, Transaction};
 use uuid::Uuid;
 
 use crate::{
-    Content, Digest, Error, LabelChange, Labels, ListQuery, Page, Result, Staged, Store,
+    Content, Creator, Digest, Error, LabelChange, Labels, ListQuery, Page, Result, Staged, Store,
     clock::from_micros,
     failpoint::Failpoint,
     labels::{self, Collection},
+    quotas::{self, More},
     row::row,
 };
 
@@ -59,6 +60,8 @@ pub struct Twin {
     pub facts: TwinFacts,
     /// Error over frames that it was not fitted to, if there is one [m].
     pub error_m: Option<f64>,
+    /// Owner of its fit, or of the key with which it was imported; empty if that is not known.
+    pub owner: String,
 }
 
 /// A twin to be imported.
@@ -72,6 +75,8 @@ pub struct NewTwin {
     pub facts: TwinFacts,
     /// The twin file.
     pub content: Staged,
+    /// The importer.
+    pub creator: Creator,
 }
 
 /// The twins of a store.
@@ -102,6 +107,7 @@ row! {
         tags: String,
         first_name: Option<String>,
         error_m: f64,
+        owner: String,
     }
 }
 
@@ -141,6 +147,7 @@ impl TryFrom<Row> for Twin {
             },
             labels: Labels::of_row(row.display_name, row.note, &row.tags),
             error_m: labels::error_of(row.error_m),
+            owner: row.owner,
         })
     }
 }
@@ -153,6 +160,7 @@ pub(crate) struct Insert<'a> {
     pub(crate) digest: Digest,
     pub(crate) facts: &'a TwinFacts,
     pub(crate) request_id: Option<&'a str>,
+    pub(crate) owner: &'a str,
     pub(crate) now: i64,
 }
 
@@ -162,9 +170,9 @@ pub(crate) async fn insert(tx: &mut Transaction<'_, Sqlite>, new: Insert<'_>) ->
     let row: Row = sqlx::query_as(
         "insert into twins (id, display_name, capture, fit, created_at, size_bytes, digest,
              node_count, spring_count, triplet_count, control_count, fps, substeps, quality,
-             request_id, mass_kg, skin_point_count, name_key, search_text, error_m)
+             request_id, mass_kg, skin_point_count, name_key, search_text, error_m, owner)
          values ($1, $2, $3, $4, $5, $6, $7, $8, $9, $10, $11, $12, $13, $14, $15, $16, $17, $18,
-             $19, $20)
+             $19, $20, $21)
          returning *",
     )
     .bind(TwinId::generate().uuid().to_string())
@@ -187,6 +195,7 @@ pub(crate) async fn insert(tx: &mut Transaction<'_, Sqlite>, new: Insert<'_>) ->
     .bind(labels::name_key(new.display_name))
     .bind(labels::search_text(new.display_name, ""))
     .bind(labels::error_key(&facts.quality))
+    .bind(new.owner)
     .fetch_one(&mut **tx)
     .await?;
     row.try_into()
@@ -200,7 +209,7 @@ impl Twins<'_> {
     /// [`Error::RequestIdTaken`], [`Error::DiskFull`], database and file errors.
     pub async fn create(&self, new: NewTwin) -> Result<Twin> {
         self.store.admit()?;
-        let NewTwin { display_name, request_id, facts, content } = new;
+        let NewTwin { display_name, request_id, facts, content, creator } = new;
         let (digest, size_bytes) = (content.digest(), content.size_bytes());
         let guard = self.store.blobs().publish(content).await?;
         let mut tx = self.store.inner.database.write().await?;
@@ -221,6 +230,12 @@ impl Twins<'_> {
                 return Err(Error::RequestIdTaken { request_id, name });
             }
         }
+        let more = More { bytes: size_bytes, ..More::default() };
+        if let Err(error) = quotas::require(&mut tx, &creator, more).await {
+            drop((tx, guard));
+            self.store.release(&digest.to_hex()).await?;
+            return Err(error);
+        }
         let new = Insert {
             display_name: &display_name,
             origin: None,
@@ -228,6 +243,7 @@ impl Twins<'_> {
             digest,
             facts: &facts,
             request_id: request_id.as_deref(),
+            owner: &creator.owner,
             now: self.store.now_micros(),
         };
         let twin = insert(&mut tx, new).await?;

@@ -1,12 +1,13 @@
 //! Captures. Their content is opaque here; workers read it.
 
 use bendtwin_core::ids::CaptureId;
-use bendtwin_store::{Capture, Content, NewCapture, Overview, Page, Staged};
+use bendtwin_store::{Capture, Content, Creator, NewCapture, Overview, Page, Staged};
 
 use super::{
     App, Body, Error, Result,
     labels::{CAPTURE_ORDERS, Listing},
 };
+use crate::{audit, context::Context};
 
 /// A requested upload of a capture.
 pub(crate) struct CaptureUpload {
@@ -32,7 +33,8 @@ impl App {
         if content.size_bytes() == 0 {
             return Err(Error::invalid("content", "is empty: send the capture archive"));
         }
-        self.store_capture(display_name, request_id, ingest, content).await
+        let creator = Context::current().caller.creator();
+        self.store_capture(display_name, request_id, ingest, content, creator).await
     }
 
     /// Makes a capture of received content, the last step of every upload. `ingest` are the
@@ -43,12 +45,18 @@ impl App {
         request_id: Option<String>,
         ingest: String,
         content: Staged,
+        creator: Creator,
     ) -> Result<Overview> {
-        let new = NewCapture { display_name, request_id, content, ingest };
-        let store = self.store.clone();
-        let capture = self.change(async move { store.captures().create(new).await }).await?;
-        tracing::info!(capture = %capture.id, bytes = capture.size_bytes, "capture stored");
-        Ok(self.store.captures().overview(capture.id).await?)
+        let done: Result<Overview> = async {
+            let new = NewCapture { display_name, request_id, content, ingest, creator };
+            let store = self.store.clone();
+            let capture = self.change(async move { store.captures().create(new).await }).await?;
+            tracing::info!(capture = %capture.id, bytes = capture.size_bytes, "capture stored");
+            Ok(self.store.captures().overview(capture.id).await?)
+        }
+        .await;
+        audit::made("CreateCapture", &done, |overview| overview.capture.id.to_string());
+        done
     }
 
     pub(crate) async fn capture(&self, name: &str) -> Result<Overview> {
@@ -65,10 +73,15 @@ impl App {
     }
 
     pub(crate) async fn delete_capture(&self, name: &str) -> Result<()> {
-        let id: CaptureId = super::name(name)?;
-        let store = self.store.clone();
-        self.change(async move { store.captures().delete(id).await }).await?;
-        tracing::info!(capture = %id, "capture deleted");
-        Ok(())
+        let done: Result<()> = async {
+            let id: CaptureId = super::name(name)?;
+            let store = self.store.clone();
+            self.change(async move { store.captures().delete(id).await }).await?;
+            tracing::info!(capture = %id, "capture deleted");
+            Ok(())
+        }
+        .await;
+        audit::changed("DeleteCapture", name, &done);
+        done
     }
 }

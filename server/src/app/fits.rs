@@ -13,7 +13,7 @@ use super::{
     App, Error, Result,
     labels::{self, Listing, ORDERS},
 };
-use crate::{context::Context, dispatch::FitRoom};
+use crate::{audit, context::Context, dispatch::FitRoom};
 
 /// Largest report that is read for the size of its capture [bytes].
 const LARGEST_REPORT: u64 = 8 << 20;
@@ -35,30 +35,37 @@ pub(crate) struct FitOrder {
 impl App {
     /// Queues a fit.
     pub(crate) async fn create_fit(&self, order: FitOrder) -> Result<Job> {
-        let FitOrder { capture, settings_json, priority, request_id, display_name } = order;
-        if !PRIORITIES.contains(&priority) {
-            return Err(Error::invalid("priority", format!("is {priority}: use -100..=100")));
+        let done: Result<Job> = async {
+            let FitOrder { capture, settings_json, priority, request_id, display_name } = order;
+            if !PRIORITIES.contains(&priority) {
+                return Err(Error::invalid("priority", format!("is {priority}: use -100..=100")));
+            }
+            self.require_room(0)?;
+            let display_name = labels::display_name(display_name)?;
+            let capture = super::name(&capture)?;
+            let settings = settings(&settings_json, self.options.limits.json_bytes)?;
+            if let Some(twin) = &settings.start_from {
+                // A name of nothing is told before the fit waits.
+                self.store.twins().get(super::name(twin)?).await?;
+            }
+            self.check_memory(capture, &settings).await?;
+            let context = Context::current();
+            let new = NewFit {
+                capture,
+                settings: canonical(&settings)?,
+                priority,
+                request_id: super::request_id(request_id)?,
+                creator: context.caller.creator(),
+                trace_parent: context.trace_parent,
+                display_name,
+            };
+            let fit = self.store.jobs().create_fit(new).await?;
+            tracing::info!(fit = %fit.id, capture = %fit.capture, "fit queued");
+            Ok(fit)
         }
-        self.require_room(0)?;
-        let display_name = labels::display_name(display_name)?;
-        let capture = super::name(&capture)?;
-        let settings = settings(&settings_json, self.options.limits.json_bytes)?;
-        if let Some(twin) = &settings.start_from {
-            // A name of nothing is told before the fit waits.
-            self.store.twins().get(super::name(twin)?).await?;
-        }
-        self.check_memory(capture, &settings).await?;
-        let new = NewFit {
-            capture,
-            settings: canonical(&settings)?,
-            priority,
-            request_id: super::request_id(request_id)?,
-            trace_parent: Context::current().trace_parent,
-            display_name,
-        };
-        let fit = self.store.jobs().create_fit(new).await?;
-        tracing::info!(fit = %fit.id, capture = %fit.capture, "fit queued");
-        Ok(fit)
+        .await;
+        audit::made("CreateFit", &done, |fit| fit.id.to_string());
+        done
     }
 
     /// Refuses a fit that no worker has the memory for. Before the capture has been read, or while
@@ -119,13 +126,21 @@ impl App {
     }
 
     pub(crate) async fn cancel_fit(&self, name: &str) -> Result<Job> {
-        Ok(self.store.jobs().cancel(super::name::<FitId>(name)?).await?)
+        let done: Result<Job> =
+            async { Ok(self.store.jobs().cancel(super::name::<FitId>(name)?).await?) }.await;
+        audit::changed("CancelFit", name, &done);
+        done
     }
 
     pub(crate) async fn delete_fit(&self, name: &str) -> Result<()> {
-        let id: FitId = super::name(name)?;
-        let store = self.store.clone();
-        self.change(async move { store.jobs().delete(id).await }).await
+        let done: Result<()> = async {
+            let id: FitId = super::name(name)?;
+            let store = self.store.clone();
+            self.change(async move { store.jobs().delete(id).await }).await
+        }
+        .await;
+        audit::changed("DeleteFit", name, &done);
+        done
     }
 }
 

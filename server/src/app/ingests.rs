@@ -13,7 +13,7 @@ use bytes::Bytes;
 use futures::{StreamExt, stream::BoxStream};
 
 use super::{App, Attempt, Error, Result, results};
-use crate::context::Context;
+use crate::{audit, context::Context};
 
 /// Longest verdict.
 const MAX_VERDICT: usize = 32;
@@ -68,23 +68,35 @@ impl App {
         settings_json: &str,
         request_id: String,
     ) -> Result<Overview> {
-        let new = NewIngest {
-            capture: super::name(name)?,
-            settings: self.ingest_settings(settings_json)?,
-            request_id: super::request_id(request_id)?,
-            trace_parent: Context::current().trace_parent,
-        };
-        let id = self.store.jobs().create_ingest(new).await?.capture;
-        tracing::info!(capture = %id, "ingest queued again");
-        Ok(self.store.captures().overview(id).await?)
+        let done: Result<Overview> = async {
+            let context = Context::current();
+            let new = NewIngest {
+                capture: super::name(name)?,
+                settings: self.ingest_settings(settings_json)?,
+                request_id: super::request_id(request_id)?,
+                creator: context.caller.creator(),
+                trace_parent: context.trace_parent,
+            };
+            let id = self.store.jobs().create_ingest(new).await?.capture;
+            tracing::info!(capture = %id, "ingest queued again");
+            Ok(self.store.captures().overview(id).await?)
+        }
+        .await;
+        audit::changed("IngestCapture", name, &done);
+        done
     }
 
     /// Asks the ingest of a capture to stop.
     pub(crate) async fn cancel_ingest(&self, name: &str) -> Result<Overview> {
-        let id: CaptureId = super::name(name)?;
-        let ingest = self.store.jobs().ingest_of(id).await?;
-        self.store.jobs().cancel(ingest.id).await?;
-        Ok(self.store.captures().overview(id).await?)
+        let done: Result<Overview> = async {
+            let id: CaptureId = super::name(name)?;
+            let ingest = self.store.jobs().ingest_of(id).await?;
+            self.store.jobs().cancel(ingest.id).await?;
+            Ok(self.store.captures().overview(id).await?)
+        }
+        .await;
+        audit::changed("CancelIngest", name, &done);
+        done
     }
 
     /// The report of a capture, as a document or as a page.

@@ -6,6 +6,7 @@ use bendtwin_store::{
 };
 
 use super::{App, Error, Result};
+use crate::audit;
 
 /// Longest display name [characters].
 const NAME_LENGTH: usize = 200;
@@ -34,6 +35,7 @@ pub(crate) struct Listing {
     pub(crate) tag: String,
     pub(crate) capture: String,
     pub(crate) state: Option<State>,
+    pub(crate) owner: String,
     pub(crate) order_by: String,
 }
 
@@ -58,13 +60,14 @@ impl Change {
 impl Listing {
     /// The query, ordered by one of these keys.
     pub(super) fn query(self, keys: &[(&str, OrderKey)]) -> Result<ListQuery> {
-        let Self { page, search, tag, capture, state, order_by } = self;
+        let Self { page, search, tag, capture, state, owner, order_by } = self;
         if search.chars().count() > SEARCH_LENGTH {
             let fault = format!("is longer than {SEARCH_LENGTH} characters");
             return Err(Error::invalid("search", fault));
         }
         let capture: Option<CaptureId> = super::optional_name(&capture)?;
-        Ok(ListQuery { page, search, tag, capture, state, order: order(&order_by, keys)? })
+        let (owner, order) = (self::owner(owner)?, order(&order_by, keys)?);
+        Ok(ListQuery { page, search, tag, capture, state, owner, order })
     }
 }
 
@@ -107,6 +110,15 @@ pub(super) fn display_name(text: String) -> Result<String> {
     Ok(text)
 }
 
+/// Checks the name of an owner.
+pub(super) fn owner(text: String) -> Result<String> {
+    if text.chars().count() > NAME_LENGTH || text.chars().any(char::is_control) {
+        let fault = format!("must be up to {NAME_LENGTH} characters without control characters");
+        return Err(Error::invalid("owner", fault));
+    }
+    Ok(text)
+}
+
 fn note(text: String) -> Result<String> {
     if text.len() > NOTE_BYTES {
         return Err(Error::invalid("note", format!("is longer than {NOTE_BYTES} bytes")));
@@ -141,24 +153,39 @@ fn tags(field: &'static str, tags: Vec<String>) -> Result<Vec<String>> {
 
 impl App {
     pub(crate) async fn update_capture(&self, name: &str, change: Change) -> Result<Overview> {
-        let (id, change) = (super::name(name)?, change.check()?);
-        self.require_room(0)?;
-        let store = self.store.clone();
-        self.change(async move { store.captures().update(id, &change).await }).await?;
-        Ok(self.store.captures().overview(id).await?)
+        let done: Result<Overview> = async {
+            let (id, change) = (super::name(name)?, change.check()?);
+            self.require_room(0)?;
+            let store = self.store.clone();
+            self.change(async move { store.captures().update(id, &change).await }).await?;
+            Ok(self.store.captures().overview(id).await?)
+        }
+        .await;
+        audit::changed("UpdateCapture", name, &done);
+        done
     }
 
     pub(crate) async fn update_fit(&self, name: &str, change: Change) -> Result<Job> {
-        let (id, change): (FitId, _) = (super::name(name)?, change.check()?);
-        self.require_room(0)?;
-        let store = self.store.clone();
-        self.change(async move { store.jobs().update_fit(id, &change).await }).await
+        let done: Result<Job> = async {
+            let (id, change): (FitId, _) = (super::name(name)?, change.check()?);
+            self.require_room(0)?;
+            let store = self.store.clone();
+            self.change(async move { store.jobs().update_fit(id, &change).await }).await
+        }
+        .await;
+        audit::changed("UpdateFit", name, &done);
+        done
     }
 
     pub(crate) async fn update_twin(&self, name: &str, change: Change) -> Result<Twin> {
-        let (id, change) = (super::name(name)?, change.check()?);
-        self.require_room(0)?;
-        let store = self.store.clone();
-        self.change(async move { store.twins().update(id, &change).await }).await
+        let done: Result<Twin> = async {
+            let (id, change) = (super::name(name)?, change.check()?);
+            self.require_room(0)?;
+            let store = self.store.clone();
+            self.change(async move { store.twins().update(id, &change).await }).await
+        }
+        .await;
+        audit::changed("UpdateTwin", name, &done);
+        done
     }
 }

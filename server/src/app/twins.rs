@@ -7,6 +7,7 @@ use super::{
     App, Body, Result,
     labels::{Listing, ORDERS},
 };
+use crate::{audit, context::Context};
 
 /// A requested import of a twin file.
 pub(crate) struct TwinUpload {
@@ -20,17 +21,23 @@ pub(crate) struct TwinUpload {
 impl App {
     /// Imports a twin file after checking all of it.
     pub(crate) async fn create_twin(&self, upload: TwinUpload) -> Result<Twin> {
-        let display_name = super::labels::display_name(upload.display_name)?;
-        let request_id = super::request_id(upload.request_id)?;
-        let digest = super::digest(&upload.digest)?;
-        self.require_room(0)?;
-        let limit = self.options.limits.twin_bytes;
-        let _buffers = self.memory.upload().await?;
-        let content = self.receive(upload.body, limit, digest, |_| ()).await?;
-        let facts = self.check_twin(&content).await?;
-        let new = NewTwin { display_name, request_id, facts, content };
-        let store = self.store.clone();
-        self.change(async move { store.twins().create(new).await }).await
+        let done: Result<Twin> = async {
+            let display_name = super::labels::display_name(upload.display_name)?;
+            let request_id = super::request_id(upload.request_id)?;
+            let digest = super::digest(&upload.digest)?;
+            self.require_room(0)?;
+            let limit = self.options.limits.twin_bytes;
+            let _buffers = self.memory.upload().await?;
+            let content = self.receive(upload.body, limit, digest, |_| ()).await?;
+            let facts = self.check_twin(&content).await?;
+            let creator = Context::current().caller.creator();
+            let new = NewTwin { display_name, request_id, facts, content, creator };
+            let store = self.store.clone();
+            self.change(async move { store.twins().create(new).await }).await
+        }
+        .await;
+        audit::made("CreateTwin", &done, |twin| twin.id.to_string());
+        done
     }
 
     pub(crate) async fn twin(&self, name: &str) -> Result<Twin> {
@@ -46,10 +53,15 @@ impl App {
     }
 
     pub(crate) async fn delete_twin(&self, name: &str) -> Result<()> {
-        let id: TwinId = super::name(name)?;
-        let store = self.store.clone();
-        self.change(async move { store.twins().delete(id).await }).await?;
-        self.dispatch.forget_twin(id);
-        Ok(())
+        let done: Result<()> = async {
+            let id: TwinId = super::name(name)?;
+            let store = self.store.clone();
+            self.change(async move { store.twins().delete(id).await }).await?;
+            self.dispatch.forget_twin(id);
+            Ok(())
+        }
+        .await;
+        audit::changed("DeleteTwin", name, &done);
+        done
     }
 }

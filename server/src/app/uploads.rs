@@ -9,12 +9,14 @@ use std::time::Duration;
 
 use bendtwin_core::{Category, Problem as _};
 use bendtwin_store::{
-    NewResumableUpload, Page, PageRequest, ResumableUpload, UploadBounds, UploadState, UploadWriter,
+    Creator, NewResumableUpload, Page, PageRequest, Quotas, ResumableUpload, UploadBounds,
+    UploadState, UploadWriter,
 };
 use futures::StreamExt as _;
 use tracing::Instrument as _;
 
 use super::{App, Body, Error, Result};
+use crate::{audit, context::Context};
 
 pub(crate) use checksum::{ALGORITHMS, Checksum};
 use metadata::Metadata;
@@ -56,21 +58,27 @@ pub(crate) struct Append {
 impl App {
     /// Begins an upload, or finds the one that was begun under the same request id.
     pub(crate) async fn create_upload(&self, new: NewUpload) -> Result<ResumableUpload> {
-        let metadata = Metadata::parse(&new.metadata)?;
-        let request_id = super::request_id(metadata.one_request_id(new.request_id)?)?;
-        self.check_length(new.length_bytes)?;
-        self.ingest_settings(&metadata.ingest)?;
-        let new = NewResumableUpload {
-            display_name: super::labels::display_name(metadata.capture_name())?,
-            request_id,
-            expected_digest: super::digest(&metadata.digest)?,
-            metadata: new.metadata,
-            length_bytes: new.length_bytes,
-            keep: self.options.upload_start(),
-            remember: self.options.upload_expiry(),
-        };
-        self.require_room(new.length_bytes.unwrap_or(0))?;
-        Ok(self.store.uploads().create(new, self.upload_bounds()).await?)
+        let done: Result<ResumableUpload> = async {
+            let metadata = Metadata::parse(&new.metadata)?;
+            let request_id = super::request_id(metadata.one_request_id(new.request_id)?)?;
+            self.check_length(new.length_bytes)?;
+            self.ingest_settings(&metadata.ingest)?;
+            let new = NewResumableUpload {
+                display_name: super::labels::display_name(metadata.capture_name())?,
+                request_id,
+                expected_digest: super::digest(&metadata.digest)?,
+                metadata: new.metadata,
+                length_bytes: new.length_bytes,
+                keep: self.options.upload_start(),
+                remember: self.options.upload_expiry(),
+                creator: Context::current().caller.creator(),
+            };
+            self.require_room(new.length_bytes.unwrap_or(0))?;
+            Ok(self.store.uploads().create(new, self.upload_bounds()).await?)
+        }
+        .await;
+        audit::made("CreateUpload", &done, |upload| upload.id.to_string());
+        done
     }
 
     pub(crate) async fn uploads(&self, page: &PageRequest) -> Result<Page<ResumableUpload>> {
@@ -86,9 +94,10 @@ impl App {
     /// connection may be dead. Makes the capture if only that is missing.
     pub(crate) async fn resume_upload(&self, name: &str) -> Result<ResumableUpload> {
         let (app, id) = (self.clone(), super::name(name)?);
+        let quotas = Context::current().caller.quotas;
         run_detached(async move {
             let writer = app.store.uploads().claim(id, CLAIM_TIMEOUT).await?;
-            app.finish_if_whole(writer).await
+            app.finish_if_whole(writer, quotas).await
         })
         .await
     }
@@ -101,25 +110,31 @@ impl App {
         append: Append,
     ) -> Result<ResumableUpload> {
         let (app, id) = (self.clone(), super::name(name)?);
+        let quotas = Context::current().caller.quotas;
         run_detached(async move {
             let mut writer = app.store.uploads().claim(id, CLAIM_TIMEOUT).await?;
             app.append(&mut writer, append).await?;
-            app.finish_if_whole(writer).await
+            app.finish_if_whole(writer, quotas).await
         })
         .await
     }
 
     /// Terminates an upload and frees its storage; a capture that it made stays.
     pub(crate) async fn terminate_upload(&self, name: &str) -> Result<()> {
-        let (app, id) = (self.clone(), super::name(name)?);
-        run_detached(async move {
-            let writer = app.store.uploads().claim(id, CLAIM_TIMEOUT).await?;
-            let keep = app.keep(writer.upload().offset_bytes, None);
-            writer.end("it was terminated: begin a new one", keep).await?;
-            tracing::info!(upload = %id, "upload terminated");
-            Ok(())
-        })
-        .await
+        let done: Result<()> = async {
+            let (app, id) = (self.clone(), super::name(name)?);
+            run_detached(async move {
+                let writer = app.store.uploads().claim(id, CLAIM_TIMEOUT).await?;
+                let keep = app.keep(writer.upload().offset_bytes, None);
+                writer.end("it was terminated: begin a new one", keep).await?;
+                tracing::info!(upload = %id, "upload terminated");
+                Ok(())
+            })
+            .await
+        }
+        .await;
+        audit::changed("TerminateUpload", name, &done);
+        done
     }
 
     /// Ends expired uploads, and finishes those that a crash left complete.
@@ -127,7 +142,7 @@ impl App {
         for id in self.store.uploads().whole().await? {
             // The request with the last byte may be finishing it.
             match self.store.uploads().claim(id, Duration::ZERO).await {
-                Ok(writer) => drop(self.finish_if_whole(writer).await),
+                Ok(writer) => drop(self.finish_if_whole(writer, Quotas::default()).await),
                 Err(error) => tracing::debug!(upload = %id, %error, "not finished now"),
             }
         }
@@ -253,13 +268,18 @@ impl App {
         }
     }
 
-    /// Makes the capture of a complete upload, and returns the upload's new state.
-    async fn finish_if_whole(&self, mut writer: UploadWriter) -> Result<ResumableUpload> {
+    /// Makes the capture of a complete upload, and returns the upload's new state. `quotas` are
+    /// those of the key with which its last byte came.
+    async fn finish_if_whole(
+        &self,
+        mut writer: UploadWriter,
+        quotas: Quotas,
+    ) -> Result<ResumableUpload> {
         let upload = writer.upload().clone();
         if upload.state != UploadState::Receiving || !upload.is_whole() {
             return Ok(upload);
         }
-        match self.finish(&mut writer, &upload).await {
+        match self.finish(&mut writer, &upload, quotas).await {
             Ok(()) => Ok(self.store.uploads().get(upload.id).await?),
             // Trying again will not help: the client is to learn it once more if it missed it now.
             Err(error)
@@ -276,11 +296,17 @@ impl App {
         }
     }
 
-    async fn finish(&self, writer: &mut UploadWriter, upload: &ResumableUpload) -> Result<()> {
+    async fn finish(
+        &self,
+        writer: &mut UploadWriter,
+        upload: &ResumableUpload,
+        quotas: Quotas,
+    ) -> Result<()> {
         let ingest = self.ingest_settings(&Metadata::parse(&upload.metadata)?.ingest)?;
         let content = writer.stage().await?;
         let (name, request_id) = (upload.display_name.clone(), upload.request_id.clone());
-        self.store_capture(name, request_id, ingest, content).await?;
+        let creator = Creator { owner: upload.owner.clone(), quotas };
+        self.store_capture(name, request_id, ingest, content, creator).await?;
         Ok(())
     }
 
@@ -310,6 +336,7 @@ struct Interrupted {
 async fn run_detached<T: Send + 'static>(
     work: impl Future<Output = Result<T>> + Send + 'static,
 ) -> Result<T> {
+    let work = Context::current().scope(work);
     match tokio::spawn(work.in_current_span()).await {
         Ok(done) => done,
         Err(panic) => Err(Error::Internal(format!("a resumable upload: {panic}"))),

@@ -55,6 +55,7 @@ impl CaptureService for Api {
                 page: convert::page(r.page_size, r.page_token),
                 search: r.search,
                 tag: r.tag,
+                owner: r.owner,
                 order_by: r.order_by,
                 ..Listing::default()
             })

@@ -2,7 +2,7 @@
 
 use bendtwin_core::{ModelLoss, Progress, Stage};
 use bendtwin_proto::v1;
-use bendtwin_store::{Job, Overview, PageRequest, State, Twin};
+use bendtwin_store::{Job, Key, Overview, PageRequest, Quotas, State, Twin};
 use jiff::Timestamp;
 
 use crate::{
@@ -77,12 +77,15 @@ pub(super) fn capture(overview: Overview) -> v1::Capture {
         verdict: report.map(|r| r.verdict).unwrap_or_default(),
         note: capture.labels.note,
         tags: capture.labels.tags,
+        owner: capture.owner,
     }
 }
 
 pub(super) fn fit(mut fit: Job) -> v1::Fit {
     let labels = std::mem::take(&mut fit.labels);
+    let owner = std::mem::take(&mut fit.owner);
     v1::Fit {
+        owner,
         display_name: labels.display_name,
         note: labels.note,
         tags: labels.tags,
@@ -243,6 +246,7 @@ pub(super) fn twin(twin: Twin) -> v1::Twin {
         note: labels.note,
         tags: labels.tags,
         error_m: twin.error_m,
+        owner: twin.owner,
         capture: twin.capture.map(|c| c.to_string()).unwrap_or_default(),
         fit: twin.fit.map(|f| f.to_string()).unwrap_or_default(),
         create_time: Some(time(twin.created)),
@@ -274,5 +278,31 @@ pub(super) fn worker(view: WorkerView) -> v1::Worker {
         memory_used_bytes: view.memory.unwrap_or_default().used,
         memory_total_bytes: view.memory.unwrap_or_default().total,
         ingest: view.ingest.map(|c| c.to_string()).unwrap_or_default(),
+    }
+}
+
+/// A time of a request.
+pub(super) fn timestamp(time: prost_types::Timestamp) -> Result<Timestamp> {
+    Timestamp::new(time.seconds, time.nanos)
+        .map_err(|_| Error::invalid("expire_time", "is no time between the years -9999 and 9999"))
+}
+
+pub(super) fn quotas(quotas: v1::KeyQuotas) -> Quotas {
+    let v1::KeyQuotas { queued_jobs, stored_bytes, rollouts } = quotas;
+    Quotas { queued_jobs, stored_bytes, rollouts }
+}
+
+pub(super) fn key(key: Key) -> v1::Key {
+    let Quotas { queued_jobs, stored_bytes, rollouts } = key.quotas;
+    v1::Key {
+        name: key.id.to_string(),
+        display_name: key.display_name,
+        owner: key.owner,
+        scopes: key.scopes,
+        create_time: Some(time(key.created)),
+        expire_time: key.expires.map(time),
+        revoke_time: key.revoked.map(time),
+        last_use_time: key.used.map(time),
+        quotas: Some(v1::KeyQuotas { queued_jobs, stored_bytes, rollouts }),
     }
 }

@@ -46,6 +46,7 @@ impl FitService for Api {
                 tag: r.tag,
                 capture: r.capture,
                 state: convert::read_state(r.state)?,
+                owner: r.owner,
                 order_by: r.order_by,
             })
             .await?;

@@ -49,6 +49,7 @@ impl TwinService for Api {
                 search: r.search,
                 tag: r.tag,
                 capture: r.capture,
+                owner: r.owner,
                 order_by: r.order_by,
                 ..Listing::default()
             })

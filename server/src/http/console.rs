@@ -44,11 +44,6 @@ const HEADERS: [(HeaderName, &str); 7] = [
     (header::VARY, "accept-encoding"),
 ];
 
-/// True of paths that need no token: the page is the same for everyone, and asks for the token.
-pub(super) fn is_open(path: &str) -> bool {
-    path == "/" || path.starts_with("/assets/")
-}
-
 pub(super) fn router() -> Router<App> {
     Router::new().route("/", get(file)).route("/assets/{file}", get(file))
 }

@@ -1,8 +1,10 @@
 //! Completes the OpenAPI document that is derived from the handlers: what holds of every operation
 //! stands here once.
 
-use serde_json::{Map, Value, json};
+use serde_json::{Value, json};
 use utoipa::openapi::OpenApi;
+
+use crate::access::{self, Access};
 
 /// Ids in paths.
 const ID: &str = "^[0-9a-f]{8}(-[0-9a-f]{4}){3}-[0-9a-f]{12}$";
@@ -12,14 +14,28 @@ const PROBLEM: &str = "#/components/schemas/ProblemDocument";
 pub(super) fn complete(description: &OpenApi) -> Value {
     let mut document = serde_json::to_value(description).unwrap_or_default();
     let paths = document.get_mut("paths").and_then(Value::as_object_mut);
-    for methods in paths.into_iter().flat_map(Map::values_mut) {
-        for operation in methods.as_object_mut().into_iter().flat_map(Map::values_mut) {
+    for (path, methods) in paths.into_iter().flatten() {
+        for (method, operation) in methods.as_object_mut().into_iter().flatten() {
             name(operation);
+            security(operation, access::find(&format!("{} {path}", method.to_uppercase())));
             operation.get_mut("parameters").map(parameters);
             operation.get_mut("responses").map(responses);
         }
     }
+    document["components"]["securitySchemes"]["key"] = json!({
+        "type": "http", "scheme": "bearer",
+        "description": "A key with the scope of the operation, or the client token.",
+    });
     document
+}
+
+/// The scope that the caller has to have.
+fn security(operation: &mut Value, access: Option<Access>) {
+    operation["security"] = match access {
+        Some(Access::Open | Access::Worker) => json!([]),
+        Some(Access::Scope(scope)) => json!([{ "key": [scope.as_str()] }]),
+        Some(Access::Anyone) | None => json!([{ "key": [] }]),
+    };
 }
 
 /// Handlers of several resources have the same name: ids of operations are `{tag}.{handler}`.
@@ -84,6 +100,7 @@ mod tests {
                 let what = format!("{method} {path}");
                 let id = operation["operationId"].as_str().unwrap();
                 assert!(ids.insert(id.to_owned()), "{what}: {id} is taken");
+                assert!(operation["security"].is_array(), "{what}");
                 for (status, response) in operation["responses"].as_object().unwrap() {
                     assert_ne!(response["description"].as_str(), None, "{what} {status}");
                     assert_ne!(response["description"], "", "{what} {status}");

@@ -48,6 +48,9 @@ pub(super) struct CaptureList {
     /// A tag.
     #[serde(default)]
     tag: String,
+    /// An owner.
+    #[serde(default)]
+    owner: String,
     /// `create_time` or `name`, ascending or, followed by ` desc`, descending. Newest first if empty.
     #[serde(default)]
     order_by: String,
@@ -76,6 +79,9 @@ pub(super) struct FitList {
     /// A tag.
     #[serde(default)]
     tag: String,
+    /// An owner.
+    #[serde(default)]
+    owner: String,
     /// `create_time`, `name` or `error`, ascending or, followed by ` desc`, descending. Newest first
     /// if empty.
     #[serde(default)]
@@ -102,6 +108,9 @@ pub(super) struct TwinList {
     /// A tag.
     #[serde(default)]
     tag: String,
+    /// An owner.
+    #[serde(default)]
+    owner: String,
     /// `create_time`, `name` or `error`, ascending or, followed by ` desc`, descending. Newest first
     /// if empty.
     #[serde(default)]
@@ -110,30 +119,30 @@ pub(super) struct TwinList {
 
 impl From<CaptureList> for Listing {
     fn from(list: CaptureList) -> Self {
-        let CaptureList { page_size, page_token, search, tag, order_by } = list;
+        let CaptureList { page_size, page_token, search, tag, owner, order_by } = list;
         let page = PageRequest { size: page_size, token: page_token };
-        Self { page, search, tag, order_by, ..Self::default() }
+        Self { page, search, tag, owner, order_by, ..Self::default() }
     }
 }
 
 impl TryFrom<FitList> for Listing {
     type Error = Error;
     fn try_from(list: FitList) -> Result<Self> {
-        let FitList { page_size, page_token, capture, state, search, tag, order_by } = list;
+        let FitList { page_size, page_token, capture, state, search, tag, owner, order_by } = list;
         let page = PageRequest { size: page_size, token: page_token };
         let state = match state.as_str() {
             "" => None,
             word => Some(read_state(word)?),
         };
-        Ok(Self { page, search, tag, capture, state, order_by })
+        Ok(Self { page, search, tag, capture, state, owner, order_by })
     }
 }
 
 impl From<TwinList> for Listing {
     fn from(list: TwinList) -> Self {
-        let TwinList { page_size, page_token, capture, search, tag, order_by } = list;
+        let TwinList { page_size, page_token, capture, search, tag, owner, order_by } = list;
         let page = PageRequest { size: page_size, token: page_token };
-        Self { page, search, tag, capture, order_by, ..Self::default() }
+        Self { page, search, tag, capture, owner, order_by, ..Self::default() }
     }
 }
 

@@ -28,6 +28,8 @@ pub(super) struct Capture {
     /// Text that people write about it.
     note: String,
     tags: Vec<String>,
+    /// Owner of the key with which it was made; empty if that is not known.
+    owner: String,
 }
 
 impl From<store::Overview> for Capture {
@@ -43,6 +45,7 @@ impl From<store::Overview> for Capture {
             verdict: report.map(|r| r.verdict),
             note: capture.labels.note,
             tags: capture.labels.tags,
+            owner: capture.owner,
         }
     }
 }
@@ -128,6 +131,8 @@ pub(super) struct Fit {
     /// Text that people write about it.
     note: String,
     tags: Vec<String>,
+    /// Owner of the key with which it was made; empty if that is not known.
+    owner: String,
     /// Error of its twin [m], as there.
     error_m: Option<f64>,
 }
@@ -135,10 +140,12 @@ pub(super) struct Fit {
 impl From<store::Job> for Fit {
     fn from(mut fit: store::Job) -> Self {
         let labels = std::mem::take(&mut fit.labels);
+        let owner = std::mem::take(&mut fit.owner);
         Self {
             display_name: labels.display_name,
             note: labels.note,
             tags: labels.tags,
+            owner,
             error_m: fit.error_m,
             name: fit.id.to_string(),
             capture: fit.capture.to_string(),
@@ -203,6 +210,8 @@ pub(super) struct Twin {
     /// Text that people write about it.
     note: String,
     tags: Vec<String>,
+    /// Owner of the key with which it was made; empty if that is not known.
+    owner: String,
     /// Error over frames that it was not fitted to [m]: of tracks, else of coordinates, else the
     /// Chamfer distance.
     error_m: Option<f64>,
@@ -217,6 +226,7 @@ impl From<store::Twin> for Twin {
             note: labels.note,
             tags: labels.tags,
             error_m: twin.error_m,
+            owner: twin.owner,
             capture: twin.capture.map(|c| c.to_string()),
             fit: twin.fit.map(|f| f.to_string()),
             create_time: twin.created.to_string(),

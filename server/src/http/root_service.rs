@@ -13,23 +13,19 @@ use axum::{
 };
 use bendtwin_core::{Category, Fault};
 use futures::FutureExt;
+use http_body_util::BodyExt as _;
 use tower::ServiceExt;
 use tracing::Instrument;
 
-use super::{console, origin::Hosts, uploads};
+use super::{origin::Hosts, uploads};
 use crate::{
-    client_token::{self, ClientToken},
+    access::{self, Access, Caller, Flight, Gate},
+    client_token,
+    context::Context,
     deadline::{Call, Cut},
     error::Refusal,
     metrics::Metrics,
 };
-
-/// Paths that need no token: they tell nothing of what is stored.
-const OPEN_PATHS: [&str; 4] = ["/healthz", "/readyz", "/docs", "/openapi.json"];
-/// The service that needs no token, for the same reason.
-const OPEN_SERVICE: &str = "/grpc.health.v1.Health/";
-/// The service with a token of its own, which no page and no client has.
-const WORKER_LINK: &str = "/bendtwin.worker.v1.WorkerLink/";
 
 /// Both transports behind one service.
 #[derive(Clone)]
@@ -40,8 +36,7 @@ pub(crate) struct RootService {
     /// Paths of all gRPC methods that there are.
     pub(crate) methods: Arc<HashSet<String>>,
     pub(crate) hosts: Hosts,
-    /// None if everyone may call.
-    pub(crate) token: Option<ClientToken>,
+    pub(crate) gate: Gate,
 }
 
 impl RootService {
@@ -81,21 +76,37 @@ impl RootService {
     }
 
     async fn admit_and_answer(self, request: Request<Body>, call: &Call) -> Response<Body> {
-        if let Err(refusal) = self.admit(&request, call.is_grpc) {
-            let mut response = refused(refusal, call.is_grpc);
-            if response.status() == StatusCode::UNAUTHORIZED {
-                for challenge in client_token::challenges(request.headers()) {
-                    response.headers_mut().append(header::WWW_AUTHENTICATE, challenge);
-                }
+        let admission = self.admission(&request, call.is_grpc);
+        let admitted = match admission {
+            Ok(Admission::Free) => Ok((Caller::default(), None)),
+            Ok(Admission::Identified { access }) => {
+                let identified = self.gate.identify(request.headers()).await;
+                identified.and_then(|caller| {
+                    let flight = access.map(|access| caller.enter(access)).transpose()?;
+                    Ok((caller, flight.flatten()))
+                })
             }
-            return response;
-        }
+            Err(refusal) => Err(refusal),
+        };
+        let (caller, flight) = match admitted {
+            Ok(admitted) => admitted,
+            Err(refusal) => {
+                let mut response = refused(refusal, call.is_grpc);
+                if response.status() == StatusCode::UNAUTHORIZED {
+                    for challenge in client_token::challenges(request.headers()) {
+                        response.headers_mut().append(header::WWW_AUTHENTICATE, challenge);
+                    }
+                }
+                return response;
+            }
+        };
+        let context = Context { caller, ..call.context.clone() };
         let router = if call.is_grpc { self.grpc } else { self.http };
         let request = uploads::with_overridden_method(request);
-        let answering = AssertUnwindSafe(router.oneshot(request)).catch_unwind();
+        let answering = AssertUnwindSafe(context.scope(router.oneshot(request))).catch_unwind();
         tokio::select! {
             answered = answering => match answered {
-                Ok(Ok(response)) => response,
+                Ok(Ok(response)) => counted(response, flight),
                 Ok(Err(never)) => match never {},
                 Err(_) => refused(panicked(), call.is_grpc),
             },
@@ -103,22 +114,54 @@ impl RootService {
         }
     }
 
-    /// Checks what every request has to fulfil, before it is looked at.
-    fn admit(&self, request: &Request<Body>, is_grpc: bool) -> Result<(), Refusal> {
+    /// Checks what every request has to fulfil, before it is looked at, and says what more it takes.
+    fn admission(&self, request: &Request<Body>, is_grpc: bool) -> Result<Admission, Refusal> {
         let path = request.uri().path();
-        if is_grpc && path.starts_with(WORKER_LINK) {
-            return Ok(());
+        let access = if is_grpc { access::find(path) } else { None };
+        // Workers call by whatever name they were given, and show a token of their own.
+        if access == Some(Access::Worker) {
+            return Ok(Admission::Free);
         }
         self.hosts.check(request)?;
-        let is_open = if is_grpc {
-            path.starts_with(OPEN_SERVICE)
-        } else {
-            OPEN_PATHS.contains(&path) || console::is_open(path)
-        };
-        match &self.token {
-            Some(token) if !is_open => token.check(request.headers()),
-            _ => Ok(()),
+        if access == Some(Access::Open) || !is_grpc && access::is_open_path(path) {
+            return Ok(Admission::Free);
         }
+        // A method that does not exist is told so by the router.
+        let is_method = is_grpc && (access.is_some() || self.methods.contains(path));
+        Ok(Admission::Identified { access: is_method.then_some(access) })
+    }
+}
+
+/// Condition of an answer.
+enum Admission {
+    /// Nothing here.
+    Free,
+    /// A caller that is known, and may do what the entry of the table says. Of HTTP that is checked
+    /// by [`authorize`], once the route is known.
+    Identified { access: Option<Option<Access>> },
+}
+
+/// A response whose call is counted until its end.
+fn counted(response: Response<Body>, flight: Option<Flight>) -> Response<Body> {
+    let Some(flight) = flight else { return response };
+    response.map(|body| {
+        Body::new(body.map_frame(move |frame| {
+            let _held = &flight;
+            frame
+        }))
+    })
+}
+
+/// Refuses what the caller may not do; a layer of the routes of HTTP.
+pub(crate) async fn authorize(
+    matched: MatchedPath,
+    request: axum::extract::Request,
+    next: axum::middleware::Next,
+) -> Response<Body> {
+    let route = access::route_name(request.method(), matched.as_str());
+    match Context::current().caller.enter(access::find(&route)) {
+        Ok(flight) => counted(next.run(request).await, flight),
+        Err(refusal) => refusal.into_response(),
     }
 }
 

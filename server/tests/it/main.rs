@@ -2,6 +2,7 @@
 //! is also an example of the protocol between server and workers.
 
 mod access;
+mod audit;
 mod captures;
 mod connections;
 mod console;
@@ -9,6 +10,7 @@ mod evaluations;
 mod fits;
 mod harness;
 mod ingests;
+mod keys;
 mod labels;
 mod leases;
 mod malformed;

@@ -12,9 +12,10 @@ use super::{
     row::{self, Row, State},
 };
 use crate::{
-    Digest, Error, LabelChange, ListQuery, Page, Result, Staged, TwinFacts,
+    Creator, Digest, Error, LabelChange, ListQuery, Page, Result, Staged, TwinFacts,
     failpoint::Failpoint,
     labels::{self, Collection},
+    quotas::{self, More},
     twins,
 };
 
@@ -33,6 +34,8 @@ pub struct NewFit {
     pub trace_parent: Option<String>,
     /// Display name; empty means the capture's.
     pub display_name: String,
+    /// The one who asks for it.
+    pub creator: Creator,
 }
 
 impl Jobs<'_> {
@@ -69,6 +72,8 @@ impl Jobs<'_> {
                 .await?;
         let capture_name =
             capture_name.ok_or_else(|| Error::NotFound { name: new.capture.to_string() })?;
+        let more = More { jobs: 1, ..More::default() };
+        quotas::require(&mut tx, &new.creator, more).await?;
         let name = if new.display_name.is_empty() { &capture_name } else { &new.display_name };
         let ingest = row::ingest_of(&mut tx, &capture).await?.map(Job::try_from).transpose()?;
         let fault = ingest.as_ref().and_then(why_not);
@@ -76,8 +81,8 @@ impl Jobs<'_> {
         let row: Row = sqlx::query_as(
             "insert into jobs (id, kind, capture, state, priority, settings, trace_parent,
                  request_id, created_at, fault, ended_at, display_name, first_name, name_key,
-                 search_text)
-             values ($1, 'fit', $2, $3, $4, $5, $6, $7, $8, $9, $10, $11, $12, $13, $14)
+                 search_text, owner)
+             values ($1, 'fit', $2, $3, $4, $5, $6, $7, $8, $9, $10, $11, $12, $13, $14, $15)
              returning *",
         )
         .bind(FitId::generate().uuid().to_string())
@@ -94,6 +99,7 @@ impl Jobs<'_> {
         .bind(&new.display_name)
         .bind(labels::name_key(name))
         .bind(labels::search_text(name, ""))
+        .bind(new.creator.owner)
         .fetch_one(&mut *tx)
         .await?;
         self.store.pass(Failpoint::BeforeCommit)?;
@@ -232,6 +238,7 @@ impl Jobs<'_> {
             digest,
             facts,
             request_id: None,
+            owner: &fit.owner,
             now: self.store.now_micros(),
         };
         Ok(twins::insert(tx, new).await?.id)

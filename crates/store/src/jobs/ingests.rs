@@ -8,7 +8,12 @@ use super::{
     AttemptEnd, Job, Jobs, Lease,
     row::{self, Row, State},
 };
-use crate::{Digest, Error, Result, Staged, failpoint::Failpoint, observations};
+use crate::{
+    Creator, Digest, Error, Result, Staged,
+    failpoint::Failpoint,
+    observations,
+    quotas::{self, More},
+};
 
 /// An ingest to be run again.
 #[derive(Clone, Debug, PartialEq)]
@@ -21,6 +26,8 @@ pub struct NewIngest {
     pub request_id: Option<String>,
     /// W3C traceparent of the call.
     pub trace_parent: Option<String>,
+    /// The one who asks for it.
+    pub creator: Creator,
 }
 
 /// A report to be stored.
@@ -60,16 +67,18 @@ pub(crate) async fn enqueue(
     tx: &mut Transaction<'_, Sqlite>,
     capture: &str,
     settings: &str,
+    owner: &str,
     now: i64,
 ) -> Result<Job> {
     let row: Row = sqlx::query_as(
-        "insert into jobs (id, kind, capture, state, priority, settings, created_at)
-         values ($1, 'ingest', $2, 'queued', 0, $3, $4) returning *",
+        "insert into jobs (id, kind, capture, state, priority, settings, created_at, owner)
+         values ($1, 'ingest', $2, 'queued', 0, $3, $4, $5) returning *",
     )
     .bind(IngestId::generate().uuid().to_string())
     .bind(capture)
     .bind(settings)
     .bind(now)
+    .bind(owner)
     .fetch_one(&mut **tx)
     .await?;
     row.try_into()
@@ -147,11 +156,13 @@ impl Jobs<'_> {
         if fits > 0 {
             return Err(Error::CaptureInUse { name: new.capture.to_string(), fits });
         }
+        let more = More { jobs: 1, ..More::default() };
+        quotas::require(&mut tx, &new.creator, more).await?;
         sqlx::query("delete from jobs where id = $1").bind(&before.id).execute(&mut *tx).await?;
         let row: Row = sqlx::query_as(
             "insert into jobs (id, kind, capture, state, priority, settings, trace_parent,
-                 request_id, created_at, revision)
-             values ($1, 'ingest', $2, 'queued', 0, $3, $4, $5, $6, $7) returning *",
+                 request_id, created_at, revision, owner)
+             values ($1, 'ingest', $2, 'queued', 0, $3, $4, $5, $6, $7, $8) returning *",
         )
         .bind(IngestId::generate().uuid().to_string())
         .bind(key)
@@ -160,6 +171,7 @@ impl Jobs<'_> {
         .bind(new.request_id)
         .bind(self.store.now_micros())
         .bind(before.revision + 1)
+        .bind(new.creator.owner)
         .fetch_one(&mut *tx)
         .await?;
         tx.commit().await?;

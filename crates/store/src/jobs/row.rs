@@ -79,6 +79,7 @@ row! {
         first_name: Option<String>,
         error_m: f64,
         pub(super) loss_stride: i64,
+        pub(super) owner: String,
     }
 }
 
@@ -148,6 +149,7 @@ impl TryFrom<Row> for Job {
             revision: row.revision.max(0) as u64,
             labels: Labels::of_row(row.display_name, row.note, &row.tags),
             error_m: labels::error_of(row.error_m),
+            owner: row.owner,
             settings: row.settings,
             trace_parent: row.trace_parent,
             request_id: row.request_id,

@@ -88,6 +88,7 @@ async fn a_creation_is_repeatable_after_a_change_of_name() {
         request_id: Some("twin".into()),
         facts: TwinFacts::default(),
         content: bench.stage("twin").await,
+        creator: crate::Creator::default(),
     };
     let first = store.twins().create(twin().await).await.unwrap();
     store.twins().update(first.id, &named("renamed")).await.unwrap();

@@ -6,8 +6,8 @@ use bendtwin_core::ids::WorkerId;
 use bytes::Bytes;
 
 use crate::{
-    Capture, Clock, Error, Job, Kind, Lease, LeaseTerms, Loss, ManualClock, NewCapture, NewFit,
-    Options, Staged, State, Store, TwinFacts, failpoint::Failpoint,
+    Capture, Clock, Creator, Error, Job, Kind, Lease, LeaseTerms, Loss, ManualClock, NewCapture,
+    NewFit, Options, Staged, State, Store, TwinFacts, failpoint::Failpoint,
 };
 
 pub(crate) const LEASE: Duration = Duration::from_secs(30);
@@ -94,7 +94,8 @@ async fn open(dir: &std::path::Path, clock: Arc<dyn Clock>) -> crate::Result<Sto
 
 pub(crate) fn new_capture(name: &str, content: Staged) -> NewCapture {
     let display_name = name.to_owned();
-    NewCapture { display_name, request_id: None, content, ingest: "{}".to_owned() }
+    let (request_id, ingest) = (None, "{}".to_owned());
+    NewCapture { display_name, request_id, content, ingest, creator: Creator::default() }
 }
 
 pub(crate) fn lease_of(job: &Job) -> Lease {
@@ -109,6 +110,7 @@ pub(crate) fn new_fit(capture: &Capture) -> NewFit {
         request_id: None,
         trace_parent: None,
         display_name: String::new(),
+        creator: Creator::default(),
     }
 }
 

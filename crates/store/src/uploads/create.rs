@@ -6,7 +6,10 @@ use bendtwin_core::ids::UploadId;
 use sqlx::{Sqlite, Transaction};
 
 use super::{IN_USE, ResumableUpload, UploadState, UploadWriter, Uploads, row::Row};
-use crate::{Digest, Error, Result};
+use crate::{
+    Creator, Digest, Error, Result,
+    quotas::{self, More},
+};
 
 /// An upload to be created.
 #[derive(Clone, Debug)]
@@ -25,6 +28,8 @@ pub struct NewResumableUpload {
     pub keep: Duration,
     /// Time for which it is remembered if its capture exists.
     pub remember: Duration,
+    /// The one who begins it.
+    pub creator: Creator,
 }
 
 /// Bounds on all unfinished uploads together.
@@ -118,14 +123,17 @@ impl Uploads<'_> {
             Some((_, size)) => Some(*size),
             None => {
                 bounds.room(&mut tx, None, new.length_bytes.unwrap_or(0)).await?;
+                let bytes = new.length_bytes.unwrap_or(1);
+                quotas::require(&mut tx, &new.creator, More { jobs: 1, bytes, upload: None })
+                    .await?;
                 new.length_bytes.map(|n| i64::try_from(n).unwrap_or(i64::MAX))
             }
         };
         let keep = if capture.is_some() { new.remember } else { new.keep };
         let row: Row = sqlx::query_as(
             "insert into uploads (id, state, display_name, request_id, expected_digest, metadata,
-                length_bytes, offset_bytes, capture, created_at, expires_at)
-             values ($1, $2, $3, $4, $5, $6, $7, $8, $9, $10, $11) returning *",
+                length_bytes, offset_bytes, capture, created_at, expires_at, owner)
+             values ($1, $2, $3, $4, $5, $6, $7, $8, $9, $10, $11, $12) returning *",
         )
         .bind(UploadId::generate().uuid().to_string())
         .bind(if capture.is_some() { "stored" } else { "receiving" })
@@ -138,6 +146,7 @@ impl Uploads<'_> {
         .bind(capture.map(|(id, _)| id))
         .bind(self.store.now_micros())
         .bind(self.store.expiry_micros(keep))
+        .bind(&new.creator.owner)
         .fetch_one(&mut *tx)
         .await?;
         tx.commit().await?;

@@ -40,6 +40,8 @@ pub struct ResumableUpload {
     pub created: Timestamp,
     /// Time at which it is ended unless more bytes arrive, or forgotten if it has ended.
     pub expires: Timestamp,
+    /// Owner of the key with which it was begun; empty if that is not known.
+    pub owner: String,
     /// Digest of complete content that is becoming a capture.
     pub(crate) digest: Option<Digest>,
 }
@@ -66,6 +68,7 @@ row! {
         why: Option<String>,
         created_at: i64,
         expires_at: i64,
+        owner: String,
     }
 }
 
@@ -100,6 +103,7 @@ impl TryFrom<Row> for ResumableUpload {
             display_name: row.display_name,
             request_id: row.request_id,
             metadata: row.metadata,
+            owner: row.owner,
         })
     }
 }

@@ -24,6 +24,7 @@ fn new(content: &str) -> NewResumableUpload {
         length_bytes: Some(content.len() as u64),
         keep: KEEP,
         remember: KEEP,
+        creator: crate::Creator::default(),
     }
 }
 

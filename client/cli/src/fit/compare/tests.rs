@@ -28,6 +28,7 @@ fn details(seed: u64, capture: CaptureId, track_mm: f64, loss: f64) -> Details {
         display_name: format!("try {seed}"),
         note: String::new(),
         tags: Vec::new(),
+        owner: String::new(),
         error_m: None,
     };
     let curve = LossCurve {

@@ -9,7 +9,7 @@ from typing import ClassVar as _ClassVar, Optional as _Optional, Union as _Union
 DESCRIPTOR: _descriptor.FileDescriptor
 
 class Fit(_message.Message):
-    __slots__ = ("name", "capture", "twin", "priority", "job", "display_name", "note", "tags", "error_m")
+    __slots__ = ("name", "capture", "twin", "priority", "job", "display_name", "note", "tags", "error_m", "owner")
     NAME_FIELD_NUMBER: _ClassVar[int]
     CAPTURE_FIELD_NUMBER: _ClassVar[int]
     TWIN_FIELD_NUMBER: _ClassVar[int]
@@ -19,6 +19,7 @@ class Fit(_message.Message):
     NOTE_FIELD_NUMBER: _ClassVar[int]
     TAGS_FIELD_NUMBER: _ClassVar[int]
     ERROR_M_FIELD_NUMBER: _ClassVar[int]
+    OWNER_FIELD_NUMBER: _ClassVar[int]
     name: str
     capture: str
     twin: str
@@ -28,7 +29,8 @@ class Fit(_message.Message):
     note: str
     tags: _containers.RepeatedScalarFieldContainer[str]
     error_m: float
-    def __init__(self, name: _Optional[str] = ..., capture: _Optional[str] = ..., twin: _Optional[str] = ..., priority: _Optional[int] = ..., job: _Optional[_Union[_job_pb2.Job, _Mapping]] = ..., display_name: _Optional[str] = ..., note: _Optional[str] = ..., tags: _Optional[_Iterable[str]] = ..., error_m: _Optional[float] = ...) -> None: ...
+    owner: str
+    def __init__(self, name: _Optional[str] = ..., capture: _Optional[str] = ..., twin: _Optional[str] = ..., priority: _Optional[int] = ..., job: _Optional[_Union[_job_pb2.Job, _Mapping]] = ..., display_name: _Optional[str] = ..., note: _Optional[str] = ..., tags: _Optional[_Iterable[str]] = ..., error_m: _Optional[float] = ..., owner: _Optional[str] = ...) -> None: ...
 
 class CreateFitRequest(_message.Message):
     __slots__ = ("capture", "settings_json", "priority", "request_id", "display_name")
@@ -51,7 +53,7 @@ class GetFitRequest(_message.Message):
     def __init__(self, name: _Optional[str] = ...) -> None: ...
 
 class ListFitsRequest(_message.Message):
-    __slots__ = ("page_size", "page_token", "capture", "state", "search", "tag", "order_by")
+    __slots__ = ("page_size", "page_token", "capture", "state", "search", "tag", "order_by", "owner")
     PAGE_SIZE_FIELD_NUMBER: _ClassVar[int]
     PAGE_TOKEN_FIELD_NUMBER: _ClassVar[int]
     CAPTURE_FIELD_NUMBER: _ClassVar[int]
@@ -59,6 +61,7 @@ class ListFitsRequest(_message.Message):
     SEARCH_FIELD_NUMBER: _ClassVar[int]
     TAG_FIELD_NUMBER: _ClassVar[int]
     ORDER_BY_FIELD_NUMBER: _ClassVar[int]
+    OWNER_FIELD_NUMBER: _ClassVar[int]
     page_size: int
     page_token: str
     capture: str
@@ -66,7 +69,8 @@ class ListFitsRequest(_message.Message):
     search: str
     tag: str
     order_by: str
-    def __init__(self, page_size: _Optional[int] = ..., page_token: _Optional[str] = ..., capture: _Optional[str] = ..., state: _Optional[_Union[_job_pb2.Job.State, str]] = ..., search: _Optional[str] = ..., tag: _Optional[str] = ..., order_by: _Optional[str] = ...) -> None: ...
+    owner: str
+    def __init__(self, page_size: _Optional[int] = ..., page_token: _Optional[str] = ..., capture: _Optional[str] = ..., state: _Optional[_Union[_job_pb2.Job.State, str]] = ..., search: _Optional[str] = ..., tag: _Optional[str] = ..., order_by: _Optional[str] = ..., owner: _Optional[str] = ...) -> None: ...
 
 class ListFitsResponse(_message.Message):
     __slots__ = ("fits", "next_page_token")

@@ -28,7 +28,7 @@ from google.protobuf import field_mask_pb2 as google_dot_protobuf_dot_field__mas
 from google.protobuf import timestamp_pb2 as google_dot_protobuf_dot_timestamp__pb2
 
 
-DESCRIPTOR = _descriptor_pool.Default().AddSerializedFile(b'\n\x16\x62\x65ndtwin/v1/twin.proto\x12\x0b\x62\x65ndtwin.v1\x1a\x18\x62\x65ndtwin/v1/tensor.proto\x1a\x17\x62\x65ndtwin/v1/world.proto\x1a google/protobuf/field_mask.proto\x1a\x1fgoogle/protobuf/timestamp.proto\"\x8a\x03\n\x04Twin\x12\x0c\n\x04name\x18\x01 \x01(\t\x12\x14\n\x0c\x64isplay_name\x18\x02 \x01(\t\x12\x0f\n\x07\x63\x61pture\x18\x03 \x01(\t\x12\x0b\n\x03\x66it\x18\x04 \x01(\t\x12/\n\x0b\x63reate_time\x18\x05 \x01(\x0b\x32\x1a.google.protobuf.Timestamp\x12\x12\n\nsize_bytes\x18\x06 \x01(\x04\x12\x0e\n\x06\x64igest\x18\x07 \x01(\t\x12\x12\n\nnode_count\x18\x08 \x01(\r\x12\x14\n\x0cspring_count\x18\t \x01(\r\x12\x15\n\rtriplet_count\x18\n \x01(\r\x12\x15\n\rcontrol_count\x18\x0b \x01(\r\x12\x0b\n\x03\x66ps\x18\x0c \x01(\x01\x12\x10\n\x08substeps\x18\r \x01(\r\x12\x14\n\x0cquality_json\x18\x0e \x01(\t\x12\x14\n\x07mass_kg\x18\x0f \x01(\x01H\x00\x88\x01\x01\x12\x0c\n\x04note\x18\x10 \x01(\t\x12\x0c\n\x04tags\x18\x11 \x03(\t\x12\x14\n\x07\x65rror_m\x18\x12 \x01(\x01H\x01\x88\x01\x01\x42\n\n\x08_mass_kgB\n\n\x08_error_m\"&\n\x16GetTwinGeometryRequest\x12\x0c\n\x04name\x18\x01 \x01(\t\"\xe5\x08\n\x0cTwinGeometry\x12+\n\x0erest_positions\x18\x01 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12\"\n\x05kinds\x18\x02 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12\"\n\x05\x65\x64ges\x18\x03 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12)\n\x0crest_lengths\x18\x04 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12%\n\x08triplets\x18\x05 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12#\n\x06masses\x18\x06 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12%\n\x08\x63ontrols\x18\x07 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12\"\n\x05hands\x18\x08 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12!\n\x04pins\x18\t \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12\x15\n\rsurface_count\x18\n \x01(\r\x12\x11\n\trod_count\x18\x0b \x01(\r\x12\x0b\n\x03\x66ps\x18\x0c \x01(\x01\x12\x10\n\x08substeps\x18\r \x01(\r\x12\x0f\n\x07gravity\x18\x0e \x03(\x02\x12\"\n\x06ground\x18\x0f \x01(\x0b\x32\x12.bendtwin.v1.Plane\x12\x17\n\x0fground_friction\x18\x10 \x01(\x02\x12\x1a\n\x12ground_restitution\x18\x11 \x01(\x02\x12\x14\n\x07mass_kg\x18\x12 \x01(\x01H\x00\x88\x01\x01\x12\x11\n\tspacing_m\x18\x13 \x01(\x01\x12\'\n\nrod_starts\x18\x14 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12&\n\trod_nodes\x18\x15 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12,\n\x04skin\x18\x16 \x01(\x0b\x32\x1e.bendtwin.v1.TwinGeometry.Skin\x12\x0c\n\x04\x66its\x18\x17 \x01(\r\x12-\n\x10spring_stiffness\x18\x18 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12+\n\x0e\x62\x65nd_stiffness\x18\x19 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x1a\xa9\x02\n\x04Skin\x12+\n\x0erest_positions\x18\x01 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12,\n\x0fobserved_points\x18\x02 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12*\n\rweight_counts\x18\x03 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12)\n\x0cweight_nodes\x18\x04 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12$\n\x07weights\x18\x05 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12#\n\x06\x66rames\x18\x06 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12$\n\x07offsets\x18\x07 \x01(\x0b\x32\x13.bendtwin.v1.TensorB\n\n\x08_mass_kg\"[\n\x11\x43reateTwinRequest\x12-\n\x08metadata\x18\x01 \x01(\x0b\x32\x19.bendtwin.v1.TwinMetadataH\x00\x12\x0f\n\x05\x63hunk\x18\x02 \x01(\x0cH\x00\x42\x06\n\x04part\"H\n\x0cTwinMetadata\x12\x14\n\x0c\x64isplay_name\x18\x01 \x01(\t\x12\x12\n\nrequest_id\x18\x02 \x01(\t\x12\x0e\n\x06\x64igest\x18\x03 \x01(\t\"\x1e\n\x0eGetTwinRequest\x12\x0c\n\x04name\x18\x01 \x01(\t\"y\n\x10ListTwinsRequest\x12\x11\n\tpage_size\x18\x01 \x01(\r\x12\x12\n\npage_token\x18\x02 \x01(\t\x12\x0f\n\x07\x63\x61pture\x18\x03 \x01(\t\x12\x0e\n\x06search\x18\x04 \x01(\t\x12\x0b\n\x03tag\x18\x05 \x01(\t\x12\x10\n\x08order_by\x18\x06 \x01(\t\"N\n\x11ListTwinsResponse\x12 \n\x05twins\x18\x01 \x03(\x0b\x32\x11.bendtwin.v1.Twin\x12\x17\n\x0fnext_page_token\x18\x02 \x01(\t\"\x8c\x01\n\x11UpdateTwinRequest\x12\x1f\n\x04twin\x18\x01 \x01(\x0b\x32\x11.bendtwin.v1.Twin\x12/\n\x0bupdate_mask\x18\x02 \x01(\x0b\x32\x1a.google.protobuf.FieldMask\x12\x10\n\x08\x61\x64\x64_tags\x18\x03 \x03(\t\x12\x13\n\x0bremove_tags\x18\x04 \x03(\t\"!\n\x11\x44\x65leteTwinRequest\x12\x0c\n\x04name\x18\x01 \x01(\t\"\x14\n\x12\x44\x65leteTwinResponse\"!\n\x11\x45xportTwinRequest\x12\x0c\n\x04name\x18\x01 \x01(\t\"#\n\x12\x45xportTwinResponse\x12\r\n\x05\x63hunk\x18\x01 \x01(\x0c\x32\x8b\x04\n\x0bTwinService\x12\x41\n\nCreateTwin\x12\x1e.bendtwin.v1.CreateTwinRequest\x1a\x11.bendtwin.v1.Twin(\x01\x12\x39\n\x07GetTwin\x12\x1b.bendtwin.v1.GetTwinRequest\x1a\x11.bendtwin.v1.Twin\x12J\n\tListTwins\x12\x1d.bendtwin.v1.ListTwinsRequest\x1a\x1e.bendtwin.v1.ListTwinsResponse\x12?\n\nUpdateTwin\x12\x1e.bendtwin.v1.UpdateTwinRequest\x1a\x11.bendtwin.v1.Twin\x12M\n\nDeleteTwin\x12\x1e.bendtwin.v1.DeleteTwinRequest\x1a\x1f.bendtwin.v1.DeleteTwinResponse\x12O\n\nExportTwin\x12\x1e.bendtwin.v1.ExportTwinRequest\x1a\x1f.bendtwin.v1.ExportTwinResponse0\x01\x12Q\n\x0fGetTwinGeometry\x12#.bendtwin.v1.GetTwinGeometryRequest\x1a\x19.bendtwin.v1.TwinGeometryb\x06proto3')
+DESCRIPTOR = _descriptor_pool.Default().AddSerializedFile(b'\n\x16\x62\x65ndtwin/v1/twin.proto\x12\x0b\x62\x65ndtwin.v1\x1a\x18\x62\x65ndtwin/v1/tensor.proto\x1a\x17\x62\x65ndtwin/v1/world.proto\x1a google/protobuf/field_mask.proto\x1a\x1fgoogle/protobuf/timestamp.proto\"\x99\x03\n\x04Twin\x12\x0c\n\x04name\x18\x01 \x01(\t\x12\x14\n\x0c\x64isplay_name\x18\x02 \x01(\t\x12\x0f\n\x07\x63\x61pture\x18\x03 \x01(\t\x12\x0b\n\x03\x66it\x18\x04 \x01(\t\x12/\n\x0b\x63reate_time\x18\x05 \x01(\x0b\x32\x1a.google.protobuf.Timestamp\x12\x12\n\nsize_bytes\x18\x06 \x01(\x04\x12\x0e\n\x06\x64igest\x18\x07 \x01(\t\x12\x12\n\nnode_count\x18\x08 \x01(\r\x12\x14\n\x0cspring_count\x18\t \x01(\r\x12\x15\n\rtriplet_count\x18\n \x01(\r\x12\x15\n\rcontrol_count\x18\x0b \x01(\r\x12\x0b\n\x03\x66ps\x18\x0c \x01(\x01\x12\x10\n\x08substeps\x18\r \x01(\r\x12\x14\n\x0cquality_json\x18\x0e \x01(\t\x12\x14\n\x07mass_kg\x18\x0f \x01(\x01H\x00\x88\x01\x01\x12\x0c\n\x04note\x18\x10 \x01(\t\x12\x0c\n\x04tags\x18\x11 \x03(\t\x12\x14\n\x07\x65rror_m\x18\x12 \x01(\x01H\x01\x88\x01\x01\x12\r\n\x05owner\x18\x13 \x01(\tB\n\n\x08_mass_kgB\n\n\x08_error_m\"&\n\x16GetTwinGeometryRequest\x12\x0c\n\x04name\x18\x01 \x01(\t\"\xe5\x08\n\x0cTwinGeometry\x12+\n\x0erest_positions\x18\x01 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12\"\n\x05kinds\x18\x02 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12\"\n\x05\x65\x64ges\x18\x03 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12)\n\x0crest_lengths\x18\x04 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12%\n\x08triplets\x18\x05 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12#\n\x06masses\x18\x06 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12%\n\x08\x63ontrols\x18\x07 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12\"\n\x05hands\x18\x08 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12!\n\x04pins\x18\t \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12\x15\n\rsurface_count\x18\n \x01(\r\x12\x11\n\trod_count\x18\x0b \x01(\r\x12\x0b\n\x03\x66ps\x18\x0c \x01(\x01\x12\x10\n\x08substeps\x18\r \x01(\r\x12\x0f\n\x07gravity\x18\x0e \x03(\x02\x12\"\n\x06ground\x18\x0f \x01(\x0b\x32\x12.bendtwin.v1.Plane\x12\x17\n\x0fground_friction\x18\x10 \x01(\x02\x12\x1a\n\x12ground_restitution\x18\x11 \x01(\x02\x12\x14\n\x07mass_kg\x18\x12 \x01(\x01H\x00\x88\x01\x01\x12\x11\n\tspacing_m\x18\x13 \x01(\x01\x12\'\n\nrod_starts\x18\x14 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12&\n\trod_nodes\x18\x15 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12,\n\x04skin\x18\x16 \x01(\x0b\x32\x1e.bendtwin.v1.TwinGeometry.Skin\x12\x0c\n\x04\x66its\x18\x17 \x01(\r\x12-\n\x10spring_stiffness\x18\x18 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12+\n\x0e\x62\x65nd_stiffness\x18\x19 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x1a\xa9\x02\n\x04Skin\x12+\n\x0erest_positions\x18\x01 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12,\n\x0fobserved_points\x18\x02 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12*\n\rweight_counts\x18\x03 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12)\n\x0cweight_nodes\x18\x04 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12$\n\x07weights\x18\x05 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12#\n\x06\x66rames\x18\x06 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12$\n\x07offsets\x18\x07 \x01(\x0b\x32\x13.bendtwin.v1.TensorB\n\n\x08_mass_kg\"[\n\x11\x43reateTwinRequest\x12-\n\x08metadata\x18\x01 \x01(\x0b\x32\x19.bendtwin.v1.TwinMetadataH\x00\x12\x0f\n\x05\x63hunk\x18\x02 \x01(\x0cH\x00\x42\x06\n\x04part\"H\n\x0cTwinMetadata\x12\x14\n\x0c\x64isplay_name\x18\x01 \x01(\t\x12\x12\n\nrequest_id\x18\x02 \x01(\t\x12\x0e\n\x06\x64igest\x18\x03 \x01(\t\"\x1e\n\x0eGetTwinRequest\x12\x0c\n\x04name\x18\x01 \x01(\t\"\x88\x01\n\x10ListTwinsRequest\x12\x11\n\tpage_size\x18\x01 \x01(\r\x12\x12\n\npage_token\x18\x02 \x01(\t\x12\x0f\n\x07\x63\x61pture\x18\x03 \x01(\t\x12\x0e\n\x06search\x18\x04 \x01(\t\x12\x0b\n\x03tag\x18\x05 \x01(\t\x12\x10\n\x08order_by\x18\x06 \x01(\t\x12\r\n\x05owner\x18\x07 \x01(\t\"N\n\x11ListTwinsResponse\x12 \n\x05twins\x18\x01 \x03(\x0b\x32\x11.bendtwin.v1.Twin\x12\x17\n\x0fnext_page_token\x18\x02 \x01(\t\"\x8c\x01\n\x11UpdateTwinRequest\x12\x1f\n\x04twin\x18\x01 \x01(\x0b\x32\x11.bendtwin.v1.Twin\x12/\n\x0bupdate_mask\x18\x02 \x01(\x0b\x32\x1a.google.protobuf.FieldMask\x12\x10\n\x08\x61\x64\x64_tags\x18\x03 \x03(\t\x12\x13\n\x0bremove_tags\x18\x04 \x03(\t\"!\n\x11\x44\x65leteTwinRequest\x12\x0c\n\x04name\x18\x01 \x01(\t\"\x14\n\x12\x44\x65leteTwinResponse\"!\n\x11\x45xportTwinRequest\x12\x0c\n\x04name\x18\x01 \x01(\t\"#\n\x12\x45xportTwinResponse\x12\r\n\x05\x63hunk\x18\x01 \x01(\x0c\x32\x8b\x04\n\x0bTwinService\x12\x41\n\nCreateTwin\x12\x1e.bendtwin.v1.CreateTwinRequest\x1a\x11.bendtwin.v1.Twin(\x01\x12\x39\n\x07GetTwin\x12\x1b.bendtwin.v1.GetTwinRequest\x1a\x11.bendtwin.v1.Twin\x12J\n\tListTwins\x12\x1d.bendtwin.v1.ListTwinsRequest\x1a\x1e.bendtwin.v1.ListTwinsResponse\x12?\n\nUpdateTwin\x12\x1e.bendtwin.v1.UpdateTwinRequest\x1a\x11.bendtwin.v1.Twin\x12M\n\nDeleteTwin\x12\x1e.bendtwin.v1.DeleteTwinRequest\x1a\x1f.bendtwin.v1.DeleteTwinResponse\x12O\n\nExportTwin\x12\x1e.bendtwin.v1.ExportTwinRequest\x1a\x1f.bendtwin.v1.ExportTwinResponse0\x01\x12Q\n\x0fGetTwinGeometry\x12#.bendtwin.v1.GetTwinGeometryRequest\x1a\x19.bendtwin.v1.TwinGeometryb\x06proto3')
 
 _globals = globals()
 _builder.BuildMessageAndEnumDescriptors(DESCRIPTOR, _globals)
@@ -36,33 +36,33 @@ _builder.BuildTopDescriptorsAndMessages(DESCRIPTOR, 'bendtwin.v1.twin_pb2', _glo
 if not _descriptor._USE_C_DESCRIPTORS:
   DESCRIPTOR._loaded_options = None
   _globals['_TWIN']._serialized_start=158
-  _globals['_TWIN']._serialized_end=552
-  _globals['_GETTWINGEOMETRYREQUEST']._serialized_start=554
-  _globals['_GETTWINGEOMETRYREQUEST']._serialized_end=592
-  _globals['_TWINGEOMETRY']._serialized_start=595
-  _globals['_TWINGEOMETRY']._serialized_end=1720
-  _globals['_TWINGEOMETRY_SKIN']._serialized_start=1411
-  _globals['_TWINGEOMETRY_SKIN']._serialized_end=1708
-  _globals['_CREATETWINREQUEST']._serialized_start=1722
-  _globals['_CREATETWINREQUEST']._serialized_end=1813
-  _globals['_TWINMETADATA']._serialized_start=1815
-  _globals['_TWINMETADATA']._serialized_end=1887
-  _globals['_GETTWINREQUEST']._serialized_start=1889
-  _globals['_GETTWINREQUEST']._serialized_end=1919
-  _globals['_LISTTWINSREQUEST']._serialized_start=1921
-  _globals['_LISTTWINSREQUEST']._serialized_end=2042
-  _globals['_LISTTWINSRESPONSE']._serialized_start=2044
-  _globals['_LISTTWINSRESPONSE']._serialized_end=2122
-  _globals['_UPDATETWINREQUEST']._serialized_start=2125
-  _globals['_UPDATETWINREQUEST']._serialized_end=2265
-  _globals['_DELETETWINREQUEST']._serialized_start=2267
-  _globals['_DELETETWINREQUEST']._serialized_end=2300
-  _globals['_DELETETWINRESPONSE']._serialized_start=2302
-  _globals['_DELETETWINRESPONSE']._serialized_end=2322
-  _globals['_EXPORTTWINREQUEST']._serialized_start=2324
-  _globals['_EXPORTTWINREQUEST']._serialized_end=2357
-  _globals['_EXPORTTWINRESPONSE']._serialized_start=2359
-  _globals['_EXPORTTWINRESPONSE']._serialized_end=2394
-  _globals['_TWINSERVICE']._serialized_start=2397
-  _globals['_TWINSERVICE']._serialized_end=2920
+  _globals['_TWIN']._serialized_end=567
+  _globals['_GETTWINGEOMETRYREQUEST']._serialized_start=569
+  _globals['_GETTWINGEOMETRYREQUEST']._serialized_end=607
+  _globals['_TWINGEOMETRY']._serialized_start=610
+  _globals['_TWINGEOMETRY']._serialized_end=1735
+  _globals['_TWINGEOMETRY_SKIN']._serialized_start=1426
+  _globals['_TWINGEOMETRY_SKIN']._serialized_end=1723
+  _globals['_CREATETWINREQUEST']._serialized_start=1737
+  _globals['_CREATETWINREQUEST']._serialized_end=1828
+  _globals['_TWINMETADATA']._serialized_start=1830
+  _globals['_TWINMETADATA']._serialized_end=1902
+  _globals['_GETTWINREQUEST']._serialized_start=1904
+  _globals['_GETTWINREQUEST']._serialized_end=1934
+  _globals['_LISTTWINSREQUEST']._serialized_start=1937
+  _globals['_LISTTWINSREQUEST']._serialized_end=2073
+  _globals['_LISTTWINSRESPONSE']._serialized_start=2075
+  _globals['_LISTTWINSRESPONSE']._serialized_end=2153
+  _globals['_UPDATETWINREQUEST']._serialized_start=2156
+  _globals['_UPDATETWINREQUEST']._serialized_end=2296
+  _globals['_DELETETWINREQUEST']._serialized_start=2298
+  _globals['_DELETETWINREQUEST']._serialized_end=2331
+  _globals['_DELETETWINRESPONSE']._serialized_start=2333
+  _globals['_DELETETWINRESPONSE']._serialized_end=2353
+  _globals['_EXPORTTWINREQUEST']._serialized_start=2355
+  _globals['_EXPORTTWINREQUEST']._serialized_end=2388
+  _globals['_EXPORTTWINRESPONSE']._serialized_start=2390
+  _globals['_EXPORTTWINRESPONSE']._serialized_end=2425
+  _globals['_TWINSERVICE']._serialized_start=2428
+  _globals['_TWINSERVICE']._serialized_end=2951
 # @@protoc_insertion_point(module_scope)

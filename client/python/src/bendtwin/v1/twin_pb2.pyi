@@ -13,7 +13,7 @@ from typing import ClassVar as _ClassVar, Optional as _Optional, Union as _Union
 DESCRIPTOR: _descriptor.FileDescriptor
 
 class Twin(_message.Message):
-    __slots__ = ("name", "display_name", "capture", "fit", "create_time", "size_bytes", "digest", "node_count", "spring_count", "triplet_count", "control_count", "fps", "substeps", "quality_json", "mass_kg", "note", "tags", "error_m")
+    __slots__ = ("name", "display_name", "capture", "fit", "create_time", "size_bytes", "digest", "node_count", "spring_count", "triplet_count", "control_count", "fps", "substeps", "quality_json", "mass_kg", "note", "tags", "error_m", "owner")
     NAME_FIELD_NUMBER: _ClassVar[int]
     DISPLAY_NAME_FIELD_NUMBER: _ClassVar[int]
     CAPTURE_FIELD_NUMBER: _ClassVar[int]
@@ -32,6 +32,7 @@ class Twin(_message.Message):
     NOTE_FIELD_NUMBER: _ClassVar[int]
     TAGS_FIELD_NUMBER: _ClassVar[int]
     ERROR_M_FIELD_NUMBER: _ClassVar[int]
+    OWNER_FIELD_NUMBER: _ClassVar[int]
     name: str
     display_name: str
     capture: str
@@ -50,7 +51,8 @@ class Twin(_message.Message):
     note: str
     tags: _containers.RepeatedScalarFieldContainer[str]
     error_m: float
-    def __init__(self, name: _Optional[str] = ..., display_name: _Optional[str] = ..., capture: _Optional[str] = ..., fit: _Optional[str] = ..., create_time: _Optional[_Union[datetime.datetime, _timestamp_pb2.Timestamp, _Mapping]] = ..., size_bytes: _Optional[int] = ..., digest: _Optional[str] = ..., node_count: _Optional[int] = ..., spring_count: _Optional[int] = ..., triplet_count: _Optional[int] = ..., control_count: _Optional[int] = ..., fps: _Optional[float] = ..., substeps: _Optional[int] = ..., quality_json: _Optional[str] = ..., mass_kg: _Optional[float] = ..., note: _Optional[str] = ..., tags: _Optional[_Iterable[str]] = ..., error_m: _Optional[float] = ...) -> None: ...
+    owner: str
+    def __init__(self, name: _Optional[str] = ..., display_name: _Optional[str] = ..., capture: _Optional[str] = ..., fit: _Optional[str] = ..., create_time: _Optional[_Union[datetime.datetime, _timestamp_pb2.Timestamp, _Mapping]] = ..., size_bytes: _Optional[int] = ..., digest: _Optional[str] = ..., node_count: _Optional[int] = ..., spring_count: _Optional[int] = ..., triplet_count: _Optional[int] = ..., control_count: _Optional[int] = ..., fps: _Optional[float] = ..., substeps: _Optional[int] = ..., quality_json: _Optional[str] = ..., mass_kg: _Optional[float] = ..., note: _Optional[str] = ..., tags: _Optional[_Iterable[str]] = ..., error_m: _Optional[float] = ..., owner: _Optional[str] = ...) -> None: ...
 
 class GetTwinGeometryRequest(_message.Message):
     __slots__ = ("name",)
@@ -154,20 +156,22 @@ class GetTwinRequest(_message.Message):
     def __init__(self, name: _Optional[str] = ...) -> None: ...
 
 class ListTwinsRequest(_message.Message):
-    __slots__ = ("page_size", "page_token", "capture", "search", "tag", "order_by")
+    __slots__ = ("page_size", "page_token", "capture", "search", "tag", "order_by", "owner")
     PAGE_SIZE_FIELD_NUMBER: _ClassVar[int]
     PAGE_TOKEN_FIELD_NUMBER: _ClassVar[int]
     CAPTURE_FIELD_NUMBER: _ClassVar[int]
     SEARCH_FIELD_NUMBER: _ClassVar[int]
     TAG_FIELD_NUMBER: _ClassVar[int]
     ORDER_BY_FIELD_NUMBER: _ClassVar[int]
+    OWNER_FIELD_NUMBER: _ClassVar[int]
     page_size: int
     page_token: str
     capture: str
     search: str
     tag: str
     order_by: str
-    def __init__(self, page_size: _Optional[int] = ..., page_token: _Optional[str] = ..., capture: _Optional[str] = ..., search: _Optional[str] = ..., tag: _Optional[str] = ..., order_by: _Optional[str] = ...) -> None: ...
+    owner: str
+    def __init__(self, page_size: _Optional[int] = ..., page_token: _Optional[str] = ..., capture: _Optional[str] = ..., search: _Optional[str] = ..., tag: _Optional[str] = ..., order_by: _Optional[str] = ..., owner: _Optional[str] = ...) -> None: ...
 
 class ListTwinsResponse(_message.Message):
     __slots__ = ("twins", "next_page_token")

@@ -30,6 +30,7 @@ fn again(capture: &Capture) -> NewIngest {
         settings: "{\"a\":1}".to_owned(),
         request_id: None,
         trace_parent: None,
+        creator: crate::Creator::default(),
     }
 }
 

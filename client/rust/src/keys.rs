@@ -1,0 +1,167 @@
+//! Keys with which clients identify themselves. All calls take a key with the scope `admin`, or the
+//! client token.
+
+use bendtwin_core::ids::KeyId;
+use bendtwin_proto::v1::{
+    self, CreateKeyRequest, DeleteKeyRequest, GetKeyRequest, ListKeysRequest,
+    key_service_client::KeyServiceClient,
+};
+use jiff::Timestamp;
+use serde::Serialize;
+
+use crate::{
+    Error,
+    channel::Channel,
+    page::{self, Page, PageRequest},
+    resources::{id, optional_time, time, wire_time},
+};
+
+/// A key as the server knows it; the key itself is not among it.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Key {
+    /// Its name.
+    pub name: KeyId,
+    /// Display name.
+    pub display_name: String,
+    /// Recorded as owner of what is made with it.
+    pub owner: String,
+    /// Scopes, sorted.
+    pub scopes: Vec<String>,
+    /// Time of creation.
+    pub create_time: Timestamp,
+    /// Time from which it is refused, if there is one.
+    pub expire_time: Option<Timestamp>,
+    /// Time of its revocation.
+    pub revoke_time: Option<Timestamp>,
+    /// Time of its last use, to about a minute.
+    pub last_use_time: Option<Timestamp>,
+    /// Bounds on what its owner may have.
+    pub quotas: KeyQuotas,
+}
+
+/// Bounds on what the owner of a key may have when the key asks for more; none where it is `None`.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+pub struct KeyQuotas {
+    /// Fits and ingests that wait for a worker.
+    pub queued_jobs: Option<u64>,
+    /// Size of captures, twin files and resumable uploads under way [bytes].
+    pub stored_bytes: Option<u64>,
+    /// Rollouts, plans, registrations and evaluations under way at one server.
+    pub rollouts: Option<u64>,
+}
+
+/// A key to be made.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct NewKey {
+    /// Display name.
+    pub display_name: String,
+    /// Owner; empty means the display name.
+    pub owner: String,
+    /// Scopes: `admin`, `captures:read`, `captures:write`, `fits:read`,
+    /// `fits:write`, `rollouts:run`, `twins:read`, `twins:write`.
+    pub scopes: Vec<String>,
+    /// Time from which it is refused; none: never.
+    pub expire_time: Option<Timestamp>,
+    /// Bounds on what its owner may have.
+    pub quotas: KeyQuotas,
+}
+
+/// A key that was made. [`MadeKey::secret_key`] is told here and nowhere else.
+#[derive(Clone, PartialEq, Serialize)]
+pub struct MadeKey {
+    /// The key as the server knows it.
+    pub key: Key,
+    /// The key itself.
+    pub secret_key: String,
+}
+
+/// Leaves the key itself out.
+impl std::fmt::Debug for MadeKey {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("MadeKey").field("key", &self.key).finish_non_exhaustive()
+    }
+}
+
+impl TryFrom<v1::Key> for Key {
+    type Error = Error;
+    fn try_from(key: v1::Key) -> Result<Self, Error> {
+        let v1::KeyQuotas { queued_jobs, stored_bytes, rollouts } = key.quotas.unwrap_or_default();
+        Ok(Self {
+            name: id(&key.name)?,
+            display_name: key.display_name,
+            owner: key.owner,
+            scopes: key.scopes,
+            create_time: time(key.create_time)?,
+            expire_time: optional_time(key.expire_time)?,
+            revoke_time: optional_time(key.revoke_time)?,
+            last_use_time: optional_time(key.last_use_time)?,
+            quotas: KeyQuotas { queued_jobs, stored_bytes, rollouts },
+        })
+    }
+}
+
+/// Calls about keys.
+#[derive(Clone, Debug)]
+pub struct Keys {
+    service: KeyServiceClient<Channel>,
+}
+
+impl Keys {
+    pub(crate) fn new(service: KeyServiceClient<Channel>) -> Self {
+        Self { service }
+    }
+
+    /// Makes a key.
+    ///
+    /// # Errors
+    /// If it is refused, or the server cannot be asked.
+    pub async fn create(&self, new: NewKey) -> Result<MadeKey, Error> {
+        let KeyQuotas { queued_jobs, stored_bytes, rollouts } = new.quotas;
+        let request = CreateKeyRequest {
+            display_name: new.display_name,
+            owner: new.owner,
+            scopes: new.scopes,
+            expire_time: new.expire_time.map(wire_time),
+            quotas: Some(v1::KeyQuotas { queued_jobs, stored_bytes, rollouts }),
+        };
+        let reply = self.service.clone().create_key(request).await?.into_inner();
+        let key = reply.key.ok_or_else(|| Error::malformed("no key"))?;
+        Ok(MadeKey { key: key.try_into()?, secret_key: reply.secret_key })
+    }
+
+    /// One key.
+    ///
+    /// # Errors
+    /// If there is none of that name, or the server cannot be asked.
+    pub async fn get(&self, name: KeyId) -> Result<Key, Error> {
+        let request = GetKeyRequest { name: name.to_string() };
+        self.service.clone().get_key(request).await?.into_inner().try_into()
+    }
+
+    /// A page of the keys, newest first; revoked and expired ones are among them.
+    ///
+    /// # Errors
+    /// If the server cannot be asked.
+    pub async fn list(&self, page: PageRequest) -> Result<Page<Key>, Error> {
+        let request = ListKeysRequest { page_size: page.size, page_token: page.token };
+        let reply = self.service.clone().list_keys(request).await?.into_inner();
+        Page::new(reply.keys, reply.next_page_token, Key::try_from)
+    }
+
+    /// All keys.
+    ///
+    /// # Errors
+    /// If the server cannot be asked.
+    pub async fn all(&self) -> Result<Vec<Key>, Error> {
+        page::all(|page| self.list(page)).await
+    }
+
+    /// Revokes a key: no server accepts it 30 s later.
+    ///
+    /// # Errors
+    /// If there is none of that name, or the server cannot be asked.
+    pub async fn revoke(&self, name: KeyId) -> Result<(), Error> {
+        self.service.clone().delete_key(DeleteKeyRequest { name: name.to_string() }).await?;
+        Ok(())
+    }
+}

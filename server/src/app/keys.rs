@@ -1,0 +1,95 @@
+//! Keys of clients: made, listed, revoked. `access` decides what they allow.
+
+use bendtwin_core::ids::KeyId;
+use bendtwin_store::{Key, NewKey, Page, PageRequest, Quotas};
+use jiff::Timestamp;
+
+use super::{App, Error, Result, labels};
+use crate::{
+    access::{Scope, key},
+    audit,
+};
+
+/// A requested key.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct KeyOrder {
+    pub(crate) display_name: String,
+    /// Empty means the display name.
+    pub(crate) owner: String,
+    pub(crate) scopes: Vec<String>,
+    pub(crate) expires: Option<Timestamp>,
+    pub(crate) quotas: Quotas,
+}
+
+impl App {
+    /// Makes a key. Its text is returned here and nowhere else.
+    pub(crate) async fn create_key(&self, order: KeyOrder) -> Result<(Key, String)> {
+        let done: Result<(Key, String)> = async {
+            let KeyOrder { display_name, owner, scopes, expires, quotas } = order;
+            let display_name = labels::display_name(display_name)?;
+            if display_name.trim().is_empty() {
+                return Err(Error::invalid("display_name", "is empty: say whose key it is"));
+            }
+            let owner = labels::owner(if owner.is_empty() { display_name.clone() } else { owner })?;
+            check_scopes(&scopes)?;
+            if expires.is_some_and(|end| end <= self.store.now()) {
+                return Err(Error::invalid("expire_time", "is past: choose a later time"));
+            }
+            self.require_room(0)?;
+            let made = key::make().map_err(|e| Error::Internal(format!("random numbers: {e}")))?;
+            let new = NewKey {
+                id: made.id,
+                display_name,
+                owner,
+                hash: made.hash,
+                scopes,
+                quotas,
+                expires,
+            };
+            let store = self.store.clone();
+            let key = self.change(async move { store.keys().create(new).await }).await?;
+            self.keys.forget();
+            tracing::info!(key = %key.id, owner = key.owner, "key made");
+            Ok((key, made.text))
+        }
+        .await;
+        audit::made("CreateKey", &done, |(key, _)| key.id.to_string());
+        done
+    }
+
+    pub(crate) async fn key(&self, name: &str) -> Result<Key> {
+        Ok(self.store.keys().get(super::name(name)?).await?)
+    }
+
+    pub(crate) async fn list_keys(&self, page: &PageRequest) -> Result<Page<Key>> {
+        Ok(self.store.keys().list(page).await?)
+    }
+
+    pub(crate) async fn revoke_key(&self, name: &str) -> Result<()> {
+        let done: Result<()> = async {
+            let id: KeyId = super::name(name)?;
+            let store = self.store.clone();
+            let key = self.change(async move { store.keys().revoke(id).await }).await?;
+            self.keys.forget();
+            tracing::info!(key = %key.id, owner = key.owner, "key revoked");
+            Ok(())
+        }
+        .await;
+        audit::changed("DeleteKey", name, &done);
+        done
+    }
+}
+
+fn check_scopes(scopes: &[String]) -> Result<()> {
+    let words = || Scope::ALL.map(Scope::as_str).join(", ");
+    if scopes.is_empty() {
+        return Err(Error::invalid("scopes", format!("is empty: name some of {}", words())));
+    }
+    match scopes.iter().find(|word| Scope::parse(word).is_none()) {
+        None => Ok(()),
+        Some(word) => {
+            let word: String = word.chars().take(40).collect();
+            Err(Error::invalid("scopes", format!("has `{word}`, which is none of {}", words())))
+        }
+    }
+}

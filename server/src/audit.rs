@@ -1,0 +1,30 @@
+//! The audit: one line in the log for each change that a client asks for, under the target `audit`,
+//! with who asked, what for, and what came of it. Both transports have the names of RPCs.
+
+use std::fmt::Display;
+
+use bendtwin_core::Problem as _;
+
+use crate::{context::Context, failure::Result};
+
+/// Notes a change of a resource.
+pub(crate) fn changed<T>(method: &'static str, resource: impl Display, done: &Result<T>) {
+    let Context { caller, request_id, .. } = Context::current();
+    let key = caller.key.map(|key| key.to_string()).unwrap_or_default();
+    let result = done.as_ref().map_or_else(|error| error.reason(), |_| "OK");
+    tracing::info!(
+        target: "audit",
+        key,
+        owner = &*caller.owner,
+        method,
+        %resource,
+        result,
+        request_id,
+        "change"
+    );
+}
+
+/// Notes a resource that was made; `name` is what it is called.
+pub(crate) fn made<T>(method: &'static str, done: &Result<T>, name: impl Fn(&T) -> String) {
+    changed(method, done.as_ref().map_or_else(|_| String::new(), name), done);
+}
