@@ -9,6 +9,7 @@ from bendtwin.token import find_token
 def tokens(tmp_path, monkeypatch):
     monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path))
     monkeypatch.delenv("BENDTWIN_TOKEN", raising=False)
+    monkeypatch.delenv("BENDTWIN_TOKEN_FILE", raising=False)
     folder = tmp_path / "bendtwin" / "tokens"
     folder.mkdir(parents=True)
     return folder
@@ -53,3 +54,26 @@ def test_without_a_token_none_is_sent(fake, tokens):
         client.get_fit(FIT)
     server.stop(None)
     assert [shown for _, shown in fake.shown] == [None]
+
+
+def test_a_file_has_the_key_unless_others_can_read_it(fake, tokens, tmp_path, monkeypatch):
+    key = tmp_path / "robot.key"
+    key.write_text("bt_1_2\n")
+    key.chmod(0o600)
+    server, address = serve(fake)
+    with Client(address, token_file=key) as client:
+        client.get_fit(FIT)
+    monkeypatch.setenv("BENDTWIN_TOKEN_FILE", str(key))
+    with Client(address) as client:
+        client.get_fit(FIT)
+    server.stop(None)
+    assert [shown for _, shown in fake.shown] == ["Bearer bt_1_2"] * 2
+    for mode in (0o644, 0o640, 0o604):
+        key.chmod(mode)
+        with pytest.raises(PermissionError, match="chmod 600") as refused:
+            Client(address, token_file=key)
+        assert "bt_1_2" not in str(refused.value)
+    empty = tmp_path / "empty"
+    empty.touch(0o600)
+    with pytest.raises(ValueError, match="no token or key"):
+        Client(address, token_file=empty)

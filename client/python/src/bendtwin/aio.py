@@ -51,7 +51,7 @@ from bendtwin.resources import (
 from bendtwin.rollout import Fidelity, RolloutResult
 from bendtwin.session import SessionCalls
 from bendtwin.state import InitialState, State
-from bendtwin.token import aio_interceptors, find_token
+from bendtwin.token import aio_interceptors, shown_token
 from bendtwin.twin import TwinFacts
 from bendtwin.uploads import Sender
 from bendtwin.v1 import session_pb2
@@ -232,14 +232,21 @@ class Session(SessionCalls[AsyncCaller, Twin]):
 class Client:
     """A BendTwin server, `host:port`, for one event loop. Close it or use it in `async with`.
 
-    Without `token` it is that of `BENDTWIN_TOKEN`, or the one that a server of the same user on the
-    same machine left.
+    `token` is a key or the token of the server, `token_file` a file with either, which others must
+    not be able to read. Without both it is that of `BENDTWIN_TOKEN`, in the file of
+    `BENDTWIN_TOKEN_FILE`, or the one that a server of the same user on the same machine left.
     """
 
-    def __init__(self, address: str = "127.0.0.1:7070", *, token: str | None = None) -> None:
+    def __init__(
+        self,
+        address: str = "127.0.0.1:7070",
+        *,
+        token: str | None = None,
+        token_file: str | PathLike[str] | None = None,
+    ) -> None:
         target = address.removeprefix("http://").rstrip("/")
         self._address = target
-        self._token = find_token(target) if token is None else token
+        self._token = shown_token(target, token, token_file)
         self._channel = grpc.aio.insecure_channel(
             target, options=calls.CHANNEL_OPTIONS, interceptors=aio_interceptors(self._token)
         )

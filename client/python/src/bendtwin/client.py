@@ -21,7 +21,7 @@ from bendtwin.resources import Capture, Fit, JobState, LossCurve, TwinInfo, Work
 from bendtwin.rollout import Fidelity
 from bendtwin.session import Session
 from bendtwin.state import InitialState
-from bendtwin.token import find_token, with_token
+from bendtwin.token import shown_token, with_token
 from bendtwin.twin import Twin
 from bendtwin.uploads import Sender
 from bendtwin.world import Grasp, World
@@ -33,14 +33,21 @@ if TYPE_CHECKING:
 class Client:
     """A BendTwin server, `host:port`. Thread-safe; close it or use it in a `with` statement.
 
-    Without `token` it is that of `BENDTWIN_TOKEN`, or the one that a server of the same user on the
-    same machine left.
+    `token` is a key or the token of the server, `token_file` a file with either, which others must
+    not be able to read. Without both it is that of `BENDTWIN_TOKEN`, in the file of
+    `BENDTWIN_TOKEN_FILE`, or the one that a server of the same user on the same machine left.
     """
 
-    def __init__(self, address: str = "127.0.0.1:7070", *, token: str | None = None) -> None:
+    def __init__(
+        self,
+        address: str = "127.0.0.1:7070",
+        *,
+        token: str | None = None,
+        token_file: str | PathLike[str] | None = None,
+    ) -> None:
         target = address.removeprefix("http://").rstrip("/")
         self._address = target
-        self._token = find_token(target) if token is None else token
+        self._token = shown_token(target, token, token_file)
         self._channel = grpc.insecure_channel(target, options=calls.CHANNEL_OPTIONS)
         self._caller = Caller(calls.Services(with_token(self._channel, self._token)))
 

@@ -27,6 +27,8 @@ class ListArguments(TypedDict, total=False):
     #: Text in display name or note, whatever its case.
     search: str
     tag: str
+    #: Owner of the key with which they were made.
+    owner: str
     #: `create_time`, `name` or, of fits and twins, `error`, with ` desc` behind it if descending.
     order_by: str
 

@@ -195,6 +195,8 @@ class Capture:
     note: str = ""
     #: Sorted.
     tags: tuple[str, ...] = ()
+    #: Owner of the key with which it was uploaded; empty if that is not known.
+    owner: str = ""
 
     @classmethod
     def from_proto(cls, message: capture_pb2.Capture) -> Capture:
@@ -209,6 +211,7 @@ class Capture:
             message.verdict,
             message.note,
             tuple(message.tags),
+            message.owner,
         )
 
 
@@ -231,6 +234,8 @@ class Fit:
     tags: tuple[str, ...] = ()
     #: Error of its twin over frames that it was not fitted to, in metres; None if there is none.
     error_m: float | None = None
+    #: Owner of the key with which it was asked for; empty if that is not known.
+    owner: str = ""
 
     @classmethod
     def from_proto(cls, message: fit_pb2.Fit) -> Fit:
@@ -245,6 +250,7 @@ class Fit:
             note=message.note,
             tags=tuple(message.tags),
             error_m=_optional(message, "error_m"),
+            owner=message.owner,
         )
 
     @property
@@ -292,6 +298,8 @@ class TwinInfo:
     #: Error over frames that it was not fitted to, in metres: of tracks, else of coordinates, else
     #: the Chamfer distance; None if there is none.
     error_m: float | None = None
+    #: Owner of its fit, or of the key with which it was imported; empty if that is not known.
+    owner: str = ""
 
     @classmethod
     def from_proto(cls, message: twin_pb2.Twin) -> TwinInfo:
@@ -315,6 +323,7 @@ class TwinInfo:
             message.note,
             tuple(message.tags),
             _optional(message, "error_m"),
+            message.owner,
         )
 
 

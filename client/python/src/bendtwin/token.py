@@ -1,7 +1,7 @@
-"""The token of a server.
+"""The token or key that is shown to a server.
 
-It is in the environment, or, for servers of the same user on the same machine, in a file that the
-server leaves by its port.
+It is in the environment, in a file that is named there, or, for servers of the same user on the
+same machine, in a file that the server leaves by its port.
 """
 
 from __future__ import annotations
@@ -9,6 +9,7 @@ from __future__ import annotations
 import ipaddress
 import os
 from collections.abc import Callable
+from os import PathLike
 from pathlib import Path
 from typing import Any, NamedTuple
 from urllib.parse import urlsplit
@@ -18,10 +19,14 @@ import grpc.aio
 
 
 def find_token(target: str) -> str | None:
-    """The token for `host:port`: of BENDTWIN_TOKEN, or as a server on this machine left it."""
+    """The token or key for `host:port`: of BENDTWIN_TOKEN, in the file that BENDTWIN_TOKEN_FILE
+    names, or as a server on this machine left it."""
     given = os.environ.get("BENDTWIN_TOKEN")
     if given:
         return given
+    file = os.environ.get("BENDTWIN_TOKEN_FILE")
+    if file:
+        return read_token(file)
     try:
         parts = urlsplit(f"//{target}")
         host, port = parts.hostname, parts.port
@@ -34,6 +39,34 @@ def find_token(target: str) -> str | None:
         return path.read_text().strip() or None
     except (OSError, RuntimeError, ValueError):
         return None
+
+
+def shown_token(
+    target: str, token: str | None, token_file: str | PathLike[str] | None
+) -> str | None:
+    """The token or key that a client shows.
+
+    That is the one that it was given, else the one in the file that it was given, else the one that
+    is found.
+    """
+    if token is not None:
+        return token
+    return find_token(target) if token_file is None else read_token(token_file)
+
+
+def read_token(path: str | PathLike[str]) -> str:
+    """The token or key in a file, which other users of the machine must not be able to read."""
+    with open(path, encoding="utf-8") as file:
+        mode = os.fstat(file.fileno()).st_mode & 0o777
+        if os.name == "posix" and mode & 0o077:
+            raise PermissionError(
+                f"other users can use {path}, which has a token or key (mode {mode:03o}): "
+                f"`chmod 600 {path}`, and have another key made if they may have read this one"
+            )
+        token = file.read().strip()
+    if not token:
+        raise ValueError(f"{path}: there is no token or key in it")
+    return token
 
 
 def with_token(channel: grpc.Channel, token: str | None) -> grpc.Channel:
