@@ -118,7 +118,9 @@ impl Error {
             Self::Busy { retry_after } => Some(*retry_after),
             Self::WorkerLost => Some(Duration::from_millis(250)),
             Self::Store(
-                bendtwin_store::Error::UploadLocked { .. } | bendtwin_store::Error::DatabaseBusy,
+                bendtwin_store::Error::UploadLocked { .. }
+                | bendtwin_store::Error::DatabaseBusy
+                | bendtwin_store::Error::DatabaseUnavailable,
             )
             | Self::UploadTakenOver
             | Self::NoWorker

@@ -4,6 +4,7 @@
 use std::{net::SocketAddr, path::PathBuf, time::Duration};
 
 use bendtwin_proto::rollout;
+use bendtwin_store::DatabaseUrl;
 use serde::{Deserialize, Serialize};
 
 use crate::listen::Timeouts;
@@ -36,6 +37,9 @@ pub struct Options {
     pub insecure: bool,
     /// The folder of the database and the blobs; made if missing.
     pub data_dir: PathBuf,
+    /// URL of the PostgreSQL database that has the rows; without one they are in SQLite in the data
+    /// folder. Content is in the data folder in any case.
+    pub database_url: Option<DatabaseUrl>,
     /// The token of workers that others start; without one, only the server's own workers may
     /// connect.
     pub worker_token: Option<String>,
@@ -152,6 +156,7 @@ impl Default for Options {
             tls_terminated_by_proxy: false,
             insecure: false,
             data_dir: PathBuf::from("bendtwin-data"),
+            database_url: None,
             worker_token: None,
             workers: WorkerPolicy::default(),
             memory_mib: None,
@@ -206,7 +211,7 @@ impl Default for Limits {
     }
 }
 
-/// Leaves the token out.
+/// Leaves token and database out.
 impl std::fmt::Debug for Options {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.debug_struct("Options")
@@ -300,6 +305,11 @@ impl Options {
             ));
         }
         faults.extend(self.openness());
+        if let Some(url) = &self.database_url
+            && let Err(fault) = DatabaseUrl::parse(url.reveal())
+        {
+            faults.push(format!("database_url: {fault}"));
+        }
         if self.data_dir.as_os_str().is_empty() {
             faults.push("data_dir is empty: name a folder".to_owned());
         }

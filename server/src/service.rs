@@ -135,7 +135,7 @@ impl Service {
         // First of all: a server that cannot listen leaves no folder behind.
         let (socket, address) = bind(options.listen).await?;
         let (worker_socket, worker_address) = bind(options.worker_listen).await?;
-        let store = open_store(&options.data_dir).await?;
+        let store = open_store(&options).await?;
         let client_token = match options.client_token {
             ClientTokenPolicy::Required => Some(load_token(&options)?),
             ClientTokenPolicy::None => None,
@@ -209,9 +209,11 @@ fn warn_of_openness(options: &Options, address: SocketAddr, worker_address: Sock
     }
 }
 
-async fn open_store(folder: &Path) -> Result<Store, StartError> {
-    let opened = Store::open(bendtwin_store::Options::new(folder)).await;
-    opened.map_err(|source| StartError::Store { folder: folder.to_owned(), source })
+async fn open_store(options: &Options) -> Result<Store, StartError> {
+    let folder = options.data_dir.clone();
+    let database = options.database_url.clone();
+    let of_store = bendtwin_store::Options { database, ..bendtwin_store::Options::new(&folder) };
+    Store::open(of_store).await.map_err(|source| StartError::Store { folder, source })
 }
 
 async fn bind(address: SocketAddr) -> Result<(TcpListener, SocketAddr), StartError> {

@@ -23,6 +23,8 @@ pub(crate) use program::program;
 pub const SERVER_VARIABLE: &str = "BENDTWIN_SERVER";
 /// The environment variable with the worker token.
 pub const TOKEN_VARIABLE: &str = "BENDTWIN_WORKER_TOKEN";
+/// The environment variable with the URL of the server's database.
+const DATABASE_VARIABLE: &str = "BENDTWIN_DATABASE_URL";
 /// The environment variable with the backend: `auto`, `cpu` or `cuda`.
 pub const BACKEND_VARIABLE: &str = "BENDTWIN_BACKEND";
 /// The environment variable with the number of the CUDA device.
@@ -174,6 +176,11 @@ impl SlotSupervisor {
         if std::env::var_os(SCRATCH_VARIABLE).is_none() {
             let folder = std::path::absolute(&self.app.options.data_dir)?.join(SCRATCH_FOLDER);
             command.env(SCRATCH_VARIABLE, folder);
+        }
+        // Of the environment of the server, the database is nothing to workers and to the programs
+        // that read strangers' files for them.
+        for variable in [DATABASE_VARIABLE, "PGPASSWORD", "PGPASSFILE"] {
+            command.env_remove(variable);
         }
         command
             .args(&self.spawn_options.args)

@@ -58,6 +58,11 @@ pub(crate) struct Server {
     /// Folder of the database and of all content [default: bendtwin-data]
     #[arg(long, env = "BENDTWIN_DATA_DIR", value_name = "DIR")]
     data_dir: Option<PathBuf>,
+    /// PostgreSQL database for all but content, postgres://USER@HOST:PORT/DATABASE [default: SQLite
+    /// in the data folder]. Other users of the machine see arguments: give a password by the
+    /// environment, or in PostgreSQL's password file
+    #[arg(long, env = "BENDTWIN_DATABASE_URL", value_name = "URL", hide_env_values = true)]
+    database: Option<String>,
     /// Number of worker processes that the server starts itself [default: 1]
     #[arg(long, env = "BENDTWIN_WORKERS", value_name = "N")]
     workers: Option<u32>,

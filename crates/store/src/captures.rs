@@ -16,6 +16,7 @@ use crate::{
     observations,
     quotas::{self, More},
     row::row,
+    sql::{query, query_scalar},
     uploads,
 };
 
@@ -121,9 +122,9 @@ impl Captures<'_> {
         let guard = self.store.blobs().publish(content).await?;
         let mut tx = self.store.inner.database.write().await?;
         if let Some(request_id) = &request_id {
-            let row: Option<Row> = sqlx::query_as("select * from captures where request_id = $1")
+            let row: Option<Row> = query("select * from captures where request_id = $1")
                 .bind(request_id)
-                .fetch_optional(&mut *tx)
+                .fetch_optional(&mut tx)
                 .await?;
             if let Some(row) = row {
                 let same_name = row.first_name() == display_name;
@@ -148,7 +149,7 @@ impl Captures<'_> {
             return Err(error);
         }
         let id = CaptureId::generate();
-        let row: Row = sqlx::query_as(
+        let row: Row = query(
             "insert into captures (id, display_name, created_at, size_bytes, digest, request_id,
                  name_key, search_text, owner)
              values ($1, $2, $3, $4, $5, $6, $7, $8, $9) returning *",
@@ -162,7 +163,7 @@ impl Captures<'_> {
         .bind(labels::name_key(&display_name))
         .bind(labels::search_text(&display_name, ""))
         .bind(&creator.owner)
-        .fetch_one(&mut *tx)
+        .fetch_one(&mut tx)
         .await?;
         if let Some(upload) = upload {
             uploads::stored(&mut tx, upload, id).await?;
@@ -183,7 +184,7 @@ impl Captures<'_> {
     /// # Errors
     /// [`Error::NotFound`].
     pub async fn get(&self, id: CaptureId) -> Result<Capture> {
-        let row: Option<Row> = sqlx::query_as("select * from captures where id = $1")
+        let row: Option<Row> = query("select * from captures where id = $1")
             .bind(id.uuid().to_string())
             .fetch_optional(self.store.inner.database.read())
             .await?;
@@ -228,9 +229,11 @@ impl Captures<'_> {
     /// # Errors
     /// [`Error::InvalidPageToken`].
     pub async fn list(&self, query: &ListQuery) -> Result<Page<Capture>> {
-        let mut select = query.select(Collection::Captures)?;
-        let rows: Vec<Row> =
-            select.build_query_as().fetch_all(self.store.inner.database.read()).await?;
+        let rows: Vec<Row> = query
+            .select(Collection::Captures)?
+            .build()
+            .fetch_all(self.store.inner.database.read())
+            .await?;
         let items = rows.into_iter().map(Capture::try_from).collect::<Result<_>>()?;
         let listing = query.listing(Collection::Captures);
         Ok(Page::cut(items, &query.page, &listing, |c: &Capture| {
@@ -246,11 +249,11 @@ impl Captures<'_> {
         let key = id.uuid().to_string();
         let mut tx = self.store.inner.database.write().await?;
         let find = "select * from captures where id = $1";
-        let row: Option<Row> = sqlx::query_as(find).bind(&key).fetch_optional(&mut *tx).await?;
+        let row: Option<Row> = query(find).bind(&key).fetch_optional(&mut tx).await?;
         let row = row.ok_or_else(|| Error::NotFound { name: id.to_string() })?;
         let before = Capture::try_from(row)?.labels;
         labels::change(&mut tx, Collection::Captures, &key, &before, change).await?;
-        let row: Row = sqlx::query_as(find).bind(&key).fetch_one(&mut *tx).await?;
+        let row: Row = query(find).bind(&key).fetch_one(&mut tx).await?;
         tx.commit().await?;
         row.try_into()
     }
@@ -282,9 +285,9 @@ impl Captures<'_> {
             return Err(Error::CaptureInUse { name: id.to_string(), fits });
         }
         let digest: Option<String> =
-            sqlx::query_scalar("delete from captures where id = $1 returning digest")
+            query_scalar("delete from captures where id = $1 returning digest")
                 .bind(&key)
-                .fetch_optional(&mut *tx)
+                .fetch_optional(&mut tx)
                 .await?;
         let digest = digest.ok_or_else(|| Error::NotFound { name: id.to_string() })?;
         labels::forget(&mut tx, Collection::Captures, &key).await?;
@@ -308,11 +311,11 @@ impl Captures<'_> {
     /// Queues the ingests of captures that have none: they are from before ingests existed.
     pub(crate) async fn ingest_old(&self) -> Result<()> {
         let mut tx = self.store.inner.database.write().await?;
-        let old: Vec<String> = sqlx::query_scalar(
+        let old: Vec<String> = query_scalar(
             "select id from captures where not exists (
                  select 1 from jobs where kind = 'ingest' and jobs.capture = captures.id)",
         )
-        .fetch_all(&mut *tx)
+        .fetch_all(&mut tx)
         .await?;
         for capture in &old {
             jobs::enqueue(&mut tx, capture, "{}", "", self.store.now_micros()).await?;

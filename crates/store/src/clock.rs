@@ -18,6 +18,11 @@ pub trait Clock: fmt::Debug + Send + Sync + 'static {
 
     /// The time since some moment in the life of this process. It never goes back.
     fn monotonic(&self) -> Duration;
+
+    /// True if a test moves these clocks: then they stand in for that of the database, too.
+    fn is_simulated(&self) -> bool {
+        false
+    }
 }
 
 /// The operating system's clocks.
@@ -63,6 +68,10 @@ impl Clock for ManualClock {
 
     fn monotonic(&self) -> Duration {
         Duration::from_micros(self.monotonic_micros.load(Ordering::SeqCst))
+    }
+
+    fn is_simulated(&self) -> bool {
+        true
     }
 }
 

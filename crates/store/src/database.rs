@@ -1,121 +1,143 @@
-//! The parts that are specific to SQLite: the files, the pragmas, one writer beside many readers,
-//! and the lock that keeps a second server off the folder.
+//! The open database: SQLite in the data folder, or PostgreSQL.
 //!
-//! SQLite ends a transaction by itself when a disk is full or fails. The pool would go on counting
-//! it as open, and every later transaction would be refused. So a connection that comes back must
-//! prove that it can begin one, however the last one ended: if not, it is closed, and the next
-//! write opens another.
+//! Both are used in the same way. [`Database::read`] is for single statements that only read.
+//! [`Database::write`] begins a transaction that excludes all others that write, from its start to
+//! its end, whichever process they belong to: what it has read stays true until it commits. In
+//! SQLite that is its lock on writing; in PostgreSQL, where a row that was read may change before it
+//! is written, it is an advisory lock, which every transaction takes first.
+
+mod marker;
+pub(crate) mod postgres;
+pub(crate) mod sqlite;
+mod url;
 
 use std::{
-    fs::{self, File, TryLockError},
+    fs::{File, TryLockError},
     path::Path,
     sync::Arc,
-    time::Duration,
 };
 
-use sqlx::{
-    Connection as _, Sqlite, SqliteConnection, SqlitePool, Transaction,
-    sqlite::{SqliteConnectOptions, SqliteJournalMode, SqlitePoolOptions, SqliteSynchronous},
+use tokio::sync::Notify;
+
+use crate::{
+    Error, Result,
+    disk::Reserve,
+    folder,
+    sql::{Readers, Transaction},
 };
 
-use crate::{Error, Result, disk::Reserve, folder, migrations};
-
-/// Name of the database in the data folder.
-pub(crate) const FILE: &str = "bendtwin.sqlite";
+pub(crate) use marker::{leave as leave_marker, require_none};
+pub(crate) use sqlite::{FILE, options};
+pub use url::DatabaseUrl;
 
 /// Name of the file whose lock a server holds.
 pub(crate) const LOCK: &str = "lock";
 
-const READERS: u32 = 4;
-const BUSY_TIMEOUT: Duration = Duration::from_secs(10);
-const ACQUIRE_TIMEOUT: Duration = Duration::from_secs(20);
-/// Size up to which a database is checked at every start [bytes]: about a second of reading.
-const CHECKED_AT_START: u64 = 1 << 30;
-
 /// The open database.
 #[derive(Debug)]
 pub(crate) struct Database {
-    writer: SqlitePool,
-    readers: SqlitePool,
+    engine: Engine,
+    readers: Readers,
+    /// What messages call it.
+    name: String,
     reserve: Arc<Reserve>,
     /// Lock, held for as long as the database is open; the system releases it with the process.
     lock: File,
 }
 
+#[derive(Debug)]
+enum Engine {
+    Sqlite(sqlite::Writer),
+    Postgres(postgres::Server),
+}
+
 impl Database {
-    pub(crate) async fn open(data_dir: &Path, lock: File, reserve: Arc<Reserve>) -> Result<Self> {
-        let file = data_dir.join(FILE);
-        let options = options(&file).create_if_missing(true);
-        let size_bytes = fs::metadata(&file).map_or(0, |found| found.len());
-        // SQLite has one writer at a time anyway; a pool of one queues fairly instead of polling.
-        let low = reserve.clone();
-        let writer = SqlitePoolOptions::new()
-            .max_connections(1)
-            .acquire_timeout(ACQUIRE_TIMEOUT)
-            .after_release(move |connection, _| {
-                let low = low.clone();
-                Box::pin(async move {
-                    let sound = is_idle(connection).await;
-                    if !sound {
-                        tracing::warn!("the connection of a transaction that failed is closed");
-                        low.release_if_low();
-                    }
-                    Ok(sound)
-                })
-            })
-            .connect_with(options.clone())
-            .await?;
-        // A later connection must not make a new database where this one was moved away.
-        let options = options.create_if_missing(false);
-        writer.set_connect_options(options.clone());
-        folder::close_to_others(&file, folder::FILE);
-        if size_bytes > CHECKED_AT_START {
-            tracing::info!(size_bytes, "too large to be checked at start: see `store check`");
-        } else if size_bytes > 0 {
-            quick_check(&writer).await?;
-        }
-        migrations::migrator().run(&writer).await?;
-        let readers = SqlitePoolOptions::new()
-            .max_connections(READERS)
-            .acquire_timeout(ACQUIRE_TIMEOUT)
-            .connect_with(options.read_only(true))
-            .await?;
-        Ok(Self { writer, readers, reserve, lock })
+    /// Opens the database of a data folder whose lock is held: in SQLite, unless a URL is given.
+    pub(crate) async fn open(
+        data_dir: &Path,
+        url: Option<&DatabaseUrl>,
+        lock: File,
+        reserve: Arc<Reserve>,
+    ) -> Result<Self> {
+        let (engine, readers, name) = match url {
+            None => {
+                require_none(data_dir)?;
+                let (writer, readers) = sqlite::open(data_dir, reserve.clone()).await?;
+                let name = data_dir.join(FILE).display().to_string();
+                (Engine::Sqlite(writer), readers, name)
+            }
+            Some(url) => {
+                let (server, readers) = postgres::open(url).await?;
+                (Engine::Postgres(server), readers, url.to_string())
+            }
+        };
+        Ok(Self { engine, readers, name, reserve, lock })
+    }
+
+    /// What messages call it, without a password.
+    pub(crate) fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// True if it is PostgreSQL, whose connections may break and whose changes others may make.
+    pub(crate) fn is_remote(&self) -> bool {
+        matches!(self.engine, Engine::Postgres(_))
     }
 
     /// For single statements that only read.
-    pub(crate) fn read(&self) -> &SqlitePool {
+    pub(crate) fn read(&self) -> &Readers {
         &self.readers
     }
 
-    /// A transaction that holds the write lock from its start, so that its reads stay valid.
-    pub(crate) async fn write(&self) -> Result<Transaction<'static, Sqlite>> {
+    /// A transaction that excludes all others that write, so that its reads stay valid.
+    pub(crate) async fn write(&self) -> Result<Transaction> {
         self.reserve.release_if_low();
-        Ok(self.writer.begin_with("begin immediate").await?)
+        match &self.engine {
+            Engine::Sqlite(writer) => writer.begin().await,
+            Engine::Postgres(server) => server.begin().await,
+        }
+    }
+
+    /// Notifies waiters when any server that has this database open queues a job, if it is one that
+    /// several may have open.
+    pub(crate) fn wake_on_queued(&self, queued: Arc<Notify>) {
+        if let Engine::Postgres(server) = &self.engine {
+            server.wake_on_queued(queued);
+        }
     }
 
     pub(crate) async fn close(&self) {
-        self.readers.close().await;
-        self.writer.close().await;
+        match (&self.engine, &self.readers) {
+            (Engine::Sqlite(writer), Readers::Sqlite(readers)) => {
+                readers.close().await;
+                writer.close().await;
+            }
+            (Engine::Postgres(server), _) => server.close().await,
+            (Engine::Sqlite(writer), Readers::Postgres(_)) => writer.close().await,
+        }
         // Not by closing the file: a process that is just being started holds it, too, for a moment.
         if let Err(error) = self.lock.unlock() {
             tracing::warn!(%error, "the lock of the data folder ends with this process");
         }
     }
 
+    /// The connection of SQLite that writes.
     #[cfg(test)]
-    pub(crate) fn writer(&self) -> &SqlitePool {
-        &self.writer
+    pub(crate) fn writer(&self) -> &sqlx::SqlitePool {
+        match &self.engine {
+            Engine::Sqlite(writer) => writer.pool(),
+            Engine::Postgres(_) => panic!("a test of SQLite alone"),
+        }
     }
-}
 
-/// Options of every connection to a database file.
-pub(crate) fn options(file: &Path) -> SqliteConnectOptions {
-    SqliteConnectOptions::new()
-        .filename(file)
-        .journal_mode(SqliteJournalMode::Wal)
-        .synchronous(SqliteSynchronous::Full)
-        .busy_timeout(BUSY_TIMEOUT)
+    /// The server of PostgreSQL.
+    #[cfg(test)]
+    pub(crate) fn server(&self) -> &postgres::Server {
+        match &self.engine {
+            Engine::Sqlite(_) => panic!("a test of PostgreSQL alone"),
+            Engine::Postgres(server) => server,
+        }
+    }
 }
 
 /// Takes the lock of a data folder.
@@ -129,20 +151,3 @@ pub(crate) fn lock(data_dir: &Path) -> Result<File> {
     })?;
     Ok(lock)
 }
-
-/// True if neither SQLite nor sqlx has a transaction open: either would refuse this one.
-async fn is_idle(connection: &mut SqliteConnection) -> bool {
-    match connection.begin_with("begin").await {
-        Ok(transaction) => transaction.rollback().await.is_ok(),
-        Err(_) => false,
-    }
-}
-
-/// Reads all pages once, without comparing indexes with their tables.
-async fn quick_check(pool: &SqlitePool) -> Result<()> {
-    let found: String = sqlx::query_scalar("pragma quick_check(1)").fetch_one(pool).await?;
-    if found == "ok" { Ok(()) } else { Err(Error::DatabaseDamaged { fault: found }) }
-}
-
-#[cfg(test)]
-mod tests;

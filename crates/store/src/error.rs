@@ -77,16 +77,34 @@ pub enum Error {
     )]
     DatabaseMissing { file: PathBuf },
     #[error(
-        "the database {} and the content in {} belong to different stores: put the right one back, \
-         or run `bendtwin store repair` to join them", .file.display(), .blobs.display()
+        "the database {database} and the content in {} belong to different stores: put the right one \
+         back, or run `bendtwin store repair` to join them", .blobs.display()
     )]
-    StoreMismatch { file: PathBuf, blobs: PathBuf },
+    StoreMismatch { database: String, blobs: PathBuf },
+    #[error(
+        "the store is in {} still and {database} is empty: run `bendtwin store migrate --to` with the \
+         URL of that database, or choose another folder", .file.display()
+    )]
+    StoreNotMigrated { file: PathBuf, database: String },
+    #[error(
+        "the database of this folder is {database}: give its URL with `--database`, or remove the file \
+         `postgres` from the folder if it is not any more"
+    )]
+    DatabaseElsewhere { database: String },
+    #[error("this is no URL of a PostgreSQL database: write `postgres://USER@HOST:PORT/DATABASE`")]
+    InvalidDatabaseUrl,
+    #[error("the database cannot be used: {fault}")]
+    DatabaseUnfit { fault: String },
     #[error("the database is damaged ({fault}): run `bendtwin store check`")]
     DatabaseDamaged { fault: String },
     #[error("the database cannot be rebuilt ({fault}): restore it from a backup")]
     BeyondRepair { fault: String },
     #[error("the database is locked by another program or overloaded: retry in a moment")]
     DatabaseBusy,
+    #[error("the database does not answer: retry in a moment")]
+    DatabaseUnavailable,
+    #[error("text has a NUL character, which the database does not store: leave it out")]
+    InvalidText,
     #[error("the folder {} is not empty: name a new one for the backup", .folder.display())]
     BackupNotEmpty { folder: PathBuf },
     #[error("the content {digest} of {name} is missing: run `bendtwin store check`")]
@@ -120,12 +138,17 @@ impl Problem for Error {
             | Self::FitRunning { .. }
             | Self::DatabaseMissing { .. }
             | Self::StoreMismatch { .. }
+            | Self::StoreNotMigrated { .. }
+            | Self::DatabaseElsewhere { .. }
+            | Self::DatabaseUnfit { .. }
             | Self::BackupNotEmpty { .. }
             | Self::DataDirInUse => Category::FailedPrecondition,
             Self::InvalidPageToken
             | Self::TooManyTags { .. }
             | Self::TooLarge { .. }
             | Self::DigestMismatch { .. }
+            | Self::InvalidDatabaseUrl
+            | Self::InvalidText
             | Self::UploadLength { .. } => Category::InvalidArgument,
             Self::DiskFull
             | Self::UploadsFull { .. }
@@ -136,7 +159,7 @@ impl Problem for Error {
             | Self::DatabaseDamaged { .. }
             | Self::BeyondRepair { .. }
             | Self::CorruptRow { .. } => Category::DataLoss,
-            Self::DatabaseBusy => Category::Unavailable,
+            Self::DatabaseBusy | Self::DatabaseUnavailable => Category::Unavailable,
             Self::Database(_)
             | Self::Migration(_)
             | Self::Objects(_)
@@ -171,6 +194,12 @@ impl Problem for Error {
             Self::BackupNotEmpty { .. } => "BACKUP_NOT_EMPTY",
             Self::DatabaseDamaged { .. } | Self::BeyondRepair { .. } => "DATABASE_DAMAGED",
             Self::DatabaseBusy => "DATABASE_BUSY",
+            Self::DatabaseUnavailable => "DATABASE_UNAVAILABLE",
+            Self::DatabaseElsewhere { .. } => "DATABASE_ELSEWHERE",
+            Self::DatabaseUnfit { .. } => "DATABASE_UNFIT",
+            Self::InvalidDatabaseUrl => "INVALID_DATABASE_URL",
+            Self::InvalidText => "INVALID_TEXT",
+            Self::StoreNotMigrated { .. } => "STORE_NOT_MIGRATED",
             Self::ContentLost { .. } => "CONTENT_LOST",
             Self::ContentDamaged { .. } => "CONTENT_DAMAGED",
             Self::CorruptRow { .. } => "CORRUPT_ROW",
@@ -190,8 +219,17 @@ impl From<sqlx::Error> for Error {
         const NOT_A_DATABASE: i64 = 26;
         /// The index of the log cannot grow: its file is as large as the disk lets it be.
         const SHARED_MEMORY_SIZE: i64 = 4874;
-        if matches!(error, sqlx::Error::PoolTimedOut) {
-            return Self::DatabaseBusy;
+        use sqlx::Error::{BeginFailed, Io, PoolClosed, PoolTimedOut, Protocol, Tls};
+        match &error {
+            PoolTimedOut => return Self::DatabaseBusy,
+            // Of a connection that broke: SQLite has none of these.
+            Io(_) | Tls(_) | Protocol(_) | BeginFailed | PoolClosed => {
+                return Self::DatabaseUnavailable;
+            }
+            _ => {}
+        }
+        if let Some(state) = sql_state(&error) {
+            return of_state(&state).unwrap_or(Self::Database(error));
         }
         let code = error.as_database_error().and_then(|e| e.code()?.parse::<i64>().ok());
         // Extended codes have the primary one in the low byte.
@@ -203,6 +241,35 @@ impl From<sqlx::Error> for Error {
             }
             _ => Self::Database(error),
         }
+    }
+}
+
+/// The code of an error that PostgreSQL reports.
+fn sql_state(error: &sqlx::Error) -> Option<String> {
+    let found = error.as_database_error()?;
+    let found = found.try_downcast_ref::<sqlx::postgres::PgDatabaseError>()?;
+    Some(found.code().to_owned())
+}
+
+/// What a code of PostgreSQL means here, if it is anything but a fault of this program.
+fn of_state(state: &str) -> Option<Error> {
+    const NUL_IN_TEXT: &str = "22021";
+    const DISK_FULL: &str = "53100";
+    const LOCK_TIMEOUT: &str = "55P03";
+    const CANCELLED: &str = "57014";
+    const IDLE_IN_TRANSACTION: &str = "25P03";
+    /// Shutting down, crashed, starting up.
+    const DOWN: [&str; 3] = ["57P01", "57P02", "57P03"];
+    let class = state.get(..2).unwrap_or_default();
+    match state {
+        NUL_IN_TEXT => Some(Error::InvalidText),
+        DISK_FULL => Some(Error::DiskFull),
+        LOCK_TIMEOUT | CANCELLED | IDLE_IN_TRANSACTION => Some(Error::DatabaseBusy),
+        state if DOWN.contains(&state) => Some(Error::DatabaseUnavailable),
+        // Connections, too many of them, deadlocks and lost races.
+        _ if class == "08" || class == "53" => Some(Error::DatabaseUnavailable),
+        _ if class == "40" => Some(Error::DatabaseBusy),
+        _ => None,
     }
 }
 

@@ -3,14 +3,13 @@
 
 use std::{fs, io, io::Write as _, path::Path};
 
-use sqlx::SqlitePool;
-
 use crate::{
     Error, Result,
     blobs::files,
     database::{self, Database},
     folder, references,
     references::Reference,
+    sql::{Readers, query, query_scalar},
 };
 
 /// Name of the file in the folder of the blobs.
@@ -34,9 +33,14 @@ pub(crate) async fn settle(database: &Database, data_dir: &Path, now: i64) -> Re
     if mine.is_some() && mine == theirs {
         return Ok(());
     }
+    let sqlite = data_dir.join(database::FILE);
+    if mine.is_none() && database.is_remote() && sqlite.try_exists()? {
+        let database = database.name().to_owned();
+        return Err(Error::StoreNotMigrated { file: sqlite, database });
+    }
     let strangers = theirs.is_some() || !any_referred(database.read(), &blobs).await?;
     if strangers && files::any(&blobs)? {
-        return Err(Error::StoreMismatch { file: data_dir.join(database::FILE), blobs });
+        return Err(Error::StoreMismatch { database: database.name().to_owned(), blobs });
     }
     join(database, mine, &blobs, now).await
 }
@@ -48,7 +52,7 @@ pub(crate) async fn verify(database: &Database, data_dir: &Path) -> Result<()> {
     if mine.is_some() && mine == of_blobs(&blobs)? {
         return Ok(());
     }
-    Err(Error::StoreMismatch { file: data_dir.join(database::FILE), blobs })
+    Err(Error::StoreMismatch { database: database.name().to_owned(), blobs })
 }
 
 /// Makes database and blobs belong together.
@@ -63,10 +67,10 @@ pub(crate) async fn join(
         None => {
             let identity = uuid::Uuid::new_v4().to_string();
             let mut tx = database.write().await?;
-            sqlx::query("insert into store (id, identity, probed_at) values (1, $1, $2)")
+            query("insert into store (id, identity, probed_at) values (1, $1, $2)")
                 .bind(&identity)
                 .bind(now)
-                .execute(&mut *tx)
+                .execute(&mut tx)
                 .await?;
             tx.commit().await?;
             identity
@@ -83,8 +87,8 @@ pub(crate) async fn join(
     Ok(())
 }
 
-pub(crate) async fn of_database(readers: &SqlitePool) -> Result<Option<String>> {
-    let identity = sqlx::query_scalar("select identity from store where id = 1");
+pub(crate) async fn of_database(readers: &Readers) -> Result<Option<String>> {
+    let identity = query_scalar("select identity from store where id = 1");
     Ok(identity.fetch_optional(readers).await?)
 }
 
@@ -96,8 +100,8 @@ pub(crate) fn of_blobs(blobs: &Path) -> Result<Option<String>> {
 }
 
 /// True if any row refers to any blob that is there.
-async fn any_referred(readers: &SqlitePool, blobs: &Path) -> Result<bool> {
-    let all: Vec<Reference> = sqlx::query_as(references::ALL).fetch_all(readers).await?;
+async fn any_referred(readers: &Readers, blobs: &Path) -> Result<bool> {
+    let all: Vec<Reference> = query(references::ALL).fetch_all(readers).await?;
     Ok(all.iter().any(|reference| files::published(blobs, &reference.digest).exists()))
 }
 

@@ -24,6 +24,7 @@ use tokio::sync::broadcast;
 use crate::{
     Digest, Error, Labels, Result, Store,
     labels::{self, Collection},
+    sql::query,
 };
 
 pub use end::{AttemptEnd, Loss};
@@ -31,6 +32,8 @@ pub use fits::NewFit;
 pub use id::{JobId, Kind};
 pub use ingests::{IngestResult, NewIngest, NewReport};
 pub(crate) use ingests::{dequeue, enqueue};
+#[cfg(test)]
+pub(crate) use lease::CLAIM;
 pub use lease::{JobReport, Lease, Reported};
 pub use lease_time::LeaseTerms;
 pub(crate) use lease_time::LeaseTimes;
@@ -134,7 +137,7 @@ impl Jobs<'_> {
     /// [`Error::NotFound`].
     pub async fn get(&self, id: impl Into<JobId>) -> Result<Job> {
         let id = id.into();
-        let row: Option<Row> = sqlx::query_as("select * from jobs where id = $1 and kind = $2")
+        let row: Option<Row> = query("select * from jobs where id = $1 and kind = $2")
             .bind(id.uuid().to_string())
             .bind(id.kind().as_str())
             .fetch_optional(self.store.inner.database.read())
@@ -155,23 +158,23 @@ impl Jobs<'_> {
         let checkpoint = row.checkpoint.clone();
         let row: Row = match row.state()? {
             State::Queued => {
-                sqlx::query_as(
+                query(
                     "update jobs set state = 'cancelled', cancel_requested = true,
                          checkpoint = null, ended_at = $2, revision = revision + 1
                      where id = $1 returning *",
                 )
                 .bind(key)
                 .bind(self.store.now_micros())
-                .fetch_one(&mut *tx)
+                .fetch_one(&mut tx)
                 .await?
             }
             State::Running if !row.cancel_requested => {
-                sqlx::query_as(
+                query(
                     "update jobs set cancel_requested = true, revision = revision + 1
                      where id = $1 returning *",
                 )
                 .bind(key)
-                .fetch_one(&mut *tx)
+                .fetch_one(&mut tx)
                 .await?
             }
             _ => return row.try_into(),
@@ -195,7 +198,7 @@ impl Jobs<'_> {
         }
         let key = fit.uuid().to_string();
         for statement in ["delete from jobs where id = $1", "delete from losses where fit = $1"] {
-            sqlx::query(statement).bind(&key).execute(&mut *tx).await?;
+            query(statement).bind(&key).execute(&mut tx).await?;
         }
         labels::forget(&mut tx, Collection::Fits, &key).await?;
         tx.commit().await?;
@@ -217,11 +220,10 @@ impl Jobs<'_> {
     /// # Errors
     /// Database errors.
     pub async fn depth(&self) -> Result<QueueDepth> {
-        let rows: Vec<(String, String, i64, i64)> = sqlx::query_as(
-            "select kind, state, count(*), min(created_at) from jobs group by kind, state",
-        )
-        .fetch_all(self.store.inner.database.read())
-        .await?;
+        let rows: Vec<(String, String, i64, i64)> =
+            query("select kind, state, count(*), min(created_at) from jobs group by kind, state")
+                .fetch_all(self.store.inner.database.read())
+                .await?;
         let mut depth = QueueDepth::default();
         for (kind, state, count, oldest) in rows {
             let (Some(kind), Some(state)) = (Kind::parse(&kind), State::parse(&state)) else {

@@ -3,13 +3,13 @@
 
 use bendtwin_core::ids::KeyId;
 use jiff::Timestamp;
-use sqlx::{Sqlite, Transaction};
 use uuid::Uuid;
 
 use crate::{
     Digest, Error, Page, PageRequest, Quotas, Result, Store,
     clock::{from_micros, micros},
     row::row,
+    sql::{Transaction, query},
 };
 
 /// A stored key.
@@ -118,7 +118,7 @@ impl Keys<'_> {
         scopes.sort();
         scopes.dedup();
         let mut tx = self.store.inner.database.write().await?;
-        let row: Row = sqlx::query_as(
+        let row: Row = query(
             "insert into keys (id, display_name, owner, hash, scopes, created_at, expires_at,
                  max_queued_jobs, max_stored_bytes, max_rollouts)
              values ($1, $2, $3, $4, $5, $6, $7, $8, $9, $10) returning *",
@@ -134,7 +134,7 @@ impl Keys<'_> {
         .bind(bound(new.quotas.queued_jobs))
         .bind(bound(new.quotas.stored_bytes))
         .bind(bound(new.quotas.rollouts))
-        .fetch_one(&mut *tx)
+        .fetch_one(&mut tx)
         .await?;
         tx.commit().await?;
         row.try_into()
@@ -145,7 +145,7 @@ impl Keys<'_> {
     /// # Errors
     /// [`Error::NotFound`].
     pub async fn get(&self, id: KeyId) -> Result<Key> {
-        let row: Option<Row> = sqlx::query_as("select * from keys where id = $1")
+        let row: Option<Row> = query("select * from keys where id = $1")
             .bind(id.uuid().to_string())
             .fetch_optional(self.store.inner.database.read())
             .await?;
@@ -159,7 +159,7 @@ impl Keys<'_> {
     pub async fn list(&self, page: &PageRequest) -> Result<Page<Key>> {
         const LISTING: &str = "keys";
         let rows: Vec<Row> =
-            sqlx::query_as("select * from keys where id < $1 order by id desc limit $2")
+            query("select * from keys where id < $1 order by id desc limit $2")
                 .bind(page.before(LISTING)?)
                 .bind(page.fetch())
                 .fetch_all(self.store.inner.database.read())
@@ -173,7 +173,7 @@ impl Keys<'_> {
     /// # Errors
     /// Database errors.
     pub async fn all(&self) -> Result<Vec<Key>> {
-        let rows: Vec<Row> = sqlx::query_as("select * from keys order by id")
+        let rows: Vec<Row> = query("select * from keys order by id")
             .fetch_all(self.store.inner.database.read())
             .await?;
         let read = rows.into_iter().map(Key::try_from);
@@ -188,12 +188,12 @@ impl Keys<'_> {
     /// [`Error::NotFound`].
     pub async fn revoke(&self, id: KeyId) -> Result<Key> {
         let mut tx = self.store.inner.database.write().await?;
-        let row: Option<Row> = sqlx::query_as(
+        let row: Option<Row> = query(
             "update keys set revoked_at = coalesce(revoked_at, $2) where id = $1 returning *",
         )
         .bind(id.uuid().to_string())
         .bind(self.store.now_micros())
-        .fetch_optional(&mut *tx)
+        .fetch_optional(&mut tx)
         .await?;
         let row = row.ok_or_else(|| Error::NotFound { name: id.to_string() })?;
         tx.commit().await?;
@@ -215,11 +215,11 @@ impl Keys<'_> {
 }
 
 /// Records a use, unless a later one is recorded.
-async fn record_use(tx: &mut Transaction<'_, Sqlite>, id: KeyId, time: Timestamp) -> Result<()> {
-    sqlx::query("update keys set used_at = $2 where id = $1 and (used_at is null or used_at < $2)")
+async fn record_use(tx: &mut Transaction, id: KeyId, time: Timestamp) -> Result<()> {
+    query("update keys set used_at = $2 where id = $1 and (used_at is null or used_at < $2)")
         .bind(id.uuid().to_string())
         .bind(micros(time))
-        .execute(&mut **tx)
+        .execute(&mut *tx)
         .await?;
     Ok(())
 }

@@ -1,9 +1,12 @@
 //! Labels that people give to captures, fits and twins: a name, a note and tags. Tags are in
 //! each row, to be shown, and in the table `tags`, to be searched by.
 
-use sqlx::{AssertSqlSafe, Sqlite, SqliteConnection, Transaction};
+use sqlx::AssertSqlSafe;
 
-use crate::{Error, Result, Store};
+use crate::{
+    Error, Result, Store,
+    sql::{Transaction, query},
+};
 
 /// Most tags of a resource.
 pub const MAX_TAGS: usize = 32;
@@ -96,7 +99,7 @@ pub(crate) fn search_text(display_name: &str, note: &str) -> String {
 /// Changes the labels of a row within the caller's transaction. `before` are those that it has.
 /// Returns false if nothing changes.
 pub(crate) async fn change(
-    tx: &mut Transaction<'_, Sqlite>,
+    tx: &mut Transaction,
     collection: Collection,
     id: &str,
     before: &Labels,
@@ -116,23 +119,23 @@ pub(crate) async fn change(
          where id = $1",
         collection.table()
     );
-    sqlx::query(AssertSqlSafe(update))
+    query(AssertSqlSafe(update))
         .bind(id)
         .bind(&labels.display_name)
         .bind(&labels.note)
         .bind(to_json(&labels.tags))
         .bind(name_key(&labels.display_name))
         .bind(search_text(&labels.display_name, &labels.note))
-        .execute(&mut **tx)
+        .execute(&mut *tx)
         .await?;
     if labels.tags != before.tags {
         forget(tx, collection, id).await?;
         for tag in &labels.tags {
-            sqlx::query("insert into tags (kind, tag, resource) values ($1, $2, $3)")
+            query("insert into tags (kind, tag, resource) values ($1, $2, $3)")
                 .bind(collection.name())
                 .bind(tag)
                 .bind(id)
-                .execute(&mut **tx)
+                .execute(&mut *tx)
                 .await?;
         }
     }
@@ -140,12 +143,8 @@ pub(crate) async fn change(
 }
 
 /// Forgets the tags of a resource within the caller's transaction.
-pub(crate) async fn forget(
-    tx: &mut SqliteConnection,
-    collection: Collection,
-    id: &str,
-) -> Result<()> {
-    sqlx::query("delete from tags where kind = $1 and resource = $2")
+pub(crate) async fn forget(tx: &mut Transaction, collection: Collection, id: &str) -> Result<()> {
+    query("delete from tags where kind = $1 and resource = $2")
         .bind(collection.name())
         .bind(id)
         .execute(tx)
@@ -167,18 +166,18 @@ impl Store {
         let unnamed = "update jobs set first_name = '', display_name = coalesce(
                  (select display_name from captures where captures.id = jobs.capture), '')
              where kind = 'fit' and search_text is null";
-        sqlx::query(unnamed).execute(&mut *tx).await?;
+        query(unnamed).execute(&mut tx).await?;
         let twins: Vec<(String, String)> =
-            sqlx::query_as("select id, quality from twins where search_text is null")
-                .fetch_all(&mut *tx)
+            query("select id, quality from twins where search_text is null")
+                .fetch_all(&mut tx)
                 .await?;
         for (id, quality) in twins {
             for statement in [
                 "update twins set error_m = $2 where id = $1",
                 "update jobs set error_m = $2 where twin = $1 and kind = 'fit'",
             ] {
-                let query = sqlx::query(statement).bind(&id).bind(error_key(&quality));
-                query.execute(&mut *tx).await?;
+                let query = query(statement).bind(&id).bind(error_key(&quality));
+                query.execute(&mut tx).await?;
             }
         }
         for (table, filter) in [("captures", ""), ("twins", ""), ("jobs", " and kind = 'fit'")] {
@@ -186,16 +185,16 @@ impl Store {
                 "select id, display_name, note from {table} where search_text is null{filter}"
             );
             let old: Vec<(String, String, String)> =
-                sqlx::query_as(AssertSqlSafe(old)).fetch_all(&mut *tx).await?;
+                query(AssertSqlSafe(old)).fetch_all(&mut tx).await?;
             count += old.len();
             let update =
                 format!("update {table} set name_key = $2, search_text = $3 where id = $1");
             for (id, display_name, note) in old {
-                sqlx::query(AssertSqlSafe(update.clone()))
+                query(AssertSqlSafe(update.clone()))
                     .bind(id)
                     .bind(name_key(&display_name))
                     .bind(search_text(&display_name, &note))
-                    .execute(&mut *tx)
+                    .execute(&mut tx)
                     .await?;
             }
         }

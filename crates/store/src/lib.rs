@@ -103,7 +103,10 @@ mod playbacks;
 mod quotas;
 mod references;
 mod row;
+mod sql;
 mod store;
+#[cfg(test)]
+mod test_database;
 mod twins;
 mod uploads;
 mod workers;
@@ -111,6 +114,7 @@ mod workers;
 pub use blobs::{Blobs, Content, Staged, Upload};
 pub use captures::{Capture, Captures, NewCapture, Overview};
 pub use clock::{Clock, ManualClock, SystemClock};
+pub use database::DatabaseUrl;
 pub use disk::Disk;
 pub use error::{Error, Result};
 pub use jobs::{

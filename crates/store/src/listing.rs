@@ -6,9 +6,8 @@
 //! page is full.
 
 use bendtwin_core::ids::CaptureId;
-use sqlx::{QueryBuilder, Sqlite};
 
-use crate::{Error, PageRequest, Result, State, labels::Collection, page::Place};
+use crate::{Error, PageRequest, Result, State, labels::Collection, page::Place, sql::Builder};
 
 /// Key by which a list is ordered.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -71,10 +70,10 @@ impl ListQuery {
     }
 
     /// The statement for a page, `select *` and one row more than the page.
-    pub(crate) fn select(&self, collection: Collection) -> Result<QueryBuilder<Sqlite>> {
+    pub(crate) fn select(&self, collection: Collection) -> Result<Builder> {
         let place = self.page.place(&self.listing(collection))?;
         let table = collection.table();
-        let mut sql = QueryBuilder::new("select t.* from ");
+        let mut sql = Builder::new("select t.* from ");
         // Tags have the ids in their order, too.
         let id = if self.tag.is_empty() { "t.id" } else { "g.resource" };
         if self.tag.is_empty() {
@@ -111,7 +110,7 @@ impl ListQuery {
     }
 
     /// Leaves out what comes before a place in the order.
-    fn go_on(&self, sql: &mut QueryBuilder<Sqlite>, id: &str, place: Option<Place>) -> Result<()> {
+    fn go_on(&self, sql: &mut Builder, id: &str, place: Option<Place>) -> Result<()> {
         let Some(Place { id: last, key }) = place else { return Ok(()) };
         let than = if self.order.descending { '<' } else { '>' };
         match self.column() {

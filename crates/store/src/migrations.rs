@@ -1,14 +1,14 @@
 //! Schema of the database as a list of migrations, applied in order when a store is opened.
 //!
-//! A migration that was applied anywhere never changes: databases remember a checksum of its text.
+//! SQLite and PostgreSQL have the same ones, in one folder. A migration that was applied anywhere never changes: databases remember a checksum of its text.
 
 use sqlx::{
-    SqlSafeStr as _,
+    AssertSqlSafe, SqlSafeStr as _, SqlStr,
     migrate::{Migration, MigrationType, Migrator},
 };
 
 /// Version, description and SQL of every migration.
-const MIGRATIONS: [(i64, &str, &str); 10] = [
+const MIGRATIONS: [(i64, &str, &str); 11] = [
     (1, "initial", include_str!("../migrations/0001_initial.sql")),
     (2, "ingest", include_str!("../migrations/0002_ingest.sql")),
     (3, "uploads", include_str!("../migrations/0003_uploads.sql")),
@@ -18,15 +18,48 @@ const MIGRATIONS: [(i64, &str, &str); 10] = [
     (7, "skin", include_str!("../migrations/0007_skin.sql")),
     (8, "labels", include_str!("../migrations/0008_labels.sql")),
     (9, "playback", include_str!("../migrations/0009_playback.sql")),
-    (10, "keys", include_str!("../migrations/0010_keys.sql")),
+    (10, "queue", include_str!("../migrations/0010_queue.sql")),
+    (11, "keys", include_str!("../migrations/0011_keys.sql")),
 ];
 
-pub(crate) fn migrator() -> Migrator {
+/// The migrations of SQLite.
+pub(crate) fn sqlite() -> Migrator {
+    migrator(|sql| sql.into_sql_str())
+}
+
+/// The migrations of PostgreSQL: the same, with text that is compared byte by byte.
+pub(crate) fn postgres() -> Migrator {
+    migrator(|sql| AssertSqlSafe(with_byte_order(sql)).into_sql_str())
+}
+
+fn migrator(dialect: impl Fn(&'static str) -> SqlStr) -> Migrator {
     let all = MIGRATIONS.map(|(version, description, sql)| {
         let kind = MigrationType::Simple;
-        Migration::new(version, description.into(), kind, sql.into_sql_str(), false)
+        Migration::new(version, description.into(), kind, dialect(sql), false)
     });
     Migrator::with_migrations(all.into())
+}
+
+/// Gives columns of the type `text` the order of their bytes, which SQLite's have: PostgreSQL's have
+/// that of the language which the database was made with. Nothing else differs.
+fn with_byte_order(sql: &str) -> String {
+    let mut ordered = String::with_capacity(2 * sql.len());
+    for line in sql.lines() {
+        let (code, comment) = line.split_at(line.find("--").unwrap_or(line.len()));
+        let mut rest = code;
+        while let Some(at) = rest.find("text") {
+            let (before, after) = (&rest[..at], &rest[at + "text".len()..]);
+            let is_name = |letter: char| letter.is_alphanumeric() || letter == '_';
+            let alone = !before.ends_with(is_name) && !after.starts_with(is_name);
+            ordered += before;
+            ordered += if alone { r#"text collate "C""# } else { "text" };
+            rest = after;
+        }
+        ordered += rest;
+        ordered += comment;
+        ordered.push('\n');
+    }
+    ordered
 }
 
 /// The version of the last migration.

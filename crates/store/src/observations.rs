@@ -3,9 +3,14 @@
 
 use bendtwin_core::ids::CaptureId;
 use jiff::Timestamp;
-use sqlx::{QueryBuilder, Sqlite, Transaction};
 
-use crate::{Captures, Content, Digest, Error, Result, clock::from_micros, playbacks, row::row};
+use crate::{
+    Captures, Content, Digest, Error, Result,
+    clock::from_micros,
+    playbacks,
+    row::row,
+    sql::{Builder, Transaction, query, query_scalar},
+};
 
 /// Observation of a capture, made by its last successful ingest.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -97,11 +102,10 @@ impl Captures<'_> {
     /// # Errors
     /// Database errors.
     pub async fn observation(&self, id: CaptureId) -> Result<Option<Observation>> {
-        let row: Option<ObservationRow> =
-            sqlx::query_as("select * from observations where capture = $1")
-                .bind(id.uuid().to_string())
-                .fetch_optional(self.store.inner.database.read())
-                .await?;
+        let row: Option<ObservationRow> = query("select * from observations where capture = $1")
+            .bind(id.uuid().to_string())
+            .fetch_optional(self.store.inner.database.read())
+            .await?;
         row.map(Observation::try_from).transpose()
     }
 
@@ -132,14 +136,9 @@ impl Captures<'_> {
 
     /// The reports of these captures, in any order, by the captures' keys.
     pub(crate) async fn reports_of(&self, captures: &[String]) -> Result<Vec<(String, Report)>> {
-        let mut sql = QueryBuilder::new("select * from reports where capture in (");
-        let mut listed = sql.separated(", ");
-        for capture in captures {
-            listed.push_bind(capture);
-        }
-        sql.push(")");
-        let rows: Vec<ReportRow> =
-            sql.build_query_as().fetch_all(self.store.inner.database.read()).await?;
+        let mut sql = Builder::new("select * from reports where capture in (");
+        sql.push_list(captures).push(")");
+        let rows: Vec<ReportRow> = sql.build().fetch_all(self.store.inner.database.read()).await?;
         rows.into_iter().map(|row| Ok((row.capture.clone(), row.try_into()?))).collect()
     }
 
@@ -157,26 +156,23 @@ impl Captures<'_> {
 }
 
 /// The digest of a capture's observation, within a transaction.
-pub(crate) async fn digest_of(
-    tx: &mut Transaction<'_, Sqlite>,
-    capture: &str,
-) -> Result<Option<String>> {
-    let digest = sqlx::query_scalar("select digest from observations where capture = $1")
+pub(crate) async fn digest_of(tx: &mut Transaction, capture: &str) -> Result<Option<String>> {
+    let digest = query_scalar("select digest from observations where capture = $1")
         .bind(capture)
-        .fetch_optional(&mut **tx)
+        .fetch_optional(&mut *tx)
         .await?;
     Ok(digest)
 }
 
 /// Replaces the rows of a capture. Returns the content that is obsolete afterwards.
 pub(crate) async fn replace(
-    tx: &mut Transaction<'_, Sqlite>,
+    tx: &mut Transaction,
     capture: &str,
     made: &Made,
     now: i64,
 ) -> Result<Vec<String>> {
     let mut obsolete = forget_report(tx, capture).await?;
-    sqlx::query(
+    query(
         "insert into reports (capture, created_at, verdict, json_digest, html_digest)
          values ($1, $2, $3, $4, $5)",
     )
@@ -185,13 +181,13 @@ pub(crate) async fn replace(
     .bind(&made.verdict)
     .bind(made.json.to_hex().as_str())
     .bind(made.html.to_hex().as_str())
-    .execute(&mut **tx)
+    .execute(&mut *tx)
     .await?;
     // An ingest that failed leaves the observation of the one before, with its playback.
     let Some((digest, size_bytes)) = made.observation else { return Ok(obsolete) };
     obsolete.extend(playbacks::replace(tx, capture, made.playback, now).await?);
     obsolete.extend(forget_observation(tx, capture).await?);
-    sqlx::query(
+    query(
         "insert into observations (capture, created_at, size_bytes, digest)
          values ($1, $2, $3, $4)",
     )
@@ -199,35 +195,32 @@ pub(crate) async fn replace(
     .bind(now)
     .bind(i64::try_from(size_bytes).unwrap_or(i64::MAX))
     .bind(digest.to_hex().as_str())
-    .execute(&mut **tx)
+    .execute(&mut *tx)
     .await?;
     Ok(obsolete)
 }
 
 /// Removes all rows of a capture. Returns the content that is obsolete afterwards.
-pub(crate) async fn forget(tx: &mut Transaction<'_, Sqlite>, capture: &str) -> Result<Vec<String>> {
+pub(crate) async fn forget(tx: &mut Transaction, capture: &str) -> Result<Vec<String>> {
     let mut obsolete = forget_report(tx, capture).await?;
     obsolete.extend(forget_observation(tx, capture).await?);
     obsolete.extend(playbacks::forget(tx, capture).await?);
     Ok(obsolete)
 }
 
-async fn forget_report(tx: &mut Transaction<'_, Sqlite>, capture: &str) -> Result<Vec<String>> {
+async fn forget_report(tx: &mut Transaction, capture: &str) -> Result<Vec<String>> {
     let digests: Option<(String, String)> =
-        sqlx::query_as("delete from reports where capture = $1 returning json_digest, html_digest")
+        query("delete from reports where capture = $1 returning json_digest, html_digest")
             .bind(capture)
-            .fetch_optional(&mut **tx)
+            .fetch_optional(&mut *tx)
             .await?;
     Ok(digests.into_iter().flat_map(|(json, html)| [json, html]).collect())
 }
 
-async fn forget_observation(
-    tx: &mut Transaction<'_, Sqlite>,
-    capture: &str,
-) -> Result<Option<String>> {
-    let digest = sqlx::query_scalar("delete from observations where capture = $1 returning digest")
+async fn forget_observation(tx: &mut Transaction, capture: &str) -> Result<Option<String>> {
+    let digest = query_scalar("delete from observations where capture = $1 returning digest")
         .bind(capture)
-        .fetch_optional(&mut **tx)
+        .fetch_optional(&mut *tx)
         .await?;
     Ok(digest)
 }

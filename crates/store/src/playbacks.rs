@@ -2,9 +2,12 @@
 //! capture that was read since there are any; an ingest that succeeds replaces it.
 
 use bendtwin_core::ids::CaptureId;
-use sqlx::{Sqlite, Transaction};
 
-use crate::{Captures, Content, Digest, Error, Result, row::row};
+use crate::{
+    Captures, Content, Digest, Error, Result,
+    row::row,
+    sql::{Transaction, query, query_scalar},
+};
 
 row! {
     struct PlaybackRow {
@@ -21,7 +24,7 @@ impl Captures<'_> {
     /// [`Error::ContentLost`], [`Error::ContentDamaged`].
     pub async fn playback_content(&self, id: CaptureId) -> Result<Content> {
         let row: Option<PlaybackRow> =
-            sqlx::query_as("select size_bytes, digest from playbacks where capture = $1")
+            query("select size_bytes, digest from playbacks where capture = $1")
                 .bind(id.uuid().to_string())
                 .fetch_optional(self.store.inner.database.read())
                 .await?;
@@ -40,14 +43,14 @@ impl Captures<'_> {
 /// Replaces the row of a capture, or removes it where nothing new was made. Returns the content that
 /// is obsolete afterwards.
 pub(crate) async fn replace(
-    tx: &mut Transaction<'_, Sqlite>,
+    tx: &mut Transaction,
     capture: &str,
     made: Option<(Digest, u64)>,
     now: i64,
 ) -> Result<Option<String>> {
     let obsolete = forget(tx, capture).await?;
     if let Some((digest, size_bytes)) = made {
-        sqlx::query(
+        query(
             "insert into playbacks (capture, created_at, size_bytes, digest)
              values ($1, $2, $3, $4)",
         )
@@ -55,20 +58,17 @@ pub(crate) async fn replace(
         .bind(now)
         .bind(i64::try_from(size_bytes).unwrap_or(i64::MAX))
         .bind(digest.to_hex().as_str())
-        .execute(&mut **tx)
+        .execute(&mut *tx)
         .await?;
     }
     Ok(obsolete)
 }
 
 /// Removes the row of a capture. Returns the content that is obsolete afterwards.
-pub(crate) async fn forget(
-    tx: &mut Transaction<'_, Sqlite>,
-    capture: &str,
-) -> Result<Option<String>> {
-    let digest = sqlx::query_scalar("delete from playbacks where capture = $1 returning digest")
+pub(crate) async fn forget(tx: &mut Transaction, capture: &str) -> Result<Option<String>> {
+    let digest = query_scalar("delete from playbacks where capture = $1 returning digest")
         .bind(capture)
-        .fetch_optional(&mut **tx)
+        .fetch_optional(&mut *tx)
         .await?;
     Ok(digest)
 }

@@ -2,9 +2,11 @@
 //! it, so that two calls at a time do not exceed them together.
 
 use bendtwin_core::ids::UploadId;
-use sqlx::{Sqlite, Transaction};
 
-use crate::{Error, Result};
+use crate::{
+    Error, Result,
+    sql::{Transaction, query_scalar},
+};
 
 /// Bounds on what one owner may have; none where it is `None`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -37,18 +39,18 @@ pub(crate) struct More {
 
 /// Refuses more than an owner may have.
 pub(crate) async fn require(
-    tx: &mut Transaction<'_, Sqlite>,
+    tx: &mut Transaction,
     creator: &Creator,
     more: More,
 ) -> Result<()> {
     let Creator { owner, quotas } = creator;
     if let Some(limit) = quotas.queued_jobs.filter(|_| more.jobs > 0) {
-        let queued: i64 = sqlx::query_scalar(
+        let queued: i64 = query_scalar(
             "select count(*) from jobs
              where kind in ('fit', 'ingest') and state = 'queued' and owner = $1",
         )
         .bind(owner)
-        .fetch_one(&mut **tx)
+        .fetch_one(&mut *tx)
         .await?;
         let queued = queued.max(0) as u64;
         if queued.saturating_add(more.jobs) > limit {
@@ -56,7 +58,7 @@ pub(crate) async fn require(
         }
     }
     if let Some(limit) = quotas.stored_bytes.filter(|_| more.bytes > 0) {
-        let stored: i64 = sqlx::query_scalar(
+        let stored: i64 = query_scalar(
             "select cast(
                  coalesce((select sum(size_bytes) from captures where owner = $1), 0)
                  + coalesce((select sum(size_bytes) from twins where owner = $1), 0)
@@ -65,7 +67,7 @@ pub(crate) async fn require(
         )
         .bind(owner)
         .bind(more.upload.map(|id| id.uuid().to_string()).unwrap_or_default())
-        .fetch_one(&mut **tx)
+        .fetch_one(&mut *tx)
         .await?;
         let stored = stored.max(0) as u64;
         if stored.saturating_add(more.bytes) > limit {

@@ -1,8 +1,10 @@
 //! All places in which rows refer to blobs, in one list: what no place of it names is garbage.
 
-use sqlx::SqlitePool;
-
-use crate::{Result, row::row};
+use crate::{
+    Result,
+    row::row,
+    sql::{Target, query_scalar},
+};
 
 row! {
     /// A row that refers to a blob: its resource name, the part of the resource that the blob is,
@@ -30,8 +32,8 @@ pub(crate) const ALL: &str = "
         from uploads where digest is not null";
 
 /// True if a row refers to a blob.
-pub(crate) async fn exist(readers: &SqlitePool, digest: &str) -> Result<bool> {
-    let found = sqlx::query_scalar(
+pub(crate) async fn exist<'t>(target: impl Into<Target<'t>>, digest: &str) -> Result<bool> {
+    let found = query_scalar(
         "select exists (select 1 from captures where digest = $1)
              or exists (select 1 from twins where digest = $1)
              or exists (select 1 from jobs where checkpoint = $1)
@@ -40,5 +42,5 @@ pub(crate) async fn exist(readers: &SqlitePool, digest: &str) -> Result<bool> {
              or exists (select 1 from reports where json_digest = $1 or html_digest = $1)
              or exists (select 1 from uploads where digest = $1)",
     );
-    Ok(found.bind(digest).fetch_one(readers).await?)
+    found.bind(digest).fetch_one(target).await
 }

@@ -3,7 +3,7 @@
 //! A declarative macro and not sqlx's derive: the derive's crate contains the whole of sqlx and of
 //! SQLite a second time, compiled for the build machine, a fifth of a build from nothing.
 
-/// Struct that implements [`sqlx::FromRow`] for rows of SQLite.
+/// Struct that implements [`sqlx::FromRow`] for rows of SQLite and of PostgreSQL.
 macro_rules! row {
     ($(#[$attribute:meta])* $visible:vis struct $name:ident {
         $($field_visible:vis $field:ident: $type:ty),* $(,)?
@@ -15,6 +15,12 @@ macro_rules! row {
 
         impl sqlx::FromRow<'_, sqlx::sqlite::SqliteRow> for $name {
             fn from_row(row: &sqlx::sqlite::SqliteRow) -> sqlx::Result<Self> {
+                Ok(Self { $($field: sqlx::Row::try_get(row, stringify!($field))?),* })
+            }
+        }
+
+        impl sqlx::FromRow<'_, sqlx::postgres::PgRow> for $name {
+            fn from_row(row: &sqlx::postgres::PgRow) -> sqlx::Result<Self> {
                 Ok(Self { $($field: sqlx::Row::try_get(row, stringify!($field))?),* })
             }
         }

@@ -6,7 +6,8 @@ use jiff::Timestamp;
 use tokio::sync::{Notify, RwLockWriteGuard, broadcast};
 
 use crate::{
-    Blobs, Captures, Clock, Error, JobId, Jobs, Keys, Result, SystemClock, Twins, Uploads, Workers,
+    Blobs, Captures, Clock, DatabaseUrl, Error, JobId, Jobs, Keys, Result, SystemClock, Twins,
+    Uploads, Workers,
     clock::micros,
     database::{self, Database},
     disk::{Disk, Reserve},
@@ -14,6 +15,7 @@ use crate::{
     folder, identity,
     jobs::LeaseTimes,
     references,
+    sql::{Transaction, query},
     uploads::Seats,
 };
 
@@ -22,14 +24,16 @@ use crate::{
 pub struct Options {
     /// The folder of all data; made if missing.
     pub data_dir: PathBuf,
+    /// The database, if it is PostgreSQL; else SQLite in the folder.
+    pub database: Option<DatabaseUrl>,
     /// The clocks: of rows, and of leases.
     pub clock: Arc<dyn Clock>,
 }
 
 impl Options {
-    /// A folder, with the system's clock.
+    /// A folder with SQLite in it, and the system's clock.
     pub fn new(data_dir: impl Into<PathBuf>) -> Self {
-        Self { data_dir: data_dir.into(), clock: Arc::new(SystemClock) }
+        Self { data_dir: data_dir.into(), database: None, clock: Arc::new(SystemClock) }
     }
 }
 
@@ -49,7 +53,7 @@ pub(crate) struct Inner {
     /// Ids of jobs that changed.
     pub(crate) changes: broadcast::Sender<JobId>,
     /// Notified when a job enters the queue.
-    pub(crate) queued: Notify,
+    pub(crate) queued: Arc<Notify>,
     pub(crate) armed: Arc<Armed>,
     /// Current writer of each resumable upload.
     pub(crate) seats: Seats,
@@ -63,21 +67,30 @@ impl Store {
     /// and fills in what older rows are searched and sorted by.
     ///
     /// # Errors
-    /// [`Error::DataDirInUse`] if another server has it open; [`Error::DatabaseMissing`] and
-    /// [`Error::StoreMismatch`] if database and blobs do not belong together;
-    /// [`Error::DatabaseDamaged`]; database and file errors.
+    /// [`Error::DataDirInUse`] if another server has it open; [`Error::DatabaseMissing`],
+    /// [`Error::DatabaseElsewhere`], [`Error::StoreNotMigrated`] and [`Error::StoreMismatch`] if
+    /// database and blobs do not belong together; [`Error::DatabaseDamaged`],
+    /// [`Error::DatabaseUnavailable`], [`Error::DatabaseUnfit`]; database and file errors.
     pub async fn open(options: Options) -> Result<Self> {
-        let Options { data_dir, clock } = options;
+        let Options { data_dir, database: url, clock } = options;
         folder::make(&data_dir)?;
         let lock = database::lock(&data_dir)?;
-        identity::require_database(&data_dir)?;
+        if url.is_none() {
+            database::require_none(&data_dir)?;
+            identity::require_database(&data_dir)?;
+        }
         let reserve = Arc::new(Reserve::open(&data_dir));
-        let database = Database::open(&data_dir, lock, reserve.clone()).await?;
+        let database = Database::open(&data_dir, url.as_ref(), lock, reserve.clone()).await?;
         identity::settle(&database, &data_dir, micros(clock.now())).await?;
+        if let Some(url) = &url {
+            database::leave_marker(&data_dir, url)?;
+        }
         let armed = Arc::new(Armed::default());
         let blobs = Blobs::open(&data_dir.join("blobs"), armed.clone(), reserve.clone()).await?;
         let (changes, _) = broadcast::channel(1024);
-        let (queued, seats, leases) = (Notify::new(), Seats::default(), LeaseTimes::default());
+        let (seats, leases) = (Seats::default(), LeaseTimes::default());
+        let queued = Arc::new(Notify::new());
+        database.wake_on_queued(queued.clone());
         let inner = Inner {
             data_dir,
             reserve,
@@ -153,7 +166,7 @@ impl Store {
     /// # Errors
     /// If it does not.
     pub async fn ping(&self) -> Result<()> {
-        sqlx::query("select 1").execute(self.inner.database.read()).await?;
+        query("select 1").execute(self.inner.database.read()).await?;
         Ok(())
     }
 
@@ -164,9 +177,9 @@ impl Store {
     /// [`Error::DiskFull`] while new content is refused; database and file errors.
     pub async fn probe_write(&self) -> Result<()> {
         let mut tx = self.inner.database.write().await?;
-        sqlx::query("update store set probed_at = $1 where id = 1")
+        query("update store set probed_at = $1 where id = 1")
             .bind(self.now_micros())
-            .execute(&mut *tx)
+            .execute(&mut tx)
             .await?;
         tx.commit().await?;
         self.admit()?;
@@ -211,6 +224,18 @@ impl Store {
         micros(self.now())
     }
 
+    /// The database's time in a transaction, by which all servers that use it measure leases; none if
+    /// it has no clock of its own [us].
+    pub(crate) fn database_time(&self, tx: &Transaction) -> Option<i64> {
+        tx.database_time().filter(|_| !self.inner.clock.is_simulated())
+    }
+
+    /// End of a lease that begins in this transaction [us].
+    pub(crate) fn lease_until(&self, tx: &Transaction, lease: Duration) -> i64 {
+        let lease = i64::try_from(lease.as_micros()).unwrap_or(i64::MAX);
+        self.database_time(tx).unwrap_or_else(|| self.now_micros()).saturating_add(lease)
+    }
+
     pub(crate) fn pass(&self, point: Failpoint) -> Result<()> {
         self.inner.armed.pass(point)
     }
@@ -225,13 +250,15 @@ impl Store {
 
     /// The closed gate, if no row refers to a blob: none will while it is held.
     async fn unless_referred(&self, digest: &str) -> Result<Option<RwLockWriteGuard<'_, ()>>> {
-        let readers = self.inner.database.read();
         // Most are in use: do not bar others for those.
-        if references::exist(readers, digest).await? {
+        if references::exist(self.inner.database.read(), digest).await? {
             return Ok(None);
         }
         let gate = self.inner.blobs.close_gate().await;
-        Ok((!references::exist(readers, digest).await?).then_some(gate))
+        // A transaction that refers to it may be under way still, although its connection broke:
+        // the lock on writing waits for its end.
+        let mut tx = self.inner.database.write().await?;
+        Ok((!references::exist(&mut tx, digest).await?).then_some(gate))
     }
 }
 

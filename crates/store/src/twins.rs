@@ -3,7 +3,7 @@
 
 use bendtwin_core::ids::{CaptureId, FitId, TwinId};
 use jiff::Timestamp;
-use sqlx::{Sqlite, Transaction};
+
 use uuid::Uuid;
 
 use crate::{
@@ -13,6 +13,7 @@ use crate::{
     labels::{self, Collection},
     quotas::{self, More},
     row::row,
+    sql::{Transaction, query, query_scalar},
 };
 
 /// Facts of a twin, read from its file, for listings.
@@ -165,9 +166,9 @@ pub(crate) struct Insert<'a> {
 }
 
 /// Inserts a twin within the caller's transaction.
-pub(crate) async fn insert(tx: &mut Transaction<'_, Sqlite>, new: Insert<'_>) -> Result<Twin> {
+pub(crate) async fn insert(tx: &mut Transaction, new: Insert<'_>) -> Result<Twin> {
     let facts = new.facts;
-    let row: Row = sqlx::query_as(
+    let row: Row = query(
         "insert into twins (id, display_name, capture, fit, created_at, size_bytes, digest,
              node_count, spring_count, triplet_count, control_count, fps, substeps, quality,
              request_id, mass_kg, skin_point_count, name_key, search_text, error_m, owner)
@@ -196,7 +197,7 @@ pub(crate) async fn insert(tx: &mut Transaction<'_, Sqlite>, new: Insert<'_>) ->
     .bind(labels::search_text(new.display_name, ""))
     .bind(labels::error_key(&facts.quality))
     .bind(new.owner)
-    .fetch_one(&mut **tx)
+    .fetch_one(&mut *tx)
     .await?;
     row.try_into()
 }
@@ -214,9 +215,9 @@ impl Twins<'_> {
         let guard = self.store.blobs().publish(content).await?;
         let mut tx = self.store.inner.database.write().await?;
         if let Some(request_id) = &request_id {
-            let row: Option<Row> = sqlx::query_as("select * from twins where request_id = $1")
+            let row: Option<Row> = query("select * from twins where request_id = $1")
                 .bind(request_id)
-                .fetch_optional(&mut *tx)
+                .fetch_optional(&mut tx)
                 .await?;
             if let Some(row) = row {
                 let same_name = row.first_name() == display_name;
@@ -259,7 +260,7 @@ impl Twins<'_> {
     /// # Errors
     /// [`Error::NotFound`].
     pub async fn get(&self, id: TwinId) -> Result<Twin> {
-        let row: Option<Row> = sqlx::query_as("select * from twins where id = $1")
+        let row: Option<Row> = query("select * from twins where id = $1")
             .bind(id.uuid().to_string())
             .fetch_optional(self.store.inner.database.read())
             .await?;
@@ -271,9 +272,11 @@ impl Twins<'_> {
     /// # Errors
     /// [`Error::InvalidPageToken`].
     pub async fn list(&self, query: &ListQuery) -> Result<Page<Twin>> {
-        let mut select = query.select(Collection::Twins)?;
-        let rows: Vec<Row> =
-            select.build_query_as().fetch_all(self.store.inner.database.read()).await?;
+        let rows: Vec<Row> = query
+            .select(Collection::Twins)?
+            .build()
+            .fetch_all(self.store.inner.database.read())
+            .await?;
         let items = rows.into_iter().map(Twin::try_from).collect::<Result<_>>()?;
         let listing = query.listing(Collection::Twins);
         Ok(Page::cut(items, &query.page, &listing, |t: &Twin| {
@@ -290,11 +293,11 @@ impl Twins<'_> {
         let key = id.uuid().to_string();
         let mut tx = self.store.inner.database.write().await?;
         let find = "select * from twins where id = $1";
-        let row: Option<Row> = sqlx::query_as(find).bind(&key).fetch_optional(&mut *tx).await?;
+        let row: Option<Row> = query(find).bind(&key).fetch_optional(&mut tx).await?;
         let row = row.ok_or_else(|| Error::NotFound { name: id.to_string() })?;
         let before = Twin::try_from(row)?.labels;
         labels::change(&mut tx, Collection::Twins, &key, &before, change).await?;
-        let row: Row = sqlx::query_as(find).bind(&key).fetch_one(&mut *tx).await?;
+        let row: Row = query(find).bind(&key).fetch_one(&mut tx).await?;
         tx.commit().await?;
         row.try_into()
     }
@@ -318,9 +321,9 @@ impl Twins<'_> {
         let key = id.uuid().to_string();
         let mut tx = self.store.inner.database.write().await?;
         let digest: Option<String> =
-            sqlx::query_scalar("delete from twins where id = $1 returning digest")
+            query_scalar("delete from twins where id = $1 returning digest")
                 .bind(&key)
-                .fetch_optional(&mut *tx)
+                .fetch_optional(&mut tx)
                 .await?;
         let digest = digest.ok_or_else(|| Error::NotFound { name: id.to_string() })?;
         labels::forget(&mut tx, Collection::Twins, &key).await?;

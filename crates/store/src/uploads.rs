@@ -20,10 +20,14 @@ mod writer;
 use std::time::Duration;
 
 use bendtwin_core::ids::{CaptureId, UploadId};
-use sqlx::{Sqlite, Transaction};
+
 use uuid::Uuid;
 
-use crate::{Error, Page, PageRequest, Result, Store, clock::micros_after};
+use crate::{
+    Error, Page, PageRequest, Result, Store,
+    clock::micros_after,
+    sql::{Transaction, query, query_scalar},
+};
 use row::Row;
 
 pub use create::{NewResumableUpload, UploadBounds};
@@ -53,7 +57,7 @@ impl Uploads<'_> {
     /// # Errors
     /// [`Error::NotFound`].
     pub async fn get(&self, id: UploadId) -> Result<ResumableUpload> {
-        let row: Option<Row> = sqlx::query_as("select * from uploads where id = $1")
+        let row: Option<Row> = query("select * from uploads where id = $1")
             .bind(id.uuid().to_string())
             .fetch_optional(self.store.inner.database.read())
             .await?;
@@ -66,12 +70,11 @@ impl Uploads<'_> {
     /// [`Error::InvalidPageToken`].
     pub async fn list(&self, page: &PageRequest) -> Result<Page<ResumableUpload>> {
         const LISTING: &str = "uploads";
-        let rows: Vec<Row> =
-            sqlx::query_as("select * from uploads where id < $1 order by id desc limit $2")
-                .bind(page.before(LISTING)?)
-                .bind(page.fetch())
-                .fetch_all(self.store.inner.database.read())
-                .await?;
+        let rows: Vec<Row> = query("select * from uploads where id < $1 order by id desc limit $2")
+            .bind(page.before(LISTING)?)
+            .bind(page.fetch())
+            .fetch_all(self.store.inner.database.read())
+            .await?;
         let items = rows.into_iter().map(ResumableUpload::try_from).collect::<Result<_>>()?;
         Ok(Page::cut(items, page, LISTING, |u: &ResumableUpload| (u.id.uuid(), String::new())))
     }
@@ -110,7 +113,7 @@ impl Uploads<'_> {
     /// If the database fails.
     pub async fn in_use(&self) -> Result<UploadUse> {
         let (count, bytes): (i64, i64) =
-            sqlx::query_as(IN_USE).bind("").fetch_one(self.store.inner.database.read()).await?;
+            query(IN_USE).bind("").fetch_one(self.store.inner.database.read()).await?;
         Ok(UploadUse { count: count.max(0) as u64, bytes: bytes.max(0) as u64 })
     }
 
@@ -122,9 +125,9 @@ impl Uploads<'_> {
     pub async fn sweep(&self, keep: Duration) -> Result<usize> {
         let now = self.store.now_micros();
         let mut tx = self.store.inner.database.write().await?;
-        sqlx::query("delete from uploads where state <> 'receiving' and expires_at < $1")
+        query("delete from uploads where state <> 'receiving' and expires_at < $1")
             .bind(now)
-            .execute(&mut *tx)
+            .execute(&mut tx)
             .await?;
         tx.commit().await?;
         let query =
@@ -160,7 +163,7 @@ impl Uploads<'_> {
 
     async fn ids(&self, query: impl sqlx::SqlSafeStr) -> Result<Vec<UploadId>> {
         let ids: Vec<String> =
-            sqlx::query_scalar(query).fetch_all(self.store.inner.database.read()).await?;
+            query_scalar(query).fetch_all(self.store.inner.database.read()).await?;
         Ok(ids.iter().filter_map(|id| Some(Uuid::try_parse(id).ok()?.into())).collect())
     }
 }
@@ -187,15 +190,11 @@ fn kept_room(offset_bytes: u64, length_bytes: Option<u64>) -> u64 {
 }
 
 /// Ends an upload within the transaction that makes its capture.
-pub(crate) async fn stored(
-    tx: &mut Transaction<'static, Sqlite>,
-    id: UploadId,
-    capture: CaptureId,
-) -> Result<()> {
-    sqlx::query("update uploads set state = 'stored', capture = $2, digest = null where id = $1")
+pub(crate) async fn stored(tx: &mut Transaction, id: UploadId, capture: CaptureId) -> Result<()> {
+    query("update uploads set state = 'stored', capture = $2, digest = null where id = $1")
         .bind(id.uuid().to_string())
         .bind(capture.uuid().to_string())
-        .execute(&mut **tx)
+        .execute(&mut *tx)
         .await?;
     Ok(())
 }

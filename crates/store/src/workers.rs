@@ -5,7 +5,7 @@ use bendtwin_core::ids::WorkerId;
 use jiff::Timestamp;
 use uuid::Uuid;
 
-use crate::{Error, Result, Store, clock::from_micros, row::row};
+use crate::{Error, Result, Store, clock::from_micros, row::row, sql::query};
 
 /// A worker as it registered.
 #[derive(Clone, Debug, PartialEq)]
@@ -83,7 +83,7 @@ impl Workers<'_> {
     /// Database errors.
     pub async fn register(&self, new: NewWorker) -> Result<Worker> {
         let mut tx = self.store.inner.database.write().await?;
-        let row: Row = sqlx::query_as(
+        let row: Row = query(
             "insert into workers (id, endpoint, backend, device, build, lanes, supervised,
                  started_at)
              values ($1, $2, $3, $4, $5, $6, $7, $8)
@@ -100,7 +100,7 @@ impl Workers<'_> {
         .bind(i64::from(new.lanes))
         .bind(new.supervised)
         .bind(self.store.now_micros())
-        .fetch_one(&mut *tx)
+        .fetch_one(&mut tx)
         .await?;
         tx.commit().await?;
         row.try_into()
@@ -111,7 +111,7 @@ impl Workers<'_> {
     /// # Errors
     /// Database errors.
     pub async fn all(&self) -> Result<Vec<Worker>> {
-        let rows: Vec<Row> = sqlx::query_as("select * from workers order by id desc")
+        let rows: Vec<Row> = query("select * from workers order by id desc")
             .fetch_all(self.store.inner.database.read())
             .await?;
         rows.into_iter().map(Worker::try_from).collect()
@@ -123,11 +123,11 @@ impl Workers<'_> {
     /// Database errors.
     pub async fn forget(&self, id: WorkerId) -> Result<bool> {
         let mut tx = self.store.inner.database.write().await?;
-        let done = sqlx::query("delete from workers where id = $1")
+        let deleted = query("delete from workers where id = $1")
             .bind(id.uuid().to_string())
-            .execute(&mut *tx)
+            .execute(&mut tx)
             .await?;
         tx.commit().await?;
-        Ok(done.rows_affected() > 0)
+        Ok(deleted > 0)
     }
 }

@@ -1,7 +1,7 @@
 //! Server options from all their sources: defaults < file < environment < flags.
 
 use anyhow::Context as _;
-use bendtwin_server::{ClientTokenPolicy, Options};
+use bendtwin_server::{ClientTokenPolicy, DatabaseUrl, Options};
 
 use super::Server;
 use crate::failure::Usage;
@@ -43,6 +43,11 @@ impl Server {
         }
         if let Some(data_dir) = &self.data_dir {
             options.data_dir.clone_from(data_dir);
+        }
+        if let Some(url) = &self.database {
+            // Not read by clap, whose message would repeat it with its password.
+            let url = DatabaseUrl::parse(url);
+            options.database_url = Some(url.map_err(|e| Usage::error(e.to_string()))?);
         }
         if let Some(count) = self.workers {
             options.workers.count = count;
@@ -96,6 +101,7 @@ mod tests {
             tls_terminated_by_proxy: None,
             insecure: None,
             data_dir: None,
+            database: None,
             workers: None,
             backend: None,
             devices: None,

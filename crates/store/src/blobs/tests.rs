@@ -4,11 +4,20 @@ use futures::TryStreamExt;
 use crate::{
     Digest, Error,
     store::tests::{Bench, new_capture},
+    test_database::{On, on_both},
 };
 
-#[tokio::test]
-async fn content_comes_back_as_it_was() {
-    let bench = Bench::new().await;
+on_both! {
+    content_comes_back_as_it_was,
+    refuses_too_much_and_the_wrong_digest,
+    equal_content_is_shared_until_the_last_reference_goes,
+    content_of_another_size_is_refused,
+    changed_content_never_arrives_whole,
+    ranges_are_the_bytes_asked_for,
+}
+
+async fn content_comes_back_as_it_was(on: On) {
+    let bench = Bench::new(on).await;
     let content: Vec<u8> = (0..20_000_000u32).map(|i| (i % 251) as u8).collect();
     let mut upload = bench.store.blobs().upload(1 << 30).await.unwrap();
     for chunk in content.chunks(777_777) {
@@ -25,9 +34,8 @@ async fn content_comes_back_as_it_was() {
     assert!(chunks.concat() == content);
 }
 
-#[tokio::test]
-async fn refuses_too_much_and_the_wrong_digest() {
-    let bench = Bench::new().await;
+async fn refuses_too_much_and_the_wrong_digest(on: On) {
+    let bench = Bench::new(on).await;
     let mut upload = bench.store.blobs().upload(4).await.unwrap();
     upload.write(Bytes::from_static(b"1234")).await.unwrap();
     let over = upload.write(Bytes::from_static(b"5")).await;
@@ -42,9 +50,8 @@ async fn refuses_too_much_and_the_wrong_digest() {
     assert!(!bench.dir.path().join("blobs/incoming").exists());
 }
 
-#[tokio::test]
-async fn equal_content_is_shared_until_the_last_reference_goes() {
-    let bench = Bench::new().await;
+async fn equal_content_is_shared_until_the_last_reference_goes(on: On) {
+    let bench = Bench::new(on).await;
     let (a, b) = (bench.capture("same").await, bench.capture("same").await);
     assert_eq!(bench.blob_count().await, 1);
     bench.store.captures().delete(a.id).await.unwrap();
@@ -68,9 +75,8 @@ fn file(bench: &Bench, digest: &Digest) -> std::path::PathBuf {
     super::files::published(&bench.dir.path().join("blobs"), &digest.to_hex())
 }
 
-#[tokio::test]
-async fn content_of_another_size_is_refused() {
-    let bench = Bench::new().await;
+async fn content_of_another_size_is_refused(on: On) {
+    let bench = Bench::new(on).await;
     let (content, capture) = large(&bench).await;
     for size in [0, 1, content.len() - 1, content.len() + 1] {
         let mut other = content.clone();
@@ -84,9 +90,8 @@ async fn content_of_another_size_is_refused() {
     assert!(matches!(refused, Error::ContentLost { .. }), "{refused}");
 }
 
-#[tokio::test]
-async fn changed_content_never_arrives_whole() {
-    let bench = Bench::new().await;
+async fn changed_content_never_arrives_whole(on: On) {
+    let bench = Bench::new(on).await;
     let (content, capture) = large(&bench).await;
     for at in [0, content.len() / 2, content.len() - 1] {
         let mut other = content.clone();
@@ -110,9 +115,8 @@ async fn changed_content_never_arrives_whole() {
     assert!(matches!(refused, Error::ContentDamaged { .. }), "{refused}");
 }
 
-#[tokio::test]
-async fn ranges_are_the_bytes_asked_for() {
-    let bench = Bench::new().await;
+async fn ranges_are_the_bytes_asked_for(on: On) {
+    let bench = Bench::new(on).await;
     let (content, capture) = large(&bench).await;
     let end = content.len() as u64;
     for range in [0..1, 5..2_000_005, end - 1..end, 0..end, 7..2 * end] {

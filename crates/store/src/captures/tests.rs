@@ -3,7 +3,14 @@ use bendtwin_core::{Category, Problem, ids::CaptureId};
 use crate::{
     Error, ListQuery, NewCapture, PageRequest,
     store::tests::{Bench, new_capture, new_fit},
+    test_database::{On, on_both},
 };
+
+on_both! {
+    a_request_id_makes_creation_idempotent,
+    stays_while_fits_need_it,
+    pages_newest_first_without_gaps,
+}
 
 async fn create(bench: &Bench, content: &'static str, key: &str) -> crate::Result<CaptureId> {
     let content = bench.stage(content).await;
@@ -11,9 +18,8 @@ async fn create(bench: &Bench, content: &'static str, key: &str) -> crate::Resul
     bench.store.captures().create(new).await.map(|c| c.id)
 }
 
-#[tokio::test]
-async fn a_request_id_makes_creation_idempotent() {
-    let bench = Bench::new().await;
+async fn a_request_id_makes_creation_idempotent(on: On) {
+    let bench = Bench::new(on).await;
     let first = create(&bench, "a", "key").await.unwrap();
     assert_eq!(create(&bench, "a", "key").await.unwrap(), first);
     let other = create(&bench, "b", "key").await.unwrap_err();
@@ -22,9 +28,8 @@ async fn a_request_id_makes_creation_idempotent() {
     assert_ne!(create(&bench, "a", "other key").await.unwrap(), first);
 }
 
-#[tokio::test]
-async fn stays_while_fits_need_it() {
-    let bench = Bench::new().await;
+async fn stays_while_fits_need_it(on: On) {
+    let bench = Bench::new(on).await;
     let capture = bench.capture("a").await;
     let fit = bench.store.jobs().create_fit(new_fit(&capture)).await.unwrap();
     let refused = bench.store.captures().delete(capture.id).await;
@@ -37,9 +42,8 @@ async fn stays_while_fits_need_it() {
     assert!(matches!(orphan, Err(Error::NotFound { .. })));
 }
 
-#[tokio::test]
-async fn pages_newest_first_without_gaps() {
-    let bench = Bench::new().await;
+async fn pages_newest_first_without_gaps(on: On) {
+    let bench = Bench::new(on).await;
     let mut ids = Vec::new();
     for _ in 0..7 {
         ids.insert(0, bench.capture("a").await.id);

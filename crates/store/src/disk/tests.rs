@@ -51,7 +51,8 @@ fn a_full_disk_lets_deletions_through_and_recovers() {
 async fn fill_and_recover(disk: &Path) {
     let data_dir = disk.join("data");
     let clock = Arc::new(ManualClock::default());
-    let store = Store::open(Options { data_dir: data_dir.clone(), clock }).await.unwrap();
+    let store =
+        Store::open(Options { data_dir: data_dir.clone(), database: None, clock }).await.unwrap();
     let create = async |content: Vec<u8>| {
         let mut upload = store.blobs().upload(1 << 30).await?;
         upload.write(Bytes::from(content)).await?;
@@ -63,7 +64,7 @@ async fn fill_and_recover(disk: &Path) {
         store.jobs().cancel(store.jobs().ingest_of(ended.id).await.unwrap().id).await.unwrap();
     }
     let mut tx = store.inner.database.write().await.unwrap();
-    sqlx::query("update jobs set state = 'succeeded'").execute(&mut *tx).await.unwrap();
+    crate::sql::query("update jobs set state = 'succeeded'").execute(&mut tx).await.unwrap();
     tx.commit().await.unwrap();
     store.jobs().create_fit(new_fit(&capture)).await.unwrap();
     let worker = bendtwin_core::ids::WorkerId::generate();

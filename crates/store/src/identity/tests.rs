@@ -1,6 +1,18 @@
 use std::{fs, path::Path, time::Duration};
 
-use crate::{Error, Options, Store, blobs::files, database, store::tests::Bench};
+use crate::{
+    Error, Options, Store,
+    blobs::files,
+    database,
+    store::tests::Bench,
+    test_database::{On, on_both},
+};
+
+on_both! {
+    blobs_that_are_exchanged_beside_a_server_are_no_garbage,
+    stores_from_before_identities_get_one,
+    content_without_a_row_stays_in_the_trash_for_a_day,
+}
 
 async fn open(data_dir: &Path) -> crate::Result<Store> {
     Store::open(Options::new(data_dir)).await
@@ -18,7 +30,7 @@ fn move_database(from: &Path, to: &Path) {
 
 #[tokio::test]
 async fn content_without_its_database_is_not_touched() {
-    let bench = Bench::new().await;
+    let bench = Bench::new(On::Sqlite).await;
     let capture = bench.capture("precious").await;
     let (dir, away) = (bench.close().await, tempfile::tempdir().unwrap());
     let data_dir = dir.path();
@@ -35,7 +47,7 @@ async fn content_without_its_database_is_not_touched() {
 
 #[tokio::test]
 async fn a_database_beside_the_blobs_of_another_is_refused() {
-    let (bench, other) = (Bench::new().await, Bench::new().await);
+    let (bench, other) = (Bench::new(On::Sqlite).await, Bench::new(On::Sqlite).await);
     bench.capture("precious").await;
     other.capture("another").await;
     let (dir, other) = (bench.close().await, other.close().await);
@@ -51,9 +63,8 @@ async fn a_database_beside_the_blobs_of_another_is_refused() {
     assert!(matches!(refused, Error::StoreMismatch { .. }), "{refused}");
 }
 
-#[tokio::test]
-async fn blobs_that_are_exchanged_beside_a_server_are_no_garbage() {
-    let bench = Bench::new().await;
+async fn blobs_that_are_exchanged_beside_a_server_are_no_garbage(on: On) {
+    let bench = Bench::new(on).await;
     fs::write(bench.dir.path().join("blobs/identity"), "another").unwrap();
     let digest = "f".repeat(64);
     let foreign = files::published(&bench.dir.path().join("blobs"), &digest);
@@ -64,12 +75,11 @@ async fn blobs_that_are_exchanged_beside_a_server_are_no_garbage() {
     assert!(foreign.exists());
 }
 
-#[tokio::test]
-async fn stores_from_before_identities_get_one() {
-    let bench = Bench::new().await;
+async fn stores_from_before_identities_get_one(on: On) {
+    let bench = Bench::new(on).await;
     let capture = bench.capture("old").await;
     let mut tx = bench.store.inner.database.write().await.unwrap();
-    sqlx::query("delete from store").execute(&mut *tx).await.unwrap();
+    crate::sql::query("delete from store").execute(&mut tx).await.unwrap();
     tx.commit().await.unwrap();
     fs::remove_file(bench.dir.path().join("blobs/identity")).unwrap();
     let bench = bench.reopen().await;
@@ -79,14 +89,13 @@ async fn stores_from_before_identities_get_one() {
     assert_eq!(mine, super::of_blobs(&bench.dir.path().join("blobs")).unwrap());
 }
 
-#[tokio::test]
-async fn content_without_a_row_stays_in_the_trash_for_a_day() {
-    let bench = Bench::new().await;
+async fn content_without_a_row_stays_in_the_trash_for_a_day(on: On) {
+    let bench = Bench::new(on).await;
     let capture = bench.capture("wanted").await;
     let digest = capture.digest.to_hex();
     let forget = async |sql: &'static str| {
         let mut tx = bench.store.inner.database.write().await.unwrap();
-        sqlx::query(sql).execute(&mut *tx).await.unwrap();
+        crate::sql::query(sql).execute(&mut tx).await.unwrap();
         tx.commit().await.unwrap();
         bench.store.collect_garbage().await.unwrap();
     };

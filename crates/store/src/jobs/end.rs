@@ -1,14 +1,18 @@
 //! Ends of attempts without a result, and the job's next state.
 
 use bendtwin_core::{Category, Fault, ids::WorkerId};
-use sqlx::{Sqlite, Transaction};
+
 use uuid::Uuid;
 
 use super::{
     Job, JobId, Jobs, Lease, LeaseTerms, MAX_INTERRUPTED_ATTEMPTS, MAX_STALLED_ATTEMPTS,
     row::{self, Row, State, to_json},
 };
-use crate::{Error, Result, failpoint::Failpoint};
+use crate::{
+    Error, Result,
+    failpoint::Failpoint,
+    sql::{Transaction, query},
+};
 
 /// Reason for the end of an attempt.
 #[derive(Clone, Debug, PartialEq)]
@@ -55,7 +59,8 @@ impl Jobs<'_> {
     }
 
     /// Lets lease time pass up to now ([`Store::lease_time`](crate::Store::lease_time)) and ends
-    /// all attempts whose leases have run out; `loss` tells what became of a worker.
+    /// all attempts whose leases have run out, by the database's clock as well if it has one: another
+    /// server may have renewed them. `loss` tells what became of a worker.
     ///
     /// # Errors
     /// Database errors.
@@ -65,7 +70,7 @@ impl Jobs<'_> {
         loss: impl Fn(WorkerId) -> Loss,
     ) -> Result<Vec<Job>> {
         let running: Vec<(String, String, i64)> =
-            sqlx::query_as("select kind, id, lease_epoch from jobs where state = 'running'")
+            query("select kind, id, lease_epoch from jobs where state = 'running'")
                 .fetch_all(self.store.inner.database.read())
                 .await?;
         let lease = |(kind, id, epoch): &(String, String, i64)| {
@@ -76,7 +81,10 @@ impl Jobs<'_> {
         let expired = leases.sweep(&running, self.store.inner.clock.monotonic(), terms);
         let mut swept = Vec::new();
         for id in expired {
-            let still = |row: &Row| leases.has_run_out(id, row.epoch());
+            let still = |row: &Row, database_time: Option<i64>| {
+                let renewed = database_time.is_some_and(|time| row.lease_until > Some(time));
+                leases.has_run_out(id, row.epoch()) && !renewed
+            };
             swept.extend(self.end_if(id, still, |row| lost(row, &loss)).await?);
         }
         Ok(swept)
@@ -89,23 +97,24 @@ impl Jobs<'_> {
     pub async fn forfeit(&self, worker: WorkerId, loss: Loss) -> Result<Vec<Job>> {
         let worker = worker.uuid().to_string();
         let held: Vec<(String, String)> =
-            sqlx::query_as("select kind, id from jobs where state = 'running' and worker = $1")
+            query("select kind, id from jobs where state = 'running' and worker = $1")
                 .bind(&worker)
                 .fetch_all(self.store.inner.database.read())
                 .await?;
         let mut ended = Vec::new();
         for id in held.iter().filter_map(|(kind, id)| JobId::stored(kind, id)) {
-            let is_its = |row: &Row| row.worker.as_ref() == Some(&worker);
+            let is_its = |row: &Row, _| row.worker.as_ref() == Some(&worker);
             ended.extend(self.end_if(id, is_its, |row| lost(row, |_| loss)).await?);
         }
         Ok(ended)
     }
 
-    /// Ends a running attempt if `still` holds once the write lock is taken.
+    /// Ends a running attempt if `still` holds once the write lock is taken; it is given the
+    /// database's time, if the database has a clock of its own [us].
     async fn end_if(
         &self,
         id: JobId,
-        still: impl Fn(&Row) -> bool,
+        still: impl Fn(&Row, Option<i64>) -> bool,
         end: impl Fn(&Row) -> AttemptEnd,
     ) -> Result<Option<Job>> {
         let mut tx = self.store.inner.database.write().await?;
@@ -113,7 +122,7 @@ impl Jobs<'_> {
             Err(Error::NotFound { .. }) => return Ok(None),
             row => row?,
         };
-        if row.state()? != State::Running || !still(&row) {
+        if row.state()? != State::Running || !still(&row, self.store.database_time(&tx)) {
             return Ok(None);
         }
         let (checkpoint, end) = (row.checkpoint.clone(), end(&row));
@@ -127,7 +136,7 @@ impl Jobs<'_> {
     /// Writes the next state of a running job.
     pub(super) async fn apply(
         &self,
-        tx: &mut Transaction<'_, Sqlite>,
+        tx: &mut Transaction,
         row: Row,
         end: AttemptEnd,
     ) -> Result<Job> {
@@ -158,7 +167,7 @@ impl Jobs<'_> {
             }
         };
         let ended = state.has_ended();
-        let updated: Row = sqlx::query_as(
+        let updated: Row = query(
             "update jobs set state = $2, fault = $3, attempt_faults = $4, attempts = $5,
                  stalled = $6, ended_at = $7, checkpoint = $8, interrupted = $9,
                  lease_until = null, worker = null,
@@ -174,7 +183,7 @@ impl Jobs<'_> {
         .bind(ended.then(|| self.store.now_micros()))
         .bind(row.checkpoint.filter(|_| !ended))
         .bind(interrupted)
-        .fetch_one(&mut **tx)
+        .fetch_one(&mut *tx)
         .await?;
         updated.try_into()
     }

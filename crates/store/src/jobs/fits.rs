@@ -4,7 +4,7 @@ use bendtwin_core::{
     Category, Fault,
     ids::{CaptureId, FitId, TwinId},
 };
-use sqlx::{Sqlite, Transaction};
+
 use uuid::Uuid;
 
 use super::{
@@ -16,6 +16,7 @@ use crate::{
     failpoint::Failpoint,
     labels::{self, Collection},
     quotas::{self, More},
+    sql::{Transaction, query, query_scalar},
     twins,
 };
 
@@ -66,9 +67,9 @@ impl Jobs<'_> {
         }
         let capture = new.capture.uuid().to_string();
         let capture_name: Option<String> =
-            sqlx::query_scalar("select display_name from captures where id = $1")
+            query_scalar("select display_name from captures where id = $1")
                 .bind(&capture)
-                .fetch_optional(&mut *tx)
+                .fetch_optional(&mut tx)
                 .await?;
         let capture_name =
             capture_name.ok_or_else(|| Error::NotFound { name: new.capture.to_string() })?;
@@ -78,11 +79,11 @@ impl Jobs<'_> {
         let ingest = row::ingest_of(&mut tx, &capture).await?.map(Job::try_from).transpose()?;
         let fault = ingest.as_ref().and_then(why_not);
         let now = self.store.now_micros();
-        let row: Row = sqlx::query_as(
+        let row: Row = query(
             "insert into jobs (id, kind, capture, state, priority, settings, trace_parent,
                  request_id, created_at, fault, ended_at, display_name, first_name, name_key,
-                 search_text, owner)
-             values ($1, 'fit', $2, $3, $4, $5, $6, $7, $8, $9, $10, $11, $12, $13, $14, $15)
+                 search_text, due_at, owner)
+             values ($1, 'fit', $2, $3, $4, $5, $6, $7, $8, $9, $10, $11, $12, $13, $14, $8, $15)
              returning *",
         )
         .bind(FitId::generate().uuid().to_string())
@@ -100,7 +101,7 @@ impl Jobs<'_> {
         .bind(labels::name_key(name))
         .bind(labels::search_text(name, ""))
         .bind(new.creator.owner)
-        .fetch_one(&mut *tx)
+        .fetch_one(&mut tx)
         .await?;
         self.store.pass(Failpoint::BeforeCommit)?;
         tx.commit().await?;
@@ -115,9 +116,11 @@ impl Jobs<'_> {
     /// # Errors
     /// [`Error::InvalidPageToken`].
     pub async fn fits(&self, query: &ListQuery) -> Result<Page<Job>> {
-        let mut select = query.select(Collection::Fits)?;
-        let rows: Vec<Row> =
-            select.build_query_as().fetch_all(self.store.inner.database.read()).await?;
+        let rows: Vec<Row> = query
+            .select(Collection::Fits)?
+            .build()
+            .fetch_all(self.store.inner.database.read())
+            .await?;
         let items = rows.into_iter().map(Job::try_from).collect::<Result<_>>()?;
         let listing = query.listing(Collection::Fits);
         Ok(Page::cut(items, &query.page, &listing, |f: &Job| {
@@ -137,11 +140,10 @@ impl Jobs<'_> {
         if !labels::change(&mut tx, Collection::Fits, &key, &before.labels, change).await? {
             return Ok(before);
         }
-        let row: Row =
-            sqlx::query_as("update jobs set revision = revision + 1 where id = $1 returning *")
-                .bind(key)
-                .fetch_one(&mut *tx)
-                .await?;
+        let row: Row = query("update jobs set revision = revision + 1 where id = $1 returning *")
+            .bind(key)
+            .fetch_one(&mut tx)
+            .await?;
         tx.commit().await?;
         let fit = Job::try_from(row)?;
         let _ = self.store.inner.changes.send(fit.id);
@@ -192,11 +194,10 @@ impl Jobs<'_> {
         if let (State::Succeeded, true, Some(twin)) =
             (before.state()?, before.is_of(lease), &before.twin)
         {
-            let stored: Option<String> =
-                sqlx::query_scalar("select digest from twins where id = $1")
-                    .bind(twin)
-                    .fetch_optional(&mut *tx)
-                    .await?;
+            let stored: Option<String> = query_scalar("select digest from twins where id = $1")
+                .bind(twin)
+                .fetch_optional(&mut tx)
+                .await?;
             if let (true, Ok(twin)) =
                 (stored.as_deref() == Some(digest.to_hex().as_str()), Uuid::try_parse(twin))
             {
@@ -205,7 +206,7 @@ impl Jobs<'_> {
         }
         let before = row::fetch_leased(&mut tx, lease).await?;
         let twin = self.insert_twin(&mut tx, &before, facts, digest, size_bytes).await?;
-        let row: Row = sqlx::query_as(
+        let row: Row = query(
             "update jobs set state = 'succeeded', twin = $2, ended_at = $3, lease_until = null,
                  worker = null, checkpoint = null, error_m = $4, revision = revision + 1
              where id = $1 returning *",
@@ -214,7 +215,7 @@ impl Jobs<'_> {
         .bind(twin.uuid().to_string())
         .bind(self.store.now_micros())
         .bind(labels::error_key(&facts.quality))
-        .fetch_one(&mut *tx)
+        .fetch_one(&mut tx)
         .await?;
         self.store.pass(Failpoint::BeforeCommit)?;
         tx.commit().await?;
@@ -225,7 +226,7 @@ impl Jobs<'_> {
     /// A twin under its fit's name.
     async fn insert_twin(
         &self,
-        tx: &mut Transaction<'_, Sqlite>,
+        tx: &mut Transaction,
         fit: &Row,
         facts: &TwinFacts,
         digest: Digest,
@@ -248,20 +249,20 @@ impl Jobs<'_> {
     /// with its checkpoint.
     pub(super) async fn fail_followers(
         &self,
-        tx: &mut Transaction<'_, Sqlite>,
+        tx: &mut Transaction,
         ingest: &Job,
     ) -> Result<Vec<(Job, Option<String>)>> {
         let Some(fault) = why_not(ingest) else { return Ok(Vec::new()) };
-        let waiting: Vec<(String, Option<String>)> = sqlx::query_as(
+        let waiting: Vec<(String, Option<String>)> = query(
             "select id, checkpoint from jobs
              where capture = $1 and kind = 'fit' and state = 'queued'",
         )
         .bind(ingest.capture.uuid().to_string())
-        .fetch_all(&mut **tx)
+        .fetch_all(&mut *tx)
         .await?;
         let mut failed = Vec::with_capacity(waiting.len());
         for (id, checkpoint) in waiting {
-            let row: Row = sqlx::query_as(
+            let row: Row = query(
                 "update jobs set state = 'failed', fault = $2, ended_at = $3, checkpoint = null,
                      revision = revision + 1
                  where id = $1 returning *",
@@ -269,7 +270,7 @@ impl Jobs<'_> {
             .bind(id)
             .bind(row::to_json(&fault))
             .bind(self.store.now_micros())
-            .fetch_one(&mut **tx)
+            .fetch_one(&mut *tx)
             .await?;
             failed.push((row.try_into()?, checkpoint));
         }

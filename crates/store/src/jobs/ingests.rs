@@ -2,7 +2,6 @@
 //! and a report, repeated on request.
 
 use bendtwin_core::ids::{CaptureId, IngestId};
-use sqlx::{QueryBuilder, Sqlite, Transaction};
 
 use super::{
     AttemptEnd, Job, Jobs, Lease,
@@ -13,6 +12,7 @@ use crate::{
     failpoint::Failpoint,
     observations,
     quotas::{self, More},
+    sql::{Builder, Transaction, query, query_scalar},
 };
 
 /// An ingest to be run again.
@@ -64,35 +64,46 @@ pub enum IngestResult {
 
 /// Queues the ingest of a new capture within the caller's transaction.
 pub(crate) async fn enqueue(
-    tx: &mut Transaction<'_, Sqlite>,
+    tx: &mut Transaction,
     capture: &str,
     settings: &str,
     owner: &str,
     now: i64,
 ) -> Result<Job> {
-    let row: Row = sqlx::query_as(
-        "insert into jobs (id, kind, capture, state, priority, settings, created_at, owner)
-         values ($1, 'ingest', $2, 'queued', 0, $3, $4, $5) returning *",
+    let due = due(tx, capture, now).await?;
+    let row: Row = query(
+        "insert into jobs (id, kind, capture, state, priority, settings, created_at, due_at,
+             owner)
+         values ($1, 'ingest', $2, 'queued', 0, $3, $4, $5, $6) returning *",
     )
     .bind(IngestId::generate().uuid().to_string())
     .bind(capture)
     .bind(settings)
     .bind(now)
+    .bind(due)
     .bind(owner)
-    .fetch_one(&mut **tx)
+    .fetch_one(&mut *tx)
     .await?;
     row.try_into()
 }
 
+/// Time at which the ingest of a capture that is queued now is due: it would be done first if each
+/// began when it was queued and took a second for a megabyte, ten minutes at most [us].
+async fn due(tx: &mut Transaction, capture: &str, now: i64) -> Result<i64> {
+    const LONGEST: i64 = 600_000_000;
+    let size: Option<i64> = query_scalar("select size_bytes from captures where id = $1")
+        .bind(capture)
+        .fetch_optional(tx)
+        .await?;
+    Ok(now.saturating_add(size.unwrap_or(0).clamp(0, LONGEST)))
+}
+
 /// Forgets the ingest of a capture within the caller's transaction.
-pub(crate) async fn dequeue(
-    tx: &mut Transaction<'_, Sqlite>,
-    capture: &str,
-) -> Result<Option<Job>> {
+pub(crate) async fn dequeue(tx: &mut Transaction, capture: &str) -> Result<Option<Job>> {
     let row: Option<Row> =
-        sqlx::query_as("delete from jobs where capture = $1 and kind = 'ingest' returning *")
+        query("delete from jobs where capture = $1 and kind = 'ingest' returning *")
             .bind(capture)
-            .fetch_optional(&mut **tx)
+            .fetch_optional(&mut *tx)
             .await?;
     row.map(Job::try_from).transpose()
 }
@@ -103,25 +114,18 @@ impl Jobs<'_> {
     /// # Errors
     /// [`Error::NotFound`].
     pub async fn ingest_of(&self, capture: CaptureId) -> Result<Job> {
-        let row: Option<Row> =
-            sqlx::query_as("select * from jobs where capture = $1 and kind = 'ingest'")
-                .bind(capture.uuid().to_string())
-                .fetch_optional(self.store.inner.database.read())
-                .await?;
+        let row: Option<Row> = query("select * from jobs where capture = $1 and kind = 'ingest'")
+            .bind(capture.uuid().to_string())
+            .fetch_optional(self.store.inner.database.read())
+            .await?;
         row.ok_or_else(|| Error::NotFound { name: capture.to_string() })?.try_into()
     }
 
     /// The ingests of these captures, in any order.
     pub(crate) async fn ingests_of(&self, captures: &[String]) -> Result<Vec<Job>> {
-        let mut sql =
-            QueryBuilder::new("select * from jobs where kind = 'ingest' and capture in (");
-        let mut listed = sql.separated(", ");
-        for capture in captures {
-            listed.push_bind(capture);
-        }
-        sql.push(")");
-        let rows: Vec<Row> =
-            sql.build_query_as().fetch_all(self.store.inner.database.read()).await?;
+        let mut sql = Builder::new("select * from jobs where kind = 'ingest' and capture in (");
+        sql.push_list(captures).push(")");
+        let rows: Vec<Row> = sql.build().fetch_all(self.store.inner.database.read()).await?;
         rows.into_iter().map(Job::try_from).collect()
     }
 
@@ -158,21 +162,24 @@ impl Jobs<'_> {
         }
         let more = More { jobs: 1, ..More::default() };
         quotas::require(&mut tx, &new.creator, more).await?;
-        sqlx::query("delete from jobs where id = $1").bind(&before.id).execute(&mut *tx).await?;
-        let row: Row = sqlx::query_as(
+        query("delete from jobs where id = $1").bind(&before.id).execute(&mut tx).await?;
+        let now = self.store.now_micros();
+        let due = due(&mut tx, &key, now).await?;
+        let row: Row = query(
             "insert into jobs (id, kind, capture, state, priority, settings, trace_parent,
-                 request_id, created_at, revision, owner)
-             values ($1, 'ingest', $2, 'queued', 0, $3, $4, $5, $6, $7, $8) returning *",
+                 request_id, created_at, revision, due_at, owner)
+             values ($1, 'ingest', $2, 'queued', 0, $3, $4, $5, $6, $7, $8, $9) returning *",
         )
         .bind(IngestId::generate().uuid().to_string())
         .bind(key)
         .bind(new.settings)
         .bind(new.trace_parent)
         .bind(new.request_id)
-        .bind(self.store.now_micros())
+        .bind(now)
         .bind(before.revision + 1)
+        .bind(due)
         .bind(new.creator.owner)
-        .fetch_one(&mut *tx)
+        .fetch_one(&mut tx)
         .await?;
         tx.commit().await?;
         let job = Job::try_from(row)?;
@@ -249,14 +256,14 @@ impl Jobs<'_> {
                 (job, followers)
             }
             None => {
-                let row: Row = sqlx::query_as(
+                let row: Row = query(
                     "update jobs set state = 'succeeded', ended_at = $2, lease_until = null,
                          worker = null, checkpoint = null, revision = revision + 1
                      where id = $1 returning *",
                 )
                 .bind(&before.id)
                 .bind(now)
-                .fetch_one(&mut *tx)
+                .fetch_one(&mut tx)
                 .await?;
                 (row.try_into()?, Vec::new())
             }

@@ -9,41 +9,25 @@ use super::{
     Job, JobId, Jobs, Kind, losses,
     row::{self, Row},
 };
-use crate::{Content, Digest, Error, Result, Staged, clock::micros_after, failpoint::Failpoint};
+use crate::{Content, Digest, Error, Result, Staged, failpoint::Failpoint, sql::query};
 
-/// Claims a job that a subquery chooses.
-macro_rules! claim {
-    ($chosen:literal) => {
-        concat!(
-            "update jobs set state = 'running', worker = $1, lease_epoch = lease_epoch + 1,
-                 lease_until = $3, attempts = attempts + 1, stalled = stalled + 1,
-                 started_at = coalesce(started_at, $2), revision = revision + 1
-             where id = (",
-            $chosen,
-            ") returning *"
-        )
-    };
-}
+/// Claims the job that is due first among those of the highest priority: a fit only once its
+/// capture has been read. Ingests of small captures are due before those of large ones, which wait
+/// no longer for that than they take themselves.
+pub(crate) const CLAIM: &str =
+    "update jobs set state = 'running', worker = $1, lease_epoch = lease_epoch + 1,
+         lease_until = $3, attempts = attempts + 1, stalled = stalled + 1,
+         started_at = coalesce(started_at, $2), revision = revision + 1
+     where id = (
+         select id from jobs as j
+         where state = 'queued' and kind = $4 and (kind = 'ingest' or not exists (
+             select 1 from jobs as i where i.capture = j.capture and i.kind = 'ingest'
+                 and i.state in ('queued', 'running')))
+         order by priority desc, due_at, id limit 1)
+     returning *";
 
-/// The oldest fit of the highest priority whose capture has been read.
-const CLAIM_FIT: &str = claim!(
-    "select id from jobs as j where state = 'queued' and kind = 'fit' and not exists (
-         select 1 from jobs as i where i.capture = j.capture and i.kind = 'ingest'
-             and i.state in ('queued', 'running'))
-     order by priority desc, created_at, id limit 1"
-);
-
-/// The ingest of the highest priority that would be done first if each began when it was queued
-/// and took a second for a megabyte, ten minutes at most: small captures pass large ones, which
-/// wait no longer for that than they take themselves.
-const CLAIM_INGEST: &str = claim!(
-    "select j.id from jobs as j left join captures as c on c.id = j.capture
-     where j.state = 'queued' and j.kind = 'ingest'
-     order by j.priority desc,
-         j.created_at + case when coalesce(c.size_bytes, 0) > 600000000 then 600000000
-                             else coalesce(c.size_bytes, 0) end,
-         j.id limit 1"
-);
+/// Time after which a claimant looks at the queue although nothing has woken it.
+const LOOK_AGAIN: Duration = Duration::from_secs(10);
 
 /// The right of one worker to write to one job, until another claims it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -88,17 +72,13 @@ impl Jobs<'_> {
         worker: WorkerId,
         lease: Duration,
     ) -> Result<Option<Job>> {
-        let now = self.store.now();
         let mut tx = self.store.inner.database.write().await?;
-        let statement = match kind {
-            Kind::Ingest => CLAIM_INGEST,
-            Kind::Fit => CLAIM_FIT,
-        };
-        let row: Option<Row> = sqlx::query_as(statement)
+        let row: Option<Row> = query(CLAIM)
             .bind(worker.uuid().to_string())
             .bind(self.store.now_micros())
-            .bind(micros_after(now, lease))
-            .fetch_optional(&mut *tx)
+            .bind(self.store.lease_until(&tx, lease))
+            .bind(kind.as_str())
+            .fetch_optional(&mut tx)
             .await?;
         let Some(row) = row else { return Ok(None) };
         let job = Job::try_from(row)?;
@@ -129,7 +109,10 @@ impl Jobs<'_> {
             if let Some(job) = self.claim(kind, worker, lease).await? {
                 return Ok(Some(job));
             }
-            if tokio::time::timeout_at(deadline, queued).await.is_err() {
+            // Where notifications come over a connection, one may be lost.
+            let remote = self.store.inner.database.is_remote();
+            let look = if remote { deadline.min(Instant::now() + LOOK_AGAIN) } else { deadline };
+            if tokio::time::timeout_at(look, queued).await.is_err() && look == deadline {
                 return Ok(None);
             }
         }
@@ -140,11 +123,10 @@ impl Jobs<'_> {
     /// # Errors
     /// Database errors.
     pub async fn held_by(&self, worker: WorkerId) -> Result<Vec<Job>> {
-        let rows: Vec<Row> =
-            sqlx::query_as("select * from jobs where state = 'running' and worker = $1")
-                .bind(worker.uuid().to_string())
-                .fetch_all(self.store.inner.database.read())
-                .await?;
+        let rows: Vec<Row> = query("select * from jobs where state = 'running' and worker = $1")
+            .bind(worker.uuid().to_string())
+            .fetch_all(self.store.inner.database.read())
+            .await?;
         rows.into_iter().map(Job::try_from).collect()
     }
 
@@ -159,17 +141,17 @@ impl Jobs<'_> {
         renew: Duration,
     ) -> Result<Reported> {
         let JobReport { progress, losses } = report.into();
-        let until = micros_after(self.store.now(), renew);
         let mut tx = self.store.inner.database.write().await?;
+        let until = self.store.lease_until(&tx, renew);
         let row = row::fetch_leased(&mut tx, lease).await?;
         self.renew(lease, renew);
         losses::record(&mut tx, &row, losses).await?;
         let key = lease.job.uuid().to_string();
         let Some(progress) = progress else {
-            sqlx::query("update jobs set lease_until = $2 where id = $1")
+            query("update jobs set lease_until = $2 where id = $1")
                 .bind(key)
                 .bind(until)
-                .execute(&mut *tx)
+                .execute(&mut tx)
                 .await?;
             tx.commit().await?;
             return Ok(Reported { cancel_requested: row.cancel_requested });
@@ -177,7 +159,7 @@ impl Jobs<'_> {
         let further = progress.fraction > row.furthest;
         let json = serde_json::to_string(progress)
             .map_err(|e| Error::Io(std::io::Error::other(e.to_string())))?;
-        let row: Row = sqlx::query_as(
+        let row: Row = query(
             "update jobs set lease_until = $2, progress = $3, furthest = $4, stalled = $5,
                  interrupted = $6, revision = revision + 1
              where id = $1 returning *",
@@ -188,7 +170,7 @@ impl Jobs<'_> {
         .bind(if further { progress.fraction } else { row.furthest })
         .bind(if further { 0 } else { row.stalled })
         .bind(if further { 0 } else { row.interrupted })
-        .fetch_one(&mut *tx)
+        .fetch_one(&mut tx)
         .await?;
         tx.commit().await?;
         let job = Job::try_from(row)?;
@@ -213,16 +195,16 @@ impl Jobs<'_> {
             let row = row::fetch_leased(&mut tx, lease).await?;
             self.renew(lease, renew);
             let newer = row.checkpoint.as_deref() != Some(digest.as_str());
-            sqlx::query(
+            query(
                 "update jobs set checkpoint = $2, lease_until = $3, stalled = $4, interrupted = $5
                  where id = $1",
             )
             .bind(lease.job.uuid().to_string())
             .bind(digest.as_str())
-            .bind(micros_after(self.store.now(), renew))
+            .bind(self.store.lease_until(&tx, renew))
             .bind(if newer { 0 } else { row.stalled })
             .bind(if newer { 0 } else { row.interrupted })
-            .execute(&mut *tx)
+            .execute(&mut tx)
             .await?;
             self.store.pass(Failpoint::BeforeCommit)?;
             tx.commit().await?;
@@ -263,10 +245,10 @@ impl Jobs<'_> {
         let digest = digest.to_hex();
         tracing::warn!(job = %id, %digest, "checkpoint lost: the job begins anew");
         let mut tx = self.store.inner.database.write().await?;
-        sqlx::query("update jobs set checkpoint = null where id = $1 and checkpoint = $2")
+        query("update jobs set checkpoint = null where id = $1 and checkpoint = $2")
             .bind(id.uuid().to_string())
             .bind(digest.as_str())
-            .execute(&mut *tx)
+            .execute(&mut tx)
             .await?;
         tx.commit().await?;
         // The remains of it, if it was damaged.

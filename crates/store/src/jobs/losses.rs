@@ -7,10 +7,13 @@
 use std::collections::BTreeMap;
 
 use bendtwin_core::{ModelLoss, Stage, ids::FitId};
-use sqlx::{Sqlite, Transaction};
 
 use super::{Jobs, row::Row};
-use crate::{Error, Result, row::row};
+use crate::{
+    Error, Result,
+    row::row,
+    sql::{Transaction, query, query_scalar},
+};
 
 /// Most losses that are kept of a fit.
 const MOST: i64 = 4096;
@@ -34,12 +37,11 @@ impl Jobs<'_> {
     /// [`Error::NotFound`].
     pub async fn losses(&self, fit: FitId) -> Result<Vec<ModelLoss>> {
         let key = fit.uuid().to_string();
-        let rows: Vec<LossRow> = sqlx::query_as(
-            "select stage, variant, iteration, loss, best_loss from losses where fit = $1",
-        )
-        .bind(&key)
-        .fetch_all(self.store.inner.database.read())
-        .await?;
+        let rows: Vec<LossRow> =
+            query("select stage, variant, iteration, loss, best_loss from losses where fit = $1")
+                .bind(&key)
+                .fetch_all(self.store.inner.database.read())
+                .await?;
         if rows.is_empty() {
             self.get(fit).await?;
         }
@@ -67,11 +69,7 @@ impl Jobs<'_> {
 }
 
 /// Stores losses of a running fit, whose row this is, within the caller's transaction.
-pub(super) async fn record(
-    tx: &mut Transaction<'_, Sqlite>,
-    row: &Row,
-    losses: &[ModelLoss],
-) -> Result<()> {
+pub(super) async fn record(tx: &mut Transaction, row: &Row, losses: &[ModelLoss]) -> Result<()> {
     if losses.is_empty() {
         return Ok(());
     }
@@ -86,7 +84,7 @@ pub(super) async fn record(
         }
         // The one that was the last is not any more.
         let last = curve.iter().map(|loss| loss.iteration).max().unwrap_or(0);
-        sqlx::query(
+        query(
             "delete from losses where fit = $1 and stage = $2 and variant = $3
                  and iteration < $4 and iteration % $5 <> 0",
         )
@@ -95,7 +93,7 @@ pub(super) async fn record(
         .bind(variant)
         .bind(i64::from(last))
         .bind(row.loss_stride)
-        .execute(&mut **tx)
+        .execute(&mut *tx)
         .await?;
     }
     thin_out(tx, row).await
@@ -103,14 +101,14 @@ pub(super) async fn record(
 
 /// Forgets what earlier attempts computed from the first iteration of a curve on.
 async fn forget_later(
-    tx: &mut Transaction<'_, Sqlite>,
+    tx: &mut Transaction,
     row: &Row,
     stage: Stage,
     variant: &str,
     curve: &[&ModelLoss],
 ) -> Result<()> {
     let first = curve.iter().map(|loss| loss.iteration).min().unwrap_or(0);
-    sqlx::query(
+    query(
         "delete from losses where fit = $1 and stage = $2 and variant = $3 and iteration >= $4
              and epoch < $5",
     )
@@ -119,21 +117,21 @@ async fn forget_later(
     .bind(variant)
     .bind(i64::from(first))
     .bind(row.lease_epoch)
-    .execute(&mut **tx)
+    .execute(&mut *tx)
     .await?;
     if stage == Stage::Search {
-        sqlx::query("delete from losses where fit = $1 and stage = $2 and epoch < $3")
+        query("delete from losses where fit = $1 and stage = $2 and epoch < $3")
             .bind(&row.id)
             .bind(Stage::Refine.as_str())
             .bind(row.lease_epoch)
-            .execute(&mut **tx)
+            .execute(&mut *tx)
             .await?;
     }
     Ok(())
 }
 
-async fn insert(tx: &mut Transaction<'_, Sqlite>, row: &Row, loss: &ModelLoss) -> Result<()> {
-    sqlx::query(
+async fn insert(tx: &mut Transaction, row: &Row, loss: &ModelLoss) -> Result<()> {
+    query(
         "insert into losses (fit, stage, variant, iteration, loss, best_loss, epoch)
          values ($1, $2, $3, $4, $5, $6, $7)
          on conflict (fit, stage, variant, iteration) do update set loss = excluded.loss,
@@ -146,24 +144,24 @@ async fn insert(tx: &mut Transaction<'_, Sqlite>, row: &Row, loss: &ModelLoss) -
     .bind(loss.loss)
     .bind(loss.best_loss)
     .bind(row.lease_epoch)
-    .execute(&mut **tx)
+    .execute(&mut *tx)
     .await?;
     Ok(())
 }
 
 /// Doubles the stride until there are no more losses than may be.
-async fn thin_out(tx: &mut Transaction<'_, Sqlite>, row: &Row) -> Result<()> {
+async fn thin_out(tx: &mut Transaction, row: &Row) -> Result<()> {
     let count = "select count(*) from losses where fit = $1";
     let mut stride = row.loss_stride.max(1);
-    while sqlx::query_scalar::<_, i64>(count).bind(&row.id).fetch_one(&mut **tx).await? > MOST {
+    while query_scalar(count).bind(&row.id).fetch_one::<i64>(&mut *tx).await? > MOST {
         if stride > LARGEST_STRIDE {
             // No fit has so many models.
             let all = "delete from losses where fit = $1";
-            sqlx::query(all).bind(&row.id).execute(&mut **tx).await?;
+            query(all).bind(&row.id).execute(&mut *tx).await?;
             break;
         }
         stride *= 2;
-        sqlx::query(
+        query(
             "delete from losses where fit = $1 and iteration % $2 <> 0 and iteration < (
                  select max(l.iteration) from losses as l
                  where l.fit = losses.fit and l.stage = losses.stage
@@ -171,14 +169,14 @@ async fn thin_out(tx: &mut Transaction<'_, Sqlite>, row: &Row) -> Result<()> {
         )
         .bind(&row.id)
         .bind(stride)
-        .execute(&mut **tx)
+        .execute(&mut *tx)
         .await?;
     }
     if stride != row.loss_stride {
-        sqlx::query("update jobs set loss_stride = $2 where id = $1")
+        query("update jobs set loss_stride = $2 where id = $1")
             .bind(&row.id)
             .bind(stride)
-            .execute(&mut **tx)
+            .execute(&mut *tx)
             .await?;
     }
     Ok(())

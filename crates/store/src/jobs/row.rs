@@ -1,11 +1,17 @@
 //! A row of `jobs` and its decoding.
 
 use bendtwin_core::Progress;
-use sqlx::{Sqlite, Transaction};
+
 use uuid::Uuid;
 
 use super::{Job, JobId, Kind, Lease};
-use crate::{Digest, Error, Labels, Result, clock::from_micros, labels, row::row};
+use crate::{
+    Digest, Error, Labels, Result,
+    clock::from_micros,
+    labels,
+    row::row,
+    sql::{Transaction, query, query_scalar},
+};
 
 /// State of a job.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -59,7 +65,7 @@ row! {
         pub(super) interrupted: i64,
         pub(super) furthest: f64,
         pub(super) lease_epoch: i64,
-        lease_until: Option<i64>,
+        pub(super) lease_until: Option<i64>,
         pub(super) worker: Option<String>,
         progress: Option<String>,
         pub(super) checkpoint: Option<String>,
@@ -158,17 +164,17 @@ impl TryFrom<Row> for Job {
 }
 
 /// The row of a job, within a transaction.
-pub(super) async fn fetch(tx: &mut Transaction<'_, Sqlite>, id: JobId) -> Result<Row> {
-    let row: Option<Row> = sqlx::query_as("select * from jobs where id = $1 and kind = $2")
+pub(super) async fn fetch(tx: &mut Transaction, id: JobId) -> Result<Row> {
+    let row: Option<Row> = query("select * from jobs where id = $1 and kind = $2")
         .bind(id.uuid().to_string())
         .bind(id.kind().as_str())
-        .fetch_optional(&mut **tx)
+        .fetch_optional(&mut *tx)
         .await?;
     row.ok_or_else(|| Error::NotFound { name: id.to_string() })
 }
 
 /// The row of a job, if it runs under this very lease.
-pub(super) async fn fetch_leased(tx: &mut Transaction<'_, Sqlite>, lease: Lease) -> Result<Row> {
+pub(super) async fn fetch_leased(tx: &mut Transaction, lease: Lease) -> Result<Row> {
     let row = fetch(tx, lease.job).await?;
     if row.state()? != State::Running || !row.is_of(lease) {
         return Err(Error::StaleLease { job: lease.job, epoch: lease.epoch });
@@ -177,37 +183,31 @@ pub(super) async fn fetch_leased(tx: &mut Transaction<'_, Sqlite>, lease: Lease)
 }
 
 /// The job that was created under a request id.
-pub(super) async fn requested(
-    tx: &mut Transaction<'_, Sqlite>,
-    request_id: &str,
-) -> Result<Option<Row>> {
-    let row = sqlx::query_as("select * from jobs where request_id = $1")
+pub(super) async fn requested(tx: &mut Transaction, request_id: &str) -> Result<Option<Row>> {
+    let row = query("select * from jobs where request_id = $1")
         .bind(request_id)
-        .fetch_optional(&mut **tx)
+        .fetch_optional(&mut *tx)
         .await?;
     Ok(row)
 }
 
 /// The ingest of a capture.
-pub(super) async fn ingest_of(
-    tx: &mut Transaction<'_, Sqlite>,
-    capture: &str,
-) -> Result<Option<Row>> {
-    let row = sqlx::query_as("select * from jobs where capture = $1 and kind = 'ingest'")
+pub(super) async fn ingest_of(tx: &mut Transaction, capture: &str) -> Result<Option<Row>> {
+    let row = query("select * from jobs where capture = $1 and kind = 'ingest'")
         .bind(capture)
-        .fetch_optional(&mut **tx)
+        .fetch_optional(&mut *tx)
         .await?;
     Ok(row)
 }
 
 /// Number of fits of a capture that are queued or running.
-pub(crate) async fn fits_under_way(tx: &mut Transaction<'_, Sqlite>, capture: &str) -> Result<u64> {
-    let fits: i64 = sqlx::query_scalar(
+pub(crate) async fn fits_under_way(tx: &mut Transaction, capture: &str) -> Result<u64> {
+    let fits: i64 = query_scalar(
         "select count(*) from jobs
          where capture = $1 and kind = 'fit' and state in ('queued', 'running')",
     )
     .bind(capture)
-    .fetch_one(&mut **tx)
+    .fetch_one(&mut *tx)
     .await?;
     Ok(fits.max(0) as u64)
 }

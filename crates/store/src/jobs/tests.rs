@@ -10,7 +10,23 @@ use super::{AttemptEnd, Job, Kind, Loss, MAX_INTERRUPTED_ATTEMPTS, State};
 use crate::{
     Error, NewFit, TwinFacts,
     store::tests::{Bench, LEASE, lease_of, new_fit},
+    test_database::{On, on_both},
 };
+
+on_both! {
+    higher_priorities_first_then_the_oldest,
+    creation_is_idempotent,
+    racing_claimants_never_share_a_job,
+    waiting_claimants_wake_when_a_job_comes,
+    a_stale_lease_changes_nothing,
+    three_attempts_without_progress_fail_the_job,
+    a_checkpoint_is_progress_if_its_content_is_new,
+    released_jobs_go_back_uncounted,
+    interrupted_attempts_do_not_count_up_to_a_bound,
+    a_checkpoint_whose_content_is_lost_is_forgotten,
+    cancellation_reaches_every_state,
+    every_change_is_told_with_a_higher_revision,
+}
 
 async fn claim(bench: &Bench) -> Option<Job> {
     bench.claim(Kind::Fit).await
@@ -35,9 +51,8 @@ fn fault() -> Fault {
     Fault { category: Category::Internal, reason: "TEST".into(), message: "a test".into() }
 }
 
-#[tokio::test]
-async fn higher_priorities_first_then_the_oldest() {
-    let bench = Bench::new().await;
+async fn higher_priorities_first_then_the_oldest(on: On) {
+    let bench = Bench::new(on).await;
     let capture = bench.capture("a").await;
     let mut ids = Vec::new();
     for priority in [0, 5, 0, 5, -1] {
@@ -51,9 +66,8 @@ async fn higher_priorities_first_then_the_oldest() {
     assert_eq!(claimed, [ids[1], ids[3], ids[0], ids[2], ids[4]]);
 }
 
-#[tokio::test]
-async fn creation_is_idempotent() {
-    let bench = Bench::new().await;
+async fn creation_is_idempotent(on: On) {
+    let bench = Bench::new(on).await;
     let capture = bench.capture("a").await;
     let new = NewFit { request_id: Some("key".into()), ..new_fit(&capture) };
     let first = bench.store.jobs().create_fit(new.clone()).await.unwrap();
@@ -62,9 +76,8 @@ async fn creation_is_idempotent() {
     assert!(matches!(other, Err(Error::RequestIdTaken { .. })));
 }
 
-#[tokio::test]
-async fn racing_claimants_never_share_a_job() {
-    let bench = Bench::new().await;
+async fn racing_claimants_never_share_a_job(on: On) {
+    let bench = Bench::new(on).await;
     let capture = bench.capture("a").await;
     for _ in 0..20 {
         bench.store.jobs().create_fit(new_fit(&capture)).await.unwrap();
@@ -89,9 +102,8 @@ async fn racing_claimants_never_share_a_job() {
     assert_eq!(all.len(), 20);
 }
 
-#[tokio::test]
-async fn waiting_claimants_wake_when_a_job_comes() {
-    let bench = Bench::new().await;
+async fn waiting_claimants_wake_when_a_job_comes(on: On) {
+    let bench = Bench::new(on).await;
     let capture = bench.capture("a").await;
     let store = bench.store.clone();
     let waiting = tokio::spawn(async move {
@@ -107,9 +119,8 @@ async fn waiting_claimants_wake_when_a_job_comes() {
     assert_eq!(none.unwrap(), None);
 }
 
-#[tokio::test]
-async fn a_stale_lease_changes_nothing() {
-    let bench = Bench::new().await;
+async fn a_stale_lease_changes_nothing(on: On) {
+    let bench = Bench::new(on).await;
     let capture = bench.capture("a").await;
     bench.store.jobs().create_fit(new_fit(&capture)).await.unwrap();
     let old = lease_of(&claim(&bench).await.unwrap());
@@ -132,9 +143,8 @@ async fn a_stale_lease_changes_nothing() {
     assert_eq!(bench.blob_count().await, 1);
 }
 
-#[tokio::test]
-async fn three_attempts_without_progress_fail_the_job() {
-    let bench = Bench::new().await;
+async fn three_attempts_without_progress_fail_the_job(on: On) {
+    let bench = Bench::new(on).await;
     let capture = bench.capture("a").await;
     let fit = bench.store.jobs().create_fit(new_fit(&capture)).await.unwrap().id;
     let fail = async |progressed: Option<f64>| {
@@ -157,9 +167,8 @@ async fn three_attempts_without_progress_fail_the_job() {
     assert!(claim(&bench).await.is_none());
 }
 
-#[tokio::test]
-async fn a_checkpoint_is_progress_if_its_content_is_new() {
-    let bench = Bench::new().await;
+async fn a_checkpoint_is_progress_if_its_content_is_new(on: On) {
+    let bench = Bench::new(on).await;
     let capture = bench.capture("a").await;
     bench.store.jobs().create_fit(new_fit(&capture)).await.unwrap();
     let mut states = Vec::new();
@@ -174,9 +183,8 @@ async fn a_checkpoint_is_progress_if_its_content_is_new() {
     assert_eq!(states, [Queued, Queued, Queued, Queued, Failed]);
 }
 
-#[tokio::test]
-async fn released_jobs_go_back_uncounted() {
-    let bench = Bench::new().await;
+async fn released_jobs_go_back_uncounted(on: On) {
+    let bench = Bench::new(on).await;
     let capture = bench.capture("a").await;
     bench.store.jobs().create_fit(new_fit(&capture)).await.unwrap();
     for _ in 0..10 {
@@ -187,9 +195,8 @@ async fn released_jobs_go_back_uncounted() {
 }
 
 /// Rollouts that kill workers do not end a fit, but a fit that kills workers ends all the same.
-#[tokio::test]
-async fn interrupted_attempts_do_not_count_up_to_a_bound() {
-    let bench = Bench::new().await;
+async fn interrupted_attempts_do_not_count_up_to_a_bound(on: On) {
+    let bench = Bench::new(on).await;
     let capture = bench.capture("a").await;
     let jobs = bench.store.jobs();
     jobs.create_fit(new_fit(&capture)).await.unwrap();
@@ -218,9 +225,8 @@ async fn interrupted_attempts_do_not_count_up_to_a_bound() {
 }
 
 /// A lost checkpoint costs the work that it held, not the job.
-#[tokio::test]
-async fn a_checkpoint_whose_content_is_lost_is_forgotten() {
-    let bench = Bench::new().await;
+async fn a_checkpoint_whose_content_is_lost_is_forgotten(on: On) {
+    let bench = Bench::new(on).await;
     let capture = bench.capture("a").await;
     let jobs = bench.store.jobs();
     jobs.create_fit(new_fit(&capture)).await.unwrap();
@@ -235,9 +241,8 @@ async fn a_checkpoint_whose_content_is_lost_is_forgotten() {
     jobs.checkpoint(fit.id).await.unwrap();
 }
 
-#[tokio::test]
-async fn cancellation_reaches_every_state() {
-    let bench = Bench::new().await;
+async fn cancellation_reaches_every_state(on: On) {
+    let bench = Bench::new(on).await;
     let capture = bench.capture("a").await;
     let fits = bench.store.jobs();
     let queued = fits.create_fit(new_fit(&capture)).await.unwrap().id;
@@ -262,9 +267,8 @@ async fn cancellation_reaches_every_state() {
     fits.delete(dying.id.fit().unwrap()).await.unwrap();
 }
 
-#[tokio::test]
-async fn every_change_is_told_with_a_higher_revision() {
-    let bench = Bench::new().await;
+async fn every_change_is_told_with_a_higher_revision(on: On) {
+    let bench = Bench::new(on).await;
     let capture = bench.capture("a").await;
     let mut changes = bench.store.jobs().changes();
     let id = bench.store.jobs().create_fit(new_fit(&capture)).await.unwrap().id;

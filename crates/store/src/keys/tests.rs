@@ -1,7 +1,15 @@
 use std::time::Duration;
 
 use super::*;
-use crate::store::tests::Bench;
+use crate::{
+    store::tests::Bench,
+    test_database::{On, on_both},
+};
+
+on_both! {
+    keys_are_stored_listed_and_revoked,
+    the_last_use_does_not_go_back,
+}
 
 fn new(name: &str) -> NewKey {
     NewKey {
@@ -15,9 +23,8 @@ fn new(name: &str) -> NewKey {
     }
 }
 
-#[tokio::test]
-async fn keys_are_stored_listed_and_revoked() {
-    let bench = Bench::new().await;
+async fn keys_are_stored_listed_and_revoked(on: On) {
+    let bench = Bench::new(on).await;
     let keys = bench.store.keys();
     let expires = bench.store.now() + Duration::from_secs(60);
     let first = keys.create(NewKey { expires: Some(expires), ..new("a") }).await.unwrap();
@@ -42,9 +49,8 @@ async fn keys_are_stored_listed_and_revoked() {
     assert!(matches!(keys.get(unknown).await, Err(Error::NotFound { .. })));
 }
 
-#[tokio::test]
-async fn the_last_use_does_not_go_back() {
-    let bench = Bench::new().await;
+async fn the_last_use_does_not_go_back(on: On) {
+    let bench = Bench::new(on).await;
     let keys = bench.store.keys();
     let key = keys.create(new("a")).await.unwrap();
     let now = bench.store.now();

@@ -1,8 +1,18 @@
 use super::*;
 use crate::{
     Kind, ListQuery, NewFit, NewTwin, TwinFacts,
+    sql::{query, query_scalar},
     store::tests::{Bench, lease_of, new_capture, new_fit},
+    test_database::{On, on_both},
 };
+
+on_both! {
+    what_a_change_does_not_name_stays,
+    tags_are_bounded_and_go_with_their_resource,
+    a_creation_is_repeatable_after_a_change_of_name,
+    a_fit_that_is_renamed_is_told_and_names_its_twin,
+    rows_from_before_are_filled_in_when_the_store_opens,
+}
 
 fn tagged(tags: &[&str]) -> LabelChange {
     let add_tags = tags.iter().map(|&t| t.to_owned()).collect();
@@ -13,9 +23,8 @@ fn named(name: &str) -> LabelChange {
     LabelChange { display_name: Some(name.to_owned()), ..LabelChange::default() }
 }
 
-#[tokio::test]
-async fn what_a_change_does_not_name_stays() {
-    let bench = Bench::new().await;
+async fn what_a_change_does_not_name_stays(on: On) {
+    let bench = Bench::new(on).await;
     let capture = bench.capture("a").await;
     assert_eq!(capture.labels, Labels { display_name: "a rope".into(), ..Labels::default() });
     let captures = bench.store.captures();
@@ -38,9 +47,8 @@ async fn what_a_change_does_not_name_stays() {
     assert!(matches!(gone, Err(Error::NotFound { .. })));
 }
 
-#[tokio::test]
-async fn tags_are_bounded_and_go_with_their_resource() {
-    let bench = Bench::new().await;
+async fn tags_are_bounded_and_go_with_their_resource(on: On) {
+    let bench = Bench::new(on).await;
     let capture = bench.capture("a").await;
     let captures = bench.store.captures();
     let many: Vec<String> = (0..MAX_TAGS).map(|i| format!("t{i:02}")).collect();
@@ -50,7 +58,7 @@ async fn tags_are_bounded_and_go_with_their_resource() {
     assert!(matches!(refused, Err(Error::TooManyTags { limit: MAX_TAGS, .. })));
     assert_eq!(captures.get(capture.id).await.unwrap().labels.tags, many);
     captures.delete(capture.id).await.unwrap();
-    let left: i64 = sqlx::query_scalar("select count(*) from tags")
+    let left: i64 = query_scalar("select count(*) from tags")
         .fetch_one(bench.store.inner.database.read())
         .await
         .unwrap();
@@ -58,9 +66,8 @@ async fn tags_are_bounded_and_go_with_their_resource() {
 }
 
 /// A client that repeats its creation knows nothing of what people called the result since.
-#[tokio::test]
-async fn a_creation_is_repeatable_after_a_change_of_name() {
-    let bench = Bench::new().await;
+async fn a_creation_is_repeatable_after_a_change_of_name(on: On) {
+    let bench = Bench::new(on).await;
     let store = &bench.store;
     let again = async || crate::NewCapture {
         request_id: Some("capture".into()),
@@ -95,9 +102,8 @@ async fn a_creation_is_repeatable_after_a_change_of_name() {
     assert_eq!(store.twins().create(twin().await).await.unwrap().id, first.id);
 }
 
-#[tokio::test]
-async fn a_fit_that_is_renamed_is_told_and_names_its_twin() {
-    let bench = Bench::new().await;
+async fn a_fit_that_is_renamed_is_told_and_names_its_twin(on: On) {
+    let bench = Bench::new(on).await;
     let capture = bench.capture("a").await;
     let jobs = bench.store.jobs();
     let fit = jobs.create_fit(new_fit(&capture)).await.unwrap();
@@ -119,9 +125,8 @@ const QUALITY: &str = r#"{"scores": [{"predictor": "bending", "train": {},
     "future": {"track_m": 0.005, "chamfer_l1_m": 0.002}}]}"#;
 
 /// Rows as the migration leaves them are searched, sorted and compared like new ones.
-#[tokio::test]
-async fn rows_from_before_are_filled_in_when_the_store_opens() {
-    let bench = Bench::new().await;
+async fn rows_from_before_are_filled_in_when_the_store_opens(on: On) {
+    let bench = Bench::new(on).await;
     let capture = bench.capture("a").await;
     let new = NewFit { request_id: Some("fit".into()), ..new_fit(&capture) };
     let fit = bench.store.jobs().create_fit(new.clone()).await.unwrap();
@@ -140,7 +145,7 @@ async fn rows_from_before_are_filled_in_when_the_store_opens() {
         "update jobs set search_text = null, name_key = '', error_m = 1e300, display_name = '',
              first_name = null",
     ] {
-        sqlx::query(statement).execute(bench.store.inner.database.writer()).await.unwrap();
+        bench.tell(query(statement)).await;
     }
     let bench = bench.reopen().await;
     let after = (

@@ -1,10 +1,19 @@
-use sqlx::Row as _;
-
 use super::*;
 use crate::{
     Capture, Job, Kind, LabelChange, TwinFacts,
+    row::row,
+    sql::query,
     store::tests::{Bench, lease_of, new_fit},
+    test_database::{On, on_both},
 };
+
+on_both! {
+    lists_have_the_order_that_is_asked_for,
+    pages_stay_right_while_rows_come_and_go,
+    a_renamed_row_hides_no_other,
+    lists_are_filtered,
+    a_token_belongs_to_its_filters_and_order,
+}
 
 const ORDERS: [(OrderKey, bool); 6] = [
     (OrderKey::CreateTime, true),
@@ -64,9 +73,8 @@ async fn list(bench: &Bench, query: ListQuery) -> Vec<String> {
     names(bench, query, async || ()).await
 }
 
-#[tokio::test]
-async fn lists_have_the_order_that_is_asked_for() {
-    let bench = Bench::new().await;
+async fn lists_have_the_order_that_is_asked_for(on: On) {
+    let bench = Bench::new(on).await;
     let given = [
         ("beta", Some(3.0)),
         ("Alpha", None),
@@ -77,12 +85,7 @@ async fn lists_have_the_order_that_is_asked_for() {
     fits(&bench, &given.map(|(name, _)| (name, None))).await;
     let set = "update jobs set error_m = $2 where display_name = $1";
     for (name, error) in given {
-        sqlx::query(set)
-            .bind(name)
-            .bind(error.map_or(1e300, |e| e * 1e-3))
-            .execute(bench.store.inner.database.writer())
-            .await
-            .unwrap();
+        bench.tell(query(set).bind(name).bind(error.map_or(1e300, |e| e * 1e-3))).await;
     }
     for (key, descending) in ORDERS {
         let mut expected = match key {
@@ -98,10 +101,9 @@ async fn lists_have_the_order_that_is_asked_for() {
 }
 
 /// Every row that is there all the time comes once, whatever comes and goes between two pages.
-#[tokio::test]
-async fn pages_stay_right_while_rows_come_and_go() {
+async fn pages_stay_right_while_rows_come_and_go(on: On) {
     for (key, descending) in ORDERS {
-        let bench = Bench::new().await;
+        let bench = Bench::new(on).await;
         let given: Vec<_> =
             (0..7).map(|i| (["a", "B", "c", "D", "e", "F", "g"][i], Some(i as f64))).collect();
         let (capture, _) = fits(&bench, &given).await;
@@ -128,9 +130,8 @@ async fn pages_stay_right_while_rows_come_and_go() {
     }
 }
 
-#[tokio::test]
-async fn a_renamed_row_hides_no_other() {
-    let bench = Bench::new().await;
+async fn a_renamed_row_hides_no_other(on: On) {
+    let bench = Bench::new(on).await;
     let (_, fits) = fits(&bench, &[("a", None), ("b", None), ("c", None), ("d", None)]).await;
     let last = fits[1].id.fit().unwrap();
     let rename = async || {
@@ -142,9 +143,8 @@ async fn a_renamed_row_hides_no_other() {
     assert_eq!(seen, ["a", "b", "c", "d", "z"]);
 }
 
-#[tokio::test]
-async fn lists_are_filtered() {
-    let bench = Bench::new().await;
+async fn lists_are_filtered(on: On) {
+    let bench = Bench::new(on).await;
     let (capture, fits) =
         fits(&bench, &[("50% rope", None), ("50 ropes", None), ("a\\b_c", None)]).await;
     let jobs = bench.store.jobs();
@@ -184,9 +184,8 @@ async fn lists_are_filtered() {
     assert_eq!(bench.store.captures().list(&search("rope")).await.unwrap().items.len(), 2);
 }
 
-#[tokio::test]
-async fn a_token_belongs_to_its_filters_and_order() {
-    let bench = Bench::new().await;
+async fn a_token_belongs_to_its_filters_and_order(on: On) {
+    let bench = Bench::new(on).await;
     fits(&bench, &[("a", None), ("b", None), ("c", None)]).await;
     let mut query = by(OrderKey::Name, false);
     query.page.size = 1;
@@ -210,21 +209,22 @@ async fn a_token_belongs_to_its_filters_and_order() {
 }
 
 /// Steps by which the database answers a query.
-async fn plan(bench: &Bench, query: &ListQuery, collection: Collection) -> Vec<String> {
-    let select = query.select(collection).unwrap();
-    let sql = sqlx::AssertSqlSafe(format!("explain query plan {}", select.sql().as_str()));
-    let mut explain = sqlx::query(sql);
-    // Values do not matter, their number does.
-    for _ in 0..select.sql().as_str().matches('?').count() {
-        explain = explain.bind("");
+async fn plan(bench: &Bench, list: &ListQuery, collection: Collection) -> Vec<String> {
+    let select = list.select(collection).unwrap().build();
+    let steps = select.explained("explain query plan");
+    let steps: Vec<Step> = steps.fetch_all(bench.store.inner.database.read()).await.unwrap();
+    steps.into_iter().map(|step| step.detail).collect()
+}
+
+row! {
+    struct Step {
+        detail: String,
     }
-    let steps = explain.fetch_all(bench.store.inner.database.read()).await.unwrap();
-    steps.iter().map(|step| step.get("detail")).collect()
 }
 
 #[tokio::test]
 async fn no_page_sorts_or_reads_what_comes_before_it() {
-    let bench = Bench::new().await;
+    let bench = Bench::new(On::Sqlite).await;
     for collection in [Collection::Captures, Collection::Fits, Collection::Twins] {
         for (key, descending) in ORDERS {
             if collection == Collection::Captures && key == OrderKey::Error {

@@ -8,7 +8,7 @@ use super::{
     integrity,
     survey::{self, Damage, Depth},
 };
-use crate::{Error, Result, blobs::files, identity, references, references::Reference};
+use crate::{Error, Result, blobs::files, identity, references, references::Reference, sql::query};
 
 /// Findings of a check.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
@@ -88,7 +88,7 @@ pub async fn check(data_dir: &Path, depth: Depth) -> Result<CheckReport> {
 
 /// All references of rows to blobs.
 pub(super) async fn all(connection: &mut sqlx::SqliteConnection) -> Result<Vec<Reference>> {
-    Ok(sqlx::query_as(references::ALL).fetch_all(connection).await?)
+    query(references::ALL).fetch_all(connection).await
 }
 
 type Inspected = (Vec<(String, u64)>, Vec<Damage>);

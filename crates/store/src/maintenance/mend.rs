@@ -4,10 +4,12 @@
 
 use std::collections::BTreeSet;
 
-use sqlx::{Sqlite, Transaction};
-
 use super::survey::{Damage, UPLOAD};
-use crate::{Result, database::Database};
+use crate::{
+    Result,
+    database::Database,
+    sql::{Transaction, query},
+};
 
 /// Changes the rows of lost content. Returns what stays lost.
 pub(super) async fn rows(
@@ -25,9 +27,9 @@ pub(super) async fn rows(
         let id = damage.name.rsplit('/').next().unwrap_or_default();
         match damage.part.as_str() {
             "checkpoint" => {
-                sqlx::query("update jobs set checkpoint = null where id = $1")
+                query("update jobs set checkpoint = null where id = $1")
                     .bind(id)
-                    .execute(&mut *tx)
+                    .execute(&mut tx)
                     .await?;
                 actions.push(format!("{} starts anew: its checkpoint is gone", damage.name));
             }
@@ -52,20 +54,20 @@ pub(super) async fn rows(
 }
 
 /// Ends an upload.
-async fn give_up(tx: &mut Transaction<'_, Sqlite>, id: &str, now: i64) -> Result<()> {
-    sqlx::query(
+async fn give_up(tx: &mut Transaction, id: &str, now: i64) -> Result<()> {
+    query(
         "update uploads set state = 'gone', why = 'what had arrived of it is gone: begin a new one',
              digest = null, request_id = null, expires_at = $2 where id = $1",
     )
     .bind(id)
     .bind(now.saturating_add(86_400_000_000))
-    .execute(&mut **tx)
+    .execute(&mut *tx)
     .await?;
     Ok(())
 }
 
 /// Forgets the results of an ingest and queues it once more.
-async fn queue_ingest(tx: &mut Transaction<'_, Sqlite>, capture: &str) -> Result<()> {
+async fn queue_ingest(tx: &mut Transaction, capture: &str) -> Result<()> {
     for statement in [
         "delete from observations where capture = $1",
         "delete from playbacks where capture = $1",
@@ -76,7 +78,7 @@ async fn queue_ingest(tx: &mut Transaction<'_, Sqlite>, capture: &str) -> Result
              revision = revision + 1
          where capture = $1 and kind = 'ingest'",
     ] {
-        sqlx::query(statement).bind(capture).execute(&mut **tx).await?;
+        query(statement).bind(capture).execute(&mut *tx).await?;
     }
     Ok(())
 }

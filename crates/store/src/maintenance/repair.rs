@@ -19,6 +19,7 @@ use crate::{
     disk::Reserve,
     folder, identity, references,
     references::Reference,
+    sql::query,
 };
 
 /// Outcome of a repair.
@@ -52,7 +53,7 @@ pub async fn repair(data_dir: &Path) -> Result<Repair> {
         done.actions.push(format!("made a new database {}", file.display()));
     }
     let reserve = Arc::new(Reserve::open(data_dir));
-    let database = Database::open(data_dir, lock, reserve).await?;
+    let database = Database::open(data_dir, None, lock, reserve).await?;
     let mended = mend_content(data_dir, &database, &mut done).await;
     database.close().await;
     mended.map(|()| done)
@@ -113,8 +114,7 @@ async fn mend_content(data_dir: &Path, database: &Database, done: &mut Repair) -
         identity::join(database, mine, &blobs, now).await?;
         done.actions.push("gave the database and the content one identity".to_owned());
     }
-    let references: Vec<Reference> =
-        sqlx::query_as(references::ALL).fetch_all(database.read()).await?;
+    let references: Vec<Reference> = query(references::ALL).fetch_all(database.read()).await?;
     let mut lost = Vec::new();
     for reference in &references {
         let Some(damage) = survey::inspect(&blobs, reference, Depth::Digests)? else { continue };

@@ -13,6 +13,7 @@ use crate::{
     blobs::files,
     database,
     store::tests::{Bench, LEASE, lease_of, new_capture, new_fit},
+    test_database::On,
 };
 
 fn file(dir: &Path, content: &str) -> PathBuf {
@@ -52,7 +53,7 @@ async fn content(store: &Store, id: CaptureId) -> crate::Result<u64> {
 
 #[tokio::test]
 async fn a_check_beside_a_server_names_what_is_damaged_and_changes_nothing() {
-    let bench = Bench::new().await;
+    let bench = Bench::new(On::Sqlite).await;
     let capture = observed(&bench, "archive").await;
     half_way(&bench, &capture).await;
     let dir = bench.dir.path();
@@ -89,7 +90,7 @@ async fn a_check_beside_a_server_names_what_is_damaged_and_changes_nothing() {
 
 #[tokio::test]
 async fn a_repair_makes_again_what_it_can_and_deletes_nothing() {
-    let bench = Bench::new().await;
+    let bench = Bench::new(On::Sqlite).await;
     let capture = observed(&bench, "archive").await;
     half_way(&bench, &capture).await;
     let other = bench.capture("another").await;
@@ -132,7 +133,7 @@ async fn a_repair_makes_again_what_it_can_and_deletes_nothing() {
 
 #[tokio::test]
 async fn content_without_a_database_is_kept_until_the_database_is_back() {
-    let bench = Bench::new().await;
+    let bench = Bench::new(On::Sqlite).await;
     let capture = bench.capture("archive").await;
     let dir = bench.close().await;
     let dir = dir.path();
@@ -156,7 +157,7 @@ async fn content_without_a_database_is_kept_until_the_database_is_back() {
 
 #[tokio::test]
 async fn damaged_indexes_are_rebuilt() {
-    let bench = Bench::new().await;
+    let bench = Bench::new(On::Sqlite).await;
     bench.capture("archive").await;
     let dir = bench.close().await;
     let mut connection =
@@ -180,7 +181,7 @@ async fn damaged_indexes_are_rebuilt() {
 
 #[tokio::test]
 async fn damaged_files_are_rebuilt_and_kept() {
-    let bench = Bench::new().await;
+    let bench = Bench::new(On::Sqlite).await;
     let capture = bench.capture("archive").await;
     let dir = bench.close().await;
     let path = dir.path().join(database::FILE);
@@ -205,7 +206,7 @@ async fn damaged_files_are_rebuilt_and_kept() {
 
 #[tokio::test]
 async fn beyond_repair_is_said_and_nothing_is_changed() {
-    let bench = Bench::new().await;
+    let bench = Bench::new(On::Sqlite).await;
     bench.capture("archive").await;
     let dir = bench.close().await;
     let path = dir.path().join(database::FILE);
@@ -222,7 +223,7 @@ async fn beyond_repair_is_said_and_nothing_is_changed() {
 /// Captures come and go all the time while the backup is made.
 #[tokio::test(flavor = "multi_thread")]
 async fn a_backup_beside_a_busy_server_is_complete() {
-    let bench = Bench::new().await;
+    let bench = Bench::new(On::Sqlite).await;
     let kept = observed(&bench, "archive").await;
     half_way(&bench, &kept).await;
     let store = bench.store.clone();
@@ -257,7 +258,7 @@ async fn a_backup_beside_a_busy_server_is_complete() {
 
 #[tokio::test]
 async fn a_backup_names_what_the_store_lacks() {
-    let bench = Bench::new().await;
+    let bench = Bench::new(On::Sqlite).await;
     bench.capture("archive").await;
     bench.capture("another").await;
     fs::remove_file(file(bench.dir.path(), "another")).unwrap();

@@ -2,15 +2,21 @@ use super::*;
 use crate::{
     ListQuery, NewCapture, NewFit, NewTwin, TwinFacts,
     store::tests::{Bench, lease_of, new_capture, new_fit},
+    test_database::{On, on_both},
 };
+
+on_both! {
+    what_is_made_has_its_owner_and_lists_are_filtered_by_it,
+    an_owner_has_no_more_jobs_waiting_than_its_key_allows,
+    an_owner_has_no_more_stored_than_its_key_allows,
+}
 
 fn creator(owner: &str, quotas: Quotas) -> Creator {
     Creator { owner: owner.to_owned(), quotas }
 }
 
-#[tokio::test]
-async fn what_is_made_has_its_owner_and_lists_are_filtered_by_it() {
-    let bench = Bench::new().await;
+async fn what_is_made_has_its_owner_and_lists_are_filtered_by_it(on: On) {
+    let bench = Bench::new(on).await;
     let store = &bench.store;
     let ada = creator("ada", Quotas::default());
     let content = bench.stage("a").await;
@@ -37,9 +43,8 @@ async fn what_is_made_has_its_owner_and_lists_are_filtered_by_it() {
     assert_eq!(store.twins().list(&of("bob")).await.unwrap().items.len(), 1);
 }
 
-#[tokio::test]
-async fn an_owner_has_no_more_jobs_waiting_than_its_key_allows() {
-    let bench = Bench::new().await;
+async fn an_owner_has_no_more_jobs_waiting_than_its_key_allows(on: On) {
+    let bench = Bench::new(on).await;
     let capture = bench.capture("a").await;
     let quotas = Quotas { queued_jobs: Some(2), ..Quotas::default() };
     let new = NewFit { creator: creator("ada", quotas), ..new_fit(&capture) };
@@ -55,9 +60,8 @@ async fn an_owner_has_no_more_jobs_waiting_than_its_key_allows() {
     jobs.create_fit(new).await.unwrap();
 }
 
-#[tokio::test]
-async fn an_owner_has_no_more_stored_than_its_key_allows() {
-    let bench = Bench::new().await;
+async fn an_owner_has_no_more_stored_than_its_key_allows(on: On) {
+    let bench = Bench::new(on).await;
     let store = &bench.store;
     let quotas = Quotas { stored_bytes: Some(8), ..Quotas::default() };
     let upload = async |content: &'static str| {

@@ -6,9 +6,19 @@ use bendtwin_core::ids::WorkerId;
 use bytes::Bytes;
 
 use crate::{
-    Capture, Clock, Creator, Error, Job, Kind, Lease, LeaseTerms, Loss, ManualClock, NewCapture,
-    NewFit, Options, Staged, State, Store, TwinFacts, failpoint::Failpoint,
+    Capture, Clock, Creator, DatabaseUrl, Error, Job, Kind, Lease, LeaseTerms, Loss, ManualClock,
+    NewCapture, NewFit, Options, Staged, State, Store, TwinFacts,
+    failpoint::Failpoint,
+    sql,
+    test_database::{On, TestDatabase, on_both},
 };
+
+on_both! {
+    one_server_per_folder,
+    captures_survive_crashes_whole,
+    completion_survives_crashes,
+    checkpoints_survive_crashes,
+}
 
 pub(crate) const LEASE: Duration = Duration::from_secs(30);
 pub(crate) const TERMS: LeaseTerms = LeaseTerms { lease: LEASE, step: Duration::from_secs(2) };
@@ -18,21 +28,34 @@ pub(crate) struct Bench {
     pub(crate) dir: tempfile::TempDir,
     pub(crate) clock: Arc<ManualClock>,
     pub(crate) store: Store,
+    /// Its database, if that is not in the folder.
+    pub(crate) postgres: Option<TestDatabase>,
 }
 
 impl Bench {
-    pub(crate) async fn new() -> Self {
+    pub(crate) async fn new(on: On) -> Self {
         let dir = tempfile::tempdir().unwrap();
         let clock = Arc::new(ManualClock::default());
-        let store = open(dir.path(), clock.clone()).await.unwrap();
-        Self { dir, clock, store }
+        let postgres = match on {
+            On::Sqlite => None,
+            On::Postgres => Some(TestDatabase::new().await),
+        };
+        let url = postgres.as_ref().map(|database| database.url.clone());
+        let store = open(dir.path(), url, clock.clone()).await.unwrap();
+        Self { dir, clock, store, postgres }
+    }
+
+    /// The URL of its database, if that is not in the folder.
+    pub(crate) fn url(&self) -> Option<DatabaseUrl> {
+        self.postgres.as_ref().map(|database| database.url.clone())
     }
 
     /// The store as a process sees it that starts after this one has died.
     pub(crate) async fn reopen(self) -> Self {
         self.store.close().await;
+        let url = self.url();
         drop(self.store);
-        let store = open(self.dir.path(), self.clock.clone()).await.unwrap();
+        let store = open(self.dir.path(), url, self.clock.clone()).await.unwrap();
         Self { store, ..self }
     }
 
@@ -40,6 +63,13 @@ impl Bench {
     pub(crate) async fn close(self) -> tempfile::TempDir {
         self.store.close().await;
         self.dir
+    }
+
+    /// Runs a statement.
+    pub(crate) async fn tell(&self, statement: sql::Query) {
+        let mut tx = self.store.inner.database.write().await.unwrap();
+        statement.execute(&mut tx).await.unwrap();
+        tx.commit().await.unwrap();
     }
 
     pub(crate) async fn stage(&self, content: &'static str) -> Staged {
@@ -59,7 +89,11 @@ impl Bench {
         let capture = self.fresh_capture(content).await;
         let mut tx = self.store.inner.database.write().await.unwrap();
         let ended = "update jobs set state = 'succeeded' where capture = $1 and kind = 'ingest'";
-        sqlx::query(ended).bind(capture.id.uuid().to_string()).execute(&mut *tx).await.unwrap();
+        crate::sql::query(ended)
+            .bind(capture.id.uuid().to_string())
+            .execute(&mut tx)
+            .await
+            .unwrap();
         tx.commit().await.unwrap();
         capture
     }
@@ -88,8 +122,12 @@ impl Bench {
     }
 }
 
-async fn open(dir: &std::path::Path, clock: Arc<dyn Clock>) -> crate::Result<Store> {
-    Store::open(Options { data_dir: dir.to_owned(), clock }).await
+async fn open(
+    dir: &std::path::Path,
+    database: Option<DatabaseUrl>,
+    clock: Arc<dyn Clock>,
+) -> crate::Result<Store> {
+    Store::open(Options { data_dir: dir.to_owned(), database, clock }).await
 }
 
 pub(crate) fn new_capture(name: &str, content: Staged) -> NewCapture {
@@ -114,20 +152,18 @@ pub(crate) fn new_fit(capture: &Capture) -> NewFit {
     }
 }
 
-#[tokio::test]
-async fn one_server_per_folder() {
-    let bench = Bench::new().await;
-    let second = open(bench.dir.path(), bench.clock.clone()).await;
+async fn one_server_per_folder(on: On) {
+    let bench = Bench::new(on).await;
+    let second = open(bench.dir.path(), bench.url(), bench.clock.clone()).await;
     assert!(matches!(second, Err(Error::DataDirInUse)));
     bench.reopen().await.store.ping().await.unwrap();
 }
 
 /// A crash at any point of a capture's life: afterwards it is either complete or absent, and no
 /// content is left over.
-#[tokio::test]
-async fn captures_survive_crashes_whole() {
+async fn captures_survive_crashes_whole(on: On) {
     for point in Failpoint::ALL {
-        let bench = Bench::new().await;
+        let bench = Bench::new(on).await;
         let kept = bench.capture("kept").await;
         let doomed = bench.capture("doomed").await;
         let content = bench.stage("new").await;
@@ -149,10 +185,9 @@ async fn captures_survive_crashes_whole() {
 }
 
 /// A crash at any point of a completion: the worker repeats its call, and there is one twin.
-#[tokio::test]
-async fn completion_survives_crashes() {
+async fn completion_survives_crashes(on: On) {
     for point in Failpoint::ALL {
-        let bench = Bench::new().await;
+        let bench = Bench::new(on).await;
         let capture = bench.capture("capture").await;
         let fit = bench.store.jobs().create_fit(new_fit(&capture)).await.unwrap();
         let lease = lease_of(&bench.claim(Kind::Fit).await.unwrap());
@@ -178,10 +213,9 @@ async fn completion_survives_crashes() {
 }
 
 /// A crash while a checkpoint is stored: the job has the old or the new one, whole.
-#[tokio::test]
-async fn checkpoints_survive_crashes() {
+async fn checkpoints_survive_crashes(on: On) {
     for point in Failpoint::ALL {
-        let bench = Bench::new().await;
+        let bench = Bench::new(on).await;
         let capture = bench.capture("capture").await;
         let fit = bench.store.jobs().create_fit(new_fit(&capture)).await.unwrap();
         let lease = lease_of(&bench.claim(Kind::Fit).await.unwrap());

@@ -3,12 +3,12 @@
 use std::time::Duration;
 
 use bendtwin_core::ids::UploadId;
-use sqlx::{Sqlite, Transaction};
 
 use super::{IN_USE, ResumableUpload, UploadState, UploadWriter, Uploads, row::Row};
 use crate::{
     Creator, Digest, Error, Result,
     quotas::{self, More},
+    sql::{Transaction, query, query_scalar},
 };
 
 /// An upload to be created.
@@ -45,13 +45,12 @@ impl UploadBounds {
     /// Room for one upload of at least `length_bytes` beside all others [bytes].
     pub(super) async fn room(
         &self,
-        tx: &mut Transaction<'static, Sqlite>,
+        tx: &mut Transaction,
         except: Option<UploadId>,
         length_bytes: u64,
     ) -> Result<u64> {
         let except = except.map(|id| id.uuid().to_string()).unwrap_or_default();
-        let (count, bytes): (i64, i64) =
-            sqlx::query_as(IN_USE).bind(except).fetch_one(&mut **tx).await?;
+        let (count, bytes): (i64, i64) = query(IN_USE).bind(except).fetch_one(&mut *tx).await?;
         let (count, bytes) = (count.max(0) as u64, bytes.max(0) as u64);
         let room = self.bytes.saturating_sub(bytes);
         if count >= self.count || length_bytes > room {
@@ -130,7 +129,7 @@ impl Uploads<'_> {
             }
         };
         let keep = if capture.is_some() { new.remember } else { new.keep };
-        let row: Row = sqlx::query_as(
+        let row: Row = query(
             "insert into uploads (id, state, display_name, request_id, expected_digest, metadata,
                 length_bytes, offset_bytes, capture, created_at, expires_at, owner)
              values ($1, $2, $3, $4, $5, $6, $7, $8, $9, $10, $11, $12) returning *",
@@ -147,7 +146,7 @@ impl Uploads<'_> {
         .bind(self.store.now_micros())
         .bind(self.store.expiry_micros(keep))
         .bind(&new.creator.owner)
-        .fetch_one(&mut *tx)
+        .fetch_one(&mut tx)
         .await?;
         tx.commit().await?;
         row.try_into()
@@ -156,26 +155,25 @@ impl Uploads<'_> {
 
 /// The upload created under the same request id, unless its capture has been deleted since.
 async fn begun_before(
-    tx: &mut Transaction<'static, Sqlite>,
+    tx: &mut Transaction,
     new: &NewResumableUpload,
     request_id: &str,
 ) -> Result<Option<ResumableUpload>> {
-    let row: Option<Row> = sqlx::query_as("select * from uploads where request_id = $1")
+    let row: Option<Row> = query("select * from uploads where request_id = $1")
         .bind(request_id)
-        .fetch_optional(&mut **tx)
+        .fetch_optional(&mut *tx)
         .await?;
     let Some(row) = row else { return Ok(None) };
     let before = ResumableUpload::try_from(row)?;
     if let UploadState::Stored(capture) = before.state {
-        let there: bool =
-            sqlx::query_scalar("select exists (select 1 from captures where id = $1)")
-                .bind(capture.uuid().to_string())
-                .fetch_one(&mut **tx)
-                .await?;
+        let there: bool = query_scalar("select exists (select 1 from captures where id = $1)")
+            .bind(capture.uuid().to_string())
+            .fetch_one(&mut *tx)
+            .await?;
         if !there {
-            sqlx::query("update uploads set request_id = null where id = $1")
+            query("update uploads set request_id = null where id = $1")
                 .bind(before.id.uuid().to_string())
-                .execute(&mut **tx)
+                .execute(&mut *tx)
                 .await?;
             return Ok(None);
         }
@@ -195,16 +193,16 @@ async fn begun_before(
 /// Id and size of the capture that was made under the same request id, if it is known to be the
 /// same.
 async fn made_before(
-    tx: &mut Transaction<'static, Sqlite>,
+    tx: &mut Transaction,
     new: &NewResumableUpload,
     request_id: &str,
 ) -> Result<Option<(String, i64)>> {
-    let row: Option<(String, String, i64, String)> = sqlx::query_as(
+    let row: Option<(String, String, i64, String)> = query(
         "select id, coalesce(first_name, display_name), size_bytes, digest from captures
          where request_id = $1",
     )
     .bind(request_id)
-    .fetch_optional(&mut **tx)
+    .fetch_optional(&mut *tx)
     .await?;
     let Some((id, display_name, size, digest)) = row else { return Ok(None) };
     let given = new.expected_digest.map(|d| d.to_hex().to_string());

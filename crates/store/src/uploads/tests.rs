@@ -9,7 +9,22 @@ use crate::{
     Capture, NewCapture,
     failpoint::Failpoint,
     store::tests::{Bench, new_capture},
+    test_database::{On, on_both},
 };
+
+on_both! {
+    what_is_committed_survives_and_what_is_not_is_cut_off,
+    whole_content_becomes_one_capture_whatever_crashes,
+    the_holder_is_asked_to_make_room,
+    a_request_id_finds_the_upload_that_was_begun,
+    the_wrong_content_is_refused_and_frees_its_place,
+    silent_uploads_expire_and_are_forgotten_later,
+    uploads_under_way_are_bounded_together,
+    uploads_of_which_nothing_has_come_give_way,
+    the_room_that_is_kept_grows_with_what_has_come,
+    uploads_are_listed_page_by_page,
+    a_file_that_is_too_short_is_lost_content,
+}
 
 const KEEP: Duration = Duration::from_secs(100);
 const PATIENCE: Duration = Duration::from_secs(5);
@@ -56,9 +71,8 @@ async fn content(bench: &Bench, capture: &Capture) -> Vec<u8> {
     content.chunks.try_collect::<Vec<_>>().await.unwrap().concat()
 }
 
-#[tokio::test]
-async fn what_is_committed_survives_and_what_is_not_is_cut_off() {
-    let bench = Bench::new().await;
+async fn what_is_committed_survives_and_what_is_not_is_cut_off(on: On) {
+    let bench = Bench::new(on).await;
     let id = begin(&bench, "some content").await;
     assert_eq!(append(&bench, id, "some ").await, 5);
     let mut writer = claim(&bench, id).await;
@@ -79,10 +93,9 @@ async fn what_is_committed_survives_and_what_is_not_is_cut_off() {
 }
 
 /// A crash at any point between the last byte and the capture: the remaining steps run again, once.
-#[tokio::test]
-async fn whole_content_becomes_one_capture_whatever_crashes() {
+async fn whole_content_becomes_one_capture_whatever_crashes(on: On) {
     for point in Failpoint::ALL {
-        let bench = Bench::new().await;
+        let bench = Bench::new(on).await;
         let id = begin(&bench, "whole").await;
         append(&bench, id, "whole").await;
         bench.store.inner.armed.arm(point);
@@ -106,9 +119,8 @@ async fn whole_content_becomes_one_capture_whatever_crashes() {
     }
 }
 
-#[tokio::test]
-async fn the_holder_is_asked_to_make_room() {
-    let bench = Bench::new().await;
+async fn the_holder_is_asked_to_make_room(on: On) {
+    let bench = Bench::new(on).await;
     let id = begin(&bench, "some content").await;
     let mut first = claim(&bench, id).await;
     first.write(&Bytes::from_static(b"some ")).await.unwrap();
@@ -128,9 +140,8 @@ async fn the_holder_is_asked_to_make_room() {
     assert!(undisturbed.is_err());
 }
 
-#[tokio::test]
-async fn a_request_id_finds_the_upload_that_was_begun() {
-    let bench = Bench::new().await;
+async fn a_request_id_finds_the_upload_that_was_begun(on: On) {
+    let bench = Bench::new(on).await;
     let id = begin(&bench, "whole").await;
     append(&bench, id, "who").await;
     let again = bench.store.uploads().create(new("whole"), BOUNDS).await.unwrap();
@@ -151,9 +162,8 @@ async fn a_request_id_finds_the_upload_that_was_begun() {
     assert_eq!((anew.state, anew.offset_bytes), (UploadState::Receiving, 0));
 }
 
-#[tokio::test]
-async fn the_wrong_content_is_refused_and_frees_its_place() {
-    let bench = Bench::new().await;
+async fn the_wrong_content_is_refused_and_frees_its_place(on: On) {
+    let bench = Bench::new(on).await;
     let id = begin(&bench, "right").await;
     append(&bench, id, "wrong").await;
     assert!(matches!(finish(&bench, id).await, Err(Error::DigestMismatch { .. })));
@@ -164,9 +174,8 @@ async fn the_wrong_content_is_refused_and_frees_its_place() {
     begin(&bench, "right").await;
 }
 
-#[tokio::test]
-async fn silent_uploads_expire_and_are_forgotten_later() {
-    let bench = Bench::new().await;
+async fn silent_uploads_expire_and_are_forgotten_later(on: On) {
+    let bench = Bench::new(on).await;
     let (held, idle) = (begin(&bench, "held").await, {
         let new = NewResumableUpload { request_id: None, ..new("idle") };
         bench.store.uploads().create(new, BOUNDS).await.unwrap().id
@@ -189,9 +198,8 @@ fn sized(length_bytes: Option<u64>) -> NewResumableUpload {
     NewResumableUpload { request_id: None, length_bytes, ..new("") }
 }
 
-#[tokio::test]
-async fn uploads_under_way_are_bounded_together() {
-    let bench = Bench::new().await;
+async fn uploads_under_way_are_bounded_together(on: On) {
+    let bench = Bench::new(on).await;
     let uploads = bench.store.uploads();
     let bounds = UploadBounds { count: 2, bytes: 10 };
     let first = uploads.create(sized(Some(6)), bounds).await.unwrap();
@@ -216,9 +224,8 @@ async fn uploads_under_way_are_bounded_together() {
 }
 
 /// Creations cost their sender next to nothing, so they keep nobody out.
-#[tokio::test]
-async fn uploads_of_which_nothing_has_come_give_way() {
-    let bench = Bench::new().await;
+async fn uploads_of_which_nothing_has_come_give_way(on: On) {
+    let bench = Bench::new(on).await;
     let uploads = bench.store.uploads();
     let bounds = UploadBounds { count: 3, bytes: 10 };
     let begun = uploads.create(sized(Some(4)), bounds).await.unwrap();
@@ -244,9 +251,8 @@ async fn uploads_of_which_nothing_has_come_give_way() {
 }
 
 /// The room that is kept is one and the same in SQL and here.
-#[tokio::test]
-async fn the_room_that_is_kept_grows_with_what_has_come() {
-    let bench = Bench::new().await;
+async fn the_room_that_is_kept_grows_with_what_has_come(on: On) {
+    let bench = Bench::new(on).await;
     let uploads = bench.store.uploads();
     let (mib, gib) = (1u64 << 20, 1u64 << 30);
     for (offset, length, kept) in [
@@ -263,8 +269,8 @@ async fn the_room_that_is_kept_grows_with_what_has_come() {
         let id = uploads.create(sized(length), bounds).await.unwrap().id;
         let mut tx = bench.store.inner.database.write().await.unwrap();
         let moved = "update uploads set offset_bytes = $2 where id = $1";
-        let moved = sqlx::query(moved).bind(id.uuid().to_string()).bind(offset as i64);
-        moved.execute(&mut *tx).await.unwrap();
+        let moved = crate::sql::query(moved).bind(id.uuid().to_string()).bind(offset as i64);
+        moved.execute(&mut tx).await.unwrap();
         tx.commit().await.unwrap();
         assert_eq!(uploads.in_use().await.unwrap().bytes, kept, "{offset} of {length:?}");
         if offset > 0 {
@@ -274,9 +280,8 @@ async fn the_room_that_is_kept_grows_with_what_has_come() {
     }
 }
 
-#[tokio::test]
-async fn uploads_are_listed_page_by_page() {
-    let bench = Bench::new().await;
+async fn uploads_are_listed_page_by_page(on: On) {
+    let bench = Bench::new(on).await;
     let uploads = bench.store.uploads();
     let mut ids = Vec::new();
     for _ in 0..3 {
@@ -290,9 +295,8 @@ async fn uploads_are_listed_page_by_page() {
     assert_eq!((listed, second.next_token.as_str()), (ids, ""));
 }
 
-#[tokio::test]
-async fn a_file_that_is_too_short_is_lost_content() {
-    let bench = Bench::new().await;
+async fn a_file_that_is_too_short_is_lost_content(on: On) {
+    let bench = Bench::new(on).await;
     let id = begin(&bench, "some content").await;
     append(&bench, id, "some ").await;
     std::fs::write(bench.store.blobs().partial(id), "so").unwrap();

@@ -9,7 +9,7 @@ use tokio::{
 };
 
 use super::{ResumableUpload, UploadBounds, UploadState, kept_room, row::Row, seat::Held};
-use crate::{Digest, Error, Result, Staged, Store};
+use crate::{Digest, Error, Result, Staged, Store, sql::query};
 
 /// Bytes buffered before they are written to the file.
 const BUFFER: usize = 1 << 20;
@@ -63,10 +63,10 @@ impl UploadWriter {
         }
         let mut tx = self.store.inner.database.write().await?;
         bounds.room(&mut tx, Some(self.upload.id), length_bytes).await?;
-        sqlx::query("update uploads set length_bytes = $2 where id = $1")
+        query("update uploads set length_bytes = $2 where id = $1")
             .bind(self.key())
             .bind(i64::try_from(length_bytes).unwrap_or(i64::MAX))
-            .execute(&mut *tx)
+            .execute(&mut tx)
             .await?;
         tx.commit().await?;
         self.upload.length_bytes = Some(length_bytes);
@@ -115,13 +115,13 @@ impl UploadWriter {
         }
         let offset = self.upload.offset_bytes + self.pending;
         let mut tx = self.store.inner.database.write().await?;
-        let row: Row = sqlx::query_as(
+        let row: Row = query(
             "update uploads set offset_bytes = $2, expires_at = $3 where id = $1 returning *",
         )
         .bind(self.key())
         .bind(i64::try_from(offset).unwrap_or(i64::MAX))
         .bind(self.store.expiry_micros(keep))
-        .fetch_one(&mut *tx)
+        .fetch_one(&mut tx)
         .await?;
         tx.commit().await?;
         self.pending = 0;
@@ -175,10 +175,10 @@ impl UploadWriter {
             return Err(Error::DigestMismatch { given, actual: digest });
         }
         let mut tx = self.store.inner.database.write().await?;
-        sqlx::query("update uploads set digest = $2 where id = $1")
+        query("update uploads set digest = $2 where id = $1")
             .bind(self.key())
             .bind(digest.to_hex().as_str())
-            .execute(&mut *tx)
+            .execute(&mut tx)
             .await?;
         tx.commit().await?;
         self.upload.digest = Some(digest);
@@ -192,14 +192,14 @@ impl UploadWriter {
     /// Database and file errors.
     pub async fn end(self, why: &str, keep: Duration) -> Result<()> {
         let mut tx = self.store.inner.database.write().await?;
-        sqlx::query(
+        query(
             "update uploads set state = 'gone', why = $2, digest = null, request_id = null,
                 metadata = '', expires_at = $3 where id = $1",
         )
         .bind(self.key())
         .bind(why)
         .bind(self.store.expiry_micros(keep))
-        .execute(&mut *tx)
+        .execute(&mut tx)
         .await?;
         tx.commit().await?;
         self.store.blobs().remove_partial(self.upload.id).await?;

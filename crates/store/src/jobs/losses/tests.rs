@@ -4,7 +4,15 @@ use super::*;
 use crate::{
     AttemptEnd, JobReport, Kind, Lease,
     store::tests::{Bench, LEASE, lease_of, new_fit},
+    test_database::{On, on_both},
 };
+
+on_both! {
+    losses_are_kept_by_stage_and_model_until_the_fit_is_deleted,
+    a_resumed_attempt_replaces_what_it_computes_anew,
+    long_curves_are_thinned_out_and_keep_their_last,
+    no_worker_can_fill_the_disk_with_losses,
+}
 
 fn loss(stage: Stage, variant: &str, iteration: u32) -> ModelLoss {
     let loss = Some(1.0 / f64::from(iteration));
@@ -36,9 +44,8 @@ async fn iterations(bench: &Bench, fit: FitId) -> Vec<u32> {
     bench.store.jobs().losses(fit).await.unwrap().iter().map(|l| l.iteration).collect()
 }
 
-#[tokio::test]
-async fn losses_are_kept_by_stage_and_model_until_the_fit_is_deleted() {
-    let bench = Bench::new().await;
+async fn losses_are_kept_by_stage_and_model_until_the_fit_is_deleted(on: On) {
+    let bench = Bench::new(on).await;
     let (fit, lease) = running(&bench).await;
     assert!(bench.store.jobs().losses(fit).await.unwrap().is_empty());
     let curves = [
@@ -61,7 +68,7 @@ async fn losses_are_kept_by_stage_and_model_until_the_fit_is_deleted() {
     bench.store.jobs().delete(fit).await.unwrap();
     let gone = bench.store.jobs().losses(fit).await.unwrap_err();
     assert_eq!(gone.reason(), "NOT_FOUND");
-    let rows: i64 = sqlx::query_scalar("select count(*) from losses")
+    let rows: i64 = crate::sql::query_scalar("select count(*) from losses")
         .fetch_one(bench.store.inner.database.read())
         .await
         .unwrap();
@@ -70,9 +77,8 @@ async fn losses_are_kept_by_stage_and_model_until_the_fit_is_deleted() {
 
 /// What was computed after the checkpoint that a worker's successor goes on from is not of the way
 /// to the twin.
-#[tokio::test]
-async fn a_resumed_attempt_replaces_what_it_computes_anew() {
-    let bench = Bench::new().await;
+async fn a_resumed_attempt_replaces_what_it_computes_anew(on: On) {
+    let bench = Bench::new(on).await;
     let (fit, first) = running(&bench).await;
     report(&bench, first, &refined(1..=9)).await.unwrap();
     bench.store.jobs().end_attempt(first, AttemptEnd::Released).await.unwrap();
@@ -89,9 +95,8 @@ async fn a_resumed_attempt_replaces_what_it_computes_anew() {
     assert_eq!(bench.store.jobs().losses(fit).await.unwrap(), search);
 }
 
-#[tokio::test]
-async fn long_curves_are_thinned_out_and_keep_their_last() {
-    let bench = Bench::new().await;
+async fn long_curves_are_thinned_out_and_keep_their_last(on: On) {
+    let bench = Bench::new(on).await;
     let (fit, lease) = running(&bench).await;
     let most = MOST as usize;
     for first in (1..=20_000).step_by(1000) {
@@ -107,9 +112,8 @@ async fn long_curves_are_thinned_out_and_keep_their_last() {
     assert!(iterations(&bench, fit).await.len() > most / 4);
 }
 
-#[tokio::test]
-async fn no_worker_can_fill_the_disk_with_losses() {
-    let bench = Bench::new().await;
+async fn no_worker_can_fill_the_disk_with_losses(on: On) {
+    let bench = Bench::new(on).await;
     let (fit, lease) = running(&bench).await;
     for batch in 0..9 {
         let nonsense: Vec<_> =

@@ -6,8 +6,22 @@ use super::{fault, progress};
 use crate::{
     AttemptEnd, Capture, Error, IngestResult, Job, Kind, Lease, Loss, NewIngest, NewReport, State,
     failpoint::Failpoint,
+    sql::query,
     store::tests::{Bench, LEASE, lease_of, new_fit},
+    test_database::{On, on_both},
 };
+
+on_both! {
+    a_capture_is_made_with_its_ingest_and_fits_wait_for_it,
+    what_fails_the_ingest_fails_its_fits_and_keeps_the_report,
+    a_cancelled_ingest_says_so_to_fits,
+    stalled_ingests_fail_and_checkpoints_go_with_them,
+    a_deleted_capture_leaves_nothing,
+    captures_from_before_get_their_ingest_at_the_next_start,
+    a_capture_without_a_playback_says_that_its_ingest_makes_one,
+    an_ingests_end_survives_crashes,
+    small_captures_are_read_before_large_ones_that_wait_no_longer_than_they_take,
+}
 
 async fn report(bench: &Bench, verdict: &str) -> NewReport {
     let (json, html) = (bench.stage("{}").await, bench.stage("<p>").await);
@@ -34,9 +48,8 @@ fn again(capture: &Capture) -> NewIngest {
     }
 }
 
-#[tokio::test]
-async fn a_capture_is_made_with_its_ingest_and_fits_wait_for_it() {
-    let bench = Bench::new().await;
+async fn a_capture_is_made_with_its_ingest_and_fits_wait_for_it(on: On) {
+    let bench = Bench::new(on).await;
     let capture = bench.fresh_capture("a").await;
     let fit = bench.store.jobs().create_fit(new_fit(&capture)).await.unwrap();
     assert!(bench.claim(Kind::Fit).await.is_none());
@@ -65,9 +78,8 @@ async fn a_capture_is_made_with_its_ingest_and_fits_wait_for_it() {
     assert_eq!(bench.blob_count().await, 6);
 }
 
-#[tokio::test]
-async fn what_fails_the_ingest_fails_its_fits_and_keeps_the_report() {
-    let bench = Bench::new().await;
+async fn what_fails_the_ingest_fails_its_fits_and_keeps_the_report(on: On) {
+    let bench = Bench::new(on).await;
     let capture = bench.fresh_capture("a").await;
     let jobs = bench.store.jobs();
     let waiting = jobs.create_fit(new_fit(&capture)).await.unwrap();
@@ -100,9 +112,8 @@ async fn what_fails_the_ingest_fails_its_fits_and_keeps_the_report() {
     assert!(matches!(refused, Err(Error::CaptureInUse { fits: 1, .. })));
 }
 
-#[tokio::test]
-async fn a_cancelled_ingest_says_so_to_fits() {
-    let bench = Bench::new().await;
+async fn a_cancelled_ingest_says_so_to_fits(on: On) {
+    let bench = Bench::new(on).await;
     let capture = bench.fresh_capture("a").await;
     let jobs = bench.store.jobs();
     let fit = jobs.create_fit(new_fit(&capture)).await.unwrap();
@@ -115,9 +126,8 @@ async fn a_cancelled_ingest_says_so_to_fits() {
     );
 }
 
-#[tokio::test]
-async fn stalled_ingests_fail_and_checkpoints_go_with_them() {
-    let bench = Bench::new().await;
+async fn stalled_ingests_fail_and_checkpoints_go_with_them(on: On) {
+    let bench = Bench::new(on).await;
     let capture = bench.fresh_capture("a").await;
     let fit = bench.store.jobs().create_fit(new_fit(&capture)).await.unwrap();
     for attempt in 0..4 {
@@ -137,9 +147,8 @@ async fn stalled_ingests_fail_and_checkpoints_go_with_them() {
     assert_eq!(bench.blob_count().await, 1);
 }
 
-#[tokio::test]
-async fn a_deleted_capture_leaves_nothing() {
-    let bench = Bench::new().await;
+async fn a_deleted_capture_leaves_nothing(on: On) {
+    let bench = Bench::new(on).await;
     let done = bench.fresh_capture("a").await;
     observe(&bench, lease_of(&bench.claim(Kind::Ingest).await.unwrap()), "seen").await.unwrap();
     let under_way = bench.fresh_capture("b").await;
@@ -155,22 +164,18 @@ async fn a_deleted_capture_leaves_nothing() {
     assert_eq!(bench.blob_count().await, 0);
 }
 
-#[tokio::test]
-async fn captures_from_before_get_their_ingest_at_the_next_start() {
-    let bench = Bench::new().await;
+async fn captures_from_before_get_their_ingest_at_the_next_start(on: On) {
+    let bench = Bench::new(on).await;
     let old = bench.capture("a").await;
-    let mut tx = bench.store.inner.database.write().await.unwrap();
-    sqlx::query("delete from jobs").execute(&mut *tx).await.unwrap();
-    tx.commit().await.unwrap();
+    bench.tell(query("delete from jobs")).await;
     let bench = bench.reopen().await;
     assert_eq!(bench.store.jobs().ingest_of(old.id).await.unwrap().state, State::Queued);
     let bench = bench.reopen().await;
     assert_eq!(bench.store.jobs().depth().await.unwrap().count(Kind::Ingest, State::Queued), 1);
 }
 
-#[tokio::test]
-async fn a_capture_without_a_playback_says_that_its_ingest_makes_one() {
-    let bench = Bench::new().await;
+async fn a_capture_without_a_playback_says_that_its_ingest_makes_one(on: On) {
+    let bench = Bench::new(on).await;
     let capture = bench.fresh_capture("a").await;
     let playback = async || bench.store.captures().playback_content(capture.id).await;
     let missing = playback().await.err().unwrap();
@@ -192,10 +197,9 @@ async fn a_capture_without_a_playback_says_that_its_ingest_makes_one() {
 }
 
 /// A crash at any point of an ingest's end: the worker repeats its call, and all of it is stored.
-#[tokio::test]
-async fn an_ingests_end_survives_crashes() {
+async fn an_ingests_end_survives_crashes(on: On) {
     for point in Failpoint::ALL {
-        let bench = Bench::new().await;
+        let bench = Bench::new(on).await;
         let capture = bench.fresh_capture("a").await;
         let lease = lease_of(&bench.claim(Kind::Ingest).await.unwrap());
         let checkpoint = bench.stage("checkpoint").await;
@@ -216,19 +220,16 @@ async fn an_ingests_end_survives_crashes() {
 }
 
 /// A capture of gigabytes does not hold up the report of a small one, nor is it held up for ever.
-#[tokio::test]
-async fn small_captures_are_read_before_large_ones_that_wait_no_longer_than_they_take() {
-    let bench = Bench::new().await;
+async fn small_captures_are_read_before_large_ones_that_wait_no_longer_than_they_take(on: On) {
+    let bench = Bench::new(on).await;
     let sized = async |content: &'static str, bytes: i64| {
         let capture = bench.fresh_capture(content).await;
-        let mut tx = bench.store.inner.database.write().await.unwrap();
-        sqlx::query("update captures set size_bytes = $2 where id = $1")
-            .bind(capture.id.uuid().to_string())
-            .bind(bytes)
-            .execute(&mut *tx)
-            .await
-            .unwrap();
-        tx.commit().await.unwrap();
+        let size = "update captures set size_bytes = $2 where id = $1";
+        bench.tell(query(size).bind(capture.id.uuid().to_string()).bind(bytes)).await;
+        // Queued again, with that size.
+        let ingest = bench.store.jobs().ingest_of(capture.id).await.unwrap();
+        bench.store.jobs().cancel(ingest.id).await.unwrap();
+        bench.store.jobs().create_ingest(again(&capture)).await.unwrap();
         capture.id
     };
     let next = async || bench.claim(Kind::Ingest).await.map(|job| job.capture);

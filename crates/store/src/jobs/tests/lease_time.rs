@@ -3,14 +3,22 @@
 use std::time::Duration;
 
 use super::claim;
-use crate::store::tests::{Bench, LEASE, lease_of, new_fit};
+use crate::{
+    store::tests::{Bench, LEASE, lease_of, new_fit},
+    test_database::{On, on_both},
+};
+
+on_both! {
+    a_clock_that_is_set_neither_ends_a_lease_nor_prolongs_it,
+    a_process_that_stood_still_ends_no_lease,
+    after_a_restart_a_lease_lasts_as_long_as_a_new_one,
+}
 
 const DAY_MICROS: i64 = 86_400_000_000;
 
-#[tokio::test]
-async fn a_clock_that_is_set_neither_ends_a_lease_nor_prolongs_it() {
+async fn a_clock_that_is_set_neither_ends_a_lease_nor_prolongs_it(on: On) {
     for set in [-DAY_MICROS, DAY_MICROS] {
-        let bench = Bench::new().await;
+        let bench = Bench::new(on).await;
         let capture = bench.capture("a").await;
         bench.store.jobs().create_fit(new_fit(&capture)).await.unwrap();
         claim(&bench).await.unwrap();
@@ -21,9 +29,8 @@ async fn a_clock_that_is_set_neither_ends_a_lease_nor_prolongs_it() {
     }
 }
 
-#[tokio::test]
-async fn a_process_that_stood_still_ends_no_lease() {
-    let bench = Bench::new().await;
+async fn a_process_that_stood_still_ends_no_lease(on: On) {
+    let bench = Bench::new(on).await;
     let capture = bench.capture("a").await;
     bench.store.jobs().create_fit(new_fit(&capture)).await.unwrap();
     let lease = lease_of(&claim(&bench).await.unwrap());
@@ -37,10 +44,9 @@ async fn a_process_that_stood_still_ends_no_lease() {
     assert_eq!(bench.pass(Duration::from_secs(1)).await.len(), 1);
 }
 
-#[tokio::test]
-async fn after_a_restart_a_lease_lasts_as_long_as_a_new_one() {
+async fn after_a_restart_a_lease_lasts_as_long_as_a_new_one(on: On) {
     for set in [-DAY_MICROS, 0, DAY_MICROS] {
-        let bench = Bench::new().await;
+        let bench = Bench::new(on).await;
         let capture = bench.capture("a").await;
         bench.store.jobs().create_fit(new_fit(&capture)).await.unwrap();
         claim(&bench).await.unwrap();

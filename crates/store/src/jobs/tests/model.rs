@@ -11,6 +11,7 @@ use crate::{
     Kind, Lease, NewFit,
     jobs::{AttemptEnd, Loss, State},
     store::tests::{Bench, LEASE, TERMS, new_fit},
+    test_database::On,
 };
 use bendtwin_core::ids::WorkerId;
 
@@ -116,8 +117,8 @@ impl Job {
     }
 }
 
-async fn run(steps: Vec<Step>) {
-    let bench = Bench::new().await;
+async fn run(on: On, steps: Vec<Step>) {
+    let bench = Bench::new(on).await;
     let capture = bench.capture("a").await;
     let fits = bench.store.jobs();
     let mut model: Vec<Job> = Vec::new();
@@ -253,6 +254,18 @@ proptest! {
     #[test]
     fn the_queue_is_its_model(steps in steps()) {
         let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build().unwrap();
-        runtime.block_on(run(steps));
+        runtime.block_on(run(On::Sqlite, steps));
+    }
+}
+
+proptest! {
+    // Each makes a database.
+    #![proptest_config(ProptestConfig { cases: 6, ..ProptestConfig::default() })]
+    #[test]
+    fn the_queue_is_its_model_on_postgres(steps in steps()) {
+        let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build().unwrap();
+        if let Some(on) = On::postgres_or_skip() {
+            runtime.block_on(run(on, steps));
+        }
     }
 }

@@ -6,6 +6,7 @@ use sqlx::Connection as _;
 use crate::{
     Error, Kind, State,
     store::tests::{Bench, LEASE, lease_of, new_fit},
+    test_database::On,
 };
 
 /// Runs a statement on the connection that writes.
@@ -27,12 +28,12 @@ async fn fill(bench: &Bench) {
 async fn overflow(bench: &Bench) -> Error {
     let mut tx = bench.store.inner.database.write().await.unwrap();
     let large = "insert into workers values ('a', hex(zeroblob(500000)), '', '', '', 0, false, 0)";
-    sqlx::query(large).execute(&mut *tx).await.unwrap_err().into()
+    crate::sql::query(large).execute(&mut tx).await.unwrap_err()
 }
 
 #[tokio::test]
 async fn writes_work_again_once_a_full_disk_has_room() {
-    let bench = Bench::new().await;
+    let bench = Bench::new(On::Sqlite).await;
     let capture = bench.capture("a").await;
     let jobs = bench.store.jobs();
     let fit = jobs.create_fit(new_fit(&capture)).await.unwrap();
@@ -50,10 +51,10 @@ async fn writes_work_again_once_a_full_disk_has_room() {
 
 #[tokio::test]
 async fn a_connection_that_lost_its_transaction_is_not_used_again() {
-    let bench = Bench::new().await;
+    let bench = Bench::new(On::Sqlite).await;
     // As SQLite does after an error of the disk, behind the back of the pool.
     let mut tx = bench.store.inner.database.write().await.unwrap();
-    sqlx::query("rollback").execute(&mut *tx).await.unwrap();
+    crate::sql::query("rollback").execute(&mut tx).await.unwrap();
     drop(tx);
     bench.store.probe_write().await.unwrap();
     // The same where the pool has no transaction and SQLite has.
@@ -63,7 +64,7 @@ async fn a_connection_that_lost_its_transaction_is_not_used_again() {
 
 #[tokio::test]
 async fn writes_that_are_given_up_half_way_leave_no_transaction() {
-    let bench = Bench::new().await;
+    let bench = Bench::new(On::Sqlite).await;
     for steps in 0..40 {
         let mut write = Box::pin(bench.store.probe_write());
         for _ in 0..steps {
@@ -80,7 +81,7 @@ async fn writes_that_are_given_up_half_way_leave_no_transaction() {
 
 #[tokio::test]
 async fn the_lock_of_another_program_is_no_failure_of_the_server() {
-    let bench = Bench::new().await;
+    let bench = Bench::new(On::Sqlite).await;
     let capture = bench.capture("a").await;
     tell(&bench, "pragma busy_timeout = 20").await;
     let file = bench.dir.path().join(super::FILE);
@@ -97,7 +98,7 @@ async fn the_lock_of_another_program_is_no_failure_of_the_server() {
 
 #[tokio::test]
 async fn damaged_pages_are_noticed_at_start() {
-    let bench = Bench::new().await;
+    let bench = Bench::new(On::Sqlite).await;
     bench.capture("a").await;
     let dir = bench.close().await;
     let file = dir.path().join(super::FILE);

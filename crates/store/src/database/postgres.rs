@@ -1,0 +1,182 @@
+//! The parts that are specific to PostgreSQL: connections, their time limits, the lock on writing,
+//! and what wakes those who wait for a job.
+//!
+//! A connection that broke is noticed when it is taken, and replaced: after a restart of PostgreSQL
+//! the next request works. Meanwhile requests wait for [`ACQUIRE_TIMEOUT`] and end with
+//! [`Error::DatabaseUnavailable`], which may be tried again.
+
+use std::{
+    sync::{Arc, Mutex, PoisonError},
+    time::Duration,
+};
+
+use sqlx::{
+    ConnectOptions as _, Connection as _, PgConnection, PgPool,
+    postgres::{PgConnectOptions, PgListener, PgPoolOptions},
+};
+use tokio::{sync::Notify, task::JoinHandle};
+
+use super::DatabaseUrl;
+use crate::{
+    Error, Result, migrations,
+    sql::{Readers, Transaction},
+};
+
+const READERS: u32 = 8;
+/// One at a time gets the lock; the others have begun when it is their turn.
+const WRITERS: u32 = 4;
+const ACQUIRE_TIMEOUT: Duration = Duration::from_secs(5);
+/// Time limits of the server on a statement, on the wait for the lock, and on a transaction whose
+/// client is silent, which would keep all others waiting.
+const TIMEOUTS: [(&str, &str); 3] = [
+    ("statement_timeout", "30s"),
+    ("lock_timeout", "10s"),
+    ("idle_in_transaction_session_timeout", "30s"),
+];
+/// Oldest version that has all that is used: 14.
+const OLDEST: i32 = 140_000;
+/// The lock of transactions that write: `bendtwin` in ASCII. Locks of other databases on the same
+/// server are others.
+pub(crate) const WRITE_LOCK: i64 = 0x6265_6e64_7477_696e;
+/// Takes the lock, then reads the clock [us].
+const TAKE_LOCK: &str = "select pg_advisory_xact_lock($1)::text,
+     (extract(epoch from clock_timestamp()) * 1000000)::bigint";
+/// Channel of the notifications about the queue.
+const CHANNEL: &str = "bendtwin_queue";
+/// Wait before the next attempt to listen.
+const LISTEN_AGAIN: Duration = Duration::from_secs(1);
+
+/// The server, and the connections to it.
+#[derive(Debug)]
+pub(crate) struct Server {
+    options: PgConnectOptions,
+    writers: PgPool,
+    readers: PgPool,
+    listening: Mutex<Option<JoinHandle<()>>>,
+    /// Leaves the lock out, as a port would do that takes SQLite's way over: for the test that
+    /// shows what happens then.
+    #[cfg(test)]
+    pub(crate) without_lock: std::sync::atomic::AtomicBool,
+}
+
+/// Connects, and brings the tables up to date.
+pub(super) async fn open(url: &DatabaseUrl) -> Result<(Server, Readers)> {
+    let options = url.options()?.application_name("bendtwin");
+    // Statements of migrations may take their time.
+    let mut connection = connect(&options).await?;
+    prepare(&mut connection).await?;
+    connection.close().await?;
+    let options = options.options(TIMEOUTS);
+    let pool = |most: u32| {
+        let pool = PgPoolOptions::new().max_connections(most).acquire_timeout(ACQUIRE_TIMEOUT);
+        pool.connect_lazy_with(options.clone())
+    };
+    let (writers, readers) = (pool(WRITERS), pool(READERS));
+    let server = Server {
+        options: options.clone(),
+        writers,
+        readers: readers.clone(),
+        listening: Mutex::default(),
+        #[cfg(test)]
+        without_lock: false.into(),
+    };
+    Ok((server, Readers::Postgres(readers)))
+}
+
+/// One connection without time limits.
+pub(crate) async fn connect(options: &PgConnectOptions) -> Result<PgConnection> {
+    let connected = tokio::time::timeout(ACQUIRE_TIMEOUT, options.connect()).await;
+    Ok(connected.map_err(|_| Error::DatabaseUnavailable)??)
+}
+
+/// Refuses a server that will not do, and brings the tables up to date.
+pub(crate) async fn prepare(connection: &mut PgConnection) -> Result<()> {
+    let (version, encoding): (i32, String) = sqlx::query_as(
+        "select current_setting('server_version_num')::int, current_setting('server_encoding')",
+    )
+    .fetch_one(&mut *connection)
+    .await?;
+    if version < OLDEST {
+        let fault = format!("its version is {}, older than {}", version / 10_000, OLDEST / 10_000);
+        return Err(Error::DatabaseUnfit { fault });
+    }
+    if encoding != "UTF8" {
+        let fault = format!("its encoding is {encoding}: create it with encoding 'UTF8'");
+        return Err(Error::DatabaseUnfit { fault });
+    }
+    migrations::postgres().run(&mut *connection).await?;
+    sqlx::raw_sql(include_str!("postgres.sql")).execute(connection).await?;
+    Ok(())
+}
+
+impl Server {
+    /// A transaction that holds the lock on writing.
+    pub(super) async fn begin(&self) -> Result<Transaction> {
+        let mut open = self.writers.begin().await?;
+        #[cfg(test)]
+        if self.without_lock.load(std::sync::atomic::Ordering::SeqCst) {
+            return Ok(Transaction::postgres(open, crate::clock::micros(jiff::Timestamp::now())));
+        }
+        // A statement of its own: if it fails, sqlx knows of the transaction and ends it.
+        let (_, time): (Option<String>, i64) =
+            sqlx::query_as(TAKE_LOCK).bind(WRITE_LOCK).fetch_one(&mut *open).await?;
+        Ok(Transaction::postgres(open, time))
+    }
+
+    /// Notifies waiters of jobs that any server queues, for as long as the database is open. While
+    /// it cannot listen, waiters look at the queue from time to time.
+    pub(super) fn wake_on_queued(&self, queued: Arc<Notify>) {
+        let options = self.options.clone();
+        let task = tokio::spawn(async move {
+            loop {
+                if let Err(error) = listen(&options, &queued).await {
+                    tracing::warn!(%error, "notifications of the database have ceased");
+                }
+                tokio::time::sleep(LISTEN_AGAIN).await;
+            }
+        });
+        let mut listening = self.listening.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(before) = listening.replace(task) {
+            before.abort();
+        }
+    }
+
+    pub(super) async fn close(&self) {
+        self.stop_listening();
+        self.readers.close().await;
+        self.writers.close().await;
+    }
+
+    fn stop_listening(&self) {
+        let mut listening = self.listening.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(task) = listening.take() {
+            task.abort();
+        }
+    }
+}
+
+impl Drop for Server {
+    fn drop(&mut self) {
+        self.stop_listening();
+    }
+}
+
+/// Passes notifications on until the connection breaks.
+async fn listen(options: &PgConnectOptions, queued: &Notify) -> Result<()> {
+    let pool = PgPoolOptions::new()
+        .max_connections(1)
+        .acquire_timeout(ACQUIRE_TIMEOUT)
+        .connect_lazy_with(options.clone());
+    let mut listener = PgListener::connect_with(&pool).await?;
+    listener.listen(CHANNEL).await?;
+    loop {
+        // What was queued while nobody listened is found now.
+        queued.notify_waiters();
+        if listener.try_recv().await?.is_none() {
+            return Ok(());
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;

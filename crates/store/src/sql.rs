@@ -1,0 +1,220 @@
+//! Statements in the dialect that SQLite and PostgreSQL share, each written once.
+//!
+//! A statement has `$1`, `$2`, … and values of four types. What reads rows ([`Record`]) reads them
+//! from either database. A statement runs on an open transaction, on the connections that read, or
+//! on one connection of SQLite ([`Target`]).
+
+mod target;
+mod value;
+
+use std::fmt::Write as _;
+
+use sqlx::{
+    AssertSqlSafe, FromRow, Postgres, SqlSafeStr, SqlStr, Sqlite, postgres::PgRow,
+    sqlite::SqliteRow,
+};
+
+use crate::Result;
+
+pub(crate) use target::{Readers, Target, Transaction};
+pub(crate) use value::Value;
+use value::arguments;
+
+/// What can be read from a row of either database.
+pub(crate) trait Record:
+    Send + Unpin + for<'r> FromRow<'r, SqliteRow> + for<'r> FromRow<'r, PgRow>
+{
+}
+
+impl<T> Record for T where
+    T: Send + Unpin + for<'r> FromRow<'r, SqliteRow> + for<'r> FromRow<'r, PgRow>
+{
+}
+
+/// A statement with its values.
+#[derive(Debug)]
+pub(crate) struct Query {
+    sql: SqlStr,
+    values: Vec<Value>,
+}
+
+/// A statement without values yet.
+pub(crate) fn query(sql: impl SqlSafeStr) -> Query {
+    Query { sql: sql.into_sql_str(), values: Vec::new() }
+}
+
+/// A statement whose rows have one column.
+pub(crate) fn query_scalar(sql: impl SqlSafeStr) -> Scalar {
+    Scalar(query(sql))
+}
+
+/// Runs a statement with sqlx, whichever the database is.
+macro_rules! run {
+    ($query:ident, $target:ident, $constructor:ident $(<$row:ident>)?, $call:ident, $then:expr) => {{
+        let Query { sql, values } = $query;
+        match $target.into() {
+            Target::SqliteReaders(readers) => {
+                let query = sqlx::$constructor::<Sqlite, $($row,)? _>(sql, arguments::<Sqlite>(values)?);
+                $then(query.$call(readers).await?)
+            }
+            Target::Sqlite(connection) => {
+                let query = sqlx::$constructor::<Sqlite, $($row,)? _>(sql, arguments::<Sqlite>(values)?);
+                $then(query.$call(connection).await?)
+            }
+            Target::PostgresReaders(readers) => {
+                let query = sqlx::$constructor::<Postgres, $($row,)? _>(sql, arguments::<Postgres>(values)?);
+                $then(query.$call(readers).await?)
+            }
+            Target::Postgres(connection) => {
+                let query = sqlx::$constructor::<Postgres, $($row,)? _>(sql, arguments::<Postgres>(values)?);
+                $then(query.$call(connection).await?)
+            }
+        }
+    }};
+}
+
+impl Query {
+    /// Adds the next value.
+    pub(crate) fn bind(mut self, value: impl Into<Value>) -> Self {
+        self.values.push(value.into());
+        self
+    }
+
+    /// The statement that shows the plan of this one, with the same values.
+    #[cfg(test)]
+    pub(crate) fn explained(self, explain: &str) -> Self {
+        let sql = AssertSqlSafe(format!("{explain} {}", self.sql.as_str())).into_sql_str();
+        Self { sql, ..self }
+    }
+
+    /// Runs it. Returns the number of rows that it changed.
+    pub(crate) async fn execute<'t>(self, target: impl Into<Target<'t>>) -> Result<u64> {
+        Ok(run!(self, target, query_with, execute, |done| affected(&done)))
+    }
+
+    /// All rows.
+    pub(crate) async fn fetch_all<'t, T: Record>(
+        self,
+        target: impl Into<Target<'t>>,
+    ) -> Result<Vec<T>> {
+        Ok(run!(self, target, query_as_with<T>, fetch_all, Vec::from))
+    }
+
+    /// The first row, if there is one.
+    pub(crate) async fn fetch_optional<'t, T: Record>(
+        self,
+        target: impl Into<Target<'t>>,
+    ) -> Result<Option<T>> {
+        Ok(run!(self, target, query_as_with<T>, fetch_optional, Option::from))
+    }
+
+    /// The first row; an error of the database if there is none.
+    pub(crate) async fn fetch_one<'t, T: Record>(self, target: impl Into<Target<'t>>) -> Result<T> {
+        Ok(run!(self, target, query_as_with<T>, fetch_one, T::from))
+    }
+}
+
+/// Number of rows that a statement changed.
+trait Affected {
+    fn rows(&self) -> u64;
+}
+
+impl Affected for sqlx::sqlite::SqliteQueryResult {
+    fn rows(&self) -> u64 {
+        self.rows_affected()
+    }
+}
+
+impl Affected for sqlx::postgres::PgQueryResult {
+    fn rows(&self) -> u64 {
+        self.rows_affected()
+    }
+}
+
+fn affected(done: &impl Affected) -> u64 {
+    done.rows()
+}
+
+/// A statement whose rows have one column.
+#[derive(Debug)]
+pub(crate) struct Scalar(Query);
+
+impl Scalar {
+    /// Adds the next value.
+    pub(crate) fn bind(self, value: impl Into<Value>) -> Self {
+        Self(self.0.bind(value))
+    }
+
+    /// All values.
+    pub(crate) async fn fetch_all<'t, T>(self, target: impl Into<Target<'t>>) -> Result<Vec<T>>
+    where
+        (T,): Record,
+    {
+        Ok(self.0.fetch_all(target).await?.into_iter().map(|(value,)| value).collect())
+    }
+
+    /// The first value, if there is a row.
+    pub(crate) async fn fetch_optional<'t, T>(
+        self,
+        target: impl Into<Target<'t>>,
+    ) -> Result<Option<T>>
+    where
+        (T,): Record,
+    {
+        Ok(self.0.fetch_optional(target).await?.map(|(value,)| value))
+    }
+
+    /// The first value; an error of the database if there is none.
+    pub(crate) async fn fetch_one<'t, T>(self, target: impl Into<Target<'t>>) -> Result<T>
+    where
+        (T,): Record,
+    {
+        let (value,) = self.0.fetch_one(target).await?;
+        Ok(value)
+    }
+}
+
+/// A statement that is put together from parts, with its values in their order.
+#[derive(Debug)]
+pub(crate) struct Builder {
+    sql: String,
+    values: Vec<Value>,
+}
+
+impl Builder {
+    /// The beginning of a statement.
+    pub(crate) fn new(sql: &str) -> Self {
+        Self { sql: sql.to_owned(), values: Vec::new() }
+    }
+
+    /// Adds text of the statement itself.
+    pub(crate) fn push(&mut self, sql: impl std::fmt::Display) -> &mut Self {
+        // A string takes everything.
+        let _ = write!(self.sql, "{sql}");
+        self
+    }
+
+    /// Adds a value.
+    pub(crate) fn push_bind(&mut self, value: impl Into<Value>) -> &mut Self {
+        self.values.push(value.into());
+        let place = self.values.len();
+        self.push(format_args!("${place}"))
+    }
+
+    /// Adds values with commas between them.
+    pub(crate) fn push_list<V: Into<Value>>(
+        &mut self,
+        values: impl IntoIterator<Item = V>,
+    ) -> &mut Self {
+        for (nth, value) in values.into_iter().enumerate() {
+            self.push(if nth == 0 { "" } else { ", " }).push_bind(value);
+        }
+        self
+    }
+
+    /// The statement.
+    pub(crate) fn build(self) -> Query {
+        // Its text came through `push`, what clients sent through `push_bind`.
+        Query { sql: AssertSqlSafe(self.sql).into_sql_str(), values: self.values }
+    }
+}
