@@ -87,10 +87,15 @@ pub enum Error {
     )]
     StoreNotMigrated { file: PathBuf, database: String },
     #[error(
-        "the database of this folder is {database}: give its URL with `--database`, or remove the file \
-         `postgres` from the folder if it is not any more"
+        "the database of this folder is {database}: start the server with its URL (`--database`), back it \
+         up with pg_dump (docs/operations.md), or remove the file `postgres` from the folder if the \
+         database is there no more"
     )]
     DatabaseElsewhere { database: String },
+    #[error("{database} is not empty: name a new database")]
+    DatabaseNotEmpty { database: String },
+    #[error("the rows of {table} differ in {database}: nothing was changed there, report this")]
+    MigrationDiffers { table: String, database: String },
     #[error("this is no URL of a PostgreSQL database: write `postgres://USER@HOST:PORT/DATABASE`")]
     InvalidDatabaseUrl,
     #[error("the database cannot be used: {fault}")]
@@ -141,6 +146,7 @@ impl Problem for Error {
             | Self::StoreNotMigrated { .. }
             | Self::DatabaseElsewhere { .. }
             | Self::DatabaseUnfit { .. }
+            | Self::DatabaseNotEmpty { .. }
             | Self::BackupNotEmpty { .. }
             | Self::DataDirInUse => Category::FailedPrecondition,
             Self::InvalidPageToken
@@ -158,6 +164,7 @@ impl Problem for Error {
             | Self::ContentDamaged { .. }
             | Self::DatabaseDamaged { .. }
             | Self::BeyondRepair { .. }
+            | Self::MigrationDiffers { .. }
             | Self::CorruptRow { .. } => Category::DataLoss,
             Self::DatabaseBusy | Self::DatabaseUnavailable => Category::Unavailable,
             Self::Database(_)
@@ -197,6 +204,8 @@ impl Problem for Error {
             Self::DatabaseUnavailable => "DATABASE_UNAVAILABLE",
             Self::DatabaseElsewhere { .. } => "DATABASE_ELSEWHERE",
             Self::DatabaseUnfit { .. } => "DATABASE_UNFIT",
+            Self::DatabaseNotEmpty { .. } => "DATABASE_NOT_EMPTY",
+            Self::MigrationDiffers { .. } => "MIGRATION_DIFFERS",
             Self::InvalidDatabaseUrl => "INVALID_DATABASE_URL",
             Self::InvalidText => "INVALID_TEXT",
             Self::StoreNotMigrated { .. } => "STORE_NOT_MIGRATED",

@@ -1,6 +1,6 @@
 //! The durable truth: captures, jobs (the queue), twins, workers, keys and blobs.
 //!
-//! Rows are in SQLite, content is in files behind [`object_store`]. Acknowledged data survives
+//! Rows are in SQLite or PostgreSQL, content is in files behind [`object_store`]. Acknowledged data survives
 //! `kill -9` of any process and loss of power.
 //!
 //! # The queue as a design
@@ -19,7 +19,7 @@
 //! ```
 //!
 //! * **Claim** takes the queued job of a kind of highest priority, oldest first
-//!   (a fit only once its capture's ingest has ended), adds 1 to
+//!   (a fit only once its capture's ingest has ended, small captures before large ones), adds 1 to
 //!   `lease_epoch` and sets `lease_until`. One statement, so two claimants never
 //!   get the same job.
 //! * **Fencing**: every write of a worker names its epoch and applies only
@@ -28,7 +28,9 @@
 //!   writes: expiry by itself changes nothing, the sweeper does.
 //! * **Leases** end by the time for which this process has run ([`Store::lease_time`]), so that
 //!   neither a clock that is set nor a process that stood still ends one. After a
-//!   restart those that run begin anew. `lease_until` is for people.
+//!   restart those that run begin anew. `lease_until` is for people in SQLite; in
+//!   PostgreSQL it follows the database's clock, by which a lease must have ended, too,
+//!   since another server may have renewed it.
 //! * **Attempts**: a claim adds 1 to `stalled`; a checkpoint with new content or a
 //!   report further along than any before resets it. An attempt that ends badly
 //!   with `stalled` at [`MAX_STALLED_ATTEMPTS`] fails the job; the faults of all
@@ -72,16 +74,21 @@
 //!
 //! The crash points are named in [`failpoint`] and are inputs of the tests.
 //!
-//! # Room for PostgreSQL and S3
-//! SQL is in one file per aggregate, in what both dialects share (`$1`,
-//! `returning`, `on conflict`). SQLite's own matters (pragmas, `begin immediate`,
-//! one writer, the lock on the folder) are in `database.rs`. PostgreSQL
-//! would add `for update skip locked` to the claim and an advisory lock in place
-//! of the gate. Blobs use only what every `ObjectStore` has, save the removal of
-//! half-written files at start, which S3 leaves to a lifecycle rule, and uploads
-//! that can be resumed ([`Uploads`]), which append to local files; there S3's own
-//! multipart uploads would take their place.
+//! # SQLite and PostgreSQL
+//! SQL is in one file per aggregate, in what both dialects share (`$1`, `returning`, `on conflict`),
+//! and so are the migrations. `sql` runs a statement on either database. What differs is in
+//! `database`: in SQLite the pragmas, one connection that writes, the lock on the folder; in PostgreSQL
+//! the pools, time limits, notifications and the lock on writing. A transaction that writes excludes
+//! all others in both: what it has read stays true until it commits, so a check of an epoch needs no
+//! second one in the update. Text has the order of its bytes, and leases are measured by the
+//! database's clock where it has one.
+//!
+//! # Room for S3
+//! Blobs use only what every `ObjectStore` has, save the removal of half-written files at start, which
+//! S3 leaves to a lifecycle rule, and uploads that can be resumed ([`Uploads`]), which append to local
+//! files; there S3's own multipart uploads would take their place.
 
+pub mod bench;
 mod blobs;
 mod captures;
 mod clock;

@@ -1,17 +1,20 @@
-//! Check, repair and backup of a store, for its administrator. A check and a backup only read, so
-//! they work beside a running server; a repair takes the lock of the folder.
+//! Check, repair and backup of a store in SQLite, for its administrator, and its move to PostgreSQL. A
+//! check and a backup only read, so they work beside a running server; the others take the lock of
+//! the folder. The first three refuse a folder whose database is elsewhere.
 
 mod backup;
 mod check;
 mod folder_state;
 mod integrity;
 mod mend;
+mod migrate;
 mod repair;
 mod survey;
 
 pub use backup::{Backup, backup};
 pub use check::{CheckReport, Unreferenced, check};
 pub use folder_state::{FolderState, folder_state};
+pub use migrate::{Migration, MovedTable, migrate};
 pub use repair::{Repair, repair};
 pub use survey::{Damage, Depth};
 

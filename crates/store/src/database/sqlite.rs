@@ -31,7 +31,7 @@ const CHECKED_AT_START: u64 = 1 << 30;
 
 /// The one connection that writes.
 #[derive(Debug)]
-pub(super) struct Writer(SqlitePool);
+pub(crate) struct Writer(SqlitePool);
 
 impl Writer {
     /// A transaction that holds the write lock from its start.
@@ -39,7 +39,7 @@ impl Writer {
         Ok(Transaction::sqlite(self.0.begin_with("begin immediate").await?))
     }
 
-    pub(super) async fn close(&self) {
+    pub(crate) async fn close(&self) {
         self.0.close().await;
     }
 
@@ -50,7 +50,7 @@ impl Writer {
 }
 
 /// Opens the database in a data folder and brings its tables up to date.
-pub(super) async fn open(data_dir: &Path, reserve: Arc<Reserve>) -> Result<(Writer, Readers)> {
+pub(crate) async fn open(data_dir: &Path, reserve: Arc<Reserve>) -> Result<(Writer, Readers)> {
     let file = data_dir.join(FILE);
     let options = options(&file).create_if_missing(true);
     let size_bytes = fs::metadata(&file).map_or(0, |found| found.len());

@@ -182,7 +182,7 @@ impl Jobs<'_> {
 
     /// The transaction of [`Jobs::complete_fit`]; also returns the checkpoint that is obsolete
     /// afterwards.
-    async fn complete_published(
+    pub(crate) async fn complete_published(
         &self,
         lease: Lease,
         facts: &TwinFacts,

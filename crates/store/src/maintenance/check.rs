@@ -8,7 +8,9 @@ use super::{
     integrity,
     survey::{self, Damage, Depth},
 };
-use crate::{Error, Result, blobs::files, identity, references, references::Reference, sql::query};
+use crate::{
+    Error, Result, blobs::files, database, identity, references, references::Reference, sql::query,
+};
 
 /// Findings of a check.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
@@ -50,6 +52,7 @@ impl CheckReport {
 /// # Errors
 /// [`Error::NotFound`] if there is no database; database and file errors other than damage.
 pub async fn check(data_dir: &Path, depth: Depth) -> Result<CheckReport> {
+    database::require_none(data_dir)?;
     let mut report = CheckReport::default();
     let blobs = data_dir.join("blobs");
     let mut connection = match integrity::read_only(data_dir).await {

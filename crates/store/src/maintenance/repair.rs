@@ -42,6 +42,7 @@ pub async fn repair(data_dir: &Path) -> Result<Repair> {
     if !data_dir.is_dir() {
         return Err(Error::NotFound { name: data_dir.display().to_string() });
     }
+    database::require_none(data_dir)?;
     let lock = database::lock(data_dir)?;
     let file = data_dir.join(database::FILE);
     if file.try_exists()? {
