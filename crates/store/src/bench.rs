@@ -14,7 +14,7 @@ use crate::{
     TwinFacts,
     clock::micros,
     labels::Collection,
-    sql::{Builder, query_scalar},
+    sql::{Builder, query, query_scalar},
 };
 
 /// Rows of one statement.
@@ -188,6 +188,10 @@ async fn fill(
             sql.push(")");
         }
         sql.build().execute(&mut tx).await?;
+    }
+    if store.inner.database.is_remote() {
+        // As its own maintenance does within a minute: plans follow statistics.
+        query("analyze").execute(&mut tx).await?;
     }
     tx.commit().await
 }

@@ -48,7 +48,7 @@ pub(crate) struct Database {
 #[derive(Debug)]
 enum Engine {
     Sqlite(sqlite::Writer),
-    Postgres(postgres::Server),
+    Postgres(Box<postgres::Server>),
 }
 
 impl Database {
@@ -68,7 +68,7 @@ impl Database {
             }
             Some(url) => {
                 let (server, readers) = postgres::open(url).await?;
-                (Engine::Postgres(server), readers, url.to_string())
+                (Engine::Postgres(Box::new(server)), readers, url.to_string())
             }
         };
         Ok(Self { engine, readers, name, reserve, lock })

@@ -89,7 +89,7 @@ pub(crate) async fn join(
 
 pub(crate) async fn of_database(readers: &Readers) -> Result<Option<String>> {
     let identity = query_scalar("select identity from store where id = 1");
-    Ok(identity.fetch_optional(readers).await?)
+    identity.fetch_optional(readers).await
 }
 
 pub(crate) fn of_blobs(blobs: &Path) -> Result<Option<String>> {

@@ -135,6 +135,8 @@ async fn transfer(source: &SqlitePool, to: &DatabaseUrl) -> Result<Migration> {
         let name = table.name.to_owned();
         tables.push(MovedTable { name, rows, digest: digest.to_hex().to_string() });
     }
+    // Plans follow statistics, which come by themselves only after a while.
+    sqlx::query("analyze").execute(&mut *tx).await?;
     tx.commit().await?;
     connection.close().await?;
     Ok(Migration { database: to.to_string(), was_moved, tables })

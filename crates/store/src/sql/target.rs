@@ -45,10 +45,11 @@ impl Transaction {
 
     /// Makes its changes last.
     pub(crate) async fn commit(self) -> Result<()> {
-        Ok(match self.open {
+        match self.open {
             Open::Sqlite(open) => open.commit().await?,
             Open::Postgres(open) => open.commit().await?,
-        })
+        }
+        Ok(())
     }
 }
 
