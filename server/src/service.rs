@@ -1,10 +1,6 @@
 //! The server as a whole: its start and its shutdown.
 
-use std::{
-    net::SocketAddr,
-    path::{Path, PathBuf},
-    time::Duration,
-};
+use std::{net::SocketAddr, path::PathBuf, time::Duration};
 
 use bendtwin_core::{Category, Problem};
 use bendtwin_store::Store;

@@ -5,6 +5,7 @@ mod load;
 mod memory;
 mod own;
 mod size;
+mod store;
 mod tables;
 
 use std::{
@@ -106,6 +107,8 @@ pub(crate) struct Bench {
 enum Command {
     /// Time small rollouts and a fit on a running server, alone and beside greedy clients
     Load(load::Load),
+    /// Time the queue and the list of captures of a database
+    Store(store::Store),
 }
 
 /// Choice between scenes without bending triplets and with them.
@@ -179,8 +182,10 @@ fn seconds(text: &str) -> Result<f64, String> {
 }
 
 pub(crate) async fn run(args: Bench, global: &Global) -> anyhow::Result<()> {
-    if let Some(Command::Load(load)) = args.command {
-        return load::run(load, global).await;
+    match args.command {
+        Some(Command::Load(load)) => return load::run(load, global).await,
+        Some(Command::Store(store)) => return store::run(store, global).await,
+        None => {}
     }
     if args.list {
         let names = SceneName::ALL.map(|name| {

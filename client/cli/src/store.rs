@@ -1,4 +1,5 @@
-//! `bendtwin store`: check, repair and backup of a data folder, for its administrator.
+//! `bendtwin store`: check, repair and backup of a data folder and its move to PostgreSQL, for its
+//! administrator.
 
 mod report;
 
@@ -6,7 +7,7 @@ use std::path::PathBuf;
 
 use bendtwin_core::{Category, Fault};
 use bendtwin_server::{
-    Options,
+    DatabaseUrl, Options,
     maintenance::{self, Depth},
 };
 use clap::{Args, Subcommand};
@@ -46,6 +47,14 @@ enum Command {
         #[command(flatten)]
         folder: Folder,
     },
+    /// Move all rows to an empty PostgreSQL database; content stays in the folder; no server may run
+    Migrate {
+        #[command(flatten)]
+        folder: Folder,
+        /// URL of the database, postgres://USER@HOST:PORT/DATABASE
+        #[arg(long, env = "BENDTWIN_DATABASE_URL", value_name = "URL", hide_env_values = true)]
+        to: String,
+    },
     /// Copy the database and its content to a new folder; a server may run
     Backup {
         #[command(flatten)]
@@ -76,6 +85,11 @@ pub(crate) async fn run(args: Store, global: &Global) -> anyhow::Result<()> {
             let advice = "content stays lost: upload the same archives and import the same twin \
                           files again, or restore a backup";
             require(done.lost.is_empty(), advice)
+        }
+        Command::Migrate { folder, to } => {
+            let url = DatabaseUrl::parse(&to).map_err(failure::failed)?;
+            let done = maintenance::migrate(&folder.path(), &url).await.map_err(failure::failed)?;
+            output::print(global, &done, || report::migration(&done))
         }
         Command::Backup { folder, to } => {
             let path = folder.path();

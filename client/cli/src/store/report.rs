@@ -1,6 +1,6 @@
 //! Outcomes of `bendtwin store` for people.
 
-use bendtwin_server::maintenance::{Backup, CheckReport, Damage, Repair};
+use bendtwin_server::maintenance::{Backup, CheckReport, Damage, Migration, MovedTable, Repair};
 
 use crate::{output, table::Table};
 
@@ -47,6 +47,20 @@ pub(super) fn backup(done: &Backup) -> String {
     };
     lines.push(format!("Copied the database and {blobs} blobs ({size}){shared}."));
     lines.join("\n")
+}
+
+/// The tables that were moved, and where to.
+pub(super) fn migration(done: &Migration) -> String {
+    let mut table = Table::new(["TABLE", "ROWS", "BLAKE3 ON BOTH SIDES"]);
+    for MovedTable { name, rows, digest } in &done.tables {
+        table.row([name.clone(), rows.to_string(), digest.clone()]);
+    }
+    let done_before = if done.was_moved { "had been moved before" } else { "are moved" };
+    let (rows, database) = (table.text(), &done.database);
+    format!(
+        "{rows}\nThe rows {done_before} to {database}; the SQLite file is kept as \
+         bendtwin.sqlite.migrated.\nStart the server with BENDTWIN_DATABASE_URL."
+    )
 }
 
 /// A table of damage; none if there is no damage.
