@@ -76,7 +76,7 @@
 //!
 //! # SQLite and PostgreSQL
 //! SQL is in one file per aggregate, in what both dialects share (`$1`, `returning`, `on conflict`),
-//! and so are the migrations. `sql` runs a statement on either database. What differs is in
+//! and so are the migrations. `sql` runs a statement on either database. The differences are in
 //! `database`: in SQLite the pragmas, one connection that writes, the lock on the folder; in PostgreSQL
 //! the pools, time limits, notifications and the lock on writing. A transaction that writes excludes
 //! all others in both: what it has read stays true until it commits, so a check of an epoch needs no

@@ -1,7 +1,7 @@
 //! Statements in the dialect that SQLite and PostgreSQL share, each written once.
 //!
-//! A statement has `$1`, `$2`, … and values of four types. What reads rows ([`Record`]) reads them
-//! from either database. A statement runs on an open transaction, on the connections that read, or
+//! A statement has `$1`, `$2`, … and values of four types. A [`Record`] is read from rows of either
+//! database. A statement runs on an open transaction, on the connections that read, or
 //! on one connection of SQLite ([`Target`]).
 
 mod target;

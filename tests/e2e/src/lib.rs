@@ -28,6 +28,8 @@ mod malformed;
 #[cfg(test)]
 mod memory;
 #[cfg(test)]
+mod on_postgres;
+#[cfg(test)]
 mod over_http;
 #[cfg(test)]
 mod plays;

@@ -37,6 +37,8 @@ pub struct Setup {
     pub worker_args: &'static [&'static str],
     /// Bounds on the memory of the processes.
     pub memory: Option<Memory>,
+    /// URL of the server's database, if that is PostgreSQL.
+    pub database: Option<String>,
 }
 
 /// Budgets of memory, and limits of the system above them (`RLIMIT_DATA`: all memory that a process
@@ -59,6 +61,7 @@ impl Default for Setup {
             isolation: Isolation::Shared,
             worker_args: &[],
             memory: None,
+            database: None,
         }
     }
 }
@@ -262,6 +265,9 @@ async fn launch(
     };
     if let Some(memory) = setup.memory {
         command.env("BENDTWIN_MEMORY_MIB", memory.server_mib.to_string());
+    }
+    if let Some(url) = &setup.database {
+        command.env("BENDTWIN_DATABASE_URL", url);
     }
     command.arg("server").arg("--config").arg(&config).arg("--port-file").arg(&port_file);
     let log = folder.join("log");

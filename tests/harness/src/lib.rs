@@ -6,6 +6,7 @@ pub mod cluster;
 pub mod command;
 pub mod http;
 pub mod play;
+pub mod postgres;
 pub mod process;
 pub mod raw;
 pub mod reference;
@@ -14,4 +15,5 @@ pub mod waiting;
 
 pub use api::Api;
 pub use cluster::{Isolation, Setup, TestCluster};
+pub use postgres::Postgres;
 pub use waiting::{until, within};

@@ -3,8 +3,8 @@
 //!
 //! All rows go over in one transaction, and are read back and compared in it: an interruption leaves
 //! the database as empty as it was, and the command is run again. Then the folder says where its
-//! database is, and the SQLite file is kept under another name. What was interrupted between these
-//! last steps is completed by running the command again, which finds the rows there already.
+//! database is, and the SQLite file is kept under another name. After an interruption between these
+//! last steps the command is run again, too: it finds the rows there already.
 
 use std::{fs, path::Path, sync::Arc};
 

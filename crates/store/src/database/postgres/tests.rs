@@ -1,4 +1,4 @@
-//! What PostgreSQL does otherwise than SQLite: rows that change behind a transaction, plans,
+//! Behaviour of PostgreSQL that SQLite does not have: rows that change behind a transaction, plans,
 //! connections that break, notifications and a clock of its own.
 
 use std::{

@@ -1,0 +1,62 @@
+//! A PostgreSQL server of a test's own, which it may stop and start ([tests/postgres](../../postgres)).
+
+use std::{path::PathBuf, process::Command};
+
+use tempfile::TempDir;
+
+/// A server in a temporary folder.
+pub struct Postgres {
+    folder: TempDir,
+    url: String,
+}
+
+impl Postgres {
+    /// Starts one, or says that there is none to start.
+    pub async fn start_or_skip() -> Option<Self> {
+        if !script().arg("available").status().is_ok_and(|status| status.success()) {
+            eprintln!("SKIPPED: PostgreSQL is missing");
+            return None;
+        }
+        let folder = tempfile::Builder::new().prefix("bendtwin-pg-").tempdir().unwrap();
+        let mut server = Self { folder, url: String::new() };
+        server.url = server.start().await;
+        Some(server)
+    }
+
+    /// URL of its database, with a password for which it does not ask.
+    pub fn url_with_password(&self, password: &str) -> String {
+        self.url.replacen("bendtwin@", &format!("bendtwin:{password}@"), 1)
+    }
+
+    /// Starts it again after [`Postgres::kill`]; returns its URL.
+    pub async fn start(&self) -> String {
+        self.run("start").await
+    }
+
+    /// Ends it as a crash would.
+    pub async fn kill(&self) {
+        self.run("kill").await;
+    }
+
+    async fn run(&self, what: &'static str) -> String {
+        let place = self.place();
+        let done = tokio::task::spawn_blocking(move || script().arg(what).arg(place).output());
+        let done = done.await.unwrap().unwrap();
+        assert!(done.status.success(), "{what}: {}", String::from_utf8_lossy(&done.stderr));
+        String::from_utf8(done.stdout).unwrap().trim().to_owned()
+    }
+
+    fn place(&self) -> PathBuf {
+        self.folder.path().join("server")
+    }
+}
+
+impl Drop for Postgres {
+    fn drop(&mut self) {
+        script().arg("remove").arg(self.place()).status().ok();
+    }
+}
+
+fn script() -> Command {
+    Command::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../postgres"))
+}
