@@ -158,12 +158,11 @@ impl Keys<'_> {
     /// [`Error::InvalidPageToken`].
     pub async fn list(&self, page: &PageRequest) -> Result<Page<Key>> {
         const LISTING: &str = "keys";
-        let rows: Vec<Row> =
-            query("select * from keys where id < $1 order by id desc limit $2")
-                .bind(page.before(LISTING)?)
-                .bind(page.fetch())
-                .fetch_all(self.store.inner.database.read())
-                .await?;
+        let rows: Vec<Row> = query("select * from keys where id < $1 order by id desc limit $2")
+            .bind(page.before(LISTING)?)
+            .bind(page.fetch())
+            .fetch_all(self.store.inner.database.read())
+            .await?;
         let items = rows.into_iter().map(Key::try_from).collect::<Result<_>>()?;
         Ok(Page::cut(items, page, LISTING, |key: &Key| (key.id.uuid(), String::new())))
     }

@@ -38,11 +38,7 @@ pub(crate) struct More {
 }
 
 /// Refuses more than an owner may have.
-pub(crate) async fn require(
-    tx: &mut Transaction,
-    creator: &Creator,
-    more: More,
-) -> Result<()> {
+pub(crate) async fn require(tx: &mut Transaction, creator: &Creator, more: More) -> Result<()> {
     let Creator { owner, quotas } = creator;
     if let Some(limit) = quotas.queued_jobs.filter(|_| more.jobs > 0) {
         let queued: i64 = query_scalar(

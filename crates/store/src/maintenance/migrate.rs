@@ -33,9 +33,10 @@ struct Table {
 }
 
 /// All tables.
-const TABLES: [Table; 11] = [
+const TABLES: [Table; 12] = [
     Table { name: "captures", key: "id" },
     Table { name: "jobs", key: "id" },
+    Table { name: "keys", key: "id" },
     Table { name: "losses", key: "fit, stage, variant, iteration" },
     Table { name: "observations", key: "capture" },
     Table { name: "playbacks", key: "capture" },
