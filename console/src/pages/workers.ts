@@ -27,9 +27,9 @@ export const open: OpenPage = async (context) => {
 
 function none(): HTMLElement {
   return empty(
-    'No worker is connected. The server starts its own, or takes others if it has a token and an address for them:',
+    'No worker is connected. The server starts its own. On a network that you trust it takes others, too, with a token and an address for them:',
     'bendtwin server --workers 1',
-    'bendtwin server --listen-workers 0.0.0.0:7071 --worker-token TOKEN',
+    'bendtwin server --listen-workers 0.0.0.0:7071 --worker-token TOKEN --insecure',
     'bendtwin worker --server http://HOST:7071 --token TOKEN',
   );
 }
