@@ -1,5 +1,5 @@
-//! What the host makes of a model before a device can simulate it, without a device: for timing
-//! and for counting kernels.
+//! Preparation of a model on the host, as a device would need it, without a device: for timing and
+//! for counting kernels.
 
 use std::{
     collections::hash_map::DefaultHasher,
@@ -16,7 +16,7 @@ use crate::{
     },
 };
 
-/// What a choice of launches asks of a chip.
+/// Chip, as far as a choice of launches asks.
 #[derive(Clone, Copy, Debug)]
 pub struct Chip {
     /// Multiprocessors.
