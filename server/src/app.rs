@@ -10,6 +10,7 @@ mod ingests;
 mod jobs;
 mod keys;
 mod labels;
+mod requirements;
 mod results;
 mod twins;
 mod upload;

@@ -22,7 +22,7 @@ use std::{
 };
 
 use bendtwin_core::ids::{TwinId, WorkerId};
-use bendtwin_store::{Job, Kind, Loss, Store, Worker};
+use bendtwin_store::{Job, Kind, Loss, Offer, Store, Worker};
 
 use crate::{
     failure::{Error, Result},
@@ -117,6 +117,11 @@ impl Dispatch {
                 entry.line.set_fit(live.fit.is_some());
             }
         }
+    }
+
+    /// Properties of a worker that jobs can ask for; those of none if it is not known.
+    pub(crate) fn offer(&self, worker: WorkerId) -> Offer {
+        self.lock().get(&worker).map(|entry| entry.offer()).unwrap_or_default()
     }
 
     /// Workers without a sign of life for so long, by the time of leases: not after a standstill.

@@ -41,6 +41,8 @@ pub struct Options {
     pub fit_share: f64,
     /// True to lease jobs, false to answer rollouts only.
     pub fits: bool,
+    /// Words that fits can ask for.
+    pub labels: Vec<String>,
     /// The program whose hidden command `ingest-capture` reads captures; this very program if none.
     pub ingest_program: Option<PathBuf>,
     /// Demand on the confinement of the process that reads captures.
@@ -115,6 +117,7 @@ impl Options {
             cache_dir: None,
             fit_share: FIT_SHARE,
             fits: true,
+            labels: Vec::new(),
             ingest_program: None,
             ingest_sandbox: Sandbox::default(),
             memory_bytes: crate::budget::default_bytes(),

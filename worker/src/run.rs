@@ -73,7 +73,7 @@ async fn run_on(
         Rollouts::new(id.to_string(), device.clone(), twins, replays, memory, limits.rollouts);
     let (endpoint, serving) = serve(options, rollouts.clone()).await?;
 
-    let request = register_request(id, &endpoint, device);
+    let request = register_request(id, &endpoint, device, &options.labels);
     let fit_bytes = if options.fits { limits.fit_bytes } else { 0 };
     let registration =
         Registration::new(server.clone(), request, rollouts, device.clone(), fit_bytes);
@@ -160,7 +160,12 @@ async fn open_device(
         .map_err(|e| Error::Panicked(e.to_string()))?
 }
 
-fn register_request(id: WorkerId, endpoint: &str, device: &Device) -> RegisterRequest {
+fn register_request(
+    id: WorkerId,
+    endpoint: &str,
+    device: &Device,
+    labels: &[String],
+) -> RegisterRequest {
     let description = device.description();
     RegisterRequest {
         worker: id.to_string(),
@@ -169,6 +174,7 @@ fn register_request(id: WorkerId, endpoint: &str, device: &Device) -> RegisterRe
         device: description.name.clone(),
         build: bendtwin_core::BUILD.to_owned(),
         lanes: u32::try_from(description.lanes).unwrap_or(u32::MAX),
+        labels: labels.to_vec(),
     }
 }
 

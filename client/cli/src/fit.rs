@@ -181,6 +181,19 @@ async fn print_ended(
     output::print(global, fit, || text)
 }
 
+/// Requirements in words; none if any worker will do.
+fn wanted(requirements: &bendtwin_client::Requirements) -> Option<String> {
+    let bendtwin_client::Requirements { backend, memory_bytes, labels } = requirements;
+    let mut words = labels.clone();
+    if *memory_bytes > 0 {
+        words.insert(0, format!("{} MiB", memory_bytes >> 20));
+    }
+    if !backend.is_empty() {
+        words.insert(0, backend.clone());
+    }
+    (!words.is_empty()).then(|| words.join(", "))
+}
+
 /// A fit for people, with the name of its capture if that is known.
 fn shown(fit: &bendtwin_client::Fit, capture: Option<&str>) -> String {
     let mut text = format!(
@@ -193,6 +206,9 @@ fn shown(fit: &bendtwin_client::Fit, capture: Option<&str>) -> String {
         fit.job.state.as_str(),
         fit.job.attempts
     );
+    if let Some(wanted) = wanted(&fit.requirements) {
+        text += &format!("\n  worker    {wanted}");
+    }
     if let (Some(progress), false) = (&fit.job.progress, fit.job.state.has_ended()) {
         text += &format!(
             "\n  progress  {:.0}% ({} {}/{})",

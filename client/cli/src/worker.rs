@@ -37,6 +37,14 @@ pub(crate) struct Worker {
     /// Answer rollouts only, lease no jobs
     #[arg(long)]
     no_fits: bool,
+    /// Word that fits can ask for, as in gpu=h100; may be given several times
+    #[arg(
+        long = "label",
+        env = "BENDTWIN_WORKER_LABELS",
+        value_name = "WORD",
+        value_delimiter = ','
+    )]
+    labels: Vec<String>,
     /// Memory for rollouts, loaded twins and fits [MiB; default: half of the machine's]
     #[arg(long, env = "BENDTWIN_WORKER_MEMORY_MIB", value_name = "MIB")]
     memory_mib: Option<u64>,
@@ -111,6 +119,7 @@ impl Worker {
             scratch_dir: self.scratch_dir,
             cache_dir: self.cache_dir,
             fits: !self.no_fits,
+            labels: self.labels,
             ingest_sandbox: self.ingest_sandbox.into(),
             fit_share: self.fit_share,
             limits: Limits {

@@ -4,7 +4,15 @@ from io import BytesIO
 import pytest
 from fake import CAPTURE, FIT, TWIN
 
-from bendtwin import BendTwinError, Category, Client, FitFailed, IngestFailed, JobState
+from bendtwin import (
+    BendTwinError,
+    Category,
+    Client,
+    FitFailed,
+    IngestFailed,
+    JobState,
+    Requirements,
+)
 from bendtwin.v1 import job_pb2
 
 
@@ -40,6 +48,7 @@ def test_a_fit_is_waited_for_over_restarts_of_the_server(client, fake):
     fit = client.fit(CAPTURE, {"seed": 7}, priority=5)
     assert fake.fit_request.settings_json == '{"seed": 7}'
     assert fake.fit_request.request_id
+    assert not fake.fit_request.HasField("requirements")
     ended = client.wait(fit, timeout_s=30, on_progress=lambda f: seen.append(f.job.revision))
     assert ended.state is JobState.SUCCEEDED
     assert ended.twin == TWIN
@@ -47,6 +56,12 @@ def test_a_fit_is_waited_for_over_restarts_of_the_server(client, fake):
     assert fake.watched_from == [0, 1, 2, 3]
     assert ended.progress.loss == 0.5
     assert ended.progress.eta_s is None
+
+
+def test_a_fit_can_ask_for_a_worker(client, fake):
+    requirements = Requirements(backend="cuda", memory_bytes=1 << 34, labels=("gpu=h100",))
+    client.fit(CAPTURE, requirements=requirements)
+    assert Requirements.from_proto(fake.fit_request.requirements) == requirements
 
 
 def test_a_failed_fit_says_why(client, fake):

@@ -11,11 +11,24 @@ use bendtwin_proto::v1::{
 use uuid::Uuid;
 
 use crate::{
-    Error, Fit, ListQuery, LossCurve, Update, Watch,
+    Error, Fit, ListQuery, LossCurve, Requirements, Update, Watch,
     channel::Channel,
     page::{self, Page},
     watch,
 };
+
+/// Properties of a new fit beside its settings.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct FitOrder {
+    /// Jobs of higher priority run earlier; 0 is normal, -100..=100.
+    pub priority: i32,
+    /// Idempotency key: calls with the same one give the same job.
+    pub request_id: Option<String>,
+    /// Display name; empty means the capture's.
+    pub display_name: String,
+    /// Worker that it asks for.
+    pub requirements: Requirements,
+}
 
 /// Calls about fit jobs.
 #[derive(Clone, Debug)]
@@ -38,7 +51,7 @@ impl Fits {
         settings: &FitSettings,
         priority: i32,
     ) -> Result<Fit, Error> {
-        self.create_named(capture, settings, priority, None, "").await
+        self.create_as(capture, settings, FitOrder { priority, ..FitOrder::default() }).await
     }
 
     /// As [`Fits::create`], but calling it again with the same `request_id` gives the same job.
@@ -52,30 +65,31 @@ impl Fits {
         priority: i32,
         request_id: &str,
     ) -> Result<Fit, Error> {
-        self.create_named(capture, settings, priority, Some(request_id), "").await
+        let request_id = Some(request_id.to_owned());
+        let order = FitOrder { priority, request_id, ..FitOrder::default() };
+        self.create_as(capture, settings, order).await
     }
 
-    /// As [`Fits::create_once`], or without a `request_id` as [`Fits::create`], under a display
-    /// name; an empty one means the capture's.
+    /// As [`Fits::create`], with everything that can be said of a fit beside its settings.
     ///
     /// # Errors
     /// As [`Fits::create`].
-    pub async fn create_named(
+    pub async fn create_as(
         &self,
         capture: CaptureId,
         settings: &FitSettings,
-        priority: i32,
-        request_id: Option<&str>,
-        display_name: &str,
+        order: FitOrder,
     ) -> Result<Fit, Error> {
         let settings_json = serde_json::to_string(settings)
             .map_err(|e| Error::invalid(format!("the settings cannot be written as JSON: {e}")))?;
         let request = CreateFitRequest {
             capture: capture.to_string(),
             settings_json,
-            priority,
-            request_id: request_id.map_or_else(|| Uuid::new_v4().to_string(), str::to_owned),
-            display_name: display_name.to_owned(),
+            priority: order.priority,
+            request_id: order.request_id.unwrap_or_else(|| Uuid::new_v4().to_string()),
+            display_name: order.display_name,
+            requirements: (order.requirements != Requirements::default())
+                .then(|| order.requirements.into()),
         };
         self.service.clone().create_fit(request).await?.into_inner().try_into()
     }

@@ -99,7 +99,7 @@ pub use self::{
     client::Client,
     error::Error,
     evaluations::Evaluations,
-    fits::Fits,
+    fits::{FitOrder, Fits},
     geometry::Geometry,
     keys::{Key, KeyQuotas, Keys, MadeKey, NewKey},
     labels::{ListQuery, Order, Update},
@@ -108,7 +108,10 @@ pub use self::{
     plans::{PlanUpdate, Planning, Plans},
     readiness::{Readiness, ReadinessCheck},
     registrations::{Observation, Registered, Registration, Registrations, Residual},
-    resources::{Capture, DeviceMemory, Fit, Job, JobProgress, JobState, ModelLoss, Twin, Worker},
+    resources::{
+        Capture, DeviceMemory, Fit, Job, JobProgress, JobState, ModelLoss, Requirements, Twin,
+        Worker,
+    },
     rollouts::{
         Collider, Cost, Deviation, Diagnostics, Divergence, ForceBy, Forces, Grasp, Grasping,
         GripperPoses, Implausible, Reply, Rollout, RolloutTiming, Rollouts, Shape, State,

@@ -173,6 +173,19 @@ pub struct Fit {
     pub owner: String,
     /// Error of its twin, as there [m].
     pub error_m: Option<f64>,
+    /// Worker that it asks for.
+    pub requirements: Requirements,
+}
+
+/// Worker that a fit asks for, which waits until there is one; by default any.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
+pub struct Requirements {
+    /// `cpu` or `cuda`; empty means either.
+    pub backend: String,
+    /// Memory of the device at least [bytes]; on a CPU, that which a fit may take.
+    pub memory_bytes: u64,
+    /// Labels of which the worker has each.
+    pub labels: Vec<String>,
 }
 
 /// A stored twin.
@@ -244,6 +257,8 @@ pub struct Worker {
     pub build: String,
     /// Memory of its device, if known.
     pub memory: Option<DeviceMemory>,
+    /// Words that it was started with, which fits can ask for.
+    pub labels: Vec<String>,
 }
 
 /// Memory of a worker's device.
@@ -318,7 +333,22 @@ impl TryFrom<v1::Fit> for Fit {
             tags: wire.tags,
             owner: wire.owner,
             error_m: wire.error_m,
+            requirements: wire.requirements.map(Into::into).unwrap_or_default(),
         })
+    }
+}
+
+impl From<v1::WorkerRequirements> for Requirements {
+    fn from(wire: v1::WorkerRequirements) -> Self {
+        let v1::WorkerRequirements { backend, memory_bytes, labels } = wire;
+        Self { backend, memory_bytes, labels }
+    }
+}
+
+impl From<Requirements> for v1::WorkerRequirements {
+    fn from(asked: Requirements) -> Self {
+        let Requirements { backend, memory_bytes, labels } = asked;
+        Self { backend, memory_bytes, labels }
     }
 }
 
@@ -400,6 +430,7 @@ impl TryFrom<v1::Worker> for Worker {
                 used_bytes: wire.memory_used_bytes,
                 total_bytes: wire.memory_total_bytes,
             }),
+            labels: wire.labels,
         })
     }
 }

@@ -59,6 +59,7 @@ function one(worker: Worker): HTMLElement {
       ['Running for', duration(since(worker.start_time) / 1000)],
       ['Last heard of', `${duration(since(worker.last_seen_time) / 1000)} ago`],
       ['Build', worker.build],
+      ['Labels', worker.labels.length > 0 ? worker.labels.join(', ') : 'none'],
     ]),
     h('h3', {}, 'Loaded twins'),
     warm(worker),

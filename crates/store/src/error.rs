@@ -37,6 +37,11 @@ pub enum Error {
     FitRunning { fit: FitId },
     #[error("{name} would have more than {limit} tags: take some away first")]
     TooManyTags { name: String, limit: usize },
+    #[error(
+        "{limit} different requirements wait in the queue already: ask for the same backend, memory and \
+         labels as others do, or retry later"
+    )]
+    TooManyRequirements { limit: usize },
     #[error("the page token is not from this listing: start without one")]
     InvalidPageToken,
     #[error("the content is larger than the limit of {limit} bytes")]
@@ -157,6 +162,7 @@ impl Problem for Error {
             | Self::InvalidText
             | Self::UploadLength { .. } => Category::InvalidArgument,
             Self::DiskFull
+            | Self::TooManyRequirements { .. }
             | Self::UploadsFull { .. }
             | Self::QuotaJobs { .. }
             | Self::QuotaBytes { .. } => Category::ResourceExhausted,
@@ -186,6 +192,7 @@ impl Problem for Error {
             Self::FitRunning { .. } => "FIT_RUNNING",
             Self::InvalidPageToken => "INVALID_PAGE_TOKEN",
             Self::TooManyTags { .. } => "TOO_MANY_TAGS",
+            Self::TooManyRequirements { .. } => "TOO_MANY_REQUIREMENTS",
             Self::TooLarge { .. } => "CONTENT_TOO_LARGE",
             Self::DigestMismatch { .. } => "DIGEST_MISMATCH",
             Self::UploadGone { .. } => "UPLOAD_GONE",

@@ -1,8 +1,9 @@
 //! Jobs: the queue. Its design is in the crate's documentation. Here are the types and the
 //! operations of users on either kind; `fits.rs` and `ingests.rs` have those of one kind,
-//! `lease.rs` those of workers, `losses.rs` the losses of fits, `lease_time.rs` the time by which leases end, `end.rs` the ends of
+//! `claim.rs` the choice of the next job, `requirements.rs` what a job asks of its worker, `lease.rs` the operations of workers, `losses.rs` the losses of fits, `lease_time.rs` the time by which leases end, `end.rs` the ends of
 //! attempts, `id.rs` the names and `row.rs` the row.
 
+mod claim;
 mod end;
 mod fits;
 mod id;
@@ -10,6 +11,7 @@ mod ingests;
 mod lease;
 mod lease_time;
 mod losses;
+mod requirements;
 mod row;
 
 use std::time::Duration;
@@ -27,16 +29,20 @@ use crate::{
     sql::query,
 };
 
+pub use claim::Claimant;
+#[cfg(test)]
+pub(crate) use claim::statement as claim_statement;
 pub use end::{AttemptEnd, Loss};
 pub use fits::NewFit;
 pub use id::{JobId, Kind};
 pub use ingests::{IngestResult, NewIngest, NewReport};
 pub(crate) use ingests::{dequeue, enqueue};
-#[cfg(test)]
-pub(crate) use lease::CLAIM;
 pub use lease::{JobReport, Lease, Reported};
 pub use lease_time::LeaseTerms;
 pub(crate) use lease_time::LeaseTimes;
+#[cfg(test)]
+pub(crate) use requirements::DIFFERENT as DIFFERENT_REQUIREMENTS;
+pub use requirements::{Offer, Requirements};
 pub use row::State;
 pub(crate) use row::fits_under_way;
 
@@ -99,6 +105,8 @@ pub struct Job {
     pub error_m: Option<f64>,
     /// Owner of the key with which it was asked for; empty if that is not known.
     pub owner: String,
+    /// Worker that it asks for.
+    pub requirements: Requirements,
 }
 
 /// Number of jobs by kind and state, and waiting time of the queues.

@@ -125,9 +125,9 @@ pub use database::DatabaseUrl;
 pub use disk::Disk;
 pub use error::{Error, Result};
 pub use jobs::{
-    AttemptEnd, IngestResult, Job, JobId, JobReport, Jobs, Kind, Lease, LeaseTerms, Loss,
-    MAX_INTERRUPTED_ATTEMPTS, MAX_STALLED_ATTEMPTS, NewFit, NewIngest, NewReport, QueueDepth,
-    Reported, State,
+    AttemptEnd, Claimant, IngestResult, Job, JobId, JobReport, Jobs, Kind, Lease, LeaseTerms, Loss,
+    MAX_INTERRUPTED_ATTEMPTS, MAX_STALLED_ATTEMPTS, NewFit, NewIngest, NewReport, Offer,
+    QueueDepth, Reported, Requirements, State,
 };
 pub use keys::{Key, Keys, NewKey};
 pub use labels::{LabelChange, Labels, MAX_TAGS};

@@ -1,6 +1,7 @@
 //! Schema of the database as a list of migrations, applied in order when a store is opened.
 //!
-//! SQLite and PostgreSQL have the same ones, in one folder. A migration that was applied anywhere never changes: databases remember a checksum of its text.
+//! SQLite and PostgreSQL have the same ones, in one folder. A migration that was applied anywhere
+//! never changes: databases remember a checksum of its text.
 
 use sqlx::{
     AssertSqlSafe, SqlSafeStr as _, SqlStr,
@@ -8,7 +9,7 @@ use sqlx::{
 };
 
 /// Version, description and SQL of every migration.
-const MIGRATIONS: [(i64, &str, &str); 11] = [
+const MIGRATIONS: [(i64, &str, &str); 12] = [
     (1, "initial", include_str!("../migrations/0001_initial.sql")),
     (2, "ingest", include_str!("../migrations/0002_ingest.sql")),
     (3, "uploads", include_str!("../migrations/0003_uploads.sql")),
@@ -20,6 +21,7 @@ const MIGRATIONS: [(i64, &str, &str); 11] = [
     (9, "playback", include_str!("../migrations/0009_playback.sql")),
     (10, "queue", include_str!("../migrations/0010_queue.sql")),
     (11, "keys", include_str!("../migrations/0011_keys.sql")),
+    (14, "requirements", include_str!("../migrations/0014_requirements.sql")),
 ];
 
 /// The migrations of SQLite.

@@ -194,7 +194,13 @@ impl Builder {
         self
     }
 
-    /// Adds a value.
+    /// Adds a value to which the text refers by its number.
+    pub(crate) fn bind(&mut self, value: impl Into<Value>) -> &mut Self {
+        self.values.push(value.into());
+        self
+    }
+
+    /// Adds a value in its place.
     pub(crate) fn push_bind(&mut self, value: impl Into<Value>) -> &mut Self {
         self.values.push(value.into());
         let place = self.values.len();

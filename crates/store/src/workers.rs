@@ -24,6 +24,8 @@ pub struct NewWorker {
     pub lanes: u32,
     /// True if the server started it, so that it ends with the server.
     pub supervised: bool,
+    /// Words that it was started with, which fits can ask for.
+    pub labels: Vec<String>,
 }
 
 /// A worker that the store knows.
@@ -50,6 +52,7 @@ row! {
         build: String,
         lanes: i64,
         supervised: bool,
+        labels: String,
         started_at: i64,
     }
 }
@@ -70,6 +73,7 @@ impl TryFrom<Row> for Worker {
                 build: row.build,
                 lanes: u32::try_from(row.lanes).unwrap_or(0),
                 supervised: row.supervised,
+                labels: serde_json::from_str(&row.labels).unwrap_or_default(),
             },
             started: from_micros(row.started_at),
         })
@@ -85,11 +89,11 @@ impl Workers<'_> {
         let mut tx = self.store.inner.database.write().await?;
         let row: Row = query(
             "insert into workers (id, endpoint, backend, device, build, lanes, supervised,
-                 started_at)
-             values ($1, $2, $3, $4, $5, $6, $7, $8)
+                 started_at, labels)
+             values ($1, $2, $3, $4, $5, $6, $7, $8, $9)
              on conflict (id) do update set endpoint = excluded.endpoint,
                  backend = excluded.backend, device = excluded.device, build = excluded.build,
-                 lanes = excluded.lanes
+                 lanes = excluded.lanes, labels = excluded.labels
              returning *",
         )
         .bind(new.id.uuid().to_string())
@@ -100,6 +104,7 @@ impl Workers<'_> {
         .bind(i64::from(new.lanes))
         .bind(new.supervised)
         .bind(self.store.now_micros())
+        .bind(serde_json::to_string(&new.labels).unwrap_or_default())
         .fetch_one(&mut tx)
         .await?;
         tx.commit().await?;

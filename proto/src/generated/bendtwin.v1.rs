@@ -1733,6 +1733,22 @@ pub struct Fit {
     /// Owner of the key with which it was asked for, and of its twin; empty if that is not known.
     #[prost(string, tag = "10")]
     pub owner: ::prost::alloc::string::String,
+    /// Worker that it asks for; absent if any will do.
+    #[prost(message, optional, tag = "11")]
+    pub requirements: ::core::option::Option<WorkerRequirements>,
+}
+/// Worker that a fit asks for. It waits until there is one.
+#[derive(Clone, PartialEq, Eq, Hash, ::prost::Message)]
+pub struct WorkerRequirements {
+    /// `cpu` or `cuda`; empty means either.
+    #[prost(string, tag = "1")]
+    pub backend: ::prost::alloc::string::String,
+    /// Memory of the device at least \[bytes\]; on a CPU, that which a fit may take.
+    #[prost(uint64, tag = "2")]
+    pub memory_bytes: u64,
+    /// Labels of which the worker has each: up to 32 of up to 50 characters without spaces and commas.
+    #[prost(string, repeated, tag = "3")]
+    pub labels: ::prost::alloc::vec::Vec<::prost::alloc::string::String>,
 }
 #[derive(Clone, PartialEq, Eq, Hash, ::prost::Message)]
 pub struct CreateFitRequest {
@@ -1750,6 +1766,9 @@ pub struct CreateFitRequest {
     /// Empty means the capture's.
     #[prost(string, tag = "5")]
     pub display_name: ::prost::alloc::string::String,
+    /// Worker that it asks for; absent means any.
+    #[prost(message, optional, tag = "6")]
+    pub requirements: ::core::option::Option<WorkerRequirements>,
 }
 #[derive(Clone, PartialEq, Eq, Hash, ::prost::Message)]
 pub struct GetFitRequest {
@@ -3695,6 +3714,9 @@ pub struct Worker {
     /// captures/{uuid} whose ingest is under way, if any.
     #[prost(string, tag = "12")]
     pub ingest: ::prost::alloc::string::String,
+    /// Words that it was started with, which fits can ask for.
+    #[prost(string, repeated, tag = "13")]
+    pub labels: ::prost::alloc::vec::Vec<::prost::alloc::string::String>,
 }
 #[derive(Clone, PartialEq, Eq, Hash, ::prost::Message)]
 pub struct GetWorkerRequest {

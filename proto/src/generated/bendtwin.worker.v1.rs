@@ -84,6 +84,9 @@ pub struct RegisterRequest {
     /// Instances that run at once.
     #[prost(uint32, tag = "6")]
     pub lanes: u32,
+    /// Words that fits can ask for: up to 32 of up to 50 characters without spaces and commas.
+    #[prost(string, repeated, tag = "7")]
+    pub labels: ::prost::alloc::vec::Vec<::prost::alloc::string::String>,
 }
 #[derive(Clone, Copy, PartialEq, ::prost::Message)]
 pub struct RegisterResponse {

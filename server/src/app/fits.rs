@@ -5,13 +5,14 @@ use bendtwin_core::{
     ids::{CaptureId, FitId},
     settings::memory::{self, CaptureSize, GraphSize},
 };
-use bendtwin_store::{Job, NewFit, Page};
+use bendtwin_store::{Job, NewFit, Page, Requirements};
 use futures::StreamExt as _;
 use serde::Deserialize;
 
 use super::{
     App, Error, Result,
     labels::{self, Listing, ORDERS},
+    requirements,
 };
 use crate::{audit, context::Context, dispatch::FitRoom};
 
@@ -30,18 +31,21 @@ pub(crate) struct FitOrder {
     pub(crate) request_id: String,
     /// Empty means the capture's.
     pub(crate) display_name: String,
+    pub(crate) requirements: Requirements,
 }
 
 impl App {
     /// Queues a fit.
     pub(crate) async fn create_fit(&self, order: FitOrder) -> Result<Job> {
         let done: Result<Job> = async {
-            let FitOrder { capture, settings_json, priority, request_id, display_name } = order;
+            let FitOrder { capture, settings_json, priority, request_id, .. } = order;
+            let (display_name, requirements) = (order.display_name, order.requirements);
             if !PRIORITIES.contains(&priority) {
                 return Err(Error::invalid("priority", format!("is {priority}: use -100..=100")));
             }
             self.require_room(0)?;
             let display_name = labels::display_name(display_name)?;
+            requirements::check(&requirements)?;
             let capture = super::name(&capture)?;
             let settings = settings(&settings_json, self.options.limits.json_bytes)?;
             if let Some(twin) = &settings.start_from {
@@ -58,6 +62,7 @@ impl App {
                 creator: context.caller.creator(),
                 trace_parent: context.trace_parent,
                 display_name,
+                requirements,
             };
             let fit = self.store.jobs().create_fit(new).await?;
             tracing::info!(fit = %fit.id, capture = %fit.capture, "fit queued");

@@ -7,7 +7,7 @@ use bendtwin_core::{
     ids::{CaptureId, TwinId, WorkerId},
 };
 use bendtwin_store::{
-    AttemptEnd, Capture, Content, Job, JobId, JobReport, Kind, Lease, LeaseTerms, Loss,
+    AttemptEnd, Capture, Claimant, Content, Job, JobId, JobReport, Kind, Lease, LeaseTerms, Loss,
     Observation, State, TwinFacts,
 };
 
@@ -85,7 +85,9 @@ impl App {
     ) -> Result<Option<Leased>> {
         self.require_known(worker)?;
         let jobs = self.store.jobs();
-        let claimed = jobs.claim_within(kind, worker, self.options.lease(), wait.min(LONGEST_WAIT));
+        let claimant = Claimant { worker, offer: self.dispatch.offer(worker) };
+        let wait = wait.min(LONGEST_WAIT);
+        let claimed = jobs.claim_within(kind, claimant, self.options.lease(), wait);
         let claimed = tokio::select! {
             () = self.stopping.cancelled() => return Err(Error::Stopping),
             claimed = claimed => claimed?,

@@ -3,7 +3,7 @@
 use bendtwin_core::ids::WorkerId;
 use bendtwin_store::{Loss, NewWorker};
 
-use super::{App, Error, Result};
+use super::{App, Error, Result, requirements};
 use crate::{dispatch::WorkerView, tokens::Bearer};
 
 impl App {
@@ -14,6 +14,7 @@ impl App {
         bearer: Bearer,
         token: &str,
     ) -> Result<()> {
+        requirements::check_labels("labels", &new.labels)?;
         let child = match bearer {
             Bearer::Child(child) => Some(child),
             Bearer::External => None,

@@ -12,7 +12,7 @@ use bendtwin_core::{
     settings::memory::Lanes,
 };
 use bendtwin_proto::worker::v1::worker_rollouts_client::WorkerRolloutsClient;
-use bendtwin_store::Worker;
+use bendtwin_store::{Offer, Worker};
 use jiff::Timestamp;
 use tokio::time::Instant;
 use tonic::{
@@ -277,6 +277,18 @@ impl Entry {
         let worker = &self.worker.registration;
         let lanes = Lanes { count: u64::from(worker.lanes), on_host: worker.backend == "cpu" };
         (bytes > 0).then_some(FitRoom { bytes, lanes })
+    }
+
+    /// Properties that jobs can ask for.
+    pub(super) fn offer(&self) -> Offer {
+        let live = self.live();
+        let worker = &self.worker.registration;
+        let of_device = live.memory.map_or(0, |memory| memory.total);
+        Offer {
+            backend: worker.backend.clone(),
+            memory_bytes: if self.is_cpu() { live.fit_bytes } else { of_device },
+            labels: worker.labels.clone(),
+        }
     }
 
     /// Time without a sign of life, given the time of leases.

@@ -2,7 +2,7 @@
 
 use bendtwin_core::{ModelLoss, Progress, Stage};
 use bendtwin_proto::v1;
-use bendtwin_store::{Job, Key, Overview, PageRequest, Quotas, State, Twin};
+use bendtwin_store::{Job, Key, Overview, PageRequest, Quotas, Requirements, State, Twin};
 use jiff::Timestamp;
 
 use crate::{
@@ -94,8 +94,20 @@ pub(super) fn fit(mut fit: Job) -> v1::Fit {
         capture: fit.capture.to_string(),
         twin: fit.twin.map(|t| t.to_string()).unwrap_or_default(),
         priority: fit.priority,
+        requirements: requirements(std::mem::take(&mut fit.requirements)),
         job: Some(job(fit)),
     }
+}
+
+fn requirements(of_fit: Requirements) -> Option<v1::WorkerRequirements> {
+    let any = of_fit == Requirements::default();
+    let Requirements { backend, memory_bytes, labels } = of_fit;
+    (!any).then_some(v1::WorkerRequirements { backend, memory_bytes, labels })
+}
+
+pub(super) fn read_requirements(wire: v1::WorkerRequirements) -> Requirements {
+    let v1::WorkerRequirements { backend, memory_bytes, labels } = wire;
+    Requirements { backend, memory_bytes, labels }
 }
 
 fn job(job: Job) -> v1::Job {
@@ -277,6 +289,7 @@ pub(super) fn worker(view: WorkerView) -> v1::Worker {
         build: said.build,
         memory_used_bytes: view.memory.unwrap_or_default().used,
         memory_total_bytes: view.memory.unwrap_or_default().total,
+        labels: said.labels,
         ingest: view.ingest.map(|c| c.to_string()).unwrap_or_default(),
     }
 }

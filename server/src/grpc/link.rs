@@ -72,6 +72,7 @@ impl WorkerLink for Api {
             build: short(r.build),
             lanes: r.lanes,
             supervised: matches!(shown.bearer, Bearer::Child(_)),
+            labels: r.labels,
         };
         self.app.register_worker(new, shown.bearer, &shown.token).await?;
         Ok(Response::new(RegisterResponse {

@@ -46,6 +46,7 @@ pub(super) async fn create(
         priority: new.priority,
         request_id: extract::idempotency_key(&headers)?,
         display_name: new.display_name,
+        requirements: new.requirements.into(),
     };
     let fit = app.create_fit(order).await?;
     let location = [(header::LOCATION, format!("/v1/{}", fit.id))];

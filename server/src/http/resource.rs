@@ -135,6 +135,34 @@ pub(super) struct Fit {
     owner: String,
     /// Error of its twin [m], as there.
     error_m: Option<f64>,
+    /// Worker that it asks for.
+    requirements: Requirements,
+}
+
+/// Worker that a fit asks for, which waits until there is one.
+#[derive(Default, Serialize, Deserialize, ToSchema)]
+#[serde(default, deny_unknown_fields)]
+pub(super) struct Requirements {
+    /// `cpu` or `cuda`; empty means either.
+    backend: String,
+    /// Memory of the device at least [bytes]; on a CPU, that which a fit may take.
+    memory_bytes: u64,
+    /// Labels of which the worker has each: up to 32 of up to 50 characters without spaces and commas.
+    labels: Vec<String>,
+}
+
+impl From<store::Requirements> for Requirements {
+    fn from(of_fit: store::Requirements) -> Self {
+        let store::Requirements { backend, memory_bytes, labels } = of_fit;
+        Self { backend, memory_bytes, labels }
+    }
+}
+
+impl From<Requirements> for store::Requirements {
+    fn from(given: Requirements) -> Self {
+        let Requirements { backend, memory_bytes, labels } = given;
+        Self { backend, memory_bytes, labels }
+    }
 }
 
 impl From<store::Job> for Fit {
@@ -151,6 +179,7 @@ impl From<store::Job> for Fit {
             capture: fit.capture.to_string(),
             twin: fit.twin.map(|t| t.to_string()),
             priority: fit.priority,
+            requirements: std::mem::take(&mut fit.requirements).into(),
             job: fit.into(),
         }
     }
@@ -179,6 +208,9 @@ pub(super) struct NewFit {
     /// Display name; empty means the capture's.
     #[serde(default)]
     pub(super) display_name: String,
+    /// Worker that it asks for.
+    #[serde(default)]
+    pub(super) requirements: Requirements,
 }
 
 /// A stored twin.
@@ -273,6 +305,8 @@ pub(super) struct Worker {
     /// Memory of its device in use by all processes, and in total [bytes]; absent if unknown.
     memory_used_bytes: Option<u64>,
     memory_total_bytes: Option<u64>,
+    /// Words that it was started with, which fits can ask for.
+    labels: Vec<String>,
 }
 
 impl From<WorkerView> for Worker {
@@ -291,6 +325,7 @@ impl From<WorkerView> for Worker {
             build: registration.build,
             memory_used_bytes: view.memory.map(|m| m.used),
             memory_total_bytes: view.memory.map(|m| m.total),
+            labels: registration.labels,
         }
     }
 }

@@ -46,6 +46,42 @@ async fn a_fit_is_accepted_with_its_settings_in_force() {
 }
 
 #[tokio::test]
+async fn a_fit_waits_for_a_worker_with_its_labels_and_memory() {
+    let server = Server::start().await;
+    let capture = server.capture().await;
+    let post = async |requirements: Value| {
+        let body = json!({"capture": capture, "requirements": requirements});
+        server.post("/v1/fits", body).await
+    };
+    for (wrong, field) in [
+        (json!({"backend": "tpu"}), "requirements.backend"),
+        (json!({"labels": ["two words"]}), "requirements.labels"),
+        (json!({"labels": vec!["x"; 33]}), "requirements.labels"),
+    ] {
+        let (status, problem) = post(wrong).await;
+        assert_eq!(status, 400);
+        assert!(problem["detail"].as_str().unwrap().contains(field), "{problem}");
+    }
+    // The memory that workers of these tests have for fits is 4 GiB.
+    let wanted = json!({"backend": "cpu", "memory_bytes": 1_u64 << 32, "labels": ["big"]});
+    let (status, fit) = post(wanted.clone()).await;
+    assert_eq!((status, &fit["requirements"]), (202, &wanted));
+    let more = json!({"backend": "", "memory_bytes": (1_u64 << 32) + 1, "labels": ["big"]});
+    assert_eq!(post(more).await.0, 202);
+
+    let mut plain = Worker::register(&server).await;
+    plain.heartbeat().await.unwrap();
+    assert!(plain.lease(Duration::ZERO).await.is_none());
+    let mut labelled = Worker::register_labelled(&server, &["big", "lab=2"]).await;
+    labelled.heartbeat().await.unwrap();
+    let lease = labelled.lease(Duration::ZERO).await.unwrap();
+    assert_eq!(json!(lease.job), fit["name"]);
+    assert!(labelled.lease(Duration::ZERO).await.is_none());
+    let (_, listed) = server.get("/v1/workers").await;
+    assert_eq!(listed["workers"][0]["labels"], json!(["big", "lab=2"]));
+}
+
+#[tokio::test]
 async fn unsound_settings_are_refused_with_all_faults() {
     let server = Server::start().await;
     let capture = server.capture().await;

@@ -112,7 +112,7 @@ impl Worker {
 
     /// A worker at this endpoint, where nobody answers rollouts.
     pub(crate) async fn register_at(server: &Server, endpoint: &str) -> Self {
-        Self::register_as(server, endpoint.to_owned(), Arc::default()).await
+        Self::register_as(server, endpoint.to_owned(), Arc::default(), &[]).await
     }
 
     pub(crate) async fn register_with(server: &Server, device: Device) -> Self {
@@ -124,10 +124,20 @@ impl Worker {
             .add_service(WorkerRolloutsServer::new(device))
             .serve_with_incoming(incoming);
         tokio::spawn(async move { service.await.unwrap() });
-        Self::register_as(server, endpoint, breaks).await
+        Self::register_as(server, endpoint, breaks, &[]).await
     }
 
-    async fn register_as(server: &Server, endpoint: String, breaks: Arc<AtomicBool>) -> Self {
+    /// A worker that was started with labels, where nobody answers rollouts.
+    pub(crate) async fn register_labelled(server: &Server, labels: &[&str]) -> Self {
+        Self::register_as(server, "http://127.0.0.1:1".to_owned(), Arc::default(), labels).await
+    }
+
+    async fn register_as(
+        server: &Server,
+        endpoint: String,
+        breaks: Arc<AtomicBool>,
+        labels: &[&str],
+    ) -> Self {
         let (key, id) = worker_key::generate();
         let mut link = link(server, &key);
         let registered = link
@@ -138,6 +148,7 @@ impl Worker {
                 device: "fake".into(),
                 build: "test".into(),
                 lanes: 1,
+                labels: labels.iter().map(|label| (*label).to_owned()).collect(),
             })
             .await
             .unwrap()

@@ -1,6 +1,6 @@
 //! `bendtwin fit start`.
 
-use bendtwin_client::{CaptureId, TwinId};
+use bendtwin_client::{CaptureId, FitOrder, Requirements, TwinId};
 use clap::Args;
 
 use super::{ended_well, print_ended, watch_here};
@@ -24,9 +24,36 @@ pub(crate) struct Start {
     /// Display name [default: the capture's]
     #[arg(long, value_name = "NAME", default_value = "", hide_default_value = true)]
     name: String,
+    #[command(flatten)]
+    requirements: RequirementArgs,
     /// Follow it until it has ended
     #[arg(long)]
     watch: bool,
+}
+
+/// Worker that the fit asks for; it waits until there is one.
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Worker")]
+struct RequirementArgs {
+    /// Backend of the worker: cpu or cuda [default: either]
+    #[arg(long, value_name = "BACKEND", default_value = "", hide_default_value = true)]
+    worker_backend: String,
+    /// Memory of the worker's device at least [MiB]; on a CPU, that which a fit may take
+    #[arg(long, value_name = "MIB", default_value_t = 0, hide_default_value = true)]
+    worker_memory_mib: u64,
+    /// Label of the worker (`bendtwin worker --label`); may be given several times
+    #[arg(long = "worker-label", value_name = "WORD", value_delimiter = ',')]
+    worker_labels: Vec<String>,
+}
+
+impl From<RequirementArgs> for Requirements {
+    fn from(args: RequirementArgs) -> Self {
+        Self {
+            backend: args.worker_backend,
+            memory_bytes: args.worker_memory_mib.saturating_mul(1 << 20),
+            labels: args.worker_labels,
+        }
+    }
 }
 
 pub(super) async fn run(args: Start, global: &Global) -> anyhow::Result<()> {
@@ -34,9 +61,13 @@ pub(super) async fn run(args: Start, global: &Global) -> anyhow::Result<()> {
     settings.start_from = args.from.map(|twin| twin.to_string()).or(settings.start_from);
     let client = global.connect().await?;
     let fits = client.fits();
-    let request_id = args.request_id.as_deref();
-    let fit =
-        fits.create_named(args.capture, &settings, args.priority, request_id, &args.name).await?;
+    let order = FitOrder {
+        priority: args.priority,
+        request_id: args.request_id,
+        display_name: args.name,
+        requirements: args.requirements.into(),
+    };
+    let fit = fits.create_as(args.capture, &settings, order).await?;
     if !args.watch {
         return output::print(global, &fit, || {
             format!("{}\nnext: bendtwin fit watch {}", fit.name, fit.name)

@@ -44,6 +44,7 @@ from bendtwin.resources import (
     Fit,
     JobState,
     LossCurve,
+    Requirements,
     SessionInfo,
     TwinInfo,
     Worker,
@@ -425,13 +426,16 @@ class Client:
         priority: int = 0,
         request_id: str | None = None,
         display_name: str = "",
+        requirements: Requirements | None = None,
     ) -> Fit:
         """Starts a fit of a capture. `settings` are those of docs/settings.md.
 
-        Without a `display_name` it has its capture's.
+        Without a `display_name` it has its capture's, and without `requirements` any worker takes it.
         """
         return await self._caller.run(
-            calls.create_fit(capture, settings, priority, request_id, display_name)
+            calls.create_fit(
+                capture, settings, priority, request_id, display_name, requirements
+            )
         )
 
     async def get_fit(self, name: str) -> Fit:

@@ -19,7 +19,15 @@ from bendtwin.errors import BendTwinError, Category
 from bendtwin.geometry import Geometry
 from bendtwin.labels import LabelArguments, ListArguments, beside, fields
 from bendtwin.plan import PlanUpdate
-from bendtwin.resources import Capture, Fit, JobState, LossCurve, TwinInfo, Worker
+from bendtwin.resources import (
+    Capture,
+    Fit,
+    JobState,
+    LossCurve,
+    Requirements,
+    TwinInfo,
+    Worker,
+)
 from bendtwin.rollout import RolloutResult, warned
 from bendtwin.v1 import (
     capture_pb2,
@@ -235,6 +243,7 @@ def create_fit(
     priority: int,
     request_id: str | None,
     display_name: str,
+    requirements: Requirements | None,
 ) -> Call[Fit]:
     """Starts a fit."""
     request = fit_pb2.CreateFitRequest(
@@ -243,6 +252,7 @@ def create_fit(
         priority=priority,
         request_id=request_id or str(uuid.uuid4()),
         display_name=display_name,
+        requirements=requirements.to_proto() if requirements else None,
     )
     return Call(lambda s: s.fits.CreateFit, request, Fit.from_proto)
 

@@ -17,7 +17,15 @@ from bendtwin.caller import Caller
 from bendtwin.errors import FitFailed, IngestFailed
 from bendtwin.labels import LabelArguments, ListArguments
 from bendtwin.motion import Motion, bundle, bundle_file
-from bendtwin.resources import Capture, Fit, JobState, LossCurve, TwinInfo, Worker
+from bendtwin.resources import (
+    Capture,
+    Fit,
+    JobState,
+    LossCurve,
+    Requirements,
+    TwinInfo,
+    Worker,
+)
 from bendtwin.rollout import Fidelity
 from bendtwin.session import Session
 from bendtwin.state import InitialState
@@ -223,13 +231,16 @@ class Client:
         priority: int = 0,
         request_id: str | None = None,
         display_name: str = "",
+        requirements: Requirements | None = None,
     ) -> Fit:
         """Starts a fit of a capture. `settings` are those of docs/settings.md.
 
-        Without a `display_name` it has its capture's.
+        Without a `display_name` it has its capture's, and without `requirements` any worker takes it.
         """
         return self._caller.run(
-            calls.create_fit(capture, settings, priority, request_id, display_name)
+            calls.create_fit(
+                capture, settings, priority, request_id, display_name, requirements
+            )
         )
 
     def get_fit(self, name: str) -> Fit:

@@ -216,6 +216,31 @@ class Capture:
 
 
 @dataclass(frozen=True)
+class Requirements:
+    """Worker that a fit asks for, which waits until there is one; by default any."""
+
+    #: `cpu` or `cuda`; empty means either.
+    backend: str = ""
+    #: Memory of the device at least; on a CPU, that which a fit may take.
+    memory_bytes: int = 0
+    #: Labels of which the worker has each.
+    labels: tuple[str, ...] = ()
+
+    @classmethod
+    def from_proto(cls, message: fit_pb2.WorkerRequirements) -> Requirements:
+        """Reads the wire form."""
+        return cls(message.backend, message.memory_bytes, tuple(message.labels))
+
+    def to_proto(self) -> fit_pb2.WorkerRequirements | None:
+        """Writes the wire form; None if any worker will do."""
+        if self == Requirements():
+            return None
+        return fit_pb2.WorkerRequirements(
+            backend=self.backend, memory_bytes=self.memory_bytes, labels=self.labels
+        )
+
+
+@dataclass(frozen=True)
 class Fit:
     """A fit."""
 
@@ -236,6 +261,8 @@ class Fit:
     error_m: float | None = None
     #: Owner of the key with which it was asked for; empty if that is not known.
     owner: str = ""
+    #: Worker that it asks for.
+    requirements: Requirements = Requirements()
 
     @classmethod
     def from_proto(cls, message: fit_pb2.Fit) -> Fit:
@@ -251,6 +278,7 @@ class Fit:
             tags=tuple(message.tags),
             error_m=_optional(message, "error_m"),
             owner=message.owner,
+            requirements=Requirements.from_proto(message.requirements),
         )
 
     @property
@@ -345,6 +373,8 @@ class Worker:
     memory_total_bytes: int
     #: The capture whose ingest is under way, if any.
     ingest: str = ""
+    #: Words that it was started with, which fits can ask for.
+    labels: tuple[str, ...] = ()
 
     @classmethod
     def from_proto(cls, message: worker_pb2.Worker) -> Worker:
@@ -362,6 +392,7 @@ class Worker:
             message.memory_used_bytes,
             message.memory_total_bytes,
             message.ingest,
+            tuple(message.labels),
         )
 
 

@@ -11,6 +11,7 @@ import { actionButton, deleteButton, faultPlace } from '../parts/actions';
 import { captureText, findCapture } from '../parts/capture';
 import { JobView } from '../parts/job';
 import { LabelEditor } from '../parts/labels';
+import { wanted } from '../parts/requirements';
 import { settingsView } from '../parts/settings_view';
 import { assessmentView, qualityView } from '../twins/assessment';
 import { parametersView } from '../twins/parameters';
@@ -55,6 +56,7 @@ class FitPage {
         ['Capture', captureText(capture)],
         ['Asked for', time(fit.job.create_time)],
         ['Priority', fit.priority],
+        ['Worker', wanted(fit)],
       ]),
       this.#result,
       this.#losses.element,

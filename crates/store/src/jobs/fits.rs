@@ -8,7 +8,7 @@ use bendtwin_core::{
 use uuid::Uuid;
 
 use super::{
-    Job, Jobs, Lease,
+    Job, Jobs, Kind, Lease, Requirements, requirements,
     row::{self, Row, State},
 };
 use crate::{
@@ -37,6 +37,8 @@ pub struct NewFit {
     pub display_name: String,
     /// The one who asks for it.
     pub creator: Creator,
+    /// Worker that it asks for.
+    pub requirements: Requirements,
 }
 
 impl Jobs<'_> {
@@ -46,9 +48,10 @@ impl Jobs<'_> {
     ///
     /// # Errors
     /// [`Error::NotFound`] if there is no such capture, [`Error::RequestIdTaken`],
-    /// [`Error::DiskFull`].
+    /// [`Error::DiskFull`], [`Error::TooManyRequirements`].
     pub async fn create_fit(&self, new: NewFit) -> Result<Job> {
         self.store.admit()?;
+        let requirements = new.requirements.to_text()?;
         let mut tx = self.store.inner.database.write().await?;
         if let Some(request_id) = &new.request_id
             && let Some(row) = row::requested(&mut tx, request_id).await?
@@ -59,6 +62,7 @@ impl Jobs<'_> {
             if before.id.fit().is_some()
                 && same_name
                 && (before.capture, &before.settings, before.priority) == given
+                && before.requirements.to_text()? == requirements
             {
                 return Ok(before);
             }
@@ -75,6 +79,7 @@ impl Jobs<'_> {
             capture_name.ok_or_else(|| Error::NotFound { name: new.capture.to_string() })?;
         let more = More { jobs: 1, ..More::default() };
         quotas::require(&mut tx, &new.creator, more).await?;
+        requirements::admit(&mut tx, Kind::Fit, &requirements).await?;
         let name = if new.display_name.is_empty() { &capture_name } else { &new.display_name };
         let ingest = row::ingest_of(&mut tx, &capture).await?.map(Job::try_from).transpose()?;
         let fault = ingest.as_ref().and_then(why_not);
@@ -82,8 +87,9 @@ impl Jobs<'_> {
         let row: Row = query(
             "insert into jobs (id, kind, capture, state, priority, settings, trace_parent,
                  request_id, created_at, fault, ended_at, display_name, first_name, name_key,
-                 search_text, due_at, owner)
-             values ($1, 'fit', $2, $3, $4, $5, $6, $7, $8, $9, $10, $11, $12, $13, $14, $8, $15)
+                 search_text, due_at, owner, requirements)
+             values ($1, 'fit', $2, $3, $4, $5, $6, $7, $8, $9, $10, $11, $12, $13, $14, $8, $15,
+                 $16)
              returning *",
         )
         .bind(FitId::generate().uuid().to_string())
@@ -101,6 +107,7 @@ impl Jobs<'_> {
         .bind(labels::name_key(name))
         .bind(labels::search_text(name, ""))
         .bind(new.creator.owner)
+        .bind(requirements)
         .fetch_one(&mut tx)
         .await?;
         self.store.pass(Failpoint::BeforeCommit)?;

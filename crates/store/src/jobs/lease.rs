@@ -3,31 +3,12 @@
 use std::time::Duration;
 
 use bendtwin_core::{ModelLoss, Progress, ids::WorkerId};
-use tokio::time::Instant;
 
 use super::{
-    Job, JobId, Jobs, Kind, losses,
+    Job, JobId, Jobs, losses,
     row::{self, Row},
 };
 use crate::{Content, Digest, Error, Result, Staged, failpoint::Failpoint, sql::query};
-
-/// Claims the job that is due first among those of the highest priority: a fit only once its
-/// capture has been read. Ingests of small captures are due before those of large ones, which wait
-/// no longer for that than they take themselves.
-pub(crate) const CLAIM: &str =
-    "update jobs set state = 'running', worker = $1, lease_epoch = lease_epoch + 1,
-         lease_until = $3, attempts = attempts + 1, stalled = stalled + 1,
-         started_at = coalesce(started_at, $2), revision = revision + 1
-     where id = (
-         select id from jobs as j
-         where state = 'queued' and kind = $4 and (kind = 'ingest' or not exists (
-             select 1 from jobs as i where i.capture = j.capture and i.kind = 'ingest'
-                 and i.state in ('queued', 'running')))
-         order by priority desc, due_at, id limit 1)
-     returning *";
-
-/// Time after which a claimant looks at the queue although nothing has woken it.
-const LOOK_AGAIN: Duration = Duration::from_secs(10);
 
 /// The right of one worker to write to one job, until another claims it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -61,63 +42,6 @@ pub struct Reported {
 }
 
 impl Jobs<'_> {
-    /// Claims the next job of a kind, if there is one. A fit is claimed only once its capture's
-    /// ingest has ended.
-    ///
-    /// # Errors
-    /// Database errors.
-    pub async fn claim(
-        &self,
-        kind: Kind,
-        worker: WorkerId,
-        lease: Duration,
-    ) -> Result<Option<Job>> {
-        let mut tx = self.store.inner.database.write().await?;
-        let row: Option<Row> = query(CLAIM)
-            .bind(worker.uuid().to_string())
-            .bind(self.store.now_micros())
-            .bind(self.store.lease_until(&tx, lease))
-            .bind(kind.as_str())
-            .fetch_optional(&mut tx)
-            .await?;
-        let Some(row) = row else { return Ok(None) };
-        let job = Job::try_from(row)?;
-        self.renew(Lease { job: job.id, epoch: job.lease_epoch }, lease);
-        self.store.pass(Failpoint::BeforeCommit)?;
-        tx.commit().await?;
-        self.changed(&job);
-        self.store.pass(Failpoint::AfterCommit)?;
-        Ok(Some(job))
-    }
-
-    /// Claims the next job of a kind, waiting up to `wait` for one.
-    ///
-    /// # Errors
-    /// Database errors.
-    pub async fn claim_within(
-        &self,
-        kind: Kind,
-        worker: WorkerId,
-        lease: Duration,
-        wait: Duration,
-    ) -> Result<Option<Job>> {
-        let deadline = Instant::now() + wait;
-        loop {
-            // Listen first, look second: a job queued in between is not missed.
-            let mut queued = std::pin::pin!(self.store.inner.queued.notified());
-            queued.as_mut().enable();
-            if let Some(job) = self.claim(kind, worker, lease).await? {
-                return Ok(Some(job));
-            }
-            // Where notifications come over a connection, one may be lost.
-            let remote = self.store.inner.database.is_remote();
-            let look = if remote { deadline.min(Instant::now() + LOOK_AGAIN) } else { deadline };
-            if tokio::time::timeout_at(look, queued).await.is_err() && look == deadline {
-                return Ok(None);
-            }
-        }
-    }
-
     /// The jobs that a worker holds leases of.
     ///
     /// # Errors
@@ -256,7 +180,7 @@ impl Jobs<'_> {
     }
 
     /// Within the transaction that says the same to the database, so that no sweep comes between.
-    fn renew(&self, lease: Lease, time: Duration) {
+    pub(super) fn renew(&self, lease: Lease, time: Duration) {
         let monotonic = self.store.inner.clock.monotonic();
         self.store.inner.leases.renew(lease.job, lease.epoch, monotonic, time);
     }

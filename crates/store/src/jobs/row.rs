@@ -4,7 +4,7 @@ use bendtwin_core::Progress;
 
 use uuid::Uuid;
 
-use super::{Job, JobId, Kind, Lease};
+use super::{Job, JobId, Kind, Lease, Requirements};
 use crate::{
     Digest, Error, Labels, Result,
     clock::from_micros,
@@ -86,6 +86,7 @@ row! {
         error_m: f64,
         pub(super) loss_stride: i64,
         pub(super) owner: String,
+        requirements: String,
     }
 }
 
@@ -148,6 +149,8 @@ impl TryFrom<Row> for Job {
             twin: row.twin.as_ref().map(uuid).transpose()?.map(Into::into),
             fault: row.json(&row.fault)?,
             attempt_faults: serde_json::from_str(&row.attempt_faults)
+                .map_err(|e| row.corrupt(&e.to_string()))?,
+            requirements: Requirements::from_text(&row.requirements)
                 .map_err(|e| row.corrupt(&e.to_string()))?,
             created: from_micros(row.created_at),
             started: row.started_at.map(from_micros),

@@ -1,3 +1,4 @@
+mod claims;
 mod ingests;
 mod lease_time;
 mod model;

@@ -7,7 +7,7 @@ use bytes::Bytes;
 
 use crate::{
     Capture, Clock, Creator, DatabaseUrl, Error, Job, Kind, Lease, LeaseTerms, Loss, ManualClock,
-    NewCapture, NewFit, Options, Staged, State, Store, TwinFacts,
+    NewCapture, NewFit, Options, Requirements, Staged, State, Store, TwinFacts,
     failpoint::Failpoint,
     sql,
     test_database::{On, TestDatabase, on_both},
@@ -149,6 +149,7 @@ pub(crate) fn new_fit(capture: &Capture) -> NewFit {
         trace_parent: None,
         display_name: String::new(),
         creator: Creator::default(),
+        requirements: Requirements::default(),
     }
 }
 

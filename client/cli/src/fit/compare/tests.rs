@@ -30,6 +30,7 @@ fn details(seed: u64, capture: CaptureId, track_mm: f64, loss: f64) -> Details {
         tags: Vec::new(),
         owner: String::new(),
         error_m: None,
+        requirements: bendtwin_client::Requirements::default(),
     };
     let curve = LossCurve {
         stage: "refine".into(),

@@ -9,7 +9,7 @@ from typing import ClassVar as _ClassVar, Optional as _Optional, Union as _Union
 DESCRIPTOR: _descriptor.FileDescriptor
 
 class Fit(_message.Message):
-    __slots__ = ("name", "capture", "twin", "priority", "job", "display_name", "note", "tags", "error_m", "owner")
+    __slots__ = ("name", "capture", "twin", "priority", "job", "display_name", "note", "tags", "error_m", "owner", "requirements")
     NAME_FIELD_NUMBER: _ClassVar[int]
     CAPTURE_FIELD_NUMBER: _ClassVar[int]
     TWIN_FIELD_NUMBER: _ClassVar[int]
@@ -20,6 +20,7 @@ class Fit(_message.Message):
     TAGS_FIELD_NUMBER: _ClassVar[int]
     ERROR_M_FIELD_NUMBER: _ClassVar[int]
     OWNER_FIELD_NUMBER: _ClassVar[int]
+    REQUIREMENTS_FIELD_NUMBER: _ClassVar[int]
     name: str
     capture: str
     twin: str
@@ -30,21 +31,34 @@ class Fit(_message.Message):
     tags: _containers.RepeatedScalarFieldContainer[str]
     error_m: float
     owner: str
-    def __init__(self, name: _Optional[str] = ..., capture: _Optional[str] = ..., twin: _Optional[str] = ..., priority: _Optional[int] = ..., job: _Optional[_Union[_job_pb2.Job, _Mapping]] = ..., display_name: _Optional[str] = ..., note: _Optional[str] = ..., tags: _Optional[_Iterable[str]] = ..., error_m: _Optional[float] = ..., owner: _Optional[str] = ...) -> None: ...
+    requirements: WorkerRequirements
+    def __init__(self, name: _Optional[str] = ..., capture: _Optional[str] = ..., twin: _Optional[str] = ..., priority: _Optional[int] = ..., job: _Optional[_Union[_job_pb2.Job, _Mapping]] = ..., display_name: _Optional[str] = ..., note: _Optional[str] = ..., tags: _Optional[_Iterable[str]] = ..., error_m: _Optional[float] = ..., owner: _Optional[str] = ..., requirements: _Optional[_Union[WorkerRequirements, _Mapping]] = ...) -> None: ...
+
+class WorkerRequirements(_message.Message):
+    __slots__ = ("backend", "memory_bytes", "labels")
+    BACKEND_FIELD_NUMBER: _ClassVar[int]
+    MEMORY_BYTES_FIELD_NUMBER: _ClassVar[int]
+    LABELS_FIELD_NUMBER: _ClassVar[int]
+    backend: str
+    memory_bytes: int
+    labels: _containers.RepeatedScalarFieldContainer[str]
+    def __init__(self, backend: _Optional[str] = ..., memory_bytes: _Optional[int] = ..., labels: _Optional[_Iterable[str]] = ...) -> None: ...
 
 class CreateFitRequest(_message.Message):
-    __slots__ = ("capture", "settings_json", "priority", "request_id", "display_name")
+    __slots__ = ("capture", "settings_json", "priority", "request_id", "display_name", "requirements")
     CAPTURE_FIELD_NUMBER: _ClassVar[int]
     SETTINGS_JSON_FIELD_NUMBER: _ClassVar[int]
     PRIORITY_FIELD_NUMBER: _ClassVar[int]
     REQUEST_ID_FIELD_NUMBER: _ClassVar[int]
     DISPLAY_NAME_FIELD_NUMBER: _ClassVar[int]
+    REQUIREMENTS_FIELD_NUMBER: _ClassVar[int]
     capture: str
     settings_json: str
     priority: int
     request_id: str
     display_name: str
-    def __init__(self, capture: _Optional[str] = ..., settings_json: _Optional[str] = ..., priority: _Optional[int] = ..., request_id: _Optional[str] = ..., display_name: _Optional[str] = ...) -> None: ...
+    requirements: WorkerRequirements
+    def __init__(self, capture: _Optional[str] = ..., settings_json: _Optional[str] = ..., priority: _Optional[int] = ..., request_id: _Optional[str] = ..., display_name: _Optional[str] = ..., requirements: _Optional[_Union[WorkerRequirements, _Mapping]] = ...) -> None: ...
 
 class GetFitRequest(_message.Message):
     __slots__ = ("name",)

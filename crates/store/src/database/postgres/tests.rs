@@ -120,11 +120,17 @@ async fn plan(bench: &Bench, statement: Query) -> String {
 async fn a_claim_among_twenty_thousand_reads_the_first_of_an_index() {
     let Some(on) = On::postgres_or_skip() else { return };
     let bench = Bench::new(on).await;
-    let claim =
-        || query(crate::jobs::CLAIM).bind("w").bind(1_i64).bind(2_i64).bind(Kind::Fit.as_str());
+    let claim = || {
+        let allowed = [String::new(), r#"{"backend":"cuda"}"#.to_owned()];
+        crate::jobs::claim_statement(Kind::Fit, WorkerId::generate(), (1, 2), &allowed)
+    };
     let check = async |when: &str| {
-        let plan = plan(&bench, claim()).await;
-        assert!(plan.contains("jobs_by_due") && !plan.contains("Sort"), "{when}: {plan}");
+        let different = query(crate::jobs::DIFFERENT_REQUIREMENTS).bind(Kind::Fit.as_str());
+        let plan = plan(&bench, different).await + &plan(&bench, claim()).await;
+        assert!(
+            plan.contains("jobs_by_queue") && !plan.contains("Seq Scan on jobs"),
+            "{when}: {plan}"
+        );
     };
     let fill = "insert into jobs (id, kind, capture, state, priority, settings, created_at, due_at)
          select cast(gen_random_uuid() as text), case when n % 4 = 0 then 'ingest' else 'fit' end,

@@ -1,0 +1,163 @@
+//! Claims: the next job for a worker.
+//!
+//! Jobs of the highest priority come first. Among equals the owner with the fewest running jobs of
+//! the kind is served, then the one that was served longest ago, so that owners take turns however
+//! many jobs each has queued. Of an owner's jobs the one that is due first is taken: ingests of
+//! small captures are due before those of large ones, which wait no longer for that than they take
+//! themselves.
+
+use std::time::Duration;
+
+use bendtwin_core::ids::WorkerId;
+use tokio::time::Instant;
+
+use super::{Job, Jobs, Kind, Lease, Offer, Requirements, requirements, row::Row};
+use crate::{
+    Result,
+    failpoint::Failpoint,
+    sql::{Builder, Query, Transaction},
+};
+
+/// Claim up to the requirements that the worker satisfies. The worker is $1, the time of day $2,
+/// the end of the lease $3, the kind $4.
+const CLAIM: &str = "update jobs set state = 'running', worker = $1,
+         lease_epoch = lease_epoch + 1, lease_until = $3, attempts = attempts + 1,
+         stalled = stalled + 1, started_at = coalesce(started_at, $2), revision = revision + 1
+     where id = (with recursive allowed (requirements) as (values ";
+/// The rest of it. Each owner's jobs of equal requirements are a queue, found in an index after the
+/// one before; its first job is the first whose capture has been read.
+const OF_QUEUES: &str = "),
+         queues (requirements, owner) as (
+             select requirements, (select owner from jobs
+                 where state = 'queued' and kind = $4 and requirements = allowed.requirements
+                 order by kind, requirements, owner, priority desc, due_at, id limit 1)
+             from allowed
+             union all
+             select requirements, (select owner from jobs
+                 where state = 'queued' and kind = $4 and requirements = before.requirements
+                     and owner > before.owner
+                 order by kind, requirements, owner, priority desc, due_at, id limit 1)
+             from queues as before where before.owner is not null),
+         firsts (id, owner) as (
+             select (select id from jobs as j
+                 where state = 'queued' and kind = $4 and requirements = queues.requirements
+                     and owner = queues.owner
+                     and (kind = 'ingest' or not exists (
+                         select 1 from jobs as i where i.capture = j.capture
+                             and i.kind = 'ingest' and i.state in ('queued', 'running')))
+                 order by kind, requirements, owner, priority desc, due_at, id limit 1), owner
+             from queues where owner is not null)
+         select id from firsts where id is not null
+         order by (select priority from jobs as f where f.id = firsts.id) desc,
+             (select count(*) from jobs as r
+                 where r.state = 'running' and r.kind = $4 and r.owner = firsts.owner),
+             coalesce((select max(s.started_at) from jobs as s
+                 where s.kind = $4 and s.owner = firsts.owner), 0),
+             (select due_at from jobs as f where f.id = firsts.id), id
+         limit 1)
+     returning *";
+
+/// Time after which a claimant looks at the queue although nothing has woken it.
+const LOOK_AGAIN: Duration = Duration::from_secs(10);
+
+/// A worker that asks for jobs.
+#[derive(Clone, Debug)]
+pub struct Claimant {
+    /// The worker.
+    pub worker: WorkerId,
+    /// Properties that jobs can ask for.
+    pub offer: Offer,
+}
+
+/// A worker that gets only jobs without requirements.
+impl From<WorkerId> for Claimant {
+    fn from(worker: WorkerId) -> Self {
+        Self { worker, offer: Offer::default() }
+    }
+}
+
+/// The statement that claims a job with one of these requirements. The times are those of the day
+/// and of the end of the lease.
+pub(crate) fn statement(
+    kind: Kind,
+    worker: WorkerId,
+    (now, lease_until): (i64, i64),
+    allowed: &[String],
+) -> Query {
+    let mut sql = Builder::new(CLAIM);
+    sql.bind(worker.uuid().to_string()).bind(now).bind(lease_until).bind(kind.as_str());
+    for (nth, requirements) in allowed.iter().enumerate() {
+        sql.push(if nth == 0 { "(" } else { ", (" }).push_bind(requirements).push(")");
+    }
+    sql.push(OF_QUEUES);
+    sql.build()
+}
+
+impl Jobs<'_> {
+    /// Claims the next job of a kind for a worker, if there is one. A fit is claimed only once its
+    /// capture's ingest has ended.
+    ///
+    /// # Errors
+    /// Database errors.
+    pub async fn claim(
+        &self,
+        kind: Kind,
+        claimant: impl Into<Claimant>,
+        lease: Duration,
+    ) -> Result<Option<Job>> {
+        let Claimant { worker, offer } = claimant.into();
+        let mut tx = self.store.inner.database.write().await?;
+        let allowed = allowed(&mut tx, kind, &offer).await?;
+        if allowed.is_empty() {
+            return Ok(None);
+        }
+        let times = (self.store.now_micros(), self.store.lease_until(&tx, lease));
+        let row: Option<Row> =
+            statement(kind, worker, times, &allowed).fetch_optional(&mut tx).await?;
+        let Some(row) = row else { return Ok(None) };
+        let job = Job::try_from(row)?;
+        self.renew(Lease { job: job.id, epoch: job.lease_epoch }, lease);
+        self.store.pass(Failpoint::BeforeCommit)?;
+        tx.commit().await?;
+        self.changed(&job);
+        self.store.pass(Failpoint::AfterCommit)?;
+        Ok(Some(job))
+    }
+
+    /// Claims the next job of a kind, waiting up to `wait` for one.
+    ///
+    /// # Errors
+    /// Database errors.
+    pub async fn claim_within(
+        &self,
+        kind: Kind,
+        claimant: impl Into<Claimant>,
+        lease: Duration,
+        wait: Duration,
+    ) -> Result<Option<Job>> {
+        let (claimant, deadline) = (claimant.into(), Instant::now() + wait);
+        loop {
+            // Listen first, look second: a job queued in between is not missed.
+            let mut queued = std::pin::pin!(self.store.inner.queued.notified());
+            queued.as_mut().enable();
+            if let Some(job) = self.claim(kind, claimant.clone(), lease).await? {
+                return Ok(Some(job));
+            }
+            // Where notifications come over a connection, one may be lost.
+            let remote = self.store.inner.database.is_remote();
+            let look = if remote { deadline.min(Instant::now() + LOOK_AGAIN) } else { deadline };
+            if tokio::time::timeout_at(look, queued).await.is_err() && look == deadline {
+                return Ok(None);
+            }
+        }
+    }
+}
+
+/// Requirements of queued jobs that a worker satisfies, as their texts. Those that cannot be read
+/// are of a newer version, which has workers of its own.
+async fn allowed(tx: &mut Transaction, kind: Kind, offer: &Offer) -> Result<Vec<String>> {
+    let satisfied = |text: &String| {
+        Requirements::from_text(text).is_ok_and(|requirements| offer.satisfies(&requirements))
+    };
+    Ok(requirements::queued(tx, kind).await?.into_iter().filter(satisfied).collect())
+}

@@ -1,0 +1,91 @@
+//! Requirements of a job to its worker, and what a worker offers.
+
+use serde::{Deserialize, Serialize};
+
+use super::Kind;
+use crate::{
+    Error, Result,
+    sql::{Transaction, query_scalar},
+};
+
+/// Most different requirements in the queue: a claim looks at each.
+pub(super) const MAX_DIFFERENT: usize = 256;
+
+/// Different requirements of queued jobs of a kind, each found in an index after the one before.
+pub(crate) const DIFFERENT: &str = "with recursive different (requirements) as (
+         select (select requirements from jobs where state = 'queued' and kind = $1
+             order by kind, requirements, owner, priority desc, due_at, id limit 1)
+         union all
+         select (select requirements from jobs
+             where state = 'queued' and kind = $1 and requirements > before.requirements
+             order by kind, requirements, owner, priority desc, due_at, id limit 1)
+         from different as before where before.requirements is not null)
+     select requirements from different where requirements is not null";
+
+/// Worker that a job asks for; by default any.
+#[derive(Clone, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(default)]
+pub struct Requirements {
+    /// `cpu` or `cuda`; empty means either.
+    pub backend: String,
+    /// Memory of the device at least [bytes]; on a CPU, that which a fit may take.
+    pub memory_bytes: u64,
+    /// Labels of which the worker has each.
+    pub labels: Vec<String>,
+}
+
+impl Requirements {
+    /// The same text for the same requirements; empty for none.
+    pub(crate) fn to_text(&self) -> Result<String> {
+        let mut sorted = self.clone();
+        sorted.labels.sort();
+        sorted.labels.dedup();
+        if sorted == Self::default() {
+            return Ok(String::new());
+        }
+        serde_json::to_string(&sorted).map_err(|e| Error::Io(std::io::Error::other(e.to_string())))
+    }
+
+    /// Requirements from their text.
+    pub(crate) fn from_text(text: &str) -> serde_json::Result<Self> {
+        if text.is_empty() { Ok(Self::default()) } else { serde_json::from_str(text) }
+    }
+}
+
+/// Properties of a worker that jobs can ask for.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Offer {
+    /// `cpu` or `cuda`.
+    pub backend: String,
+    /// Memory of its device; of a CPU, that which a fit may take [bytes].
+    pub memory_bytes: u64,
+    /// Words that it was started with.
+    pub labels: Vec<String>,
+}
+
+impl Offer {
+    /// True if the worker is one that these ask for.
+    pub fn satisfies(&self, requirements: &Requirements) -> bool {
+        let Requirements { backend, memory_bytes, labels } = requirements;
+        (backend.is_empty() || *backend == self.backend)
+            && *memory_bytes <= self.memory_bytes
+            && labels.iter().all(|label| self.labels.contains(label))
+    }
+}
+
+/// Requirements of the queued jobs of a kind, each once, as their texts.
+pub(super) async fn queued(tx: &mut Transaction, kind: Kind) -> Result<Vec<String>> {
+    query_scalar(DIFFERENT).bind(kind.as_str()).fetch_all(tx).await
+}
+
+/// Refuses requirements that would be one kind more than a claim is to look at.
+pub(super) async fn admit(tx: &mut Transaction, kind: Kind, text: &str) -> Result<()> {
+    if text.is_empty() {
+        return Ok(());
+    }
+    let queued = queued(tx, kind).await?;
+    if queued.len() < MAX_DIFFERENT || queued.iter().any(|before| before == text) {
+        return Ok(());
+    }
+    Err(Error::TooManyRequirements { limit: MAX_DIFFERENT })
+}

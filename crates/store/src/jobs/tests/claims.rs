@@ -1,0 +1,141 @@
+//! The choice of the next job: turns of owners, and requirements.
+
+use super::*;
+use crate::{Claimant, Creator, Offer, Quotas, Requirements, jobs::requirements::MAX_DIFFERENT};
+
+on_both! {
+    owners_take_turns_at_one_worker,
+    owners_share_several_workers,
+    a_higher_priority_comes_before_the_turn_of_others,
+    a_fit_waits_for_a_worker_that_it_asks_for,
+    requirements_are_part_of_a_repeated_request,
+    the_queue_has_a_bounded_number_of_different_requirements,
+}
+
+async fn queue(
+    bench: &Bench,
+    capture: &crate::Capture,
+    owner: &str,
+    priority: i32,
+) -> crate::JobId {
+    let creator = Creator { owner: owner.to_owned(), quotas: Quotas::default() };
+    bench.clock.advance(Duration::from_secs(1));
+    let new = NewFit { creator, priority, ..new_fit(capture) };
+    bench.store.jobs().create_fit(new).await.unwrap().id
+}
+
+/// Owners of the next jobs, each ended before the next claim if `one_at_a_time`.
+async fn served(bench: &Bench, one_at_a_time: bool) -> String {
+    let mut owners = String::new();
+    while let Some(fit) = claim(bench).await {
+        bench.clock.advance(Duration::from_secs(1));
+        owners.push_str(&fit.owner);
+        if one_at_a_time {
+            let end = AttemptEnd::FailedForGood(fault());
+            bench.store.jobs().end_attempt(lease_of(&fit), end).await.unwrap();
+        }
+    }
+    owners
+}
+
+async fn owners_take_turns_at_one_worker(on: On) {
+    let bench = Bench::new(on).await;
+    let capture = bench.capture("a").await;
+    for owner in ["a", "a", "a", "a", "b", "b", "c"] {
+        queue(&bench, &capture, owner, 0).await;
+    }
+    assert_eq!(served(&bench, true).await, "abcabaa");
+    // A newcomer does not wait for those who have been served.
+    for owner in ["a", "a", "d"] {
+        queue(&bench, &capture, owner, 0).await;
+    }
+    assert_eq!(served(&bench, true).await, "daa");
+}
+
+async fn owners_share_several_workers(on: On) {
+    let bench = Bench::new(on).await;
+    let capture = bench.capture("a").await;
+    for owner in ["a", "a", "a"] {
+        queue(&bench, &capture, owner, 0).await;
+    }
+    let mut running = Vec::new();
+    for _ in 0..3 {
+        running.push(claim(&bench).await.unwrap());
+        bench.clock.advance(Duration::from_secs(1));
+    }
+    for owner in ["a", "b", "b", "b", "b"] {
+        queue(&bench, &capture, owner, 0).await;
+    }
+    // Three of the one run: the other has as many before they take turns.
+    assert_eq!(served(&bench, false).await, "bbbab");
+}
+
+async fn a_higher_priority_comes_before_the_turn_of_others(on: On) {
+    let bench = Bench::new(on).await;
+    let capture = bench.capture("a").await;
+    for (owner, priority) in [("a", 0), ("b", 0), ("a", 1), ("a", 1)] {
+        queue(&bench, &capture, owner, priority).await;
+    }
+    assert_eq!(served(&bench, true).await, "aaba");
+}
+
+async fn a_fit_waits_for_a_worker_that_it_asks_for(on: On) {
+    let bench = Bench::new(on).await;
+    let capture = bench.capture("a").await;
+    let labels = |words: &[&str]| words.iter().map(|w| (*w).to_owned()).collect::<Vec<_>>();
+    let wanted = [
+        Requirements { backend: "cuda".into(), ..Requirements::default() },
+        Requirements { memory_bytes: 1 << 34, ..Requirements::default() },
+        Requirements { labels: labels(&["lab=2", "ecc"]), ..Requirements::default() },
+    ];
+    let mut ids = Vec::new();
+    for requirements in &wanted {
+        let new = NewFit { requirements: requirements.clone(), ..new_fit(&capture) };
+        let fit = bench.store.jobs().create_fit(new).await.unwrap();
+        ids.push(fit.id);
+    }
+    let stored = bench.store.jobs().get(ids[2]).await.unwrap().requirements;
+    assert_eq!(stored.labels, ["ecc", "lab=2"]);
+    let last = queue(&bench, &capture, "", 0).await;
+    let claim_with = async |offer: &Offer| {
+        let claimant = Claimant { worker: WorkerId::generate(), offer: offer.clone() };
+        bench.store.jobs().claim(Kind::Fit, claimant, LEASE).await.unwrap().map(|job| job.id)
+    };
+    let plain = Offer { backend: "cpu".into(), memory_bytes: 1 << 30, labels: labels(&["ecc"]) };
+    assert_eq!(claim_with(&plain).await, Some(last));
+    assert_eq!(claim_with(&plain).await, None);
+    let labelled = Offer { labels: labels(&["ecc", "big", "lab=2"]), ..plain.clone() };
+    assert_eq!(claim_with(&labelled).await, Some(ids[2]));
+    let large = Offer { memory_bytes: 1 << 34, ..plain.clone() };
+    assert_eq!(claim_with(&large).await, Some(ids[1]));
+    let cuda = Offer { backend: "cuda".into(), ..plain };
+    assert_eq!(claim_with(&cuda).await, Some(ids[0]));
+}
+
+async fn requirements_are_part_of_a_repeated_request(on: On) {
+    let bench = Bench::new(on).await;
+    let capture = bench.capture("a").await;
+    let requirements = Requirements { backend: "cpu".into(), ..Requirements::default() };
+    let new = NewFit { request_id: Some("key".into()), requirements, ..new_fit(&capture) };
+    let first = bench.store.jobs().create_fit(new.clone()).await.unwrap();
+    assert_eq!(bench.store.jobs().create_fit(new.clone()).await.unwrap(), first);
+    let other = NewFit { requirements: Requirements::default(), ..new };
+    let other = bench.store.jobs().create_fit(other).await;
+    assert!(matches!(other, Err(Error::RequestIdTaken { .. })));
+}
+
+async fn the_queue_has_a_bounded_number_of_different_requirements(on: On) {
+    let bench = Bench::new(on).await;
+    let capture = bench.capture("a").await;
+    let create = async |bytes: u64| {
+        let requirements = Requirements { memory_bytes: bytes, ..Requirements::default() };
+        bench.store.jobs().create_fit(NewFit { requirements, ..new_fit(&capture) }).await
+    };
+    for bytes in 1..=MAX_DIFFERENT as u64 {
+        create(bytes).await.unwrap();
+    }
+    let refused = create(1 << 40).await.unwrap_err();
+    assert!(matches!(refused, Error::TooManyRequirements { .. }), "{refused}");
+    create(1).await.unwrap();
+    create(0).await.unwrap();
+}
