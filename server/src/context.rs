@@ -18,7 +18,7 @@ pub(crate) struct Context {
     /// Taken from `x-request-id`, or made here.
     pub(crate) request_id: String,
     /// W3C `traceparent`, if the client sent a sound one.
-    pub(crate) trace_parent: Option<String>,
+    pub(crate) client_trace_parent: Option<String>,
     /// The client, as far as shares of the workers are concerned: `x-client-id` of its address if
     /// it sends one, else its address. Many clients have this machine's, so there each connection
     /// counts as a client.
@@ -33,6 +33,13 @@ impl Context {
         CURRENT.try_with(Clone::clone).unwrap_or_default()
     }
 
+    /// The `traceparent` for what is done elsewhere on behalf of the request: that of the current
+    /// span if spans are exported, else the client's.
+    pub(crate) fn trace_parent(&self) -> Option<String> {
+        bendtwin_telemetry::trace_parent(&tracing::Span::current())
+            .or_else(|| self.client_trace_parent.clone())
+    }
+
     /// Runs the future with this context.
     pub(crate) fn scope<F: Future>(self, future: F) -> impl Future<Output = F::Output> {
         CURRENT.scope(self, future)
@@ -44,9 +51,10 @@ impl Context {
         let request_id = text("x-request-id")
             .filter(|id| is_sane_id(id))
             .map_or_else(|| uuid::Uuid::now_v7().to_string(), str::to_owned);
-        let trace_parent = text("traceparent").filter(|t| is_trace_parent(t)).map(str::to_owned);
+        let trace_parent = text("traceparent").filter(|t| is_trace_parent(t));
+        let client_trace_parent = trace_parent.map(str::to_owned);
         let client = client(peer, text("x-client-id").filter(|id| is_sane_id(id)));
-        Self { request_id, trace_parent, client, caller: Caller::default() }
+        Self { request_id, client_trace_parent, client, caller: Caller::default() }
     }
 }
 
@@ -54,7 +62,7 @@ impl Default for Context {
     fn default() -> Self {
         Self {
             request_id: String::new(),
-            trace_parent: None,
+            client_trace_parent: None,
             client: client(None, None),
             caller: Caller::default(),
         }

@@ -74,6 +74,7 @@ impl Execute for Fits {
             request_id = lease.request_id,
             trace_parent = lease.trace_parent
         );
+        bendtwin_telemetry::continue_from(&span, &lease.trace_parent);
         self.execute_in_span(lease, drain).instrument(span).await;
     }
 }

@@ -86,6 +86,7 @@ impl Execute for Ingests {
             capture = lease.capture,
             trace_parent = lease.trace_parent
         );
+        bendtwin_telemetry::continue_from(&span, &lease.trace_parent);
         self.execute_in_span(lease, drain).instrument(span).await;
     }
 }

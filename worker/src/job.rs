@@ -5,6 +5,7 @@ pub(crate) mod checkpoints;
 pub(crate) mod deliver;
 pub(crate) mod report;
 pub(crate) mod resume;
+mod stages;
 pub(crate) mod stop;
 
 use bendtwin_core::{Fault, ModelLoss, Progress};

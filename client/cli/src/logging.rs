@@ -2,6 +2,7 @@
 
 use std::io::IsTerminal as _;
 
+use bendtwin_telemetry::Exporter;
 use clap::{Args, ValueEnum};
 use tracing_subscriber::{EnvFilter, fmt, prelude::*};
 
@@ -39,10 +40,10 @@ pub(crate) struct Options {
     log_format: Format,
 }
 
-/// Starts logging: at level info for a process that runs as a service (`service`), at level warn
-/// for other commands. Panics are logged, too.
-pub(crate) fn start(options: &Options, service: bool) {
-    let standard = if service { "info" } else { "warn" };
+/// Starts logging: at level info for a process that runs as a service, at level warn for other
+/// commands. Panics are logged, too, and `traces` get its spans.
+pub(crate) fn start(options: &Options, is_service: bool, traces: Option<&Exporter>) {
+    let standard = if is_service { "info" } else { "warn" };
     let filter = match &options.log {
         Some(filter) => EnvFilter::try_new(filter).unwrap_or_else(|error| {
             eprintln!("warning: --log {filter}: {error}; taking `{standard}`");
@@ -50,7 +51,7 @@ pub(crate) fn start(options: &Options, service: bool) {
         }),
         None => EnvFilter::new(standard),
     };
-    let registry = tracing_subscriber::registry().with(filter);
+    let registry = tracing_subscriber::registry().with(filter).with(traces.map(Exporter::layer));
     let started = match options.log_format {
         Format::Text => {
             let ansi = std::io::stderr().is_terminal() && std::env::var_os("NO_COLOR").is_none();

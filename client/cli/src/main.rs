@@ -34,22 +34,26 @@ mod worker;
 
 use std::process::ExitCode;
 
+use bendtwin_telemetry::Exporter;
 use clap::Parser as _;
+use tokio::runtime::Runtime;
 
 use self::args::{Arguments, Command};
 
 fn main() -> ExitCode {
     let arguments = Arguments::parse();
-    let service = matches!(
-        arguments.command,
-        Command::Server(_) | Command::Worker(_) | Command::IngestCapture(_)
-    );
-    if service {
+    let service = match arguments.command {
+        Command::Server(_) => Some("bendtwin-server"),
+        Command::Worker(_) => Some("bendtwin-worker"),
+        _ => None,
+    };
+    let reads_capture = matches!(arguments.command, Command::IngestCapture(_));
+    if service.is_some() || reads_capture {
         process::keep_files_private();
     }
-    logging::start(&arguments.logging, service);
     // Its memory is counted: it does without the threads of a runtime.
     if let Command::IngestCapture(args) = &arguments.command {
+        logging::start(&arguments.logging, true, None);
         return match worker::ingest_capture(args) {
             Ok(()) => ExitCode::SUCCESS,
             Err(error) => failure::report(&error, false),
@@ -59,14 +63,37 @@ fn main() -> ExitCode {
         Ok(runtime) => runtime,
         Err(error) => return failure::report(&error.into(), arguments.global.json),
     };
+    let traces = start_logging(&arguments, service, &runtime);
     let json = arguments.global.json;
     let result = runtime.block_on(run(arguments));
+    if let Some(traces) = traces {
+        traces.end();
+    }
     // A thread that still waits for its standard input must not hold up the end.
     runtime.shutdown_background();
     match result {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => failure::report(&error, json),
     }
+}
+
+/// Starts logging, and for a service traces if the environment asks for them.
+fn start_logging(
+    arguments: &Arguments,
+    service: Option<&'static str>,
+    runtime: &Runtime,
+) -> Option<Exporter> {
+    let _entered = runtime.enter();
+    let traces = service.map(Exporter::from_environment).transpose();
+    let (traces, fault) = match traces {
+        Ok(traces) => (traces.flatten(), None),
+        Err(fault) => (None, Some(fault)),
+    };
+    logging::start(&arguments.logging, service.is_some(), traces.as_ref());
+    if let Some(fault) = fault {
+        tracing::warn!("{fault}");
+    }
+    traces
 }
 
 async fn run(arguments: Arguments) -> anyhow::Result<()> {

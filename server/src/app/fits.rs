@@ -60,7 +60,7 @@ impl App {
                 priority,
                 request_id: super::request_id(request_id)?,
                 creator: context.caller.creator(),
-                trace_parent: context.trace_parent,
+                trace_parent: context.trace_parent(),
                 display_name,
                 requirements,
             };

@@ -75,7 +75,7 @@ impl App {
                 settings: self.ingest_settings(settings_json)?,
                 request_id: super::request_id(request_id)?,
                 creator: context.caller.creator(),
-                trace_parent: context.trace_parent,
+                trace_parent: context.trace_parent(),
             };
             let id = self.store.jobs().create_ingest(new).await?.capture;
             tracing::info!(capture = %id, "ingest queued again");

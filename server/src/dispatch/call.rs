@@ -13,7 +13,10 @@ use tonic::{Code, Request, Response, Status, transport::Channel};
 use tonic_types::StatusExt as _;
 
 use super::{executing::Sent, registry::Entry, untaken::was_not_taken};
-use crate::failure::{Error, Result};
+use crate::{
+    context::Context,
+    failure::{Error, Result},
+};
 
 /// A call that a worker has taken.
 pub(super) struct Taken {
@@ -39,6 +42,9 @@ where
     let mut request = Request::new(message);
     request.metadata_mut().insert(REQUEST_BYTES, length.into());
     request.metadata_mut().insert("authorization", token);
+    if let Some(parent) = Context::current().trace_parent().and_then(|p| p.parse().ok()) {
+        request.metadata_mut().insert(bendtwin_telemetry::HEADER, parent);
+    }
     request.set_timeout(deadline.saturating_duration_since(Instant::now()));
     let sent = entry.executing.send();
     let mut taken = Taken { entry: Arc::clone(entry), sent, deadline };

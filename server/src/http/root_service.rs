@@ -49,13 +49,15 @@ impl RootService {
         let started = Instant::now();
         let Call { context, is_grpc, .. } = call;
         let is_grpc = *is_grpc;
+        let trace_parent = context.client_trace_parent.as_deref().unwrap_or_default();
         let span = tracing::info_span!(
             "request",
             method = %request.method(),
             path = request.uri().path(),
             request_id = context.request_id,
-            trace_parent = context.trace_parent.as_deref().unwrap_or_default(),
+            trace_parent,
         );
+        bendtwin_telemetry::continue_from(&span, trace_parent);
         // The pattern or the method that matches, never any path: labels of metrics are to be few.
         let method = is_grpc.then(|| self.methods.get(request.uri().path()).cloned()).flatten();
         let metrics = self.metrics.clone();
@@ -71,6 +73,8 @@ impl RootService {
         let matched = response.extensions().get::<Route>().map(|r| r.0.clone());
         let route = method.or(matched).unwrap_or_else(|| "none".to_owned());
         span.in_scope(|| tracing::debug!(code, took_s = took.as_secs_f64(), "answered"));
+        let failed = is_grpc && code != "0" || response.status().is_server_error();
+        bendtwin_telemetry::answered(&span, &route, &code, failed);
         metrics.request(transport, &route, &code, took);
         Ok(response)
     }

@@ -11,6 +11,7 @@ use tokio::{task::JoinHandle, time::MissedTickBehavior};
 
 use super::{
     Job,
+    stages::StageSpans,
     stop::{Reason, Stop},
 };
 use crate::server_client::CallError;
@@ -37,6 +38,7 @@ struct Waiting {
     losses: Vec<ModelLoss>,
     /// Iterations that are no multiples of this have been dropped.
     stride: u32,
+    stages: StageSpans,
 }
 
 /// The content of a report.
@@ -50,6 +52,7 @@ impl LatestProgress {
     /// Takes over progress, which names the last loss of every model that is fitted side by side.
     pub(crate) fn set(&self, mut progress: Progress) {
         let mut waiting = self.lock();
+        waiting.stages.follow(&progress);
         if let Some(loss) = progress.model_loss() {
             let before = waiting.progress.take().map(|p| p.models).unwrap_or_default();
             progress.models = beside(before, &loss);

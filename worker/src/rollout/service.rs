@@ -40,6 +40,7 @@ use tonic::{
     service::interceptor::InterceptedService,
     transport::{Server, server::TcpIncoming},
 };
+use tracing::{Instrument as _, Span};
 
 pub(super) use self::call::Unary;
 use super::{
@@ -188,7 +189,8 @@ impl Service<http::Request<Body>> for Bounded {
 
     fn call(&mut self, mut request: http::Request<Body>) -> Self::Future {
         let rollouts = self.0.clone();
-        Box::pin(async move {
+        let span = span(&request);
+        let answering = async move {
             let most = rollouts.0.limits().sent_request_bytes();
             let length = declared_length(&request).unwrap_or(most).min(most);
             let bytes = rollout::request_bytes(length as u64);
@@ -205,8 +207,18 @@ impl Service<http::Request<Body>> for Bounded {
                 let hold = move |bytes: Bytes| bendtwin_budget::held(bytes, held.clone());
                 Body::new(body.map_frame(move |frame| frame.map_data(&hold)))
             }))
-        })
+        };
+        Box::pin(answering.instrument(span))
     }
+}
+
+/// The span of a call, a child of that of the request which the server answers with it.
+fn span(request: &http::Request<Body>) -> Span {
+    let method = request.uri().path().rsplit('/').next().unwrap_or_default();
+    let span = tracing::info_span!("call", method);
+    let parent = request.headers().get(bendtwin_telemetry::HEADER).and_then(|v| v.to_str().ok());
+    bendtwin_telemetry::continue_from(&span, parent.unwrap_or_default());
+    span
 }
 
 /// Length of the message, as the server says.
@@ -243,7 +255,7 @@ impl WorkerRollouts for Rollouts {
         let inner = Arc::clone(&self.0);
         let slot = Arc::new(slot);
         let call = Call { slot, arrived, cancel: cancel.clone(), parts, held };
-        tokio::spawn(call.serve(inner, request.into_inner(), deadline));
+        tokio::spawn(call.serve(inner, request.into_inner(), deadline).in_current_span());
         Ok(Response::new(Parts { parts: ReceiverStream::new(receiver), cancel }))
     }
 
