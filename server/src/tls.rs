@@ -4,15 +4,12 @@
 use std::{sync::Arc, time::Duration};
 
 use bendtwin_tls::{
-    Certificate, Connector, FileError, Mutual, Public, Reloaded, ServerConfig, Validity,
+    Certificate, Connector, FileError, Mutual, Public, Reloaded, ServerConfig, tell,
 };
-use jiff::{SignedDuration, Timestamp};
 use tokio_util::sync::CancellationToken;
 
 use crate::{metrics::Metrics, options::Options};
 
-/// Time before the end of a certificate from which the log warns.
-const SOON: SignedDuration = SignedDuration::from_hours(14 * 24);
 /// Longest time for connecting to a worker, TLS included.
 const DIAL_TIMEOUT: Duration = Duration::from_secs(2);
 
@@ -101,28 +98,5 @@ impl Certificates {
         if let Some(workers) = &self.workers {
             set("workers_tls", workers.get().certificate.as_ref());
         }
-    }
-}
-
-/// Says in the log which certificate a listener shows.
-fn tell(listener: &'static str, certificate: Option<&Certificate>) {
-    let Some(certificate) = certificate else {
-        tracing::warn!(listener, "the certificate cannot be read: clients may refuse it");
-        return;
-    };
-    let (hosts, end) = (certificate.hosts.join(", "), certificate.not_after);
-    let now = Timestamp::now();
-    match certificate.validity(now) {
-        Validity::Expired => {
-            tracing::error!(listener, hosts, %end, "the certificate has expired: replace its files");
-        }
-        Validity::NotYet => {
-            tracing::error!(listener, hosts, begin = %certificate.not_before,
-                "the certificate does not hold yet: is the clock of this machine right?");
-        }
-        Validity::Valid if end.duration_since(now) < SOON => {
-            tracing::warn!(listener, hosts, %end, "the certificate ends soon: replace its files");
-        }
-        Validity::Valid => tracing::info!(listener, hosts, %end, "certificate"),
     }
 }

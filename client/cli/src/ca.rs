@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use anyhow::Context as _;
 use bendtwin_ca::{AUTHORITY_DAYS, Authority, DAYS, Order, Role, Written};
 use bendtwin_tls::{Certificate, Validity, files};
-use clap::{ArgGroup, Args, Subcommand};
+use clap::{Args, Subcommand, ValueEnum};
 use jiff::Timestamp;
 use serde::Serialize;
 
@@ -34,16 +34,12 @@ enum Command {
 }
 
 #[derive(Debug, Args)]
-#[command(group = ArgGroup::new("role").required(true))]
 struct Issue {
     /// Folder of the authority
     folder: PathBuf,
-    /// For a server: for clients (--tls-certificate) or for its workers (--worker-tls-certificate)
-    #[arg(long, group = "role")]
-    server: bool,
-    /// For a worker on another host
-    #[arg(long, group = "role")]
-    worker: bool,
+    /// Role of the holder
+    #[arg(long, value_enum, value_name = "ROLE")]
+    role: RoleArg,
     /// Name of the holder: that of the files, and its first host
     #[arg(long, value_name = "NAME")]
     name: String,
@@ -58,6 +54,15 @@ struct Issue {
     /// Replace the certificate of that name, and its key
     #[arg(long)]
     renew: bool,
+}
+
+/// Roles of holders, as users write them.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum RoleArg {
+    /// A server, for its clients or its workers on other hosts
+    Server,
+    /// A worker on another host
+    Worker,
 }
 
 /// Facts of a certificate, for people and scripts.
@@ -93,13 +98,16 @@ fn init(folder: &Path, global: &Global) -> anyhow::Result<()> {
         let folder = folder.display();
         format!(
             "{files}\nKeep the key here: whoever has it can pass for every server and worker.\n\
-             Next: bendtwin ca issue {folder} --server --name NAME --host HOST"
+             Next: bendtwin ca issue {folder} --role server --name NAME --host HOST"
         )
     })
 }
 
 fn issue(args: Issue, global: &Global) -> anyhow::Result<()> {
-    let role = if args.worker { Role::Worker } else { Role::Server };
+    let role = match args.role {
+        RoleArg::Server => Role::Server,
+        RoleArg::Worker => Role::Worker,
+    };
     let days = i64::from(args.days);
     let order = Order { name: args.name, hosts: args.hosts, role, days, renew: args.renew };
     let authority = Authority::open(&args.folder).map_err(failed)?;

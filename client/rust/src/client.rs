@@ -197,8 +197,7 @@ fn connector(tls: Option<&ClientConfig>, protocol: &[u8]) -> Connector {
 
 /// The error of a server that was not reached, or not by TLS.
 pub(crate) fn unreachable(url: &str, error: &(dyn std::error::Error + 'static)) -> Error {
-    let host = Url::parse(url).ok().and_then(|url| url.host_str().map(str::to_owned));
-    match TlsError::find(error, host.as_deref().unwrap_or(url)) {
+    match TlsError::find(error, url) {
         Some(found) => Error::of(&found),
         None => Error::unreachable(url, innermost_cause(error)),
     }

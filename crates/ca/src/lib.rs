@@ -88,15 +88,16 @@ impl Authority {
         files::make_folder(folder)?;
         let now = Timestamp::now();
         let mut params = CertificateParams::default();
-        // Two authorities of one machine are told apart.
-        let name = format!("BendTwin authority {:.0}", now);
+        let pair = KeyPair::generate()?;
+        // Authorities are found by their names, so that two must not have the same.
+        let mark: String = pair.public_key_raw().iter().rev().take(6).map(hex).collect();
+        let name = format!("BendTwin authority {mark}");
         params.distinguished_name = rcgen::DistinguishedName::new();
         params.distinguished_name.push(DnType::CommonName, name);
         params.is_ca = IsCa::Ca(BasicConstraints::Constrained(0));
         params.key_usages = vec![KeyUsagePurpose::KeyCertSign, KeyUsagePurpose::CrlSign];
         params.not_before = moment(now, -EARLIER)?;
         params.not_after = moment(now, DAY * i32::try_from(AUTHORITY_DAYS).unwrap_or(i32::MAX))?;
-        let pair = KeyPair::generate()?;
         let signed = params.self_signed(&pair)?;
         files::write_pair(&certificate, &signed.pem(), &key, &pair.serialize_pem(), false)?;
         let facts = Certificate::of(signed.der()).ok_or(Error::Unreadable)?;
@@ -172,6 +173,10 @@ impl Authority {
         params.not_after = moment(now, length)?;
         Ok(params)
     }
+}
+
+fn hex(byte: &u8) -> String {
+    format!("{byte:02x}")
 }
 
 fn days(days: i64) -> Result<i32, Error> {

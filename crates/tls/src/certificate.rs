@@ -2,11 +2,14 @@
 
 use std::net::IpAddr;
 
-use jiff::Timestamp;
+use jiff::{SignedDuration, Timestamp};
 use rustls::pki_types::CertificateDer;
 use x509_parser::{
     certificate::X509Certificate, extensions::GeneralName, prelude::FromDer as _, x509::X509Name,
 };
+
+/// Time before the end of a certificate from which the log warns.
+const SOON: SignedDuration = SignedDuration::from_hours(14 * 24);
 
 /// Facts that a certificate states.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -68,6 +71,29 @@ impl Certificate {
         } else {
             Validity::Valid
         }
+    }
+}
+
+/// Says in the log which certificate is shown from now on, by whom and until when.
+pub fn tell(shown_by: &'static str, certificate: Option<&Certificate>) {
+    let Some(certificate) = certificate else {
+        tracing::warn!(shown_by, "the certificate cannot be read: others may refuse it");
+        return;
+    };
+    let (hosts, end) = (certificate.hosts.join(", "), certificate.not_after);
+    let now = Timestamp::now();
+    match certificate.validity(now) {
+        Validity::Expired => {
+            tracing::error!(shown_by, hosts, %end, "the certificate has expired: replace its files");
+        }
+        Validity::NotYet => {
+            tracing::error!(shown_by, hosts, begin = %certificate.not_before,
+                "the certificate does not hold yet: is the clock of this machine right?");
+        }
+        Validity::Valid if end.duration_since(now) < SOON => {
+            tracing::warn!(shown_by, hosts, %end, "the certificate ends soon: replace its files");
+        }
+        Validity::Valid => tracing::info!(shown_by, hosts, %end, "certificate"),
     }
 }
 

@@ -18,7 +18,8 @@ use tokio::{
     io::{AsyncRead, AsyncWrite, ReadBuf},
     net::TcpStream,
 };
-use tokio_rustls::{TlsConnector, client::TlsStream};
+use tokio_rustls::{TlsConnector, client::TlsStream, server};
+use tonic::transport::server::Connected as Served;
 use tower::Service;
 
 use crate::TlsError;
@@ -38,6 +39,8 @@ pub enum Stream {
     Plain(TcpStream),
     /// With TLS.
     Tls(Box<TlsStream<TcpStream>>),
+    /// With TLS, begun by the other side.
+    Accepted(Box<server::TlsStream<TcpStream>>),
 }
 
 impl Connector {
@@ -63,6 +66,7 @@ impl Connector {
 
     async fn connect(self, uri: Uri) -> io::Result<Stream> {
         let is_https = uri.scheme_str() == Some("https");
+        let authority = uri.authority().map(ToString::to_string).unwrap_or_default();
         let host = uri.host().unwrap_or_default();
         let host = host.trim_start_matches('[').trim_end_matches(']');
         let port = uri.port_u16().unwrap_or(if is_https { 443 } else { 80 });
@@ -73,11 +77,12 @@ impl Connector {
                 return Ok(Stream::Plain(stream));
             }
             let settings = self.settings.as_ref().map(|settings| settings());
-            let settings = settings.ok_or_else(|| failed(TlsError::without_settings(host)))?;
+            let settings =
+                settings.ok_or_else(|| failed(TlsError::without_settings(&authority)))?;
             let name = ServerName::try_from(host.to_owned());
             let name = name.map_err(|_| failed(TlsError::no_name(host)))?;
             let shaken = TlsConnector::from(settings).connect(name, stream).await;
-            let stream = shaken.map_err(|error| with_advice(error, host))?;
+            let stream = shaken.map_err(|error| with_advice(error, &authority))?;
             Ok(Stream::Tls(Box::new(stream)))
         };
         match tokio::time::timeout(self.timeout, connecting).await {
@@ -127,6 +132,12 @@ impl Connection for Stream {
     }
 }
 
+impl Served for Stream {
+    type ConnectInfo = ();
+
+    fn connect_info(&self) {}
+}
+
 impl AsyncRead for Stream {
     fn poll_read(
         self: Pin<&mut Self>,
@@ -136,6 +147,7 @@ impl AsyncRead for Stream {
         match self.get_mut() {
             Self::Plain(stream) => Pin::new(stream).poll_read(cx, into),
             Self::Tls(stream) => Pin::new(stream).poll_read(cx, into),
+            Self::Accepted(stream) => Pin::new(stream).poll_read(cx, into),
         }
     }
 }
@@ -149,6 +161,7 @@ impl AsyncWrite for Stream {
         match self.get_mut() {
             Self::Plain(stream) => Pin::new(stream).poll_write(cx, bytes),
             Self::Tls(stream) => Pin::new(stream).poll_write(cx, bytes),
+            Self::Accepted(stream) => Pin::new(stream).poll_write(cx, bytes),
         }
     }
 
@@ -156,6 +169,7 @@ impl AsyncWrite for Stream {
         match self.get_mut() {
             Self::Plain(stream) => Pin::new(stream).poll_flush(cx),
             Self::Tls(stream) => Pin::new(stream).poll_flush(cx),
+            Self::Accepted(stream) => Pin::new(stream).poll_flush(cx),
         }
     }
 
@@ -163,6 +177,7 @@ impl AsyncWrite for Stream {
         match self.get_mut() {
             Self::Plain(stream) => Pin::new(stream).poll_shutdown(cx),
             Self::Tls(stream) => Pin::new(stream).poll_shutdown(cx),
+            Self::Accepted(stream) => Pin::new(stream).poll_shutdown(cx),
         }
     }
 
@@ -170,6 +185,7 @@ impl AsyncWrite for Stream {
         match self {
             Self::Plain(stream) => stream.is_write_vectored(),
             Self::Tls(stream) => stream.is_write_vectored(),
+            Self::Accepted(stream) => stream.is_write_vectored(),
         }
     }
 
@@ -181,6 +197,7 @@ impl AsyncWrite for Stream {
         match self.get_mut() {
             Self::Plain(stream) => Pin::new(stream).poll_write_vectored(cx, parts),
             Self::Tls(stream) => Pin::new(stream).poll_write_vectored(cx, parts),
+            Self::Accepted(stream) => Pin::new(stream).poll_write_vectored(cx, parts),
         }
     }
 }

@@ -98,6 +98,10 @@ fn of_certificate(fault: &CertificateError, host: &str) -> String {
             "the certificate of {host} is of an authority that is not trusted here: name the \
              certificate of that authority (--ca FILE, BENDTWIN_CA)"
         ),
+        C::BadSignature => format!(
+            "the certificate of {host} is not of the authority that was named but of another one \
+             of that name: name the right one (--ca FILE, BENDTWIN_CA)"
+        ),
         C::NotValidForName => wrong_name(host, &[]),
         C::NotValidForNameContext { presented, .. } => wrong_name(host, presented),
         C::Expired | C::ExpiredContext { .. } => format!(
@@ -108,8 +112,8 @@ fn of_certificate(fault: &CertificateError, host: &str) -> String {
             "the certificate of {host} does not hold yet: check the clocks of both machines"
         ),
         C::InvalidPurpose | C::InvalidPurposeContext { .. } => format!(
-            "the certificate of {host} is not for this use: have one issued with `bendtwin ca \
-             issue`, --server for a server and --worker for a worker"
+            "the certificate of {host} is not for this use: have one issued that is for \
+             servers and clients alike (`bendtwin ca issue`)"
         ),
         fault => format!("the certificate of {host} is not accepted: {fault}"),
     }

@@ -13,7 +13,7 @@ pub mod files;
 mod reload;
 
 pub use accept::{Accepted, is_client_hello};
-pub use certificate::{Certificate, Validity};
+pub use certificate::{Certificate, Validity, tell};
 pub use config::{Mutual, MutualPaths, PairPaths, Public, client_config};
 pub use connect::{Connector, Stream};
 pub use error::TlsError;
