@@ -5,6 +5,16 @@ use std::{error::Error, io};
 use bendtwin_core::{Category, Problem};
 use rustls::{AlertDescription, CertificateError, Error as Fault, InvalidMessage};
 
+/// Alerts of a server that refuses the certificate of a client.
+const REFUSALS: [AlertDescription; 6] = [
+    AlertDescription::CertificateRequired,
+    AlertDescription::CertificateExpired,
+    AlertDescription::UnknownCA,
+    AlertDescription::BadCertificate,
+    AlertDescription::CertificateUnknown,
+    AlertDescription::UnsupportedCertificate,
+];
+
 /// Failure of a connection for its TLS.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{message}")]
@@ -46,7 +56,14 @@ impl TlsError {
         }
         // The source of such an error is that of the error inside, which would be left out.
         let inner = error.downcast_ref::<io::Error>()?.get_ref()?;
-        Self::find(inner, host)
+        Self::find(inner, host).or_else(|| Self::of_text(&inner.to_string(), host))
+    }
+
+    /// HTTP/2 shares an error among its streams as text alone.
+    fn of_text(text: &str, host: &str) -> Option<Self> {
+        let alerts = REFUSALS.map(Fault::AlertReceived);
+        let alert = alerts.iter().find(|alert| alert.to_string() == text)?;
+        Some(Self::of_fault(alert, host))
     }
 
     /// The failure of a handshake with a server that ended the connection.
@@ -140,9 +157,7 @@ fn of_alert(alert: AlertDescription, host: &str) -> Option<String> {
         A::CertificateRequired => "demands a certificate of this side, and got none",
         A::CertificateExpired => "refuses the certificate of this side, which has expired",
         A::UnknownCA => "refuses the certificate of this side, which is of another authority",
-        A::BadCertificate | A::CertificateUnknown | A::UnsupportedCertificate => {
-            "refuses the certificate of this side"
-        }
+        alert if REFUSALS.contains(&alert) => "refuses the certificate of this side",
         _ => return None,
     };
     Some(format!(

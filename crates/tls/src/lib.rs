@@ -20,3 +20,6 @@ pub use error::TlsError;
 pub use files::FileError;
 pub use reload::Reloaded;
 pub use rustls::{ClientConfig, ServerConfig};
+
+#[cfg(test)]
+mod tests;
