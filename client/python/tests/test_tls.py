@@ -1,8 +1,7 @@
-"""TLS: a real server and a worker of another host, each with a certificate of a private authority."""
+"""TLS: a real server and a worker of another host, with certificates of a private authority."""
 
 import os
 import subprocess
-import time
 
 import numpy as np
 import pytest
@@ -82,7 +81,8 @@ def processes(tmp_path):
 @pytest.mark.skipif(not BINARY, reason="BENDTWIN_BIN names no binary")
 def test_a_worker_of_another_host_fits_and_rolls_out_over_tls(processes, tmp_path):
     clients, workers = processes.server()
-    assert clients.startswith("https://") and workers.startswith("https://")
+    assert clients.startswith("https://")
+    assert workers.startswith("https://")
     token = (tmp_path / "data" / "client-token").read_text().strip()
     processes.worker(workers)
 
@@ -138,6 +138,8 @@ def test_addresses_say_whether_there_is_tls(monkeypatch, tmp_path):
 def test_other_failures_are_none_of_tls():
     assert tls_fault("failed to connect to all addresses; Connection refused") is None
     expired = tls_fault("CERTIFICATE_VERIFY_FAILED: certificate has expired")
-    assert expired is not None and "expired" in expired[1]
+    assert expired is not None
+    assert "expired" in expired[1]
     plain = tls_fault("[SSL: WRONG_VERSION_NUMBER] wrong version number (_ssl.c:1000)")
-    assert plain is not None and plain[0] == "TLS_NOT_SPOKEN"
+    assert plain is not None
+    assert plain[0] == "TLS_NOT_SPOKEN"

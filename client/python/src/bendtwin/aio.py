@@ -231,7 +231,7 @@ class Session(SessionCalls[AsyncCaller, Twin]):
 
 
 class Client:
-    """A BendTwin server, `host:port` or a URL, for one event loop. Close it or use it in `async with`.
+    """A BendTwin server, `host:port` or a URL, for one event loop. Close it or use `async with`.
 
     `token` is a key or the token of the server, `token_file` a file with either, which others must
     not be able to read. Without both it is that of `BENDTWIN_TOKEN`, in the file of

@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 
 
 class Client:
-    """A BendTwin server, `host:port` or a URL. Thread-safe; close it or use it in a `with` statement.
+    """A BendTwin server, `host:port` or a URL. Thread-safe; close it or use it in `with`.
 
     `token` is a key or the token of the server, `token_file` a file with either, which others must
     not be able to read. Without both it is that of `BENDTWIN_TOKEN`, in the file of
