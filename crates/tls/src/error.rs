@@ -19,8 +19,19 @@ const REFUSALS: [AlertDescription; 6] = [
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{message}")]
 pub struct TlsError {
-    reason: &'static str,
+    kind: Kind,
     message: String,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Kind {
+    /// This side refuses the certificate of the other one.
+    CertificateRefused,
+    /// The other side refuses the certificate of this one.
+    ClientCertificateRefused,
+    /// The other side does not speak TLS.
+    NotSpoken,
+    Failed,
 }
 
 impl Problem for TlsError {
@@ -29,7 +40,12 @@ impl Problem for TlsError {
     }
 
     fn reason(&self) -> &'static str {
-        self.reason
+        match self.kind {
+            Kind::CertificateRefused => "TLS_CERTIFICATE_REFUSED",
+            Kind::ClientCertificateRefused => "TLS_CLIENT_CERTIFICATE_REFUSED",
+            Kind::NotSpoken => "TLS_NOT_SPOKEN",
+            Kind::Failed => "TLS_FAILED",
+        }
     }
 }
 
@@ -72,7 +88,7 @@ impl TlsError {
             "{host} ended the connection instead of answering in TLS: if it has none, use \
              http:// in its address"
         );
-        Self { reason: "TLS_NOT_SPOKEN", message }
+        Self { kind: Kind::NotSpoken, message }
     }
 
     /// The failure of a client that has no settings for TLS.
@@ -80,30 +96,30 @@ impl TlsError {
         let message = format!(
             "{host} is to be called over TLS, for which certificates are needed and none were given"
         );
-        Self { reason: "TLS_FAILED", message }
+        Self { kind: Kind::Failed, message }
     }
 
     /// The failure to call a host by a name that no certificate can have.
     pub(crate) fn no_name(host: &str) -> Self {
         let message = format!("`{host}` is neither a name nor an address that a certificate has");
-        Self { reason: "TLS_CERTIFICATE_REFUSED", message }
+        Self { kind: Kind::CertificateRefused, message }
     }
 
     fn of_fault(fault: &Fault, host: &str) -> Self {
-        let (reason, message) = match fault {
+        let (kind, message) = match fault {
             Fault::InvalidCertificate(fault) => {
-                ("TLS_CERTIFICATE_REFUSED", of_certificate(fault, host))
+                (Kind::CertificateRefused, of_certificate(fault, host))
             }
             Fault::InvalidMessage(InvalidMessage::InvalidContentType) => {
-                ("TLS_NOT_SPOKEN", format!("{host} does not speak TLS: use http:// in its address"))
+                (Kind::NotSpoken, format!("{host} does not speak TLS: use http:// in its address"))
             }
             Fault::AlertReceived(alert) => match of_alert(*alert, host) {
-                Some(message) => ("TLS_CLIENT_CERTIFICATE_REFUSED", message),
-                None => ("TLS_FAILED", format!("{host} ended the TLS connection: {alert:?}")),
+                Some(message) => (Kind::ClientCertificateRefused, message),
+                None => (Kind::Failed, format!("{host} ended the TLS connection: {alert:?}")),
             },
-            fault => ("TLS_FAILED", format!("no TLS connection to {host}: {fault}")),
+            fault => (Kind::Failed, format!("no TLS connection to {host}: {fault}")),
         };
-        Self { reason, message }
+        Self { kind, message }
     }
 }
 

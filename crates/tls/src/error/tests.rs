@@ -14,7 +14,7 @@ const LIMIT: Duration = Duration::from_secs(20);
 /// Calls a listener that shows a certificate; the error of the call.
 async fn call(certificate: &Folder, trusted: &Folder, host: &str) -> Option<TlsError> {
     let server = Public::load(&certificate.issue("twin")).unwrap().server;
-    let listener = TcpListener::bind("127.0.0.1:0").await.unwrap();
+    let listener = TcpListener::bind((host, 0)).await.unwrap();
     let port = listener.local_addr().unwrap().port();
     tokio::spawn(async move {
         let (stream, _) = listener.accept().await.unwrap();
@@ -34,10 +34,8 @@ async fn what_is_wrong_with_a_server_is_said() {
     assert!(unknown.message.contains("--ca FILE"), "{unknown}");
     assert_eq!(unknown.reason(), "TLS_CERTIFICATE_REFUSED");
     let name = call(&ours, &ours, "127.0.0.2").await.unwrap();
-    let names = "for twin, localhost, 127.0.0.1, ::1";
+    let names = "for twin, localhost, 127.0.0.1";
     assert!(name.message.contains("127.0.0.2") && name.message.contains(names), "{name}");
-    let expired = call(&Folder { days: -1, ..Folder::new() }, &ours, "127.0.0.1").await.unwrap();
-    assert!(expired.message.contains("authority"), "{expired}");
     let late = Folder { days: -1, ..Folder::new() };
     let expired = call(&late, &late, "127.0.0.1").await.unwrap();
     assert!(expired.message.contains("has expired"), "{expired}");
