@@ -28,7 +28,7 @@ use tokio_util::sync::CancellationToken;
 pub(crate) use crate::failure::{Error, Result};
 use crate::{
     access::KeyRing, dispatch::Dispatch, memory::Memory, metrics::Metrics, options::Options,
-    play::Plays, readiness::Readiness, tokens::Tokens,
+    play::Plays, readiness::Readiness, tls::Certificates, tokens::Tokens,
 };
 
 pub(crate) use captures::CaptureUpload;
@@ -61,6 +61,7 @@ pub(crate) struct Inner {
     pub(crate) plays: Plays,
     /// Cancelled when the server begins to stop: streams end then.
     pub(crate) stopping: CancellationToken,
+    pub(crate) certificates: Certificates,
 }
 
 impl std::ops::Deref for App {
@@ -71,11 +72,13 @@ impl std::ops::Deref for App {
 }
 
 impl App {
-    pub(crate) fn new(options: Options, store: Store) -> Self {
+    pub(crate) fn new(options: Options, store: Store, certificates: Certificates) -> Self {
         let metrics = Metrics::new();
         let memory = Memory::new(options.memory_bytes());
+        let (of_store, counted) = (store.clone(), metrics.clone());
+        let dialer = certificates.dialer();
         let inner = Inner {
-            dispatch: Dispatch::new(&options, store.clone(), metrics.clone(), memory.clone()),
+            dispatch: Dispatch::new(&options, of_store, counted, memory.clone(), dialer),
             tokens: Tokens::new(options.worker_token.as_deref()),
             keys: KeyRing::new(store.clone()),
             metrics,
@@ -83,6 +86,7 @@ impl App {
             memory,
             plays: Plays::new(&options.limits),
             stopping: CancellationToken::new(),
+            certificates,
             options,
             store,
         };

@@ -2,6 +2,7 @@
 //! is in memory: a worker that the server forgot registers again.
 
 mod call;
+mod channel;
 mod evaluations;
 mod executing;
 mod line;
@@ -23,6 +24,7 @@ use std::{
 
 use bendtwin_core::ids::{TwinId, WorkerId};
 use bendtwin_store::{Job, Kind, Loss, Offer, Store, Worker};
+use bendtwin_tls::Connector;
 
 use crate::{
     failure::{Error, Result},
@@ -50,6 +52,7 @@ pub(crate) struct Dispatch {
     heartbeat_interval: Duration,
     workers: Arc<Mutex<HashMap<WorkerId, Arc<Entry>>>>,
     twins: Twins,
+    dialer: Connector,
 }
 
 impl Dispatch {
@@ -58,6 +61,7 @@ impl Dispatch {
         store: Store,
         metrics: Metrics,
         memory: crate::memory::Memory,
+        dialer: Connector,
     ) -> Self {
         Self {
             store,
@@ -67,13 +71,15 @@ impl Dispatch {
             heartbeat_interval: options.heartbeat_interval(),
             workers: Arc::default(),
             twins: Twins::default(),
+            dialer,
         }
     }
 
     /// Adds a worker; `token` is what it expects to be shown.
     pub(crate) fn add(&self, worker: Worker, child: Option<Child>, token: &str) -> Result<()> {
         let id = worker.registration.id;
-        let entry = Entry::new(worker, child, token, &self.limits, self.now())?;
+        let channel = channel::open(&worker.registration.endpoint, &self.dialer)?;
+        let entry = Entry::new(worker, child, token, &self.limits, self.now(), channel)?;
         self.lock().insert(id, Arc::new(entry));
         Ok(())
     }

@@ -130,8 +130,11 @@ pub(crate) async fn router(app: &App) -> Result<axum::Router, StartError> {
             inner: SessionServiceServer::new(api)
                 .max_decoding_message_size(bytes(limits.request_bytes))
                 .max_encoding_message_size(bytes(limits.reply_bytes)),
-        })
-        .add_service(worker_link(app));
+        });
+    // Workers that are to show a certificate do not go where none is demanded.
+    if app.options.worker_tls.is_none() {
+        routes.add_service(worker_link(app));
+    }
     Ok(routes.routes().into_axum_router())
 }
 

@@ -36,6 +36,7 @@ mod readiness;
 mod service;
 mod supervise;
 mod sweeps;
+mod tls;
 mod tokens;
 
 /// Check, repair and backup of a data folder.
@@ -43,7 +44,7 @@ pub use bendtwin_store::{DatabaseUrl, bench as store_bench, maintenance};
 pub use error::http_status;
 #[doc(hidden)]
 pub use http::uploads::read_upload_headers;
-pub use options::{ClientTokenPolicy, Limits, Options, WorkerPolicy};
+pub use options::{ClientTokenPolicy, Limits, Options, Tls, WorkerPolicy, WorkerTls};
 pub use service::{Handle, Service, StartError};
 pub use supervise::{
     BACKEND_VARIABLE, DEVICE_VARIABLE, MEMORY_VARIABLE, SCRATCH_VARIABLE, SERVER_VARIABLE,

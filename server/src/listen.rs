@@ -1,19 +1,23 @@
-//! The sockets: HTTP/1 and HTTP/2 on one port, without TLS. `axum::serve` is not
+//! The sockets: HTTP/1 and HTTP/2 on one port, over TLS where there is a certificate. `axum::serve` is not
 //! used because it leaves TCP_NODELAY off (44 ms on small replies), cannot set
 //! windows, and waits for slow clients without end.
 
 mod activity;
 mod connection;
+mod handshake;
 mod places;
 mod request_body;
 mod response_body;
 
-use std::time::Duration;
+use std::{net::SocketAddr, time::Duration};
 
-use tokio::net::TcpListener;
+use tokio::net::{TcpListener, TcpStream};
 use tokio_util::{sync::CancellationToken, task::TaskTracker};
 
-use crate::{http::root_service::RootService, metrics::Metrics, options::Options};
+use crate::{http::root_service::RootService, metrics::Metrics, options::Options, tls::Handshakes};
+
+use handshake::Opened;
+use places::Place;
 
 pub(crate) use connection::Timeouts;
 pub(crate) use request_body::is_too_slow;
@@ -50,10 +54,11 @@ impl Bounds {
         Self { name: "public", connections, per_peer, timeouts: options.timeouts() }
     }
 
-    /// The bounds of the workers' listener.
-    pub(crate) fn workers(options: &Options) -> Self {
-        let connections = options.limits.connections.min(descriptors() / 8).max(16);
-        Self { name: "workers", connections, per_peer: connections, timeouts: options.timeouts() }
+    /// The bounds of a listener of workers, of which there may be two.
+    pub(crate) fn workers(options: &Options, name: &'static str) -> Self {
+        let listeners = if options.worker_tls.is_some() { 2 } else { 1 };
+        let connections = options.limits.connections.min(descriptors() / 8 / listeners).max(16);
+        Self { name, connections, per_peer: connections, timeouts: options.timeouts() }
     }
 }
 
@@ -70,6 +75,7 @@ pub(crate) async fn serve(
     listener: TcpListener,
     root_service: RootService,
     bounds: Bounds,
+    tls: Option<Handshakes>,
     metrics: Metrics,
     stop: CancellationToken,
     cut: CancellationToken,
@@ -88,9 +94,10 @@ pub(crate) async fn serve(
                 // without end.
                 let Some(place) = places.take(peer.ip()) else { continue };
                 let (service, stop, cut) = (root_service.clone(), stop.clone(), cut.clone());
+                let tls = tls.clone();
                 connections.spawn(async move {
                     tokio::select! {
-                        () = connection::serve(stream, peer, service, timeouts, &place, stop) => {}
+                        () = serve_one(stream, peer, service, tls, timeouts, &place, stop) => {}
                         () = cut.cancelled() => {}
                     }
                     drop(place);
@@ -106,4 +113,34 @@ pub(crate) async fn serve(
     drop(listener);
     connections.close();
     connections.wait().await;
+}
+
+/// Serves a connection, after its handshake if the listener has TLS.
+async fn serve_one(
+    stream: TcpStream,
+    peer: SocketAddr,
+    service: RootService,
+    tls: Option<Handshakes>,
+    timeouts: Timeouts,
+    place: &Place,
+    stop: CancellationToken,
+) {
+    if let Err(error) = stream.set_nodelay(true) {
+        tracing::debug!(%error, %peer, "no TCP_NODELAY");
+    }
+    let Some(tls) = tls else {
+        return connection::serve(stream, peer, service, timeouts, place, stop).await;
+    };
+    match handshake::open(stream, peer, &tls, timeouts.head, place, &stop).await {
+        None => {}
+        Some(Opened::Tls(accepted)) => {
+            let service = service.with_certificate(accepted.peer);
+            connection::serve(accepted.stream, peer, service, timeouts, place, stop).await;
+        }
+        // Served as it came, so that whoever sent it can read the refusal.
+        Some(Opened::Plain(stream)) => {
+            let service = service.refusing_without_tls();
+            connection::serve(stream, peer, service, timeouts, place, stop).await;
+        }
+    }
 }

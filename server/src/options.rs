@@ -1,6 +1,8 @@
 //! Options of a server. Every field has a default, unknown fields are refused, and
 //! [`Options::validate`] reports all faults at once.
 
+mod tls;
+
 use std::{net::SocketAddr, path::PathBuf, time::Duration};
 
 use bendtwin_proto::rollout;
@@ -8,6 +10,7 @@ use bendtwin_store::DatabaseUrl;
 use serde::{Deserialize, Serialize};
 
 use crate::listen::Timeouts;
+pub use tls::{Tls, WorkerTls};
 
 const MIB: u64 = 1 << 20;
 
@@ -18,7 +21,7 @@ const BACKENDS: [&str; 3] = ["auto", "cpu", "cuda"];
 #[derive(Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Options {
-    /// Address for HTTP and gRPC; port 0 takes a free one. One that is not loopback takes
+    /// Address for HTTP and gRPC; port 0 takes a free one. One that is not loopback takes `tls`,
     /// `tls_terminated_by_proxy` or `insecure`.
     pub listen: SocketAddr,
     /// Address for workers alone, with `/healthz`, `/readyz` and `/metrics`; port 0 takes a free
@@ -29,6 +32,10 @@ pub struct Options {
     pub allowed_hosts: Vec<String>,
     /// Token that clients have to show.
     pub client_token: ClientTokenPolicy,
+    /// Certificate that clients are shown; without one there is no TLS.
+    pub tls: Option<Tls>,
+    /// Listener for workers on other hosts; with it the address for clients takes no workers.
+    pub worker_tls: Option<WorkerTls>,
     /// True if a proxy in front has the TLS, so that the server may listen on an address that is
     /// not loopback.
     pub tls_terminated_by_proxy: bool,
@@ -153,6 +160,8 @@ impl Default for Options {
             worker_listen: SocketAddr::from(([127, 0, 0, 1], 0)),
             allowed_hosts: Vec::new(),
             client_token: ClientTokenPolicy::Required,
+            tls: None,
+            worker_tls: None,
             tls_terminated_by_proxy: false,
             insecure: false,
             data_dir: PathBuf::from("bendtwin-data"),
@@ -314,31 +323,6 @@ impl Options {
             faults.push("data_dir is empty: name a folder".to_owned());
         }
         if faults.is_empty() { Ok(()) } else { Err(faults) }
-    }
-
-    /// Faults of a server that would be open to a network.
-    fn openness(&self) -> Vec<String> {
-        let open = [("listen", self.listen), ("worker_listen", self.worker_listen)];
-        let open = open.into_iter().filter(|(_, address)| !address.ip().is_loopback());
-        let mut faults = Vec::new();
-        for (name, address) in open.filter(|_| !self.insecure) {
-            if !self.tls_terminated_by_proxy {
-                faults.push(format!(
-                    "{name} is {address}, which others can reach, and there is no TLS: listen on \
-                     127.0.0.1, or put a proxy with TLS in front and set tls_terminated_by_proxy \
-                     (--tls-terminated-by-proxy), or set insecure (--insecure) if everyone on the \
-                     network may read and change what passes"
-                ));
-            }
-            if name == "listen" && self.client_token == ClientTokenPolicy::None {
-                faults.push(format!(
-                    "listen is {address}, which others can reach, and client_token is `none`: set \
-                     it to `required`, or set insecure (--insecure) if everyone who reaches the \
-                     address may do everything"
-                ));
-            }
-        }
-        faults
     }
 
     /// Memory that requests under way may take together [bytes].

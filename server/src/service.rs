@@ -4,6 +4,7 @@ use std::{net::SocketAddr, path::PathBuf, time::Duration};
 
 use bendtwin_core::{Category, Problem};
 use bendtwin_store::Store;
+use bendtwin_tls::FileError;
 use tokio::{net::TcpListener, task::JoinHandle, time::Instant};
 use tokio_util::sync::CancellationToken;
 
@@ -11,11 +12,16 @@ use crate::{
     access::Gate,
     app::App,
     client_token, grpc,
-    http::{self, origin::Hosts, root_service::RootService},
-    listen,
+    http::{
+        self,
+        origin::Hosts,
+        root_service::{RootService, Transport},
+    },
+    listen::{self, Bounds},
     options::{ClientTokenPolicy, Options},
     supervise,
     sweeps::Sweeps,
+    tls::Certificates,
 };
 
 /// Reason for which a server did not start.
@@ -51,6 +57,9 @@ pub enum StartError {
         /// The system's error.
         source: std::io::Error,
     },
+    /// The files of a certificate or its key cannot be used.
+    #[error("no TLS: {0}")]
+    Certificate(#[from] FileError),
     /// The program of the workers cannot be started.
     #[error("cannot start workers with {program}: {fault}: name their program in workers.program")]
     Program {
@@ -75,6 +84,7 @@ impl Problem for StartError {
                 Category::FailedPrecondition
             }
             Self::Store { source, .. } => source.category(),
+            Self::Certificate(error) => error.category(),
             Self::Descriptors(_) | Self::Recovery(_) => Category::Internal,
         }
     }
@@ -84,6 +94,7 @@ impl Problem for StartError {
             Self::Options(_) => "INVALID_OPTIONS",
             Self::Listen { .. } => "CANNOT_LISTEN",
             Self::Store { source, .. } => source.reason(),
+            Self::Certificate(error) => error.reason(),
             Self::ClientToken { .. } => "CLIENT_TOKEN_FILE",
             Self::Program { .. } => "NO_WORKER_PROGRAM",
             Self::Descriptors(_) => "DESCRIPTORS",
@@ -106,6 +117,7 @@ pub struct Service;
 pub struct Handle {
     address: SocketAddr,
     worker_address: SocketAddr,
+    worker_tls_address: Option<SocketAddr>,
     client_token: Option<String>,
     grace: Duration,
     app: App,
@@ -115,7 +127,7 @@ pub struct Handle {
     close_workers: CancellationToken,
     /// Cancelled to cut off connections.
     cut: CancellationToken,
-    listeners: [JoinHandle<()>; 2],
+    listeners: Vec<JoinHandle<()>>,
     sweeps: Sweeps,
     workers: supervise::Supervisor,
 }
@@ -129,8 +141,14 @@ impl Service {
         options.validate().map_err(StartError::Options)?;
         let program = supervise::program(&options.workers)?;
         // First of all: a server that cannot listen leaves no folder behind.
+        let certificates = Certificates::load(&options)?;
         let (socket, address) = bind(options.listen).await?;
         let (worker_socket, worker_address) = bind(options.worker_listen).await?;
+        let worker_tls = match &options.worker_tls {
+            Some(tls) => Some(bind(tls.listen).await?),
+            None => None,
+        };
+        let worker_tls_address = worker_tls.as_ref().map(|(_, address)| *address);
         let store = open_store(&options).await?;
         let client_token = match options.client_token {
             ClientTokenPolicy::Required => Some(load_token(&options)?),
@@ -141,7 +159,7 @@ impl Service {
         let memory_mib = options.memory_bytes() >> 20;
         let worker_memory_mib = options.workers.each_memory_mib();
         tracing::info!(memory_mib, worker_memory_mib, "memory for requests, and of each worker");
-        let app = App::new(options, store);
+        let app = App::new(options, store, certificates);
         app.recover().await.map_err(|e| StartError::Recovery(e.to_string()))?;
         let root_service = RootService {
             http: http::router(&app),
@@ -150,6 +168,7 @@ impl Service {
             methods: grpc::methods()?.into(),
             hosts,
             gate: Gate::new(client_token.as_deref(), app.keys.clone(), app.store.clone()),
+            transport: Transport::default(),
         };
         let for_workers = RootService {
             http: http::operations_router(&app),
@@ -158,25 +177,29 @@ impl Service {
         };
         let (close, close_workers) = (CancellationToken::new(), CancellationToken::new());
         let cut = CancellationToken::new();
-        let serve = |socket, service, bounds, close: &CancellationToken| {
+        let serve = |socket, service, bounds, tls, close: &CancellationToken| {
             let (close, cut) = (close.clone(), cut.clone());
-            tokio::spawn(listen::serve(socket, service, bounds, app.metrics.clone(), close, cut))
+            let metrics = app.metrics.clone();
+            tokio::spawn(listen::serve(socket, service, bounds, tls, metrics, close, cut))
         };
-        let listeners = [
-            serve(socket, root_service, listen::Bounds::public(&app.options), &close),
-            serve(
-                worker_socket,
-                for_workers,
-                listen::Bounds::workers(&app.options),
-                &close_workers,
-            ),
+        let bounds = |name| Bounds::workers(&app.options, name);
+        let (public, to_close) = (Bounds::public(&app.options), &close_workers);
+        let mut listeners = vec![
+            serve(socket, root_service, public, app.certificates.public(), &close),
+            serve(worker_socket, for_workers.clone(), bounds("workers"), None, to_close),
         ];
+        if let Some((socket, _)) = worker_tls {
+            let tls = app.certificates.workers();
+            listeners.push(serve(socket, for_workers, bounds("workers_tls"), tls, to_close));
+        }
+        app.certificates.watch(&app.stopping);
         let sweeps = Sweeps::start(&app);
         let workers = supervise::start(&app, program, worker_address);
-        tracing::info!(%address, %worker_address, "listening");
+        tracing::info!(%address, %worker_address, ?worker_tls_address, "listening");
         Ok(Handle {
             address,
             worker_address,
+            worker_tls_address,
             client_token,
             grace,
             app,
@@ -192,8 +215,9 @@ impl Service {
 
 /// Says in the log what a server on a network trusts.
 fn warn_of_openness(options: &Options, address: SocketAddr, worker_address: SocketAddr) {
+    let with_tls = |a: &SocketAddr| *a == address && options.tls.is_some();
     let open = [address, worker_address].into_iter().filter(|a| !a.ip().is_loopback());
-    for address in open {
+    for address in open.filter(|a| !with_tls(a)) {
         if options.insecure {
             tracing::warn!(%address, "insecure: there is no TLS, and everyone on the way can read");
         } else {
@@ -235,6 +259,11 @@ impl Handle {
     /// Address on which workers reach it.
     pub fn worker_addr(&self) -> SocketAddr {
         self.worker_address
+    }
+
+    /// Address on which workers of other hosts reach it, if there is one.
+    pub fn worker_tls_addr(&self) -> Option<SocketAddr> {
+        self.worker_tls_address
     }
 
     /// The token that clients have to show, if any.

@@ -23,6 +23,10 @@ pub(crate) use program::program;
 pub const SERVER_VARIABLE: &str = "BENDTWIN_SERVER";
 /// The environment variable with the worker token.
 pub const TOKEN_VARIABLE: &str = "BENDTWIN_WORKER_TOKEN";
+/// The environment variable with the file of a worker's certificate.
+const CERTIFICATE_VARIABLE: &str = "BENDTWIN_WORKER_CERTIFICATE";
+/// The environment variable with the file of its key.
+const KEY_VARIABLE: &str = "BENDTWIN_WORKER_KEY";
 /// The environment variable with the URL of the server's database.
 const DATABASE_VARIABLE: &str = "BENDTWIN_DATABASE_URL";
 /// The environment variable with the backend: `auto`, `cpu` or `cuda`.
@@ -180,6 +184,10 @@ impl SlotSupervisor {
         // Of the environment of the server, the database is nothing to workers and to the programs
         // that read strangers' files for them.
         for variable in [DATABASE_VARIABLE, "PGPASSWORD", "PGPASSFILE"] {
+            command.env_remove(variable);
+        }
+        // They talk to it without TLS, on this machine.
+        for variable in [CERTIFICATE_VARIABLE, KEY_VARIABLE] {
             command.env_remove(variable);
         }
         command

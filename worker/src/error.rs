@@ -14,6 +14,9 @@ pub enum Error {
         /// The address as given.
         url: String,
     },
+    /// The files of its certificate cannot be used.
+    #[error("no TLS: {0}")]
+    Certificate(#[from] bendtwin_tls::FileError),
     /// The address for rollouts cannot be bound.
     #[error("cannot listen on {address}: {source}")]
     Listen {
@@ -50,6 +53,7 @@ impl Problem for Error {
         match self {
             Self::Options(_) | Self::Address { .. } => Category::InvalidArgument,
             Self::Listen { .. } | Self::System { .. } => Category::Unavailable,
+            Self::Certificate(e) => e.category(),
             Self::Backend(e) => e.category(),
             Self::Refused(_) => Category::PermissionDenied,
             Self::DeviceFailed(_) | Self::Panicked(_) => Category::Internal,
@@ -61,6 +65,7 @@ impl Problem for Error {
             Self::Address { .. } => "INVALID_SERVER_ADDRESS",
             Self::Listen { .. } => "CANNOT_LISTEN",
             Self::System { .. } => "SYSTEM_REFUSED",
+            Self::Certificate(e) => e.reason(),
             Self::Backend(e) => e.reason(),
             Self::DeviceFailed(_) => "DEVICE_FAILED",
             Self::Refused(_) => "WORKER_REFUSED",

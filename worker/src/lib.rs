@@ -33,6 +33,7 @@ mod rollout;
 mod run;
 mod scratch;
 mod server_client;
+mod tls;
 
 pub use error::Error;
 pub use ingest::{Enforced, Layer, Resources, Sandbox, available, confine, ingest_capture};

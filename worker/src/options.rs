@@ -3,6 +3,7 @@
 use std::{net::SocketAddr, path::PathBuf, time::Duration};
 
 use bendtwin_backends as backends;
+use bendtwin_tls::MutualPaths;
 
 use crate::{
     Error,
@@ -29,7 +30,9 @@ pub struct Options {
     pub backend: backends::Options,
     /// Address at which rollouts are answered; port 0 takes a free one.
     pub listen: SocketAddr,
-    /// URL `http://host:port` at which the server reaches `listen`, where that differs (in a
+    /// Files of its certificate, for a server that it reaches over TLS. It serves with them as well.
+    pub tls: Option<MutualPaths>,
+    /// URL `http://host:port` (`https://` with a certificate) at which the server reaches `listen`, where that differs (in a
     /// container, for example).
     pub advertise: Option<String>,
     /// Folder for captures while they are read; a private folder is made in it. The cache folder if
@@ -112,6 +115,7 @@ impl Options {
             token: token.into(),
             backend: backends::Options::default(),
             listen: SocketAddr::from(([127, 0, 0, 1], 0)),
+            tls: None,
             advertise: None,
             scratch_dir: None,
             cache_dir: None,
@@ -135,10 +139,13 @@ impl Options {
             Some("the worker token is empty: give the server's (BENDTWIN_WORKER_TOKEN)".to_owned())
         } else if !self.token.bytes().all(|b| b.is_ascii_graphic()) {
             Some("the worker token has characters that a header cannot carry".to_owned())
+        } else if let Some(fault) = self.tls_fault() {
+            Some(fault)
         } else if self.listen.ip().is_unspecified() && self.advertise.is_none() {
             Some(format!(
-                "listening on {} needs --advertise http://host:port, so that the server can reach this worker",
-                self.listen
+                "listening on {} needs --advertise {}://host:port, so that the server can reach this worker",
+                self.listen,
+                if self.tls.is_some() { "https" } else { "http" }
             ))
         } else if self.memory_bytes < LEAST_BYTES {
             let least = LEAST_BYTES >> 20;
@@ -160,5 +167,27 @@ impl Options {
             None
         };
         fault.map_or(Ok(()), |m| Err(Error::Options(m)))
+    }
+
+    /// The fault of certificates that do not go with the addresses.
+    fn tls_fault(&self) -> Option<String> {
+        let is_https = |url: &str| url.starts_with("https://");
+        match &self.tls {
+            None if is_https(&self.server) => Some(format!(
+                "{} takes a certificate of this worker: give --ca, --certificate and --key (`bendtwin \
+                 ca issue --role worker`)",
+                self.server
+            )),
+            Some(_) if !is_https(&self.server) => Some(format!(
+                "a worker with a certificate talks to its server over TLS: use https:// instead of \
+                 {}",
+                self.server
+            )),
+            Some(_) if self.advertise.as_deref().is_some_and(|url| !is_https(url)) => Some(
+                "a worker with a certificate answers over TLS: --advertise https://host:port"
+                    .to_owned(),
+            ),
+            _ => None,
+        }
     }
 }

@@ -9,6 +9,7 @@ use std::{
 
 use bendtwin_core::ids::WorkerId;
 use bendtwin_proto::{worker::v1::RegisterRequest, worker_key};
+use bendtwin_tls::{Mutual, Reloaded};
 use tokio::{net::TcpListener, sync::mpsc, task::JoinHandle};
 use tokio_util::sync::CancellationToken;
 use tonic::transport::server::TcpIncoming;
@@ -24,6 +25,7 @@ use crate::{
     rollout::{self, Replays, Rollouts, WarmTwins},
     scratch::Scratch,
     server_client::ServerClient,
+    tls,
 };
 
 /// Longest time for rollouts and final reports once the worker has to end.
@@ -57,7 +59,11 @@ async fn run_on(
 ) -> Result<(), Error> {
     let (key, id) = worker_key::generate();
     let limits = options.limits;
-    let server = ServerClient::new(&options.server, &options.token, &key)?;
+    let tls = options.tls.as_ref().map(tls::load).transpose()?;
+    if let Some(tls) = &tls {
+        tokio::spawn(tls.clone().watch(shutdown.clone()));
+    }
+    let server = ServerClient::new(&options.server, &options.token, &key, tls.as_ref())?;
     let base = options.scratch_dir.clone().or_else(|| options.cache_dir.clone());
     let base = base.unwrap_or_else(std::env::temp_dir);
     let scratch = Scratch::new(&base)
@@ -71,7 +77,7 @@ async fn run_on(
     let replays = Replays::new(server.clone(), dir.clone(), limits, memory.clone());
     let rollouts =
         Rollouts::new(id.to_string(), device.clone(), twins, replays, memory, limits.rollouts);
-    let (endpoint, serving) = serve(options, rollouts.clone()).await?;
+    let (endpoint, serving) = serve(options, rollouts.clone(), tls).await?;
 
     let request = register_request(id, &endpoint, device, &options.labels);
     let fit_bytes = if options.fits { limits.fit_bytes } else { 0 };
@@ -185,19 +191,36 @@ struct Serving {
 }
 
 /// Binds the address and answers rollouts there. Also returns the endpoint.
-async fn serve(options: &Options, rollouts: Rollouts) -> Result<(String, Serving), Error> {
+async fn serve(
+    options: &Options,
+    rollouts: Rollouts,
+    tls: Option<Reloaded<Mutual>>,
+) -> Result<(String, Serving), Error> {
     let failed = |source| Error::Listen { address: options.listen.to_string(), source };
     let listener = TcpListener::bind(options.listen).await.map_err(failed)?;
+    let scheme = if tls.is_some() { "https" } else { "http" };
     let endpoint = match &options.advertise {
         Some(endpoint) => endpoint.clone(),
-        None => format!("http://{}", listener.local_addr().map_err(failed)?),
+        None => format!("{scheme}://{}", listener.local_addr().map_err(failed)?),
     };
-    // Without TCP_NODELAY small replies wait 40 ms for an acknowledgement.
-    let incoming = TcpIncoming::from(listener).with_nodelay(Some(true));
+    if let Some(tls) = &tls {
+        tls::check_endpoint(&endpoint, tls.get().certificate.as_ref())?;
+    }
     let stop = CancellationToken::new();
     let (token, until) = (options.token.clone(), stop.clone());
     let task = tokio::spawn(async move {
-        if let Err(error) = rollout::serve(rollouts, &token, incoming, until).await {
+        let served = match tls {
+            Some(tls) => {
+                let incoming = tls::incoming(listener, tls);
+                rollout::serve(rollouts, &token, incoming, until).await
+            }
+            None => {
+                // Without TCP_NODELAY small replies wait 40 ms for an acknowledgement.
+                let incoming = TcpIncoming::from(listener).with_nodelay(Some(true));
+                rollout::serve(rollouts, &token, incoming, until).await
+            }
+        };
+        if let Err(error) = served {
             tracing::error!("the rollout service ended: {error}");
         }
     });

@@ -1,11 +1,12 @@
 //! Client of the server: typed calls, and errors that tell whether another attempt makes sense.
 
+mod channel;
 mod retry;
 mod upload;
 
 use std::time::Duration;
 
-use bendtwin_core::{Category, Fault};
+use bendtwin_core::{Category, Fault, Problem as _};
 use bendtwin_proto::{
     fault,
     worker::v1::{
@@ -16,13 +17,14 @@ use bendtwin_proto::{
     },
     worker_key,
 };
+use bendtwin_tls::{Mutual, Reloaded, TlsError};
 use bytes::Bytes;
 use futures::Stream;
 use tonic::{
     Request, Status, Streaming,
     metadata::AsciiMetadataValue,
     service::{Interceptor, interceptor::InterceptedService},
-    transport::{Channel, Endpoint},
+    transport::Channel,
 };
 
 pub(crate) use self::retry::Backoff;
@@ -62,6 +64,10 @@ impl CallError {
 
 impl From<Status> for CallError {
     fn from(status: Status) -> Self {
+        if let Some(found) = TlsError::find(&status, "the server") {
+            // Certificates are replaced while a worker waits.
+            return Self::Unavailable(found.fault());
+        }
         let fault = fault::fault(&status);
         match fault.category {
             Category::Aborted if fault.reason == "STALE_LEASE" => Self::Stale,
@@ -102,16 +108,13 @@ impl Interceptor for Credentials {
 impl ServerClient {
     /// Prepares the connection; it is made with the first call and again whenever it breaks. `key`
     /// is the one that the worker's id follows from.
-    pub(crate) fn new(server: &str, token: &str, key: &str) -> Result<Self, Error> {
-        let address = || Error::Address { url: server.to_owned() };
-        let channel = Endpoint::from_shared(server.to_owned())
-            .map_err(|_| address())?
-            .connect_timeout(Duration::from_secs(5))
-            .tcp_nodelay(true)
-            .http2_keep_alive_interval(Duration::from_secs(10))
-            .keep_alive_timeout(Duration::from_secs(10))
-            .keep_alive_while_idle(true)
-            .connect_lazy();
+    pub(crate) fn new(
+        server: &str,
+        token: &str,
+        key: &str,
+        tls: Option<&Reloaded<Mutual>>,
+    ) -> Result<Self, Error> {
+        let channel = channel::open(server, tls)?;
         let secret = |text: String| {
             let mut value = AsciiMetadataValue::try_from(text).map_err(|_| {
                 let fault = "the worker token has characters that a header cannot carry";

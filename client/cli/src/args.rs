@@ -3,8 +3,8 @@
 use clap::{Parser, Subcommand};
 
 use crate::{
-    bench, capture, completions, demo, doctor, eval, fit, global::Global, key, logging, rollout,
-    server, store, suite, twin, worker,
+    bench, ca, capture, completions, demo, doctor, eval, fit, global::Global, key, logging,
+    rollout, server, store, suite, twin, worker,
 };
 
 /// Turns recordings of soft objects into physical twins, and predicts what robot actions do to
@@ -43,6 +43,8 @@ pub(crate) enum Command {
     Rollout(rollout::Rollout),
     /// Make, list and revoke the keys of a server
     Key(key::Key),
+    /// Issue certificates for servers and workers, by a private authority
+    Ca(ca::Ca),
     /// Fit and score captures on this machine, without a server
     Eval(eval::Eval),
     /// Fit and compare a list of captures and configurations, without a server

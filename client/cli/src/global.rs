@@ -19,6 +19,10 @@ pub(crate) struct Global {
     /// machine left]
     #[arg(long, global = true, env = "BENDTWIN_TOKEN_FILE", value_name = "FILE")]
     pub(crate) token_file: Option<PathBuf>,
+    /// File with the certificate of the authority of the server, for https:// [default: the
+    /// authorities of this system]
+    #[arg(long, global = true, env = "BENDTWIN_CA", value_name = "FILE")]
+    pub(crate) ca: Option<PathBuf>,
     /// Print results as JSON, for scripts
     #[arg(long, global = true)]
     pub(crate) json: bool,
@@ -27,10 +31,10 @@ pub(crate) struct Global {
 impl Global {
     /// Connects to the server.
     pub(crate) async fn connect(&self) -> anyhow::Result<Client> {
-        let Some(path) = &self.token_file else {
-            return Ok(Client::connect(&self.server).await?);
+        let token = match &self.token_file {
+            Some(path) => Some(token::read(path)?),
+            None => token::find(&self.server)?,
         };
-        let token = token::read(path)?;
-        Ok(Client::connect_with_token(&self.server, Some(&token)).await?)
+        Ok(Client::connect_with(&self.server, token.as_deref(), self.ca.as_deref()).await?)
     }
 }

@@ -3,6 +3,7 @@
 mod args;
 mod backend;
 mod bench;
+mod ca;
 mod capture;
 mod completions;
 mod demo;
@@ -106,6 +107,7 @@ async fn run(arguments: Arguments) -> anyhow::Result<()> {
         Command::Capture(args) => capture::run(args, global).await,
         Command::Fit(args) => fit::run(args, global).await,
         Command::Key(args) => key::run(args, global).await,
+        Command::Ca(args) => ca::run(args, global),
         Command::Twin(args) => twin::run(args, global).await,
         Command::Rollout(args) => rollout::run(args, global).await,
         Command::Eval(args) => eval::run(args, global).await,

@@ -34,6 +34,45 @@ pub(crate) struct Server {
     /// required]
     #[arg(long, env = "BENDTWIN_CLIENT_TOKEN", value_name = "POLICY", value_parser = ["required", "none"])]
     client_token: Option<String>,
+    /// Certificate that clients are shown, for https://: a PEM file, read again when it changes
+    #[arg(long, env = "BENDTWIN_TLS_CERTIFICATE", value_name = "FILE", requires = "tls_key")]
+    tls_certificate: Option<PathBuf>,
+    /// Key of this certificate: a PEM file that other users cannot read
+    #[arg(long, env = "BENDTWIN_TLS_KEY", value_name = "FILE", requires = "tls_certificate")]
+    tls_key: Option<PathBuf>,
+    /// Address for workers on other hosts, which show a certificate [default: none]. Takes the
+    /// three files below, and --worker-token
+    #[arg(
+        long = "listen-workers-tls",
+        env = "BENDTWIN_LISTEN_WORKERS_TLS",
+        value_name = "ADDRESS",
+        requires_all = ["worker_tls_certificate", "worker_tls_key", "worker_tls_ca"]
+    )]
+    worker_tls_listen: Option<std::net::SocketAddr>,
+    /// Certificate of the server among its workers: a PEM file, read again when it changes
+    #[arg(
+        long,
+        env = "BENDTWIN_WORKER_TLS_CERTIFICATE",
+        value_name = "FILE",
+        requires = "worker_tls_listen"
+    )]
+    worker_tls_certificate: Option<PathBuf>,
+    /// Key of this certificate: a PEM file that other users cannot read
+    #[arg(
+        long,
+        env = "BENDTWIN_WORKER_TLS_KEY",
+        value_name = "FILE",
+        requires = "worker_tls_listen"
+    )]
+    worker_tls_key: Option<PathBuf>,
+    /// Certificate of the authority of the workers' certificates: a PEM file
+    #[arg(
+        long,
+        env = "BENDTWIN_WORKER_TLS_CA",
+        value_name = "FILE",
+        requires = "worker_tls_listen"
+    )]
+    worker_tls_ca: Option<PathBuf>,
     /// Listen on an address that is not loopback: a proxy in front has the TLS [default: false]
     #[arg(
         long,
@@ -108,6 +147,7 @@ pub(crate) async fn run(args: Server) -> anyhow::Result<()> {
         signals::end_with_parent(shutdown.clone());
     }
     let options = args.options()?;
+    let scheme = if options.tls.is_some() { "https" } else { "http" };
     let workers = options.workers.count;
     let data_dir = options.data_dir.display().to_string();
     crate::process::raise_descriptor_limit();
@@ -126,8 +166,11 @@ pub(crate) async fn run(args: Server) -> anyhow::Result<()> {
         write_port(path, address.port())?;
     }
     output::line(&format!(
-        "BendTwin answers HTTP and gRPC at http://{address} ({workers} workers, data in {data_dir}; console at http://{address}, API at http://{address}/docs)"
+        "BendTwin answers HTTP and gRPC at {scheme}://{address} ({workers} workers, data in {data_dir}; console at {scheme}://{address}, API at {scheme}://{address}/docs)"
     ))?;
+    if let Some(address) = handle.worker_tls_addr() {
+        output::line(&format!("Workers on other hosts reach it at https://{address}"))?;
+    }
     shutdown.cancelled().await;
     handle.shutdown().await;
     if let Some(shown) = client_token {

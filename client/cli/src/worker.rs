@@ -2,10 +2,16 @@
 
 use std::{net::SocketAddr, path::PathBuf, time::Duration};
 
+use bendtwin_tls::{MutualPaths, PairPaths};
 use bendtwin_worker::{Limits, Options, Sandbox};
 use clap::{Args, ValueEnum};
 
-use crate::{backend::BackendArgs, failure, global::Global, signals};
+use crate::{
+    backend::BackendArgs,
+    failure::{self, Usage},
+    global::Global,
+    signals,
+};
 
 /// Options of a worker. The address of the server is `--server`.
 #[derive(Debug, Args)]
@@ -13,6 +19,13 @@ pub(crate) struct Worker {
     /// Token of the server for its workers
     #[arg(long, env = "BENDTWIN_WORKER_TOKEN", value_name = "TOKEN", hide_env_values = true)]
     token: String,
+    /// Certificate of this worker, for a server on another host (https://, --ca): a PEM file, read
+    /// again when it changes
+    #[arg(long, env = "BENDTWIN_WORKER_CERTIFICATE", value_name = "FILE", requires = "key")]
+    certificate: Option<PathBuf>,
+    /// Key of this certificate: a PEM file that other users cannot read
+    #[arg(long, env = "BENDTWIN_WORKER_KEY", value_name = "FILE", requires = "certificate")]
+    key: Option<PathBuf>,
     #[command(flatten)]
     backend: BackendArgs,
     /// Address for rollouts; port 0 takes a free one
@@ -23,7 +36,8 @@ pub(crate) struct Worker {
         default_value = "127.0.0.1:0"
     )]
     worker_listen: SocketAddr,
-    /// URL at which the server reaches this worker, where it differs: http://host:port
+    /// URL at which the server reaches this worker, where it differs: http://host:port, https:// with
+    /// a certificate
     #[arg(long, env = "BENDTWIN_WORKER_ADVERTISE", value_name = "URL")]
     advertise: Option<String>,
     /// Folder for captures while they are read, in a private folder inside it [default: the cache
@@ -105,13 +119,24 @@ pub(crate) fn lacking_confinement() -> Option<String> {
 }
 
 impl Worker {
-    fn options(self, server: &str) -> Options {
-        let defaults = Options::new(server, self.token);
+    fn options(self, global: &Global) -> Result<Options, Usage> {
+        let defaults = Options::new(&global.server, self.token);
+        let pair = self.certificate.zip(self.key);
+        let pair = pair.map(|(certificate, key)| PairPaths { certificate, key });
+        let tls = match (pair, global.ca.clone()) {
+            (Some(pair), Some(ca)) => Some(MutualPaths { pair, ca }),
+            (Some(_), None) => {
+                let fault = "--certificate takes --ca, the authority of the server and its workers";
+                return Err(Usage(fault.to_owned()));
+            }
+            (None, _) => None,
+        };
         let bytes = |mib: u64| mib.saturating_mul(1 << 20);
         let memory_bytes = self.memory_mib.map_or(defaults.memory_bytes, bytes);
         let fit_bytes = self.fit_memory_mib.map_or(memory_bytes / 2, bytes);
         let limits = defaults.limits;
-        Options {
+        Ok(Options {
+            tls,
             memory_bytes,
             backend: self.backend.options(self.cache_dir.as_ref().map(|dir| dir.join("kernels"))),
             listen: self.worker_listen,
@@ -131,7 +156,7 @@ impl Worker {
                 ..limits
             },
             ..defaults
-        }
+        })
     }
 }
 
@@ -140,7 +165,7 @@ pub(crate) async fn run(args: Worker, global: &Global) -> anyhow::Result<()> {
     if args.exit_with_parent {
         signals::end_with_parent(shutdown.clone());
     }
-    let options = args.options(&global.server);
+    let options = args.options(global)?;
     bendtwin_worker::run(options, shutdown).await.map_err(failure::failed)
 }
 

@@ -10,14 +10,17 @@ use bendtwin_proto::v1::{
     get_capture_report_request::Format,
 };
 use futures::TryStreamExt as _;
+use hyper::Method;
 use serde::Deserialize;
 use tokio::io::{AsyncReadExt as _, AsyncWriteExt as _};
 use tokio_util::io::ReaderStream;
+use url::Url;
 use uuid::Uuid;
 
 use crate::{
     Capture, Error, ListQuery, Update, Watch,
     channel::Channel,
+    http::Http,
     page::{self, Page},
     problem,
     uploads::Sender,
@@ -33,7 +36,7 @@ const RETRY_INTERVAL: Duration = Duration::from_secs(1);
 #[derive(Clone, Debug)]
 pub struct Captures {
     service: CaptureServiceClient<Channel>,
-    http: reqwest::Client,
+    http: Http,
     url: String,
 }
 
@@ -44,11 +47,7 @@ struct Created {
 }
 
 impl Captures {
-    pub(crate) fn new(
-        service: CaptureServiceClient<Channel>,
-        http: reqwest::Client,
-        url: String,
-    ) -> Self {
+    pub(crate) fn new(service: CaptureServiceClient<Channel>, http: Http, url: String) -> Self {
         Self { service, http, url }
     }
 
@@ -135,20 +134,19 @@ impl Captures {
             total += chunk.len() as u64;
             sent(total);
         });
+        let mut url = Url::parse(&format!("{}/v1/captures", self.url)).map_err(Error::malformed)?;
+        url.query_pairs_mut().append_pair("display_name", display_name);
         let response = self
             .http
-            .post(format!("{}/v1/captures", self.url))
-            .query(&[("display_name", display_name)])
+            .request(Method::POST, url.as_str())
             .header("content-type", "application/zip")
             .header("x-content-blake3", digest)
             .header("content-length", length)
             .header("idempotency-key", key)
-            .body(reqwest::Body::wrap_stream(body))
+            .body(body)
             .send()
-            .await
-            .map_err(|e| Error::unreachable(&self.url, e))?;
-        let created: Created =
-            problem::success(response).await?.json().await.map_err(Error::malformed)?;
+            .await?;
+        let created: Created = problem::success(response).await?.json().await?;
         Ok(created.name)
     }
 

@@ -1,6 +1,11 @@
 //! The connection to a server.
 
-use std::{borrow::Cow, time::Duration};
+use std::{
+    borrow::Cow,
+    path::{Path, PathBuf},
+    sync::Arc,
+    time::Duration,
+};
 
 use bendtwin_proto::v1::{
     capture_service_client::CaptureServiceClient,
@@ -10,13 +15,15 @@ use bendtwin_proto::v1::{
     rollout_service_client::RolloutServiceClient, session_service_client::SessionServiceClient,
     twin_service_client::TwinServiceClient, worker_service_client::WorkerServiceClient,
 };
-use reqwest::header::{AUTHORIZATION, HeaderMap, HeaderValue};
+use bendtwin_tls::{ClientConfig, Connector, TlsError, client_config};
 use tonic::transport::Endpoint;
+use url::Url;
 
 use crate::{
     Captures, Error, Evaluations, Fits, Keys, Plans, Readiness, Registrations, Rollouts, Sessions,
     Twins, Workers,
     channel::{Channel, Credentials},
+    http::Http,
     token,
 };
 
@@ -24,6 +31,8 @@ use crate::{
 const MAX_MESSAGE: usize = 1 << 30;
 /// Longest time for connecting.
 const CONNECT_TIMEOUT: Duration = Duration::from_secs(10);
+/// The environment variable with the file of the authority of servers' certificates.
+pub const CA_VARIABLE: &str = "BENDTWIN_CA";
 
 /// A connection to a server. Clones share it; it reconnects by itself.
 #[derive(Clone, Debug)]
@@ -31,7 +40,7 @@ pub struct Client {
     /// Without a slash at the end.
     url: String,
     channel: Channel,
-    http: reqwest::Client,
+    http: Http,
 }
 
 impl Client {
@@ -46,44 +55,52 @@ impl Client {
         Self::connect_with_token(&url, token::find(&url)?.as_deref()).await
     }
 
-    /// Connects to a server with a token, or without one.
+    /// Connects to a server with a token, or without one. For `https` the authority of its
+    /// certificate is in the file that `BENDTWIN_CA` names, or else among those of the system.
     ///
     /// # Errors
     /// As [`Client::connect`]; or if the token is none that can be sent.
     pub async fn connect_with_token(url: &str, token: Option<&str>) -> Result<Self, Error> {
+        let ca = std::env::var_os(CA_VARIABLE).filter(|path| !path.is_empty()).map(PathBuf::from);
+        Self::connect_with(url, token, ca.as_deref()).await
+    }
+
+    /// Connects to a server with a token, or without one. For `https` the authority of its
+    /// certificate is in that file (PEM), or else among those of the system.
+    ///
+    /// # Errors
+    /// As [`Client::connect_with_token`]; or if the file cannot be used, or the certificate of the
+    /// server is not accepted.
+    pub async fn connect_with(
+        url: &str,
+        token: Option<&str>,
+        ca: Option<&Path>,
+    ) -> Result<Self, Error> {
         let (given, url) = (url, &*complete(url));
         let invalid = || {
             Error::invalid(format!(
                 "`{given}` is no server address: give one like http://127.0.0.1:7070"
             ))
         };
-        let parsed = reqwest::Url::parse(url).map_err(|_| invalid())?;
-        if parsed.scheme() != "http" || !parsed.has_host() {
+        let parsed = Url::parse(url).map_err(|_| invalid())?;
+        let is_https = match parsed.scheme() {
+            "http" => false,
+            "https" => true,
+            _ => return Err(invalid()),
+        };
+        if !parsed.has_host() {
             return Err(invalid());
         }
         let credentials = Credentials::new(token)?;
-        let mut headers = HeaderMap::new();
-        if let Some(token) = token {
-            let mut value = HeaderValue::try_from(format!("Bearer {token}"))
-                .map_err(|_| Error::invalid("the token has characters that no token has"))?;
-            value.set_sensitive(true);
-            headers.insert(AUTHORIZATION, value);
-        }
+        let tls = if is_https { Some(trusting(ca)?) } else { None };
         let endpoint = Endpoint::from_shared(url.to_owned())
             .map_err(|_| invalid())?
-            .connect_timeout(CONNECT_TIMEOUT)
-            .tcp_nodelay(true)
             // Rollouts send and receive megabytes: windows of 64 KiB would wait for the round trip.
             .initial_stream_window_size(8 << 20)
             .initial_connection_window_size(16 << 20);
-        let channel =
-            endpoint.connect().await.map_err(|e| Error::unreachable(url, innermost_cause(&e)))?;
-        let channel = Channel::new(channel, credentials);
-        let http = reqwest::Client::builder()
-            .default_headers(headers)
-            .connect_timeout(CONNECT_TIMEOUT)
-            .build()
-            .map_err(|e| Error::invalid(format!("no HTTP client can be made: {e}")))?;
+        let channel = endpoint.connect_with_connector(connector(tls.as_ref(), b"h2")).await;
+        let channel = Channel::new(channel.map_err(|e| unreachable(url, &e))?, credentials);
+        let http = Http::new(connector(tls.as_ref(), b"http/1.1"), token)?;
         Ok(Self { url: url.to_owned(), channel, http })
     }
 
@@ -163,6 +180,29 @@ fn complete(address: &str) -> Cow<'_, str> {
     if address.contains("://") { address.into() } else { format!("http://{address}").into() }
 }
 
+/// Settings that trust the authorities of a file, or those of the system.
+fn trusting(ca: Option<&Path>) -> Result<ClientConfig, Error> {
+    client_config(ca).map_err(|e| Error::of(&e))
+}
+
+/// A connector, for one protocol if it has TLS.
+fn connector(tls: Option<&ClientConfig>, protocol: &[u8]) -> Connector {
+    let connector = Connector::new(CONNECT_TIMEOUT);
+    let Some(tls) = tls else { return connector };
+    let mut settings = tls.clone();
+    settings.alpn_protocols = vec![protocol.to_vec()];
+    let settings = Arc::new(settings);
+    connector.with_tls(move || settings.clone())
+}
+
+/// The error of a server that was not reached, or not by TLS.
+pub(crate) fn unreachable(url: &str, error: &(dyn std::error::Error + 'static)) -> Error {
+    match TlsError::find(error, url) {
+        Some(found) => Error::of(&found),
+        None => Error::unreachable(url, innermost_cause(error)),
+    }
+}
+
 /// The innermost cause, which says more than `transport error`.
 pub(crate) fn innermost_cause<'a>(
     error: &'a (dyn std::error::Error + 'static),
@@ -188,7 +228,7 @@ mod tests {
 
     #[tokio::test]
     async fn what_is_no_address_is_named_as_it_was_given() {
-        for given in ["https://twin.example", "a b", ""] {
+        for given in ["ftp://twin.example", "a b", ""] {
             let error = Client::connect_with_token(given, None).await.unwrap_err();
             assert!(
                 error.to_string().contains(&format!("`{given}` is no server address")),

@@ -1,7 +1,8 @@
 //! Errors of calls.
 
-use bendtwin_core::{Category, Fault};
+use bendtwin_core::{Category, Fault, Problem};
 use bendtwin_proto::fault;
+use bendtwin_tls::TlsError;
 use tonic::Status;
 use tonic_types::StatusExt as _;
 
@@ -47,6 +48,11 @@ impl Error {
     pub(crate) fn new(category: Category, reason: &str, message: impl Into<String>) -> Self {
         let fault = Fault { category, reason: reason.to_owned(), message: message.into() };
         Self { fault, request_id: None }
+    }
+
+    /// The error of another part of the program.
+    pub(crate) fn of(error: &impl Problem) -> Self {
+        Self::new(error.category(), error.reason(), error.to_string())
     }
 
     pub(crate) fn with_request_id(self, request_id: Option<String>) -> Self {
@@ -97,6 +103,9 @@ impl From<Status> for Error {
         let mut fault = fault::fault(&status);
         if status.get_details_error_info().is_none() {
             // Not from the server's own code: the connection, most likely.
+            if let Some(found) = TlsError::find(&status, "the server") {
+                return Self::of(&found);
+            }
             let transport = std::error::Error::source(&status).is_some();
             if transport {
                 fault.category = Category::Unavailable;

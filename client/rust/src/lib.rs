@@ -70,6 +70,7 @@ mod error;
 mod evaluations;
 mod fits;
 mod geometry;
+mod http;
 mod keys;
 mod labels;
 mod losses;
@@ -96,7 +97,7 @@ pub use bendtwin_plan::{Bounds, Limit, Method, Movement, Origin};
 
 pub use self::{
     captures::Captures,
-    client::Client,
+    client::{CA_VARIABLE, Client},
     error::Error,
     evaluations::Evaluations,
     fits::{FitOrder, Fits},

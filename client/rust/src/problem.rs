@@ -2,9 +2,10 @@
 
 use bendtwin_core::Category;
 use bendtwin_proto::fault::category_named;
+use hyper::StatusCode;
 use serde::Deserialize;
 
-use crate::Error;
+use crate::{Error, http::Response};
 
 /// The members of a problem document that are used here.
 #[derive(Deserialize)]
@@ -17,8 +18,8 @@ struct Document {
 }
 
 /// The response if it is a success, else the server's error.
-pub(crate) async fn success(response: reqwest::Response) -> Result<reqwest::Response, Error> {
-    let status = response.status();
+pub(crate) async fn success(response: Response) -> Result<Response, Error> {
+    let status = response.status;
     if status.is_success() {
         return Ok(response);
     }
@@ -26,7 +27,7 @@ pub(crate) async fn success(response: reqwest::Response) -> Result<reqwest::Resp
     Err(of(status, &body))
 }
 
-fn of(status: reqwest::StatusCode, body: &[u8]) -> Error {
+fn of(status: StatusCode, body: &[u8]) -> Error {
     match serde_json::from_slice::<Document>(body) {
         Ok(document) => {
             let category = category_named(&document.title).unwrap_or(Category::Internal);
@@ -57,7 +58,7 @@ mod tests {
         let body =
             br#"{"type":"urn:bendtwin:error:NO_SUCH_CAPTURE","title":"NOT_FOUND","status":404,
             "detail":"there is no captures/1","reason":"NO_SUCH_CAPTURE","request_id":"abc"}"#;
-        let error = of(reqwest::StatusCode::NOT_FOUND, body);
+        let error = of(StatusCode::NOT_FOUND, body);
         assert_eq!(error.category(), Category::NotFound);
         assert_eq!(error.reason(), "NO_SUCH_CAPTURE");
         assert_eq!(error.message(), "there is no captures/1");
@@ -66,7 +67,7 @@ mod tests {
 
     #[test]
     fn a_proxy_page_still_says_something() {
-        let error = of(reqwest::StatusCode::BAD_GATEWAY, b"<html>");
+        let error = of(StatusCode::BAD_GATEWAY, b"<html>");
         assert!(error.is_transient() && error.message().contains("502"));
     }
 }

@@ -3,9 +3,10 @@
 use std::time::Duration;
 
 use bendtwin_core::Category;
+use hyper::{Method, StatusCode};
 use serde::Deserialize;
 
-use crate::{Error, client};
+use crate::{Error, http::Http, problem};
 
 /// Longest time for the answer, in which the server may prove that its disk can be written.
 const TIMEOUT: Duration = Duration::from_secs(10);
@@ -33,14 +34,19 @@ pub struct ReadinessCheck {
 }
 
 impl Readiness {
-    pub(crate) async fn of(http: &reqwest::Client, url: &str) -> Result<Self, Error> {
-        let request = http.get(format!("{url}/readyz")).timeout(TIMEOUT);
-        let reply = request.send().await;
-        let reply = reply.map_err(|e| Error::unreachable(url, client::innermost_cause(&e)))?;
-        // 503 has the same document as 200.
-        reply.json().await.map_err(|_| {
-            let message = format!("{url} answers, but not as a server of BendTwin does");
-            Error::new(Category::FailedPrecondition, "NOT_BENDTWIN", message)
-        })
+    pub(crate) async fn of(http: &Http, url: &str) -> Result<Self, Error> {
+        let request = http.request(Method::GET, &format!("{url}/readyz")).send();
+        let reply = tokio::time::timeout(TIMEOUT, request).await;
+        let reply = reply.map_err(|_| Error::unreachable(url, "it does not answer in time"))??;
+        // 503 has the same document as 200; others have an error, of whatever stands there.
+        if !reply.status.is_success() && reply.status != StatusCode::SERVICE_UNAVAILABLE {
+            return Err(problem::success(reply).await.err().unwrap_or_else(|| not_bendtwin(url)));
+        }
+        reply.json().await.map_err(|_| not_bendtwin(url))
     }
+}
+
+fn not_bendtwin(url: &str) -> Error {
+    let message = format!("{url} answers, but not as a server of BendTwin does");
+    Error::new(Category::FailedPrecondition, "NOT_BENDTWIN", message)
 }

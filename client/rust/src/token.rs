@@ -9,6 +9,7 @@ use std::{
 };
 
 use bendtwin_core::Category;
+use url::Url;
 
 use crate::Error;
 
@@ -31,7 +32,7 @@ pub fn find(url: &str) -> Result<Option<String>, Error> {
     if let Some(file) = set(FILE_VARIABLE) {
         return read(Path::new(&file)).map(Some);
     }
-    Ok(reqwest::Url::parse(url).ok().and_then(|url| left(&url)))
+    Ok(Url::parse(url).ok().and_then(|url| left(&url)))
 }
 
 /// The token or key in a file.
@@ -75,7 +76,7 @@ pub fn create_private(path: &Path) -> io::Result<std::fs::File> {
 }
 
 /// The token that a server on this machine left.
-fn left(url: &reqwest::Url) -> Option<String> {
+fn left(url: &Url) -> Option<String> {
     let host = url.host_str()?;
     let address = host.trim_matches(['[', ']']).parse::<IpAddr>();
     if !host.eq_ignore_ascii_case("localhost") && !address.is_ok_and(|ip| ip.is_loopback()) {

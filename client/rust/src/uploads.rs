@@ -15,14 +15,19 @@ use std::{
 use base64::{Engine as _, prelude::BASE64_STANDARD};
 use bendtwin_core::{Category, ids::CaptureId};
 use bytes::Bytes;
-use reqwest::{Method, RequestBuilder, Response, header::HeaderMap};
+use hyper::{HeaderMap, Method};
 use tokio::{
     fs::File,
     io::{AsyncReadExt as _, AsyncSeekExt as _},
     time::Instant,
 };
+use url::Url;
 
-use crate::{Error, problem};
+use crate::{
+    Error,
+    http::{Http, Request, Response},
+    problem,
+};
 
 /// Bytes of one request: the most that a wrong checksum or a dead server costs.
 const PART: u64 = 16 << 20;
@@ -39,7 +44,7 @@ const STALL_TIMEOUT: Duration = Duration::from_secs(300);
 
 /// Upload of one file.
 pub(crate) struct Sender<'a> {
-    http: &'a reqwest::Client,
+    http: &'a Http,
     /// Of the server, without a slash at the end.
     server: &'a str,
     path: &'a Path,
@@ -56,7 +61,7 @@ struct UploadState {
 impl<'a> Sender<'a> {
     /// An upload of a file with that digest [BLAKE3, hex].
     pub(crate) async fn new(
-        http: &'a reqwest::Client,
+        http: &'a Http,
         server: &'a str,
         path: &'a Path,
         digest: &str,
@@ -130,11 +135,11 @@ impl<'a> Sender<'a> {
             .header("upload-length", self.length)
             .header("upload-metadata", &self.metadata);
         let response = self.answer(request).await?;
-        let location = text(response.headers(), "location")?.to_owned();
-        let url = reqwest::Url::parse(self.server).and_then(|base| base.join(&location));
+        let location = text(&response.headers, "location")?.to_owned();
+        let url = Url::parse(self.server).and_then(|base| base.join(&location));
         let url = url.map_err(Error::malformed)?.to_string();
         // The response to a creation need not have the offset.
-        let state = if response.headers().contains_key("upload-offset") {
+        let state = if response.headers.contains_key("upload-offset") {
             state_of(&response)?
         } else {
             self.fetch_state(&url).await?
@@ -170,7 +175,7 @@ impl<'a> Sender<'a> {
             .header("content-length", size)
             .header("upload-offset", offset)
             .header("upload-checksum", format!("blake3 {checksum}"))
-            .body(reqwest::Body::wrap_stream(futures::stream::iter(slices)));
+            .body(futures::stream::iter(slices));
         state_of(&self.answer_to(request, &clock).await?)
     }
 
@@ -188,11 +193,11 @@ impl<'a> Sender<'a> {
         Ok(part.into())
     }
 
-    fn request(&self, method: Method, url: &str) -> RequestBuilder {
+    fn request(&self, method: Method, url: &str) -> Request<'_> {
         self.http.request(method, url).header("tus-resumable", "1.0.0")
     }
 
-    async fn answer(&self, request: RequestBuilder) -> Result<Response, Error> {
+    async fn answer(&self, request: Request<'_>) -> Result<Response, Error> {
         self.answer_to(request, &ProgressClock::default()).await
     }
 
@@ -200,11 +205,11 @@ impl<'a> Sender<'a> {
     /// request would fail slow connections and notice dead ones late.
     async fn answer_to(
         &self,
-        request: RequestBuilder,
+        request: Request<'_>,
         clock: &ProgressClock,
     ) -> Result<Response, Error> {
         let response = tokio::select! {
-            response = request.send() => response.map_err(|e| Error::unreachable(self.server, e))?,
+            response = request.send() => response?,
             () = clock.stalled() => return Err(Error::unreachable(self.server, "it stopped responding")),
         };
         problem::success(response).await
@@ -212,7 +217,7 @@ impl<'a> Sender<'a> {
 }
 
 fn state_of(response: &Response) -> Result<UploadState, Error> {
-    let headers = response.headers();
+    let headers = &response.headers;
     let offset = text(headers, "upload-offset")?.parse().map_err(Error::malformed)?;
     let capture = if headers.contains_key("bendtwin-capture") {
         Some(text(headers, "bendtwin-capture")?.parse().map_err(Error::malformed)?)

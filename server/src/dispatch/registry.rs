@@ -15,10 +15,7 @@ use bendtwin_proto::worker::v1::worker_rollouts_client::WorkerRolloutsClient;
 use bendtwin_store::{Offer, Worker};
 use jiff::Timestamp;
 use tokio::time::Instant;
-use tonic::{
-    metadata::AsciiMetadataValue,
-    transport::{Channel, Endpoint},
-};
+use tonic::{metadata::AsciiMetadataValue, transport::Channel};
 
 use super::{
     executing::Executing,
@@ -31,13 +28,10 @@ use crate::{
     tokens::Child,
 };
 
-const CONNECT_TIMEOUT: Duration = Duration::from_secs(2);
 /// Time for which a worker that broke a connection is left alone.
 const BROKEN_FOR: Duration = Duration::from_secs(2);
 /// Longest that a heartbeat is under way.
 const UNDER_WAY: Duration = Duration::from_secs(10);
-/// Replies of many megabytes should not wait for window updates.
-const WINDOW: u32 = 16 << 20;
 
 /// A worker in the routing table.
 #[derive(Debug)]
@@ -147,19 +141,8 @@ impl Entry {
         token: &str,
         limits: &Limits,
         now: Now,
+        channel: Channel,
     ) -> Result<Self> {
-        let url = &worker.registration.endpoint;
-        let channel = Endpoint::from_shared(url.clone())
-            .ok()
-            .filter(|e| e.uri().scheme_str() == Some("http") && e.uri().host().is_some())
-            .ok_or_else(|| Error::invalid("endpoint", "is not of the form http://host:port"))?
-            .connect_timeout(CONNECT_TIMEOUT)
-            .tcp_nodelay(true)
-            .initial_stream_window_size(WINDOW)
-            .initial_connection_window_size(WINDOW)
-            .http2_keep_alive_interval(Duration::from_secs(10))
-            .keep_alive_timeout(Duration::from_secs(10))
-            .connect_lazy();
         let client = WorkerRolloutsClient::new(channel)
             .max_decoding_message_size(limits.rollout.sent_reply_bytes())
             .max_encoding_message_size(limits.rollout.sent_request_bytes());

@@ -26,6 +26,7 @@ use super::{
 use crate::{
     app::{self, Attempt, Error, IngestPart, IngestUpload, Leased, News},
     dispatch::{Heartbeat, HeldSession, Memory},
+    http::root_service::PeerCertificate,
     tokens::Bearer,
 };
 
@@ -62,7 +63,20 @@ impl WorkerLink for Api {
         request: Request<RegisterRequest>,
     ) -> Result<Response<RegisterResponse>, Status> {
         let shown = token::shown(&request)?;
+        let certificate = request.extensions().get::<PeerCertificate>().cloned();
         let r = request.into_inner();
+        if let Some(PeerCertificate(certificate)) = certificate {
+            // Its rollouts would go over the network in the clear.
+            if !r.endpoint.starts_with("https://") {
+                let fault = "must be https, as that of every worker with a certificate";
+                return Err(Error::invalid("endpoint", fault).into());
+            }
+            tracing::info!(
+                worker = r.worker,
+                certificate = certificate.name(),
+                "worker identified"
+            );
+        }
         let short = |text: String| text.chars().filter(|c| !c.is_control()).take(200).collect();
         let new = NewWorker {
             id: shown.worker(&r.worker)?,

@@ -63,6 +63,7 @@ pub(super) async fn metrics(State(app): State<App>) -> Result<Response> {
     let gauges = Gauges { workers, rollouts, memory: app.dispatch.memory(), uploads };
     let (used, total) = app.memory.state();
     app.metrics.memory_budget(used, total);
+    app.certificates.measure(&app.metrics);
     let text = app.metrics.render(&depth, &gauges);
     Ok(([(header::CONTENT_TYPE, "text/plain; version=0.0.4")], text).into_response())
 }

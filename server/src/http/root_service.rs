@@ -12,6 +12,7 @@ use axum::{
     response::IntoResponse,
 };
 use bendtwin_core::{Category, Fault};
+use bendtwin_tls::Certificate;
 use futures::FutureExt;
 use http_body_util::BodyExt as _;
 use tower::ServiceExt;
@@ -37,9 +38,37 @@ pub(crate) struct RootService {
     pub(crate) methods: Arc<HashSet<String>>,
     pub(crate) hosts: Hosts,
     pub(crate) gate: Gate,
+    pub(crate) transport: Transport,
 }
 
+/// Facts about the connection of a request.
+#[derive(Clone, Debug, Default)]
+pub(crate) enum Transport {
+    /// Nothing was demanded of it.
+    #[default]
+    Plain,
+    /// Over TLS, with the certificate of the peer if it was to show one.
+    Tls(Option<PeerCertificate>),
+    /// Without TLS, on a listener that has it.
+    Refused,
+}
+
+/// Certificate that the peer of a connection showed.
+#[derive(Clone, Debug)]
+pub(crate) struct PeerCertificate(pub(crate) Arc<Certificate>);
+
 impl RootService {
+    /// The service of a connection over TLS.
+    pub(crate) fn with_certificate(self, peer: Option<Certificate>) -> Self {
+        let peer = peer.map(|certificate| PeerCertificate(certificate.into()));
+        Self { transport: Transport::Tls(peer), ..self }
+    }
+
+    /// The service of a connection that began without TLS where it must not.
+    pub(crate) fn refusing_without_tls(self) -> Self {
+        Self { transport: Transport::Refused, ..self }
+    }
+
     /// Answers one request.
     pub(crate) async fn answer(
         self,
@@ -106,7 +135,10 @@ impl RootService {
         };
         let context = Context { caller, ..call.context.clone() };
         let router = if call.is_grpc { self.grpc } else { self.http };
-        let request = uploads::with_overridden_method(request);
+        let mut request = uploads::with_overridden_method(request);
+        if let Transport::Tls(Some(peer)) = self.transport {
+            request.extensions_mut().insert(peer);
+        }
         let answering = AssertUnwindSafe(context.scope(router.oneshot(request))).catch_unwind();
         tokio::select! {
             answered = answering => match answered {
@@ -120,6 +152,9 @@ impl RootService {
 
     /// Checks what every request has to fulfil, before it is looked at, and says what more it takes.
     fn admission(&self, request: &Request<Body>, is_grpc: bool) -> Result<Admission, Refusal> {
+        if matches!(self.transport, Transport::Refused) {
+            return Err(without_tls());
+        }
         let path = request.uri().path();
         let access = if is_grpc { access::find(path) } else { None };
         // Workers call by whatever name they were given, and show a token of their own.
@@ -194,6 +229,12 @@ fn grpc_code(response: &Response<Body>) -> String {
 
 fn refused(refusal: Refusal, is_grpc: bool) -> Response<Body> {
     if is_grpc { tonic::Status::from(refusal).into_http() } else { refusal.into_response() }
+}
+
+fn without_tls() -> Refusal {
+    let message = "this port is for TLS: use https:// in the address, and name the authority of \
+                   the server's certificate if it is a private one (--ca FILE, BENDTWIN_CA)";
+    Refusal::http_only(StatusCode::BAD_REQUEST, "TLS_REQUIRED", message)
 }
 
 fn panicked() -> Refusal {

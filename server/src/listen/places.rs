@@ -84,6 +84,11 @@ impl Places {
 }
 
 impl Place {
+    /// Name of the listener.
+    pub(super) fn listener(&self) -> &'static str {
+        self.shared.listener
+    }
+
     /// Counts the end of the connection by the server.
     pub(super) fn ended(&self, why: &'static str) {
         self.shared.metrics.connection_ended(self.shared.listener, why);

@@ -2,6 +2,7 @@
 //! right before a rendering: connections, queues, memory, disk, readiness, and worker processes.
 
 use ::metrics::{Key, Label, Recorder as _};
+use jiff::Timestamp;
 
 use super::{METADATA, Metrics};
 
@@ -16,6 +17,13 @@ impl Metrics {
     pub(crate) fn connection_ended(&self, listener: &'static str, why: &'static str) {
         let labels = vec![Label::new("listener", listener), Label::new("why", why)];
         self.count("bendtwin_connections_ended_total", labels);
+    }
+
+    /// End of the certificate of a listener [Unix time, s].
+    pub(crate) fn certificate_end(&self, listener: &'static str, end: Timestamp) {
+        let label = Label::new("listener", listener);
+        let end = end.as_second() as f64;
+        self.gauge("bendtwin_certificate_end_timestamp_seconds", vec![label], end);
     }
 
     /// Rollouts of a class of sizes that wait for a worker.

@@ -23,6 +23,7 @@ mod rollouts;
 mod sessions;
 mod sharing;
 mod streams;
+mod tls;
 mod tus;
 mod twins;
 mod worker;

@@ -29,7 +29,10 @@ use bendtwin_proto::{
 use bytes::Bytes;
 use futures::Stream;
 use http_body_util::BodyExt as _;
-use tokio::sync::{OwnedSemaphorePermit, Semaphore, mpsc};
+use tokio::{
+    io::{AsyncRead, AsyncWrite},
+    sync::{OwnedSemaphorePermit, Semaphore, mpsc},
+};
 use tokio_stream::wrappers::ReceiverStream;
 use tokio_util::sync::CancellationToken;
 use tonic::{
@@ -38,7 +41,7 @@ use tonic::{
     codegen::{BoxFuture, Service, http},
     server::NamedService,
     service::interceptor::InterceptedService,
-    transport::{Server, server::TcpIncoming},
+    transport::{Server, server::Connected},
 };
 use tracing::{Instrument as _, Span};
 
@@ -147,12 +150,15 @@ impl Inner {
 }
 
 /// Serves rollouts until `shutdown`; those under way then are finished.
-pub(crate) async fn serve(
+pub(crate) async fn serve<C>(
     rollouts: Rollouts,
     token: &str,
-    incoming: TcpIncoming,
+    incoming: impl Stream<Item = std::io::Result<C>>,
     shutdown: CancellationToken,
-) -> Result<(), tonic::transport::Error> {
+) -> Result<(), tonic::transport::Error>
+where
+    C: AsyncRead + AsyncWrite + Connected + Unpin + Send + 'static,
+{
     let expected = blake3::hash(format!("Bearer {token}").as_bytes());
     // Digests are compared in constant time.
     let check = move |request: Request<()>| {

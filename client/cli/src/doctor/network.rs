@@ -15,8 +15,11 @@ pub(super) async fn address(listen: SocketAddr) -> Check {
     match TcpListener::bind(listen).await {
         Ok(_) => Check::ok(NAME, format!("{listen} is free for `bendtwin server`")),
         Err(error) if error.kind() == ErrorKind::AddrInUse => match readiness(listen).await {
-            Some(found) => Check::ok(NAME, format!("{} listens on {listen}", found.build)),
-            None => {
+            Ok(found) => Check::ok(NAME, format!("{} listens on {listen}", found.build)),
+            Err(error) if error.reason() == "TLS_REQUIRED" => {
+                Check::ok(NAME, format!("a server of BendTwin listens on {listen}, with TLS"))
+            }
+            Err(_) => {
                 let advice = "stop it, or start the server with another --listen";
                 Check::problem(NAME, format!("another program listens on {listen}: {advice}"))
             }
@@ -26,14 +29,14 @@ pub(super) async fn address(listen: SocketAddr) -> Check {
 }
 
 /// The state of the server at an address of this machine, if it is one of BendTwin.
-async fn readiness(listen: SocketAddr) -> Option<Readiness> {
+async fn readiness(listen: SocketAddr) -> Result<Readiness, bendtwin_client::Error> {
     let ip = match listen.ip() {
         ip if ip.is_unspecified() => "127.0.0.1".to_owned(),
         ip if ip.is_ipv6() => format!("[{ip}]"),
         ip => ip.to_string(),
     };
     let url = format!("http://{ip}:{}", listen.port());
-    Client::connect(&url).await.ok()?.readiness().await.ok()
+    Client::connect(&url).await?.readiness().await
 }
 
 /// Checks of the server that commands talk to; one note if none answers.

@@ -1,7 +1,7 @@
 //! Server options from all their sources: defaults < file < environment < flags.
 
 use anyhow::Context as _;
-use bendtwin_server::{ClientTokenPolicy, DatabaseUrl, Options};
+use bendtwin_server::{ClientTokenPolicy, DatabaseUrl, Options, Tls, WorkerTls};
 
 use super::Server;
 use crate::failure::Usage;
@@ -35,6 +35,7 @@ impl Server {
             Some(_) => options.client_token = ClientTokenPolicy::Required,
             None => {}
         }
+        self.set_tls(&mut options);
         if let Some(by_proxy) = self.tls_terminated_by_proxy {
             options.tls_terminated_by_proxy = by_proxy;
         }
@@ -81,6 +82,21 @@ impl Server {
         options.validate().map_err(|faults| Usage::error(faults.join("; ")))?;
         Ok(options)
     }
+
+    /// Sets the certificates; files that belong together are given together.
+    fn set_tls(&self, options: &mut Options) {
+        if let (Some(certificate), Some(key)) = (&self.tls_certificate, &self.tls_key) {
+            options.tls = Some(Tls { certificate: certificate.clone(), key: key.clone() });
+        }
+        let files = (&self.worker_tls_certificate, &self.worker_tls_key, &self.worker_tls_ca);
+        if let (Some(listen), (Some(certificate), Some(key), Some(ca))) =
+            (self.worker_tls_listen, files)
+        {
+            let (certificate, key) = (certificate.clone(), key.clone());
+            options.worker_tls =
+                Some(WorkerTls { listen, certificate, key, client_ca: ca.clone() });
+        }
+    }
 }
 
 #[cfg(test)]
@@ -98,6 +114,12 @@ mod tests {
             worker_listen: None,
             allowed_hosts: None,
             client_token: None,
+            tls_certificate: None,
+            tls_key: None,
+            worker_tls_listen: None,
+            worker_tls_certificate: None,
+            worker_tls_key: None,
+            worker_tls_ca: None,
             tls_terminated_by_proxy: None,
             insecure: None,
             data_dir: None,

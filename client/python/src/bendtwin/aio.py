@@ -53,6 +53,7 @@ from bendtwin.rollout import Fidelity, RolloutResult
 from bendtwin.session import SessionCalls
 from bendtwin.state import InitialState, State
 from bendtwin.token import aio_interceptors, shown_token
+from bendtwin.transport import transport
 from bendtwin.twin import TwinFacts
 from bendtwin.uploads import Sender
 from bendtwin.v1 import session_pb2
@@ -231,11 +232,12 @@ class Session(SessionCalls[AsyncCaller, Twin]):
 
 
 class Client:
-    """A BendTwin server, `host:port`, for one event loop. Close it or use it in `async with`.
+    """A BendTwin server, `host:port` or a URL, for one event loop. Close it or use `async with`.
 
     `token` is a key or the token of the server, `token_file` a file with either, which others must
     not be able to read. Without both it is that of `BENDTWIN_TOKEN`, in the file of
-    `BENDTWIN_TOKEN_FILE`, or the one that a server of the same user on the same machine left.
+    `BENDTWIN_TOKEN_FILE`, or the one that a server of the same user on the same machine left. `ca`
+    is as in `bendtwin.Client`.
     """
 
     def __init__(
@@ -244,13 +246,21 @@ class Client:
         *,
         token: str | None = None,
         token_file: str | PathLike[str] | None = None,
+        ca: str | PathLike[str] | None = None,
     ) -> None:
-        target = address.removeprefix("http://").rstrip("/")
-        self._address = target
+        self._transport = transport(address, ca)
+        target, options = self._transport.target, calls.CHANNEL_OPTIONS
         self._token = shown_token(target, token, token_file)
-        self._channel = grpc.aio.insecure_channel(
-            target, options=calls.CHANNEL_OPTIONS, interceptors=aio_interceptors(self._token)
-        )
+        interceptors = aio_interceptors(self._token)
+        if self._transport.is_https:
+            credentials = self._transport.credentials()
+            self._channel = grpc.aio.secure_channel(
+                target, credentials, options=options, interceptors=interceptors
+            )
+        else:
+            self._channel = grpc.aio.insecure_channel(
+                target, options=options, interceptors=interceptors
+            )
         self._caller = AsyncCaller(calls.Services(self._channel))
 
     async def __aenter__(self) -> Client:
@@ -349,7 +359,9 @@ class Client:
 
         def send(display_name: str) -> str:
             with archive_of(path) as archive:
-                sender = Sender(self._address, archive, display_name, request_id, token=self._token)
+                sender = Sender(
+                    self._transport, archive, display_name, request_id, token=self._token
+                )
                 return sender.send(on_progress)
 
         return await self.capture(await asyncio.to_thread(send, display_name))

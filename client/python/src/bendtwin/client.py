@@ -30,6 +30,7 @@ from bendtwin.rollout import Fidelity
 from bendtwin.session import Session
 from bendtwin.state import InitialState
 from bendtwin.token import shown_token, with_token
+from bendtwin.transport import transport
 from bendtwin.twin import Twin
 from bendtwin.uploads import Sender
 from bendtwin.world import Grasp, World
@@ -39,11 +40,14 @@ if TYPE_CHECKING:
 
 
 class Client:
-    """A BendTwin server, `host:port`. Thread-safe; close it or use it in a `with` statement.
+    """A BendTwin server, `host:port` or a URL. Thread-safe; close it or use it in `with`.
 
     `token` is a key or the token of the server, `token_file` a file with either, which others must
     not be able to read. Without both it is that of `BENDTWIN_TOKEN`, in the file of
     `BENDTWIN_TOKEN_FILE`, or the one that a server of the same user on the same machine left.
+
+    For `https://host:port`, `ca` is the file with the certificate of the server's authority (PEM).
+    Without it that is in the file of `BENDTWIN_CA`, or among the authorities of the system.
     """
 
     def __init__(
@@ -52,11 +56,17 @@ class Client:
         *,
         token: str | None = None,
         token_file: str | PathLike[str] | None = None,
+        ca: str | PathLike[str] | None = None,
     ) -> None:
-        target = address.removeprefix("http://").rstrip("/")
+        self._transport = transport(address, ca)
+        target, options = self._transport.target, calls.CHANNEL_OPTIONS
         self._address = target
         self._token = shown_token(target, token, token_file)
-        self._channel = grpc.insecure_channel(target, options=calls.CHANNEL_OPTIONS)
+        if self._transport.is_https:
+            credentials = self._transport.credentials()
+            self._channel = grpc.secure_channel(target, credentials, options=options)
+        else:
+            self._channel = grpc.insecure_channel(target, options=options)
         self._caller = Caller(calls.Services(with_token(self._channel, self._token)))
 
     def __enter__(self) -> Client:
@@ -145,7 +155,7 @@ class Client:
         if display_name is None:
             display_name = path.resolve().name if path.is_dir() else path.stem
         with archive_of(path) as archive:
-            sender = Sender(self._address, archive, display_name, request_id, token=self._token)
+            sender = Sender(self._transport, archive, display_name, request_id, token=self._token)
             name = sender.send(on_progress)
         return self.capture(name)
 

@@ -11,6 +11,8 @@ import grpc
 from google.protobuf.message import DecodeError
 from google.rpc import error_details_pb2, status_pb2
 
+from bendtwin.transport import tls_fault
+
 if TYPE_CHECKING:
     from bendtwin.resources import Capture, Fit
 
@@ -107,7 +109,11 @@ def from_rpc_error(error: grpc.RpcError) -> BendTwinError:
             reason = info.reason
         elif detail.Is(request.DESCRIPTOR) and detail.Unpack(request):
             request_id = request.request_id
-    return BendTwinError(category, reason, error.details() or category.value, request_id)
+    details = error.details() or category.value
+    fault = tls_fault(details) if category is Category.UNAVAILABLE else None
+    if fault is not None:
+        return BendTwinError(Category.FAILED_PRECONDITION, *fault)
+    return BendTwinError(category, reason, details, request_id)
 
 
 def _details(error: grpc.RpcError) -> list[Any]:

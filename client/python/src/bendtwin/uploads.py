@@ -18,6 +18,7 @@ from pathlib import Path
 from urllib.parse import urljoin, urlsplit
 
 from bendtwin.errors import BendTwinError, Category, category_named
+from bendtwin.transport import Transport, tls_fault, transport
 
 #: Bytes of one request: what a dead server costs at most.
 PART_BYTES = 16 * 1024 * 1024
@@ -41,18 +42,21 @@ _PASSING_REASONS = ("CHECKSUM_MISMATCH", "UPLOAD_IDLE", "BODY_TOO_SLOW", "UPLOAD
 
 
 class Sender:
-    """One file on its way to the server at `host:port`."""
+    """One file on its way to a server."""
 
     def __init__(
         self,
-        server: str,
+        server: Transport | str,
         path: Path,
         display_name: str,
         request_id: str | None = None,
         patience_s: float = PATIENCE_S,
         token: str | None = None,
     ) -> None:
-        self._server = f"http://{server}"
+        self._transport = transport(server, None) if isinstance(server, str) else server
+        self._server = self._transport.url
+        # Read once: each request has a connection of its own.
+        self._context = self._transport.context() if self._transport.is_https else None
         self._path = path
         self._length = path.stat().st_size
         self._patience_s = patience_s
@@ -143,12 +147,15 @@ class Sender:
     ) -> Mapping[str, str]:
         """The headers of the answer, in lower case."""
         parts = urlsplit(url)
-        connection = http.client.HTTPConnection(parts.netloc, timeout=_SILENCE_S)
+        connection = self._connection(parts.netloc)
         try:
             connection.request(method, parts.path, body, {**self._headers, **headers})
             response = connection.getresponse()
             text = response.read()
         except (OSError, http.client.HTTPException) as error:
+            fault = tls_fault(str(error))
+            if fault is not None:
+                raise BendTwinError(Category.FAILED_PRECONDITION, *fault) from error
             message = f"no BendTwin server answers at {self._server} ({error!r})"
             raise BendTwinError(Category.UNAVAILABLE, "SERVER_UNREACHABLE", message) from error
         finally:
@@ -156,6 +163,11 @@ class Sender:
         if response.status < 300:
             return {key.lower(): value for key, value in response.getheaders()}
         raise _refusal(response.status, text)
+
+    def _connection(self, host: str) -> http.client.HTTPConnection:
+        if self._context is None:
+            return http.client.HTTPConnection(host, timeout=_SILENCE_S)
+        return http.client.HTTPSConnection(host, timeout=_SILENCE_S, context=self._context)
 
 
 def _is_worth_another_try(error: BendTwinError) -> bool:

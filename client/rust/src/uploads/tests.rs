@@ -5,6 +5,7 @@ use std::{
     sync::{Arc, Mutex},
 };
 
+use bendtwin_tls::Connector;
 use tokio::{
     io::{AsyncReadExt as _, AsyncWriteExt as _},
     net::TcpListener,
@@ -64,7 +65,7 @@ async fn push(exchanges: Vec<Exchange>) -> Result<CaptureId, Error> {
     let file = tempfile::NamedTempFile::new().unwrap();
     std::fs::write(file.path(), b"0123456789").unwrap();
     let (url, left) = serve_script(exchanges).await;
-    let http = reqwest::Client::new();
+    let http = Http::new(Connector::new(Duration::from_secs(10)), None).unwrap();
     let sender = Sender::new(&http, &url, file.path(), "digest", "rope").await.unwrap();
     let pushed = sender.send(&|_| ()).await;
     assert!(left.lock().unwrap().is_empty(), "the client gave up early: {pushed:?}");

@@ -1,0 +1,191 @@
+//! `bendtwin ca`: a private authority for the certificates of servers and workers.
+
+use std::path::{Path, PathBuf};
+
+use anyhow::Context as _;
+use bendtwin_ca::{AUTHORITY_DAYS, Authority, DAYS, Order, Role, Written};
+use bendtwin_tls::{Certificate, Validity, files};
+use clap::{Args, Subcommand, ValueEnum};
+use jiff::Timestamp;
+use serde::Serialize;
+
+use crate::{failure::failed, global::Global, output};
+
+#[derive(Debug, Args)]
+pub(crate) struct Ca {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    /// Make an authority: ca.pem, and its key ca.key, which stays on this machine
+    Init {
+        /// Folder of the authority, made if missing
+        folder: PathBuf,
+    },
+    /// Issue a certificate with its key: NAME.pem and NAME.key in the folder
+    Issue(Issue),
+    /// Show the certificates of a file, with their hosts and their ends
+    Show {
+        /// PEM file
+        file: PathBuf,
+    },
+}
+
+#[derive(Debug, Args)]
+struct Issue {
+    /// Folder of the authority
+    folder: PathBuf,
+    /// Role of the holder
+    #[arg(long, value_enum, value_name = "ROLE")]
+    role: RoleArg,
+    /// Name of the holder: that of the files, and its first host
+    #[arg(long, value_name = "NAME")]
+    name: String,
+    /// Further host or address by which it is reached [default for a server: localhost, 127.0.0.1
+    /// and ::1]
+    #[arg(long = "host", value_name = "HOST")]
+    hosts: Vec<String>,
+    /// Days for which it holds
+    #[arg(long, value_name = "N", default_value_t = DAYS,
+        value_parser = clap::value_parser!(u32).range(1..=i64::from(AUTHORITY_DAYS)))]
+    days: u32,
+    /// Replace the certificate of that name, and its key
+    #[arg(long)]
+    renew: bool,
+}
+
+/// Roles of holders, as users write them.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum RoleArg {
+    /// A server, for its clients or its workers on other hosts
+    Server,
+    /// A worker on another host
+    Worker,
+}
+
+/// Facts of a certificate, for people and scripts.
+#[derive(Serialize)]
+struct Shown {
+    name: String,
+    issuer: String,
+    hosts: Vec<String>,
+    is_authority: bool,
+    not_before: Timestamp,
+    not_after: Timestamp,
+}
+
+/// Files that were written.
+#[derive(Serialize)]
+struct Files {
+    certificate: PathBuf,
+    key: PathBuf,
+    not_after: Timestamp,
+}
+
+pub(crate) fn run(args: Ca, global: &Global) -> anyhow::Result<()> {
+    match args.command {
+        Command::Init { folder } => init(&folder, global),
+        Command::Issue(args) => issue(args, global),
+        Command::Show { file } => show(&file, global),
+    }
+}
+
+fn init(folder: &Path, global: &Global) -> anyhow::Result<()> {
+    let written = Authority::create(folder).map_err(failed)?;
+    print(&written, global, |files| {
+        let folder = folder.display();
+        format!(
+            "{files}\nKeep the key here: whoever has it can pass for every server and worker.\n\
+             Next: bendtwin ca issue {folder} --role server --name NAME --host HOST"
+        )
+    })
+}
+
+fn issue(args: Issue, global: &Global) -> anyhow::Result<()> {
+    let role = match args.role {
+        RoleArg::Server => Role::Server,
+        RoleArg::Worker => Role::Worker,
+    };
+    let days = i64::from(args.days);
+    let order = Order { name: args.name, hosts: args.hosts, role, days, renew: args.renew };
+    let authority = Authority::open(&args.folder).map_err(failed)?;
+    let written = authority.issue(&order).map_err(failed)?;
+    let (ca, _) = Authority::paths(&args.folder);
+    print(&written, global, |files| {
+        let (certificate, key) = (written.certificate.display(), written.key.display());
+        let (ca, hosts) = (ca.display(), written.facts.hosts.join(", "));
+        let next = match role {
+            Role::Server => format!(
+                "For clients: bendtwin server --tls-certificate {certificate} --tls-key {key}; \
+                 they are given {ca} (--ca, BENDTWIN_CA)\n\
+                 For workers on other hosts: bendtwin server --listen-workers-tls ADDRESS \
+                 --worker-tls-certificate {certificate} --worker-tls-key {key} --worker-tls-ca {ca}"
+            ),
+            Role::Worker => format!(
+                "Next: copy both files and {ca} to the worker's host, and there\n\
+                 bendtwin worker --server https://SERVER:PORT --ca ca.pem --certificate {0}.pem \
+                 --key {0}.key",
+                order.name
+            ),
+        };
+        format!("{files}\nfor {hosts}\n{next}")
+    })
+}
+
+fn print(
+    written: &Written,
+    global: &Global,
+    text: impl FnOnce(String) -> String,
+) -> anyhow::Result<()> {
+    let files = Files {
+        certificate: written.certificate.clone(),
+        key: written.key.clone(),
+        not_after: written.facts.not_after,
+    };
+    output::print(global, &files, || {
+        text(format!(
+            "wrote {} and its key {}, until {:.0}",
+            files.certificate.display(),
+            files.key.display(),
+            files.not_after
+        ))
+    })
+}
+
+fn show(file: &Path, global: &Global) -> anyhow::Result<()> {
+    let found = files::certificates(file).map_err(failed)?;
+    let found = found.iter().map(|der| Certificate::of(der).context("a certificate is damaged"));
+    let found = found.collect::<anyhow::Result<Vec<_>>>()?;
+    let shown = found.iter().map(|certificate| Shown {
+        name: certificate.name().to_owned(),
+        issuer: certificate.issuer.clone(),
+        hosts: certificate.hosts.clone(),
+        is_authority: certificate.is_authority,
+        not_before: certificate.not_before,
+        not_after: certificate.not_after,
+    });
+    let shown: Vec<_> = shown.collect();
+    output::print(global, &shown, || {
+        found
+            .iter()
+            .map(|certificate| line(certificate, Timestamp::now()))
+            .collect::<Vec<_>>()
+            .join("\n")
+    })
+}
+
+fn line(certificate: &Certificate, now: Timestamp) -> String {
+    let what = match certificate.is_authority {
+        true => format!("authority {}", certificate.common_name),
+        false => format!("{}, issued by {}", certificate.hosts.join(", "), certificate.issuer),
+    };
+    let days = certificate.not_after.duration_since(now).as_hours() / 24;
+    let (begin, end) = (certificate.not_before, certificate.not_after);
+    match certificate.validity(now) {
+        Validity::Valid => format!("{what}: until {end:.0} ({days} days)"),
+        Validity::Expired => format!("{what}: EXPIRED at {end:.0}"),
+        Validity::NotYet => format!("{what}: NOT VALID before {begin:.0}"),
+    }
+}

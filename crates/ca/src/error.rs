@@ -1,0 +1,96 @@
+//! Reasons for which an authority cannot do what it is asked for.
+
+use std::path::PathBuf;
+
+use bendtwin_core::{Category, Problem};
+use bendtwin_tls::FileError;
+use jiff::Timestamp;
+
+use crate::AUTHORITY_DAYS;
+
+/// Reason for which an authority cannot do what it is asked for.
+#[derive(Debug, thiserror::Error)]
+pub enum Error {
+    /// A file would be overwritten.
+    #[error(
+        "{} exists: name another folder for another authority, or issue with --renew to replace a \
+         certificate", path.display()
+    )]
+    Exists {
+        /// The file.
+        path: PathBuf,
+    },
+    /// There is no authority in the folder.
+    #[error("there is no authority in {}: make one with `bendtwin ca init`", folder.display())]
+    Missing {
+        /// The folder.
+        folder: PathBuf,
+    },
+    /// The name cannot be that of a file and of a host.
+    #[error(
+        "`{0}` is no name for a certificate: use up to 63 letters, digits, `-` and `.`, and not `ca`"
+    )]
+    Name(String),
+    /// The host is none.
+    #[error("`{0}` is neither a host name nor an address: give it without scheme and port")]
+    Host(String),
+    /// The validity is none.
+    #[error("{0} days are no validity: give 1 to {AUTHORITY_DAYS}")]
+    Days(i64),
+    /// The certificate would hold longer than that of the authority.
+    #[error(
+        "a certificate of {days} days would outlive the authority, which ends at {end:.0}: give \
+         fewer days, or make another authority"
+    )]
+    TooLong {
+        /// Days that were asked for.
+        days: i64,
+        /// End of the authority.
+        end: Timestamp,
+    },
+    /// A file of the authority cannot be used.
+    #[error(transparent)]
+    File(#[from] FileError),
+    /// A file cannot be written.
+    #[error("cannot write {}: {source}", path.display())]
+    Unwritable {
+        /// The file.
+        path: PathBuf,
+        /// The system's error.
+        source: std::io::Error,
+    },
+    /// A certificate cannot be made.
+    #[error("no certificate can be made: {0}")]
+    Generation(#[from] rcgen::Error),
+    /// A certificate cannot be read, or the clock tells a time that none can have.
+    #[error("the certificate cannot be read: is the clock of this machine right?")]
+    Unreadable,
+}
+
+impl Problem for Error {
+    fn category(&self) -> Category {
+        match self {
+            Self::Exists { .. } => Category::AlreadyExists,
+            Self::Missing { .. } => Category::NotFound,
+            Self::Name(_) | Self::Host(_) | Self::Days(_) | Self::TooLong { .. } => {
+                Category::InvalidArgument
+            }
+            Self::File(error) => error.category(),
+            Self::Unwritable { .. } => Category::FailedPrecondition,
+            Self::Generation(_) | Self::Unreadable => Category::Internal,
+        }
+    }
+
+    fn reason(&self) -> &'static str {
+        match self {
+            Self::Exists { .. } => "CA_FILE_EXISTS",
+            Self::Missing { .. } => "NO_CA",
+            Self::Name(_) | Self::Host(_) | Self::Days(_) | Self::TooLong { .. } => {
+                "INVALID_ARGUMENT"
+            }
+            Self::File(error) => error.reason(),
+            Self::Unwritable { .. } => "FILE_UNUSABLE",
+            Self::Generation(_) | Self::Unreadable => "CA_FAILED",
+        }
+    }
+}

@@ -1,0 +1,61 @@
+//! Files of an authority, of which keys are for this user alone.
+
+use std::{
+    fs::{DirBuilder, File, OpenOptions},
+    io::{self, Write as _},
+    path::{Path, PathBuf},
+};
+
+use crate::Error;
+
+/// Makes a folder that only this user can enter; one that is there stays as it is.
+pub(crate) fn make_folder(folder: &Path) -> Result<(), Error> {
+    let mut builder = DirBuilder::new();
+    builder.recursive(true);
+    #[cfg(unix)]
+    std::os::unix::fs::DirBuilderExt::mode(&mut builder, 0o700);
+    builder.create(folder).map_err(|source| Error::Unwritable { path: folder.to_owned(), source })
+}
+
+/// Writes a certificate and its key. Files that are there are refused, or replaced each at once.
+pub(crate) fn write_pair(
+    certificate: &Path,
+    certificate_pem: &str,
+    key: &Path,
+    key_pem: &str,
+    replaces: bool,
+) -> Result<(), Error> {
+    if !replaces {
+        for path in [certificate, key] {
+            if path.exists() {
+                return Err(Error::Exists { path: path.to_owned() });
+            }
+        }
+    }
+    write(key, key_pem, 0o600)?;
+    write(certificate, certificate_pem, 0o644)
+}
+
+fn write(path: &Path, text: &str, mode: u32) -> Result<(), Error> {
+    let unwritable = |source| Error::Unwritable { path: path.to_owned(), source };
+    let mut partial = path.as_os_str().to_owned();
+    partial.push(".partial");
+    let partial = PathBuf::from(partial);
+    match std::fs::remove_file(&partial) {
+        Err(error) if error.kind() != io::ErrorKind::NotFound => return Err(unwritable(error)),
+        _ => {}
+    }
+    let mut file = create(&partial, mode).map_err(unwritable)?;
+    let written = file.write_all(text.as_bytes()).and_then(|()| file.sync_all());
+    written.and_then(|()| std::fs::rename(&partial, path)).map_err(unwritable)
+}
+
+fn create(path: &Path, mode: u32) -> io::Result<File> {
+    let mut options = OpenOptions::new();
+    options.write(true).create_new(true);
+    #[cfg(unix)]
+    std::os::unix::fs::OpenOptionsExt::mode(&mut options, mode);
+    #[cfg(not(unix))]
+    let _ = mode;
+    options.open(path)
+}

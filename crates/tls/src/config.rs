@@ -1,0 +1,172 @@
+//! Settings of both ends of a connection, from files.
+
+use std::{
+    path::{Path, PathBuf},
+    sync::Arc,
+};
+
+use rustls::{
+    ClientConfig, RootCertStore, ServerConfig,
+    crypto::{CryptoProvider, ring},
+    server::WebPkiClientVerifier,
+    version::TLS13,
+};
+
+use crate::{
+    Certificate, FileError,
+    files::{self, unusable},
+};
+
+/// Protocols of a listener, by preference.
+const PROTOCOLS: [&[u8]; 2] = [b"h2", b"http/1.1"];
+
+/// Files of a certificate and its key.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct PairPaths {
+    /// The certificate, and after it those that issued it.
+    pub certificate: PathBuf,
+    /// Its key.
+    pub key: PathBuf,
+}
+
+/// Files of a peer among those of one private authority.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct MutualPaths {
+    /// Its certificate and key.
+    pub pair: PairPaths,
+    /// The certificates of the authority.
+    pub ca: PathBuf,
+}
+
+/// Settings of a listener that shows a certificate and demands none.
+#[derive(Debug)]
+pub struct Public {
+    /// For its connections.
+    pub server: Arc<ServerConfig>,
+    /// Its certificate.
+    pub certificate: Option<Certificate>,
+}
+
+/// Settings of a peer that shows its certificate, whoever began the connection, and demands one of
+/// the private authority of the other side. It speaks TLS 1.3 alone: both ends are of BendTwin.
+#[derive(Debug)]
+pub struct Mutual {
+    /// For connections that others begin.
+    pub server: Arc<ServerConfig>,
+    /// For connections that it begins, over HTTP/2.
+    pub client: Arc<ClientConfig>,
+    /// Its own certificate.
+    pub certificate: Option<Certificate>,
+}
+
+/// Settings of a client that trusts the authorities of a file, or without one those of the system.
+/// The caller adds the protocols that it speaks.
+///
+/// # Errors
+/// If the file cannot be used.
+pub fn client_config(ca: Option<&Path>) -> Result<ClientConfig, FileError> {
+    let roots = match ca {
+        Some(path) => files::authorities(path)?,
+        None => of_the_system(),
+    };
+    let place = || ca.unwrap_or(Path::new("TLS")).to_owned();
+    let builder = ClientConfig::builder_with_provider(provider())
+        .with_safe_default_protocol_versions()
+        .map_err(|fault| unusable(&place(), fault))?;
+    Ok(builder.with_root_certificates(roots).with_no_client_auth())
+}
+
+impl Public {
+    /// Settings from files.
+    ///
+    /// # Errors
+    /// If the files cannot be used.
+    pub fn load(paths: &PairPaths) -> Result<Self, FileError> {
+        let (chain, key) = (files::certificates(&paths.certificate)?, files::key(&paths.key)?);
+        let certificate = chain.first().and_then(Certificate::of);
+        let builder = ServerConfig::builder_with_provider(provider())
+            .with_safe_default_protocol_versions()
+            .map_err(|fault| unusable(&paths.certificate, fault))?;
+        let server = builder.with_no_client_auth().with_single_cert(chain, key);
+        let mut server = server.map_err(|fault| of_pair(paths, fault))?;
+        server.alpn_protocols = PROTOCOLS.map(<[u8]>::to_vec).into();
+        Ok(Self { server: server.into(), certificate })
+    }
+}
+
+impl PairPaths {
+    /// The files, to be watched.
+    pub fn all(&self) -> Vec<PathBuf> {
+        vec![self.certificate.clone(), self.key.clone()]
+    }
+}
+
+impl MutualPaths {
+    /// The files, to be watched.
+    pub fn all(&self) -> Vec<PathBuf> {
+        let mut paths = self.pair.all();
+        paths.push(self.ca.clone());
+        paths
+    }
+}
+
+impl Mutual {
+    /// Settings from files.
+    ///
+    /// # Errors
+    /// If the files cannot be used.
+    pub fn load(paths: &MutualPaths) -> Result<Self, FileError> {
+        let MutualPaths { pair, ca } = paths;
+        let chain = files::certificates(&pair.certificate)?;
+        let key = files::key(&pair.key)?;
+        let roots = files::authorities(ca)?;
+        let certificate = chain.first().and_then(Certificate::of);
+        let of_ca = |fault: &dyn std::fmt::Display| unusable(ca, fault);
+
+        let demand =
+            WebPkiClientVerifier::builder_with_provider(roots.clone().into(), provider()).build();
+        let server = ServerConfig::builder_with_provider(provider())
+            .with_protocol_versions(&[&TLS13])
+            .map_err(|fault| of_ca(&fault))?
+            .with_client_cert_verifier(demand.map_err(|fault| of_ca(&fault))?)
+            .with_single_cert(chain.clone(), key.clone_key());
+        let mut server = server.map_err(|fault| of_pair(pair, fault))?;
+        server.alpn_protocols = PROTOCOLS.map(<[u8]>::to_vec).into();
+
+        let client = ClientConfig::builder_with_provider(provider())
+            .with_protocol_versions(&[&TLS13])
+            .map_err(|fault| of_ca(&fault))?
+            .with_root_certificates(roots)
+            .with_client_auth_cert(chain, key);
+        let mut client = client.map_err(|fault| of_pair(pair, fault))?;
+        client.alpn_protocols = vec![b"h2".to_vec()];
+        Ok(Self { server: server.into(), client: client.into(), certificate })
+    }
+}
+
+/// The one implementation of cryptography, which the database driver has as well.
+fn provider() -> Arc<CryptoProvider> {
+    Arc::new(ring::default_provider())
+}
+
+/// Authorities that the system trusts. A system without any has servers of private authorities
+/// alone, whose certificates are refused with an advice then.
+fn of_the_system() -> RootCertStore {
+    let found = rustls_native_certs::load_native_certs();
+    for error in &found.errors {
+        tracing::debug!(%error, "an authority of the system is left out");
+    }
+    let mut roots = RootCertStore::empty();
+    roots.add_parsable_certificates(found.certs);
+    roots
+}
+
+fn of_pair(paths: &PairPaths, fault: rustls::Error) -> FileError {
+    match fault {
+        rustls::Error::InconsistentKeys(_) => FileError::KeyMismatch {
+            certificate: paths.certificate.clone(),
+            key: paths.key.clone(),
+        },
+        fault => unusable(&paths.certificate, fault),
+    }
+}
