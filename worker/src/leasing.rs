@@ -54,9 +54,14 @@ pub(crate) async fn lease<E: Execute>(
             () = stop.closed.cancelled() => return Ok(()),
         };
         match leased {
-            Ok(lease) => {
+            Ok(answer) if answer.drain => {
+                tracing::info!("the server asks this worker to end");
+                stop.drained.cancel();
+            }
+            Ok(answer) => {
                 backoff = Backoff::default();
-                if let Some(lease) = lease {
+                if let Some(lease) = answer.lease {
+                    let _at_work = registration.at_work(E::KIND, &lease);
                     executor.execute(lease, &stop.drained).await;
                 }
             }

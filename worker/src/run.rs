@@ -29,6 +29,9 @@ use crate::{
 /// Longest time for rollouts and final reports once the worker has to end.
 const SHUTDOWN_GRACE: Duration = Duration::from_secs(15);
 
+/// Longest time for the last word to a server.
+const LEAVE_TIMEOUT: Duration = Duration::from_secs(2);
+
 /// Runs a worker until `shutdown` (jobs under way are handed back with their
 /// latest checkpoints, rollouts are finished) or until the server drains it.
 ///
@@ -57,7 +60,7 @@ async fn run_on(
 ) -> Result<(), Error> {
     let (key, id) = worker_key::generate();
     let limits = options.limits;
-    let server = ServerClient::new(&options.server, &options.token, &key)?;
+    let server = ServerClient::new(&options.servers, &options.token, &key)?;
     let base = options.scratch_dir.clone().or_else(|| options.cache_dir.clone());
     let base = base.unwrap_or_else(std::env::temp_dir);
     let scratch = Scratch::new(&base)
@@ -75,8 +78,8 @@ async fn run_on(
 
     let request = register_request(id, &endpoint, device);
     let fit_bytes = if options.fits { limits.fit_bytes } else { 0 };
-    let registration =
-        Registration::new(server.clone(), request, rollouts, device.clone(), fit_bytes);
+    rollouts.set_fit_bytes(fit_bytes);
+    let registration = Registration::new(server.clone(), request, rollouts);
     tokio::select! {
         registered = registration.register(options.delivery_timeout) => registered?,
         () = shutdown.cancelled() => return Ok(()),
@@ -98,7 +101,7 @@ async fn run_on(
         fatal,
     };
     let ingests = Ingests {
-        server,
+        server: server.clone(),
         worker: id.to_string(),
         dir,
         program: options.ingest_program.clone().unwrap_or_else(this_program),
@@ -132,8 +135,13 @@ async fn run_on(
         tracing::warn!("the jobs under way did not end in time: their leases will run out");
     }
     leasing.abort();
-    heartbeat.abort();
+    // Rollouts under way are finished, and heartbeats go on until then.
     serving.stop().await;
+    heartbeat.abort();
+    let left = tokio::time::timeout(LEAVE_TIMEOUT, server.leave(id.to_string())).await;
+    if !matches!(left, Ok(Ok(()))) {
+        tracing::info!("no server was told that this worker ends: it will notice");
+    }
     tracing::info!("worker ended");
     result
 }

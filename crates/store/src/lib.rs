@@ -110,6 +110,7 @@ mod playbacks;
 mod quotas;
 mod references;
 mod row;
+mod servers;
 mod sql;
 mod store;
 #[cfg(test)]
@@ -135,6 +136,7 @@ pub use listing::{ListQuery, Order, OrderKey};
 pub use observations::{Observation, Report};
 pub use page::{Page, PageRequest};
 pub use quotas::{Creator, Quotas};
+pub use servers::{Server, Servers};
 pub use store::{Options, Store};
 pub use twins::{NewTwin, Twin, TwinFacts, Twins};
 pub use uploads::{

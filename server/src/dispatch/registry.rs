@@ -12,9 +12,10 @@ use bendtwin_core::{
     settings::memory::Lanes,
 };
 use bendtwin_proto::worker::v1::worker_rollouts_client::WorkerRolloutsClient;
-use bendtwin_store::Worker;
+use bendtwin_store::{Job, Kind, Worker};
 use jiff::Timestamp;
 use tokio::time::Instant;
+use tokio_util::sync::CancellationToken;
 use tonic::{
     metadata::AsciiMetadataValue,
     transport::{Channel, Endpoint},
@@ -45,6 +46,10 @@ pub(super) struct Entry {
     worker: Worker,
     /// The process of the server's that it is, if it is one.
     pub(super) child: Option<Child>,
+    /// Cancelled once it is to take no more work.
+    pub(super) draining: CancellationToken,
+    /// Cancelled when the entry goes.
+    pub(super) gone: CancellationToken,
     live: Mutex<Live>,
     pub(super) line: Line,
     client: WorkerRolloutsClient<Channel>,
@@ -60,11 +65,19 @@ pub(super) struct Now {
     pub(super) lease: Duration,
 }
 
+/// The last that was heard of a worker when its entry is made.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Heard {
+    At(Now),
+    /// Nothing here: another server knows it. It is not used until it answers.
+    Never,
+}
+
 /// Facts that change while a worker lives.
 #[derive(Debug)]
 pub(super) struct Live {
-    /// Last sign of life, by the time of leases.
-    last_sign: Duration,
+    /// Last sign of life, by the time of leases; none if there was none here.
+    last_sign: Option<Duration>,
     last_seen: Timestamp,
     warm: Vec<TwinId>,
     /// Sessions that live there.
@@ -74,10 +87,23 @@ pub(super) struct Live {
     in_flight: u32,
     memory: Option<Memory>,
     fit_bytes: u64,
-    pub(super) fit: Option<FitId>,
+    fit: Option<Told<FitId>>,
     /// The capture whose ingest it is at.
-    pub(super) ingest: Option<CaptureId>,
+    ingest: Option<Told<CaptureId>>,
     broken_until: Option<Instant>,
+}
+
+/// A job, and when it was heard of.
+#[derive(Clone, Copy, Debug)]
+struct Told<T> {
+    id: T,
+    at: Instant,
+}
+
+impl<T> Told<T> {
+    fn now(id: T) -> Self {
+        Self { id, at: Instant::now() }
+    }
 }
 
 /// A worker as listings show it.
@@ -92,6 +118,22 @@ pub(crate) struct WorkerView {
     pub(crate) ingest: Option<CaptureId>,
 }
 
+impl From<Worker> for WorkerView {
+    /// A worker of whom this server knows no more than its registration.
+    fn from(worker: Worker) -> Self {
+        let last_seen = worker.started;
+        Self {
+            worker,
+            last_seen,
+            warm: Vec::new(),
+            in_flight: 0,
+            memory: None,
+            fit: None,
+            ingest: None,
+        }
+    }
+}
+
 /// Facts that a worker reports with every heartbeat.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Heartbeat {
@@ -103,6 +145,9 @@ pub(crate) struct Heartbeat {
     pub(crate) memory: Option<Memory>,
     /// Memory that a fit may take [bytes]; zero if it takes no fits.
     pub(crate) fit_bytes: u64,
+    /// The fit under way, and the capture whose ingest is.
+    pub(crate) fit: Option<FitId>,
+    pub(crate) ingest: Option<CaptureId>,
 }
 
 /// Facts of a session that lives at a worker.
@@ -138,6 +183,35 @@ impl Live {
         sessions.extend(new.map(|(id, held)| (*id, *held)));
         self.sessions = sessions;
     }
+
+    /// Takes over the jobs that a heartbeat tells of. It may have been sent before a job was leased
+    /// here, and a job that was leased here may have ended at another server.
+    fn told_jobs(&mut self, fit: Option<FitId>, ingest: Option<CaptureId>) {
+        self.fit = fit.map(Told::now).or(self.fit.filter(|f| f.at.elapsed() < UNDER_WAY));
+        self.ingest = ingest.map(Told::now).or(self.ingest.filter(|i| i.at.elapsed() < UNDER_WAY));
+    }
+}
+
+/// The connection to the endpoint of a worker, made with the first call.
+fn channel(endpoint: &str) -> Result<Channel> {
+    let endpoint = Endpoint::from_shared(endpoint.to_owned())
+        .ok()
+        .filter(|e| e.uri().scheme_str() == Some("http") && e.uri().host().is_some())
+        .ok_or_else(|| Error::invalid("endpoint", "is not of the form http://host:port"))?;
+    Ok(endpoint
+        .connect_timeout(CONNECT_TIMEOUT)
+        .tcp_nodelay(true)
+        .initial_stream_window_size(WINDOW)
+        .initial_connection_window_size(WINDOW)
+        .http2_keep_alive_interval(Duration::from_secs(10))
+        .keep_alive_timeout(Duration::from_secs(10))
+        .connect_lazy())
+}
+
+impl Drop for Entry {
+    fn drop(&mut self) {
+        self.gone.cancel();
+    }
 }
 
 impl Entry {
@@ -146,29 +220,23 @@ impl Entry {
         child: Option<Child>,
         token: &str,
         limits: &Limits,
-        now: Now,
+        heard: Heard,
     ) -> Result<Self> {
-        let url = &worker.registration.endpoint;
-        let channel = Endpoint::from_shared(url.clone())
-            .ok()
-            .filter(|e| e.uri().scheme_str() == Some("http") && e.uri().host().is_some())
-            .ok_or_else(|| Error::invalid("endpoint", "is not of the form http://host:port"))?
-            .connect_timeout(CONNECT_TIMEOUT)
-            .tcp_nodelay(true)
-            .initial_stream_window_size(WINDOW)
-            .initial_connection_window_size(WINDOW)
-            .http2_keep_alive_interval(Duration::from_secs(10))
-            .keep_alive_timeout(Duration::from_secs(10))
-            .connect_lazy();
-        let client = WorkerRolloutsClient::new(channel)
+        let client = WorkerRolloutsClient::new(channel(&worker.registration.endpoint)?)
             .max_decoding_message_size(limits.rollout.sent_reply_bytes())
             .max_encoding_message_size(limits.rollout.sent_request_bytes());
         let mut token =
             AsciiMetadataValue::try_from(format!("Bearer {token}")).map_err(|_| Error::BadToken)?;
         token.set_sensitive(true);
         let live = Live {
-            last_sign: now.lease,
-            last_seen: now.day,
+            last_sign: match heard {
+                Heard::At(now) => Some(now.lease),
+                Heard::Never => None,
+            },
+            last_seen: match heard {
+                Heard::At(now) => now.day,
+                Heard::Never => worker.started,
+            },
             warm: Vec::new(),
             sessions: HashMap::new(),
             opened: HashMap::new(),
@@ -179,15 +247,26 @@ impl Entry {
             ingest: None,
             broken_until: None,
         };
+        let draining = CancellationToken::new();
+        if worker.is_draining {
+            draining.cancel();
+        }
         Ok(Self {
             worker,
             child,
+            draining,
+            gone: CancellationToken::new(),
             live: Mutex::new(live),
             line: Line::new(limits.rollouts_per_worker, limits.rollout_queue),
             client,
             token,
             executing: Executing::default(),
         })
+    }
+
+    /// The registration.
+    pub(super) fn worker(&self) -> &Worker {
+        &self.worker
     }
 
     pub(super) fn id(&self) -> bendtwin_core::ids::WorkerId {
@@ -231,11 +310,30 @@ impl Entry {
         live.in_flight = heartbeat.in_flight;
         live.memory = heartbeat.memory;
         live.fit_bytes = heartbeat.fit_bytes;
+        live.told_jobs(heartbeat.fit, heartbeat.ingest);
+        self.line.set_fit(live.fit.is_some());
+    }
+
+    /// Notes the job of a kind that it is at.
+    pub(super) fn set_job(&self, kind: Kind, job: Option<&Job>) {
+        let mut live = self.live();
+        match kind {
+            Kind::Ingest => live.ingest = job.map(|j| Told::now(j.capture)),
+            Kind::Fit => {
+                live.fit = job.and_then(|j| j.id.fit()).map(Told::now);
+                self.line.set_fit(live.fit.is_some());
+            }
+        }
+    }
+
+    /// True if it said that it is at more rollouts than those of this server.
+    pub(super) fn has_others_rollouts(&self) -> bool {
+        self.live().in_flight as usize > self.line.len()
     }
 
     pub(super) fn seen(&self, now: Now) {
         let mut live = self.live();
-        (live.last_sign, live.last_seen) = (now.lease, now.day);
+        (live.last_sign, live.last_seen) = (Some(now.lease), now.day);
     }
 
     /// The worker answered a rollout of this twin: it has it loaded.
@@ -281,7 +379,7 @@ impl Entry {
 
     /// Time without a sign of life, given the time of leases.
     pub(super) fn silence(&self, now: Duration) -> Duration {
-        now.saturating_sub(self.live().last_sign)
+        self.live().last_sign.map_or(Duration::MAX, |sign| now.saturating_sub(sign))
     }
 
     pub(super) fn candidate(&self, twin: TwinId, ask: &Ask, is_fresh: bool) -> Candidate {
@@ -289,7 +387,7 @@ impl Entry {
         let broken = live.broken_until.is_some_and(|until| until > Instant::now());
         Candidate {
             worker: self.id(),
-            usable: !broken && is_fresh,
+            usable: !broken && is_fresh && !self.draining.is_cancelled(),
             warm: live.warm.contains(&twin),
             has_room: self.line.has_room(ask),
             ahead_s: self.line.ahead_s(),
@@ -301,13 +399,13 @@ impl Entry {
     pub(super) fn view(&self) -> WorkerView {
         let live = self.live();
         WorkerView {
-            worker: self.worker.clone(),
+            worker: Worker { is_draining: self.draining.is_cancelled(), ..self.worker.clone() },
             last_seen: live.last_seen,
             warm: live.warm.clone(),
             in_flight: live.in_flight.max(u32::try_from(self.line.len()).unwrap_or(u32::MAX)),
             memory: live.memory,
-            fit: live.fit,
-            ingest: live.ingest,
+            fit: live.fit.map(|told| told.id),
+            ingest: live.ingest.map(|told| told.id),
         }
     }
 }

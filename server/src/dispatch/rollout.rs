@@ -176,7 +176,7 @@ impl Dispatch {
     async fn prepared(&self, rollout: RollOut) -> Result<Prepared> {
         let arrived = Instant::now();
         let RollOut { mut request, timeout, in_parts, as_lists, commit_slots, memory } = rollout;
-        let session = self.session_of(&mut request)?;
+        let session = self.session_of(&mut request).await?;
         let id: TwinId = request.twin.parse().map_err(Error::Name)?;
         let twin = self.twins.get(&self.store, id).await?;
         let part_instances = rollout::part_instances(&request, in_parts);

@@ -273,6 +273,10 @@ pub(super) struct Worker {
     /// Memory of its device in use by all processes, and in total [bytes]; absent if unknown.
     memory_used_bytes: Option<u64>,
     memory_total_bytes: Option<u64>,
+    /// True if it was asked to end.
+    draining: bool,
+    /// `servers/{uuid}` of the server that started it, and whose rollouts alone it answers.
+    server: Option<String>,
 }
 
 impl From<WorkerView> for Worker {
@@ -291,6 +295,8 @@ impl From<WorkerView> for Worker {
             build: registration.build,
             memory_used_bytes: view.memory.map(|m| m.used),
             memory_total_bytes: view.memory.map(|m| m.total),
+            draining: view.worker.is_draining,
+            server: registration.server.map(|s| s.to_string()),
         }
     }
 }

@@ -163,7 +163,7 @@ async fn damaged_indexes_are_rebuilt() {
     let mut connection =
         database::options(&dir.path().join(database::FILE)).connect().await.unwrap();
     for statement in [
-        "insert into workers values ('a', 'b', 'c', 'd', 'e', 1, false, 0)",
+        "insert into workers values ('a', 'b', 'c', 'd', 'e', 1, false, 0, null, 0, false)",
         "create index of_workers on workers (build)",
         "pragma writable_schema = on",
         "update sqlite_master set sql = 'create index of_workers on workers (device)'

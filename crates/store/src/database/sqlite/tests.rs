@@ -27,7 +27,7 @@ async fn fill(bench: &Bench) {
 /// A row that does not fit on the pages that are there: SQLite ends the transaction by itself.
 async fn overflow(bench: &Bench) -> Error {
     let mut tx = bench.store.inner.database.write().await.unwrap();
-    let large = "insert into workers values ('a', hex(zeroblob(500000)), '', '', '', 0, false, 0)";
+    let large = "insert into workers values ('a', hex(zeroblob(500000)), '', '', '', 0, false, 0, null, 0, false)";
     crate::sql::query(large).execute(&mut tx).await.unwrap_err()
 }
 
