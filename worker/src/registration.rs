@@ -11,10 +11,10 @@ use std::{
 use bendtwin_core::Category;
 use bendtwin_proto::worker::v1::{Lease, RegisterRequest, lease_job_request::Kind};
 use tokio::time::Instant;
-use tokio_util::sync::CancellationToken;
 
 use crate::{
     Error,
+    leasing::StopSignals,
     rollout::{AtWork, Rollouts},
     server_client::{Backoff, CallError, ServerClient},
 };
@@ -60,17 +60,16 @@ impl Registration {
         }
     }
 
-    /// Sends heartbeats until the task is aborted. A server that asks the worker to end cancels
-    /// `drain`.
-    pub(crate) async fn heartbeat(self, drain: CancellationToken) {
+    /// Sends heartbeats until the task is aborted, and passes on that a server asks the worker to
+    /// end.
+    pub(crate) async fn heartbeat(self, stop: StopSignals) {
         loop {
             let every = Duration::from_millis(self.heartbeat_interval_ms.load(Ordering::Relaxed));
             tokio::time::sleep(every).await;
             let heartbeat = self.rollouts.heartbeat();
             match self.server.heartbeat(heartbeat).await {
                 Ok(answer) if answer.drain => {
-                    tracing::info!("the server asks this worker to end");
-                    return drain.cancel();
+                    stop.end_as_asked();
                 }
                 Ok(_) => {}
                 Err(error) if is_unknown(&error) => self.register_again().await,

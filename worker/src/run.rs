@@ -29,6 +29,8 @@ use crate::{
 /// Longest time for rollouts and final reports once the worker has to end.
 const SHUTDOWN_GRACE: Duration = Duration::from_secs(15);
 
+/// Longest time for rollouts if a server asked the worker to end: nobody waits for its process.
+const DRAIN_GRACE: Duration = Duration::from_secs(600);
 /// Longest time for the last word to a server.
 const LEAVE_TIMEOUT: Duration = Duration::from_secs(2);
 
@@ -86,11 +88,14 @@ async fn run_on(
     }
     let name = &device.description().name;
     tracing::info!(worker = %id, endpoint, device = name, "worker ready");
-    let heartbeat = tokio::spawn(registration.clone().heartbeat(shutdown.clone()));
-
     // Leasing ends before the job under way does: the job of a worker that must die is not
     // handed back as unharmed, or it would kill one worker after another.
-    let stop = StopSignals { closed: shutdown.child_token(), drained: shutdown.clone() };
+    let stop = StopSignals {
+        closed: shutdown.child_token(),
+        drained: shutdown.clone(),
+        asked: CancellationToken::new(),
+    };
+    let heartbeat = tokio::spawn(registration.clone().heartbeat(stop.clone()));
     let fits = Fits {
         server: server.clone(),
         device: device.clone(),
@@ -136,7 +141,7 @@ async fn run_on(
     }
     leasing.abort();
     // Rollouts under way are finished, and heartbeats go on until then.
-    serving.stop().await;
+    serving.stop(if stop.is_asked() { DRAIN_GRACE } else { SHUTDOWN_GRACE }).await;
     heartbeat.abort();
     let left = tokio::time::timeout(LEAVE_TIMEOUT, server.leave(id.to_string())).await;
     if !matches!(left, Ok(Ok(()))) {
@@ -208,9 +213,9 @@ async fn serve(options: &Options, rollouts: Rollouts) -> Result<(String, Serving
 
 impl Serving {
     /// Finishes the rollouts under way, for a limited time.
-    async fn stop(mut self) {
+    async fn stop(mut self, grace: Duration) {
         self.stop.cancel();
-        if tokio::time::timeout(SHUTDOWN_GRACE, &mut self.task).await.is_err() {
+        if tokio::time::timeout(grace, &mut self.task).await.is_err() {
             self.task.abort();
         }
     }

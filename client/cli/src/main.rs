@@ -40,10 +40,11 @@ use self::args::{Arguments, Command};
 
 fn main() -> ExitCode {
     let arguments = Arguments::parse();
-    let service = matches!(
-        arguments.command,
-        Command::Server(_) | Command::Worker(_) | Command::IngestCapture(_)
-    );
+    let service = match &arguments.command {
+        Command::Server(_) | Command::IngestCapture(_) => true,
+        Command::Worker(worker) => worker.is_service(),
+        _ => false,
+    };
     if service {
         process::keep_files_private();
     }

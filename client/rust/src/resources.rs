@@ -244,6 +244,10 @@ pub struct Worker {
     pub build: String,
     /// Memory of its device, if known.
     pub memory: Option<DeviceMemory>,
+    /// True if it was asked to end.
+    pub draining: bool,
+    /// `servers/{uuid}` of the server that started it and whose rollouts alone it answers.
+    pub server: Option<String>,
 }
 
 /// Memory of a worker's device.
@@ -400,6 +404,8 @@ impl TryFrom<v1::Worker> for Worker {
                 used_bytes: wire.memory_used_bytes,
                 total_bytes: wire.memory_total_bytes,
             }),
+            draining: wire.draining,
+            server: Some(wire.server).filter(|server| !server.is_empty()),
         })
     }
 }

@@ -149,14 +149,19 @@ impl Dispatch {
         let known = self.twins.get(&self.store, twin).await?;
         rollout::check_session(&open, &known.shape, &self.limits.rollout)?;
         let ask = Ask { client: Context::current().client, work: 0.0 };
-        let entry = self.choose(twin, &ask, &[])?;
         let capture = known.capture.map(|c| c.to_string()).unwrap_or_default();
         let grasps = open.grasps.len() as u32;
-        let reply = self.manage(&entry, Call::Open(open), capture, timeout).await?;
+        let opened = self.at_a_worker(twin, &ask, None, |entry| {
+            let (call, capture) = (Call::Open(open.clone()), capture.clone());
+            async move {
+                let reply = self.manage_at(&entry, call, capture, timeout).await?;
+                Ok(reply.map(|reply| (entry, reply)))
+            }
+        });
+        let (entry, reply) = opened.await?;
         let session = described(reply)?;
         let id: SessionId = session.name.parse().map_err(|_| Error::WorkerEnded)?;
         entry.opened(id, HeldSession { twin, slots: session.slots, grasps });
-        entry.warmed(twin);
         Ok(session)
     }
 
@@ -265,18 +270,30 @@ impl Dispatch {
         capture: String,
         timeout: Option<Duration>,
     ) -> Result<ManageSessionResponse> {
+        let reply = self.manage_at(entry, call, capture, timeout).await?;
+        reply.ok_or_else(|| {
+            entry.broke();
+            Error::WorkerLost
+        })
+    }
+
+    /// None if the worker cannot be reached, so that it has not taken the call.
+    async fn manage_at(
+        &self,
+        entry: &Arc<Entry>,
+        call: Call,
+        capture: String,
+        timeout: Option<Duration>,
+    ) -> Result<Option<ManageSessionResponse>> {
         let deadline = Instant::now() + timeout.unwrap_or(LONGEST).min(LONGEST);
         let request_id = Context::current().request_id;
         let message = ManageSessionRequest { call: Some(call), capture, request_id };
         let sent = call::send(entry, message, deadline, |mut client, request| async move {
             client.manage_session(request).await
         });
-        let Some((reply, mut taken)) = sent.await? else {
-            entry.broke();
-            return Err(Error::WorkerLost);
-        };
+        let Some((reply, mut taken)) = sent.await? else { return Ok(None) };
         taken.answered();
-        Ok(reply)
+        Ok(Some(reply))
     }
 }
 

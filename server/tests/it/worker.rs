@@ -23,7 +23,7 @@ use bendtwin_proto::{
         ExecuteRollOutRequest, ExecuteRollOutResponse, FailJobRequest, HeartbeatRequest,
         HeartbeatResponse, IngestWrite, JobWrite, Lease, LeaseJobRequest, ManageSessionRequest,
         ManageSessionResponse, RegisterRequest, ReportJobRequest, SaveCheckpointRequest, TwinWrite,
-        complete_fit_request, end_ingest_request,
+        WatchRequest, WatchResponse, complete_fit_request, end_ingest_request,
         fail_job_request::End,
         lease_job_request::Kind,
         manage_session_request::Call,
@@ -374,6 +374,13 @@ impl Drop for GivenUp {
 
 #[tonic::async_trait]
 impl WorkerRollouts for Device {
+    type WatchStream = Pin<Box<dyn Stream<Item = Result<WatchResponse, Status>> + Send>>;
+
+    /// It tells nothing beside its heartbeats.
+    async fn watch(&self, _: Request<WatchRequest>) -> Result<Response<Self::WatchStream>, Status> {
+        Err(Status::unimplemented("an older worker"))
+    }
+
     /// Every session is there.
     async fn manage_session(
         &self,

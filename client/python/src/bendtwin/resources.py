@@ -345,6 +345,10 @@ class Worker:
     memory_total_bytes: int
     #: The capture whose ingest is under way, if any.
     ingest: str = ""
+    #: True if it was asked to end.
+    draining: bool = False
+    #: servers/{uuid} of the server that started it and whose rollouts alone it answers, else empty.
+    server: str = ""
 
     @classmethod
     def from_proto(cls, message: worker_pb2.Worker) -> Worker:
@@ -362,6 +366,8 @@ class Worker:
             message.memory_used_bytes,
             message.memory_total_bytes,
             message.ingest,
+            message.draining,
+            message.server,
         )
 
 
