@@ -27,7 +27,7 @@ const STATE: Duration = Duration::from_secs(60);
 const SETTINGS: &str = r#"{
     "seed": 11,
     "graph": {"max_nodes": 40},
-    "search": {"starts": 1, "generations": 100, "population": 8},
+    "search": {"starts": 1, "generations": 60, "population": 8},
     "refine": {"passes": 24}
 }"#;
 
