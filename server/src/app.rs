@@ -10,6 +10,7 @@ mod ingests;
 mod jobs;
 mod keys;
 mod labels;
+mod members;
 mod requirements;
 mod results;
 mod twins;
@@ -20,7 +21,10 @@ mod workers;
 
 use std::{str::FromStr, sync::Arc};
 
-use bendtwin_core::{ids::InvalidName, settings::layers};
+use bendtwin_core::{
+    ids::{InvalidName, ServerId},
+    settings::layers,
+};
 use bendtwin_store::Store;
 use serde::de::DeserializeOwned;
 use tokio_util::sync::CancellationToken;
@@ -35,9 +39,10 @@ pub(crate) use captures::CaptureUpload;
 pub(crate) use fits::FitOrder;
 pub(crate) use geometry::Geometry;
 pub(crate) use ingests::{IngestPart, IngestUpload};
-pub(crate) use jobs::{Attempt, Leased, News};
+pub(crate) use jobs::{Attempt, Leased, News, Offer};
 pub(crate) use keys::KeyOrder;
 pub(crate) use labels::{Change, Listing};
+use members::Members;
 pub(crate) use twins::TwinUpload;
 pub(crate) use upload::Body;
 pub(crate) use uploads::{ALGORITHMS, Append, Checksum, NewUpload, capture_name};
@@ -50,6 +55,8 @@ pub(crate) struct App {
 
 #[derive(Debug)]
 pub(crate) struct Inner {
+    /// The id of this start.
+    pub(crate) id: ServerId,
     pub(crate) options: Options,
     pub(crate) store: Store,
     pub(crate) dispatch: Dispatch,
@@ -59,6 +66,7 @@ pub(crate) struct Inner {
     pub(crate) readiness: Readiness,
     pub(crate) memory: Memory,
     pub(crate) plays: Plays,
+    members: Members,
     /// Cancelled when the server begins to stop: streams end then.
     pub(crate) stopping: CancellationToken,
     pub(crate) certificates: Certificates,
@@ -78,6 +86,8 @@ impl App {
         let (of_store, counted) = (store.clone(), metrics.clone());
         let dialer = certificates.dialer();
         let inner = Inner {
+            id: ServerId::generate(),
+            members: Members::default(),
             dispatch: Dispatch::new(&options, of_store, counted, memory.clone(), dialer),
             tokens: Tokens::new(options.worker_token.as_deref()),
             keys: KeyRing::new(store.clone()),

@@ -38,6 +38,7 @@ pub(crate) fn path(data_dir: &Path) -> PathBuf {
 /// Reads the token, or makes one.
 pub(crate) fn load(data_dir: &Path) -> io::Result<String> {
     let path = path(data_dir);
+    let is_missing = !path.try_exists()?;
     match std::fs::read_to_string(&path) {
         Ok(text) if is_token(text.trim()) => {
             restrict(&File::open(&path)?)?;
@@ -49,15 +50,26 @@ pub(crate) fn load(data_dir: &Path) -> io::Result<String> {
     }
     // 244 random bits from the system.
     let token = format!("{}{}", uuid::Uuid::new_v4().simple(), uuid::Uuid::new_v4().simple());
-    let partial = path.with_extension("partial");
+    let partial = path.with_extension(uuid::Uuid::new_v4().simple().to_string());
     let mut options = OpenOptions::new();
-    options.write(true).create(true).truncate(true);
+    options.write(true).create_new(true);
     #[cfg(unix)]
     std::os::unix::fs::OpenOptionsExt::mode(&mut options, 0o600);
     let mut file = options.open(&partial)?;
     restrict(&file)?;
     writeln!(file, "{token}")?;
     file.sync_all()?;
+    // Of two servers that begin in one folder, the second takes the token of the first.
+    if is_missing {
+        let placed = std::fs::hard_link(&partial, &path);
+        std::fs::remove_file(&partial)?;
+        return match placed {
+            Err(error) if error.kind() == io::ErrorKind::AlreadyExists => {
+                Ok(std::fs::read_to_string(&path)?.trim().to_owned())
+            }
+            placed => placed.map(|()| token),
+        };
+    }
     std::fs::rename(&partial, &path)?;
     Ok(token)
 }

@@ -1,10 +1,13 @@
 //! The workers that are there, and the routing of rollouts to them. All of it
-//! is in memory: a worker that the server forgot registers again.
+//! is in memory: a worker that the server forgot registers again. Workers of a fleet are followed
+//! (`follow.rs`), so that every server knows what is loaded where, whichever it was that they called.
 
 mod call;
 mod channel;
 mod evaluations;
 mod executing;
+mod follow;
+mod heartbeat;
 mod line;
 mod plan;
 mod registrations;
@@ -23,8 +26,9 @@ use std::{
 };
 
 use bendtwin_core::ids::{TwinId, WorkerId};
-use bendtwin_store::{Job, Kind, Loss, Offer, Store, Worker};
+use bendtwin_store::{Capabilities, Job, Kind, Loss, Store, Worker};
 use bendtwin_tls::Connector;
+use tokio_util::sync::CancellationToken;
 
 use crate::{
     failure::{Error, Result},
@@ -37,7 +41,7 @@ use line::Ask;
 pub(crate) use line::Size;
 pub(crate) use plan::Plan;
 pub(crate) use registrations::{Register, Registered};
-use registry::{Entry, Now};
+use registry::{Entry, Heard, Now};
 pub(crate) use registry::{FitRoom, Heartbeat, HeldSession, Memory, WorkerView};
 pub(crate) use rollout::{Held, InParts, Parts, RollOut, Whole};
 use twins::Twins;
@@ -50,6 +54,8 @@ pub(crate) struct Dispatch {
     metrics: Metrics,
     memory: crate::memory::Memory,
     heartbeat_interval: Duration,
+    /// Token of workers that others start, if there may be such.
+    worker_token: Option<Arc<str>>,
     workers: Arc<Mutex<HashMap<WorkerId, Arc<Entry>>>>,
     twins: Twins,
     dialer: Connector,
@@ -69,19 +75,44 @@ impl Dispatch {
             metrics,
             memory,
             heartbeat_interval: options.heartbeat_interval(),
+            worker_token: options.worker_token.as_deref().map(Arc::from),
             workers: Arc::default(),
             twins: Twins::default(),
             dialer,
         }
     }
 
-    /// Adds a worker; `token` is what it expects to be shown.
+    /// Adds a worker that has registered here; `token` is what it expects to be shown.
     pub(crate) fn add(&self, worker: Worker, child: Option<Child>, token: &str) -> Result<()> {
-        let id = worker.registration.id;
         let channel = channel::open(&worker.registration.endpoint, &self.dialer)?;
-        let entry = Entry::new(worker, child, token, &self.limits, self.now(), channel)?;
-        self.lock().insert(id, Arc::new(entry));
+        let heard = Heard::At(self.now());
+        self.enter(Entry::new(worker, child, token, &self.limits, heard, channel)?);
         Ok(())
+    }
+
+    /// Adds a worker of the fleet that has registered at another server, unless it is known. False
+    /// if it is none of those that this server may use.
+    pub(crate) fn learn(&self, worker: Worker) -> Result<bool> {
+        let Some(token) = self.worker_token.as_deref().filter(|_| !worker.is_supervised) else {
+            return Ok(false);
+        };
+        let known = self.lock().get(&worker.registration.id).cloned();
+        let is_same =
+            |e: Arc<Entry>| e.worker().registration.endpoint == worker.registration.endpoint;
+        if !known.is_some_and(is_same) {
+            let channel = channel::open(&worker.registration.endpoint, &self.dialer)?;
+            let heard = Heard::Never;
+            self.enter(Entry::new(worker, None, token, &self.limits, heard, channel)?);
+        }
+        Ok(true)
+    }
+
+    fn enter(&self, entry: Entry) {
+        let entry = Arc::new(entry);
+        self.lock().insert(entry.id(), Arc::clone(&entry));
+        if self.store.is_shared() && entry.child.is_none() {
+            self.follow(&entry);
+        }
     }
 
     pub(crate) fn remove(&self, worker: WorkerId) {
@@ -90,6 +121,24 @@ impl Dispatch {
 
     pub(crate) fn knows(&self, worker: WorkerId) -> bool {
         self.lock().contains_key(&worker)
+    }
+
+    /// The workers that are known here, each with its registration, and if it is a process of this
+    /// server.
+    pub(crate) fn known(&self) -> Vec<(Worker, bool)> {
+        self.lock().values().map(|e| (e.worker().clone(), e.child.is_some())).collect()
+    }
+
+    /// Gives a worker no more work.
+    pub(crate) fn drain(&self, worker: WorkerId) {
+        if let Some(entry) = self.lock().get(&worker) {
+            entry.draining.cancel();
+        }
+    }
+
+    /// A token that is cancelled once a worker is to take no more work.
+    pub(crate) fn draining(&self, worker: WorkerId) -> CancellationToken {
+        self.lock().get(&worker).map(|e| e.draining.clone()).unwrap_or_default()
     }
 
     /// The worker of whom this holds.
@@ -114,26 +163,29 @@ impl Dispatch {
 
     /// Notes the job of a kind that a worker is at.
     pub(crate) fn set_job(&self, worker: WorkerId, kind: Kind, job: Option<&Job>) {
-        let Some(entry) = self.lock().get(&worker).cloned() else { return };
-        let mut live = entry.live();
-        match kind {
-            Kind::Ingest => live.ingest = job.map(|j| j.capture),
-            Kind::Fit => {
-                live.fit = job.and_then(|j| j.id.fit());
-                entry.line.set_fit(live.fit.is_some());
-            }
+        let entry = self.lock().get(&worker).cloned();
+        if let Some(entry) = entry {
+            entry.set_job(kind, job);
         }
     }
 
     /// Properties of a worker that jobs can ask for; those of none if it is not known.
-    pub(crate) fn offer(&self, worker: WorkerId) -> Offer {
-        self.lock().get(&worker).map(|entry| entry.offer()).unwrap_or_default()
+    pub(crate) fn capabilities(&self, worker: WorkerId) -> Capabilities {
+        self.lock().get(&worker).map(|entry| entry.capabilities()).unwrap_or_default()
     }
 
-    /// Workers without a sign of life for so long, by the time of leases: not after a standstill.
+    /// Workers of this server alone without a sign of life for so long, by the time of leases: not
+    /// after a standstill.
     pub(crate) fn silent(&self, span: Duration) -> Vec<WorkerId> {
+        let (now, shared) = (self.store.lease_time(), self.store.is_shared());
+        let is_silent = |e: &Entry| e.silence(now) > span && (e.child.is_some() || !shared);
+        self.lock().iter().filter(|(_, e)| is_silent(e)).map(|(id, _)| *id).collect()
+    }
+
+    /// Time for which a worker gave no sign of life here.
+    pub(crate) fn silence(&self, worker: WorkerId) -> Duration {
         let now = self.store.lease_time();
-        self.lock().iter().filter(|(_, e)| e.silence(now) > span).map(|(id, _)| *id).collect()
+        self.lock().get(&worker).map_or(Duration::MAX, |e| e.silence(now))
     }
 
     /// Number of workers that lately gave a sign of life.
@@ -144,7 +196,9 @@ impl Dispatch {
 
     /// Reason for the loss of a worker's attempts, if it is gone.
     pub(crate) fn loss(&self, worker: WorkerId) -> Loss {
-        let was_at_rollouts = |e: &Arc<Entry>| e.executing.was_under_way();
+        let shared = self.store.is_shared();
+        let was_at_rollouts =
+            |e: &Arc<Entry>| e.executing.was_under_way() || shared && e.has_others_rollouts();
         match self.lock().get(&worker).is_some_and(was_at_rollouts) {
             true => Loss::Rollout,
             false => Loss::Worker,

@@ -74,6 +74,11 @@ pub(crate) enum Error {
     )]
     SessionLost(String),
     #[error(
+        "{0} is at a worker that answers only the server which started it: send the call to that \
+         server, or start workers by themselves (workers.count = 0), which answer every server"
+    )]
+    SessionElsewhere(String),
+    #[error(
         "the worker ended, or the connection to it broke, while it computed this rollout: it was \
          not sent to another worker, which it might end as well. Send it again with fewer \
          instances or frames, or once more as it is if the worker was stopped"
@@ -92,7 +97,10 @@ pub(crate) enum Error {
     Stopping,
     #[error("{most} {what} already: close one, or raise {option}")]
     PlayFull { what: &'static str, most: usize, option: &'static str },
-    #[error("{0} is not there: the page that played it was closed")]
+    #[error(
+        "{0} is not there: the page that played it was closed, or it is at another server. Plays live \
+         at the server that began them: call that one, or begin another"
+    )]
     PlayEnded(String),
     #[error("nobody has touched the play for {} s: open it again", .0.as_secs())]
     PlayIdle(Duration),
@@ -159,6 +167,7 @@ impl Problem for Error {
             Self::UploadOffset { .. }
             | Self::UploadTakenOver
             | Self::SessionLost(_)
+            | Self::SessionElsewhere(_)
             | Self::PlayIdle(_) => Category::Aborted,
             Self::BadToken => Category::Unauthenticated,
             Self::WorkerKeyMismatch(_) | Self::NotLeased(_) => Category::PermissionDenied,
@@ -204,6 +213,7 @@ impl Problem for Error {
             Self::WorkerUnknown(_) => "WORKER_UNKNOWN",
             Self::NoWorker => "NO_WORKER",
             Self::SessionLost(_) => "SESSION_LOST",
+            Self::SessionElsewhere(_) => "SESSION_ELSEWHERE",
             Self::WorkerLost | Self::WorkerEnded => "WORKER_LOST",
             Self::Busy { .. } => "WORKERS_BUSY",
             Self::PlayFull { .. } => "PLAYS_FULL",

@@ -135,6 +135,7 @@ pub(crate) fn described() -> OpenApiRouter<App> {
         .routes(routes!(keys::get, keys::revoke))
         .routes(routes!(workers::list))
         .routes(routes!(workers::get))
+        .routes(routes!(workers::drain))
         .routes(routes!(operations::healthz))
         .routes(routes!(operations::readyz))
         .routes(routes!(operations::metrics))

@@ -138,6 +138,10 @@ pub struct Limits {
     pub head_timeout_s: f64,
     /// Time after which a response of which nothing is read is cut off [s].
     pub stream_idle_s: f64,
+    /// Age from which a connection takes no further requests, give or take a tenth: requests under
+    /// way are finished, and the client connects again, perhaps to another server behind a load
+    /// balancer [s].
+    pub connection_age_s: f64,
     /// Silence after which the request of an upload is given up [s]. Other bodies have a second
     /// more, and all of them have to come at 1 KiB/s on average beyond that.
     pub upload_idle_s: f64,
@@ -210,6 +214,7 @@ impl Default for Limits {
             connections_per_peer: 3072,
             head_timeout_s: 30.0,
             stream_idle_s: 30.0,
+            connection_age_s: 1800.0,
             upload_idle_s: 60.0,
             uploads: 1024,
             uploads_bytes: 256 << 30,
@@ -285,6 +290,7 @@ impl Options {
         within("limits.connections_per_peer", limits.connections_per_peer as f64, 1.0, 1e6);
         within("limits.head_timeout_s", limits.head_timeout_s, 0.01, 3_600.0);
         within("limits.stream_idle_s", limits.stream_idle_s, 0.01, 86_400.0);
+        within("limits.connection_age_s", limits.connection_age_s, 0.1, 31.0 * 86_400.0);
         within("limits.upload_idle_s", limits.upload_idle_s, 0.1, 86_400.0);
         within("limits.uploads", limits.uploads as f64, 1.0, 1e6);
         within("limits.uploads_bytes", limits.uploads_bytes as f64, 1.0, large);
@@ -353,6 +359,7 @@ impl Options {
             // Uploads end first, with an error of their own.
             body: self.limits.upload_idle() + Duration::from_secs(1),
             unread: Duration::from_secs_f64(self.limits.stream_idle_s),
+            age: Duration::from_secs_f64(self.limits.connection_age_s),
         }
     }
 

@@ -295,6 +295,9 @@ impl Handle {
         if let Err(error) = self.app.keys.record_uses().await {
             tracing::warn!(%error, "the last uses of keys are not recorded");
         }
+        if let Err(error) = self.app.store.servers().forget(self.app.id).await {
+            tracing::warn!(%error, "other servers wait for a lease until they take this one for gone");
+        }
         self.app.store.close().await;
         tracing::info!("stopped");
     }

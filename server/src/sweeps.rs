@@ -23,7 +23,7 @@ const GARBAGE_COLLECTION_INTERVAL: Duration = Duration::from_secs(3600);
 
 /// The tasks.
 #[derive(Debug)]
-pub(crate) struct Sweeps([JoinHandle<()>; 3]);
+pub(crate) struct Sweeps([JoinHandle<()>; 4]);
 
 impl Sweeps {
     pub(crate) fn start(app: &App) -> Self {
@@ -31,6 +31,7 @@ impl Sweeps {
             tokio::spawn(leases(app.clone())),
             tokio::spawn(uploads(app.clone())),
             tokio::spawn(key_uses(app.clone())),
+            tokio::spawn(members(app.clone())),
         ])
     }
 
@@ -81,6 +82,17 @@ async fn key_uses(app: App) {
         tick.tick().await;
         if let Err(error) = app.keys.record_uses().await {
             tracing::warn!(%error, "cannot record the last uses of keys; trying again");
+        }
+    }
+}
+
+/// Takes over which workers are in the fleet, whenever that changes at any server. The sweep of leases
+/// does so besides.
+async fn members(app: App) {
+    loop {
+        app.store.members_changed().await;
+        if let Err(error) = app.learn().await {
+            tracing::error!(%error, "cannot read the workers of the fleet; trying again");
         }
     }
 }

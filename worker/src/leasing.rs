@@ -22,6 +22,24 @@ pub(crate) struct StopSignals {
     pub(crate) closed: CancellationToken,
     /// The job under way is handed back, too.
     pub(crate) drained: CancellationToken,
+    /// A server asked for it.
+    pub(crate) asked: CancellationToken,
+}
+
+impl StopSignals {
+    /// Ends the worker, since a server asks for it.
+    pub(crate) fn end_as_asked(&self) {
+        if !self.asked.is_cancelled() {
+            tracing::info!("the server asks this worker to end");
+        }
+        self.asked.cancel();
+        self.drained.cancel();
+    }
+
+    /// True if a server asked for it.
+    pub(crate) fn is_asked(&self) -> bool {
+        self.asked.is_cancelled()
+    }
 }
 
 /// Executor of jobs of one kind.
@@ -54,9 +72,13 @@ pub(crate) async fn lease<E: Execute>(
             () = stop.closed.cancelled() => return Ok(()),
         };
         match leased {
-            Ok(lease) => {
+            Ok(answer) if answer.drain => {
+                stop.end_as_asked();
+            }
+            Ok(answer) => {
                 backoff = Backoff::default();
-                if let Some(lease) = lease {
+                if let Some(lease) = answer.lease {
+                    let _at_work = registration.at_work(E::KIND, &lease);
                     executor.execute(lease, &stop.drained).await;
                 }
             }

@@ -22,8 +22,9 @@ const FIT_SHARE: f64 = 0.25;
 /// Options of a worker process.
 #[derive(Clone)]
 pub struct Options {
-    /// The server's address, for example `http://127.0.0.1:7070`.
-    pub server: String,
+    /// Addresses of the servers, for example `http://127.0.0.1:7070`: one of them is called until it
+    /// is gone, then the next.
+    pub servers: Vec<String>,
     /// The token that server and workers share.
     pub token: String,
     /// Backend and device to compute on.
@@ -61,7 +62,7 @@ pub struct Options {
 impl std::fmt::Debug for Options {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.debug_struct("Options")
-            .field("server", &self.server)
+            .field("servers", &self.servers)
             .field("backend", &self.backend)
             .field("listen", &self.listen)
             .field("limits", &self.limits)
@@ -108,10 +109,11 @@ impl Default for Limits {
 }
 
 impl Options {
-    /// Options for a server, everything else at its default.
-    pub fn new(server: impl Into<String>, token: impl Into<String>) -> Self {
+    /// Options for servers, with commas between their addresses; everything else at its default.
+    pub fn new(servers: &str, token: impl Into<String>) -> Self {
+        let servers = servers.split(',').map(str::trim).filter(|server| !server.is_empty());
         Self {
-            server: server.into(),
+            servers: servers.map(str::to_owned).collect(),
             token: token.into(),
             backend: backends::Options::default(),
             listen: SocketAddr::from(([127, 0, 0, 1], 0)),
@@ -135,7 +137,9 @@ impl Options {
     /// # Errors
     /// If an option cannot work.
     pub fn validate(&self) -> Result<(), Error> {
-        let fault = if self.token.is_empty() {
+        let fault = if self.servers.is_empty() {
+            Some("there is no server: give its address with --server".to_owned())
+        } else if self.token.is_empty() {
             Some("the worker token is empty: give the server's (BENDTWIN_WORKER_TOKEN)".to_owned())
         } else if !self.token.bytes().all(|b| b.is_ascii_graphic()) {
             Some("the worker token has characters that a header cannot carry".to_owned())

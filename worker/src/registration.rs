@@ -9,14 +9,13 @@ use std::{
 };
 
 use bendtwin_core::Category;
-use bendtwin_proto::worker::v1::{HeartbeatRequest, RegisterRequest};
+use bendtwin_proto::worker::v1::{Lease, RegisterRequest, lease_job_request::Kind};
 use tokio::time::Instant;
-use tokio_util::sync::CancellationToken;
 
 use crate::{
     Error,
-    device::Device,
-    rollout::Rollouts,
+    leasing::StopSignals,
+    rollout::{AtWork, Rollouts},
     server_client::{Backoff, CallError, ServerClient},
 };
 
@@ -26,24 +25,15 @@ pub(crate) struct Registration {
     server: ServerClient,
     request: Arc<RegisterRequest>,
     rollouts: Rollouts,
-    device: Device,
-    /// Memory that a fit may take; zero if this worker takes none [bytes].
-    fit_bytes: u64,
     /// Interval that the server asked for [ms].
     heartbeat_interval_ms: Arc<AtomicU64>,
 }
 
 impl Registration {
-    pub(crate) fn new(
-        server: ServerClient,
-        request: RegisterRequest,
-        rollouts: Rollouts,
-        device: Device,
-        fit_bytes: u64,
-    ) -> Self {
+    pub(crate) fn new(server: ServerClient, request: RegisterRequest, rollouts: Rollouts) -> Self {
         let heartbeat_interval_ms = Arc::new(AtomicU64::new(5_000));
         let request = Arc::new(request);
-        Self { server, request, rollouts, device, fit_bytes, heartbeat_interval_ms }
+        Self { server, request, rollouts, heartbeat_interval_ms }
     }
 
     /// Registers, trying again while the server cannot be reached.
@@ -70,32 +60,27 @@ impl Registration {
         }
     }
 
-    /// Sends heartbeats until the task is aborted. A server that asks the worker to end cancels
-    /// `drain`.
-    pub(crate) async fn heartbeat(self, drain: CancellationToken) {
+    /// Sends heartbeats until the task is aborted, and passes on that a server asks the worker to
+    /// end.
+    pub(crate) async fn heartbeat(self, stop: StopSignals) {
         loop {
             let every = Duration::from_millis(self.heartbeat_interval_ms.load(Ordering::Relaxed));
             tokio::time::sleep(every).await;
-            let memory = self.device.memory();
-            let heartbeat = HeartbeatRequest {
-                worker: self.request.worker.clone(),
-                warm_twins: self.rollouts.warm_twins().iter().map(ToString::to_string).collect(),
-                rollouts_in_flight: u32::try_from(self.rollouts.in_flight()).unwrap_or(u32::MAX),
-                memory_used_bytes: memory.map_or(0, |m| m.used),
-                memory_total_bytes: memory.map_or(0, |m| m.total),
-                fit_memory_bytes: self.fit_bytes,
-                sessions: self.rollouts.sessions(),
-            };
+            let heartbeat = self.rollouts.heartbeat();
             match self.server.heartbeat(heartbeat).await {
                 Ok(answer) if answer.drain => {
-                    tracing::info!("the server asks this worker to end");
-                    return drain.cancel();
+                    stop.end_as_asked();
                 }
                 Ok(_) => {}
                 Err(error) if is_unknown(&error) => self.register_again().await,
                 Err(error) => tracing::warn!("no answer to a heartbeat: {}", error.fault()),
             }
         }
+    }
+
+    /// Tells servers of a job, until it ends.
+    pub(crate) fn at_work(&self, kind: Kind, lease: &Lease) -> AtWork {
+        self.rollouts.at_work(kind, lease)
     }
 
     /// Registers after the server has forgotten the worker, for example because it was away for

@@ -27,6 +27,7 @@ mod service;
 mod sessions;
 mod settle;
 mod spans;
+mod told;
 mod vary;
 mod warm;
 mod world;
@@ -35,6 +36,7 @@ pub(crate) use self::{
     error::Error,
     replay::Replays,
     service::{Rollouts, serve},
+    told::AtWork,
     warm::WarmTwins,
 };
 

@@ -31,6 +31,11 @@ use crate::{
 /// Longest time for rollouts and final reports once the worker has to end.
 const SHUTDOWN_GRACE: Duration = Duration::from_secs(15);
 
+/// Longest time for rollouts if a server asked the worker to end: nobody waits for its process.
+const DRAIN_GRACE: Duration = Duration::from_secs(600);
+/// Longest time for the last word to a server.
+const LEAVE_TIMEOUT: Duration = Duration::from_secs(2);
+
 /// Runs a worker until `shutdown` (jobs under way are handed back with their
 /// latest checkpoints, rollouts are finished) or until the server drains it.
 ///
@@ -63,7 +68,7 @@ async fn run_on(
     if let Some(tls) = &tls {
         tokio::spawn(tls.clone().watch(shutdown.clone()));
     }
-    let server = ServerClient::new(&options.server, &options.token, &key, tls.as_ref())?;
+    let server = ServerClient::new(&options.servers, &options.token, &key, tls.as_ref())?;
     let base = options.scratch_dir.clone().or_else(|| options.cache_dir.clone());
     let base = base.unwrap_or_else(std::env::temp_dir);
     let scratch = Scratch::new(&base)
@@ -81,19 +86,22 @@ async fn run_on(
 
     let request = register_request(id, &endpoint, device, &options.labels);
     let fit_bytes = if options.fits { limits.fit_bytes } else { 0 };
-    let registration =
-        Registration::new(server.clone(), request, rollouts, device.clone(), fit_bytes);
+    rollouts.set_fit_bytes(fit_bytes);
+    let registration = Registration::new(server.clone(), request, rollouts);
     tokio::select! {
         registered = registration.register(options.delivery_timeout) => registered?,
         () = shutdown.cancelled() => return Ok(()),
     }
     let name = &device.description().name;
     tracing::info!(worker = %id, endpoint, device = name, "worker ready");
-    let heartbeat = tokio::spawn(registration.clone().heartbeat(shutdown.clone()));
-
     // Leasing ends before the job under way does: the job of a worker that must die is not
     // handed back as unharmed, or it would kill one worker after another.
-    let stop = StopSignals { closed: shutdown.child_token(), drained: shutdown.clone() };
+    let stop = StopSignals {
+        closed: shutdown.child_token(),
+        drained: shutdown.clone(),
+        asked: CancellationToken::new(),
+    };
+    let heartbeat = tokio::spawn(registration.clone().heartbeat(stop.clone()));
     let fits = Fits {
         server: server.clone(),
         device: device.clone(),
@@ -104,7 +112,7 @@ async fn run_on(
         fatal,
     };
     let ingests = Ingests {
-        server,
+        server: server.clone(),
         worker: id.to_string(),
         dir,
         program: options.ingest_program.clone().unwrap_or_else(this_program),
@@ -138,8 +146,13 @@ async fn run_on(
         tracing::warn!("the jobs under way did not end in time: their leases will run out");
     }
     leasing.abort();
+    // Rollouts under way are finished, and heartbeats go on until then.
+    serving.stop(if stop.is_asked() { DRAIN_GRACE } else { SHUTDOWN_GRACE }).await;
     heartbeat.abort();
-    serving.stop().await;
+    let left = tokio::time::timeout(LEAVE_TIMEOUT, server.leave(id.to_string())).await;
+    if !matches!(left, Ok(Ok(()))) {
+        tracing::info!("no server was told that this worker ends: it will notice");
+    }
     tracing::info!("worker ended");
     result
 }
@@ -229,9 +242,9 @@ async fn serve(
 
 impl Serving {
     /// Finishes the rollouts under way, for a limited time.
-    async fn stop(mut self) {
+    async fn stop(mut self, grace: Duration) {
         self.stop.cancel();
-        if tokio::time::timeout(SHUTDOWN_GRACE, &mut self.task).await.is_err() {
+        if tokio::time::timeout(grace, &mut self.task).await.is_err() {
             self.task.abort();
         }
     }

@@ -1,6 +1,8 @@
-//! Client of the server: typed calls, and errors that tell whether another attempt makes sense.
+//! Client of the servers: typed calls, and errors that tell whether another attempt makes sense. Of
+//! several servers one is called until it is gone, then the next.
 
 mod channel;
+mod links;
 mod retry;
 mod upload;
 
@@ -11,22 +13,17 @@ use bendtwin_proto::{
     fault,
     worker::v1::{
         CompleteFitRequest, DownloadRequest, EndIngestRequest, FailJobRequest, HeartbeatRequest,
-        HeartbeatResponse, JobWrite, Lease, LeaseJobRequest, RegisterRequest, RegisterResponse,
-        ReportJobRequest, ReportJobResponse, SaveCheckpointRequest, TwinWrite,
-        lease_job_request::Kind, worker_link_client::WorkerLinkClient,
+        HeartbeatResponse, JobWrite, LeaseJobRequest, LeaseJobResponse, LeaveRequest,
+        RegisterRequest, RegisterResponse, ReportJobRequest, ReportJobResponse,
+        SaveCheckpointRequest, TwinWrite, lease_job_request::Kind,
     },
-    worker_key,
 };
 use bendtwin_tls::{Mutual, Reloaded, TlsError};
 use bytes::Bytes;
 use futures::Stream;
-use tonic::{
-    Request, Status, Streaming,
-    metadata::AsciiMetadataValue,
-    service::{Interceptor, interceptor::InterceptedService},
-    transport::Channel,
-};
+use tonic::{Request, Status, Streaming};
 
+use self::links::Links;
 pub(crate) use self::retry::Backoff;
 use crate::Error;
 
@@ -34,8 +31,6 @@ use crate::Error;
 const CALL_TIMEOUT: Duration = Duration::from_secs(20);
 /// Longest time of an upload of a checkpoint or a twin.
 const UPLOAD_TIMEOUT: Duration = Duration::from_secs(300);
-/// Longest reply that is accepted [bytes]; chunks are far smaller.
-const MAX_MESSAGE: usize = 32 << 20;
 
 /// Failure of a call about a job.
 #[derive(Debug)]
@@ -84,91 +79,101 @@ impl From<Status> for CallError {
     }
 }
 
-/// The server as a worker sees it. Clones share one connection.
+/// The servers as a worker sees them. Clones share the connections.
 #[derive(Clone)]
 pub(crate) struct ServerClient {
-    client: WorkerLinkClient<InterceptedService<Channel, Credentials>>,
-}
-
-/// Interceptor that adds the worker token and the worker's key to every call.
-#[derive(Clone)]
-pub(crate) struct Credentials {
-    token: AsciiMetadataValue,
-    key: AsciiMetadataValue,
-}
-
-impl Interceptor for Credentials {
-    fn call(&mut self, mut request: Request<()>) -> Result<Request<()>, Status> {
-        request.metadata_mut().insert("authorization", self.token.clone());
-        request.metadata_mut().insert(worker_key::METADATA, self.key.clone());
-        Ok(request)
-    }
+    links: Links,
 }
 
 impl ServerClient {
-    /// Prepares the connection; it is made with the first call and again whenever it breaks. `key`
-    /// is the one that the worker's id follows from.
+    /// Prepares the connections; they are made with the first calls and again whenever they break.
+    /// `key` is the one that the worker's id follows from.
     pub(crate) fn new(
-        server: &str,
+        servers: &[String],
         token: &str,
         key: &str,
         tls: Option<&Reloaded<Mutual>>,
     ) -> Result<Self, Error> {
-        let channel = channel::open(server, tls)?;
-        let secret = |text: String| {
-            let mut value = AsciiMetadataValue::try_from(text).map_err(|_| {
-                let fault = "the worker token has characters that a header cannot carry";
-                Error::Options(fault.to_owned())
-            })?;
-            value.set_sensitive(true);
-            Ok::<_, Error>(value)
-        };
-        let credentials =
-            Credentials { token: secret(format!("Bearer {token}"))?, key: secret(key.to_owned())? };
-        let client = WorkerLinkClient::with_interceptor(channel, credentials)
-            .max_decoding_message_size(MAX_MESSAGE);
-        Ok(Self { client })
+        Ok(Self { links: Links::new(servers, token, key, tls)? })
     }
 
     pub(crate) async fn register(
         &self,
         request: RegisterRequest,
     ) -> Result<RegisterResponse, CallError> {
-        let call = within(request, CALL_TIMEOUT);
-        Ok(self.client.clone().register(call).await?.into_inner())
+        let call = || within(request.clone(), CALL_TIMEOUT);
+        self.links
+            .call(|mut link| {
+                let call = call();
+                async move { link.register(call).await }
+            })
+            .await
     }
 
     pub(crate) async fn heartbeat(
         &self,
         request: HeartbeatRequest,
     ) -> Result<HeartbeatResponse, CallError> {
-        let call = within(request, CALL_TIMEOUT);
-        Ok(self.client.clone().heartbeat(call).await?.into_inner())
+        let call = || within(request.clone(), CALL_TIMEOUT);
+        self.links
+            .call(|mut link| {
+                let call = call();
+                async move { link.heartbeat(call).await }
+            })
+            .await
     }
 
-    /// Waits for a job of a kind; none if there was none in time.
+    /// Waits for a job of a kind; none if there was none in time, or if the worker is to end.
     pub(crate) async fn lease_job(
         &self,
         kind: Kind,
         worker: String,
         wait: Duration,
-    ) -> Result<Option<Lease>, CallError> {
+    ) -> Result<LeaseJobResponse, CallError> {
         let request = LeaseJobRequest { worker, wait_s: wait.as_secs_f64(), kind: kind.into() };
-        let call = within(request, wait + CALL_TIMEOUT);
-        Ok(self.client.clone().lease_job(call).await?.into_inner().lease)
+        let call = || within(request.clone(), wait + CALL_TIMEOUT);
+        self.links
+            .call(|mut link| {
+                let call = call();
+                async move { link.lease_job(call).await }
+            })
+            .await
     }
 
     pub(crate) async fn report_job(
         &self,
         request: ReportJobRequest,
     ) -> Result<ReportJobResponse, CallError> {
-        let call = within(request, CALL_TIMEOUT);
-        Ok(self.client.clone().report_job(call).await?.into_inner())
+        let call = || within(request.clone(), CALL_TIMEOUT);
+        self.links
+            .call(|mut link| {
+                let call = call();
+                async move { link.report_job(call).await }
+            })
+            .await
     }
 
     pub(crate) async fn fail_job(&self, request: FailJobRequest) -> Result<(), CallError> {
-        let call = within(request, CALL_TIMEOUT);
-        self.client.clone().fail_job(call).await?;
+        let call = || within(request.clone(), CALL_TIMEOUT);
+        self.links
+            .call(|mut link| {
+                let call = call();
+                async move { link.fail_job(call).await }
+            })
+            .await?;
+        Ok(())
+    }
+
+    /// Says that the worker ends.
+    pub(crate) async fn leave(&self, worker: String) -> Result<(), CallError> {
+        let request = LeaveRequest { worker };
+        let call = || within(request.clone(), CALL_TIMEOUT);
+        self.links
+            .call(|mut link| {
+                let call = call();
+                async move { link.leave(call).await }
+            })
+            .await?;
         Ok(())
     }
 
@@ -178,7 +183,9 @@ impl ServerClient {
         messages: impl Stream<Item = EndIngestRequest> + Send + 'static,
     ) -> Result<(), CallError> {
         // Gigabytes, perhaps: what matters is that it moves, and the server sees to that.
-        self.client.clone().end_ingest(Request::new(messages)).await?;
+        self.links
+            .call_once(|mut link| async move { link.end_ingest(Request::new(messages)).await })
+            .await?;
         Ok(())
     }
 
@@ -189,12 +196,19 @@ impl ServerClient {
         content: Bytes,
     ) -> Result<(), CallError> {
         use bendtwin_proto::worker::v1::save_checkpoint_request::Part;
-        let parts = upload::parts(
-            SaveCheckpointRequest { part: Some(Part::Metadata(job)) },
-            content,
-            |chunk| SaveCheckpointRequest { part: Some(Part::Chunk(chunk)) },
-        );
-        self.client.clone().save_checkpoint(within(parts, UPLOAD_TIMEOUT)).await?;
+        let parts = || {
+            let metadata = SaveCheckpointRequest { part: Some(Part::Metadata(job.clone())) };
+            upload::parts(metadata, content.clone(), |chunk| SaveCheckpointRequest {
+                part: Some(Part::Chunk(chunk)),
+            })
+        };
+        let call = || within(parts(), UPLOAD_TIMEOUT);
+        self.links
+            .call(|mut link| {
+                let call = call();
+                async move { link.save_checkpoint(call).await }
+            })
+            .await?;
         Ok(())
     }
 
@@ -205,19 +219,28 @@ impl ServerClient {
         content: Bytes,
     ) -> Result<String, CallError> {
         use bendtwin_proto::worker::v1::complete_fit_request::Part;
-        let parts = upload::parts(
-            CompleteFitRequest { part: Some(Part::Metadata(twin)) },
-            content,
-            |chunk| CompleteFitRequest { part: Some(Part::Chunk(chunk)) },
-        );
-        let call = within(parts, UPLOAD_TIMEOUT);
-        Ok(self.client.clone().complete_fit(call).await?.into_inner().twin)
+        let parts = || {
+            let metadata = CompleteFitRequest { part: Some(Part::Metadata(twin.clone())) };
+            upload::parts(metadata, content.clone(), |chunk| CompleteFitRequest {
+                part: Some(Part::Chunk(chunk)),
+            })
+        };
+        let call = || within(parts(), UPLOAD_TIMEOUT);
+        let completed = self.links.call(|mut link| {
+            let call = call();
+            async move { link.complete_fit(call).await }
+        });
+        Ok(completed.await?.twin)
     }
 
     /// The content of a capture, an observation, a twin or a job's checkpoint, in chunks.
     pub(crate) async fn download(&self, name: String) -> Result<Download, CallError> {
-        let call = Request::new(DownloadRequest { name });
-        Ok(Download(self.client.clone().download(call).await?.into_inner()))
+        let call = || Request::new(DownloadRequest { name: name.clone() });
+        let download = self.links.call(|mut link| {
+            let call = call();
+            async move { link.download(call).await }
+        });
+        Ok(Download(download.await?))
     }
 }
 

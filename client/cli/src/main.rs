@@ -43,9 +43,9 @@ use self::args::{Arguments, Command};
 
 fn main() -> ExitCode {
     let arguments = Arguments::parse();
-    let service = match arguments.command {
+    let service = match &arguments.command {
         Command::Server(_) => Some("bendtwin-server"),
-        Command::Worker(_) => Some("bendtwin-worker"),
+        Command::Worker(worker) if worker.is_service() => Some("bendtwin-worker"),
         _ => None,
     };
     let reads_capture = matches!(arguments.command, Command::IngestCapture(_));

@@ -1,24 +1,34 @@
-//! `bendtwin worker`: the data plane, started by the server or by an operator.
+//! `bendtwin worker`: the data plane, started by the server or by an operator; and what operators do
+//! with the workers of a server.
 
 use std::{net::SocketAddr, path::PathBuf, time::Duration};
 
+use bendtwin_client::WorkerId;
 use bendtwin_tls::{MutualPaths, PairPaths};
 use bendtwin_worker::{Limits, Options, Sandbox};
-use clap::{Args, ValueEnum};
+use clap::{Args, Subcommand, ValueEnum};
 
 use crate::{
     backend::BackendArgs,
     failure::{self, Usage},
     global::Global,
-    signals,
+    output, signals,
+    table::Table,
 };
 
-/// Options of a worker. The address of the server is `--server`.
+/// Time between two looks at whether a worker has ended.
+const ASK_AGAIN: Duration = Duration::from_millis(200);
+
+/// Options of a worker. The address of the server is `--server`; several, with commas between them,
+/// are servers of one database.
 #[derive(Debug, Args)]
+#[command(args_conflicts_with_subcommands = true)]
 pub(crate) struct Worker {
+    #[command(subcommand)]
+    command: Option<Command>,
     /// Token of the server for its workers
     #[arg(long, env = "BENDTWIN_WORKER_TOKEN", value_name = "TOKEN", hide_env_values = true)]
-    token: String,
+    token: Option<String>,
     /// Certificate of this worker, for a server on another host (https://, --ca): a PEM file, read
     /// again when it changes
     #[arg(long, env = "BENDTWIN_WORKER_CERTIFICATE", value_name = "FILE", requires = "key")]
@@ -95,6 +105,24 @@ pub(crate) struct Worker {
     exit_with_parent: bool,
 }
 
+#[derive(Debug, Subcommand)]
+enum Command {
+    /// List the workers that the server knows
+    List,
+    /// Ask workers to take no more work, to hand back their jobs, to finish their rollouts and to end
+    Drain(Drain),
+}
+
+#[derive(Debug, Args)]
+struct Drain {
+    /// workers/{uuid}
+    #[arg(required = true)]
+    names: Vec<WorkerId>,
+    /// Wait until they have ended
+    #[arg(long)]
+    wait: bool,
+}
+
 /// Demands on the confinement, as users write them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum SandboxArg {
@@ -119,8 +147,18 @@ pub(crate) fn lacking_confinement() -> Option<String> {
 }
 
 impl Worker {
+    /// True if it runs a worker, false for commands about the workers of a server.
+    pub(crate) fn is_service(&self) -> bool {
+        self.command.is_none()
+    }
+
     fn options(self, global: &Global) -> Result<Options, Usage> {
-        let defaults = Options::new(&global.server, self.token);
+        let token = self.token.ok_or_else(|| {
+            let fault =
+                "give the server's token for its workers: --token, or BENDTWIN_WORKER_TOKEN";
+            Usage(fault.to_owned())
+        })?;
+        let defaults = Options::new(&global.server, token);
         let pair = self.certificate.zip(self.key);
         let pair = pair.map(|(certificate, key)| PairPaths { certificate, key });
         let tls = match (pair, global.ca.clone()) {
@@ -160,13 +198,58 @@ impl Worker {
     }
 }
 
-pub(crate) async fn run(args: Worker, global: &Global) -> anyhow::Result<()> {
+pub(crate) async fn run(mut args: Worker, global: &Global) -> anyhow::Result<()> {
+    match args.command.take() {
+        None => {}
+        Some(Command::List) => return list(global).await,
+        Some(Command::Drain(args)) => return drain(args, global).await,
+    }
     let shutdown = signals::shutdown();
     if args.exit_with_parent {
         signals::end_with_parent(shutdown.clone());
     }
     let options = args.options(global)?;
     bendtwin_worker::run(options, shutdown).await.map_err(failure::failed)
+}
+
+async fn list(global: &Global) -> anyhow::Result<()> {
+    let workers = global.connect().await?.workers().all().await?;
+    output::print(global, &workers, || {
+        let mut table = Table::new([
+            "NAME", "STARTED", "STATE", "BACKEND", "DEVICE", "TWINS", "ROLLOUTS", "OF",
+        ]);
+        for worker in &workers {
+            let job = worker.fit.map(|fit| fit.to_string());
+            let job = job.or_else(|| worker.ingest.map(|capture| format!("reads {capture}")));
+            let state = if worker.draining { Some("ends".to_owned()) } else { job };
+            table.row([
+                worker.name.to_string(),
+                format!("{:.0}", worker.start_time),
+                state.unwrap_or_else(|| "idle".to_owned()),
+                worker.backend.clone(),
+                worker.device.clone(),
+                worker.warm_twins.len().to_string(),
+                worker.rollouts_in_flight.to_string(),
+                worker.server.clone().unwrap_or_else(|| "all servers".to_owned()),
+            ]);
+        }
+        table.text()
+    })
+}
+
+async fn drain(args: Drain, global: &Global) -> anyhow::Result<()> {
+    let client = global.connect().await?;
+    let mut drained = Vec::new();
+    for name in &args.names {
+        drained.push(client.workers().drain(*name).await?);
+    }
+    for name in args.names.iter().filter(|_| args.wait) {
+        while client.workers().all().await?.iter().any(|worker| worker.name == *name) {
+            tokio::time::sleep(ASK_AGAIN).await;
+        }
+    }
+    let done = if args.wait { "ended" } else { "end, now or after their rollouts" };
+    output::print(global, &drained, || format!("{} workers {done}", drained.len()))
 }
 
 /// `bendtwin ingest-capture`: the process that a worker starts to read a capture.

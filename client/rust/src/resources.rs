@@ -259,6 +259,10 @@ pub struct Worker {
     pub memory: Option<DeviceMemory>,
     /// Words that it was started with, which fits can ask for.
     pub labels: Vec<String>,
+    /// True if it was asked to end.
+    pub draining: bool,
+    /// `servers/{uuid}` of the server that started it and whose rollouts alone it answers.
+    pub server: Option<String>,
 }
 
 /// Memory of a worker's device.
@@ -431,6 +435,8 @@ impl TryFrom<v1::Worker> for Worker {
                 total_bytes: wire.memory_total_bytes,
             }),
             labels: wire.labels,
+            draining: wire.draining,
+            server: Some(wire.server).filter(|server| !server.is_empty()),
         })
     }
 }

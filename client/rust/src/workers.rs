@@ -2,7 +2,8 @@
 
 use bendtwin_core::ids::WorkerId;
 use bendtwin_proto::v1::{
-    GetWorkerRequest, ListWorkersRequest, worker_service_client::WorkerServiceClient,
+    DrainWorkerRequest, GetWorkerRequest, ListWorkersRequest,
+    worker_service_client::WorkerServiceClient,
 };
 
 use crate::{
@@ -29,6 +30,15 @@ impl Workers {
     pub async fn get(&self, name: WorkerId) -> Result<Worker, Error> {
         let request = GetWorkerRequest { name: name.to_string() };
         self.service.clone().get_worker(request).await?.into_inner().try_into()
+    }
+
+    /// Asks a worker to take no more work, to hand back its job, to finish its rollouts and to end.
+    ///
+    /// # Errors
+    /// If it is not known, or the server cannot be asked.
+    pub async fn drain(&self, name: WorkerId) -> Result<Worker, Error> {
+        let request = DrainWorkerRequest { name: name.to_string() };
+        self.service.clone().drain_worker(request).await?.into_inner().try_into()
     }
 
     /// A page of the workers.

@@ -890,6 +890,27 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/v1/workers/{id}/drain": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Drain a worker
+         * @description It takes no more jobs and rollouts, hands its job back with a checkpoint, finishes the rollouts
+         *     under way and exits; its sessions end with it. It is no error to ask again.
+         */
+        post: operations["workers.drain"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
 }
 export type webhooks = Record<string, never>;
 export interface components {
@@ -2430,6 +2451,8 @@ export interface components {
             backend: string;
             build: string;
             device: string;
+            /** @description True if it was asked to end. */
+            draining: boolean;
             /** @description `fits/{uuid}` under way. */
             fit?: string | null;
             /** @description `captures/{uuid}` whose ingest is under way. */
@@ -2446,6 +2469,8 @@ export interface components {
             name: string;
             /** Format: int32 */
             rollouts_in_flight: number;
+            /** @description `servers/{uuid}` of the server that started it, and whose rollouts alone it answers. */
+            server?: string | null;
             start_time: string;
             /** @description Twins that are loaded and answer at once. */
             warm_twins: string[];
@@ -4666,6 +4691,38 @@ export interface operations {
         };
     };
     "workers.get": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description The uuid of the resource's name. */
+                id: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Success. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Worker"];
+                };
+            };
+            /** @description An RFC 9457 problem document: what happened and what to do. */
+            default: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDocument"];
+                };
+            };
+        };
+    };
+    "workers.drain": {
         parameters: {
             query?: never;
             header?: never;

@@ -1,6 +1,6 @@
 //! Typed ids. Resources are named `captures/{id}`, `fits/{id}`, `twins/{id}`, `uploads/{id}`,
-//! `sessions/{id}`, `plays/{id}`, `workers/{id}` and `keys/{id}`, jobs that are no resources
-//! `ingests/{id}`; ids are UUIDv7, so they sort by creation time.
+//! `sessions/{id}`, `plays/{id}`, `workers/{id}` and `keys/{id}`, what is no resource `ingests/{id}`
+//! and `servers/{id}`; ids are UUIDv7, so they sort by creation time.
 
 use std::{fmt, str::FromStr};
 
@@ -106,6 +106,10 @@ id!(
     WorkerId, "workers"
 );
 id!(
+    /// A server process, new at every start.
+    ServerId, "servers"
+);
+id!(
     /// A simulation that lives at a worker between calls.
     SessionId, "sessions"
 );
@@ -121,3 +125,36 @@ id!(
     /// A key with which a client identifies itself.
     KeyId, "keys"
 );
+
+/// Leading bytes of a session's id that are its own; the others are the last ones of its worker's id.
+const OWN_BYTES: usize = 12;
+
+impl SessionId {
+    /// A new id of a session at a worker.
+    pub fn generate_at(worker: WorkerId) -> Self {
+        let (mut bytes, of_worker) = (*Uuid::now_v7().as_bytes(), worker.uuid());
+        let tail = bytes.iter_mut().zip(of_worker.as_bytes()).skip(OWN_BYTES);
+        tail.for_each(|(byte, of_worker)| *byte = *of_worker);
+        Self(Uuid::from_bytes(bytes))
+    }
+
+    /// True if it may be at this worker, false if it is not there.
+    pub fn may_be_at(self, worker: WorkerId) -> bool {
+        let (own, of_worker) = (self.0.as_bytes(), worker.uuid());
+        own.iter().zip(of_worker.as_bytes()).skip(OWN_BYTES).all(|(own, other)| own == other)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_session_names_its_worker() {
+        let (here, there) = (WorkerId::generate(), WorkerId::generate());
+        let (one, two) = (SessionId::generate_at(here), SessionId::generate_at(here));
+        assert!(one != two && one.may_be_at(here) && two.may_be_at(here));
+        assert!(!one.may_be_at(there));
+        assert_eq!(one.uuid().get_version_num(), 7);
+    }
+}

@@ -52,15 +52,20 @@ pub struct Blobs {
 }
 
 impl Blobs {
-    /// Opens a local folder and empties its `incoming`.
+    /// Opens a local folder, and empties its `incoming` if no other server has the folder open.
     pub(crate) async fn open(
         root: &FsPath,
+        is_alone: bool,
         armed: Arc<Armed>,
         reserve: Arc<Reserve>,
     ) -> Result<Self> {
-        match tokio::fs::remove_dir_all(root.join(INCOMING)).await {
-            Err(error) if error.kind() != std::io::ErrorKind::NotFound => return Err(error.into()),
-            _ => {}
+        if is_alone {
+            match tokio::fs::remove_dir_all(root.join(INCOMING)).await {
+                Err(error) if error.kind() != std::io::ErrorKind::NotFound => {
+                    return Err(error.into());
+                }
+                _ => {}
+            }
         }
         folder::make(root)?;
         folder::close_to_others(root, folder::FOLDER);
@@ -128,6 +133,15 @@ impl Blobs {
 
     pub(crate) async fn delete(&self, digest: &str) -> Result<()> {
         self.delete_path(&published(digest)).await
+    }
+
+    /// True if this blob is published.
+    pub(crate) async fn has(&self, digest: &str) -> Result<bool> {
+        match self.objects.head(&published(digest)).await {
+            Ok(_) => Ok(true),
+            Err(object_store::Error::NotFound { .. }) => Ok(false),
+            Err(error) => Err(error.into()),
+        }
     }
 
     async fn delete_path(&self, path: &Path) -> Result<()> {

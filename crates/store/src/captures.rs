@@ -121,6 +121,7 @@ impl Captures<'_> {
         let upload = content.upload();
         let guard = self.store.blobs().publish(content).await?;
         let mut tx = self.store.inner.database.write().await?;
+        self.store.require_published(&tx, &digest).await?;
         if let Some(request_id) = &request_id {
             let row: Option<Row> = query("select * from captures where request_id = $1")
                 .bind(request_id)

@@ -15,12 +15,13 @@ use std::{
     fs::{File, TryLockError},
     path::Path,
     sync::Arc,
+    time::{Duration, Instant},
 };
 
-use tokio::sync::Notify;
+use tokio::sync::{Notify, broadcast};
 
 use crate::{
-    Error, Result,
+    Error, JobId, Result,
     disk::Reserve,
     folder,
     sql::{Readers, Transaction},
@@ -32,6 +33,8 @@ pub use url::DatabaseUrl;
 
 /// Name of the file whose lock a server holds.
 pub(crate) const LOCK: &str = "lock";
+/// Longest wait for another server of the same folder that is just starting.
+const START: Duration = Duration::from_secs(10);
 
 /// The open database.
 #[derive(Debug)]
@@ -43,6 +46,17 @@ pub(crate) struct Database {
     reserve: Arc<Reserve>,
     /// Lock, held for as long as the database is open; the system releases it with the process.
     lock: File,
+}
+
+/// Whom the notifications of a database wake that several servers may have open.
+#[derive(Clone, Debug)]
+pub(crate) struct Wakes {
+    /// Notified when a job enters the queue.
+    pub(crate) queued: Arc<Notify>,
+    /// Ids of jobs that changed.
+    pub(crate) changes: broadcast::Sender<JobId>,
+    /// Notified when a worker registers, goes, or is to end.
+    pub(crate) members: Arc<Notify>,
 }
 
 #[derive(Debug)]
@@ -98,12 +112,26 @@ impl Database {
         }
     }
 
-    /// Notifies waiters when any server that has this database open queues a job, if it is one that
-    /// several may have open.
-    pub(crate) fn wake_on_queued(&self, queued: Arc<Notify>) {
+    /// Wakes waiters when any server that has this database open changes what they wait for, if it is
+    /// one that several may have open.
+    pub(crate) fn wake(&self, wakes: Wakes) {
         if let Engine::Postgres(server) = &self.engine {
-            server.wake_on_queued(queued);
+            server.wake(wakes);
         }
+    }
+
+    /// The right to do something that one server does at a time, until it is dropped; none if
+    /// another has it.
+    pub(crate) async fn try_alone(&self, work: Alone) -> Result<Option<postgres::Turn>> {
+        match &self.engine {
+            Engine::Sqlite(_) => Ok(Some(postgres::Turn::default())),
+            Engine::Postgres(server) => server.try_alone(work).await,
+        }
+    }
+
+    /// Lets other servers have the folder as well, if their rows are in the same database.
+    pub(crate) fn share_folder(&self) -> Result<()> {
+        if self.is_remote() { share(&self.lock) } else { Ok(()) }
     }
 
     pub(crate) async fn close(&self) {
@@ -140,14 +168,57 @@ impl Database {
     }
 }
 
-/// Takes the lock of a data folder.
+/// Work that one of all servers does at a time.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Alone {
+    /// The search for unused content.
+    Garbage,
+}
+
+/// Takes the lock of a data folder, alone.
 pub(crate) fn lock(data_dir: &Path) -> Result<File> {
+    let lock = lock_file(data_dir)?;
+    lock.try_lock().map_err(refused)?;
+    Ok(lock)
+}
+
+/// Takes the lock of a data folder whose rows are elsewhere, so that several servers may have it.
+/// True if no other has it yet: then it is held alone until [`share`].
+pub(crate) async fn lock_shared(data_dir: &Path) -> Result<(File, bool)> {
+    let lock = lock_file(data_dir)?;
+    let patience = Instant::now() + START;
+    loop {
+        match lock.try_lock() {
+            Ok(()) => return Ok((lock, true)),
+            Err(TryLockError::Error(error)) => return Err(error.into()),
+            Err(TryLockError::WouldBlock) => {}
+        }
+        match lock.try_lock_shared() {
+            Ok(()) => return Ok((lock, false)),
+            // Another one is just starting, or a repair is under way.
+            Err(TryLockError::WouldBlock) if Instant::now() < patience => {
+                tokio::time::sleep(Duration::from_millis(20)).await;
+            }
+            Err(error) => return Err(refused(error)),
+        }
+    }
+}
+
+/// Lets other servers have the folder as well.
+pub(crate) fn share(lock: &File) -> Result<()> {
+    lock.try_lock_shared().map_err(refused)
+}
+
+fn lock_file(data_dir: &Path) -> Result<File> {
     let path = data_dir.join(LOCK);
     let lock = File::create(&path)?;
     folder::close_to_others(&path, folder::FILE);
-    lock.try_lock().map_err(|error| match error {
+    Ok(lock)
+}
+
+fn refused(error: TryLockError) -> Error {
+    match error {
         TryLockError::WouldBlock => Error::DataDirInUse,
         TryLockError::Error(error) => error.into(),
-    })?;
-    Ok(lock)
+    }
 }

@@ -86,6 +86,13 @@ pub enum Error {
          back, or run `bendtwin store repair` to join them", .blobs.display()
     )]
     StoreMismatch { database: String, blobs: PathBuf },
+    #[error("another server removed equal content in this moment: send it again")]
+    ContentRemoved,
+    #[error(
+        "another server has the database {database} open, and its content is not in {}: give this \
+         server the content, too", .blobs.display()
+    )]
+    ContentElsewhere { database: String, blobs: PathBuf },
     #[error(
         "the store is in {} still and {database} is empty: run `bendtwin store migrate --to` with the \
          URL of that database, or choose another folder", .file.display()
@@ -148,6 +155,7 @@ impl Problem for Error {
             | Self::FitRunning { .. }
             | Self::DatabaseMissing { .. }
             | Self::StoreMismatch { .. }
+            | Self::ContentElsewhere { .. }
             | Self::StoreNotMigrated { .. }
             | Self::DatabaseElsewhere { .. }
             | Self::DatabaseUnfit { .. }
@@ -172,7 +180,9 @@ impl Problem for Error {
             | Self::BeyondRepair { .. }
             | Self::MigrationDiffers { .. }
             | Self::CorruptRow { .. } => Category::DataLoss,
-            Self::DatabaseBusy | Self::DatabaseUnavailable => Category::Unavailable,
+            Self::DatabaseBusy | Self::DatabaseUnavailable | Self::ContentRemoved => {
+                Category::Unavailable
+            }
             Self::Database(_)
             | Self::Migration(_)
             | Self::Objects(_)
@@ -205,6 +215,8 @@ impl Problem for Error {
             Self::DataDirInUse => "DATA_DIR_IN_USE",
             Self::DatabaseMissing { .. } => "DATABASE_MISSING",
             Self::StoreMismatch { .. } => "STORE_MISMATCH",
+            Self::ContentElsewhere { .. } => "CONTENT_ELSEWHERE",
+            Self::ContentRemoved => "CONTENT_REMOVED",
             Self::BackupNotEmpty { .. } => "BACKUP_NOT_EMPTY",
             Self::DatabaseDamaged { .. } | Self::BeyondRepair { .. } => "DATABASE_DAMAGED",
             Self::DatabaseBusy => "DATABASE_BUSY",

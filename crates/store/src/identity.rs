@@ -9,6 +9,7 @@ use crate::{
     database::{self, Database},
     folder, references,
     references::Reference,
+    servers,
     sql::{Readers, query, query_scalar},
 };
 
@@ -20,6 +21,19 @@ pub(crate) fn require_database(data_dir: &Path) -> Result<()> {
     let file = data_dir.join(database::FILE);
     if !file.try_exists()? && files::any(&data_dir.join("blobs"))? {
         return Err(Error::DatabaseMissing { file });
+    }
+    Ok(())
+}
+
+/// Refuses a folder without blobs beside a database that another server has open just now: what its
+/// rows refer to is elsewhere, and would be missed here.
+pub(crate) async fn require_content(database: &Database, data_dir: &Path) -> Result<()> {
+    let blobs = data_dir.join("blobs");
+    if of_blobs(&blobs)?.is_none()
+        && of_database(database.read()).await?.is_some()
+        && servers::any_lately(database).await?
+    {
+        return Err(Error::ContentElsewhere { database: database.name().to_owned(), blobs });
     }
     Ok(())
 }

@@ -42,7 +42,7 @@ pub use lease_time::LeaseTerms;
 pub(crate) use lease_time::LeaseTimes;
 #[cfg(test)]
 pub(crate) use requirements::DIFFERENT as DIFFERENT_REQUIREMENTS;
-pub use requirements::{Offer, Requirements};
+pub use requirements::{Capabilities, Requirements};
 pub use row::State;
 pub(crate) use row::fits_under_way;
 

@@ -110,6 +110,7 @@ mod playbacks;
 mod quotas;
 mod references;
 mod row;
+mod servers;
 mod sql;
 mod store;
 #[cfg(test)]
@@ -125,8 +126,8 @@ pub use database::DatabaseUrl;
 pub use disk::Disk;
 pub use error::{Error, Result};
 pub use jobs::{
-    AttemptEnd, Claimant, IngestResult, Job, JobId, JobReport, Jobs, Kind, Lease, LeaseTerms, Loss,
-    MAX_INTERRUPTED_ATTEMPTS, MAX_STALLED_ATTEMPTS, NewFit, NewIngest, NewReport, Offer,
+    AttemptEnd, Capabilities, Claimant, IngestResult, Job, JobId, JobReport, Jobs, Kind, Lease,
+    LeaseTerms, Loss, MAX_INTERRUPTED_ATTEMPTS, MAX_STALLED_ATTEMPTS, NewFit, NewIngest, NewReport,
     QueueDepth, Reported, Requirements, State,
 };
 pub use keys::{Key, Keys, NewKey};
@@ -135,6 +136,7 @@ pub use listing::{ListQuery, Order, OrderKey};
 pub use observations::{Observation, Report};
 pub use page::{Page, PageRequest};
 pub use quotas::{Creator, Quotas};
+pub use servers::{Server, Servers};
 pub use store::{Options, Store};
 pub use twins::{NewTwin, Twin, TwinFacts, Twins};
 pub use uploads::{

@@ -6,10 +6,10 @@ use jiff::Timestamp;
 use tokio::sync::{Notify, RwLockWriteGuard, broadcast};
 
 use crate::{
-    Blobs, Captures, Clock, DatabaseUrl, Error, JobId, Jobs, Keys, Result, SystemClock, Twins,
-    Uploads, Workers,
+    Blobs, Captures, Clock, DatabaseUrl, Digest, Error, JobId, Jobs, Keys, Result, Servers,
+    SystemClock, Twins, Uploads, Workers,
     clock::micros,
-    database::{self, Database},
+    database::{self, Alone, Database, Wakes},
     disk::{Disk, Reserve},
     failpoint::{Armed, Failpoint},
     folder, identity,
@@ -54,6 +54,8 @@ pub(crate) struct Inner {
     pub(crate) changes: broadcast::Sender<JobId>,
     /// Notified when a job enters the queue.
     pub(crate) queued: Arc<Notify>,
+    /// Notified when a worker registers, goes or is to end, by any server.
+    pub(crate) members: Arc<Notify>,
     pub(crate) armed: Arc<Armed>,
     /// Current writer of each resumable upload.
     pub(crate) seats: Seats,
@@ -74,23 +76,31 @@ impl Store {
     pub async fn open(options: Options) -> Result<Self> {
         let Options { data_dir, database: url, clock } = options;
         folder::make(&data_dir)?;
-        let lock = database::lock(&data_dir)?;
+        let (lock, is_alone) = match url {
+            None => (database::lock(&data_dir)?, true),
+            // The rows of several servers are there, and their content may be in one folder.
+            Some(_) => database::lock_shared(&data_dir).await?,
+        };
         if url.is_none() {
             database::require_none(&data_dir)?;
             identity::require_database(&data_dir)?;
         }
         let reserve = Arc::new(Reserve::open(&data_dir));
         let database = Database::open(&data_dir, url.as_ref(), lock, reserve.clone()).await?;
+        identity::require_content(&database, &data_dir).await?;
         identity::settle(&database, &data_dir, micros(clock.now())).await?;
         if let Some(url) = &url {
             database::leave_marker(&data_dir, url)?;
         }
         let armed = Arc::new(Armed::default());
-        let blobs = Blobs::open(&data_dir.join("blobs"), armed.clone(), reserve.clone()).await?;
+        let blobs =
+            Blobs::open(&data_dir.join("blobs"), is_alone, armed.clone(), reserve.clone()).await?;
+        database.share_folder()?;
         let (changes, _) = broadcast::channel(1024);
         let (seats, leases) = (Seats::default(), LeaseTimes::default());
-        let queued = Arc::new(Notify::new());
-        database.wake_on_queued(queued.clone());
+        let (queued, members) = (Arc::new(Notify::new()), Arc::new(Notify::new()));
+        let (of_queue, of_members) = (queued.clone(), members.clone());
+        database.wake(Wakes { queued: of_queue, changes: changes.clone(), members: of_members });
         let inner = Inner {
             data_dir,
             reserve,
@@ -99,6 +109,7 @@ impl Store {
             clock,
             changes,
             queued,
+            members,
             armed,
             seats,
             leases,
@@ -137,6 +148,22 @@ impl Store {
     /// Worker processes.
     pub fn workers(&self) -> Workers<'_> {
         Workers { store: self }
+    }
+
+    /// Server processes.
+    pub fn servers(&self) -> Servers<'_> {
+        Servers { store: self }
+    }
+
+    /// True if other servers may have the database open as well.
+    pub fn is_shared(&self) -> bool {
+        self.inner.database.is_remote()
+    }
+
+    /// Waits until a worker registered, went or was asked to end, at any server; at most until the
+    /// connection to the database broke and came back.
+    pub async fn members_changed(&self) {
+        self.inner.members.notified().await;
     }
 
     /// Keys of clients.
@@ -205,15 +232,19 @@ impl Store {
     }
 
     /// Moves blobs that no row refers to into the trash, and removes what has been there for a day.
-    /// They were left by callers that went away in the middle of a call. Safe at any time.
+    /// They were left by callers that went away in the middle of a call. Safe at any time; if another
+    /// server is at it, this one leaves it to that.
     ///
     /// # Errors
     /// [`Error::StoreMismatch`] if somebody exchanged the database or the blobs; database and file
     /// errors.
     pub async fn collect_garbage(&self) -> Result<()> {
+        let Some(_turn) = self.inner.database.try_alone(Alone::Garbage).await? else {
+            return Ok(());
+        };
         identity::verify(&self.inner.database, &self.inner.data_dir).await?;
         for digest in self.inner.blobs.list().await? {
-            if let Some(_gate) = self.unless_referred(&digest).await? {
+            if let Some(_held) = self.unless_referred(&digest).await? {
                 self.inner.blobs.discard(&digest, self.now()).await?;
             }
         }
@@ -243,13 +274,17 @@ impl Store {
     /// Deletes a blob unless a row refers to it: its row was deleted on purpose.
     pub(crate) async fn release(&self, digest: &str) -> Result<()> {
         match self.unless_referred(digest).await? {
-            Some(_gate) => self.inner.blobs.delete(digest).await,
+            Some(_held) => self.inner.blobs.delete(digest).await,
             None => Ok(()),
         }
     }
 
-    /// The closed gate, if no row refers to a blob: none will while it is held.
-    async fn unless_referred(&self, digest: &str) -> Result<Option<RwLockWriteGuard<'_, ()>>> {
+    /// The closed gate and the lock on writing, if no row refers to a blob: none will while they are
+    /// held.
+    async fn unless_referred(
+        &self,
+        digest: &str,
+    ) -> Result<Option<(RwLockWriteGuard<'_, ()>, Transaction)>> {
         // Most are in use: do not bar others for those.
         if references::exist(self.inner.database.read(), digest).await? {
             return Ok(None);
@@ -258,7 +293,21 @@ impl Store {
         // A transaction that refers to it may be under way still, although its connection broke:
         // the lock on writing waits for its end.
         let mut tx = self.inner.database.write().await?;
-        Ok((!references::exist(&mut tx, digest).await?).then_some(gate))
+        Ok((!references::exist(&mut tx, digest).await?).then_some((gate, tx)))
+    }
+
+    /// Makes sure, in the transaction that is to refer to it, that published content is still there.
+    /// The gate keeps this process from deleting it; another server of the same content may have
+    /// found before this transaction that nobody refers to it.
+    ///
+    /// # Errors
+    /// [`Error::ContentRemoved`].
+    pub(crate) async fn require_published(&self, _: &Transaction, digest: &Digest) -> Result<()> {
+        let hex = digest.to_hex();
+        if !self.is_shared() || self.inner.blobs.has(&hex).await? {
+            return Ok(());
+        }
+        Err(Error::ContentRemoved)
     }
 }
 

@@ -3714,12 +3714,24 @@ pub struct Worker {
     /// captures/{uuid} whose ingest is under way, if any.
     #[prost(string, tag = "12")]
     pub ingest: ::prost::alloc::string::String,
+    /// True if it was asked to end.
+    #[prost(bool, tag = "13")]
+    pub draining: bool,
+    /// servers/{uuid} of the server that started it, and whose rollouts alone it answers; empty if others started
+    /// it.
+    #[prost(string, tag = "14")]
+    pub server: ::prost::alloc::string::String,
     /// Words that it was started with, which fits can ask for.
-    #[prost(string, repeated, tag = "13")]
+    #[prost(string, repeated, tag = "15")]
     pub labels: ::prost::alloc::vec::Vec<::prost::alloc::string::String>,
 }
 #[derive(Clone, PartialEq, Eq, Hash, ::prost::Message)]
 pub struct GetWorkerRequest {
+    #[prost(string, tag = "1")]
+    pub name: ::prost::alloc::string::String,
+}
+#[derive(Clone, PartialEq, Eq, Hash, ::prost::Message)]
+pub struct DrainWorkerRequest {
     #[prost(string, tag = "1")]
     pub name: ::prost::alloc::string::String,
 }
@@ -3748,7 +3760,7 @@ pub mod worker_service_client {
     )]
     use tonic::codegen::*;
     use tonic::codegen::http::Uri;
-    /// The worker processes that the server knows.
+    /// The worker processes that the servers know.
     #[derive(Debug, Clone)]
     pub struct WorkerServiceClient<T> {
         inner: tonic::client::Grpc<T>,
@@ -3874,6 +3886,29 @@ pub mod worker_service_client {
                 .insert(GrpcMethod::new("bendtwin.v1.WorkerService", "ListWorkers"));
             self.inner.unary(req, path, codec).await
         }
+        /// Asks a worker to take no more jobs and rollouts, to hand back its job with a checkpoint, to finish the
+        /// rollouts under way and to exit. It is no error to ask again.
+        pub async fn drain_worker(
+            &mut self,
+            request: impl tonic::IntoRequest<super::DrainWorkerRequest>,
+        ) -> std::result::Result<tonic::Response<super::Worker>, tonic::Status> {
+            self.inner
+                .ready()
+                .await
+                .map_err(|e| {
+                    tonic::Status::unknown(
+                        format!("Service was not ready: {}", e.into()),
+                    )
+                })?;
+            let codec = tonic_prost::ProstCodec::default();
+            let path = http::uri::PathAndQuery::from_static(
+                "/bendtwin.v1.WorkerService/DrainWorker",
+            );
+            let mut req = request.into_request();
+            req.extensions_mut()
+                .insert(GrpcMethod::new("bendtwin.v1.WorkerService", "DrainWorker"));
+            self.inner.unary(req, path, codec).await
+        }
     }
 }
 /// Generated server implementations.
@@ -3900,8 +3935,14 @@ pub mod worker_service_server {
             tonic::Response<super::ListWorkersResponse>,
             tonic::Status,
         >;
+        /// Asks a worker to take no more jobs and rollouts, to hand back its job with a checkpoint, to finish the
+        /// rollouts under way and to exit. It is no error to ask again.
+        async fn drain_worker(
+            &self,
+            request: tonic::Request<super::DrainWorkerRequest>,
+        ) -> std::result::Result<tonic::Response<super::Worker>, tonic::Status>;
     }
-    /// The worker processes that the server knows.
+    /// The worker processes that the servers know.
     #[derive(Debug)]
     pub struct WorkerServiceServer<T> {
         inner: Arc<T>,
@@ -4053,6 +4094,51 @@ pub mod worker_service_server {
                     let inner = self.inner.clone();
                     let fut = async move {
                         let method = ListWorkersSvc(inner);
+                        let codec = tonic_prost::ProstCodec::default();
+                        let mut grpc = tonic::server::Grpc::new(codec)
+                            .apply_compression_config(
+                                accept_compression_encodings,
+                                send_compression_encodings,
+                            )
+                            .apply_max_message_size_config(
+                                max_decoding_message_size,
+                                max_encoding_message_size,
+                            );
+                        let res = grpc.unary(method, req).await;
+                        Ok(res)
+                    };
+                    Box::pin(fut)
+                }
+                "/bendtwin.v1.WorkerService/DrainWorker" => {
+                    #[allow(non_camel_case_types)]
+                    struct DrainWorkerSvc<T: WorkerService>(pub Arc<T>);
+                    impl<
+                        T: WorkerService,
+                    > tonic::server::UnaryService<super::DrainWorkerRequest>
+                    for DrainWorkerSvc<T> {
+                        type Response = super::Worker;
+                        type Future = BoxFuture<
+                            tonic::Response<Self::Response>,
+                            tonic::Status,
+                        >;
+                        fn call(
+                            &mut self,
+                            request: tonic::Request<super::DrainWorkerRequest>,
+                        ) -> Self::Future {
+                            let inner = Arc::clone(&self.0);
+                            let fut = async move {
+                                <T as WorkerService>::drain_worker(&inner, request).await
+                            };
+                            Box::pin(fut)
+                        }
+                    }
+                    let accept_compression_encodings = self.accept_compression_encodings;
+                    let send_compression_encodings = self.send_compression_encodings;
+                    let max_decoding_message_size = self.max_decoding_message_size;
+                    let max_encoding_message_size = self.max_encoding_message_size;
+                    let inner = self.inner.clone();
+                    let fut = async move {
+                        let method = DrainWorkerSvc(inner);
                         let codec = tonic_prost::ProstCodec::default();
                         let mut grpc = tonic::server::Grpc::new(codec)
                             .apply_compression_config(

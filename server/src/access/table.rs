@@ -42,6 +42,7 @@ pub const TABLE: &[(&str, Access)] = &[
     ("GET /metrics", Anyone),
     ("GET /v1/workers", Anyone),
     ("GET /v1/workers/{id}", Anyone),
+    ("POST /v1/workers/{id}/drain", ADMIN),
     ("GET /v1/keys", ADMIN),
     ("POST /v1/keys", ADMIN),
     ("GET /v1/keys/{id}", ADMIN),
@@ -104,6 +105,7 @@ pub const TABLE: &[(&str, Access)] = &[
     ("/grpc.reflection.v1alpha.ServerReflection/ServerReflectionInfo", Anyone),
     ("/bendtwin.v1.WorkerService/GetWorker", Anyone),
     ("/bendtwin.v1.WorkerService/ListWorkers", Anyone),
+    ("/bendtwin.v1.WorkerService/DrainWorker", ADMIN),
     ("/bendtwin.v1.KeyService/CreateKey", ADMIN),
     ("/bendtwin.v1.KeyService/GetKey", ADMIN),
     ("/bendtwin.v1.KeyService/ListKeys", ADMIN),
@@ -156,6 +158,7 @@ pub const TABLE: &[(&str, Access)] = &[
     ("/bendtwin.worker.v1.WorkerLink/EndIngest", Worker),
     ("/bendtwin.worker.v1.WorkerLink/FailJob", Worker),
     ("/bendtwin.worker.v1.WorkerLink/Download", Worker),
+    ("/bendtwin.worker.v1.WorkerLink/Leave", Worker),
 ];
 
 /// The table by name.

@@ -72,6 +72,17 @@ pub(crate) struct Leased {
     pub(crate) observation: Option<Observation>,
 }
 
+/// Answer to a worker that asks for a job.
+#[derive(Clone, Debug)]
+pub(crate) enum Offer {
+    /// A job, which is leased to it.
+    Job(Box<Leased>),
+    /// There was none in time.
+    Nothing,
+    /// It is to end.
+    Drain,
+}
+
 /// Longest wait for a job in one call.
 const LONGEST_WAIT: Duration = Duration::from_secs(60);
 
@@ -82,22 +93,25 @@ impl App {
         kind: Kind,
         worker: WorkerId,
         wait: Duration,
-    ) -> Result<Option<Leased>> {
-        self.require_known(worker)?;
+    ) -> Result<Offer> {
+        self.require_known(worker).await?;
         let jobs = self.store.jobs();
-        let claimant = Claimant { worker, offer: self.dispatch.offer(worker) };
+        let capabilities = self.dispatch.capabilities(worker);
+        let claimant = Claimant { worker, capabilities };
         let wait = wait.min(LONGEST_WAIT);
         let claimed = jobs.claim_within(kind, claimant, self.options.lease(), wait);
+        let draining = self.dispatch.draining(worker);
         let claimed = tokio::select! {
             () = self.stopping.cancelled() => return Err(Error::Stopping),
+            () = draining.cancelled() => return Ok(Offer::Drain),
             claimed = claimed => claimed?,
         };
-        let Some(job) = claimed else { return Ok(None) };
+        let Some(job) = claimed else { return Ok(Offer::Nothing) };
         // From here on, every return without an answer to the worker gives the job back.
         let mut guard = LeaseGuard { app: self.clone(), lease: Some(lease_of(&job)) };
         // A process that ended while it waited must not hold the job until the lease runs out:
         // its registration was dropped before its leases were.
-        self.require_known(worker)?;
+        self.require_known(worker).await?;
         let capture = self.store.captures().get(job.capture).await?;
         let observation = self.store.captures().observation(job.capture).await?;
         guard.lease = None;
@@ -106,7 +120,7 @@ impl App {
         self.dispatch.set_job(worker, kind, Some(&job));
         self.dispatch.seen(worker);
         tracing::info!(job = %job.id, %worker, epoch = job.lease_epoch, "job leased");
-        Ok(Some(Leased { job, capture, observation }))
+        Ok(Offer::Job(Box::new(Leased { job, capture, observation })))
     }
 
     /// Renews a lease and keeps what is new. Returns true if the job has been asked to stop.
@@ -229,6 +243,9 @@ impl App {
     /// Lets the time of leases pass, ends the attempts of workers that fell silent, and forgets
     /// them.
     pub(crate) async fn sweep(&self, terms: LeaseTerms) -> Result<()> {
+        if self.store.is_shared() {
+            self.sweep_members(terms.lease).await?;
+        }
         // Renewals of leases are signs of life, so the leases of these have run out as well.
         for worker in self.dispatch.silent(terms.lease) {
             tracing::warn!(%worker, "worker fell silent");
@@ -240,20 +257,13 @@ impl App {
         Ok(())
     }
 
-    pub(crate) fn require_known(&self, worker: WorkerId) -> Result<()> {
-        if self.dispatch.knows(worker) {
-            return Ok(());
-        }
-        Err(Error::WorkerUnknown(worker.to_string()))
-    }
-
     /// Records the end of a worker's attempt.
     pub(super) fn record_end(&self, worker: WorkerId, job: &Job) {
         self.dispatch.set_job(worker, job.id.kind(), None);
         self.note_end(job);
     }
 
-    fn note_end(&self, job: &Job) {
+    pub(super) fn note_end(&self, job: &Job) {
         let fault = job.fault.as_ref().or(job.attempt_faults.last());
         let fault: Option<&Fault> = fault;
         let (state, reason) = (job.state.as_str(), fault.map_or("", |f| f.reason.as_str()));

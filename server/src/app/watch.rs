@@ -1,11 +1,17 @@
 //! Watching jobs: the current state, then every change, until the job has ended.
 
+use std::time::Duration;
+
 use bendtwin_core::ids::{CaptureId, FitId};
 use bendtwin_store::{Job, JobId, Overview};
 use futures::{Stream, StreamExt, stream};
 use tokio::sync::broadcast::{Receiver, error::RecvError};
 
 use super::{App, Error, Result};
+
+/// Time after which a job is read again although nothing told of a change, where other servers may
+/// have changed it and their notifications come over a connection.
+const LOOK_AGAIN: Duration = Duration::from_secs(5);
 
 struct Watch {
     app: App,
@@ -86,9 +92,16 @@ impl Watch {
 
     async fn wait(&mut self) -> Result<Job> {
         loop {
+            let look_again = async {
+                match self.app.store.is_shared() {
+                    true => tokio::time::sleep(LOOK_AGAIN).await,
+                    false => std::future::pending().await,
+                }
+            };
             let changed = tokio::select! {
                 () = self.app.stopping.cancelled() => return Err(Error::Stopping),
                 changed = self.changes.recv() => changed,
+                () = look_again => Ok(self.id),
             };
             match changed {
                 Ok(id) if id != self.id => continue,

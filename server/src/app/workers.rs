@@ -1,10 +1,13 @@
-//! Workers: their registration, and what users see of them.
+//! Workers: their registration, what they say of themselves, and what users see of them.
 
 use bendtwin_core::ids::WorkerId;
-use bendtwin_store::{Loss, NewWorker};
+use bendtwin_store::NewWorker;
 
 use super::{App, Error, Result, requirements};
-use crate::{dispatch::WorkerView, tokens::Bearer};
+use crate::{
+    dispatch::{Heartbeat, WorkerView},
+    tokens::Bearer,
+};
 
 impl App {
     /// Registers a worker. `token` is the one that it showed, and that it expects in calls.
@@ -34,44 +37,66 @@ impl App {
         Ok(())
     }
 
-    pub(crate) fn workers(&self, page_token: &str) -> Result<Vec<WorkerView>> {
-        if page_token.is_empty() {
-            return Ok(self.dispatch.views());
+    /// Takes a heartbeat in. Returns true if the worker is to end.
+    pub(crate) async fn heartbeat(
+        &self,
+        worker: WorkerId,
+        bearer: Bearer,
+        heartbeat: Heartbeat,
+    ) -> Result<bool> {
+        self.require_known(worker).await?;
+        let unknown = || Error::WorkerUnknown(worker.to_string());
+        if !self.dispatch.heartbeat(worker, heartbeat) {
+            return Err(unknown());
         }
-        // No listing of workers ever gave one out.
-        Err(bendtwin_store::Error::InvalidPageToken.into())
+        if bearer == Bearer::External && !self.tell_of(worker).await? {
+            self.dispatch.remove(worker);
+            return Err(unknown());
+        }
+        // Workers that others started outlive a restart of the server.
+        let ends_with_server = self.stopping.is_cancelled() && bearer != Bearer::External;
+        Ok(ends_with_server || self.dispatch.draining(worker).is_cancelled())
     }
 
-    pub(crate) fn worker(&self, name: &str) -> Result<WorkerView> {
+    /// A worker ends in good order.
+    pub(crate) async fn worker_left(&self, worker: WorkerId) -> Result<()> {
+        tracing::info!(%worker, "worker ended");
+        self.forfeit(worker).await
+    }
+
+    /// Asks a worker to take no more work and to end.
+    pub(crate) async fn drain_worker(&self, name: &str) -> Result<WorkerView> {
+        let worker = self.store.workers().drain(super::name(name)?).await?;
+        let id = worker.registration.id;
+        tracing::info!(worker = %id, "worker is to end");
+        self.dispatch.drain(id);
+        let known = self.dispatch.views().into_iter().find(|v| v.worker.registration.id == id);
+        Ok(known.unwrap_or_else(|| worker.into()))
+    }
+
+    pub(crate) async fn workers(&self, page_token: &str) -> Result<Vec<WorkerView>> {
+        if !page_token.is_empty() {
+            // No listing of workers ever gave one out.
+            return Err(bendtwin_store::Error::InvalidPageToken.into());
+        }
+        let mut views = self.dispatch.views();
+        if self.store.is_shared() {
+            // The processes of other servers, and what registered in this moment.
+            let unknown = |id: WorkerId| !views.iter().any(|v| v.worker.registration.id == id);
+            let mut others = self.store.workers().all().await?;
+            others.retain(|worker| unknown(worker.registration.id));
+            views.extend(others.into_iter().map(WorkerView::from));
+            views.sort_by_key(|v| std::cmp::Reverse(v.worker.registration.id));
+        }
+        Ok(views)
+    }
+
+    pub(crate) async fn worker(&self, name: &str) -> Result<WorkerView> {
         let id: WorkerId = super::name(name)?;
-        let views = self.dispatch.views();
+        let views = self.workers("").await?;
         views
             .into_iter()
             .find(|v| v.worker.registration.id == id)
             .ok_or_else(|| bendtwin_store::Error::NotFound { name: id.to_string() }.into())
-    }
-
-    /// Takes up the state that the last run of the server left. Jobs of workers that it had started
-    /// are free at once: those processes ended with it, and fencing keeps stragglers off. Workers
-    /// started by others are expected to be alive still, and get the time of a lease to report.
-    pub(crate) async fn recover(&self) -> Result<()> {
-        for worker in self.store.workers().all().await? {
-            let id = worker.registration.id;
-            match &self.options.worker_token {
-                Some(token) if !worker.registration.supervised => {
-                    if let Err(error) = self.dispatch.add(worker, None, token) {
-                        // It registers again if it is alive.
-                        tracing::warn!(worker = %id, %error, "cannot take a worker up again");
-                        self.store.jobs().forfeit(id, Loss::Server).await?;
-                        self.store.workers().forget(id).await?;
-                    }
-                }
-                _ => {
-                    self.store.jobs().forfeit(id, Loss::Server).await?;
-                    self.store.workers().forget(id).await?;
-                }
-            }
-        }
-        Ok(())
     }
 }

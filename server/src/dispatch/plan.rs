@@ -52,7 +52,7 @@ impl Dispatch {
             fault: "is missing: say what to minimize".to_owned(),
         };
         let rollout = request.rollout.as_mut().ok_or_else(missing)?;
-        self.session_of(rollout)?;
+        self.session_of(rollout).await?;
         let known = self.twins.get(&self.store, rollout.twin.parse().map_err(Error::Name)?).await?;
         let limits = self.limits.rollout;
         let bytes = request.encoded_len();

@@ -12,9 +12,10 @@ use bendtwin_core::{
     settings::memory::Lanes,
 };
 use bendtwin_proto::worker::v1::worker_rollouts_client::WorkerRolloutsClient;
-use bendtwin_store::{Offer, Worker};
+use bendtwin_store::{Capabilities, Job, Kind, Worker};
 use jiff::Timestamp;
 use tokio::time::Instant;
+use tokio_util::sync::CancellationToken;
 use tonic::{metadata::AsciiMetadataValue, transport::Channel};
 
 use super::{
@@ -39,6 +40,10 @@ pub(super) struct Entry {
     worker: Worker,
     /// The process of the server's that it is, if it is one.
     pub(super) child: Option<Child>,
+    /// Cancelled once it is to take no more work.
+    pub(super) draining: CancellationToken,
+    /// Cancelled when the entry goes.
+    pub(super) gone: CancellationToken,
     live: Mutex<Live>,
     pub(super) line: Line,
     client: WorkerRolloutsClient<Channel>,
@@ -54,11 +59,19 @@ pub(super) struct Now {
     pub(super) lease: Duration,
 }
 
+/// The last that was heard of a worker when its entry is made.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Heard {
+    At(Now),
+    /// Nothing here: another server knows it. It is not used until it answers.
+    Never,
+}
+
 /// Facts that change while a worker lives.
 #[derive(Debug)]
 pub(super) struct Live {
-    /// Last sign of life, by the time of leases.
-    last_sign: Duration,
+    /// Last sign of life, by the time of leases; none if there was none here.
+    last_sign: Option<Duration>,
     last_seen: Timestamp,
     warm: Vec<TwinId>,
     /// Sessions that live there.
@@ -68,10 +81,23 @@ pub(super) struct Live {
     in_flight: u32,
     memory: Option<Memory>,
     fit_bytes: u64,
-    pub(super) fit: Option<FitId>,
+    fit: Option<Told<FitId>>,
     /// The capture whose ingest it is at.
-    pub(super) ingest: Option<CaptureId>,
+    ingest: Option<Told<CaptureId>>,
     broken_until: Option<Instant>,
+}
+
+/// A job, and when it was heard of.
+#[derive(Clone, Copy, Debug)]
+struct Told<T> {
+    id: T,
+    at: Instant,
+}
+
+impl<T> Told<T> {
+    fn now(id: T) -> Self {
+        Self { id, at: Instant::now() }
+    }
 }
 
 /// A worker as listings show it.
@@ -86,6 +112,22 @@ pub(crate) struct WorkerView {
     pub(crate) ingest: Option<CaptureId>,
 }
 
+impl From<Worker> for WorkerView {
+    /// A worker of whom this server knows no more than its registration.
+    fn from(worker: Worker) -> Self {
+        let last_seen = worker.started;
+        Self {
+            worker,
+            last_seen,
+            warm: Vec::new(),
+            in_flight: 0,
+            memory: None,
+            fit: None,
+            ingest: None,
+        }
+    }
+}
+
 /// Facts that a worker reports with every heartbeat.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Heartbeat {
@@ -97,6 +139,9 @@ pub(crate) struct Heartbeat {
     pub(crate) memory: Option<Memory>,
     /// Memory that a fit may take [bytes]; zero if it takes no fits.
     pub(crate) fit_bytes: u64,
+    /// The fit under way, and the capture whose ingest is.
+    pub(crate) fit: Option<FitId>,
+    pub(crate) ingest: Option<CaptureId>,
 }
 
 /// Facts of a session that lives at a worker.
@@ -132,6 +177,19 @@ impl Live {
         sessions.extend(new.map(|(id, held)| (*id, *held)));
         self.sessions = sessions;
     }
+
+    /// Takes over the jobs that a heartbeat tells of. It may have been sent before a job was leased
+    /// here, and a job that was leased here may have ended at another server.
+    fn told_jobs(&mut self, fit: Option<FitId>, ingest: Option<CaptureId>) {
+        self.fit = fit.map(Told::now).or(self.fit.filter(|f| f.at.elapsed() < UNDER_WAY));
+        self.ingest = ingest.map(Told::now).or(self.ingest.filter(|i| i.at.elapsed() < UNDER_WAY));
+    }
+}
+
+impl Drop for Entry {
+    fn drop(&mut self) {
+        self.gone.cancel();
+    }
 }
 
 impl Entry {
@@ -140,7 +198,7 @@ impl Entry {
         child: Option<Child>,
         token: &str,
         limits: &Limits,
-        now: Now,
+        heard: Heard,
         channel: Channel,
     ) -> Result<Self> {
         let client = WorkerRolloutsClient::new(channel)
@@ -150,8 +208,14 @@ impl Entry {
             AsciiMetadataValue::try_from(format!("Bearer {token}")).map_err(|_| Error::BadToken)?;
         token.set_sensitive(true);
         let live = Live {
-            last_sign: now.lease,
-            last_seen: now.day,
+            last_sign: match heard {
+                Heard::At(now) => Some(now.lease),
+                Heard::Never => None,
+            },
+            last_seen: match heard {
+                Heard::At(now) => now.day,
+                Heard::Never => worker.started,
+            },
             warm: Vec::new(),
             sessions: HashMap::new(),
             opened: HashMap::new(),
@@ -162,15 +226,26 @@ impl Entry {
             ingest: None,
             broken_until: None,
         };
+        let draining = CancellationToken::new();
+        if worker.is_draining {
+            draining.cancel();
+        }
         Ok(Self {
             worker,
             child,
+            draining,
+            gone: CancellationToken::new(),
             live: Mutex::new(live),
             line: Line::new(limits.rollouts_per_worker, limits.rollout_queue),
             client,
             token,
             executing: Executing::default(),
         })
+    }
+
+    /// The registration.
+    pub(super) fn worker(&self) -> &Worker {
+        &self.worker
     }
 
     pub(super) fn id(&self) -> bendtwin_core::ids::WorkerId {
@@ -214,11 +289,30 @@ impl Entry {
         live.in_flight = heartbeat.in_flight;
         live.memory = heartbeat.memory;
         live.fit_bytes = heartbeat.fit_bytes;
+        live.told_jobs(heartbeat.fit, heartbeat.ingest);
+        self.line.set_fit(live.fit.is_some());
+    }
+
+    /// Notes the job of a kind that it is at.
+    pub(super) fn set_job(&self, kind: Kind, job: Option<&Job>) {
+        let mut live = self.live();
+        match kind {
+            Kind::Ingest => live.ingest = job.map(|j| Told::now(j.capture)),
+            Kind::Fit => {
+                live.fit = job.and_then(|j| j.id.fit()).map(Told::now);
+                self.line.set_fit(live.fit.is_some());
+            }
+        }
+    }
+
+    /// True if it said that it is at more rollouts than those of this server.
+    pub(super) fn has_others_rollouts(&self) -> bool {
+        self.live().in_flight as usize > self.line.len()
     }
 
     pub(super) fn seen(&self, now: Now) {
         let mut live = self.live();
-        (live.last_sign, live.last_seen) = (now.lease, now.day);
+        (live.last_sign, live.last_seen) = (Some(now.lease), now.day);
     }
 
     /// The worker answered a rollout of this twin: it has it loaded.
@@ -263,11 +357,11 @@ impl Entry {
     }
 
     /// Properties that jobs can ask for.
-    pub(super) fn offer(&self) -> Offer {
+    pub(super) fn capabilities(&self) -> Capabilities {
         let live = self.live();
         let worker = &self.worker.registration;
         let of_device = live.memory.map_or(0, |memory| memory.total);
-        Offer {
+        Capabilities {
             backend: worker.backend.clone(),
             memory_bytes: if self.is_cpu() { live.fit_bytes } else { of_device },
             labels: worker.labels.clone(),
@@ -276,7 +370,7 @@ impl Entry {
 
     /// Time without a sign of life, given the time of leases.
     pub(super) fn silence(&self, now: Duration) -> Duration {
-        now.saturating_sub(self.live().last_sign)
+        self.live().last_sign.map_or(Duration::MAX, |sign| now.saturating_sub(sign))
     }
 
     pub(super) fn candidate(&self, twin: TwinId, ask: &Ask, is_fresh: bool) -> Candidate {
@@ -284,7 +378,7 @@ impl Entry {
         let broken = live.broken_until.is_some_and(|until| until > Instant::now());
         Candidate {
             worker: self.id(),
-            usable: !broken && is_fresh,
+            usable: !broken && is_fresh && !self.draining.is_cancelled(),
             warm: live.warm.contains(&twin),
             has_room: self.line.has_room(ask),
             ahead_s: self.line.ahead_s(),
@@ -296,13 +390,13 @@ impl Entry {
     pub(super) fn view(&self) -> WorkerView {
         let live = self.live();
         WorkerView {
-            worker: self.worker.clone(),
+            worker: Worker { is_draining: self.draining.is_cancelled(), ..self.worker.clone() },
             last_seen: live.last_seen,
             warm: live.warm.clone(),
             in_flight: live.in_flight.max(u32::try_from(self.line.len()).unwrap_or(u32::MAX)),
             memory: live.memory,
-            fit: live.fit,
-            ingest: live.ingest,
+            fit: live.fit.map(|told| told.id),
+            ingest: live.ingest.map(|told| told.id),
         }
     }
 }

@@ -176,7 +176,7 @@ impl Dispatch {
     async fn prepared(&self, rollout: RollOut) -> Result<Prepared> {
         let arrived = Instant::now();
         let RollOut { mut request, timeout, in_parts, as_lists, commit_slots, memory } = rollout;
-        let session = self.session_of(&mut request)?;
+        let session = self.session_of(&mut request).await?;
         let id: TwinId = request.twin.parse().map_err(Error::Name)?;
         let twin = self.twins.get(&self.store, id).await?;
         let part_instances = rollout::part_instances(&request, in_parts);
@@ -283,7 +283,8 @@ impl Dispatch {
     }
 
     /// What an attempt at a worker brings, this one if it is given: at a second one if the first
-    /// cannot be reached, as an attempt says by bringing nothing.
+    /// cannot be reached, as an attempt says by bringing nothing, and at all others in turn while
+    /// workers say that they are at as much as they take, for other servers too.
     pub(super) async fn at_a_worker<T, F>(
         &self,
         twin: TwinId,
@@ -294,28 +295,30 @@ impl Dispatch {
     where
         F: Future<Output = Result<Option<T>>>,
     {
-        let mut tried = Vec::new();
+        let (mut tried, mut lost, mut full) = (Vec::new(), false, None);
         loop {
             let chosen = given.take().map_or_else(|| self.choose(twin, ask, &tried), Ok);
             let entry = match chosen {
-                Err(Error::NoWorker) if !tried.is_empty() => return Err(Error::WorkerLost),
+                Err(Error::NoWorker) if !tried.is_empty() => {
+                    return Err(full.unwrap_or(Error::WorkerLost));
+                }
                 chosen => chosen?,
             };
-            match attempt(Arc::clone(&entry)).await? {
-                Some(started) => {
+            match attempt(Arc::clone(&entry)).await {
+                Ok(Some(started)) => {
                     entry.warmed(twin);
                     return Ok(started);
                 }
-                None if tried.is_empty() => {
+                Ok(None) => {
+                    entry.broke();
+                    if std::mem::replace(&mut lost, true) {
+                        return Err(Error::WorkerLost);
+                    }
                     tracing::warn!(worker = %entry.id(), "worker unreachable, trying another");
-                    entry.broke();
-                    tried.push(entry.id());
                 }
-                None => {
-                    entry.broke();
-                    return Err(Error::WorkerLost);
-                }
+                Err(error) => full = Some(refusal(error, &entry, ask)?),
             }
+            tried.push(entry.id());
         }
     }
 
@@ -386,6 +389,17 @@ impl Running {
         let response = reply.response.unwrap_or_default();
         self.computed_s = response.timing.map_or(0.0, |t| t.compute_s);
         Ok(Some(RollOutResponse { worker: worker.to_string(), ..response }))
+    }
+}
+
+/// The error to tell if no other worker takes a call that this one is too busy for; else the error
+/// with which the call ends.
+fn refusal(error: Error, entry: &Entry, ask: &Ask) -> Result<Error> {
+    let Error::Worker(fault) = &error else { return Err(error) };
+    match fault.reason.as_str() {
+        "WORKER_BUSY" => Ok(Error::Busy { retry_after: entry.line.retry_after(ask) }),
+        "MEMORY_IN_USE" | "TOO_MANY_SESSIONS" => Ok(error),
+        _ => Err(error),
     }
 }
 

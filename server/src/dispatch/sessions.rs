@@ -1,6 +1,7 @@
 //! The way to sessions, which live at workers: a call about a session goes to the worker that has
 //! it, and to no other. The table is in memory; after a restart of the server the workers'
-//! heartbeats fill it again.
+//! heartbeats fill it again. A session that another server opened a moment ago is asked for at its
+//! worker, which its id names.
 
 use std::{sync::Arc, time::Duration};
 
@@ -37,22 +38,54 @@ const LONGEST: Duration = Duration::from_secs(600);
 
 impl Dispatch {
     /// The worker that has a session, and what is known of it.
-    pub(super) fn session(&self, session: SessionId) -> Result<(Arc<Entry>, HeldSession)> {
+    pub(super) async fn session(&self, session: SessionId) -> Result<(Arc<Entry>, HeldSession)> {
+        if let Some(found) = self.known_session(session) {
+            return Ok(found);
+        }
+        if self.store.is_shared() {
+            self.look_for(session).await?;
+        }
+        self.known_session(session).ok_or_else(|| Error::SessionLost(session.to_string()))
+    }
+
+    fn known_session(&self, session: SessionId) -> Option<(Arc<Entry>, HeldSession)> {
         let workers = self.lock();
-        let found = workers.values().find_map(|e| Some((Arc::clone(e), e.session(session)?)));
-        found.ok_or_else(|| Error::SessionLost(session.to_string()))
+        workers.values().find_map(|e| Some((Arc::clone(e), e.session(session)?)))
+    }
+
+    /// Asks the worker that a session's id names, though it may have registered at another server in
+    /// this moment.
+    async fn look_for(&self, session: SessionId) -> Result<()> {
+        let named = || {
+            let workers = self.lock();
+            workers.values().find(|e| session.may_be_at(e.id())).cloned()
+        };
+        let mut entry = named();
+        if entry.is_none() {
+            let workers = self.store.workers().all().await?;
+            let its = workers.into_iter().find(|w| session.may_be_at(w.registration.id));
+            let Some(worker) = its else { return Ok(()) };
+            if !self.learn(worker)? {
+                return Err(Error::SessionElsewhere(session.to_string()));
+            }
+            entry = named();
+        }
+        if let Some(entry) = entry {
+            self.ask(&entry).await;
+        }
+        Ok(())
     }
 
     /// The session in which a request begins, if it begins in one, and its worker; fills in the
     /// twin.
-    pub(super) fn session_of(
+    pub(super) async fn session_of(
         &self,
         request: &mut RollOutRequest,
     ) -> Result<Option<(SessionId, Arc<Entry>)>> {
         let state = request.initial.as_ref().and_then(|i| i.state.as_ref());
         let Some(State::Session(SessionSlots { session, .. })) = state else { return Ok(None) };
         let id: SessionId = session.parse().map_err(Error::Name)?;
-        let (entry, HeldSession { twin, .. }) = self.session(id)?;
+        let (entry, HeldSession { twin, .. }) = self.session(id).await?;
         if !request.twin.is_empty() && request.twin.parse() != Ok(twin) {
             let fault = format!("is {}: the session is of {twin}", request.twin);
             return Err(Error::invalid("twin", fault));
@@ -116,14 +149,19 @@ impl Dispatch {
         let known = self.twins.get(&self.store, twin).await?;
         rollout::check_session(&open, &known.shape, &self.limits.rollout)?;
         let ask = Ask { client: Context::current().client, work: 0.0 };
-        let entry = self.choose(twin, &ask, &[])?;
         let capture = known.capture.map(|c| c.to_string()).unwrap_or_default();
         let grasps = open.grasps.len() as u32;
-        let reply = self.manage(&entry, Call::Open(open), capture, timeout).await?;
+        let opened = self.at_a_worker(twin, &ask, None, |entry| {
+            let (call, capture) = (Call::Open(open.clone()), capture.clone());
+            async move {
+                let reply = self.manage_at(&entry, call, capture, timeout).await?;
+                Ok(reply.map(|reply| (entry, reply)))
+            }
+        });
+        let (entry, reply) = opened.await?;
         let session = described(reply)?;
         let id: SessionId = session.name.parse().map_err(|_| Error::WorkerEnded)?;
         entry.opened(id, HeldSession { twin, slots: session.slots, grasps });
-        entry.warmed(twin);
         Ok(session)
     }
 
@@ -134,7 +172,7 @@ impl Dispatch {
         call: Call,
         timeout: Option<Duration>,
     ) -> Result<Session> {
-        let (id, entry, held) = self.named(session)?;
+        let (id, entry, held) = self.named(session).await?;
         described(self.manage_known(id, &entry, held.twin, call, timeout).await?)
     }
 
@@ -146,7 +184,7 @@ impl Dispatch {
         timeout: Option<Duration>,
         as_lists: bool,
     ) -> Result<(SessionStates, Held)> {
-        let (id, entry, held) = self.named(&asked.name)?;
+        let (id, entry, held) = self.named(&asked.name).await?;
         let known = self.twins.get(&self.store, held.twin).await?;
         let slots = match asked.slots.len() {
             0 => held.slots as usize,
@@ -169,7 +207,7 @@ impl Dispatch {
         correct: CorrectSessionRequest,
         timeout: Option<Duration>,
     ) -> Result<CorrectedSession> {
-        let (id, entry, held) = self.named(&correct.name)?;
+        let (id, entry, held) = self.named(&correct.name).await?;
         let known = self.twins.get(&self.store, held.twin).await?;
         registration::check_correction(&correct, &known.shape, &self.limits.rollout)?;
         let call = Call::Correct(correct);
@@ -184,7 +222,7 @@ impl Dispatch {
         close: CloseSessionRequest,
         timeout: Option<Duration>,
     ) -> Result<()> {
-        match self.named(&close.name) {
+        match self.named(&close.name).await {
             Err(Error::SessionLost(_)) => Ok(()),
             Err(error) => Err(error),
             Ok((id, entry, held)) => {
@@ -195,9 +233,9 @@ impl Dispatch {
         }
     }
 
-    fn named(&self, session: &str) -> Result<(SessionId, Arc<Entry>, HeldSession)> {
+    async fn named(&self, session: &str) -> Result<(SessionId, Arc<Entry>, HeldSession)> {
         let id = session.parse().map_err(Error::Name)?;
-        let (entry, held) = self.session(id)?;
+        let (entry, held) = self.session(id).await?;
         Ok((id, entry, held))
     }
 
@@ -232,18 +270,30 @@ impl Dispatch {
         capture: String,
         timeout: Option<Duration>,
     ) -> Result<ManageSessionResponse> {
+        let reply = self.manage_at(entry, call, capture, timeout).await?;
+        reply.ok_or_else(|| {
+            entry.broke();
+            Error::WorkerLost
+        })
+    }
+
+    /// None if the worker cannot be reached, so that it has not taken the call.
+    async fn manage_at(
+        &self,
+        entry: &Arc<Entry>,
+        call: Call,
+        capture: String,
+        timeout: Option<Duration>,
+    ) -> Result<Option<ManageSessionResponse>> {
         let deadline = Instant::now() + timeout.unwrap_or(LONGEST).min(LONGEST);
         let request_id = Context::current().request_id;
         let message = ManageSessionRequest { call: Some(call), capture, request_id };
         let sent = call::send(entry, message, deadline, |mut client, request| async move {
             client.manage_session(request).await
         });
-        let Some((reply, mut taken)) = sent.await? else {
-            entry.broke();
-            return Err(Error::WorkerLost);
-        };
+        let Some((reply, mut taken)) = sent.await? else { return Ok(None) };
         taken.answered();
-        Ok(reply)
+        Ok(Some(reply))
     }
 }
 

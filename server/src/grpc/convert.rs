@@ -291,6 +291,8 @@ pub(super) fn worker(view: WorkerView) -> v1::Worker {
         memory_total_bytes: view.memory.unwrap_or_default().total,
         labels: said.labels,
         ingest: view.ingest.map(|c| c.to_string()).unwrap_or_default(),
+        draining: view.worker.is_draining,
+        server: said.server.map(|s| s.to_string()).unwrap_or_default(),
     }
 }
 

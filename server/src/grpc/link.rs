@@ -8,8 +8,8 @@ use bendtwin_core::{Category, Fault};
 use bendtwin_proto::worker::v1::{
     CompleteFitRequest, CompleteFitResponse, DownloadRequest, DownloadResponse, EndIngestRequest,
     EndIngestResponse, FailJobRequest, FailJobResponse, HeartbeatRequest, HeartbeatResponse,
-    HeldSession as SessionMessage, JobWrite, Lease as LeaseMessage, LeaseJobRequest,
-    LeaseJobResponse, RegisterRequest, RegisterResponse, ReportJobRequest, ReportJobResponse,
+    JobWrite, Lease as LeaseMessage, LeaseJobRequest, LeaseJobResponse, LeaveRequest,
+    LeaveResponse, RegisterRequest, RegisterResponse, ReportJobRequest, ReportJobResponse,
     SaveCheckpointRequest, SaveCheckpointResponse, complete_fit_request, end_ingest_request,
     fail_job_request::End, lease_job_request, save_checkpoint_request,
     worker_link_server::WorkerLink,
@@ -24,8 +24,7 @@ use super::{
     upload,
 };
 use crate::{
-    app::{self, Attempt, Error, IngestPart, IngestUpload, Leased, News},
-    dispatch::{Heartbeat, HeldSession, Memory},
+    app::{self, Attempt, Error, IngestPart, IngestUpload, Leased, News, Offer},
     http::root_service::PeerCertificate,
     tokens::Bearer,
 };
@@ -85,8 +84,8 @@ impl WorkerLink for Api {
             device: short(r.device),
             build: short(r.build),
             lanes: r.lanes,
-            supervised: matches!(shown.bearer, Bearer::Child(_)),
             labels: r.labels,
+            server: matches!(shown.bearer, Bearer::Child(_)).then_some(self.app.id),
         };
         self.app.register_worker(new, shown.bearer, &shown.token).await?;
         Ok(Response::new(RegisterResponse {
@@ -101,23 +100,9 @@ impl WorkerLink for Api {
         request: Request<HeartbeatRequest>,
     ) -> Result<Response<HeartbeatResponse>, Status> {
         let shown = token::shown(&request)?;
-        // Workers that others started outlive a restart of the server.
-        let drain = self.app.stopping.is_cancelled() && matches!(shown.bearer, Bearer::Child(_));
-        let r = request.into_inner();
-        let worker = shown.worker(&r.worker)?;
-        let warm = r.warm_twins.iter().map(|t| app::name(t)).collect::<app::Result<_>>()?;
-        let session = |s: &SessionMessage| {
-            let held = HeldSession { twin: app::name(&s.twin)?, slots: s.slots, grasps: s.grasps };
-            Ok((app::name(&s.session)?, held))
-        };
-        let sessions = r.sessions.iter().map(session).collect::<app::Result<_>>()?;
-        let memory = (r.memory_total_bytes > 0)
-            .then_some(Memory { used: r.memory_used_bytes, total: r.memory_total_bytes });
-        let (in_flight, fit_bytes) = (r.rollouts_in_flight, r.fit_memory_bytes);
-        let heartbeat = Heartbeat { warm, sessions, in_flight, memory, fit_bytes };
-        if !self.app.dispatch.heartbeat(worker, heartbeat) {
-            return Err(Error::WorkerUnknown(worker.to_string()).into());
-        }
+        let sent = request.into_inner();
+        let worker = shown.worker(&sent.worker)?;
+        let drain = self.app.heartbeat(worker, shown.bearer, sent.try_into()?).await?;
         Ok(Response::new(HeartbeatResponse { drain }))
     }
 
@@ -137,8 +122,11 @@ impl WorkerLink for Api {
                 return Err(Error::invalid("kind", "is none that this server knows").into());
             }
         };
-        let leased = self.app.lease_job(kind, worker, wait).await?;
-        Ok(Response::new(LeaseJobResponse { lease: leased.map(lease_of) }))
+        Ok(Response::new(match self.app.lease_job(kind, worker, wait).await? {
+            Offer::Job(leased) => LeaseJobResponse { lease: Some(lease_of(*leased)), drain: false },
+            Offer::Nothing => LeaseJobResponse::default(),
+            Offer::Drain => LeaseJobResponse { lease: None, drain: true },
+        }))
     }
 
     async fn report_job(
@@ -261,6 +249,16 @@ impl WorkerLink for Api {
         Ok(Response::new(FailJobResponse {}))
     }
 
+    async fn leave(
+        &self,
+        request: Request<LeaveRequest>,
+    ) -> Result<Response<LeaveResponse>, Status> {
+        let shown = token::shown(&request)?;
+        let worker = shown.worker(&request.get_ref().worker)?;
+        self.app.worker_left(worker).await?;
+        Ok(Response::new(LeaveResponse {}))
+    }
+
     type DownloadStream = Reply<DownloadResponse>;
 
     async fn download(
@@ -269,7 +267,7 @@ impl WorkerLink for Api {
     ) -> Result<Response<Self::DownloadStream>, Status> {
         let shown = token::shown(&request)?;
         let what = request.get_ref().name.parse()?;
-        let worker = self.app.dispatch.find(|worker| shown.is(worker));
+        let worker = self.app.find_worker(|worker| shown.is(worker)).await?;
         let content = self.app.download(worker, what).await?;
         Ok(Response::new(chunks(content, |chunk| DownloadResponse { chunk })))
     }

@@ -1,7 +1,7 @@
 //! `bendtwin.v1.WorkerService`.
 
 use bendtwin_proto::v1::{
-    GetWorkerRequest, ListWorkersRequest, ListWorkersResponse, Worker,
+    DrainWorkerRequest, GetWorkerRequest, ListWorkersRequest, ListWorkersResponse, Worker,
     worker_service_server::WorkerService,
 };
 use tonic::{Request, Response, Status};
@@ -14,7 +14,15 @@ impl WorkerService for Api {
         &self,
         request: Request<GetWorkerRequest>,
     ) -> Result<Response<Worker>, Status> {
-        Ok(Response::new(convert::worker(self.app.worker(&request.get_ref().name)?)))
+        Ok(Response::new(convert::worker(self.app.worker(&request.get_ref().name).await?)))
+    }
+
+    async fn drain_worker(
+        &self,
+        request: Request<DrainWorkerRequest>,
+    ) -> Result<Response<Worker>, Status> {
+        let drained = self.app.drain_worker(&request.get_ref().name).await?;
+        Ok(Response::new(convert::worker(drained)))
     }
 
     /// Workers are few, one a device: there is one page.
@@ -22,7 +30,7 @@ impl WorkerService for Api {
         &self,
         request: Request<ListWorkersRequest>,
     ) -> Result<Response<ListWorkersResponse>, Status> {
-        let workers = self.app.workers(&request.get_ref().page_token)?;
+        let workers = self.app.workers(&request.get_ref().page_token).await?;
         Ok(Response::new(ListWorkersResponse {
             workers: workers.into_iter().map(convert::worker).collect(),
             next_page_token: String::new(),

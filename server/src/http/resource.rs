@@ -307,6 +307,10 @@ pub(super) struct Worker {
     memory_total_bytes: Option<u64>,
     /// Words that it was started with, which fits can ask for.
     labels: Vec<String>,
+    /// True if it was asked to end.
+    draining: bool,
+    /// `servers/{uuid}` of the server that started it, and whose rollouts alone it answers.
+    server: Option<String>,
 }
 
 impl From<WorkerView> for Worker {
@@ -326,6 +330,8 @@ impl From<WorkerView> for Worker {
             memory_used_bytes: view.memory.map(|m| m.used),
             memory_total_bytes: view.memory.map(|m| m.total),
             labels: registration.labels,
+            draining: view.worker.is_draining,
+            server: registration.server.map(|s| s.to_string()),
         }
     }
 }

@@ -38,6 +38,17 @@ pub(crate) struct Timeouts {
     pub(crate) body: Duration,
     /// Longest time in which nothing of a response is read.
     pub(crate) unread: Duration,
+    /// Age from which a connection takes no further requests.
+    pub(crate) age: Duration,
+}
+
+impl Timeouts {
+    /// The age of one connection: not all that began together end together.
+    fn some_age(&self) -> Duration {
+        // The random bits of a fresh UUID spare this crate a generator.
+        let share = f64::from(uuid::Uuid::new_v4().as_fields().0) / f64::from(u32::MAX);
+        self.age.mul_f64(0.9 + 0.2 * share)
+    }
 }
 
 /// Serves a connection until its end, or until `stop` and the end of the requests under way.
@@ -75,6 +86,16 @@ pub(super) async fn serve(
             serving.as_mut().graceful_shutdown();
             tokio::select! {
                 ended = serving => ended,
+                () = activity.idle_for(FAREWELL, FAREWELL) => return,
+            }
+        }
+        // The client connects again, perhaps to another server behind the same address.
+        () = tokio::time::sleep(timeouts.some_age()) => {
+            place.ended("age");
+            serving.as_mut().graceful_shutdown();
+            tokio::select! {
+                ended = serving => ended,
+                () = place.evicted.cancelled() => return,
                 () = activity.idle_for(FAREWELL, FAREWELL) => return,
             }
         }

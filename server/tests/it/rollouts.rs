@@ -485,3 +485,23 @@ async fn a_refusal_says_how_long_the_work_ahead_takes() {
     running.abort();
     waiting.abort();
 }
+
+/// A worker that other servers keep busy says so, and the next one is asked.
+#[tokio::test]
+async fn a_busy_worker_is_passed_over_and_all_of_them_mean_a_wait() {
+    let server = Server::start().await;
+    let (one, two) = (Device::default(), Device::default());
+    let busy = [one.is_busy.clone(), two.is_busy.clone()];
+    let mut first = Worker::register_with(&server, one).await;
+    let second = Worker::register_with(&server, two).await;
+    let twin = twin(&server, &mut first).await;
+    busy[0].store(true, std::sync::atomic::Ordering::SeqCst);
+    for _ in 0..4 {
+        let reply = server.rollouts().roll_out(request(&twin, 1)).await.unwrap().into_inner();
+        assert_eq!(reply.worker, second.id.to_string());
+    }
+    busy[1].store(true, std::sync::atomic::Ordering::SeqCst);
+    let refused = server.rollouts().roll_out(request(&twin, 1)).await.unwrap_err();
+    assert_eq!(refused.code(), Code::ResourceExhausted);
+    assert_eq!(bendtwin_proto::fault::fault(&refused).reason, "WORKERS_BUSY", "{refused}");
+}

@@ -9,8 +9,12 @@ use std::{
     time::Duration,
 };
 
-use bendtwin_core::ids::{SessionId, WorkerId};
+use bendtwin_core::{
+    Category,
+    ids::{SessionId, WorkerId},
+};
 use bendtwin_proto::{
+    fault,
     rollout::Limits,
     v1::{
         EvaluateTwinRequest, Evaluation, Fault, ModelLoss, PredictedMotion, Progress,
@@ -23,7 +27,7 @@ use bendtwin_proto::{
         ExecuteRollOutRequest, ExecuteRollOutResponse, FailJobRequest, HeartbeatRequest,
         HeartbeatResponse, IngestWrite, JobWrite, Lease, LeaseJobRequest, ManageSessionRequest,
         ManageSessionResponse, RegisterRequest, ReportJobRequest, SaveCheckpointRequest, TwinWrite,
-        complete_fit_request, end_ingest_request,
+        WatchRequest, WatchResponse, complete_fit_request, end_ingest_request,
         fail_job_request::End,
         lease_job_request::Kind,
         manage_session_request::Call,
@@ -86,6 +90,8 @@ pub(crate) struct Device {
     pub(crate) given_up: Arc<Notify>,
     /// Break the connection off instead of answering.
     pub(crate) breaks: Arc<AtomicBool>,
+    /// Answer that as many rollouts are under way as this worker takes, for other servers.
+    pub(crate) is_busy: Arc<AtomicBool>,
     /// The cost of an instance is the first number of its actions.
     pub(crate) echoes: bool,
     /// The cost of an instance is the sum of the squares of its actions, infinite if they are all
@@ -385,6 +391,13 @@ impl Drop for GivenUp {
 
 #[tonic::async_trait]
 impl WorkerRollouts for Device {
+    type WatchStream = Pin<Box<dyn Stream<Item = Result<WatchResponse, Status>> + Send>>;
+
+    /// It tells nothing beside its heartbeats.
+    async fn watch(&self, _: Request<WatchRequest>) -> Result<Response<Self::WatchStream>, Status> {
+        Err(Status::unimplemented("an older worker"))
+    }
+
     /// Every session is there.
     async fn manage_session(
         &self,
@@ -446,6 +459,11 @@ impl WorkerRollouts for Device {
     ) -> Result<Response<Self::RollOutStream>, Status> {
         let token = request.metadata().get("authorization").unwrap().to_str().unwrap();
         assert_eq!(token, format!("Bearer {TOKEN}"));
+        if self.is_busy.load(Ordering::SeqCst) {
+            let (category, reason) = (Category::ResourceExhausted, "WORKER_BUSY".to_owned());
+            let message = "64 rollouts are in flight".to_owned();
+            return Err(fault::status(&bendtwin_core::Fault { category, reason, message }));
+        }
         let execute = request.into_inner();
         self.time_left_s.lock().unwrap().push(execute.time_left_s);
         let asked = execute.request.unwrap();

@@ -5,6 +5,7 @@ use std::{path::PathBuf, time::Duration};
 
 use bendtwin_proto::v1::worker_service_client::WorkerServiceClient;
 use bendtwin_proto::v1::{GetWorkerRequest, ListWorkersRequest};
+use bendtwin_proto::worker::v1::{LeaseJobRequest, LeaveRequest, lease_job_request::Kind};
 use serde_json::json;
 
 use crate::{harness::Server, worker::Worker};
@@ -127,4 +128,33 @@ async fn workers_are_listed() {
     assert!(text.contains(&gauge), "{gauge} is not in\n{text}");
     let (_, ready) = server.get("/readyz").await;
     assert_eq!((&ready["workers"], &ready["rollouts"]), (&json!(1), &json!(0)));
+}
+
+/// It gets no job and no rollout any more, whoever asks again changes nothing, and its last word takes
+/// it off the list with its job.
+#[tokio::test]
+async fn a_drained_worker_is_told_and_gets_no_more_work() {
+    let server = Server::start().await;
+    let mut worker = Worker::register(&server).await;
+    let fit = server.fit().await;
+    let lease = worker.lease(Duration::from_secs(5)).await.unwrap();
+    assert_eq!(lease.job, fit);
+    server.fit().await;
+    let path = format!("/v1/{}/drain", worker.id);
+    for _ in 0..2 {
+        let (status, drained) = server.post(&path, json!(null)).await;
+        assert_eq!((status, &drained["draining"]), (200, &json!(true)), "{drained}");
+    }
+    assert!(worker.heartbeat().await.unwrap().drain);
+    let asked =
+        LeaseJobRequest { worker: worker.id.to_string(), wait_s: 60.0, kind: Kind::Fit.into() };
+    let answer = worker.link.lease_job(asked).await.unwrap().into_inner();
+    assert!(answer.drain && answer.lease.is_none(), "{answer:?}");
+    let leave = LeaveRequest { worker: worker.id.to_string() };
+    worker.link.leave(leave).await.unwrap();
+    assert_eq!(server.get("/v1/workers").await.1["workers"], json!([]));
+    let (_, got) = server.get(&format!("/v1/{fit}")).await;
+    assert_eq!((&got["job"]["state"], &got["job"]["attempts"]), (&json!("QUEUED"), &json!(0)));
+    let unknown = format!("/v1/{}/drain", bendtwin_core::ids::WorkerId::generate());
+    assert_eq!(server.post(&unknown, json!(null)).await.0, 404);
 }

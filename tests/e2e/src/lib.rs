@@ -36,6 +36,8 @@ mod plays;
 #[cfg(test)]
 mod reasons;
 #[cfg(test)]
+mod replicas;
+#[cfg(test)]
 mod resumable;
 #[cfg(test)]
 mod rollouts;

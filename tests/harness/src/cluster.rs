@@ -21,7 +21,7 @@ use crate::{
 /// Longest time for the start of a process on a busy machine.
 pub const START: Duration = Duration::from_secs(60);
 /// The token of workers that the test starts itself.
-const TOKEN: &str = "end-to-end-worker-token";
+pub(crate) const TOKEN: &str = "end-to-end-worker-token";
 
 /// Options of a cluster.
 #[derive(Clone, Debug)]
@@ -39,6 +39,8 @@ pub struct Setup {
     pub memory: Option<Memory>,
     /// URL of the server's database, if that is PostgreSQL.
     pub database: Option<String>,
+    /// The data folder, if the server has it in common with others.
+    pub data_dir: Option<PathBuf>,
 }
 
 /// Budgets of memory, and limits of the system above them (`RLIMIT_DATA`: all memory that a process
@@ -62,6 +64,7 @@ impl Default for Setup {
             worker_args: &[],
             memory: None,
             database: None,
+            data_dir: None,
         }
     }
 }
@@ -233,7 +236,7 @@ impl Drop for TestCluster {
     }
 }
 
-async fn launch(
+pub(crate) async fn launch(
     processes: &Processes,
     folder: &Path,
     setup: &Setup,
@@ -255,7 +258,7 @@ async fn launch(
          args = {args:?}\n\
          min_backoff_s = 0.02\n\
          max_backoff_s = 0.2\n",
-        data = folder.join("data").display(),
+        data = setup.data_dir.clone().unwrap_or_else(|| folder.join("data")).display(),
         heartbeat = lease_s / 4.0,
     );
     std::fs::write(&config, text).unwrap();

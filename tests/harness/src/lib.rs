@@ -4,6 +4,7 @@
 pub mod api;
 pub mod cluster;
 pub mod command;
+pub mod fleet;
 pub mod http;
 pub mod play;
 pub mod postgres;
@@ -15,5 +16,6 @@ pub mod waiting;
 
 pub use api::Api;
 pub use cluster::{Isolation, Setup, TestCluster};
+pub use fleet::Fleet;
 pub use postgres::Postgres;
 pub use waiting::{until, within};

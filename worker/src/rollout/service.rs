@@ -21,8 +21,8 @@ use bendtwin_proto::{
     v1::RollOutResponse,
     worker::v1::{
         ExecuteEvaluateTwinRequest, ExecuteEvaluateTwinResponse, ExecuteRegisterStateRequest,
-        ExecuteRegisterStateResponse, ExecuteRollOutRequest, ExecuteRollOutResponse, HeldSession,
-        ManageSessionRequest, ManageSessionResponse,
+        ExecuteRegisterStateResponse, ExecuteRollOutRequest, ExecuteRollOutResponse,
+        ManageSessionRequest, ManageSessionResponse, WatchRequest,
         worker_rollouts_server::{WorkerRollouts, WorkerRolloutsServer},
     },
 };
@@ -55,6 +55,7 @@ use super::{
     plan::Plan,
     serve::Served,
     sessions::{Begun, Sessions},
+    told::{Told, Words},
     world::Still,
 };
 use crate::{
@@ -78,6 +79,7 @@ pub(super) struct Inner {
     pub(super) memory: Memory,
     /// Bounds on requests, as the server set them last.
     limits: RwLock<Limits>,
+    pub(super) told: Told,
     /// Rollouts that are answered at once.
     most: usize,
     slots: Arc<Semaphore>,
@@ -104,6 +106,7 @@ impl Rollouts {
             sessions,
             memory,
             limits,
+            told: Told::default(),
             most,
             slots,
         }))
@@ -112,16 +115,6 @@ impl Rollouts {
     /// Sets the bounds on requests to those of the server.
     pub(crate) fn set_limits(&self, limits: Limits) {
         *self.0.limits.write().unwrap_or_else(PoisonError::into_inner) = limits;
-    }
-
-    /// The twins that answer at once, the most recently used first.
-    pub(crate) fn warm_twins(&self) -> Vec<TwinId> {
-        self.0.twins.ids()
-    }
-
-    /// The sessions that live here.
-    pub(crate) fn sessions(&self) -> Vec<HeldSession> {
-        self.0.sessions.list()
     }
 
     /// A place among the calls under way.
@@ -135,6 +128,10 @@ impl Rollouts {
     fn unary<T>(&self, request: &mut Request<T>) -> Result<Unary, Status> {
         let held = request.extensions_mut().remove::<Held>().unwrap_or_default();
         Ok(Unary { held, slot: Arc::new(self.slot()?), cancel: CancelToken::default() })
+    }
+
+    pub(super) fn inner(&self) -> &Inner {
+        &self.0
     }
 
     /// Rollouts that are under way.
@@ -169,6 +166,7 @@ where
             Err(Status::unauthenticated("the worker token is missing or wrong"))
         }
     };
+    rollouts.0.told.end_with(shutdown.clone());
     let service = Bounded(rollouts);
     let (health, health_service) = tonic_health::server::health_reporter();
     health.set_serving::<WorkerRolloutsServer<Rollouts>>().await;
@@ -247,6 +245,11 @@ impl NamedService for Bounded {
 #[tonic::async_trait]
 impl WorkerRollouts for Rollouts {
     type RollOutStream = Parts;
+    type WatchStream = Words;
+
+    async fn watch(&self, request: Request<WatchRequest>) -> Result<Response<Words>, Status> {
+        Ok(Response::new(self.words(request.get_ref().interval_s)))
+    }
 
     async fn roll_out(
         &self,
@@ -355,6 +358,7 @@ impl Call {
             .map_err(|e: bendtwin_core::ids::InvalidName| Error::field("twin", e.to_string()))?;
         let fidelity = rollout::fidelity(wire.fidelity)?;
         let warm = inner.twins.get(id).await?;
+        inner.told.has_warm(inner.twins.ids());
         let starts = begun.as_ref().map(Begun::starts);
         let rests = starts.as_ref().map(Starts::rests).unwrap_or_default();
         let served = Served::choose(Arc::clone(&warm), fidelity, &inner.device).await?;

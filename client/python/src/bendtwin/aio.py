@@ -540,6 +540,10 @@ class Client:
         """The workers that the server knows."""
         return self._caller.pages(calls.list_workers())
 
+    async def drain_worker(self, name: str) -> Worker:
+        """Asks a worker to take no more work, to hand back its job and to end after its rollouts."""
+        return await self._caller.run(calls.drain_worker(name))
+
     def _twin(self, info: TwinInfo) -> Twin:
         return Twin(info, self._caller)
 

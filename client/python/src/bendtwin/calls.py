@@ -417,6 +417,15 @@ def plan(request: planning_pb2.PlanRequest) -> Call[PlanUpdate]:
 # Workers
 
 
+def drain_worker(name: str) -> Call[Worker]:
+    """Asks a worker to end."""
+    return Call(
+        lambda s: s.workers.DrainWorker,
+        worker_pb2.DrainWorkerRequest(name=name),
+        Worker.from_proto,
+    )
+
+
 def list_workers() -> Pages[Worker]:
     """The workers that the server knows."""
     return Pages(

@@ -368,5 +368,9 @@ class Client:
         """The workers that the server knows."""
         return self._caller.pages(calls.list_workers())
 
+    def drain_worker(self, name: str) -> Worker:
+        """Asks a worker to take no more work, to hand back its job and to end after its rollouts."""
+        return self._caller.run(calls.drain_worker(name))
+
     def _twin(self, info: TwinInfo) -> Twin:
         return Twin(info, self._caller)

@@ -375,6 +375,10 @@ class Worker:
     ingest: str = ""
     #: Words that it was started with, which fits can ask for.
     labels: tuple[str, ...] = ()
+    #: True if it was asked to end.
+    draining: bool = False
+    #: servers/{uuid} of the server that started it and whose rollouts alone it answers, else empty.
+    server: str = ""
 
     @classmethod
     def from_proto(cls, message: worker_pb2.Worker) -> Worker:
@@ -393,6 +397,8 @@ class Worker:
             message.memory_total_bytes,
             message.ingest,
             tuple(message.labels),
+            message.draining,
+            message.server,
         )
 
 

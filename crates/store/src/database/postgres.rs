@@ -1,12 +1,12 @@
 //! The parts that are specific to PostgreSQL: connections, their time limits, the lock on writing,
-//! and what wakes those who wait for a job.
+//! and what wakes those who wait for a change.
 //!
 //! A connection that broke is noticed when it is taken, and replaced: after a restart of PostgreSQL
 //! the next request works. Meanwhile requests wait for [`ACQUIRE_TIMEOUT`] and end with
 //! [`Error::DatabaseUnavailable`], which may be tried again.
 
 use std::{
-    sync::{Arc, Mutex, PoisonError},
+    sync::{Mutex, PoisonError},
     time::Duration,
 };
 
@@ -14,11 +14,11 @@ use sqlx::{
     ConnectOptions as _, Connection as _, PgConnection, PgPool,
     postgres::{PgConnectOptions, PgListener, PgPoolOptions},
 };
-use tokio::{sync::Notify, task::JoinHandle};
+use tokio::task::JoinHandle;
 
-use super::DatabaseUrl;
+use super::{Alone, DatabaseUrl, Wakes};
 use crate::{
-    Error, Result, migrations,
+    Error, JobId, Result, migrations,
     sql::{Readers, Transaction},
 };
 
@@ -41,8 +41,12 @@ pub(crate) const WRITE_LOCK: i64 = 0x6265_6e64_7477_696e;
 /// Takes the lock, then reads the clock [us].
 const TAKE_LOCK: &str = "select pg_advisory_xact_lock($1)::text,
      (extract(epoch from clock_timestamp()) * 1000000)::bigint";
-/// Channel of the notifications about the queue.
-const CHANNEL: &str = "bendtwin_queue";
+/// The lock of the search for unused content: `bendtgar`.
+const GARBAGE_LOCK: i64 = 0x6265_6e64_7467_6172;
+/// Channels of the notifications: about the queue, about jobs that changed, about workers.
+const QUEUE: &str = "bendtwin_queue";
+const JOBS: &str = "bendtwin_jobs";
+const WORKERS: &str = "bendtwin_workers";
 /// Wait before the next attempt to listen.
 const LISTEN_AGAIN: Duration = Duration::from_secs(1);
 
@@ -105,7 +109,11 @@ pub(crate) async fn prepare(connection: &mut PgConnection) -> Result<()> {
         return Err(Error::DatabaseUnfit { fault });
     }
     migrations::postgres().run(&mut *connection).await?;
-    sqlx::raw_sql(include_str!("postgres.sql")).execute(connection).await?;
+    // Two servers that start at once must not replace the same function.
+    let mut tx = connection.begin().await?;
+    sqlx::query("select pg_advisory_xact_lock($1)").bind(WRITE_LOCK).execute(&mut *tx).await?;
+    sqlx::raw_sql(include_str!("postgres.sql")).execute(&mut *tx).await?;
+    tx.commit().await?;
     Ok(())
 }
 
@@ -123,13 +131,13 @@ impl Server {
         Ok(Transaction::postgres(open, time))
     }
 
-    /// Notifies waiters of jobs that any server queues, for as long as the database is open. While
-    /// it cannot listen, waiters look at the queue from time to time.
-    pub(super) fn wake_on_queued(&self, queued: Arc<Notify>) {
+    /// Wakes waiters when any server changes what they wait for, for as long as the database is open.
+    /// While it cannot listen, waiters look from time to time.
+    pub(super) fn wake(&self, wakes: Wakes) {
         let options = self.options.clone();
         let task = tokio::spawn(async move {
             loop {
-                if let Err(error) = listen(&options, &queued).await {
+                if let Err(error) = listen(&options, &wakes).await {
                     tracing::warn!(%error, "notifications of the database have ceased");
                 }
                 tokio::time::sleep(LISTEN_AGAIN).await;
@@ -139,6 +147,19 @@ impl Server {
         if let Some(before) = listening.replace(task) {
             before.abort();
         }
+    }
+
+    /// The right to a work that one server does at a time; none if another has it.
+    pub(super) async fn try_alone(&self, work: Alone) -> Result<Option<Turn>> {
+        let mut connection = connect(&self.options).await?;
+        let key = match work {
+            Alone::Garbage => GARBAGE_LOCK,
+        };
+        let taken: bool = sqlx::query_scalar("select pg_try_advisory_lock($1)")
+            .bind(key)
+            .fetch_one(&mut connection)
+            .await?;
+        Ok(taken.then_some(Turn { _connection: Some(connection) }))
     }
 
     pub(super) async fn close(&self) {
@@ -161,21 +182,38 @@ impl Drop for Server {
     }
 }
 
+/// The right to a work that one server does at a time. It ends with the connection, however that
+/// ends.
+#[derive(Debug, Default)]
+pub(crate) struct Turn {
+    _connection: Option<PgConnection>,
+}
+
 /// Passes notifications on until the connection breaks.
-async fn listen(options: &PgConnectOptions, queued: &Notify) -> Result<()> {
+async fn listen(options: &PgConnectOptions, wakes: &Wakes) -> Result<()> {
     let pool = PgPoolOptions::new()
         .max_connections(1)
         .acquire_timeout(ACQUIRE_TIMEOUT)
         .connect_lazy_with(options.clone());
     let mut listener = PgListener::connect_with(&pool).await?;
-    listener.listen(CHANNEL).await?;
-    loop {
-        // What was queued while nobody listened is found now.
-        queued.notify_waiters();
-        if listener.try_recv().await?.is_none() {
-            return Ok(());
+    listener.listen_all([QUEUE, JOBS, WORKERS]).await?;
+    // What was changed while nobody listened is found now.
+    wakes.queued.notify_waiters();
+    wakes.members.notify_one();
+    while let Some(notification) = listener.try_recv().await? {
+        match notification.channel() {
+            JOBS => {
+                let job = notification.payload().split_once('/');
+                if let Some(job) = job.and_then(|(kind, id)| JobId::stored(kind, id)) {
+                    // No receiver, no matter.
+                    let _ = wakes.changes.send(job);
+                }
+            }
+            WORKERS => wakes.members.notify_one(),
+            _ => wakes.queued.notify_waiters(),
         }
     }
+    Ok(())
 }
 
 #[cfg(test)]

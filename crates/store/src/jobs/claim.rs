@@ -11,7 +11,7 @@ use std::time::Duration;
 use bendtwin_core::ids::WorkerId;
 use tokio::time::Instant;
 
-use super::{Job, Jobs, Kind, Lease, Offer, Requirements, requirements, row::Row};
+use super::{Capabilities, Job, Jobs, Kind, Lease, Requirements, requirements, row::Row};
 use crate::{
     Result,
     failpoint::Failpoint,
@@ -66,13 +66,13 @@ pub struct Claimant {
     /// The worker.
     pub worker: WorkerId,
     /// Properties that jobs can ask for.
-    pub offer: Offer,
+    pub capabilities: Capabilities,
 }
 
 /// A worker that gets only jobs without requirements.
 impl From<WorkerId> for Claimant {
     fn from(worker: WorkerId) -> Self {
-        Self { worker, offer: Offer::default() }
+        Self { worker, capabilities: Capabilities::default() }
     }
 }
 
@@ -105,9 +105,9 @@ impl Jobs<'_> {
         claimant: impl Into<Claimant>,
         lease: Duration,
     ) -> Result<Option<Job>> {
-        let Claimant { worker, offer } = claimant.into();
+        let Claimant { worker, capabilities } = claimant.into();
         let mut tx = self.store.inner.database.write().await?;
-        let allowed = allowed(&mut tx, kind, &offer).await?;
+        let allowed = allowed(&mut tx, kind, &capabilities).await?;
         if allowed.is_empty() {
             return Ok(None);
         }
@@ -155,9 +155,14 @@ impl Jobs<'_> {
 
 /// Requirements of queued jobs that a worker satisfies, as their texts. Those that cannot be read
 /// are of a newer version, which has workers of its own.
-async fn allowed(tx: &mut Transaction, kind: Kind, offer: &Offer) -> Result<Vec<String>> {
+async fn allowed(
+    tx: &mut Transaction,
+    kind: Kind,
+    capabilities: &Capabilities,
+) -> Result<Vec<String>> {
     let satisfied = |text: &String| {
-        Requirements::from_text(text).is_ok_and(|requirements| offer.satisfies(&requirements))
+        Requirements::from_text(text)
+            .is_ok_and(|requirements| capabilities.satisfies(&requirements))
     };
     Ok(requirements::queued(tx, kind).await?.into_iter().filter(satisfied).collect())
 }

@@ -6,6 +6,7 @@ use uuid::Uuid;
 
 use super::{
     Job, JobId, Jobs, Lease, LeaseTerms, MAX_INTERRUPTED_ATTEMPTS, MAX_STALLED_ATTEMPTS,
+    lease_time::Running,
     row::{self, Row, State, to_json},
 };
 use crate::{
@@ -69,14 +70,17 @@ impl Jobs<'_> {
         terms: LeaseTerms,
         loss: impl Fn(WorkerId) -> Loss,
     ) -> Result<Vec<Job>> {
-        let running: Vec<(String, String, i64)> =
-            query("select kind, id, lease_epoch from jobs where state = 'running'")
+        let running: Vec<(String, String, i64, Option<i64>)> =
+            query("select kind, id, lease_epoch, lease_until from jobs where state = 'running'")
                 .fetch_all(self.store.inner.database.read())
                 .await?;
-        let lease = |(kind, id, epoch): &(String, String, i64)| {
-            Some((JobId::stored(kind, id)?, (*epoch).max(0) as u64))
+        // Where another server may renew a lease, a change of its end is a renewal.
+        let shared = self.store.is_shared() && !self.store.inner.clock.is_simulated();
+        let lease = |(kind, id, epoch, until): &(String, String, i64, Option<i64>)| {
+            let renewal = until.filter(|_| shared);
+            Some(Running { job: JobId::stored(kind, id)?, epoch: (*epoch).max(0) as u64, renewal })
         };
-        let running: Vec<(JobId, u64)> = running.iter().filter_map(lease).collect();
+        let running: Vec<Running> = running.iter().filter_map(lease).collect();
         let leases = &self.store.inner.leases;
         let expired = leases.sweep(&running, self.store.inner.clock.monotonic(), terms);
         let mut swept = Vec::new();

@@ -197,6 +197,7 @@ impl Jobs<'_> {
         size_bytes: u64,
     ) -> Result<(TwinId, Option<String>)> {
         let mut tx = self.store.inner.database.write().await?;
+        self.store.require_published(&tx, &digest).await?;
         let before = row::fetch(&mut tx, lease.job).await?;
         if let (State::Succeeded, true, Some(twin)) =
             (before.state()?, before.is_of(lease), &before.twin)

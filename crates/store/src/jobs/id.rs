@@ -63,7 +63,7 @@ impl JobId {
     }
 
     /// Id from the columns of a row.
-    pub(super) fn stored(kind: &str, id: &str) -> Option<Self> {
+    pub(crate) fn stored(kind: &str, id: &str) -> Option<Self> {
         Some(Self::new(Kind::parse(kind)?, Uuid::try_parse(id).ok()?))
     }
 

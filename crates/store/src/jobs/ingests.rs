@@ -212,7 +212,7 @@ impl Jobs<'_> {
             observation.into_iter().chain(playback.map(|p| *p)).chain([json, html]).collect();
         let new: Vec<Digest> = contents.iter().map(Staged::digest).collect();
         let guard = self.store.blobs().publish_all(contents).await?;
-        let stored = self.end_published(lease, &made, end).await;
+        let stored = self.end_published(lease, &made, &new, end).await;
         drop(guard);
         let obsolete = match &stored {
             Ok((_, obsolete)) => obsolete.clone(),
@@ -235,9 +235,13 @@ impl Jobs<'_> {
         &self,
         lease: Lease,
         made: &observations::Made,
+        contents: &[Digest],
         end: Option<AttemptEnd>,
     ) -> Result<(Job, Vec<String>)> {
         let mut tx = self.store.inner.database.write().await?;
+        for digest in contents {
+            self.store.require_published(&tx, digest).await?;
+        }
         let before = row::fetch(&mut tx, lease.job).await?;
         if before.state()? == State::Succeeded && before.is_of(lease) && end.is_none() {
             let stored = observations::digest_of(&mut tx, &before.capture).await?;

@@ -7,7 +7,8 @@
 //! anything then, so they keep what was left of their leases.
 //!
 //! The ends of leases are in memory. After a restart every lease that the database knows begins
-//! anew with the first sweep: whoever holds one gets its time to report, and no longer.
+//! anew with the first sweep: whoever holds one gets its time to report, and no longer. So does one
+//! that another server has renewed since the last sweep.
 
 use std::{
     collections::HashMap,
@@ -38,8 +39,25 @@ struct State {
     swept: Option<Duration>,
     /// Most time that counts until the next.
     step: Duration,
-    /// Epoch and end of each lease.
-    ends: HashMap<JobId, (u64, Duration)>,
+    ends: HashMap<JobId, End>,
+}
+
+/// A lease, and its end as far as it is known here.
+#[derive(Clone, Copy, Debug)]
+struct End {
+    epoch: u64,
+    at: Duration,
+    /// As the last sweep found it.
+    renewal: Option<i64>,
+}
+
+/// A running job, as a sweep finds it in the database.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Running {
+    pub(super) job: JobId,
+    pub(super) epoch: u64,
+    /// Changes with each renewal, where other servers may renew it.
+    pub(super) renewal: Option<i64>,
 }
 
 impl State {
@@ -58,15 +76,17 @@ impl LeaseTimes {
     /// Begins or renews a lease.
     pub(super) fn renew(&self, job: JobId, epoch: u64, monotonic: Duration, lease: Duration) {
         let mut state = self.lock();
-        let end = state.now(monotonic).saturating_add(lease);
-        state.ends.insert(job, (epoch, end));
+        let at = state.now(monotonic).saturating_add(lease);
+        let known = state.ends.get(&job).filter(|end| end.epoch == epoch);
+        let renewal = known.and_then(|end| end.renewal);
+        state.ends.insert(job, End { epoch, at, renewal });
     }
 
     /// Lets time pass up to now, given the leases that run: those not known yet begin, others are
     /// forgotten. Returns those that have run out.
     pub(super) fn sweep(
         &self,
-        running: &[(JobId, u64)],
+        running: &[Running],
         monotonic: Duration,
         terms: LeaseTerms,
     ) -> Vec<JobId> {
@@ -75,13 +95,18 @@ impl LeaseTimes {
         (state.passed, state.swept, state.step) = (now, Some(monotonic), terms.step);
         let mut before = std::mem::take(&mut state.ends);
         let mut expired = Vec::new();
-        for (job, epoch) in running {
-            let known = before.remove(job).filter(|(of, _)| of == epoch);
-            let (_, end) = known.unwrap_or((*epoch, now.saturating_add(terms.lease)));
-            if end < now {
-                expired.push(*job);
+        for &Running { job, epoch, renewal } in running {
+            let known = before.remove(&job).filter(|end| end.epoch == epoch);
+            let renewed = now.saturating_add(terms.lease);
+            let at = match known {
+                Some(end) if end.renewal == renewal => end.at,
+                Some(end) => end.at.max(renewed),
+                None => renewed,
+            };
+            if at < now {
+                expired.push(job);
             }
-            state.ends.insert(*job, (*epoch, end));
+            state.ends.insert(job, End { epoch, at, renewal });
         }
         expired
     }
@@ -89,7 +114,7 @@ impl LeaseTimes {
     /// True if the lease has run out by the last sweep.
     pub(super) fn has_run_out(&self, job: JobId, epoch: u64) -> bool {
         let state = self.lock();
-        state.ends.get(&job).is_some_and(|(of, end)| *of == epoch && *end < state.passed)
+        state.ends.get(&job).is_some_and(|end| end.epoch == epoch && end.at < state.passed)
     }
 
     fn lock(&self) -> MutexGuard<'_, State> {

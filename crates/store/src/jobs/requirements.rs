@@ -54,7 +54,7 @@ impl Requirements {
 
 /// Properties of a worker that jobs can ask for.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Offer {
+pub struct Capabilities {
     /// `cpu` or `cuda`.
     pub backend: String,
     /// Memory of its device; of a CPU, that which a fit may take [bytes].
@@ -63,7 +63,7 @@ pub struct Offer {
     pub labels: Vec<String>,
 }
 
-impl Offer {
+impl Capabilities {
     /// True if the worker is one that these ask for.
     pub fn satisfies(&self, requirements: &Requirements) -> bool {
         let Requirements { backend, memory_bytes, labels } = requirements;

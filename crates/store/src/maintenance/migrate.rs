@@ -33,7 +33,7 @@ struct Table {
 }
 
 /// All tables.
-const TABLES: [Table; 12] = [
+const TABLES: [Table; 13] = [
     Table { name: "captures", key: "id" },
     Table { name: "jobs", key: "id" },
     Table { name: "keys", key: "id" },
@@ -41,6 +41,7 @@ const TABLES: [Table; 12] = [
     Table { name: "observations", key: "capture" },
     Table { name: "playbacks", key: "capture" },
     Table { name: "reports", key: "capture" },
+    Table { name: "servers", key: "id" },
     Table { name: "store", key: "id" },
     Table { name: "tags", key: "kind, tag, resource" },
     Table { name: "twins", key: "id" },

@@ -14,7 +14,7 @@ use crate::{
 };
 
 on_both! {
-    one_server_per_folder,
+    one_server_per_folder_of_sqlite,
     captures_survive_crashes_whole,
     completion_survives_crashes,
     checkpoints_survive_crashes,
@@ -153,10 +153,21 @@ pub(crate) fn new_fit(capture: &Capture) -> NewFit {
     }
 }
 
-async fn one_server_per_folder(on: On) {
+/// One server has a folder with SQLite. Several may have one whose rows are in PostgreSQL, and a
+/// repair none of them.
+async fn one_server_per_folder_of_sqlite(on: On) {
     let bench = Bench::new(on).await;
+    let upload = bench.store.blobs().upload(1).await.unwrap();
     let second = open(bench.dir.path(), bench.url(), bench.clock.clone()).await;
-    assert!(matches!(second, Err(Error::DataDirInUse)));
+    if on == On::Sqlite {
+        assert!(matches!(second, Err(Error::DataDirInUse)));
+    } else {
+        // What the first one receives is not swept away.
+        upload.finish(None).await.unwrap();
+        second.unwrap().close().await;
+        let repaired = crate::maintenance::repair(bench.dir.path()).await;
+        assert!(matches!(repaired, Err(Error::DataDirInUse | Error::DatabaseElsewhere { .. })));
+    }
     bench.reopen().await.store.ping().await.unwrap();
 }
 

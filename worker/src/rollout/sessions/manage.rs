@@ -3,7 +3,10 @@
 use std::sync::Arc;
 
 use bendtwin_budget::Share;
-use bendtwin_core::{CancelToken, Point, ids::TwinId};
+use bendtwin_core::{
+    CancelToken, Point,
+    ids::{SessionId, TwinId},
+};
 use bendtwin_engine::model::State;
 use bendtwin_proto::{
     rollout,
@@ -87,6 +90,7 @@ impl Inner {
             Call::Close(close) => {
                 if let Ok(session) = self.sessions.get(&close.name) {
                     self.sessions.close(session.id);
+                    self.told.changed();
                 }
                 return Ok((ManageSessionResponse::default(), None));
             }
@@ -143,7 +147,13 @@ impl Inner {
             grasps: open.grasps,
             idle,
         };
-        let session = self.sessions.add(Session::new(setup, first, Some(share)))?;
+        let mut session = Session::new(setup, first, Some(share));
+        // So every server knows where to ask for it.
+        if let Ok(worker) = self.worker.parse() {
+            session.id = SessionId::generate_at(worker);
+        }
+        let session = self.sessions.add(session)?;
+        self.told.changed();
         tracing::info!(session = %session.id, %twin, slots = session.slots(), "session opened");
         Ok(session)
     }

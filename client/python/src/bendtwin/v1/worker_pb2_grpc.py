@@ -26,7 +26,7 @@ if _version_not_supported:
 
 
 class WorkerServiceStub(object):
-    """The worker processes that the server knows.
+    """The worker processes that the servers know.
     """
 
     def __init__(self, channel):
@@ -45,10 +45,15 @@ class WorkerServiceStub(object):
                 request_serializer=bendtwin_dot_v1_dot_worker__pb2.ListWorkersRequest.SerializeToString,
                 response_deserializer=bendtwin_dot_v1_dot_worker__pb2.ListWorkersResponse.FromString,
                 _registered_method=True)
+        self.DrainWorker = channel.unary_unary(
+                '/bendtwin.v1.WorkerService/DrainWorker',
+                request_serializer=bendtwin_dot_v1_dot_worker__pb2.DrainWorkerRequest.SerializeToString,
+                response_deserializer=bendtwin_dot_v1_dot_worker__pb2.Worker.FromString,
+                _registered_method=True)
 
 
 class WorkerServiceServicer(object):
-    """The worker processes that the server knows.
+    """The worker processes that the servers know.
     """
 
     def GetWorker(self, request, context):
@@ -59,6 +64,14 @@ class WorkerServiceServicer(object):
 
     def ListWorkers(self, request, context):
         """Missing associated documentation comment in .proto file."""
+        context.set_code(grpc.StatusCode.UNIMPLEMENTED)
+        context.set_details('Method not implemented!')
+        raise NotImplementedError('Method not implemented!')
+
+    def DrainWorker(self, request, context):
+        """Asks a worker to take no more jobs and rollouts, to hand back its job with a checkpoint, to finish the
+        rollouts under way and to exit. It is no error to ask again.
+        """
         context.set_code(grpc.StatusCode.UNIMPLEMENTED)
         context.set_details('Method not implemented!')
         raise NotImplementedError('Method not implemented!')
@@ -76,6 +89,11 @@ def add_WorkerServiceServicer_to_server(servicer, server):
                     request_deserializer=bendtwin_dot_v1_dot_worker__pb2.ListWorkersRequest.FromString,
                     response_serializer=bendtwin_dot_v1_dot_worker__pb2.ListWorkersResponse.SerializeToString,
             ),
+            'DrainWorker': grpc.unary_unary_rpc_method_handler(
+                    servicer.DrainWorker,
+                    request_deserializer=bendtwin_dot_v1_dot_worker__pb2.DrainWorkerRequest.FromString,
+                    response_serializer=bendtwin_dot_v1_dot_worker__pb2.Worker.SerializeToString,
+            ),
     }
     generic_handler = grpc.method_handlers_generic_handler(
             'bendtwin.v1.WorkerService', rpc_method_handlers)
@@ -85,7 +103,7 @@ def add_WorkerServiceServicer_to_server(servicer, server):
 
  # This class is part of an EXPERIMENTAL API.
 class WorkerService(object):
-    """The worker processes that the server knows.
+    """The worker processes that the servers know.
     """
 
     @staticmethod
@@ -132,6 +150,33 @@ class WorkerService(object):
             '/bendtwin.v1.WorkerService/ListWorkers',
             bendtwin_dot_v1_dot_worker__pb2.ListWorkersRequest.SerializeToString,
             bendtwin_dot_v1_dot_worker__pb2.ListWorkersResponse.FromString,
+            options,
+            channel_credentials,
+            insecure,
+            call_credentials,
+            compression,
+            wait_for_ready,
+            timeout,
+            metadata,
+            _registered_method=True)
+
+    @staticmethod
+    def DrainWorker(request,
+            target,
+            options=(),
+            channel_credentials=None,
+            call_credentials=None,
+            insecure=False,
+            compression=None,
+            wait_for_ready=None,
+            timeout=None,
+            metadata=None):
+        return grpc.experimental.unary_unary(
+            request,
+            target,
+            '/bendtwin.v1.WorkerService/DrainWorker',
+            bendtwin_dot_v1_dot_worker__pb2.DrainWorkerRequest.SerializeToString,
+            bendtwin_dot_v1_dot_worker__pb2.Worker.FromString,
             options,
             channel_credentials,
             insecure,

@@ -1,7 +1,9 @@
 //! The choice of the next job: turns of owners, and requirements.
 
 use super::*;
-use crate::{Claimant, Creator, Offer, Quotas, Requirements, jobs::requirements::MAX_DIFFERENT};
+use crate::{
+    Capabilities, Claimant, Creator, Quotas, Requirements, jobs::requirements::MAX_DIFFERENT,
+};
 
 on_both! {
     owners_take_turns_at_one_worker,
@@ -97,18 +99,20 @@ async fn a_fit_waits_for_a_worker_that_it_asks_for(on: On) {
     let stored = bench.store.jobs().get(ids[2]).await.unwrap().requirements;
     assert_eq!(stored.labels, ["ecc", "lab=2"]);
     let last = queue(&bench, &capture, "", 0).await;
-    let claim_with = async |offer: &Offer| {
-        let claimant = Claimant { worker: WorkerId::generate(), offer: offer.clone() };
+    let claim_with = async |capabilities: &Capabilities| {
+        let claimant =
+            Claimant { worker: WorkerId::generate(), capabilities: capabilities.clone() };
         bench.store.jobs().claim(Kind::Fit, claimant, LEASE).await.unwrap().map(|job| job.id)
     };
-    let plain = Offer { backend: "cpu".into(), memory_bytes: 1 << 30, labels: labels(&["ecc"]) };
+    let plain =
+        Capabilities { backend: "cpu".into(), memory_bytes: 1 << 30, labels: labels(&["ecc"]) };
     assert_eq!(claim_with(&plain).await, Some(last));
     assert_eq!(claim_with(&plain).await, None);
-    let labelled = Offer { labels: labels(&["ecc", "big", "lab=2"]), ..plain.clone() };
+    let labelled = Capabilities { labels: labels(&["ecc", "big", "lab=2"]), ..plain.clone() };
     assert_eq!(claim_with(&labelled).await, Some(ids[2]));
-    let large = Offer { memory_bytes: 1 << 34, ..plain.clone() };
+    let large = Capabilities { memory_bytes: 1 << 34, ..plain.clone() };
     assert_eq!(claim_with(&large).await, Some(ids[1]));
-    let cuda = Offer { backend: "cuda".into(), ..plain };
+    let cuda = Capabilities { backend: "cuda".into(), ..plain };
     assert_eq!(claim_with(&cuda).await, Some(ids[0]));
 }
 

@@ -1,0 +1,228 @@
+//! The other servers of the same database, and the workers of the fleet that all of them share. A
+//! server judges that another is gone by watching its row for the time of a lease, by its own time of
+//! leases: neither a clock that is set nor a database that was away makes a living one look gone.
+
+use std::{
+    collections::{HashMap, HashSet},
+    sync::{Mutex, PoisonError},
+    time::Duration,
+};
+
+use bendtwin_core::ids::{ServerId, WorkerId};
+use bendtwin_store::{Loss, Server, Worker};
+use uuid::Uuid;
+
+use super::{App, Error, Result};
+
+/// The last sign of each member, and when it was first seen, by the time of leases.
+#[derive(Debug, Default)]
+pub(crate) struct Members(Mutex<State>);
+
+#[derive(Debug, Default)]
+struct State {
+    signs: HashMap<Uuid, (i64, Duration)>,
+    /// When this server told of itself, or of a worker, last.
+    told: HashMap<Uuid, Duration>,
+}
+
+impl Members {
+    /// Time for which a member has given the same sign.
+    fn silence(&self, member: Uuid, sign: i64, now: Duration) -> Duration {
+        let mut state = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let seen = state.signs.entry(member).or_insert((sign, now));
+        if seen.0 != sign {
+            *seen = (sign, now);
+        }
+        now.saturating_sub(seen.1)
+    }
+
+    /// True if it is time to tell again of a member, which then counts as told.
+    fn is_due(&self, member: Uuid, every: Duration, now: Duration) -> bool {
+        let mut state = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let due = state.told.get(&member).is_none_or(|told| now.saturating_sub(*told) >= every);
+        if due {
+            state.told.insert(member, now);
+        }
+        due
+    }
+
+    /// Forgets all but these.
+    fn keep(&self, there: &HashSet<Uuid>) {
+        let mut state = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        state.signs.retain(|member, _| there.contains(member));
+        state.told.retain(|member, _| there.contains(member));
+    }
+}
+
+impl App {
+    /// Takes up the state that servers before this one left. Alone in its database, it gives the jobs
+    /// of their processes back at once: those ended with their server, and fencing keeps stragglers
+    /// off. Workers started by others are expected to be alive still, and get the time of a lease to
+    /// report. Beside other servers it takes nothing from anyone: [`App::sweep`] does, once a server
+    /// has been silent.
+    pub(crate) async fn recover(&self) -> Result<()> {
+        self.store.servers().seen(self.id, bendtwin_core::BUILD).await?;
+        if self.store.is_shared() {
+            return self.learn().await;
+        }
+        for worker in self.store.workers().all().await? {
+            let id = worker.registration.id;
+            let added = match &self.options.worker_token {
+                Some(token) if !worker.is_supervised => self.dispatch.add(worker, None, token),
+                _ => Err(Error::WorkerUnknown(id.to_string())),
+            };
+            if let Err(error) = added {
+                // It registers again if it is alive.
+                tracing::info!(worker = %id, %error, "a worker of an earlier run is forgotten");
+                self.forfeit(id).await?;
+            }
+        }
+        for server in self.others(self.store.servers().all().await?) {
+            self.store.servers().forget(server.id).await?;
+        }
+        Ok(())
+    }
+
+    /// Takes over which workers are in the fleet, and which are to end.
+    pub(crate) async fn learn(&self) -> Result<()> {
+        // What registers here from now on may not be among the rows.
+        let known = self.dispatch.known();
+        let workers = self.store.workers().all().await?;
+        let rows: HashSet<WorkerId> = workers.iter().map(|w| w.registration.id).collect();
+        for worker in workers {
+            let (id, is_draining) = (worker.registration.id, worker.is_draining);
+            if let Err(error) = self.dispatch.learn(worker) {
+                tracing::warn!(worker = %id, %error, "a worker of the fleet cannot be used");
+            }
+            if is_draining {
+                self.dispatch.drain(id);
+            }
+        }
+        for (worker, is_own) in known {
+            let id = worker.registration.id;
+            if rows.contains(&id) {
+                continue;
+            }
+            if is_own && self.dispatch.knows(id) {
+                // Another server took this one for gone.
+                self.store.workers().register(worker.registration).await?;
+            } else if !is_own {
+                // It registers again if it is alive.
+                self.dispatch.remove(id);
+            }
+        }
+        Ok(())
+    }
+
+    /// Tells the other servers that this one runs, takes over what they know, and takes the jobs of
+    /// servers and workers back that have been silent for a lease.
+    pub(super) async fn sweep_members(&self, lease: Duration) -> Result<()> {
+        let now = self.store.lease_time();
+        if self.members.is_due(self.id.uuid(), lease / 3, now) {
+            self.store.servers().seen(self.id, bendtwin_core::BUILD).await?;
+        }
+        self.learn().await?;
+        let is_gone = |member, sign| self.members.silence(member, sign, now) > lease;
+        let mut servers = HashSet::from([self.id]);
+        let mut there = HashSet::from([self.id.uuid()]);
+        for server in self.others(self.store.servers().all().await?) {
+            there.insert(server.id.uuid());
+            if is_gone(server.id.uuid(), server.sign) {
+                tracing::warn!(server = %server.id, build = server.build, "a server is gone");
+                self.store.servers().forget(server.id).await?;
+            } else {
+                servers.insert(server.id);
+            }
+        }
+        for worker in self.store.workers().all().await? {
+            let id = worker.registration.id;
+            there.insert(id.uuid());
+            let silent = is_gone(id.uuid(), worker.sign);
+            match worker.registration.server {
+                // As long as a server lives, its processes are its own affair.
+                Some(server) if servers.contains(&server) => {}
+                Some(_) => self.forfeit(id).await?,
+                None if worker.is_supervised && silent => self.forfeit(id).await?,
+                None if silent && self.dispatch.silence(id) > lease => {
+                    tracing::warn!(worker = %id, "worker fell silent");
+                    self.worker_gone(id).await?;
+                }
+                None => {}
+            }
+        }
+        self.members.keep(&there);
+        Ok(())
+    }
+
+    /// Notes for all servers that a worker of the fleet is heard of, now and then. False if none
+    /// knows it any more.
+    pub(super) async fn tell_of(&self, worker: WorkerId) -> Result<bool> {
+        let (every, now) = (self.options.lease() / 3, self.store.lease_time());
+        if !self.store.is_shared() || !self.members.is_due(worker.uuid(), every, now) {
+            return Ok(true);
+        }
+        Ok(self.store.workers().seen(worker).await?)
+    }
+
+    /// Makes sure that a worker is known here. It may have registered at another server.
+    pub(crate) async fn require_known(&self, worker: WorkerId) -> Result<()> {
+        if self.dispatch.knows(worker) {
+            return Ok(());
+        }
+        if self.store.is_shared()
+            && let Some(found) = self.store.workers().find(worker).await?
+            && self.dispatch.learn(found)?
+        {
+            return Ok(());
+        }
+        Err(Error::WorkerUnknown(worker.to_string()))
+    }
+
+    /// The worker of whom this holds, at whichever server it registered.
+    pub(crate) async fn find_worker(
+        &self,
+        holds: impl Fn(WorkerId) -> bool,
+    ) -> Result<Option<WorkerId>> {
+        if let Some(found) = self.dispatch.find(&holds) {
+            return Ok(Some(found));
+        }
+        if !self.store.is_shared() {
+            return Ok(None);
+        }
+        let workers = self.store.workers().all().await?;
+        Ok(workers.into_iter().map(|w: Worker| w.registration.id).find(|id| holds(*id)))
+    }
+
+    fn others(&self, servers: Vec<Server>) -> impl Iterator<Item = Server> + use<> {
+        let own: ServerId = self.id;
+        servers.into_iter().filter(move |server| server.id != own)
+    }
+
+    /// Forgets a worker that ended with its server, or in good order: its attempts do not count.
+    pub(super) async fn forfeit(&self, worker: WorkerId) -> Result<()> {
+        self.dispatch.remove(worker);
+        for job in self.store.jobs().forfeit(worker, Loss::Server).await? {
+            self.note_end(&job);
+        }
+        self.store.workers().forget(worker).await?;
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_member_is_silent_while_its_sign_stays() {
+        let (members, member) = (Members::default(), Uuid::new_v4());
+        let at = Duration::from_secs;
+        assert_eq!(members.silence(member, 7, at(10)), at(0), "it is new here");
+        assert_eq!(members.silence(member, 7, at(14)), at(4));
+        assert_eq!(members.silence(member, 8, at(15)), at(0));
+        assert!(members.is_due(member, at(3), at(15)) && !members.is_due(member, at(3), at(17)));
+        assert!(members.is_due(member, at(3), at(18)));
+        members.keep(&HashSet::new());
+        assert_eq!(members.silence(member, 8, at(30)), at(0), "it came again");
+    }
+}

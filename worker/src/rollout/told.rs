@@ -1,0 +1,159 @@
+//! What this worker tells of itself: to one server in heartbeats, and to every server that watches.
+
+use std::{
+    pin::Pin,
+    sync::{
+        Mutex, MutexGuard, OnceLock, PoisonError,
+        atomic::{AtomicU64, Ordering},
+    },
+    time::Duration,
+};
+
+use bendtwin_core::ids::TwinId;
+use bendtwin_proto::worker::v1::{HeartbeatRequest, Lease, WatchResponse, lease_job_request::Kind};
+use futures::{Stream, StreamExt as _, stream};
+use tokio::sync::watch;
+use tokio_util::sync::CancellationToken;
+use tonic::Status;
+
+use super::Rollouts;
+
+/// Least time between two messages to one server.
+const PAUSE: Duration = Duration::from_millis(20);
+/// Bounds of the interval that a server asks for, and the one where it asks for none [s].
+const INTERVAL_S: [f64; 2] = [0.05, 60.0];
+const DEFAULT_S: f64 = 5.0;
+
+/// Messages to a server that watches.
+pub(super) type Words = Pin<Box<dyn Stream<Item = Result<WatchResponse, Status>> + Send>>;
+
+/// Facts that rollouts do not know of, and whether anything changed.
+#[derive(Debug, Default)]
+pub(super) struct Told {
+    changes: watch::Sender<()>,
+    facts: Mutex<Facts>,
+    /// Memory that a fit may take; zero if this worker takes none [bytes].
+    fit_bytes: AtomicU64,
+    ended: OnceLock<CancellationToken>,
+}
+
+#[derive(Debug, Default)]
+struct Facts {
+    warm: Vec<TwinId>,
+    /// fits/{uuid} under way; empty if there is none.
+    fit: String,
+    /// captures/{uuid} whose ingest is under way; empty if there is none.
+    ingest: String,
+}
+
+impl Facts {
+    fn of(&mut self, kind: Kind) -> &mut String {
+        if kind == Kind::Fit { &mut self.fit } else { &mut self.ingest }
+    }
+}
+
+impl Told {
+    /// Tells whoever watches.
+    pub(super) fn changed(&self) {
+        self.changes.send_replace(());
+    }
+
+    /// Tells whoever watches if other twins are loaded than before.
+    pub(super) fn has_warm(&self, mut twins: Vec<TwinId>) {
+        twins.sort_unstable();
+        let mut facts = self.facts();
+        if facts.warm != twins {
+            facts.warm = twins;
+            self.changed();
+        }
+    }
+
+    /// Ends what is told with this token.
+    pub(super) fn end_with(&self, token: CancellationToken) {
+        // It is set once, by the one service.
+        let _ = self.ended.set(token);
+    }
+
+    fn facts(&self) -> MutexGuard<'_, Facts> {
+        self.facts.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+/// A job that servers are told of; dropped, they are told of its end.
+pub(crate) struct AtWork {
+    rollouts: Rollouts,
+    kind: Kind,
+}
+
+impl Drop for AtWork {
+    fn drop(&mut self) {
+        self.rollouts.set_job(self.kind, String::new());
+    }
+}
+
+impl Rollouts {
+    /// Sets the memory that a fit may take; zero if this worker takes none [bytes].
+    pub(crate) fn set_fit_bytes(&self, bytes: u64) {
+        self.inner().told.fit_bytes.store(bytes, Ordering::Relaxed);
+    }
+
+    /// Tells servers of a job, until what is returned is dropped.
+    pub(crate) fn at_work(&self, kind: Kind, lease: &Lease) -> AtWork {
+        let job = if kind == Kind::Fit { &lease.job } else { &lease.capture };
+        self.set_job(kind, job.clone());
+        AtWork { rollouts: self.clone(), kind }
+    }
+
+    fn set_job(&self, kind: Kind, job: String) {
+        let told = &self.inner().told;
+        *told.facts().of(kind) = job;
+        told.changed();
+    }
+
+    /// What is told now.
+    pub(crate) fn heartbeat(&self) -> HeartbeatRequest {
+        let inner = self.inner();
+        let memory = inner.device.memory();
+        let (fit, ingest) = {
+            let facts = inner.told.facts();
+            (facts.fit.clone(), facts.ingest.clone())
+        };
+        HeartbeatRequest {
+            worker: inner.worker.clone(),
+            warm_twins: inner.twins.ids().iter().map(ToString::to_string).collect(),
+            rollouts_in_flight: u32::try_from(self.in_flight()).unwrap_or(u32::MAX),
+            memory_used_bytes: memory.map_or(0, |m| m.used),
+            memory_total_bytes: memory.map_or(0, |m| m.total),
+            fit_memory_bytes: inner.told.fit_bytes.load(Ordering::Relaxed),
+            sessions: inner.sessions.list(),
+            fit,
+            ingest,
+        }
+    }
+
+    /// What is told a server that watches: at once, with every change, and at this interval [s].
+    pub(super) fn words(&self, interval_s: f64) -> Words {
+        let [least, most] = INTERVAL_S;
+        let asked = interval_s.is_finite() && interval_s > 0.0;
+        let interval_s = if asked { interval_s.clamp(least, most) } else { DEFAULT_S };
+        let interval = Duration::from_secs_f64(interval_s);
+        let told = &self.inner().told;
+        let (changes, ended) = (told.changes.subscribe(), told.ended.get().cloned());
+        let begun = (self.clone(), changes, ended.unwrap_or_default(), false);
+        let words =
+            stream::unfold(begun, move |(rollouts, mut changes, ended, waits)| async move {
+                if waits {
+                    tokio::time::sleep(PAUSE).await;
+                    tokio::select! {
+                        () = ended.cancelled() => return None,
+                        _ = changes.changed() => {}
+                        () = tokio::time::sleep(interval) => {}
+                    }
+                }
+                changes.borrow_and_update();
+                let word = WatchResponse { heartbeat: Some(rollouts.heartbeat()) };
+                Some((Ok(word), (rollouts, changes, ended, true)))
+            });
+        words.boxed()
+    }
+}
