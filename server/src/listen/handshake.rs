@@ -1,7 +1,7 @@
 //! The handshake of TLS, within the time for the head of a request. A connection has its place
 //! during it, which others can take.
 
-use std::{net::SocketAddr, time::Duration};
+use std::{io::ErrorKind, net::SocketAddr, time::Duration};
 
 use bendtwin_tls::{Accepted, is_client_hello};
 use tokio::net::TcpStream;
@@ -40,6 +40,11 @@ pub(super) async fn open(
     };
     match opened {
         Ok(Ok(opened)) => Some(opened),
+        // A probe, for example: it sent nothing, and hung up.
+        Ok(Err(error)) if error.kind() == ErrorKind::UnexpectedEof => {
+            place.ended("handshake");
+            None
+        }
         Ok(Err(error)) => {
             failed(place, peer, &error);
             None

@@ -1,4 +1,6 @@
-use super::Options;
+use std::path::PathBuf;
+
+use super::{Options, Tls, WorkerTls};
 
 #[test]
 fn defaults_are_valid() {
@@ -24,6 +26,21 @@ fn a_server_is_not_open_to_a_network_by_accident() {
     assert!(faults[0].contains("--tls-terminated-by-proxy") && faults[0].contains("--insecure"));
     Options { tls_terminated_by_proxy: true, ..public() }.validate().unwrap();
     Options { insecure: true, ..public() }.validate().unwrap();
+    let (certificate, key) = (PathBuf::from("twin.pem"), PathBuf::from("twin.key"));
+    let tls = Some(Tls { certificate: certificate.clone(), key: key.clone() });
+    Options { tls: tls.clone(), ..public() }.validate().unwrap();
+    // It is for clients alone, and takes no place of a token.
+    let workers = Options { worker_listen: "[::]:0".parse().unwrap(), tls, ..Options::default() };
+    let faults = workers.validate().unwrap_err();
+    assert!(faults.len() == 1 && faults[0].contains("worker_tls"), "{faults:?}");
+    let client_ca = PathBuf::from("ca.pem");
+    let listen = ([0, 0, 0, 0], 7071).into();
+    let worker_tls = Some(WorkerTls { listen, certificate, key, client_ca });
+    let without_token = Options { worker_tls, ..Options::default() };
+    let faults = without_token.validate().unwrap_err();
+    assert!(faults.len() == 1 && faults[0].contains("worker_token"), "{faults:?}");
+    let token = Some("a-token-of-the-tests".to_owned());
+    Options { worker_token: token, ..without_token }.validate().unwrap();
     // Without a token not even behind a proxy.
     let open = Options {
         client_token: super::ClientTokenPolicy::None,
