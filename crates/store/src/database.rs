@@ -28,6 +28,7 @@ use crate::{
 };
 
 pub(crate) use marker::{leave as leave_marker, require_none};
+pub(crate) use postgres::plans;
 pub(crate) use sqlite::{FILE, options};
 pub use url::DatabaseUrl;
 

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use bendtwin_core::{Category, Problem, ids::FitId};
 
-use crate::{Digest, JobId, disk};
+use crate::{Digest, JobId, database::plans, disk};
 
 /// Result with this crate's [`Error`].
 pub type Result<T, E = Error> = std::result::Result<T, E>;
@@ -282,6 +282,8 @@ fn sql_state(error: &sqlx::Error) -> Option<String> {
 /// What a code of PostgreSQL means here, if it is anything but a fault of this program.
 fn of_state(state: &str) -> Option<Error> {
     const NUL_IN_TEXT: &str = "22021";
+    /// A prepared statement whose table has another form by now.
+    const STALE_PLAN: &str = "0A000";
     const DISK_FULL: &str = "53100";
     const LOCK_TIMEOUT: &str = "55P03";
     const CANCELLED: &str = "57014";
@@ -292,6 +294,10 @@ fn of_state(state: &str) -> Option<Error> {
     match state {
         NUL_IN_TEXT => Some(Error::InvalidText),
         DISK_FULL => Some(Error::DiskFull),
+        STALE_PLAN => {
+            plans::refused();
+            Some(Error::DatabaseBusy)
+        }
         LOCK_TIMEOUT | CANCELLED | IDLE_IN_TRANSACTION => Some(Error::DatabaseBusy),
         state if DOWN.contains(&state) => Some(Error::DatabaseUnavailable),
         // Connections, too many of them, deadlocks and lost races.

@@ -1,5 +1,5 @@
-//! Registered worker processes: the members of a fleet, as all servers of a database know them. What
-//! they are at is in the memory of each server's dispatch, not here.
+//! Registered worker processes: the members of a fleet, as all servers of a database know them. Their
+//! current state is kept in memory by each server's dispatch, not here.
 
 use bendtwin_core::ids::{ServerId, WorkerId};
 use jiff::Timestamp;

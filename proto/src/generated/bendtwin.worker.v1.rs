@@ -828,7 +828,7 @@ pub mod worker_link_client {
                 .insert(GrpcMethod::new("bendtwin.worker.v1.WorkerLink", "FailJob"));
             self.inner.unary(req, path, codec).await
         }
-        /// Says that the worker ends. What it has leased still goes back to the queue.
+        /// Says that the worker ends. Jobs that it still has go back to the queue.
         pub async fn leave(
             &mut self,
             request: impl tonic::IntoRequest<super::LeaveRequest>,
@@ -952,7 +952,7 @@ pub mod worker_link_server {
             &self,
             request: tonic::Request<super::FailJobRequest>,
         ) -> std::result::Result<tonic::Response<super::FailJobResponse>, tonic::Status>;
-        /// Says that the worker ends. What it has leased still goes back to the queue.
+        /// Says that the worker ends. Jobs that it still has go back to the queue.
         async fn leave(
             &self,
             request: tonic::Request<super::LeaveRequest>,
@@ -1639,8 +1639,8 @@ pub mod worker_rollouts_client {
             self.inner = self.inner.max_encoding_message_size(limit);
             self
         }
-        /// What a heartbeat says: at once, whenever it changes in more than its numbers, and at intervals. So every
-        /// server knows what is loaded where, also those that the worker does not call.
+        /// Heartbeats: at once, whenever sessions, twins or jobs change, and at intervals. So every server knows what is
+        /// loaded where, also those that the worker does not call.
         pub async fn watch(
             &mut self,
             request: impl tonic::IntoRequest<super::WatchRequest>,
@@ -1788,8 +1788,8 @@ pub mod worker_rollouts_server {
             >
             + std::marker::Send
             + 'static;
-        /// What a heartbeat says: at once, whenever it changes in more than its numbers, and at intervals. So every
-        /// server knows what is loaded where, also those that the worker does not call.
+        /// Heartbeats: at once, whenever sessions, twins or jobs change, and at intervals. So every server knows what is
+        /// loaded where, also those that the worker does not call.
         async fn watch(
             &self,
             request: tonic::Request<super::WatchRequest>,

@@ -1,5 +1,5 @@
-//! What the workers of a fleet tell every server, whichever it was that they registered at: each
-//! server watches each of them.
+//! Following of the workers of a fleet: each server watches each of them, whichever it was that they
+//! registered at.
 
 use std::{
     sync::{Arc, Weak},

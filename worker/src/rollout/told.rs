@@ -1,4 +1,4 @@
-//! What this worker tells of itself: to one server in heartbeats, and to every server that watches.
+//! Heartbeats of this worker: what it tells of itself to one server, and to every server that watches.
 
 use std::{
     pin::Pin,

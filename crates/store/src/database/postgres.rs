@@ -5,6 +5,8 @@
 //! the next request works. Meanwhile requests wait for [`ACQUIRE_TIMEOUT`] and end with
 //! [`Error::DatabaseUnavailable`], which may be tried again.
 
+pub(crate) mod plans;
+
 use std::{
     sync::{Mutex, PoisonError},
     time::Duration,
@@ -73,6 +75,9 @@ pub(super) async fn open(url: &DatabaseUrl) -> Result<(Server, Readers)> {
     let options = options.options(TIMEOUTS);
     let pool = |most: u32| {
         let pool = PgPoolOptions::new().max_connections(most).acquire_timeout(ACQUIRE_TIMEOUT);
+        let pool = pool.before_acquire(|_, meta| {
+            Box::pin(std::future::ready(Ok(!plans::are_stale(meta.age))))
+        });
         pool.connect_lazy_with(options.clone())
     };
     let (writers, readers) = (pool(WRITERS), pool(READERS));

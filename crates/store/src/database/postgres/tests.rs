@@ -302,3 +302,44 @@ async fn leases_are_measured_by_the_clock_of_the_database() {
     let stale = bench.store.jobs().report(lease_of(&job), None, lease).await;
     assert!(matches!(stale, Err(Error::StaleLease { .. })));
 }
+
+/// A server of a newer version adds a column beside this one: one call fails and may be repeated.
+#[tokio::test]
+async fn a_column_that_is_added_meanwhile_fails_one_call_at_most() {
+    let Some(on) = On::postgres_or_skip() else { return };
+    let bench = Bench::new(on).await;
+    bench.store.servers().all().await.unwrap();
+    bench.tell(query("alter table servers add column later bigint")).await;
+    let refused = bench.store.servers().all().await;
+    assert!(matches!(refused, Err(Error::DatabaseBusy)), "{refused:?}");
+    for _ in 0..20 {
+        bench.store.servers().all().await.unwrap();
+    }
+}
+
+/// Two servers with one content: what one removes as unused is not referred to by the other.
+#[tokio::test]
+async fn content_that_another_server_removes_is_sent_again() {
+    let Some(on) = On::postgres_or_skip() else { return };
+    let bench = Bench::new(on).await;
+    let other = Store::open(Options {
+        data_dir: bench.dir.path().to_owned(),
+        database: bench.url(),
+        clock: bench.clock.clone(),
+    });
+    let other = other.await.unwrap();
+    let content = bench.stage("wanted here, unused there").await;
+    let digest = content.digest();
+    let published = bench.store.blobs().publish(content).await.unwrap();
+    other.release(&digest.to_hex()).await.unwrap();
+    let tx = bench.store.inner.database.write().await.unwrap();
+    let refused = bench.store.require_published(&tx, &digest).await;
+    assert!(matches!(refused, Err(Error::ContentRemoved)), "{refused:?}");
+    drop((tx, published));
+
+    // Once the row is under way, the other one waits for it and finds it.
+    let capture = bench.capture("kept").await;
+    other.release(&capture.digest.to_hex()).await.unwrap();
+    bench.store.captures().content(capture.id).await.unwrap();
+    other.close().await;
+}
