@@ -26,7 +26,10 @@ use crate::{
     sql::{Readers, Transaction},
 };
 
-pub(crate) use marker::{leave as leave_marker, require_none};
+pub(crate) use marker::{
+    leave as leave_marker, leave_objects, require_local_objects, require_none, require_objects,
+};
+pub(crate) use postgres::Turn;
 pub(crate) use sqlite::{FILE, options};
 pub use url::DatabaseUrl;
 
@@ -103,6 +106,14 @@ impl Database {
     pub(crate) fn wake_on_queued(&self, queued: Arc<Notify>) {
         if let Engine::Postgres(server) = &self.engine {
             server.wake_on_queued(queued);
+        }
+    }
+
+    /// The turn of this server to do a work that one at a time does; none while another has it.
+    pub(crate) async fn turn(&self, work: i64) -> Result<Option<Turn>> {
+        match &self.engine {
+            Engine::Sqlite(_) => Ok(Some(Turn::alone())),
+            Engine::Postgres(server) => server.turn(work).await,
         }
     }
 

@@ -88,6 +88,7 @@
 //! S3 leaves to a lifecycle rule, and uploads that can be resumed ([`Uploads`]), which append to local
 //! files; there S3's own multipart uploads would take their place.
 
+mod arrivals;
 pub mod bench;
 mod blobs;
 mod captures;
@@ -97,6 +98,7 @@ mod disk;
 mod error;
 pub mod failpoint;
 mod folder;
+mod garbage;
 mod identity;
 mod jobs;
 mod keys;
@@ -118,7 +120,7 @@ mod twins;
 mod uploads;
 mod workers;
 
-pub use blobs::{Blobs, Content, Staged, Upload};
+pub use blobs::{Blobs, Content, ObjectsUrl, Staged, Upload};
 pub use captures::{Capture, Captures, NewCapture, Overview};
 pub use clock::{Clock, ManualClock, SystemClock};
 pub use database::DatabaseUrl;

@@ -3,18 +3,18 @@
 use std::{path::PathBuf, sync::Arc, time::Duration};
 
 use jiff::Timestamp;
-use tokio::sync::{Notify, RwLockWriteGuard, broadcast};
+use tokio::sync::{Notify, broadcast};
 
 use crate::{
-    Blobs, Captures, Clock, DatabaseUrl, Error, JobId, Jobs, Keys, Result, SystemClock, Twins,
-    Uploads, Workers,
+    Blobs, Captures, Clock, DatabaseUrl, Error, JobId, Jobs, Keys, ObjectsUrl, Result, SystemClock,
+    Twins, Uploads, Workers, arrivals,
+    blobs::{Place, files, own},
     clock::micros,
     database::{self, Database},
     disk::{Disk, Reserve},
     failpoint::{Armed, Failpoint},
     folder, identity,
     jobs::LeaseTimes,
-    references,
     sql::{Transaction, query},
     uploads::Seats,
 };
@@ -26,6 +26,8 @@ pub struct Options {
     pub data_dir: PathBuf,
     /// The database, if it is PostgreSQL; else SQLite in the folder.
     pub database: Option<DatabaseUrl>,
+    /// The place of content, if it is not the folder.
+    pub objects: Option<ObjectsUrl>,
     /// The clocks: of rows, and of leases.
     pub clock: Arc<dyn Clock>,
 }
@@ -33,7 +35,12 @@ pub struct Options {
 impl Options {
     /// A folder with SQLite in it, and the system's clock.
     pub fn new(data_dir: impl Into<PathBuf>) -> Self {
-        Self { data_dir: data_dir.into(), database: None, clock: Arc::new(SystemClock) }
+        Self {
+            data_dir: data_dir.into(),
+            database: None,
+            objects: None,
+            clock: Arc::new(SystemClock),
+        }
     }
 }
 
@@ -57,6 +64,8 @@ pub(crate) struct Inner {
     pub(crate) armed: Arc<Armed>,
     /// Current writer of each resumable upload.
     pub(crate) seats: Seats,
+    /// Name of this open store among the servers that share its database.
+    pub(crate) instance: String,
     /// Ends of the leases of running jobs.
     pub(crate) leases: LeaseTimes,
 }
@@ -72,21 +81,30 @@ impl Store {
     /// database and blobs do not belong together; [`Error::DatabaseDamaged`],
     /// [`Error::DatabaseUnavailable`], [`Error::DatabaseUnfit`]; database and file errors.
     pub async fn open(options: Options) -> Result<Self> {
-        let Options { data_dir, database: url, clock } = options;
+        let Options { data_dir, database: url, objects, clock } = options;
         folder::make(&data_dir)?;
         let lock = database::lock(&data_dir)?;
+        database::require_objects(&data_dir, objects.as_ref())?;
+        let own = own(&data_dir);
+        if objects.is_some() && files::any(&own)? {
+            return Err(Error::ObjectsNotMigrated { folder: own });
+        }
+        let place = Place::open(objects.as_ref(), &data_dir)?;
         if url.is_none() {
             database::require_none(&data_dir)?;
-            identity::require_database(&data_dir)?;
+            identity::require_database(&data_dir, &place).await?;
         }
         let reserve = Arc::new(Reserve::open(&data_dir));
         let database = Database::open(&data_dir, url.as_ref(), lock, reserve.clone()).await?;
-        identity::settle(&database, &data_dir, micros(clock.now())).await?;
+        identity::settle(&database, &data_dir, &place, micros(clock.now())).await?;
         if let Some(url) = &url {
             database::leave_marker(&data_dir, url)?;
         }
+        if let Some(objects) = &objects {
+            database::leave_objects(&data_dir, objects)?;
+        }
         let armed = Arc::new(Armed::default());
-        let blobs = Blobs::open(&data_dir.join("blobs"), armed.clone(), reserve.clone()).await?;
+        let blobs = Blobs::open(place, &data_dir, armed.clone(), reserve.clone()).await?;
         let (changes, _) = broadcast::channel(1024);
         let (seats, leases) = (Seats::default(), LeaseTimes::default());
         let queued = Arc::new(Notify::new());
@@ -101,9 +119,16 @@ impl Store {
             queued,
             armed,
             seats,
+            instance: uuid::Uuid::new_v4().to_string(),
             leases,
         };
         let store = Self { inner: Arc::new(inner) };
+        if store.blobs().place().is_shared() {
+            // Alone with its database, it has none under way.
+            let remote = store.inner.database.is_remote();
+            let age = if remote { arrivals::TAKEN_OVER } else { Duration::ZERO };
+            store.take_over_deletions(age).await?;
+        }
         match store.collect_garbage().await {
             Err(Error::DiskFull) => tracing::warn!("unused content stays while the disk is full"),
             collected => collected?,
@@ -204,22 +229,6 @@ impl Store {
         self.inner.database.close().await;
     }
 
-    /// Moves blobs that no row refers to into the trash, and removes what has been there for a day.
-    /// They were left by callers that went away in the middle of a call. Safe at any time.
-    ///
-    /// # Errors
-    /// [`Error::StoreMismatch`] if somebody exchanged the database or the blobs; database and file
-    /// errors.
-    pub async fn collect_garbage(&self) -> Result<()> {
-        identity::verify(&self.inner.database, &self.inner.data_dir).await?;
-        for digest in self.inner.blobs.list().await? {
-            if let Some(_gate) = self.unless_referred(&digest).await? {
-                self.inner.blobs.discard(&digest, self.now()).await?;
-            }
-        }
-        self.inner.blobs.empty_trash(self.now()).await
-    }
-
     pub(crate) fn now_micros(&self) -> i64 {
         micros(self.now())
     }
@@ -238,27 +247,6 @@ impl Store {
 
     pub(crate) fn pass(&self, point: Failpoint) -> Result<()> {
         self.inner.armed.pass(point)
-    }
-
-    /// Deletes a blob unless a row refers to it: its row was deleted on purpose.
-    pub(crate) async fn release(&self, digest: &str) -> Result<()> {
-        match self.unless_referred(digest).await? {
-            Some(_gate) => self.inner.blobs.delete(digest).await,
-            None => Ok(()),
-        }
-    }
-
-    /// The closed gate, if no row refers to a blob: none will while it is held.
-    async fn unless_referred(&self, digest: &str) -> Result<Option<RwLockWriteGuard<'_, ()>>> {
-        // Most are in use: do not bar others for those.
-        if references::exist(self.inner.database.read(), digest).await? {
-            return Ok(None);
-        }
-        let gate = self.inner.blobs.close_gate().await;
-        // A transaction that refers to it may be under way still, although its connection broke:
-        // the lock on writing waits for its end.
-        let mut tx = self.inner.database.write().await?;
-        Ok((!references::exist(&mut tx, digest).await?).then_some(gate))
     }
 }
 

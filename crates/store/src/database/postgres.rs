@@ -155,6 +155,33 @@ impl Server {
     }
 }
 
+/// The turn to do a work, until it is dropped.
+#[derive(Debug)]
+pub(crate) struct Turn {
+    /// The session that has the lock. It is closed at the end, which releases the lock.
+    _session: Option<sqlx::pool::PoolConnection<sqlx::Postgres>>,
+}
+
+impl Turn {
+    /// That of the only server.
+    pub(super) fn alone() -> Self {
+        Self { _session: None }
+    }
+}
+
+impl Server {
+    pub(super) async fn turn(&self, work: i64) -> Result<Option<Turn>> {
+        let mut session = self.readers.acquire().await?;
+        let locked = sqlx::query_scalar("select pg_try_advisory_lock($1)").bind(work);
+        let locked: bool = locked.fetch_one(&mut *session).await?;
+        if !locked {
+            return Ok(None);
+        }
+        session.close_on_drop();
+        Ok(Some(Turn { _session: Some(session) }))
+    }
+}
+
 impl Drop for Server {
     fn drop(&mut self) {
         self.stop_listening();

@@ -162,7 +162,7 @@ impl Jobs<'_> {
         content: Staged,
     ) -> Result<TwinId> {
         let (digest, size_bytes) = (content.digest(), content.size_bytes());
-        let guard = self.store.blobs().publish(content).await?;
+        let guard = self.store.publish(content).await?;
         let stored = self.complete_published(lease, facts, digest, size_bytes).await;
         drop(guard);
         let obsolete = match &stored {

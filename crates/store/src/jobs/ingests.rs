@@ -211,7 +211,7 @@ impl Jobs<'_> {
         let contents: Vec<Staged> =
             observation.into_iter().chain(playback.map(|p| *p)).chain([json, html]).collect();
         let new: Vec<Digest> = contents.iter().map(Staged::digest).collect();
-        let guard = self.store.blobs().publish_all(contents).await?;
+        let guard = self.store.publish_all(contents).await?;
         let stored = self.end_published(lease, &made, end).await;
         drop(guard);
         let obsolete = match &stored {

@@ -189,7 +189,7 @@ impl Jobs<'_> {
         renew: Duration,
     ) -> Result<()> {
         let digest = content.digest().to_hex();
-        let guard = self.store.blobs().publish(content).await?;
+        let guard = self.store.publish(content).await?;
         let stored: Result<Option<String>> = async {
             let mut tx = self.store.inner.database.write().await?;
             let row = row::fetch_leased(&mut tx, lease).await?;

@@ -9,7 +9,7 @@ use crate::{
     Capture, NewCapture,
     failpoint::Failpoint,
     store::tests::{Bench, new_capture},
-    test_database::{On, on_both},
+    test_database::{On, on_both, on_databases},
 };
 
 on_both! {
@@ -23,7 +23,11 @@ on_both! {
     uploads_of_which_nothing_has_come_give_way,
     the_room_that_is_kept_grows_with_what_has_come,
     uploads_are_listed_page_by_page,
-    a_file_that_is_too_short_is_lost_content,
+}
+
+mod files {
+    use super::{a_file_that_is_too_short_is_lost_content, on_databases};
+    on_databases! { a_file_that_is_too_short_is_lost_content }
 }
 
 const KEEP: Duration = Duration::from_secs(100);
@@ -89,7 +93,7 @@ async fn what_is_committed_survives_and_what_is_not_is_cut_off(on: On) {
     let capture = finish(&bench, id).await.unwrap();
     assert_eq!(content(&bench, &capture).await, b"some content");
     assert_eq!(bench.store.uploads().get(id).await.unwrap().state, UploadState::Stored(capture.id));
-    assert!(bench.store.blobs().partials().await.unwrap().is_empty(), "renamed, not copied");
+    assert!(bench.partials().await.is_empty(), "renamed, not copied");
 }
 
 /// A crash at any point between the last byte and the capture: the remaining steps run again, once.
@@ -170,7 +174,7 @@ async fn the_wrong_content_is_refused_and_frees_its_place(on: On) {
     claim(&bench, id).await.end("it was refused", KEEP).await.unwrap();
     let gone = bench.store.uploads().claim(id, PATIENCE).await;
     assert!(matches!(gone, Err(Error::UploadGone { .. })));
-    assert!(bench.store.blobs().partials().await.unwrap().is_empty());
+    assert!(bench.partials().await.is_empty());
     begin(&bench, "right").await;
 }
 
@@ -186,7 +190,7 @@ async fn silent_uploads_expire_and_are_forgotten_later(on: On) {
     assert_eq!(bench.store.uploads().sweep(KEEP).await.unwrap(), 1);
     let gone = bench.store.uploads().claim(idle, PATIENCE).await;
     assert!(matches!(gone, Err(Error::UploadGone { .. })));
-    assert!(bench.store.blobs().partials().await.unwrap().is_empty());
+    assert!(bench.partials().await.is_empty());
     drop(holder);
     bench.clock.advance(2 * KEEP);
     bench.store.uploads().sweep(KEEP).await.unwrap();
@@ -299,12 +303,13 @@ async fn a_file_that_is_too_short_is_lost_content(on: On) {
     let bench = Bench::new(on).await;
     let id = begin(&bench, "some content").await;
     append(&bench, id, "some ").await;
-    std::fs::write(bench.store.blobs().partial(id), "so").unwrap();
+    let Place::Folder(folder) = bench.store.blobs().place() else { panic!("a test of files") };
+    std::fs::write(folder.partial(id), "so").unwrap();
     let mut writer = claim(&bench, id).await;
     writer.write(&Bytes::from_static(b"content")).await.unwrap();
     assert!(matches!(writer.commit(KEEP).await, Err(Error::ContentLost { .. })));
     drop(writer);
-    bench.store.blobs().remove_partial(id).await.unwrap();
+    folder.remove_partial(id).await.unwrap();
     let mut writer = claim(&bench, id).await;
     writer.write(&Bytes::from_static(b"content")).await.unwrap();
     assert!(matches!(writer.commit(KEEP).await, Err(Error::ContentLost { .. })));

@@ -208,6 +208,7 @@ async fn second(bench: &Bench) -> (tempfile::TempDir, Store) {
     let options = Options {
         data_dir: dir.path().to_owned(),
         database: bench.url(),
+        objects: None,
         clock: Arc::new(SystemClock),
     };
     let store = Store::open(options).await.unwrap();
@@ -265,6 +266,7 @@ async fn leases_are_measured_by_the_clock_of_the_database() {
     let options = Options {
         data_dir: bench.dir.path().to_owned(),
         database: bench.url(),
+        objects: None,
         clock: Arc::new(Ahead),
     };
     let bench = Bench { store: Store::open(options).await.unwrap(), ..bench };
