@@ -223,3 +223,6 @@ impl Drop for Arrival {
         });
     }
 }
+
+#[cfg(test)]
+mod tests;

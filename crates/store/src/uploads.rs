@@ -165,8 +165,14 @@ impl Uploads<'_> {
         Ok(given_up)
     }
 
-    /// Removes what crashes left of uploads that have ended.
+    /// Removes what crashes left of uploads that have ended, and ends those whose bytes stayed in a
+    /// folder when content moved to a bucket.
     pub(crate) async fn collect_garbage(&self) -> Result<()> {
+        if let Place::Bucket(_) = self.store.blobs().place() {
+            let mut tx = self.store.inner.database.write().await?;
+            query(LEFT_BEHIND).bind(self.store.expiry_micros(REMEMBERED)).execute(&mut tx).await?;
+            tx.commit().await?;
+        }
         let partials = match self.store.blobs().place() {
             Place::Folder(folder) => folder.partials().await?,
             Place::Bucket(bucket) => bucket.partials().await?,
@@ -205,6 +211,13 @@ const IN_USE: &str = "select count(*), cast(coalesce(sum(case
         else 4 * offset_bytes end), 0) as bigint)
      from uploads where state = 'receiving' and id <> $1";
 
+/// Ends uploads with bytes that are not in the bucket.
+const LEFT_BEHIND: &str = "update uploads set state = 'gone', digest = null, request_id = null,
+        why = 'the content of the server has moved: begin a new one', expires_at = $1
+     where state = 'receiving' and offset_bytes > 0 and tail is null";
+/// Time for which these are remembered.
+const REMEMBERED: Duration = Duration::from_secs(86_400);
+
 /// Room that is kept for an upload of which so many bytes have come [bytes].
 fn kept_room(offset_bytes: u64, length_bytes: Option<u64>) -> u64 {
     match length_bytes {
@@ -236,4 +249,4 @@ impl Store {
 }
 
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;

@@ -39,6 +39,8 @@ pub struct Setup {
     pub memory: Option<Memory>,
     /// URL of the server's database, if that is PostgreSQL.
     pub database: Option<String>,
+    /// More variables of the server's environment.
+    pub environment: Vec<(&'static str, String)>,
 }
 
 /// Budgets of memory, and limits of the system above them (`RLIMIT_DATA`: all memory that a process
@@ -62,6 +64,7 @@ impl Default for Setup {
             worker_args: &[],
             memory: None,
             database: None,
+            environment: Vec::new(),
         }
     }
 }
@@ -269,6 +272,7 @@ async fn launch(
     if let Some(url) = &setup.database {
         command.env("BENDTWIN_DATABASE_URL", url);
     }
+    command.envs(setup.environment.iter().map(|(name, value)| (name, value)));
     command.arg("server").arg("--config").arg(&config).arg("--port-file").arg(&port_file);
     let log = folder.join("log");
     let mut child = processes.start(&mut command, &log);

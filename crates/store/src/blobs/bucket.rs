@@ -24,7 +24,7 @@ use crate::{Error, Result};
 pub(crate) use multipart::Multipart;
 
 /// Bytes of a part of an upload. A power of two, so that its hash is a subtree of BLAKE3.
-pub(crate) const PART: usize = 8 << 20;
+pub(crate) const PART: usize = if cfg!(test) { 256 << 10 } else { 8 << 20 };
 /// Longest wait for an answer, all attempts together.
 const PATIENCE: Duration = Duration::from_secs(45);
 /// The same for the proof that the bucket answers, and for a deletion.

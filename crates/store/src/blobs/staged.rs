@@ -112,14 +112,14 @@ impl Staged {
             }
             (Place::Bucket(bucket), At::Object(path)) => {
                 bucket.copy(path, &to, self.size_bytes).await?;
-                if let Some(id) = self.upload {
-                    bucket.delete_below(&partial::object(id)).await?;
-                }
             }
             // Put in place before a crash.
             (Place::Folder(_), At::Object(_)) | (_, At::Published) => {
                 self.blobs.require(&digest).await?;
             }
+        }
+        if let (Place::Bucket(bucket), Some(id)) = (&self.blobs.place, self.upload) {
+            bucket.delete_below(&partial::object(id)).await?;
         }
         Ok(())
     }

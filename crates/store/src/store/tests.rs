@@ -36,6 +36,12 @@ pub(crate) struct Bench {
     pub(crate) objects: Option<ObjectsUrl>,
 }
 
+/// Another server beside that of a bench.
+pub(crate) struct Second {
+    pub(crate) store: Store,
+    _dir: tempfile::TempDir,
+}
+
 impl Bench {
     pub(crate) async fn new(on: On) -> Self {
         let dir = tempfile::tempdir().unwrap();
@@ -64,6 +70,18 @@ impl Bench {
             Options { data_dir, database, objects: objects.clone(), clock: clock.clone() };
         let store = Store::open(options).await.unwrap();
         Self { dir, clock, store, postgres, objects }
+    }
+
+    /// Another server with the same database and the same place of content.
+    pub(crate) async fn second(&self) -> Second {
+        let dir = tempfile::tempdir().unwrap();
+        let options = Options {
+            data_dir: dir.path().to_owned(),
+            database: self.url(),
+            objects: self.objects.clone(),
+            clock: self.clock.clone(),
+        };
+        Second { store: Store::open(options).await.unwrap(), _dir: dir }
     }
 
     /// The URL of its database, if that is not in the folder.

@@ -12,6 +12,8 @@ use crate::{
     test_database::{On, on_both, on_databases},
 };
 
+mod shared;
+
 on_both! {
     what_is_committed_survives_and_what_is_not_is_cut_off,
     whole_content_becomes_one_capture_whatever_crashes,
@@ -34,7 +36,7 @@ const KEEP: Duration = Duration::from_secs(100);
 const PATIENCE: Duration = Duration::from_secs(5);
 const BOUNDS: UploadBounds = UploadBounds { count: 3, bytes: 1 << 30 };
 
-fn new(content: &str) -> NewResumableUpload {
+pub(crate) fn new(content: &str) -> NewResumableUpload {
     NewResumableUpload {
         display_name: "rope".into(),
         request_id: Some("key".into()),
@@ -55,7 +57,7 @@ async fn claim(bench: &Bench, id: UploadId) -> UploadWriter {
     bench.store.uploads().claim(id, PATIENCE).await.unwrap()
 }
 
-async fn append(bench: &Bench, id: UploadId, bytes: &'static str) -> u64 {
+pub(crate) async fn append(bench: &Bench, id: UploadId, bytes: &'static str) -> u64 {
     let mut writer = claim(bench, id).await;
     writer.write(&Bytes::from_static(bytes.as_bytes())).await.unwrap();
     writer.commit(KEEP).await.unwrap();
@@ -84,6 +86,8 @@ async fn what_is_committed_survives_and_what_is_not_is_cut_off(on: On) {
     writer.write(&long).await.unwrap();
     drop(writer);
     let bench = bench.reopen().await;
+    // For the lease of the server that died.
+    bench.clock.advance(Duration::from_secs(11));
     assert_eq!(bench.store.uploads().get(id).await.unwrap().offset_bytes, 5);
     let mut writer = claim(&bench, id).await;
     writer.write(&long).await.unwrap();
@@ -105,6 +109,8 @@ async fn whole_content_becomes_one_capture_whatever_crashes(on: On) {
         bench.store.inner.armed.arm(point);
         let first = finish(&bench, id).await;
         let bench = bench.reopen().await;
+        // For the lease of the server that died.
+        bench.clock.advance(Duration::from_secs(11));
         let unfinished = bench.store.uploads().whole().await.unwrap();
         let capture = match bench.store.uploads().get(id).await.unwrap().state {
             UploadState::Stored(capture) => bench.store.captures().get(capture).await.unwrap(),

@@ -27,7 +27,7 @@ enum Source<'a> {
 
 impl Bucket {
     /// Sends a local file. The object is durable afterwards, and either whole or not there.
-    pub(in crate::blobs) async fn send(
+    pub(crate) async fn send(
         &self,
         file: &std::path::Path,
         to: &Path,
