@@ -30,7 +30,7 @@ use uuid::Uuid;
 
 use crate::{
     Error, Page, PageRequest, Result, Store,
-    blobs::{Place, partial_objects},
+    blobs::{PART, Place, partial_objects},
     clock::micros_after,
     sql::{Transaction, query, query_scalar},
 };
@@ -116,6 +116,15 @@ impl Uploads<'_> {
         let Some(held) = held else { return Ok(None) };
         let upload = self.get(id).await?;
         Ok(Some(UploadWriter::new(self.store.clone(), held, upload)))
+    }
+
+    /// Memory of one that is being written [bytes].
+    pub fn buffers(&self) -> u64 {
+        match self.store.blobs().place() {
+            Place::Folder(_) => file::BUFFER as u64,
+            // The bytes after the last part, and what is sent of them.
+            Place::Bucket(_) => 2 * PART as u64,
+        }
     }
 
     /// Complete uploads without a capture, interrupted by a crash.

@@ -146,7 +146,7 @@ async fn a_bucket_that_is_away_is_told_at_once() {
     let environment = environment(proxy.url(), &format!("away-{}", std::process::id()));
     let server =
         TestCluster::start(Setup { own_workers: 0, environment, ..Setup::default() }).await;
-    let stored = server.api().upload(b"content", "kept").await.unwrap();
+    let stored = server.api().upload(&Bytes::from_static(b"content"), "kept").await.unwrap();
     let path = format!("/v1/{}/content", stored.name);
     assert_eq!(server.http().get(&path).await.bytes().await.unwrap(), b"content"[..]);
     // Connections end with each request there, so there are none left.

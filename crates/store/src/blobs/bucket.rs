@@ -6,6 +6,7 @@
 //! two writers of one name write the same.
 
 mod connect;
+mod http;
 mod multipart;
 mod read;
 mod send;

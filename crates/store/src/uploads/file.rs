@@ -12,7 +12,7 @@ use super::ResumableUpload;
 use crate::{Digest, Error, Result, Store, blobs::Folder};
 
 /// Bytes buffered before they are written to the file.
-const BUFFER: usize = 1 << 20;
+pub(super) const BUFFER: usize = 1 << 20;
 
 /// The file that an upload is written to.
 #[derive(Debug)]

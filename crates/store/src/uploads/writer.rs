@@ -176,44 +176,49 @@ impl UploadWriter {
     /// [`Error::DigestMismatch`], [`Error::ContentLost`], [`Error::ObjectsUnavailable`],
     /// [`Error::ContentBusy`], [`Error::UploadLocked`]; file and database errors.
     pub async fn stage(&mut self) -> Result<Staged> {
+        let (digest, at) = match &self.sink {
+            Sink::File(_) => self.stage_file().await?,
+            Sink::Parts(_) => self.stage_parts().await?,
+        };
         let (id, size_bytes) = (self.upload.id, self.upload.offset_bytes);
-        let (digest, at) = match &mut self.sink {
-            Sink::File(file) => {
-                let there = file.close(&self.upload).await?;
-                let at = match &there {
-                    Some(_) => At::File(partial_objects(id)),
-                    None => At::Published,
-                };
-                match (self.upload.digest, there) {
-                    (Some(digest), _) => (digest, at),
-                    (None, Some(path)) => {
-                        let (digest, hashed) = file::hash(path).await?;
-                        if hashed != size_bytes {
-                            return Err(self.upload.lost());
-                        }
-                        self.refer(digest).await?;
-                        (digest, at)
-                    }
-                    (None, None) => return Err(self.upload.lost()),
+        Ok(Staged::of_upload(self.store.blobs().clone(), id, at, digest, size_bytes))
+    }
+
+    async fn stage_file(&mut self) -> Result<(Digest, At)> {
+        let path = match &mut self.sink {
+            Sink::File(file) => file.close(&self.upload).await?,
+            Sink::Parts(_) => None,
+        };
+        // Renamed before a crash, if it is not there.
+        let at = path.as_ref().map_or(At::Published, |_| At::File(partial_objects(self.upload.id)));
+        match (self.upload.digest, path) {
+            (Some(digest), _) => Ok((digest, at)),
+            (None, Some(path)) => {
+                let (digest, size_bytes) = file::hash(path).await?;
+                if size_bytes != self.upload.offset_bytes {
+                    return Err(self.upload.lost());
                 }
+                self.refer(digest).await?;
+                Ok((digest, at))
             }
-            Sink::Parts(parts) => {
-                let digest = match self.upload.digest {
-                    Some(digest) => digest,
-                    None => {
-                        let digest = parts.hash(&self.store, &self.upload).await?;
-                        self.refer(digest).await?;
-                        digest
-                    }
-                };
-                // The row keeps it from now on: what deletes it began before, and ends.
-                self.store.await_deletions(&[digest.to_hex().to_string()]).await?;
-                let Sink::Parts(parts) = &mut self.sink else { return Err(self.upload.lost()) };
-                (digest, parts.join(&self.store, &self.upload, &digest).await?)
+            (None, None) => Err(self.upload.lost()),
+        }
+    }
+
+    async fn stage_parts(&mut self) -> Result<(Digest, At)> {
+        let Sink::Parts(parts) = &mut self.sink else { return Err(self.upload.lost()) };
+        let digest = match self.upload.digest {
+            Some(digest) => digest,
+            None => {
+                let digest = parts.hash(&self.store, &self.upload).await?;
+                self.refer(digest).await?;
+                digest
             }
         };
-        let blobs = self.store.blobs().clone();
-        Ok(Staged::of_upload(blobs, id, at, digest, size_bytes))
+        // The row keeps it from now on: what deletes it began before, and ends.
+        self.store.await_deletions(&[digest.to_hex().to_string()]).await?;
+        let Sink::Parts(parts) = &mut self.sink else { return Err(self.upload.lost()) };
+        Ok((digest, parts.join(&self.store, &self.upload, &digest).await?))
     }
 
     /// Checks the digest, and makes the row refer to it, which keeps its blob.

@@ -3,18 +3,15 @@
 use std::time::Duration;
 
 use object_store::{
-    BackoffConfig, ClientOptions, RetryConfig,
+    BackoffConfig, RetryConfig,
     aws::{AmazonS3Builder, AmazonS3ConfigKey},
     path::Path,
 };
 use tokio::sync::Semaphore;
 
-use super::{Bucket, SENDERS};
+use super::{Bucket, SENDERS, http::Connector};
 use crate::{Error, Result};
 
-/// Time limits of one attempt.
-const CONNECT_TIMEOUT: Duration = Duration::from_secs(5);
-const ATTEMPT_TIMEOUT: Duration = Duration::from_secs(30);
 /// Time after which a request that failed is not tried again.
 const RETRY_TIMEOUT: Duration = Duration::from_secs(10);
 const MOST_RETRIES: usize = 6;
@@ -25,16 +22,11 @@ impl Bucket {
     /// A bucket, with credentials, region and endpoint from the environment (`AWS_*`), else
     /// credentials of the machine's role. Nothing is asked of it yet.
     pub(crate) fn open(bucket: &str, prefix: Path) -> Result<Self> {
-        // The one that everything else here uses for TLS; if another is there already, so be it.
-        rustls::crypto::ring::default_provider().install_default().ok();
-        let options = ClientOptions::new()
-            .with_connect_timeout(CONNECT_TIMEOUT)
-            .with_timeout(ATTEMPT_TIMEOUT);
         let backoff =
             BackoffConfig { init_backoff: FIRST_BACKOFF, max_backoff: LONGEST_BACKOFF, base: 2.0 };
         let retry =
             RetryConfig { backoff, max_retries: MOST_RETRIES, retry_timeout: RETRY_TIMEOUT };
-        let builder = environment().with_client_options(options).with_retry(retry);
+        let builder = environment().with_http_connector(Connector).with_retry(retry);
         let keys = [AmazonS3ConfigKey::S3Endpoint, AmazonS3ConfigKey::Endpoint];
         let endpoint = keys.iter().find_map(|key| builder.get_config_value(key));
         // Unencrypted only where somebody wrote it.
