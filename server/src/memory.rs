@@ -93,6 +93,12 @@ impl Memory {
         self.take(&self.uploads, UPLOAD, "the upload: send fewer at once").await
     }
 
+    /// Memory of a resumable upload whose buffers are so large, or all that uploads have.
+    pub(crate) async fn resumable_upload(&self, bytes: u64) -> Result<Share> {
+        let bytes = bytes.clamp(UPLOAD, self.uploads.total().max(UPLOAD));
+        self.take(&self.uploads, bytes, "the upload: send fewer at once").await
+    }
+
     /// Memory to read a twin file of so many bytes.
     pub(crate) async fn twin_file(&self, bytes: u64) -> Result<Share> {
         let advice = "reading the twin: raise memory_mib of the server";

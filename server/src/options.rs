@@ -6,7 +6,7 @@ mod tls;
 use std::{net::SocketAddr, path::PathBuf, time::Duration};
 
 use bendtwin_proto::rollout;
-use bendtwin_store::DatabaseUrl;
+use bendtwin_store::{DatabaseUrl, ObjectsUrl};
 use serde::{Deserialize, Serialize};
 
 use crate::listen::Timeouts;
@@ -45,8 +45,11 @@ pub struct Options {
     /// The folder of the database and the blobs; made if missing.
     pub data_dir: PathBuf,
     /// URL of the PostgreSQL database that has the rows; without one they are in SQLite in the data
-    /// folder. Content is in the data folder in any case.
+    /// folder.
     pub database_url: Option<DatabaseUrl>,
+    /// Place of all content, a bucket (`s3://bucket/prefix`) or a folder (`file:///folder`) that several
+    /// servers may share; without one it is in the data folder.
+    pub objects_url: Option<ObjectsUrl>,
     /// The token of workers that others start; without one, only the server's own workers may
     /// connect.
     pub worker_token: Option<String>,
@@ -170,6 +173,7 @@ impl Default for Options {
             insecure: false,
             data_dir: PathBuf::from("bendtwin-data"),
             database_url: None,
+            objects_url: None,
             worker_token: None,
             workers: WorkerPolicy::default(),
             memory_mib: None,
@@ -324,6 +328,11 @@ impl Options {
             && let Err(fault) = DatabaseUrl::parse(url.reveal())
         {
             faults.push(format!("database_url: {fault}"));
+        }
+        if let Some(url) = &self.objects_url
+            && let Err(fault) = ObjectsUrl::parse(&url.to_string())
+        {
+            faults.push(format!("objects_url: {fault}"));
         }
         if self.data_dir.as_os_str().is_empty() {
             faults.push("data_dir is empty: name a folder".to_owned());

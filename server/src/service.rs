@@ -232,7 +232,9 @@ fn warn_of_openness(options: &Options, address: SocketAddr, worker_address: Sock
 async fn open_store(options: &Options) -> Result<Store, StartError> {
     let folder = options.data_dir.clone();
     let database = options.database_url.clone();
-    let of_store = bendtwin_store::Options { database, ..bendtwin_store::Options::new(&folder) };
+    let objects = options.objects_url.clone();
+    let of_store =
+        bendtwin_store::Options { database, objects, ..bendtwin_store::Options::new(&folder) };
     Store::open(of_store).await.map_err(|source| StartError::Store { folder, source })
 }
 

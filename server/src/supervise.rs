@@ -29,6 +29,8 @@ const CERTIFICATE_VARIABLE: &str = "BENDTWIN_WORKER_CERTIFICATE";
 const KEY_VARIABLE: &str = "BENDTWIN_WORKER_KEY";
 /// The environment variable with the URL of the server's database.
 const DATABASE_VARIABLE: &str = "BENDTWIN_DATABASE_URL";
+/// The environment variable with the place of content.
+const OBJECTS_VARIABLE: &str = "BENDTWIN_OBJECTS";
 /// The environment variable with the backend: `auto`, `cpu` or `cuda`.
 pub const BACKEND_VARIABLE: &str = "BENDTWIN_BACKEND";
 /// The environment variable with the number of the CUDA device.
@@ -181,14 +183,19 @@ impl SlotSupervisor {
             let folder = std::path::absolute(&self.app.options.data_dir)?.join(SCRATCH_FOLDER);
             command.env(SCRATCH_VARIABLE, folder);
         }
-        // Of the environment of the server, the database is nothing to workers and to the programs
-        // that read strangers' files for them.
-        for variable in [DATABASE_VARIABLE, "PGPASSWORD", "PGPASSFILE"] {
+        // Of the environment of the server, the database and the bucket are nothing to workers and to
+        // the programs that read strangers' files for them.
+        for variable in [DATABASE_VARIABLE, OBJECTS_VARIABLE, "PGPASSWORD", "PGPASSFILE"] {
             command.env_remove(variable);
         }
         // They talk to it without TLS, on this machine.
         for variable in [CERTIFICATE_VARIABLE, KEY_VARIABLE] {
             command.env_remove(variable);
+        }
+        for (variable, _) in std::env::vars_os() {
+            if variable.to_string_lossy().to_ascii_uppercase().starts_with("AWS_") {
+                command.env_remove(variable);
+            }
         }
         command
             .args(&self.spawn_options.args)

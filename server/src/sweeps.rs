@@ -56,10 +56,16 @@ async fn leases(app: App) {
         }
         if collected.elapsed() >= GARBAGE_COLLECTION_INTERVAL {
             collected = Instant::now();
-            if let Err(error) = app.store.collect_garbage().await {
-                tracing::error!(%error, "cannot remove unused content; trying again");
-            }
+            // Beside: a bucket takes its time, and leases do not wait.
+            tokio::spawn(garbage(app.clone()));
         }
+    }
+}
+
+/// Removes unused content.
+async fn garbage(app: App) {
+    if let Err(error) = app.store.collect_garbage().await {
+        tracing::error!(%error, "cannot remove unused content; trying again");
     }
 }
 

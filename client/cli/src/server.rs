@@ -102,6 +102,10 @@ pub(crate) struct Server {
     /// environment, or in PostgreSQL's password file
     #[arg(long, env = "BENDTWIN_DATABASE_URL", value_name = "URL", hide_env_values = true)]
     database: Option<String>,
+    /// Place of all content, s3://BUCKET/PREFIX (keys and region from AWS_* in the environment) or
+    /// file:///FOLDER [default: the data folder]
+    #[arg(long, env = "BENDTWIN_OBJECTS", value_name = "URL")]
+    objects: Option<String>,
     /// Number of worker processes that the server starts itself [default: 1]
     #[arg(long, env = "BENDTWIN_WORKERS", value_name = "N")]
     workers: Option<u32>,

@@ -1,4 +1,4 @@
-//! `bendtwin store`: check, repair and backup of a data folder and its move to PostgreSQL, for its
+//! `bendtwin store`: check, repair and backup of a data folder, and its move to PostgreSQL and S3, for its
 //! administrator.
 
 mod report;
@@ -7,7 +7,7 @@ use std::path::PathBuf;
 
 use bendtwin_core::{Category, Fault};
 use bendtwin_server::{
-    DatabaseUrl, Options,
+    DatabaseUrl, ObjectsUrl, Options,
     maintenance::{self, Depth},
 };
 use clap::{Args, Subcommand};
@@ -47,13 +47,22 @@ enum Command {
         #[command(flatten)]
         folder: Folder,
     },
-    /// Move all rows to an empty PostgreSQL database; content stays in the folder; no server may run
+    /// Move all rows to an empty PostgreSQL database, or all content to a bucket; no server may run
     Migrate {
         #[command(flatten)]
         folder: Folder,
         /// URL of the database, postgres://USER@HOST:PORT/DATABASE
-        #[arg(long, env = "BENDTWIN_DATABASE_URL", value_name = "URL", hide_env_values = true)]
-        to: String,
+        #[arg(
+            long,
+            env = "BENDTWIN_DATABASE_URL",
+            value_name = "URL",
+            hide_env_values = true,
+            required_unless_present = "to_objects"
+        )]
+        to: Option<String>,
+        /// Place of all content from now on, s3://BUCKET/PREFIX or file:///FOLDER; rows stay
+        #[arg(long, value_name = "URL")]
+        to_objects: Option<String>,
     },
     /// Copy the database and its content to a new folder; a server may run
     Backup {
@@ -86,7 +95,17 @@ pub(crate) async fn run(args: Store, global: &Global) -> anyhow::Result<()> {
                           files again, or restore a backup";
             require(done.lost.is_empty(), advice)
         }
-        Command::Migrate { folder, to } => {
+        Command::Migrate { folder, to_objects: Some(to), .. } => {
+            let url = ObjectsUrl::parse(&to).map_err(failure::failed)?;
+            let done =
+                maintenance::relocate(&folder.path(), &url).await.map_err(failure::failed)?;
+            output::print(global, &done, || report::relocation(&done))?;
+            let advice = "damaged content was left in the old folder: upload the same archives and \
+                          import the same twin files again";
+            require(done.damaged.is_empty(), advice)
+        }
+        Command::Migrate { folder, to, to_objects: None } => {
+            let to = to.unwrap_or_default();
             let url = DatabaseUrl::parse(&to).map_err(failure::failed)?;
             let done = maintenance::migrate(&folder.path(), &url).await.map_err(failure::failed)?;
             output::print(global, &done, || report::migration(&done))

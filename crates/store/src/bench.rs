@@ -73,7 +73,7 @@ pub async fn queue(
     upload.write(bytes::Bytes::from_static(b"twin")).await?;
     let content = upload.finish(None).await?;
     let (digest, size_bytes) = (content.digest(), content.size_bytes());
-    drop(store.blobs().publish(content).await?);
+    drop(store.publish(content).await?);
     let now = micros(store.now());
     let capture = CaptureId::generate().uuid().to_string();
     let columns = "jobs (id, kind, capture, state, priority, settings, created_at, due_at)";

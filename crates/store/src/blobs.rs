@@ -1,50 +1,64 @@
-//! Content by digest. An upload streams to a temporary object while it is hashed; publishing
-//! renames it to the path derived from its digest, so equal content shares one object.
+//! Content by digest. An upload streams to a temporary file while it is hashed; publishing puts it
+//! at the path derived from its digest, so equal content shares one object.
+//!
+//! Published content is in a folder, where publishing is a rename, or in a bucket ([`Place`]).
+//! Temporary files are always local.
 //!
 //! | folder | content |
 //! |---|---|
 //! | `blake3` | what rows refer to, by digest |
 //! | `incoming` | uploads under way; emptied at start |
 //! | `partial` | uploads that can be resumed |
-//! | `trash` | what no row referred to, for a day |
+//! | `trash` | what no row referred to, for a day; not in a bucket |
 //! | `found` | what a repair found no row for; nothing removes it |
 
+mod bucket;
 mod content;
 pub(crate) mod files;
+mod folder;
 mod partial;
+mod place;
+mod staged;
 mod trash;
 mod upload;
+mod url;
 
-use std::{
-    path::{Path as FsPath, PathBuf},
-    sync::Arc,
-};
+use std::{path::Path as FsPath, sync::Arc};
 
-use futures::TryStreamExt;
-use object_store::{
-    ObjectStore, ObjectStoreExt, RenameOptions, local::LocalFileSystem, path::Path,
-};
+use object_store::{ObjectStoreExt as _, path::Path};
 use tokio::sync::{RwLock, RwLockReadGuard, RwLockWriteGuard};
 
 use crate::{
     Result,
     disk::Reserve,
     failpoint::{Armed, Failpoint},
-    folder,
 };
 
+pub(crate) use bucket::{Bucket, Multipart, PART};
 pub use content::Content;
-pub use upload::{Staged, Upload};
+pub(crate) use folder::Folder;
+pub(crate) use partial::object as partial_objects;
+use place::Opened;
+pub(crate) use place::{Place, own};
+pub(crate) use staged::At;
+pub use staged::Staged;
+pub use upload::Upload;
+pub(crate) use url::Location;
+pub use url::ObjectsUrl;
 
 const INCOMING: &str = "incoming";
+const PARTIAL: &str = "partial";
 const PUBLISHED: &str = "blake3";
 const TRASH: &str = "trash";
+/// Bytes per chunk of a download. Content of no more is checked before it is opened.
+const CHUNK: usize = 1 << 20;
 
 /// The blobs of a store. Clones share it.
 #[derive(Clone, Debug)]
 pub struct Blobs {
-    objects: Arc<dyn ObjectStore>,
-    root: Arc<PathBuf>,
+    place: Place,
+    /// The folder of temporary files: the place itself, if that is a folder.
+    staging: Folder,
     /// Lock shared by callers that publish and then refer, and exclusive for those that delete.
     gate: Arc<RwLock<()>>,
     armed: Arc<Armed>,
@@ -52,35 +66,33 @@ pub struct Blobs {
 }
 
 impl Blobs {
-    /// Opens a local folder, and empties its `incoming` if no other server has the folder open.
+    /// The blobs in a place, whose temporary files in `data_dir` are removed if it has them there.
     pub(crate) async fn open(
-        root: &FsPath,
-        is_alone: bool,
+        place: Place,
+        data_dir: &FsPath,
         armed: Arc<Armed>,
         reserve: Arc<Reserve>,
     ) -> Result<Self> {
-        if is_alone {
-            match tokio::fs::remove_dir_all(root.join(INCOMING)).await {
-                Err(error) if error.kind() != std::io::ErrorKind::NotFound => {
-                    return Err(error.into());
-                }
-                _ => {}
-            }
-        }
-        folder::make(root)?;
-        folder::close_to_others(root, folder::FOLDER);
-        let objects = LocalFileSystem::new_with_prefix(root)?.with_fsync(true);
-        let root = Arc::new(root.to_owned());
-        Ok(Self { objects: Arc::new(objects), root, gate: Arc::default(), armed, reserve })
+        let staging = match &place {
+            Place::Folder(folder) => folder.clone(),
+            Place::Bucket(_) => Folder::open(&own(data_dir), false)?,
+        };
+        staging.clear_incoming().await?;
+        Ok(Self { place, staging, gate: Arc::default(), armed, reserve })
+    }
+
+    /// The place of published content.
+    pub(crate) fn place(&self) -> &Place {
+        &self.place
     }
 
     /// Begins an upload of at most `limit` bytes.
     ///
     /// # Errors
-    /// [`crate::Error::DiskFull`]; if no temporary object can be made.
+    /// [`crate::Error::DiskFull`]; if no temporary file can be made.
     pub async fn upload(&self, limit: u64) -> Result<Upload> {
         let path = Path::from_iter([INCOMING, &uuid::Uuid::new_v4().simple().to_string()]);
-        let sink = self.objects.put_multipart(&path).await?;
+        let sink = self.staging.objects().put_multipart(&path).await?;
         Ok(Upload::new(self.clone(), path, sink, limit))
     }
 
@@ -90,38 +102,23 @@ impl Blobs {
         self.reserve.admit()
     }
 
-    /// Writes, syncs and removes a small file.
+    /// Proves that content can be stored.
     pub(crate) async fn probe(&self) -> Result<()> {
-        let folder = self.root.join(INCOMING);
-        let file = folder.join(format!("probe-{}", uuid::Uuid::new_v4().simple()));
-        let probed = tokio::task::spawn_blocking(move || {
-            folder::make(&folder)?;
-            let written = std::fs::write(&file, [0; 4096])
-                .and_then(|()| std::fs::OpenOptions::new().write(true).open(&file)?.sync_all());
-            std::fs::remove_file(&file).and(written)
-        });
-        Ok(probed.await.map_err(std::io::Error::other)??)
+        self.staging.probe().await?;
+        match &self.place {
+            Place::Folder(_) => Ok(()),
+            Place::Bucket(bucket) => bucket.probe().await,
+        }
     }
 
-    /// Puts staged content in its place. The guard is held until the row that
-    /// refers to it is committed.
-    pub(crate) async fn publish(&self, staged: Staged) -> Result<RwLockReadGuard<'_, ()>> {
-        self.publish_all(vec![staged]).await
-    }
-
-    /// As [`Blobs::publish`], for several contents that one transaction refers to. One guard for
-    /// all of them: a second one would wait for a deletion that waits for the first.
-    pub(crate) async fn publish_all(&self, staged: Vec<Staged>) -> Result<RwLockReadGuard<'_, ()>> {
+    /// Puts staged content in its place. The guard is held until the row that refers to it is
+    /// committed. One guard for all contents that one transaction refers to: a second one would wait
+    /// for a deletion that waits for the first.
+    pub(crate) async fn publish(&self, staged: Vec<Staged>) -> Result<RwLockReadGuard<'_, ()>> {
         self.armed.pass(Failpoint::ContentStaged)?;
         let guard = self.gate.read().await;
         for content in staged {
-            let to = published(&content.digest().to_hex());
-            match content.path() {
-                Some(path) => self.objects.rename_opts(path, &to, RenameOptions::new()).await?,
-                // Put in place before a crash.
-                None => self.require(&content.digest().to_hex(), &to).await?,
-            }
-            content.disarm();
+            content.publish().await?;
         }
         self.armed.pass(Failpoint::ContentPublished)?;
         Ok(guard)
@@ -132,31 +129,7 @@ impl Blobs {
     }
 
     pub(crate) async fn delete(&self, digest: &str) -> Result<()> {
-        self.delete_path(&published(digest)).await
-    }
-
-    /// True if this blob is published.
-    pub(crate) async fn has(&self, digest: &str) -> Result<bool> {
-        match self.objects.head(&published(digest)).await {
-            Ok(_) => Ok(true),
-            Err(object_store::Error::NotFound { .. }) => Ok(false),
-            Err(error) => Err(error.into()),
-        }
-    }
-
-    async fn delete_path(&self, path: &Path) -> Result<()> {
-        match self.objects.delete(path).await {
-            Err(object_store::Error::NotFound { .. }) | Ok(()) => Ok(()),
-            Err(error) => Err(error.into()),
-        }
-    }
-
-    /// Digests of all published blobs.
-    pub(crate) async fn list(&self) -> Result<Vec<String>> {
-        let listing = self.objects.list(Some(&Path::from(PUBLISHED)));
-        let names = listing
-            .try_filter_map(|meta| async move { Ok(meta.location.filename().map(str::to_owned)) });
-        Ok(names.try_collect().await?)
+        self.place.delete(&published(digest)).await
     }
 }
 
@@ -166,7 +139,7 @@ fn trashed(digest: &str) -> Path {
 }
 
 /// `blake3/ab/abcd...`: folders of a 256th each keep listings short.
-fn published(digest: &str) -> Path {
+pub(crate) fn published(digest: &str) -> Path {
     Path::from_iter([PUBLISHED, digest.get(..2).unwrap_or("xx"), digest])
 }
 

@@ -119,9 +119,8 @@ impl Captures<'_> {
         let NewCapture { display_name, request_id, content, ingest, creator } = new;
         let (digest, size_bytes) = (content.digest(), content.size_bytes());
         let upload = content.upload();
-        let guard = self.store.blobs().publish(content).await?;
+        let guard = self.store.publish(content).await?;
         let mut tx = self.store.inner.database.write().await?;
-        self.store.require_published(&tx, &digest).await?;
         if let Some(request_id) = &request_id {
             let row: Option<Row> = query("select * from captures where request_id = $1")
                 .bind(request_id)

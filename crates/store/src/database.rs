@@ -27,8 +27,10 @@ use crate::{
     sql::{Readers, Transaction},
 };
 
-pub(crate) use marker::{leave as leave_marker, require_none};
-pub(crate) use postgres::plans;
+pub(crate) use marker::{
+    leave as leave_marker, leave_objects, require_local_objects, require_none, require_objects,
+};
+pub(crate) use postgres::{Turn, plans};
 pub(crate) use sqlite::{FILE, options};
 pub use url::DatabaseUrl;
 
@@ -121,18 +123,17 @@ impl Database {
         }
     }
 
-    /// The right to do something that one server does at a time, until it is dropped; none if
-    /// another has it.
-    pub(crate) async fn try_alone(&self, work: Alone) -> Result<Option<postgres::Turn>> {
-        match &self.engine {
-            Engine::Sqlite(_) => Ok(Some(postgres::Turn::default())),
-            Engine::Postgres(server) => server.try_alone(work).await,
-        }
-    }
-
     /// Lets other servers have the folder as well, if their rows are in the same database.
     pub(crate) fn share_folder(&self) -> Result<()> {
         if self.is_remote() { share(&self.lock) } else { Ok(()) }
+    }
+
+    /// The turn of this server to do a work that one at a time does; none while another has it.
+    pub(crate) async fn turn(&self, work: i64) -> Result<Option<Turn>> {
+        match &self.engine {
+            Engine::Sqlite(_) => Ok(Some(Turn::alone())),
+            Engine::Postgres(server) => server.turn(work).await,
+        }
     }
 
     pub(crate) async fn close(&self) {
@@ -169,13 +170,6 @@ impl Database {
     }
 }
 
-/// Work that one of all servers does at a time.
-#[derive(Clone, Copy, Debug)]
-pub(crate) enum Alone {
-    /// The search for unused content.
-    Garbage,
-}
-
 /// Takes the lock of a data folder, alone.
 pub(crate) fn lock(data_dir: &Path) -> Result<File> {
     let lock = lock_file(data_dir)?;
@@ -184,18 +178,18 @@ pub(crate) fn lock(data_dir: &Path) -> Result<File> {
 }
 
 /// Takes the lock of a data folder whose rows are elsewhere, so that several servers may have it.
-/// True if no other has it yet: then it is held alone until [`share`].
-pub(crate) async fn lock_shared(data_dir: &Path) -> Result<(File, bool)> {
+/// If no other has it yet, it is held alone until [`share`].
+pub(crate) async fn lock_shared(data_dir: &Path) -> Result<File> {
     let lock = lock_file(data_dir)?;
     let patience = Instant::now() + START;
     loop {
         match lock.try_lock() {
-            Ok(()) => return Ok((lock, true)),
+            Ok(()) => return Ok(lock),
             Err(TryLockError::Error(error)) => return Err(error.into()),
             Err(TryLockError::WouldBlock) => {}
         }
         match lock.try_lock_shared() {
-            Ok(()) => return Ok((lock, false)),
+            Ok(()) => return Ok(lock),
             // Another one is just starting, or a repair is under way.
             Err(TryLockError::WouldBlock) if Instant::now() < patience => {
                 tokio::time::sleep(Duration::from_millis(20)).await;

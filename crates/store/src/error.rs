@@ -82,17 +82,15 @@ pub enum Error {
     )]
     DatabaseMissing { file: PathBuf },
     #[error(
-        "the database {database} and the content in {} belong to different stores: put the right one \
-         back, or run `bendtwin store repair` to join them", .blobs.display()
+        "the database {database} and the content in {blobs} belong to different stores: put the right \
+         one back, or run `bendtwin store repair` to join them"
     )]
-    StoreMismatch { database: String, blobs: PathBuf },
-    #[error("another server removed equal content in this moment: send it again")]
-    ContentRemoved,
+    StoreMismatch { database: String, blobs: String },
     #[error(
-        "another server has the database {database} open, and its content is not in {}: give this \
-         server the content, too", .blobs.display()
+        "another server has the database {database} open, and its content is not in {blobs}: give this \
+         server the content, too"
     )]
-    ContentElsewhere { database: String, blobs: PathBuf },
+    ContentElsewhere { database: String, blobs: String },
     #[error(
         "the store is in {} still and {database} is empty: run `bendtwin store migrate --to` with the \
          URL of that database, or choose another folder", .file.display()
@@ -120,6 +118,32 @@ pub enum Error {
     DatabaseBusy,
     #[error("the database does not answer: retry in a moment")]
     DatabaseUnavailable,
+    #[error(
+        "this is no place for content: write `s3://BUCKET` or `s3://BUCKET/PREFIX`, or `file:///FOLDER`; \
+         keys go into the environment (AWS_ACCESS_KEY_ID, AWS_SECRET_ACCESS_KEY)"
+    )]
+    InvalidObjectsUrl,
+    #[error("the object storage does not answer: retry in a moment")]
+    ObjectsUnavailable,
+    #[error(
+        "the object storage refuses the server ({fault}): check the keys, the region and the endpoint in \
+         its environment (AWS_*), and the bucket's policy"
+    )]
+    ObjectsRefused { fault: String },
+    #[error(
+        "the content of this folder is in {objects}: name it (`--objects`), or remove the file `objects` \
+         from the folder if it is there no more"
+    )]
+    ObjectsElsewhere { objects: String },
+    #[error("the content of this folder is in {objects}: {advice}")]
+    ObjectsNotLocal { objects: String, advice: &'static str },
+    #[error(
+        "the content is in {} still: run `bendtwin store migrate --to-objects` with the URL of its new \
+         place", .folder.display()
+    )]
+    ObjectsNotMigrated { folder: PathBuf },
+    #[error("equal content is being deleted at this moment: retry in a moment")]
+    ContentBusy,
     #[error("text has a NUL character, which the database does not store: leave it out")]
     InvalidText,
     #[error("the folder {} is not empty: name a new one for the backup", .folder.display())]
@@ -161,12 +185,17 @@ impl Problem for Error {
             | Self::DatabaseUnfit { .. }
             | Self::DatabaseNotEmpty { .. }
             | Self::BackupNotEmpty { .. }
+            | Self::ObjectsRefused { .. }
+            | Self::ObjectsElsewhere { .. }
+            | Self::ObjectsNotLocal { .. }
+            | Self::ObjectsNotMigrated { .. }
             | Self::DataDirInUse => Category::FailedPrecondition,
             Self::InvalidPageToken
             | Self::TooManyTags { .. }
             | Self::TooLarge { .. }
             | Self::DigestMismatch { .. }
             | Self::InvalidDatabaseUrl
+            | Self::InvalidObjectsUrl
             | Self::InvalidText
             | Self::UploadLength { .. } => Category::InvalidArgument,
             Self::DiskFull
@@ -180,9 +209,10 @@ impl Problem for Error {
             | Self::BeyondRepair { .. }
             | Self::MigrationDiffers { .. }
             | Self::CorruptRow { .. } => Category::DataLoss,
-            Self::DatabaseBusy | Self::DatabaseUnavailable | Self::ContentRemoved => {
-                Category::Unavailable
-            }
+            Self::DatabaseBusy
+            | Self::DatabaseUnavailable
+            | Self::ObjectsUnavailable
+            | Self::ContentBusy => Category::Unavailable,
             Self::Database(_)
             | Self::Migration(_)
             | Self::Objects(_)
@@ -216,7 +246,6 @@ impl Problem for Error {
             Self::DatabaseMissing { .. } => "DATABASE_MISSING",
             Self::StoreMismatch { .. } => "STORE_MISMATCH",
             Self::ContentElsewhere { .. } => "CONTENT_ELSEWHERE",
-            Self::ContentRemoved => "CONTENT_REMOVED",
             Self::BackupNotEmpty { .. } => "BACKUP_NOT_EMPTY",
             Self::DatabaseDamaged { .. } | Self::BeyondRepair { .. } => "DATABASE_DAMAGED",
             Self::DatabaseBusy => "DATABASE_BUSY",
@@ -226,6 +255,12 @@ impl Problem for Error {
             Self::DatabaseNotEmpty { .. } => "DATABASE_NOT_EMPTY",
             Self::MigrationDiffers { .. } => "MIGRATION_DIFFERS",
             Self::InvalidDatabaseUrl => "INVALID_DATABASE_URL",
+            Self::InvalidObjectsUrl => "INVALID_OBJECTS_URL",
+            Self::ObjectsUnavailable => "OBJECTS_UNAVAILABLE",
+            Self::ObjectsRefused { .. } => "OBJECTS_REFUSED",
+            Self::ObjectsElsewhere { .. } | Self::ObjectsNotLocal { .. } => "OBJECTS_ELSEWHERE",
+            Self::ObjectsNotMigrated { .. } => "OBJECTS_NOT_MIGRATED",
+            Self::ContentBusy => "CONTENT_BUSY",
             Self::InvalidText => "INVALID_TEXT",
             Self::StoreNotMigrated { .. } => "STORE_NOT_MIGRATED",
             Self::ContentLost { .. } => "CONTENT_LOST",

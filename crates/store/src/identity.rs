@@ -1,49 +1,51 @@
 //! The identity of a store, which its database and its blobs share. A database beside the blobs of
 //! another would take all of them for garbage.
 
-use std::{fs, io, io::Write as _, path::Path};
+use std::path::Path;
 
 use crate::{
     Error, Result,
-    blobs::files,
+    blobs::Place,
     database::{self, Database},
-    folder, references,
+    references,
     references::Reference,
     servers,
     sql::{Readers, query, query_scalar},
 };
 
-/// Name of the file in the folder of the blobs.
-const FILE: &str = "identity";
-
 /// Refuses blobs without a database, before a new one is made beside them.
-pub(crate) fn require_database(data_dir: &Path) -> Result<()> {
+pub(crate) async fn require_database(data_dir: &Path, place: &Place) -> Result<()> {
     let file = data_dir.join(database::FILE);
-    if !file.try_exists()? && files::any(&data_dir.join("blobs"))? {
+    if !file.try_exists()? && place.any().await? {
         return Err(Error::DatabaseMissing { file });
     }
     Ok(())
 }
 
-/// Refuses a folder without blobs beside a database that another server has open just now: what its
-/// rows refer to is elsewhere, and would be missed here.
-pub(crate) async fn require_content(database: &Database, data_dir: &Path) -> Result<()> {
-    let blobs = data_dir.join("blobs");
-    if of_blobs(&blobs)?.is_none()
+/// Refuses a place without an identity beside a database that another server has open just now: what
+/// its rows refer to is elsewhere, and would be missed here.
+pub(crate) async fn require_content(database: &Database, place: &Place) -> Result<()> {
+    if place.identity().await?.is_none()
         && of_database(database.read()).await?.is_some()
         && servers::any_lately(database).await?
     {
-        return Err(Error::ContentElsewhere { database: database.name().to_owned(), blobs });
+        let (database, blobs) = (database.name().to_owned(), place.name());
+        return Err(Error::ContentElsewhere { database, blobs });
     }
     Ok(())
 }
 
 /// Checks that database and blobs belong together. Gives them an identity if they are new, or from
 /// before there were identities.
-pub(crate) async fn settle(database: &Database, data_dir: &Path, now: i64) -> Result<()> {
-    let blobs = data_dir.join("blobs");
+pub(crate) async fn settle(
+    database: &Database,
+    data_dir: &Path,
+    place: &Place,
+    now: i64,
+) -> Result<()> {
+    // In this order: another server that begins at the same time writes that of the database first.
+    let theirs = place.identity().await?;
     let mine = of_database(database.read()).await?;
-    let theirs = of_blobs(&blobs)?;
     if mine.is_some() && mine == theirs {
         return Ok(());
     }
@@ -52,53 +54,54 @@ pub(crate) async fn settle(database: &Database, data_dir: &Path, now: i64) -> Re
         let database = database.name().to_owned();
         return Err(Error::StoreNotMigrated { file: sqlite, database });
     }
-    let strangers = theirs.is_some() || !any_referred(database.read(), &blobs).await?;
-    if strangers && files::any(&blobs)? {
-        return Err(Error::StoreMismatch { database: database.name().to_owned(), blobs });
+    let strangers = theirs.is_some() || !any_referred(database.read(), place).await?;
+    // Another server may be about to put content there.
+    let taken = theirs.is_some() && place.is_shared();
+    if taken || strangers && place.any().await? {
+        return Err(mismatch(database, place));
     }
-    join(database, mine, &blobs, now).await
+    join(database, mine, place, now).await
 }
 
 /// Checks that database and blobs still belong together.
-pub(crate) async fn verify(database: &Database, data_dir: &Path) -> Result<()> {
-    let blobs = data_dir.join("blobs");
+pub(crate) async fn verify(database: &Database, place: &Place) -> Result<()> {
     let mine = of_database(database.read()).await?;
-    if mine.is_some() && mine == of_blobs(&blobs)? {
+    if mine.is_some() && mine == place.identity().await? {
         return Ok(());
     }
-    Err(Error::StoreMismatch { database: database.name().to_owned(), blobs })
+    Err(mismatch(database, place))
+}
+
+fn mismatch(database: &Database, place: &Place) -> Error {
+    Error::StoreMismatch { database: database.name().to_owned(), blobs: place.name() }
 }
 
 /// Makes database and blobs belong together.
 pub(crate) async fn join(
     database: &Database,
     mine: Option<String>,
-    blobs: &Path,
+    place: &Place,
     now: i64,
 ) -> Result<()> {
     let identity = match mine {
         Some(identity) => identity,
-        None => {
-            let identity = uuid::Uuid::new_v4().to_string();
-            let mut tx = database.write().await?;
-            query("insert into store (id, identity, probed_at) values (1, $1, $2)")
-                .bind(&identity)
-                .bind(now)
-                .execute(&mut tx)
-                .await?;
-            tx.commit().await?;
-            identity
-        }
+        None => new_identity(database, now).await?,
     };
-    folder::make(blobs)?;
-    // Whole or not at all: half an identity would be another one.
-    let partial = blobs.join("identity.partial");
-    let mut file = fs::File::create(&partial)?;
-    writeln!(file, "{identity}")?;
-    file.sync_all()?;
-    fs::rename(partial, blobs.join(FILE))?;
-    folder::sync(blobs)?;
-    Ok(())
+    place.set_identity(&identity).await
+}
+
+/// Gives a database an identity, unless another server has done so in this moment.
+async fn new_identity(database: &Database, now: i64) -> Result<String> {
+    let mut tx = database.write().await?;
+    query("insert into store (id, identity, probed_at) values (1, $1, $2) on conflict do nothing")
+        .bind(uuid::Uuid::new_v4().to_string())
+        .bind(now)
+        .execute(&mut tx)
+        .await?;
+    let identity = query_scalar("select identity from store where id = 1");
+    let identity = identity.fetch_one(&mut tx).await?;
+    tx.commit().await?;
+    Ok(identity)
 }
 
 pub(crate) async fn of_database(readers: &Readers) -> Result<Option<String>> {
@@ -106,17 +109,18 @@ pub(crate) async fn of_database(readers: &Readers) -> Result<Option<String>> {
     identity.fetch_optional(readers).await
 }
 
-pub(crate) fn of_blobs(blobs: &Path) -> Result<Option<String>> {
-    match fs::read_to_string(blobs.join(FILE)) {
-        Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(None),
-        read => Ok(Some(read?.trim().to_owned())),
-    }
-}
-
 /// True if any row refers to any blob that is there.
-async fn any_referred(readers: &Readers, blobs: &Path) -> Result<bool> {
+async fn any_referred(readers: &Readers, place: &Place) -> Result<bool> {
+    if !place.any().await? {
+        return Ok(false);
+    }
     let all: Vec<Reference> = query(references::ALL).fetch_all(readers).await?;
-    Ok(all.iter().any(|reference| files::published(blobs, &reference.digest).exists()))
+    for reference in all {
+        if place.has(&reference.digest).await? {
+            return Ok(true);
+        }
+    }
+    Ok(false)
 }
 
 #[cfg(test)]

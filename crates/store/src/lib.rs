@@ -1,6 +1,6 @@
 //! The durable truth: captures, jobs (the queue), twins, workers, keys and blobs.
 //!
-//! Rows are in SQLite or PostgreSQL, content is in files behind [`object_store`]. Acknowledged data survives
+//! Rows are in SQLite or PostgreSQL, content is in files or in S3 behind [`object_store`]. Acknowledged data survives
 //! `kill -9` of any process and loss of power.
 //!
 //! # The queue as a design
@@ -51,7 +51,7 @@
 //! to the twin, whatever checkpoint it went on from. They stay until the fit is deleted.
 //!
 //! # Content before rows
-//! A blob is written under `incoming/`, synced, and renamed to the name that its
+//! A blob is written under `incoming/`, synced, and renamed (or sent) to the name that its
 //! BLAKE3 digest gives it, all before the transaction that first refers to it.
 //! So a crash can leave blobs without rows, never rows without blobs. Equal
 //! content is one blob. It is deleted when a row went and no other refers to it:
@@ -83,11 +83,13 @@
 //! second one in the update. Text has the order of its bytes, and leases are measured by the
 //! database's clock where it has one.
 //!
-//! # Room for S3
-//! Blobs use only what every `ObjectStore` has, save the removal of half-written files at start, which
-//! S3 leaves to a lifecycle rule, and uploads that can be resumed ([`Uploads`]), which append to local
-//! files; there S3's own multipart uploads would take their place.
+//! # Content in a bucket
+//! Content is in the folder, in a folder that servers share, or in a bucket of S3: the *place*
+//! ([`blobs`](Blobs)). Where several servers may use it, no lock of this process keeps deletions away
+//! from publications; `arrivals` has the protocol that does, in rows, and `uploads::lease` that by
+//! which one server at a time writes to a resumable upload.
 
+mod arrivals;
 pub mod bench;
 mod blobs;
 mod captures;
@@ -97,6 +99,7 @@ mod disk;
 mod error;
 pub mod failpoint;
 mod folder;
+mod garbage;
 mod identity;
 mod jobs;
 mod keys;
@@ -119,7 +122,7 @@ mod twins;
 mod uploads;
 mod workers;
 
-pub use blobs::{Blobs, Content, Staged, Upload};
+pub use blobs::{Blobs, Content, ObjectsUrl, Staged, Upload};
 pub use captures::{Capture, Captures, NewCapture, Overview};
 pub use clock::{Clock, ManualClock, SystemClock};
 pub use database::DatabaseUrl;

@@ -9,7 +9,7 @@ use sqlx::{
 };
 
 /// Version, description and SQL of every migration.
-const MIGRATIONS: [(i64, &str, &str); 13] = [
+const MIGRATIONS: [(i64, &str, &str); 14] = [
     (1, "initial", include_str!("../migrations/0001_initial.sql")),
     (2, "ingest", include_str!("../migrations/0002_ingest.sql")),
     (3, "uploads", include_str!("../migrations/0003_uploads.sql")),
@@ -21,6 +21,7 @@ const MIGRATIONS: [(i64, &str, &str); 13] = [
     (9, "playback", include_str!("../migrations/0009_playback.sql")),
     (10, "queue", include_str!("../migrations/0010_queue.sql")),
     (11, "keys", include_str!("../migrations/0011_keys.sql")),
+    (12, "objects", include_str!("../migrations/0012_objects.sql")),
     (13, "servers", include_str!("../migrations/0013_servers.sql")),
     (14, "requirements", include_str!("../migrations/0014_requirements.sql")),
 ];

@@ -3,18 +3,18 @@
 use std::{path::PathBuf, sync::Arc, time::Duration};
 
 use jiff::Timestamp;
-use tokio::sync::{Notify, RwLockWriteGuard, broadcast};
+use tokio::sync::{Notify, broadcast};
 
 use crate::{
-    Blobs, Captures, Clock, DatabaseUrl, Digest, Error, JobId, Jobs, Keys, Result, Servers,
-    SystemClock, Twins, Uploads, Workers,
+    Blobs, Captures, Clock, DatabaseUrl, Error, JobId, Jobs, Keys, ObjectsUrl, Result, Servers,
+    SystemClock, Twins, Uploads, Workers, arrivals,
+    blobs::{Place, files, own},
     clock::micros,
-    database::{self, Alone, Database, Wakes},
+    database::{self, Database, Wakes},
     disk::{Disk, Reserve},
     failpoint::{Armed, Failpoint},
     folder, identity,
     jobs::LeaseTimes,
-    references,
     sql::{Transaction, query},
     uploads::Seats,
 };
@@ -26,6 +26,8 @@ pub struct Options {
     pub data_dir: PathBuf,
     /// The database, if it is PostgreSQL; else SQLite in the folder.
     pub database: Option<DatabaseUrl>,
+    /// The place of content, if it is not the folder.
+    pub objects: Option<ObjectsUrl>,
     /// The clocks: of rows, and of leases.
     pub clock: Arc<dyn Clock>,
 }
@@ -33,7 +35,12 @@ pub struct Options {
 impl Options {
     /// A folder with SQLite in it, and the system's clock.
     pub fn new(data_dir: impl Into<PathBuf>) -> Self {
-        Self { data_dir: data_dir.into(), database: None, clock: Arc::new(SystemClock) }
+        Self {
+            data_dir: data_dir.into(),
+            database: None,
+            objects: None,
+            clock: Arc::new(SystemClock),
+        }
     }
 }
 
@@ -59,6 +66,8 @@ pub(crate) struct Inner {
     pub(crate) armed: Arc<Armed>,
     /// Current writer of each resumable upload.
     pub(crate) seats: Seats,
+    /// Name of this open store among the servers that share its database.
+    pub(crate) instance: String,
     /// Ends of the leases of running jobs.
     pub(crate) leases: LeaseTimes,
 }
@@ -74,27 +83,35 @@ impl Store {
     /// database and blobs do not belong together; [`Error::DatabaseDamaged`],
     /// [`Error::DatabaseUnavailable`], [`Error::DatabaseUnfit`]; database and file errors.
     pub async fn open(options: Options) -> Result<Self> {
-        let Options { data_dir, database: url, clock } = options;
+        let Options { data_dir, database: url, objects, clock } = options;
         folder::make(&data_dir)?;
-        let (lock, is_alone) = match url {
-            None => (database::lock(&data_dir)?, true),
+        let lock = match url {
+            None => database::lock(&data_dir)?,
             // The rows of several servers are there, and their content may be in one folder.
             Some(_) => database::lock_shared(&data_dir).await?,
         };
+        database::require_objects(&data_dir, objects.as_ref())?;
+        let own = own(&data_dir);
+        if objects.is_some() && files::any(&own)? {
+            return Err(Error::ObjectsNotMigrated { folder: own });
+        }
+        let place = Place::open(objects.as_ref(), &data_dir, url.is_some())?;
         if url.is_none() {
             database::require_none(&data_dir)?;
-            identity::require_database(&data_dir)?;
+            identity::require_database(&data_dir, &place).await?;
         }
         let reserve = Arc::new(Reserve::open(&data_dir));
         let database = Database::open(&data_dir, url.as_ref(), lock, reserve.clone()).await?;
-        identity::require_content(&database, &data_dir).await?;
-        identity::settle(&database, &data_dir, micros(clock.now())).await?;
+        identity::require_content(&database, &place).await?;
+        identity::settle(&database, &data_dir, &place, micros(clock.now())).await?;
         if let Some(url) = &url {
             database::leave_marker(&data_dir, url)?;
         }
+        if let Some(objects) = &objects {
+            database::leave_objects(&data_dir, objects)?;
+        }
         let armed = Arc::new(Armed::default());
-        let blobs =
-            Blobs::open(&data_dir.join("blobs"), is_alone, armed.clone(), reserve.clone()).await?;
+        let blobs = Blobs::open(place, &data_dir, armed.clone(), reserve.clone()).await?;
         database.share_folder()?;
         let (changes, _) = broadcast::channel(1024);
         let (seats, leases) = (Seats::default(), LeaseTimes::default());
@@ -112,9 +129,16 @@ impl Store {
             members,
             armed,
             seats,
+            instance: uuid::Uuid::new_v4().to_string(),
             leases,
         };
         let store = Self { inner: Arc::new(inner) };
+        if store.blobs().place().is_shared() {
+            // Alone with its database, it has none under way.
+            let remote = store.inner.database.is_remote();
+            let age = if remote { arrivals::TAKEN_OVER } else { Duration::ZERO };
+            store.take_over_deletions(age).await?;
+        }
         match store.collect_garbage().await {
             Err(Error::DiskFull) => tracing::warn!("unused content stays while the disk is full"),
             collected => collected?,
@@ -231,26 +255,6 @@ impl Store {
         self.inner.database.close().await;
     }
 
-    /// Moves blobs that no row refers to into the trash, and removes what has been there for a day.
-    /// They were left by callers that went away in the middle of a call. Safe at any time; if another
-    /// server is at it, this one leaves it to that.
-    ///
-    /// # Errors
-    /// [`Error::StoreMismatch`] if somebody exchanged the database or the blobs; database and file
-    /// errors.
-    pub async fn collect_garbage(&self) -> Result<()> {
-        let Some(_turn) = self.inner.database.try_alone(Alone::Garbage).await? else {
-            return Ok(());
-        };
-        identity::verify(&self.inner.database, &self.inner.data_dir).await?;
-        for digest in self.inner.blobs.list().await? {
-            if let Some(_held) = self.unless_referred(&digest).await? {
-                self.inner.blobs.discard(&digest, self.now()).await?;
-            }
-        }
-        self.inner.blobs.empty_trash(self.now()).await
-    }
-
     pub(crate) fn now_micros(&self) -> i64 {
         micros(self.now())
     }
@@ -269,45 +273,6 @@ impl Store {
 
     pub(crate) fn pass(&self, point: Failpoint) -> Result<()> {
         self.inner.armed.pass(point)
-    }
-
-    /// Deletes a blob unless a row refers to it: its row was deleted on purpose.
-    pub(crate) async fn release(&self, digest: &str) -> Result<()> {
-        match self.unless_referred(digest).await? {
-            Some(_held) => self.inner.blobs.delete(digest).await,
-            None => Ok(()),
-        }
-    }
-
-    /// The closed gate and the lock on writing, if no row refers to a blob: none will while they are
-    /// held.
-    async fn unless_referred(
-        &self,
-        digest: &str,
-    ) -> Result<Option<(RwLockWriteGuard<'_, ()>, Transaction)>> {
-        // Most are in use: do not bar others for those.
-        if references::exist(self.inner.database.read(), digest).await? {
-            return Ok(None);
-        }
-        let gate = self.inner.blobs.close_gate().await;
-        // A transaction that refers to it may be under way still, although its connection broke:
-        // the lock on writing waits for its end.
-        let mut tx = self.inner.database.write().await?;
-        Ok((!references::exist(&mut tx, digest).await?).then_some((gate, tx)))
-    }
-
-    /// Makes sure, in the transaction that is to refer to it, that published content is still there.
-    /// The gate keeps this process from deleting it; another server of the same content may have
-    /// found before this transaction that nobody refers to it.
-    ///
-    /// # Errors
-    /// [`Error::ContentRemoved`].
-    pub(crate) async fn require_published(&self, _: &Transaction, digest: &Digest) -> Result<()> {
-        let hex = digest.to_hex();
-        if !self.is_shared() || self.inner.blobs.has(&hex).await? {
-            return Ok(());
-        }
-        Err(Error::ContentRemoved)
     }
 }
 

@@ -1,39 +1,82 @@
-//! Databases for tests: SQLite in the folder of a test, or a database of its own on the PostgreSQL
-//! server that `BENDTWIN_TEST_POSTGRES` names (`tests/postgres` starts one). Without that the tests
-//! on PostgreSQL say that they are skipped.
+//! Databases and buckets for tests: SQLite and content in the folder of a test, a database of its own
+//! on the PostgreSQL server that `BENDTWIN_TEST_POSTGRES` names (`tests/postgres` starts one), or
+//! SQLite with content below a path of its own in a bucket of the S3 server that `BENDTWIN_TEST_S3` names
+//! (`tests/s3` starts one). Without these the tests there say that they are skipped.
 
 use std::io::Write as _;
 
 use sqlx::{AssertSqlSafe, ConnectOptions as _, Connection as _, postgres::PgConnectOptions};
 
-use crate::DatabaseUrl;
+use crate::{DatabaseUrl, ObjectsUrl};
 
 /// Environment variable with the URL of a server on which tests may make databases.
 const SERVER: &str = "BENDTWIN_TEST_POSTGRES";
+/// Environment variable with the address of an S3 server that has the bucket [`BUCKET`].
+const S3: &str = "BENDTWIN_TEST_S3";
+/// The bucket of all tests.
+const BUCKET: &str = "bendtwin-test";
 
-/// The database of a test.
+/// The database of a test, and the place of content.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum On {
     Sqlite,
     Postgres,
+    /// SQLite, and content in a bucket.
+    Bucket,
 }
 
 impl On {
     /// PostgreSQL, if there is a server.
     pub(crate) fn postgres_or_skip() -> Option<Self> {
-        if std::env::var_os(SERVER).is_some() {
-            return Some(Self::Postgres);
-        }
-        // Past the capture of what tests print.
-        let mut shown = std::io::stderr().lock();
-        let test = std::thread::current().name().unwrap_or_default().to_owned();
-        writeln!(shown, "SKIPPED {test}: {SERVER} names no PostgreSQL server").ok();
-        None
+        there(SERVER, "PostgreSQL server").then_some(Self::Postgres)
+    }
+
+    /// A bucket, if there is a server.
+    pub(crate) fn bucket_or_skip() -> Option<Self> {
+        there(S3, "S3 server").then_some(Self::Bucket)
+    }
+
+    /// A place of content for one test, if it is not the folder.
+    pub(crate) fn objects(self) -> Option<ObjectsUrl> {
+        (self == Self::Bucket).then(own_bucket)
     }
 }
 
-/// Runs each of these tests on both databases.
+/// A path of its own in the bucket of all tests.
+pub(crate) fn own_bucket() -> ObjectsUrl {
+    let name = uuid::Uuid::new_v4().simple();
+    ObjectsUrl::parse(&format!("s3://{BUCKET}/{name}")).unwrap()
+}
+
+/// True if a server is named; else says that the test is skipped.
+fn there(variable: &str, what: &str) -> bool {
+    if std::env::var_os(variable).is_some() {
+        return true;
+    }
+    // Past the capture of what tests print.
+    let mut shown = std::io::stderr().lock();
+    let test = std::thread::current().name().unwrap_or_default().to_owned();
+    writeln!(shown, "SKIPPED {test}: {variable} names no {what}").ok();
+    false
+}
+
+/// Runs each of these tests on both databases, and with content in a bucket.
 macro_rules! on_both {
+    ($($test:ident),* $(,)?) => {
+        $crate::test_database::on_databases!($($test),*);
+        mod bucket {
+            $(#[tokio::test] async fn $test() {
+                if let Some(on) = $crate::test_database::On::bucket_or_skip() {
+                    super::$test(on).await;
+                }
+            })*
+        }
+    };
+}
+pub(crate) use on_both;
+
+/// Runs each of these tests on both databases, with content in the folder.
+macro_rules! on_databases {
     ($($test:ident),* $(,)?) => {
         mod sqlite {
             $(#[tokio::test] async fn $test() {
@@ -49,7 +92,7 @@ macro_rules! on_both {
         }
     };
 }
-pub(crate) use on_both;
+pub(crate) use on_databases;
 
 /// A database on the server, removed at its end.
 #[derive(Debug)]

@@ -212,9 +212,8 @@ impl Twins<'_> {
         self.store.admit()?;
         let NewTwin { display_name, request_id, facts, content, creator } = new;
         let (digest, size_bytes) = (content.digest(), content.size_bytes());
-        let guard = self.store.blobs().publish(content).await?;
+        let guard = self.store.publish(content).await?;
         let mut tx = self.store.inner.database.write().await?;
-        self.store.require_published(&tx, &digest).await?;
         if let Some(request_id) = &request_id {
             let row: Option<Row> = query("select * from twins where request_id = $1")
                 .bind(request_id)

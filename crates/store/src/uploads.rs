@@ -2,7 +2,8 @@
 //!
 //! An upload is a row and a file under `blobs/partial/`. Bytes are appended to the file and synced,
 //! then the row's offset moves. The row tells which bytes are acknowledged; the next writer cuts
-//! off anything beyond them. There is one writer at a time ([`UploadWriter`]).
+//! off anything beyond them. There is one writer at a time ([`UploadWriter`]), among the requests of
+//! a server by `seat`, among servers by `lease`. In a bucket the bytes are in `parts` in place of a file.
 //!
 //! Complete content becomes a blob without being copied:
 //!
@@ -13,11 +14,15 @@
 //! After a crash, the remaining steps are repeated.
 
 mod create;
+mod file;
+mod lease;
+mod parts;
 mod row;
 mod seat;
+mod tree;
 mod writer;
 
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use bendtwin_core::ids::{CaptureId, UploadId};
 
@@ -25,9 +30,11 @@ use uuid::Uuid;
 
 use crate::{
     Error, Page, PageRequest, Result, Store,
+    blobs::{PART, Place, partial_objects},
     clock::micros_after,
     sql::{Transaction, query, query_scalar},
 };
+use lease::{Held, locked};
 use row::Row;
 
 pub use create::{NewResumableUpload, UploadBounds};
@@ -88,14 +95,36 @@ impl Uploads<'_> {
     pub async fn claim(&self, id: UploadId, patience: Duration) -> Result<UploadWriter> {
         // Names that do not exist are not worth a seat.
         self.get(id).await?;
-        let held = self.store.inner.seats.take(id, patience).await;
-        let held = held.ok_or_else(|| Error::UploadLocked { name: id.to_string() })?;
+        let began = Instant::now();
+        let sitting = self.store.inner.seats.take(id, patience).await;
+        let sitting = sitting.ok_or_else(|| locked(id))?;
+        let left = patience.saturating_sub(began.elapsed());
+        let held = Held::among_servers(self.store, id, sitting, left).await?;
+        let held = held.ok_or_else(|| locked(id))?;
         // Read again: it is ours only now.
         let upload = self.get(id).await?;
         if let UploadState::Gone(why) = upload.state {
             return Err(Error::UploadGone { name: id.to_string(), why });
         }
         Ok(UploadWriter::new(self.store.clone(), held, upload))
+    }
+
+    /// Claims an upload that has no writer.
+    async fn claim_idle(&self, id: UploadId) -> Result<Option<UploadWriter>> {
+        let Some(sitting) = self.store.inner.seats.take_idle(id) else { return Ok(None) };
+        let held = Held::among_servers(self.store, id, sitting, Duration::ZERO).await?;
+        let Some(held) = held else { return Ok(None) };
+        let upload = self.get(id).await?;
+        Ok(Some(UploadWriter::new(self.store.clone(), held, upload)))
+    }
+
+    /// Memory of one that is being written [bytes].
+    pub fn buffers(&self) -> u64 {
+        match self.store.blobs().place() {
+            Place::Folder(_) => file::BUFFER as u64,
+            // The bytes after the last part, and what is sent of them.
+            Place::Bucket(_) => 2 * PART as u64,
+        }
     }
 
     /// Complete uploads without a capture, interrupted by a crash.
@@ -134,11 +163,10 @@ impl Uploads<'_> {
             format!("select id from uploads where state = 'receiving' and expires_at < {now}");
         let mut given_up = 0;
         for id in self.ids(sqlx::AssertSqlSafe(query)).await? {
-            let Some(held) = self.store.inner.seats.take_idle(id) else { continue };
-            let upload = self.get(id).await?;
+            let Some(writer) = self.claim_idle(id).await? else { continue };
+            let upload = writer.upload();
             // It may have moved on since the list was made.
             if upload.state == UploadState::Receiving && upload.expires < self.store.now() {
-                let writer = UploadWriter::new(self.store.clone(), held, upload);
                 writer.end("it expired before it was whole: begin a new one", keep).await?;
                 given_up += 1;
             }
@@ -146,16 +174,27 @@ impl Uploads<'_> {
         Ok(given_up)
     }
 
-    /// Removes files without an upload, left by crashes.
+    /// Removes what crashes left of uploads that have ended, and ends those whose bytes stayed in a
+    /// folder when content moved to a bucket.
     pub(crate) async fn collect_garbage(&self) -> Result<()> {
-        for id in self.store.blobs().partials().await? {
-            let live = match self.get(id).await {
-                Ok(upload) => upload.state == UploadState::Receiving,
-                Err(Error::NotFound { .. }) => false,
+        if let Place::Bucket(_) = self.store.blobs().place() {
+            let mut tx = self.store.inner.database.write().await?;
+            query(LEFT_BEHIND).bind(self.store.expiry_micros(REMEMBERED)).execute(&mut tx).await?;
+            tx.commit().await?;
+        }
+        let partials = match self.store.blobs().place() {
+            Place::Folder(folder) => folder.partials().await?,
+            Place::Bucket(bucket) => bucket.partials().await?,
+        };
+        for id in partials {
+            match self.get(id).await {
+                Ok(upload) if upload.state == UploadState::Receiving => {}
+                Ok(upload) => self.store.remove_arrived(&upload).await?,
+                Err(Error::NotFound { .. }) => match self.store.blobs().place() {
+                    Place::Folder(folder) => folder.remove_partial(id).await?,
+                    Place::Bucket(bucket) => bucket.delete_below(&partial_objects(id)).await?,
+                },
                 Err(error) => return Err(error),
-            };
-            if !live {
-                self.store.blobs().remove_partial(id).await?;
             }
         }
         Ok(())
@@ -181,6 +220,13 @@ const IN_USE: &str = "select count(*), cast(coalesce(sum(case
         else 4 * offset_bytes end), 0) as bigint)
      from uploads where state = 'receiving' and id <> $1";
 
+/// Ends uploads with bytes that are not in the bucket.
+const LEFT_BEHIND: &str = "update uploads set state = 'gone', digest = null, request_id = null,
+        why = 'the content of the server has moved: begin a new one', expires_at = $1
+     where state = 'receiving' and offset_bytes > 0 and tail is null";
+/// Time for which these are remembered.
+const REMEMBERED: Duration = Duration::from_secs(86_400);
+
 /// Room that is kept for an upload of which so many bytes have come [bytes].
 fn kept_room(offset_bytes: u64, length_bytes: Option<u64>) -> u64 {
     match length_bytes {
@@ -191,12 +237,18 @@ fn kept_room(offset_bytes: u64, length_bytes: Option<u64>) -> u64 {
 
 /// Ends an upload within the transaction that makes its capture.
 pub(crate) async fn stored(tx: &mut Transaction, id: UploadId, capture: CaptureId) -> Result<()> {
-    query("update uploads set state = 'stored', capture = $2, digest = null where id = $1")
-        .bind(id.uuid().to_string())
-        .bind(capture.uuid().to_string())
-        .execute(&mut *tx)
-        .await?;
-    Ok(())
+    let changed = query(
+        "update uploads set state = 'stored', capture = $2, digest = null
+         where id = $1 and state = 'receiving'",
+    )
+    .bind(id.uuid().to_string())
+    .bind(capture.uuid().to_string())
+    .execute(&mut *tx)
+    .await?;
+    let forget = "delete from upload_parts where upload = $1";
+    query(forget).bind(id.uuid().to_string()).execute(tx).await?;
+    // Another server may have ended it meanwhile.
+    if changed == 0 { Err(locked(id)) } else { Ok(()) }
 }
 
 impl Store {
@@ -206,4 +258,4 @@ impl Store {
 }
 
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;

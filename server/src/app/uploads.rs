@@ -193,7 +193,7 @@ impl App {
         append: Append,
         room: u64,
     ) -> Result<(), Interrupted> {
-        let buffers = self.memory.upload().await;
+        let buffers = self.memory.resumable_upload(self.store.uploads().buffers()).await;
         let _buffers = buffers.map_err(|error| Interrupted { error, keep_it: true })?;
         let (mut body, mut checksum) = (append.body, append.checksum);
         let idle = self.options.limits.upload_idle();

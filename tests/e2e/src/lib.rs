@@ -30,6 +30,8 @@ mod memory;
 #[cfg(test)]
 mod on_postgres;
 #[cfg(test)]
+mod on_s3;
+#[cfg(test)]
 mod over_http;
 #[cfg(test)]
 mod plays;

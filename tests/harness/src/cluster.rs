@@ -41,6 +41,8 @@ pub struct Setup {
     pub database: Option<String>,
     /// The data folder, if the server has it in common with others.
     pub data_dir: Option<PathBuf>,
+    /// More variables of the server's environment.
+    pub environment: Vec<(&'static str, String)>,
 }
 
 /// Budgets of memory, and limits of the system above them (`RLIMIT_DATA`: all memory that a process
@@ -65,6 +67,7 @@ impl Default for Setup {
             memory: None,
             database: None,
             data_dir: None,
+            environment: Vec::new(),
         }
     }
 }
@@ -272,6 +275,7 @@ pub(crate) async fn launch(
     if let Some(url) = &setup.database {
         command.env("BENDTWIN_DATABASE_URL", url);
     }
+    command.envs(setup.environment.iter().map(|(name, value)| (name, value)));
     command.arg("server").arg("--config").arg(&config).arg("--port-file").arg(&port_file);
     let log = folder.join("log");
     let mut child = processes.start(&mut command, &log);

@@ -1,7 +1,7 @@
 //! Server options from all their sources: defaults < file < environment < flags.
 
 use anyhow::Context as _;
-use bendtwin_server::{ClientTokenPolicy, DatabaseUrl, Options, Tls, WorkerTls};
+use bendtwin_server::{ClientTokenPolicy, DatabaseUrl, ObjectsUrl, Options, Tls, WorkerTls};
 
 use super::Server;
 use crate::failure::Usage;
@@ -49,6 +49,11 @@ impl Server {
             // Not read by clap, whose message would repeat it with its password.
             let url = DatabaseUrl::parse(url);
             options.database_url = Some(url.map_err(|e| Usage::error(e.to_string()))?);
+        }
+        if let Some(url) = &self.objects {
+            // Not read by clap, either: people put keys where they do not belong.
+            let url = ObjectsUrl::parse(url);
+            options.objects_url = Some(url.map_err(|e| Usage::error(e.to_string()))?);
         }
         if let Some(count) = self.workers {
             options.workers.count = count;
@@ -124,6 +129,7 @@ mod tests {
             insecure: None,
             data_dir: None,
             database: None,
+            objects: None,
             workers: None,
             backend: None,
             devices: None,

@@ -1,6 +1,8 @@
 //! Outcomes of `bendtwin store` for people.
 
-use bendtwin_server::maintenance::{Backup, CheckReport, Damage, Migration, MovedTable, Repair};
+use bendtwin_server::maintenance::{
+    Backup, CheckReport, Damage, Migration, MovedTable, Relocation, Repair,
+};
 
 use crate::{output, table::Table};
 
@@ -60,6 +62,18 @@ pub(super) fn migration(done: &Migration) -> String {
     format!(
         "{rows}\nThe rows {done_before} to {database}; the SQLite file is kept as \
          bendtwin.sqlite.migrated.\nStart the server with BENDTWIN_DATABASE_URL."
+    )
+}
+
+pub(super) fn relocation(done: &Relocation) -> String {
+    let Relocation { objects, blobs, blobs_bytes, damaged } = done;
+    let damaged = match damaged.len() {
+        0 => String::new(),
+        count => format!("{count} more are damaged and were left: {}.\n", damaged.join(", ")),
+    };
+    format!(
+        "{blobs} blobs ({blobs_bytes} bytes) are in {objects}.\n{damaged}\
+         The old folder is kept as blobs.migrated.\nStart the server with BENDTWIN_OBJECTS."
     )
 }
 

@@ -9,17 +9,9 @@ use futures::{
     StreamExt as _, TryStreamExt as _,
     stream::{self, BoxStream},
 };
-use object_store::{
-    GetOptions, GetRange, GetResult, GetResultPayload, ObjectStore as _, ObjectStoreExt as _,
-};
-use tokio::io::{AsyncReadExt as _, AsyncSeekExt as _, SeekFrom};
-use tokio_util::io::ReaderStream;
 
-use super::{Blobs, published};
+use super::{Blobs, CHUNK, published};
 use crate::{Digest, Error, Result};
-
-/// Bytes per chunk of a download. Content of no more is checked before it is opened.
-const CHUNK: usize = 1 << 20;
 
 /// A blob being read. The reader is not affected if it is deleted meanwhile.
 pub struct Content {
@@ -47,15 +39,10 @@ impl Content {
     /// # Errors
     /// [`Error::ContentLost`] if it has been deleted since; file errors, for an empty range, too.
     pub async fn range(self, range: Range<u64>) -> Result<Self> {
-        let options = GetOptions { range: Some(GetRange::Bounded(range)), ..GetOptions::default() };
         let path = published(&self.digest.to_hex());
-        let got = match self.blobs.objects.get_opts(&path, options).await {
-            Err(object_store::Error::NotFound { .. }) => {
-                return Err(lost(&self.digest, &self.name));
-            }
-            got => got?,
-        };
-        Ok(Self { chunks: chunks(got).await?, ..self })
+        let opened = self.blobs.place.read(&path, Some(range)).await?;
+        let opened = opened.ok_or_else(|| lost(&self.digest, &self.name))?;
+        Ok(Self { chunks: opened.chunks, ..self })
     }
 }
 
@@ -71,23 +58,20 @@ impl Blobs {
         size_bytes: Option<u64>,
         name: &str,
     ) -> Result<Content> {
-        let path = published(&digest.to_hex());
-        let got = match self.objects.get(&path).await {
-            Err(object_store::Error::NotFound { .. }) => {
-                if !self.take_back(&digest.to_hex()).await? {
-                    return Err(lost(digest, name));
-                }
-                self.objects.get(&path).await?
-            }
-            got => got?,
+        let hex = digest.to_hex();
+        let path = published(&hex);
+        let opened = match self.place.read(&path, None).await? {
+            None if self.place.take_back(&hex).await? => self.place.read(&path, None).await?,
+            opened => opened,
         };
+        let opened = opened.ok_or_else(|| lost(digest, name))?;
         let (digest, name) = (*digest, name.to_owned());
-        let found = got.meta.size;
+        let found = opened.size_bytes;
         if let Some(stored) = size_bytes.filter(|stored| *stored != found) {
             let fault = format!("it has {found} bytes and should have {stored}");
             return Err(damaged(&digest, &name, fault));
         }
-        let checked = Verified::stream(chunks(got).await?, digest, name.clone());
+        let checked = Verified::stream(opened.chunks, digest, name.clone());
         let chunks = if found <= CHUNK as u64 {
             let all: Vec<Bytes> = checked.try_collect().await?;
             stream::iter(all).map(Ok).boxed()
@@ -98,32 +82,13 @@ impl Blobs {
     }
 
     /// Checks that a published blob is there, and takes it back from the trash if need be.
-    pub(super) async fn require(
-        &self,
-        digest: &str,
-        path: &object_store::path::Path,
-    ) -> Result<()> {
-        match self.objects.head(path).await {
-            Err(object_store::Error::NotFound { .. }) if self.take_back(digest).await? => Ok(()),
-            found => Ok(found.map(drop)?),
+    pub(super) async fn require(&self, digest: &str) -> Result<()> {
+        if self.place.has(digest).await? || self.place.take_back(digest).await? {
+            return Ok(());
         }
+        let name = "an upload".to_owned();
+        Err(Error::ContentLost { name, digest: digest.to_owned() })
     }
-}
-
-/// The bytes of the range that was asked for.
-async fn chunks(got: GetResult) -> Result<BoxStream<'static, Result<Bytes>>> {
-    let Range { start, end } = got.range;
-    Ok(match got.payload {
-        GetResultPayload::File(file, _) => {
-            let mut file = tokio::fs::File::from_std(file);
-            if start > 0 {
-                file.seek(SeekFrom::Start(start)).await?;
-            }
-            let part = file.take(end.saturating_sub(start));
-            ReaderStream::with_capacity(part, CHUNK).map_err(Error::from).boxed()
-        }
-        GetResultPayload::Stream(stream) => stream.map_err(Error::from).boxed(),
-    })
 }
 
 /// Chunks that are compared with a digest as they pass, each one step late, so that the last is

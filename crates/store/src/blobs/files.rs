@@ -2,10 +2,15 @@
 
 use std::{
     fs, io,
+    io::Write as _,
     path::{Path, PathBuf},
 };
 
 use super::PUBLISHED;
+use crate::{Result, folder};
+
+/// Name of the file with the identity.
+const IDENTITY: &str = "identity";
 
 /// Path of a published blob.
 pub(crate) fn published(root: &Path, digest: &str) -> PathBuf {
@@ -15,6 +20,26 @@ pub(crate) fn published(root: &Path, digest: &str) -> PathBuf {
 /// Path in one of the folders beside the published blobs.
 pub(crate) fn beside(root: &Path, folder: &str, digest: &str) -> PathBuf {
     root.join(folder).join(digest)
+}
+
+/// The identity of the database that a folder's content belongs to.
+pub(crate) fn identity(root: &Path) -> Result<Option<String>> {
+    match fs::read_to_string(root.join(IDENTITY)) {
+        Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(None),
+        read => Ok(Some(read?.trim().to_owned())),
+    }
+}
+
+/// Gives a folder's content an identity: whole or not at all, since half of one would be another.
+pub(crate) fn set_identity(root: &Path, identity: &str) -> Result<()> {
+    folder::make(root)?;
+    let partial = root.join("identity.partial");
+    let mut file = fs::File::create(&partial)?;
+    writeln!(file, "{identity}")?;
+    file.sync_all()?;
+    fs::rename(partial, root.join(IDENTITY))?;
+    folder::sync(root)?;
+    Ok(())
 }
 
 /// All published blobs by digest, with their sizes [bytes].

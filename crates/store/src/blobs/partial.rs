@@ -8,25 +8,23 @@ use object_store::path::Path;
 use tokio::fs::{self, File, OpenOptions};
 use uuid::Uuid;
 
-use super::Blobs;
+use super::{Folder, PARTIAL};
 use crate::Result;
 
-const PARTIAL: &str = "partial";
-
-/// Its name among the objects.
-pub(super) fn object(id: UploadId) -> Path {
+/// The path of its file, or of all its objects in a bucket.
+pub(crate) fn object(id: UploadId) -> Path {
     Path::from_iter([PARTIAL, &id.uuid().to_string()])
 }
 
-impl Blobs {
+impl Folder {
     /// Path of the file of an upload.
     pub(crate) fn partial(&self, id: UploadId) -> PathBuf {
-        self.root.join(PARTIAL).join(id.uuid().to_string())
+        self.root().join(PARTIAL).join(id.uuid().to_string())
     }
 
     /// Opens the file of an upload for writing. If it is created, its name is synced.
     pub(crate) async fn open_partial(&self, id: UploadId, create: bool) -> Result<File> {
-        let folder = self.root.join(PARTIAL);
+        let folder = self.root().join(PARTIAL);
         if create {
             fs::create_dir_all(&folder).await?;
         }
@@ -34,7 +32,7 @@ impl Blobs {
         let file =
             options.write(true).create(create).truncate(false).open(self.partial(id)).await?;
         if create {
-            for folder in [&folder, &*self.root] {
+            for folder in [folder.as_path(), self.root()] {
                 File::open(folder).await?.sync_all().await?;
             }
         }
@@ -51,7 +49,7 @@ impl Blobs {
 
     /// Uploads that have a file.
     pub(crate) async fn partials(&self) -> Result<Vec<UploadId>> {
-        let mut entries = match fs::read_dir(self.root.join(PARTIAL)).await {
+        let mut entries = match fs::read_dir(self.root().join(PARTIAL)).await {
             Err(error) if error.kind() == ErrorKind::NotFound => return Ok(Vec::new()),
             entries => entries?,
         };

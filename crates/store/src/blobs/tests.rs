@@ -71,21 +71,17 @@ async fn large(bench: &Bench) -> (Vec<u8>, crate::Capture) {
     (content, bench.store.captures().create(new_capture("", staged)).await.unwrap())
 }
 
-fn file(bench: &Bench, digest: &Digest) -> std::path::PathBuf {
-    super::files::published(&bench.dir.path().join("blobs"), &digest.to_hex())
-}
-
 async fn content_of_another_size_is_refused(on: On) {
     let bench = Bench::new(on).await;
     let (content, capture) = large(&bench).await;
     for size in [0, 1, content.len() - 1, content.len() + 1] {
         let mut other = content.clone();
         other.resize(size, 0);
-        std::fs::write(file(&bench, &capture.digest), other).unwrap();
+        bench.damage(&capture.digest, Some(other)).await;
         let refused = bench.store.captures().content(capture.id).await.unwrap_err();
         assert!(matches!(refused, Error::ContentDamaged { .. }), "{size}: {refused}");
     }
-    std::fs::remove_file(file(&bench, &capture.digest)).unwrap();
+    bench.damage(&capture.digest, None).await;
     let refused = bench.store.captures().content(capture.id).await.unwrap_err();
     assert!(matches!(refused, Error::ContentLost { .. }), "{refused}");
 }
@@ -96,7 +92,7 @@ async fn changed_content_never_arrives_whole(on: On) {
     for at in [0, content.len() / 2, content.len() - 1] {
         let mut other = content.clone();
         other[at] ^= 1;
-        std::fs::write(file(&bench, &capture.digest), other).unwrap();
+        bench.damage(&capture.digest, Some(other)).await;
         let (_, mut read) = bench.store.captures().content(capture.id).await.unwrap();
         let mut got = 0;
         let end = loop {
@@ -110,7 +106,7 @@ async fn changed_content_never_arrives_whole(on: On) {
     }
     // Content of one chunk is refused before any of it is sent.
     let small = bench.capture("small").await;
-    std::fs::write(file(&bench, &small.digest), "Small").unwrap();
+    bench.damage(&small.digest, Some(b"Small".to_vec())).await;
     let refused = bench.store.captures().content(small.id).await.unwrap_err();
     assert!(matches!(refused, Error::ContentDamaged { .. }), "{refused}");
 }

@@ -4,18 +4,17 @@
 use std::{fs, io, time::Duration};
 
 use jiff::Timestamp;
-use object_store::{ObjectStore as _, RenameOptions};
 
-use super::{Blobs, TRASH, files, published, trashed};
+use super::{Folder, TRASH, files, published, trashed};
 use crate::Result;
 
 /// Time for which content stays in the trash.
 pub(crate) const KEPT: Duration = Duration::from_secs(86_400);
 
-impl Blobs {
-    /// Moves a blob to the trash. The caller holds the gate closed.
+impl Folder {
+    /// Moves a blob to the trash. The caller sees to it that no row comes to refer to it meanwhile.
     pub(crate) async fn discard(&self, digest: &str, now: Timestamp) -> Result<()> {
-        let file = files::published(&self.root, digest);
+        let file = self.file(digest);
         // Before it moves: a file in the trash must not look old for a moment.
         let touched = tokio::task::spawn_blocking(move || {
             fs::File::options().write(true).open(file)?.set_modified(now.into())
@@ -24,28 +23,14 @@ impl Blobs {
             Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(()),
             touched => touched?,
         }
-        let (from, to) = (published(digest), trashed(digest));
-        self.objects.rename_opts(&from, &to, RenameOptions::new()).await?;
+        self.rename(&published(digest), &trashed(digest)).await?;
         tracing::warn!(digest, "content without a row is moved to the trash");
         Ok(())
     }
 
-    /// Takes content back from the trash. Returns false if it is not there.
-    pub(crate) async fn take_back(&self, digest: &str) -> Result<bool> {
-        let (from, to) = (trashed(digest), published(digest));
-        match self.objects.rename_opts(&from, &to, RenameOptions::new()).await {
-            Err(object_store::Error::NotFound { .. }) => Ok(false),
-            Err(error) => Err(error.into()),
-            Ok(()) => {
-                tracing::warn!(digest, "content is taken back from the trash");
-                Ok(true)
-            }
-        }
-    }
-
     /// Removes what has been in the trash for a day.
     pub(crate) async fn empty_trash(&self, now: Timestamp) -> Result<()> {
-        let folder = self.root.join(TRASH);
+        let folder = self.root().join(TRASH);
         let emptied = tokio::task::spawn_blocking(move || {
             for (file, _) in files::list(&folder)? {
                 let since = fs::metadata(&file)?.modified()?;

@@ -1,25 +1,60 @@
-//! A file in the data folder that says that its database is elsewhere. Without it a server that is
-//! started without the URL would begin a new database beside the content, or go on with an old one.
+//! Files in the data folder that say that its database, or its content, is elsewhere. Without them a
+//! server that is started without the URL would begin anew beside it, or go on with old data.
 
 use std::{fs, io, path::Path};
 
 use super::DatabaseUrl;
-use crate::{Error, Result, folder};
+use crate::{Error, ObjectsUrl, Result, folder};
 
-/// Name of the file.
-const FILE: &str = "postgres";
+/// Names of the files.
+const DATABASE: &str = "postgres";
+const OBJECTS: &str = "objects";
 
 /// Refuses SQLite in a folder whose database is elsewhere.
 pub(crate) fn require_none(data_dir: &Path) -> Result<()> {
-    match fs::read_to_string(data_dir.join(FILE)) {
-        Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(()),
-        read => Err(Error::DatabaseElsewhere { database: read?.trim().to_owned() }),
+    match read(data_dir, DATABASE)? {
+        Some(database) => Err(Error::DatabaseElsewhere { database }),
+        None => Ok(()),
     }
 }
 
 /// Says where the database of a folder is.
 pub(crate) fn leave(data_dir: &Path, url: &DatabaseUrl) -> Result<()> {
-    let file = data_dir.join(FILE);
+    write(data_dir, DATABASE, &url.to_string())
+}
+
+/// Refuses content in a folder whose content is elsewhere.
+pub(crate) fn require_local_objects(data_dir: &Path, advice: &'static str) -> Result<()> {
+    match read(data_dir, OBJECTS)? {
+        Some(objects) => Err(Error::ObjectsNotLocal { objects, advice }),
+        None => Ok(()),
+    }
+}
+
+/// Refuses another place of content than that of the folder.
+pub(crate) fn require_objects(data_dir: &Path, url: Option<&ObjectsUrl>) -> Result<()> {
+    match read(data_dir, OBJECTS)? {
+        Some(objects) if url.map(ToString::to_string).as_ref() != Some(&objects) => {
+            Err(Error::ObjectsElsewhere { objects })
+        }
+        _ => Ok(()),
+    }
+}
+
+/// Says where the content of a folder is.
+pub(crate) fn leave_objects(data_dir: &Path, url: &ObjectsUrl) -> Result<()> {
+    write(data_dir, OBJECTS, &url.to_string())
+}
+
+fn read(data_dir: &Path, file: &str) -> Result<Option<String>> {
+    match fs::read_to_string(data_dir.join(file)) {
+        Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(None),
+        read => Ok(Some(read?.trim().to_owned())),
+    }
+}
+
+fn write(data_dir: &Path, file: &str, url: &str) -> Result<()> {
+    let file = data_dir.join(file);
     let text = format!("{url}\n");
     if fs::read_to_string(&file).is_ok_and(|before| before == text) {
         return Ok(());

@@ -18,7 +18,7 @@ use sqlx::{
 };
 use tokio::task::JoinHandle;
 
-use super::{Alone, DatabaseUrl, Wakes};
+use super::{DatabaseUrl, Wakes};
 use crate::{
     Error, JobId, Result, migrations,
     sql::{Readers, Transaction},
@@ -43,8 +43,6 @@ pub(crate) const WRITE_LOCK: i64 = 0x6265_6e64_7477_696e;
 /// Takes the lock, then reads the clock [us].
 const TAKE_LOCK: &str = "select pg_advisory_xact_lock($1)::text,
      (extract(epoch from clock_timestamp()) * 1000000)::bigint";
-/// The lock of the search for unused content: `bendtgar`.
-const GARBAGE_LOCK: i64 = 0x6265_6e64_7467_6172;
 /// Channels of the notifications: about the queue, about jobs that changed, about workers.
 const QUEUE: &str = "bendtwin_queue";
 const JOBS: &str = "bendtwin_jobs";
@@ -154,19 +152,6 @@ impl Server {
         }
     }
 
-    /// The right to a work that one server does at a time; none if another has it.
-    pub(super) async fn try_alone(&self, work: Alone) -> Result<Option<Turn>> {
-        let mut connection = connect(&self.options).await?;
-        let key = match work {
-            Alone::Garbage => GARBAGE_LOCK,
-        };
-        let taken: bool = sqlx::query_scalar("select pg_try_advisory_lock($1)")
-            .bind(key)
-            .fetch_one(&mut connection)
-            .await?;
-        Ok(taken.then_some(Turn { _connection: Some(connection) }))
-    }
-
     pub(super) async fn close(&self) {
         self.stop_listening();
         self.readers.close().await;
@@ -181,17 +166,37 @@ impl Server {
     }
 }
 
+/// The turn to do a work, until it is dropped.
+#[derive(Debug)]
+pub(crate) struct Turn {
+    /// The session that has the lock. It is closed at the end, which releases the lock.
+    _session: Option<sqlx::pool::PoolConnection<sqlx::Postgres>>,
+}
+
+impl Turn {
+    /// That of the only server.
+    pub(super) fn alone() -> Self {
+        Self { _session: None }
+    }
+}
+
+impl Server {
+    pub(super) async fn turn(&self, work: i64) -> Result<Option<Turn>> {
+        let mut session = self.readers.acquire().await?;
+        let locked = sqlx::query_scalar("select pg_try_advisory_lock($1)").bind(work);
+        let locked: bool = locked.fetch_one(&mut *session).await?;
+        if !locked {
+            return Ok(None);
+        }
+        session.close_on_drop();
+        Ok(Some(Turn { _session: Some(session) }))
+    }
+}
+
 impl Drop for Server {
     fn drop(&mut self) {
         self.stop_listening();
     }
-}
-
-/// The right to a work that one server does at a time. It ends with the connection, however that
-/// ends.
-#[derive(Debug, Default)]
-pub(crate) struct Turn {
-    _connection: Option<PgConnection>,
 }
 
 /// Passes notifications on until the connection breaks.

@@ -51,8 +51,7 @@ fn a_full_disk_lets_deletions_through_and_recovers() {
 async fn fill_and_recover(disk: &Path) {
     let data_dir = disk.join("data");
     let clock = Arc::new(ManualClock::default());
-    let store =
-        Store::open(Options { data_dir: data_dir.clone(), database: None, clock }).await.unwrap();
+    let store = Store::open(Options { clock, ..Options::new(&data_dir) }).await.unwrap();
     let create = async |content: Vec<u8>| {
         let mut upload = store.blobs().upload(1 << 30).await?;
         upload.write(Bytes::from(content)).await?;

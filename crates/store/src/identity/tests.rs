@@ -5,10 +5,10 @@ use crate::{
     blobs::files,
     database,
     store::tests::Bench,
-    test_database::{On, on_both},
+    test_database::{On, on_databases},
 };
 
-on_both! {
+on_databases! {
     blobs_that_are_exchanged_beside_a_server_are_no_garbage,
     stores_from_before_identities_get_one,
     content_without_a_row_stays_in_the_trash_for_a_day,
@@ -86,7 +86,7 @@ async fn stores_from_before_identities_get_one(on: On) {
     bench.store.captures().content(capture.id).await.unwrap();
     let mine = super::of_database(bench.store.inner.database.read()).await.unwrap();
     assert!(mine.is_some());
-    assert_eq!(mine, super::of_blobs(&bench.dir.path().join("blobs")).unwrap());
+    assert_eq!(mine, files::identity(&bench.dir.path().join("blobs")).unwrap());
 }
 
 async fn content_without_a_row_stays_in_the_trash_for_a_day(on: On) {

@@ -169,7 +169,7 @@ impl Jobs<'_> {
         content: Staged,
     ) -> Result<TwinId> {
         let (digest, size_bytes) = (content.digest(), content.size_bytes());
-        let guard = self.store.blobs().publish(content).await?;
+        let guard = self.store.publish(content).await?;
         let stored = self.complete_published(lease, facts, digest, size_bytes).await;
         drop(guard);
         let obsolete = match &stored {
@@ -197,7 +197,6 @@ impl Jobs<'_> {
         size_bytes: u64,
     ) -> Result<(TwinId, Option<String>)> {
         let mut tx = self.store.inner.database.write().await?;
-        self.store.require_published(&tx, &digest).await?;
         let before = row::fetch(&mut tx, lease.job).await?;
         if let (State::Succeeded, true, Some(twin)) =
             (before.state()?, before.is_of(lease), &before.twin)

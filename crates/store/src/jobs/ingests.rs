@@ -211,8 +211,8 @@ impl Jobs<'_> {
         let contents: Vec<Staged> =
             observation.into_iter().chain(playback.map(|p| *p)).chain([json, html]).collect();
         let new: Vec<Digest> = contents.iter().map(Staged::digest).collect();
-        let guard = self.store.blobs().publish_all(contents).await?;
-        let stored = self.end_published(lease, &made, &new, end).await;
+        let guard = self.store.publish_all(contents).await?;
+        let stored = self.end_published(lease, &made, end).await;
         drop(guard);
         let obsolete = match &stored {
             Ok((_, obsolete)) => obsolete.clone(),
@@ -235,13 +235,9 @@ impl Jobs<'_> {
         &self,
         lease: Lease,
         made: &observations::Made,
-        contents: &[Digest],
         end: Option<AttemptEnd>,
     ) -> Result<(Job, Vec<String>)> {
         let mut tx = self.store.inner.database.write().await?;
-        for digest in contents {
-            self.store.require_published(&tx, digest).await?;
-        }
         let before = row::fetch(&mut tx, lease.job).await?;
         if before.state()? == State::Succeeded && before.is_of(lease) && end.is_none() {
             let stored = observations::digest_of(&mut tx, &before.capture).await?;

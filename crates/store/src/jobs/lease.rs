@@ -112,12 +112,10 @@ impl Jobs<'_> {
         content: Staged,
         renew: Duration,
     ) -> Result<()> {
-        let blob = content.digest();
-        let digest = blob.to_hex();
-        let guard = self.store.blobs().publish(content).await?;
+        let digest = content.digest().to_hex();
+        let guard = self.store.publish(content).await?;
         let stored: Result<Option<String>> = async {
             let mut tx = self.store.inner.database.write().await?;
-            self.store.require_published(&tx, &blob).await?;
             let row = row::fetch_leased(&mut tx, lease).await?;
             self.renew(lease, renew);
             let newer = row.checkpoint.as_deref() != Some(digest.as_str());

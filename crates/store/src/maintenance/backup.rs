@@ -42,6 +42,7 @@ pub struct Backup {
 /// [`Error::NotFound`] if there is no database, [`Error::BackupNotEmpty`]; database and file errors.
 pub async fn backup(data_dir: &Path, to: &Path) -> Result<Backup> {
     database::require_none(data_dir)?;
+    database::require_local_objects(data_dir, "back it up there, and the database by itself")?;
     folder::make(to)?;
     if fs::read_dir(to)?.next().is_some() {
         return Err(Error::BackupNotEmpty { folder: to.to_owned() });

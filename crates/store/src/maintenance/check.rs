@@ -8,9 +8,10 @@ use super::{
     integrity,
     survey::{self, Damage, Depth},
 };
-use crate::{
-    Error, Result, blobs::files, database, identity, references, references::Reference, sql::query,
-};
+use crate::{Error, Result, blobs::files, database, references, references::Reference, sql::query};
+
+/// Advice where content is not in the folder.
+const NOT_CHECKED: &str = "its storage checks it, and every reader compares the digest";
 
 /// Findings of a check.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
@@ -53,6 +54,7 @@ impl CheckReport {
 /// [`Error::NotFound`] if there is no database; database and file errors other than damage.
 pub async fn check(data_dir: &Path, depth: Depth) -> Result<CheckReport> {
     database::require_none(data_dir)?;
+    database::require_local_objects(data_dir, NOT_CHECKED)?;
     let mut report = CheckReport::default();
     let blobs = data_dir.join("blobs");
     let mut connection = match integrity::read_only(data_dir).await {
@@ -65,7 +67,7 @@ pub async fn check(data_dir: &Path, depth: Depth) -> Result<CheckReport> {
     report.database = integrity::faults(&mut connection).await?;
     let survey = async {
         let mine = integrity::identity(&mut connection).await?;
-        let theirs = identity::of_blobs(&blobs)?;
+        let theirs = files::identity(&blobs)?;
         report.mismatch = theirs.is_some() && mine != theirs;
         let references = all(&mut connection).await?;
         report.references = references.len();

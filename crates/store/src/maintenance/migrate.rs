@@ -33,8 +33,10 @@ struct Table {
 }
 
 /// All tables.
-const TABLES: [Table; 13] = [
+const TABLES: [Table; 15] = [
+    Table { name: "arrivals", key: "id, digest" },
     Table { name: "captures", key: "id" },
+    Table { name: "deletions", key: "digest" },
     Table { name: "jobs", key: "id" },
     Table { name: "keys", key: "id" },
     Table { name: "losses", key: "fit, stage, variant, iteration" },
@@ -45,6 +47,7 @@ const TABLES: [Table; 13] = [
     Table { name: "store", key: "id" },
     Table { name: "tags", key: "kind, tag, resource" },
     Table { name: "twins", key: "id" },
+    Table { name: "upload_parts", key: "upload, number" },
     Table { name: "uploads", key: "id" },
     Table { name: "workers", key: "id" },
 ];

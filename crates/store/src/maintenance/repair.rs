@@ -13,7 +13,7 @@ use super::{
 };
 use crate::{
     Error, Result,
-    blobs::files,
+    blobs::{Place, files},
     clock::micros,
     database::{self, Database},
     disk::Reserve,
@@ -43,6 +43,7 @@ pub async fn repair(data_dir: &Path) -> Result<Repair> {
         return Err(Error::NotFound { name: data_dir.display().to_string() });
     }
     database::require_none(data_dir)?;
+    database::require_local_objects(data_dir, "restore a version of it there")?;
     let lock = database::lock(data_dir)?;
     let file = data_dir.join(database::FILE);
     if file.try_exists()? {
@@ -109,10 +110,9 @@ async fn mend_database(file: &Path, done: &mut Repair) -> Result<()> {
 async fn mend_content(data_dir: &Path, database: &Database, done: &mut Repair) -> Result<()> {
     let blobs = data_dir.join("blobs");
     let now = micros(Timestamp::now());
-    let (mine, theirs) =
-        (identity::of_database(database.read()).await?, identity::of_blobs(&blobs)?);
+    let (mine, theirs) = (identity::of_database(database.read()).await?, files::identity(&blobs)?);
     if mine.is_none() || mine != theirs {
-        identity::join(database, mine, &blobs, now).await?;
+        identity::join(database, mine, &Place::open(None, data_dir)?, now).await?;
         done.actions.push("gave the database and the content one identity".to_owned());
     }
     let references: Vec<Reference> = query(references::ALL).fetch_all(database.read()).await?;

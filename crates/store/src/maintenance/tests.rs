@@ -268,3 +268,67 @@ async fn a_backup_names_what_the_store_lacks() {
     assert_eq!((done.blobs, done.lost.len()), (1, 1));
     assert_eq!(done.lost[0].fault, "missing");
 }
+
+#[tokio::test]
+async fn content_moves_to_a_bucket_and_an_interrupted_move_goes_on() {
+    let Some(on) = On::bucket_or_skip() else { return };
+    let bench = Bench::new(On::Sqlite).await;
+    let capture = observed(&bench, "archive").await;
+    let other = bench.capture("another").await;
+    let uploads = bench.store.uploads();
+    let bounds = crate::UploadBounds { count: 1, bytes: 1 << 20 };
+    let under_way = uploads.create(crate::uploads::tests::new("begun"), bounds).await.unwrap().id;
+    crate::uploads::tests::append(&bench, under_way, "be").await;
+    let to = on.objects().unwrap();
+    let busy = relocate(bench.dir.path(), &to).await.unwrap_err();
+    assert!(matches!(busy, Error::DataDirInUse), "{busy}");
+    let dir = bench.close().await;
+    let data_dir = dir.path();
+    fs::write(file(data_dir, "another"), "anoth").unwrap();
+
+    // A start with the place alone would have none of the content.
+    let with = Options { objects: Some(to.clone()), ..Options::new(data_dir) };
+    let early = Store::open(with.clone()).await.unwrap_err();
+    assert!(matches!(early, Error::ObjectsNotMigrated { .. }), "{early}");
+
+    let done = relocate(data_dir, &to).await.unwrap();
+    assert_eq!((done.blobs, done.damaged), (5, vec![other.digest.to_hex().to_string()]));
+    // Interrupted just before its end: the command is run again.
+    fs::rename(data_dir.join("blobs.migrated"), data_dir.join("blobs")).unwrap();
+    assert_eq!(relocate(data_dir, &to).await.unwrap().blobs, 5);
+    assert!(!data_dir.join("blobs").exists());
+
+    let without = Store::open(Options::new(data_dir)).await.unwrap_err();
+    assert!(matches!(without, Error::ObjectsElsewhere { .. }), "{without}");
+    for refused in [
+        check(data_dir, Depth::Sizes).await.map(drop),
+        repair(data_dir).await.map(drop),
+        backup(data_dir, &data_dir.join("to")).await.map(drop),
+    ] {
+        let refused = refused.unwrap_err();
+        assert!(matches!(refused, Error::ObjectsNotLocal { .. }), "{refused}");
+    }
+    let store = Store::open(with).await.unwrap();
+    assert_eq!(content(&store, capture.id).await.unwrap(), 7);
+    let lost = content(&store, other.id).await.unwrap_err();
+    assert!(matches!(lost, Error::ContentLost { .. }), "{lost}");
+    let gone = store.uploads().get(under_way).await.unwrap().state;
+    assert!(matches!(gone, crate::UploadState::Gone(_)), "{gone:?}");
+}
+
+#[tokio::test]
+async fn content_of_another_store_is_left_alone() {
+    let Some(on) = On::bucket_or_skip() else { return };
+    let owner = Bench::new(on).await;
+    let capture = owner.capture("precious").await;
+    let to = owner.objects.clone().unwrap();
+    let bench = Bench::new(On::Sqlite).await;
+    bench.capture("another").await;
+    let dir = bench.close().await;
+    let refused = relocate(dir.path(), &to).await.unwrap_err();
+    assert!(matches!(refused, Error::StoreMismatch { .. }), "{refused}");
+    let new = tempfile::tempdir().unwrap();
+    let refused = Store::open(Options { objects: Some(to), ..Options::new(new.path()) }).await;
+    assert!(refused.is_err());
+    assert_eq!(content(&owner.store, capture.id).await.unwrap(), 8);
+}

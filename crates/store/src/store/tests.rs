@@ -2,12 +2,14 @@
 
 use std::{sync::Arc, time::Duration};
 
-use bendtwin_core::ids::WorkerId;
+use bendtwin_core::ids::{UploadId, WorkerId};
 use bytes::Bytes;
+use futures::TryStreamExt as _;
 
 use crate::{
-    Capture, Clock, Creator, DatabaseUrl, Error, Job, Kind, Lease, LeaseTerms, Loss, ManualClock,
-    NewCapture, NewFit, Options, Requirements, Staged, State, Store, TwinFacts,
+    Capture, Creator, DatabaseUrl, Digest, Error, Job, Kind, Lease, LeaseTerms, Loss, ManualClock,
+    NewCapture, NewFit, ObjectsUrl, Options, Requirements, Staged, State, Store, TwinFacts,
+    blobs::{Place, published},
     failpoint::Failpoint,
     sql,
     test_database::{On, TestDatabase, on_both},
@@ -30,19 +32,56 @@ pub(crate) struct Bench {
     pub(crate) store: Store,
     /// Its database, if that is not in the folder.
     pub(crate) postgres: Option<TestDatabase>,
+    /// The place of content, if that is not in the folder.
+    pub(crate) objects: Option<ObjectsUrl>,
+}
+
+/// Another server beside that of a bench.
+pub(crate) struct Second {
+    pub(crate) store: Store,
+    _dir: tempfile::TempDir,
 }
 
 impl Bench {
     pub(crate) async fn new(on: On) -> Self {
         let dir = tempfile::tempdir().unwrap();
         let clock = Arc::new(ManualClock::default());
+        if on == On::Bucket {
+            // Its objects have the true time.
+            clock.set(crate::clock::micros(jiff::Timestamp::now()));
+        }
         let postgres = match on {
-            On::Sqlite => None,
+            On::Sqlite | On::Bucket => None,
             On::Postgres => Some(TestDatabase::new().await),
         };
-        let url = postgres.as_ref().map(|database| database.url.clone());
-        let store = open(dir.path(), url, clock.clone()).await.unwrap();
-        Self { dir, clock, store, postgres }
+        Self::begin(dir, clock, postgres, on.objects()).await
+    }
+
+    /// A store with rows and content in these places.
+    pub(crate) async fn begin(
+        dir: tempfile::TempDir,
+        clock: Arc<ManualClock>,
+        postgres: Option<TestDatabase>,
+        objects: Option<ObjectsUrl>,
+    ) -> Self {
+        let database = postgres.as_ref().map(|database| database.url.clone());
+        let data_dir = dir.path().to_owned();
+        let options =
+            Options { data_dir, database, objects: objects.clone(), clock: clock.clone() };
+        let store = Store::open(options).await.unwrap();
+        Self { dir, clock, store, postgres, objects }
+    }
+
+    /// Another server with the same database and the same place of content.
+    pub(crate) async fn second(&self) -> Second {
+        let dir = tempfile::tempdir().unwrap();
+        let options = Options {
+            data_dir: dir.path().to_owned(),
+            database: self.url(),
+            objects: self.objects.clone(),
+            clock: self.clock.clone(),
+        };
+        Second { store: Store::open(options).await.unwrap(), _dir: dir }
     }
 
     /// The URL of its database, if that is not in the folder.
@@ -53,10 +92,9 @@ impl Bench {
     /// The store as a process sees it that starts after this one has died.
     pub(crate) async fn reopen(self) -> Self {
         self.store.close().await;
-        let url = self.url();
-        drop(self.store);
-        let store = open(self.dir.path(), url, self.clock.clone()).await.unwrap();
-        Self { store, ..self }
+        let Self { dir, clock, store, postgres, objects } = self;
+        drop(store);
+        Self::begin(dir, clock, postgres, objects).await
     }
 
     /// The folder alone, after the process has died.
@@ -117,17 +155,43 @@ impl Bench {
         swept
     }
 
+    /// Number of blobs that are stored for good.
     pub(crate) async fn blob_count(&self) -> usize {
-        self.store.blobs().list().await.unwrap().len()
+        match self.store.blobs().place() {
+            Place::Folder(folder) => folder.list().await.unwrap().len(),
+            Place::Bucket(bucket) => {
+                // What no row refers to goes by its age there.
+                const DAYS: i64 = 2 * 86_400_000_000;
+                self.clock.set(DAYS);
+                self.store.collect_garbage().await.unwrap();
+                self.clock.set(-DAYS);
+                bucket.published().try_collect::<Vec<_>>().await.unwrap().len()
+            }
+        }
     }
-}
 
-async fn open(
-    dir: &std::path::Path,
-    database: Option<DatabaseUrl>,
-    clock: Arc<dyn Clock>,
-) -> crate::Result<Store> {
-    Store::open(Options { data_dir: dir.to_owned(), database, clock }).await
+    /// Puts other bytes in the place of a blob, or none.
+    pub(crate) async fn damage(&self, digest: &Digest, bytes: Option<Vec<u8>>) {
+        let hex = digest.to_hex();
+        match (self.store.blobs().place(), bytes) {
+            (Place::Folder(folder), Some(bytes)) => {
+                std::fs::write(folder.file(&hex), bytes).unwrap();
+            }
+            (Place::Folder(folder), None) => std::fs::remove_file(folder.file(&hex)).unwrap(),
+            (Place::Bucket(bucket), Some(bytes)) => {
+                bucket.put(&published(&hex), bytes).await.unwrap();
+            }
+            (Place::Bucket(bucket), None) => bucket.delete(&published(&hex)).await.unwrap(),
+        }
+    }
+
+    /// Uploads of which something is stored.
+    pub(crate) async fn partials(&self) -> Vec<UploadId> {
+        match self.store.blobs().place() {
+            Place::Folder(folder) => folder.partials().await.unwrap(),
+            Place::Bucket(bucket) => bucket.partials().await.unwrap(),
+        }
+    }
 }
 
 pub(crate) fn new_capture(name: &str, content: Staged) -> NewCapture {
@@ -158,8 +222,14 @@ pub(crate) fn new_fit(capture: &Capture) -> NewFit {
 async fn one_server_per_folder_of_sqlite(on: On) {
     let bench = Bench::new(on).await;
     let upload = bench.store.blobs().upload(1).await.unwrap();
-    let second = open(bench.dir.path(), bench.url(), bench.clock.clone()).await;
-    if on == On::Sqlite {
+    let second = Options {
+        data_dir: bench.dir.path().to_owned(),
+        database: bench.url(),
+        objects: bench.objects.clone(),
+        clock: bench.clock.clone(),
+    };
+    let second = Store::open(second).await;
+    if bench.postgres.is_none() {
         assert!(matches!(second, Err(Error::DataDirInUse)));
     } else {
         // What the first one receives is not swept away.

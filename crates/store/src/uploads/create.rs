@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use bendtwin_core::ids::UploadId;
 
-use super::{IN_USE, ResumableUpload, UploadState, UploadWriter, Uploads, row::Row};
+use super::{IN_USE, ResumableUpload, UploadState, Uploads, row::Row};
 use crate::{
     Creator, Digest, Error, Result,
     quotas::{self, More},
@@ -92,10 +92,9 @@ impl Uploads<'_> {
         let empty = "select id from uploads where state = 'receiving' and offset_bytes = 0
                      order by created_at, id";
         for id in self.ids(empty).await? {
-            let Some(held) = self.store.inner.seats.take_idle(id) else { continue };
-            let upload = self.get(id).await?;
+            let Some(writer) = self.claim_idle(id).await? else { continue };
+            let upload = writer.upload();
             if upload.state == UploadState::Receiving && upload.offset_bytes == 0 {
-                let writer = UploadWriter::new(self.store.clone(), held, upload);
                 let why = "nothing of it had come when others needed its place: begin a new one";
                 writer.end(why, remember).await?;
                 return Ok(true);

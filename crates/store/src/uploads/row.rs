@@ -44,12 +44,20 @@ pub struct ResumableUpload {
     pub owner: String,
     /// Digest of complete content that is becoming a capture.
     pub(crate) digest: Option<Digest>,
+    /// Number of times that a server has claimed it, where several may.
+    pub(crate) lease_epoch: i64,
 }
 
 impl ResumableUpload {
     /// True if all bytes have arrived.
     pub fn is_whole(&self) -> bool {
         self.length_bytes == Some(self.offset_bytes)
+    }
+
+    /// The error that bytes which were acknowledged are not there.
+    pub(crate) fn lost(&self) -> Error {
+        let digest = self.digest.map_or_else(|| "?".to_owned(), |d| d.to_hex().to_string());
+        Error::ContentLost { name: self.id.to_string(), digest }
     }
 }
 
@@ -69,6 +77,7 @@ row! {
         created_at: i64,
         expires_at: i64,
         owner: String,
+        lease_epoch: i64,
     }
 }
 
@@ -104,6 +113,7 @@ impl TryFrom<Row> for ResumableUpload {
             request_id: row.request_id,
             metadata: row.metadata,
             owner: row.owner,
+            lease_epoch: row.lease_epoch,
         })
     }
 }

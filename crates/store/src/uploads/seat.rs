@@ -25,9 +25,10 @@ struct Seat {
     waiting: watch::Sender<usize>,
 }
 
-/// The right to write to an upload; dropping it admits the next writer.
+/// The right to write to an upload among the requests of this server; dropping it admits the next
+/// writer.
 #[derive(Debug)]
-pub(crate) struct Held {
+pub(crate) struct Sitting {
     _guard: OwnedMutexGuard<()>,
     seat: Arc<Seat>,
 }
@@ -37,20 +38,20 @@ struct Waiting<'a>(&'a Seat);
 
 impl Seats {
     /// Asks the writer to release the upload, and waits up to that long for it.
-    pub(crate) async fn take(&self, id: UploadId, patience: Duration) -> Option<Held> {
+    pub(crate) async fn take(&self, id: UploadId, patience: Duration) -> Option<Sitting> {
         let seat = self.seat(id);
         let guard = {
             let _waiting = Waiting::at(&seat);
             tokio::time::timeout(patience, seat.taken.clone().lock_owned()).await.ok()?
         };
-        Some(Held { _guard: guard, seat })
+        Some(Sitting { _guard: guard, seat })
     }
 
     /// Takes the upload if it has no writer.
-    pub(crate) fn take_idle(&self, id: UploadId) -> Option<Held> {
+    pub(crate) fn take_idle(&self, id: UploadId) -> Option<Sitting> {
         let seat = self.seat(id);
         let guard = seat.taken.clone().try_lock_owned().ok()?;
-        Some(Held { _guard: guard, seat })
+        Some(Sitting { _guard: guard, seat })
     }
 
     fn seat(&self, id: UploadId) -> Arc<Seat> {
@@ -65,7 +66,7 @@ impl Seats {
     }
 }
 
-impl Held {
+impl Sitting {
     /// Waits until another writer waits for the upload.
     pub(crate) fn wanted(&self) -> impl Future<Output = ()> + Send + use<> {
         let mut waiting = self.seat.waiting.subscribe();

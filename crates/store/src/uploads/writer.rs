@@ -1,18 +1,18 @@
 //! The one writer of an upload: appends, acknowledges, ends.
 
-use std::{io::ErrorKind, path::PathBuf, time::Duration};
+use std::time::Duration;
 
-use bytes::{Bytes, BytesMut};
-use tokio::{
-    fs::File,
-    io::{AsyncSeekExt as _, AsyncWriteExt as _, SeekFrom},
+use bytes::Bytes;
+
+use super::{
+    Held, ResumableUpload, UploadBounds, UploadState, file, file::FileSink, kept_room, parts,
+    parts::PartSink, row::Row,
 };
-
-use super::{ResumableUpload, UploadBounds, UploadState, kept_room, row::Row, seat::Held};
-use crate::{Digest, Error, Result, Staged, Store, sql::query};
-
-/// Bytes buffered before they are written to the file.
-const BUFFER: usize = 1 << 20;
+use crate::{
+    Digest, Error, Result, Staged, Store,
+    blobs::{At, Place, partial_objects},
+    sql::{Transaction, query},
+};
 
 /// Exclusive access to an upload. Bytes count once they are committed; others are cut off, at the
 /// latest by the next writer.
@@ -21,16 +21,25 @@ pub struct UploadWriter {
     store: Store,
     held: Held,
     upload: ResumableUpload,
-    /// Opened by the first write, at the end of the acknowledged bytes.
-    file: Option<File>,
-    buffer: BytesMut,
+    sink: Sink,
     /// Bytes written or buffered since the last commit.
     pending: u64,
 }
 
+/// The place that the bytes go to.
+#[derive(Debug)]
+enum Sink {
+    File(FileSink),
+    Parts(PartSink),
+}
+
 impl UploadWriter {
     pub(super) fn new(store: Store, held: Held, upload: ResumableUpload) -> Self {
-        Self { store, held, upload, file: None, buffer: BytesMut::new(), pending: 0 }
+        let sink = match store.blobs().place() {
+            Place::Folder(folder) => Sink::File(FileSink::new(folder.clone())),
+            Place::Bucket(bucket) => Sink::Parts(PartSink::new(bucket.clone())),
+        };
+        Self { store, held, upload, sink, pending: 0 }
     }
 
     /// The upload in its current state.
@@ -51,7 +60,8 @@ impl UploadWriter {
     /// Sets the size of the whole, once.
     ///
     /// # Errors
-    /// [`Error::UploadLength`] if it contradicts the known size; [`Error::UploadsFull`].
+    /// [`Error::UploadLength`] if it contradicts the known size; [`Error::UploadsFull`];
+    /// [`Error::UploadLocked`] if another server has taken the upload.
     pub async fn set_length(&mut self, length_bytes: u64, bounds: UploadBounds) -> Result<()> {
         let known = self.upload.length_bytes;
         if known == Some(length_bytes) {
@@ -61,7 +71,7 @@ impl UploadWriter {
             let (known, offset) = (known, self.upload.offset_bytes);
             return Err(Error::UploadLength { given: length_bytes, known, offset });
         }
-        let mut tx = self.store.inner.database.write().await?;
+        let mut tx = self.begin().await?;
         bounds.room(&mut tx, Some(self.upload.id), length_bytes).await?;
         query("update uploads set length_bytes = $2 where id = $1")
             .bind(self.key())
@@ -92,29 +102,40 @@ impl UploadWriter {
     /// [`UploadWriter::discard`].
     ///
     /// # Errors
-    /// [`Error::DiskFull`], file errors.
+    /// [`Error::DiskFull`], file errors; [`Error::ObjectsUnavailable`]; [`Error::UploadLocked`] if
+    /// another server has taken the upload.
     pub async fn write(&mut self, chunk: &Bytes) -> Result<()> {
-        self.buffer.extend_from_slice(chunk);
+        self.require_held()?;
         self.pending += chunk.len() as u64;
-        if self.buffer.len() >= BUFFER { self.flush().await } else { Ok(()) }
+        match &mut self.sink {
+            Sink::File(file) => file.write(&self.store, &self.upload, chunk).await,
+            Sink::Parts(parts) => parts.write(&self.store, &self.upload, chunk).await,
+        }
     }
 
     /// Makes the written bytes durable: syncs them, then moves the offset. The upload is kept for
     /// `keep` from now on.
     ///
     /// # Errors
-    /// File and database errors: then none of these bytes count.
+    /// File and database errors, [`Error::ObjectsUnavailable`], [`Error::UploadLocked`]: then none
+    /// of these bytes count.
     pub async fn commit(&mut self, keep: Duration) -> Result<()> {
         if self.pending == 0 {
             return Ok(());
         }
-        self.flush().await?;
-        if let Some(file) = &mut self.file {
-            file.flush().await?;
-            file.sync_data().await?;
-        }
+        self.require_held()?;
+        let tail = match &mut self.sink {
+            Sink::File(file) => {
+                file.sync(&self.store, &self.upload).await?;
+                None
+            }
+            Sink::Parts(parts) => Some(parts.sync(&self.store, &self.upload).await?),
+        };
         let offset = self.upload.offset_bytes + self.pending;
-        let mut tx = self.store.inner.database.write().await?;
+        let mut tx = self.begin().await?;
+        if let (Sink::Parts(parts), Some(tail)) = (&self.sink, &tail) {
+            parts.record(&mut tx, &self.upload, tail).await?;
+        }
         let row: Row = query(
             "update uploads set offset_bytes = $2, expires_at = $3 where id = $1 returning *",
         )
@@ -126,6 +147,9 @@ impl UploadWriter {
         tx.commit().await?;
         self.pending = 0;
         self.upload = row.try_into()?;
+        if let (Sink::Parts(parts), Some(tail)) = (&mut self.sink, tail) {
+            parts.recorded(tail).await;
+        }
         Ok(())
     }
 
@@ -135,46 +159,74 @@ impl UploadWriter {
     /// File errors; the next writer tries again.
     pub async fn discard(&mut self) -> Result<()> {
         self.pending = 0;
-        self.buffer.clear();
-        let Some(mut file) = self.file.take() else { return Ok(()) };
-        // What the file collected itself may still be on its way: let it arrive, then cut it off.
-        file.flush().await.ok();
-        file.set_len(self.upload.offset_bytes).await?;
-        Ok(())
+        match &mut self.sink {
+            Sink::File(file) => file.discard(&self.upload).await,
+            Sink::Parts(parts) => {
+                parts.discard();
+                Ok(())
+            }
+        }
     }
 
     /// The complete content, to be given to [`crate::Captures::create`], which ends the upload.
-    /// Hashes the file in a thread of its own unless that was done before a crash.
+    /// A file is hashed in a thread of its own unless that was done before a crash; of parts the
+    /// hashes are known.
     ///
     /// # Errors
-    /// [`Error::DigestMismatch`], [`Error::ContentLost`], file and database errors.
+    /// [`Error::DigestMismatch`], [`Error::ContentLost`], [`Error::ObjectsUnavailable`],
+    /// [`Error::ContentBusy`], [`Error::UploadLocked`]; file and database errors.
     pub async fn stage(&mut self) -> Result<Staged> {
-        let (id, path) = (self.upload.id, self.path());
-        self.file = None;
-        let there = tokio::fs::try_exists(&path).await?;
-        let digest = match self.upload.digest {
-            Some(digest) => digest,
-            None if there => self.hash(path).await?,
-            None => return Err(self.lost()),
+        let (digest, at) = match &self.sink {
+            Sink::File(_) => self.stage_file().await?,
+            Sink::Parts(_) => self.stage_parts().await?,
         };
-        let blobs = self.store.blobs().clone();
-        Ok(Staged::from_partial(blobs, id, there, digest, self.upload.offset_bytes))
+        let (id, size_bytes) = (self.upload.id, self.upload.offset_bytes);
+        Ok(Staged::of_upload(self.store.blobs().clone(), id, at, digest, size_bytes))
     }
 
-    async fn hash(&mut self, path: PathBuf) -> Result<Digest> {
-        let hashing = tokio::task::spawn_blocking(move || {
-            let mut hasher = blake3::Hasher::new();
-            hasher.update_reader(std::fs::File::open(path)?)?;
-            Ok::<_, std::io::Error>((hasher.count(), hasher.finalize()))
-        });
-        let (size_bytes, digest) = hashing.await.map_err(std::io::Error::other)??;
-        if size_bytes != self.upload.offset_bytes {
-            return Err(self.lost());
+    async fn stage_file(&mut self) -> Result<(Digest, At)> {
+        let path = match &mut self.sink {
+            Sink::File(file) => file.close(&self.upload).await?,
+            Sink::Parts(_) => None,
+        };
+        // Renamed before a crash, if it is not there.
+        let at = path.as_ref().map_or(At::Published, |_| At::File(partial_objects(self.upload.id)));
+        match (self.upload.digest, path) {
+            (Some(digest), _) => Ok((digest, at)),
+            (None, Some(path)) => {
+                let (digest, size_bytes) = file::hash(path).await?;
+                if size_bytes != self.upload.offset_bytes {
+                    return Err(self.upload.lost());
+                }
+                self.refer(digest).await?;
+                Ok((digest, at))
+            }
+            (None, None) => Err(self.upload.lost()),
         }
+    }
+
+    async fn stage_parts(&mut self) -> Result<(Digest, At)> {
+        let Sink::Parts(parts) = &mut self.sink else { return Err(self.upload.lost()) };
+        let digest = match self.upload.digest {
+            Some(digest) => digest,
+            None => {
+                let digest = parts.hash(&self.store, &self.upload).await?;
+                self.refer(digest).await?;
+                digest
+            }
+        };
+        // The row keeps it from now on: what deletes it began before, and ends.
+        self.store.await_deletions(&[digest.to_hex().to_string()]).await?;
+        let Sink::Parts(parts) = &mut self.sink else { return Err(self.upload.lost()) };
+        Ok((digest, parts.join(&self.store, &self.upload, &digest).await?))
+    }
+
+    /// Checks the digest, and makes the row refer to it, which keeps its blob.
+    async fn refer(&mut self, digest: Digest) -> Result<()> {
         if let Some(given) = self.upload.expected_digest.filter(|given| *given != digest) {
             return Err(Error::DigestMismatch { given, actual: digest });
         }
-        let mut tx = self.store.inner.database.write().await?;
+        let mut tx = self.begin().await?;
         query("update uploads set digest = $2 where id = $1")
             .bind(self.key())
             .bind(digest.to_hex().as_str())
@@ -182,7 +234,7 @@ impl UploadWriter {
             .await?;
         tx.commit().await?;
         self.upload.digest = Some(digest);
-        Ok(digest)
+        Ok(())
     }
 
     /// Ends the upload without a capture and frees its storage. The reason is remembered for
@@ -191,7 +243,7 @@ impl UploadWriter {
     /// # Errors
     /// Database and file errors.
     pub async fn end(self, why: &str, keep: Duration) -> Result<()> {
-        let mut tx = self.store.inner.database.write().await?;
+        let mut tx = self.begin().await?;
         query(
             "update uploads set state = 'gone', why = $2, digest = null, request_id = null,
                 metadata = '', expires_at = $3 where id = $1",
@@ -202,7 +254,7 @@ impl UploadWriter {
         .execute(&mut tx)
         .await?;
         tx.commit().await?;
-        self.store.blobs().remove_partial(self.upload.id).await?;
+        self.store.remove_arrived(&self.upload).await?;
         match self.upload.digest {
             Some(digest) => self.store.release(&digest.to_hex()).await,
             None => Ok(()),
@@ -214,47 +266,45 @@ impl UploadWriter {
         matches!(self.upload.state, UploadState::Stored(_))
     }
 
-    async fn flush(&mut self) -> Result<()> {
-        self.store.admit()?;
-        if self.file.is_none() {
-            self.file = Some(self.open().await?);
+    /// A transaction in which the upload is this writer's.
+    async fn begin(&self) -> Result<Transaction> {
+        self.require_held()?;
+        let mut tx = self.store.inner.database.write().await?;
+        let mine = "select lease_epoch from uploads where id = $1";
+        let epoch: Option<(i64,)> = query(mine).bind(self.key()).fetch_optional(&mut tx).await?;
+        match epoch {
+            Some((epoch,)) if epoch == self.upload.lease_epoch => Ok(tx),
+            _ => Err(Error::UploadLocked { name: self.upload.id.to_string() }),
         }
-        if let Some(file) = &mut self.file {
-            file.write_all(&self.buffer).await?;
-            self.buffer.clear();
+    }
+
+    fn require_held(&self) -> Result<()> {
+        if self.held.is_lost() {
+            return Err(Error::UploadLocked { name: self.upload.id.to_string() });
         }
         Ok(())
     }
 
-    /// The file, cut off after the acknowledged bytes and positioned there.
-    async fn open(&self) -> Result<File> {
-        let offset = self.upload.offset_bytes;
-        let opened = self.store.blobs().open_partial(self.upload.id, offset == 0).await;
-        let mut file = match opened {
-            Err(Error::Io(error)) if error.kind() == ErrorKind::NotFound => return Err(self.lost()),
-            opened => opened?,
-        };
-        let length = file.metadata().await?.len();
-        if length < offset {
-            return Err(self.lost());
-        }
-        if length > offset {
-            file.set_len(offset).await?;
-        }
-        file.seek(SeekFrom::Start(offset)).await?;
-        Ok(file)
-    }
-
-    fn lost(&self) -> Error {
-        let digest = self.upload.digest.map_or_else(|| "?".to_owned(), |d| d.to_hex().to_string());
-        Error::ContentLost { name: self.upload.id.to_string(), digest }
-    }
-
-    fn path(&self) -> PathBuf {
-        self.store.blobs().partial(self.upload.id)
-    }
-
     fn key(&self) -> String {
         self.upload.id.uuid().to_string()
+    }
+}
+
+impl Store {
+    /// Removes what has arrived of an upload.
+    pub(crate) async fn remove_arrived(&self, upload: &ResumableUpload) -> Result<()> {
+        match self.blobs().place() {
+            Place::Folder(folder) => folder.remove_partial(upload.id).await?,
+            Place::Bucket(bucket) => parts::remove(bucket, self, upload).await?,
+        }
+        let mut tx = self.inner.database.write().await?;
+        let id = upload.id.uuid().to_string();
+        for statement in [
+            "delete from upload_parts where upload = $1",
+            "update uploads set multipart = null, tail = null where id = $1",
+        ] {
+            query(statement).bind(&id).execute(&mut tx).await?;
+        }
+        tx.commit().await
     }
 }

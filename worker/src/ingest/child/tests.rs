@@ -21,7 +21,8 @@ async fn run_within(script: &str, time: Duration) -> Result<Ended, Fault> {
     std::fs::write(&program, format!("#!/bin/sh\n{script}\n")).unwrap();
     std::fs::set_permissions(&program, std::fs::Permissions::from_mode(0o700)).unwrap();
     // Nothing listens there: a report that cannot be sent is not waited for.
-    let server = ServerClient::new(&["http://127.0.0.1:1".to_owned()], "token", "key", None).unwrap();
+    let server =
+        ServerClient::new(&["http://127.0.0.1:1".to_owned()], "token", "key", None).unwrap();
     let job = Job::new(server, String::new(), &Lease::default());
     let stop = crate::job::stop::Stop::default();
     let (progress, reporter) = report::start(job.clone(), stop.clone());

@@ -13,7 +13,8 @@ fn warm(room: usize) -> (WarmTwins, Arc<Script>) {
     let (fatal, _) = mpsc::unbounded_channel();
     let device = Device::spawn(move || Ok(Arc::new(backend) as _), fatal, 0.25).unwrap();
     // Nothing listens there: these twins come from memory.
-    let server = ServerClient::new(&["http://127.0.0.1:1".to_owned()], "a-token", "a-key", None).unwrap();
+    let server =
+        ServerClient::new(&["http://127.0.0.1:1".to_owned()], "a-token", "a-key", None).unwrap();
     let (memory, dir) = (Memory::new(1 << 30), std::env::temp_dir());
     (WarmTwins::new(server, device, Limits::default(), memory, dir), script)
 }
