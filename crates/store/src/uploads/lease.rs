@@ -1,6 +1,6 @@
 //! One writer per upload among several servers: a lease in its row, which its holder renews for as
 //! long as it runs. Each claim adds 1 to the epoch of the row; a writer whose epoch is past changes
-//! nothing. Who waits says so in the row, and the holder saves what has arrived and releases it.
+//! nothing. A waiting server says so in the row, and the holder saves what has arrived and releases it.
 
 use std::{
     sync::{

@@ -46,7 +46,7 @@ impl Bucket {
     }
 }
 
-/// What the environment says of S3.
+/// Options of S3 in the environment.
 #[cfg(not(test))]
 fn environment() -> AmazonS3Builder {
     AmazonS3Builder::from_env()

@@ -24,7 +24,7 @@ const ATTEMPT_TIMEOUT: Duration = Duration::from_secs(30);
 /// Time for which a connection is kept for the next request.
 const KEPT: Duration = Duration::from_secs(20);
 
-/// What makes clients.
+/// Factory of clients.
 #[derive(Debug)]
 pub(super) struct Connector;
 
