@@ -170,3 +170,20 @@ fn flatten(path: &str, value: &Value, found: &mut BTreeMap<String, Value>) {
         }
     }
 }
+
+#[test]
+fn every_metric_of_the_dashboard_is_described() {
+    let is_name = |c: char| c.is_ascii_alphanumeric() || c == '_';
+    let names = |text: &str| -> BTreeSet<String> {
+        let words = text.split(|c| !is_name(c)).filter(|word| word.starts_with("bendtwin_"));
+        words.map(|word| word.trim_end_matches("_bucket").to_owned()).collect()
+    };
+    let dashboard = std::fs::read_to_string(workspace::root().join("deploy/grafana/bendtwin.json"));
+    let shown = names(&dashboard.unwrap());
+    let mut described = names(&document("operations.md"));
+    // Described as those of fits, with another word.
+    let of_ingests = described.iter().map(|name| name.replace("_fit_", "_ingest_"));
+    described.extend(of_ingests.collect::<Vec<_>>());
+    assert!(shown.len() > 10);
+    assert_eq!(shown.difference(&described).collect::<Vec<_>>(), Vec::<&String>::new());
+}

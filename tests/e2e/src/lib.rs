@@ -60,6 +60,8 @@ mod survival;
 #[cfg(test)]
 mod tidy;
 #[cfg(test)]
+mod traces;
+#[cfg(test)]
 mod uploads;
 #[cfg(test)]
 mod workspace;
