@@ -176,18 +176,17 @@ impl Options {
     /// The fault of certificates that do not go with the addresses.
     fn tls_fault(&self) -> Option<String> {
         let is_https = |url: &str| url.starts_with("https://");
-        match &self.tls {
-            None if is_https(&self.server) => Some(format!(
-                "{} takes a certificate of this worker: give --ca, --certificate and --key (`bendtwin \
-                 ca issue --role worker`)",
-                self.server
+        let other = self.servers.iter().find(|url| is_https(url) != self.tls.is_some());
+        match (&self.tls, other) {
+            (None, Some(server)) => Some(format!(
+                "{server} takes a certificate of this worker: give --ca, --certificate and --key \
+                 (`bendtwin ca issue --role worker`)"
             )),
-            Some(_) if !is_https(&self.server) => Some(format!(
-                "a worker with a certificate talks to its server over TLS: use https:// instead of \
-                 {}",
-                self.server
+            (Some(_), Some(server)) => Some(format!(
+                "a worker with a certificate talks to its servers over TLS: use https:// instead of \
+                 {server}"
             )),
-            Some(_) if self.advertise.as_deref().is_some_and(|url| !is_https(url)) => Some(
+            (Some(_), None) if self.advertise.as_deref().is_some_and(|url| !is_https(url)) => Some(
                 "a worker with a certificate answers over TLS: --advertise https://host:port"
                     .to_owned(),
             ),

@@ -18,6 +18,8 @@ mod first_five_minutes;
 #[cfg(test)]
 mod fits;
 #[cfg(test)]
+mod fleet;
+#[cfg(test)]
 mod ingests;
 #[cfg(test)]
 mod labels;

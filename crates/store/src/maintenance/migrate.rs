@@ -33,7 +33,7 @@ struct Table {
 }
 
 /// All tables.
-const TABLES: [Table; 15] = [
+const TABLES: [Table; 16] = [
     Table { name: "arrivals", key: "id, digest" },
     Table { name: "captures", key: "id" },
     Table { name: "deletions", key: "digest" },

@@ -50,7 +50,7 @@ pub async fn relocate(data_dir: &Path, to: &ObjectsUrl) -> Result<Relocation> {
     let identity = identity.ok_or_else(|| Error::NotFound { name: from.display().to_string() })?;
     let _lock = database::lock(data_dir)?;
     database::require_objects(data_dir, Some(to))?;
-    let place = Place::open(Some(to), data_dir)?;
+    let place = Place::open(Some(to), data_dir, false)?;
     match place.identity().await? {
         Some(theirs) if theirs == identity => {}
         None if !place.any().await? => place.set_identity(&identity).await?,

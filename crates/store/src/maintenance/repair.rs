@@ -112,7 +112,7 @@ async fn mend_content(data_dir: &Path, database: &Database, done: &mut Repair) -
     let now = micros(Timestamp::now());
     let (mine, theirs) = (identity::of_database(database.read()).await?, files::identity(&blobs)?);
     if mine.is_none() || mine != theirs {
-        identity::join(database, mine, &Place::open(None, data_dir)?, now).await?;
+        identity::join(database, mine, &Place::open(None, data_dir, false)?, now).await?;
         done.actions.push("gave the database and the content one identity".to_owned());
     }
     let references: Vec<Reference> = query(references::ALL).fetch_all(database.read()).await?;
