@@ -1288,6 +1288,8 @@ export interface components {
              * @description Jobs of higher priority run earlier.
              */
             priority: number;
+            /** @description Worker that it asks for. */
+            requirements: components["schemas"]["Requirements"];
             tags: string[];
             /** @description `twins/{uuid}` once it has succeeded. */
             twin?: string | null;
@@ -1566,6 +1568,8 @@ export interface components {
              * @description Jobs of higher priority run earlier, -100..=100.
              */
             priority?: number;
+            /** @description Worker that it asks for. */
+            requirements?: components["schemas"]["Requirements"];
             /** @description Settings that differ from the defaults. */
             settings?: Record<string, never> | null;
         };
@@ -1950,6 +1954,25 @@ export interface components {
             state?: components["schemas"]["InitialState.GivenState"];
             /** @description workers/{uuid} */
             worker?: string;
+        };
+        /** @description Worker that a fit asks for, which waits until there is one. */
+        Requirements: {
+            /**
+             * @description `cpu` or `cuda`; empty means either.
+             * @default
+             */
+            backend: string;
+            /**
+             * @description Labels of which the worker has each: up to 32 of up to 50 characters without spaces and commas.
+             * @default []
+             */
+            labels: string[];
+            /**
+             * Format: int64
+             * @description Memory of the device at least [bytes]; on a CPU, that which a fit may take.
+             * @default 0
+             */
+            memory_bytes: number;
         };
         ResetSessionRequest: {
             /** @description Absent: the session's first state. */
@@ -2457,6 +2480,8 @@ export interface components {
             fit?: string | null;
             /** @description `captures/{uuid}` whose ingest is under way. */
             ingest?: string | null;
+            /** @description Words that it was started with, which fits can ask for. */
+            labels: string[];
             last_seen_time: string;
             /** Format: int64 */
             memory_total_bytes?: number | null;

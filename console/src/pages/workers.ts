@@ -47,7 +47,13 @@ function all(workers: readonly Worker[]): HTMLElement {
 function one(worker: Worker): HTMLElement {
   const isSilent = since(worker.last_seen_time) > SILENT_MS;
   const doing = tasks(worker);
-  const state = isSilent ? badge('silent', 'warn') : doing.length > 0 ? badge('busy', 'busy') : badge('idle', 'good');
+  const state = isSilent
+    ? badge('silent', 'warn')
+    : worker.draining
+      ? badge('draining', 'warn')
+      : doing.length > 0
+        ? badge('busy', 'busy')
+        : badge('idle', 'good');
   return h(
     'li',
     { class: 'card' },

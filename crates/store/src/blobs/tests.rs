@@ -47,7 +47,9 @@ async fn refuses_too_much_and_the_wrong_digest(on: On) {
     assert!(matches!(wrong, Err(Error::DigestMismatch { .. })));
     let bench = bench.reopen().await;
     assert_eq!(bench.blob_count().await, 0);
-    assert!(!bench.dir.path().join("blobs/incoming").exists());
+    // In a folder that servers share it may be another's that is under way.
+    let alone = bench.postgres.is_none();
+    assert!(!alone || !bench.dir.path().join("blobs/incoming").exists());
 }
 
 async fn equal_content_is_shared_until_the_last_reference_goes(on: On) {
