@@ -11,7 +11,7 @@ use crate::{
     Staged, Store,
     clock::from_micros,
     failpoint::Failpoint,
-    jobs,
+    jobs::{self, Asked},
     labels::{self, Collection},
     observations,
     quotas::{self, More},
@@ -61,6 +61,8 @@ pub struct NewCapture {
     pub ingest: String,
     /// The uploader.
     pub creator: Creator,
+    /// W3C traceparent of the call.
+    pub trace_parent: Option<String>,
 }
 
 /// The captures of a store.
@@ -116,7 +118,7 @@ impl Captures<'_> {
     /// [`Error::RequestIdTaken`], [`Error::DiskFull`], database and file errors.
     pub async fn create(&self, new: NewCapture) -> Result<Capture> {
         self.store.admit()?;
-        let NewCapture { display_name, request_id, content, ingest, creator } = new;
+        let NewCapture { display_name, request_id, content, ingest, creator, trace_parent } = new;
         let (digest, size_bytes) = (content.digest(), content.size_bytes());
         let upload = content.upload();
         let guard = self.store.publish(content).await?;
@@ -168,9 +170,9 @@ impl Captures<'_> {
         if let Some(upload) = upload {
             uploads::stored(&mut tx, upload, id).await?;
         }
-        let ingest =
-            jobs::enqueue(&mut tx, &row.id, &ingest, &creator.owner, self.store.now_micros())
-                .await?;
+        let asked = Asked { owner: &creator.owner, trace_parent: trace_parent.as_deref() };
+        let now = self.store.now_micros();
+        let ingest = jobs::enqueue(&mut tx, &row.id, &ingest, asked, now).await?;
         self.store.pass(Failpoint::BeforeCommit)?;
         tx.commit().await?;
         drop(guard);
@@ -318,7 +320,8 @@ impl Captures<'_> {
         .fetch_all(&mut tx)
         .await?;
         for capture in &old {
-            jobs::enqueue(&mut tx, capture, "{}", "", self.store.now_micros()).await?;
+            jobs::enqueue(&mut tx, capture, "{}", Asked::default(), self.store.now_micros())
+                .await?;
         }
         tx.commit().await?;
         if !old.is_empty() {

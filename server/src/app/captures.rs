@@ -48,7 +48,9 @@ impl App {
         creator: Creator,
     ) -> Result<Overview> {
         let done: Result<Overview> = async {
-            let new = NewCapture { display_name, request_id, content, ingest, creator };
+            let trace_parent = Context::current().trace_parent();
+            let new =
+                NewCapture { display_name, request_id, content, ingest, creator, trace_parent };
             let store = self.store.clone();
             let capture = self.change(async move { store.captures().create(new).await }).await?;
             tracing::info!(capture = %capture.id, bytes = capture.size_bytes, "capture stored");

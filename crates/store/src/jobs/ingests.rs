@@ -62,26 +62,34 @@ pub enum IngestResult {
     },
 }
 
+/// Origin of a job: its owner, and the W3C traceparent of the call.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Asked<'a> {
+    pub(crate) owner: &'a str,
+    pub(crate) trace_parent: Option<&'a str>,
+}
+
 /// Queues the ingest of a new capture within the caller's transaction.
 pub(crate) async fn enqueue(
     tx: &mut Transaction,
     capture: &str,
     settings: &str,
-    owner: &str,
+    asked: Asked<'_>,
     now: i64,
 ) -> Result<Job> {
     let due = due(tx, capture, now).await?;
     let row: Row = query(
         "insert into jobs (id, kind, capture, state, priority, settings, created_at, due_at,
-             owner)
-         values ($1, 'ingest', $2, 'queued', 0, $3, $4, $5, $6) returning *",
+             owner, trace_parent)
+         values ($1, 'ingest', $2, 'queued', 0, $3, $4, $5, $6, $7) returning *",
     )
     .bind(IngestId::generate().uuid().to_string())
     .bind(capture)
     .bind(settings)
     .bind(now)
     .bind(due)
-    .bind(owner)
+    .bind(asked.owner)
+    .bind(asked.trace_parent)
     .fetch_one(&mut *tx)
     .await?;
     row.try_into()

@@ -200,7 +200,14 @@ impl Bench {
 pub(crate) fn new_capture(name: &str, content: Staged) -> NewCapture {
     let display_name = name.to_owned();
     let (request_id, ingest) = (None, "{}".to_owned());
-    NewCapture { display_name, request_id, content, ingest, creator: Creator::default() }
+    NewCapture {
+        display_name,
+        request_id,
+        content,
+        ingest,
+        creator: Creator::default(),
+        trace_parent: None,
+    }
 }
 
 pub(crate) fn lease_of(job: &Job) -> Lease {
