@@ -15,7 +15,7 @@ const LABEL_LENGTH: usize = 50;
 pub(super) fn check(requirements: &Requirements) -> Result<()> {
     let backend = &requirements.backend;
     if !BACKENDS.contains(&backend.as_str()) {
-        let fault = format!("is {:.20?}: use \"cpu\" or \"cuda\", or leave it out", backend);
+        let fault = format!("is {backend:.20?}: use \"cpu\" or \"cuda\", or leave it out");
         return Err(Error::invalid("requirements.backend", fault));
     }
     check_labels("requirements.labels", &requirements.labels)

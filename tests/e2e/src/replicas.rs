@@ -101,7 +101,7 @@ async fn any_server_answers_and_a_fit_survives_the_loss_of_the_one_it_reported_t
 
     // It comes back and finds everything as it is. The worker is drained at one, and gone at both.
     fleet.start_again(0).await;
-    assert_eq!(fleet.names(0).await, [name.clone()]);
+    assert_eq!(fleet.names(0).await, std::slice::from_ref(&name));
     let fit = second.fit(&stored.name, ENDLESS, 0).await.unwrap();
     second.fit_when(&fit.name, "under way", STATE, is_under_way).await;
     let drained = fleet.api(0).workers().drain_worker(DrainWorkerRequest { name }).await.unwrap();
