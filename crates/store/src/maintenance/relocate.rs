@@ -69,7 +69,8 @@ pub async fn relocate(data_dir: &Path, to: &ObjectsUrl) -> Result<Relocation> {
         for (moved, (digest, size_bytes)) in try_join_all(moved).await?.into_iter().zip(some) {
             match moved {
                 true => {
-                    (done.blobs, done.blobs_bytes) = (done.blobs + 1, done.blobs_bytes + size_bytes);
+                    (done.blobs, done.blobs_bytes) =
+                        (done.blobs + 1, done.blobs_bytes + size_bytes);
                 }
                 false => done.damaged.push(digest.clone()),
             }
