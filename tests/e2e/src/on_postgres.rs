@@ -1,15 +1,16 @@
 //! A server whose rows are in PostgreSQL, which crashes and comes back in the middle of a fit: nothing
-//! that was acknowledged is lost, and nobody restarts the server.
+//! that was acknowledged is lost, and nobody restarts the server. And its backup.
 
-use std::time::Duration;
+use std::{path::Path, process::Command, time::Duration};
 
 use bendtwin_proto::v1::{CreateFitRequest, Fit, job::State};
+use bytes::Bytes;
 use tonic::Code;
 
 use crate::harness::{
     Postgres, Setup, TestCluster,
     api::fraction,
-    reference::{FIT, SETTINGS, capture},
+    reference::{FIT, SETTINGS, capture, reference},
     until,
 };
 
@@ -62,4 +63,76 @@ async fn a_capture_becomes_a_twin_although_postgres_crashes() {
     assert_eq!(content.bytes().await.unwrap(), archive);
     assert!(!server.data_dir().join("bendtwin.sqlite").exists());
     assert!(!server.log().contains(PASSWORD), "the password is in a log");
+}
+
+/// A copy made beside a server that takes captures meanwhile, in the order of docs/operations.md.
+#[tokio::test]
+async fn a_copy_of_a_running_store_is_restored_with_all_its_content() {
+    let (Some(postgres), Some(restored)) =
+        (Postgres::start_or_skip().await, Postgres::start_or_skip().await)
+    else {
+        return;
+    };
+    let database = Some(postgres.url_with_password(PASSWORD));
+    let server = TestCluster::start(Setup { database, ..Setup::default() }).await;
+    let api = server.api();
+    let archive = capture().await;
+    let file = reference().await.file;
+    let twin = api.import(&file).await.unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let copy = folder.path().join("data");
+    let dump = folder.path().join("bendtwin.dump").to_string_lossy().into_owned();
+    let before = api.upload(&archive, "before").await.unwrap();
+
+    let busy = api.clone();
+    let uploads = tokio::spawn(async move {
+        for nth in 0_u64..200 {
+            let content = Bytes::from(nth.to_le_bytes().repeat(100));
+            if busy.upload(&content, &nth.to_string()).await.is_err() {
+                return;
+            }
+        }
+    });
+    let some = until("some captures", STATE, async || {
+        let count = api.list_captures().await.ok()?.len();
+        (count > 5).then_some(count)
+    })
+    .await;
+    copy_content(&server.data_dir(), &copy);
+    let url = postgres.url_with_password(PASSWORD);
+    run("pg_dump", &["--format=custom", &format!("--file={dump}"), &url]).await;
+    copy_content(&server.data_dir(), &copy);
+    uploads.abort();
+    drop(server);
+
+    let url = restored.url_with_password(PASSWORD);
+    run("pg_restore", &["--no-owner", &format!("--dbname={url}"), &dump]).await;
+    let setup = Setup { database: Some(url), data_dir: Some(copy), ..Setup::default() };
+    let server = TestCluster::start(setup).await;
+    let api = server.api();
+    assert_eq!(api.export(&twin.name).await.unwrap(), file);
+    let captures = api.list_captures().await.unwrap();
+    assert!(captures.len() >= some && captures.iter().any(|found| found.name == before.name));
+    for found in captures {
+        let content = server.http().get(&format!("/v1/{}/content", found.name)).await;
+        assert_eq!(content.bytes().await.unwrap().len() as u64, found.size_bytes, "{}", found.name);
+    }
+}
+
+/// Copies the content of a data folder, and what else belongs to a copy.
+fn copy_content(data_dir: &Path, copy: &Path) {
+    std::fs::create_dir_all(copy.join("blobs")).unwrap();
+    for name in ["postgres", "blobs/identity", "blobs/blake3"] {
+        let to = copy.join(name).parent().unwrap().to_owned();
+        let copied = Command::new("cp").arg("-a").arg(data_dir.join(name)).arg(to).status();
+        assert!(copied.unwrap().success(), "{name}");
+    }
+}
+
+/// Runs a program of PostgreSQL's.
+async fn run(program: &'static str, arguments: &[&str]) {
+    let mut command = Command::new(program);
+    command.args(arguments);
+    let done = tokio::task::spawn_blocking(move || command.output()).await.unwrap().unwrap();
+    assert!(done.status.success(), "{program}: {}", String::from_utf8_lossy(&done.stderr));
 }
