@@ -97,6 +97,7 @@ async fn content_without_a_row_stays_in_the_trash_for_a_day(on: On) {
         let mut tx = bench.store.inner.database.write().await.unwrap();
         crate::sql::query(sql).execute(&mut tx).await.unwrap();
         tx.commit().await.unwrap();
+        bench.no_arrivals().await;
         bench.store.collect_garbage().await.unwrap();
     };
     let trashed = bench.dir.path().join("blobs/trash").join(digest.as_str());

@@ -156,6 +156,18 @@ impl Bench {
     }
 
     /// Number of blobs that are stored for good.
+    /// Waits until no publication keeps content: it lets go of it in a task of its own.
+    pub(crate) async fn no_arrivals(&self) {
+        loop {
+            let left = sql::query_scalar("select count(*) from arrivals");
+            let left: i64 = left.fetch_one(self.store.inner.database.read()).await.unwrap();
+            if left == 0 {
+                return;
+            }
+            tokio::task::yield_now().await;
+        }
+    }
+
     pub(crate) async fn blob_count(&self) -> usize {
         let place = self.store.blobs().place();
         if place.is_shared() {
