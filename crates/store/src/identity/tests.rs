@@ -102,12 +102,12 @@ async fn content_without_a_row_stays_in_the_trash_for_a_day(on: On) {
     };
     let trashed = bench.dir.path().join("blobs/trash").join(digest.as_str());
     forget("update captures set digest = replace(digest, 'a', 'A')").await;
-    assert_eq!((bench.blob_count().await, trashed.exists()), (0, true));
+    assert_eq!((bench.published_count().await, trashed.exists()), (0, true));
     // Wanted again, it comes back.
     forget("update captures set digest = lower(digest)").await;
     let (_, content) = bench.store.captures().content(capture.id).await.unwrap();
     assert_eq!(content.size_bytes, 6);
-    assert_eq!((bench.blob_count().await, trashed.exists()), (1, false));
+    assert_eq!((bench.published_count().await, trashed.exists()), (1, false));
     // Else it goes, a day later.
     forget("update captures set digest = replace(digest, 'a', 'A')").await;
     bench.clock.advance(Duration::from_secs(86_000));

@@ -177,7 +177,12 @@ impl Bench {
             self.store.collect_garbage().await.unwrap();
             self.clock.set(-DAYS);
         }
-        match place {
+        self.published_count().await
+    }
+
+    /// Number of blobs as they are, with those that no row refers to.
+    pub(crate) async fn published_count(&self) -> usize {
+        match self.store.blobs().place() {
             Place::Folder(folder) => folder.list().await.unwrap().len(),
             Place::Bucket(bucket) => {
                 bucket.published().try_collect::<Vec<_>>().await.unwrap().len()
