@@ -442,12 +442,10 @@ class Client:
     ) -> Fit:
         """Starts a fit of a capture. `settings` are those of docs/settings.md.
 
-        Without a `display_name` it has its capture's, and without `requirements` any worker takes it.
+        Without a `display_name` it has its capture's; without `requirements` any worker will do.
         """
         return await self._caller.run(
-            calls.create_fit(
-                capture, settings, priority, request_id, display_name, requirements
-            )
+            calls.create_fit(capture, settings, priority, request_id, display_name, requirements)
         )
 
     async def get_fit(self, name: str) -> Fit:
@@ -541,7 +539,7 @@ class Client:
         return self._caller.pages(calls.list_workers())
 
     async def drain_worker(self, name: str) -> Worker:
-        """Asks a worker to take no more work, to hand back its job and to end after its rollouts."""
+        """Asks a worker to take no more work, hand back its job, and end after its rollouts."""
         return await self._caller.run(calls.drain_worker(name))
 
     def _twin(self, info: TwinInfo) -> Twin:
