@@ -8,3 +8,5 @@ create index jobs_by_queue on jobs (kind, requirements, owner, priority desc, du
 drop index jobs_by_due;
 -- When an owner was served last.
 create index jobs_by_start on jobs (kind, owner, started_at);
+-- The few that run, by owner: a claim counts them.
+create index jobs_running_by_owner on jobs (kind, owner, state) where state = 'running';

@@ -143,3 +143,21 @@ async fn the_queue_has_a_bounded_number_of_different_requirements(on: On) {
     create(1).await.unwrap();
     create(0).await.unwrap();
 }
+
+/// However many jobs there are and have been: none of the steps reads them all.
+#[tokio::test]
+async fn a_claim_reads_indexes_of_what_waits_and_of_what_runs() {
+    let bench = Bench::new(On::Sqlite).await;
+    let allowed = [String::new()];
+    let claim = crate::jobs::claim_statement(Kind::Fit, WorkerId::generate(), (1, 2), &allowed);
+    let steps: Vec<(i64, i64, i64, String)> = claim
+        .explained("explain query plan")
+        .fetch_all(bench.store.inner.database.read())
+        .await
+        .unwrap();
+    let plan: String = steps.into_iter().map(|(.., step)| step + "\n").collect();
+    assert!(!plan.contains("SCAN jobs") && !plan.contains("SCAN j\n"), "{plan}");
+    for index in ["j USING INDEX jobs_by_queue", "r USING COVERING INDEX jobs_running_by_owner"] {
+        assert!(plan.contains(index), "{plan}");
+    }
+}
