@@ -44,7 +44,7 @@ const START: Duration = Duration::from_secs(10);
 pub(crate) struct Database {
     engine: Engine,
     readers: Readers,
-    /// What messages call it.
+    /// Name in messages.
     name: String,
     reserve: Arc<Reserve>,
     /// Lock, held for as long as the database is open; the system releases it with the process.
@@ -91,7 +91,7 @@ impl Database {
         Ok(Self { engine, readers, name, reserve, lock })
     }
 
-    /// What messages call it, without a password.
+    /// Name in messages, without a password.
     pub(crate) fn name(&self) -> &str {
         &self.name
     }

@@ -63,7 +63,7 @@ impl App {
     pub(crate) async fn recover(&self) -> Result<()> {
         self.store.servers().seen(self.id, bendtwin_core::BUILD).await?;
         if self.store.is_shared() {
-            return self.learn().await;
+            return self.learn().await.map(drop);
         }
         for worker in self.store.workers().all().await? {
             let id = worker.registration.id;
@@ -83,18 +83,18 @@ impl App {
         Ok(())
     }
 
-    /// Takes over which workers are in the fleet, and which are to end.
-    pub(crate) async fn learn(&self) -> Result<()> {
+    /// Takes over which workers are in the fleet, and which are to end. Returns all of them.
+    pub(crate) async fn learn(&self) -> Result<Vec<Worker>> {
         // What registers here from now on may not be among the rows.
         let known = self.dispatch.known();
         let workers = self.store.workers().all().await?;
         let rows: HashSet<WorkerId> = workers.iter().map(|w| w.registration.id).collect();
-        for worker in workers {
-            let (id, is_draining) = (worker.registration.id, worker.is_draining);
-            if let Err(error) = self.dispatch.learn(worker) {
+        for worker in &workers {
+            let id = worker.registration.id;
+            if let Err(error) = self.dispatch.learn(worker.clone()) {
                 tracing::warn!(worker = %id, %error, "a worker of the fleet cannot be used");
             }
-            if is_draining {
+            if worker.is_draining {
                 self.dispatch.drain(id);
             }
         }
@@ -111,7 +111,7 @@ impl App {
                 self.dispatch.remove(id);
             }
         }
-        Ok(())
+        Ok(workers)
     }
 
     /// Tells the other servers that this one runs, takes over what they know, and takes the jobs of
@@ -121,7 +121,8 @@ impl App {
         if self.members.is_due(self.id.uuid(), lease / 3, now) {
             self.store.servers().seen(self.id, bendtwin_core::BUILD).await?;
         }
-        self.learn().await?;
+        // Before the servers: the server of each of them is among those, if it lives.
+        let workers = self.learn().await?;
         let is_gone = |member, sign| self.members.silence(member, sign, now) > lease;
         let mut servers = HashSet::from([self.id]);
         let mut there = HashSet::from([self.id.uuid()]);
@@ -134,7 +135,7 @@ impl App {
                 servers.insert(server.id);
             }
         }
-        for worker in self.store.workers().all().await? {
+        for worker in workers {
             let id = worker.registration.id;
             there.insert(id.uuid());
             let silent = is_gone(id.uuid(), worker.sign);

@@ -45,7 +45,7 @@ pub(crate) struct Bucket {
 }
 
 impl Bucket {
-    /// What messages call it.
+    /// Name in messages.
     pub(crate) fn name(&self) -> &str {
         &self.name
     }

@@ -52,7 +52,7 @@ impl Place {
         }
     }
 
-    /// What messages call it.
+    /// Name in messages.
     pub(crate) fn name(&self) -> String {
         match self {
             Self::Folder(folder) => folder.root().display().to_string(),

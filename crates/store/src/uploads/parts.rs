@@ -256,7 +256,7 @@ async fn stored_names(
     Ok((multipart, tail.map(Path::from)))
 }
 
-/// What the rows have of an upload.
+/// Parts and tail of an upload, by its rows.
 async fn read(bucket: &Bucket, store: &Store, upload: &ResumableUpload) -> Result<Open> {
     let (multipart, tail) = stored_names(store, upload).await?;
     let rows: Vec<(String, String)> =
