@@ -141,3 +141,6 @@ impl Rasteriser for Cpu {
         "CPU".into()
     }
 }
+
+#[cfg(test)]
+mod tests;
