@@ -86,7 +86,7 @@ impl Problem for Error {
             | Self::Bar { .. }
             | Self::Carrier(_) => Category::InvalidArgument,
             Self::TooMany { .. } | Self::OutOfMemory { .. } => Category::ResourceExhausted,
-            Self::Device(_) => Category::Unavailable,
+            Self::Device(_) => Category::Internal,
         }
     }
 
@@ -97,8 +97,9 @@ impl Problem for Error {
             | Self::Camera { .. }
             | Self::Bar { .. }
             | Self::Carrier(_) => "SPLATS_INVALID",
-            Self::TooMany { .. } | Self::OutOfMemory { .. } => "SPLATS_TOO_MANY",
-            Self::Device(_) => "SPLATS_DEVICE",
+            Self::TooMany { .. } => "SPLATS_TOO_MANY",
+            Self::OutOfMemory { .. } => "DEVICE_OUT_OF_MEMORY",
+            Self::Device(_) => "DEVICE_FAILED",
         }
     }
 }
