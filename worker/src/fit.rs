@@ -6,6 +6,7 @@ mod twin;
 use std::{path::PathBuf, time::Duration};
 
 use bendtwin_core::{Category, Fault, FitSettings, Problem as _, Twin};
+use bendtwin_fit::OpenRasteriser;
 use bendtwin_proto::worker::v1::{Lease, lease_job_request::Kind};
 use tokio::sync::{mpsc, oneshot};
 use tokio_util::sync::CancellationToken;
@@ -34,6 +35,8 @@ pub(crate) struct Fits {
     /// Folder for observations while they are read.
     pub(crate) dir: PathBuf,
     pub(crate) limits: Limits,
+    /// Opens the rasteriser that draws the views of a recording.
+    pub(crate) rasteriser: OpenRasteriser,
     /// Time for which a result is kept while the server cannot be reached.
     pub(crate) delivery_timeout: Duration,
     /// Channel for errors after which the process must restart.
@@ -116,11 +119,12 @@ impl Fits {
             () = stop.stopped() => return Err(cancelled()),
         };
         let (device, limits) = (self.device.clone(), self.limits);
+        let rasteriser = self.rasteriser.clone();
         let fit = std::thread::Builder::new().name("fit".to_owned());
         let (done, result) = oneshot::channel();
         let spawned = fit.spawn(move || {
             priority::as_fit();
-            let run = || compute.run(inputs, &device, &limits);
+            let run = || compute.run(inputs, &device, rasteriser, &limits);
             let caught = std::panic::catch_unwind(std::panic::AssertUnwindSafe(run));
             let outcome = match caught {
                 Ok(Ok(finished)) => Outcome::Finished(Box::new(finished)),

@@ -102,7 +102,10 @@ async fn run_on(
         asked: CancellationToken::new(),
     };
     let heartbeat = tokio::spawn(registration.clone().heartbeat(stop.clone()));
+    let opening = options.backend.clone();
+    let rasteriser = move || bendtwin_backends::rasteriser(&opening).map_err(|e| e.to_string());
     let fits = Fits {
+        rasteriser: std::sync::Arc::new(rasteriser),
         server: server.clone(),
         device: device.clone(),
         worker: id.to_string(),

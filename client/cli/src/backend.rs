@@ -4,6 +4,7 @@ use std::{path::PathBuf, sync::Arc};
 
 use bendtwin_backends as backends;
 use bendtwin_engine::Backend;
+use bendtwin_fit::OpenRasteriser;
 use clap::Args;
 
 use crate::failure;
@@ -68,6 +69,12 @@ impl BackendArgs {
         options.choice = backends::Choice::Cuda;
         // The first one holds the device open meanwhile, and goes.
         (0..jobs).map(|_| backends::open(&options).map_err(failure::failed)).collect()
+    }
+
+    /// Opens rasterisers on the same device.
+    pub(crate) fn rasteriser(&self) -> OpenRasteriser {
+        let options = self.options(None);
+        Arc::new(move || backends::rasteriser(&options).map_err(|e| e.to_string()))
     }
 
     /// The same choice as environment variables, for a server's workers.

@@ -9,8 +9,10 @@ use bendtwin_core::{CancelToken, Quality, Twin, quality::Assessment};
 use bendtwin_engine::Backend;
 use bendtwin_eval::{
     CorrectionScore, EvaluateOptions, TableStyle, evaluate, fast_variant, format_table,
-    in_recording,
+    in_recording, is_own_capture,
 };
+use bendtwin_fit::Look;
+use bendtwin_study::Captured;
 use clap::Args;
 use serde_json::json;
 
@@ -110,18 +112,33 @@ fn score(
     cancel: &CancelToken,
     quiet: bool,
 ) -> anyhow::Result<Scored> {
-    let capture = observation::read(path, cancel, quiet).map_err(Failed)?;
+    let Captured { capture, views } = observation::read(path, cancel, quiet).map_err(Failed)?;
+    let rasteriser = args.backend.rasteriser();
+    let look = views.as_ref().map(|views| Look { views, rasteriser });
     let (fitted, fit_s) = match &args.twin {
         Some(file) => (Fitted { twin: read_twin(file)?, axial: None }, None),
         None => {
             let start = args.from.as_deref().map(read_twin).transpose()?;
-            let (fitted, took) = fit(&capture, settings, start.as_ref(), backend, cancel, quiet)?;
+            let (fitted, took) =
+                fit(&capture, settings, start.as_ref(), look.clone(), backend, cancel, quiet)?;
             (fitted, Some(took.as_secs_f64()))
         }
     };
     let again = || {
         let options = EvaluateOptions { axial: fitted.axial.as_ref(), per_frame: args.per_frame };
-        evaluate(&**backend, &fitted.twin, &capture, &options, cancel).map_err(failure::failed)
+        let measured = evaluate(&**backend, &fitted.twin, &capture, &options, cancel);
+        let mut measured = measured.map_err(failure::failed)?;
+        // In other recordings the twin stands elsewhere, and cameras with it.
+        let look = look.as_ref().filter(|_| is_own_capture(&fitted.twin, &capture));
+        for twin in std::iter::once(&fitted.twin).chain(&fitted.axial) {
+            let Some(look) = look else { break };
+            let rendered = look.score(twin, &capture, &**backend, args.per_frame, cancel);
+            let own = twin.quality.scores.first().map(|score| score.predictor);
+            if let Some(row) = measured.scores.iter_mut().find(|s| Some(s.predictor) == own) {
+                row.rendered = rendered.map_err(failure::failed)?;
+            }
+        }
+        Ok::<_, anyhow::Error>(measured)
     };
     // Elsewhere the twin has the recording's control points.
     let there = in_recording(&fitted.twin, &capture, cancel).map_err(failure::failed)?;

@@ -5,18 +5,18 @@ use std::path::Path;
 
 use bendtwin_capture::Limits;
 use bendtwin_client::JobProgress;
-use bendtwin_core::{
-    CancelToken, Capture, Fault, Observer, Stage, settings::ingest::IngestSettings,
-};
-use bendtwin_ingest::{Progress, Step, ingest};
+use bendtwin_core::{CancelToken, Fault, Observer, Stage, settings::ingest::IngestSettings};
+use bendtwin_ingest::{Progress, Step, ingest, views};
+use bendtwin_study::Captured;
 
 use crate::progress::FitBar;
 
-/// Reads the capture at a path; a raw recording is lifted, with a progress bar unless `quiet`.
+/// Reads the capture at a path, and the views of a raw recording, which is lifted with a progress bar
+/// unless `quiet`.
 ///
 /// # Errors
 /// If there is no capture, nothing can be fitted to it, or `cancel` was set.
-pub(crate) fn read(path: &Path, cancel: &CancelToken, quiet: bool) -> Result<Capture, Fault> {
+pub(crate) fn read(path: &Path, cancel: &CancelToken, quiet: bool) -> Result<Captured, Fault> {
     let (name, settings) = (path.display().to_string(), IngestSettings::default());
     let mut bar = Bar { quiet, shown: None };
     let limits = Limits::default();
@@ -24,7 +24,11 @@ pub(crate) fn read(path: &Path, cancel: &CancelToken, quiet: bool) -> Result<Cap
     if let Some(bar) = bar.shown {
         bar.finish();
     }
-    observed.and_then(|o| o.capture)
+    let observed = observed?;
+    let capture = observed.capture?;
+    let recording = observed.recorded.first().and_then(Option::as_ref);
+    let views = recording.and_then(|recording| views(recording, &mut |_| {}));
+    Ok(Captured { capture, views })
 }
 
 /// Progress bar, shown only if there is more to do than to read.

@@ -10,7 +10,7 @@ use std::{
 
 use bendtwin_core::{CancelToken, Category, Fault};
 use bendtwin_study::{
-    Folder, Invocation, Plan, PlanOptions, Selection, Suite, Summary, Table, draw_pictures,
+    Devices, Folder, Invocation, Plan, PlanOptions, Selection, Suite, Summary, Table, draw_pictures,
 };
 use clap::{Args, builder::RangedU64ValueParser};
 
@@ -98,7 +98,9 @@ fn work(
         Ok(Summary::default())
     } else {
         let mut bar = SuiteProgress::new(&plan, &backends, quiet);
-        let result = plan.run(&backends, cancel, &mut |event| bar.show(&event));
+        let rasteriser = args.backend.rasteriser();
+        let devices = Devices { backends: backends.clone(), rasteriser };
+        let result = plan.run(&devices, cancel, &mut |event| bar.show(&event));
         bar.finish();
         result
     };

@@ -149,6 +149,7 @@ pub fn whole_fit(
         capture_digest: String::new(),
         settings: settings(scene, plan),
         backend: timed,
+        look: None,
     };
     job.run(None, &mut timer, cancel)?;
     let total_s = began.elapsed().as_secs_f64();

@@ -41,13 +41,13 @@ pub struct View {
     pub size: [u32; 2],
     /// Colours (sRGB), shape [P, 3].
     pub colors: Vec<[u8; 3]>,
-    /// What each pixel shows, shape [P].
+    /// Label of each pixel, shape [P].
     pub labels: Vec<Label>,
     /// Depth along the optical axis [mm], shape [P]; 0 where it is not known.
     pub depths_mm: Vec<u16>,
 }
 
-/// What a pixel shows.
+/// Content of a pixel.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[repr(u8)]
 pub enum Label {

@@ -35,7 +35,7 @@ fn main() -> Result<(), Failure> {
     let capture = load(&source)?;
     let capture_digest = digest(&capture);
     let backend = bendtwin_engine::cpu();
-    let job = FitJob { capture: &capture, capture_digest, settings, backend };
+    let job = FitJob { capture: &capture, capture_digest, settings, backend, look: None };
     let began = Instant::now();
     let outcome = job.run(None, &mut Printer(began), &CancelToken::default())?;
     let graph = &outcome.twin.graph;

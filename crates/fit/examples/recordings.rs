@@ -74,6 +74,7 @@ fn fit(
         capture_digest: digest(&capture),
         settings,
         backend: backend.clone(),
+        look: None,
     };
     let twin = job.run(None, &mut (), &CancelToken::default())?.twin;
     let options = bendtwin_eval::EvaluateOptions::default();

@@ -8,7 +8,7 @@ use crate::{Error, cmaes::CmaEs, refine::RunState};
 
 /// Checkpoints of fits. The version rises with every change of [`Checkpoint`] or of what a stage
 /// computes from it.
-const KIND: Kind = Kind { name: "fit", magic: *b"BTFC", version: 8 };
+const KIND: Kind = Kind { name: "fit", magic: *b"BTFC", version: 9 };
 
 /// The state of a fit that changes while it runs.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -21,6 +21,8 @@ pub(crate) struct Checkpoint {
     pub(crate) generations: Option<u32>,
     /// Time spent [s]; 0 without a time limit.
     pub(crate) spent_s: f64,
+    /// Checkpoints of the trainings of Gaussians, one for each twin whose training was begun.
+    pub(crate) trainings: Vec<Vec<u8>>,
 }
 
 /// The start of one kind of model that predicted the frames held back best.

@@ -35,6 +35,9 @@ pub enum Error {
         /// The reason.
         error: Box<bendtwin_eval::Error>,
     },
+    /// The look of a twin cannot be measured.
+    #[error(transparent)]
+    Look(#[from] bendtwin_appearance::Error),
     /// No candidate could be simulated to its end.
     #[error(
         "no candidate of the search could be simulated ({0}): raise substeps.auto.max, or narrow the graph"
@@ -71,6 +74,7 @@ impl Problem for Error {
             Self::Graph(e) => e.category(),
             Self::Backend(e) => e.category(),
             Self::Evaluation(e) => e.category(),
+            Self::Look(e) => e.category(),
             Self::Recording { error, .. } => error.category(),
             Self::Checkpoint(_) | Self::OtherCheckpoint => Category::FailedPrecondition,
             Self::Observer(_) => Category::Aborted,
@@ -85,6 +89,7 @@ impl Problem for Error {
             Self::Graph(e) => e.reason(),
             Self::Backend(e) => e.reason(),
             Self::Evaluation(e) => e.reason(),
+            Self::Look(e) => e.reason(),
             Self::Recording { error, .. } => error.reason(),
             Self::NothingStable(_) => "NO_STABLE_CANDIDATE",
             Self::Checkpoint(_) => "CHECKPOINT_UNREADABLE",

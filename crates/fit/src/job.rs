@@ -1,5 +1,6 @@
 //! A fit from its capture to its twin.
 
+mod look;
 mod members;
 
 use std::{sync::Arc, time::Instant};
@@ -19,7 +20,7 @@ use crate::{
     cmaes::default_population,
     memory,
     model_fit::{ModelFit, model_name},
-    progress::{ModelProgress, ProgressEstimator},
+    progress::{APPEARANCE_SHARE, ModelProgress, ProgressEstimator},
     refine::Refinement,
     search::{Search, Searcher},
     task::Task,
@@ -27,6 +28,8 @@ use crate::{
     validation::Validation,
     warnings,
 };
+
+pub use self::look::{Look, OpenRasteriser};
 
 /// One fit: capture, settings and device.
 #[derive(Clone)]
@@ -39,6 +42,8 @@ pub struct FitJob<'a> {
     pub settings: FitSettings,
     /// Backend that simulates.
     pub backend: Arc<dyn Backend>,
+    /// What the look of the twin is made of; none if no camera saw the object.
+    pub look: Option<Look<'a>>,
 }
 
 /// The result of a fit.
@@ -110,7 +115,9 @@ impl FitJob<'_> {
         }
         run.search()?;
         let finished = run.refine()?;
-        run.evaluate(finished)
+        let mut outcome = run.evaluate(finished)?;
+        run.dress(&mut outcome)?;
+        Ok(outcome)
     }
 }
 
@@ -129,6 +136,8 @@ struct Run<'a> {
     /// Generations of the search.
     generations: u32,
     limit: Option<TimeLimit>,
+    /// Checkpoints of the trainings of Gaussians, one for each twin whose training was begun.
+    trainings: Vec<Vec<u8>>,
     estimator: ProgressEstimator,
     observer: &'a mut dyn Observer<Progress>,
     cancel: &'a CancelToken,
@@ -171,7 +180,14 @@ impl<'a> Run<'a> {
         };
         let mut estimator = ProgressEstimator::new(task, search_frames, population);
         estimator.set_passes(validation.map_or(0, |v| v.shorter.passes()) + task.passes());
-        let limit = task.settings.within_s.map(TimeLimit::new);
+        let appearance = &task.settings.appearance;
+        let trains = job.look.is_some() && appearance.gaussians.unwrap_or_default() > 0;
+        if trains {
+            let twins = if task.settings.bending && task.settings.compare_axial { 2 } else { 1 };
+            estimator.set_steps(appearance.steps.saturating_mul(twins));
+        }
+        let for_twin = if trains { 1.0 - APPEARANCE_SHARE } else { 1.0 };
+        let limit = task.settings.within_s.map(|limit_s| TimeLimit::new(for_twin * limit_s));
         let generations = task.generations();
         let chosen = Vec::new();
         Self {
@@ -184,6 +200,7 @@ impl<'a> Run<'a> {
             refined_from: None,
             generations,
             limit,
+            trainings: Vec::new(),
             estimator,
             observer,
             cancel,
@@ -207,6 +224,7 @@ impl<'a> Run<'a> {
             model.state = state;
         }
         self.chosen = checkpoint.chosen;
+        self.trainings = checkpoint.trainings;
         self.generations = checkpoint.generations.unwrap_or(self.generations);
         if let Some(limit) = &mut self.limit {
             limit.resume(checkpoint.spent_s);
@@ -221,6 +239,7 @@ impl<'a> Run<'a> {
             chosen: self.chosen.clone(),
             generations: self.limit.as_ref().map(|_| self.generations),
             spent_s: self.limit.as_ref().map_or(0.0, TimeLimit::spent_s),
+            trainings: self.trainings.clone(),
         };
         let checkpoint = checkpoint.to_bytes(&self.identity)?;
         self.observer.checkpoint(checkpoint).map_err(Error::Observer)

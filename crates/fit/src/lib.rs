@@ -31,4 +31,4 @@ mod validation;
 mod warnings;
 
 pub use error::Error;
-pub use job::{FitJob, Outcome};
+pub use job::{FitJob, Look, OpenRasteriser, Outcome};

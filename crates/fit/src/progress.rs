@@ -11,7 +11,7 @@ const GRADIENT_COST: f64 = 5.0;
 /// Share of the work on the twin that evaluation takes.
 const EVALUATION_SHARE: f64 = 0.02;
 /// Share of the job that the training of Gaussians takes, where there is one.
-const APPEARANCE_SHARE: f64 = 0.5;
+pub(crate) const APPEARANCE_SHARE: f64 = 0.5;
 
 /// The planned work of a fit, to estimate progress by.
 pub(crate) struct ProgressEstimator {

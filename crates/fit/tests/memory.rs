@@ -76,7 +76,8 @@ fn a_fit_takes_no_more_than_estimated_and_not_far_less() {
     let backend: Arc<dyn Backend> = bendtwin_engine::cpu_with_threads(2);
     let estimated = memory::check(&capture, &settings, &*backend, u64::MAX).unwrap();
     let before = peak();
-    let job = FitJob { capture: &capture, capture_digest: String::new(), settings, backend };
+    let job =
+        FitJob { capture: &capture, capture_digest: String::new(), settings, backend, look: None };
     let twin = job.run(None, &mut (), &CancelToken::default()).unwrap().twin;
     assert!(twin.graph.springs.len() > 10_000, "{}", twin.graph.springs.len());
     let taken = peak();

@@ -28,6 +28,7 @@ fn fit(scene: Scene, bending: bool) -> Twin {
         capture_digest: digest(&capture),
         settings,
         backend: bendtwin_engine::cpu(),
+        look: None,
     };
     job.run(None, &mut (), &CancelToken::default()).unwrap().twin
 }

@@ -12,6 +12,7 @@ use std::{
 
 use bendtwin_core::{CancelToken, Progress};
 use bendtwin_engine::Backend;
+use bendtwin_fit::OpenRasteriser;
 
 use crate::{
     Error, Plan,
@@ -43,6 +44,15 @@ pub enum Event<'a> {
     Interrupted(&'a RunId),
 }
 
+/// What runs are computed on.
+#[derive(Clone)]
+pub struct Devices {
+    /// Backends, each with one run at a time.
+    pub backends: Vec<Arc<dyn Backend>>,
+    /// Opens a rasteriser for the images of raw recordings.
+    pub rasteriser: OpenRasteriser,
+}
+
 /// Numbers of runs by result.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Summary {
@@ -69,7 +79,7 @@ impl Plan<'_> {
     /// If the folder cannot be written to; then the token is cancelled, too.
     pub fn run(
         &mut self,
-        backends: &[Arc<dyn Backend>],
+        devices: &Devices,
         cancel: &CancelToken,
         tell: &mut dyn FnMut(Event<'_>),
     ) -> Result<Summary, Error> {
@@ -80,10 +90,12 @@ impl Plan<'_> {
         let mut broken = None;
         let mut records = Vec::new();
         thread::scope(|scope| {
-            for backend in backends {
+            let rasteriser = &devices.rasteriser;
+            for backend in &devices.backends {
                 let (sender, next, work) = (sender.clone(), &next, &work);
                 scope.spawn(move || {
-                    let context = RunContext { folder, backend, checkpoint_every, cancel };
+                    let context =
+                        RunContext { folder, backend, rasteriser, checkpoint_every, cancel };
                     while !cancel.is_cancelled() {
                         let index = next.fetch_add(1, Ordering::Relaxed);
                         let Some(run) = work.get(index) else { break };

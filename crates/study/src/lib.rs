@@ -24,10 +24,10 @@ mod table;
 
 pub use command::Invocation;
 pub use error::Error;
-pub use execute::{Event, Summary};
+pub use execute::{Devices, Event, Summary};
 pub use folder::Folder;
 pub use picture::draw_pictures;
-pub use plan::{Plan, PlanOptions, Read};
+pub use plan::{Captured, Plan, PlanOptions, Read};
 pub use record::{Finished, GraphCounts, Losses, Outcome, Record};
 pub use suite::{CaptureEntry, Comparison, Configuration, Reference, RunId, Selection, Suite};
 pub use table::{Difference, Failure, Figure, Figures, Kind, Row, Size, Table};

@@ -32,14 +32,24 @@ pub struct PlanOptions {
     pub checkpoint_every: Duration,
 }
 
+/// A capture, and the views of its cameras if it is a raw recording.
+#[derive(Debug)]
+pub struct Captured {
+    /// The capture.
+    pub capture: Capture,
+    /// Views of its first recording.
+    pub views: Option<Views>,
+}
+
 /// Reader of the capture at a path; the fault is the reason why it cannot be fitted.
-pub type Read<'r> = dyn Fn(&Path) -> Result<Capture, Fault> + 'r;
+pub type Read<'r> = dyn Fn(&Path) -> Result<Captured, Fault> + 'r;
 
 /// A capture as it was read.
 #[derive(Debug)]
 pub(crate) struct Source {
     pub(crate) path: PathBuf,
     pub(crate) capture: Result<Capture, Fault>,
+    pub(crate) views: Option<Views>,
     /// Empty if it could not be read.
     pub(crate) digest: String,
 }
@@ -147,12 +157,15 @@ impl<'a> Plan<'a> {
 
 impl Source {
     fn new(path: PathBuf, read: &Read<'_>) -> Result<Self, Error> {
-        let capture = read(&path);
+        let (capture, views) = match read(&path) {
+            Ok(captured) => (Ok(captured.capture), captured.views),
+            Err(fault) => (Err(fault), None),
+        };
         if capture.as_ref().is_err_and(|fault| fault.category == Category::Cancelled) {
             return Err(Error::Cancelled);
         }
         let digest = capture.as_ref().map(bendtwin_capture::digest).unwrap_or_default();
-        Ok(Self { path, capture, digest })
+        Ok(Self { path, capture, views, digest })
     }
 }
 

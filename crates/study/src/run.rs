@@ -35,6 +35,7 @@ pub(crate) struct PendingRun {
 pub(crate) struct RunContext<'a> {
     pub(crate) folder: &'a Folder,
     pub(crate) backend: &'a Arc<dyn Backend>,
+    pub(crate) rasteriser: &'a OpenRasteriser,
     pub(crate) checkpoint_every: Duration,
     pub(crate) cancel: &'a CancelToken,
 }
@@ -99,6 +100,11 @@ impl PendingRun {
             capture_digest: self.source.digest.clone(),
             settings: self.settings.clone(),
             backend: context.backend.clone(),
+            look: self
+                .source
+                .views
+                .as_ref()
+                .map(|views| Look { views, rasteriser: context.rasteriser.clone() }),
         };
         let mut from = Resumption::find(context.folder, &self.id, &self.digest);
         loop {

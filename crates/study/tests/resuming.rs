@@ -3,10 +3,11 @@
 use std::{path::Path, sync::Arc, time::Duration};
 
 use bendtwin_capture::{Limits, write_bundle_file};
-use bendtwin_core::{CancelToken, Capture, Fault, Problem};
-use bendtwin_engine::{Backend, cpu_with_threads};
+use bendtwin_core::{CancelToken, Fault, Problem};
+use bendtwin_engine::cpu_with_threads;
 use bendtwin_study::{
-    Event, Folder, Invocation, Plan, PlanOptions, Suite, Summary, Table, draw_pictures,
+    Captured, Devices, Event, Folder, Invocation, Plan, PlanOptions, Suite, Summary, Table,
+    draw_pictures,
 };
 use bendtwin_synth::{MakeOptions, Scene, make};
 
@@ -51,12 +52,16 @@ fn options() -> PlanOptions {
     }
 }
 
-fn read(path: &Path) -> Result<Capture, Fault> {
-    bendtwin_capture::read(path, &Limits::default()).map_err(|error| error.fault())
+fn read(path: &Path) -> Result<Captured, Fault> {
+    let capture = bendtwin_capture::read(path, &Limits::default()).map_err(|e| e.fault())?;
+    Ok(Captured { capture, views: None })
 }
 
-fn backends(count: usize) -> Vec<Arc<dyn Backend>> {
-    (0..count).map(|_| cpu_with_threads(1)).collect()
+fn devices(count: usize) -> Devices {
+    Devices {
+        backends: (0..count).map(|_| cpu_with_threads(1)).collect(),
+        rasteriser: Arc::new(|| Ok(Box::new(bendtwin_splat::Cpu::default()))),
+    }
 }
 
 /// The table, times apart.
@@ -75,7 +80,7 @@ fn an_interrupted_suite_ends_in_the_same_table() {
     let whole = {
         let folder = Folder::open(&place.path().join("whole")).unwrap();
         let mut plan = Plan::new(&suite, &folder, options(), &read).unwrap();
-        let summary = plan.run(&backends(2), &CancelToken::default(), &mut |_| {}).unwrap();
+        let summary = plan.run(&devices(2), &CancelToken::default(), &mut |_| {}).unwrap();
         // The fits of the broken capture fail, and the hopeless one of the rope at least.
         assert_eq!((summary.finished + summary.failed, summary.left), (9, 0));
         assert!(summary.failed >= 4 && summary.finished >= 4, "{summary:?}");

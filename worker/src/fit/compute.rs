@@ -5,7 +5,7 @@ use std::sync::Arc;
 use bendtwin_core::{
     Fault, FitSettings, Observer, ObserverError, Problem as _, Progress, Stage, Twin,
 };
-use bendtwin_fit::FitJob;
+use bendtwin_fit::{FitJob, Look, OpenRasteriser};
 use bendtwin_proto::worker::v1::Lease;
 use bytes::Bytes;
 use tempfile::NamedTempFile;
@@ -53,6 +53,7 @@ impl Compute {
         self,
         inputs: Inputs,
         device: &Device,
+        rasteriser: OpenRasteriser,
         limits: &Limits,
     ) -> Result<Finished, Fault> {
         let Inputs { lease, mut settings, start, observation, checkpoint } = inputs;
@@ -66,6 +67,7 @@ impl Compute {
         let reading = Limits { capture_bytes, ..*limits };
         let read = observation::read(observation.path(), &reading);
         let mut capture = read.map_err(|e| e.fault())?;
+        let views = observation::read_views(observation.path(), &reading).map_err(|e| e.fault())?;
         // It may be gigabytes, and everything is in memory now.
         drop(observation);
         // People may have given the capture a name since it was recorded.
@@ -83,6 +85,7 @@ impl Compute {
             capture_digest: bendtwin_capture::digest(&capture),
             settings,
             backend,
+            look: views.as_ref().map(|views| Look { views, rasteriser }),
         };
         let token = self.stop.token().clone();
         let mut observer = JobObserver { compute: self, stage_ended: false };

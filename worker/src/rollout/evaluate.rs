@@ -4,10 +4,12 @@
 use std::sync::Arc;
 
 use bendtwin_core::{
-    Point, Twin,
+    Capture, Point, Quality, Twin,
     ids::{CaptureId, InvalidName, TwinId},
 };
-use bendtwin_eval::{EvaluateOptions, Motion, Scale, assess, evaluate, evaluate_with_motion};
+use bendtwin_eval::{
+    EvaluateOptions, Motion, Scale, assess, evaluate, evaluate_with_motion, is_own_capture,
+};
 use bendtwin_proto::{
     v1::{Evaluation, PredictedMotion, Tensor},
     worker::v1::ExecuteEvaluateTwinRequest,
@@ -21,6 +23,17 @@ use crate::device::Priority;
 
 /// Most bytes of the positions of a motion.
 const MOTION_BYTES: usize = 16 << 20;
+
+/// Takes over how the renderings of a twin looked beside its own recording when it was fitted: images
+/// are not at hand.
+fn keep_rendered(quality: &mut Quality, twin: &Twin, recording: &Capture) {
+    if is_own_capture(twin, recording) {
+        for row in &mut quality.scores {
+            let own = twin.quality.score(row.predictor);
+            row.rendered = own.and_then(|score| score.rendered.clone());
+        }
+    }
+}
 
 impl Inner {
     /// Answers an evaluation.
@@ -54,6 +67,7 @@ impl Inner {
                     (quality, motion.map(|motion| packed(index, &motion)))
                 }
             };
+            keep_rendered(&mut quality, twin, &recording);
             let scale = Scale::of_nodes(&warm.twin.graph.rest_positions);
             quality.assessment = Some(assess(&quality, scale));
             Ok((quality, motion))

@@ -5,7 +5,7 @@ use std::{sync::Arc, time::Duration};
 use bendtwin_client::JobProgress;
 use bendtwin_core::{CancelToken, Capture, FitSettings, Observer, Progress, Twin};
 use bendtwin_engine::Backend;
-use bendtwin_fit::FitJob;
+use bendtwin_fit::{FitJob, Look};
 
 use crate::{failure, progress::FitBar};
 
@@ -20,6 +20,7 @@ pub(super) fn fit(
     capture: &Capture,
     settings: FitSettings,
     start: Option<&Twin>,
+    look: Option<Look<'_>>,
     backend: &Arc<dyn Backend>,
     cancel: &CancelToken,
     quiet: bool,
@@ -30,6 +31,7 @@ pub(super) fn fit(
         capture_digest: bendtwin_capture::digest(capture),
         settings,
         backend: Arc::clone(backend),
+        look,
     };
     let outcome = match start {
         Some(twin) => job.refine(twin, None, &mut bar, cancel),

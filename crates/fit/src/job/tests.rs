@@ -24,7 +24,7 @@ fn settings(window: GradientWindow) -> FitSettings {
 
 fn job(capture: &Capture, settings: FitSettings) -> FitJob<'_> {
     let backend = bendtwin_engine::cpu_with_threads(2);
-    FitJob { capture, capture_digest: "digest".into(), settings, backend }
+    FitJob { capture, capture_digest: "digest".into(), settings, backend, look: None }
 }
 
 /// Keeps everything, and stops or cancels after so many checkpoints.
@@ -249,7 +249,8 @@ fn gravity_is_searched_if_the_settings_say_so() {
     let fit = |settings: &FitSettings| {
         let backend = bendtwin_engine::cpu_with_threads(1);
         let settings = settings.clone();
-        let job = FitJob { capture: &capture, capture_digest: "d".into(), settings, backend };
+        let job =
+            FitJob { capture: &capture, capture_digest: "d".into(), settings, backend, look: None };
         job.run(None, &mut (), &CancelToken::default()).unwrap().twin
     };
     let twin = fit(&settings);

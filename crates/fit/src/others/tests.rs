@@ -122,7 +122,13 @@ fn several_recordings_make_one_twin_of_the_reference() {
     let run = |checkpoint: Option<&[u8]>, kept: &mut Vec<Vec<u8>>| {
         let backend = cpu_with_threads(2);
         let settings = settings();
-        let job = FitJob { capture: &capture, capture_digest: "digest".into(), settings, backend };
+        let job = FitJob {
+            capture: &capture,
+            capture_digest: "digest".into(),
+            settings,
+            backend,
+            look: None,
+        };
         job.run(checkpoint, &mut Keeper(kept), &CancelToken::default()).unwrap().twin
     };
     let mut checkpoints = Vec::new();
@@ -244,6 +250,7 @@ fn a_twin_is_refined_in_another_recording() {
         capture_digest: "digest".into(),
         settings: settings.clone(),
         backend: cpu_with_threads(2),
+        look: None,
     };
     let cancel = CancelToken::default();
     let twin = job(&first, &settings).run(None, &mut (), &cancel).unwrap().twin;
@@ -285,6 +292,7 @@ fn a_cable_is_refined_point_by_point() {
         capture_digest: "digest".into(),
         settings,
         backend: cpu_with_threads(2),
+        look: None,
     };
     let cancel = CancelToken::default();
     let twin = job.run(None, &mut (), &cancel).unwrap().twin;

@@ -108,7 +108,13 @@ fn settings(passes: u32) -> FitSettings {
 fn a_gradient_that_is_not_finite_takes_no_step() {
     let capture = make(Scene::Rope, &MakeOptions::tiny(2)).unwrap();
     let (settings, backend) = (settings(2), Arc::new(Watched::new(true)));
-    let job = FitJob { capture: &capture, capture_digest: "digest".into(), settings, backend };
+    let job = FitJob {
+        capture: &capture,
+        capture_digest: "digest".into(),
+        settings,
+        backend,
+        look: None,
+    };
     let mut passes = Passes::default();
     job.run(None, &mut passes, &CancelToken::default()).unwrap();
     assert_eq!(passes.0.len(), 2);
@@ -140,6 +146,7 @@ fn the_best_loss_is_the_twins() {
             capture_digest: digest,
             settings: of,
             backend: backend.clone(),
+            look: None,
         };
         let (mut seen, cancel) = (Passes::default(), CancelToken::default());
         let twin = job.run(None, &mut seen, &cancel).unwrap().twin;
@@ -162,7 +169,13 @@ fn gradients_reach_as_far_as_the_settings_say() {
         let (mut settings, backend) = (settings(1), Watched::new(false));
         settings.refine.reach = reach;
         let (cut_every, backend) = (backend.cut_every.clone(), Arc::new(backend));
-        let job = FitJob { capture: &capture, capture_digest: "digest".into(), settings, backend };
+        let job = FitJob {
+            capture: &capture,
+            capture_digest: "digest".into(),
+            settings,
+            backend,
+            look: None,
+        };
         job.run(None, &mut (), &CancelToken::default()).unwrap();
         assert_eq!(cut_every.load(Ordering::Relaxed), reach as usize);
     }
@@ -178,7 +191,13 @@ fn a_pass_of_one_step_needs_no_rollout_beside() {
         let mut settings = settings(4);
         settings.refine.window = window;
         let backend = Arc::new(backend);
-        let job = FitJob { capture: &capture, capture_digest: "digest".into(), settings, backend };
+        let job = FitJob {
+            capture: &capture,
+            capture_digest: "digest".into(),
+            settings,
+            backend,
+            look: None,
+        };
         let mut before_the_end = Counting { scored, after_passes: Vec::new() };
         job.run(None, &mut before_the_end, &CancelToken::default()).unwrap();
         before_the_end.after_passes

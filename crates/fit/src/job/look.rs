@@ -1,0 +1,250 @@
+//! The stage after the fit: colours and Gaussians of its twins from the views of the recording, and
+//! how their renderings look beside it. A twin without them predicts as well, so a fault here is a
+//! warning.
+
+use std::sync::Arc;
+
+use bendtwin_appearance::{
+    Dressed, Motion, Scene, Training, TrainingOptions, of_skin, score, skin_colors,
+};
+use bendtwin_core::{
+    Appearance, CancelToken, Capture, FitSettings, Splats, Stage, Twin, Views,
+    quality::RenderedScore,
+};
+use bendtwin_engine::Backend;
+use bendtwin_eval::{Trajectory, predict};
+use bendtwin_splat::Rasteriser;
+
+use super::{Outcome, Run};
+use crate::{Error, model_fit::model_name, progress::ModelProgress};
+
+/// Steps of a training between two reports of its progress.
+const REPORT_EVERY: u32 = 25;
+
+/// Opens a rasteriser, or says why it cannot be.
+pub type OpenRasteriser = Arc<dyn Fn() -> Result<Box<dyn Rasteriser>, String> + Send + Sync>;
+
+/// What the look of a twin is made of.
+#[derive(Clone)]
+pub struct Look<'a> {
+    /// Views of the capture's first recording.
+    pub views: &'a Views,
+    /// Opens the rasteriser that draws them.
+    pub rasteriser: OpenRasteriser,
+}
+
+/// The end of work on a look.
+enum Fault {
+    /// It cannot be made.
+    Look(bendtwin_appearance::Error),
+    /// The fit must end.
+    Fit(Error),
+}
+
+impl From<bendtwin_appearance::Error> for Fault {
+    fn from(error: bendtwin_appearance::Error) -> Self {
+        Self::Look(error)
+    }
+}
+
+impl From<Error> for Fault {
+    fn from(error: Error) -> Self {
+        Self::Fit(error)
+    }
+}
+
+impl Look<'_> {
+    /// Likeness of the renderings of a twin to the recording that it was fitted to: of its Gaussians,
+    /// else of its coloured skin. None if it has neither.
+    ///
+    /// # Errors
+    /// If the twin does not fit the capture, on cancellation, or if backend or rasteriser fail.
+    pub fn score(
+        &self,
+        twin: &Twin,
+        capture: &Capture,
+        backend: &dyn Backend,
+        per_frame: bool,
+        cancel: &CancelToken,
+    ) -> Result<Option<RenderedScore>, Error> {
+        let Some(appearance) = &twin.appearance else { return Ok(None) };
+        let Some(predicted) = Predicted::new(twin, capture, backend, cancel)? else {
+            return Ok(None);
+        };
+        let own = |settings: &FitSettings| settings.appearance.held_out_cameras.clone();
+        let held_out = twin.provenance.settings.as_ref().map(own).unwrap_or_default();
+        let open = (self.rasteriser)();
+        let mut rasteriser = open.map_err(|why| bendtwin_appearance::Error::Device(why))?;
+        let drawn = match &appearance.splats {
+            Some(splats) => splats,
+            None => &of_skin(twin, &appearance.skin_colors),
+        };
+        let dressed = Dressed::new(&twin.graph, drawn)?;
+        let scene = Scene {
+            dressed: &dressed,
+            motion: predicted.motion(),
+            views: self.views,
+            held_out: &held_out,
+        };
+        Ok(score(&scene, &mut *rasteriser, per_frame, &mut || !cancel.is_cancelled())?)
+    }
+}
+
+/// The predicted motion of a capture's first sequence.
+struct Predicted {
+    trajectory: Trajectory,
+    train_frame_count: usize,
+}
+
+impl Predicted {
+    fn new(
+        twin: &Twin,
+        capture: &Capture,
+        backend: &dyn Backend,
+        cancel: &CancelToken,
+    ) -> Result<Option<Self>, Error> {
+        let trajectory = predict(backend, twin, capture, cancel)?.into_iter().next();
+        let sequence = capture.sequences.first();
+        Ok(trajectory.zip(sequence).map(|(trajectory, sequence)| Self {
+            trajectory,
+            train_frame_count: sequence.train_frame_count,
+        }))
+    }
+
+    fn motion(&self) -> Motion<'_> {
+        Motion {
+            start_frame: self.trajectory.start_frame,
+            node_count: self.trajectory.node_count,
+            positions: &self.trajectory.positions,
+            train_frame_count: self.train_frame_count,
+        }
+    }
+}
+
+impl Run<'_> {
+    /// Gives the twins of an outcome their looks and measures these, if there are views.
+    pub(super) fn dress(&mut self, outcome: &mut Outcome) -> Result<(), Error> {
+        let job = self.job;
+        let Some(look) = &job.look else { return Ok(()) };
+        let mut rasteriser = match (look.rasteriser)() {
+            Ok(rasteriser) => rasteriser,
+            Err(error) => {
+                warn(&mut outcome.twin, &error);
+                return Ok(());
+            }
+        };
+        let mut axial_score = None;
+        let twins = std::iter::once(&mut outcome.twin).chain(&mut outcome.axial);
+        for (index, twin) in twins.enumerate() {
+            let rendered = match self.dress_one(index, look, twin, &mut *rasteriser) {
+                Ok(rendered) => rendered,
+                Err(Fault::Fit(error)) => return Err(error),
+                Err(Fault::Look(error)) => {
+                    warn(twin, &error.to_string());
+                    continue;
+                }
+            };
+            if let Some(own) = twin.quality.scores.first_mut() {
+                own.rendered.clone_from(&rendered);
+            }
+            if index == 1 {
+                axial_score = rendered;
+            }
+        }
+        // The axial row of the twin's own table.
+        if let (Some(axial), Some(rendered)) = (&outcome.axial, axial_score) {
+            let predictor = axial.quality.scores.first().map(|s| s.predictor);
+            let rows = outcome.twin.quality.scores.iter_mut();
+            for row in rows.filter(|row| Some(row.predictor) == predictor) {
+                row.rendered = Some(rendered.clone());
+            }
+        }
+        Ok(())
+    }
+
+    fn dress_one(
+        &mut self,
+        index: usize,
+        look: &Look<'_>,
+        twin: &mut Twin,
+        rasteriser: &mut dyn Rasteriser,
+    ) -> Result<Option<RenderedScore>, Fault> {
+        let (job, cancel) = (self.job, self.cancel);
+        let predicted = Predicted::new(twin, job.capture, &*job.backend, cancel)?;
+        let Some(predicted) = predicted else { return Ok(None) };
+        let motion = predicted.motion();
+        let settings = self.task.settings.appearance.clone();
+        let skin_colors = skin_colors(twin, &motion, look.views, &settings.held_out_cameras)?;
+        let splats = match settings.gaussians.unwrap_or_default() {
+            0 => None,
+            _ => Some(self.train(index, look, twin, motion, &skin_colors, rasteriser)?),
+        };
+        let drawn = splats.clone().unwrap_or_else(|| of_skin(twin, &skin_colors));
+        let dressed = Dressed::new(&twin.graph, &drawn)?;
+        let held_out = &settings.held_out_cameras;
+        let scene = Scene { dressed: &dressed, motion, views: look.views, held_out };
+        let rendered = score(&scene, rasteriser, false, &mut || !cancel.is_cancelled())?;
+        self.check_cancelled()?;
+        twin.appearance = Some(Appearance { skin_colors, splats });
+        Ok(rendered)
+    }
+
+    /// Trains the Gaussians of a twin, from its checkpoint if there is one.
+    fn train(
+        &mut self,
+        index: usize,
+        look: &Look<'_>,
+        twin: &Twin,
+        motion: Motion<'_>,
+        colors: &[[u8; 3]],
+        rasteriser: &mut dyn Rasteriser,
+    ) -> Result<Splats, Fault> {
+        let settings = &self.task.settings.appearance;
+        let options = TrainingOptions {
+            gaussians: settings.gaussians.unwrap_or_default() as usize,
+            steps: settings.steps,
+            isotropic: settings.isotropic,
+            max_frames: settings.max_frames,
+            held_out: settings.held_out_cameras.clone(),
+            seed: self.task.settings.seed,
+        };
+        let (steps, bending) = (options.steps, self.models[0].bending && index == 0);
+        let mut training = Training::new(twin, motion, look.views, colors, options)?;
+        if let Some(checkpoint) = self.trainings.get(index) {
+            training.restore(checkpoint)?;
+        }
+        let mut best = None;
+        while !training.is_done() && !self.is_out_of_time() {
+            self.check_cancelled()?;
+            let step = training.step(rasteriser)?;
+            best = Some(best.map_or(step.loss, |least: f64| least.min(step.loss)));
+            if step.done.is_multiple_of(REPORT_EVERY) || step.done == steps {
+                self.report(ModelProgress {
+                    model: model_name(bending).to_owned(),
+                    stage: Stage::Appearance,
+                    iteration: index as u32 * steps + step.done,
+                    loss: Some(step.loss),
+                    best_loss: best,
+                    note: None,
+                });
+            }
+            if step.settled || step.done == steps {
+                self.trainings.truncate(index);
+                self.trainings.push(training.checkpoint()?);
+                self.keep()?;
+            }
+        }
+        Ok(training.splats())
+    }
+
+    /// True if the user's time is up.
+    fn is_out_of_time(&self) -> bool {
+        let limit_s = self.task.settings.within_s;
+        let spent_s = self.limit.as_ref().map(crate::time_limit::TimeLimit::spent_s);
+        limit_s.zip(spent_s).is_some_and(|(limit_s, spent_s)| spent_s > limit_s)
+    }
+}
+
+fn warn(twin: &mut Twin, why: &str) {
+    twin.quality.warnings.push(format!("the twin has no appearance: {why}"));
+}
