@@ -102,7 +102,8 @@ pub(super) fn back_tile(
         let window = Window::of(splat, origin);
         let mut moments = Moments::default();
         for row in window.rows.clone() {
-            for half in window.halves.clone() {
+            let (from, end) = window.chunks(row);
+            for half in from..end {
                 let k = row * ROW + half;
                 if !transmittance.is_open(k) {
                     continue;
