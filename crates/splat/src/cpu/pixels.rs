@@ -89,10 +89,8 @@ impl Window {
     /// Distances of a chunk's pixels from the centre: columns, and rows [px].
     #[inline(always)]
     pub(super) fn distances(&self, row: usize, half: usize) -> (Chunk, f32) {
-        let mut dx = [0.0; LANES];
-        for (l, dx) in dx.iter_mut().enumerate() {
-            *dx = (half * LANES + l) as f32 - self.center[0];
-        }
+        let first = (half * LANES) as f32 - self.center[0];
+        let dx = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0].map(|l| first + l);
         (dx, row as f32 - self.center[1])
     }
 }
