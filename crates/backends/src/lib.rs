@@ -1,5 +1,5 @@
-//! The choice of the backend, and how it is opened. The only crate that knows more than one
-//! backend: workers and all commands with physics in them open theirs here.
+//! The choice of the backend, and how it is opened; the same of the rasteriser. The only crate that
+//! knows more than one of them: workers and all commands with physics in them open theirs here.
 
 use std::{
     panic::{AssertUnwindSafe, catch_unwind},
@@ -10,6 +10,7 @@ use std::{
 
 use bendtwin_core::{Category, Problem, error::panic_text};
 use bendtwin_engine::{self as engine, Backend};
+use bendtwin_splat::{self as splat, Rasteriser};
 
 /// Choice of the backend.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -82,27 +83,44 @@ impl Problem for Error {
 /// # Errors
 /// If CUDA was asked for and cannot be used.
 pub fn open(options: &Options) -> Result<Arc<dyn Backend>, Error> {
-    let cuda = || {
-        bendtwin_cuda::cuda(&bendtwin_cuda::Options {
-            ordinal: options.device,
-            cache_dir: options.kernel_dir.clone(),
-            memory_limit: options.device_memory,
-            ..bendtwin_cuda::Options::default()
-        })
-    };
+    let cuda = || bendtwin_cuda::cuda(&options.cuda());
     choose(options.choice, cuda, || engine::cpu())
 }
 
-fn choose(
+/// Opens the rasteriser on the device that was chosen, like [`open`].
+///
+/// # Errors
+/// If CUDA was asked for and cannot be used.
+pub fn rasteriser(options: &Options) -> Result<Box<dyn Rasteriser>, Error> {
+    let cuda = || match bendtwin_cuda::CudaRasteriser::new(&options.cuda()) {
+        Ok(rasteriser) => Ok(Box::new(rasteriser) as Box<dyn Rasteriser>),
+        Err(splat::Error::Device(why)) => Err(engine::Error::Device(why)),
+        Err(other) => Err(engine::Error::Device(other.to_string())),
+    };
+    choose(options.choice, cuda, || Box::new(splat::Cpu::default()))
+}
+
+impl Options {
+    fn cuda(&self) -> bendtwin_cuda::Options {
+        bendtwin_cuda::Options {
+            ordinal: self.device,
+            cache_dir: self.kernel_dir.clone(),
+            memory_limit: self.device_memory,
+            ..bendtwin_cuda::Options::default()
+        }
+    }
+}
+
+fn choose<T>(
     choice: Choice,
-    cuda: impl FnOnce() -> Result<Arc<dyn Backend>, engine::Error>,
-    cpu: impl FnOnce() -> Arc<dyn Backend>,
-) -> Result<Arc<dyn Backend>, Error> {
+    cuda: impl FnOnce() -> Result<T, engine::Error>,
+    cpu: impl FnOnce() -> T,
+) -> Result<T, Error> {
     let refusal = match choice {
         Choice::Cpu => return Ok(cpu()),
         // A driver without a function that is looked for ends in a panic.
         Choice::Auto | Choice::Cuda => match caught(cuda) {
-            Ok(backend) => return Ok(backend),
+            Ok(opened) => return Ok(opened),
             Err(engine::Error::Device(why)) => why,
             Err(other) => other.to_string(),
         },

@@ -40,6 +40,12 @@ fn cuda_is_preferred_and_the_cpu_never_asks_for_it() {
 }
 
 #[test]
+fn a_rasteriser_of_the_cpu_needs_no_device() {
+    let options = Options { choice: Choice::Cpu, ..Options::default() };
+    assert_eq!(rasteriser(&options).unwrap().name(), "CPU");
+}
+
+#[test]
 fn names_are_read() {
     for choice in [Choice::Auto, Choice::Cpu, Choice::Cuda] {
         assert_eq!(choice.to_string().parse(), Ok(choice));

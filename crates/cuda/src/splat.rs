@@ -52,6 +52,7 @@ fn failed(error: bendtwin_engine::Error) -> Error {
         bendtwin_engine::Error::OutOfMemory { needed, available } => {
             Error::OutOfMemory { needed, available }
         }
+        bendtwin_engine::Error::Device(why) => Error::Device(why),
         other => Error::Device(other.to_string()),
     }
 }

@@ -153,8 +153,8 @@ impl Carried {
         self.means_m.is_empty()
     }
 
-    /// Gaussians of the frame, from those at rest. Where training has moved a mean away from the
-    /// bound one, the difference turns with the Gaussian.
+    /// Gaussians of the frame, from those at rest. The difference between a mean and the bound one,
+    /// which training makes, turns with the Gaussian.
     ///
     /// # Errors
     /// [`Error::Lengths`] if there are not as many as were bound.

@@ -11,7 +11,7 @@ mod forward;
 mod pixels;
 mod projection;
 
-use pulp::Arch;
+use pulp::{Arch, Simd, WithSimd};
 use rayon::prelude::*;
 
 use self::{
@@ -46,7 +46,7 @@ impl Frame {
     fn new(gaussians: &Gaussians, camera: &Camera) -> Result<Self, Error> {
         let bins = Bins::new(gaussians, camera)?;
         let arch = Arch::new();
-        let of_tile = |tile: &Tile| arch.dispatch(|| render_tile(&bins, tile, camera));
+        let of_tile = |tile: &Tile| arch.dispatch(RenderTile { bins: &bins, tile, camera });
         let images = bins.tiles.par_iter().map(of_tile).collect();
         Ok(Self { gaussians: gaussians.clone(), camera: *camera, bins, images })
     }
@@ -84,7 +84,7 @@ impl Frame {
         let arch = Arch::new();
         let work = bins.tiles.par_iter().zip(&self.images).zip(parts);
         work.for_each(|((tile, image), out)| {
-            arch.dispatch(|| back_tile(bins, tile, &self.camera, image, bar, out));
+            arch.dispatch(BackTile { bins, tile, camera: &self.camera, image, bar, out });
         });
 
         let of_splat = |s: usize| {
@@ -106,6 +106,42 @@ impl Frame {
             out.screen[i] = splat.center[0].hypot(splat.center[1]);
         }
         out
+    }
+}
+
+/// Work on a tile, compiled for whatever vector instructions the processor has. A closure would not
+/// be: it is compiled by itself.
+struct RenderTile<'a> {
+    bins: &'a Bins,
+    tile: &'a Tile,
+    camera: &'a Camera,
+}
+
+impl WithSimd for RenderTile<'_> {
+    type Output = TileImage;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) -> TileImage {
+        render_tile(self.bins, self.tile, self.camera)
+    }
+}
+
+/// The adjoint of it.
+struct BackTile<'a> {
+    bins: &'a Bins,
+    tile: &'a Tile,
+    camera: &'a Camera,
+    image: &'a TileImage,
+    bar: &'a ImageBar,
+    out: &'a mut [SplatBar],
+}
+
+impl WithSimd for BackTile<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        back_tile(self.bins, self.tile, self.camera, self.image, self.bar, self.out);
     }
 }
 

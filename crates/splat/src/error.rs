@@ -63,7 +63,7 @@ pub enum Error {
     #[error("{0}")]
     Carrier(String),
     /// A device failed, or there is none.
-    #[error("{0}")]
+    #[error("the compute device failed: {0}")]
     Device(String),
     /// A device has too little memory.
     #[error(

@@ -10,7 +10,7 @@ use crate::{rust_code::code_only, workspace};
 /// Crates that talk to a network or wait for one.
 const NETWORK: [&str; 7] = ["tokio", "tonic", "hyper", "axum", "reqwest", "object_store", "quinn"];
 const DATABASE: [&str; 5] = ["sqlx", "sqlx-core", "rusqlite", "libsqlite3-sys", "bendtwin-store"];
-const PHYSICS: [&str; 18] = [
+const PHYSICS: [&str; 19] = [
     "bendtwin-backends",
     "bendtwin-bench",
     "bendtwin-capture",
@@ -27,6 +27,7 @@ const PHYSICS: [&str; 18] = [
     "bendtwin-mesh",
     "bendtwin-picture",
     "bendtwin-register",
+    "bendtwin-splat",
     "bendtwin-study",
     "bendtwin-synth",
 ];
@@ -62,7 +63,7 @@ struct Rule {
     never: &'static [&'static [&'static str]],
 }
 
-const RULES: [Rule; 10] = [
+const RULES: [Rule; 11] = [
     Rule {
         of: &["bendtwin-server", "bendtwin-store"],
         because: "the control plane knows no physics",
@@ -119,6 +120,17 @@ const RULES: [Rule; 10] = [
         of: &["bendtwin-register"],
         because: "registration takes points, from wherever they come",
         never: &[
+            &CAPTURE_READERS,
+            &NETWORK,
+            &DATABASE,
+            &["bendtwin-proto", "bendtwin-server", "bendtwin-worker"],
+        ],
+    },
+    Rule {
+        of: &["bendtwin-splat"],
+        because: "a rasteriser draws Gaussians, wherever they come from",
+        never: &[
+            &SIMULATION,
             &CAPTURE_READERS,
             &NETWORK,
             &DATABASE,

@@ -4,6 +4,8 @@
 //! the sum over all less what has come so far,
 //! d loss / d alpha_i = T_i q_i - R_i / (1 - alpha_i).
 
+use std::hint::black_box;
+
 use super::{
     bins::{Bins, Tile},
     forward::{TileImage, Transmittance},
@@ -102,7 +104,8 @@ pub(super) fn back_tile(
         let window = Window::of(splat, origin);
         let mut moments = Moments::default();
         for row in window.rows.clone() {
-            for half in window.halves.clone() {
+            let (from, end) = window.chunks(row);
+            for half in from..end {
                 let k = row * ROW + half;
                 if !transmittance.is_open(k) {
                     continue;
@@ -124,7 +127,9 @@ pub(super) fn back_tile(
                 }
             }
         }
-        *out = moments.bar(splat);
+        // Kept in memory while the pixels are added: otherwise the compiler takes the lanes apart for
+        // the sums over them, at every pixel.
+        *out = black_box(&mut moments).bar(splat);
     }
 }
 

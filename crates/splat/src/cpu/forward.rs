@@ -83,7 +83,8 @@ pub(super) fn render_tile(bins: &Bins, tile: &Tile, camera: &Camera) -> TileImag
         let splat = &bins.splats[entry as usize];
         let window = Window::of(splat, origin);
         for row in window.rows.clone() {
-            for half in window.halves.clone() {
+            let (from, end) = window.chunks(row);
+            for half in from..end {
                 let k = row * ROW + half;
                 if !transmittance.is_open(k) {
                     continue;

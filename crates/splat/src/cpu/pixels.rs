@@ -40,12 +40,16 @@ pub(super) fn exp_minus(x: f32) -> f32 {
     f32::from_bits(p.to_bits().wrapping_add(shifted.to_bits() << 23))
 }
 
-/// The part of a tile that a Gaussian can reach: rows and chunks within them.
+/// The part of a tile that a Gaussian can reach.
 pub(super) struct Window {
     pub(super) rows: RangeInclusive<usize>,
-    pub(super) halves: RangeInclusive<usize>,
     /// Centre from the first pixel of the tile [px].
     center: [f32; 2],
+    /// Half the width of its ellipse in the row of the centre, the columns by which its middle
+    /// moves from a row to the next, and the inverse of half its height.
+    half_width: f32,
+    slope: f32,
+    inverse_reach: f32,
 }
 
 impl Window {
@@ -53,22 +57,40 @@ impl Window {
     pub(super) fn of(splat: &Splat, origin: [f32; 2]) -> Self {
         let last = (SIDE - 1) as f32;
         let center = [splat.center[0] - origin[0], splat.center[1] - origin[1]];
-        let range = |k: usize| {
-            let from = (center[k] - splat.reach[k]).ceil().clamp(0.0, last) as usize;
-            let to = (center[k] + splat.reach[k]).floor().clamp(0.0, last) as usize;
-            (from, to)
-        };
-        let (columns, rows) = (range(0), range(1));
-        Self { rows: rows.0..=rows.1, halves: columns.0 / LANES..=columns.1 / LANES, center }
+        let from = (center[1] - splat.reach).ceil().clamp(0.0, last) as usize;
+        let to = (center[1] + splat.reach).floor().clamp(0.0, last) as usize;
+        Self {
+            rows: from..=to,
+            center,
+            half_width: splat.half_width,
+            slope: splat.slope,
+            inverse_reach: 1.0 / splat.reach,
+        }
+    }
+
+    /// Chunks of a row that the ellipse reaches: the first, and the one after the last.
+    #[inline(always)]
+    pub(super) fn chunks(&self, row: usize) -> (usize, usize) {
+        let dy = row as f32 - self.center[1];
+        let share = dy * self.inverse_reach;
+        let square = 1.0 - share * share;
+        let half = self.half_width * (if square > 0.0 { square } else { 0.0 }).sqrt();
+        let middle = self.center[0] + self.slope * dy;
+        // A little more, for the rounding of the inverse.
+        let (from, to) = (middle - half - 1e-3, middle + half + 1e-3);
+        if to < 0.0 || from > (SIDE - 1) as f32 {
+            return (0, 0);
+        }
+        let from = if from > 0.0 { from as usize / LANES } else { 0 };
+        let to = if to < (SIDE - 1) as f32 { to as usize / LANES } else { ROW - 1 };
+        (from, to + 1)
     }
 
     /// Distances of a chunk's pixels from the centre: columns, and rows [px].
     #[inline(always)]
     pub(super) fn distances(&self, row: usize, half: usize) -> (Chunk, f32) {
-        let mut dx = [0.0; LANES];
-        for (l, dx) in dx.iter_mut().enumerate() {
-            *dx = (half * LANES + l) as f32 - self.center[0];
-        }
+        let first = (half * LANES) as f32 - self.center[0];
+        let dx = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0].map(|l| first + l);
         (dx, row as f32 - self.center[1])
     }
 }

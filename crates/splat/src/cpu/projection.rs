@@ -28,8 +28,8 @@ pub(super) struct Splat {
     pub(super) conic: [f32; 3],
     /// Opacity after compensation.
     pub(super) opacity: f32,
-    /// Half the size of the box that contains all with an opacity of [`LEAST_ALPHA`] [px].
-    pub(super) reach: [f32; 2],
+    /// Half the height of the ellipse of all with an opacity of [`LEAST_ALPHA`] [px].
+    pub(super) reach: f32,
     /// Distance of the point of that ellipse with the largest column from the centre, in rows [px].
     pub(super) lean: f32,
     /// Columns by which the middle of the ellipse moves from a row to the next.
@@ -89,6 +89,7 @@ struct Projection {
 
 impl Projection {
     /// `None` in front of the near plane.
+    #[inline(always)]
     fn of(gaussians: &Gaussians, index: usize, camera: &Camera) -> Option<Self> {
         let w = &camera.world_to_camera;
         let mean = gaussians.means_m[index];
@@ -139,6 +140,7 @@ impl Projection {
         self.area / self.determinant.sqrt()
     }
 
+    #[inline(always)]
     fn conic(&self) -> [f32; 3] {
         let [xx, xy, yy] = self.covariance;
         [yy / self.determinant, -xy / self.determinant, xx / self.determinant]
@@ -147,6 +149,7 @@ impl Projection {
 
 /// A Gaussian as pixels need it; `None` where no pixel can see it: in front of the near plane, too
 /// faint, or so large that numbers overflow.
+#[inline(always)]
 pub(super) fn project(gaussians: &Gaussians, index: usize, camera: &Camera) -> Option<Splat> {
     let p = Projection::of(gaussians, index, camera)?;
     let opacity = gaussians.opacities[index] * p.compensation();
@@ -164,7 +167,7 @@ pub(super) fn project(gaussians: &Gaussians, index: usize, camera: &Camera) -> O
         ],
         conic: p.conic(),
         opacity,
-        reach: [(square * xx).sqrt(), (square * yy).sqrt()],
+        reach: (square * yy).sqrt(),
         lean: xy * (square / xx).sqrt(),
         slope: xy / yy,
         half_width: (square * p.determinant / yy).sqrt(),
@@ -240,6 +243,7 @@ pub(super) fn project_adjoint(
 }
 
 /// Matrix of a unit quaternion x, y, z, w.
+#[inline(always)]
 fn matrix([x, y, z, w]: [f32; 4]) -> Matrix {
     [
         [1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y - w * z), 2.0 * (x * z + w * y)],
