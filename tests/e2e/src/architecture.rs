@@ -62,7 +62,7 @@ struct Rule {
     never: &'static [&'static [&'static str]],
 }
 
-const RULES: [Rule; 10] = [
+const RULES: [Rule; 11] = [
     Rule {
         of: &["bendtwin-server", "bendtwin-store"],
         because: "the control plane knows no physics",
@@ -99,6 +99,11 @@ const RULES: [Rule; 10] = [
             &DATABASE,
             &["bendtwin-proto", "bendtwin-server", "bendtwin-worker"],
         ],
+    },
+    Rule {
+        of: &["bendtwin-image-metrics"],
+        because: "images are compared without knowing where they come from",
+        never: &[&NETWORK, &DATABASE, &PHYSICS, &["bendtwin-proto", "bendtwin-core"]],
     },
     Rule {
         of: &["bendtwin-plan"],
