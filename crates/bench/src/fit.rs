@@ -247,7 +247,7 @@ impl Observer<Progress> for StageTimer<'_> {
         match progress.stage {
             Stage::Search => self.search = end(),
             Stage::Refine => self.refine = Some(end()),
-            Stage::Ingest | Stage::Evaluate => {}
+            Stage::Ingest | Stage::Evaluate | Stage::Appearance => {}
         }
         self.initial_loss = self.initial_loss.or(progress.loss);
         // Asked while all that the fit needs is there, and after the clock.

@@ -231,6 +231,14 @@ impl<'a> Array<'a> {
         }
     }
 
+    /// Bytes.
+    pub(crate) fn bytes(&self, budget: &mut Budget) -> Result<Vec<u8>, Error> {
+        match self.dtype {
+            Dtype::U8 => self.decode(budget, |b| b.first().copied().unwrap_or_default()),
+            _ => Err(self.wrong_dtype("uint8")),
+        }
+    }
+
     /// Integers of any width.
     pub(crate) fn integers(&self, budget: &mut Budget) -> Result<Vec<i64>, Error> {
         if self.dtype.is_float() || self.dtype == Dtype::Bool {

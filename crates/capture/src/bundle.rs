@@ -7,6 +7,7 @@ mod writer;
 
 pub(crate) use manifest::{Ground, MARKER, Manifest};
 pub(crate) use reader::{index_in, read};
+pub(crate) use writer::{put, write_bundle_to};
 pub use writer::{write_bundle, write_bundle_file};
 
 /// Version that this build writes; it reads this and every earlier one.

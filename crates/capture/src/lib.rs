@@ -14,6 +14,7 @@ pub mod phystwin;
 pub mod raw;
 pub mod read;
 pub mod several;
+pub mod views;
 
 mod array;
 mod contents;
@@ -35,3 +36,4 @@ pub use limits::Limits;
 pub use read::{Opened, open, read, read_bytes};
 pub use several::Part;
 pub use structure::validate;
+pub use views::{read_views, write_observation};

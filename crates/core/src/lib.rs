@@ -5,6 +5,7 @@
 //! Units are SI. Frames are right-handed; up and ground are declared, never
 //! guessed. Arrays are flat `Vec`s whose shape stands in the field's comment.
 
+pub mod appearance;
 pub mod cancel;
 pub mod capture;
 pub mod capture_files;
@@ -23,7 +24,9 @@ pub mod quality;
 pub mod settings;
 pub mod skin;
 pub mod twin;
+pub mod views;
 
+pub use appearance::{Appearance, Splats};
 pub use cancel::CancelToken;
 pub use capture::{Capture, Sequence};
 pub use environment::{Environment, FRAME_RATES, MASSES, Plane, Timing};
@@ -38,6 +41,7 @@ pub use quality::Quality;
 pub use settings::FitSettings;
 pub use skin::Skin;
 pub use twin::Twin;
+pub use views::{View, ViewCamera, Views};
 
 /// Name and version of this software, as twins, checkpoints and reports record them.
 pub const BUILD: &str = concat!("bendtwin ", env!("CARGO_PKG_VERSION"));

@@ -14,6 +14,8 @@ pub enum Stage {
     Refine,
     /// Scoring the twin on training and future frames.
     Evaluate,
+    /// Training Gaussians on the images of a raw recording.
+    Appearance,
 }
 
 impl Stage {
@@ -24,12 +26,13 @@ impl Stage {
             Self::Search => "search",
             Self::Refine => "refine",
             Self::Evaluate => "evaluate",
+            Self::Appearance => "appearance",
         }
     }
 
     /// The stage of a name.
     pub fn parse(name: &str) -> Option<Self> {
-        [Self::Ingest, Self::Search, Self::Refine, Self::Evaluate]
+        [Self::Ingest, Self::Search, Self::Refine, Self::Evaluate, Self::Appearance]
             .into_iter()
             .find(|stage| stage.as_str() == name)
     }
@@ -79,7 +82,7 @@ pub struct Progress {
 impl Progress {
     /// The loss that this report tells; none of a stage without losses.
     pub fn model_loss(&self) -> Option<ModelLoss> {
-        let has_losses = matches!(self.stage, Stage::Search | Stage::Refine);
+        let has_losses = matches!(self.stage, Stage::Search | Stage::Refine | Stage::Appearance);
         has_losses.then(|| ModelLoss {
             stage: self.stage,
             variant: self.variant.clone(),

@@ -60,6 +60,54 @@ pub struct NodeErrors {
     pub future: ErrorSummary,
 }
 
+/// Likeness of renderings to what cameras saw, averaged over views. The object stands over black in
+/// both, and pixels that show a hand are black in both. None where it cannot be measured.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Likeness {
+    /// Intersection over union of the silhouettes, 0..=1; pixels of hands do not count.
+    pub iou: Option<f64>,
+    /// Peak signal-to-noise ratio of whole images [dB].
+    pub psnr_db: Option<f64>,
+    /// Structural similarity of whole images, 1 for equal ones.
+    pub ssim: Option<f64>,
+    /// FLIP, the difference that people see when one image follows the other, 0 for equal ones; mean over
+    /// the object in either image.
+    pub flip: Option<f64>,
+    /// LPIPS, 0 for equal images; measured where its network is given.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub lpips: Option<f64>,
+}
+
+/// Likeness of the renderings into one camera.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct CameraScore {
+    /// Name of the camera.
+    pub name: String,
+    /// True if Gaussians or colours were made without it.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub held_out: bool,
+    /// Over the training frames.
+    pub train: Likeness,
+    /// Over the frames after them.
+    pub future: Likeness,
+}
+
+/// Likeness of a predictor's renderings to the recording.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct RenderedScore {
+    /// Number of the Gaussians that were drawn.
+    pub gaussians: u32,
+    /// Over the training frames of all cameras that were not held out.
+    pub train: Likeness,
+    /// Over the frames after them.
+    pub future: Likeness,
+    /// The same of each camera.
+    pub cameras: Vec<CameraScore>,
+    /// Per frame, over these cameras; empty if not asked for.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub per_frame: Vec<Likeness>,
+}
+
 /// One predictor's errors, at the twin's skin.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Score {
@@ -75,6 +123,9 @@ pub struct Score {
     /// The same at the nodes; none where they are the skin.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub at_nodes: Option<NodeErrors>,
+    /// Likeness of its renderings; none if no images are at hand.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub rendered: Option<RenderedScore>,
 }
 
 /// The degree to which predictions are to be trusted.

@@ -9,7 +9,7 @@ pub mod memory;
 use serde::{Deserialize, Serialize};
 
 pub use self::defaults::{Conditions, DeviceKind, Effort};
-use crate::{environment::ControlVelocity, ids::TwinId};
+use crate::{appearance::MOST_SPLATS, environment::ControlVelocity, ids::TwinId};
 
 /// Settings of a fit job.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -43,6 +43,8 @@ pub struct FitSettings {
     pub search: SearchSettings,
     /// First-order stage.
     pub refine: RefineSettings,
+    /// The look of the twin, from the images of a raw recording.
+    pub appearance: AppearanceSettings,
 }
 
 /// Sampling of nodes, and the connections between them.
@@ -227,6 +229,27 @@ pub struct RefineSettings {
     pub rest_shape: bool,
 }
 
+/// Most cameras that may be held out.
+const MOST_HELD_OUT: usize = 64;
+
+/// Colours and Gaussians from the images of a raw recording.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct AppearanceSettings {
+    /// Most Gaussians that are trained on the images of the training frames, which the twin's motion
+    /// carries; 0: the colours of the skin are all. If left open, it depends on effort.
+    pub gaussians: Option<u32>,
+    /// Steps of the training, each over one image.
+    pub steps: u32,
+    /// Gaussians that are round.
+    pub isotropic: bool,
+    /// Number of training frames used, from the first (0: all).
+    pub max_frames: usize,
+    /// Cameras, counted from 0, that neither colours nor Gaussians are made from; they are measured
+    /// beside the others.
+    pub held_out_cameras: Vec<u32>,
+}
+
 impl Default for FitSettings {
     fn default() -> Self {
         Self {
@@ -243,6 +266,19 @@ impl Default for FitSettings {
             loss: LossSettings::default(),
             search: SearchSettings::default(),
             refine: RefineSettings::default(),
+            appearance: AppearanceSettings::default(),
+        }
+    }
+}
+
+impl Default for AppearanceSettings {
+    fn default() -> Self {
+        Self {
+            gaussians: None,
+            steps: 4000,
+            isotropic: false,
+            max_frames: 0,
+            held_out_cameras: Vec::new(),
         }
     }
 }
@@ -395,6 +431,12 @@ impl FitSettings {
         within("refine.beta2", r.beta2, 0.0, 0.999_999_9);
         within("refine.prior", r.prior, 0.0, 1e3);
         within("refine.reach", f64::from(r.reach), 0.0, 1_000_000.0);
+        let a = &self.appearance;
+        let (gaussians, most) = (a.gaussians.unwrap_or_default(), MOST_SPLATS as f64);
+        within("appearance.gaussians", f64::from(gaussians), 0.0, most);
+        within("appearance.steps", f64::from(a.steps), 1.0, 1e6);
+        let held_out = a.held_out_cameras.len() as f64;
+        within("number of appearance.held_out_cameras", held_out, 0.0, MOST_HELD_OUT as f64);
         if r.window == GradientWindow::Frames(0) {
             faults.push("refine.window.frames is 0: a window has at least one frame".to_owned());
         }

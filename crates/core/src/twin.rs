@@ -6,7 +6,7 @@ mod member;
 use serde::{Deserialize, Serialize};
 
 use crate::{
-    Environment, Graph, Params, Quality, Skin, Timing,
+    Appearance, Environment, Graph, Params, Quality, Skin, Timing,
     environment::ControlVelocity,
     geometry::{length, sub},
     settings::FitSettings,
@@ -41,6 +41,8 @@ pub struct Twin {
     /// Other fits of the same object, whose predictions differ as far as the capture leaves open;
     /// at most [`MOST_MEMBERS`](crate::settings::MOST_MEMBERS).
     pub members: Vec<Member>,
+    /// Colours and Gaussians; none if no camera saw the object.
+    pub appearance: Option<Appearance>,
 }
 
 impl Twin {

@@ -5,8 +5,8 @@
 //! many frames without returning, and another goes backward along a tape. `device` is what talks to
 //! CUDA: memory, streams, compiled kernels and their launches. `plan` decides what to launch:
 //! graphs cut for teams of blocks, the team for a batch, room for tapes. `run` runs it: frames
-//! forward, gradients backward, objectives, the optimiser, and the backend over them. A folder uses
-//! those before it only.
+//! forward, gradients backward, objectives, the optimiser, and the backend over them. `splat` draws
+//! Gaussians. A folder uses those before it only, and `splat` only `device`.
 
 // The one crate that talks to a C interface. Every `unsafe` says why it is sound.
 #![allow(unsafe_code)]
@@ -15,12 +15,16 @@ mod device;
 mod plan;
 mod preparation;
 mod run;
+mod splat;
 
 use std::{path::PathBuf, sync::Arc};
 
 use bendtwin_engine::{Backend, Error};
 
-pub use self::preparation::{Chip, Prepared, prepare};
+pub use self::{
+    preparation::{Chip, Prepared, prepare},
+    splat::CudaRasteriser,
+};
 
 /// Settings of a device.
 #[derive(Clone, Debug, Default)]

@@ -104,6 +104,7 @@ impl Placement {
             environment: environment(&twin.environment, &capture.environment),
             timing: retimed(twin.timing, capture.fps),
             control_hands: capture.object.control_hands.clone(),
+            appearance: None,
             ..twin.clone()
         };
         if let Err(needs) = enough_substeps(&Model::from(&carried), carried.timing.substeps) {

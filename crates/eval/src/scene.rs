@@ -83,5 +83,6 @@ pub(crate) fn chain_twin(n: usize) -> Twin {
         mass_kg: None,
         control_hands: Vec::new(),
         members: Vec::new(),
+        appearance: None,
     }
 }

@@ -93,6 +93,7 @@ pub fn of_phystwin(
         mass_kg: None,
         control_hands: Vec::new(),
         members: Vec::new(),
+        appearance: None,
     };
     twin.check()?;
     Ok(twin)

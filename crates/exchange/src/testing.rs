@@ -53,6 +53,7 @@ pub(crate) fn twin() -> Twin {
         mass_kg: Some(0.55),
         control_hands: Vec::new(),
         members: Vec::new(),
+        appearance: None,
     }
 }
 

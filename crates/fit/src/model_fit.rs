@@ -180,6 +180,7 @@ impl ModelFit {
             mass_kg: job.capture.object.mass_kg,
             control_hands: job.capture.object.control_hands.clone(),
             members: Vec::new(),
+            appearance: None,
         })
     }
 }

@@ -8,8 +8,10 @@ use crate::task::Task;
 
 /// Cost of a frame with its gradient, relative to a frame without, scoring included.
 const GRADIENT_COST: f64 = 5.0;
-/// Share of the job that evaluation takes.
+/// Share of the work on the twin that evaluation takes.
 const EVALUATION_SHARE: f64 = 0.02;
+/// Share of the job that the training of Gaussians takes, where there is one.
+const APPEARANCE_SHARE: f64 = 0.5;
 
 /// The planned work of a fit, to estimate progress by.
 pub(crate) struct ProgressEstimator {
@@ -17,6 +19,8 @@ pub(crate) struct ProgressEstimator {
     pass_frames: f64,
     generations: u32,
     passes: u32,
+    /// Steps of the training of Gaussians.
+    steps: u32,
     /// Time and fraction done at this process's first report.
     origin: Option<(Instant, f64)>,
 }
@@ -40,6 +44,7 @@ impl ProgressEstimator {
             pass_frames: frames as f64 * GRADIENT_COST,
             generations: task.generations(),
             passes: task.passes(),
+            steps: 0,
             origin: None,
         }
     }
@@ -54,7 +59,21 @@ impl ProgressEstimator {
         self.passes = passes;
     }
 
+    /// Takes over the number of steps in which Gaussians are trained after the evaluation.
+    pub(crate) fn set_steps(&mut self, steps: u32) {
+        self.steps = steps;
+    }
+
     fn fraction(&self, stage: Stage, iteration: u32) -> f64 {
+        let of_appearance = if self.steps > 0 { APPEARANCE_SHARE } else { 0.0 };
+        if stage == Stage::Appearance {
+            let done = f64::from(iteration) / f64::from(self.steps.max(1));
+            return 1.0 - of_appearance * (1.0 - done);
+        }
+        (1.0 - of_appearance) * self.fraction_of_twin(stage, iteration)
+    }
+
+    fn fraction_of_twin(&self, stage: Stage, iteration: u32) -> f64 {
         let search = self.generation_frames * f64::from(self.generations);
         let refine = self.pass_frames * f64::from(self.passes);
         let total = search + refine;
@@ -62,7 +81,7 @@ impl ProgressEstimator {
             Stage::Ingest => 0.0,
             Stage::Search => self.generation_frames * f64::from(iteration),
             Stage::Refine => search + self.pass_frames * f64::from(iteration),
-            Stage::Evaluate => total,
+            Stage::Evaluate | Stage::Appearance => total,
         };
         let share = if total > 0.0 { done / total } else { 1.0 };
         if stage == Stage::Evaluate && iteration > 0 {
@@ -86,6 +105,7 @@ impl ProgressEstimator {
                 Stage::Search => self.generations,
                 Stage::Refine => self.passes,
                 Stage::Ingest | Stage::Evaluate => 1,
+                Stage::Appearance => self.steps,
             },
             fraction,
             loss: report.loss.filter(|l| l.is_finite()),

@@ -112,7 +112,7 @@ impl Observer<Progress> for FitObserver<'_> {
         match progress.stage {
             Stage::Search => self.losses.search = progress.best_loss,
             Stage::Refine => self.losses.refine = progress.best_loss,
-            Stage::Ingest | Stage::Evaluate => {}
+            Stage::Ingest | Stage::Evaluate | Stage::Appearance => {}
         }
         (self.tell)(progress);
     }

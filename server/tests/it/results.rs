@@ -41,6 +41,7 @@ pub(crate) fn twin_file(label: &[u8]) -> Vec<u8> {
         mass_kg: None,
         control_hands: Vec::new(),
         members: Vec::new(),
+        appearance: None,
     };
     twin.encode().unwrap()
 }

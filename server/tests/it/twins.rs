@@ -40,6 +40,7 @@ pub(crate) fn twin_file() -> Vec<u8> {
         mass_kg: None,
         control_hands: Vec::new(),
         members: Vec::new(),
+        appearance: None,
     };
     twin.encode().unwrap()
 }

@@ -143,6 +143,7 @@ fn twin() -> Twin {
         mass_kg: Some(0.5),
         control_hands: vec![0],
         members: Vec::new(),
+        appearance: None,
     };
     Twin { members: Member::of(&twin, &twin).into_iter().collect(), ..twin }
 }

@@ -283,6 +283,7 @@ pub fn twin() -> Twin {
         mass_kg: None,
         control_hands: Vec::new(),
         members: Vec::new(),
+        appearance: None,
     }
 }
 

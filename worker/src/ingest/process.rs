@@ -12,7 +12,7 @@ use bendtwin_core::{
     CancelToken, Category, Fault, Observer, ObserverError, Problem as _, Progress, Stage,
     settings::ingest::IngestSettings,
 };
-use bendtwin_ingest::{Error, Observed, Step, ingest, write_playback};
+use bendtwin_ingest::{Error, Observed, Step, ingest, views, write_playback};
 use bendtwin_inspect::Report;
 
 use super::{
@@ -22,8 +22,9 @@ use super::{
 
 /// Least time between two progress messages.
 const PROGRESS_INTERVAL: Duration = Duration::from_millis(200);
-/// Share of an ingest that is over when the playback is begun.
-const OBSERVED: f64 = 0.9;
+/// Shares of an ingest that are over when the views are begun, and the playback.
+const OBSERVED: f64 = 0.85;
+const VIEWED: f64 = 0.92;
 
 /// Reads the capture in a folder that a worker prepared, writes progress to standard output, and
 /// leaves the results in the folder. A fault of the capture is a result, too.
@@ -75,17 +76,20 @@ fn work(folder: &Path, request: &Request, enforced: Enforced) -> Result<Message,
     let verdict = report.inspection().verdict;
     match capture {
         Ok(observed) => {
-            capture::write_bundle_file(&observed, &folder.join(OBSERVATION)).map_err(|error| {
-                match error {
-                    capture::Error::Io { at, source } => unwritable(&at, source),
-                    error => error.fault(),
-                }
-            })?;
-            let mut tell = |share: f64| {
-                let fraction = OBSERVED + (1.0 - OBSERVED) * share;
+            let mut tell = |fraction: f64| {
                 let progress = bendtwin_ingest::Progress { step: Step::Playback, fraction };
                 reporter.progress(progress);
             };
+            // The reference is what a twin is made of.
+            let views = recorded.first().and_then(Option::as_ref).and_then(|recording| {
+                views(recording, &mut |share| tell(OBSERVED + (VIEWED - OBSERVED) * share))
+            });
+            capture::write_observation(&observed, views.as_ref(), &folder.join(OBSERVATION))
+                .map_err(|error| match error {
+                    capture::Error::Io { at, source } => unwritable(&at, source),
+                    error => error.fault(),
+                })?;
+            let mut tell = |share: f64| tell(VIEWED + (1.0 - VIEWED) * share);
             write_playback(&observed, &recorded, &folder.join(PLAYBACK), &mut tell)
                 .map_err(|e| unwritable(PLAYBACK, e))?;
             Ok(Message::Observed { verdict })

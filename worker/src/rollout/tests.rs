@@ -82,6 +82,7 @@ pub(super) fn twin() -> Twin {
         mass_kg: None,
         control_hands: Vec::new(),
         members: Vec::new(),
+        appearance: None,
     }
 }
 

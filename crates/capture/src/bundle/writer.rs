@@ -23,6 +23,15 @@ use crate::{Error, npy, several, structure::validate};
 /// # Errors
 /// If the capture contradicts itself or writing fails.
 pub fn write_bundle<W: Write + Seek>(capture: &Capture, out: W) -> Result<W, Error> {
+    let zip = write_bundle_to(capture, out)?;
+    zip.finish().map_err(|e| failed("the archive's directory", e.into()))
+}
+
+/// The same, to an archive that goes on.
+pub(crate) fn write_bundle_to<W: Write + Seek>(
+    capture: &Capture,
+    out: W,
+) -> Result<ZipWriter<W>, Error> {
     validate(capture)?;
     let mut zip = ZipWriter::new(out);
     // The reference lies in the root, where readers that know a single recording find it.
@@ -40,10 +49,15 @@ pub fn write_bundle<W: Write + Seek>(capture: &Capture, out: W) -> Result<W, Err
             write_recording(&mut zip, recording, &format!("{}/", folder(index)))?;
         }
     }
-    zip.finish().map_err(|e| failed("the archive's directory", e.into()))
+    Ok(zip)
 }
 
-fn put<W: Write + Seek>(zip: &mut ZipWriter<W>, name: &str, bytes: &[u8]) -> Result<(), Error> {
+/// Adds a file to an archive.
+pub(crate) fn put<W: Write + Seek>(
+    zip: &mut ZipWriter<W>,
+    name: &str,
+    bytes: &[u8],
+) -> Result<(), Error> {
     let options = SimpleFileOptions::default()
         .compression_method(CompressionMethod::Deflated)
         .last_modified_time(zip::DateTime::default());

@@ -10,6 +10,9 @@ use serde::{Deserialize, Serialize};
 use super::{FitSettings, MAX_SUBSTEPS, SequenceMean, Substeps};
 use crate::capture::Subject;
 
+/// Gaussians of a twin whose fit takes its time.
+const BEST_GAUSSIANS: u32 = 20_000;
+
 /// Effort of a fit, which settings that are left open follow.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
@@ -128,6 +131,8 @@ impl FitSettings {
         filled.search.generations.get_or_insert(defaults.generations);
         filled.search.population.get_or_insert(defaults.population);
         filled.refine.passes.get_or_insert(defaults.passes);
+        let gaussians = if self.effort == Effort::Best { BEST_GAUSSIANS } else { 0 };
+        filled.appearance.gaussians.get_or_insert(gaussians);
         let of_subject = SubjectDefaults::of(conditions.subject);
         filled.search.prior.get_or_insert(of_subject.search_prior);
         filled.search.gravity.get_or_insert(of_subject.searches_gravity);

@@ -53,6 +53,7 @@ fn nothing_is_left_open_for_a_fit() {
             given.search.prior = Some(2.0);
             given.search.gravity = Some(subject == Subject::Body);
             given.loss.sequences = Some(SequenceMean::Arithmetic);
+            given.appearance.gaussians = Some(7);
             assert_eq!(given.filled(conditions), given);
         }
     }

@@ -2,6 +2,7 @@
 //! for other programs; [`Twin::decode`] checks every index and number, so a
 //! decoded twin can be simulated without further checks.
 
+mod appearance;
 mod members;
 
 use std::borrow::Cow;
@@ -18,7 +19,7 @@ use crate::{
 /// Newest version that this build reads and writes; it reads every earlier one. A twin is written
 /// in the earliest version that can hold it, so that older programs read the twins that they
 /// support and refuse others.
-pub const VERSION: u32 = 4;
+pub const VERSION: u32 = 5;
 
 /// The version with rods.
 const WITH_RODS: u32 = 2;
@@ -28,6 +29,9 @@ const WITH_SKIN: u32 = 3;
 
 /// The version with other fits of the object.
 const WITH_MEMBERS: u32 = 4;
+
+/// The version with an appearance.
+const WITH_APPEARANCE: u32 = 5;
 
 /// The tensor that says the hand of each control point; a file of any version may have it.
 const HANDS: &str = "controls.hand";
@@ -122,12 +126,7 @@ impl Twin {
         let kinds: Vec<u8> = g.kinds.iter().map(|k| *k as u8).collect();
         let pins: Vec<[u32; 2]> = g.pins.iter().map(|p| [p.node, p.control]).collect();
         let offsets: Vec<Point> = g.pins.iter().map(|p| p.offset_m).collect();
-        let version = match (self.members.is_empty(), self.skin.is_nodes(g), g.rods.is_empty()) {
-            (false, ..) => WITH_MEMBERS,
-            (true, false, _) => WITH_SKIN,
-            (true, true, false) => WITH_RODS,
-            (true, true, true) => 1,
-        };
+        let version = self.version();
         let mut tensors = vec![
             ("nodes.rest_position", raw(Dtype::F32, &[n, 3], &g.rest_positions)),
             ("nodes.kind", raw(Dtype::U8, &[n], &kinds)),
@@ -159,19 +158,21 @@ impl Twin {
         }
         if version >= WITH_SKIN {
             let s = &self.skin;
-            let counts: Vec<u32> = s.starts.windows(2).map(|w| w[1] - w[0]).collect();
             let (m, k) = (s.len(), s.nodes.len());
             tensors.extend([
                 ("skin.observed_point", raw(Dtype::U32, &[m], &s.observed_points)),
-                ("skin.weight_count", raw(Dtype::U32, &[m], &counts)),
+                ("skin.weight_count", raw(Dtype::U32, &[m], &weight_counts(s))),
                 ("skin.weight_node", raw(Dtype::U32, &[k], &s.nodes)),
                 ("skin.weight", raw(Dtype::F32, &[k], &s.weights)),
                 ("skin.frame", raw(Dtype::U32, &[m, 3], &s.frames)),
                 ("skin.offset", raw(Dtype::F32, &[m, 3], &s.offsets_m)),
             ]);
         }
-        if version >= WITH_MEMBERS {
+        if !self.members.is_empty() {
             tensors.extend(members::tensors(&self.members));
+        }
+        if let Some(appearance) = &self.appearance {
+            tensors.extend(appearance::tensors(appearance));
         }
         if !self.control_hands.is_empty() {
             tensors.push((HANDS, raw(Dtype::U32, &[c], &self.control_hands)));
@@ -257,7 +258,9 @@ impl Twin {
             rods: if has_rods { file.rods()? } else { Vec::new() },
         };
         let skin = if version >= WITH_SKIN { file.skin()? } else { Skin::of_nodes(&graph) };
-        let members = if version >= WITH_MEMBERS {
+        // A file with an appearance may have none.
+        let has_members = version == WITH_MEMBERS || !metadata.members.is_empty();
+        let members = if has_members && version >= WITH_MEMBERS {
             file.members(&metadata.members, graph.rods.len())?
         } else {
             Vec::new()
@@ -290,9 +293,25 @@ impl Twin {
                 Vec::new()
             },
             members,
+            appearance: match version >= WITH_APPEARANCE {
+                true => Some(file.appearance()?),
+                false => None,
+            },
         };
         twin.check()?;
         Ok(twin)
+    }
+
+    /// The earliest version that can hold this twin.
+    fn version(&self) -> u32 {
+        let g = &self.graph;
+        let needs = [
+            (WITH_APPEARANCE, self.appearance.is_some()),
+            (WITH_MEMBERS, !self.members.is_empty()),
+            (WITH_SKIN, !self.skin.is_nodes(g)),
+            (WITH_RODS, !g.rods.is_empty()),
+        ];
+        needs.into_iter().find(|(_, needed)| *needed).map_or(1, |(version, _)| version)
     }
 
     /// Checks that the twin can be simulated: lengths agree, indices exist, numbers are finite.
@@ -306,6 +325,9 @@ impl Twin {
         self.check_members()?;
         if let Err(m) = self.skin.check(self.graph.node_count()) {
             return fail(m);
+        }
+        if let Some(appearance) = &self.appearance {
+            appearance.check(self.skin.len(), self.graph.node_count()).or_else(fail)?;
         }
         let t = self.timing;
         if !(FRAME_RATES.contains(&t.fps) && t.substeps > 0) {
@@ -333,6 +355,26 @@ impl Twin {
     }
 }
 
+/// Number of weights of each point.
+fn weight_counts(skin: &Skin) -> Vec<u32> {
+    skin.starts.windows(2).map(|w| w[1] - w[0]).collect()
+}
+
+/// The first weight of each point and the end of the last, of the numbers of weights that a tensor holds.
+fn starts(tensor: &str, counts: &[u32]) -> Result<Vec<u32>, FormatError> {
+    let mut starts = Vec::with_capacity(counts.len() + 1);
+    starts.push(0_u32);
+    for &count in counts {
+        let last = starts[starts.len() - 1];
+        let Some(end) = last.checked_add(count) else {
+            let why = format!("{tensor} adds up to more than indices can name");
+            return Err(FormatError::Inconsistent(why));
+        };
+        starts.push(end);
+    }
+    Ok(starts)
+}
+
 struct Tensors<'a>(SafeTensors<'a>);
 
 impl Tensors<'_> {
@@ -344,15 +386,7 @@ impl Tensors<'_> {
     /// The skin; its weights stand one point after another in the file.
     fn skin(&self) -> Result<Skin, FormatError> {
         let counts: Vec<u32> = self.read("skin.weight_count", Dtype::U32, None)?;
-        let mut starts = vec![0_u32];
-        for &count in &counts {
-            let last = starts[starts.len() - 1];
-            let Some(end) = last.checked_add(count) else {
-                let why = "skin.weight_count adds up to more than indices can name";
-                return Err(FormatError::Inconsistent(why.into()));
-            };
-            starts.push(end);
-        }
+        let starts = starts("skin.weight_count", &counts)?;
         Ok(Skin {
             observed_points: self.read("skin.observed_point", Dtype::U32, None)?,
             starts,

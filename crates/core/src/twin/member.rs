@@ -56,6 +56,7 @@ impl Member {
             mass_kg: of.mass_kg,
             control_hands: of.control_hands.clone(),
             members: Vec::new(),
+            appearance: of.appearance.clone(),
         }
     }
 }

@@ -15,6 +15,7 @@ fn twin(control_rest: Vec<[f32; 3]>) -> Twin {
         mass_kg: None,
         control_hands: Vec::new(),
         members: Vec::new(),
+        appearance: None,
     }
 }
 

@@ -4,12 +4,13 @@
 mod instance;
 mod kernels;
 mod objective;
+mod splat;
 
 use std::{collections::BTreeSet, fmt::Write as _, marker::PhantomData};
 
 use bytemuck::{Pod, Zeroable};
 
-pub(crate) use self::{instance::*, kernels::*, objective::*};
+pub(crate) use self::{instance::*, kernels::*, objective::*, splat::*};
 
 /// Device address of values of a type; null by default.
 #[repr(transparent)]
@@ -30,6 +31,11 @@ impl<T> Pointer<T> {
 
     pub(crate) fn is_null(self) -> bool {
         self.address == 0
+    }
+
+    /// The same address of values of another type.
+    pub(crate) fn cast<U>(self) -> Pointer<U> {
+        Pointer::new(self.address)
     }
 
     /// Address of the value `count` places on.

@@ -8,7 +8,9 @@ use super::{
         CollectControlsArgs, CollectMotionArgs, DeviceType, ExtremesArgs, FindPartnersArgs,
         FinishGradientArgs, GatherArgs, GatherSumsArgs, MeanSquaresArgs, NormBarsArgs,
         PackBendsArgs, PackHalfSpringsArgs, RecordArgs, ScoreArgs, SeedArgs, SeedForcesArgs,
-        SeedPosesArgs, SeedRestLengthsArgs, SeedSkinArgs, SquareLengthsArgs, StartArgs,
+        SeedPosesArgs, SeedRestLengthsArgs, SeedSkinArgs, SplatAdjointArgs, SplatBackwardArgs,
+        SplatCountsArgs, SplatExpandArgs, SplatForwardArgs, SplatHistogramArgs, SplatProjectArgs,
+        SplatRangesArgs, SplatScanArgs, SplatScatterArgs, SquareLengthsArgs, StartArgs,
         StepAdamArgs, WeighGradientsArgs,
     },
     launch::Launch,
@@ -95,4 +97,24 @@ kernels! {
     Outputs: gather(GatherArgs);
     /// Largest strain and speed at frame ends: a block for a frame of an instance.
     Outputs: extremes(ExtremesArgs);
+    /// Projected Gaussians, and the tiles that each touches: a thread for a Gaussian.
+    Splat: splat_project(SplatProjectArgs);
+    /// Keys of a sort by digit: a block for a piece.
+    Splat: splat_histogram(SplatHistogramArgs);
+    /// Sums of all numbers before each: one block.
+    Splat: splat_scan(SplatScanArgs);
+    /// Pairs of a sort to their places by a digit: a block for a piece.
+    Splat: splat_scatter(SplatScatterArgs);
+    /// Counts of tiles by depth: a thread for a Gaussian.
+    Splat: splat_counts(SplatCountsArgs);
+    /// Intersections of Gaussians and tiles: a thread for a Gaussian.
+    Splat: splat_expand(SplatExpandArgs);
+    /// Entries of each tile: a thread for an entry.
+    Splat: splat_ranges(SplatRangesArgs);
+    /// An image: a block for a tile.
+    Splat: splat_forward(SplatForwardArgs);
+    /// Derivatives by entries: a block for a tile.
+    Splat: splat_backward(SplatBackwardArgs);
+    /// Derivatives by Gaussians: a thread for a Gaussian.
+    Splat: splat_adjoint(SplatAdjointArgs);
 }

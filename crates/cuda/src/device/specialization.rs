@@ -4,6 +4,7 @@ use std::fmt::Write as _;
 
 use bendtwin_core::skin::LEAST_SINE;
 use bendtwin_engine::constants;
+use bendtwin_splat::constants as splat;
 
 use super::team::TeamShape;
 
@@ -52,9 +53,12 @@ pub(crate) enum Source {
     Optimizer,
     /// Outputs of a rollout.
     Outputs,
+    /// Gaussian splats.
+    Splat,
 }
 
 impl Source {
+    /// Sources without specialization that a backend needs.
     pub(crate) const SMALL: [Self; 7] = [
         Self::Start,
         Self::Partners,
@@ -70,7 +74,7 @@ impl Source {
         matches!(self, Self::Integrate | Self::Adjoint)
     }
 
-    /// Its files, the last one with the kernels.
+    /// Its files, headers before kernels.
     fn files(self) -> &'static [(&'static str, &'static str)] {
         match self {
             Self::Start => &[("start.cu", include_str!("../../kernels/start.cu"))],
@@ -100,6 +104,12 @@ impl Source {
             Self::Params => &[("params.cu", include_str!("../../kernels/params.cu"))],
             Self::Optimizer => &[("optimizer.cu", include_str!("../../kernels/optimizer.cu"))],
             Self::Outputs => &[("outputs.cu", include_str!("../../kernels/outputs.cu"))],
+            Self::Splat => &[
+                ("splat.cuh", include_str!("../../kernels/splat.cuh")),
+                ("splat_lists.cu", include_str!("../../kernels/splat_lists.cu")),
+                ("splat_raster.cu", include_str!("../../kernels/splat_raster.cu")),
+                ("splat_adjoint.cu", include_str!("../../kernels/splat_adjoint.cu")),
+            ],
         }
     }
 }
@@ -217,6 +227,9 @@ impl Specialization {
             let _ = writeln!(text, "#define {name} {value}");
         }
         text.push_str(&physics());
+        if self.source == Source::Splat {
+            text.push_str(&rendering());
+        }
         for (name, body) in HEADERS.iter().chain(self.source.files()) {
             let _ = writeln!(text, "#line 1 \"{name}\"\n{body}");
         }
@@ -251,6 +264,23 @@ fn physics() -> String {
         let _ = writeln!(text, "#define {name} {value:e}f");
     }
     let _ = writeln!(text, "#define STRAIGHT_RAD {:e}", constants::STRAIGHT_RAD);
+    text
+}
+
+/// Definitions of the constants of rendering.
+fn rendering() -> String {
+    let numbers = [
+        ("BLUR_PX2", splat::BLUR_PX2),
+        ("MOST_ALPHA", splat::MOST_ALPHA),
+        ("LEAST_ALPHA", splat::LEAST_ALPHA),
+        ("LEAST_TRANSMITTANCE", splat::LEAST_TRANSMITTANCE),
+        ("NEAR_M", splat::NEAR_M),
+        ("MOST_TANGENT", splat::MOST_TANGENT),
+    ];
+    let mut text = format!("#define SPLAT_TILE_PX {}u\n", splat::TILE_PX);
+    for (name, value) in numbers {
+        let _ = writeln!(text, "#define SPLAT_{name} {value:e}f");
+    }
     text
 }
 

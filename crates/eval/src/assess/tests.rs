@@ -7,7 +7,7 @@ const SCALE: Scale = Scale { spacing_m: 0.01, size_m: 0.5 };
 
 fn score(predictor: Predictor, future: ErrorSummary) -> Score {
     let train = ErrorSummary { track_m: Some(0.002), ..ErrorSummary::default() };
-    Score { predictor, train, future, per_frame: Vec::new(), at_nodes: None }
+    Score { predictor, train, future, per_frame: Vec::new(), at_nodes: None, rendered: None }
 }
 
 fn tracks(mm: f64) -> ErrorSummary {

@@ -99,6 +99,7 @@ impl Row {
             future,
             per_frame,
             at_nodes: Some(at_nodes).filter(|e| *e != NodeErrors::default()),
+            rendered: None,
         })
     }
 }

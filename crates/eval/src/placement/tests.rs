@@ -81,6 +81,7 @@ fn twin() -> Twin {
         mass_kg: None,
         control_hands: vec![0, 0],
         members: Vec::new(),
+        appearance: None,
     }
 }
 

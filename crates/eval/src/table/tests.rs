@@ -10,6 +10,7 @@ fn quality() -> Quality {
         future,
         per_frame: vec![],
         at_nodes: None,
+        rendered: None,
     };
     Quality {
         scores: vec![

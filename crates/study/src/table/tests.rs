@@ -21,6 +21,7 @@ fn score(predictor: Predictor, train_mm: f64, future_mm: f64) -> Score {
         future: errors(future_mm),
         per_frame: Vec::new(),
         at_nodes: None,
+        rendered: None,
     }
 }
 

@@ -69,6 +69,7 @@ fn twin(n: usize, controls: usize) -> Twin {
         mass_kg: None,
         control_hands: Vec::new(),
         members: Vec::new(),
+        appearance: None,
     }
 }
 

@@ -1,3 +1,5 @@
+use crate::{Appearance, Splats};
+
 use super::*;
 use crate::{FastVariant, settings::MOST_MEMBERS, twin::Member};
 use proptest::prelude::*;
@@ -37,6 +39,7 @@ fn twin() -> Twin {
         mass_kg: None,
         control_hands: Vec::new(),
         members: Vec::new(),
+        appearance: None,
     }
 }
 
@@ -235,6 +238,57 @@ fn a_skin_that_contradicts_itself_is_refused() {
         let fault = Twin::decode(&replaced(&bytes, name, &data)).unwrap_err().to_string();
         assert!(fault.contains("skin"), "{name}: {fault}");
     }
+}
+
+/// A twin with colours and two Gaussians.
+fn painted() -> Twin {
+    let mut carriers = Skin::default();
+    carriers.push(Graph::NOT_OBSERVED, &[(0, 0.25), (1, 0.75)], [Skin::NO_FRAME; 3], [0.0; 3]);
+    carriers.push(Graph::NOT_OBSERVED, &[(2, 1.0)], [0, 1, 2], [0.0, 0.0, 0.02]);
+    let splats = Splats {
+        carriers,
+        scales_m: vec![[0.01, 0.02, 0.03], [0.01; 3]],
+        rotations: vec![[0.0, 0.0, 0.0, 1.0], [0.6, 0.0, 0.8, 0.0]],
+        opacities: vec![0.0, 1.0],
+        colors: vec![[0.5, 1.2, -0.1], [0.0; 3]],
+    };
+    let skin_colors = vec![[255, 0, 7], [1, 2, 3]];
+    let appearance = Some(Appearance { skin_colors, splats: Some(splats) });
+    Twin { appearance, ..skinned() }
+}
+
+#[test]
+fn an_appearance_survives_its_file_with_members_and_without() {
+    let mut twin = painted();
+    assert_eq!(Twin::decode(&twin.encode().unwrap()).unwrap(), twin);
+    twin.appearance = Some(Appearance::default());
+    assert_eq!(Twin::decode(&twin.encode().unwrap()).unwrap(), twin);
+    let twin = Twin { appearance: Some(Appearance::default()), ..with_members() };
+    assert!(!twin.members.is_empty());
+    assert_eq!(Twin::decode(&twin.encode().unwrap()).unwrap(), twin);
+}
+
+#[test]
+fn an_appearance_that_contradicts_itself_is_refused() {
+    let bytes = painted().encode().unwrap();
+    let spoilt = [
+        ("splats.weight_count", bytemuck::cast_slice(&[u32::MAX, 4]).to_vec()),
+        ("splats.weight_node", bytemuck::cast_slice(&[0_u32, 9, 2]).to_vec()),
+        ("splats.scale", bytemuck::cast_slice(&[-1.0_f32; 6]).to_vec()),
+        ("splats.scale", bytemuck::cast_slice(&[f32::INFINITY; 6]).to_vec()),
+        ("splats.rotation", bytemuck::cast_slice(&[0.0_f32; 8]).to_vec()),
+        ("splats.opacity", bytemuck::cast_slice(&[f32::NAN, 0.5]).to_vec()),
+        ("splats.color", bytemuck::cast_slice(&[f32::NAN; 6]).to_vec()),
+    ];
+    for (name, data) in spoilt {
+        let fault = Twin::decode(&replaced(&bytes, name, &data)).unwrap_err().to_string();
+        assert!(fault.contains("Gaussian") || fault.contains("splats"), "{name}: {fault}");
+    }
+    let mut twin = painted();
+    if let Some(appearance) = &mut twin.appearance {
+        appearance.skin_colors.pop();
+    }
+    assert!(twin.encode().unwrap_err().to_string().contains("1 colours for 2 skin points"));
 }
 
 /// The file with the bytes of one tensor replaced.

@@ -10,8 +10,8 @@ fn specializations() -> Vec<Specialization> {
     let base = Specialization { ground: true, ..Specialization::small(Source::Integrate) };
     let everything =
         WorldParts { grasps: true, colliders: true, smooth: true, rolls: true, forces: true };
-    let mut specializations: Vec<Specialization> =
-        Source::SMALL.map(Specialization::small).to_vec();
+    let small = Source::SMALL.into_iter().chain([Source::Splat]);
+    let mut specializations: Vec<Specialization> = small.map(Specialization::small).collect();
     let forward = [
         Specialization {
             threads: 1024,
@@ -175,6 +175,7 @@ fn a_struct_that_differs_from_the_hosts_is_refused() {
         ),
         (Source::Params, "float4* bar_v;", "float4* bar_v, *more;", "AdjointArgs"),
         (Source::Loss, "u32 kind, frame;", "u32 frame, kind;", "Term"),
+        (Source::Splat, "float fx, fy, cx, cy;", "float cx, cy, fx, fy;", "SplatCamera"),
     ];
     if !compile::is_present() {
         return;
@@ -194,7 +195,9 @@ fn a_struct_that_differs_from_the_hosts_is_refused() {
 
 #[test]
 fn every_source_checks_the_structs_of_its_kernels() {
-    for source in Source::SMALL.into_iter().chain([Source::Integrate, Source::Adjoint]) {
+    for source in
+        Source::SMALL.into_iter().chain([Source::Integrate, Source::Adjoint, Source::Splat])
+    {
         let text = Specialization::small(source).text();
         let (kernels, checks) = text.split_once("#line 1 \"arguments\"").expect("there are checks");
         for kernel in kernels.split("__global__").skip(1) {

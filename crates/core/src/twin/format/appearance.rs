@@ -1,0 +1,67 @@
+//! Appearance in the twin file: colours of the skin and Gaussians, each left out where there are none.
+
+use safetensors::Dtype;
+
+use super::{FormatError, Raw, Tensors, raw, starts, weight_counts};
+use crate::{Appearance, Graph, Skin, Splats};
+
+/// The tensor that a file with colours of the skin has.
+const COLORS: &str = "skin.color";
+/// The tensor that a file with Gaussians has.
+const SCALES: &str = "splats.scale";
+
+/// Tensors of an appearance.
+pub(super) fn tensors(appearance: &Appearance) -> Vec<(&'static str, Raw<'static>)> {
+    let mut tensors = Vec::new();
+    let colors = &appearance.skin_colors;
+    if !colors.is_empty() {
+        tensors.push((COLORS, raw(Dtype::U8, &[colors.len(), 3], colors)));
+    }
+    if let Some(splats) = &appearance.splats {
+        let (carriers, count) = (&splats.carriers, splats.len());
+        let weights = carriers.nodes.len();
+        tensors.extend([
+            ("splats.weight_count", raw(Dtype::U32, &[count], &weight_counts(carriers))),
+            ("splats.weight_node", raw(Dtype::U32, &[weights], &carriers.nodes)),
+            ("splats.weight", raw(Dtype::F32, &[weights], &carriers.weights)),
+            ("splats.frame", raw(Dtype::U32, &[count, 3], &carriers.frames)),
+            ("splats.offset", raw(Dtype::F32, &[count, 3], &carriers.offsets_m)),
+            (SCALES, raw(Dtype::F32, &[count, 3], &splats.scales_m)),
+            ("splats.rotation", raw(Dtype::F32, &[count, 4], &splats.rotations)),
+            ("splats.opacity", raw(Dtype::F32, &[count], &splats.opacities)),
+            ("splats.color", raw(Dtype::F32, &[count, 3], &splats.colors)),
+        ]);
+    }
+    tensors
+}
+
+impl Tensors<'_> {
+    /// The appearance.
+    pub(super) fn appearance(&self) -> Result<Appearance, FormatError> {
+        let skin_colors = match self.has(COLORS) {
+            true => self.read(COLORS, Dtype::U8, Some(3))?,
+            false => Vec::new(),
+        };
+        let splats = self.has(SCALES).then(|| self.splats()).transpose()?;
+        Ok(Appearance { skin_colors, splats })
+    }
+
+    fn splats(&self) -> Result<Splats, FormatError> {
+        let counts: Vec<u32> = self.read("splats.weight_count", Dtype::U32, None)?;
+        let carriers = Skin {
+            observed_points: vec![Graph::NOT_OBSERVED; counts.len()],
+            starts: starts("splats.weight_count", &counts)?,
+            nodes: self.read("splats.weight_node", Dtype::U32, None)?,
+            weights: self.read("splats.weight", Dtype::F32, None)?,
+            frames: self.read("splats.frame", Dtype::U32, Some(3))?,
+            offsets_m: self.read("splats.offset", Dtype::F32, Some(3))?,
+        };
+        Ok(Splats {
+            carriers,
+            scales_m: self.read(SCALES, Dtype::F32, Some(3))?,
+            rotations: self.read("splats.rotation", Dtype::F32, Some(4))?,
+            opacities: self.read("splats.opacity", Dtype::F32, None)?,
+            colors: self.read("splats.color", Dtype::F32, Some(3))?,
+        })
+    }
+}

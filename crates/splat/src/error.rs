@@ -1,0 +1,105 @@
+//! Errors of rendering.
+
+use bendtwin_core::{Category, Problem};
+
+/// The reason for which an image, or gradients, cannot be computed.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum Error {
+    /// A parameter of a Gaussian is not finite, or outside of its range.
+    #[error("Gaussian {index} has {what} {value}: {rule}")]
+    Gaussian {
+        /// Index of the Gaussian.
+        index: usize,
+        /// Name of the parameter.
+        what: &'static str,
+        /// The parameter.
+        value: f32,
+        /// The range, as a sentence.
+        rule: &'static str,
+    },
+    /// Arrays of different lengths.
+    #[error("{expected} {of} but {got} {what}")]
+    Lengths {
+        /// Entries that there must be.
+        expected: usize,
+        /// Their name.
+        of: &'static str,
+        /// Entries that there are.
+        got: usize,
+        /// Their name.
+        what: &'static str,
+    },
+    /// The camera is none.
+    #[error("the camera's {what} is {value}: {rule}")]
+    Camera {
+        /// Name of the parameter.
+        what: &'static str,
+        /// The parameter.
+        value: f32,
+        /// The range, as a sentence.
+        rule: &'static str,
+    },
+    /// A derivative of the loss by a pixel is not finite.
+    #[error("d loss / d {what} of pixel {pixel} is {value}: it must be finite")]
+    Bar {
+        /// Name of the channel.
+        what: &'static str,
+        /// Index of the pixel, row-major.
+        pixel: usize,
+        /// The derivative.
+        value: f32,
+    },
+    /// More Gaussians, or more tiles under them, than memory is given for.
+    #[error("{count} {what}, at most {most}: use fewer or smaller Gaussians, or a smaller image")]
+    TooMany {
+        /// Name of what is counted.
+        what: &'static str,
+        /// Number of them.
+        count: usize,
+        /// Most that may be.
+        most: usize,
+    },
+    /// The graph and what it carries do not fit each other.
+    #[error("{0}")]
+    Carrier(String),
+    /// A device failed, or there is none.
+    #[error("{0}")]
+    Device(String),
+    /// A device has too little memory.
+    #[error(
+        "rendering needs {needed} bytes of device memory, {available} are available: use fewer Gaussians or a smaller image"
+    )]
+    OutOfMemory {
+        /// Bytes that are needed.
+        needed: u64,
+        /// Bytes that there are.
+        available: u64,
+    },
+}
+
+impl Problem for Error {
+    fn category(&self) -> Category {
+        match self {
+            Self::Gaussian { .. }
+            | Self::Lengths { .. }
+            | Self::Camera { .. }
+            | Self::Bar { .. }
+            | Self::Carrier(_) => Category::InvalidArgument,
+            Self::TooMany { .. } | Self::OutOfMemory { .. } => Category::ResourceExhausted,
+            Self::Device(_) => Category::Internal,
+        }
+    }
+
+    fn reason(&self) -> &'static str {
+        match self {
+            Self::Gaussian { .. }
+            | Self::Lengths { .. }
+            | Self::Camera { .. }
+            | Self::Bar { .. }
+            | Self::Carrier(_) => "SPLATS_INVALID",
+            Self::TooMany { .. } => "SPLATS_TOO_MANY",
+            Self::OutOfMemory { .. } => "DEVICE_OUT_OF_MEMORY",
+            Self::Device(_) => "DEVICE_FAILED",
+        }
+    }
+}

@@ -1,0 +1,26 @@
+//! Gaussian splats: images of sets of Gaussians, and gradients of losses of images.
+//!
+//! [`Rasteriser`] is one coarse interface with two implementations: [`Cpu`] here, which defines the
+//! correct result, and the one of `crates/cuda`. [`conformance`] holds both to a plain second
+//! implementation in f64. [`Carrier`] moves Gaussians with the nodes of a twin. Training, losses and
+//! files belong to others.
+
+mod camera;
+mod carry;
+pub mod conformance;
+pub mod constants;
+mod cpu;
+mod error;
+mod gaussians;
+mod image;
+mod rasteriser;
+
+pub use self::{
+    camera::Camera,
+    carry::{Carried, Carrier},
+    cpu::Cpu,
+    error::Error,
+    gaussians::{Gaussians, GaussiansBar},
+    image::{Image, ImageBar},
+    rasteriser::{Rasteriser, check_input},
+};

@@ -1,0 +1,5 @@
+//! The conformance suite on the CPU.
+
+use bendtwin_splat::Cpu;
+
+bendtwin_splat::conformance_tests!(Cpu::default());
