@@ -7,7 +7,7 @@ use std::{
     time::Duration,
 };
 
-use bendtwin_core::{Views, Capture, Category, Fault};
+use bendtwin_core::{Capture, Category, Fault, Views};
 
 use crate::{
     Error, digest,

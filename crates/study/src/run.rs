@@ -10,7 +10,7 @@ use bendtwin_core::{
     CancelToken, Capture, Category, Fault, FitSettings, Problem, Progress, error::panic_text,
 };
 use bendtwin_engine::{Backend, Model, stable_substeps};
-use bendtwin_fit::{Error as FitError, FitJob, Outcome as Fitted};
+use bendtwin_fit::{Error as FitError, FitJob, Look, OpenRasteriser, Outcome as Fitted};
 
 use crate::{
     Error, command,

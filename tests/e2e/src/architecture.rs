@@ -102,6 +102,11 @@ const RULES: [Rule; 11] = [
         ],
     },
     Rule {
+        of: &["bendtwin-image-metrics"],
+        because: "images are compared without knowing where they come from",
+        never: &[&NETWORK, &DATABASE, &PHYSICS, &["bendtwin-proto", "bendtwin-core"]],
+    },
+    Rule {
         of: &["bendtwin-plan"],
         because: "planners lower an abstract cost",
         never: &[&NETWORK, &DATABASE, &PHYSICS, &["bendtwin-proto", "bendtwin-core"]],
