@@ -189,3 +189,6 @@ fn spread(points: &[Point], colors: &[Option<[u8; 3]>]) -> Option<Vec<[u8; 3]>> 
     };
     Some(points.iter().zip(colors).map(|(p, c)| c.unwrap_or_else(|| nearest(p))).collect())
 }
+
+#[cfg(test)]
+mod tests;

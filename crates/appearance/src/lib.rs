@@ -9,6 +9,8 @@ mod error;
 mod motion;
 mod score;
 mod target;
+#[cfg(test)]
+mod testing;
 mod train;
 
 pub use self::{

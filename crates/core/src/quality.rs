@@ -70,8 +70,7 @@ pub struct Likeness {
     pub psnr_db: Option<f64>,
     /// Structural similarity of whole images, 1 for equal ones.
     pub ssim: Option<f64>,
-    /// FLIP, the difference that people see when one image follows the other, 0 for equal ones; mean over
-    /// the object in either image.
+    /// FLIP of whole images, the difference that people see when one follows the other, 0 for equal ones.
     pub flip: Option<f64>,
     /// LPIPS, 0 for equal images; measured where its network is given.
     #[serde(default, skip_serializing_if = "Option::is_none")]

@@ -4,7 +4,7 @@ use std::fmt::Write;
 
 use bendtwin_core::{
     Quality,
-    quality::{Choice, ErrorSummary, Predictor, RecordingScore, Score, SpreadScore},
+    quality::{Choice, ErrorSummary, Likeness, Predictor, RecordingScore, Score, SpreadScore},
 };
 
 /// The style of a table.
@@ -43,6 +43,47 @@ const COLUMNS: [Column; 5] = [
 /// Columns of errors at the nodes, over future frames.
 const AT_NODES: [Column; 2] =
     [("CD at nodes", |e| e.chamfer_l1_m), ("track at nodes", |e| e.track_m)];
+
+type LikenessColumn = (&'static str, usize, fn(&Likeness) -> Option<f64>);
+
+/// Names of likenesses, their decimals, and what they are.
+const LIKENESSES: [LikenessColumn; 5] = [
+    ("IoU", 3, |l| l.iou),
+    ("PSNR [dB]", 2, |l| l.psnr_db),
+    ("SSIM", 3, |l| l.ssim),
+    ("FLIP", 3, |l| l.flip),
+    ("LPIPS", 3, |l| l.lpips),
+];
+
+/// Likeness of renderings: each predictor over all cameras, then the first one's by camera.
+fn rendered(quality: &Quality, style: TableStyle) -> Option<String> {
+    let mut lines: Vec<(String, Likeness, Likeness)> = Vec::new();
+    let of = |s: &Score| s.rendered.clone().map(|rendered| (s.predictor, rendered));
+    let scores: Vec<_> = quality.scores.iter().filter_map(of).collect();
+    for (predictor, score) in &scores {
+        lines.push((predictor_name(*predictor).to_owned(), score.train, score.future));
+    }
+    for camera in &scores.first()?.1.cameras {
+        let unseen = if camera.held_out { " (held out)" } else { "" };
+        lines.push((format!("camera {}{unseen}", camera.name), camera.train, camera.future));
+    }
+    let mut rows = vec![vec!["renderings".to_owned()]];
+    rows.extend(lines.iter().map(|line| vec![line.0.clone()]));
+    for (name, decimals, measure) in LIKENESSES {
+        for (span, is_train) in [("train", true), ("future", false)] {
+            let part =
+                |l: &(String, Likeness, Likeness)| measure(if is_train { &l.1 } else { &l.2 });
+            if lines.iter().any(|l| part(l).is_some()) {
+                rows[0].push(format!("{name} {span}"));
+                for (row, line) in rows[1..].iter_mut().zip(&lines) {
+                    let cell = part(line).map_or("-".to_owned(), |x| format!("{x:.decimals$}"));
+                    row.push(cell);
+                }
+            }
+        }
+    }
+    Some(lay_out(&rows, style))
+}
 
 /// The choice of one of several starts as a sentence.
 fn choice_in_words(choice: &Choice) -> String {
@@ -104,7 +145,7 @@ fn in_mm(value_m: Option<f64>) -> String {
 
 /// The table in millimetres: a row per predictor, training and future errors side by side, then
 /// those of nodes that are not the skin. Columns that the capture does not determine are left out.
-/// The twin's errors by recording, the choice of a start and warnings follow.
+/// The twin's errors by recording, the likeness of renderings, the choice of a start and warnings follow.
 pub fn format_table(quality: &Quality, style: TableStyle) -> String {
     let spans: [Span; 2] = [("train", |s| &s.train), ("future", |s| &s.future)];
     let mut columns: Vec<(String, Vec<Option<f64>>)> = Vec::new();
@@ -135,6 +176,10 @@ pub fn format_table(quality: &Quality, style: TableStyle) -> String {
     if !quality.recordings.is_empty() {
         text.push('\n');
         text += &recordings(quality, style);
+    }
+    if let Some(rendered) = rendered(quality, style) {
+        text.push('\n');
+        text += &rendered;
     }
     if let Some(choice) = &quality.choice {
         let choice = choice_in_words(choice);

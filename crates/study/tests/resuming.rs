@@ -84,7 +84,7 @@ fn an_interrupted_suite_ends_in_the_same_table() {
         // The fits of the broken capture fail, and the hopeless one of the rope at least.
         assert_eq!((summary.finished + summary.failed, summary.left), (9, 0));
         assert!(summary.failed >= 4 && summary.finished >= 4, "{summary:?}");
-        let complaints = draw_pictures(&plan, &*backends(1)[0], &CancelToken::default()).unwrap();
+        let complaints = draw_pictures(&plan, &*devices(1).backends[0], &CancelToken::default()).unwrap();
         assert_eq!(complaints, [] as [String; 0]);
         assert!(folder.root().join("pictures/rope.bending.axial.png").is_file());
         timeless(&plan)
@@ -99,7 +99,7 @@ fn an_interrupted_suite_ends_in_the_same_table() {
         let mut plan = Plan::new(&suite, &folder, options(), &read).unwrap();
         let (cancel, mut seen) = (CancelToken::default(), 0);
         let summary = plan
-            .run(&backends(1), &cancel, &mut |event| match event {
+            .run(&devices(1), &cancel, &mut |event| match event {
                 Event::Progress { .. } => {
                     seen += 1;
                     if seen == 4 {
@@ -139,7 +139,7 @@ fn a_selection_runs_what_it_names() {
     let mut plan = Plan::new(&suite, &folder, PlanOptions { only, ..options() }, &read).unwrap();
     let mut names = Vec::new();
     let summary = plan
-        .run(&backends(3), &CancelToken::default(), &mut |event| {
+        .run(&devices(3), &CancelToken::default(), &mut |event| {
             if let Event::Ended(record) = event {
                 names.push(record.run.to_string());
                 assert!(record.command.starts_with("bendtwin eval"), "{}", record.command);

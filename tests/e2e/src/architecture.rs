@@ -63,7 +63,7 @@ struct Rule {
     never: &'static [&'static [&'static str]],
 }
 
-const RULES: [Rule; 11] = [
+const RULES: [Rule; 12] = [
     Rule {
         of: &["bendtwin-server", "bendtwin-store"],
         because: "the control plane knows no physics",

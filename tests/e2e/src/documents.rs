@@ -3,8 +3,8 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use bendtwin_core::{
-    Contact, Environment, FitSettings, Graph, NodeKind, Params, Pin, Skin, Timing, Twin,
-    settings::ingest::IngestSettings, twin::Member,
+    Appearance, Contact, Environment, FitSettings, Graph, NodeKind, Params, Pin, Skin, Splats,
+    Timing, Twin, settings::ingest::IngestSettings, twin::Member,
 };
 use serde_json::Value;
 
@@ -107,7 +107,7 @@ fn the_example_configuration_says_what_holds_by_default() {
     }
 }
 
-/// A twin of the newest version: with a rod, a skin and a member.
+/// A twin of the newest version: with a rod, a skin, a member and a look.
 fn twin() -> Twin {
     let n = Graph::MIN_ROD_NODES;
     let pin = |node| Pin { node, control: 0, offset_m: [0.0; 3] };
@@ -125,6 +125,13 @@ fn twin() -> Twin {
     let per_rod = vec![0.0];
     let mut skin = Skin::default();
     skin.push(0, &[(0, 0.5), (1, 0.5)], [Skin::NO_FRAME; 3], [0.0; 3]);
+    let splats = Splats {
+        carriers: skin.clone(),
+        scales_m: vec![[0.01; 3]],
+        rotations: vec![[0.0, 0.0, 0.0, 1.0]],
+        opacities: vec![0.5],
+        colors: vec![[0.5; 3]],
+    };
     let twin = Twin {
         skin,
         graph,
@@ -143,7 +150,7 @@ fn twin() -> Twin {
         mass_kg: Some(0.5),
         control_hands: vec![0],
         members: Vec::new(),
-        appearance: None,
+        appearance: Some(Appearance { skin_colors: vec![[0; 3]], splats: Some(splats) }),
     };
     Twin { members: Member::of(&twin, &twin).into_iter().collect(), ..twin }
 }

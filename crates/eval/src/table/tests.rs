@@ -1,4 +1,4 @@
-use bendtwin_core::quality::{NodeErrors, RegistrationScore};
+use bendtwin_core::quality::{CameraScore, NodeErrors, RegistrationScore, RenderedScore};
 
 use super::*;
 
@@ -102,4 +102,36 @@ drag                           1.25         -       8.00
 warning: the rope is short
 ";
     assert!(text.ends_with(expected), "{text}");
+}
+
+#[test]
+fn renderings_have_a_table_of_their_own() {
+    let likeness =
+        |iou: f64| Likeness { iou: Some(iou), psnr_db: Some(30.0), ..Likeness::default() };
+    let camera = |name: &str, held_out| CameraScore {
+        name: name.into(),
+        held_out,
+        train: likeness(0.8),
+        future: likeness(0.7),
+    };
+    let mut quality = quality();
+    quality.scores.truncate(1);
+    quality.warnings.clear();
+    quality.scores[0].rendered = Some(RenderedScore {
+        gaussians: 9,
+        train: likeness(0.9),
+        future: Likeness { iou: Some(0.6), ..Likeness::default() },
+        cameras: vec![camera("left", false), camera("top", true)],
+        per_frame: Vec::new(),
+    });
+    let expected = "\
+mm              CD train  CD future
+twin (bending)      5.12       6.10
+
+renderings             IoU train  IoU future  PSNR [dB] train  PSNR [dB] future
+twin (bending)             0.900       0.600            30.00                 -
+camera left                0.800       0.700            30.00             30.00
+camera top (held out)      0.800       0.700            30.00             30.00
+";
+    assert_eq!(format_table(&quality, TableStyle::Plain), expected);
 }

@@ -18,6 +18,7 @@ fn checkpoint() -> Checkpoint {
         chosen: vec![ChosenStart { model: 1, losses: vec![f64::INFINITY, 0.25] }],
         generations: Some(7),
         spent_s: 2.5,
+        trainings: vec![vec![1, 2, 3]],
     }
 }
 
