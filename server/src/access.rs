@@ -5,14 +5,16 @@ mod gate;
 mod in_flight;
 pub(crate) mod key;
 mod key_ring;
+mod refusals;
 mod table;
 
-use std::sync::Arc;
+use std::{sync::Arc, time::Instant};
 
 use bendtwin_core::{Category, Fault, ids::KeyId};
 use bendtwin_store::{Creator, Key, Quotas};
 
-use crate::error::Refusal;
+use self::refusals::Refusals;
+use crate::{audit, error::Refusal};
 
 pub(crate) use gate::Gate;
 pub(crate) use in_flight::{Flight, InFlight};
@@ -110,6 +112,8 @@ pub(crate) struct Caller {
     pub(crate) quotas: Quotas,
     /// Calls under way of all callers.
     pub(crate) in_flight: InFlight,
+    /// Refusals of all callers.
+    pub(crate) refusals: Refusals,
 }
 
 impl Caller {
@@ -131,6 +135,7 @@ impl Caller {
             scopes: key.scopes.iter().filter_map(|word| Scope::parse(word)).collect(),
             quotas: key.quotas,
             in_flight,
+            ..Self::default()
         }
     }
 
@@ -140,9 +145,17 @@ impl Caller {
     }
 
     /// Lets a call in that the caller may make, and counts it as long as the result is held, if
-    /// calls of its kind are bounded.
-    pub(crate) fn enter(&self, access: Option<Access>) -> Result<Option<Flight>, Refusal> {
-        self.require(access)?;
+    /// calls of its kind are bounded. The audit has what is refused under the name of the call.
+    pub(crate) fn enter(
+        &self,
+        access: Option<Access>,
+        call: &str,
+    ) -> Result<Option<Flight>, Refusal> {
+        self.require(access).inspect_err(|refusal| {
+            if let Some(times) = self.refusals.note(self.key, call, Instant::now()) {
+                audit::refused(self, call, refusal.reason(), times);
+            }
+        })?;
         match (access, self.quotas.rollouts) {
             (Some(Access::Scope(Scope::RolloutsRun)), Some(limit)) => {
                 self.in_flight.enter(&self.owner, limit).map(Some)

@@ -1,11 +1,12 @@
 //! The audit: one line in the log for each change that a client asks for, under the target `audit`,
 //! with who asked, what for, and what came of it. Both transports have the names of RPCs.
+//! Calls that were refused for a scope are told as well, by the route of HTTP or the path of gRPC.
 
 use std::fmt::Display;
 
 use bendtwin_core::Problem as _;
 
-use crate::{context::Context, failure::Result};
+use crate::{access::Caller, context::Context, failure::Result};
 
 /// Notes a change of a resource.
 pub(crate) fn changed<T>(method: &'static str, resource: impl Display, done: &Result<T>) {
@@ -21,6 +22,21 @@ pub(crate) fn changed<T>(method: &'static str, resource: impl Display, done: &Re
         result,
         request_id,
         "change"
+    );
+}
+
+/// Notes a call that was refused, so many times since this was last noted.
+pub(crate) fn refused(caller: &Caller, call: &str, reason: &str, times: u64) {
+    tracing::info!(
+        target: "audit",
+        key = caller.key.map(|key| key.to_string()).unwrap_or_default(),
+        owner = &*caller.owner,
+        method = call,
+        resource = "",
+        result = reason,
+        times,
+        request_id = Context::current().request_id,
+        "refused"
     );
 }
 

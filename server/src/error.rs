@@ -104,6 +104,11 @@ impl Refusal {
         Self { retry_after: delay, ..self }
     }
 
+    /// The stable word of its reason.
+    pub(crate) fn reason(&self) -> &str {
+        &self.fault.reason
+    }
+
     /// The document of HTTP, for the request of that context.
     pub(crate) fn document(&self, context: &Context) -> ProblemDocument {
         let fault = context::redact(self.fault.clone(), &context.request_id);

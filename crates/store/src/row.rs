@@ -3,6 +3,10 @@
 //! A declarative macro and not sqlx's derive: the derive's crate contains the whole of sqlx and of
 //! SQLite a second time, compiled for the build machine, a fifth of a build from nothing.
 
+use uuid::Uuid;
+
+use crate::{Error, Result};
+
 /// Struct that implements [`sqlx::FromRow`] for rows of SQLite and of PostgreSQL.
 macro_rules! row {
     ($(#[$attribute:meta])* $visible:vis struct $name:ident {
@@ -28,3 +32,9 @@ macro_rules! row {
 }
 
 pub(crate) use row;
+
+/// The id of a row of a table.
+pub(crate) fn id(table: &str, id: &str) -> Result<Uuid> {
+    Uuid::try_parse(id)
+        .map_err(|_| Error::CorruptRow { name: format!("{table}/{id}"), fault: "id".to_owned() })
+}

@@ -3,13 +3,12 @@
 
 use bendtwin_core::ids::ServerId;
 use jiff::Timestamp;
-use uuid::Uuid;
 
 use crate::{
     Error, Result, Store,
     clock::from_micros,
     database::Database,
-    row::row,
+    row::{self, row},
     sql::{Transaction, query, query_scalar},
 };
 
@@ -47,10 +46,7 @@ row! {
 impl TryFrom<Row> for Server {
     type Error = Error;
     fn try_from(row: Row) -> Result<Self> {
-        let id = Uuid::try_parse(&row.id).map_err(|_| Error::CorruptRow {
-            name: format!("servers/{}", row.id),
-            fault: "id".to_owned(),
-        })?;
+        let id = row::id("servers", &row.id)?;
         let (started, sign) = (from_micros(row.started_at), row.seen_at);
         Ok(Self { id: id.into(), build: row.build, started, sign })
     }

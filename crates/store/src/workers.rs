@@ -5,7 +5,12 @@ use bendtwin_core::ids::{ServerId, WorkerId};
 use jiff::Timestamp;
 use uuid::Uuid;
 
-use crate::{Error, Result, Store, clock::from_micros, row::row, sql::query};
+use crate::{
+    Error, Result, Store,
+    clock::from_micros,
+    row::{self, row},
+    sql::query,
+};
 
 /// A worker as it registered.
 #[derive(Clone, Debug, PartialEq)]
@@ -69,10 +74,7 @@ row! {
 impl TryFrom<Row> for Worker {
     type Error = Error;
     fn try_from(row: Row) -> Result<Self> {
-        let id = Uuid::try_parse(&row.id).map_err(|_| Error::CorruptRow {
-            name: format!("workers/{}", row.id),
-            fault: "id".to_owned(),
-        })?;
+        let id = row::id("workers", &row.id)?;
         Ok(Self {
             registration: NewWorker {
                 id: id.into(),

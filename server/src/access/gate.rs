@@ -4,7 +4,7 @@ use axum::http::HeaderMap;
 use bendtwin_core::{Category, Fault};
 use bendtwin_store::Store;
 
-use super::{Caller, InFlight, KeyRing, key};
+use super::{Caller, InFlight, KeyRing, key, refusals::Refusals};
 use crate::{
     client_token::{self, ClientToken},
     error::Refusal,
@@ -18,16 +18,22 @@ pub(crate) struct Gate {
     keys: KeyRing,
     store: Store,
     in_flight: InFlight,
+    refusals: Refusals,
 }
 
 impl Gate {
     pub(crate) fn new(token: Option<&str>, keys: KeyRing, store: Store) -> Self {
         let (token, in_flight) = (token.map(ClientToken::new), InFlight::default());
-        Self { token, keys, store, in_flight }
+        Self { token, keys, store, in_flight, refusals: Refusals::default() }
     }
 
     /// The caller, by the client token or the key that the request shows.
     pub(crate) async fn identify(&self, headers: &HeaderMap) -> Result<Caller, Refusal> {
+        let caller = self.shown_by(headers).await?;
+        Ok(Caller { refusals: self.refusals.clone(), ..caller })
+    }
+
+    async fn shown_by(&self, headers: &HeaderMap) -> Result<Caller, Refusal> {
         let Some(token) = &self.token else { return Ok(Caller::anyone()) };
         let shown = client_token::shown(headers)
             .ok_or_else(|| client_token::refusal("the client token or key is missing"))?;

@@ -35,6 +35,17 @@ fn what_is_not_listed_is_denied_to_everyone() {
 }
 
 #[test]
+fn what_is_refused_without_end_is_noted_once() {
+    let caller = Caller::default();
+    let fits = Some(Access::Scope(Scope::FitsWrite));
+    for _ in 0..3 {
+        assert!(caller.enter(fits, "POST /v1/fits").is_err());
+    }
+    assert_eq!(caller.refusals.note(None, "POST /v1/fits", Instant::now()), None);
+    assert_eq!(caller.refusals.note(None, "POST /v1/twins", Instant::now()), Some(1));
+}
+
+#[test]
 fn words_that_are_no_scopes_allow_nothing() {
     let key = Key {
         id: KeyId::generate(),

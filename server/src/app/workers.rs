@@ -70,8 +70,7 @@ impl App {
         let id = worker.registration.id;
         tracing::info!(worker = %id, "worker is to end");
         self.dispatch.drain(id);
-        let known = self.dispatch.views().into_iter().find(|v| v.worker.registration.id == id);
-        Ok(known.unwrap_or_else(|| worker.into()))
+        Ok(found(self.dispatch.views(), id).unwrap_or_else(|| worker.into()))
     }
 
     pub(crate) async fn workers(&self, page_token: &str) -> Result<Vec<WorkerView>> {
@@ -93,10 +92,11 @@ impl App {
 
     pub(crate) async fn worker(&self, name: &str) -> Result<WorkerView> {
         let id: WorkerId = super::name(name)?;
-        let views = self.workers("").await?;
-        views
-            .into_iter()
-            .find(|v| v.worker.registration.id == id)
+        found(self.workers("").await?, id)
             .ok_or_else(|| bendtwin_store::Error::NotFound { name: id.to_string() }.into())
     }
+}
+
+fn found(views: Vec<WorkerView>, id: WorkerId) -> Option<WorkerView> {
+    views.into_iter().find(|view| view.worker.registration.id == id)
 }

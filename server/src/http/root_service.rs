@@ -115,7 +115,8 @@ impl RootService {
             Ok(Admission::Identified { access }) => {
                 let identified = self.gate.identify(request.headers()).await;
                 identified.and_then(|caller| {
-                    let flight = access.map(|access| caller.enter(access)).transpose()?;
+                    let enter = |access| caller.enter(access, request.uri().path());
+                    let flight = access.map(enter).transpose()?;
                     Ok((caller, flight.flatten()))
                 })
             }
@@ -198,7 +199,7 @@ pub(crate) async fn authorize(
     next: axum::middleware::Next,
 ) -> Response<Body> {
     let route = access::route_name(request.method(), matched.as_str());
-    match Context::current().caller.enter(access::find(&route)) {
+    match Context::current().caller.enter(access::find(&route), &route) {
         Ok(flight) => counted(next.run(request).await, flight),
         Err(refusal) => refusal.into_response(),
     }

@@ -78,7 +78,12 @@ async fn changes_are_told_and_keys_are_not() {
         let delete = server.http.delete(server.url(&format!("/v1/{capture}"))).bearer_auth(&key);
         assert_eq!(delete.send().await.unwrap().status(), status);
     }
-    // Refused in every way that there is, over both transports.
+    // Refused in every way that there is, over both transports; again and again at one of them, which
+    // the audit tells once.
+    for _ in 0..20 {
+        let fit = server.http.post(server.url("/v1/fits")).bearer_auth(&key).json(&json!({}));
+        assert_eq!(fit.send().await.unwrap().status(), 403);
+    }
     let mistyped = format!("{}0", &key[..key.len() - 1]);
     for shown in [&key, &mistyped] {
         let fit = server.http.post(server.url("/v1/fits")).bearer_auth(shown);
@@ -113,6 +118,9 @@ async fn changes_are_told_and_keys_are_not() {
         [&name, "ada", "CreateCapture", &capture, "OK"],
         [&name, "ada", "DeleteCapture", &capture, "OK"],
         [&name, "ada", "DeleteCapture", &capture, "NOT_FOUND"],
+        [&name, "ada", "POST /v1/fits", "", "SCOPE_MISSING"],
+        [&name, "ada", "GET /v1/twins", "", "SCOPE_MISSING"],
+        [&name, "ada", "/bendtwin.v1.TwinService/ListTwins", "", "SCOPE_MISSING"],
     ];
     // Names as the calls gave them: over HTTP the bare id.
     let bare = |name: &str| name.rsplit('/').next().unwrap().to_owned();

@@ -14,7 +14,7 @@ use bendtwin_proto::v1::{
     Capture, Fit, ListCapturesRequest, ListFitsRequest, ListTwinsRequest, Twin,
 };
 
-use crate::{honest::Answer, load, run::Run, watch};
+use crate::{honest::Answer, load, run::Run, schedule::Victim, watch};
 
 /// Most descriptors of a server that nobody asks anything.
 const DESCRIPTORS: u64 = 160;
@@ -36,9 +36,9 @@ struct Listed {
     twins: BTreeMap<String, Twin>,
 }
 
-/// Checks a server that runs.
+/// Checks a system that runs.
 pub(crate) async fn check(run: &Run, memory: MemoryLimits) -> anyhow::Result<()> {
-    run.server.is_whole().await?;
+    run.system.is_whole().await?;
     finish_uploads(run).await;
     let Some(listed) = jobs::settle(run).await else { return Ok(()) };
     content::captures(run, &listed).await;
@@ -59,10 +59,10 @@ pub(crate) async fn check(run: &Run, memory: MemoryLimits) -> anyhow::Result<()>
     Ok(())
 }
 
-/// Checks what a server left that has ended.
+/// Checks what a system left that has ended.
 pub(crate) fn check_remains(run: &Run) -> anyhow::Result<()> {
     log::read(run)?;
-    run.server.check_store()
+    run.system.check_remains()
 }
 
 /// Continues the uploads that were left.
@@ -75,20 +75,21 @@ async fn finish_uploads(run: &Run) {
     }
 }
 
-/// Waits until the server has given up the connections of others.
+/// Waits until the servers have given up the connections of others.
 async fn quiet(run: &Run) {
-    let Some(pid) = run.server.pid() else { return };
     let began = Instant::now();
-    loop {
-        let count = watch::descriptors(pid).unwrap_or(0);
-        if count <= DESCRIPTORS {
-            return;
+    for server in run.system.targets(Victim::Server) {
+        loop {
+            let count = watch::descriptors(server.pid).unwrap_or(0);
+            if count <= DESCRIPTORS {
+                break;
+            }
+            if began.elapsed() > QUIET {
+                run.tally.broken("descriptors are given back", format_args!("{count} are open"));
+                return;
+            }
+            tokio::time::sleep(Duration::from_millis(500)).await;
         }
-        if began.elapsed() > QUIET {
-            run.tally.broken("descriptors are given back", format_args!("{count} are open"));
-            return;
-        }
-        tokio::time::sleep(Duration::from_millis(500)).await;
     }
 }
 

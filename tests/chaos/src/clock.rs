@@ -1,10 +1,7 @@
 //! A wall clock of its own for the server and its workers, which steps while they run. The library
 //! that is preloaded is `clock.c`.
 
-use std::{
-    path::{Path, PathBuf},
-    process::Command,
-};
+use std::{path::PathBuf, process::Command};
 
 use anyhow::Context as _;
 
@@ -18,8 +15,7 @@ pub(crate) struct Clock {
 
 impl Clock {
     /// A clock that shows the true time.
-    pub(crate) fn new(library: PathBuf, folder: &Path) -> anyhow::Result<Self> {
-        let file = folder.join("clock");
+    pub(crate) fn new(library: PathBuf, file: PathBuf) -> anyhow::Result<Self> {
         std::fs::write(&file, 0i64.to_ne_bytes())?;
         Ok(Self { library, file })
     }

@@ -3,8 +3,10 @@
 mod disk;
 mod greedy;
 mod hostile;
+mod partitions;
 mod processes;
 mod silent;
+mod zombies;
 
 use std::{net::IpAddr, sync::Arc, time::Duration};
 
@@ -48,25 +50,27 @@ pub(crate) async fn happen(run: &Arc<Run>, events: Vec<Event>) {
         run.tally.log(format_args!("{} faults were cut short", faults.len()));
         faults.shutdown().await;
     }
-    if let Some(clock) = &run.clock {
+    for clock in &run.clocks {
         clock.set(0).unwrap_or_else(|e| run.tally.log(format_args!("the clock stays wrong: {e}")));
     }
     if let Some(disk) = &run.disk {
         disk.free().unwrap_or_else(|e| run.tally.log(format_args!("the disk stays full: {e}")));
     }
-    run.server.disk_is_full.store(false, std::sync::atomic::Ordering::SeqCst);
 }
 
 async fn one(run: &Run, event: Event, files: &hostile::Files) {
     let result = match event.fault {
         Fault::Kill(victim) => processes::kill_one(run, victim, event.chance).await,
-        Fault::Restart => processes::restart(run).await,
+        Fault::Restart => processes::restart(run, event.chance).await,
         Fault::Pause(victim, held) => processes::pause(run, victim, event.chance, held).await,
-        Fault::Clock(step_s) => step(run, step_s),
+        Fault::Clock(step_s) => step(run, event.chance, step_s),
         Fault::FullDisk { held, fresh, pressed } => disk::fill(run, held, fresh, pressed).await,
         Fault::Hostile(number) => hostile::send_file(run, number, files).await,
         Fault::Silent(silence, held) => silent::be(run, silence, held).await,
         Fault::Greedy(greed) => greedy::ask(run, greed).await,
+        Fault::Partition(cut, held) => partitions::cut(run, cut, event.chance, held).await,
+        Fault::Outage(outage, held) => partitions::fail(run, outage, held).await,
+        Fault::Zombie(beyond) => zombies::make(run, event.chance, beyond).await,
     };
     // A fault that does not come about, because another one is in its way, is none of the server's.
     if let Err(error) = result {
@@ -74,8 +78,9 @@ async fn one(run: &Run, event: Event, files: &hostile::Files) {
     }
 }
 
-fn step(run: &Run, step_s: i64) -> anyhow::Result<()> {
-    run.clock.as_ref().context("there is no clock")?.set(step_s)?;
+fn step(run: &Run, chance: u64, step_s: i64) -> anyhow::Result<()> {
+    let clock = run.clocks.get(chance as usize % run.clocks.len().max(1));
+    clock.context("there is no clock")?.set(step_s)?;
     run.tally.count("faults: steps of the clock");
     Ok(())
 }
@@ -92,7 +97,7 @@ async fn sessions(run: &Run, from: IpAddr) -> anyhow::Result<SessionServiceClien
 }
 
 async fn channel(run: &Run, from: IpAddr) -> anyhow::Result<Channel> {
-    let endpoint = Endpoint::from_shared(run.server.url())?.local_address(Some(from));
+    let endpoint = Endpoint::from_shared(run.system.url())?.local_address(Some(from));
     Ok(endpoint.connect_timeout(Duration::from_secs(10)).connect().await?)
 }
 

@@ -120,7 +120,7 @@ impl Run {
                 Refusal::Later(text) => self.tally.log(format_args!("{what}, try {tries}: {text}")),
             }
             if began.elapsed() > PATIENCE {
-                self.server.restart_by_hand(&format!("{what}: no answer for {PATIENCE:?}"));
+                self.system.restart_by_hand(&format!("{what}: no answer for {PATIENCE:?}"));
             }
             if began.elapsed() > GIVE_UP {
                 self.tally.broken(

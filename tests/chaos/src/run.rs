@@ -13,20 +13,28 @@ use rand::SeedableRng as _;
 use rand_chacha::ChaCha8Rng;
 
 use crate::{
-    clock::Clock, disk::Disk, ledger::Ledger, reference::References, server::Server, tally::Tally,
+    clock::Clock, disk::Disk, ledger::Ledger, reference::References, supervised::Excuses,
+    system::System, tally::Tally,
 };
+
+/// Longest load, as a multiple of the time with faults.
+const MOST: u32 = 3;
 
 /// A run.
 pub(crate) struct Run {
     pub(crate) seed: u64,
     /// Its time with faults.
     pub(crate) length: Duration,
+    /// Fits that have to be ordered before the load ends.
+    wanted_fits: usize,
     pub(crate) started: Instant,
-    pub(crate) server: Arc<Server>,
+    pub(crate) system: System,
+    pub(crate) excuses: Excuses,
     pub(crate) references: References,
     pub(crate) ledger: Ledger,
     pub(crate) tally: Arc<Tally>,
-    pub(crate) clock: Option<Clock>,
+    /// The clocks of the machines.
+    pub(crate) clocks: Vec<Clock>,
     pub(crate) disk: Option<Disk>,
     /// The twin that all rollouts ask for.
     pub(crate) twin: Mutex<String>,
@@ -38,22 +46,24 @@ pub(crate) struct Run {
 impl Run {
     pub(crate) fn new(
         seed: u64,
-        length: Duration,
-        server: Arc<Server>,
+        (length, wanted_fits): (Duration, usize),
+        (system, excuses): (System, Excuses),
         references: References,
         ledger: Ledger,
         tally: Arc<Tally>,
-        (clock, disk): (Option<Clock>, Option<Disk>),
+        (clocks, disk): (Vec<Clock>, Option<Disk>),
     ) -> Self {
         Self {
             seed,
             length,
+            wanted_fits,
             started: Instant::now(),
-            server,
+            system,
+            excuses,
             references,
             ledger,
             tally,
-            clock,
+            clocks,
             disk,
             twin: Mutex::default(),
             disturbed: Mutex::new(Instant::now()),
@@ -63,15 +73,22 @@ impl Run {
 
     /// True until the load ends.
     pub(crate) fn goes_on(&self) -> bool {
-        self.started.elapsed() < self.length
+        let elapsed = self.started.elapsed();
+        let lacks_fits = self.ledger.things().fits.len() < self.wanted_fits;
+        elapsed < self.length || (lacks_fits && elapsed < MOST * self.length)
+    }
+
+    /// Number of fits that a client has under way.
+    pub(crate) fn fits_under_way(&self) -> usize {
+        if self.system.fleet().is_some() { 6 } else { 3 }
     }
 
     pub(crate) fn api(&self) -> Api {
-        self.server.api()
+        self.system.api()
     }
 
     pub(crate) fn http(&self) -> Http {
-        self.server.http()
+        self.system.http()
     }
 
     /// A source of chance for a client of the load.

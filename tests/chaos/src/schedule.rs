@@ -24,10 +24,30 @@ pub(crate) enum Class {
     Silent,
     /// Clients that ask for as much as they may, and more.
     Greedy,
+    /// Partitions of the network of a fleet.
+    Partitions,
+    /// Ends and pauses of the database and the bucket of a fleet.
+    Outages,
+    /// Workers that stand still until another has their job, and go on.
+    Zombies,
 }
 
 impl Class {
-    /// Faults in a minute.
+    /// Classes for one server.
+    pub(crate) const OF_SERVER: [Self; 7] = [
+        Self::Kills,
+        Self::Pauses,
+        Self::Clock,
+        Self::Disk,
+        Self::Hostile,
+        Self::Silent,
+        Self::Greedy,
+    ];
+    /// Classes for a fleet.
+    pub(crate) const OF_FLEET: [Self; 6] =
+        [Self::Kills, Self::Pauses, Self::Clock, Self::Partitions, Self::Outages, Self::Zombies];
+
+    /// Faults in a minute of one server.
     fn rate(self) -> f64 {
         match self {
             Self::Kills => 8.0,
@@ -35,6 +55,54 @@ impl Class {
             Self::Clock => 3.0,
             Self::Disk => 1.5,
             Self::Hostile => 20.0,
+            Self::Partitions | Self::Outages | Self::Zombies => 0.0,
+        }
+    }
+
+    /// Share in the faults of a fleet; zombies are counted for themselves.
+    fn share(self) -> f64 {
+        match self {
+            Self::Kills => 0.4,
+            Self::Partitions => 0.25,
+            Self::Pauses => 0.2,
+            Self::Outages => 0.1,
+            Self::Clock => 0.05,
+            Self::Disk | Self::Hostile | Self::Silent | Self::Greedy | Self::Zombies => 0.0,
+        }
+    }
+}
+
+/// Number of faults of a class.
+pub(crate) trait Counts {
+    fn count(&self, class: Class) -> u32;
+}
+
+/// Faults of one server: so many in a minute.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Paced {
+    pub(crate) length: Duration,
+    /// Multiple of the usual number.
+    pub(crate) pace: f64,
+}
+
+impl Counts for Paced {
+    fn count(&self, class: Class) -> u32 {
+        (self.pace * class.rate() * self.length.as_secs_f64() / 60.0).round().max(1.0) as u32
+    }
+}
+
+/// Faults of a fleet: so many.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Counted {
+    pub(crate) faults: u32,
+    pub(crate) zombies: u32,
+}
+
+impl Counts for Counted {
+    fn count(&self, class: Class) -> u32 {
+        match class {
+            Class::Zombies => self.zombies,
+            _ => (class.share() * f64::from(self.faults)).round() as u32,
         }
     }
 }
@@ -49,6 +117,9 @@ impl fmt::Display for Class {
             Self::Hostile => "hostile",
             Self::Silent => "silent",
             Self::Greedy => "greedy",
+            Self::Partitions => "partitions",
+            Self::Outages => "outages",
+            Self::Zombies => "zombies",
         })
     }
 }
@@ -89,6 +160,34 @@ pub(crate) enum Greed {
     Sessions,
 }
 
+/// Partition around a machine of a fleet.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Cut {
+    /// From everything.
+    Machine,
+    /// From the database.
+    Database,
+    /// From the bucket.
+    Objects,
+    /// From the other machine.
+    Machines,
+    /// From the other machine, which still reaches it.
+    OneWay,
+    /// From what the database answers.
+    Answers,
+}
+
+/// Failure of a service of a fleet.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Outage {
+    /// The database crashes, and is started again.
+    DatabaseEnds,
+    /// The database stands still.
+    DatabaseStops,
+    /// The bucket stands still.
+    ObjectsStop,
+}
+
 /// A fault.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Fault {
@@ -109,6 +208,10 @@ pub(crate) enum Fault {
     Hostile(u64),
     Silent(Silence, Duration),
     Greedy(Greed),
+    Partition(Cut, Duration),
+    Outage(Outage, Duration),
+    /// A worker that stands still for this time longer than its lease.
+    Zombie(Duration),
 }
 
 /// A fault and its time from the start.
@@ -128,13 +231,18 @@ impl fmt::Display for Event {
 }
 
 /// The faults of a run, by time. Every class has at least one, since the run is cut into as many
-/// equal parts as there are faults of a class, with one in each. `pace` multiplies their number.
-pub(crate) fn schedule(seed: u64, length: Duration, pace: f64, classes: &[Class]) -> Vec<Event> {
+/// equal parts as there are faults of a class, with one in each.
+pub(crate) fn schedule(
+    seed: u64,
+    length: Duration,
+    counts: &dyn Counts,
+    classes: &[Class],
+) -> Vec<Event> {
     let mut events = Vec::new();
     for class in classes {
         let mut random = ChaCha8Rng::seed_from_u64(seed);
         random.set_stream(*class as u64 + 1);
-        let count = (pace * class.rate() * length.as_secs_f64() / 60.0).round().max(1.0) as u32;
+        let count = counts.count(*class);
         for number in 0..count {
             let within = random.random_range(0.0..0.9);
             let at = length.mul_f64((f64::from(number) + within) / f64::from(count));
@@ -190,6 +298,24 @@ fn fault(class: Class, number: u32, random: &mut ChaCha8Rng) -> Fault {
             ];
             Fault::Greedy(kinds[number as usize % kinds.len()])
         }
+        Class::Partitions => {
+            let held = seconds(1.0, 12.0);
+            let kinds = [
+                Cut::Machine,
+                Cut::Database,
+                Cut::Objects,
+                Cut::Machines,
+                Cut::OneWay,
+                Cut::Answers,
+            ];
+            Fault::Partition(kinds[number as usize % kinds.len()], held)
+        }
+        Class::Outages => {
+            let held = seconds(0.5, 6.0);
+            let kinds = [Outage::DatabaseEnds, Outage::ObjectsStop, Outage::DatabaseStops];
+            Fault::Outage(kinds[number as usize % kinds.len()], held)
+        }
+        Class::Zombies => Fault::Zombie(seconds(0.0, 2.0)),
     }
 }
 
@@ -201,20 +327,34 @@ mod tests {
 
     #[test]
     fn a_seed_is_a_schedule_and_every_class_is_in_it() {
-        let all = Class::value_variants();
-        let first = schedule(7, 2 * MINUTE, 1.0, all);
-        assert_eq!(first, schedule(7, 2 * MINUTE, 1.0, all));
-        assert_ne!(first, schedule(8, 2 * MINUTE, 1.0, all));
-        assert!(first.is_sorted_by_key(|event| event.at));
-        for class in all {
-            assert!(first.iter().any(|event| event.class == *class), "{class}");
+        let paced = Paced { length: 2 * MINUTE, pace: 1.0 };
+        let counted = Counted { faults: 20, zombies: 3 };
+        let systems: [(&dyn Counts, &[Class]); 2] =
+            [(&paced, &Class::OF_SERVER), (&counted, &Class::OF_FLEET)];
+        for (counts, all) in systems {
+            let first = schedule(7, 2 * MINUTE, counts, all);
+            assert_eq!(first, schedule(7, 2 * MINUTE, counts, all));
+            assert_ne!(first, schedule(8, 2 * MINUTE, counts, all));
+            assert!(first.is_sorted_by_key(|event| event.at));
+            for class in all {
+                assert!(first.iter().any(|event| event.class == *class), "{class}");
+            }
         }
     }
 
     #[test]
     fn leaving_classes_out_does_not_change_the_others() {
-        let all = schedule(7, 5 * MINUTE, 1.0, Class::value_variants());
+        let paced = Paced { length: 5 * MINUTE, pace: 1.0 };
+        let all = schedule(7, 5 * MINUTE, &paced, &Class::OF_SERVER);
         let kills: Vec<_> = all.into_iter().filter(|e| e.class == Class::Kills).collect();
-        assert_eq!(schedule(7, 5 * MINUTE, 1.0, &[Class::Kills]), kills);
+        assert_eq!(schedule(7, 5 * MINUTE, &paced, &[Class::Kills]), kills);
+    }
+
+    #[test]
+    fn a_fleet_gets_the_number_of_faults_that_was_asked_for() {
+        let counted = Counted { faults: 200, zombies: 100 };
+        let events = schedule(7, 5 * MINUTE, &counted, &Class::OF_FLEET);
+        let zombies = events.iter().filter(|event| event.class == Class::Zombies).count();
+        assert_eq!((zombies, events.len() - zombies), (100, 200));
     }
 }

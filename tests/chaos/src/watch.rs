@@ -1,31 +1,33 @@
-//! Memory and descriptors of the server and its workers, while they run.
+//! Memory and descriptors of servers and workers, while they run.
 
 use std::{sync::Arc, time::Duration};
 
-use crate::run::Run;
+use crate::{run::Run, schedule::Victim};
 
 const INTERVAL: Duration = Duration::from_millis(500);
 
 /// Watches until the task is ended.
 pub(crate) async fn watch(run: Arc<Run>) {
     loop {
-        if let Some(pid) = run.server.pid() {
-            if let Some(bytes) = peak_memory(pid) {
+        for server in run.system.targets(Victim::Server) {
+            if let Some(bytes) = peak_memory(server.pid) {
                 run.tally.reached(SERVER, bytes >> 20);
             }
-            if let Some(count) = descriptors(pid) {
-                run.tally.reached("memory: most descriptors of the server", count);
+            if let Some(count) = descriptors(server.pid) {
+                run.tally.reached("memory: most descriptors of a server", count);
             }
         }
-        for bytes in run.server.workers().into_iter().filter_map(peak_memory) {
-            run.tally.reached(WORKER, bytes >> 20);
+        for worker in run.system.targets(Victim::Worker) {
+            if let Some(bytes) = peak_memory(worker.pid) {
+                run.tally.reached(WORKER, bytes >> 20);
+            }
         }
         tokio::time::sleep(INTERVAL).await;
     }
 }
 
-/// Row of the server's peak.
-pub(crate) const SERVER: &str = "memory: peak of the server [MiB]";
+/// Row of a server's peak.
+pub(crate) const SERVER: &str = "memory: peak of a server [MiB]";
 /// Row of a worker's peak.
 pub(crate) const WORKER: &str = "memory: peak of a worker [MiB]";
 

@@ -8,6 +8,7 @@ use std::{
 
 use bytes::Bytes;
 use tokio::{sync::Notify, task::JoinHandle, time::Instant};
+use tracing::Instrument as _;
 
 use super::{
     Job,
@@ -83,14 +84,14 @@ impl Slot {
     }
 }
 
-/// Starts the saving task.
+/// Starts the saving task, whose lines in the log name the job.
 pub(crate) fn start(job: Job, stop: Stop) -> (Checkpoints, Saver) {
     let slot = Arc::new(Slot {
         waiting: Mutex::default(),
         sending: Mutex::default(),
         changed: Notify::new(),
     });
-    let task = tokio::spawn(run(Arc::clone(&slot), job.clone(), stop));
+    let task = tokio::spawn(run(Arc::clone(&slot), job.clone(), stop).in_current_span());
     (Checkpoints(Arc::clone(&slot)), Saver { slot, job, task })
 }
 

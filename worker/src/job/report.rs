@@ -8,6 +8,7 @@ use std::{
 
 use bendtwin_core::{ModelLoss, Progress};
 use tokio::{task::JoinHandle, time::MissedTickBehavior};
+use tracing::Instrument as _;
 
 use super::{
     Job,
@@ -127,7 +128,7 @@ pub(crate) async fn flush(job: &Job, latest: &LatestProgress) {
 /// Starts reporting, which goes on until the task is aborted.
 pub(crate) fn start(job: Job, stop: Stop) -> (LatestProgress, JoinHandle<()>) {
     let latest = LatestProgress::default();
-    let task = tokio::spawn(run(job, stop, latest.clone()));
+    let task = tokio::spawn(run(job, stop, latest.clone()).in_current_span());
     (latest, task)
 }
 

@@ -61,6 +61,9 @@ pub(crate) struct Server {
     /// shows what happens then.
     #[cfg(test)]
     pub(crate) without_lock: std::sync::atomic::AtomicBool,
+    /// Leaves connections with stale plans where they are: for the test that shows what happens then.
+    #[cfg(test)]
+    pub(crate) keeps_plans: std::sync::Arc<std::sync::atomic::AtomicBool>,
 }
 
 /// Connects, and brings the tables up to date.
@@ -71,10 +74,17 @@ pub(super) async fn open(url: &DatabaseUrl) -> Result<(Server, Readers)> {
     prepare(&mut connection).await?;
     connection.close().await?;
     let options = options.options(TIMEOUTS);
+    #[cfg(test)]
+    let keeps_plans = std::sync::Arc::new(std::sync::atomic::AtomicBool::new(false));
     let pool = |most: u32| {
         let pool = PgPoolOptions::new().max_connections(most).acquire_timeout(ACQUIRE_TIMEOUT);
-        let pool = pool.before_acquire(|_, meta| {
-            Box::pin(std::future::ready(Ok(!plans::are_stale(meta.age))))
+        #[cfg(test)]
+        let keeps_plans = keeps_plans.clone();
+        let pool = pool.before_acquire(move |_, meta| {
+            let is_fit = !plans::are_stale(meta.age);
+            #[cfg(test)]
+            let is_fit = is_fit || keeps_plans.load(std::sync::atomic::Ordering::SeqCst);
+            Box::pin(std::future::ready(Ok(is_fit)))
         });
         pool.connect_lazy_with(options.clone())
     };
@@ -86,6 +96,8 @@ pub(super) async fn open(url: &DatabaseUrl) -> Result<(Server, Readers)> {
         listening: Mutex::default(),
         #[cfg(test)]
         without_lock: false.into(),
+        #[cfg(test)]
+        keeps_plans,
     };
     Ok((server, Readers::Postgres(readers)))
 }

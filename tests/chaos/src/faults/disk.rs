@@ -1,9 +1,6 @@
 //! Full disks: filled, held, freed; measured is the time until a write succeeds again.
 
-use std::{
-    sync::atomic::Ordering,
-    time::{Duration, Instant},
-};
+use std::time::{Duration, Instant};
 
 use anyhow::Context as _;
 use reqwest::Method;
@@ -12,6 +9,7 @@ use tokio::{
     time::{sleep, timeout},
 };
 
+use super::processes;
 use crate::{honest::send, ledger::Fate, run::Run};
 
 /// Longest time until a write succeeds again: four times the target, for a busy machine.
@@ -34,10 +32,10 @@ pub(super) async fn fill(
         tokio::task::spawn_blocking(move || disk.fill()).await
     };
     if fresh {
-        run.server.restart().await?;
+        processes::restart(run, 0).await?;
     }
     let victim = store(run).await.context("nothing to delete")?;
-    run.server.disk_is_full.store(true, Ordering::SeqCst);
+    let excuse = run.excuses.begin();
     let began = Instant::now();
     fill().await??;
     run.tally.log("the disk is full");
@@ -61,7 +59,7 @@ pub(super) async fn fill(
     let again = store(run).await;
     // Time for which other faults held the server is no fault of the disk's.
     let recovery = freed.max(run.last_disturbance().min(Instant::now())).elapsed();
-    run.server.disk_is_full.store(false, Ordering::SeqCst);
+    drop(excuse);
     run.tally.took("disk: longest until a write succeeded again", recovery);
     if recovery > RECOVERY || again.is_none() {
         let case = format!("not within {:.1} s", recovery.as_secs_f64());

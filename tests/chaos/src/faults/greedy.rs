@@ -55,7 +55,7 @@ async fn batches(run: &Run) -> anyhow::Result<()> {
 }
 
 async fn post(run: &Run, body: String) -> anyhow::Result<()> {
-    let url = format!("{}/v1/{}/rollouts", run.server.url(), run.twin());
+    let url = format!("{}/v1/{}/rollouts", run.system.url(), run.twin());
     let request = http(GREEDY)?.post(url).header("content-type", "application/json").body(body);
     let reply = request.send().await?;
     let (status, mut bytes) = (reply.status(), 0);
@@ -107,7 +107,7 @@ async fn open_and_leave(run: &Run) -> anyhow::Result<()> {
 
 async fn uploads(run: &Run) -> anyhow::Result<()> {
     let client = http(GREEDY)?;
-    let url = format!("{}/v1/uploads", run.server.url());
+    let url = format!("{}/v1/uploads", run.system.url());
     for _ in 0..UPLOADS {
         let request = client.post(&url).header("tus-resumable", "1.0.0");
         request.header("upload-length", 1 << 20).send().await?;

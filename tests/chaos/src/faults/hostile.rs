@@ -57,7 +57,7 @@ pub(super) async fn send_file(run: &Run, number: u64, files: &Files) -> anyhow::
     let Some(file) = file else { return Ok(()) };
     let (what, began) = (format!("{} ({})", file.name, file.what), Instant::now());
     run.tally.log(format_args!("hostile: {what}"));
-    let url = format!("{}{path}", run.server.url());
+    let url = format!("{}{path}", run.system.url());
     let digest = blake3::hash(&file.bytes).to_hex().to_string();
     let request = http(STRANGER)?.post(url).header("content-type", content_type);
     let reply = request.body(file.bytes).send().await?;

@@ -3,33 +3,31 @@
 use std::time::{Duration, Instant};
 
 use anyhow::Context as _;
-use bendtwin_harness::process::{kill, signal};
+use bendtwin_harness::process::signal;
 use tokio::time::sleep;
 
-use crate::{run::Run, schedule::Victim};
+use crate::{run::Run, schedule::Victim, system::Target};
 
 /// Time to wait for a process to kill: readers live for moments.
 const WAIT: Duration = Duration::from_secs(10);
 
 /// kill -9.
 pub(super) async fn kill_one(run: &Run, victim: Victim, chance: u64) -> anyhow::Result<()> {
-    let pid = find(run, victim, chance).await?;
+    let target = find(run, victim, chance).await?;
     // Not at its first moment.
     if victim == Victim::Reader {
         sleep(Duration::from_millis(chance % 100)).await;
     }
-    match victim {
-        Victim::Server => run.server.kill(),
-        Victim::Worker | Victim::Reader => kill(pid),
-    }
+    target.kill();
     run.disturb();
     run.tally.count(format!("faults: kills of a {}", name(victim)));
     Ok(())
 }
 
-/// SIGTERM for the server.
-pub(super) async fn restart(run: &Run) -> anyhow::Result<()> {
-    run.server.restart().await?;
+/// SIGTERM for a server.
+pub(super) async fn restart(run: &Run, chance: u64) -> anyhow::Result<()> {
+    let target = find(run, Victim::Server, chance).await?;
+    target.supervised.context("it is not supervised")?.restart().await?;
     run.disturb();
     run.tally.count("faults: orderly restarts of a server");
     Ok(())
@@ -42,25 +40,38 @@ pub(super) async fn pause(
     chance: u64,
     held: Duration,
 ) -> anyhow::Result<()> {
-    let pid = find(run, victim, chance).await?;
-    signal(pid, "STOP");
+    let pid = find(run, victim, chance).await?.pid;
+    let stopped = Stopped::new(vec![pid]);
     sleep(held).await;
-    signal(pid, "CONT");
+    drop(stopped);
     run.disturb();
     run.tally.count(format!("faults: pauses of a {}", name(victim)));
     Ok(())
 }
 
-async fn find(run: &Run, victim: Victim, chance: u64) -> anyhow::Result<u32> {
+/// Processes that stand still until this is dropped.
+pub(super) struct Stopped(Vec<u32>);
+
+impl Stopped {
+    /// SIGSTOP.
+    pub(super) fn new(pids: Vec<u32>) -> Self {
+        pids.iter().for_each(|pid| signal(*pid, "STOP"));
+        Self(pids)
+    }
+}
+
+impl Drop for Stopped {
+    fn drop(&mut self) {
+        self.0.iter().for_each(|pid| signal(*pid, "CONT"));
+    }
+}
+
+async fn find(run: &Run, victim: Victim, chance: u64) -> anyhow::Result<Target> {
     let began = Instant::now();
     loop {
-        let pids = match victim {
-            Victim::Server => run.server.pid().into_iter().collect(),
-            Victim::Worker => run.server.workers(),
-            Victim::Reader => run.server.readers(),
-        };
-        if !pids.is_empty() {
-            return Ok(pids[(chance % pids.len() as u64) as usize]);
+        let mut targets = run.system.targets(victim);
+        if !targets.is_empty() {
+            return Ok(targets.swap_remove((chance % targets.len() as u64) as usize));
         }
         if began.elapsed() > WAIT {
             return Err(anyhow::anyhow!("none runs")).context(name(victim));

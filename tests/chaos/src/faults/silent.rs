@@ -46,7 +46,7 @@ async fn connections(run: &Run, openings: &[&[u8]], held: Duration) -> anyhow::R
         let socket = TcpSocket::new_v4()?;
         socket.bind((STRANGER, 0).into())?;
         // A server that takes no more of them is in its right.
-        let Ok(mut stream) = socket.connect(run.server.address().parse()?).await else { break };
+        let Ok(mut stream) = socket.connect(run.system.address().parse()?).await else { break };
         stream.write_all(openings[number % openings.len()]).await.ok();
         open.push(stream);
     }

@@ -9,8 +9,6 @@ use tokio::time::sleep;
 
 use crate::{honest::Answer, run::Run};
 
-/// Most fits under way.
-const UNDER_WAY: usize = 3;
 /// Most captures for fits; then they are fitted again.
 const CAPTURES: usize = 12;
 
@@ -33,7 +31,7 @@ pub(super) async fn client(run: Arc<Run>, number: u64) {
             }
         }
         under_way = waiting;
-        if under_way.len() >= UNDER_WAY {
+        if under_way.len() >= run.fits_under_way() {
             continue;
         }
         let work = random.random_range(0..run.references.works.len());

@@ -305,22 +305,40 @@ async fn leases_are_measured_by_the_clock_of_the_database() {
     assert!(matches!(stale, Err(Error::StaleLease { .. })));
 }
 
-/// A server of a newer version adds a column beside this one: one call fails and may be repeated.
-#[tokio::test]
-async fn a_column_that_is_added_meanwhile_fails_one_call_at_most() {
-    let Some(on) = On::postgres_or_skip() else { return };
-    let bench = Bench::new(on).await;
-    // On every connection of the pool, which are taken in turn.
+/// Adds a column as a server of a newer version does, while all connections have read the table;
+/// returns the refusals of the calls after that.
+async fn refusals_after_a_migration(bench: &Bench) -> Vec<Error> {
     for _ in 0..20 {
-        bench.store.servers().all().await.unwrap();
+        let readers = (0..super::READERS).map(|_| async {
+            bench.store.servers().all().await.unwrap();
+        });
+        futures::future::join_all(readers).await;
     }
     bench.tell(query("alter table servers add column later bigint")).await;
     let mut refused = Vec::new();
     for _ in 0..40 {
         refused.extend(bench.store.servers().all().await.err());
     }
-    assert!(refused.len() <= 1, "{refused:?}");
     assert!(refused.iter().all(|error| matches!(error, Error::DatabaseBusy)), "{refused:?}");
+    refused
+}
+
+/// One call fails and may be repeated.
+#[tokio::test]
+async fn a_column_that_is_added_meanwhile_fails_one_call_at_most() {
+    let Some(on) = On::postgres_or_skip() else { return };
+    let refused = refusals_after_a_migration(&Bench::new(on).await).await;
+    assert!(refused.len() <= 1, "{refused:?}");
+}
+
+/// Each connection has a plan of its own that is refused.
+#[tokio::test]
+async fn a_column_fails_several_calls_where_connections_are_kept() {
+    let Some(on) = On::postgres_or_skip() else { return };
+    let bench = Bench::new(on).await;
+    bench.store.inner.database.server().keeps_plans.store(true, Ordering::SeqCst);
+    let refused = refusals_after_a_migration(&bench).await;
+    assert!(refused.len() > 1, "then nothing is to be replaced: {refused:?}");
 }
 
 /// Two servers with one content: none removes what the other is about to refer to.

@@ -1,0 +1,84 @@
+//! Calls that were refused for a scope, in the audit. A client may repeat such a call without end, so
+//! that for a key and a call one line is written at once, and after that one in ten minutes at most,
+//! with the number of refusals since the one before.
+
+use std::{
+    collections::HashMap,
+    sync::{Arc, Mutex, PoisonError},
+    time::{Duration, Instant},
+};
+
+use bendtwin_core::ids::KeyId;
+
+/// Least time between two lines about a key and a call.
+const INTERVAL: Duration = Duration::from_secs(600);
+/// Most keys and calls that are remembered. Both come from tables of the server; beyond this number
+/// nothing is written until some are old.
+const MOST: usize = 4096;
+
+/// What was refused, by key and call. Clones share it.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Refusals(Arc<Mutex<HashMap<(Option<KeyId>, String), Told>>>);
+
+#[derive(Debug)]
+struct Told {
+    at: Instant,
+    /// Refusals since then.
+    since: u64,
+}
+
+impl Refusals {
+    /// Notes a refusal at a time. Returns the number to write, if it is time to write.
+    pub(super) fn note(&self, key: Option<KeyId>, call: &str, now: Instant) -> Option<u64> {
+        let mut all = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let is_old = |told: &Told| now.saturating_duration_since(told.at) >= INTERVAL;
+        if let Some(told) = all.get_mut(&(key, call.to_owned())) {
+            told.since += 1;
+            if !is_old(told) {
+                return None;
+            }
+            let count = told.since;
+            *told = Told { at: now, since: 0 };
+            return Some(count);
+        }
+        if all.len() >= MOST {
+            all.retain(|_, told| !is_old(told));
+        }
+        if all.len() >= MOST {
+            return None;
+        }
+        all.insert((key, call.to_owned()), Told { at: now, since: 0 });
+        Some(1)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_repeated_is_counted_and_told_in_ten_minutes() {
+        let (refusals, start) = (Refusals::default(), Instant::now());
+        let key = Some(KeyId::generate());
+        assert_eq!(refusals.note(key, "POST /v1/fits", start), Some(1));
+        for second in 0..599 {
+            let now = start + Duration::from_secs(second);
+            assert_eq!(refusals.note(key, "POST /v1/fits", now), None);
+        }
+        assert_eq!(refusals.note(key, "GET /v1/fits", start), Some(1), "another call");
+        assert_eq!(refusals.note(None, "POST /v1/fits", start), Some(1), "another caller");
+        assert_eq!(refusals.note(key, "POST /v1/fits", start + INTERVAL), Some(600));
+        assert_eq!(refusals.note(key, "POST /v1/fits", start + INTERVAL), None);
+    }
+
+    #[test]
+    fn only_so_many_are_remembered_and_old_ones_give_way() {
+        let (refusals, start) = (Refusals::default(), Instant::now());
+        let told = |now| {
+            let call = |_| refusals.note(Some(KeyId::generate()), "POST /v1/fits", now);
+            (0..2 * MOST).filter_map(call).count()
+        };
+        assert_eq!(told(start), MOST);
+        assert_eq!(told(start + INTERVAL), MOST);
+    }
+}
