@@ -25,7 +25,7 @@ const MOST_ALIGNED: usize = 20_000;
 /// Gaussians on a twin.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Placed {
-    /// What the twin carries.
+    /// Splats of the twin.
     pub splats: Splats,
     /// Gaussians that were too far from the skin.
     pub dropped: usize,
