@@ -1,4 +1,5 @@
 /** Time that a picture of a twin takes: made up of as many nodes and points of skin as the address says. */
+import type { Splats } from '../src/view3d/appearance';
 import { Legend } from '../src/view3d/legend';
 import type { TwinShape } from '../src/view3d/shape';
 import { startsOf } from '../src/view3d/skin';
@@ -8,6 +9,7 @@ import { TwinView } from '../src/view3d/twin_view';
 const query = new URLSearchParams(location.search);
 const nodes = Number(query.get('nodes') ?? 10_000);
 const points = Number(query.get('points') ?? 5_000);
+const splats = Number(query.get('splats') ?? 0);
 const frames = Number(query.get('frames') ?? 300);
 const WEIGHTS = 8;
 
@@ -46,9 +48,30 @@ function sheet(): TwinShape {
     ground: { normal: [0, 0, 1], offset_m: 0 },
     gravity: [0, 0, -9.81],
     fps: 60,
+    appearance: splats === 0 ? null : { skinColours: new Uint8Array(0), splats: splatsOf(side) },
     massKg: null,
     mass: nodes,
     spacing: 1 / side,
+  };
+}
+
+/** Splats that lie on the sheet, as flat as a surface's, in the colours of their places. */
+function splatsOf(side: number): Splats {
+  const each = (width: number, value: (g: number, k: number) => number): Float32Array =>
+    Float32Array.from({ length: width * splats }, (_, i) => value(Math.floor(i / width), i % width));
+  const near = (g: number, k: number): number => Math.min(Math.floor((g * nodes) / splats) + k, nodes - 1);
+  return {
+    carriers: {
+      starts: startsOf(new Uint32Array(splats).fill(WEIGHTS)),
+      nodes: Uint32Array.from({ length: WEIGHTS * splats }, (_, k) => near(Math.floor(k / WEIGHTS), k % WEIGHTS)),
+      weights: new Float32Array(WEIGHTS * splats).fill(1 / WEIGHTS),
+      frames: Uint32Array.from({ length: 3 * splats }, (_, k) => near(Math.floor(k / 3), [0, 1, side][k % 3]!)),
+      offsets: each(3, (_, k) => (k === 2 ? 0.002 : 0)),
+    },
+    scales: each(3, (_, k) => (k === 2 ? 0.1 : 0.6) / Math.sqrt(splats)),
+    rotations: each(4, (_, k) => (k === 3 ? 1 : 0)),
+    opacities: each(1, () => 0.8),
+    colours: each(3, (g, k) => 0.5 + 0.5 * Math.sin(g / (50 + 40 * k))),
   };
 }
 
@@ -59,7 +82,7 @@ function measure(): Promise<{ cpu: number[]; apart: number[] }> {
   document.body.append(stage.element);
   const view = new TwinView(stage, shape, new Legend());
   view.above(shape.ground);
-  view.show(new Set(['skin', 'nodes', 'springs', 'shadow']));
+  view.show(new Set(splats === 0 ? ['skin', 'nodes', 'springs', 'shadow'] : ['skin', 'appearance', 'shadow']));
   stage.lookAt(shape.rest);
   const moved = shape.rest.slice();
   const result = { cpu: [] as number[], apart: [] as number[] };
@@ -85,6 +108,7 @@ function measure(): Promise<{ cpu: number[]; apart: number[] }> {
 
 void measure().then((result) => {
   const pre = document.createElement('pre');
-  pre.textContent = JSON.stringify(result);
+  const drawn = document.querySelector('.splat-count')?.textContent ?? '';
+  pre.textContent = JSON.stringify({ ...result, drawn });
   document.body.append(pre);
 });

@@ -1,7 +1,9 @@
-//! `bendtwin twin`: list, inspect, edit, export, import.
+//! `bendtwin twin`: list, inspect, edit, export, import, dress.
 
+mod dress;
 mod export;
 mod import;
+mod source;
 
 use std::path::Path;
 
@@ -56,6 +58,8 @@ enum Command {
     },
     /// Write a twin to a file, in the twin format or that of another program
     Export(export::Export),
+    /// Let a twin carry the Gaussians of a file: a scan by a phone, or a training elsewhere
+    Dress(dress::Dress),
     /// Store a twin file, or a fit by PhysTwin, on the server
     Import(import::Import),
     /// Delete twins
@@ -107,6 +111,7 @@ pub(crate) async fn run(args: Twin, global: &Global) -> anyhow::Result<()> {
             })
         }
         Command::Export(args) => export::run(args, global).await,
+        Command::Dress(args) => dress::run(args, global).await,
         Command::Import(args) => import::run(args, global).await,
         Command::Edit { name, changes } => {
             let update = changes.update()?;

@@ -8,11 +8,13 @@ export interface Look {
   controls: boolean;
   prediction: boolean;
   springs: boolean;
+  /** The prediction has the colours of its twin, if that has any. */
+  appearance: boolean;
   /** The prediction stands beside the observed points in place of over them. */
   beside: boolean;
 }
 
-const FLAGS = ['observed', 'controls', 'prediction', 'springs', 'beside'] as const;
+const FLAGS = ['observed', 'controls', 'prediction', 'springs', 'appearance', 'beside'] as const;
 
 /** What is seen if nothing was said. */
 export function usual(hasColours: boolean): Look {
@@ -22,6 +24,7 @@ export function usual(hasColours: boolean): Look {
     controls: true,
     prediction: true,
     springs: true,
+    appearance: true,
     beside: false,
   };
 }

@@ -7,6 +7,7 @@ const FLAGS = [
   ['controls', 'Control points', false],
   ['prediction', 'Prediction', true],
   ['springs', 'Springs', true],
+  ['appearance', 'Appearance', true],
   ['beside', 'Side by side', true],
 ] as const;
 

@@ -6,6 +6,7 @@ import { h } from '../ui/dom';
 import { counted } from '../ui/format';
 import { problemBox } from '../ui/problem';
 import { loadShape } from '../view3d/shape';
+import type { TwinLayer } from '../view3d/twin_view';
 import { CameraView } from './camera_view';
 import { ErrorChart } from './chart';
 import { choice, sequenceChoice, twinChoice } from './choices';
@@ -215,8 +216,10 @@ class PlaybackPage {
 
   #showLayers(): void {
     const { look } = this;
-    const layers = new Set<'skin' | 'nodes' | 'springs'>();
-    if (look.prediction) layers.add('nodes');
+    const layers = new Set<TwinLayer>();
+    const hasLook = (this.player.twin?.shape.appearance ?? null) !== null;
+    if (look.prediction && look.appearance && hasLook) layers.add('skin').add('appearance');
+    else if (look.prediction) layers.add('nodes');
     if (look.prediction && look.springs) layers.add('springs');
     this.scene.showTwin(layers, look.prediction && look.beside && this.player.twin !== null);
   }

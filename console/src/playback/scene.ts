@@ -5,7 +5,7 @@ import { PointsLayer } from '../view3d/layers/points';
 import { Legend } from '../view3d/legend';
 import type { TwinShape } from '../view3d/shape';
 import { Stage } from '../view3d/stage';
-import { TwinView } from '../view3d/twin_view';
+import { TwinView, type TwinLayer } from '../view3d/twin_view';
 import type { SequenceHead } from './head';
 import type { Frame } from './motion';
 
@@ -64,7 +64,7 @@ export class Scene {
   }
 
   /** Layers of the twin that are seen, and whether it stands beside the observed points. */
-  showTwin(layers: ReadonlySet<'skin' | 'nodes' | 'springs'>, isBeside: boolean): void {
+  showTwin(layers: ReadonlySet<TwinLayer>, isBeside: boolean): void {
     this.#twin?.show(layers);
     const way = isBeside ? 1.5 * extentOf(this.#first) : 0;
     if (this.#beside.x === way) return;

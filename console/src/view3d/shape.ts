@@ -1,4 +1,5 @@
 import type { Api } from '../api/client';
+import { loadAppearance, type Appearance } from './appearance';
 import { startsOf, type Skin } from './skin';
 import { floats, indices, type PackedTensor } from './tensor';
 
@@ -28,6 +29,8 @@ export interface TwinShape {
   readonly bendStiffness: Float32Array;
   readonly rods: readonly Uint32Array[];
   readonly skin: Skin;
+  /** Colours of the skin and splats; null if the twin has none. */
+  readonly appearance: Appearance | null;
   readonly ground: Plane | null;
   /** [m/s^2] */
   readonly gravity: readonly [number, number, number];
@@ -58,7 +61,9 @@ export interface GeometryReply
 /** Asks for the shape of a twin. */
 export async function loadShape(api: Api, twin: string, signal: AbortSignal): Promise<TwinShape> {
   const path = `/v1/twins/${encodeURIComponent(twin)}/geometry?tensors=base64`;
-  return readShape(await api.json<GeometryReply>(path, { signal }));
+  const reply = api.json<GeometryReply>(path, { signal });
+  const [geometry, appearance] = await Promise.all([reply, loadAppearance(api, twin, signal)]);
+  return { ...readShape(geometry), appearance };
 }
 
 /** Reads a reply; throws if its arrays do not belong together. */
@@ -84,6 +89,7 @@ export function readShape(reply: GeometryReply): TwinShape {
     bendStiffness: floats(reply.bend_stiffness, 'bend_stiffness'),
     rods: Array.from(starts.subarray(1), (end, rod) => rodNodes.subarray(starts[rod], end)),
     skin: readSkin(reply.skin ?? {}, nodes),
+    appearance: null,
     ground: reply.ground === undefined ? null : planeOf(reply.ground),
     gravity: vectorOf(reply.gravity, [0, 0, 0]),
     fps: reply.fps ?? 30,

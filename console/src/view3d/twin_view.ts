@@ -3,13 +3,16 @@ import { Endpoints } from './endpoints';
 import { LinesLayer } from './layers/lines';
 import { PointsLayer } from './layers/points';
 import { ShadowLayer } from './layers/shadow';
+import { SplatsLayer } from './layers/splats';
 import type { Legend } from './legend';
 import type { Plane, TwinShape } from './shape';
 import { placeSkin, pointCount } from './skin';
+import { SplatBudget } from './splat_budget';
+import { SplatCount } from './splat_count';
 import type { Stage } from './stage';
 
-/** Layers of a twin that can be switched on and off. */
-export type TwinLayer = 'skin' | 'nodes' | 'springs' | 'triplets' | 'rods' | 'controls' | 'shadow';
+/** Layers of a twin that can be switched on and off; `appearance` is the skin in its own colours. */
+export type TwinLayer = 'skin' | 'appearance' | 'nodes' | 'springs' | 'triplets' | 'rods' | 'controls' | 'shadow';
 
 /** Quantities that a twin can be coloured by. */
 export type ColourBy = 'none' | 'stiffness' | 'strain';
@@ -35,6 +38,8 @@ export class TwinView {
   readonly #nodes: PointsLayer;
   readonly #controls: PointsLayer;
   readonly #shadow: ShadowLayer;
+  readonly #splats: SplatsLayer | null = null;
+  readonly #splatCount = new SplatCount();
   #plane: Plane | null = null;
   #hasShadow = false;
   readonly #lines: Record<'springs' | 'triplets' | 'rods', LinesLayer>;
@@ -63,33 +68,37 @@ export class TwinView {
       triplets: stage.add(this.#triplets()),
       rods: stage.add(this.#rods()),
     };
-    this.show(new Set(['skin', 'shadow']));
+    const splats = shape.appearance?.splats ?? null;
+    if (splats !== null) this.#splats = this.#addSplats(new SplatsLayer(splats, shape.rest, shape.springs));
+    this.show(new Set(['skin', 'appearance', 'shadow']));
     this.place(shape.rest, shape.controls);
   }
 
   /** Layers that have something to show. */
   get layers(): readonly TwinLayer[] {
-    const { skin, triplets, rods, controls } = this.#shape;
+    const { skin, appearance, triplets, rods, controls } = this.#shape;
     const empty: Partial<Record<TwinLayer, boolean>> = {
-      skin: pointCount(skin) === 0,
+      skin: pointCount(skin) === 0 && this.#splats === null,
+      appearance: appearance === null,
       triplets: triplets.length === 0,
       rods: rods.length === 0,
       controls: controls.length === 0,
     };
-    const all: TwinLayer[] = ['skin', 'nodes', 'springs', 'triplets', 'rods', 'controls', 'shadow'];
+    const all: TwinLayer[] = ['skin', 'appearance', 'nodes', 'springs', 'triplets', 'rods', 'controls', 'shadow'];
     return all.filter((layer) => empty[layer] !== true);
   }
 
   /** Shows these layers and no others. */
   show(layers: ReadonlySet<TwinLayer>): void {
     const objects = {
-      skin: this.#skin, nodes: this.#nodes, controls: this.#controls, shadow: this.#shadow, ...this.#lines,
+      nodes: this.#nodes, controls: this.#controls, shadow: this.#shadow, ...this.#lines,
     };
     for (const [name, layer] of Object.entries(objects)) layer.object.visible = layers.has(name as TwinLayer);
+    this.#showSurface(layers.has('skin'), layers.has('appearance'));
     this.#hasShadow = layers.has('shadow');
     this.#shadow.object.visible = this.#hasShadow && this.#plane !== null;
     // The skin is placed only while it is seen.
-    this.#placeSkin();
+    this.#placeSurface();
     this.#stage.invalidate();
   }
 
@@ -97,7 +106,7 @@ export class TwinView {
   place(nodes: Float32Array, controls: Float32Array, holds: (control: number) => boolean = () => true): void {
     this.#nodes.positions.set(nodes);
     this.#nodes.moved();
-    this.#placeSkin();
+    this.#placeSurface();
     this.#controls.positions.set(controls);
     this.#controls.moved();
     this.#endpoints.place(nodes, controls, holds);
@@ -136,7 +145,35 @@ export class TwinView {
     this.#endpoints.dispose();
   }
 
-  #placeSkin(): void {
+  /** Orders splats before each picture, draws as many as the machine is able to, and says how many. */
+  #addSplats(layer: SplatsLayer): SplatsLayer {
+    const stage = this.#stage;
+    const budget = new SplatBudget(layer.count);
+    stage.overlay.append(this.#splatCount.element);
+    stage.beforeFrame((now) => {
+      if (!layer.object.visible) return false;
+      layer.drawn = budget.next(now);
+      layer.sort(stage.camera);
+      this.#splatCount.show(layer.drawn, layer.count);
+      return false;
+    });
+    return stage.add(layer);
+  }
+
+  /** Shows the skin in one colour, or in its own colours: as splats where there are some. */
+  #showSurface(isShown: boolean, isOwn: boolean): void {
+    const colours = this.#shape.appearance?.skinColours ?? new Uint8Array(0);
+    const asSplats = isShown && isOwn && this.#splats !== null;
+    this.#skin.object.visible = isShown && !asSplats;
+    if (isOwn && colours.length > 0 && colours.length === 3 * pointCount(this.#shape.skin)) this.#skin.tint(colours);
+    else this.#skin.plain();
+    if (this.#splats === null) return;
+    this.#splats.object.visible = asSplats;
+    if (!asSplats) this.#splatCount.hide();
+  }
+
+  #placeSurface(): void {
+    if (this.#splats?.object.visible === true) this.#splats.place(this.#nodes.positions);
     if (!this.#skin.object.visible) return;
     placeSkin(this.#shape.skin, this.#nodes.positions, this.#skin.positions);
     this.#skin.moved(pointCount(this.#shape.skin));

@@ -62,6 +62,11 @@ pub enum Error {
     /// Nothing to draw.
     #[error("the twin has no {0}: leave --skin and --mesh away")]
     NoPoints(&'static str),
+    /// No Gaussians to write.
+    #[error(
+        "the twin has no Gaussians: train them in a fit, or bring a file of them with `bendtwin twin dress`"
+    )]
+    NoSplats,
     /// A mesh in other units or axes, or of something else.
     #[error(
         "the mesh is {mesh_m:.3} m large and {apart_m:.3} m from the middle of the twin at rest, which is {twin_m:.3} m large: \
@@ -169,6 +174,7 @@ impl Problem for Error {
             Self::MotionShape { .. } => "EXPORT_MOTION_SHAPE",
             Self::NotFinite { .. } => "EXPORT_NOT_FINITE",
             Self::NoPoints(_) => "EXPORT_NO_POINTS",
+            Self::NoSplats => "EXPORT_NO_SPLATS",
             Self::MeshElsewhere { .. } => "EXPORT_MESH_ELSEWHERE",
             Self::TooLarge { .. } => "EXPORT_TOO_LARGE",
             Self::PointMissing { .. } => "IMPORT_POINT_MISSING",

@@ -9,6 +9,8 @@ use crate::Error;
 pub enum Format {
     /// The twin file itself (docs/twin-format.md).
     Twin,
+    /// Gaussians of the appearance at rest, as PLY of Gaussian splatting.
+    Splats,
     /// One state as binary PLY.
     Ply,
     /// A binary PLY for each frame, in a ZIP archive or a folder.
@@ -27,8 +29,10 @@ pub enum Format {
 
 impl Format {
     /// All of them.
-    pub const ALL: [Self; 8] = [
+    pub const ALL: [Self; 9] = [
         Self::Twin,
+        // Before the format whose extension is the end of its own.
+        Self::Splats,
         Self::Ply,
         Self::PlySequence,
         Self::Glb,
@@ -42,6 +46,7 @@ impl Format {
     pub fn name(self) -> &'static str {
         match self {
             Self::Twin => "twin",
+            Self::Splats => "splats",
             Self::Ply => "ply",
             Self::PlySequence => "ply-sequence",
             Self::Glb => "glb",
@@ -56,6 +61,7 @@ impl Format {
     pub fn extensions(self) -> &'static [&'static str] {
         match self {
             Self::Twin => &["safetensors", "twin"],
+            Self::Splats => &["splat.ply"],
             Self::Ply => &["ply"],
             Self::PlySequence => &["zip"],
             Self::Glb => &["glb"],
@@ -86,7 +92,7 @@ impl Format {
 
     /// True if it holds more than one state.
     pub fn holds_motion(self) -> bool {
-        !matches!(self, Self::Twin | Self::Ply)
+        !matches!(self, Self::Twin | Self::Splats | Self::Ply)
     }
 
     /// All formats with their extensions, for messages.
@@ -113,7 +119,9 @@ impl Format {
 }
 
 fn is(path: &Path, extension: &str) -> bool {
-    path.extension().is_some_and(|e| e.eq_ignore_ascii_case(extension))
+    let name = path.file_name().unwrap_or_default().to_string_lossy().to_lowercase();
+    let stem = name.strip_suffix(extension).and_then(|rest| rest.strip_suffix('.'));
+    stem.is_some_and(|stem| !stem.is_empty())
 }
 
 impl fmt::Display for Format {

@@ -15,6 +15,7 @@ mod npz;
 mod phystwin;
 mod ply;
 mod scene;
+pub mod splats;
 #[cfg(test)]
 mod testing;
 mod usd;
@@ -60,6 +61,10 @@ pub fn encode(
     match format {
         Format::Twin => out.write_all(&scene.twin().encode()?)?,
         Format::Ply => ply::write(scene, 0, out)?,
+        Format::Splats => {
+            let gaussians = splats::of_twin(scene.twin()).ok_or(Error::NoSplats)?;
+            splats::write_ply(&gaussians, out)?;
+        }
         Format::PlySequence => ply::write_archive(scene, out)?,
         Format::Glb => gltf::write(scene, out)?,
         Format::Npz => npz::write(scene, out)?,
@@ -74,13 +79,16 @@ pub fn encode(
 fn check(scene: &Scene<'_>, format: Format) -> Result<(), Error> {
     let moves = scene.motion().is_some();
     match format {
-        Format::Twin if moves => Err(Error::NoMotion { format }),
+        Format::Twin | Format::Splats if moves => Err(Error::NoMotion { format }),
         Format::Ply if scene.frame_count() > 1 => Err(Error::NoMotion { format }),
         Format::Glb if scene.frame_count() > gltf::MAX_FRAMES => {
             let (frames, limit) = (scene.frame_count(), gltf::MAX_FRAMES);
             Err(Error::TooManyFrames { format, frames, limit })
         }
-        Format::Twin | Format::Mujoco if !matches!(scene.points(), PointSet::Nodes) => {
+        Format::Splats if splats::of_twin(scene.twin()).is_none() => Err(Error::NoSplats),
+        Format::Twin | Format::Mujoco | Format::Splats
+            if !matches!(scene.points(), PointSet::Nodes) =>
+        {
             Err(Error::NodesOnly { format })
         }
         _ => Ok(()),

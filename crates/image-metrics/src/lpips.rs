@@ -44,8 +44,8 @@ impl Lpips {
     /// Network of an ONNX file's content.
     ///
     /// # Errors
-    /// What is no ONNX model, has other than two inputs and one output, weights in other files, or
-    /// operators that are not read.
+    /// A file that is no ONNX model, has other than two inputs and one output, weights in other
+    /// files, or operators that are not read.
     pub fn decode(bytes: &[u8]) -> Result<Self, Error> {
         Graph::decode(bytes).map(|graph| Self { graph })
     }

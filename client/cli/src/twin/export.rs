@@ -1,17 +1,14 @@
 //! `bendtwin twin export`: a twin, of the server or of a file, in the format of another program.
 
-use std::{
-    path::{Path, PathBuf},
-    str::FromStr,
-};
+use std::path::PathBuf;
 
 use anyhow::Context as _;
-use bendtwin_client::TwinId;
 use bendtwin_core::Twin;
 use bendtwin_exchange::{Error, Format};
 use clap::Args;
 use serde_json::json;
 
+use super::source::Source;
 use crate::{
     exchange::{self, Points},
     failure,
@@ -24,9 +21,9 @@ pub(super) struct Export {
     /// twins/{uuid}, or a twin file on this machine, which needs no server
     twin: Source,
     /// The file to write; its name tells the format: .safetensors or .twin (docs/twin-format.md),
-    /// .ply, .zip (PLY), .glb, .npz, .usda, .xml (MuJoCo), .mcap (docs/exchange.md)
+    /// .splat.ply (Gaussians), .ply, .zip (PLY), .glb, .npz, .usda, .xml (MuJoCo), .mcap (docs/exchange.md)
     file: PathBuf,
-    /// Write this format, whatever the file's name: twin, ply, ply-sequence, glb, npz, usda, mujoco
+    /// Write this format, whatever the file's name: twin, splats, ply, ply-sequence, glb, npz, usda, mujoco
     /// or mcap
     #[arg(long)]
     format: Option<Format>,
@@ -34,36 +31,10 @@ pub(super) struct Export {
     points: Points,
 }
 
-/// The place of a twin.
-#[derive(Clone, Debug)]
-enum Source {
-    Server(TwinId),
-    File(PathBuf),
-}
-
-impl FromStr for Source {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, String> {
-        if Path::new(text).is_file() {
-            return Ok(Self::File(text.into()));
-        }
-        let id = text.parse().map(Self::Server);
-        id.map_err(|e| format!("{e}, nor is there a file of this name"))
-    }
-}
-
 pub(super) async fn run(args: Export, global: &Global) -> anyhow::Result<()> {
     let Export { twin: source, file, format, points } = args;
     let format = exchange::format_of(&file, format)?;
-    let (name, content) = match &source {
-        Source::Server(id) => (id.to_string(), global.connect().await?.twins().export(*id).await?),
-        Source::File(path) => {
-            let read = std::fs::read(path);
-            let content = read.with_context(|| format!("cannot read {}", path.display()))?;
-            (super::stem(path), content)
-        }
-    };
+    let (name, content) = source.read(global).await?;
     match format {
         Format::Twin if points.skin || points.mesh.is_some() => {
             return Err(failure::failed(Error::NodesOnly { format }));

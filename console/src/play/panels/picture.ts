@@ -3,6 +3,7 @@ import type { ColourBy, TwinLayer, TwinView } from '../../view3d/twin_view';
 
 const NAMES: Readonly<Record<TwinLayer, string>> = {
   skin: 'Skin',
+  appearance: 'Appearance',
   nodes: 'Nodes',
   springs: 'Springs',
   triplets: 'Bending triplets',
@@ -20,7 +21,7 @@ export interface Look {
 
 /** A look from an address, where it has one. */
 export function readLook(query: URLSearchParams): Look {
-  const names = (query.get('layers') ?? 'skin,springs,shadow').split(',');
+  const names = (query.get('layers') ?? 'skin,appearance,springs,shadow').split(',');
   const colour = query.get('colour') ?? 'none';
   return {
     layers: new Set(names.filter((name): name is TwinLayer => Object.hasOwn(NAMES, name))),

@@ -1,0 +1,46 @@
+//! The place of a twin that a command reads: the server, or a file.
+
+use std::{
+    path::{Path, PathBuf},
+    str::FromStr,
+};
+
+use anyhow::Context as _;
+use bendtwin_client::TwinId;
+
+use crate::global::Global;
+
+/// The place of a twin.
+#[derive(Clone, Debug)]
+pub(super) enum Source {
+    Server(TwinId),
+    File(PathBuf),
+}
+
+impl Source {
+    /// Its name and its content.
+    pub(super) async fn read(&self, global: &Global) -> anyhow::Result<(String, Vec<u8>)> {
+        match self {
+            Self::Server(id) => {
+                Ok((id.to_string(), global.connect().await?.twins().export(*id).await?))
+            }
+            Self::File(path) => {
+                let read = std::fs::read(path);
+                let content = read.with_context(|| format!("cannot read {}", path.display()))?;
+                Ok((super::stem(path), content))
+            }
+        }
+    }
+}
+
+impl FromStr for Source {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        if Path::new(text).is_file() {
+            return Ok(Self::File(text.into()));
+        }
+        let id = text.parse().map(Self::Server);
+        id.map_err(|e| format!("{e}, nor is there a file of this name"))
+    }
+}
