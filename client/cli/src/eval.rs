@@ -12,6 +12,7 @@ use bendtwin_eval::{
     in_recording, is_own_capture,
 };
 use bendtwin_fit::Look;
+use bendtwin_image_metrics::Lpips;
 use bendtwin_study::Captured;
 use clap::Args;
 use serde_json::json;
@@ -52,6 +53,10 @@ pub(crate) struct Eval {
     /// Draw predicted against observed into this PNG file
     #[arg(long, value_name = "FILE")]
     picture: Option<PathBuf>,
+    /// Measure LPIPS of renderings, too, by the network in this ONNX file (docs/accuracy.md says how it
+    /// is made)
+    #[arg(long, value_name = "FILE")]
+    lpips: Option<PathBuf>,
     /// Include the errors of every frame (with --json)
     #[arg(long)]
     per_frame: bool,
@@ -114,7 +119,9 @@ fn score(
 ) -> anyhow::Result<Scored> {
     let Captured { capture, views } = observation::read(path, cancel, quiet).map_err(Failed)?;
     let rasteriser = args.backend.rasteriser();
-    let look = views.as_ref().map(|views| Look { views, rasteriser });
+    let lpips = args.lpips.as_deref().map(Lpips::open).transpose();
+    let lpips = lpips.map_err(|e| Usage::error(e.to_string()))?.map(Arc::new);
+    let look = views.as_ref().map(|views| Look { views, rasteriser, lpips });
     let (fitted, fit_s) = match &args.twin {
         Some(file) => (Fitted { twin: read_twin(file)?, axial: None }, None),
         None => {

@@ -14,7 +14,7 @@ use kiddo::{ImmutableKdTree, SquaredEuclidean};
 use nalgebra::{Matrix3, SymmetricEigen, Vector3};
 use rayon::prelude::*;
 
-use crate::{Error, Motion};
+use crate::{Error, Motion, dressed::spacings};
 
 /// Most frames that are looked at.
 const FRAMES: usize = 12;
@@ -26,8 +26,10 @@ const FIRST: f32 = 3.0;
 const GRAZING: f64 = 0.02;
 /// Neighbours whose plane is a point's surface.
 const PLANE: usize = 10;
-/// Pixels around a skin point that it hides behind it.
-const HIDES: i64 = 2;
+/// Distance around a skin point in which it hides what lies behind it, over its distance from its
+/// neighbours, and in pixels at least and at most.
+const HIDES: f64 = 0.75;
+const HIDES_PIXELS: [f64; 2] = [2.0, 16.0];
 
 /// Colours of the skin (sRGB), shape [M, 3], from all cameras but those held out.
 ///
@@ -40,7 +42,7 @@ pub fn skin_colors(
     held_out: &[u32],
 ) -> Result<Vec<[u8; 3]>, Error> {
     let rest = twin.skin.positions(&twin.graph.rest_positions);
-    let neighbours = neighbours(&rest);
+    let (neighbours, spacings) = (neighbours(&rest), spacings(&rest));
     let frames: Vec<usize> = motion.training_frames(0).collect();
     let every = frames.len().div_ceil(FRAMES).max(1);
     let mut samples: Vec<Vec<Sample>> = vec![Vec::new(); rest.len()];
@@ -56,7 +58,7 @@ pub fn skin_colors(
             if held_out.iter().any(|h| *h as usize == index) {
                 continue;
             }
-            let seen = Seen::new(camera, view, &points);
+            let seen = Seen::new(camera, view, &points, &spacings);
             for (p, own) in samples.iter_mut().enumerate() {
                 own.extend(seen.sample(points[p], normals[p]).map(|s| s.weighed(first)));
             }
@@ -88,13 +90,16 @@ struct Seen<'a> {
 }
 
 impl<'a> Seen<'a> {
-    fn new(camera: &'a ViewCamera, view: &'a View, points: &[Point]) -> Self {
+    fn new(camera: &'a ViewCamera, view: &'a View, points: &[Point], spacings: &[f32]) -> Self {
         let mut nearest = vec![f64::INFINITY; view.labels.len()];
-        for point in points {
+        let [least, most] = HIDES_PIXELS;
+        for (point, spacing) in points.iter().zip(spacings) {
             let Some((place, depth)) = camera.project(*point, view.frame) else { continue };
             let [x, y] = place.map(|c| c.round() as i64);
-            for row in y - HIDES..=y + HIDES {
-                for column in x - HIDES..=x + HIDES {
+            let reach = HIDES * f64::from(*spacing) * camera.focal[0] / depth;
+            let reach = reach.ceil().clamp(least, most) as i64;
+            for row in y - reach..=y + reach {
+                for column in x - reach..=x + reach {
                     if let Some(index) = pixel(view, column, row) {
                         nearest[index] = nearest[index].min(depth);
                     }

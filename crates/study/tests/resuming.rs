@@ -84,7 +84,8 @@ fn an_interrupted_suite_ends_in_the_same_table() {
         // The fits of the broken capture fail, and the hopeless one of the rope at least.
         assert_eq!((summary.finished + summary.failed, summary.left), (9, 0));
         assert!(summary.failed >= 4 && summary.finished >= 4, "{summary:?}");
-        let complaints = draw_pictures(&plan, &*devices(1).backends[0], &CancelToken::default()).unwrap();
+        let complaints =
+            draw_pictures(&plan, &*devices(1).backends[0], &CancelToken::default()).unwrap();
         assert_eq!(complaints, [] as [String; 0]);
         assert!(folder.root().join("pictures/rope.bending.axial.png").is_file());
         timeless(&plan)

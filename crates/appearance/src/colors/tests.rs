@@ -40,7 +40,8 @@ fn what_lies_behind_gets_nothing_from_the_camera_in_front() {
         view.depths_mm.fill(0);
     }
     let rest = ball.twin.skin.positions(&ball.twin.graph.rest_positions);
-    let seen = Seen::new(&ball.views.cameras[0], &ball.views.cameras[0].views[0], &rest);
+    let camera = &ball.views.cameras[0];
+    let seen = Seen::new(camera, &camera.views[0], &rest, &spacings(&rest));
     for p in rest.iter().filter(|p| p[1] > 0.02) {
         assert!(seen.sample(*p, [0.0, 1.0, 0.0]).is_none(), "{p:?} is at the back");
     }

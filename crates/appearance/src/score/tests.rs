@@ -10,13 +10,14 @@ fn a_rendering_beside_itself_is_alike_and_one_beside_it_is_not() {
     let ball = Ball::new(3);
     let dressed = Dressed::new(&ball.twin.graph, &ball.splats).unwrap();
     let motion = motion_of(&ball.nodes, 2);
-    let scene = Scene { dressed: &dressed, motion, views: &ball.views, held_out: &[1] };
+    let scene =
+        Scene { dressed: &dressed, motion, views: &ball.views, held_out: &[1], lpips: None };
     let scored = score(&scene, &mut Cpu::default(), true, &mut || true).unwrap().unwrap();
     let [train, future] = [scored.train, scored.future];
-    // Bytes round colours, masks cut coverage off.
+    // Masks cut the soft rim off.
     assert!(train.iou.unwrap() > 0.99 && future.iou.unwrap() > 0.99, "{train:?}");
-    assert!(train.psnr_db.unwrap() > 35.0 && train.ssim.unwrap() > 0.98, "{train:?}");
-    assert!(train.flip.unwrap() < 0.02, "{train:?}");
+    assert!(train.psnr_db.unwrap() > 29.0 && train.ssim.unwrap() > 0.94, "{train:?}");
+    assert!(train.flip.unwrap() < 0.03, "{train:?}");
     assert_eq!(scored.cameras.iter().map(|c| c.held_out).collect::<Vec<_>>(), [false, true]);
     assert_eq!(scored.per_frame.len(), 3);
     // The last frame is predicted 3 cm beside where it was.
@@ -43,8 +44,8 @@ fn pixels_of_a_hand_do_not_count() {
         }
     }
     let motion = motion_of(&ball.nodes, 1);
-    let scene = Scene { dressed: &dressed, motion, views: &ball.views, held_out: &[] };
+    let scene = Scene { dressed: &dressed, motion, views: &ball.views, held_out: &[], lpips: None };
     let scored = score(&scene, &mut Cpu::default(), false, &mut || true).unwrap().unwrap();
-    assert!(scored.train.iou.unwrap() > 0.99 && scored.train.psnr_db.unwrap() > 35.0);
+    assert!(scored.train.iou.unwrap() > 0.99 && scored.train.psnr_db.unwrap() > 29.0);
     assert_eq!(scored.future, Likeness::default());
 }

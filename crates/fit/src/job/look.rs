@@ -13,6 +13,7 @@ use bendtwin_core::{
 };
 use bendtwin_engine::Backend;
 use bendtwin_eval::{Trajectory, predict};
+use bendtwin_image_metrics::Lpips;
 use bendtwin_splat::Rasteriser;
 
 use super::{Outcome, Run};
@@ -31,6 +32,8 @@ pub struct Look<'a> {
     pub views: &'a Views,
     /// Opens the rasteriser that draws them.
     pub rasteriser: OpenRasteriser,
+    /// The network of LPIPS, if it is at hand.
+    pub lpips: Option<Arc<Lpips>>,
 }
 
 /// The end of work on a look.
@@ -85,6 +88,7 @@ impl Look<'_> {
             motion: predicted.motion(),
             views: self.views,
             held_out: &held_out,
+            lpips: self.lpips.as_deref(),
         };
         Ok(score(&scene, &mut *rasteriser, per_frame, &mut || !cancel.is_cancelled())?)
     }
@@ -182,7 +186,8 @@ impl Run<'_> {
         let drawn = splats.clone().unwrap_or_else(|| of_skin(twin, &skin_colors));
         let dressed = Dressed::new(&twin.graph, &drawn)?;
         let held_out = &settings.held_out_cameras;
-        let scene = Scene { dressed: &dressed, motion, views: look.views, held_out };
+        let lpips = look.lpips.as_deref();
+        let scene = Scene { dressed: &dressed, motion, views: look.views, held_out, lpips };
         let rendered = score(&scene, rasteriser, false, &mut || !cancel.is_cancelled())?;
         self.check_cancelled()?;
         twin.appearance = Some(Appearance { skin_colors, splats });
