@@ -7,11 +7,14 @@ import { prose } from '../parts/text';
 import {
   choiceText,
   measuresOf,
+  renderedRowsOf,
   rowsOf,
   spreadText,
   type Errors,
+  type Likeness,
   type Quality,
   type Recording,
+  type RenderedRow,
   type Row,
 } from './quality';
 
@@ -64,6 +67,7 @@ export function qualityView(quality: Quality): HTMLElement {
     choice !== null && h('p', { class: 'muted' }, choice),
     spread !== null && h('p', { class: 'muted' }, spread),
     recordingsView(quality.recordings ?? []),
+    renderedView(quality),
     fastView(quality),
   );
 }
@@ -102,6 +106,39 @@ function recordingsView(recordings: readonly Recording[]): HTMLElement | null {
     h('h3', {}, 'By recording'),
     errorTable('Errors in each recording', 'Recording', recordings, ({ name }) => name),
     registered.length > 0 && h('ul', { class: 'muted' }, ...registered.map((text) => h('li', {}, h('bdi', {}, text)))),
+  );
+}
+
+/** Likenesses, their decimals and how they are read from a row. */
+const LIKENESSES: readonly (readonly [string, number, (likeness: Likeness) => number | null | undefined])[] = [
+  ['IoU', 3, (likeness) => likeness.iou],
+  ['PSNR [dB]', 1, (likeness) => likeness.psnr_db],
+  ['SSIM', 3, (likeness) => likeness.ssim],
+  ['FLIP', 3, (likeness) => likeness.flip],
+  ['LPIPS', 3, (likeness) => likeness.lpips],
+];
+
+function renderedView(quality: Quality): HTMLElement | null {
+  const rows = renderedRowsOf(quality);
+  if (rows.length === 0) return null;
+  const columns = (['train', 'future'] as const).flatMap((part) =>
+    LIKENESSES.filter(([, , of]) => rows.some((row) => typeof of(row[part]) === 'number')).map(
+      ([word, decimals, of]) => ({
+        header: `${part === 'train' ? 'Training' : 'Future'}: ${word}`,
+        isNumeric: true,
+        cell: (row: RenderedRow) => of(row[part])?.toFixed(decimals) ?? '–',
+      }),
+    ),
+  );
+  return h(
+    'div',
+    {},
+    h('h3', {}, 'Renderings'),
+    table<RenderedRow>({
+      caption: 'Likeness of renderings to what the cameras saw',
+      rows,
+      columns: [{ header: 'Prediction', cell: ({ text }) => h('bdi', {}, text) }, ...columns],
+    }),
   );
 }
 

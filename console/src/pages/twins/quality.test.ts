@@ -1,6 +1,16 @@
 import { expect, test } from 'vitest';
 
-import { choiceText, comparedText, errorOf, measuresOf, rowsOf, spreadText, type Errors } from './quality';
+import {
+  choiceText,
+  comparedText,
+  errorOf,
+  measuresOf,
+  renderedRowsOf,
+  rowsOf,
+  spreadText,
+  type Errors,
+  type Likeness,
+} from './quality';
 
 const NONE: Errors = { chamfer_l1_m: null, chamfer_l2_m: null, track_m: null, coordinate_m: null };
 
@@ -21,6 +31,34 @@ test('a table has the rows and the measures that there are', () => {
   expect(rows.map(({ text }) => text)).toEqual(['This twin', 'This twin, at its nodes', 'Standing still', 'another']);
   expect(measuresOf(rows).map(([measure]) => measure)).toEqual(['track_m', 'chamfer_l2_m']);
   expect(rowsOf({})).toEqual([]);
+});
+
+test('renderings have a row for each prediction and for each camera of the first', () => {
+  const likeness = (iou: number): Likeness => ({ iou, psnr_db: null, ssim: null, flip: null });
+  const span = (iou: number) => ({ train: likeness(iou), future: likeness(iou / 2) });
+  const score = (predictor: string, iou: number) => ({
+    predictor,
+    train: NONE,
+    future: NONE,
+    rendered: {
+      gaussians: 9,
+      ...span(iou),
+      cameras: [
+        { name: 'left', ...span(iou) },
+        { name: 'top', held_out: true, ...span(iou) },
+      ],
+    },
+  });
+  const scores = [score('bending', 0.9), score('axial', 0.8), { predictor: 'another', train: NONE, future: NONE }];
+  const rows = renderedRowsOf({ scores });
+  expect(rows.map(({ text }) => text)).toEqual([
+    'This twin',
+    'Axial springs alone',
+    'camera left',
+    'camera top (held out)',
+  ]);
+  expect(rows.map(({ train }) => train.iou)).toEqual([0.9, 0.8, 0.9, 0.9]);
+  expect(renderedRowsOf({})).toEqual([]);
 });
 
 test('the error of a twin is of tracks, else of coordinates, else of surfaces', () => {

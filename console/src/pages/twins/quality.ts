@@ -9,11 +9,55 @@ export interface Errors {
   readonly padded_rms_m?: number | null;
 }
 
+/** Likeness of renderings to what cameras saw; null where it cannot be measured. */
+export interface Likeness {
+  readonly iou: number | null;
+  readonly psnr_db: number | null;
+  readonly ssim: number | null;
+  readonly flip: number | null;
+  readonly lpips?: number | null;
+}
+
+/** Likeness of a prediction's renderings, over all cameras that were not held out and in each. */
+export interface Rendered {
+  readonly gaussians: number;
+  readonly train: Likeness;
+  readonly future: Likeness;
+  readonly cameras: readonly {
+    readonly name: string;
+    readonly held_out?: boolean;
+    readonly train: Likeness;
+    readonly future: Likeness;
+  }[];
+}
+
 export interface Score {
   readonly predictor: string;
   readonly train: Errors;
   readonly future: Errors;
   readonly at_nodes?: { readonly train: Errors; readonly future: Errors };
+  readonly rendered?: Rendered;
+}
+
+/** A row of the table of renderings. */
+export interface RenderedRow {
+  readonly text: string;
+  readonly train: Likeness;
+  readonly future: Likeness;
+}
+
+/** Rows of renderings: each prediction over all cameras, then the first one's by camera. */
+export function renderedRowsOf({ scores = [] }: Quality): RenderedRow[] {
+  const rendered = scores.filter((score) => score.rendered !== undefined);
+  const whole = rendered.flatMap(({ predictor, rendered: own }, index) =>
+    own === undefined ? [] : [{ text: predictorText(predictor, index === 0), train: own.train, future: own.future }],
+  );
+  const cameras = (rendered[0]?.rendered?.cameras ?? []).map(({ name, held_out, train, future }) => ({
+    text: `camera ${name}${held_out === true ? ' (held out)' : ''}`,
+    train,
+    future,
+  }));
+  return [...whole, ...cameras];
 }
 
 /** A twin in words. */
