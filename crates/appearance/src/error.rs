@@ -27,8 +27,7 @@ impl Problem for Error {
         match self {
             Self::Splat(error) => error.category(),
             Self::Compare(_) | Self::Device(_) => Category::Internal,
-            Self::NoViews => Category::FailedPrecondition,
-            Self::Checkpoint(_) => Category::InvalidArgument,
+            Self::NoViews | Self::Checkpoint(_) => Category::FailedPrecondition,
         }
     }
 
@@ -38,7 +37,7 @@ impl Problem for Error {
             Self::Device(_) => "DEVICE_FAILED",
             Self::Compare(_) => "APPEARANCE_NOT_MEASURED",
             Self::NoViews => "APPEARANCE_NOT_SEEN",
-            Self::Checkpoint(_) => "INVALID_CHECKPOINT",
+            Self::Checkpoint(_) => "CHECKPOINT_UNREADABLE",
         }
     }
 }

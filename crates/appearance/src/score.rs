@@ -21,7 +21,7 @@ const MARGIN: f32 = 12.0;
 /// Standard deviations from a mean at which a Gaussian ends.
 const REACH: f32 = 3.5;
 
-/// What is compared.
+/// Gaussians, motion and views that are compared.
 #[derive(Clone, Copy)]
 pub struct Scene<'a> {
     /// The Gaussians of a twin.

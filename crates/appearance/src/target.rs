@@ -1,4 +1,4 @@
-//! What a rendering is compared with: the part of a view's image in a rectangle, over black.
+//! The part of a view's image in a rectangle, over black, which a rendering is compared with.
 
 use bendtwin_core::{View, views::Label};
 

@@ -31,7 +31,7 @@ const DENSIFY_EVERY: u32 = 150;
 /// Share of all steps in which their number changes.
 const DENSIFY_UNTIL: f64 = 0.6;
 
-/// How Gaussians are trained.
+/// Options of a training.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TrainingOptions {
     /// Most Gaussians.

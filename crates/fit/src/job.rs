@@ -42,7 +42,7 @@ pub struct FitJob<'a> {
     pub settings: FitSettings,
     /// Backend that simulates.
     pub backend: Arc<dyn Backend>,
-    /// What the look of the twin is made of; none if no camera saw the object.
+    /// Views for the look of the twin; none if no camera saw the object.
     pub look: Option<Look<'a>>,
 }
 

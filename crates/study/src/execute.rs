@@ -44,7 +44,7 @@ pub enum Event<'a> {
     Interrupted(&'a RunId),
 }
 
-/// What runs are computed on.
+/// Devices that runs are computed on.
 #[derive(Clone)]
 pub struct Devices {
     /// Backends, each with one run at a time.

@@ -18,7 +18,10 @@ const MOST: usize = 4096;
 
 /// What was refused, by key and call. Clones share it.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Refusals(Arc<Mutex<HashMap<(Option<KeyId>, String), Told>>>);
+pub(crate) struct Refusals(Arc<Mutex<HashMap<Refused, Told>>>);
+
+/// Key and call.
+type Refused = (Option<KeyId>, String);
 
 #[derive(Debug)]
 struct Told {

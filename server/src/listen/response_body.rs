@@ -34,7 +34,7 @@ struct ResponseBody {
 enum Source {
     /// Short and whole.
     Whole(Body),
-    Pumped(Pumped),
+    Pumped(Box<Pumped>),
 }
 
 struct Pumped {
@@ -63,7 +63,7 @@ pub(super) fn pumped(body: Body, call: Call, exchange: Arc<Exchange>, unread: Du
         cut: Arc::clone(&cut),
     };
     tokio::spawn(pump.run());
-    let source = Source::Pumped(Pumped { slices, call, cut, left: size.exact() });
+    let source = Source::Pumped(Box::new(Pumped { slices, call, cut, left: size.exact() }));
     Body::new(ResponseBody { source, exchange })
 }
 

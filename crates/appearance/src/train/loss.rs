@@ -31,12 +31,12 @@ pub(super) fn loss(image: &Image, target: &Target) -> Result<(f64, ImageBar), Er
     let each = 1.0 / count as f32;
     let mut sum = 0.0_f64;
     for pixel in (0..count).filter(|p| target.valid[*p]) {
-        for channel in 0..3 {
-            let off = image.color[pixel][channel] - target.colors[pixel][channel];
+        let (rendered, recorded) = (image.color[pixel], target.colors[pixel]);
+        bar.color[pixel] = std::array::from_fn(|channel| {
+            let off = rendered[channel] - recorded[channel];
             sum += f64::from((1.0 - SSIM) / 3.0 * off.abs());
-            bar.color[pixel][channel] =
-                (1.0 - SSIM) / 3.0 * each * sign(off) - SSIM * by_color[pixel][channel];
-        }
+            (1.0 - SSIM) / 3.0 * each * sign(off) - SSIM * by_color[pixel][channel]
+        });
         let alpha = image.alpha[pixel];
         let off = alpha - f32::from(u8::from(target.object[pixel]));
         sum += f64::from(MASK * off.abs());

@@ -25,7 +25,7 @@ const REPORT_EVERY: u32 = 25;
 /// Opens a rasteriser, or says why it cannot be.
 pub type OpenRasteriser = Arc<dyn Fn() -> Result<Box<dyn Rasteriser>, String> + Send + Sync>;
 
-/// What the look of a twin is made of.
+/// Views and tools for the look of a twin.
 #[derive(Clone)]
 pub struct Look<'a> {
     /// Views of the capture's first recording.
@@ -77,7 +77,7 @@ impl Look<'_> {
         let own = |settings: &FitSettings| settings.appearance.held_out_cameras.clone();
         let held_out = twin.provenance.settings.as_ref().map(own).unwrap_or_default();
         let open = (self.rasteriser)();
-        let mut rasteriser = open.map_err(|why| bendtwin_appearance::Error::Device(why))?;
+        let mut rasteriser = open.map_err(bendtwin_appearance::Error::Device)?;
         let drawn = match &appearance.splats {
             Some(splats) => splats,
             None => &of_skin(twin, &appearance.skin_colors),

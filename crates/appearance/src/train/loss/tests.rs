@@ -70,7 +70,7 @@ fn hands_do_not_count_and_a_perfect_rendering_has_no_loss() {
     assert!(loss(&image, &target).unwrap().0.abs() < 1e-6);
     image.color[9] = [1.0; 3];
     assert!(loss(&image, &target).unwrap().0 > 1e-3);
-    let mut hidden = target.clone();
+    let mut hidden = target;
     hidden.valid[9] = false;
     hidden.colors[9] = [0.0; 3];
     let (none, bar) = loss(&image, &hidden).unwrap();
