@@ -231,10 +231,10 @@ pub(super) fn read_losses(losses: Vec<v1::ModelLoss>) -> Result<Vec<ModelLoss>> 
 }
 
 fn read_loss(message: v1::ModelLoss) -> Result<ModelLoss> {
-    let stage = Stage::parse(&message.stage).filter(|s| matches!(s, Stage::Search | Stage::Refine));
+    let has_losses = |s: &Stage| matches!(s, Stage::Search | Stage::Refine | Stage::Appearance);
+    let stage = Stage::parse(&message.stage).filter(has_losses);
     Ok(ModelLoss {
-        stage: stage
-            .ok_or_else(|| Error::invalid("losses.stage", "is neither search nor refine"))?,
+        stage: stage.ok_or_else(|| Error::invalid("losses.stage", "is no stage with losses"))?,
         variant: short(&message.variant),
         iteration: message.iteration,
         loss: finite(message.loss),

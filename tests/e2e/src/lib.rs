@@ -26,6 +26,8 @@ mod labels;
 #[cfg(test)]
 mod local_access;
 #[cfg(test)]
+mod looks;
+#[cfg(test)]
 mod malformed;
 #[cfg(test)]
 mod memory;
