@@ -13,7 +13,9 @@ use crate::{
 /// Structural similarity, -1 to 1, of Wang et al., "Image quality assessment: from error visibility
 /// to structural similarity" (2004): the mean over pixels and channels of
 ///
-///     (2 μx μy + C1) (2 σxy + C2) / ((μx² + μy² + C1) (σx² + σy² + C2))
+/// ```text
+/// (2 μx μy + C1) (2 σxy + C2) / ((μx² + μy² + C1) (σx² + σy² + C2))
+/// ```
 ///
 /// with C1 = 0.01² and C2 = 0.03² for colours from 0 to 1, and means, variances and the covariance
 /// in a Gaussian window of 11 x 11 pixels with σ = 1.5. Beyond the border of the images is black, as
