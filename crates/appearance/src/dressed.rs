@@ -1,6 +1,6 @@
 //! A twin with its Gaussians, ready to be drawn in any state of its nodes.
 
-use bendtwin_core::{Graph, Point, Splats, Twin, geometry::wide};
+use bendtwin_core::{Appearance, Graph, Point, Splats, Twin, geometry::wide};
 use bendtwin_splat::{Carried, Carrier, Gaussians};
 use kiddo::{ImmutableKdTree, SquaredEuclidean};
 
@@ -40,6 +40,17 @@ impl Dressed {
         Ok(Self { carrier, rest })
     }
 
+    /// The Gaussians of a twin in an appearance; without any, its skin in the colours of the appearance.
+    ///
+    /// # Errors
+    /// If they do not fit the twin.
+    pub fn in_appearance(twin: &Twin, appearance: &Appearance) -> Result<Self, Error> {
+        match &appearance.splats {
+            Some(splats) => Self::new(&twin.graph, splats),
+            None => Self::new(&twin.graph, &of_skin(twin, &appearance.skin_colors)),
+        }
+    }
+
     /// Number of Gaussians.
     pub fn len(&self) -> usize {
         self.rest.len()
@@ -73,7 +84,7 @@ impl Dressed {
 }
 
 /// One round Gaussian for each point of a twin's skin, in its colour; grey where there are none.
-pub fn of_skin(twin: &Twin, colors: &[[u8; 3]]) -> Splats {
+pub(crate) fn of_skin(twin: &Twin, colors: &[[u8; 3]]) -> Splats {
     let means = twin.skin.positions(&twin.graph.rest_positions);
     let color = |p: usize| colors.get(p).map_or([0.5; 3], |c| c.map(|x| f32::from(x) / 255.0));
     Splats {

@@ -15,7 +15,7 @@ mod train;
 
 pub use self::{
     colors::skin_colors,
-    dressed::{Dressed, of_skin},
+    dressed::Dressed,
     error::Error,
     motion::Motion,
     score::{Scene, score},

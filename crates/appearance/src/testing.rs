@@ -7,7 +7,7 @@ use bendtwin_core::{
 use bendtwin_graph::{SurfacePoints, bind_skin};
 use bendtwin_splat::{Cpu, Rasteriser};
 
-use crate::{Dressed, Motion, camera, of_skin};
+use crate::{Dressed, Motion, camera, dressed::of_skin};
 
 /// Radius of the ball [m].
 const RADIUS_M: f32 = 0.05;

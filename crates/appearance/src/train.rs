@@ -82,7 +82,7 @@ struct State {
     parameters: Parameters,
     adam: Adam,
     pull: Pull,
-    /// Where the means were when they were bound to the nodes [m], shape [G, 3].
+    /// Places of the means when they were bound to the nodes [m], shape [G, 3].
     bound_m: Vec<Point>,
 }
 

@@ -16,7 +16,7 @@ const INTERVAL: Duration = Duration::from_secs(600);
 /// nothing is written until some are old.
 const MOST: usize = 4096;
 
-/// What was refused, by key and call. Clones share it.
+/// Refused calls, by key and call. Clones share them.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Refusals(Arc<Mutex<HashMap<Refused, Told>>>);
 

@@ -3,23 +3,13 @@
 
 use bendtwin_core::Twin;
 
-use crate::harness::{
-    Setup, TestCluster,
-    command::{run_json, run_ok},
+use crate::{
+    harness::{
+        Setup, TestCluster,
+        command::{run_json, run_ok},
+    },
+    several_recordings::QUICK,
 };
-
-const QUICK: [&str; 10] = [
-    "--set",
-    "graph.max_nodes=30",
-    "--set",
-    "search.generations=1",
-    "--set",
-    "search.starts=1",
-    "--set",
-    "refine.passes=2",
-    "--set",
-    "appearance.steps=160",
-];
 
 /// Films a small toy. Returns its folder.
 fn filmed(root: &std::path::Path) -> String {
@@ -62,9 +52,9 @@ async fn a_fit_through_a_server_trains_gaussians() {
     tokio::task::spawn_blocking(move || {
         let capture = run_json(&["--server", &url, "capture", "push", &folder, "--watch"]);
         let capture = capture["name"].as_str().unwrap().to_owned();
-        let gaussians = ["--set", "appearance.gaussians=2000", "--watch"];
-        let start = ["--server", &url, "fit", "start", &capture];
-        let fit = run_json(&[&start, &QUICK[..], &gaussians].concat());
+        let start = ["--server", &url, "fit", "start", &capture, "--watch"];
+        let training = ["--set", "appearance.gaussians=2000", "--set", "appearance.steps=160"];
+        let fit = run_json(&[&start, &QUICK[..], &training].concat());
         let twin = fit["twin"].as_str().unwrap().to_owned();
         let file = root.path().join("toy.safetensors").display().to_string();
         run_ok(&["--server", &url, "twin", "export", &twin, &file]);

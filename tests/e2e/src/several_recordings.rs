@@ -39,7 +39,8 @@ fn unnamed() -> String {
     "twins/01999999-9999-7999-8999-999999999999".to_owned()
 }
 
-const QUICK: [&str; 8] = [
+/// Settings of a fit that takes seconds.
+pub(crate) const QUICK: [&str; 8] = [
     "--set",
     "graph.max_nodes=30",
     "--set",

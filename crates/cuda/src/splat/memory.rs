@@ -273,7 +273,7 @@ fn bytes<T>(buffer: &Buffer<T>) -> u64 {
     (buffer.len() * size_of::<T>()) as u64
 }
 
-/// What is left of the limit while arrays grow.
+/// Rest of the limit while arrays grow.
 struct Room<'a> {
     stream: &'a Arc<CudaStream>,
     left: u64,

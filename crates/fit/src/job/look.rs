@@ -4,9 +4,7 @@
 
 use std::sync::Arc;
 
-use bendtwin_appearance::{
-    Dressed, Motion, Scene, Training, TrainingOptions, of_skin, score, skin_colors,
-};
+use bendtwin_appearance::{Dressed, Motion, Scene, Training, TrainingOptions, score, skin_colors};
 use bendtwin_core::{
     Appearance, CancelToken, Capture, FitSettings, Splats, Stage, Twin, Views,
     quality::RenderedScore,
@@ -78,11 +76,7 @@ impl Look<'_> {
         let held_out = twin.provenance.settings.as_ref().map(own).unwrap_or_default();
         let open = (self.rasteriser)();
         let mut rasteriser = open.map_err(bendtwin_appearance::Error::Device)?;
-        let drawn = match &appearance.splats {
-            Some(splats) => splats,
-            None => &of_skin(twin, &appearance.skin_colors),
-        };
-        let dressed = Dressed::new(&twin.graph, drawn)?;
+        let dressed = Dressed::in_appearance(twin, appearance)?;
         let scene = Scene {
             dressed: &dressed,
             motion: predicted.motion(),
@@ -137,7 +131,6 @@ impl Run<'_> {
                 return Ok(());
             }
         };
-        let mut axial_score = None;
         let twins = std::iter::once(&mut outcome.twin).chain(&mut outcome.axial);
         for (index, twin) in twins.enumerate() {
             let rendered = match self.dress_one(index, look, twin, &mut *rasteriser) {
@@ -149,18 +142,14 @@ impl Run<'_> {
                 }
             };
             if let Some(own) = twin.quality.scores.first_mut() {
-                own.rendered.clone_from(&rendered);
-            }
-            if index == 1 {
-                axial_score = rendered;
+                own.rendered = rendered;
             }
         }
         // The axial row of the twin's own table.
-        if let (Some(axial), Some(rendered)) = (&outcome.axial, axial_score) {
-            let predictor = axial.quality.scores.first().map(|s| s.predictor);
+        if let Some(own) = outcome.axial.as_ref().and_then(|axial| axial.quality.scores.first()) {
             let rows = outcome.twin.quality.scores.iter_mut();
-            for row in rows.filter(|row| Some(row.predictor) == predictor) {
-                row.rendered = Some(rendered.clone());
+            for row in rows.filter(|row| row.predictor == own.predictor) {
+                row.rendered.clone_from(&own.rendered);
             }
         }
         Ok(())
@@ -183,14 +172,14 @@ impl Run<'_> {
             0 => None,
             _ => Some(self.train(index, look, twin, motion, &skin_colors, rasteriser)?),
         };
-        let drawn = splats.clone().unwrap_or_else(|| of_skin(twin, &skin_colors));
-        let dressed = Dressed::new(&twin.graph, &drawn)?;
+        let appearance = Appearance { skin_colors, splats };
+        let dressed = Dressed::in_appearance(twin, &appearance)?;
         let held_out = &settings.held_out_cameras;
         let lpips = look.lpips.as_deref();
         let scene = Scene { dressed: &dressed, motion, views: look.views, held_out, lpips };
         let rendered = score(&scene, rasteriser, false, &mut || !cancel.is_cancelled())?;
         self.check_cancelled()?;
-        twin.appearance = Some(Appearance { skin_colors, splats });
+        twin.appearance = Some(appearance);
         Ok(rendered)
     }
 

@@ -24,7 +24,7 @@ pub(super) struct Tile {
     pub(super) end: u32,
 }
 
-/// What a camera sees of Gaussians. S is the number of Gaussians in view, K that of intersections:
+/// Gaussians as a camera sees them. S is the number of Gaussians in view, K that of intersections:
 /// pairs of a Gaussian and a tile that it touches.
 #[derive(Debug, Default)]
 pub(super) struct Bins {

@@ -26,10 +26,10 @@ pub(super) const RECORD: &str = "
     create trigger chaos_state after update of state on jobs for each row
         when (old.state <> new.state) execute function chaos_write();";
 
-/// What it noted, in order.
+/// Notes, in order.
 pub(super) const NOTED: &str = "select job, epoch, what from chaos_writes order by number";
 
-/// What a worker logs when a write of it was refused because its lease was over.
+/// Words that a worker logs when a write of it was refused because its lease was over.
 const REFUSED: [&str; 3] = [
     "the lease is stale: another worker has the job",
     "the lease is stale: ",
