@@ -19,7 +19,11 @@ use rand::{SeedableRng, seq::SliceRandom};
 use rand_chacha::ChaCha8Rng;
 use serde::{Deserialize, Serialize};
 
-use self::{adam::Adam, density::Pull, parameters::Parameters};
+use self::{
+    adam::Adam,
+    density::Pull,
+    parameters::{Gradient, Limits, Parameters},
+};
 use crate::{
     Error, Motion, camera,
     dressed::{extent_m, of_skin},
@@ -210,10 +214,10 @@ impl<'a> Training<'a> {
     fn learn(&mut self, bar: &GaussiansBar) {
         let state = &mut self.state;
         state.pull.add(bar);
-        let gradient = state.parameters.gradient(bar, self.options.isotropic);
+        let (extent_m, isotropic) = (self.extent_m, self.options.isotropic);
+        let (gradient, limits) = (Gradient::new(bar, isotropic), Limits::new(extent_m, isotropic));
         let done = f64::from(state.done) / f64::from(self.options.steps);
-        state.adam.step(&mut state.parameters, &gradient, done, self.extent_m);
-        state.parameters.keep_in_range(self.extent_m, self.options.isotropic);
+        state.adam.step(&mut state.parameters, &gradient, &limits, done, extent_m);
     }
 
     /// Changes the number of Gaussians, if it is time, and binds them to the nodes where they are.

@@ -109,7 +109,7 @@ impl CudaRasteriser {
         let memory = &mut self.memory;
         memory.hold_set(count).map_err(failed)?;
         memory.hold_image(camera.pixel_count(), tiles).map_err(failed)?;
-        memory.upload(gaussians).map_err(failed)?;
+        memory.upload(&self.queue, gaussians).map_err(failed)?;
         let intersections = self.order_by_depth(count, &own).map_err(failed)?;
         if intersections > MOST_INTERSECTIONS as u64 {
             return Err(Error::TooMany {
@@ -240,8 +240,8 @@ impl CudaRasteriser {
         bar: &ImageBar,
     ) -> Result<(), bendtwin_engine::Error> {
         self.memory.hold_bars(count, drawn.intersections, drawn.camera.pixel_count())?;
+        self.memory.upload_bar(&self.queue, bar)?;
         let m = &self.memory;
-        m.upload_bar(bar)?;
         let camera = device_camera(&drawn.camera);
         let [color_bar, alpha_bar, depth_bar] = m.image_bars(drawn.camera.pixel_count());
         let back = SplatBackwardArgs {

@@ -1,6 +1,8 @@
 //! Separable filters: one kernel along rows, another along columns.
 
-use crate::planes::Plane;
+use rayon::prelude::*;
+
+use crate::planes::{PIECE, Plane};
 
 /// Values beyond the border of a plane.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -20,18 +22,22 @@ pub(crate) fn separable(plane: &Plane, along_x: &[f32], along_y: &[f32], border:
 
 fn rows(plane: &Plane, kernel: &[f32], border: Border) -> Plane {
     let (width, radius) = (plane.width, kernel.len() / 2);
-    let mut padded = vec![0.0; width + 2 * radius];
     let mut values = vec![0.0; plane.values.len()];
-    for (row, out) in plane.values.chunks_exact(width).zip(values.chunks_exact_mut(width)) {
-        if border == Border::Nearest {
-            padded[..radius].fill(row[0]);
-            padded[radius + width..].fill(row[width - 1]);
+    let band = PIECE.div_ceil(width) * width;
+    let bands = plane.values.par_chunks(band).zip(values.par_chunks_mut(band));
+    bands.for_each(|(from, to)| {
+        let mut padded = vec![0.0; width + 2 * radius];
+        for (row, out) in from.chunks_exact(width).zip(to.chunks_exact_mut(width)) {
+            if border == Border::Nearest {
+                padded[..radius].fill(row[0]);
+                padded[radius + width..].fill(row[width - 1]);
+            }
+            padded[radius..radius + width].copy_from_slice(row);
+            for (i, weight) in kernel.iter().enumerate() {
+                add_scaled(out, &padded[i..i + width], *weight);
+            }
         }
-        padded[radius..radius + width].copy_from_slice(row);
-        for (i, weight) in kernel.iter().enumerate() {
-            add_scaled(out, &padded[i..i + width], *weight);
-        }
-    }
+    });
     Plane { values, ..*plane }
 }
 
@@ -39,7 +45,8 @@ fn columns(plane: &Plane, kernel: &[f32], border: Border) -> Plane {
     let (width, height) = (plane.width, plane.height);
     let radius = kernel.len() / 2;
     let mut values = vec![0.0; plane.values.len()];
-    for (y, out) in values.chunks_exact_mut(width).enumerate() {
+    let rows = values.par_chunks_exact_mut(width).with_min_len(PIECE.div_ceil(width)).enumerate();
+    rows.for_each(|(y, out)| {
         for (j, weight) in kernel.iter().enumerate() {
             let from = match (border, (y + j).checked_sub(radius)) {
                 (_, Some(from)) if from < height => from,
@@ -49,7 +56,7 @@ fn columns(plane: &Plane, kernel: &[f32], border: Border) -> Plane {
             };
             add_scaled(out, &plane.values[from * width..][..width], *weight);
         }
-    }
+    });
     Plane { values, ..*plane }
 }
 

@@ -1,6 +1,11 @@
 //! Channels of an image as arrays of their own, which filters run over.
 
+use rayon::prelude::*;
+
 use crate::{Image, Pair};
+
+/// Pixels that a thread takes at a time: fewer cost less than waking it.
+pub(crate) const PIECE: usize = 1 << 14;
 
 /// One channel, row by row.
 #[derive(Clone, Debug, PartialEq)]
@@ -13,13 +18,18 @@ pub(crate) struct Plane {
 
 impl Plane {
     /// Plane of the values of a function of each pixel's index.
-    pub(crate) fn from_fn(width: usize, height: usize, value: impl Fn(usize) -> f32) -> Self {
-        Self { width, height, values: (0..width * height).map(value).collect() }
+    pub(crate) fn from_fn(
+        width: usize,
+        height: usize,
+        value: impl Fn(usize) -> f32 + Send + Sync,
+    ) -> Self {
+        let pixels = (0..width * height).into_par_iter().with_min_len(PIECE);
+        Self { width, height, values: pixels.map(value).collect() }
     }
 
     /// Plane of the values of a function of the same pixel in two planes.
-    pub(crate) fn zip(&self, other: &Self, value: impl Fn(f32, f32) -> f32) -> Self {
-        let pairs = self.values.iter().zip(&other.values);
+    pub(crate) fn zip(&self, other: &Self, value: impl Fn(f32, f32) -> f32 + Sync) -> Self {
+        let pairs = self.values.par_iter().zip(&other.values).with_min_len(PIECE);
         let values = pairs.map(|(a, b)| value(*a, *b)).collect();
         Self { width: self.width, height: self.height, values }
     }

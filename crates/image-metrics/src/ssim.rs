@@ -7,7 +7,7 @@ use rayon::prelude::*;
 use self::window::{C1, C2, Moments, smooth};
 use crate::{
     Pair,
-    planes::{Plane, channels},
+    planes::{PIECE, Plane, channels},
 };
 
 /// Structural similarity, -1 to 1, of Wang et al., "Image quality assessment: from error visibility
@@ -64,14 +64,16 @@ impl Reference {
         let parts: Vec<(f64, Plane)> = work
             .into_par_iter()
             .map(|(x, (y, of_y))| {
-                let similarity = Similarity::new(x, y, of_y);
-                (similarity.sum(), similarity.gradient(x, y))
+                let locals = Similarity::new(x, y, of_y).locals();
+                let sum = locals.iter().map(|l| f64::from(l.value)).sum();
+                (sum, gradient(&locals, x, y))
             })
             .collect();
         let count = 3 * pair.pixel_count();
         let sum: f64 = parts.iter().map(|(sum, _)| sum).sum();
         let scale = 1.0 / count as f32;
-        let gradient = (0..pair.pixel_count()).map(|p| {
+        let pixels = (0..pair.pixel_count()).into_par_iter().with_min_len(PIECE);
+        let gradient = pixels.map(|p| {
             if pair.is_valid(p) {
                 std::array::from_fn(|c| scale * parts[c].1.values[p])
             } else {
@@ -122,25 +124,29 @@ impl<'a> Similarity<'a> {
         }
     }
 
+    fn locals(&self) -> Vec<Local> {
+        let pixels = (0..self.product.values.len()).into_par_iter().with_min_len(PIECE);
+        pixels.map(|p| self.at(p)).collect()
+    }
+
     fn sum(&self) -> f64 {
         (0..self.product.values.len()).map(|p| f64::from(self.at(p).value)).sum()
     }
+}
 
-    /// Derivative of the sum over all pixels by each value of x. The window is symmetric and black
-    /// lies beyond the border, so the adjoint of a filter is the filter.
-    fn gradient(&self, x: &Plane, y: &Plane) -> Plane {
-        let (width, height) = (x.width, x.height);
-        let locals: Vec<Local> = (0..x.values.len()).map(|p| self.at(p)).collect();
-        let smoothed = |part: fn(&Local) -> f32| {
-            smooth(&Plane::from_fn(width, height, |p| part(&locals[p]))).values
-        };
-        let by_mean = smoothed(|l| l.by_mean);
-        let by_square = smoothed(|l| l.by_square);
-        let by_product = smoothed(|l| l.by_product);
-        Plane::from_fn(width, height, |p| {
-            by_mean[p] + 2.0 * x.values[p] * by_square[p] + y.values[p] * by_product[p]
-        })
-    }
+/// Derivative of the sum over all pixels by each value of x. The window is symmetric and black lies
+/// beyond the border, so the adjoint of a filter is the filter.
+fn gradient(locals: &[Local], x: &Plane, y: &Plane) -> Plane {
+    let (width, height) = (x.width, x.height);
+    let smoothed = |part: fn(&Local) -> f32| {
+        smooth(&Plane::from_fn(width, height, |p| part(&locals[p]))).values
+    };
+    let by_mean = smoothed(|l| l.by_mean);
+    let by_square = smoothed(|l| l.by_square);
+    let by_product = smoothed(|l| l.by_product);
+    Plane::from_fn(width, height, |p| {
+        by_mean[p] + 2.0 * x.values[p] * by_square[p] + y.values[p] * by_product[p]
+    })
 }
 
 #[cfg(test)]

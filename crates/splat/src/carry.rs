@@ -15,8 +15,10 @@ use rayon::prelude::*;
 use self::rotation::{multiply, nearest_rotation, turn, turn_back};
 use crate::{Error, Gaussians, GaussiansBar};
 
-/// Nodes or Gaussians that a thread takes at a time.
+/// Nodes or Gaussians that a thread takes at a time, where each costs microseconds, and where it
+/// costs less than waking a thread for many of them.
 const PIECE: usize = 256;
+const LARGE_PIECE: usize = 2048;
 
 /// A binding of Gaussians to nodes. G is the number of Gaussians, N that of nodes.
 #[derive(Clone, Debug)]
@@ -167,11 +169,11 @@ impl Carried {
             [0, 1, 2].map(|k| self.means_m[g][k] + off[k])
         };
         Ok(Gaussians {
-            means_m: (0..self.len()).map(mean).collect(),
-            rotations: (0..self.len())
-                .map(|g| multiply(self.rotations[g], rest.rotations[g]))
-                .collect(),
-            ..rest.clone()
+            means_m: self.each(mean),
+            rotations: self.each(|g| multiply(self.rotations[g], rest.rotations[g])),
+            scales_m: rest.scales_m.clone(),
+            opacities: rest.opacities.clone(),
+            colors: rest.colors.clone(),
         })
     }
 
@@ -185,16 +187,20 @@ impl Carried {
         self.expect(bar.rotations.len(), "derivatives by rotations of Gaussians")?;
         let conjugate = |[x, y, z, w]: [f32; 4]| [-x, -y, -z, w];
         Ok(GaussiansBar {
-            means_m: (0..self.len())
-                .map(|g| turn_back(self.rotations[g], bar.means_m[g]))
-                .collect(),
+            means_m: self.each(|g| turn_back(self.rotations[g], bar.means_m[g])),
             // A product with a unit quaternion is a rotation of four numbers, its adjoint the
             // product with the inverse.
-            rotations: (0..self.len())
-                .map(|g| multiply(conjugate(self.rotations[g]), bar.rotations[g]))
-                .collect(),
-            ..bar.clone()
+            rotations: self.each(|g| multiply(conjugate(self.rotations[g]), bar.rotations[g])),
+            scales_m: bar.scales_m.clone(),
+            opacities: bar.opacities.clone(),
+            colors: bar.colors.clone(),
+            screen: bar.screen.clone(),
         })
+    }
+
+    /// A value for each Gaussian.
+    fn each<T: Send>(&self, of: impl Fn(usize) -> T + Send + Sync) -> Vec<T> {
+        (0..self.len()).into_par_iter().with_min_len(LARGE_PIECE).map(of).collect()
     }
 
     fn expect(&self, got: usize, what: &'static str) -> Result<(), Error> {

@@ -3,6 +3,7 @@
 use crate::{
     Error,
     constants::{MOST_GAUSSIANS, MOST_VALUE},
+    scan::first_wrong,
 };
 
 /// Gaussians in space. G is their number.
@@ -100,7 +101,8 @@ impl Gaussians {
         })?;
         each(&self.rotations, "a quaternion with", "it must be finite, up to 1e6", within)?;
         each(&self.colors, "a colour of", "it must be finite, up to 1e6", within)?;
-        if let Some(index) = self.opacities.iter().position(|x| !(0.0..=1.0).contains(x)) {
+        let is_share = |x: f32| (0.0..=1.0).contains(&x);
+        if let Some(index) = first_wrong(&self.opacities, is_share) {
             let value = self.opacities[index];
             return Err(Error::Gaussian {
                 index,
@@ -110,7 +112,7 @@ impl Gaussians {
             });
         }
         let square = |q: &[f32; 4]| q.iter().map(|x| x * x).sum::<f32>();
-        if let Some(index) = self.rotations.iter().position(|q| square(q) < LEAST_SQUARE) {
+        if let Some(index) = first_wrong(&self.rotations, |q| square(&q) >= LEAST_SQUARE) {
             return Err(Error::Gaussian {
                 index,
                 what: "a quaternion of squared length",
@@ -130,13 +132,11 @@ fn each<const N: usize>(
     values: &[[f32; N]],
     what: &'static str,
     rule: &'static str,
-    keeps: impl Fn(f32) -> bool,
+    keeps: impl Fn(f32) -> bool + Sync,
 ) -> Result<(), Error> {
-    let wrong = values
-        .iter()
-        .enumerate()
-        .find_map(|(index, value)| value.iter().find(|x| !keeps(**x)).map(|x| (index, *x)));
-    wrong.map_or(Ok(()), |(index, value)| Err(Error::Gaussian { index, what, value, rule }))
+    let numbers = values.as_flattened();
+    let wrong = first_wrong(numbers, keeps);
+    wrong.map_or(Ok(()), |i| Err(Error::Gaussian { index: i / N, what, value: numbers[i], rule }))
 }
 
 impl GaussiansBar {

@@ -1,6 +1,6 @@
 //! Renderings, and derivatives of a loss by them.
 
-use crate::{Camera, Error};
+use crate::{Camera, Error, scan::first_wrong};
 
 /// A rendering over black. Arrays are row-major, shape [height, width].
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -63,12 +63,12 @@ impl ImageBar {
             return Err(Error::Lengths { expected, of: "pixels", got, what });
         }
         let fail = |what, pixel, value| Err(Error::Bar { what, pixel, value });
-        if let Some(i) = self.color.iter().position(|c| !c.iter().all(|x| x.is_finite())) {
-            let wrong = self.color[i].iter().find(|x| !x.is_finite());
-            return fail("colour", i, wrong.copied().unwrap_or(f32::NAN));
+        let colors = self.color.as_flattened();
+        if let Some(i) = first_wrong(colors, f32::is_finite) {
+            return fail("colour", i / 3, colors[i]);
         }
         for (what, values) in [("alpha", &self.alpha), ("depth", &self.depth_m)] {
-            if let Some(i) = values.iter().position(|x| !x.is_finite()) {
+            if let Some(i) = first_wrong(values, f32::is_finite) {
                 return fail(what, i, values[i]);
             }
         }

@@ -14,6 +14,7 @@ mod error;
 mod gaussians;
 mod image;
 mod rasteriser;
+mod scan;
 
 pub use self::{
     camera::Camera,

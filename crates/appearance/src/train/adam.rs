@@ -1,8 +1,11 @@
 //! Adam over the rows of Gaussians, with a rate for each kind of number.
 
+use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use super::parameters::{COLOR, MEAN, OPACITY, Parameters, ROTATION, SCALE, WIDTH};
+use super::parameters::{
+    COLOR, Gradient, Limits, MEAN, OPACITY, PIECE, Parameters, ROTATION, SCALE, WIDTH,
+};
 
 const BETA1: f32 = 0.9;
 const BETA2: f32 = 0.999;
@@ -43,11 +46,13 @@ impl Adam {
         if lengths == [self.first.len(); 2] { self.first.len() } else { 0 }
     }
 
-    /// Moves the parameters; `done` is the share of all steps that were made.
+    /// Moves the parameters along the gradient, within their limits; `done` is the share of all
+    /// steps that were made.
     pub(super) fn step(
         &mut self,
         parameters: &mut Parameters,
-        gradient: &[[f32; WIDTH]],
+        gradient: &Gradient<'_>,
+        limits: &Limits,
         done: f64,
         extent_m: f32,
     ) {
@@ -58,19 +63,22 @@ impl Adam {
         rates[ROTATION..OPACITY].fill(ROTATIONS * fall(FALL));
         rates[OPACITY] = OPACITIES * fall(FALL);
         rates[COLOR..].fill(COLORS * fall(FALL));
-        for (g, row) in parameters.rows.iter_mut().enumerate() {
-            self.steps[g] += 1;
-            let age = self.steps[g].min(10_000) as i32;
+        let all = (&mut parameters.rows, &mut self.first, &mut self.second, &mut self.steps);
+        let all = all.into_par_iter().with_min_len(PIECE).enumerate();
+        all.for_each(|(g, (row, first, second, steps))| {
+            *steps += 1;
+            let age = (*steps).min(10_000) as i32;
             let (whole1, whole2) = (1.0 - BETA1.powi(age), 1.0 - BETA2.powi(age));
-            let (first, second) = (&mut self.first[g], &mut self.second[g]);
+            let slopes = gradient.of(g, row);
             for k in 0..WIDTH {
-                let slope = gradient[g][k];
+                let slope = slopes[k];
                 first[k] = BETA1 * first[k] + (1.0 - BETA1) * slope;
                 second[k] = BETA2 * second[k] + (1.0 - BETA2) * slope * slope;
                 let scale = (second[k] / whole2).sqrt() + EPSILON;
                 row[k] -= rates[k] * (first[k] / whole1) / scale;
             }
-        }
+            limits.keep(row);
+        });
     }
 
     /// The moments of some Gaussians, in this order; none of those without an index.

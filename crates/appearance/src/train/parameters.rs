@@ -3,10 +3,13 @@
 
 use bendtwin_core::{Point, Splats};
 use bendtwin_splat::{Gaussians, GaussiansBar};
+use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 /// Numbers of a Gaussian: mean, logarithms of scales, quaternion, logit of opacity, colour.
 pub(super) const WIDTH: usize = 14;
+/// Gaussians that a thread takes at a time: fewer cost less than waking it.
+pub(super) const PIECE: usize = 2048;
 pub(super) const MEAN: usize = 0;
 pub(super) const SCALE: usize = 3;
 pub(super) const ROTATION: usize = 6;
@@ -52,59 +55,86 @@ impl Parameters {
     }
 
     pub(super) fn means_m(&self) -> Vec<Point> {
-        self.rows.iter().map(|row| part(row, MEAN)).collect()
+        self.each(|row| part(row, MEAN))
     }
 
     pub(super) fn gaussians(&self) -> Gaussians {
-        let rows = || self.rows.iter();
         Gaussians {
             means_m: self.means_m(),
-            scales_m: rows().map(|row| part(row, SCALE).map(f32::exp)).collect(),
-            rotations: rows().map(|row| unit(part(row, ROTATION))).collect(),
-            opacities: rows().map(|row| opacity(row[OPACITY])).collect(),
-            colors: rows().map(|row| part(row, COLOR)).collect(),
+            scales_m: self.each(|row| part(row, SCALE).map(f32::exp)),
+            rotations: self.each(|row| unit(part(row, ROTATION))),
+            opacities: self.each(|row| opacity(row[OPACITY])),
+            colors: self.each(|row| part(row, COLOR)),
         }
     }
 
-    /// d loss / d rows from d loss / d Gaussians at rest, with that of the term that draws opacities
-    /// to 0 or 1. Round Gaussians have one scale.
-    pub(super) fn gradient(&self, bar: &GaussiansBar, isotropic: bool) -> Vec<[f32; WIDTH]> {
-        let decisive = DECISIVE / self.len().max(1) as f32;
-        let of = |(g, row): (usize, &[f32; WIDTH])| {
-            let mut gradient = [0.0; WIDTH];
-            gradient[MEAN..SCALE].copy_from_slice(&bar.means_m[g]);
-            let scales = part::<3>(row, SCALE).map(f32::exp);
-            let mut by_scale: [f32; 3] = std::array::from_fn(|i| scales[i] * bar.scales_m[g][i]);
-            if isotropic {
-                by_scale = [by_scale.iter().sum::<f32>() / 3.0; 3];
-            }
-            gradient[SCALE..ROTATION].copy_from_slice(&by_scale);
-            if !isotropic {
-                gradient[ROTATION..OPACITY].copy_from_slice(&bar.rotations[g]);
-            }
-            let o = opacity(row[OPACITY]);
-            let by_opacity = bar.opacities[g] + decisive * (1.0 - 2.0 * o);
-            gradient[OPACITY] = by_opacity * o * (1.0 - o);
-            gradient[COLOR..].copy_from_slice(&bar.colors[g]);
-            gradient
-        };
-        self.rows.iter().enumerate().map(of).collect()
+    /// A value for each Gaussian.
+    fn each<T: Send>(&self, of: impl Fn(&[f32; WIDTH]) -> T + Send + Sync) -> Vec<T> {
+        self.rows.par_iter().with_min_len(PIECE).map(of).collect()
+    }
+}
+
+/// d loss / d rows from d loss / d Gaussians at rest, with that of the term that draws opacities to
+/// 0 or 1. Round Gaussians have one scale.
+pub(super) struct Gradient<'a> {
+    bar: &'a GaussiansBar,
+    isotropic: bool,
+    /// Weight of the term for opacities, for one Gaussian.
+    decisive: f32,
+}
+
+impl<'a> Gradient<'a> {
+    pub(super) fn new(bar: &'a GaussiansBar, isotropic: bool) -> Self {
+        Self { bar, isotropic, decisive: DECISIVE / bar.len().max(1) as f32 }
+    }
+
+    /// The derivatives by the row of a Gaussian.
+    pub(super) fn of(&self, g: usize, row: &[f32; WIDTH]) -> [f32; WIDTH] {
+        let bar = self.bar;
+        let mut gradient = [0.0; WIDTH];
+        gradient[MEAN..SCALE].copy_from_slice(&bar.means_m[g]);
+        let scales = part::<3>(row, SCALE).map(f32::exp);
+        let mut by_scale: [f32; 3] = std::array::from_fn(|i| scales[i] * bar.scales_m[g][i]);
+        if self.isotropic {
+            by_scale = [by_scale.iter().sum::<f32>() / 3.0; 3];
+        }
+        gradient[SCALE..ROTATION].copy_from_slice(&by_scale);
+        if !self.isotropic {
+            gradient[ROTATION..OPACITY].copy_from_slice(&bar.rotations[g]);
+        }
+        let o = opacity(row[OPACITY]);
+        let by_opacity = bar.opacities[g] + self.decisive * (1.0 - 2.0 * o);
+        gradient[OPACITY] = by_opacity * o * (1.0 - o);
+        gradient[COLOR..].copy_from_slice(&bar.colors[g]);
+        gradient
+    }
+}
+
+/// Ranges of a row's numbers.
+pub(super) struct Limits {
+    /// Logarithms of the least and the largest scale.
+    scales: [f32; 2],
+    isotropic: bool,
+}
+
+impl Limits {
+    pub(super) fn new(extent_m: f32, isotropic: bool) -> Self {
+        let scales = [LEAST_M, LARGEST * extent_m.max(10.0 * LEAST_M)].map(f32::ln);
+        Self { scales, isotropic }
     }
 
     /// Brings what left its range back: scales, opacities, the length of quaternions.
-    pub(super) fn keep_in_range(&mut self, extent_m: f32, isotropic: bool) {
-        let [least, most] = [LEAST_M, LARGEST * extent_m.max(10.0 * LEAST_M)].map(f32::ln);
-        for row in &mut self.rows {
-            if isotropic {
-                let round = row[SCALE];
-                row[SCALE..ROTATION].fill(round);
-            }
-            row[SCALE..ROTATION].iter_mut().for_each(|s| *s = s.clamp(least, most));
-            let turned = unit(part(row, ROTATION));
-            row[ROTATION..OPACITY].copy_from_slice(&turned);
-            row[OPACITY] = row[OPACITY].clamp(-MOST_LOGIT, MOST_LOGIT);
-            row[COLOR..].iter_mut().for_each(|c| *c = c.clamp(0.0, 1.0));
+    pub(super) fn keep(&self, row: &mut [f32; WIDTH]) {
+        if self.isotropic {
+            let round = row[SCALE];
+            row[SCALE..ROTATION].fill(round);
         }
+        let [least, most] = self.scales;
+        row[SCALE..ROTATION].iter_mut().for_each(|s| *s = s.clamp(least, most));
+        let turned = unit(part(row, ROTATION));
+        row[ROTATION..OPACITY].copy_from_slice(&turned);
+        row[OPACITY] = row[OPACITY].clamp(-MOST_LOGIT, MOST_LOGIT);
+        row[COLOR..].iter_mut().for_each(|c| *c = c.clamp(0.0, 1.0));
     }
 }
 

@@ -13,6 +13,7 @@ use crate::device::{
     args::{Extent, Pointer, Splat, SplatSet},
     memory::Buffer,
     queue::Queue,
+    staging::Upload,
 };
 
 /// Fewest entries of an array.
@@ -54,7 +55,7 @@ pub(super) struct Memory {
     limit: u64,
     /// Gaussians as [`SetLayout`] says, shape [G, 14], on the device and here.
     pub(super) numbers: Buffer<f32>,
-    host_numbers: Vec<f32>,
+    sent: Upload,
     /// Projected Gaussians, shape [G].
     pub(super) splats: Buffer<Splat>,
     pub(super) extents: Buffer<Extent>,
@@ -82,6 +83,7 @@ pub(super) struct Memory {
     pub(super) depth: Buffer<f32>,
     /// d loss / d image: colours, coverage, depths, shape [P, 5].
     image_bar: Buffer<f32>,
+    sent_bar: Upload,
     /// d loss / d intersections, shape [K, 10].
     pub(super) moments: Buffer<f32>,
     /// d loss / d Gaussians, shape [G, 15]; exactly so long.
@@ -96,7 +98,7 @@ impl Memory {
         Ok(Self {
             limit,
             numbers: Buffer::empty(stream, 0)?,
-            host_numbers: Vec::new(),
+            sent: Upload::default(),
             splats: Buffer::empty(stream, 0)?,
             extents: Buffer::empty(stream, 0)?,
             counts: words()?,
@@ -112,6 +114,7 @@ impl Memory {
             alpha: Buffer::empty(stream, 0)?,
             depth: Buffer::empty(stream, 0)?,
             image_bar: Buffer::empty(stream, 0)?,
+            sent_bar: Upload::default(),
             moments: Buffer::empty(stream, 0)?,
             bars: Buffer::empty(stream, 0)?,
             stream: stream.clone(),
@@ -186,31 +189,19 @@ impl Memory {
     }
 
     /// Copies Gaussians to the device.
-    pub(super) fn upload(&mut self, gaussians: &Gaussians) -> Result<(), Error> {
-        self.host_numbers.clear();
-        parts(gaussians).into_iter().for_each(|part| self.host_numbers.extend_from_slice(part));
-        self.numbers.write(0, &self.host_numbers)
+    pub(super) fn upload(&mut self, queue: &Queue, gaussians: &Gaussians) -> Result<(), Error> {
+        queue.send(&mut self.sent, &parts(gaussians), &self.numbers)
     }
 
     /// True if these Gaussians are those that were copied last.
     pub(super) fn holds(&self, gaussians: &Gaussians) -> bool {
-        let mut rest = self.host_numbers.as_slice();
-        let is_next = |part: &[f32]| match rest.split_at_checked(part.len()) {
-            Some((own, after)) => {
-                rest = after;
-                own == part
-            }
-            None => false,
-        };
-        parts(gaussians).into_iter().all(is_next) && rest.is_empty()
+        self.sent.holds(&parts(gaussians))
     }
 
     /// Copies derivatives by an image to the device.
-    pub(super) fn upload_bar(&self, bar: &ImageBar) -> Result<(), Error> {
-        let pixels = bar.alpha.len();
-        self.image_bar.write(0, bar.color.as_flattened())?;
-        self.image_bar.write(3 * pixels, &bar.alpha)?;
-        self.image_bar.write(4 * pixels, &bar.depth_m)
+    pub(super) fn upload_bar(&mut self, queue: &Queue, bar: &ImageBar) -> Result<(), Error> {
+        let parts = [bar.color.as_flattened(), &bar.alpha, &bar.depth_m];
+        queue.send(&mut self.sent_bar, &parts, &self.image_bar)
     }
 
     /// Gaussians as kernels have them.
