@@ -3,15 +3,13 @@
 
 mod arrays;
 mod motion;
+mod together;
 mod windows;
 
 use bendtwin_core::{CancelToken, Graph};
 use bendtwin_engine::{Error, backend::GradientRequest};
 
-use self::{
-    arrays::WindowArrays,
-    windows::{ConcurrentWindows, Window},
-};
+use self::{arrays::Sizes, windows::Window};
 use crate::{
     device::{
         args::{FinishGradientArgs, Pointer},
@@ -102,9 +100,11 @@ impl Gradients {
         };
         let keys = order.iter().map(|&i| key(i)).collect::<Result<Vec<_>, _>>()?;
         order.sort_by_key(|&i| (keys[i], i));
-        for alike in order.chunk_by(|&a, &b| keys[a] == keys[b]) {
-            Backward { forward: *forward, request, out: &this, cancel }.run(alike, room)?;
-        }
+        let graphs: Vec<Backward<'_>> = order
+            .chunk_by(|&a, &b| keys[a] == keys[b])
+            .map(|members| Backward { forward: *forward, request, out: &this, cancel, members })
+            .collect();
+        together::run(&graphs, room)?;
         let params: Vec<_> = (0..instances.len()).map(|i| this.params.at(this.starts[i])).collect();
         forward.scores.add_rest_lengths(forward.simulation, &params)?;
         if request.motion {
@@ -166,34 +166,42 @@ struct Backward<'a> {
     request: &'a GradientRequest,
     out: &'a Gradients,
     cancel: &'a CancelToken,
+    /// Indices of the instances; one at least.
+    members: &'a [usize],
 }
 
 impl Backward<'_> {
-    fn run(&self, members: &[usize], room: u64) -> Result<(), Error> {
-        let Some(&first) = members.first() else { return Ok(()) };
-        let simulation = self.forward.simulation;
-        // Not all at once: there may be as many as frames.
-        let all = || members.iter().enumerate().flat_map(|(place, &i)| self.windows(place, i));
-        let shape = all().fold((0, 0), |(count, most), w| (count + 1, most.max(w.len())));
-        let (e, t) = self.elements(first);
-        // No team has more.
-        let blocks = simulation.queue.device.capabilities.processors as usize;
-        let stride = 3 * (e + t) + LAWS * blocks;
-        let total: Buffer<f32> = Buffer::zeros(&simulation.queue.stream, stride * members.len())?;
-        let arrays = WindowArrays::new(self, first, shape, room)?;
-        let mut windows = all();
-        loop {
-            let together: Vec<Window> = windows.by_ref().take(arrays.windows).collect();
-            if together.is_empty() {
-                break;
-            }
-            ConcurrentWindows::new(self, &together, &arrays)?
-                .run(|place| total.at(place * stride))?;
-        }
-        for (place, &i) in members.iter().enumerate() {
-            self.finish(i, total.at(place * stride), blocks)?;
-        }
-        Ok(())
+    /// Windows of all instances. There may be as many as frames.
+    fn all_windows(&self) -> impl Iterator<Item = Window> {
+        self.members.iter().enumerate().flat_map(|(place, &i)| self.windows(place, i))
+    }
+
+    /// Number of windows, and of frames of the longest.
+    fn shape(&self) -> (usize, usize) {
+        self.all_windows().fold((0, 0), |(count, most), w| (count + 1, most.max(w.len())))
+    }
+
+    /// The sizes of its windows in `room` bytes.
+    fn sizes(&self, room: u64) -> Sizes {
+        Sizes::new(self, self.members[0], self.shape(), room)
+    }
+
+    /// Floats of an instance's sums.
+    fn stride(&self) -> usize {
+        let (e, t) = self.elements(self.members[0]);
+        3 * (e + t) + LAWS * self.most_blocks()
+    }
+
+    /// Blocks of the largest team.
+    fn most_blocks(&self) -> usize {
+        self.forward.simulation.queue.device.capabilities.processors as usize
+    }
+
+    /// Writes the gradients of its instances from their sums, one after the other.
+    fn finish_all(&self, total: &Buffer<f32>) -> Result<(), Error> {
+        let (stride, blocks) = (self.stride(), self.most_blocks());
+        let mut members = self.members.iter().enumerate();
+        members.try_for_each(|(place, &i)| self.finish(i, total.at(place * stride), blocks))
     }
 
     fn windows(&self, place: usize, instance: usize) -> impl Iterator<Item = Window> + use<> {

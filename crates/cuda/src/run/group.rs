@@ -202,16 +202,16 @@ impl Group {
         })
     }
 
-    /// Substeps `from..to` of a frame backward.
+    /// Substeps of a frame backward.
     pub(crate) fn back(
         &self,
         queue: &Queue,
+        stream: &CudaStream,
         of: InstanceSpan,
-        from: u32,
-        to: u32,
+        substeps: &std::ops::Range<u32>,
     ) -> Result<(), Error> {
-        self.for_teams(queue, &queue.stream, Purpose::Backward, of, |launch, instances| {
-            let args = BackFrameArgs { instances, from, to };
+        self.for_teams(queue, stream, Purpose::Backward, of, |launch, instances| {
+            let args = BackFrameArgs { instances, from: substeps.start, to: substeps.end };
             // SAFETY: as `for_teams` says; the substeps are on the instances' tapes.
             unsafe { kernels::back_frame(launch, &args) }
         })

@@ -192,7 +192,7 @@ impl<'a> Simulation<'a> {
     ) -> Result<(), Error> {
         let all: Vec<usize> = (0..self.instances.len()).collect();
         let purpose = if tape.is_some() { Purpose::Tape } else { Purpose::Forward };
-        let mut groups = self.groups(&all, purpose)?;
+        let mut groups = self.groups(&all, 0, purpose)?;
         if let Some(tape) = tape {
             for (index, args) in groups.iter_mut().flat_map(Group::members_mut) {
                 tape.write(index, args);
@@ -298,8 +298,13 @@ impl<'a> Simulation<'a> {
     }
 
     /// Some instances in groups that one launch serves; an instance may have several. Groups'
-    /// members are indices in `of`.
-    pub(crate) fn groups(&self, of: &[usize], purpose: Purpose) -> Result<Vec<Group>, Error> {
+    /// members are indices in `of`. So many others share the device with them.
+    pub(crate) fn groups(
+        &self,
+        of: &[usize],
+        others: usize,
+        purpose: Purpose,
+    ) -> Result<Vec<Group>, Error> {
         let device = &self.queue.device;
         let model = |m: usize| &self.instances[of[m]].model;
         // Where there are no nodes, nothing moves.
@@ -317,7 +322,7 @@ impl<'a> Simulation<'a> {
         let firsts: Vec<usize> = alike.values().map(|&(first, _)| first).collect();
         let plans = map_concurrently(self.queue, &firsts, |&m| {
             let (key, resident, model) = (key(m)?, resident(model(m))?, model(m).model());
-            let (batch, alike) = (members.len(), alike[&key].1);
+            let (batch, alike) = (members.len() + others, alike[&key].1);
             let device = &device.capabilities;
             let plan = choose(device, &resident.shapes(), model, purpose, key.1, batch, alike)?;
             Ok((key, (plan, resident.packed(Cut::of(&plan.team))?)))

@@ -53,7 +53,17 @@ struct Bytes {
     substep: u64,
 }
 
-impl WindowArrays {
+/// How much of a backward pass is on the device at a time.
+pub(super) struct Sizes {
+    /// Windows.
+    pub(super) windows: usize,
+    /// Frames of each that are made ready.
+    frames: usize,
+    /// Substeps of a frame that are on tape.
+    segment: usize,
+}
+
+impl Sizes {
     /// For `all` windows of one graph, of which an instance is one, and of at most `deepest`
     /// frames, in `room` bytes.
     pub(super) fn new(
@@ -61,30 +71,43 @@ impl WindowArrays {
         instance: usize,
         (all, deepest): (usize, usize),
         room: u64,
+    ) -> Self {
+        let simulation = backward.forward.simulation;
+        let substeps = simulation.instances[instance].model.model().timing.substeps as usize;
+        let (most, deepest) = (all.clamp(1, MOST_BLOCKS), deepest.max(1));
+        let bytes = backward.bytes(instance);
+        let fit = |room: u64, each: u64| (room / each.max(1)) as usize;
+        if backward.forward.tapes.is_some() {
+            let windows = fit(room, bytes.fixed).clamp(1, most);
+            let frames = deepest.min(MAX_INSTANCE_ARGS / windows).max(1);
+            return Self { windows, frames, segment: substeps };
+        }
+        let windows = fit(room, bytes.fixed + bytes.frame).clamp(1, most);
+        let left = room.saturating_sub(windows as u64 * bytes.fixed);
+        let processors = simulation.queue.device.capabilities.processors as usize;
+        let useful = (FRAMES_A_PROCESSOR * processors / windows).max(1);
+        let frames = fit(left, windows as u64 * bytes.frame).clamp(1, deepest.min(useful));
+        let longest = fit(left, bytes.substep).clamp(1, substeps.max(1));
+        // Segments of equal length.
+        let segment = substeps.div_ceil(substeps.div_ceil(longest).max(1));
+        Self { windows, frames, segment }
+    }
+}
+
+impl WindowArrays {
+    /// Arrays of these sizes for windows of one graph, of which an instance is one.
+    pub(super) fn new(
+        backward: &Backward<'_>,
+        instance: usize,
+        sizes: &Sizes,
     ) -> Result<Self, Error> {
         let simulation = backward.forward.simulation;
         let stream = &simulation.queue.stream;
         let model = simulation.instances[instance].model.model();
         let (nodes, substeps) = (model.graph.node_count(), model.timing.substeps as usize);
         let rods = model.graph.rods.len();
-        let (most, deepest) = (all.clamp(1, MOST_BLOCKS), deepest.max(1));
-        let bytes = backward.bytes(instance);
-        let fit = |room: u64, each: u64| (room / each.max(1)) as usize;
+        let Sizes { windows: count, frames, segment } = *sizes;
         let has_tapes = backward.forward.tapes.is_some();
-        let (count, frames, segment) = if has_tapes {
-            let count = fit(room, bytes.fixed).clamp(1, most);
-            (count, deepest.min(MAX_INSTANCE_ARGS / count).max(1), substeps)
-        } else {
-            let count = fit(room, bytes.fixed + bytes.frame).clamp(1, most);
-            let left = room.saturating_sub(count as u64 * bytes.fixed);
-            let processors = simulation.queue.device.capabilities.processors as usize;
-            let useful = (FRAMES_A_PROCESSOR * processors / count).max(1);
-            let frames = fit(left, count as u64 * bytes.frame).clamp(1, deepest.min(useful));
-            let longest = fit(left, bytes.substep).clamp(1, substeps.max(1));
-            // Segments of equal length.
-            let segment = substeps.div_ceil(substeps.div_ceil(longest).max(1));
-            (count, frames, segment)
-        };
         // With tapes of their own the windows need none here, and one frame's candidates each.
         let (on_tape, contacts) =
             if has_tapes { (0, count) } else { (count * frames, count * frames) };

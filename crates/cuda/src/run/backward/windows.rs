@@ -2,10 +2,12 @@
 
 use std::ops::Range;
 
+use bendtwin_core::CancelToken;
 use bendtwin_engine::Error;
 
 use super::{
-    Backward, WindowArrays,
+    Backward,
+    arrays::WindowArrays,
     motion::{MotionOuts, WorldBars},
 };
 use crate::{
@@ -16,8 +18,8 @@ use crate::{
         },
         kernels,
         memory::Buffer,
+        queue::Queue,
         specialization::THREADS,
-        throttle::LaunchThrottle,
     },
     plan::{
         choice::Purpose,
@@ -51,12 +53,17 @@ impl Window {
     }
 }
 
-/// Windows that go backward together.
+/// Windows of one graph that go backward together.
 pub(super) struct ConcurrentWindows<'a> {
     backward: &'a Backward<'a>,
     windows: &'a [Window],
     arrays: &'a WindowArrays,
+    /// Sums of the instances, by place.
+    total: &'a Buffer<f32>,
     batches: Vec<WindowBatch>,
+    /// Arguments of each batch from depth `ready_from` on.
+    ready: Vec<BatchArgs>,
+    ready_from: usize,
 }
 
 /// Windows that one kernel takes backward, and their sums.
@@ -89,16 +96,20 @@ struct BatchArgs {
 }
 
 impl<'a> ConcurrentWindows<'a> {
+    /// Windows beside which so many others go backward.
     pub(super) fn new(
         backward: &'a Backward<'a>,
         windows: &'a [Window],
+        others: usize,
         arrays: &'a WindowArrays,
+        total: &'a Buffer<f32>,
     ) -> Result<Self, Error> {
         let simulation = backward.forward.simulation;
         let instances: Vec<usize> = windows.iter().map(|w| w.instance).collect();
-        let groups = simulation.groups(&instances, Purpose::Backward)?;
-        let mut this =
-            Self { backward, windows, arrays, batches: Vec::with_capacity(groups.len()) };
+        let groups = simulation.groups(&instances, others, Purpose::Backward)?;
+        let batches = Vec::with_capacity(groups.len());
+        let (ready, ready_from) = (Vec::new(), 0);
+        let mut this = Self { backward, windows, arrays, total, batches, ready, ready_from };
         for group in groups {
             let batch = this.batch(group)?;
             this.batches.push(batch);
@@ -151,36 +162,40 @@ impl<'a> ConcurrentWindows<'a> {
         })
     }
 
-    /// Takes all windows back to their starts and adds their sums to those of their instances, by
-    /// place.
-    pub(super) fn run(&self, total: impl Fn(usize) -> Pointer<f32>) -> Result<(), Error> {
-        let queue = self.simulation().queue;
-        let deepest = self.windows.iter().map(Window::len).max().unwrap_or(0);
-        // Where nothing moves, what is wanted at the start is wanted of the start.
-        self.store_initials(0)?;
+    pub(super) fn queue(&self) -> &'a Queue {
+        self.simulation().queue
+    }
+
+    pub(super) fn cancel(&self) -> &'a CancelToken {
+        self.backward.cancel
+    }
+
+    /// Number of frames of the longest window.
+    pub(super) fn deepest(&self) -> usize {
+        self.windows.iter().map(Window::len).max().unwrap_or(0)
+    }
+
+    /// Estimated time of a frame [us].
+    pub(super) fn frame_us(&self) -> f64 {
         let substeps = self.arrays.substeps as u32;
-        let frame_us = self.batches.iter().map(|b| b.group.frame_us(substeps)).sum();
-        let mut throttle = LaunchThrottle::default();
-        for from in (0..deepest).step_by(self.arrays.frames) {
-            let depths = from..(from + self.arrays.frames).min(deepest);
-            let slots = match self.backward.forward.tapes {
-                Some(_) => Vec::new(),
-                None => self.again(depths.clone(), self.arrays.last_segment())?,
-            };
-            let args =
-                self.batches.iter().map(|batch| self.batch_args(batch, depths.clone(), &slots));
-            let args = args.collect::<Result<Vec<_>, Error>>()?;
-            for depth in depths {
-                if self.backward.cancel.is_cancelled() {
-                    queue.synchronize()?;
-                    return Err(Error::Cancelled);
-                }
-                self.frame_back(depth, from, &args)?;
-                self.store_initials(depth + 1)?;
-                throttle.launched(queue, frame_us)?;
-            }
+        self.batches.iter().map(|b| b.group.frame_us(substeps)).sum()
+    }
+
+    /// Makes the arguments of a depth and of those that follow ready, if they are not yet; tapes too
+    /// where the forward pass wrote none.
+    pub(super) fn make_ready(&mut self, depth: usize) -> Result<(), Error> {
+        if !depth.is_multiple_of(self.arrays.frames) {
+            return Ok(());
         }
-        self.batches.iter().try_for_each(|batch| self.add_sums(batch, &total))
+        let depths = depth..(depth + self.arrays.frames).min(self.deepest());
+        let slots = match self.backward.forward.tapes {
+            Some(_) => Vec::new(),
+            None => self.again(depths.clone(), self.arrays.last_segment())?,
+        };
+        let args = self.batches.iter().map(|batch| self.batch_args(batch, depths.clone(), &slots));
+        self.ready = args.collect::<Result<_, Error>>()?;
+        self.ready_from = depth;
+        Ok(())
     }
 
     /// Arguments of windows that reach so deep. For tapes that have just been written, `slots` has
@@ -248,39 +263,56 @@ impl<'a> ConcurrentWindows<'a> {
         })
     }
 
-    fn frame_back(&self, depth: usize, from: usize, args: &[BatchArgs]) -> Result<(), Error> {
-        let (simulation, arrays) = (self.simulation(), self.arrays);
-        let queue = simulation.queue;
-        let part = |args: &BatchArgs| {
-            let start = args.starts[depth - from];
-            (
-                start,
-                InstanceSpan::part(&args.instances, start, args.starts[depth - from + 1] - start),
-            )
-        };
-        for (batch, args) in self.batches.iter().zip(args) {
-            let (start, span) = part(args);
+    /// First instance of a batch at a depth that is ready, and all of them.
+    fn part(&self, args: &BatchArgs, depth: usize) -> (usize, InstanceSpan) {
+        let at = depth - self.ready_from;
+        let (start, end) = (args.starts[at], args.starts[at + 1]);
+        (start, InstanceSpan::part(&args.instances, start, end - start))
+    }
+
+    /// Groups and their instances that one kernel each takes a frame backward.
+    pub(super) fn frames(&self, depth: usize) -> impl Iterator<Item = (&Group, InstanceSpan)> {
+        let ready = self.batches.iter().zip(&self.ready);
+        ready.map(move |(batch, args)| (&batch.group, self.part(args, depth).1))
+    }
+
+    /// Adds what the objective wants of the ends of frames.
+    pub(super) fn seed(&self, depth: usize) -> Result<(), Error> {
+        let simulation = self.simulation();
+        for (batch, args) in self.batches.iter().zip(&self.ready) {
+            let (start, span) = self.part(args, depth);
             self.add_seeds(span, args.seeds.at(start), depth == 0)?;
             if self.backward.request.norms {
                 self.norm_bars(span, args.norms.at(start))?;
             }
             // Tapes of the forward pass have outlived the contact candidates of their frames.
             if batch.group.plan.specialization.contact && self.backward.forward.tapes.is_some() {
-                simulation.find_partners(&queue.stream, span, 0)?;
+                simulation.find_partners(&simulation.queue.stream, span, 0)?;
             }
         }
-        for taped in arrays.segments().rev() {
-            // The last is there. The others take its place, in its order: they are written by the
-            // same span.
-            if taped != arrays.last_segment() {
-                self.again(depth..depth + 1, taped.clone())?;
-            }
-            for (batch, args) in self.batches.iter().zip(args) {
-                batch.group.back(queue, part(args).1, taped.start, taped.end)?;
-            }
+        Ok(())
+    }
+
+    pub(super) fn segment_count(&self) -> usize {
+        self.arrays.segments().count()
+    }
+
+    /// The substeps of a frame's n-th last segment, which are on tape then.
+    pub(super) fn on_tape(&self, depth: usize, nth_last: usize) -> Result<Range<u32>, Error> {
+        let taped = self.arrays.segments().nth_back(nth_last).unwrap_or(0..0);
+        // The last is there. The others take its place, in its order: they are written by the same
+        // span.
+        if nth_last > 0 {
+            self.again(depth..depth + 1, taped.clone())?;
         }
-        for args in args {
-            let (start, span) = part(args);
+        Ok(taped)
+    }
+
+    /// Collects derivatives by controls and motion from the sums of a frame.
+    pub(super) fn collect(&self, depth: usize) -> Result<(), Error> {
+        let queue = self.queue();
+        for args in &self.ready {
+            let (start, span) = self.part(args, depth);
             let Some(motion) = &args.motion else { continue };
             let at_once = if args.shared { 1 } else { span.count.max(1) };
             for k in (0..span.count).step_by(at_once) {
@@ -289,8 +321,8 @@ impl<'a> ConcurrentWindows<'a> {
             }
         }
         if self.backward.request.controls {
-            for (batch, args) in self.batches.iter().zip(args) {
-                let (start, span) = part(args);
+            for (batch, args) in self.batches.iter().zip(&self.ready) {
+                let (start, span) = self.part(args, depth);
                 // Windows of one instance share frame boundaries: one after the other.
                 let at_once = if args.shared { 1 } else { span.count.max(1) };
                 for k in (0..span.count).step_by(at_once) {
@@ -315,7 +347,7 @@ impl<'a> ConcurrentWindows<'a> {
             .collect();
         let instances: Vec<usize> = frames.iter().map(|&(w, _)| self.windows[w].instance).collect();
         let mut slots = vec![Pointer::default(); self.windows.len()];
-        for mut group in simulation.groups(&instances, Purpose::Tape)? {
+        for mut group in simulation.groups(&instances, 0, Purpose::Tape)? {
             for (f, args) in group.members_mut() {
                 let (w, depth) = frames[f];
                 args.state.first_frame = self.windows[w].frame(depth) as u32;
@@ -378,7 +410,7 @@ impl<'a> ConcurrentWindows<'a> {
 
     /// Keeps what came back to the starts of instances, with the seeds of the starts themselves, of
     /// windows with so many frames.
-    fn store_initials(&self, frames: usize) -> Result<(), Error> {
+    pub(super) fn store_initials(&self, frames: usize) -> Result<(), Error> {
         let request = self.backward.request;
         if !(request.initial || request.controls || request.motion || request.norms) {
             return Ok(());
@@ -456,11 +488,12 @@ impl<'a> ConcurrentWindows<'a> {
     }
 
     /// Adds the sums of each instance's windows to its total.
-    fn add_sums(
-        &self,
-        batch: &WindowBatch,
-        total: &impl Fn(usize) -> Pointer<f32>,
-    ) -> Result<(), Error> {
+    pub(super) fn add_sums(&self) -> Result<(), Error> {
+        self.batches.iter().try_for_each(|batch| self.add_batch_sums(batch))
+    }
+
+    fn add_batch_sums(&self, batch: &WindowBatch) -> Result<(), Error> {
+        let stride = self.backward.stride();
         let Some(cut) = batch.group.packed().first().map(|p| &p.cut) else { return Ok(()) };
         let e = cut.sum_of.len() as u32;
         let others = (batch.stride - batch.of_springs) as u32;
@@ -468,7 +501,7 @@ impl<'a> ConcurrentWindows<'a> {
         let mut at = 0;
         for own in batch.group.members.chunk_by(|a, b| place(a) == place(b)) {
             let args = GatherSumsArgs {
-                total: total(place(&own[0])),
+                total: self.total.at(place(&own[0]) * stride),
                 sums: batch.sums.at(at * batch.stride),
                 sum_of: cut.sum_of.address(),
                 stride: batch.stride as u64,
