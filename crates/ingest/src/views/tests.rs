@@ -28,7 +28,7 @@ fn views_hold_what_masks_show_in_its_place() {
             }
         }
         let alone = views_of_frame(&recording, 3).unwrap();
-        assert_eq!(alone.cameras[index].views, [view.clone()]);
+        assert_eq!(alone.cameras[index].views, std::slice::from_ref(view));
         let point = [0.05, 0.02, 0.1];
         let (found, depth) = camera.project(point, 3).unwrap();
         let (expected, far) = recorded.project(point, 3).unwrap();
