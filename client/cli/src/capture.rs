@@ -2,6 +2,7 @@
 
 mod archive;
 mod check;
+mod export;
 mod ingest;
 pub(crate) mod make;
 pub(crate) mod push;
@@ -37,6 +38,9 @@ enum Command {
     },
     /// Measure a capture or raw recording and write the report as a page with pictures or as JSON
     Report(report::Arguments),
+    /// Write what the cameras saw of the object in one frame as a nerfstudio folder, for trainers of
+    /// Gaussian splatting, without a server
+    Export(export::Export),
     /// Check a capture and upload it
     Push(push::Push),
     /// List the captures of the server
@@ -68,6 +72,7 @@ pub(crate) async fn run(args: Capture, global: &Global) -> anyhow::Result<()> {
         Command::Make(args) => make::run(args, global).await,
         Command::Check { path } => check::run(&path, global).await,
         Command::Report(args) => report::run(args, global).await,
+        Command::Export(args) => export::run(args, global).await,
         Command::Push(args) => push::run(args, global).await,
         Command::List(choice) => {
             let captures = global.connect().await?.captures().all(&choice.query()).await?;

@@ -2,6 +2,7 @@
 
 mod corrections;
 mod local;
+mod video;
 
 use std::{path::PathBuf, sync::Arc};
 
@@ -9,9 +10,9 @@ use bendtwin_core::{CancelToken, Quality, Twin, quality::Assessment};
 use bendtwin_engine::Backend;
 use bendtwin_eval::{
     CorrectionScore, EvaluateOptions, TableStyle, evaluate, fast_variant, format_table,
-    in_recording, is_own_capture,
+    in_recording,
 };
-use bendtwin_fit::Look;
+use bendtwin_fit::{Drawn, Look};
 use bendtwin_image_metrics::Lpips;
 use bendtwin_study::Captured;
 use clap::Args;
@@ -53,6 +54,10 @@ pub(crate) struct Eval {
     /// Draw predicted against observed into this PNG file
     #[arg(long, value_name = "FILE")]
     picture: Option<PathBuf>,
+    /// Write videos into this folder: for each camera of a raw recording what it saw, the rendered
+    /// prediction and their difference, as animated PNG, which browsers play
+    #[arg(long, value_name = "DIR")]
+    video: Option<PathBuf>,
     /// Measure LPIPS of renderings, too, by the network in this ONNX file (docs/accuracy.md says how it
     /// is made)
     #[arg(long, value_name = "FILE")]
@@ -65,8 +70,9 @@ pub(crate) struct Eval {
 }
 
 pub(crate) async fn run(args: Eval, global: &Global) -> anyhow::Result<()> {
-    if args.paths.len() > 1 && (args.out.is_some() || args.picture.is_some()) {
-        return Err(Usage::error("--out and --picture take one capture at a time"));
+    let files = [&args.out, &args.picture, &args.video];
+    if args.paths.len() > 1 && files.into_iter().any(Option::is_some) {
+        return Err(Usage::error("--out, --picture and --video take one capture at a time"));
     }
     let cancel = CancelToken::default();
     let (shutdown, token) = (signals::shutdown(), cancel.clone());
@@ -93,6 +99,7 @@ pub(crate) async fn run(args: Eval, global: &Global) -> anyhow::Result<()> {
             "substeps": scored.substeps,
             "fit_s": scored.fit_s,
             "corrections": corrections::document(&scored.corrections),
+            "videos": scored.videos,
         });
         output::print(global, &document, || text(&name, &scored))?;
     }
@@ -107,6 +114,8 @@ struct Scored {
     substeps: u32,
     fit_s: Option<f64>,
     corrections: Vec<CorrectionScore>,
+    /// Videos that were written.
+    videos: Vec<PathBuf>,
 }
 
 fn score(
@@ -122,6 +131,8 @@ fn score(
     let lpips = args.lpips.as_deref().map(Lpips::open).transpose();
     let lpips = lpips.map_err(|e| Usage::error(e.to_string()))?.map(Arc::new);
     let look = views.as_ref().map(|views| Look { views, rasteriser, lpips });
+    let folder = args.video.as_deref();
+    let filmed = folder.map(|folder| video::into(folder, look.as_ref())).transpose()?;
     let (fitted, fit_s) = match &args.twin {
         Some(file) => (Fitted { twin: read_twin(file)?, axial: None }, None),
         None => {
@@ -131,15 +142,21 @@ fn score(
             (fitted, Some(took.as_secs_f64()))
         }
     };
+    // Elsewhere the twin has the recording's control points.
+    let there = in_recording(&fitted.twin, &capture, cancel).map_err(failure::failed)?;
+    let (shown, recording) =
+        there.as_ref().map_or((&fitted.twin, &capture), |(twin, recording)| (twin, recording));
+    let drawn = |twin| {
+        let moved = if there.is_some() { shown } else { twin };
+        Drawn { twin, moved, capture: recording, backend: &**backend }
+    };
     let again = || {
         let options = EvaluateOptions { axial: fitted.axial.as_ref(), per_frame: args.per_frame };
         let measured = evaluate(&**backend, &fitted.twin, &capture, &options, cancel);
         let mut measured = measured.map_err(failure::failed)?;
-        // In other recordings the twin stands elsewhere, and cameras with it.
-        let look = look.as_ref().filter(|_| is_own_capture(&fitted.twin, &capture));
         for twin in std::iter::once(&fitted.twin).chain(&fitted.axial) {
-            let Some(look) = look else { break };
-            let rendered = look.score(twin, &capture, &**backend, args.per_frame, cancel);
+            let Some(look) = &look else { break };
+            let rendered = look.score(drawn(twin), args.per_frame, cancel);
             let own = twin.quality.scores.first().map(|score| score.predictor);
             if let Some(row) = measured.scores.iter_mut().find(|s| Some(s.predictor) == own) {
                 row.rendered = rendered.map_err(failure::failed)?;
@@ -147,10 +164,6 @@ fn score(
         }
         Ok::<_, anyhow::Error>(measured)
     };
-    // Elsewhere the twin has the recording's control points.
-    let there = in_recording(&fitted.twin, &capture, cancel).map_err(failure::failed)?;
-    let (shown, recording) =
-        there.as_ref().map_or((&fitted.twin, &capture), |(twin, recording)| (twin, recording));
     let fast = || fast_variant(&**backend, shown, recording, cancel).map_err(failure::failed);
     // A fit has scored its twin already; again only for what it did not keep.
     let kept = &fitted.twin.quality;
@@ -168,9 +181,17 @@ fn score(
         let axial = fitted.axial.as_ref();
         picture::draw(file, shown, axial, recording, &**backend, cancel)?;
     }
+    let mut videos = Vec::new();
+    if let Some(filmed) = filmed {
+        videos.extend(filmed.write("", drawn(&fitted.twin), cancel)?);
+        if let Some(axial) = &fitted.axial {
+            videos.extend(filmed.write("-axial", drawn(axial), cancel)?);
+        }
+    }
     let corrections = args.correct.compare(&**backend, shown, recording, cancel)?;
     let assessment = quality::of_twin(&fitted.twin, &quality);
-    Ok(Scored { quality, assessment, substeps: fitted.twin.timing.substeps, fit_s, corrections })
+    let substeps = fitted.twin.timing.substeps;
+    Ok(Scored { quality, assessment, substeps, fit_s, corrections, videos })
 }
 
 fn read_twin(path: &std::path::Path) -> anyhow::Result<Twin> {
@@ -187,6 +208,9 @@ fn text(name: &str, scored: &Scored) -> String {
     }
     if !scored.corrections.is_empty() {
         text += &format!("\n{}", corrections::table(&scored.corrections));
+    }
+    for video in &scored.videos {
+        text += &format!("\nwrote {}", video.display());
     }
     match scored.fit_s {
         Some(seconds) => text + &format!("\nFitted in {}.\n", output::duration(seconds)),

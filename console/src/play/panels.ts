@@ -61,5 +61,5 @@ export function panelsOf(
 /** What is shown of the twin. */
 function picturePanel({ scene, context }: Playing, shape: TwinShape): HTMLElement {
   const colours: ColourBy[] = shape.springStiffness.length > 0 ? ['none', 'strain', 'stiffness'] : ['none', 'strain'];
-  return panel('Picture', false, pictureControls(scene.twin, readLook(context.query), colours, () => undefined));
+  return panel('Picture', false, pictureControls(scene.twin, readLook(context.query, shape), colours, () => undefined));
 }

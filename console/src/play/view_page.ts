@@ -28,7 +28,7 @@ export const open: OpenPage = async (context) => {
   context.setTitle(twin.display_name || 'Twin');
   const stage = new Stage(`The twin ${twin.display_name} at rest`);
   const view = placed(stage, shape);
-  const look = readLook(context.query);
+  const look = readLook(context.query, shape);
   if (!stage.setView(context.query.get('view') ?? '')) stage.lookAt(shape.rest);
   const element = elementOf(context, { id, name: twin.display_name, stage, shape, view, look });
   return {

@@ -8,6 +8,9 @@ pub enum Error {
     /// Gaussians cannot be drawn.
     #[error(transparent)]
     Splat(#[from] bendtwin_splat::Error),
+    /// A picture cannot be drawn or written.
+    #[error(transparent)]
+    Picture(#[from] bendtwin_picture::Error),
     /// There is nothing to draw with.
     #[error("{0}")]
     Device(String),
@@ -26,6 +29,7 @@ impl Problem for Error {
     fn category(&self) -> Category {
         match self {
             Self::Splat(error) => error.category(),
+            Self::Picture(error) => error.category(),
             Self::Compare(_) | Self::Device(_) => Category::Internal,
             Self::NoViews | Self::Checkpoint(_) => Category::FailedPrecondition,
         }
@@ -34,6 +38,7 @@ impl Problem for Error {
     fn reason(&self) -> &'static str {
         match self {
             Self::Splat(error) => error.reason(),
+            Self::Picture(error) => error.reason(),
             Self::Device(_) => "DEVICE_FAILED",
             Self::Compare(_) => "APPEARANCE_NOT_MEASURED",
             Self::NoViews => "APPEARANCE_NOT_SEEN",

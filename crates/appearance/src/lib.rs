@@ -1,6 +1,6 @@
 //! The look of a twin, from views of the recording that it was fitted to: colours of its skin,
-//! Gaussians trained along its predicted motion, and the likeness of its renderings to what the
-//! cameras saw. Knows no physics: the motion is given.
+//! Gaussians trained along its predicted motion, and its renderings beside what the cameras saw, as
+//! numbers and as videos. Knows no physics: the motion is given.
 
 mod camera;
 mod colors;
@@ -8,6 +8,7 @@ mod dressed;
 mod error;
 mod motion;
 mod score;
+mod side_by_side;
 mod target;
 #[cfg(test)]
 mod testing;
@@ -19,5 +20,6 @@ pub use self::{
     error::Error,
     motion::Motion,
     score::{Scene, score},
+    side_by_side::side_by_side,
     train::{Step, Training, TrainingOptions},
 };

@@ -160,7 +160,7 @@ fn likeness(
 }
 
 /// The part of an image that a view or a Gaussian reaches, with a margin.
-fn around(gaussians: &Gaussians, camera: &Camera, view: &View) -> Rectangle {
+pub(crate) fn around(gaussians: &Gaussians, camera: &Camera, view: &View) -> Rectangle {
     let (mut low, mut high) = ([0_i64; 2], [0_i64; 2]);
     for axis in 0..2 {
         low[axis] = i64::from(view.corner[axis]);

@@ -14,6 +14,14 @@ impl Rectangle {
         Self { corner: view.corner, size: view.size }
     }
 
+    /// The smallest one that covers both.
+    pub(crate) fn union(self, other: Self) -> Self {
+        let corner = [0, 1].map(|a| self.corner[a].min(other.corner[a]));
+        let end = |r: Self, a: usize| r.corner[a] + r.size[a];
+        let size = [0, 1].map(|a| end(self, a).max(end(other, a)) - corner[a]);
+        Self { corner, size }
+    }
+
     pub(crate) fn pixel_count(&self) -> usize {
         self.size[0] as usize * self.size[1] as usize
     }

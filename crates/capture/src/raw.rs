@@ -34,6 +34,7 @@ pub use self::{
     bundle::{BundleOptions, write_bundle, write_bundle_to},
     camera::{Camera, Distortion, Intrinsics, Pose},
     image::{ColorImage, DepthImage, Image, Mask},
+    nerfstudio::write_nerfstudio,
     phystwin::{export_case, write_case},
 };
 use crate::{

@@ -3,6 +3,9 @@
 
 use crate::Point;
 
+/// Most pixels of all views of a recording.
+pub const MOST_PIXELS: usize = 20 << 20;
+
 /// Views of one recording.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Views {
@@ -102,6 +105,12 @@ impl View {
 }
 
 impl Views {
+    /// Number of pixels of all views.
+    pub fn pixel_count(&self) -> usize {
+        let views = self.cameras.iter().flat_map(|camera| &camera.views);
+        views.map(|view| view.labels.len()).sum()
+    }
+
     /// Checks that lengths agree, views lie in their images, and numbers are finite.
     ///
     /// # Errors

@@ -18,6 +18,7 @@ use crate::{
     Error,
     checkpoint::{Checkpoint, ChosenStart, Identity, ModelFitState},
     cmaes::default_population,
+    look::Look,
     memory,
     model_fit::{ModelFit, model_name},
     progress::{APPEARANCE_SHARE, ModelProgress, ProgressEstimator},
@@ -28,8 +29,6 @@ use crate::{
     validation::Validation,
     warnings,
 };
-
-pub use self::look::{Look, OpenRasteriser};
 
 /// One fit: capture, settings and device.
 #[derive(Clone)]

@@ -12,6 +12,7 @@ mod checkpoint;
 pub mod cmaes;
 mod error;
 mod job;
+mod look;
 pub mod memory;
 mod model_fit;
 mod nodes;
@@ -31,4 +32,5 @@ mod validation;
 mod warnings;
 
 pub use error::Error;
-pub use job::{FitJob, Look, OpenRasteriser, Outcome};
+pub use job::{FitJob, Outcome};
+pub use look::{Drawn, Look, OpenRasteriser, OpenVideo};

@@ -2,7 +2,7 @@
 //! [`bendtwin_core::settings::memory`] with the graph that the fit will build.
 
 use bendtwin_core::{
-    Capture, Category, FitSettings, Problem, Sequence,
+    Capture, Category, FitSettings, Problem, Sequence, Views,
     settings::{
         GraphSettings,
         memory::{
@@ -36,9 +36,14 @@ impl Problem for TooLarge {
     }
 }
 
-/// Memory of a fit [bytes], an upper bound by its settings and the capture.
-pub fn estimate(capture: &Capture, settings: &FitSettings, backend: &dyn Backend) -> u64 {
-    let (size, lanes) = (size_of(capture), lanes(backend));
+/// Memory of a fit [bytes], an upper bound by its settings, the capture and its views.
+pub fn estimate(
+    capture: &Capture,
+    views: Option<&Views>,
+    settings: &FitSettings,
+    backend: &dyn Backend,
+) -> u64 {
+    let (size, lanes) = (size_of(capture, views), lanes(backend));
     let settings = settings.filled(size.conditions(lanes));
     of_sizes(&settings, &size, &GraphSize::largest(&settings, &size), lanes).total()
 }
@@ -51,15 +56,16 @@ pub fn estimate(capture: &Capture, settings: &FitSettings, backend: &dyn Backend
 /// [`TooLarge`].
 pub fn check(
     capture: &Capture,
+    views: Option<&Views>,
     settings: &FitSettings,
     backend: &dyn Backend,
     most: u64,
 ) -> Result<u64, TooLarge> {
-    let bound = estimate(capture, settings, backend);
+    let bound = estimate(capture, views, settings, backend);
     if bound <= most {
         return Ok(bound);
     }
-    let (size, lanes) = (size_of(capture), lanes(backend));
+    let (size, lanes) = (size_of(capture, views), lanes(backend));
     let settings = &settings.filled(size.conditions(lanes));
     let largest = GraphSize::largest(settings, &size);
     // Without a single spring it would be too large, or candidates have graphs of their own.
@@ -99,8 +105,8 @@ pub(crate) fn lanes(backend: &dyn Backend) -> Lanes {
     Lanes { count: device.lanes as u64, on_host: device.kind == "cpu" }
 }
 
-/// Size of a capture with all recordings of its object.
-pub fn size_of(capture: &Capture) -> CaptureSize {
+/// Size of a capture with all recordings of its object, and of its views.
+pub fn size_of(capture: &Capture, views: Option<&Views>) -> CaptureSize {
     let sequences: Vec<&Sequence> = capture.recordings().flat_map(|r| &r.sequences).collect();
     let frames = || sequences.iter().map(|s| s.frame_count as u64);
     // A frame's targets are points of one recording.
@@ -114,6 +120,7 @@ pub fn size_of(capture: &Capture) -> CaptureSize {
         longest: frames().max().unwrap_or(0),
         sequences: sequences.len() as u64,
         edges: capture.object.edges.len() as u64,
+        view_pixels: views.map_or(0, |views| views.pixel_count() as u64),
     }
 }
 

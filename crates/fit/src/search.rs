@@ -69,7 +69,7 @@ pub(crate) struct Search<'a> {
 
 impl<'a> Search<'a> {
     pub(crate) fn new(task: &'a Task<'a>) -> Self {
-        let size = GraphSize::largest(&task.settings, &memory::size_of(task.capture));
+        let size = GraphSize::largest(&task.settings, &memory::size_of(task.capture, None));
         let most = GENERATION_BYTES / size.candidate_bytes().max(1);
         let most_loaded = usize::try_from(most).unwrap_or(usize::MAX).max(1);
         Self { task, set: task.search_set(), graphs: GraphCache::default(), most_loaded }

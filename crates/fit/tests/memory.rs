@@ -74,7 +74,7 @@ fn peak() -> u64 {
 fn a_fit_takes_no_more_than_estimated_and_not_far_less() {
     let (capture, settings) = (plate(), settings());
     let backend: Arc<dyn Backend> = bendtwin_engine::cpu_with_threads(2);
-    let estimated = memory::check(&capture, &settings, &*backend, u64::MAX).unwrap();
+    let estimated = memory::check(&capture, None, &settings, &*backend, u64::MAX).unwrap();
     let before = peak();
     let job =
         FitJob { capture: &capture, capture_digest: String::new(), settings, backend, look: None };
@@ -95,19 +95,19 @@ fn what_would_take_all_memory_is_refused_before_it_begins() {
     greedy.search.starts = Some(64);
     greedy.search.topology = true;
     let most = 1 << 30;
-    let refused = memory::check(&capture, &greedy, &*backend, most).unwrap_err();
+    let refused = memory::check(&capture, None, &greedy, &*backend, most).unwrap_err();
     assert!(refused.needed > most && refused.most == most);
     let starts = refused.advice.iter().find(|(name, _)| *name == "search.starts").unwrap().1;
     greedy.search.starts = Some(starts as u32);
-    assert!(memory::check(&capture, &greedy, &*backend, most).unwrap() <= most);
+    assert!(memory::check(&capture, None, &greedy, &*backend, most).unwrap() <= most);
     // Neighbours that the radius does not have are not counted.
     let mut generous = settings();
     generous.graph.max_neighbours = 256;
     generous.graph.radius_m = Some(0.015);
-    let bound = memory::estimate(&capture, &generous, &*backend);
-    let built = memory::check(&capture, &generous, &*backend, bound - 1).unwrap();
+    let bound = memory::estimate(&capture, None, &generous, &*backend);
+    let built = memory::check(&capture, None, &generous, &*backend, bound - 1).unwrap();
     assert!(2 * built < bound, "{built} of {bound}");
     // Nor is a population beyond what is loaded at a time.
     generous.search.population = Some(10_000);
-    assert!(memory::estimate(&capture, &generous, &*backend) < bound + GENERATION_BYTES);
+    assert!(memory::estimate(&capture, None, &generous, &*backend) < bound + GENERATION_BYTES);
 }

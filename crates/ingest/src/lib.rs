@@ -20,7 +20,7 @@ use bendtwin_lift::lift;
 pub use bendtwin_lift::Error;
 pub use playback::write_playback;
 pub use progress::{Progress, Step};
-pub use views::views;
+pub use views::{views, views_of_frame};
 
 /// Share of the work on a raw recording that is over when it has been inspected.
 const INSPECTED: f64 = 0.3;

@@ -5,13 +5,12 @@
 mod cut;
 
 use bendtwin_capture::raw::{Frames, Recording, Region};
-use bendtwin_core::{View, ViewCamera, Views};
+use bendtwin_core::{View, ViewCamera, Views, views::MOST_PIXELS};
 use rayon::prelude::*;
 
 use self::cut::Grid;
 
-/// Most pixels of all views, and of the views of one camera.
-const MOST_PIXELS: usize = 20 << 20;
+/// Most pixels of the views of one camera.
 const MOST_PIXELS_OF_CAMERA: usize = 10 << 20;
 /// Most recorded pixels that are read: a bound on time.
 const MOST_READ: usize = 3_000_000_000;
@@ -55,6 +54,20 @@ pub fn views(recording: &Recording, tell: &mut dyn FnMut(f64)) -> Option<Views> 
             camera.views.extend(view);
         }
     }
+    let seen = cameras.iter().any(|camera| !camera.views.is_empty());
+    seen.then_some(Views { cameras })
+}
+
+/// The views of one frame; none if no camera sees the object in it.
+pub fn views_of_frame(recording: &Recording, frame: usize) -> Option<Views> {
+    let recording = &recording.usable();
+    let cameras = recording.cameras.iter().enumerate().map(|(index, camera)| {
+        let grid = Grid::new(camera);
+        let source = recording.source.frames(index).ok();
+        let view = source.and_then(|mut source| read(&mut *source, &grid, frame));
+        ViewCamera { views: view.into_iter().collect(), ..grid.camera(camera) }
+    });
+    let cameras: Vec<ViewCamera> = cameras.collect();
     let seen = cameras.iter().any(|camera| !camera.views.is_empty());
     seen.then_some(Views { cameras })
 }

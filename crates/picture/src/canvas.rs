@@ -250,6 +250,16 @@ impl Canvas {
         self.pixels.stroke_path(path, &paint, &stroke, identity, clip.map(|c| &c.0));
     }
 
+    /// Columns and rows.
+    pub(crate) fn size(&self) -> [u32; 2] {
+        [self.pixels.width(), self.pixels.height()]
+    }
+
+    /// Red, green, blue of each pixel of an opaque canvas.
+    pub(crate) fn rgb(&self) -> Vec<u8> {
+        self.pixels.data().chunks_exact(4).flat_map(|p| [p[0], p[1], p[2]]).collect()
+    }
+
     /// The file's bytes, with transparency only if the canvas has it.
     ///
     /// # Errors
@@ -257,8 +267,7 @@ impl Canvas {
     pub fn to_png(&self) -> Result<Vec<u8>, Error> {
         let failed = |e: png::EncodingError| Error::Encoding(e.to_string());
         let (color, data): (_, Vec<u8>) = if self.is_opaque {
-            let opaque = self.pixels.data().chunks_exact(4).flat_map(|p| [p[0], p[1], p[2]]);
-            (png::ColorType::Rgb, opaque.collect())
+            (png::ColorType::Rgb, self.rgb())
         } else {
             let straight = self.pixels.pixels().iter().flat_map(|p| {
                 let p = p.demultiply();

@@ -4,6 +4,7 @@ use bendtwin_core::{
     FitSettings, ModelLoss,
     ids::{CaptureId, FitId},
     settings::memory::{self, CaptureSize, GraphSize},
+    views::MOST_PIXELS,
 };
 use bendtwin_store::{Job, NewFit, Page, Requirements};
 use futures::StreamExt as _;
@@ -18,6 +19,9 @@ use crate::{audit, context::Context, dispatch::FitRoom};
 
 /// Largest report that is read for the size of its capture [bytes].
 const LARGEST_REPORT: u64 = 8 << 20;
+
+/// Kind of a capture with images, as its report says it.
+const RECORDING: &str = "recording";
 
 const PRIORITIES: std::ops::RangeInclusive<i32> = -100..=100;
 
@@ -104,6 +108,7 @@ impl App {
             json.extend_from_slice(&chunk.ok()?);
         }
         let report: Report = serde_json::from_slice(&json).ok()?;
+        let view_pixels = report.most_view_pixels();
         let observed = report.observed?;
         Some(CaptureSize {
             points: observed.point_count,
@@ -115,6 +120,7 @@ impl App {
             longest: report.frame_count,
             sequences: 1,
             edges: 0,
+            view_pixels,
         })
     }
 
@@ -152,8 +158,30 @@ impl App {
 /// The part of a capture's report that tells its size.
 #[derive(Deserialize)]
 struct Report {
+    #[serde(default)]
+    kind: String,
     frame_count: u64,
+    #[serde(default)]
+    cameras: Vec<Camera>,
     observed: Option<Observed>,
+}
+
+#[derive(Deserialize)]
+struct Camera {
+    width: u64,
+    height: u64,
+}
+
+impl Report {
+    /// Most pixels that the views of the recording may have: parts of all of its images.
+    fn most_view_pixels(&self) -> u64 {
+        if self.kind != RECORDING {
+            return 0;
+        }
+        let images = self.cameras.iter().map(|c| c.width.saturating_mul(c.height));
+        let frame = images.fold(0, u64::saturating_add);
+        frame.saturating_mul(self.frame_count).min(MOST_PIXELS as u64)
+    }
 }
 
 #[derive(Deserialize)]

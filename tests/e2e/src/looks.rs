@@ -27,8 +27,10 @@ fn a_fit_on_this_machine_colours_its_twin_and_measures_it() {
     let root = tempfile::tempdir().unwrap();
     let folder = filmed(root.path());
     let file = root.path().join("toy.twin").display().to_string();
-    let arguments = [&["eval", &folder, "--axial", "--out", &file], &QUICK[..]].concat();
-    let fitted = run_json(&arguments);
+    let videos = root.path().join("videos");
+    let into = videos.display().to_string();
+    let options = ["eval", &folder, "--axial", "--out", &file, "--video", &into];
+    let fitted = run_json(&[&options[..], &QUICK[..]].concat());
     let scores = fitted["quality"]["scores"].as_array().unwrap();
     let of = |predictor: &str| scores.iter().find(|s| s["predictor"] == predictor).unwrap();
     assert!(iou(of("bending")) > 0.3 && iou(of("axial")) > 0.3, "{fitted}");
@@ -36,11 +38,49 @@ fn a_fit_on_this_machine_colours_its_twin_and_measures_it() {
     let twin = Twin::decode(&std::fs::read(&file).unwrap()).unwrap();
     let appearance = twin.appearance.unwrap();
     assert_eq!((appearance.skin_colors.len(), appearance.splats), (twin.skin.len(), None));
+    for name in ["camera0.png", "camera1.png", "camera0-axial.png", "camera1-axial.png"] {
+        let bytes = std::fs::read(videos.join(name)).unwrap();
+        // An animated PNG says how many frames it has.
+        assert!(bytes.windows(4).any(|w| w == b"acTL"), "{name}");
+    }
+    assert_eq!(fitted["videos"].as_array().unwrap().len(), 4);
     // What is measured again is the same, frame by frame.
     let again = run_json(&["eval", &folder, "--twin", &file, "--per-frame"]);
     let rendered = &again["quality"]["scores"][0]["rendered"];
     assert_eq!(rendered["train"], of("bending")["rendered"]["train"]);
     assert!(rendered["per_frame"].as_array().unwrap().len() > 3, "{rendered}");
+}
+
+#[test]
+fn a_twin_is_rendered_into_another_recording_of_its_object() {
+    let root = tempfile::tempdir().unwrap();
+    let folder = filmed(root.path());
+    let file = root.path().join("toy.twin").display().to_string();
+    run_ok(&[&["eval", &folder, "--out", &file], &QUICK[..]].concat());
+    let other = root.path().join("other").display().to_string();
+    run_ok(&["capture", "make", "toy", &other, "--raw", "--tiny", "--seed", "1"]);
+    let scored = run_json(&["eval", &other, "--twin", &file]);
+    assert!(scored["quality"]["recordings"][0]["registered"].is_object(), "{scored}");
+    let own = &scored["quality"]["scores"][0];
+    assert!(iou(own) > 0.3, "{own}");
+    assert_eq!(own["rendered"]["cameras"].as_array().unwrap().len(), 2);
+}
+
+#[test]
+fn a_frame_is_exported_for_trainers_of_gaussians() {
+    let root = tempfile::tempdir().unwrap();
+    let folder = filmed(root.path());
+    let scan = root.path().join("scan");
+    let written = run_json(&["capture", "export", &folder, &scan.display().to_string()]);
+    assert_eq!(written["images"], 2);
+    let text = std::fs::read_to_string(scan.join("transforms.json")).unwrap();
+    let document: serde_json::Value = serde_json::from_str(&text).unwrap();
+    for frame in document["frames"].as_array().unwrap() {
+        for part in ["file_path", "mask_path", "depth_file_path"] {
+            assert!(scan.join(frame[part].as_str().unwrap()).is_file(), "{frame}");
+        }
+    }
+    assert!(scan.join(document["ply_file_path"].as_str().unwrap()).is_file());
 }
 
 #[tokio::test(flavor = "multi_thread")]

@@ -10,6 +10,7 @@ pub mod images;
 pub mod meshes;
 pub mod recordings;
 pub mod requests;
+pub mod splats;
 pub mod twins;
 
 mod seeds;
@@ -53,6 +54,7 @@ pub const TARGETS: &[Target] = &[
         seeds: seeds::rollout_message,
     },
     Target { name: "settings", run: requests::settings, seeds: seeds::settings },
+    Target { name: "splats", run: splats::splats, seeds: seeds::splats },
     Target { name: "tar", run: archives::tar, seeds: seeds::tar },
     Target { name: "transforms", run: archives::transforms, seeds: seeds::transforms },
     #[cfg(feature = "uploads")]

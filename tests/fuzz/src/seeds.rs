@@ -3,7 +3,7 @@
 
 use bendtwin_hostile::{
     Fault, Rng, arrays, damage, documents, images, meshes, pickles, recordings, requests, samples,
-    torch_files, twin_files,
+    splats, torch_files, twin_files,
 };
 use bendtwin_proto::{json::Read, registration, rollout::cases, v1::RollOutRequest};
 use prost::Message as _;
@@ -133,6 +133,11 @@ pub(crate) fn obj() -> Vec<Vec<u8>> {
 
 pub(crate) fn ply() -> Vec<Vec<u8>> {
     with_faults(vec![meshes::PLY_TEXT.to_vec(), meshes::binary_ply()], meshes::PLY)
+}
+
+pub(crate) fn splats() -> Vec<Vec<u8>> {
+    let spz = |version| splats::spz(version, 3, &splats::body(version));
+    with_faults(vec![splats::ply(), spz(2), spz(3)], splats::FAULTS)
 }
 
 pub(crate) fn twin() -> Vec<Vec<u8>> {

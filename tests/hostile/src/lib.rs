@@ -3,7 +3,7 @@
 //!
 //! Every file is a small valid one with one fault: a fault of its format from the table of that
 //! format ([`archives`], [`tars`], [`arrays`], [`pickles`], [`images`], [`recordings`], [`meshes`],
-//! [`documents`], [`twin_files`], [`torch_files`], [`requests`]), or damage to its bytes
+//! [`splats`], [`documents`], [`twin_files`], [`torch_files`], [`requests`]), or damage to its bytes
 //! ([`damage`]). The same seed gives the same files, on every machine; file `n` of a seed does not
 //! depend on those before it. Files are small: what they claim is large.
 
@@ -17,6 +17,7 @@ pub mod pickles;
 pub mod recordings;
 pub mod requests;
 pub mod samples;
+pub mod splats;
 pub mod tars;
 pub mod torch_files;
 pub mod twin_files;

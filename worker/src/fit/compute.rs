@@ -76,8 +76,9 @@ impl Compute {
         }
         let backend = Arc::new(device.backend(Priority::Background));
         let most = limits.fit_bytes;
-        let needed = bendtwin_fit::memory::check(&capture, &settings, &*backend, most)
-            .map_err(|e| e.fault())?;
+        let needed =
+            bendtwin_fit::memory::check(&capture, views.as_ref(), &settings, &*backend, most)
+                .map_err(|e| e.fault())?;
         tracing::info!(mib = needed >> 20, "memory of the fit, estimated");
         let job = FitJob {
             capture: &capture,

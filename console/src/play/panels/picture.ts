@@ -1,4 +1,5 @@
 import { h } from '../../ui/dom';
+import type { TwinShape } from '../../view3d/shape';
 import type { ColourBy, TwinLayer, TwinView } from '../../view3d/twin_view';
 
 const NAMES: Readonly<Record<TwinLayer, string>> = {
@@ -19,9 +20,10 @@ export interface Look {
   colour: ColourBy;
 }
 
-/** A look from an address, where it has one. */
-export function readLook(query: URLSearchParams): Look {
-  const names = (query.get('layers') ?? 'skin,appearance,springs,shadow').split(',');
+/** A look from an address, where it has one; else springs only where they do not pierce splats. */
+export function readLook(query: URLSearchParams, { appearance }: Pick<TwinShape, 'appearance'>): Look {
+  const usual = appearance?.splats ? 'skin,appearance,shadow' : 'skin,appearance,springs,shadow';
+  const names = (query.get('layers') ?? usual).split(',');
   const colour = query.get('colour') ?? 'none';
   return {
     layers: new Set(names.filter((name): name is TwinLayer => Object.hasOwn(NAMES, name))),

@@ -32,6 +32,11 @@ pub(super) fn depth(image: &DepthImage, unit_m: f64) -> Result<Vec<u8>, Error> {
     encode([image.width, image.height], png::ColorType::Grayscale, png::BitDepth::Sixteen, &bytes)
 }
 
+/// Red, green, blue and opacity, row by row.
+pub(super) fn transparent(size: [usize; 2], pixels: &[[u8; 4]]) -> Result<Vec<u8>, Error> {
+    encode(size, png::ColorType::Rgba, png::BitDepth::Eight, pixels.as_flattened())
+}
+
 fn encode(
     [width, height]: [usize; 2],
     color: png::ColorType,

@@ -3,11 +3,13 @@
 
 mod document;
 mod grouping;
+mod writer;
 
 use std::sync::Arc;
 
 use bendtwin_core::{Environment, Plane};
 
+pub use self::writer::write_nerfstudio;
 use self::{
     document::{Document, FrameEntry, Lens},
     grouping::{Group, group},

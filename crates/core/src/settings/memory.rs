@@ -2,8 +2,8 @@
 //! fit that no worker has room for is refused before it begins.
 //!
 //! With P points, F frames, N nodes, C control points, E springs, T triplets, K models (starts, and
-//! again as many to compare with), S sequences a step and L lanes (instances that are computed at
-//! once), in bytes:
+//! again as many to compare with), S sequences a step, L lanes (instances that are computed at
+//! once), V pixels of views and G Gaussians, in bytes:
 //!
 //! | part | formula |
 //! |---|---|
@@ -13,9 +13,12 @@
 //! | generation | candidates up to [`GENERATION_BYTES`], and 2 L at least; L (200 E + 320 T) to build them |
 //! | run | K ((280 + 8 S) (3 E + 3 T + 5) + 2 candidates) |
 //! | gradients, where they are computed in the worker's own memory | L (32 F (N + C) + tape + 200 E + 220 T + 400 N), tape 48 (N + C) a substep, up to 64 MiB |
+//! | views | 6 V |
+//! | appearance, where there are views and Gaussians | 2,500 G |
 //!
-//! The sum is that of a process, capture and targets, and the larger of the search (generation) and
-//! the refinement (run and gradients). A test compares it with what a fit takes.
+//! The sum is that of a process, capture, targets and views, and the largest of the search
+//! (generation), the refinement (run and gradients) and the appearance. Tests compare it with what
+//! fits take.
 
 use super::{Conditions, DeviceKind, FitSettings, GradientWindow};
 use crate::capture::Subject;
@@ -33,6 +36,11 @@ const SEARCHED_NEIGHBOURS: u64 = 50;
 const SEARCHED_CONTROL_NEIGHBOURS: u64 = 80;
 /// Springs of a hand that reaches no node.
 const LEAST_CONTROL_SPRINGS: u64 = 4;
+/// A pixel of a view: colour, label and depth.
+const VIEW_PIXEL_BYTES: u64 = 6;
+/// A Gaussian in training: its parameters and their moments, where it is carried and projected, its
+/// gradients, the list of the tiles that it touches, and a checkpoint beside them.
+const GAUSSIAN_BYTES: u64 = 2_500;
 
 /// Size of a capture.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -53,6 +61,8 @@ pub struct CaptureSize {
     pub sequences: u64,
     /// Known edges; 0 for a body, whose springs are found by radius.
     pub edges: u64,
+    /// Pixels V of all views; 0 for a capture without images.
+    pub view_pixels: u64,
 }
 
 /// Size of a graph.
@@ -91,13 +101,18 @@ pub struct Estimate {
     pub search: u64,
     /// The refinement.
     pub refinement: u64,
+    /// Views of the recording.
+    pub views: u64,
+    /// The training of Gaussians.
+    pub appearance: u64,
 }
 
 impl Estimate {
     /// All of it.
     pub fn total(&self) -> u64 {
-        let stages = self.search.max(self.refinement);
-        [PROCESS_BYTES, self.capture, self.targets, stages].into_iter().fold(0, u64::saturating_add)
+        let stages = self.search.max(self.refinement).max(self.appearance);
+        let parts = [PROCESS_BYTES, self.capture, self.targets, self.views, stages];
+        parts.into_iter().fold(0, u64::saturating_add)
     }
 }
 
@@ -161,7 +176,8 @@ pub fn estimate(
     graph: &GraphSize,
     lanes: Lanes,
 ) -> Estimate {
-    let &CaptureSize { points, controls, frames, longest, sequences, .. } = capture;
+    let &CaptureSize { points, controls, frames, longest, sequences, view_pixels, .. } = capture;
+    let gaussians = u64::from(settings.appearance.gaussians.unwrap_or_default());
     let &GraphSize { nodes, springs, triplets, .. } = graph;
     let windows = if settings.refine.window == GradientWindow::Pass { 2 } else { 4 };
     let starts = match (settings.search.generations, settings.search.starts) {
@@ -199,6 +215,8 @@ pub fn estimate(
         targets: targets.saturating_mul(windows),
         search,
         refinement: sum([(models, run), (if lanes.on_host { lanes.count } else { 0 }, lane)]),
+        views: sum([(VIEW_PIXEL_BYTES, view_pixels)]),
+        appearance: if view_pixels > 0 { sum([(GAUSSIAN_BYTES, gaussians)]) } else { 0 },
     }
 }
 
@@ -214,7 +232,7 @@ pub fn what_would_fit(
 ) -> Vec<Advice> {
     type Set = fn(&mut FitSettings, u64);
     let largest = GraphSize::largest(settings, capture);
-    let knobs: [(&'static str, u64, Set); 3] = [
+    let knobs: [(&'static str, u64, Set); 4] = [
         ("graph.max_nodes", largest.nodes, |s, v| {
             s.graph.max_nodes = Some(v as usize);
         }),
@@ -224,6 +242,13 @@ pub fn what_would_fit(
         ("search.starts", settings.search.starts.unwrap_or(1).into(), |s, v| {
             s.search.starts = Some(v as u32);
         }),
+        (
+            "appearance.gaussians",
+            settings.appearance.gaussians.unwrap_or_default().into(),
+            |s, v| {
+                s.appearance.gaussians = Some(v as u32);
+            },
+        ),
     ];
     let fits = |set: Set, value: u64| {
         let mut changed = settings.clone();
@@ -232,7 +257,8 @@ pub fn what_would_fit(
         estimate(&changed, capture, &graph, lanes).total() <= most
     };
     let largest_that_fits = |&(name, value, set): &(&'static str, u64, Set)| {
-        if !fits(set, 1) {
+        // What is off cannot be lowered.
+        if value == 0 || !fits(set, 1) {
             return None;
         }
         let (mut low, mut high) = (1, value.max(2));

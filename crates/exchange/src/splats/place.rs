@@ -149,3 +149,6 @@ fn quaternion_of(similarity: &Similarity) -> UnitQuaternion<f64> {
     let matrix = Matrix3::from_fn(|i, j| similarity.rotation[i][j]);
     UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(matrix))
 }
+
+#[cfg(test)]
+mod tests;

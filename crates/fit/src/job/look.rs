@@ -2,37 +2,20 @@
 //! how their renderings look beside it. A twin without them predicts as well, so a fault here is a
 //! warning.
 
-use std::sync::Arc;
-
 use bendtwin_appearance::{Dressed, Motion, Scene, Training, TrainingOptions, score, skin_colors};
-use bendtwin_core::{
-    Appearance, CancelToken, Capture, FitSettings, Splats, Stage, Twin, Views,
-    quality::RenderedScore,
-};
-use bendtwin_engine::Backend;
-use bendtwin_eval::{Trajectory, predict};
-use bendtwin_image_metrics::Lpips;
+use bendtwin_core::{Appearance, Splats, Stage, Twin, quality::RenderedScore};
 use bendtwin_splat::Rasteriser;
 
 use super::{Outcome, Run};
-use crate::{Error, model_fit::model_name, progress::ModelProgress};
+use crate::{
+    Error,
+    look::{Look, Predicted},
+    model_fit::model_name,
+    progress::ModelProgress,
+};
 
 /// Steps of a training between two reports of its progress.
 const REPORT_EVERY: u32 = 25;
-
-/// Opens a rasteriser, or says why it cannot be.
-pub type OpenRasteriser = Arc<dyn Fn() -> Result<Box<dyn Rasteriser>, String> + Send + Sync>;
-
-/// Views and tools for the look of a twin.
-#[derive(Clone)]
-pub struct Look<'a> {
-    /// Views of the capture's first recording.
-    pub views: &'a Views,
-    /// Opens the rasteriser that draws them.
-    pub rasteriser: OpenRasteriser,
-    /// The network of LPIPS, if it is at hand.
-    pub lpips: Option<Arc<Lpips>>,
-}
 
 /// The end of work on a look.
 enum Fault {
@@ -51,71 +34,6 @@ impl From<bendtwin_appearance::Error> for Fault {
 impl From<Error> for Fault {
     fn from(error: Error) -> Self {
         Self::Fit(error)
-    }
-}
-
-impl Look<'_> {
-    /// Likeness of the renderings of a twin to the recording that it was fitted to: of its Gaussians,
-    /// else of its coloured skin. None if it has neither.
-    ///
-    /// # Errors
-    /// If the twin does not fit the capture, on cancellation, or if backend or rasteriser fail.
-    pub fn score(
-        &self,
-        twin: &Twin,
-        capture: &Capture,
-        backend: &dyn Backend,
-        per_frame: bool,
-        cancel: &CancelToken,
-    ) -> Result<Option<RenderedScore>, Error> {
-        let Some(appearance) = &twin.appearance else { return Ok(None) };
-        let Some(predicted) = Predicted::new(twin, capture, backend, cancel)? else {
-            return Ok(None);
-        };
-        let own = |settings: &FitSettings| settings.appearance.held_out_cameras.clone();
-        let held_out = twin.provenance.settings.as_ref().map(own).unwrap_or_default();
-        let open = (self.rasteriser)();
-        let mut rasteriser = open.map_err(bendtwin_appearance::Error::Device)?;
-        let dressed = Dressed::in_appearance(twin, appearance)?;
-        let scene = Scene {
-            dressed: &dressed,
-            motion: predicted.motion(),
-            views: self.views,
-            held_out: &held_out,
-            lpips: self.lpips.as_deref(),
-        };
-        Ok(score(&scene, &mut *rasteriser, per_frame, &mut || !cancel.is_cancelled())?)
-    }
-}
-
-/// The predicted motion of a capture's first sequence.
-struct Predicted {
-    trajectory: Trajectory,
-    train_frame_count: usize,
-}
-
-impl Predicted {
-    fn new(
-        twin: &Twin,
-        capture: &Capture,
-        backend: &dyn Backend,
-        cancel: &CancelToken,
-    ) -> Result<Option<Self>, Error> {
-        let trajectory = predict(backend, twin, capture, cancel)?.into_iter().next();
-        let sequence = capture.sequences.first();
-        Ok(trajectory.zip(sequence).map(|(trajectory, sequence)| Self {
-            trajectory,
-            train_frame_count: sequence.train_frame_count,
-        }))
-    }
-
-    fn motion(&self) -> Motion<'_> {
-        Motion {
-            start_frame: self.trajectory.start_frame,
-            node_count: self.trajectory.node_count,
-            positions: &self.trajectory.positions,
-            train_frame_count: self.train_frame_count,
-        }
     }
 }
 

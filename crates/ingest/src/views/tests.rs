@@ -27,12 +27,20 @@ fn views_hold_what_masks_show_in_its_place() {
                 assert_eq!(Some(view.colors[here]), color.get(x as usize, y as usize));
             }
         }
+        let alone = views_of_frame(&recording, 3).unwrap();
+        assert_eq!(alone.cameras[index].views, std::slice::from_ref(view));
         let point = [0.05, 0.02, 0.1];
         let (found, depth) = camera.project(point, 3).unwrap();
         let (expected, far) = recorded.project(point, 3).unwrap();
         assert!((found[0] - expected[0]).abs() < 1e-3 && (found[1] - expected[1]).abs() < 1e-3);
         assert!((depth - far).abs() < 1e-6);
     }
+}
+
+#[test]
+fn a_frame_beyond_the_end_has_no_views() {
+    let recording = film(Scene::Toy, &FilmOptions::tiny(1)).unwrap();
+    assert_eq!(views_of_frame(&recording, recording.frame_count), None);
 }
 
 /// One image for all frames, in which a disc stands for the object.

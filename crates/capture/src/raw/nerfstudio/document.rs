@@ -63,7 +63,7 @@ pub(super) struct Lens {
 }
 
 /// Centre of the first pixel in nerfstudio; OpenCV has it at 0.
-const PIXEL_CENTER: f64 = 0.5;
+pub(super) const PIXEL_CENTER: f64 = 0.5;
 
 impl Lens {
     pub(super) fn or(&self, all: &Self) -> Self {

@@ -67,6 +67,26 @@ fn every_size_adds_to_the_estimate() {
 }
 
 #[test]
+fn views_and_gaussians_count_where_there_are_images() {
+    let with = |gaussians: u32, view_pixels: u64| {
+        let mut settings = FitSettings::default().filled(body().conditions(lanes(2)));
+        settings.appearance.gaussians = Some(gaussians);
+        total(&settings, &CaptureSize { view_pixels, ..body() }, 2)
+    };
+    let pixels = 20 << 20;
+    assert_eq!(with(0, pixels) - with(0, 0), 6 * pixels);
+    // A million Gaussians take more than the search and the refinement.
+    assert!(with(1_000_000, pixels) > with(0, pixels) + (1 << 30));
+    assert_eq!(with(1_000_000, 0), with(0, 0));
+    let mut settings = FitSettings::default().filled(body().conditions(lanes(2)));
+    settings.appearance.gaussians = Some(1_000_000);
+    let capture = CaptureSize { view_pixels: pixels, ..body() };
+    let advice = what_would_fit(&settings, &capture, lanes(2), 2 << 30);
+    let gaussians = advice.iter().find(|(name, _)| *name == "appearance.gaussians");
+    assert!(gaussians.is_some_and(|(_, most)| (100_000..1_000_000).contains(most)), "{advice:?}");
+}
+
+#[test]
 fn sums_do_not_overflow() {
     let huge = u64::MAX / 2;
     let capture = CaptureSize {
@@ -78,6 +98,7 @@ fn sums_do_not_overflow() {
         longest: huge,
         sequences: huge,
         edges: 0,
+        view_pixels: huge,
     };
     let mut settings = greedy();
     settings.graph.max_nodes = Some(usize::MAX);

@@ -1,0 +1,136 @@
+import { join } from 'node:path';
+import type { Browser, Locator } from 'playwright-core';
+import { afterAll, afterEach, beforeAll, describe, expect, it } from 'vitest';
+import { Server } from '../scripts/server.mjs';
+import type { Api } from '../src/api/client';
+import { loadAppearance } from '../src/view3d/appearance';
+import { call, folder, makeCapture, sendCapture, until } from './made';
+import { changed, distance, mean, meanRow, settled, type Colour, type Picture } from './pixels';
+import { Visit, launch } from './visit';
+
+/** Settings with which a fit with Gaussians takes seconds, and their number grows once. */
+const QUICK = { search: { generations: 1 }, refine: { passes: 1 }, appearance: { gaussians: 3000, steps: 300 } };
+/** Least number of pixels that a twin covers. */
+const COVERED = 5000;
+/** Distance from what is behind at which a pixel belongs to the twin: at outlines both are blended. */
+const OPAQUE = 60;
+/** Largest distance of mean colours that are alike. */
+const ALIKE = 45;
+
+interface Fit {
+  readonly name: string;
+  readonly twin: string | null;
+}
+
+describe('the look of a twin', () => {
+  let server: Server;
+  let browser: Browser;
+  let capture: string;
+  let twin: string;
+  /** Mean colour of its splats. */
+  let own: Colour;
+  beforeAll(async () => {
+    [server, browser] = await Promise.all([Server.start(['--client-token', 'none']), launch()]);
+    capture = await sendCapture(server, makeCapture(join(folder(), 'toy.zip'), 'toy', '--raw'), 'a toy');
+    const fit = await call<Fit>(server, 'POST', '/v1/fits', { capture, settings: QUICK });
+    const fitted = async (): Promise<string | null> => (await call<Fit>(server, 'GET', `/v1/${fit.name}`)).twin;
+    await until(async () => (await fitted()) !== null);
+    twin = (await fitted())!.replace('twins/', '');
+    own = await colourOf(server, twin);
+  }, 180_000);
+  afterEach(async () => {
+    await Promise.all(browser.contexts().map((context) => context.close()));
+  });
+  afterAll(async () => {
+    await browser.close();
+    await server.remove();
+  });
+
+  it('is that of the object', async () => {
+    const visit = await Visit.open(browser, server, { at: `/twins/${twin}/view` });
+    const { page } = visit;
+    await page.getByText(/^[\d,]+ splats$/).waitFor();
+    expect(await page.getByRole('checkbox', { name: 'Springs' }).isChecked()).toBe(false);
+    await visit.stop('look');
+    const { picture, pixels } = await covered(visit, page.getByRole('checkbox', { name: 'Skin' }));
+    expect(pixels.length).toBeGreaterThan(COVERED);
+    expect(distance(mean(picture, pixels), own)).toBeLessThan(ALIKE);
+    await page.getByRole('checkbox', { name: 'Appearance' }).uncheck();
+    await page.locator('.splat-count').waitFor({ state: 'hidden' });
+    expect(distance(mean(await settled(page), pixels), own)).toBeGreaterThan(1.5 * ALIKE);
+    await visit.close();
+  });
+
+  it('moves with what is dragged', async () => {
+    const visit = await Visit.open(browser, server, { at: `/twins/${twin}/play` });
+    const { page } = visit;
+    await page.getByText('frames/s simulated').waitFor();
+    await page.locator('.splat-count').waitFor();
+    await page.getByText('Picture', { exact: true }).first().click();
+    const box = (await page.locator('.stage canvas').boundingBox())!;
+    const [x, y] = [box.x + box.width / 2, box.y + box.height / 2];
+    const seen = async (): Promise<{ row: number; colour: Colour }> => {
+      await page.getByRole('button', { name: 'Pause', exact: true }).click();
+      const { picture, pixels } = await covered(visit, page.getByRole('checkbox', { name: 'Skin' }));
+      await page.getByRole('button', { name: 'Pause', exact: true }).click();
+      return { row: meanRow(picture, pixels), colour: mean(picture, pixels) };
+    };
+    const before = await seen();
+    await page.keyboard.down('Shift');
+    await page.mouse.move(x, y);
+    await page.mouse.down();
+    await page.mouse.move(x, y - 150, { steps: 15 });
+    await page.mouse.up();
+    await page.keyboard.up('Shift');
+    await page.getByText('Pointer 1 holds').waitFor();
+    let after = before;
+    await expect.poll(async () => before.row - (after = await seen()).row).toBeGreaterThan(60);
+    expect(distance(after.colour, own)).toBeLessThan(ALIKE);
+    await visit.stop('look-dragged');
+    await visit.close();
+  });
+
+  it('is played back beside the recording', async () => {
+    const at = `/${capture}/playback?frame=2&twin=${twin}&springs=0&observed=0&controls=0`;
+    const visit = await Visit.open(browser, server, { at });
+    const { page } = visit;
+    await page.getByText('Error (fitted to this frame):').waitFor();
+    await page.locator('.splat-count').waitFor();
+    await visit.stop('look-playback');
+    const prediction = page.getByRole('checkbox', { name: 'Prediction' });
+    const early = await covered(visit, prediction);
+    expect(early.pixels.length).toBeGreaterThan(COVERED / 5);
+    expect(distance(mean(early.picture, early.pixels), own)).toBeLessThan(ALIKE);
+    await page.getByRole('slider', { name: 'Frame' }).fill('17');
+    await page.getByText('Error (not fitted to this frame):').waitFor();
+    const late = await covered(visit, prediction);
+    expect(distance(mean(late.picture, late.pixels), own)).toBeLessThan(ALIKE);
+    expect(Math.abs(meanRow(late.picture, late.pixels) - meanRow(early.picture, early.pixels))).toBeGreaterThan(5);
+    await visit.close();
+  });
+});
+
+/** The picture, and the pixels of it that a box switches. */
+async function covered({ page }: Visit, box: Locator): Promise<{ picture: Picture; pixels: number[] }> {
+  const picture = await settled(page);
+  await box.uncheck();
+  const pixels = changed(picture, await settled(page), OPAQUE);
+  await box.check();
+  return { picture, pixels };
+}
+
+/** Mean colour of a twin's splats, by their size and opacity. */
+async function colourOf(server: Server, twin: string): Promise<Colour> {
+  const api = { fetch: (path: string, init: RequestInit) => fetch(server.url + path, init) } as unknown as Api;
+  const appearance = await loadAppearance(api, twin, new AbortController().signal);
+  const { scales, opacities, colours } = appearance!.splats!;
+  const sum = [0, 0, 0];
+  let whole = 0;
+  opacities.forEach((opacity, g) => {
+    const [, b, c] = Array.from(scales.subarray(3 * g, 3 * g + 3)).sort((one, other) => one - other);
+    const weight = opacity * b! * c!;
+    whole += weight;
+    sum.forEach((_, k) => (sum[k]! += 255 * weight * colours[3 * g + k]!));
+  });
+  return sum.map((value) => value / whole) as unknown as Colour;
+}
