@@ -142,7 +142,7 @@ impl Bench {
 
     /// Ends the leases that have run out by now.
     pub(crate) async fn sweep(&self) -> Vec<Job> {
-        self.store.jobs().sweep(TERMS, |_| Loss::Worker).await.unwrap()
+        self.store.jobs().sweep(TERMS, |_| Some(Loss::Worker)).await.unwrap()
     }
 
     /// Lets time pass in the steps of a server that runs; returns the jobs whose leases ran out.
