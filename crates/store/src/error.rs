@@ -110,6 +110,22 @@ pub enum Error {
     InvalidDatabaseUrl,
     #[error("the database cannot be used: {fault}")]
     DatabaseUnfit { fault: String },
+    #[error(
+        "a newer version of the program has changed the database ({name}, its migration {migration}; \
+         this program knows {known}): start that version or a newer one; nothing has been changed"
+    )]
+    DatabaseNewer { migration: i64, name: String, known: i64 },
+    #[error(
+        "a newer version of the program has had this store (migration {migration}): run its `bendtwin \
+         store migrate`, which knows all that is there"
+    )]
+    StoreNewer { migration: i64 },
+    #[error(
+        "this version changes the database so that older ones cannot use it, and {servers} servers \
+         have it open: stop all of them (one that was killed counts for a minute), then start this \
+         one; nothing has been changed"
+    )]
+    OlderServersRun { servers: i64 },
     #[error("the database is damaged ({fault}): run `bendtwin store check`")]
     DatabaseDamaged { fault: String },
     #[error("the database cannot be rebuilt ({fault}): restore it from a backup")]
@@ -183,6 +199,9 @@ impl Problem for Error {
             | Self::StoreNotMigrated { .. }
             | Self::DatabaseElsewhere { .. }
             | Self::DatabaseUnfit { .. }
+            | Self::DatabaseNewer { .. }
+            | Self::OlderServersRun { .. }
+            | Self::StoreNewer { .. }
             | Self::DatabaseNotEmpty { .. }
             | Self::BackupNotEmpty { .. }
             | Self::ObjectsRefused { .. }
@@ -252,6 +271,8 @@ impl Problem for Error {
             Self::DatabaseUnavailable => "DATABASE_UNAVAILABLE",
             Self::DatabaseElsewhere { .. } => "DATABASE_ELSEWHERE",
             Self::DatabaseUnfit { .. } => "DATABASE_UNFIT",
+            Self::DatabaseNewer { .. } | Self::StoreNewer { .. } => "DATABASE_NEWER",
+            Self::OlderServersRun { .. } => "OLDER_SERVERS_RUN",
             Self::DatabaseNotEmpty { .. } => "DATABASE_NOT_EMPTY",
             Self::MigrationDiffers { .. } => "MIGRATION_DIFFERS",
             Self::InvalidDatabaseUrl => "INVALID_DATABASE_URL",

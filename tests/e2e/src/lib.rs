@@ -66,6 +66,8 @@ mod tidy;
 #[cfg(test)]
 mod traces;
 #[cfg(test)]
+mod upgrades;
+#[cfg(test)]
 mod uploads;
 #[cfg(test)]
 mod workspace;

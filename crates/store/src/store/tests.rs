@@ -97,6 +97,14 @@ impl Bench {
         Self::begin(dir, clock, postgres, objects).await
     }
 
+    /// An attempt to open the store once more.
+    pub(crate) async fn opened(&self) -> crate::Result<Store> {
+        self.store.close().await;
+        let (database, objects) = (self.url(), self.objects.clone());
+        let data_dir = self.dir.path().to_owned();
+        Store::open(Options { data_dir, database, objects, clock: self.clock.clone() }).await
+    }
+
     /// The folder alone, after the process has died.
     pub(crate) async fn close(self) -> tempfile::TempDir {
         self.store.close().await;
