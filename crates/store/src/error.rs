@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use bendtwin_core::{Category, Problem, ids::FitId};
+use bendtwin_tls::{FileError, TlsError};
 
 use crate::{Digest, JobId, database::plans, disk};
 
@@ -141,6 +142,10 @@ pub enum Error {
     InvalidObjectsUrl,
     #[error("the object storage does not answer: retry in a moment")]
     ObjectsUnavailable,
+    #[error("no TLS with the object storage: {fault}")]
+    ObjectsUntrusted { fault: TlsError },
+    #[error("no TLS with the object storage: {0}")]
+    Certificate(#[from] FileError),
     #[error(
         "the object storage refuses the server ({fault}): check the keys, the region and the endpoint in \
          its environment (AWS_*), and the bucket's policy"
@@ -205,10 +210,12 @@ impl Problem for Error {
             | Self::DatabaseNotEmpty { .. }
             | Self::BackupNotEmpty { .. }
             | Self::ObjectsRefused { .. }
+            | Self::ObjectsUntrusted { .. }
             | Self::ObjectsElsewhere { .. }
             | Self::ObjectsNotLocal { .. }
             | Self::ObjectsNotMigrated { .. }
             | Self::DataDirInUse => Category::FailedPrecondition,
+            Self::Certificate(error) => error.category(),
             Self::InvalidPageToken
             | Self::TooManyTags { .. }
             | Self::TooLarge { .. }
@@ -278,6 +285,8 @@ impl Problem for Error {
             Self::InvalidDatabaseUrl => "INVALID_DATABASE_URL",
             Self::InvalidObjectsUrl => "INVALID_OBJECTS_URL",
             Self::ObjectsUnavailable => "OBJECTS_UNAVAILABLE",
+            Self::ObjectsUntrusted { fault } => fault.reason(),
+            Self::Certificate(error) => error.reason(),
             Self::ObjectsRefused { .. } => "OBJECTS_REFUSED",
             Self::ObjectsElsewhere { .. } | Self::ObjectsNotLocal { .. } => "OBJECTS_ELSEWHERE",
             Self::ObjectsNotMigrated { .. } => "OBJECTS_NOT_MIGRATED",

@@ -64,6 +64,8 @@ mod survival;
 #[cfg(test)]
 mod tidy;
 #[cfg(test)]
+mod tls_terminator;
+#[cfg(test)]
 mod traces;
 #[cfg(test)]
 mod upgrades;
