@@ -10,20 +10,12 @@ use crate::{
     harness::{
         Fleet,
         api::fraction,
-        reference::{FIT, capture},
+        reference::{FIT, SETTINGS, capture},
     },
     rollouts,
 };
 
 const STATE: Duration = Duration::from_secs(60);
-/// A fit of some seconds.
-const SETTINGS: &str = r#"{
-    "seed": 11,
-    "graph": {"max_nodes": 40},
-    "search": {"starts": 1, "generations": 60, "population": 8},
-    "refine": {"passes": 24}
-}"#;
-
 /// Statements of a migration, and its entry among those of the database.
 fn migration(version: u32, name: &str, statements: &str) -> String {
     format!(
@@ -62,9 +54,7 @@ async fn servers_and_a_fit_go_on_beside_a_newer_version_and_a_breaking_one_is_re
     let another = first.upload(&capture().await, "").await.unwrap();
     let fit = first.fit(&another.name, SETTINGS, 0).await.unwrap();
     let again = second.succeeded(&fit.name, FIT).await;
-    let (file, same) =
-        (first.export(&ended.twin).await.unwrap(), second.export(&again.twin).await.unwrap());
-    assert_eq!(file, same);
+    let file = second.export(&again.twin).await.unwrap();
     let twin = first.get_twin(&again.twin).await.unwrap();
     first.roll_out(rollouts::request(&twin, &rollouts::rest_controls(&file))).await.unwrap();
     let flavours = fleet.query("select distinct flavour from jobs").await;
