@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use bendtwin_core::{Category, Problem, ids::FitId};
+use bendtwin_tls::{FileError, TlsError};
 
 use crate::{Digest, JobId, database::plans, disk};
 
@@ -110,6 +111,22 @@ pub enum Error {
     InvalidDatabaseUrl,
     #[error("the database cannot be used: {fault}")]
     DatabaseUnfit { fault: String },
+    #[error(
+        "a newer version of the program has changed the database ({name}, its migration {migration}; \
+         this program knows {known}): start that version or a newer one; nothing has been changed"
+    )]
+    DatabaseNewer { migration: i64, name: String, known: i64 },
+    #[error(
+        "a newer version of the program has had this store (migration {migration}): run its `bendtwin \
+         store migrate`, which knows all that is there"
+    )]
+    StoreNewer { migration: i64 },
+    #[error(
+        "this version changes the database so that older ones cannot use it, and {servers} servers \
+         have it open: stop all of them (one that was killed counts for a minute), then start this \
+         one; nothing has been changed"
+    )]
+    OlderServersRun { servers: i64 },
     #[error("the database is damaged ({fault}): run `bendtwin store check`")]
     DatabaseDamaged { fault: String },
     #[error("the database cannot be rebuilt ({fault}): restore it from a backup")]
@@ -125,6 +142,10 @@ pub enum Error {
     InvalidObjectsUrl,
     #[error("the object storage does not answer: retry in a moment")]
     ObjectsUnavailable,
+    #[error("no TLS with the object storage: {fault}")]
+    ObjectsUntrusted { fault: TlsError },
+    #[error("no TLS with the object storage: {0}")]
+    Certificate(#[from] FileError),
     #[error(
         "the object storage refuses the server ({fault}): check the keys, the region and the endpoint in \
          its environment (AWS_*), and the bucket's policy"
@@ -183,13 +204,18 @@ impl Problem for Error {
             | Self::StoreNotMigrated { .. }
             | Self::DatabaseElsewhere { .. }
             | Self::DatabaseUnfit { .. }
+            | Self::DatabaseNewer { .. }
+            | Self::OlderServersRun { .. }
+            | Self::StoreNewer { .. }
             | Self::DatabaseNotEmpty { .. }
             | Self::BackupNotEmpty { .. }
             | Self::ObjectsRefused { .. }
+            | Self::ObjectsUntrusted { .. }
             | Self::ObjectsElsewhere { .. }
             | Self::ObjectsNotLocal { .. }
             | Self::ObjectsNotMigrated { .. }
             | Self::DataDirInUse => Category::FailedPrecondition,
+            Self::Certificate(error) => error.category(),
             Self::InvalidPageToken
             | Self::TooManyTags { .. }
             | Self::TooLarge { .. }
@@ -252,11 +278,15 @@ impl Problem for Error {
             Self::DatabaseUnavailable => "DATABASE_UNAVAILABLE",
             Self::DatabaseElsewhere { .. } => "DATABASE_ELSEWHERE",
             Self::DatabaseUnfit { .. } => "DATABASE_UNFIT",
+            Self::DatabaseNewer { .. } | Self::StoreNewer { .. } => "DATABASE_NEWER",
+            Self::OlderServersRun { .. } => "OLDER_SERVERS_RUN",
             Self::DatabaseNotEmpty { .. } => "DATABASE_NOT_EMPTY",
             Self::MigrationDiffers { .. } => "MIGRATION_DIFFERS",
             Self::InvalidDatabaseUrl => "INVALID_DATABASE_URL",
             Self::InvalidObjectsUrl => "INVALID_OBJECTS_URL",
             Self::ObjectsUnavailable => "OBJECTS_UNAVAILABLE",
+            Self::ObjectsUntrusted { fault } => fault.reason(),
+            Self::Certificate(error) => error.reason(),
             Self::ObjectsRefused { .. } => "OBJECTS_REFUSED",
             Self::ObjectsElsewhere { .. } | Self::ObjectsNotLocal { .. } => "OBJECTS_ELSEWHERE",
             Self::ObjectsNotMigrated { .. } => "OBJECTS_NOT_MIGRATED",

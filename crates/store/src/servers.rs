@@ -3,11 +3,13 @@
 
 use bendtwin_core::ids::ServerId;
 use jiff::Timestamp;
+use sqlx::PgConnection;
 
 use crate::{
     Error, Result, Store,
     clock::from_micros,
     database::Database,
+    migrations,
     row::{self, row},
     sql::{Transaction, query, query_scalar},
 };
@@ -56,9 +58,10 @@ impl Servers<'_> {
     /// Notes that a server runs.
     ///
     /// # Errors
-    /// Database errors.
+    /// [`Error::DatabaseNewer`] if it cannot use the database any more; database errors.
     pub async fn seen(&self, id: ServerId, build: &str) -> Result<()> {
         let mut tx = self.store.inner.database.write().await?;
+        migrations::newer(&mut tx).await?;
         let now = self.store.server_time(&tx);
         query(
             "insert into servers (id, build, started_at, seen_at) values ($1, $2, $3, $3)
@@ -103,6 +106,13 @@ impl Store {
     pub(crate) fn server_time(&self, tx: &Transaction) -> i64 {
         self.database_time(tx).unwrap_or_else(|| self.now_micros())
     }
+}
+
+/// Number of servers that were heard of lately, of which none can be this one yet.
+pub(crate) async fn count_lately(connection: &mut PgConnection) -> Result<i64> {
+    let count = "select count(*) from servers
+         where seen_at > (extract(epoch from clock_timestamp()) * 1000000)::bigint - $1";
+    query_scalar(count).bind(LINGERING).fetch_one(connection).await
 }
 
 /// True if a server was heard of lately that has this database open, beside the one that asks.

@@ -15,6 +15,7 @@ use crate::{
     failpoint::{Armed, Failpoint},
     folder, identity,
     jobs::LeaseTimes,
+    migrations,
     sql::{Transaction, query},
     uploads::Seats,
 };
@@ -81,7 +82,8 @@ impl Store {
     /// [`Error::DataDirInUse`] if another server has it open; [`Error::DatabaseMissing`],
     /// [`Error::DatabaseElsewhere`], [`Error::StoreNotMigrated`] and [`Error::StoreMismatch`] if
     /// database and blobs do not belong together; [`Error::DatabaseDamaged`],
-    /// [`Error::DatabaseUnavailable`], [`Error::DatabaseUnfit`]; database and file errors.
+    /// [`Error::DatabaseUnavailable`], [`Error::DatabaseUnfit`]; [`Error::DatabaseNewer`],
+    /// [`Error::OlderServersRun`]; database and file errors.
     pub async fn open(options: Options) -> Result<Self> {
         let Options { data_dir, database: url, objects, clock } = options;
         folder::make(&data_dir)?;
@@ -225,9 +227,11 @@ impl Store {
     /// blobs. Also makes room again for the reserve of a disk that was full.
     ///
     /// # Errors
-    /// [`Error::DiskFull`] while new content is refused; database and file errors.
+    /// [`Error::DiskFull`] while new content is refused; [`Error::DatabaseNewer`]; database and file
+    /// errors.
     pub async fn probe_write(&self) -> Result<()> {
         let mut tx = self.inner.database.write().await?;
+        migrations::newer(&mut tx).await?;
         query("update store set probed_at = $1 where id = 1")
             .bind(self.now_micros())
             .execute(&mut tx)

@@ -2,14 +2,17 @@
 //! an OpenTelemetry collector over OTLP. Off unless the standard variables of the environment name
 //! a collector; without it all functions here do next to nothing.
 
+mod collector;
+
 use std::{collections::HashMap, env, time::Duration};
 
+use bendtwin_tls::FileError;
 use opentelemetry::{
     KeyValue,
     propagation::TextMapPropagator as _,
     trace::{Status, TraceContextExt as _, TracerProvider as _},
 };
-use opentelemetry_otlp::SpanExporter;
+use opentelemetry_otlp::{SpanExporter, WithTonicConfig as _};
 use opentelemetry_sdk::{
     Resource,
     propagation::TraceContextPropagator,
@@ -21,15 +24,22 @@ use tracing_subscriber::registry::LookupSpan;
 
 /// Name of the header and of the metadata entry that joins spans of two processes.
 pub const HEADER: &str = "traceparent";
-/// Variables of which one names the collector.
-const ENDPOINTS: [&str; 2] = ["OTEL_EXPORTER_OTLP_TRACES_ENDPOINT", "OTEL_EXPORTER_OTLP_ENDPOINT"];
 /// Longest time for the last spans of a process.
 const LAST_SPANS: Duration = Duration::from_secs(3);
 
 /// The exporter cannot be made.
 #[derive(Debug, thiserror::Error)]
-#[error("traces are not exported: {0}: check OTEL_EXPORTER_OTLP_ENDPOINT")]
-pub struct Error(#[from] opentelemetry_otlp::ExporterBuildError);
+pub enum Error {
+    /// The address of the collector, or another option of its, cannot be used.
+    #[error("traces are not exported: {0}: check OTEL_EXPORTER_OTLP_ENDPOINT")]
+    Options(#[from] opentelemetry_otlp::ExporterBuildError),
+    /// The address of the collector is no URL.
+    #[error("traces are not exported: {0}: check OTEL_EXPORTER_OTLP_ENDPOINT")]
+    Address(#[from] tonic::transport::Error),
+    /// The file of the collector's authority cannot be used.
+    #[error("traces are not exported: {0} (OTEL_EXPORTER_OTLP_CERTIFICATE)")]
+    Authority(#[from] FileError),
+}
 
 /// Sender of spans. They are sent in batches by a thread of its own.
 #[derive(Debug)]
@@ -40,14 +50,16 @@ impl Exporter {
     /// tokio. `service` is its name where `OTEL_SERVICE_NAME` has none.
     ///
     /// # Errors
-    /// If the collector's address cannot be used.
+    /// If the collector's address or the file of its authority cannot be used.
     pub fn from_environment(service: &'static str) -> Result<Option<Self>, Error> {
         let is_set = |name: &str| env::var_os(name).is_some_and(|value| !value.is_empty());
         let disabled = env::var("OTEL_SDK_DISABLED").is_ok_and(|v| v.eq_ignore_ascii_case("true"));
-        if disabled || !ENDPOINTS.iter().any(|name| is_set(name)) {
-            return Ok(None);
+        let Some(endpoint) = collector::endpoint().filter(|_| !disabled) else { return Ok(None) };
+        let mut builder = SpanExporter::builder().with_tonic();
+        if endpoint.starts_with("https://") {
+            builder = builder.with_channel(collector::with_tls(endpoint)?);
         }
-        let exporter = SpanExporter::builder().with_tonic().build()?;
+        let exporter = builder.build()?;
         let mut resource = Resource::builder()
             .with_attribute(KeyValue::new("service.version", env!("CARGO_PKG_VERSION")));
         if !is_set("OTEL_SERVICE_NAME") {

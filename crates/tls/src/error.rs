@@ -15,6 +15,9 @@ const REFUSALS: [AlertDescription; 6] = [
     AlertDescription::UnsupportedCertificate,
 ];
 
+/// Ways to name an authority in commands.
+const IN_COMMANDS: &str = "--ca FILE, BENDTWIN_CA";
+
 /// Failure of a connection for its TLS.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{message}")]
@@ -82,6 +85,12 @@ impl TlsError {
         Some(Self::of_fault(alert, host))
     }
 
+    /// With the advice to name an authority in this variable, where commands do not.
+    #[must_use]
+    pub fn with_authority_in(self, variable: &str) -> Self {
+        Self { message: self.message.replace(IN_COMMANDS, variable), ..self }
+    }
+
     /// The failure of a handshake with a server that ended the connection.
     pub(crate) fn ended(host: &str) -> Self {
         let message = format!(
@@ -129,11 +138,11 @@ fn of_certificate(fault: &CertificateError, host: &str) -> String {
     match fault {
         C::UnknownIssuer => format!(
             "the certificate of {host} is of an authority that is not trusted here: name the \
-             certificate of that authority (--ca FILE, BENDTWIN_CA)"
+             certificate of that authority ({IN_COMMANDS})"
         ),
         C::BadSignature => format!(
             "the certificate of {host} is not of the authority that was named but of another one \
-             of that name: name the right one (--ca FILE, BENDTWIN_CA)"
+             of that name: name the right one ({IN_COMMANDS})"
         ),
         C::NotValidForName => wrong_name(host, &[]),
         C::NotValidForNameContext { presented, .. } => wrong_name(host, presented),

@@ -1,5 +1,7 @@
 //! Fit jobs as users see them: created, read, cancelled.
 
+mod since;
+
 use bendtwin_core::{
     FitSettings, ModelLoss,
     ids::{CaptureId, FitId},
@@ -43,7 +45,7 @@ impl App {
     pub(crate) async fn create_fit(&self, order: FitOrder) -> Result<Job> {
         let done: Result<Job> = async {
             let FitOrder { capture, settings_json, priority, request_id, .. } = order;
-            let (display_name, requirements) = (order.display_name, order.requirements);
+            let (display_name, mut requirements) = (order.display_name, order.requirements);
             if !PRIORITIES.contains(&priority) {
                 return Err(Error::invalid("priority", format!("is {priority}: use -100..=100")));
             }
@@ -57,10 +59,12 @@ impl App {
                 self.store.twins().get(super::name(twin)?).await?;
             }
             self.check_memory(capture, &settings).await?;
+            let (settings, version) = since::for_workers(&settings)?;
+            requirements.version = version;
             let context = Context::current();
             let new = NewFit {
                 capture,
-                settings: canonical(&settings)?,
+                settings,
                 priority,
                 request_id: super::request_id(request_id)?,
                 creator: context.caller.creator(),
@@ -196,9 +200,4 @@ fn settings(json: &str, limit: usize) -> Result<FitSettings> {
     let settings: FitSettings = super::read_settings(json, limit)?;
     settings.validate().map_err(Error::Settings)?;
     Ok(settings)
-}
-
-/// The settings in force as canonical JSON: equal settings are equal text.
-fn canonical(settings: &FitSettings) -> Result<String> {
-    serde_json::to_string(settings).map_err(|e| Error::Internal(e.to_string()))
 }

@@ -1,6 +1,6 @@
 //! Jobs as workers see them: leased, reported, checkpointed, ended.
 
-use std::time::Duration;
+use std::{collections::HashSet, time::Duration};
 
 use bendtwin_core::{
     Fault, ModelLoss, Progress,
@@ -243,15 +243,19 @@ impl App {
     /// Lets the time of leases pass, ends the attempts of workers that fell silent, and forgets
     /// them.
     pub(crate) async fn sweep(&self, terms: LeaseTerms) -> Result<()> {
-        if self.store.is_shared() {
-            self.sweep_members(terms.lease).await?;
-        }
+        let elsewhere = match self.store.is_shared() {
+            true => self.sweep_members(terms.lease).await?,
+            false => HashSet::new(),
+        };
         // Renewals of leases are signs of life, so the leases of these have run out as well.
         for worker in self.dispatch.silent(terms.lease) {
             tracing::warn!(%worker, "worker fell silent");
             self.worker_gone(worker).await?;
         }
-        for job in self.store.jobs().sweep(terms, |worker| self.dispatch.loss(worker)).await? {
+        // The lease of a job may run out here a moment before its server has been silent for one:
+        // that is judged by its server, or when that is found gone.
+        let loss = |worker| (!elsewhere.contains(&worker)).then(|| self.dispatch.loss(worker));
+        for job in self.store.jobs().sweep(terms, loss).await? {
             self.note_end(&job);
         }
         Ok(())

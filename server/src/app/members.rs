@@ -115,8 +115,9 @@ impl App {
     }
 
     /// Tells the other servers that this one runs, takes over what they know, and takes the jobs of
-    /// servers and workers back that have been silent for a lease.
-    pub(super) async fn sweep_members(&self, lease: Duration) -> Result<()> {
+    /// servers and workers back that have been silent for a lease. Returns the processes of other
+    /// servers that live: these alone end the attempts of theirs.
+    pub(super) async fn sweep_members(&self, lease: Duration) -> Result<HashSet<WorkerId>> {
         let now = self.store.lease_time();
         if self.members.is_due(self.id.uuid(), lease / 3, now) {
             self.store.servers().seen(self.id, bendtwin_core::BUILD).await?;
@@ -135,13 +136,17 @@ impl App {
                 servers.insert(server.id);
             }
         }
+        let mut elsewhere = HashSet::new();
         for worker in workers {
             let id = worker.registration.id;
             there.insert(id.uuid());
             let silent = is_gone(id.uuid(), worker.sign);
             match worker.registration.server {
+                Some(server) if server == self.id => {}
                 // As long as a server lives, its processes are its own affair.
-                Some(server) if servers.contains(&server) => {}
+                Some(server) if servers.contains(&server) => {
+                    elsewhere.insert(id);
+                }
                 Some(_) => self.forfeit(id).await?,
                 None if worker.is_supervised && silent => self.forfeit(id).await?,
                 None if silent && self.dispatch.silence(id) > lease => {
@@ -152,7 +157,7 @@ impl App {
             }
         }
         self.members.keep(&there);
-        Ok(())
+        Ok(elsewhere)
     }
 
     /// Notes for all servers that a worker of the fleet is heard of, now and then. False if none
@@ -211,19 +216,4 @@ impl App {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_member_is_silent_while_its_sign_stays() {
-        let (members, member) = (Members::default(), Uuid::new_v4());
-        let at = Duration::from_secs;
-        assert_eq!(members.silence(member, 7, at(10)), at(0), "it is new here");
-        assert_eq!(members.silence(member, 7, at(14)), at(4));
-        assert_eq!(members.silence(member, 8, at(15)), at(0));
-        assert!(members.is_due(member, at(3), at(15)) && !members.is_due(member, at(3), at(17)));
-        assert!(members.is_due(member, at(3), at(18)));
-        members.keep(&HashSet::new());
-        assert_eq!(members.silence(member, 8, at(30)), at(0), "it came again");
-    }
-}
+mod tests;

@@ -14,6 +14,7 @@ use bendtwin_core::{
 use bendtwin_proto::worker::v1::worker_rollouts_client::WorkerRolloutsClient;
 use bendtwin_store::{Capabilities, Job, Kind, Worker};
 use jiff::Timestamp;
+use semver::Version;
 use tokio::time::Instant;
 use tokio_util::sync::CancellationToken;
 use tonic::{metadata::AsciiMetadataValue, transport::Channel};
@@ -365,6 +366,7 @@ impl Entry {
             backend: worker.backend.clone(),
             memory_bytes: if self.is_cpu() { live.fit_bytes } else { of_device },
             labels: worker.labels.clone(),
+            version: version(&worker.build),
         }
     }
 
@@ -399,4 +401,9 @@ impl Entry {
             ingest: live.ingest.map(|told| told.id),
         }
     }
+}
+
+/// The version in the name of a build, such as `bendtwin 0.1.0`.
+fn version(build: &str) -> Option<Version> {
+    Version::parse(build.rsplit(' ').next()?).ok()
 }

@@ -101,13 +101,14 @@ pub(super) fn fit(mut fit: Job) -> v1::Fit {
 
 fn requirements(of_fit: Requirements) -> Option<v1::WorkerRequirements> {
     let any = of_fit == Requirements::default();
-    let Requirements { backend, memory_bytes, labels } = of_fit;
+    // The version follows from the settings.
+    let Requirements { backend, memory_bytes, labels, version: _ } = of_fit;
     (!any).then_some(v1::WorkerRequirements { backend, memory_bytes, labels })
 }
 
 pub(super) fn read_requirements(wire: v1::WorkerRequirements) -> Requirements {
     let v1::WorkerRequirements { backend, memory_bytes, labels } = wire;
-    Requirements { backend, memory_bytes, labels }
+    Requirements { backend, memory_bytes, labels, version: None }
 }
 
 fn job(job: Job) -> v1::Job {

@@ -153,7 +153,8 @@ pub(super) struct Requirements {
 
 impl From<store::Requirements> for Requirements {
     fn from(of_fit: store::Requirements) -> Self {
-        let store::Requirements { backend, memory_bytes, labels } = of_fit;
+        // The version follows from the settings.
+        let store::Requirements { backend, memory_bytes, labels, version: _ } = of_fit;
         Self { backend, memory_bytes, labels }
     }
 }
@@ -161,7 +162,7 @@ impl From<store::Requirements> for Requirements {
 impl From<Requirements> for store::Requirements {
     fn from(given: Requirements) -> Self {
         let Requirements { backend, memory_bytes, labels } = given;
-        Self { backend, memory_bytes, labels }
+        Self { backend, memory_bytes, labels, version: None }
     }
 }
 

@@ -10,12 +10,15 @@ use std::{
 
 use serde_json::Value;
 
-use crate::harness::{
-    Postgres,
-    command::{bendtwin, run_json, run_ok},
-    process::Processes,
-    reference::capture,
-    until, waiting,
+use crate::{
+    harness::{
+        Postgres,
+        command::{bendtwin, run_json, run_ok},
+        process::Processes,
+        reference::capture,
+        until, waiting,
+    },
+    on_s3,
 };
 
 const SOON: Duration = Duration::from_secs(60);
@@ -117,11 +120,8 @@ async fn start(postgres: Postgres, endpoint: &str) -> Fleet {
             .args(["--worker-tls-key", &path(folder.path(), "ca/server.key")])
             .args(["--worker-tls-ca", &path(folder.path(), "ca/ca.pem")])
             .env("BENDTWIN_DATABASE_URL", postgres.url_with_password("none"))
-            .env("BENDTWIN_OBJECTS", format!("s3://bendtwin-test/fleet-{}", std::process::id()))
             .env("BENDTWIN_WORKER_TOKEN", WORKER_TOKEN)
-            .env("AWS_ENDPOINT_URL", endpoint)
-            .envs([("AWS_REGION", "us-east-1"), ("AWS_ACCESS_KEY_ID", "test")])
-            .env("AWS_SECRET_ACCESS_KEY", "secret");
+            .envs(on_s3::environment(endpoint, &format!("fleet-{}", std::process::id())));
         let child = processes.start(&mut command, &log);
         servers.push((child, clients, workers));
         // Its token is there once it has opened the store.

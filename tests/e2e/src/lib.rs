@@ -64,7 +64,11 @@ mod survival;
 #[cfg(test)]
 mod tidy;
 #[cfg(test)]
+mod tls_terminator;
+#[cfg(test)]
 mod traces;
+#[cfg(test)]
+mod upgrades;
 #[cfg(test)]
 mod uploads;
 #[cfg(test)]

@@ -7,28 +7,41 @@ use bytes::Bytes;
 use futures::StreamExt as _;
 use reqwest::{Body, Method, RequestBuilder, StatusCode};
 
-use crate::harness::{
-    Postgres, Setup, TestCluster,
-    http::Http,
-    reference::{FIT, SETTINGS, capture},
-    until,
+use crate::{
+    harness::{
+        Postgres, Setup, TestCluster,
+        command::bendtwin,
+        http::Http,
+        reference::{FIT, SETTINGS, capture},
+        until,
+    },
+    tls_terminator::TlsTerminator,
 };
 
 /// Environment variable with the address of an S3 server (`tests/s3`).
 const S3: &str = "BENDTWIN_TEST_S3";
-const SECRET: &str = "secret-not-to-be-shown";
+/// Environment variable with `ID:SECRET` of the one key of a server that checks signatures.
+const KEY: &str = "BENDTWIN_TEST_S3_KEY";
 const MIB: usize = 1 << 20;
 const DEADLINE: Duration = Duration::from_secs(60);
 
 /// A server's environment: the bucket, and keys for it.
-fn environment(endpoint: &str, prefix: &str) -> Vec<(&'static str, String)> {
+pub(crate) fn environment(endpoint: &str, prefix: &str) -> Vec<(&'static str, String)> {
+    let (id, secret) = key();
     vec![
         ("BENDTWIN_OBJECTS", format!("s3://bendtwin-test/{prefix}")),
         ("AWS_ENDPOINT_URL", endpoint.to_owned()),
         ("AWS_REGION", "us-east-1".to_owned()),
-        ("AWS_ACCESS_KEY_ID", "test".to_owned()),
-        ("AWS_SECRET_ACCESS_KEY", SECRET.to_owned()),
+        ("AWS_ACCESS_KEY_ID", id),
+        ("AWS_SECRET_ACCESS_KEY", secret),
     ]
+}
+
+/// Id and secret; of a server that checks no signatures, any.
+fn key() -> (String, String) {
+    let key = std::env::var(KEY).unwrap_or("test:secret-not-to-be-shown".to_owned());
+    let (id, secret) = key.split_once(':').unwrap();
+    (id.to_owned(), secret.to_owned())
 }
 
 fn endpoint_or_skip() -> Option<String> {
@@ -129,8 +142,9 @@ async fn a_capture_pushed_through_two_servers_becomes_a_twin() {
     assert!(bendtwin_core::Twin::decode(&twin).is_ok());
 
     // Neither logs nor workers have the keys.
+    let (_, secret) = key();
     for server in [&first, &second] {
-        assert!(!server.log().contains(SECRET), "a key is in a log");
+        assert!(!server.log().contains(&secret), "a key is in a log");
     }
     for worker in second.worker_pids() {
         let environment = std::fs::read(format!("/proc/{worker}/environ")).unwrap();
@@ -156,4 +170,56 @@ async fn a_bucket_that_is_away_is_told_at_once() {
     let problem: serde_json::Value = refused.json().await.unwrap();
     assert_eq!(problem["reason"], "OBJECTS_UNAVAILABLE", "{problem}");
     assert!(!server.http().is_ready().await);
+}
+
+#[tokio::test]
+async fn a_wrong_secret_is_told_and_not_shown() {
+    let Some(endpoint) = endpoint_or_skip() else { return };
+    if std::env::var_os(KEY).is_none() {
+        return eprintln!("SKIPPED: {KEY} has no key of an S3 server that checks signatures");
+    }
+    let mut environment = environment(&endpoint, &format!("wrong-{}", std::process::id()));
+    const WRONG: &str = "another-secret-than-that-of-the-key";
+    for (name, value) in &mut environment {
+        if *name == "AWS_SECRET_ACCESS_KEY" {
+            WRONG.clone_into(value);
+        }
+    }
+    let said = refused_start(environment).await;
+    for words in ["the keys are wrong or do not allow it", "AWS_"] {
+        assert!(said.contains(words), "{said}");
+    }
+    let (_, secret) = key();
+    assert!(!said.contains(WRONG) && !said.contains(&secret), "{said}");
+}
+
+/// Over TLS of a private authority, which the server is told of.
+#[tokio::test]
+async fn a_bucket_has_a_certificate_of_a_private_authority() {
+    let Some(endpoint) = endpoint_or_skip() else { return };
+    let behind = TlsTerminator::to(endpoint.strip_prefix("http://").unwrap()).await;
+    let mut environment = environment(behind.url(), &format!("tls-{}", std::process::id()));
+    let said = refused_start(environment.clone()).await;
+    for words in ["of an authority that is not trusted here", "AWS_CA_BUNDLE"] {
+        assert!(said.contains(words), "{said}");
+    }
+    environment.push(("AWS_CA_BUNDLE", behind.authority()));
+    let server =
+        TestCluster::start(Setup { own_workers: 0, environment, ..Setup::default() }).await;
+    let stored = server.api().upload(&Bytes::from_static(b"content"), "kept").await.unwrap();
+    let content = server.http().get(&format!("/v1/{}/content", stored.name)).await;
+    assert_eq!(content.bytes().await.unwrap(), b"content"[..]);
+}
+
+/// The words of a server that does not start with this environment.
+async fn refused_start(environment: Vec<(&'static str, String)>) -> String {
+    let folder = tempfile::tempdir().unwrap();
+    let run = move || {
+        let mut command = bendtwin();
+        command.args(["server", "--workers", "0", "--listen", "127.0.0.1:0", "--data-dir"]);
+        command.arg(folder.path().join("data")).envs(environment).output().unwrap()
+    };
+    let done = tokio::task::spawn_blocking(run).await.unwrap();
+    assert!(!done.status.success(), "it has started and stopped");
+    String::from_utf8_lossy(&[done.stdout, done.stderr].concat()).into_owned()
 }

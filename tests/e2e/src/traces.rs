@@ -1,4 +1,5 @@
-//! Traces: one request is one trace, over server, worker and the process that reads a capture.
+//! Traces: one request is one trace, over server, worker and the process that reads a capture. They go
+//! to a collector over TLS.
 
 use std::{
     collections::BTreeSet,
@@ -18,10 +19,13 @@ use serde_json::json;
 use tokio::net::TcpListener;
 use tonic::{Request, Response, Status, transport::server::TcpIncoming};
 
-use crate::harness::{
-    Setup, TestCluster,
-    reference::{SETTINGS, capture},
-    until,
+use crate::{
+    harness::{
+        Setup, TestCluster,
+        reference::{SETTINGS, capture},
+        until,
+    },
+    tls_terminator::TlsTerminator,
 };
 
 /// Trace of a client.
@@ -69,9 +73,11 @@ async fn a_fit_and_its_capture_are_one_trace_over_all_processes() {
     let serving = tonic::transport::Server::builder().add_service(service);
     tokio::spawn(serving.serve_with_incoming(TcpIncoming::from(listener)));
 
+    let behind = TlsTerminator::to(&address.to_string()).await;
     let setup = Setup {
         environment: vec![
-            ("OTEL_EXPORTER_OTLP_ENDPOINT", format!("http://{address}")),
+            ("OTEL_EXPORTER_OTLP_ENDPOINT", behind.url().to_owned()),
+            ("OTEL_EXPORTER_OTLP_CERTIFICATE", behind.authority()),
             ("OTEL_BSP_SCHEDULE_DELAY", "200".to_owned()),
         ],
         ..Setup::default()

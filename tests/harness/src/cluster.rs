@@ -239,12 +239,33 @@ impl Drop for TestCluster {
     }
 }
 
+/// Starts a server and waits until it answers; returns its address as well.
 pub(crate) async fn launch(
     processes: &Processes,
     folder: &Path,
     setup: &Setup,
     listen: &str,
 ) -> (Child, String) {
+    let mut child = begin(processes, folder, setup, listen);
+    let address = until("the server's address", START, async || {
+        if let Some(status) = child.try_wait().unwrap() {
+            let log = std::fs::read_to_string(folder.join("log")).unwrap();
+            panic!("the server ended ({status}):\n{log}");
+        }
+        let text = std::fs::read_to_string(folder.join("port")).ok()?;
+        let port: u16 = text.trim().parse().ok()?;
+        Some(format!("127.0.0.1:{port}"))
+    })
+    .await;
+    until("the server to answer", START, async || {
+        Http::new(&format!("http://{address}")).is_up().await.then_some(())
+    })
+    .await;
+    (child, address)
+}
+
+/// Starts the process of a server, which writes into the files `log` and `port` of a folder.
+pub(crate) fn begin(processes: &Processes, folder: &Path, setup: &Setup, listen: &str) -> Child {
     let (config, port_file) = (folder.join("config.toml"), folder.join("port"));
     std::fs::remove_file(&port_file).ok();
     let Setup { own_workers, lease_s, worker_args, .. } = setup;
@@ -277,20 +298,5 @@ pub(crate) async fn launch(
     }
     command.envs(setup.environment.iter().map(|(name, value)| (name, value)));
     command.arg("server").arg("--config").arg(&config).arg("--port-file").arg(&port_file);
-    let log = folder.join("log");
-    let mut child = processes.start(&mut command, &log);
-    let address = until("the server's address", START, async || {
-        if let Some(status) = child.try_wait().unwrap() {
-            panic!("the server ended ({status}):\n{}", std::fs::read_to_string(&log).unwrap());
-        }
-        let text = std::fs::read_to_string(&port_file).ok()?;
-        let port: u16 = text.trim().parse().ok()?;
-        Some(format!("127.0.0.1:{port}"))
-    })
-    .await;
-    until("the server to answer", START, async || {
-        Http::new(&format!("http://{address}")).is_up().await.then_some(())
-    })
-    .await;
-    (child, address)
+    processes.start(&mut command, &folder.join("log"))
 }

@@ -8,7 +8,7 @@ use tokio::sync::SemaphorePermit;
 
 use crate::{
     Api, Postgres, Setup,
-    cluster::{START, TOKEN, launch},
+    cluster::{START, TOKEN, begin, launch},
     command::bendtwin,
     http::Http,
     process::Processes,
@@ -21,7 +21,7 @@ pub struct Fleet {
     workers: Vec<Child>,
     processes: Processes,
     folder: TempDir,
-    _postgres: Postgres,
+    postgres: Postgres,
     _slot: SemaphorePermit<'static>,
 }
 
@@ -54,7 +54,7 @@ impl Fleet {
             servers.push(Server { child, address, setup, folder: place });
         }
         let workers = Vec::new();
-        Some(Self { servers, workers, processes, folder, _postgres: postgres, _slot: slot })
+        Some(Self { servers, workers, processes, folder, postgres, _slot: slot })
     }
 
     /// A new gRPC channel to a server.
@@ -89,6 +89,21 @@ impl Fleet {
         let Server { address, setup, folder, .. } = &self.servers[server];
         let (child, _) = launch(&self.processes, folder, setup, address).await;
         self.servers[server].child = child;
+    }
+
+    /// Starts a server that is to refuse its start after [`Fleet::kill`]; returns what it says.
+    pub async fn refused_start(&mut self, server: usize) -> String {
+        let Server { child, address, setup, folder } = &mut self.servers[server];
+        let before = std::fs::read_to_string(folder.join("log")).unwrap().len();
+        *child = begin(&self.processes, folder, setup, address);
+        let status = until("the end of a server", START, async || child.try_wait().unwrap()).await;
+        assert!(!status.success(), "the server has not refused its start");
+        std::fs::read_to_string(folder.join("log")).unwrap()[before..].to_owned()
+    }
+
+    /// The answer of the database to statements.
+    pub async fn query(&self, statements: &str) -> String {
+        self.postgres.query(statements).await
     }
 
     /// Starts a worker that knows all servers and calls this one first; returns its name, once every

@@ -30,17 +30,23 @@ impl Postgres {
 
     /// Starts it again after [`Postgres::kill`]; returns its URL.
     pub async fn start(&self) -> String {
-        self.run("start").await
+        self.run("start", None).await
     }
 
     /// Ends it as a crash would.
     pub async fn kill(&self) {
-        self.run("kill").await;
+        self.run("kill", None).await;
     }
 
-    async fn run(&self, what: &'static str) -> String {
+    /// The answer to statements, line by line, of the superuser.
+    pub async fn query(&self, statements: &str) -> String {
+        self.run("query", Some(statements.to_owned())).await
+    }
+
+    async fn run(&self, what: &'static str, statements: Option<String>) -> String {
         let place = self.place();
-        let done = tokio::task::spawn_blocking(move || script().arg(what).arg(place).output());
+        let run = move || script().arg(what).arg(place).args(statements).output();
+        let done = tokio::task::spawn_blocking(run);
         let done = done.await.unwrap().unwrap();
         assert!(done.status.success(), "{what}: {}", String::from_utf8_lossy(&done.stderr));
         String::from_utf8(done.stdout).unwrap().trim().to_owned()

@@ -20,7 +20,7 @@ pub(super) async fn check(folder: &Path, floor_mib: u64) -> Check {
 
 fn judged(folder: &str, state: &FolderState, floor_mib: u64) -> Check {
     let free = output::bytes(state.free_bytes);
-    if state.schema.is_some_and(|schema| schema > state.known_schema) {
+    if state.too_new {
         let advice = "it was made by a newer version of BendTwin: use that one";
         return Check::problem(NAME, format!("{folder} cannot be opened: {advice}"));
     }
@@ -53,14 +53,14 @@ mod tests {
         in_use: false,
         free_bytes: 10 << 30,
         schema: Some(3),
-        known_schema: 3,
+        too_new: false,
     };
 
     #[test]
     fn what_a_server_would_refuse_is_a_problem() {
         assert_eq!(judged("d", &GOOD, 256).state, State::Ok);
         let cases = [
-            (FolderState { schema: Some(4), ..GOOD }, "newer"),
+            (FolderState { too_new: true, ..GOOD }, "newer"),
             (FolderState { writable: false, ..GOOD }, "--data-dir"),
             (FolderState { free_bytes: 1 << 20, ..GOOD }, "free space"),
         ];

@@ -14,6 +14,7 @@ use std::{
 
 use sqlx::{
     ConnectOptions as _, Connection as _, PgConnection, PgPool,
+    migrate::Migrator,
     postgres::{PgConnectOptions, PgListener, PgPoolOptions},
 };
 use tokio::task::JoinHandle;
@@ -123,7 +124,18 @@ pub(crate) async fn prepare(connection: &mut PgConnection) -> Result<()> {
         let fault = format!("its encoding is {encoding}: create it with encoding 'UTF8'");
         return Err(Error::DatabaseUnfit { fault });
     }
-    migrations::postgres().run(&mut *connection).await?;
+    migrate(connection, &migrations::postgres()).await
+}
+
+/// Brings the tables up to date, unless a newer version has.
+pub(crate) async fn migrate(connection: &mut PgConnection, migrator: &Migrator) -> Result<()> {
+    migrations::require_alone(connection, migrator, WRITE_LOCK).await?;
+    migrator.run(&mut *connection).await?;
+    sqlx::query("select pg_advisory_unlock_all()").execute(&mut *connection).await?;
+    if migrations::newer(&mut *connection).await?.is_some() {
+        // Its functions do what those of this version do, and more.
+        return Ok(());
+    }
     // Two servers that start at once must not replace the same function.
     let mut tx = connection.begin().await?;
     sqlx::query("select pg_advisory_xact_lock($1)").bind(WRITE_LOCK).execute(&mut *tx).await?;

@@ -81,6 +81,7 @@ pub(crate) async fn open(data_dir: &Path, reserve: Arc<Reserve>) -> Result<(Writ
         quick_check(&writer).await?;
     }
     migrations::sqlite().run(&writer).await?;
+    migrations::newer(&Readers::Sqlite(writer.clone())).await?;
     let readers = SqlitePoolOptions::new()
         .max_connections(READERS)
         .acquire_timeout(ACQUIRE_TIMEOUT)

@@ -153,16 +153,15 @@ impl Jobs<'_> {
     }
 }
 
-/// Requirements of queued jobs that a worker satisfies, as their texts. Those that cannot be read
-/// are of a newer version, which has workers of its own.
+/// Requirements of queued jobs that a worker satisfies, as their texts. Jobs with others than this
+/// version knows are left to servers of the newer version that made them.
 async fn allowed(
     tx: &mut Transaction,
     kind: Kind,
     capabilities: &Capabilities,
 ) -> Result<Vec<String>> {
     let satisfied = |text: &String| {
-        Requirements::from_text(text)
-            .is_ok_and(|requirements| capabilities.satisfies(&requirements))
+        Requirements::known(text).is_some_and(|requirements| capabilities.satisfies(&requirements))
     };
     Ok(requirements::queued(tx, kind).await?.into_iter().filter(satisfied).collect())
 }

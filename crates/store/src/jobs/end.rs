@@ -61,14 +61,15 @@ impl Jobs<'_> {
 
     /// Lets lease time pass up to now ([`Store::lease_time`](crate::Store::lease_time)) and ends
     /// all attempts whose leases have run out, by the database's clock as well if it has one: another
-    /// server may have renewed them. `loss` tells what became of a worker.
+    /// server may have renewed them. `loss` tells what became of a worker; where it tells nothing, the
+    /// attempt is another server's to end.
     ///
     /// # Errors
     /// Database errors.
     pub async fn sweep(
         &self,
         terms: LeaseTerms,
-        loss: impl Fn(WorkerId) -> Loss,
+        loss: impl Fn(WorkerId) -> Option<Loss>,
     ) -> Result<Vec<Job>> {
         let running: Vec<(String, String, i64, Option<i64>)> =
             query("select kind, id, lease_epoch, lease_until from jobs where state = 'running'")
@@ -85,11 +86,12 @@ impl Jobs<'_> {
         let expired = leases.sweep(&running, self.store.inner.clock.monotonic(), terms);
         let mut swept = Vec::new();
         for id in expired {
-            let still = |row: &Row, database_time: Option<i64>| {
+            let end = |row: &Row, database_time: Option<i64>| {
                 let renewed = database_time.is_some_and(|time| row.lease_until > Some(time));
-                leases.has_run_out(id, row.epoch()) && !renewed
+                let has_run_out = leases.has_run_out(id, row.epoch()) && !renewed;
+                if has_run_out { lost(row, &loss) } else { None }
             };
-            swept.extend(self.end_if(id, still, |row| lost(row, &loss)).await?);
+            swept.extend(self.end_if(id, end).await?);
         }
         Ok(swept)
     }
@@ -107,29 +109,32 @@ impl Jobs<'_> {
                 .await?;
         let mut ended = Vec::new();
         for id in held.iter().filter_map(|(kind, id)| JobId::stored(kind, id)) {
-            let is_its = |row: &Row, _| row.worker.as_ref() == Some(&worker);
-            ended.extend(self.end_if(id, is_its, |row| lost(row, |_| loss)).await?);
+            let end = |row: &Row, _| match row.worker.as_ref() == Some(&worker) {
+                true => lost(row, |_| Some(loss)),
+                false => None,
+            };
+            ended.extend(self.end_if(id, end).await?);
         }
         Ok(ended)
     }
 
-    /// Ends a running attempt if `still` holds once the write lock is taken; it is given the
-    /// database's time, if the database has a clock of its own [us].
+    /// Ends a running attempt in the way that `end` tells once the write lock is taken, if it tells
+    /// one; it is given the database's time, if the database has a clock of its own [us].
     async fn end_if(
         &self,
         id: JobId,
-        still: impl Fn(&Row, Option<i64>) -> bool,
-        end: impl Fn(&Row) -> AttemptEnd,
+        end: impl Fn(&Row, Option<i64>) -> Option<AttemptEnd>,
     ) -> Result<Option<Job>> {
         let mut tx = self.store.inner.database.write().await?;
         let row = match row::fetch(&mut tx, id).await {
             Err(Error::NotFound { .. }) => return Ok(None),
             row => row?,
         };
-        if row.state()? != State::Running || !still(&row, self.store.database_time(&tx)) {
+        if row.state()? != State::Running {
             return Ok(None);
         }
-        let (checkpoint, end) = (row.checkpoint.clone(), end(&row));
+        let Some(end) = end(&row, self.store.database_time(&tx)) else { return Ok(None) };
+        let checkpoint = row.checkpoint.clone();
         let job = self.apply(&mut tx, row, end).await?;
         let followers = self.fail_followers(&mut tx, &job).await?;
         tx.commit().await?;
@@ -213,8 +218,8 @@ impl Jobs<'_> {
     }
 }
 
-/// The end of an attempt whose worker is gone.
-fn lost(row: &Row, loss: impl Fn(WorkerId) -> Loss) -> AttemptEnd {
+/// The end of an attempt whose worker is gone, if `loss` tells what became of that.
+fn lost(row: &Row, loss: impl Fn(WorkerId) -> Option<Loss>) -> Option<AttemptEnd> {
     let worker = row.worker.as_deref().unwrap_or("unknown");
     let fault = |what: &str| Fault {
         category: Category::Unavailable,
@@ -222,9 +227,9 @@ fn lost(row: &Row, loss: impl Fn(WorkerId) -> Loss) -> AttemptEnd {
         message: format!("workers/{worker} {what} in attempt {}", row.attempts),
     };
     let id = Uuid::try_parse(worker).ok().map(WorkerId::from);
-    match id.map_or(Loss::Worker, loss) {
+    Some(match id.map_or(Some(Loss::Worker), loss)? {
         Loss::Worker => AttemptEnd::Failed(fault("stopped answering")),
         Loss::Rollout => AttemptEnd::Interrupted(fault("ended while it answered rollouts")),
         Loss::Server => AttemptEnd::Released,
-    }
+    })
 }

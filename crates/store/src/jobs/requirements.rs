@@ -1,5 +1,6 @@
 //! Requirements of a job to its worker, and what a worker offers.
 
+use semver::Version;
 use serde::{Deserialize, Serialize};
 
 use super::Kind;
@@ -32,6 +33,9 @@ pub struct Requirements {
     pub memory_bytes: u64,
     /// Labels of which the worker has each.
     pub labels: Vec<String>,
+    /// Version of the worker's program at least.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub version: Option<Version>,
 }
 
 impl Requirements {
@@ -46,9 +50,15 @@ impl Requirements {
         serde_json::to_string(&sorted).map_err(|e| Error::Io(std::io::Error::other(e.to_string())))
     }
 
-    /// Requirements from their text.
+    /// Requirements from their text, as far as this version knows them.
     pub(crate) fn from_text(text: &str) -> serde_json::Result<Self> {
         if text.is_empty() { Ok(Self::default()) } else { serde_json::from_str(text) }
+    }
+
+    /// All requirements of a text; none if it has some of a newer version.
+    pub(super) fn known(text: &str) -> Option<Self> {
+        let requirements = Self::from_text(text).ok()?;
+        (requirements.to_text().ok()? == text).then_some(requirements)
     }
 }
 
@@ -61,15 +71,18 @@ pub struct Capabilities {
     pub memory_bytes: u64,
     /// Words that it was started with.
     pub labels: Vec<String>,
+    /// Version of its program, if it is known.
+    pub version: Option<Version>,
 }
 
 impl Capabilities {
     /// True if the worker is one that these ask for.
     pub fn satisfies(&self, requirements: &Requirements) -> bool {
-        let Requirements { backend, memory_bytes, labels } = requirements;
+        let Requirements { backend, memory_bytes, labels, version } = requirements;
         (backend.is_empty() || *backend == self.backend)
             && *memory_bytes <= self.memory_bytes
             && labels.iter().all(|label| self.labels.contains(label))
+            && *version <= self.version
     }
 }
 

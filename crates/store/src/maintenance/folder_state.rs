@@ -21,8 +21,8 @@ pub struct FolderState {
     pub free_bytes: u64,
     /// Version of the database's tables, if there is a database.
     pub schema: Option<i64>,
-    /// Version that this program brings tables to.
-    pub known_schema: i64,
+    /// True if a newer version of the program made the tables so that this one cannot use them.
+    pub too_new: bool,
 }
 
 /// The state of a data folder. Nothing is made or changed; a server that starts in the same instant
@@ -36,12 +36,19 @@ pub async fn folder_state(data_dir: &Path) -> Result<FolderState> {
     if !nearest.is_dir() {
         return Err(io::Error::from(io::ErrorKind::NotADirectory).into());
     }
-    let schema = match integrity::read_only(data_dir).await {
+    let (schema, too_new) = match integrity::read_only(data_dir).await {
         Ok(mut connection) => {
             let version = sqlx::query_scalar("select max(version) from _sqlx_migrations");
-            version.fetch_one(&mut connection).await?
+            let version = version.fetch_one(&mut connection).await?;
+            match migrations::newer(&mut connection).await {
+                Err(Error::DatabaseNewer { .. }) => (version, true),
+                usable => {
+                    usable?;
+                    (version, false)
+                }
+            }
         }
-        Err(Error::NotFound { .. }) => None,
+        Err(Error::NotFound { .. }) => (None, false),
         Err(error) => return Err(error),
     };
     Ok(FolderState {
@@ -50,7 +57,7 @@ pub async fn folder_state(data_dir: &Path) -> Result<FolderState> {
         in_use: is_locked(data_dir),
         free_bytes: Disk::of(nearest)?.free_bytes,
         schema,
-        known_schema: migrations::newest(),
+        too_new,
     })
 }
 
@@ -75,7 +82,7 @@ mod tests {
         let store = Store::open(Options::new(&folder)).await.unwrap();
         let during = folder_state(&folder).await.unwrap();
         assert!(during.exists && during.in_use);
-        assert_eq!(during.schema, Some(during.known_schema));
+        assert_eq!((during.schema, during.too_new), (Some(migrations::newest()), false));
         store.close().await;
         drop(store);
         assert!(!folder_state(&folder).await.unwrap().in_use);

@@ -18,7 +18,7 @@ use crate::{
     DatabaseUrl, Digest, Error, Result, database,
     database::{postgres, sqlite},
     disk::Reserve,
-    folder,
+    folder, migrations,
     sql::{Builder, Readers, Value, query_scalar},
 };
 
@@ -81,7 +81,7 @@ pub struct MovedTable {
 ///
 /// # Errors
 /// [`Error::DataDirInUse`]; [`Error::NotFound`] if there is no SQLite database;
-/// [`Error::DatabaseNotEmpty`]; [`Error::MigrationDiffers`]; database and file errors.
+/// [`Error::DatabaseNotEmpty`]; [`Error::StoreNewer`]; [`Error::MigrationDiffers`]; database and file errors.
 pub async fn migrate(data_dir: &Path, to: &DatabaseUrl) -> Result<Migration> {
     let file = data_dir.join(database::FILE);
     if !file.try_exists()? {
@@ -92,7 +92,11 @@ pub async fn migrate(data_dir: &Path, to: &DatabaseUrl) -> Result<Migration> {
     let Readers::Sqlite(source) = readers else {
         return Err(Error::NotFound { name: to.to_string() });
     };
-    let moved = transfer(&source, to).await;
+    let moved = match migrations::newer(&Readers::Sqlite(source.clone())).await? {
+        // Its columns are not known here, and would be lost.
+        Some(migration) => Err(Error::StoreNewer { migration }),
+        None => transfer(&source, to).await,
+    };
     source.close().await;
     writer.close().await;
     let moved = moved?;

@@ -97,6 +97,14 @@ impl Bench {
         Self::begin(dir, clock, postgres, objects).await
     }
 
+    /// An attempt to open the store once more.
+    pub(crate) async fn opened(&self) -> crate::Result<Store> {
+        self.store.close().await;
+        let (database, objects) = (self.url(), self.objects.clone());
+        let data_dir = self.dir.path().to_owned();
+        Store::open(Options { data_dir, database, objects, clock: self.clock.clone() }).await
+    }
+
     /// The folder alone, after the process has died.
     pub(crate) async fn close(self) -> tempfile::TempDir {
         self.store.close().await;
@@ -142,7 +150,7 @@ impl Bench {
 
     /// Ends the leases that have run out by now.
     pub(crate) async fn sweep(&self) -> Vec<Job> {
-        self.store.jobs().sweep(TERMS, |_| Loss::Worker).await.unwrap()
+        self.store.jobs().sweep(TERMS, |_| Some(Loss::Worker)).await.unwrap()
     }
 
     /// Lets time pass in the steps of a server that runs; returns the jobs whose leases ran out.

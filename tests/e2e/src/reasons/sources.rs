@@ -37,8 +37,17 @@ const OTHERS: [&str; 8] = [
 ];
 
 /// Beginnings of words that name environment variables.
-const ENVIRONMENT: [&str; 8] =
-    ["BENDTWIN_", "CARGO_", "NO_COLOR", "OTEL_", "OUT_DIR", "RAYON_NUM_THREADS", "RUST_", "XDG_"];
+const ENVIRONMENT: [&str; 9] = [
+    "AWS_",
+    "BENDTWIN_",
+    "CARGO_",
+    "NO_COLOR",
+    "OTEL_",
+    "OUT_DIR",
+    "RAYON_NUM_THREADS",
+    "RUST_",
+    "XDG_",
+];
 
 /// Public facts of a reason. Several where it is raised in several places.
 #[derive(Debug, Default)]

@@ -1,7 +1,8 @@
 //! The connection to a bucket: its options from the environment, and the meaning of its errors.
 
-use std::time::Duration;
+use std::{path::PathBuf, time::Duration};
 
+use bendtwin_tls::{TlsError, client_config};
 use object_store::{
     BackoffConfig, RetryConfig,
     aws::{AmazonS3Builder, AmazonS3ConfigKey},
@@ -17,16 +18,27 @@ const RETRY_TIMEOUT: Duration = Duration::from_secs(10);
 const MOST_RETRIES: usize = 6;
 const FIRST_BACKOFF: Duration = Duration::from_millis(100);
 const LONGEST_BACKOFF: Duration = Duration::from_secs(2);
+/// Variable that names a file with the authorities of the endpoint, as for AWS's own programs.
+const AUTHORITIES: &str = "AWS_CA_BUNDLE";
+/// The fault of a request whose keys are refused.
+const OF_KEYS: &str = "the keys are wrong or do not allow it";
 
 impl Bucket {
     /// A bucket, with credentials, region and endpoint from the environment (`AWS_*`), else
     /// credentials of the machine's role. Nothing is asked of it yet.
+    ///
+    /// # Errors
+    /// If the environment does not name one, or a file of authorities that cannot be used.
     pub(crate) fn open(bucket: &str, prefix: Path) -> Result<Self> {
         let backoff =
             BackoffConfig { init_backoff: FIRST_BACKOFF, max_backoff: LONGEST_BACKOFF, base: 2.0 };
         let retry =
             RetryConfig { backoff, max_retries: MOST_RETRIES, retry_timeout: RETRY_TIMEOUT };
-        let builder = environment().with_http_connector(Connector).with_retry(retry);
+        let authorities = std::env::var_os(AUTHORITIES).filter(|path| !path.is_empty());
+        let mut tls = client_config(authorities.map(PathBuf::from).as_deref())?;
+        tls.alpn_protocols = vec![b"http/1.1".to_vec()];
+        let connector = Connector(tls.into());
+        let builder = environment().with_http_connector(connector).with_retry(retry);
         let keys = [AmazonS3ConfigKey::S3Endpoint, AmazonS3ConfigKey::Endpoint];
         let endpoint = keys.iter().find_map(|key| builder.get_config_value(key));
         // Unencrypted only where somebody wrote it.
@@ -56,22 +68,32 @@ fn environment() -> AmazonS3Builder {
 #[cfg(test)]
 fn environment() -> AmazonS3Builder {
     let endpoint = std::env::var("BENDTWIN_TEST_S3").unwrap_or("http://127.0.0.1:1".to_owned());
+    // One that checks no signatures takes any.
+    let key = std::env::var("BENDTWIN_TEST_S3_KEY").unwrap_or("test:test".to_owned());
+    let (id, secret) = key.split_once(':').unwrap();
     AmazonS3Builder::new()
         .with_endpoint(endpoint)
-        .with_access_key_id("test")
-        .with_secret_access_key("test")
+        .with_access_key_id(id)
+        .with_secret_access_key(secret)
 }
 
 /// The error of the store for one of a request. An object that is not there stays what it is.
 pub(super) fn failed(error: object_store::Error) -> Error {
     let text = error.to_string();
+    if let Some(fault) = TlsError::find(&error, "the object storage") {
+        return Error::ObjectsUntrusted { fault: fault.with_authority_in(AUTHORITIES) };
+    }
     match &error {
         object_store::Error::NotFound { .. } if !text.contains("NoSuchBucket") => error.into(),
         object_store::Error::NotFound { .. } => refused("the bucket does not exist".to_owned()),
         object_store::Error::PermissionDenied { .. }
         | object_store::Error::Unauthenticated { .. } => {
             tracing::warn!(%error, "the bucket refuses a request");
-            refused("the keys are wrong or do not allow it".to_owned())
+            refused(OF_KEYS.to_owned())
+        }
+        _ if is_of_keys(&text) => {
+            tracing::warn!(%error, "the bucket refuses a request");
+            refused(OF_KEYS.to_owned())
         }
         _ if is_refusal(&text) => {
             tracing::warn!(%error, "the bucket refuses a request");
@@ -82,6 +104,12 @@ pub(super) fn failed(error: object_store::Error) -> Error {
             Error::ObjectsUnavailable
         }
     }
+}
+
+/// True if a server answered that the keys are wrong or may not do this. Not every request turns that
+/// into an error of its own.
+fn is_of_keys(text: &str) -> bool {
+    ["401", "403"].iter().any(|code| text.contains(&format!("status code: {code}")))
 }
 
 /// True if a server answered that it will not, which it would answer again.
@@ -101,6 +129,8 @@ mod tests {
 
     #[test]
     fn refusals_are_told_from_silence() {
+        assert!(is_of_keys("Server returned non-2xx status code: 403 Forbidden: wrong signature"));
+        assert!(!is_of_keys("Server returned non-2xx status code: 400 Bad Request"));
         assert!(is_refusal("Server returned non-2xx status code: 400 Bad Request: wrong region"));
         assert!(!is_refusal("Server returned non-2xx status code: 503 Slow down"));
         assert!(!is_refusal("Server returned non-2xx status code: 429 Too many requests"));

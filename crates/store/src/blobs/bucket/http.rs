@@ -1,12 +1,12 @@
-//! The HTTP client for a bucket: that of hyper, with the system's certificates and the TLS that
-//! everything else here has. Without it object_store brings a second client with a second TLS.
+//! The HTTP client for a bucket: that of hyper, with the TLS that everything else here has. Without it
+//! object_store brings a second client with a second TLS.
 
 use std::{error::Error as StdError, future::Future, pin::Pin, sync::Arc, time::Duration};
 
+use bendtwin_tls::ClientConfig;
 use http_body_util::BodyExt as _;
-use hyper_rustls::{HttpsConnector, HttpsConnectorBuilder};
 use hyper_util::{
-    client::legacy::{Client, Error, connect},
+    client::legacy::{Client, Error},
     rt::TokioExecutor,
 };
 use object_store::{
@@ -16,7 +16,6 @@ use object_store::{
         HttpResponse, HttpResponseBody, HttpService,
     },
 };
-use rustls::{ClientConfig, RootCertStore, crypto::ring};
 
 const CONNECT_TIMEOUT: Duration = Duration::from_secs(5);
 /// Time limit of one attempt, up to the first byte of its answer.
@@ -24,43 +23,29 @@ const ATTEMPT_TIMEOUT: Duration = Duration::from_secs(30);
 /// Time for which a connection is kept for the next request.
 const KEPT: Duration = Duration::from_secs(20);
 
-/// Factory of clients.
+/// Factory of clients with these settings of TLS.
 #[derive(Debug)]
-pub(super) struct Connector;
+pub(super) struct Connector(pub(super) Arc<ClientConfig>);
 
 #[derive(Debug)]
 struct Http {
-    client: Client<HttpsConnector<connect::HttpConnector>, HttpRequestBody>,
+    client: Client<bendtwin_tls::Connector, HttpRequestBody>,
+    /// True if requests without TLS are sent.
+    plain: bool,
 }
 
 impl HttpConnector for Connector {
     fn connect(&self, options: &ClientOptions) -> object_store::Result<HttpClient> {
-        let unfit = |source: rustls::Error| object_store::Error::Generic {
-            store: "S3",
-            source: Box::new(source),
-        };
-        let mut roots = RootCertStore::empty();
-        // Without any, only what needs none can be reached.
-        roots.add_parsable_certificates(rustls_native_certs::load_native_certs().certs);
-        let tls = ClientConfig::builder_with_provider(Arc::new(ring::default_provider()))
-            .with_safe_default_protocol_versions()
-            .map_err(unfit)?
-            .with_root_certificates(roots)
-            .with_no_client_auth();
-        let mut tcp = connect::HttpConnector::new();
-        tcp.set_connect_timeout(Some(CONNECT_TIMEOUT));
-        tcp.set_nodelay(true);
-        tcp.enforce_http(false);
         let plain =
             options.get_config_value(&ClientConfigKey::AllowHttp).as_deref() == Some("true");
-        let builder = HttpsConnectorBuilder::new().with_tls_config(tls);
-        let builder = if plain { builder.https_or_http() } else { builder.https_only() };
-        let connector = builder.enable_http1().wrap_connector(tcp);
+        let settings = self.0.clone();
+        let connector =
+            bendtwin_tls::Connector::new(CONNECT_TIMEOUT).with_tls(move || settings.clone());
         let client = Client::builder(TokioExecutor::new())
             .pool_idle_timeout(KEPT)
             .pool_timer(hyper_util::rt::TokioTimer::new())
             .build(connector);
-        Ok(HttpClient::new(Http { client }))
+        Ok(HttpClient::new(Http { client, plain }))
     }
 }
 
@@ -74,6 +59,10 @@ impl HttpService for Http {
         Self: 'b,
     {
         Box::pin(async move {
+            if !self.plain && request.uri().scheme_str() != Some("https") {
+                let refused = std::io::Error::other("it is to be asked over TLS alone");
+                return Err(HttpError::new(HttpErrorKind::Unknown, refused));
+            }
             let answer = tokio::time::timeout(ATTEMPT_TIMEOUT, self.client.request(request)).await;
             let answer = answer.map_err(|late| HttpError::new(HttpErrorKind::Timeout, late))?;
             let (parts, body) = answer.map_err(failed)?.into_parts();

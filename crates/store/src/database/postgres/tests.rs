@@ -283,7 +283,7 @@ async fn leases_are_measured_by_the_clock_of_the_database() {
     let until = micros(job.lease_until.unwrap());
     let left = until - micros(Timestamp::now());
     assert!((0..=1_500_000).contains(&left), "the lease ends in {left} us");
-    let sweep = async || bench.store.jobs().sweep(terms, |_| Loss::Worker).await.unwrap();
+    let sweep = async || bench.store.jobs().sweep(terms, |_| Some(Loss::Worker)).await.unwrap();
     assert!(sweep().await.is_empty());
     // Renewed by another server, which this one has not heard of.
     let id = job.id.uuid().to_string();

@@ -1,8 +1,10 @@
 //! The choice of the next job: turns of owners, and requirements.
 
+use semver::Version;
+
 use super::*;
 use crate::{
-    Capabilities, Claimant, Creator, Quotas, Requirements, jobs::requirements::MAX_DIFFERENT,
+    Capabilities, Claimant, Creator, Quotas, Requirements, jobs::requirements::MAX_DIFFERENT, sql,
 };
 
 on_both! {
@@ -10,6 +12,7 @@ on_both! {
     owners_share_several_workers,
     a_higher_priority_comes_before_the_turn_of_others,
     a_fit_waits_for_a_worker_that_it_asks_for,
+    a_fit_of_a_newer_version_waits_for_workers_and_servers_that_know_it,
     requirements_are_part_of_a_repeated_request,
     the_queue_has_a_bounded_number_of_different_requirements,
 }
@@ -104,8 +107,12 @@ async fn a_fit_waits_for_a_worker_that_it_asks_for(on: On) {
             Claimant { worker: WorkerId::generate(), capabilities: capabilities.clone() };
         bench.store.jobs().claim(Kind::Fit, claimant, LEASE).await.unwrap().map(|job| job.id)
     };
-    let plain =
-        Capabilities { backend: "cpu".into(), memory_bytes: 1 << 30, labels: labels(&["ecc"]) };
+    let plain = Capabilities {
+        backend: "cpu".into(),
+        memory_bytes: 1 << 30,
+        labels: labels(&["ecc"]),
+        version: None,
+    };
     assert_eq!(claim_with(&plain).await, Some(last));
     assert_eq!(claim_with(&plain).await, None);
     let labelled = Capabilities { labels: labels(&["ecc", "big", "lab=2"]), ..plain.clone() };
@@ -114,6 +121,34 @@ async fn a_fit_waits_for_a_worker_that_it_asks_for(on: On) {
     assert_eq!(claim_with(&large).await, Some(ids[1]));
     let cuda = Capabilities { backend: "cuda".into(), ..plain };
     assert_eq!(claim_with(&cuda).await, Some(ids[0]));
+}
+
+async fn a_fit_of_a_newer_version_waits_for_workers_and_servers_that_know_it(on: On) {
+    let bench = Bench::new(on).await;
+    let capture = bench.capture("a").await;
+    let requirements =
+        Requirements { version: Some(Version::new(0, 10, 0)), ..Requirements::default() };
+    let fit = NewFit { requirements, ..new_fit(&capture) };
+    let fit = bench.store.jobs().create_fit(fit).await.unwrap();
+    let claim_with = async |version: Option<Version>| {
+        let capabilities = Capabilities { version, ..Capabilities::default() };
+        let claimant = Claimant { worker: WorkerId::generate(), capabilities };
+        bench.store.jobs().claim(Kind::Fit, claimant, LEASE).await.unwrap().map(|job| job.id)
+    };
+    for older in [None, Some(Version::new(0, 9, 3))] {
+        assert_eq!(claim_with(older).await, None);
+    }
+    // A requirement that this version does not know: it is read, and left to others.
+    let unknown = r#"{"backend":"","memory_bytes":0,"labels":[],"version":"0.9.0","colour":"red"}"#;
+    let changed = sql::query("update jobs set requirements = $1 where kind = 'fit'").bind(unknown);
+    bench.tell(changed).await;
+    assert_eq!(claim_with(Some(Version::new(0, 9, 3))).await, None);
+    let read = bench.store.jobs().get(fit.id).await.unwrap().requirements;
+    assert_eq!(read.version, Some(Version::new(0, 9, 0)));
+
+    let known = sql::query("update jobs set requirements = $1 where kind = 'fit'");
+    bench.tell(known.bind(read.to_text().unwrap())).await;
+    assert_eq!(claim_with(Some(Version::new(0, 9, 3))).await, Some(fit.id));
 }
 
 async fn requirements_are_part_of_a_repeated_request(on: On) {
