@@ -2,7 +2,10 @@
 
 use rayon::prelude::*;
 
-use crate::planes::{PIECE, Plane};
+use crate::planes::Plane;
+
+/// Rows that a thread takes at a time.
+const BAND: usize = 16;
 
 /// Values beyond the border of a plane.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -23,8 +26,7 @@ pub(crate) fn separable(plane: &Plane, along_x: &[f32], along_y: &[f32], border:
 fn rows(plane: &Plane, kernel: &[f32], border: Border) -> Plane {
     let (width, radius) = (plane.width, kernel.len() / 2);
     let mut values = vec![0.0; plane.values.len()];
-    let band = PIECE.div_ceil(width) * width;
-    let bands = plane.values.par_chunks(band).zip(values.par_chunks_mut(band));
+    let bands = plane.values.par_chunks(BAND * width).zip(values.par_chunks_mut(BAND * width));
     bands.for_each(|(from, to)| {
         let mut padded = vec![0.0; width + 2 * radius];
         for (row, out) in from.chunks_exact(width).zip(to.chunks_exact_mut(width)) {
@@ -45,7 +47,7 @@ fn columns(plane: &Plane, kernel: &[f32], border: Border) -> Plane {
     let (width, height) = (plane.width, plane.height);
     let radius = kernel.len() / 2;
     let mut values = vec![0.0; plane.values.len()];
-    let rows = values.par_chunks_exact_mut(width).with_min_len(PIECE.div_ceil(width)).enumerate();
+    let rows = values.par_chunks_exact_mut(width).with_min_len(BAND).enumerate();
     rows.for_each(|(y, out)| {
         for (j, weight) in kernel.iter().enumerate() {
             let from = match (border, (y + j).checked_sub(radius)) {

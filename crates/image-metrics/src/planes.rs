@@ -4,8 +4,8 @@ use rayon::prelude::*;
 
 use crate::{Image, Pair};
 
-/// Pixels that a thread takes at a time: fewer cost less than waking it.
-pub(crate) const PIECE: usize = 1 << 14;
+/// Pixels that a thread takes at a time.
+pub(crate) const PIECE: usize = 1 << 12;
 
 /// One channel, row by row.
 #[derive(Clone, Debug, PartialEq)]

@@ -15,10 +15,8 @@ use rayon::prelude::*;
 use self::rotation::{multiply, nearest_rotation, turn, turn_back};
 use crate::{Error, Gaussians, GaussiansBar};
 
-/// Nodes or Gaussians that a thread takes at a time, where each costs microseconds, and where it
-/// costs less than waking a thread for many of them.
+/// Nodes or Gaussians that a thread takes at a time.
 const PIECE: usize = 256;
-const LARGE_PIECE: usize = 2048;
 
 /// A binding of Gaussians to nodes. G is the number of Gaussians, N that of nodes.
 #[derive(Clone, Debug)]
@@ -200,7 +198,7 @@ impl Carried {
 
     /// A value for each Gaussian.
     fn each<T: Send>(&self, of: impl Fn(usize) -> T + Send + Sync) -> Vec<T> {
-        (0..self.len()).into_par_iter().with_min_len(LARGE_PIECE).map(of).collect()
+        (0..self.len()).into_par_iter().with_min_len(PIECE).map(of).collect()
     }
 
     fn expect(&self, got: usize, what: &'static str) -> Result<(), Error> {

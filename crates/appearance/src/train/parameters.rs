@@ -8,8 +8,8 @@ use serde::{Deserialize, Serialize};
 
 /// Numbers of a Gaussian: mean, logarithms of scales, quaternion, logit of opacity, colour.
 pub(super) const WIDTH: usize = 14;
-/// Gaussians that a thread takes at a time: fewer cost less than waking it.
-pub(super) const PIECE: usize = 2048;
+/// Gaussians that a thread takes at a time.
+pub(super) const PIECE: usize = 256;
 pub(super) const MEAN: usize = 0;
 pub(super) const SCALE: usize = 3;
 pub(super) const ROTATION: usize = 6;
