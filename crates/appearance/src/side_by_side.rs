@@ -83,13 +83,7 @@ fn pixels(
     area: Rectangle,
     color: impl Fn(usize, Option<usize>) -> [u8; 3],
 ) -> Vec<[u8; 3]> {
-    let width = area.size[0].max(1) as usize;
-    let at = |pixel: usize| {
-        let column = area.corner[0] + (pixel % width) as u32;
-        let row = area.corner[1] + (pixel / width) as u32;
-        color(pixel, view.index(column, row))
-    };
-    (0..area.pixel_count()).map(at).collect()
+    area.in_view(view).enumerate().map(|(pixel, index)| color(pixel, index)).collect()
 }
 
 fn recorded(view: &View, area: Rectangle) -> Vec<[u8; 3]> {

@@ -22,6 +22,14 @@ impl Rectangle {
         Self { corner, size }
     }
 
+    /// Indices of its pixels in a view, row by row; none where the view does not reach.
+    pub(crate) fn in_view(self, view: &View) -> impl Iterator<Item = Option<usize>> {
+        let [[left, top], [width, height]] = [self.corner, self.size];
+        let places =
+            (top..top + height).flat_map(move |row| (left..left + width).map(move |c| (c, row)));
+        places.map(|(column, row)| view.index(column, row))
+    }
+
     pub(crate) fn pixel_count(&self) -> usize {
         self.size[0] as usize * self.size[1] as usize
     }
@@ -52,11 +60,8 @@ impl Target {
             valid: vec![true; count],
             depth_m: vec![0.0; count],
         };
-        let width = area.size[0];
-        for pixel in 0..count {
-            let column = area.corner[0] + pixel as u32 % width;
-            let row = area.corner[1] + pixel as u32 / width;
-            let Some(index) = view.index(column, row) else { continue };
+        for (pixel, index) in area.in_view(view).enumerate() {
+            let Some(index) = index else { continue };
             target.valid[pixel] = view.labels[index] != Label::Hand;
             if view.labels[index] == Label::Object {
                 target.object[pixel] = true;

@@ -7,8 +7,8 @@ const PIECE: usize = 1 << 13;
 
 /// Index of the first value that does not keep the rule.
 ///
-/// What is checked is right nearly always: a piece is first looked at without a branch, which
-/// compilers make vector instructions of.
+/// Nearly all that is checked is right: a piece is first looked at without a branch, which compilers
+/// make vector instructions of.
 pub(crate) fn first_wrong<T: Copy + Sync>(
     values: &[T],
     keeps: impl Fn(T) -> bool + Sync,

@@ -67,14 +67,19 @@ pub fn ply() -> Vec<u8> {
 
 /// An SPZ of a version with so many Gaussians in its header and this body.
 pub fn spz(version: u32, count: u32, body: &[u8]) -> Vec<u8> {
+    packed(&unpacked(version, count, 0, body))
+}
+
+/// The same with harmonics up to a degree, before it is compressed.
+fn unpacked(version: u32, count: u32, degree: u8, body: &[u8]) -> Vec<u8> {
     let mut bytes = Vec::new();
     for word in [0x5053_474e, version, count] {
         bytes.extend(word.to_le_bytes());
     }
-    // No harmonics, 12 bits behind the point.
-    bytes.extend([0, 12, 0, 0]);
+    // 12 bits behind the point.
+    bytes.extend([degree, 12, 0, 0]);
     bytes.extend(body);
-    packed(&bytes)
+    bytes
 }
 
 /// Three Gaussians as they lie in an SPZ of a version: positions, opacities, colours, scales,
@@ -94,12 +99,7 @@ fn packed(bytes: &[u8]) -> Vec<u8> {
 
 fn damaged(rng: &mut Rng) -> Vec<u8> {
     let version = rng.random_range(2..=3);
-    let mut bytes = Vec::new();
-    for word in [0x5053_474e, version, COUNT as u32] {
-        bytes.extend(word.to_le_bytes());
-    }
-    bytes.extend([1, 12, 0, 0]);
-    bytes.extend(body(version));
+    let mut bytes = unpacked(version, COUNT as u32, 1, &body(version));
     bytes.extend([128; 9 * COUNT]);
     packed(&damage::any(rng, &bytes))
 }

@@ -9,7 +9,7 @@ mod windows;
 use bendtwin_core::{CancelToken, Graph};
 use bendtwin_engine::{Error, backend::GradientRequest};
 
-use self::{arrays::Sizes, windows::Window};
+use self::windows::Window;
 use crate::{
     device::{
         args::{FinishGradientArgs, Pointer},
@@ -179,11 +179,6 @@ impl Backward<'_> {
     /// Number of windows, and of frames of the longest.
     fn shape(&self) -> (usize, usize) {
         self.all_windows().fold((0, 0), |(count, most), w| (count + 1, most.max(w.len())))
-    }
-
-    /// The sizes of its windows in `room` bytes.
-    fn sizes(&self, room: u64) -> Sizes {
-        Sizes::new(self, self.members[0], self.shape(), room)
     }
 
     /// Floats of an instance's sums.

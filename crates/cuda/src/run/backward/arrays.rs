@@ -53,7 +53,7 @@ struct Bytes {
     substep: u64,
 }
 
-/// How much of a backward pass is on the device at a time.
+/// Sizes of the part of a backward pass that is on the device at a time.
 pub(super) struct Sizes {
     /// Windows.
     pub(super) windows: usize,
@@ -64,15 +64,10 @@ pub(super) struct Sizes {
 }
 
 impl Sizes {
-    /// For `all` windows of one graph, of which an instance is one, and of at most `deepest`
-    /// frames, in `room` bytes.
-    pub(super) fn new(
-        backward: &Backward<'_>,
-        instance: usize,
-        (all, deepest): (usize, usize),
-        room: u64,
-    ) -> Self {
-        let simulation = backward.forward.simulation;
+    /// For the windows of a graph in `room` bytes.
+    pub(super) fn new(backward: &Backward<'_>, room: u64) -> Self {
+        let (all, deepest) = backward.shape();
+        let (simulation, instance) = (backward.forward.simulation, backward.members[0]);
         let substeps = simulation.instances[instance].model.model().timing.substeps as usize;
         let (most, deepest) = (all.clamp(1, MOST_BLOCKS), deepest.max(1));
         let bytes = backward.bytes(instance);
@@ -95,13 +90,9 @@ impl Sizes {
 }
 
 impl WindowArrays {
-    /// Arrays of these sizes for windows of one graph, of which an instance is one.
-    pub(super) fn new(
-        backward: &Backward<'_>,
-        instance: usize,
-        sizes: &Sizes,
-    ) -> Result<Self, Error> {
-        let simulation = backward.forward.simulation;
+    /// Arrays of these sizes for windows of a graph.
+    pub(super) fn new(backward: &Backward<'_>, sizes: &Sizes) -> Result<Self, Error> {
+        let (simulation, instance) = (backward.forward.simulation, backward.members[0]);
         let stream = &simulation.queue.stream;
         let model = simulation.instances[instance].model.model();
         let (nodes, substeps) = (model.graph.node_count(), model.timing.substeps as usize);

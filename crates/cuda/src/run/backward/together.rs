@@ -7,7 +7,7 @@ use bendtwin_engine::Error;
 
 use super::{
     Backward,
-    arrays::WindowArrays,
+    arrays::{Sizes, WindowArrays},
     windows::{ConcurrentWindows, Window},
 };
 use crate::device::{memory::Buffer, queue::Queue, throttle::LaunchThrottle};
@@ -24,9 +24,8 @@ struct Part<'a> {
 /// forward pass wrote all tapes and all windows fit at once, else graph by graph.
 pub(super) fn run(graphs: &[Backward<'_>], room: u64) -> Result<(), Error> {
     let share = room / graphs.len().max(1) as u64;
-    let fits = |g: &Backward<'_>| {
-        g.forward.tapes.is_some() && g.sizes(share).windows >= g.all_windows().count()
-    };
+    let fits =
+        |g: &Backward<'_>| g.forward.tapes.is_some() && Sizes::new(g, share).windows >= g.shape().0;
     if graphs.iter().all(fits) {
         side_by_side(graphs, share)
     } else {
@@ -55,7 +54,7 @@ impl<'a> Part<'a> {
         let stream = &backward.forward.simulation.queue.stream;
         Ok(Self {
             windows: backward.all_windows().collect(),
-            arrays: WindowArrays::new(backward, backward.members[0], &backward.sizes(room))?,
+            arrays: WindowArrays::new(backward, &Sizes::new(backward, room))?,
             total: Buffer::zeros(stream, backward.stride() * backward.members.len())?,
             backward,
         })

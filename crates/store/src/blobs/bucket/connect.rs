@@ -20,8 +20,6 @@ const FIRST_BACKOFF: Duration = Duration::from_millis(100);
 const LONGEST_BACKOFF: Duration = Duration::from_secs(2);
 /// Variable that names a file with the authorities of the endpoint, as for AWS's own programs.
 const AUTHORITIES: &str = "AWS_CA_BUNDLE";
-/// The fault of a request whose keys are refused.
-const OF_KEYS: &str = "the keys are wrong or do not allow it";
 
 impl Bucket {
     /// A bucket, with credentials, region and endpoint from the environment (`AWS_*`), else
@@ -87,14 +85,8 @@ pub(super) fn failed(error: object_store::Error) -> Error {
         object_store::Error::NotFound { .. } if !text.contains("NoSuchBucket") => error.into(),
         object_store::Error::NotFound { .. } => refused("the bucket does not exist".to_owned()),
         object_store::Error::PermissionDenied { .. }
-        | object_store::Error::Unauthenticated { .. } => {
-            tracing::warn!(%error, "the bucket refuses a request");
-            refused(OF_KEYS.to_owned())
-        }
-        _ if is_of_keys(&text) => {
-            tracing::warn!(%error, "the bucket refuses a request");
-            refused(OF_KEYS.to_owned())
-        }
+        | object_store::Error::Unauthenticated { .. } => of_keys(&error),
+        _ if is_of_keys(&text) => of_keys(&error),
         _ if is_refusal(&text) => {
             tracing::warn!(%error, "the bucket refuses a request");
             refused("the region or the endpoint is wrong, or the request is not known there".into())
@@ -104,6 +96,12 @@ pub(super) fn failed(error: object_store::Error) -> Error {
             Error::ObjectsUnavailable
         }
     }
+}
+
+/// The refusal of a request for its keys.
+fn of_keys(error: &object_store::Error) -> Error {
+    tracing::warn!(%error, "the bucket refuses a request");
+    refused("the keys are wrong or do not allow it".to_owned())
 }
 
 /// True if a server answered that the keys are wrong or may not do this. Not every request turns that
