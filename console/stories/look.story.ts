@@ -4,6 +4,7 @@ import { afterAll, afterEach, beforeAll, describe, expect, it } from 'vitest';
 import { Server } from '../scripts/server.mjs';
 import type { Api } from '../src/api/client';
 import { loadAppearance } from '../src/view3d/appearance';
+import { lift } from './drag';
 import { call, folder, makeCapture, sendCapture, until } from './made';
 import { changed, distance, mean, meanRow, settled, type Colour, type Picture } from './pixels';
 import { Visit, launch } from './visit';
@@ -67,8 +68,6 @@ describe('the look of a twin', () => {
     await page.getByText('frames/s simulated').waitFor();
     await page.locator('.splat-count').waitFor();
     await page.getByText('Picture', { exact: true }).first().click();
-    const box = (await page.locator('.stage canvas').boundingBox())!;
-    const [x, y] = [box.x + box.width / 2, box.y + box.height / 2];
     const seen = async (): Promise<{ row: number; colour: Colour }> => {
       await page.getByRole('button', { name: 'Pause', exact: true }).click();
       const { picture, pixels } = await covered(visit, page.getByRole('checkbox', { name: 'Skin' }));
@@ -76,13 +75,7 @@ describe('the look of a twin', () => {
       return { row: meanRow(picture, pixels), colour: mean(picture, pixels) };
     };
     const before = await seen();
-    await page.keyboard.down('Shift');
-    await page.mouse.move(x, y);
-    await page.mouse.down();
-    await page.mouse.move(x, y - 150, { steps: 15 });
-    await page.mouse.up();
-    await page.keyboard.up('Shift');
-    await page.getByText('Pointer 1 holds').waitFor();
+    await lift(page);
     let after = before;
     await expect.poll(async () => before.row - (after = await seen()).row).toBeGreaterThan(60);
     expect(distance(after.colour, own)).toBeLessThan(ALIKE);

@@ -2,6 +2,7 @@ import { readFileSync } from 'node:fs';
 import type { Browser, Download, Page } from 'playwright-core';
 import { afterAll, afterEach, beforeAll, describe, expect, it } from 'vitest';
 import { Server } from '../scripts/server.mjs';
+import { lift, middle } from './drag';
 import { fittedRope } from './rope';
 import { Visit, launch, type VisitOptions } from './visit';
 
@@ -269,25 +270,6 @@ describe('the playground', () => {
     await visit.close();
   });
 });
-
-/** The middle of the picture, where the camera looks at the object, in pixels of the page. */
-async function middle(page: Page): Promise<[number, number]> {
-  const box = await page.locator('canvas').boundingBox();
-  if (box === null) throw new Error('there is no picture');
-  return [box.x + box.width / 2, box.y + box.height / 2];
-}
-
-/** Lifts the middle of the object with a pointer, which keeps hold of it. */
-async function lift(page: Page): Promise<void> {
-  const [x, y] = await middle(page);
-  await page.keyboard.down('Shift');
-  await page.mouse.move(x, y);
-  await page.mouse.down();
-  await page.mouse.move(x, y - 150, { steps: 15 });
-  await page.mouse.up();
-  await page.keyboard.up('Shift');
-  await page.getByText('Pointer 1 holds').waitFor();
-}
 
 /** The link of the moment. */
 async function link(page: Page): Promise<string> {
