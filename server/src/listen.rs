@@ -134,8 +134,16 @@ async fn serve_one(
     match handshake::open(stream, peer, &tls, timeouts.head, place, &stop).await {
         None => {}
         Some(Opened::Tls(accepted)) => {
+            let refused = tls.refused(&accepted);
+            let worker = accepted.peer.as_ref().map(|shown| shown.name().to_owned());
             let service = service.with_certificate(accepted.peer);
-            connection::serve(accepted.stream, peer, service, timeouts, place, stop).await;
+            tokio::select! {
+                () = connection::serve(accepted.stream, peer, service, timeouts, place, stop) => {}
+                why = refused => {
+                    place.ended("certificate");
+                    tracing::warn!(%peer, worker, why, "connection ended for its certificate");
+                }
+            }
         }
         // Served as it came, so that whoever sent it can read the refusal.
         Some(Opened::Plain(stream)) => {

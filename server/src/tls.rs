@@ -4,7 +4,8 @@
 use std::{sync::Arc, time::Duration};
 
 use bendtwin_tls::{
-    Certificate, Connector, FileError, Mutual, Public, Reloaded, ServerConfig, tell,
+    Accepted, Certificate, Connector, FileError, Mutual, Public, Reloaded, ServerConfig, tell,
+    tell_lists,
 };
 use tokio_util::sync::CancellationToken;
 
@@ -34,6 +35,20 @@ impl Handshakes {
             Self::Workers(settings) => settings.get().server.clone(),
         }
     }
+
+    /// Waits until the peer of an open connection is refused, which says why.
+    pub(crate) fn refused(&self, accepted: &Accepted) -> impl Future<Output = String> + use<> {
+        let among_workers = match self {
+            Self::Public(_) => None,
+            Self::Workers(settings) => Some(settings.clone().refused(accepted.shown())),
+        };
+        async {
+            match among_workers {
+                Some(refused) => refused.await.to_string(),
+                None => std::future::pending().await,
+            }
+        }
+    }
 }
 
 impl Certificates {
@@ -52,6 +67,7 @@ impl Certificates {
             Reloaded::new(paths.all(), move || {
                 let loaded = Mutual::load(&paths)?;
                 tell("workers_tls", loaded.certificate.as_ref());
+                tell_lists("workers_tls", &loaded.lists);
                 Ok(loaded)
             })
         });
@@ -80,7 +96,7 @@ impl Certificates {
     pub(crate) fn dialer(&self) -> Connector {
         let dialer = Connector::new(DIAL_TIMEOUT);
         match self.workers.clone() {
-            Some(workers) => dialer.with_tls(move || workers.get().client.clone()),
+            Some(workers) => dialer.with_peer(workers),
             None => dialer,
         }
     }

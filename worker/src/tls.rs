@@ -2,7 +2,9 @@
 
 use std::{io, sync::Arc, time::Duration};
 
-use bendtwin_tls::{Accepted, Certificate, Mutual, MutualPaths, Reloaded, Stream, tell};
+use bendtwin_tls::{
+    Accepted, Certificate, Mutual, MutualPaths, Reloaded, Stream, tell, tell_lists,
+};
 use tokio::{
     net::{TcpListener, TcpStream},
     sync::{Semaphore, mpsc},
@@ -23,6 +25,7 @@ pub(crate) fn load(paths: &MutualPaths) -> Result<Reloaded<Mutual>, Error> {
     let loaded = Reloaded::new(paths.all(), move || {
         let loaded = Mutual::load(&paths)?;
         tell("worker", loaded.certificate.as_ref());
+        tell_lists("worker", &loaded.lists);
         Ok(loaded)
     });
     Ok(loaded?)
@@ -67,7 +70,7 @@ pub(crate) fn incoming(
                 continue;
             };
             let Ok(place) = places.clone().try_acquire_owned() else { continue };
-            let (settings, sender) = (settings.get().server.clone(), sender.clone());
+            let (settings, sender) = (settings.clone(), sender.clone());
             tokio::spawn(async move {
                 let shaken = tokio::time::timeout(TIMEOUT, shake_hands(settings, stream)).await;
                 drop(place);
@@ -81,11 +84,8 @@ pub(crate) fn incoming(
     ReceiverStream::new(receiver)
 }
 
-async fn shake_hands(
-    settings: Arc<bendtwin_tls::ServerConfig>,
-    stream: TcpStream,
-) -> io::Result<Stream> {
+async fn shake_hands(settings: Reloaded<Mutual>, stream: TcpStream) -> io::Result<Stream> {
     stream.set_nodelay(true)?;
-    let accepted = Accepted::shake_hands(settings, stream).await?;
-    Ok(Stream::Accepted(Box::new(accepted.stream)))
+    let accepted = Accepted::shake_hands(settings.get().server.clone(), stream).await?;
+    Ok(accepted.among_peers(settings))
 }

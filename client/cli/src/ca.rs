@@ -3,13 +3,13 @@
 use std::path::{Path, PathBuf};
 
 use anyhow::Context as _;
-use bendtwin_ca::{AUTHORITY_DAYS, Authority, DAYS, Order, Role, Written};
+use bendtwin_ca::{AUTHORITY_DAYS, Authority, DAYS, Issued, Order, Role, Written, issued};
 use bendtwin_tls::{Certificate, Validity, files};
 use clap::{Args, Subcommand, ValueEnum};
 use jiff::Timestamp;
 use serde::Serialize;
 
-use crate::{failure::failed, global::Global, output};
+use crate::{failure::failed, global::Global, output, table::Table};
 
 #[derive(Debug, Args)]
 pub(crate) struct Ca {
@@ -26,6 +26,13 @@ enum Command {
     },
     /// Issue a certificate with its key: NAME.pem and NAME.key in the folder
     Issue(Issue),
+    /// Revoke certificates: write crl.pem, the list that servers and workers read, in the folder
+    Revoke(Revoke),
+    /// List the certificates that an authority has issued, and which of them it has revoked
+    List {
+        /// Folder of the authority
+        folder: PathBuf,
+    },
     /// Show the certificates of a file, with their hosts and their ends
     Show {
         /// PEM file
@@ -56,6 +63,16 @@ struct Issue {
     renew: bool,
 }
 
+#[derive(Debug, Args)]
+struct Revoke {
+    /// Folder of the authority
+    folder: PathBuf,
+    /// Name (all certificates that had it), serial number or file of a certificate; without any the
+    /// list is written as it stands
+    #[arg(value_name = "NAME|SERIAL|FILE")]
+    certificates: Vec<String>,
+}
+
 /// Roles of holders, as users write them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum RoleArg {
@@ -69,11 +86,31 @@ enum RoleArg {
 #[derive(Serialize)]
 struct Shown {
     name: String,
+    serial: String,
     issuer: String,
     hosts: Vec<String>,
     is_authority: bool,
     not_before: Timestamp,
     not_after: Timestamp,
+}
+
+/// List of revoked certificates that was written.
+#[derive(Serialize)]
+struct List {
+    list: PathBuf,
+    number: u64,
+    certificates: Vec<Row>,
+    total: usize,
+}
+
+/// Certificate that was issued.
+#[derive(Serialize)]
+struct Row {
+    name: String,
+    serial: String,
+    hosts: Vec<String>,
+    not_after: Timestamp,
+    revoke_time: Option<Timestamp>,
 }
 
 /// Files that were written.
@@ -88,6 +125,8 @@ pub(crate) fn run(args: Ca, global: &Global) -> anyhow::Result<()> {
     match args.command {
         Command::Init { folder } => init(&folder, global),
         Command::Issue(args) => issue(args, global),
+        Command::Revoke(args) => revoke(&args, global),
+        Command::List { folder } => list(&folder, global),
         Command::Show { file } => show(&file, global),
     }
 }
@@ -116,12 +155,15 @@ fn issue(args: Issue, global: &Global) -> anyhow::Result<()> {
     print(&written, global, |files| {
         let (certificate, key) = (written.certificate.display(), written.key.display());
         let (ca, hosts) = (ca.display(), written.facts.hosts.join(", "));
+        let crl = Authority::list_path(&args.folder);
+        let crl = crl.display();
         let next = match role {
             Role::Server => format!(
                 "For clients: bendtwin server --tls-certificate {certificate} --tls-key {key}; \
                  they are given {ca} (--ca, BENDTWIN_CA)\n\
                  For workers on other hosts: bendtwin server --listen-workers-tls ADDRESS \
-                 --worker-tls-certificate {certificate} --worker-tls-key {key} --worker-tls-ca {ca}"
+                 --worker-tls-certificate {certificate} --worker-tls-key {key} --worker-tls-ca {ca} \
+                 --worker-tls-crl {crl}"
             ),
             Role::Worker => format!(
                 "Next: copy both files and {ca} to the worker's host, and there\n\
@@ -154,12 +196,62 @@ fn print(
     })
 }
 
+fn revoke(args: &Revoke, global: &Global) -> anyhow::Result<()> {
+    let authority = Authority::open(&args.folder).map_err(failed)?;
+    let done = authority.revoke(&args.certificates).map_err(failed)?;
+    let certificates: Vec<_> = done.asked.iter().map(Row::of).collect();
+    let list = List { list: done.list, number: done.number, certificates, total: done.total };
+    output::print(global, &list, || {
+        let revoked =
+            list.certificates.iter().map(|one| format!("revoked {} ({})\n", one.name, one.serial));
+        let (path, total) = (list.list.display(), list.total);
+        format!(
+            "{}wrote {path}, on which there are {total} certificates in all\n\
+             Next: copy it over the file of --worker-tls-crl of each server, and of --crl of each \
+             worker: within seconds they read it, and end the connections of whoever is on it",
+            revoked.collect::<String>()
+        )
+    })
+}
+
+fn list(folder: &Path, global: &Global) -> anyhow::Result<()> {
+    let rows: Vec<_> = issued(folder).map_err(failed)?.iter().map(Row::of).collect();
+    let now = Timestamp::now();
+    output::print(global, &rows, || {
+        let mut table = Table::new(["NAME", "HOSTS", "UNTIL", "STATE", "SERIAL"]);
+        for row in &rows {
+            let state = match row.revoke_time {
+                Some(at) => format!("revoked at {at:.0}"),
+                None if row.not_after < now => "expired".to_owned(),
+                None => "valid".to_owned(),
+            };
+            let (hosts, until) = (row.hosts.join(","), format!("{:.0}", row.not_after));
+            table.row([row.name.clone(), hosts, until, state, row.serial.clone()]);
+        }
+        table.text()
+    })
+}
+
+impl Row {
+    fn of(issued: &Issued) -> Self {
+        let facts = &issued.facts;
+        Self {
+            name: facts.common_name.clone(),
+            serial: facts.serial.clone(),
+            hosts: facts.hosts.clone(),
+            not_after: facts.not_after,
+            revoke_time: issued.revoked,
+        }
+    }
+}
+
 fn show(file: &Path, global: &Global) -> anyhow::Result<()> {
     let found = files::certificates(file).map_err(failed)?;
     let found = found.iter().map(|der| Certificate::of(der).context("a certificate is damaged"));
     let found = found.collect::<anyhow::Result<Vec<_>>>()?;
     let shown = found.iter().map(|certificate| Shown {
         name: certificate.name().to_owned(),
+        serial: certificate.serial.clone(),
         issuer: certificate.issuer.clone(),
         hosts: certificate.hosts.clone(),
         is_authority: certificate.is_authority,

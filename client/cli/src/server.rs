@@ -73,6 +73,15 @@ pub(crate) struct Server {
         requires = "worker_tls_listen"
     )]
     worker_tls_ca: Option<PathBuf>,
+    /// List of the workers' certificates that this authority has revoked (`bendtwin ca revoke`): a
+    /// PEM file, read again when it changes [default: none]
+    #[arg(
+        long,
+        env = "BENDTWIN_WORKER_TLS_CRL",
+        value_name = "FILE",
+        requires = "worker_tls_listen"
+    )]
+    worker_tls_crl: Option<PathBuf>,
     /// Listen on an address that is not loopback: a proxy in front has the TLS [default: false]
     #[arg(
         long,

@@ -36,6 +36,10 @@ pub(crate) struct Worker {
     /// Key of this certificate: a PEM file that other users cannot read
     #[arg(long, env = "BENDTWIN_WORKER_KEY", value_name = "FILE", requires = "certificate")]
     key: Option<PathBuf>,
+    /// List of the certificates that the authority has revoked (`bendtwin ca revoke`), so that no
+    /// server is taken for one that has such a certificate: a PEM file, read again when it changes
+    #[arg(long, env = "BENDTWIN_WORKER_CRL", value_name = "FILE", requires = "certificate")]
+    crl: Option<PathBuf>,
     #[command(flatten)]
     backend: BackendArgs,
     /// Address for rollouts; port 0 takes a free one
@@ -162,7 +166,7 @@ impl Worker {
         let pair = self.certificate.zip(self.key);
         let pair = pair.map(|(certificate, key)| PairPaths { certificate, key });
         let tls = match (pair, global.ca.clone()) {
-            (Some(pair), Some(ca)) => Some(MutualPaths { pair, ca }),
+            (Some(pair), Some(ca)) => Some(MutualPaths { pair, ca, crl: self.crl }),
             (Some(_), None) => {
                 let fault = "--certificate takes --ca, the authority of the server and its workers";
                 return Err(Usage(fault.to_owned()));

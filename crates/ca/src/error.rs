@@ -28,9 +28,31 @@ pub enum Error {
     },
     /// The name cannot be that of a file and of a host.
     #[error(
-        "`{0}` is no name for a certificate: use up to 63 letters, digits, `-` and `.`, and not `ca`"
+        "`{0}` is no name for a certificate: use up to 63 letters, digits, `-` and `.`, and neither \
+         `ca` nor `crl`"
     )]
     Name(String),
+    /// The authority issued no such certificate.
+    #[error(
+        "the authority in {0} issued no certificate `{what}`: give a name or a serial number of \
+         `bendtwin ca list {0}`, or the file of the certificate", folder.display()
+    )]
+    Unknown {
+        /// What was asked for.
+        what: String,
+        /// The folder.
+        folder: PathBuf,
+    },
+    /// A file is of another authority.
+    #[error(
+        "{} is of another authority, `{issuer}`: name the folder of that one", path.display()
+    )]
+    OfAnother {
+        /// The file.
+        path: PathBuf,
+        /// Common name of that authority.
+        issuer: String,
+    },
     /// The host is none.
     #[error("`{0}` is neither a host name nor an address: give it without scheme and port")]
     Host(String),
@@ -71,10 +93,12 @@ impl Problem for Error {
     fn category(&self) -> Category {
         match self {
             Self::Exists { .. } => Category::AlreadyExists,
-            Self::Missing { .. } => Category::NotFound,
-            Self::Name(_) | Self::Host(_) | Self::Days(_) | Self::TooLong { .. } => {
-                Category::InvalidArgument
-            }
+            Self::Missing { .. } | Self::Unknown { .. } => Category::NotFound,
+            Self::Name(_)
+            | Self::Host(_)
+            | Self::Days(_)
+            | Self::TooLong { .. }
+            | Self::OfAnother { .. } => Category::InvalidArgument,
             Self::File(error) => error.category(),
             Self::Unwritable { .. } => Category::FailedPrecondition,
             Self::Generation(_) | Self::Unreadable => Category::Internal,
@@ -85,9 +109,12 @@ impl Problem for Error {
         match self {
             Self::Exists { .. } => "CA_FILE_EXISTS",
             Self::Missing { .. } => "NO_CA",
-            Self::Name(_) | Self::Host(_) | Self::Days(_) | Self::TooLong { .. } => {
-                "INVALID_ARGUMENT"
-            }
+            Self::Unknown { .. } => "CERTIFICATE_UNKNOWN",
+            Self::Name(_)
+            | Self::Host(_)
+            | Self::Days(_)
+            | Self::TooLong { .. }
+            | Self::OfAnother { .. } => "INVALID_ARGUMENT",
             Self::File(error) => error.reason(),
             Self::Unwritable { .. } => "FILE_UNUSABLE",
             Self::Generation(_) | Self::Unreadable => "CA_FAILED",

@@ -17,26 +17,27 @@ pub(crate) fn make_folder(folder: &Path) -> Result<(), Error> {
     builder.create(folder).map_err(|source| Error::Unwritable { path: folder.to_owned(), source })
 }
 
-/// Writes a certificate and its key. Files that are there are refused, or replaced each at once.
+/// Refuses to go on where one of these files is there.
+pub(crate) fn refuse_present(paths: &[&Path]) -> Result<(), Error> {
+    match paths.iter().find(|path| path.exists()) {
+        Some(path) => Err(Error::Exists { path: (*path).to_owned() }),
+        None => Ok(()),
+    }
+}
+
+/// Writes a certificate and its key. Files that are there are replaced each at once.
 pub(crate) fn write_pair(
     certificate: &Path,
     certificate_pem: &str,
     key: &Path,
     key_pem: &str,
-    replaces: bool,
 ) -> Result<(), Error> {
-    if !replaces {
-        for path in [certificate, key] {
-            if path.exists() {
-                return Err(Error::Exists { path: path.to_owned() });
-            }
-        }
-    }
     write(key, key_pem, 0o600)?;
     write(certificate, certificate_pem, 0o644)
 }
 
-fn write(path: &Path, text: &str, mode: u32) -> Result<(), Error> {
+/// Writes a file, which is replaced at once if it is there.
+pub(crate) fn write(path: &Path, text: &str, mode: u32) -> Result<(), Error> {
     let unwritable = |source| Error::Unwritable { path: path.to_owned(), source };
     let mut partial = path.as_os_str().to_owned();
     partial.push(".partial");

@@ -1,10 +1,11 @@
 //! A private certification authority in a folder: `ca.pem`, which everyone may have, `ca.key`, which
-//! nobody else may, and beside them the certificates that it issued. It is for the servers and the
-//! workers of one installation; nobody else trusts it.
+//! nobody else may, the certificates that it issued, and `crl.pem`, the list of those that it has
+//! revoked. It is for the servers and the workers of one installation; nobody else trusts it.
 
 mod error;
 mod files;
 mod name;
+mod revocation;
 
 use std::{
     net::IpAddr,
@@ -20,6 +21,7 @@ use rcgen::{
 use time::OffsetDateTime;
 
 pub use error::Error;
+pub use revocation::{Issued, Revocation, issued};
 
 /// Validity of an authority's certificate [days].
 pub const AUTHORITY_DAYS: u32 = 3650;
@@ -74,17 +76,14 @@ pub struct Written {
 }
 
 impl Authority {
-    /// Makes an authority in a folder, which is made if missing.
+    /// Makes an authority in a folder, which is made if missing, and its list of revoked
+    /// certificates, which has none.
     ///
     /// # Errors
     /// If there is one, or a file cannot be written.
     pub fn create(folder: &Path) -> Result<Written, Error> {
         let (certificate, key) = Self::paths(folder);
-        for path in [&certificate, &key] {
-            if path.exists() {
-                return Err(Error::Exists { path: path.clone() });
-            }
-        }
+        files::refuse_present(&[&certificate, &key, &Self::list_path(folder)])?;
         files::make_folder(folder)?;
         let now = Timestamp::now();
         let mut params = CertificateParams::default();
@@ -99,7 +98,8 @@ impl Authority {
         params.not_before = moment(now, -EARLIER)?;
         params.not_after = moment(now, DAY * i32::try_from(AUTHORITY_DAYS).unwrap_or(i32::MAX))?;
         let signed = params.self_signed(&pair)?;
-        files::write_pair(&certificate, &signed.pem(), &key, &pair.serialize_pem(), false)?;
+        files::write_pair(&certificate, &signed.pem(), &key, &pair.serialize_pem())?;
+        Self::open(folder)?.revoke(&[])?;
         let facts = Certificate::of(signed.der()).ok_or(Error::Unreadable)?;
         Ok(Written { certificate, key, facts })
     }
@@ -153,7 +153,11 @@ impl Authority {
         if facts.not_after > self.certificate.not_after {
             return Err(Error::TooLong { days: order.days, end: self.certificate.not_after });
         }
-        files::write_pair(&certificate, &signed.pem(), &key, &pair.serialize_pem(), order.renew)?;
+        if !order.renew {
+            files::refuse_present(&[&certificate, &key])?;
+        }
+        self.record(&facts, &signed.pem())?;
+        files::write_pair(&certificate, &signed.pem(), &key, &pair.serialize_pem())?;
         Ok(Written { certificate, key, facts })
     }
 

@@ -5,9 +5,12 @@ use crate::Error;
 /// Longest label of a host name, which a name here is as a whole.
 const LONGEST: usize = 63;
 
+/// Names of the authority's own files.
+const TAKEN: [&str; 2] = ["ca", "crl"];
+
 /// Checks a name, which becomes that of a file and a host.
 pub(crate) fn check(name: &str) -> Result<(), Error> {
-    let is_short = name.len() <= LONGEST && name != "ca";
+    let is_short = name.len() <= LONGEST && !TAKEN.contains(&name);
     if is_short && is_host(name) { Ok(()) } else { Err(Error::Name(name.to_owned())) }
 }
 

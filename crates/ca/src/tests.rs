@@ -4,7 +4,7 @@ use bendtwin_core::Problem as _;
 
 use super::*;
 
-fn order(name: &str, role: Role) -> Order {
+pub(crate) fn order(name: &str, role: Role) -> Order {
     Order { name: name.to_owned(), hosts: Vec::new(), role, days: 30, renew: false }
 }
 
@@ -53,7 +53,7 @@ fn orders_with_faults_are_refused() {
     assert!(missing.to_string().contains("bendtwin ca init"), "{missing}");
     Authority::create(folder.path()).unwrap();
     let authority = Authority::open(folder.path()).unwrap();
-    for name in ["", "ca", "../gpu", "a/b", "-a", "a.", "a b", &"a".repeat(64)] {
+    for name in ["", "ca", "crl", "../gpu", "a/b", "-a", "a.", "a b", &"a".repeat(64)] {
         let refused = authority.issue(&order(name, Role::Worker)).unwrap_err();
         assert!(matches!(refused, Error::Name(_)), "{name}: {refused}");
     }
@@ -66,5 +66,6 @@ fn orders_with_faults_are_refused() {
         let refused = authority.issue(&Order { days, ..order("gpu1", Role::Worker) });
         assert!(matches!(refused, Err(Error::Days(_))), "{days}");
     }
-    assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 2);
+    // Its certificate, its key and its list.
+    assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 3);
 }

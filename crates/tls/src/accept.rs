@@ -6,7 +6,10 @@ use rustls::ServerConfig;
 use tokio::net::TcpStream;
 use tokio_rustls::{TlsAcceptor, server::TlsStream};
 
-use crate::Certificate;
+use crate::{
+    Certificate, Mutual, Reloaded, Stream,
+    peer::{Peer, Watch},
+};
 
 /// A connection whose handshake has ended well.
 #[derive(Debug)]
@@ -27,6 +30,18 @@ impl Accepted {
         let peer = stream.get_ref().1.peer_certificates();
         let peer = peer.and_then(|chain| chain.first()).and_then(Certificate::of);
         Ok(Self { stream, peer })
+    }
+
+    /// Certificates that the peer showed.
+    pub fn shown(&self) -> Peer {
+        Peer::of(self.stream.get_ref().1, None)
+    }
+
+    /// The connection among peers: it fails once these settings refuse the other side.
+    pub fn among_peers(self, settings: Reloaded<Mutual>) -> Stream {
+        let name = self.peer.as_ref().map_or("the other side", Certificate::name).to_owned();
+        let watch = Watch::new(settings, self.shown(), name);
+        Stream::accepted(self.stream, watch)
     }
 }
 

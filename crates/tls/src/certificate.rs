@@ -14,6 +14,8 @@ const SOON: SignedDuration = SignedDuration::from_hours(14 * 24);
 /// Facts that a certificate states.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Certificate {
+    /// Its number at its issuer, in hexadecimal digits.
+    pub serial: String,
     /// Common name of its subject, perhaps empty.
     pub common_name: String,
     /// Common name of its issuer, perhaps empty.
@@ -46,8 +48,8 @@ impl Certificate {
         let names = parsed.subject_alternative_name().ok().flatten();
         let names = names.iter().flat_map(|names| &names.value.general_names);
         let validity = parsed.validity();
-        let time = |seconds| Timestamp::from_second(seconds).unwrap_or(Timestamp::MAX);
         Some(Self {
+            serial: serial_text(parsed.raw_serial()),
             common_name: common_name(parsed.subject()),
             issuer: common_name(parsed.issuer()),
             hosts: names.filter_map(host).collect(),
@@ -97,7 +99,18 @@ pub fn tell(shown_by: &'static str, certificate: Option<&Certificate>) {
     }
 }
 
-fn common_name(name: &X509Name<'_>) -> String {
+/// Digits of a serial number, without the zero that keeps it from being negative.
+pub(crate) fn serial_text(bytes: &[u8]) -> String {
+    let bytes = bytes.strip_prefix(&[0]).filter(|rest| !rest.is_empty()).unwrap_or(bytes);
+    bytes.iter().map(|byte| format!("{byte:02x}")).collect()
+}
+
+/// The time of a second; the last one for what is none.
+pub(crate) fn time(seconds: i64) -> Timestamp {
+    Timestamp::from_second(seconds).unwrap_or(Timestamp::MAX)
+}
+
+pub(crate) fn common_name(name: &X509Name<'_>) -> String {
     let found = name.iter_common_name().find_map(|name| name.as_str().ok());
     printable(found.unwrap_or_default())
 }

@@ -7,14 +7,16 @@ use std::{
 
 use rustls::{
     ClientConfig, RootCertStore, ServerConfig,
+    client::{VerifierBuilderError, WebPkiServerVerifier},
     crypto::{CryptoProvider, ring},
-    server::WebPkiClientVerifier,
+    server::{WebPkiClientVerifier, danger::ClientCertVerifier},
     version::TLS13,
 };
 
 use crate::{
-    Certificate, FileError,
+    Certificate, FileError, RevocationList,
     files::{self, unusable},
+    revocation,
 };
 
 /// Protocols of a listener, by preference.
@@ -36,6 +38,8 @@ pub struct MutualPaths {
     pub pair: PairPaths,
     /// The certificates of the authority.
     pub ca: PathBuf,
+    /// The list of those that it has revoked, if there is one.
+    pub crl: Option<PathBuf>,
 }
 
 /// Settings of a listener that shows a certificate and demands none.
@@ -57,6 +61,10 @@ pub struct Mutual {
     pub client: Arc<ClientConfig>,
     /// Its own certificate.
     pub certificate: Option<Certificate>,
+    /// Lists of revoked certificates, which are refused whoever began the connection.
+    pub lists: Vec<RevocationList>,
+    pub(crate) clients: Arc<dyn ClientCertVerifier>,
+    pub(crate) servers: Arc<WebPkiServerVerifier>,
 }
 
 /// Settings of a client that trusts the authorities of a file, or without one those of the system.
@@ -106,6 +114,7 @@ impl MutualPaths {
     pub fn all(&self) -> Vec<PathBuf> {
         let mut paths = self.pair.all();
         paths.push(self.ca.clone());
+        paths.extend(self.crl.clone());
         paths
     }
 }
@@ -116,31 +125,55 @@ impl Mutual {
     /// # Errors
     /// If the files cannot be used.
     pub fn load(paths: &MutualPaths) -> Result<Self, FileError> {
-        let MutualPaths { pair, ca } = paths;
+        let MutualPaths { pair, ca, crl } = paths;
         let chain = files::certificates(&pair.certificate)?;
         let key = files::key(&pair.key)?;
-        let roots = files::authorities(ca)?;
+        let roots = Arc::new(files::authorities(ca)?);
+        let (crls, lists) = match crl {
+            Some(path) => revocation::load(path, &files::certificates(ca)?)?,
+            None => Default::default(),
+        };
         let certificate = chain.first().and_then(Certificate::of);
         let of_ca = |fault: &dyn std::fmt::Display| unusable(ca, fault);
+        let of_verifier = |fault: VerifierBuilderError| match (crl, fault) {
+            (Some(path), fault @ VerifierBuilderError::InvalidCrl(_)) => unusable(path, fault),
+            (_, fault) => of_ca(&fault),
+        };
 
-        let demand =
-            WebPkiClientVerifier::builder_with_provider(roots.clone().into(), provider()).build();
+        // Authorities sign what they issue themselves: whatever is below them is named as one, too.
+        let clients = WebPkiClientVerifier::builder_with_provider(roots.clone(), provider())
+            .with_crls(crls.clone())
+            .only_check_end_entity_revocation()
+            .build()
+            .map_err(of_verifier)?;
         let server = ServerConfig::builder_with_provider(provider())
             .with_protocol_versions(&[&TLS13])
             .map_err(|fault| of_ca(&fault))?
-            .with_client_cert_verifier(demand.map_err(|fault| of_ca(&fault))?)
+            .with_client_cert_verifier(clients.clone())
             .with_single_cert(chain.clone(), key.clone_key());
         let mut server = server.map_err(|fault| of_pair(pair, fault))?;
         server.alpn_protocols = PROTOCOLS.map(<[u8]>::to_vec).into();
 
+        let servers = WebPkiServerVerifier::builder_with_provider(roots, provider())
+            .with_crls(crls)
+            .only_check_end_entity_revocation()
+            .build()
+            .map_err(of_verifier)?;
         let client = ClientConfig::builder_with_provider(provider())
             .with_protocol_versions(&[&TLS13])
             .map_err(|fault| of_ca(&fault))?
-            .with_root_certificates(roots)
+            .with_webpki_verifier(servers.clone())
             .with_client_auth_cert(chain, key);
         let mut client = client.map_err(|fault| of_pair(pair, fault))?;
         client.alpn_protocols = vec![b"h2".to_vec()];
-        Ok(Self { server: server.into(), client: client.into(), certificate })
+        Ok(Self {
+            server: server.into(),
+            client: client.into(),
+            certificate,
+            lists,
+            clients,
+            servers,
+        })
     }
 }
 

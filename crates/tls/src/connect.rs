@@ -9,38 +9,31 @@ use std::{
 };
 
 use hyper::Uri;
-use hyper_util::{
-    client::legacy::connect::{Connected, Connection},
-    rt::TokioIo,
-};
+use hyper_util::rt::TokioIo;
 use rustls::{ClientConfig, pki_types::ServerName};
-use tokio::{
-    io::{AsyncRead, AsyncWrite, ReadBuf},
-    net::TcpStream,
-};
-use tokio_rustls::{TlsConnector, client::TlsStream, server};
-use tonic::transport::server::Connected as Served;
+use tokio::net::TcpStream;
+use tokio_rustls::TlsConnector;
 use tower::Service;
 
-use crate::TlsError;
+use crate::{
+    Mutual, Reloaded, Stream, TlsError,
+    peer::{Peer, Watch},
+};
 
 /// Opens connections to the hosts of URLs. It asks for the settings of TLS each time, since they
 /// may have been reloaded.
 #[derive(Clone)]
 pub struct Connector {
-    settings: Option<Arc<dyn Fn() -> Arc<ClientConfig> + Send + Sync>>,
+    settings: Option<Settings>,
     timeout: Duration,
 }
 
-/// An open connection.
-#[derive(Debug)]
-pub enum Stream {
-    /// Without TLS.
-    Plain(TcpStream),
-    /// With TLS.
-    Tls(Box<TlsStream<TcpStream>>),
-    /// With TLS, begun by the other side.
-    Accepted(Box<server::TlsStream<TcpStream>>),
+/// Settings of TLS for each connection.
+#[derive(Clone)]
+enum Settings {
+    Of(Arc<dyn Fn() -> Arc<ClientConfig> + Send + Sync>),
+    /// Those of a peer, whose connections end when the other side is refused later.
+    Peer(Reloaded<Mutual>),
 }
 
 impl Connector {
@@ -56,7 +49,13 @@ impl Connector {
         self,
         settings: impl Fn() -> Arc<ClientConfig> + Send + Sync + 'static,
     ) -> Self {
-        Self { settings: Some(Arc::new(settings)), ..self }
+        Self { settings: Some(Settings::Of(Arc::new(settings))), ..self }
+    }
+
+    /// With the settings of a peer for `https`.
+    #[must_use]
+    pub fn with_peer(self, settings: Reloaded<Mutual>) -> Self {
+        Self { settings: Some(Settings::Peer(settings)), ..self }
     }
 
     /// True if it has settings for `https`.
@@ -74,16 +73,20 @@ impl Connector {
             let stream = TcpStream::connect((host, port)).await?;
             stream.set_nodelay(true)?;
             if !is_https {
-                return Ok(Stream::Plain(stream));
+                return Ok(Stream::plain(stream));
             }
-            let settings = self.settings.as_ref().map(|settings| settings());
-            let settings =
-                settings.ok_or_else(|| failed(TlsError::without_settings(&authority)))?;
+            let (settings, peers) = match self.settings {
+                Some(Settings::Of(settings)) => (settings(), None),
+                Some(Settings::Peer(peers)) => (peers.get().client.clone(), Some(peers)),
+                None => return Err(failed(TlsError::without_settings(&authority))),
+            };
             let name = ServerName::try_from(host.to_owned());
             let name = name.map_err(|_| failed(TlsError::no_name(host)))?;
-            let shaken = TlsConnector::from(settings).connect(name, stream).await;
+            let shaken = TlsConnector::from(settings).connect(name.clone(), stream).await;
             let stream = shaken.map_err(|error| with_advice(error, &authority))?;
-            Ok(Stream::Tls(Box::new(stream)))
+            let peer = Peer::of(stream.get_ref().1, Some(name));
+            let watch = peers.map(|peers| Watch::new(peers, peer, authority.clone()));
+            Ok(Stream::begun(stream, watch))
         };
         match tokio::time::timeout(self.timeout, connecting).await {
             Ok(connected) => connected,
@@ -123,81 +126,5 @@ impl Service<Uri> for Connector {
     fn call(&mut self, uri: Uri) -> Self::Future {
         let connecting = self.clone().connect(uri);
         Box::pin(async { connecting.await.map(TokioIo::new) })
-    }
-}
-
-impl Connection for Stream {
-    fn connected(&self) -> Connected {
-        Connected::new()
-    }
-}
-
-impl Served for Stream {
-    type ConnectInfo = ();
-
-    fn connect_info(&self) {}
-}
-
-impl AsyncRead for Stream {
-    fn poll_read(
-        self: Pin<&mut Self>,
-        cx: &mut Context<'_>,
-        into: &mut ReadBuf<'_>,
-    ) -> Poll<io::Result<()>> {
-        match self.get_mut() {
-            Self::Plain(stream) => Pin::new(stream).poll_read(cx, into),
-            Self::Tls(stream) => Pin::new(stream).poll_read(cx, into),
-            Self::Accepted(stream) => Pin::new(stream).poll_read(cx, into),
-        }
-    }
-}
-
-impl AsyncWrite for Stream {
-    fn poll_write(
-        self: Pin<&mut Self>,
-        cx: &mut Context<'_>,
-        bytes: &[u8],
-    ) -> Poll<io::Result<usize>> {
-        match self.get_mut() {
-            Self::Plain(stream) => Pin::new(stream).poll_write(cx, bytes),
-            Self::Tls(stream) => Pin::new(stream).poll_write(cx, bytes),
-            Self::Accepted(stream) => Pin::new(stream).poll_write(cx, bytes),
-        }
-    }
-
-    fn poll_flush(self: Pin<&mut Self>, cx: &mut Context<'_>) -> Poll<io::Result<()>> {
-        match self.get_mut() {
-            Self::Plain(stream) => Pin::new(stream).poll_flush(cx),
-            Self::Tls(stream) => Pin::new(stream).poll_flush(cx),
-            Self::Accepted(stream) => Pin::new(stream).poll_flush(cx),
-        }
-    }
-
-    fn poll_shutdown(self: Pin<&mut Self>, cx: &mut Context<'_>) -> Poll<io::Result<()>> {
-        match self.get_mut() {
-            Self::Plain(stream) => Pin::new(stream).poll_shutdown(cx),
-            Self::Tls(stream) => Pin::new(stream).poll_shutdown(cx),
-            Self::Accepted(stream) => Pin::new(stream).poll_shutdown(cx),
-        }
-    }
-
-    fn is_write_vectored(&self) -> bool {
-        match self {
-            Self::Plain(stream) => stream.is_write_vectored(),
-            Self::Tls(stream) => stream.is_write_vectored(),
-            Self::Accepted(stream) => stream.is_write_vectored(),
-        }
-    }
-
-    fn poll_write_vectored(
-        self: Pin<&mut Self>,
-        cx: &mut Context<'_>,
-        parts: &[io::IoSlice<'_>],
-    ) -> Poll<io::Result<usize>> {
-        match self.get_mut() {
-            Self::Plain(stream) => Pin::new(stream).poll_write_vectored(cx, parts),
-            Self::Tls(stream) => Pin::new(stream).poll_write_vectored(cx, parts),
-            Self::Accepted(stream) => Pin::new(stream).poll_write_vectored(cx, parts),
-        }
     }
 }

@@ -6,9 +6,10 @@ use bendtwin_core::{Category, Problem};
 use rustls::{AlertDescription, CertificateError, Error as Fault, InvalidMessage};
 
 /// Alerts of a server that refuses the certificate of a client.
-const REFUSALS: [AlertDescription; 6] = [
+const REFUSALS: [AlertDescription; 7] = [
     AlertDescription::CertificateRequired,
     AlertDescription::CertificateExpired,
+    AlertDescription::CertificateRevoked,
     AlertDescription::UnknownCA,
     AlertDescription::BadCertificate,
     AlertDescription::CertificateUnknown,
@@ -114,7 +115,7 @@ impl TlsError {
         Self { kind: Kind::CertificateRefused, message }
     }
 
-    fn of_fault(fault: &Fault, host: &str) -> Self {
+    pub(crate) fn of_fault(fault: &Fault, host: &str) -> Self {
         let (kind, message) = match fault {
             Fault::InvalidCertificate(fault) => {
                 (Kind::CertificateRefused, of_certificate(fault, host))
@@ -157,6 +158,14 @@ fn of_certificate(fault: &CertificateError, host: &str) -> String {
             "the certificate of {host} is not for this use: have one issued that is for \
              servers and clients alike (`bendtwin ca issue`)"
         ),
+        C::Revoked => format!(
+            "the certificate of {host} was revoked by its authority: have another one issued \
+             (`bendtwin ca issue … --renew`)"
+        ),
+        C::UnknownRevocationStatus => format!(
+            "the certificate of {host} is of an authority whose revocation list is not known here: \
+             append it to the file of the list (--crl FILE, --worker-tls-crl FILE)"
+        ),
         fault => format!("the certificate of {host} is not accepted: {fault}"),
     }
 }
@@ -181,6 +190,7 @@ fn of_alert(alert: AlertDescription, host: &str) -> Option<String> {
     let fault = match alert {
         A::CertificateRequired => "demands a certificate of this side, and got none",
         A::CertificateExpired => "refuses the certificate of this side, which has expired",
+        A::CertificateRevoked => "refuses the certificate of this side, which was revoked",
         A::UnknownCA => "refuses the certificate of this side, which is of another authority",
         alert if REFUSALS.contains(&alert) => "refuses the certificate of this side",
         _ => return None,

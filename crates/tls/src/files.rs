@@ -9,7 +9,7 @@ use std::{
 use bendtwin_core::{Category, Problem};
 use rustls::{
     RootCertStore,
-    pki_types::{CertificateDer, PrivateKeyDer, pem::PemObject as _},
+    pki_types::{CertificateDer, CertificateRevocationListDer, PrivateKeyDer, pem::PemObject as _},
 };
 
 /// Largest file that is read [bytes]; chains and bundles of authorities are far smaller.
@@ -41,6 +41,15 @@ pub enum FileError {
          without a passphrase", path.display()
     )]
     NoKey {
+        /// The file.
+        path: PathBuf,
+    },
+    /// It has no revocation list.
+    #[error(
+        "there is no revocation list in {}: it must be a PEM file with `-----BEGIN X509 CRL-----` \
+         (`bendtwin ca revoke` writes crl.pem)", path.display()
+    )]
+    NoRevocationList {
         /// The file.
         path: PathBuf,
     },
@@ -137,6 +146,22 @@ pub fn authorities(path: &Path) -> Result<RootCertStore, FileError> {
         roots.add(certificate).map_err(|fault| unusable(path, fault))?;
     }
     Ok(roots)
+}
+
+/// Revocation lists of a file; at least one. Their signatures are not checked.
+///
+/// # Errors
+/// If it cannot be read or has none.
+pub fn revocation_lists(
+    path: &Path,
+) -> Result<Vec<CertificateRevocationListDer<'static>>, FileError> {
+    let text = read(File::open(path), path)?;
+    let found: Result<Vec<_>, _> = CertificateRevocationListDer::pem_slice_iter(&text).collect();
+    let found = found.map_err(|fault| unusable(path, fault))?;
+    if found.is_empty() {
+        return Err(FileError::NoRevocationList { path: path.to_owned() });
+    }
+    Ok(found)
 }
 
 /// Content of a file, of bounded size.

@@ -1,8 +1,8 @@
 //! TLS from files of certificates and keys (PEM): they are read and checked ([`files`]), read again
 //! when they change ([`Reloaded`]), and become settings of listeners ([`Public`]), of clients
 //! ([`client_config`]) and of peers that show each other certificates of one private authority
-//! ([`Mutual`]). [`Connector`] opens the connections of clients, and [`TlsError`] says what to do
-//! about one that failed.
+//! ([`Mutual`]), which may have revoked some of them ([`RevocationList`]). [`Connector`] opens the
+//! connections of clients, and [`TlsError`] says what to do about one that failed.
 
 mod accept;
 mod certificate;
@@ -10,16 +10,22 @@ mod config;
 mod connect;
 mod error;
 pub mod files;
+mod peer;
 mod reload;
+mod revocation;
+mod stream;
 
 pub use accept::{Accepted, is_client_hello};
 pub use certificate::{Certificate, Validity, tell};
 pub use config::{Mutual, MutualPaths, PairPaths, Public, client_config};
-pub use connect::{Connector, Stream};
+pub use connect::Connector;
 pub use error::TlsError;
 pub use files::FileError;
+pub use peer::Peer;
 pub use reload::Reloaded;
+pub use revocation::{RevocationList, tell_lists};
 pub use rustls::{ClientConfig, ServerConfig};
+pub use stream::Stream;
 
 #[cfg(test)]
 mod tests;

@@ -3,10 +3,11 @@
 
 use std::{
     path::PathBuf,
-    sync::{Arc, Mutex, PoisonError, RwLock},
+    sync::{Arc, Mutex, PoisonError},
     time::Duration,
 };
 
+use tokio::sync::watch;
 use tokio_util::sync::CancellationToken;
 
 use crate::FileError;
@@ -22,7 +23,7 @@ pub struct Reloaded<T>(Arc<Shared<T>>);
 struct Shared<T> {
     files: Vec<PathBuf>,
     load: Box<dyn Fn() -> Result<T, FileError> + Send + Sync>,
-    current: RwLock<Arc<T>>,
+    current: watch::Sender<Arc<T>>,
     /// Contents that were tried last.
     tried: Mutex<Contents>,
 }
@@ -53,13 +54,18 @@ impl<T: Send + Sync + 'static> Reloaded<T> {
     ) -> Result<Self, FileError> {
         // Before they are loaded: a change in between is seen later.
         let tried = Mutex::new(contents(&files));
-        let current = RwLock::new(Arc::new(load()?));
+        let current = watch::Sender::new(Arc::new(load()?));
         Ok(Self(Arc::new(Shared { files, load: Box::new(load), current, tried })))
     }
 
     /// The settings in force.
     pub fn get(&self) -> Arc<T> {
-        self.0.current.read().unwrap_or_else(PoisonError::into_inner).clone()
+        self.0.current.borrow().clone()
+    }
+
+    /// The settings in force, and those that come to be.
+    pub(crate) fn changes(&self) -> watch::Receiver<Arc<T>> {
+        self.0.current.subscribe()
     }
 
     /// Makes the settings again if the files have changed since the last attempt. True if there are
@@ -73,7 +79,7 @@ impl<T: Send + Sync + 'static> Reloaded<T> {
         *tried = found;
         match (self.0.load)() {
             Ok(settings) => {
-                *self.0.current.write().unwrap_or_else(PoisonError::into_inner) = settings.into();
+                self.0.current.send_replace(settings.into());
                 tracing::info!(files = ?self.0.files, "certificates reloaded");
                 true
             }

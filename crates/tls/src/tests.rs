@@ -7,7 +7,7 @@ use std::{
 
 use bendtwin_ca::{Authority, Order, Role};
 
-use crate::PairPaths;
+use crate::{MutualPaths, PairPaths};
 
 /// The folder of an authority.
 pub(crate) struct Folder {
@@ -29,6 +29,22 @@ impl Folder {
 
     pub(crate) fn ca(&self) -> PathBuf {
         Authority::paths(self.path()).0
+    }
+
+    /// The file of revoked certificates.
+    pub(crate) fn crl(&self) -> PathBuf {
+        Authority::list_path(self.path())
+    }
+
+    /// Revokes certificates by their names.
+    pub(crate) fn revoke(&self, names: &[&str]) {
+        let names: Vec<_> = names.iter().map(|name| (*name).to_owned()).collect();
+        Authority::open(self.path()).unwrap().revoke(&names).unwrap();
+    }
+
+    /// The files of a peer that reads the list.
+    pub(crate) fn peer(&self, name: &str) -> MutualPaths {
+        MutualPaths { pair: self.issue(name), ca: self.ca(), crl: Some(self.crl()) }
     }
 
     /// A certificate for a name and this machine.

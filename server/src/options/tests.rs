@@ -35,7 +35,7 @@ fn a_server_is_not_open_to_a_network_by_accident() {
     assert!(faults.len() == 1 && faults[0].contains("worker_tls"), "{faults:?}");
     let client_ca = PathBuf::from("ca.pem");
     let listen = ([0, 0, 0, 0], 7071).into();
-    let worker_tls = Some(WorkerTls { listen, certificate, key, client_ca });
+    let worker_tls = Some(WorkerTls { listen, certificate, key, client_ca, crl: None });
     let without_token = Options { worker_tls, ..Options::default() };
     let faults = without_token.validate().unwrap_err();
     assert!(faults.len() == 1 && faults[0].contains("worker_token"), "{faults:?}");

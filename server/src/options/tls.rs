@@ -30,6 +30,9 @@ pub struct WorkerTls {
     pub key: PathBuf,
     /// PEM file of the authority whose certificates workers have.
     pub client_ca: PathBuf,
+    /// PEM file of the list of certificates that this authority has revoked, if there is one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub crl: Option<PathBuf>,
 }
 
 impl Tls {
@@ -41,7 +44,7 @@ impl Tls {
 impl WorkerTls {
     pub(crate) fn paths(&self) -> MutualPaths {
         let pair = PairPaths { certificate: self.certificate.clone(), key: self.key.clone() };
-        MutualPaths { pair, ca: self.client_ca.clone() }
+        MutualPaths { pair, ca: self.client_ca.clone(), crl: self.crl.clone() }
     }
 }
 

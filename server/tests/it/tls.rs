@@ -22,7 +22,10 @@ use tokio::{
     net::TcpStream,
     time::timeout,
 };
-use tonic::{Code, Request, Status, transport::Endpoint};
+use tonic::{
+    Code, Request, Status,
+    transport::{Channel, Endpoint},
+};
 
 use crate::harness::{Server, TOKEN};
 
@@ -43,6 +46,10 @@ impl Ca {
         Authority::paths(self.0.path()).0
     }
 
+    fn revoke(&self, name: &str) {
+        Authority::open(self.0.path()).unwrap().revoke(&[name.to_owned()]).unwrap();
+    }
+
     fn issue(&self, name: &str, days: i64) -> PairPaths {
         let hosts = vec!["127.0.0.1".to_owned()];
         let order = Order { name: name.to_owned(), hosts, role: Role::Server, days, renew: true };
@@ -52,7 +59,7 @@ impl Ca {
 
     /// Settings of a worker that demands a server of `ca`.
     fn worker(&self, name: &str, days: i64, ca: &Ca) -> Arc<ClientConfig> {
-        let paths = MutualPaths { pair: self.issue(name, days), ca: ca.path() };
+        let paths = MutualPaths { pair: self.issue(name, days), ca: ca.path(), crl: None };
         Mutual::load(&paths).unwrap().client
     }
 }
@@ -178,8 +185,22 @@ async fn with_workers(ca: &Ca) -> Server {
     let PairPaths { certificate, key } = ca.issue("twin", 1);
     let listen = ([127, 0, 0, 1], 0).into();
     let client_ca = ca.path();
-    Server::start_with(|o| o.worker_tls = Some(WorkerTls { listen, certificate, key, client_ca }))
-        .await
+    let crl = Some(Authority::list_path(ca.0.path()));
+    Server::start_with(|o| {
+        o.worker_tls = Some(WorkerTls { listen, certificate, key, client_ca, crl });
+    })
+    .await
+}
+
+/// A channel of a worker to a URL of the server.
+fn link(url: String, tls: Option<Arc<ClientConfig>>) -> WorkerLinkClient<Channel> {
+    let connector = Connector::new(SOON);
+    let connector = match tls {
+        Some(tls) => connector.with_tls(move || tls.clone()),
+        None => connector,
+    };
+    let endpoint = Endpoint::from_shared(url).unwrap();
+    WorkerLinkClient::new(endpoint.connect_with_connector_lazy(connector))
 }
 
 /// Registers a worker at a URL of the server.
@@ -189,12 +210,15 @@ async fn register(
     token: &str,
     endpoint: &str,
 ) -> Result<(), Status> {
-    let connector = Connector::new(SOON);
-    let connector = match tls {
-        Some(tls) => connector.with_tls(move || tls.clone()),
-        None => connector,
-    };
-    let channel = Endpoint::from_shared(url).unwrap().connect_with_connector_lazy(connector);
+    register_over(&mut link(url, tls), token, endpoint).await
+}
+
+/// Registers a new worker over a channel.
+async fn register_over(
+    link: &mut WorkerLinkClient<Channel>,
+    token: &str,
+    endpoint: &str,
+) -> Result<(), Status> {
     let (key, id) = worker_key::generate();
     let mut request = Request::new(RegisterRequest {
         worker: id.to_string(),
@@ -204,7 +228,7 @@ async fn register(
     let entries = request.metadata_mut();
     entries.insert("authorization", format!("Bearer {token}").parse().unwrap());
     entries.insert(worker_key::METADATA, key.parse().unwrap());
-    WorkerLinkClient::new(channel).register(request).await.map(drop)
+    link.register(request).await.map(drop)
 }
 
 #[tokio::test]
@@ -245,6 +269,33 @@ async fn workers_show_a_certificate_of_the_authority() {
 }
 
 #[tokio::test]
+async fn a_revoked_worker_is_cut_off_and_refused() {
+    let ca = Ca::new();
+    let server = with_workers(&ca).await;
+    let url = format!("https://{}", server.handle.worker_tls_addr().unwrap());
+    let (leaver, stayer) = (ca.worker("gpu1", 1, &ca), ca.worker("gpu2", 1, &ca));
+    let endpoint = "https://127.0.0.1:1";
+    let (mut leaving, mut staying) = (link(url.clone(), Some(leaver)), link(url, Some(stayer)));
+    register_over(&mut staying, TOKEN, endpoint).await.unwrap();
+    register_over(&mut leaving, TOKEN, endpoint).await.unwrap();
+
+    ca.revoke("gpu1");
+    // Over the same connection, as long as it is open.
+    let cut_off = async {
+        while register_over(&mut leaving, TOKEN, endpoint).await.is_ok() {
+            tokio::time::sleep(Duration::from_millis(50)).await;
+        }
+    };
+    timeout(SOON, cut_off).await.expect("the revoked worker may go on");
+    let refused = register_over(&mut leaving, TOKEN, endpoint).await.unwrap_err();
+    let found = TlsError::find(&refused, "the server").unwrap();
+    assert!(found.to_string().contains("was revoked"), "{found}");
+    let ended = r#"bendtwin_connections_ended_total{listener="workers_tls",why="certificate"} 1"#;
+    assert!(metrics(&server).await.contains(ended), "{}", metrics(&server).await);
+    register_over(&mut staying, TOKEN, endpoint).await.unwrap();
+}
+
+#[tokio::test]
 async fn a_server_says_what_is_wrong_with_its_files() {
     let ca = Ca::new();
     let (one, other) = (ca.issue("one", 1), ca.issue("other", 1));
@@ -253,6 +304,16 @@ async fn a_server_says_what_is_wrong_with_its_files() {
     options.tls = Some(Tls { certificate: one.certificate, key: other.key });
     let error = bendtwin_server::Service::start(options.clone()).await.unwrap_err();
     assert!(error.to_string().contains("made together"), "{error}");
+    options.tls = None;
+    let crl = dir.path().join("crl.pem");
+    std::fs::write(&crl, "no list").unwrap();
+    let PairPaths { certificate, key } = ca.issue("two", 1);
+    let (listen, client_ca) = (([127, 0, 0, 1], 0).into(), ca.path());
+    options.worker_tls =
+        Some(WorkerTls { listen, certificate, key, client_ca, crl: Some(crl.clone()) });
+    let error = bendtwin_server::Service::start(options.clone()).await.unwrap_err();
+    assert!(error.to_string().contains("no revocation list"), "{error}");
+    options.worker_tls = None;
     assert!(!options.data_dir.exists());
     options.tls = None;
     options.listen = ([0, 0, 0, 0], 0).into();

@@ -46,6 +46,8 @@ mod replicas;
 #[cfg(test)]
 mod resumable;
 #[cfg(test)]
+mod revocation;
+#[cfg(test)]
 mod rollouts;
 #[cfg(test)]
 mod rust_code;

@@ -16,7 +16,7 @@ pub(super) fn open(server: &str, tls: Option<&Reloaded<Mutual>>) -> Result<Chann
         .map_err(|_| Error::Address { url: server.to_owned() })?;
     let connector = Connector::new(CONNECT_TIMEOUT);
     let connector = match tls.cloned() {
-        Some(tls) => connector.with_tls(move || tls.get().client.clone()),
+        Some(tls) => connector.with_peer(tls),
         None => connector,
     };
     Ok(endpoint

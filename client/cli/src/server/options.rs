@@ -98,8 +98,8 @@ impl Server {
             (self.worker_tls_listen, files)
         {
             let (certificate, key) = (certificate.clone(), key.clone());
-            options.worker_tls =
-                Some(WorkerTls { listen, certificate, key, client_ca: ca.clone() });
+            let (client_ca, crl) = (ca.clone(), self.worker_tls_crl.clone());
+            options.worker_tls = Some(WorkerTls { listen, certificate, key, client_ca, crl });
         }
     }
 }
@@ -125,6 +125,7 @@ mod tests {
             worker_tls_certificate: None,
             worker_tls_key: None,
             worker_tls_ca: None,
+            worker_tls_crl: None,
             tls_terminated_by_proxy: None,
             insecure: None,
             data_dir: None,

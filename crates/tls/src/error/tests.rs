@@ -70,7 +70,7 @@ async fn servers_without_tls_are_told() {
 async fn what_is_wrong_with_the_own_certificate_is_said() {
     let (ours, theirs) = (Folder::new(), Folder::new());
     let load = |folder: &Folder, name: &str| {
-        Mutual::load(&MutualPaths { pair: folder.issue(name), ca: ours.ca() }).unwrap()
+        Mutual::load(&MutualPaths { pair: folder.issue(name), ca: ours.ca(), crl: None }).unwrap()
     };
     let server = load(&ours, "twin").server;
     let late = Folder { days: -1, dir: ours.dir.clone() };

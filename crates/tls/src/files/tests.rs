@@ -24,7 +24,7 @@ fn faults_of_files_are_named() {
     let other = folder.issue("other");
     says(&PairPaths { key: other.key, ..pair.clone() }, "made together");
     let ca = pair.key.clone();
-    let mutual = MutualPaths { pair, ca };
+    let mutual = MutualPaths { pair, ca, crl: None };
     assert!(crate::Mutual::load(&mutual).unwrap_err().to_string().contains("no certificate in"));
 }
 
