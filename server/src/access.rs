@@ -13,7 +13,7 @@ use std::{sync::Arc, time::Instant};
 use bendtwin_core::{Category, Fault, ids::KeyId};
 use bendtwin_store::{Creator, Key, Quotas};
 
-use self::refusals::Refusals;
+use self::refusals::{Refusals, Refused};
 use crate::{audit, error::Refusal};
 
 pub(crate) use gate::Gate;
@@ -152,7 +152,8 @@ impl Caller {
         call: &str,
     ) -> Result<Option<Flight>, Refusal> {
         self.require(access).inspect_err(|refusal| {
-            if let Some(times) = self.refusals.note(self.key, call, Instant::now()) {
+            let holder = Refused::Holder(self.key);
+            if let Some(times) = self.refusals.note(holder, call, Instant::now()) {
                 audit::refused(self, call, refusal.reason(), times);
             }
         })?;

@@ -1,6 +1,7 @@
 //! The audit: one line in the log for each change that a client asks for, under the target `audit`,
 //! with who asked, what for, and what came of it. Both transports have the names of RPCs.
-//! Calls that were refused for a scope are told as well, by the route of HTTP or the path of gRPC.
+//! Calls that were refused for a scope are told as well, by the route of HTTP or the path of gRPC, and
+//! so are tokens and keys that were refused, by the address that they came from.
 
 use std::fmt::Display;
 
@@ -37,6 +38,24 @@ pub(crate) fn refused(caller: &Caller, call: &str, reason: &str, times: u64) {
         times,
         request_id = Context::current().request_id,
         "refused"
+    );
+}
+
+/// Notes a token or a key that was refused, so many times since this was last noted. The caller has
+/// the key, if it was one of this server's, and nothing else.
+pub(crate) fn not_admitted(caller: &Caller, reason: &str, times: u64) {
+    let Context { request_id, network, .. } = Context::current();
+    tracing::info!(
+        target: "audit",
+        key = caller.key.map(|key| key.to_string()).unwrap_or_default(),
+        owner = &*caller.owner,
+        method = "",
+        resource = "",
+        result = reason,
+        times,
+        client = network.map(|network| network.to_string()).unwrap_or_default(),
+        request_id,
+        "not admitted"
     );
 }
 

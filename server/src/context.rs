@@ -1,7 +1,10 @@
 //! The context of a request: its id, its trace, its client and its caller. The middleware sets it once; errors
 //! and jobs take it over.
 
-use std::{net::SocketAddr, sync::Arc};
+use std::{
+    net::{IpAddr, Ipv6Addr, SocketAddr},
+    sync::Arc,
+};
 
 use axum::http::HeaderMap;
 use bendtwin_core::{Category, Fault};
@@ -23,6 +26,8 @@ pub(crate) struct Context {
     /// it sends one, else its address. Many clients have this machine's, so there each connection
     /// counts as a client.
     pub(crate) client: Arc<str>,
+    /// The network that it comes from; none outside of requests.
+    pub(crate) network: Option<IpAddr>,
     /// The caller, as far as it has shown who it is.
     pub(crate) caller: Caller,
 }
@@ -54,7 +59,8 @@ impl Context {
         let trace_parent = text("traceparent").filter(|t| is_trace_parent(t));
         let client_trace_parent = trace_parent.map(str::to_owned);
         let client = client(peer, text("x-client-id").filter(|id| is_sane_id(id)));
-        Self { request_id, client_trace_parent, client, caller: Caller::default() }
+        let network = peer.map(|peer| network_of(peer.ip()));
+        Self { request_id, client_trace_parent, client, network, caller: Caller::default() }
     }
 }
 
@@ -64,6 +70,7 @@ impl Default for Context {
             request_id: String::new(),
             client_trace_parent: None,
             client: client(None, None),
+            network: None,
             caller: Caller::default(),
         }
     }
@@ -76,6 +83,15 @@ fn client(peer: Option<SocketAddr>, id: Option<&str>) -> Arc<str> {
         (Some(peer), Some(address), None) if address.is_loopback() => peer.to_string().into(),
         (_, Some(address), None) => address.to_string().into(),
         (_, None, id) => id.unwrap_or_default().into(),
+    }
+}
+
+/// One client: an address of IPv4, or a network of 64 bits of IPv6, of which a client has many
+/// addresses.
+pub(crate) fn network_of(peer: IpAddr) -> IpAddr {
+    match peer.to_canonical() {
+        IpAddr::V6(v6) => IpAddr::V6(Ipv6Addr::from_bits(v6.to_bits() & !u128::from(u64::MAX))),
+        v4 => v4,
     }
 }
 

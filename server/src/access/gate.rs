@@ -1,12 +1,19 @@
 //! The identity of a caller, from what its request shows.
 
+use std::time::Instant;
+
 use axum::http::HeaderMap;
 use bendtwin_core::{Category, Fault};
 use bendtwin_store::Store;
 
-use super::{Caller, InFlight, KeyRing, key, refusals::Refusals};
+use super::{
+    Caller, InFlight, KeyRing, key,
+    refusals::{Refusals, Refused},
+};
 use crate::{
+    audit,
     client_token::{self, ClientToken},
+    context::Context,
     error::Refusal,
 };
 
@@ -19,21 +26,29 @@ pub(crate) struct Gate {
     store: Store,
     in_flight: InFlight,
     refusals: Refusals,
+    /// Refusals of those who show no key of this server's.
+    strangers: Refusals,
 }
 
 impl Gate {
     pub(crate) fn new(token: Option<&str>, keys: KeyRing, store: Store) -> Self {
         let (token, in_flight) = (token.map(ClientToken::new), InFlight::default());
-        Self { token, keys, store, in_flight, refusals: Refusals::default() }
+        let (refusals, strangers) = (Refusals::default(), Refusals::default());
+        Self { token, keys, store, in_flight, refusals, strangers }
     }
 
     /// The caller, by the client token or the key that the request shows.
     pub(crate) async fn identify(&self, headers: &HeaderMap) -> Result<Caller, Refusal> {
-        let caller = self.shown_by(headers).await?;
-        Ok(Caller { refusals: self.refusals.clone(), ..caller })
+        match self.shown_by(headers).await {
+            Ok(caller) => Ok(Caller { refusals: self.refusals.clone(), ..caller }),
+            Err(denial) => {
+                self.note(&denial);
+                Err(denial.refusal)
+            }
+        }
     }
 
-    async fn shown_by(&self, headers: &HeaderMap) -> Result<Caller, Refusal> {
+    async fn shown_by(&self, headers: &HeaderMap) -> Result<Caller, Denial> {
         let Some(token) = &self.token else { return Ok(Caller::anyone()) };
         let shown = client_token::shown(headers)
             .ok_or_else(|| client_token::refusal("the client token or key is missing"))?;
@@ -41,7 +56,7 @@ impl Gate {
             return Ok(Caller::with_token());
         }
         let shown = key::read(&shown).map_err(|fault| {
-            client_token::refusal(match fault {
+            Denial::of_stranger(match fault {
                 key::Unreadable::Other => "the client token is wrong",
                 key::Unreadable::Mistyped => {
                     "the key is mistyped: letters of it are missing or others"
@@ -49,18 +64,58 @@ impl Gate {
             })
         })?;
         // Hashes are compared, which takes the same time wherever they differ.
-        let found = self.keys.find(shown.id).await?.filter(|key| key.hash == shown.hash);
-        let found = found.ok_or_else(|| client_token::refusal("the key is not known here"))?;
+        let found = self.keys.find(shown.id).await.map_err(Refusal::from)?;
+        let found = found.filter(|key| key.hash == shown.hash);
+        let found = found.ok_or_else(|| Denial::of_stranger("the key is not known here"))?;
+        let caller = Caller::with_key(&found, self.in_flight.clone());
         if found.revoked.is_some() {
             let what = format!("{} was revoked", found.id);
-            return Err(refused(Category::Unauthenticated, "KEY_REVOKED", what));
+            let refusal = refused(Category::Unauthenticated, "KEY_REVOKED", what);
+            return Err(Denial { refusal, of: Some(caller) });
         }
         if let Some(end) = found.expires.filter(|end| *end <= self.store.now()) {
             let what = format!("{} expired at {end:.0}", found.id);
-            return Err(refused(Category::Unauthenticated, "KEY_EXPIRED", what));
+            let refusal = refused(Category::Unauthenticated, "KEY_EXPIRED", what);
+            return Err(Denial { refusal, of: Some(caller) });
         }
         self.keys.note_use(&found);
-        Ok(Caller::with_key(&found, self.in_flight.clone()))
+        Ok(caller)
+    }
+
+    /// Tells the audit of it, unless it has heard lately. Requests that showed nothing are not told:
+    /// every browser begins with one.
+    fn note(&self, denial: &Denial) {
+        let Some(caller) = &denial.of else { return };
+        // Strangers are remembered by themselves, so that however many there are they take no place
+        // of a key.
+        let (refusals, refused) = match caller.key {
+            None => (&self.strangers, Refused::Stranger(Context::current().network)),
+            key => (&self.refusals, Refused::Holder(key)),
+        };
+        let reason = denial.refusal.reason();
+        if let Some(times) = refusals.note(refused, reason, Instant::now()) {
+            audit::not_admitted(caller, reason, times);
+        }
+    }
+}
+
+/// Refusal of a request for what it shows, or does not.
+struct Denial {
+    refusal: Refusal,
+    /// Whoever showed a key that does not hold, or something that is no key; none if nothing was
+    /// shown.
+    of: Option<Caller>,
+}
+
+impl Denial {
+    fn of_stranger(fault: &str) -> Self {
+        Self { refusal: client_token::refusal(fault), of: Some(Caller::default()) }
+    }
+}
+
+impl From<Refusal> for Denial {
+    fn from(refusal: Refusal) -> Self {
+        Self { refusal, of: None }
     }
 }
 

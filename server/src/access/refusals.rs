@@ -1,27 +1,35 @@
-//! Calls that were refused for a scope, in the audit. A client may repeat such a call without end, so
-//! that for a key and a call one line is written at once, and after that one in ten minutes at most,
-//! with the number of refusals since the one before.
+//! Refusals in the audit: of calls for a scope, of keys that do not hold any more, and of strangers who
+//! show what is no key. A client may repeat such a call without end, so that for a caller and a call one
+//! line is written at once, and after that one in ten minutes at most, with the number of refusals since
+//! the one before.
 
 use std::{
     collections::HashMap,
+    net::IpAddr,
     sync::{Arc, Mutex, PoisonError},
     time::{Duration, Instant},
 };
 
 use bendtwin_core::ids::KeyId;
 
-/// Least time between two lines about a key and a call.
+/// Least time between two lines about a caller and a call.
 const INTERVAL: Duration = Duration::from_secs(600);
-/// Most keys and calls that are remembered. Both come from tables of the server; beyond this number
-/// nothing is written until some are old.
+/// Most callers and calls that are remembered. Beyond this number nothing is written until some are
+/// old.
 const MOST: usize = 4096;
 
-/// Refused calls, by key and call. Clones share them.
+/// Refused calls, by caller and call. Clones share them.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Refusals(Arc<Mutex<HashMap<Refused, Told>>>);
+pub(crate) struct Refusals(Arc<Mutex<HashMap<(Refused, String), Told>>>);
 
-/// Key and call.
-type Refused = (Option<KeyId>, String);
+/// The caller who was refused.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(crate) enum Refused {
+    /// Whoever has a key; none with the client token.
+    Holder(Option<KeyId>),
+    /// Someone of a network; none if that is not known.
+    Stranger(Option<IpAddr>),
+}
 
 #[derive(Debug)]
 struct Told {
@@ -32,10 +40,10 @@ struct Told {
 
 impl Refusals {
     /// Notes a refusal at a time. Returns the number to write, if it is time to write.
-    pub(super) fn note(&self, key: Option<KeyId>, call: &str, now: Instant) -> Option<u64> {
+    pub(super) fn note(&self, refused: Refused, call: &str, now: Instant) -> Option<u64> {
         let mut all = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         let is_old = |told: &Told| now.saturating_duration_since(told.at) >= INTERVAL;
-        if let Some(told) = all.get_mut(&(key, call.to_owned())) {
+        if let Some(told) = all.get_mut(&(refused, call.to_owned())) {
             told.since += 1;
             if !is_old(told) {
                 return None;
@@ -50,7 +58,7 @@ impl Refusals {
         if all.len() >= MOST {
             return None;
         }
-        all.insert((key, call.to_owned()), Told { at: now, since: 0 });
+        all.insert((refused, call.to_owned()), Told { at: now, since: 0 });
         Some(1)
     }
 }
@@ -62,14 +70,18 @@ mod tests {
     #[test]
     fn what_is_repeated_is_counted_and_told_in_ten_minutes() {
         let (refusals, start) = (Refusals::default(), Instant::now());
-        let key = Some(KeyId::generate());
+        let key = Refused::Holder(Some(KeyId::generate()));
         assert_eq!(refusals.note(key, "POST /v1/fits", start), Some(1));
         for second in 0..599 {
             let now = start + Duration::from_secs(second);
             assert_eq!(refusals.note(key, "POST /v1/fits", now), None);
         }
         assert_eq!(refusals.note(key, "GET /v1/fits", start), Some(1), "another call");
-        assert_eq!(refusals.note(None, "POST /v1/fits", start), Some(1), "another caller");
+        assert_eq!(
+            refusals.note(Refused::Holder(None), "POST /v1/fits", start),
+            Some(1),
+            "another caller"
+        );
         assert_eq!(refusals.note(key, "POST /v1/fits", start + INTERVAL), Some(600));
         assert_eq!(refusals.note(key, "POST /v1/fits", start + INTERVAL), None);
     }
@@ -78,7 +90,8 @@ mod tests {
     fn only_so_many_are_remembered_and_old_ones_give_way() {
         let (refusals, start) = (Refusals::default(), Instant::now());
         let told = |now| {
-            let call = |_| refusals.note(Some(KeyId::generate()), "POST /v1/fits", now);
+            let key = || Refused::Holder(Some(KeyId::generate()));
+            let call = |_| refusals.note(key(), "POST /v1/fits", now);
             (0..2 * MOST).filter_map(call).count()
         };
         assert_eq!(told(start), MOST);

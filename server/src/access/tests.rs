@@ -41,8 +41,11 @@ fn what_is_refused_without_end_is_noted_once() {
     for _ in 0..3 {
         assert!(caller.enter(fits, "POST /v1/fits").is_err());
     }
-    assert_eq!(caller.refusals.note(None, "POST /v1/fits", Instant::now()), None);
-    assert_eq!(caller.refusals.note(None, "POST /v1/twins", Instant::now()), Some(1));
+    assert_eq!(caller.refusals.note(Refused::Holder(None), "POST /v1/fits", Instant::now()), None);
+    assert_eq!(
+        caller.refusals.note(Refused::Holder(None), "POST /v1/twins", Instant::now()),
+        Some(1)
+    );
 }
 
 #[test]

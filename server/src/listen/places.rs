@@ -4,14 +4,14 @@
 
 use std::{
     collections::HashMap,
-    net::{IpAddr, Ipv6Addr},
+    net::IpAddr,
     sync::{Arc, Mutex, MutexGuard, PoisonError},
 };
 
 use tokio_util::sync::CancellationToken;
 
 use super::activity::Activity;
-use crate::metrics::Metrics;
+use crate::{context::network_of, metrics::Metrics};
 
 /// The places of a listener. Clones share them.
 #[derive(Clone, Debug)]
@@ -65,7 +65,7 @@ impl Places {
 
     /// A place for a connection of that peer, if there is one or one can be made.
     pub(super) fn take(&self, peer: IpAddr) -> Option<Place> {
-        let peer = peer_key(peer);
+        let peer = network_of(peer);
         let mut taken = self.shared.taken();
         if taken.by_peer.get(&peer).is_some_and(|held| *held >= self.shared.per_peer) {
             self.shared.evict(&mut taken, Some(peer))?;
@@ -137,15 +137,6 @@ impl Shared {
 
     fn show(&self, taken: &Taken) {
         self.metrics.connections(self.listener, taken.by_id.len());
-    }
-}
-
-/// One client: an address of IPv4, or a network of 64 bits of IPv6, of which a client has many
-/// addresses.
-fn peer_key(peer: IpAddr) -> IpAddr {
-    match peer.to_canonical() {
-        IpAddr::V6(v6) => IpAddr::V6(Ipv6Addr::from_bits(v6.to_bits() & !u128::from(u64::MAX))),
-        v4 => v4,
     }
 }
 

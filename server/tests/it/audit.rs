@@ -13,7 +13,7 @@ use tracing_subscriber::{filter, fmt, prelude::*};
 
 use crate::{
     harness::read,
-    keys::{bearer, locked, make},
+    keys::{bearer, locked, make, revoke},
 };
 
 thread_local! {
@@ -97,6 +97,13 @@ async fn changes_are_told_and_keys_are_not() {
         twins.list_twins(ListTwinsRequest::default()).await.unwrap_err();
     }
 
+    // A key that does not hold any more, shown again and again.
+    assert_eq!(revoke(&server, &name).await, 204);
+    for _ in 0..3 {
+        let twins = server.http.get(server.url("/v1/twins")).bearer_auth(&key);
+        assert_eq!(twins.send().await.unwrap().status(), 401);
+    }
+
     let token = server.handle.client_token().unwrap().to_owned();
     let text = log.text();
     let secret = &key[36..];
@@ -104,6 +111,8 @@ async fn changes_are_told_and_keys_are_not() {
     for hidden in [secret, &secret[..32], &secret[32..], &token] {
         assert!(!text.contains(hidden), "a log has a key");
     }
+    let strangers = log.changes().into_iter().filter(|line| line["client"].is_string());
+    assert!(strangers.into_iter().all(|line| line["client"] == "127.0.0.1"));
     let changes: Vec<_> = log
         .changes()
         .iter()
@@ -121,6 +130,9 @@ async fn changes_are_told_and_keys_are_not() {
         [&name, "ada", "POST /v1/fits", "", "SCOPE_MISSING"],
         [&name, "ada", "GET /v1/twins", "", "SCOPE_MISSING"],
         [&name, "ada", "/bendtwin.v1.TwinService/ListTwins", "", "SCOPE_MISSING"],
+        ["", "", "", "", "BAD_CLIENT_TOKEN"],
+        ["", "local", "DeleteKey", &name, "OK"],
+        [&name, "ada", "", "", "KEY_REVOKED"],
     ];
     // Names as the calls gave them: over HTTP the bare id.
     let bare = |name: &str| name.rsplit('/').next().unwrap().to_owned();

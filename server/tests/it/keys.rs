@@ -29,7 +29,7 @@ pub(crate) async fn make(server: &Server, order: Value) -> (String, String) {
     (text(&made["key"]["name"]), text(&made["secret_key"]))
 }
 
-async fn revoke(server: &Server, name: &str) -> u16 {
+pub(crate) async fn revoke(server: &Server, name: &str) -> u16 {
     let token = server.handle.client_token().unwrap();
     let request = server.http.delete(server.url(&format!("/v1/{name}"))).bearer_auth(token);
     request.send().await.unwrap().status().as_u16()

@@ -43,7 +43,7 @@ fn places_are_given_back() {
 
 #[test]
 fn a_network_of_ipv6_is_one_peer() {
-    assert_eq!(peer_key(ip("2001:db8::1")), peer_key(ip("2001:db8::ffff:2")));
-    assert_ne!(peer_key(ip("2001:db8::1")), peer_key(ip("2001:db8:0:1::1")));
-    assert_eq!(peer_key(ip("::ffff:10.0.0.1")), ip("10.0.0.1"));
+    assert_eq!(network_of(ip("2001:db8::1")), network_of(ip("2001:db8::ffff:2")));
+    assert_ne!(network_of(ip("2001:db8::1")), network_of(ip("2001:db8:0:1::1")));
+    assert_eq!(network_of(ip("::ffff:10.0.0.1")), ip("10.0.0.1"));
 }
