@@ -43,6 +43,60 @@ mod tests {
 
     use super::*;
 
+    /// Settings of the first release. Until that is out a new one is added here; afterwards the file
+    /// stays as it is.
+    const FIRST_RELEASE: &str = include_str!("since/first_release.txt");
+
+    /// Pointers of all settings that have no settings inside.
+    fn leaves(document: &Value, pointer: &str, into: &mut Vec<String>) {
+        match document.as_object() {
+            Some(group) => group
+                .iter()
+                .for_each(|(name, value)| leaves(value, &format!("{pointer}/{name}"), into)),
+            None => into.push(pointer.to_owned()),
+        }
+    }
+
+    /// Settings that are neither of the first release nor listed with their versions.
+    fn unlisted(document: &Value, since: &[(&str, Version)]) -> Vec<String> {
+        let mut found = Vec::new();
+        leaves(document, "", &mut found);
+        let is_first = |pointer: &String| FIRST_RELEASE.lines().any(|first| first == pointer);
+        let is_later = |pointer: &String| since.iter().any(|(later, _)| later == pointer);
+        found.retain(|pointer| !is_first(pointer) && !is_later(pointer));
+        found.sort();
+        found
+    }
+
+    #[test]
+    fn a_setting_that_came_later_is_listed() {
+        let mut settings = serde_json::to_value(FitSettings::default()).unwrap();
+        let missing = unlisted(&settings, SINCE);
+        assert!(
+            missing.is_empty(),
+            "{missing:?}: list it in SINCE with the version of the program, as one that may be left \
+             open; only before the first release, in since/first_release.txt"
+        );
+        for (pointer, _) in SINCE {
+            let default = settings.pointer(pointer);
+            assert_eq!(default, Some(&Value::Null), "{pointer} is to be left open by default");
+        }
+        // One that nobody listed is found, wherever it is.
+        settings["refine"]["momentum"] = Value::Null;
+        settings["layers"] = json!({"count": null});
+        assert_eq!(unlisted(&settings, SINCE), ["/layers/count", "/refine/momentum"]);
+        let since = [("/refine/momentum", Version::new(0, 3, 0))];
+        assert_eq!(unlisted(&settings, &since), ["/layers/count"]);
+    }
+
+    #[test]
+    fn a_released_setting_stays() {
+        let settings = serde_json::to_value(FitSettings::default()).unwrap();
+        let gone: Vec<_> =
+            FIRST_RELEASE.lines().filter(|first| settings.pointer(first).is_none()).collect();
+        assert!(gone.is_empty(), "older clients and stored fits have them: {gone:?}");
+    }
+
     #[test]
     fn a_worker_is_to_know_the_settings_that_are_given() {
         let since = [
