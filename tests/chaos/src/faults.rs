@@ -14,7 +14,10 @@ use anyhow::Context as _;
 use bendtwin_proto::v1::{
     rollout_service_client::RolloutServiceClient, session_service_client::SessionServiceClient,
 };
-use tokio::{task::JoinSet, time::Instant};
+use tokio::{
+    task::JoinSet,
+    time::{Instant, sleep},
+};
 use tonic::transport::{Channel, Endpoint};
 
 use crate::{
@@ -24,6 +27,8 @@ use crate::{
 
 /// Time for the faults that are under way at the end.
 const END: Duration = Duration::from_secs(90);
+/// Pause before a fault that did not come about is tried again.
+const RETRY: Duration = Duration::from_secs(1);
 /// Address of hostile and silent clients, another one than that of honest clients.
 const STRANGER: IpAddr = IpAddr::V4(std::net::Ipv4Addr::new(127, 0, 0, 2));
 /// Address of greedy clients.
@@ -39,14 +44,25 @@ pub(crate) async fn happen(run: &Arc<Run>, events: Vec<Event>) {
         let (run, files) = (run.clone(), files.clone());
         faults.spawn_local(async move { one(&run, event, &files).await });
     }
-    let ended = tokio::time::timeout(END, async {
+    // Those that wait for a chance have it as long as there is a load.
+    let over = async {
+        while run.goes_on() {
+            sleep(RETRY).await;
+        }
+        sleep(END).await;
+    };
+    let all = async {
         while let Some(fault) = faults.join_next().await {
             if let Err(error) = fault {
                 run.tally.broken("the suite itself works", error);
             }
         }
-    });
-    if ended.await.is_err() {
+    };
+    let are_cut_short = tokio::select! {
+        () = all => false,
+        () = over => true,
+    };
+    if are_cut_short {
         run.tally.log(format_args!("{} faults were cut short", faults.len()));
         faults.shutdown().await;
     }
@@ -58,8 +74,21 @@ pub(crate) async fn happen(run: &Arc<Run>, events: Vec<Event>) {
     }
 }
 
+/// Lets a fault happen. One that does not come about, because another one is in its way, is none of
+/// the server's; a fleet, which is to have a number of them, gets it later.
 async fn one(run: &Run, event: Event, files: &hostile::Files) {
-    let result = match event.fault {
+    loop {
+        let Err(error) = attempt(run, event, files).await else { return run.fault_happened() };
+        run.tally.log(format_args!("{event} did not come about: {error:#}"));
+        if run.faults_to_come() == 0 || !run.goes_on() {
+            return;
+        }
+        sleep(RETRY).await;
+    }
+}
+
+async fn attempt(run: &Run, event: Event, files: &hostile::Files) -> anyhow::Result<()> {
+    match event.fault {
         Fault::Kill(victim) => processes::kill_one(run, victim, event.chance).await,
         Fault::Restart => processes::restart(run, event.chance).await,
         Fault::Pause(victim, held) => processes::pause(run, victim, event.chance, held).await,
@@ -71,10 +100,6 @@ async fn one(run: &Run, event: Event, files: &hostile::Files) {
         Fault::Partition(cut, held) => partitions::cut(run, cut, event.chance, held).await,
         Fault::Outage(outage, held) => partitions::fail(run, outage, held).await,
         Fault::Zombie(beyond) => zombies::make(run, event.chance, beyond).await,
-    };
-    // A fault that does not come about, because another one is in its way, is none of the server's.
-    if let Err(error) = result {
-        run.tally.log(format_args!("{event} did not come about: {error:#}"));
     }
 }
 

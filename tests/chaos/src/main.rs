@@ -48,7 +48,7 @@ use crate::{
     fleet::Fleet,
     ledger::Ledger,
     reference::References,
-    run::Run,
+    run::{Run, Wanted},
     schedule::{Class, Counted, Counts, Paced},
     server::Server,
     supervised::Excuses,
@@ -65,7 +65,8 @@ const FLEET_RATE: f64 = 20.0;
 /// Runs a server or a fleet under a seeded schedule of faults and checks what it acknowledged.
 #[derive(Debug, Parser)]
 struct Args {
-    /// Minutes with faults [default: 2; of a fleet, one for twenty faults]
+    /// Minutes with faults [default: 2; of a fleet, one for twenty faults, and up to three times
+    /// as many until all that is asked for has happened]
     #[arg(long)]
     minutes: Option<f64>,
     /// Two servers and four workers over PostgreSQL and S3, on two machines
@@ -184,10 +185,10 @@ async fn rounds(args: &Args, length: Duration, folder: &Path) -> anyhow::Result<
         fleet.record()?;
     }
     let ledger = Ledger::new(folder)?;
-    let wanted_fits = if args.fleet { args.fits } else { 0 };
-    let (load, devices) = ((length, wanted_fits), (clocks, disk));
+    let (fits, faults) = if args.fleet { (args.fits, events.len()) } else { (0, 0) };
+    let (wanted, devices) = (Wanted { length, fits, faults }, (clocks, disk));
     let run =
-        Run::new(args.seed, load, (system, excuses), references, ledger, tally.clone(), devices);
+        Run::new(args.seed, wanted, (system, excuses), references, ledger, tally.clone(), devices);
     let run = Arc::new(run);
     run.import_twin().await?;
 
@@ -198,6 +199,9 @@ async fn rounds(args: &Args, length: Duration, folder: &Path) -> anyhow::Result<
         if let Err(error) = client {
             run.tally.broken("the suite itself works", error);
         }
+    }
+    if run.faults_to_come() > 0 {
+        run.tally.say(format_args!("{} faults did not come about in time", run.faults_to_come()));
     }
     run.tally.say("all faults are over: checking");
     let memory = MemoryLimits {

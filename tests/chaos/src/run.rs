@@ -3,7 +3,7 @@
 use std::{
     sync::{
         Arc, Mutex, MutexGuard, PoisonError,
-        atomic::{AtomicU64, Ordering},
+        atomic::{AtomicU64, AtomicUsize, Ordering},
     },
     time::{Duration, Instant},
 };
@@ -20,6 +20,17 @@ use crate::{
 /// Longest load, as a multiple of the time with faults.
 const MOST: u32 = 3;
 
+/// What has to have happened before the load ends.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Wanted {
+    /// The time with faults.
+    pub(crate) length: Duration,
+    /// Fits that are ordered.
+    pub(crate) fits: usize,
+    /// Faults that come about; 0 where as many are made as the time has room for.
+    pub(crate) faults: usize,
+}
+
 /// A run.
 pub(crate) struct Run {
     pub(crate) seed: u64,
@@ -27,6 +38,8 @@ pub(crate) struct Run {
     pub(crate) length: Duration,
     /// Fits that have to be ordered before the load ends.
     wanted_fits: usize,
+    /// Faults that have to happen before it ends.
+    faults_to_come: AtomicUsize,
     pub(crate) started: Instant,
     pub(crate) system: System,
     pub(crate) excuses: Excuses,
@@ -46,7 +59,7 @@ pub(crate) struct Run {
 impl Run {
     pub(crate) fn new(
         seed: u64,
-        (length, wanted_fits): (Duration, usize),
+        Wanted { length, fits, faults }: Wanted,
         (system, excuses): (System, Excuses),
         references: References,
         ledger: Ledger,
@@ -56,7 +69,8 @@ impl Run {
         Self {
             seed,
             length,
-            wanted_fits,
+            wanted_fits: fits,
+            faults_to_come: faults.into(),
             started: Instant::now(),
             system,
             excuses,
@@ -75,7 +89,19 @@ impl Run {
     pub(crate) fn goes_on(&self) -> bool {
         let elapsed = self.started.elapsed();
         let lacks_fits = self.ledger.things().fits.len() < self.wanted_fits;
-        elapsed < self.length || (lacks_fits && elapsed < MOST * self.length)
+        let lacks = lacks_fits || self.faults_to_come() > 0;
+        elapsed < self.length || (lacks && elapsed < MOST * self.length)
+    }
+
+    /// Number of faults that were asked for and have not happened.
+    pub(crate) fn faults_to_come(&self) -> usize {
+        self.faults_to_come.load(Ordering::Relaxed)
+    }
+
+    /// Notes that a fault has happened.
+    pub(crate) fn fault_happened(&self) {
+        let one_less = |left: usize| left.checked_sub(1);
+        let _ = self.faults_to_come.fetch_update(Ordering::Relaxed, Ordering::Relaxed, one_less);
     }
 
     /// Number of fits that a client has under way.
