@@ -56,7 +56,7 @@ class FitPage {
         ['Capture', captureText(capture)],
         ['Asked for', time(fit.job.create_time)],
         ['Priority', fit.priority],
-        ['Worker', wanted(fit)],
+        ['Worker', wanted(fit.requirements)],
       ]),
       this.#result,
       this.#losses.element,

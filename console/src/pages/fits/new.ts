@@ -1,15 +1,17 @@
 import { idOf } from '../../api/routes';
 import { Problem } from '../../api/problem';
-import type { Capture, Fit } from '../../api/types';
+import type { Capture, Fit, Worker } from '../../api/types';
 import type { OpenPage, PageContext } from '../../page';
 import { h } from '../../ui/dom';
 import { field } from '../../ui/form';
 import { moment } from '../../ui/format';
 import { problemBox } from '../../ui/problem';
 import { findCapture } from '../parts/capture';
+import { ANY_WORKER } from '../parts/requirements';
 import { faultsByName } from '../parts/settings';
 import { SettingsForm } from './form';
 import { formOf, settingsOf, type FitForm } from './request';
+import { WorkerForm } from './worker_form';
 
 /** Captures to choose from; older ones are reached from their own pages. */
 const CHOICES = 200;
@@ -21,11 +23,15 @@ const CHOICES = 200;
 export const open: OpenPage = async (context) => {
   context.setTitle('Start a fit');
   const like = context.query.get('like');
-  const [captures, model] = await Promise.all([choices(context), like === null ? null : fitOf(context, like)]);
+  const [captures, { workers }, model] = await Promise.all([
+    choices(context),
+    context.api.get('/v1/workers', { signal: context.signal }),
+    like === null ? null : fitOf(context, like),
+  ]);
   const asked = context.query.get('capture') ?? (model === null ? null : idOf(model.capture));
   // One that was deleted leaves the choice open.
   const wanted = captures.some(({ name }) => idOf(name) === asked) ? asked : null;
-  return { element: new NewFit(context, captures, wanted, model).element };
+  return { element: new NewFit(context, captures, workers, wanted, model).element };
 };
 
 class NewFit {
@@ -34,6 +40,7 @@ class NewFit {
   readonly #name = h('input', { maxlength: '200', placeholder: 'that of the capture' });
   readonly #priority = h('input', { inputmode: 'numeric', placeholder: '0' });
   readonly #settings: SettingsForm;
+  readonly #worker: WorkerForm;
   readonly #faults = h('div');
   readonly #submit = h('button', { type: 'submit', class: 'primary' }, 'Start the fit');
   /** Makes a repeated request the same one, as after an answer was lost. */
@@ -42,6 +49,7 @@ class NewFit {
   constructor(
     private readonly context: PageContext,
     captures: readonly Capture[],
+    workers: readonly Worker[],
     wanted: string | null,
     model: Fit | null,
   ) {
@@ -49,6 +57,7 @@ class NewFit {
     const from = context.query.get('from');
     const refined: FitForm['others'] = from === null ? [] : [['start_from', `twins/${from}`]];
     this.#settings = new SettingsForm({ ...form, others: [...form.others, ...refined] });
+    this.#worker = new WorkerForm(workers, model?.requirements ?? ANY_WORKER);
     const options = captures.map((capture) => {
       const words = [capture.display_name || 'without a name', moment(capture.create_time), capture.verdict ?? ''];
       const text = words.filter((word) => word !== '').join(', ');
@@ -67,6 +76,7 @@ class NewFit {
       field('Capture', this.#capture),
       field('Name', this.#name),
       this.#settings.element,
+      this.#worker.element,
       h('details', { class: 'card' }, h('summary', {}, 'Order in the queue'), field('Priority', this.#priority, hint)),
       this.#faults,
       h('div', { class: 'buttons' }, this.#submit),
@@ -80,6 +90,8 @@ class NewFit {
     const { context } = this;
     const { settings, faults } = settingsOf(this.#settings.value);
     if (this.tell(faults)) return;
+    const requirements = this.#worker.value;
+    if (requirements === null) return this.#worker.focus();
     this.#submit.disabled = true;
     try {
       const body = {
@@ -87,6 +99,7 @@ class NewFit {
         settings,
         display_name: this.#name.value.trim(),
         priority: Number(this.#priority.value) || 0,
+        requirements,
       };
       const fit = await context.api.json<Fit>('/v1/fits', {
         method: 'POST',

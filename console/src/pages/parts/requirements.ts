@@ -1,13 +1,30 @@
-import type { Fit } from '../../api/types';
+import type { Fit, Worker } from '../../api/types';
 import { size } from '../../ui/format';
 
+/** What a fit asks of its worker. */
+export type Requirements = Fit['requirements'];
+
+export const ANY_WORKER: Requirements = { backend: '', memory_bytes: 0, labels: [] };
+
 /** The worker that a fit asks for, in words. */
-export function wanted({ requirements }: Fit): string {
-  const { backend, memory_bytes: memory, labels } = requirements;
+export function wanted({ backend, memory_bytes: memory, labels }: Requirements): string {
   const words = [
-    ...(backend === '' ? [] : [backend === 'cpu' ? 'CPU' : backend.toUpperCase()]),
+    ...(backend === '' ? [] : [backendWord(backend)]),
     ...(memory > 0 ? [`${size(memory)} of memory`] : []),
     ...labels,
   ];
   return words.length > 0 ? words.join(', ') : 'any';
+}
+
+/** True if a worker is one that is asked for. Where it does not tell its memory, that is left out. */
+export function satisfies(worker: Worker, { backend, memory_bytes: memory, labels }: Requirements): boolean {
+  return (
+    (backend === '' || backend === worker.backend) &&
+    memory <= (worker.memory_total_bytes ?? Infinity) &&
+    labels.every((label) => worker.labels.includes(label))
+  );
+}
+
+export function backendWord(backend: string): string {
+  return backend.toUpperCase();
 }
