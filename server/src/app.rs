@@ -43,6 +43,7 @@ pub(crate) use jobs::{Attempt, Leased, News, Offer};
 pub(crate) use keys::KeyOrder;
 pub(crate) use labels::{Change, Listing};
 use members::Members;
+pub(crate) use requirements::read as read_requirements;
 pub(crate) use twins::TwinUpload;
 pub(crate) use upload::Body;
 pub(crate) use uploads::{ALGORITHMS, Append, Checksum, NewUpload, capture_name};

@@ -23,6 +23,7 @@ mod picture;
 mod process;
 mod progress;
 mod quality;
+mod requirements;
 mod rollout;
 mod server;
 mod settings;

@@ -64,6 +64,18 @@ def test_a_fit_can_ask_for_a_worker(client, fake):
     assert Requirements.from_proto(fake.fit_request.requirements) == requirements
 
 
+def test_an_ingest_can_ask_for_a_worker(client, fake, tmp_path):
+    path = tmp_path / "rope.zip"
+    path.write_bytes(b"x")
+    requirements = Requirements(backend="cpu", memory_bytes=1 << 30, labels=("disk=big",))
+    client.upload_capture(path, ingest_requirements=requirements)
+    assert Requirements.from_proto(fake.metadata.ingest_requirements) == requirements
+    client.upload_capture(path)
+    assert not fake.metadata.HasField("ingest_requirements")
+    client.ingest_capture(CAPTURE, requirements=requirements)
+    assert Requirements.from_proto(fake.ingest_request.requirements) == requirements
+
+
 def test_a_failed_fit_says_why(client, fake):
     fake.ends = job_pb2.Job.FAILED
     with pytest.raises(FitFailed, match="record again") as failure:

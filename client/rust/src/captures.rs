@@ -18,7 +18,7 @@ use url::Url;
 use uuid::Uuid;
 
 use crate::{
-    Capture, Error, ListQuery, Update, Watch,
+    Capture, Error, ListQuery, Requirements, Update, Watch,
     channel::Channel,
     http::Http,
     page::{self, Page},
@@ -38,6 +38,7 @@ pub struct Captures {
     service: CaptureServiceClient<Channel>,
     http: Http,
     url: String,
+    requirements: Requirements,
 }
 
 /// The part of the HTTP response that is needed; the rest is fetched by name.
@@ -48,7 +49,14 @@ struct Created {
 
 impl Captures {
     pub(crate) fn new(service: CaptureServiceClient<Channel>, http: Http, url: String) -> Self {
-        Self { service, http, url }
+        Self { service, http, url, requirements: Requirements::default() }
+    }
+
+    /// The same, with ingests that ask for a worker: those of uploads, and those that are run again.
+    /// An upload that was begun before keeps what was asked for then.
+    #[must_use]
+    pub fn read_by(self, requirements: Requirements) -> Self {
+        Self { requirements, ..self }
     }
 
     /// Uploads a capture archive (ZIP) over HTTP, streamed from disk, its digest checked by the
@@ -104,6 +112,7 @@ impl Captures {
     ) -> Result<Capture, Error> {
         let digest = digest_of(file).await?;
         let sender = Sender::new(&self.http, &self.url, file, &digest, display_name).await?;
+        let sender = sender.asking(&self.requirements)?;
         let name = sender.send(&sent).await?;
         let mut attempt = 1;
         loop {
@@ -136,6 +145,9 @@ impl Captures {
         });
         let mut url = Url::parse(&format!("{}/v1/captures", self.url)).map_err(Error::malformed)?;
         url.query_pairs_mut().append_pair("display_name", display_name);
+        if let Some(requirements) = self.requirements.json()? {
+            url.query_pairs_mut().append_pair("ingest_requirements", &requirements);
+        }
         let response = self
             .http
             .request(Method::POST, url.as_str())
@@ -182,7 +194,13 @@ impl Captures {
         let settings_json = serde_json::to_string(settings)
             .map_err(|e| Error::invalid(format!("the settings cannot be written as JSON: {e}")))?;
         let request_id = Uuid::new_v4().to_string();
-        let request = IngestCaptureRequest { name: name.to_string(), settings_json, request_id };
+        let requirements = self.requirements.clone().message();
+        let request = IngestCaptureRequest {
+            name: name.to_string(),
+            settings_json,
+            request_id,
+            requirements,
+        };
         self.service.clone().ingest_capture(request).await?.into_inner().try_into()
     }
 

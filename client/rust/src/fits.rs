@@ -88,8 +88,7 @@ impl Fits {
             priority: order.priority,
             request_id: order.request_id.unwrap_or_else(|| Uuid::new_v4().to_string()),
             display_name: order.display_name,
-            requirements: (order.requirements != Requirements::default())
-                .then(|| order.requirements.into()),
+            requirements: order.requirements.message(),
         };
         self.service.clone().create_fit(request).await?.into_inner().try_into()
     }

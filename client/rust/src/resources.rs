@@ -34,6 +34,8 @@ pub struct Capture {
     pub tags: Vec<String>,
     /// Owner of the key with which it was made; empty if that is not known.
     pub owner: String,
+    /// Worker that its ingest asks for.
+    pub ingest_requirements: Requirements,
 }
 
 /// Work that a worker does for a fit, or for the ingest of a capture.
@@ -177,7 +179,7 @@ pub struct Fit {
     pub requirements: Requirements,
 }
 
-/// Worker that a fit asks for, which waits until there is one; by default any.
+/// Worker that a fit or an ingest asks for, which waits until there is one; by default any.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct Requirements {
     /// `cpu` or `cuda`; empty means either.
@@ -288,6 +290,7 @@ impl TryFrom<v1::Capture> for Capture {
             note: wire.note,
             tags: wire.tags,
             owner: wire.owner,
+            ingest_requirements: wire.ingest_requirements.map(Into::into).unwrap_or_default(),
         })
     }
 }
@@ -346,6 +349,21 @@ impl From<v1::WorkerRequirements> for Requirements {
     fn from(wire: v1::WorkerRequirements) -> Self {
         let v1::WorkerRequirements { backend, memory_bytes, labels } = wire;
         Self { backend, memory_bytes, labels }
+    }
+}
+
+impl Requirements {
+    /// The message; none if any worker will do.
+    pub(crate) fn message(self) -> Option<v1::WorkerRequirements> {
+        (self != Self::default()).then(|| self.into())
+    }
+
+    /// As JSON; none if any worker will do.
+    pub(crate) fn json(&self) -> Result<Option<String>, Error> {
+        if *self == Self::default() {
+            return Ok(None);
+        }
+        serde_json::to_string(self).map(Some).map_err(Error::malformed)
     }
 }
 

@@ -24,7 +24,7 @@ use tokio::{
 use url::Url;
 
 use crate::{
-    Error,
+    Error, Requirements,
     http::{Http, Request, Response},
     problem,
 };
@@ -75,6 +75,15 @@ impl<'a> Sender<'a> {
             [("display_name", display_name), ("request_id", &request_id), ("digest", digest)];
         let pairs = pairs.map(|(key, value)| format!("{key} {}", BASE64_STANDARD.encode(value)));
         Ok(Self { http, server, path, length, metadata: pairs.join(",") })
+    }
+
+    /// The same upload, whose ingest asks for a worker.
+    pub(crate) fn asking(mut self, requirements: &Requirements) -> Result<Self, Error> {
+        if let Some(json) = requirements.json()? {
+            let pair = format!(",ingest_requirements {}", BASE64_STANDARD.encode(json));
+            self.metadata.push_str(&pair);
+        }
+        Ok(self)
     }
 
     /// Sends the missing bytes and returns the capture made of them. `sent` gets the number of

@@ -950,6 +950,8 @@ export interface components {
              *     the capture fail with its fault.
              */
             ingest: components["schemas"]["Job"];
+            /** @description Worker that its ingest asks for. */
+            ingest_requirements: components["schemas"]["Requirements"];
             /** @description `captures/{uuid}` */
             name: string;
             /** @description Text that people write about it. */
@@ -1575,6 +1577,8 @@ export interface components {
         };
         /** @description An ingest to be run again. */
         NewIngest: {
+            /** @description Worker that it asks for. */
+            requirements?: components["schemas"]["Requirements"];
             /** @description Settings that differ from the defaults. */
             settings?: Record<string, never> | null;
         };
@@ -1955,7 +1959,7 @@ export interface components {
             /** @description workers/{uuid} */
             worker?: string;
         };
-        /** @description Worker that a fit asks for, which waits until there is one. */
+        /** @description Worker that a fit or an ingest asks for, which waits until there is one. */
         Requirements: {
             /**
              * @description `cpu` or `cuda`; empty means either.
@@ -2662,6 +2666,8 @@ export interface operations {
                 digest?: string;
                 /** @description Settings of the ingest that differ from the defaults, as JSON. */
                 ingest?: string;
+                /** @description Worker that the ingest asks for, as JSON. */
+                ingest_requirements?: string;
             };
             header?: {
                 /** @description Makes the upload idempotent */

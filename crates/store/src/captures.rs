@@ -7,8 +7,8 @@ use jiff::Timestamp;
 use uuid::Uuid;
 
 use crate::{
-    Content, Creator, Digest, Error, Job, LabelChange, Labels, ListQuery, Page, Report, Result,
-    Staged, Store,
+    Content, Creator, Digest, Error, Job, LabelChange, Labels, ListQuery, Page, Report,
+    Requirements, Result, Staged, Store,
     clock::from_micros,
     failpoint::Failpoint,
     jobs::{self, Asked},
@@ -59,6 +59,8 @@ pub struct NewCapture {
     pub content: Staged,
     /// Settings of its ingest as JSON, the same text for the same settings.
     pub ingest: String,
+    /// Worker that its ingest asks for.
+    pub requirements: Requirements,
     /// The uploader.
     pub creator: Creator,
     /// W3C traceparent of the call.
@@ -115,10 +117,12 @@ impl Captures<'_> {
     /// returns the capture created before.
     ///
     /// # Errors
-    /// [`Error::RequestIdTaken`], [`Error::DiskFull`], database and file errors.
+    /// [`Error::RequestIdTaken`], [`Error::DiskFull`], [`Error::TooManyRequirements`], database and
+    /// file errors.
     pub async fn create(&self, new: NewCapture) -> Result<Capture> {
         self.store.admit()?;
-        let NewCapture { display_name, request_id, content, ingest, creator, trace_parent } = new;
+        let NewCapture { display_name, request_id, content, creator, .. } = new;
+        let requirements = new.requirements.to_text()?;
         let (digest, size_bytes) = (content.digest(), content.size_bytes());
         let upload = content.upload();
         let guard = self.store.publish(content).await?;
@@ -145,7 +149,11 @@ impl Captures<'_> {
             }
         }
         let more = More { jobs: 1, bytes: size_bytes, upload };
-        if let Err(error) = quotas::require(&mut tx, &creator, more).await {
+        let admitted = match quotas::require(&mut tx, &creator, more).await {
+            Ok(()) => jobs::admit_ingest(&mut tx, &requirements).await,
+            refused => refused,
+        };
+        if let Err(error) = admitted {
             drop((tx, guard));
             self.store.release(&digest.to_hex()).await?;
             return Err(error);
@@ -170,9 +178,13 @@ impl Captures<'_> {
         if let Some(upload) = upload {
             uploads::stored(&mut tx, upload, id).await?;
         }
-        let asked = Asked { owner: &creator.owner, trace_parent: trace_parent.as_deref() };
+        let asked = Asked {
+            owner: &creator.owner,
+            trace_parent: new.trace_parent.as_deref(),
+            requirements: &requirements,
+        };
         let now = self.store.now_micros();
-        let ingest = jobs::enqueue(&mut tx, &row.id, &ingest, asked, now).await?;
+        let ingest = jobs::enqueue(&mut tx, &row.id, &new.ingest, asked, now).await?;
         self.store.pass(Failpoint::BeforeCommit)?;
         tx.commit().await?;
         drop(guard);

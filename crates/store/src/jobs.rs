@@ -35,7 +35,7 @@ pub(crate) use claim::statement as claim_statement;
 pub use end::{AttemptEnd, Loss};
 pub use fits::NewFit;
 pub use id::{JobId, Kind};
-pub(crate) use ingests::{Asked, dequeue, enqueue};
+pub(crate) use ingests::{Asked, admit_ingest, dequeue, enqueue};
 pub use ingests::{IngestResult, NewIngest, NewReport};
 pub use lease::{JobReport, Lease, Reported};
 pub use lease_time::LeaseTerms;

@@ -472,6 +472,19 @@ pub struct ModelLoss {
     #[prost(double, optional, tag = "5")]
     pub best_loss: ::core::option::Option<f64>,
 }
+/// Worker that a fit or an ingest asks for. It waits until there is one.
+#[derive(Clone, PartialEq, Eq, Hash, ::prost::Message)]
+pub struct WorkerRequirements {
+    /// `cpu` or `cuda`; empty means either.
+    #[prost(string, tag = "1")]
+    pub backend: ::prost::alloc::string::String,
+    /// Memory of the device at least \[bytes\]; on a CPU, that which a fit may take.
+    #[prost(uint64, tag = "2")]
+    pub memory_bytes: u64,
+    /// Labels of which the worker has each: up to 32 of up to 50 characters without spaces and commas.
+    #[prost(string, repeated, tag = "3")]
+    pub labels: ::prost::alloc::vec::Vec<::prost::alloc::string::String>,
+}
 #[derive(Clone, PartialEq, ::prost::Message)]
 pub struct Capture {
     /// captures/{uuid}
@@ -502,6 +515,9 @@ pub struct Capture {
     /// Owner of the key with which it was uploaded; empty if that is not known.
     #[prost(string, tag = "10")]
     pub owner: ::prost::alloc::string::String,
+    /// Worker that its ingest asks for; absent: any.
+    #[prost(message, optional, tag = "11")]
+    pub ingest_requirements: ::core::option::Option<WorkerRequirements>,
 }
 #[derive(Clone, PartialEq, Eq, Hash, ::prost::Message)]
 pub struct CreateCaptureRequest {
@@ -531,6 +547,9 @@ pub struct CaptureMetadata {
     /// IngestSettings as JSON; empty means defaults.
     #[prost(string, tag = "4")]
     pub ingest_settings_json: ::prost::alloc::string::String,
+    /// Worker that the ingest asks for; absent: any.
+    #[prost(message, optional, tag = "5")]
+    pub ingest_requirements: ::core::option::Option<WorkerRequirements>,
 }
 #[derive(Clone, PartialEq, ::prost::Message)]
 pub struct CreateCaptureResponse {
@@ -602,6 +621,9 @@ pub struct IngestCaptureRequest {
     /// Makes the call idempotent, until the next one of the same capture.
     #[prost(string, tag = "3")]
     pub request_id: ::prost::alloc::string::String,
+    /// Worker that it asks for; absent: any.
+    #[prost(message, optional, tag = "4")]
+    pub requirements: ::core::option::Option<WorkerRequirements>,
 }
 #[derive(Clone, PartialEq, Eq, Hash, ::prost::Message)]
 pub struct CancelIngestRequest {
@@ -1736,19 +1758,6 @@ pub struct Fit {
     /// Worker that it asks for; absent if any will do.
     #[prost(message, optional, tag = "11")]
     pub requirements: ::core::option::Option<WorkerRequirements>,
-}
-/// Worker that a fit asks for. It waits until there is one.
-#[derive(Clone, PartialEq, Eq, Hash, ::prost::Message)]
-pub struct WorkerRequirements {
-    /// `cpu` or `cuda`; empty means either.
-    #[prost(string, tag = "1")]
-    pub backend: ::prost::alloc::string::String,
-    /// Memory of the device at least \[bytes\]; on a CPU, that which a fit may take.
-    #[prost(uint64, tag = "2")]
-    pub memory_bytes: u64,
-    /// Labels of which the worker has each: up to 32 of up to 50 characters without spaces and commas.
-    #[prost(string, repeated, tag = "3")]
-    pub labels: ::prost::alloc::vec::Vec<::prost::alloc::string::String>,
 }
 #[derive(Clone, PartialEq, Eq, Hash, ::prost::Message)]
 pub struct CreateFitRequest {

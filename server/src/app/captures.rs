@@ -1,10 +1,11 @@
 //! Captures. Their content is opaque here; workers read it.
 
 use bendtwin_core::ids::CaptureId;
-use bendtwin_store::{Capture, Content, Creator, NewCapture, Overview, Page, Staged};
+use bendtwin_store::{Capture, Content, Creator, NewCapture, Overview, Page, Requirements, Staged};
 
 use super::{
     App, Body, Error, Result,
+    ingests::Ingest,
     labels::{CAPTURE_ORDERS, Listing},
 };
 use crate::{audit, context::Context};
@@ -17,6 +18,8 @@ pub(crate) struct CaptureUpload {
     pub(crate) digest: String,
     /// Settings of its ingest as JSON; empty means the defaults.
     pub(crate) ingest_json: String,
+    /// Worker that its ingest asks for.
+    pub(crate) requirements: Requirements,
     pub(crate) body: Body,
 }
 
@@ -25,7 +28,7 @@ impl App {
         let display_name = super::labels::display_name(upload.display_name)?;
         let request_id = super::request_id(upload.request_id)?;
         let digest = super::digest(&upload.digest)?;
-        let ingest = self.ingest_settings(&upload.ingest_json)?;
+        let ingest = self.ingest(&upload.ingest_json, upload.requirements)?;
         self.require_room(0)?;
         let limit = self.options.limits.capture_bytes;
         let _buffers = self.memory.upload().await?;
@@ -37,20 +40,27 @@ impl App {
         self.store_capture(display_name, request_id, ingest, content, creator).await
     }
 
-    /// Makes a capture of received content, the last step of every upload. `ingest` are the
-    /// settings in force.
+    /// Makes a capture of received content, the last step of every upload.
     pub(super) async fn store_capture(
         &self,
         display_name: String,
         request_id: Option<String>,
-        ingest: String,
+        ingest: Ingest,
         content: Staged,
         creator: Creator,
     ) -> Result<Overview> {
         let done: Result<Overview> = async {
             let trace_parent = Context::current().trace_parent();
-            let new =
-                NewCapture { display_name, request_id, content, ingest, creator, trace_parent };
+            let Ingest { settings: ingest, requirements } = ingest;
+            let new = NewCapture {
+                display_name,
+                request_id,
+                content,
+                ingest,
+                requirements,
+                creator,
+                trace_parent,
+            };
             let store = self.store.clone();
             let capture = self.change(async move { store.captures().create(new).await }).await?;
             tracing::info!(capture = %capture.id, bytes = capture.size_bytes, "capture stored");

@@ -7,16 +7,24 @@ use bendtwin_core::{
 };
 use bendtwin_store::{
     AttemptEnd, Blobs, Content, Digest, IngestResult, NewIngest, NewReport, Observation, Overview,
-    Staged, Upload,
+    Requirements, Staged, Upload,
 };
 use bytes::Bytes;
 use futures::{StreamExt, stream::BoxStream};
 
-use super::{App, Attempt, Error, Result, results};
+use super::{App, Attempt, Error, Result, requirements, results};
 use crate::{audit, context::Context};
 
 /// Longest verdict.
 const MAX_VERDICT: usize = 32;
+
+/// What is wanted of an ingest.
+pub(super) struct Ingest {
+    /// The settings in force as canonical JSON: equal settings are equal text.
+    pub(super) settings: String,
+    /// Worker that it asks for.
+    pub(super) requirements: Requirements,
+}
 
 /// A chunk of an ingest's result.
 #[derive(Debug)]
@@ -66,13 +74,16 @@ impl App {
         &self,
         name: &str,
         settings_json: &str,
+        requirements: Requirements,
         request_id: String,
     ) -> Result<Overview> {
         let done: Result<Overview> = async {
             let context = Context::current();
+            let Ingest { settings, requirements } = self.ingest(settings_json, requirements)?;
             let new = NewIngest {
                 capture: super::name(name)?,
-                settings: self.ingest_settings(settings_json)?,
+                settings,
+                requirements,
                 request_id: super::request_id(request_id)?,
                 creator: context.caller.creator(),
                 trace_parent: context.trace_parent(),
@@ -205,11 +216,14 @@ impl App {
         })
     }
 
-    /// The settings in force as canonical JSON: equal settings are equal text.
-    pub(super) fn ingest_settings(&self, json: &str) -> Result<String> {
+    /// What is wanted of an ingest, checked, with the settings in force.
+    pub(super) fn ingest(&self, settings_json: &str, requirements: Requirements) -> Result<Ingest> {
         let limit = self.options.limits.json_bytes;
-        let settings: IngestSettings = super::read_settings(json, limit)?;
+        let settings: IngestSettings = super::read_settings(settings_json, limit)?;
         settings.validate().map_err(Error::Settings)?;
-        serde_json::to_string(&settings).map_err(|e| Error::Internal(e.to_string()))
+        requirements::check(&requirements)?;
+        let settings =
+            serde_json::to_string(&settings).map_err(|e| Error::Internal(e.to_string()))?;
+        Ok(Ingest { settings, requirements })
     }
 }

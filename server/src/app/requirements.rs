@@ -1,15 +1,37 @@
-//! Labels of workers, and what fits ask of a worker.
+//! Labels of workers, and what jobs ask of a worker.
 
 use bendtwin_store::Requirements;
+use serde::Deserialize;
 
 use super::{Error, Result};
 
-/// Backends that a fit can ask for; empty means either.
+/// Backends that a job can ask for; empty means either.
 const BACKENDS: [&str; 3] = ["", "cpu", "cuda"];
-/// Most labels of a worker, and of a fit.
+/// Most labels of a worker, and of a job.
 const MAX_LABELS: usize = 32;
 /// Longest label [characters].
 const LABEL_LENGTH: usize = 50;
+
+/// Requirements as JSON, where a request has no room for a document; empty text means any worker.
+pub(crate) fn read(json: &str) -> Result<Requirements> {
+    if json.is_empty() {
+        return Ok(Requirements::default());
+    }
+    let given: Given = serde_json::from_str(json).map_err(|error| {
+        Error::invalid("ingest_requirements", format!("is not readable: {error}"))
+    })?;
+    let Given { backend, memory_bytes, labels } = given;
+    Ok(Requirements { backend, memory_bytes, labels, version: None })
+}
+
+/// Requirements as clients write them.
+#[derive(Default, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+struct Given {
+    backend: String,
+    memory_bytes: u64,
+    labels: Vec<String>,
+}
 
 /// Refuses what no worker could have.
 pub(super) fn check(requirements: &Requirements) -> Result<()> {

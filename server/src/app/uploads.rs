@@ -62,7 +62,7 @@ impl App {
             let metadata = Metadata::parse(&new.metadata)?;
             let request_id = super::request_id(metadata.one_request_id(new.request_id)?)?;
             self.check_length(new.length_bytes)?;
-            self.ingest_settings(&metadata.ingest)?;
+            self.ingest(&metadata.ingest, metadata.requirements()?)?;
             let new = NewResumableUpload {
                 display_name: super::labels::display_name(metadata.capture_name())?,
                 request_id,
@@ -302,7 +302,8 @@ impl App {
         upload: &ResumableUpload,
         quotas: Quotas,
     ) -> Result<()> {
-        let ingest = self.ingest_settings(&Metadata::parse(&upload.metadata)?.ingest)?;
+        let metadata = Metadata::parse(&upload.metadata)?;
+        let ingest = self.ingest(&metadata.ingest, metadata.requirements()?)?;
         let content = writer.stage().await?;
         let (name, request_id) = (upload.display_name.clone(), upload.request_id.clone());
         let creator = Creator { owner: upload.owner.clone(), quotas };

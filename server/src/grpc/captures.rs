@@ -30,6 +30,7 @@ impl CaptureService for Api {
             request_id: metadata.request_id,
             digest: metadata.digest,
             ingest_json: metadata.ingest_settings_json,
+            requirements: convert::read_requirements(metadata.ingest_requirements),
             body,
         };
         let capture = convert::capture(self.app.create_capture(upload).await?);
@@ -89,7 +90,9 @@ impl CaptureService for Api {
         request: Request<IngestCaptureRequest>,
     ) -> Result<Response<Capture>, Status> {
         let r = request.into_inner();
-        let capture = self.app.ingest_capture(&r.name, &r.settings_json, r.request_id).await?;
+        let requirements = convert::read_requirements(r.requirements);
+        let capture =
+            self.app.ingest_capture(&r.name, &r.settings_json, requirements, r.request_id).await?;
         Ok(Response::new(convert::capture(capture)))
     }
 

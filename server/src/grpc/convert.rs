@@ -66,13 +66,14 @@ pub(super) fn change(
 }
 
 pub(super) fn capture(overview: Overview) -> v1::Capture {
-    let Overview { capture, ingest, report } = overview;
+    let Overview { capture, mut ingest, report } = overview;
     v1::Capture {
         name: capture.id.to_string(),
         display_name: capture.labels.display_name,
         create_time: Some(time(capture.created)),
         size_bytes: capture.size_bytes,
         digest: capture.digest.to_hex().to_string(),
+        ingest_requirements: requirements(std::mem::take(&mut ingest.requirements)),
         ingest: Some(job(ingest)),
         verdict: report.map(|r| r.verdict).unwrap_or_default(),
         note: capture.labels.note,
@@ -99,15 +100,15 @@ pub(super) fn fit(mut fit: Job) -> v1::Fit {
     }
 }
 
-fn requirements(of_fit: Requirements) -> Option<v1::WorkerRequirements> {
-    let any = of_fit == Requirements::default();
+fn requirements(of_job: Requirements) -> Option<v1::WorkerRequirements> {
+    let any = of_job == Requirements::default();
     // The version follows from the settings.
-    let Requirements { backend, memory_bytes, labels, version: _ } = of_fit;
+    let Requirements { backend, memory_bytes, labels, version: _ } = of_job;
     (!any).then_some(v1::WorkerRequirements { backend, memory_bytes, labels })
 }
 
-pub(super) fn read_requirements(wire: v1::WorkerRequirements) -> Requirements {
-    let v1::WorkerRequirements { backend, memory_bytes, labels } = wire;
+pub(super) fn read_requirements(wire: Option<v1::WorkerRequirements>) -> Requirements {
+    let v1::WorkerRequirements { backend, memory_bytes, labels } = wire.unwrap_or_default();
     Requirements { backend, memory_bytes, labels, version: None }
 }
 

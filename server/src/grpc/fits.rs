@@ -23,7 +23,7 @@ impl FitService for Api {
             priority: r.priority,
             request_id: r.request_id,
             display_name: r.display_name,
-            requirements: r.requirements.map(convert::read_requirements).unwrap_or_default(),
+            requirements: convert::read_requirements(r.requirements),
         };
         let fit = self.app.create_fit(order).await?;
         Ok(Response::new(convert::fit(fit)))

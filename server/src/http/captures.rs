@@ -15,7 +15,7 @@ use super::{
     resource::{Capture, CaptureParams, Captures, NewIngest},
 };
 use crate::{
-    app::{App, CaptureUpload},
+    app::{App, CaptureUpload, read_requirements},
     error::ProblemDocument,
 };
 
@@ -63,6 +63,7 @@ pub(super) async fn create(
         request_id: extract::idempotency_key(request.headers())?,
         digest: extract::declared_digest(request.headers(), params.digest)?,
         ingest_json: params.ingest,
+        requirements: read_requirements(&params.ingest_requirements)?,
         body: extract::upload_body(request),
     };
     let capture = app.create_capture(upload).await?;
@@ -138,7 +139,8 @@ pub(super) async fn ingest(
 ) -> Result<Response> {
     let settings = new.settings.as_deref().map_or("", |s| s.get());
     let key = extract::idempotency_key(&headers)?;
-    let capture = app.ingest_capture(&id, settings, key).await?;
+    let requirements = new.requirements.into();
+    let capture = app.ingest_capture(&id, settings, requirements, key).await?;
     Ok((StatusCode::ACCEPTED, Json(Capture::from(capture))).into_response())
 }
 

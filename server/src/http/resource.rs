@@ -30,17 +30,20 @@ pub(super) struct Capture {
     tags: Vec<String>,
     /// Owner of the key with which it was made; empty if that is not known.
     owner: String,
+    /// Worker that its ingest asks for.
+    ingest_requirements: Requirements,
 }
 
 impl From<store::Overview> for Capture {
     fn from(overview: store::Overview) -> Self {
-        let store::Overview { capture, ingest, report } = overview;
+        let store::Overview { capture, mut ingest, report } = overview;
         Self {
             name: capture.id.to_string(),
             display_name: capture.labels.display_name,
             create_time: capture.created.to_string(),
             size_bytes: capture.size_bytes,
             digest: capture.digest.to_hex().to_string(),
+            ingest_requirements: std::mem::take(&mut ingest.requirements).into(),
             ingest: ingest.into(),
             verdict: report.map(|r| r.verdict),
             note: capture.labels.note,
@@ -104,6 +107,9 @@ pub(super) struct NewIngest {
     /// Settings that differ from the defaults.
     #[schema(value_type = Option<Object>)]
     pub(super) settings: Option<Box<RawValue>>,
+    /// Worker that it asks for.
+    #[serde(default)]
+    pub(super) requirements: Requirements,
 }
 
 /// A page of captures, newest first unless another order was asked for.
@@ -139,7 +145,7 @@ pub(super) struct Fit {
     requirements: Requirements,
 }
 
-/// Worker that a fit asks for, which waits until there is one.
+/// Worker that a fit or an ingest asks for, which waits until there is one.
 #[derive(Default, Serialize, Deserialize, ToSchema)]
 #[serde(default, deny_unknown_fields)]
 pub(super) struct Requirements {
@@ -152,9 +158,9 @@ pub(super) struct Requirements {
 }
 
 impl From<store::Requirements> for Requirements {
-    fn from(of_fit: store::Requirements) -> Self {
+    fn from(of_job: store::Requirements) -> Self {
         // The version follows from the settings.
-        let store::Requirements { backend, memory_bytes, labels, version: _ } = of_fit;
+        let store::Requirements { backend, memory_bytes, labels, version: _ } = of_job;
         Self { backend, memory_bytes, labels }
     }
 }
@@ -391,6 +397,9 @@ pub(super) struct CaptureParams {
     /// Settings of the ingest that differ from the defaults, as JSON.
     #[serde(default)]
     pub(super) ingest: String,
+    /// Worker that the ingest asks for, as JSON.
+    #[serde(default)]
+    pub(super) ingest_requirements: String,
 }
 
 /// Stored JSON as it is; null if it is none.

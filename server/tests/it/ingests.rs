@@ -1,5 +1,6 @@
 use std::time::Duration;
 
+use base64::{Engine as _, prelude::BASE64_STANDARD};
 use bendtwin_proto::{
     v1::{
         ExportObservationRequest, Fault, GetCaptureReportRequest, IngestCaptureRequest,
@@ -10,7 +11,7 @@ use bendtwin_proto::{
 use serde_json::json;
 
 use crate::{
-    harness::Server,
+    harness::{Server, read},
     results::{observation, playback},
     worker::Worker,
 };
@@ -163,6 +164,55 @@ async fn an_ingest_is_run_again_with_other_settings() {
     worker.lease(SOON).await.unwrap();
     let refused = server.captures().ingest_capture(request).await.unwrap_err();
     assert_eq!(bendtwin_proto::fault::fault(&refused).reason, "CAPTURE_IN_USE");
+}
+
+/// Requirements are given with every kind of upload, and when a capture is read again.
+#[tokio::test]
+async fn an_ingest_waits_for_a_worker_that_it_asks_for() {
+    let server = Server::start().await;
+    let wanted = json!({"backend": "cpu", "memory_bytes": 0, "labels": ["disk=big"]});
+    let text = wanted.to_string();
+    let upload = async |requirements: &str| {
+        let request = server.http.post(server.url("/v1/captures")).body("an archive");
+        read(request.query(&[("ingest_requirements", requirements)]).send().await.unwrap()).await
+    };
+    for wrong in ["{", r#"{"colour": "red"}"#, r#"{"backend": "tpu"}"#] {
+        let (status, problem) = upload(wrong).await;
+        assert_eq!(status, 400, "{problem}");
+        assert!(problem["detail"].as_str().unwrap().contains("requirements"), "{problem}");
+    }
+    let (status, first) = upload(&text).await;
+    assert_eq!((status, &first["ingest_requirements"]), (201, &wanted), "{first}");
+    let pair = |key: &str, value: &str| format!("{key} {}", BASE64_STANDARD.encode(value));
+    let tus = server.http.post(server.url("/v1/uploads")).header("tus-resumable", "1.0.0");
+    let tus = tus.header("upload-metadata", pair("ingest_requirements", &text));
+    let tus = tus.header("content-type", "application/offset+octet-stream");
+    let tus = tus.header("upload-length", "10").body("an archive").send().await.unwrap();
+    let second = tus.headers()["bendtwin-capture"].to_str().unwrap().to_owned();
+    let (_, second) = server.get(&format!("/v1/{second}")).await;
+    assert_eq!(second["ingest_requirements"], wanted);
+
+    let mut plain = Worker::register(&server).await;
+    plain.heartbeat().await.unwrap();
+    assert!(plain.lease_a(Kind::Ingest, Duration::ZERO).await.is_none());
+    let mut labelled = Worker::register_labelled(&server, &["disk=big"]).await;
+    labelled.heartbeat().await.unwrap();
+    for capture in [&first, &second] {
+        let lease = labelled.lease_a(Kind::Ingest, SOON).await.unwrap();
+        assert_eq!(json!(lease.capture), capture["name"]);
+        labelled.observe(&lease).await.unwrap();
+    }
+    // Read again: without requirements any worker will do.
+    let name = first["name"].as_str().unwrap().to_owned();
+    let (_, again) =
+        server.post(&format!("/v1/{name}/ingest"), json!({"requirements": wanted})).await;
+    assert_eq!(again["ingest_requirements"], wanted, "{again}");
+    assert!(plain.lease_a(Kind::Ingest, Duration::ZERO).await.is_none());
+    server.post(&format!("/v1/{name}/ingest/cancel"), json!(null)).await;
+    let request = IngestCaptureRequest { name, ..Default::default() };
+    let again = server.captures().ingest_capture(request).await.unwrap().into_inner();
+    assert_eq!(again.ingest_requirements, None);
+    plain.lease_a(Kind::Ingest, SOON).await.unwrap();
 }
 
 #[tokio::test]

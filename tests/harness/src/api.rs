@@ -85,6 +85,7 @@ impl Api {
             request_id: request_id.to_owned(),
             digest: String::new(),
             ingest_settings_json: String::new(),
+            ingest_requirements: None,
         };
         let parts = std::iter::once(Part::Metadata(metadata))
             .chain(chunks(archive).map(Part::Chunk))

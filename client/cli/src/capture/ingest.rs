@@ -7,7 +7,7 @@ use bendtwin_client::{CaptureId, IngestSettings};
 use clap::Args;
 
 use super::reading::follow;
-use crate::{failure::Usage, global::Global, output};
+use crate::{failure::Usage, global::Global, output, requirements::RequirementArgs};
 
 #[derive(Debug, Args)]
 pub(crate) struct IngestArgs {
@@ -16,6 +16,8 @@ pub(crate) struct IngestArgs {
     /// Settings that differ from the defaults, as a JSON file
     #[arg(long, value_name = "FILE")]
     settings: Option<PathBuf>,
+    #[command(flatten)]
+    requirements: RequirementArgs,
     /// Stop the ingest that is under way instead
     #[arg(long, conflicts_with_all = ["settings", "watch"])]
     cancel: bool,
@@ -35,7 +37,7 @@ pub(super) async fn run(args: IngestArgs, global: &Global) -> anyhow::Result<()>
         }
     };
     let client = global.connect().await?;
-    let captures = client.captures();
+    let captures = client.captures().read_by(args.requirements.into());
     let capture = if args.cancel {
         captures.cancel_ingest(args.name).await?
     } else {

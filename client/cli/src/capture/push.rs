@@ -8,7 +8,7 @@ use std::{
 };
 
 use bendtwin_capture::{FilesRead, Limits};
-use bendtwin_client::Client;
+use bendtwin_client::Captures;
 use bendtwin_core::Severity;
 use clap::Args;
 use tempfile::NamedTempFile;
@@ -18,7 +18,7 @@ use super::{
     check::{check_locally, text},
     reading::follow,
 };
-use crate::{failure, global::Global, output, progress, signals};
+use crate::{failure, global::Global, output, progress, requirements::RequirementArgs, signals};
 
 #[derive(Debug, Args)]
 pub(crate) struct Push {
@@ -31,6 +31,8 @@ pub(crate) struct Push {
     /// Do not check the capture on this machine first
     #[arg(long)]
     no_check: bool,
+    #[command(flatten)]
+    requirements: RequirementArgs,
     /// Follow the ingest on the server and show its findings
     #[arg(long)]
     watch: bool,
@@ -50,9 +52,10 @@ pub(super) async fn run(args: Push, global: &Global) -> anyhow::Result<()> {
         }
     }
     let client = global.connect().await?;
+    let captures = client.captures().read_by(args.requirements.into());
     let name = args.name.unwrap_or_else(|| display_name(&args.path));
     let capture = tokio::select! {
-        capture = upload(&client, &args.path, &name, global.json) => capture?,
+        capture = upload(&captures, &args.path, &name, global.json) => capture?,
         () = signals::shutdown().cancelled_owned() => {
             anyhow::bail!("interrupted: push it again to resume the upload")
         }
@@ -67,7 +70,7 @@ pub(super) async fn run(args: Push, global: &Global) -> anyhow::Result<()> {
 
 /// Uploads a capture with a progress bar.
 pub(crate) async fn upload(
-    client: &Client,
+    captures: &Captures,
     path: &Path,
     name: &str,
     quiet: bool,
@@ -77,10 +80,8 @@ pub(crate) async fn upload(
     let size = std::fs::metadata(archive).map_or(0, |m| m.len());
     let bar = progress::byte_bar("uploading", size, quiet);
     let sent = bar.clone();
-    let uploaded = client
-        .captures()
-        .upload_resumable(archive, name, move |bytes| sent.set_position(bytes))
-        .await;
+    let uploaded =
+        captures.upload_resumable(archive, name, move |bytes| sent.set_position(bytes)).await;
     bar.finish_and_clear();
     Ok(uploaded?)
 }

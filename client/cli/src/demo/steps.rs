@@ -107,7 +107,8 @@ impl DemoRun {
         ));
         self.step("Upload it over HTTP", "bendtwin capture push rope.zip");
         let stored =
-            capture::push::upload(&connection.client, &path, "demo rope", self.quiet).await?;
+            capture::push::upload(&connection.client.captures(), &path, "demo rope", self.quiet)
+                .await?;
         self.print(&format!("  {} ({})", stored.name, output::bytes(stored.size_bytes)));
         Ok((observed, stored.name))
     }

@@ -282,6 +282,7 @@ class Client:
         display_name: str | None = None,
         request_id: str | None = None,
         ingest: dict[str, Any] | None = None,
+        ingest_requirements: Requirements | None = None,
     ) -> Capture:
         """Uploads a capture: see `bendtwin.Client.upload_capture`."""
         path = Path(path)
@@ -289,7 +290,9 @@ class Client:
         packed = archive_of(path)
         archive = await asyncio.to_thread(packed.__enter__)
         try:
-            return await self._caller.run(calls.create_capture(archive, name, request_id, ingest))
+            return await self._caller.run(
+                calls.create_capture(archive, name, request_id, ingest, ingest_requirements)
+            )
         finally:
             packed.__exit__(None, None, None)
 
@@ -301,6 +304,7 @@ class Client:
         display_name: str = "motion",
         request_id: str | None = None,
         ingest: dict[str, Any] | None = None,
+        ingest_requirements: Requirements | None = None,
         units: str = "m",
         up_axis: str = "+z",
         ground: float | None = 0.0,
@@ -322,7 +326,11 @@ class Client:
         )
         with bundle_file(content) as path:
             return await self.upload_capture(
-                path, display_name=display_name, request_id=request_id, ingest=ingest
+                path,
+                display_name=display_name,
+                request_id=request_id,
+                ingest=ingest,
+                ingest_requirements=ingest_requirements,
             )
 
     async def open_session(
@@ -350,6 +358,7 @@ class Client:
         *,
         display_name: str | None = None,
         request_id: str | None = None,
+        ingest_requirements: Requirements | None = None,
         on_progress: Callable[[int, int], None] | None = None,
     ) -> Capture:
         """Uploads a capture resumably, in a thread: see `bendtwin.Client.push_capture`."""
@@ -360,7 +369,12 @@ class Client:
         def send(display_name: str) -> str:
             with archive_of(path) as archive:
                 sender = Sender(
-                    self._transport, archive, display_name, request_id, token=self._token
+                    self._transport,
+                    archive,
+                    display_name,
+                    request_id,
+                    token=self._token,
+                    requirements=ingest_requirements,
                 )
                 return sender.send(on_progress)
 
@@ -383,10 +397,17 @@ class Client:
         await self._caller.run(calls.delete_capture(name))
 
     async def ingest_capture(
-        self, name: str, settings: dict[str, Any] | None = None, *, request_id: str | None = None
+        self,
+        name: str,
+        settings: dict[str, Any] | None = None,
+        *,
+        request_id: str | None = None,
+        requirements: Requirements | None = None,
     ) -> Capture:
         """Has a capture read again, with other settings say (docs/settings.md)."""
-        return await self._caller.run(calls.ingest_capture(name, settings, request_id))
+        return await self._caller.run(
+            calls.ingest_capture(name, settings, request_id, requirements)
+        )
 
     async def cancel_ingest(self, name: str) -> Capture:
         """Asks the ingest of a capture to stop; one that has ended is left as it is."""

@@ -139,13 +139,18 @@ class Following(Generic[_Read]):
 
 
 def create_capture(
-    archive: Path, display_name: str, request_id: str | None, ingest: _Settings
+    archive: Path,
+    display_name: str,
+    request_id: str | None,
+    ingest: _Settings,
+    requirements: Requirements | None,
 ) -> Call[Capture]:
     """Uploads a ZIP archive."""
     metadata = capture_pb2.CaptureMetadata(
         display_name=display_name,
         request_id=request_id or str(uuid.uuid4()),
         ingest_settings_json=_json(ingest),
+        ingest_requirements=requirements.to_proto() if requirements else None,
     )
 
     def messages() -> Iterator[capture_pb2.CreateCaptureRequest]:
@@ -189,12 +194,15 @@ def delete_capture(name: str) -> Call[None]:
     return Call(lambda s: s.captures.DeleteCapture, request, _nothing)
 
 
-def ingest_capture(name: str, settings: _Settings, request_id: str | None) -> Call[Capture]:
+def ingest_capture(
+    name: str, settings: _Settings, request_id: str | None, requirements: Requirements | None
+) -> Call[Capture]:
     """Has a capture read again."""
     request = capture_pb2.IngestCaptureRequest(
         name=name,
         settings_json=_json(settings),
         request_id=request_id or str(uuid.uuid4()),
+        requirements=requirements.to_proto() if requirements else None,
     )
     return Call(lambda s: s.captures.IngestCapture, request, Capture.from_proto)
 

@@ -88,16 +88,20 @@ class Client:
         display_name: str | None = None,
         request_id: str | None = None,
         ingest: dict[str, Any] | None = None,
+        ingest_requirements: Requirements | None = None,
     ) -> Capture:
         """Uploads a capture: a ZIP archive, or a folder that is packed first.
 
-        `ingest` says what differs from the default settings of reading it (docs/settings.md).
+        `ingest` says what differs from the default settings of reading it (docs/settings.md), and
+        `ingest_requirements` which worker reads it.
         The same content under the same `request_id` answers with the capture that exists.
         """
         path = Path(path)
         name = path.stem if display_name is None else display_name
         with archive_of(path) as archive:
-            return self._caller.run(calls.create_capture(archive, name, request_id, ingest))
+            return self._caller.run(
+                calls.create_capture(archive, name, request_id, ingest, ingest_requirements)
+            )
 
     def upload_motion(
         self,
@@ -107,6 +111,7 @@ class Client:
         display_name: str = "motion",
         request_id: str | None = None,
         ingest: dict[str, Any] | None = None,
+        ingest_requirements: Requirements | None = None,
         units: str = "m",
         up_axis: str = "+z",
         ground: float | None = 0.0,
@@ -118,8 +123,8 @@ class Client:
 
         `ground` is the ground's height along `up_axis`, in `units`; None if there is none. `edges`
         [E, 2] says which points are joined, `rest_points` [P, 3] what shape is undeformed, `pins`
-        [H, 2] which point is held by which control point. `request_id` and `ingest` are as in
-        `upload_capture`.
+        [H, 2] which point is held by which control point. `request_id`, `ingest` and
+        `ingest_requirements` are as in `upload_capture`.
         """
         content = bundle(
             motions,
@@ -134,7 +139,11 @@ class Client:
         )
         with bundle_file(content) as path:
             return self.upload_capture(
-                path, display_name=display_name, request_id=request_id, ingest=ingest
+                path,
+                display_name=display_name,
+                request_id=request_id,
+                ingest=ingest,
+                ingest_requirements=ingest_requirements,
             )
 
     def push_capture(
@@ -143,19 +152,28 @@ class Client:
         *,
         display_name: str | None = None,
         request_id: str | None = None,
+        ingest_requirements: Requirements | None = None,
         on_progress: Callable[[int, int], None] | None = None,
     ) -> Capture:
         """Uploads a capture resumably (tus 1.0.0): a ZIP archive, or a folder that is packed first.
 
         Goes on over broken connections and restarts of the server, and, called again, over
         restarts of its own process. The same content under the same name is one capture and is not
-        sent twice. `on_progress` is told the bytes that the server has, and how many there are.
+        sent twice. `ingest_requirements` says which worker reads it; `on_progress` is told the
+        bytes that the server has, and how many there are.
         """
         path = Path(path)
         if display_name is None:
             display_name = path.resolve().name if path.is_dir() else path.stem
         with archive_of(path) as archive:
-            sender = Sender(self._transport, archive, display_name, request_id, token=self._token)
+            sender = Sender(
+                self._transport,
+                archive,
+                display_name,
+                request_id,
+                token=self._token,
+                requirements=ingest_requirements,
+            )
             name = sender.send(on_progress)
         return self.capture(name)
 
@@ -183,9 +201,13 @@ class Client:
         settings: dict[str, Any] | None = None,
         *,
         request_id: str | None = None,
+        requirements: Requirements | None = None,
     ) -> Capture:
-        """Has a capture read again, with other settings say (docs/settings.md)."""
-        return self._caller.run(calls.ingest_capture(name, settings, request_id))
+        """Has a capture read again, with other settings say (docs/settings.md).
+
+        Without `requirements` any worker will do.
+        """
+        return self._caller.run(calls.ingest_capture(name, settings, request_id, requirements))
 
     def cancel_ingest(self, name: str) -> Capture:
         """Asks the ingest of a capture to stop; one that has ended is left as it is."""

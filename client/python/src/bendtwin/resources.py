@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import enum
 import json
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
 from datetime import datetime, timezone
 from typing import Any
 
@@ -177,6 +177,35 @@ class Job:
 
 
 @dataclass(frozen=True)
+class Requirements:
+    """Worker that a fit or an ingest asks for, which waits until there is one; by default any."""
+
+    #: `cpu` or `cuda`; empty means either.
+    backend: str = ""
+    #: Memory of the device at least; on a CPU, that which a fit may take.
+    memory_bytes: int = 0
+    #: Labels of which the worker has each.
+    labels: tuple[str, ...] = ()
+
+    @classmethod
+    def from_proto(cls, message: job_pb2.WorkerRequirements) -> Requirements:
+        """Reads the wire form."""
+        return cls(message.backend, message.memory_bytes, tuple(message.labels))
+
+    def to_json(self) -> str:
+        """Writes it as JSON."""
+        return json.dumps(asdict(self))
+
+    def to_proto(self) -> job_pb2.WorkerRequirements | None:
+        """Writes the wire form; None if any worker will do."""
+        if self == Requirements():
+            return None
+        return job_pb2.WorkerRequirements(
+            backend=self.backend, memory_bytes=self.memory_bytes, labels=self.labels
+        )
+
+
+@dataclass(frozen=True)
 class Capture:
     """A recording of a soft object."""
 
@@ -197,6 +226,8 @@ class Capture:
     tags: tuple[str, ...] = ()
     #: Owner of the key with which it was uploaded; empty if that is not known.
     owner: str = ""
+    #: Worker that its ingest asks for.
+    ingest_requirements: Requirements = Requirements()
 
     @classmethod
     def from_proto(cls, message: capture_pb2.Capture) -> Capture:
@@ -212,31 +243,7 @@ class Capture:
             message.note,
             tuple(message.tags),
             message.owner,
-        )
-
-
-@dataclass(frozen=True)
-class Requirements:
-    """Worker that a fit asks for, which waits until there is one; by default any."""
-
-    #: `cpu` or `cuda`; empty means either.
-    backend: str = ""
-    #: Memory of the device at least; on a CPU, that which a fit may take.
-    memory_bytes: int = 0
-    #: Labels of which the worker has each.
-    labels: tuple[str, ...] = ()
-
-    @classmethod
-    def from_proto(cls, message: fit_pb2.WorkerRequirements) -> Requirements:
-        """Reads the wire form."""
-        return cls(message.backend, message.memory_bytes, tuple(message.labels))
-
-    def to_proto(self) -> fit_pb2.WorkerRequirements | None:
-        """Writes the wire form; None if any worker will do."""
-        if self == Requirements():
-            return None
-        return fit_pb2.WorkerRequirements(
-            backend=self.backend, memory_bytes=self.memory_bytes, labels=self.labels
+            Requirements.from_proto(message.ingest_requirements),
         )
 
 

@@ -18,6 +18,7 @@ from pathlib import Path
 from urllib.parse import urljoin, urlsplit
 
 from bendtwin.errors import BendTwinError, Category, category_named
+from bendtwin.resources import Requirements
 from bendtwin.transport import Transport, tls_fault, transport
 
 #: Bytes of one request: what a dead server costs at most.
@@ -52,6 +53,7 @@ class Sender:
         request_id: str | None = None,
         patience_s: float = PATIENCE_S,
         token: str | None = None,
+        requirements: Requirements | None = None,
     ) -> None:
         self._transport = transport(server, None) if isinstance(server, str) else server
         self._server = self._transport.url
@@ -75,6 +77,8 @@ class Sender:
             "display_name": display_name,
             "request_id": request_id,
         }
+        if requirements is not None and requirements != Requirements():
+            pairs["ingest_requirements"] = requirements.to_json()
         self._metadata = ",".join(
             f"{key} {b64encode(value.encode()).decode()}" for key, value in pairs.items()
         )

@@ -4,7 +4,7 @@
 use bendtwin_core::ids::{CaptureId, IngestId};
 
 use super::{
-    AttemptEnd, Job, Jobs, Lease,
+    AttemptEnd, Job, Jobs, Kind, Lease, Requirements, requirements,
     row::{self, Row, State},
 };
 use crate::{
@@ -28,6 +28,8 @@ pub struct NewIngest {
     pub trace_parent: Option<String>,
     /// The one who asks for it.
     pub creator: Creator,
+    /// Worker that it asks for.
+    pub requirements: Requirements,
 }
 
 /// A report to be stored.
@@ -62,11 +64,17 @@ pub enum IngestResult {
     },
 }
 
-/// Origin of a job: its owner, and the W3C traceparent of the call.
+/// Origin of a job: its owner, the W3C traceparent of the call, and the worker that it asks for.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Asked<'a> {
     pub(crate) owner: &'a str,
     pub(crate) trace_parent: Option<&'a str>,
+    pub(crate) requirements: &'a str,
+}
+
+/// Refuses an ingest with requirements that would be one kind more than a claim is to look at.
+pub(crate) async fn admit_ingest(tx: &mut Transaction, requirements: &str) -> Result<()> {
+    requirements::admit(tx, Kind::Ingest, requirements).await
 }
 
 /// Queues the ingest of a new capture within the caller's transaction.
@@ -80,8 +88,8 @@ pub(crate) async fn enqueue(
     let due = due(tx, capture, now).await?;
     let row: Row = query(
         "insert into jobs (id, kind, capture, state, priority, settings, created_at, due_at,
-             owner, trace_parent)
-         values ($1, 'ingest', $2, 'queued', 0, $3, $4, $5, $6, $7) returning *",
+             owner, trace_parent, requirements)
+         values ($1, 'ingest', $2, 'queued', 0, $3, $4, $5, $6, $7, $8) returning *",
     )
     .bind(IngestId::generate().uuid().to_string())
     .bind(capture)
@@ -90,6 +98,7 @@ pub(crate) async fn enqueue(
     .bind(due)
     .bind(asked.owner)
     .bind(asked.trace_parent)
+    .bind(asked.requirements)
     .fetch_one(&mut *tx)
     .await?;
     row.try_into()
@@ -141,11 +150,12 @@ impl Jobs<'_> {
     /// this one has replaced them.
     ///
     /// # Errors
-    /// [`Error::NotFound`], [`Error::RequestIdTaken`], [`Error::IngestUnderWay`];
-    /// [`Error::CaptureInUse`] while fits of it are queued or running: they are not to see two
+    /// [`Error::NotFound`], [`Error::RequestIdTaken`], [`Error::IngestUnderWay`],
+    /// [`Error::TooManyRequirements`]; [`Error::CaptureInUse`] while fits of it are queued or running: they are not to see two
     /// observations.
     pub async fn create_ingest(&self, new: NewIngest) -> Result<Job> {
         let key = new.capture.uuid().to_string();
+        let requirements = new.requirements.to_text()?;
         let mut tx = self.store.inner.database.write().await?;
         if let Some(request_id) = &new.request_id
             && let Some(row) = row::requested(&mut tx, request_id).await?
@@ -153,6 +163,7 @@ impl Jobs<'_> {
             let before = Job::try_from(row)?;
             if before.id.fit().is_none()
                 && (before.capture, &before.settings) == (new.capture, &new.settings)
+                && before.requirements.to_text()? == requirements
             {
                 return Ok(before);
             }
@@ -170,13 +181,15 @@ impl Jobs<'_> {
         }
         let more = More { jobs: 1, ..More::default() };
         quotas::require(&mut tx, &new.creator, more).await?;
+        admit_ingest(&mut tx, &requirements).await?;
         query("delete from jobs where id = $1").bind(&before.id).execute(&mut tx).await?;
         let now = self.store.now_micros();
         let due = due(&mut tx, &key, now).await?;
         let row: Row = query(
             "insert into jobs (id, kind, capture, state, priority, settings, trace_parent,
-                 request_id, created_at, revision, due_at, owner)
-             values ($1, 'ingest', $2, 'queued', 0, $3, $4, $5, $6, $7, $8, $9) returning *",
+                 request_id, created_at, revision, due_at, owner, requirements)
+             values ($1, 'ingest', $2, 'queued', 0, $3, $4, $5, $6, $7, $8, $9, $10)
+             returning *",
         )
         .bind(IngestId::generate().uuid().to_string())
         .bind(key)
@@ -187,6 +200,7 @@ impl Jobs<'_> {
         .bind(before.revision + 1)
         .bind(due)
         .bind(new.creator.owner)
+        .bind(requirements)
         .fetch_one(&mut tx)
         .await?;
         tx.commit().await?;

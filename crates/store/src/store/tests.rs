@@ -230,6 +230,7 @@ pub(crate) fn new_capture(name: &str, content: Staged) -> NewCapture {
         request_id,
         content,
         ingest,
+        requirements: Requirements::default(),
         creator: Creator::default(),
         trace_parent: None,
     }

@@ -2,7 +2,8 @@ use std::sync::Arc;
 
 use bendtwin_harness::Postgres;
 use bendtwin_store::{
-    Creator, DatabaseUrl, JobId, Kind, LeaseTerms, ManualClock, NewCapture, NewWorker, State, Store,
+    Creator, DatabaseUrl, JobId, Kind, LeaseTerms, ManualClock, NewCapture, NewWorker,
+    Requirements, State, Store,
 };
 
 use super::*;
@@ -69,6 +70,7 @@ impl Fleet {
             request_id: None,
             content,
             ingest: "{}".to_owned(),
+            requirements: Requirements::default(),
             creator: Creator::default(),
             trace_parent: None,
         };

@@ -3,7 +3,9 @@
 
 use base64::{Engine as _, prelude::BASE64_STANDARD};
 
-use super::super::{Error, Result};
+use bendtwin_store::Requirements;
+
+use super::super::{Error, Result, requirements};
 
 /// Longest metadata that is kept [bytes].
 const MAX_LENGTH: usize = 4096;
@@ -18,6 +20,8 @@ pub(super) struct Metadata {
     pub(super) digest: String,
     /// Settings of the ingest, as JSON.
     pub(super) ingest: String,
+    /// Worker that the ingest asks for, as JSON.
+    pub(super) ingest_requirements: String,
 }
 
 impl Metadata {
@@ -45,12 +49,18 @@ impl Metadata {
                 "request_id" => &mut metadata.request_id,
                 "digest" => &mut metadata.digest,
                 "ingest" => &mut metadata.ingest,
+                "ingest_requirements" => &mut metadata.ingest_requirements,
                 _ => continue,
             };
             *place = String::from_utf8(value)
                 .map_err(|_| invalid(&format!("has a value of `{key}` that is not UTF-8")))?;
         }
         Ok(metadata)
+    }
+
+    /// Worker that the ingest asks for.
+    pub(super) fn requirements(&self) -> Result<Requirements> {
+        requirements::read(&self.ingest_requirements)
     }
 
     /// Display name of the capture: the given one, else the file name without its extension.

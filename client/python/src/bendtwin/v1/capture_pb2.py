@@ -27,7 +27,7 @@ from google.protobuf import timestamp_pb2 as google_dot_protobuf_dot_timestamp__
 from bendtwin.v1 import job_pb2 as bendtwin_dot_v1_dot_job__pb2
 
 
-DESCRIPTOR = _descriptor_pool.Default().AddSerializedFile(b'\n\x19\x62\x65ndtwin/v1/capture.proto\x12\x0b\x62\x65ndtwin.v1\x1a google/protobuf/field_mask.proto\x1a\x1fgoogle/protobuf/timestamp.proto\x1a\x15\x62\x65ndtwin/v1/job.proto\"\xe0\x01\n\x07\x43\x61pture\x12\x0c\n\x04name\x18\x01 \x01(\t\x12\x14\n\x0c\x64isplay_name\x18\x02 \x01(\t\x12/\n\x0b\x63reate_time\x18\x03 \x01(\x0b\x32\x1a.google.protobuf.Timestamp\x12\x12\n\nsize_bytes\x18\x04 \x01(\x04\x12\x0e\n\x06\x64igest\x18\x05 \x01(\t\x12 \n\x06ingest\x18\x06 \x01(\x0b\x32\x10.bendtwin.v1.Job\x12\x0f\n\x07verdict\x18\x07 \x01(\t\x12\x0c\n\x04note\x18\x08 \x01(\t\x12\x0c\n\x04tags\x18\t \x03(\t\x12\r\n\x05owner\x18\n \x01(\t\"a\n\x14\x43reateCaptureRequest\x12\x30\n\x08metadata\x18\x01 \x01(\x0b\x32\x1c.bendtwin.v1.CaptureMetadataH\x00\x12\x0f\n\x05\x63hunk\x18\x02 \x01(\x0cH\x00\x42\x06\n\x04part\"i\n\x0f\x43\x61ptureMetadata\x12\x14\n\x0c\x64isplay_name\x18\x01 \x01(\t\x12\x12\n\nrequest_id\x18\x02 \x01(\t\x12\x0e\n\x06\x64igest\x18\x03 \x01(\t\x12\x1c\n\x14ingest_settings_json\x18\x04 \x01(\t\">\n\x15\x43reateCaptureResponse\x12%\n\x07\x63\x61pture\x18\x01 \x01(\x0b\x32\x14.bendtwin.v1.Capture\"!\n\x11GetCaptureRequest\x12\x0c\n\x04name\x18\x01 \x01(\t\"z\n\x13ListCapturesRequest\x12\x11\n\tpage_size\x18\x01 \x01(\r\x12\x12\n\npage_token\x18\x02 \x01(\t\x12\x0e\n\x06search\x18\x03 \x01(\t\x12\x0b\n\x03tag\x18\x04 \x01(\t\x12\x10\n\x08order_by\x18\x05 \x01(\t\x12\r\n\x05owner\x18\x06 \x01(\t\"W\n\x14ListCapturesResponse\x12&\n\x08\x63\x61ptures\x18\x01 \x03(\x0b\x32\x14.bendtwin.v1.Capture\x12\x17\n\x0fnext_page_token\x18\x02 \x01(\t\"\x95\x01\n\x14UpdateCaptureRequest\x12%\n\x07\x63\x61pture\x18\x01 \x01(\x0b\x32\x14.bendtwin.v1.Capture\x12/\n\x0bupdate_mask\x18\x02 \x01(\x0b\x32\x1a.google.protobuf.FieldMask\x12\x10\n\x08\x61\x64\x64_tags\x18\x03 \x03(\t\x12\x13\n\x0bremove_tags\x18\x04 \x03(\t\"$\n\x14\x44\x65leteCaptureRequest\x12\x0c\n\x04name\x18\x01 \x01(\t\"\x17\n\x15\x44\x65leteCaptureResponse\"O\n\x14IngestCaptureRequest\x12\x0c\n\x04name\x18\x01 \x01(\t\x12\x15\n\rsettings_json\x18\x02 \x01(\t\x12\x12\n\nrequest_id\x18\x03 \x01(\t\"#\n\x13\x43\x61ncelIngestRequest\x12\x0c\n\x04name\x18\x01 \x01(\t\":\n\x12WatchIngestRequest\x12\x0c\n\x04name\x18\x01 \x01(\t\x12\x16\n\x0e\x61\x66ter_revision\x18\x02 \x01(\x04\"\x9a\x01\n\x17GetCaptureReportRequest\x12\x0c\n\x04name\x18\x01 \x01(\t\x12;\n\x06\x66ormat\x18\x02 \x01(\x0e\x32+.bendtwin.v1.GetCaptureReportRequest.Format\"4\n\x06\x46ormat\x12\x16\n\x12\x46ORMAT_UNSPECIFIED\x10\x00\x12\x08\n\x04JSON\x10\x01\x12\x08\n\x04HTML\x10\x02\")\n\x18GetCaptureReportResponse\x12\r\n\x05\x63hunk\x18\x01 \x01(\x0c\"(\n\x18\x45xportObservationRequest\x12\x0c\n\x04name\x18\x01 \x01(\t\"*\n\x19\x45xportObservationResponse\x12\r\n\x05\x63hunk\x18\x01 \x01(\x0c\x32\xc8\x06\n\x0e\x43\x61ptureService\x12X\n\rCreateCapture\x12!.bendtwin.v1.CreateCaptureRequest\x1a\".bendtwin.v1.CreateCaptureResponse(\x01\x12\x42\n\nGetCapture\x12\x1e.bendtwin.v1.GetCaptureRequest\x1a\x14.bendtwin.v1.Capture\x12S\n\x0cListCaptures\x12 .bendtwin.v1.ListCapturesRequest\x1a!.bendtwin.v1.ListCapturesResponse\x12H\n\rUpdateCapture\x12!.bendtwin.v1.UpdateCaptureRequest\x1a\x14.bendtwin.v1.Capture\x12V\n\rDeleteCapture\x12!.bendtwin.v1.DeleteCaptureRequest\x1a\".bendtwin.v1.DeleteCaptureResponse\x12H\n\rIngestCapture\x12!.bendtwin.v1.IngestCaptureRequest\x1a\x14.bendtwin.v1.Capture\x12\x46\n\x0c\x43\x61ncelIngest\x12 .bendtwin.v1.CancelIngestRequest\x1a\x14.bendtwin.v1.Capture\x12\x46\n\x0bWatchIngest\x12\x1f.bendtwin.v1.WatchIngestRequest\x1a\x14.bendtwin.v1.Capture0\x01\x12\x61\n\x10GetCaptureReport\x12$.bendtwin.v1.GetCaptureReportRequest\x1a%.bendtwin.v1.GetCaptureReportResponse0\x01\x12\x64\n\x11\x45xportObservation\x12%.bendtwin.v1.ExportObservationRequest\x1a&.bendtwin.v1.ExportObservationResponse0\x01\x62\x06proto3')
+DESCRIPTOR = _descriptor_pool.Default().AddSerializedFile(b'\n\x19\x62\x65ndtwin/v1/capture.proto\x12\x0b\x62\x65ndtwin.v1\x1a google/protobuf/field_mask.proto\x1a\x1fgoogle/protobuf/timestamp.proto\x1a\x15\x62\x65ndtwin/v1/job.proto\"\x9e\x02\n\x07\x43\x61pture\x12\x0c\n\x04name\x18\x01 \x01(\t\x12\x14\n\x0c\x64isplay_name\x18\x02 \x01(\t\x12/\n\x0b\x63reate_time\x18\x03 \x01(\x0b\x32\x1a.google.protobuf.Timestamp\x12\x12\n\nsize_bytes\x18\x04 \x01(\x04\x12\x0e\n\x06\x64igest\x18\x05 \x01(\t\x12 \n\x06ingest\x18\x06 \x01(\x0b\x32\x10.bendtwin.v1.Job\x12\x0f\n\x07verdict\x18\x07 \x01(\t\x12\x0c\n\x04note\x18\x08 \x01(\t\x12\x0c\n\x04tags\x18\t \x03(\t\x12\r\n\x05owner\x18\n \x01(\t\x12<\n\x13ingest_requirements\x18\x0b \x01(\x0b\x32\x1f.bendtwin.v1.WorkerRequirements\"a\n\x14\x43reateCaptureRequest\x12\x30\n\x08metadata\x18\x01 \x01(\x0b\x32\x1c.bendtwin.v1.CaptureMetadataH\x00\x12\x0f\n\x05\x63hunk\x18\x02 \x01(\x0cH\x00\x42\x06\n\x04part\"\xa7\x01\n\x0f\x43\x61ptureMetadata\x12\x14\n\x0c\x64isplay_name\x18\x01 \x01(\t\x12\x12\n\nrequest_id\x18\x02 \x01(\t\x12\x0e\n\x06\x64igest\x18\x03 \x01(\t\x12\x1c\n\x14ingest_settings_json\x18\x04 \x01(\t\x12<\n\x13ingest_requirements\x18\x05 \x01(\x0b\x32\x1f.bendtwin.v1.WorkerRequirements\">\n\x15\x43reateCaptureResponse\x12%\n\x07\x63\x61pture\x18\x01 \x01(\x0b\x32\x14.bendtwin.v1.Capture\"!\n\x11GetCaptureRequest\x12\x0c\n\x04name\x18\x01 \x01(\t\"z\n\x13ListCapturesRequest\x12\x11\n\tpage_size\x18\x01 \x01(\r\x12\x12\n\npage_token\x18\x02 \x01(\t\x12\x0e\n\x06search\x18\x03 \x01(\t\x12\x0b\n\x03tag\x18\x04 \x01(\t\x12\x10\n\x08order_by\x18\x05 \x01(\t\x12\r\n\x05owner\x18\x06 \x01(\t\"W\n\x14ListCapturesResponse\x12&\n\x08\x63\x61ptures\x18\x01 \x03(\x0b\x32\x14.bendtwin.v1.Capture\x12\x17\n\x0fnext_page_token\x18\x02 \x01(\t\"\x95\x01\n\x14UpdateCaptureRequest\x12%\n\x07\x63\x61pture\x18\x01 \x01(\x0b\x32\x14.bendtwin.v1.Capture\x12/\n\x0bupdate_mask\x18\x02 \x01(\x0b\x32\x1a.google.protobuf.FieldMask\x12\x10\n\x08\x61\x64\x64_tags\x18\x03 \x03(\t\x12\x13\n\x0bremove_tags\x18\x04 \x03(\t\"$\n\x14\x44\x65leteCaptureRequest\x12\x0c\n\x04name\x18\x01 \x01(\t\"\x17\n\x15\x44\x65leteCaptureResponse\"\x86\x01\n\x14IngestCaptureRequest\x12\x0c\n\x04name\x18\x01 \x01(\t\x12\x15\n\rsettings_json\x18\x02 \x01(\t\x12\x12\n\nrequest_id\x18\x03 \x01(\t\x12\x35\n\x0crequirements\x18\x04 \x01(\x0b\x32\x1f.bendtwin.v1.WorkerRequirements\"#\n\x13\x43\x61ncelIngestRequest\x12\x0c\n\x04name\x18\x01 \x01(\t\":\n\x12WatchIngestRequest\x12\x0c\n\x04name\x18\x01 \x01(\t\x12\x16\n\x0e\x61\x66ter_revision\x18\x02 \x01(\x04\"\x9a\x01\n\x17GetCaptureReportRequest\x12\x0c\n\x04name\x18\x01 \x01(\t\x12;\n\x06\x66ormat\x18\x02 \x01(\x0e\x32+.bendtwin.v1.GetCaptureReportRequest.Format\"4\n\x06\x46ormat\x12\x16\n\x12\x46ORMAT_UNSPECIFIED\x10\x00\x12\x08\n\x04JSON\x10\x01\x12\x08\n\x04HTML\x10\x02\")\n\x18GetCaptureReportResponse\x12\r\n\x05\x63hunk\x18\x01 \x01(\x0c\"(\n\x18\x45xportObservationRequest\x12\x0c\n\x04name\x18\x01 \x01(\t\"*\n\x19\x45xportObservationResponse\x12\r\n\x05\x63hunk\x18\x01 \x01(\x0c\x32\xc8\x06\n\x0e\x43\x61ptureService\x12X\n\rCreateCapture\x12!.bendtwin.v1.CreateCaptureRequest\x1a\".bendtwin.v1.CreateCaptureResponse(\x01\x12\x42\n\nGetCapture\x12\x1e.bendtwin.v1.GetCaptureRequest\x1a\x14.bendtwin.v1.Capture\x12S\n\x0cListCaptures\x12 .bendtwin.v1.ListCapturesRequest\x1a!.bendtwin.v1.ListCapturesResponse\x12H\n\rUpdateCapture\x12!.bendtwin.v1.UpdateCaptureRequest\x1a\x14.bendtwin.v1.Capture\x12V\n\rDeleteCapture\x12!.bendtwin.v1.DeleteCaptureRequest\x1a\".bendtwin.v1.DeleteCaptureResponse\x12H\n\rIngestCapture\x12!.bendtwin.v1.IngestCaptureRequest\x1a\x14.bendtwin.v1.Capture\x12\x46\n\x0c\x43\x61ncelIngest\x12 .bendtwin.v1.CancelIngestRequest\x1a\x14.bendtwin.v1.Capture\x12\x46\n\x0bWatchIngest\x12\x1f.bendtwin.v1.WatchIngestRequest\x1a\x14.bendtwin.v1.Capture0\x01\x12\x61\n\x10GetCaptureReport\x12$.bendtwin.v1.GetCaptureReportRequest\x1a%.bendtwin.v1.GetCaptureReportResponse0\x01\x12\x64\n\x11\x45xportObservation\x12%.bendtwin.v1.ExportObservationRequest\x1a&.bendtwin.v1.ExportObservationResponse0\x01\x62\x06proto3')
 
 _globals = globals()
 _builder.BuildMessageAndEnumDescriptors(DESCRIPTOR, _globals)
@@ -35,41 +35,41 @@ _builder.BuildTopDescriptorsAndMessages(DESCRIPTOR, 'bendtwin.v1.capture_pb2', _
 if not _descriptor._USE_C_DESCRIPTORS:
   DESCRIPTOR._loaded_options = None
   _globals['_CAPTURE']._serialized_start=133
-  _globals['_CAPTURE']._serialized_end=357
-  _globals['_CREATECAPTUREREQUEST']._serialized_start=359
-  _globals['_CREATECAPTUREREQUEST']._serialized_end=456
-  _globals['_CAPTUREMETADATA']._serialized_start=458
-  _globals['_CAPTUREMETADATA']._serialized_end=563
-  _globals['_CREATECAPTURERESPONSE']._serialized_start=565
-  _globals['_CREATECAPTURERESPONSE']._serialized_end=627
-  _globals['_GETCAPTUREREQUEST']._serialized_start=629
-  _globals['_GETCAPTUREREQUEST']._serialized_end=662
-  _globals['_LISTCAPTURESREQUEST']._serialized_start=664
-  _globals['_LISTCAPTURESREQUEST']._serialized_end=786
-  _globals['_LISTCAPTURESRESPONSE']._serialized_start=788
-  _globals['_LISTCAPTURESRESPONSE']._serialized_end=875
-  _globals['_UPDATECAPTUREREQUEST']._serialized_start=878
-  _globals['_UPDATECAPTUREREQUEST']._serialized_end=1027
-  _globals['_DELETECAPTUREREQUEST']._serialized_start=1029
-  _globals['_DELETECAPTUREREQUEST']._serialized_end=1065
-  _globals['_DELETECAPTURERESPONSE']._serialized_start=1067
-  _globals['_DELETECAPTURERESPONSE']._serialized_end=1090
-  _globals['_INGESTCAPTUREREQUEST']._serialized_start=1092
-  _globals['_INGESTCAPTUREREQUEST']._serialized_end=1171
-  _globals['_CANCELINGESTREQUEST']._serialized_start=1173
-  _globals['_CANCELINGESTREQUEST']._serialized_end=1208
-  _globals['_WATCHINGESTREQUEST']._serialized_start=1210
-  _globals['_WATCHINGESTREQUEST']._serialized_end=1268
-  _globals['_GETCAPTUREREPORTREQUEST']._serialized_start=1271
-  _globals['_GETCAPTUREREPORTREQUEST']._serialized_end=1425
-  _globals['_GETCAPTUREREPORTREQUEST_FORMAT']._serialized_start=1373
-  _globals['_GETCAPTUREREPORTREQUEST_FORMAT']._serialized_end=1425
-  _globals['_GETCAPTUREREPORTRESPONSE']._serialized_start=1427
-  _globals['_GETCAPTUREREPORTRESPONSE']._serialized_end=1468
-  _globals['_EXPORTOBSERVATIONREQUEST']._serialized_start=1470
-  _globals['_EXPORTOBSERVATIONREQUEST']._serialized_end=1510
-  _globals['_EXPORTOBSERVATIONRESPONSE']._serialized_start=1512
-  _globals['_EXPORTOBSERVATIONRESPONSE']._serialized_end=1554
-  _globals['_CAPTURESERVICE']._serialized_start=1557
-  _globals['_CAPTURESERVICE']._serialized_end=2397
+  _globals['_CAPTURE']._serialized_end=419
+  _globals['_CREATECAPTUREREQUEST']._serialized_start=421
+  _globals['_CREATECAPTUREREQUEST']._serialized_end=518
+  _globals['_CAPTUREMETADATA']._serialized_start=521
+  _globals['_CAPTUREMETADATA']._serialized_end=688
+  _globals['_CREATECAPTURERESPONSE']._serialized_start=690
+  _globals['_CREATECAPTURERESPONSE']._serialized_end=752
+  _globals['_GETCAPTUREREQUEST']._serialized_start=754
+  _globals['_GETCAPTUREREQUEST']._serialized_end=787
+  _globals['_LISTCAPTURESREQUEST']._serialized_start=789
+  _globals['_LISTCAPTURESREQUEST']._serialized_end=911
+  _globals['_LISTCAPTURESRESPONSE']._serialized_start=913
+  _globals['_LISTCAPTURESRESPONSE']._serialized_end=1000
+  _globals['_UPDATECAPTUREREQUEST']._serialized_start=1003
+  _globals['_UPDATECAPTUREREQUEST']._serialized_end=1152
+  _globals['_DELETECAPTUREREQUEST']._serialized_start=1154
+  _globals['_DELETECAPTUREREQUEST']._serialized_end=1190
+  _globals['_DELETECAPTURERESPONSE']._serialized_start=1192
+  _globals['_DELETECAPTURERESPONSE']._serialized_end=1215
+  _globals['_INGESTCAPTUREREQUEST']._serialized_start=1218
+  _globals['_INGESTCAPTUREREQUEST']._serialized_end=1352
+  _globals['_CANCELINGESTREQUEST']._serialized_start=1354
+  _globals['_CANCELINGESTREQUEST']._serialized_end=1389
+  _globals['_WATCHINGESTREQUEST']._serialized_start=1391
+  _globals['_WATCHINGESTREQUEST']._serialized_end=1449
+  _globals['_GETCAPTUREREPORTREQUEST']._serialized_start=1452
+  _globals['_GETCAPTUREREPORTREQUEST']._serialized_end=1606
+  _globals['_GETCAPTUREREPORTREQUEST_FORMAT']._serialized_start=1554
+  _globals['_GETCAPTUREREPORTREQUEST_FORMAT']._serialized_end=1606
+  _globals['_GETCAPTUREREPORTRESPONSE']._serialized_start=1608
+  _globals['_GETCAPTUREREPORTRESPONSE']._serialized_end=1649
+  _globals['_EXPORTOBSERVATIONREQUEST']._serialized_start=1651
+  _globals['_EXPORTOBSERVATIONREQUEST']._serialized_end=1691
+  _globals['_EXPORTOBSERVATIONRESPONSE']._serialized_start=1693
+  _globals['_EXPORTOBSERVATIONRESPONSE']._serialized_end=1735
+  _globals['_CAPTURESERVICE']._serialized_start=1738
+  _globals['_CAPTURESERVICE']._serialized_end=2578
 # @@protoc_insertion_point(module_scope)

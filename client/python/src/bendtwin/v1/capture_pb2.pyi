@@ -13,7 +13,7 @@ from typing import ClassVar as _ClassVar, Optional as _Optional, Union as _Union
 DESCRIPTOR: _descriptor.FileDescriptor
 
 class Capture(_message.Message):
-    __slots__ = ("name", "display_name", "create_time", "size_bytes", "digest", "ingest", "verdict", "note", "tags", "owner")
+    __slots__ = ("name", "display_name", "create_time", "size_bytes", "digest", "ingest", "verdict", "note", "tags", "owner", "ingest_requirements")
     NAME_FIELD_NUMBER: _ClassVar[int]
     DISPLAY_NAME_FIELD_NUMBER: _ClassVar[int]
     CREATE_TIME_FIELD_NUMBER: _ClassVar[int]
@@ -24,6 +24,7 @@ class Capture(_message.Message):
     NOTE_FIELD_NUMBER: _ClassVar[int]
     TAGS_FIELD_NUMBER: _ClassVar[int]
     OWNER_FIELD_NUMBER: _ClassVar[int]
+    INGEST_REQUIREMENTS_FIELD_NUMBER: _ClassVar[int]
     name: str
     display_name: str
     create_time: _timestamp_pb2.Timestamp
@@ -34,7 +35,8 @@ class Capture(_message.Message):
     note: str
     tags: _containers.RepeatedScalarFieldContainer[str]
     owner: str
-    def __init__(self, name: _Optional[str] = ..., display_name: _Optional[str] = ..., create_time: _Optional[_Union[datetime.datetime, _timestamp_pb2.Timestamp, _Mapping]] = ..., size_bytes: _Optional[int] = ..., digest: _Optional[str] = ..., ingest: _Optional[_Union[_job_pb2.Job, _Mapping]] = ..., verdict: _Optional[str] = ..., note: _Optional[str] = ..., tags: _Optional[_Iterable[str]] = ..., owner: _Optional[str] = ...) -> None: ...
+    ingest_requirements: _job_pb2.WorkerRequirements
+    def __init__(self, name: _Optional[str] = ..., display_name: _Optional[str] = ..., create_time: _Optional[_Union[datetime.datetime, _timestamp_pb2.Timestamp, _Mapping]] = ..., size_bytes: _Optional[int] = ..., digest: _Optional[str] = ..., ingest: _Optional[_Union[_job_pb2.Job, _Mapping]] = ..., verdict: _Optional[str] = ..., note: _Optional[str] = ..., tags: _Optional[_Iterable[str]] = ..., owner: _Optional[str] = ..., ingest_requirements: _Optional[_Union[_job_pb2.WorkerRequirements, _Mapping]] = ...) -> None: ...
 
 class CreateCaptureRequest(_message.Message):
     __slots__ = ("metadata", "chunk")
@@ -45,16 +47,18 @@ class CreateCaptureRequest(_message.Message):
     def __init__(self, metadata: _Optional[_Union[CaptureMetadata, _Mapping]] = ..., chunk: _Optional[bytes] = ...) -> None: ...
 
 class CaptureMetadata(_message.Message):
-    __slots__ = ("display_name", "request_id", "digest", "ingest_settings_json")
+    __slots__ = ("display_name", "request_id", "digest", "ingest_settings_json", "ingest_requirements")
     DISPLAY_NAME_FIELD_NUMBER: _ClassVar[int]
     REQUEST_ID_FIELD_NUMBER: _ClassVar[int]
     DIGEST_FIELD_NUMBER: _ClassVar[int]
     INGEST_SETTINGS_JSON_FIELD_NUMBER: _ClassVar[int]
+    INGEST_REQUIREMENTS_FIELD_NUMBER: _ClassVar[int]
     display_name: str
     request_id: str
     digest: str
     ingest_settings_json: str
-    def __init__(self, display_name: _Optional[str] = ..., request_id: _Optional[str] = ..., digest: _Optional[str] = ..., ingest_settings_json: _Optional[str] = ...) -> None: ...
+    ingest_requirements: _job_pb2.WorkerRequirements
+    def __init__(self, display_name: _Optional[str] = ..., request_id: _Optional[str] = ..., digest: _Optional[str] = ..., ingest_settings_json: _Optional[str] = ..., ingest_requirements: _Optional[_Union[_job_pb2.WorkerRequirements, _Mapping]] = ...) -> None: ...
 
 class CreateCaptureResponse(_message.Message):
     __slots__ = ("capture",)
@@ -115,14 +119,16 @@ class DeleteCaptureResponse(_message.Message):
     def __init__(self) -> None: ...
 
 class IngestCaptureRequest(_message.Message):
-    __slots__ = ("name", "settings_json", "request_id")
+    __slots__ = ("name", "settings_json", "request_id", "requirements")
     NAME_FIELD_NUMBER: _ClassVar[int]
     SETTINGS_JSON_FIELD_NUMBER: _ClassVar[int]
     REQUEST_ID_FIELD_NUMBER: _ClassVar[int]
+    REQUIREMENTS_FIELD_NUMBER: _ClassVar[int]
     name: str
     settings_json: str
     request_id: str
-    def __init__(self, name: _Optional[str] = ..., settings_json: _Optional[str] = ..., request_id: _Optional[str] = ...) -> None: ...
+    requirements: _job_pb2.WorkerRequirements
+    def __init__(self, name: _Optional[str] = ..., settings_json: _Optional[str] = ..., request_id: _Optional[str] = ..., requirements: _Optional[_Union[_job_pb2.WorkerRequirements, _Mapping]] = ...) -> None: ...
 
 class CancelIngestRequest(_message.Message):
     __slots__ = ("name",)

@@ -26,7 +26,7 @@ from bendtwin.v1 import job_pb2 as bendtwin_dot_v1_dot_job__pb2
 from google.protobuf import field_mask_pb2 as google_dot_protobuf_dot_field__mask__pb2
 
 
-DESCRIPTOR = _descriptor_pool.Default().AddSerializedFile(b'\n\x15\x62\x65ndtwin/v1/fit.proto\x12\x0b\x62\x65ndtwin.v1\x1a\x15\x62\x65ndtwin/v1/job.proto\x1a google/protobuf/field_mask.proto\"\xfd\x01\n\x03\x46it\x12\x0c\n\x04name\x18\x01 \x01(\t\x12\x0f\n\x07\x63\x61pture\x18\x02 \x01(\t\x12\x0c\n\x04twin\x18\x03 \x01(\t\x12\x10\n\x08priority\x18\x04 \x01(\x05\x12\x1d\n\x03job\x18\x05 \x01(\x0b\x32\x10.bendtwin.v1.Job\x12\x14\n\x0c\x64isplay_name\x18\x06 \x01(\t\x12\x0c\n\x04note\x18\x07 \x01(\t\x12\x0c\n\x04tags\x18\x08 \x03(\t\x12\x14\n\x07\x65rror_m\x18\t \x01(\x01H\x00\x88\x01\x01\x12\r\n\x05owner\x18\n \x01(\t\x12\x35\n\x0crequirements\x18\x0b \x01(\x0b\x32\x1f.bendtwin.v1.WorkerRequirementsB\n\n\x08_error_m\"K\n\x12WorkerRequirements\x12\x0f\n\x07\x62\x61\x63kend\x18\x01 \x01(\t\x12\x14\n\x0cmemory_bytes\x18\x02 \x01(\x04\x12\x0e\n\x06labels\x18\x03 \x03(\t\"\xad\x01\n\x10\x43reateFitRequest\x12\x0f\n\x07\x63\x61pture\x18\x01 \x01(\t\x12\x15\n\rsettings_json\x18\x02 \x01(\t\x12\x10\n\x08priority\x18\x03 \x01(\x05\x12\x12\n\nrequest_id\x18\x04 \x01(\t\x12\x14\n\x0c\x64isplay_name\x18\x05 \x01(\t\x12\x35\n\x0crequirements\x18\x06 \x01(\x0b\x32\x1f.bendtwin.v1.WorkerRequirements\"\x1d\n\rGetFitRequest\x12\x0c\n\x04name\x18\x01 \x01(\t\"\xae\x01\n\x0fListFitsRequest\x12\x11\n\tpage_size\x18\x01 \x01(\r\x12\x12\n\npage_token\x18\x02 \x01(\t\x12\x0f\n\x07\x63\x61pture\x18\x03 \x01(\t\x12%\n\x05state\x18\x04 \x01(\x0e\x32\x16.bendtwin.v1.Job.State\x12\x0e\n\x06search\x18\x05 \x01(\t\x12\x0b\n\x03tag\x18\x06 \x01(\t\x12\x10\n\x08order_by\x18\x07 \x01(\t\x12\r\n\x05owner\x18\x08 \x01(\t\"K\n\x10ListFitsResponse\x12\x1e\n\x04\x66its\x18\x01 \x03(\x0b\x32\x10.bendtwin.v1.Fit\x12\x17\n\x0fnext_page_token\x18\x02 \x01(\t\"\x89\x01\n\x10UpdateFitRequest\x12\x1d\n\x03\x66it\x18\x01 \x01(\x0b\x32\x10.bendtwin.v1.Fit\x12/\n\x0bupdate_mask\x18\x02 \x01(\x0b\x32\x1a.google.protobuf.FieldMask\x12\x10\n\x08\x61\x64\x64_tags\x18\x03 \x03(\t\x12\x13\n\x0bremove_tags\x18\x04 \x03(\t\"#\n\x13GetFitLossesRequest\x12\x0c\n\x04name\x18\x01 \x01(\t\"\xa3\x01\n\tFitLosses\x12\x30\n\x06\x63urves\x18\x01 \x03(\x0b\x32 .bendtwin.v1.FitLosses.LossCurve\x1a\x64\n\tLossCurve\x12\r\n\x05stage\x18\x01 \x01(\t\x12\x0f\n\x07variant\x18\x02 \x01(\t\x12\x12\n\niterations\x18\x03 \x03(\r\x12\x0e\n\x06losses\x18\x04 \x03(\x01\x12\x13\n\x0b\x62\x65st_losses\x18\x05 \x03(\x01\" \n\x10\x43\x61ncelFitRequest\x12\x0c\n\x04name\x18\x01 \x01(\t\" \n\x10\x44\x65leteFitRequest\x12\x0c\n\x04name\x18\x01 \x01(\t\"\x13\n\x11\x44\x65leteFitResponse\"7\n\x0fWatchFitRequest\x12\x0c\n\x04name\x18\x01 \x01(\t\x12\x16\n\x0e\x61\x66ter_revision\x18\x02 \x01(\x04\x32\x9b\x04\n\nFitService\x12<\n\tCreateFit\x12\x1d.bendtwin.v1.CreateFitRequest\x1a\x10.bendtwin.v1.Fit\x12\x36\n\x06GetFit\x12\x1a.bendtwin.v1.GetFitRequest\x1a\x10.bendtwin.v1.Fit\x12G\n\x08ListFits\x12\x1c.bendtwin.v1.ListFitsRequest\x1a\x1d.bendtwin.v1.ListFitsResponse\x12<\n\tUpdateFit\x12\x1d.bendtwin.v1.UpdateFitRequest\x1a\x10.bendtwin.v1.Fit\x12H\n\x0cGetFitLosses\x12 .bendtwin.v1.GetFitLossesRequest\x1a\x16.bendtwin.v1.FitLosses\x12<\n\tCancelFit\x12\x1d.bendtwin.v1.CancelFitRequest\x1a\x10.bendtwin.v1.Fit\x12J\n\tDeleteFit\x12\x1d.bendtwin.v1.DeleteFitRequest\x1a\x1e.bendtwin.v1.DeleteFitResponse\x12<\n\x08WatchFit\x12\x1c.bendtwin.v1.WatchFitRequest\x1a\x10.bendtwin.v1.Fit0\x01\x62\x06proto3')
+DESCRIPTOR = _descriptor_pool.Default().AddSerializedFile(b'\n\x15\x62\x65ndtwin/v1/fit.proto\x12\x0b\x62\x65ndtwin.v1\x1a\x15\x62\x65ndtwin/v1/job.proto\x1a google/protobuf/field_mask.proto\"\xfd\x01\n\x03\x46it\x12\x0c\n\x04name\x18\x01 \x01(\t\x12\x0f\n\x07\x63\x61pture\x18\x02 \x01(\t\x12\x0c\n\x04twin\x18\x03 \x01(\t\x12\x10\n\x08priority\x18\x04 \x01(\x05\x12\x1d\n\x03job\x18\x05 \x01(\x0b\x32\x10.bendtwin.v1.Job\x12\x14\n\x0c\x64isplay_name\x18\x06 \x01(\t\x12\x0c\n\x04note\x18\x07 \x01(\t\x12\x0c\n\x04tags\x18\x08 \x03(\t\x12\x14\n\x07\x65rror_m\x18\t \x01(\x01H\x00\x88\x01\x01\x12\r\n\x05owner\x18\n \x01(\t\x12\x35\n\x0crequirements\x18\x0b \x01(\x0b\x32\x1f.bendtwin.v1.WorkerRequirementsB\n\n\x08_error_m\"\xad\x01\n\x10\x43reateFitRequest\x12\x0f\n\x07\x63\x61pture\x18\x01 \x01(\t\x12\x15\n\rsettings_json\x18\x02 \x01(\t\x12\x10\n\x08priority\x18\x03 \x01(\x05\x12\x12\n\nrequest_id\x18\x04 \x01(\t\x12\x14\n\x0c\x64isplay_name\x18\x05 \x01(\t\x12\x35\n\x0crequirements\x18\x06 \x01(\x0b\x32\x1f.bendtwin.v1.WorkerRequirements\"\x1d\n\rGetFitRequest\x12\x0c\n\x04name\x18\x01 \x01(\t\"\xae\x01\n\x0fListFitsRequest\x12\x11\n\tpage_size\x18\x01 \x01(\r\x12\x12\n\npage_token\x18\x02 \x01(\t\x12\x0f\n\x07\x63\x61pture\x18\x03 \x01(\t\x12%\n\x05state\x18\x04 \x01(\x0e\x32\x16.bendtwin.v1.Job.State\x12\x0e\n\x06search\x18\x05 \x01(\t\x12\x0b\n\x03tag\x18\x06 \x01(\t\x12\x10\n\x08order_by\x18\x07 \x01(\t\x12\r\n\x05owner\x18\x08 \x01(\t\"K\n\x10ListFitsResponse\x12\x1e\n\x04\x66its\x18\x01 \x03(\x0b\x32\x10.bendtwin.v1.Fit\x12\x17\n\x0fnext_page_token\x18\x02 \x01(\t\"\x89\x01\n\x10UpdateFitRequest\x12\x1d\n\x03\x66it\x18\x01 \x01(\x0b\x32\x10.bendtwin.v1.Fit\x12/\n\x0bupdate_mask\x18\x02 \x01(\x0b\x32\x1a.google.protobuf.FieldMask\x12\x10\n\x08\x61\x64\x64_tags\x18\x03 \x03(\t\x12\x13\n\x0bremove_tags\x18\x04 \x03(\t\"#\n\x13GetFitLossesRequest\x12\x0c\n\x04name\x18\x01 \x01(\t\"\xa3\x01\n\tFitLosses\x12\x30\n\x06\x63urves\x18\x01 \x03(\x0b\x32 .bendtwin.v1.FitLosses.LossCurve\x1a\x64\n\tLossCurve\x12\r\n\x05stage\x18\x01 \x01(\t\x12\x0f\n\x07variant\x18\x02 \x01(\t\x12\x12\n\niterations\x18\x03 \x03(\r\x12\x0e\n\x06losses\x18\x04 \x03(\x01\x12\x13\n\x0b\x62\x65st_losses\x18\x05 \x03(\x01\" \n\x10\x43\x61ncelFitRequest\x12\x0c\n\x04name\x18\x01 \x01(\t\" \n\x10\x44\x65leteFitRequest\x12\x0c\n\x04name\x18\x01 \x01(\t\"\x13\n\x11\x44\x65leteFitResponse\"7\n\x0fWatchFitRequest\x12\x0c\n\x04name\x18\x01 \x01(\t\x12\x16\n\x0e\x61\x66ter_revision\x18\x02 \x01(\x04\x32\x9b\x04\n\nFitService\x12<\n\tCreateFit\x12\x1d.bendtwin.v1.CreateFitRequest\x1a\x10.bendtwin.v1.Fit\x12\x36\n\x06GetFit\x12\x1a.bendtwin.v1.GetFitRequest\x1a\x10.bendtwin.v1.Fit\x12G\n\x08ListFits\x12\x1c.bendtwin.v1.ListFitsRequest\x1a\x1d.bendtwin.v1.ListFitsResponse\x12<\n\tUpdateFit\x12\x1d.bendtwin.v1.UpdateFitRequest\x1a\x10.bendtwin.v1.Fit\x12H\n\x0cGetFitLosses\x12 .bendtwin.v1.GetFitLossesRequest\x1a\x16.bendtwin.v1.FitLosses\x12<\n\tCancelFit\x12\x1d.bendtwin.v1.CancelFitRequest\x1a\x10.bendtwin.v1.Fit\x12J\n\tDeleteFit\x12\x1d.bendtwin.v1.DeleteFitRequest\x1a\x1e.bendtwin.v1.DeleteFitResponse\x12<\n\x08WatchFit\x12\x1c.bendtwin.v1.WatchFitRequest\x1a\x10.bendtwin.v1.Fit0\x01\x62\x06proto3')
 
 _globals = globals()
 _builder.BuildMessageAndEnumDescriptors(DESCRIPTOR, _globals)
@@ -35,32 +35,30 @@ if not _descriptor._USE_C_DESCRIPTORS:
   DESCRIPTOR._loaded_options = None
   _globals['_FIT']._serialized_start=96
   _globals['_FIT']._serialized_end=349
-  _globals['_WORKERREQUIREMENTS']._serialized_start=351
-  _globals['_WORKERREQUIREMENTS']._serialized_end=426
-  _globals['_CREATEFITREQUEST']._serialized_start=429
-  _globals['_CREATEFITREQUEST']._serialized_end=602
-  _globals['_GETFITREQUEST']._serialized_start=604
-  _globals['_GETFITREQUEST']._serialized_end=633
-  _globals['_LISTFITSREQUEST']._serialized_start=636
-  _globals['_LISTFITSREQUEST']._serialized_end=810
-  _globals['_LISTFITSRESPONSE']._serialized_start=812
-  _globals['_LISTFITSRESPONSE']._serialized_end=887
-  _globals['_UPDATEFITREQUEST']._serialized_start=890
-  _globals['_UPDATEFITREQUEST']._serialized_end=1027
-  _globals['_GETFITLOSSESREQUEST']._serialized_start=1029
-  _globals['_GETFITLOSSESREQUEST']._serialized_end=1064
-  _globals['_FITLOSSES']._serialized_start=1067
-  _globals['_FITLOSSES']._serialized_end=1230
-  _globals['_FITLOSSES_LOSSCURVE']._serialized_start=1130
-  _globals['_FITLOSSES_LOSSCURVE']._serialized_end=1230
-  _globals['_CANCELFITREQUEST']._serialized_start=1232
-  _globals['_CANCELFITREQUEST']._serialized_end=1264
-  _globals['_DELETEFITREQUEST']._serialized_start=1266
-  _globals['_DELETEFITREQUEST']._serialized_end=1298
-  _globals['_DELETEFITRESPONSE']._serialized_start=1300
-  _globals['_DELETEFITRESPONSE']._serialized_end=1319
-  _globals['_WATCHFITREQUEST']._serialized_start=1321
-  _globals['_WATCHFITREQUEST']._serialized_end=1376
-  _globals['_FITSERVICE']._serialized_start=1379
-  _globals['_FITSERVICE']._serialized_end=1918
+  _globals['_CREATEFITREQUEST']._serialized_start=352
+  _globals['_CREATEFITREQUEST']._serialized_end=525
+  _globals['_GETFITREQUEST']._serialized_start=527
+  _globals['_GETFITREQUEST']._serialized_end=556
+  _globals['_LISTFITSREQUEST']._serialized_start=559
+  _globals['_LISTFITSREQUEST']._serialized_end=733
+  _globals['_LISTFITSRESPONSE']._serialized_start=735
+  _globals['_LISTFITSRESPONSE']._serialized_end=810
+  _globals['_UPDATEFITREQUEST']._serialized_start=813
+  _globals['_UPDATEFITREQUEST']._serialized_end=950
+  _globals['_GETFITLOSSESREQUEST']._serialized_start=952
+  _globals['_GETFITLOSSESREQUEST']._serialized_end=987
+  _globals['_FITLOSSES']._serialized_start=990
+  _globals['_FITLOSSES']._serialized_end=1153
+  _globals['_FITLOSSES_LOSSCURVE']._serialized_start=1053
+  _globals['_FITLOSSES_LOSSCURVE']._serialized_end=1153
+  _globals['_CANCELFITREQUEST']._serialized_start=1155
+  _globals['_CANCELFITREQUEST']._serialized_end=1187
+  _globals['_DELETEFITREQUEST']._serialized_start=1189
+  _globals['_DELETEFITREQUEST']._serialized_end=1221
+  _globals['_DELETEFITRESPONSE']._serialized_start=1223
+  _globals['_DELETEFITRESPONSE']._serialized_end=1242
+  _globals['_WATCHFITREQUEST']._serialized_start=1244
+  _globals['_WATCHFITREQUEST']._serialized_end=1299
+  _globals['_FITSERVICE']._serialized_start=1302
+  _globals['_FITSERVICE']._serialized_end=1841
 # @@protoc_insertion_point(module_scope)

@@ -31,18 +31,8 @@ class Fit(_message.Message):
     tags: _containers.RepeatedScalarFieldContainer[str]
     error_m: float
     owner: str
-    requirements: WorkerRequirements
-    def __init__(self, name: _Optional[str] = ..., capture: _Optional[str] = ..., twin: _Optional[str] = ..., priority: _Optional[int] = ..., job: _Optional[_Union[_job_pb2.Job, _Mapping]] = ..., display_name: _Optional[str] = ..., note: _Optional[str] = ..., tags: _Optional[_Iterable[str]] = ..., error_m: _Optional[float] = ..., owner: _Optional[str] = ..., requirements: _Optional[_Union[WorkerRequirements, _Mapping]] = ...) -> None: ...
-
-class WorkerRequirements(_message.Message):
-    __slots__ = ("backend", "memory_bytes", "labels")
-    BACKEND_FIELD_NUMBER: _ClassVar[int]
-    MEMORY_BYTES_FIELD_NUMBER: _ClassVar[int]
-    LABELS_FIELD_NUMBER: _ClassVar[int]
-    backend: str
-    memory_bytes: int
-    labels: _containers.RepeatedScalarFieldContainer[str]
-    def __init__(self, backend: _Optional[str] = ..., memory_bytes: _Optional[int] = ..., labels: _Optional[_Iterable[str]] = ...) -> None: ...
+    requirements: _job_pb2.WorkerRequirements
+    def __init__(self, name: _Optional[str] = ..., capture: _Optional[str] = ..., twin: _Optional[str] = ..., priority: _Optional[int] = ..., job: _Optional[_Union[_job_pb2.Job, _Mapping]] = ..., display_name: _Optional[str] = ..., note: _Optional[str] = ..., tags: _Optional[_Iterable[str]] = ..., error_m: _Optional[float] = ..., owner: _Optional[str] = ..., requirements: _Optional[_Union[_job_pb2.WorkerRequirements, _Mapping]] = ...) -> None: ...
 
 class CreateFitRequest(_message.Message):
     __slots__ = ("capture", "settings_json", "priority", "request_id", "display_name", "requirements")
@@ -57,8 +47,8 @@ class CreateFitRequest(_message.Message):
     priority: int
     request_id: str
     display_name: str
-    requirements: WorkerRequirements
-    def __init__(self, capture: _Optional[str] = ..., settings_json: _Optional[str] = ..., priority: _Optional[int] = ..., request_id: _Optional[str] = ..., display_name: _Optional[str] = ..., requirements: _Optional[_Union[WorkerRequirements, _Mapping]] = ...) -> None: ...
+    requirements: _job_pb2.WorkerRequirements
+    def __init__(self, capture: _Optional[str] = ..., settings_json: _Optional[str] = ..., priority: _Optional[int] = ..., request_id: _Optional[str] = ..., display_name: _Optional[str] = ..., requirements: _Optional[_Union[_job_pb2.WorkerRequirements, _Mapping]] = ...) -> None: ...
 
 class GetFitRequest(_message.Message):
     __slots__ = ("name",)

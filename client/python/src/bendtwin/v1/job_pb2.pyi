@@ -90,3 +90,13 @@ class ModelLoss(_message.Message):
     loss: float
     best_loss: float
     def __init__(self, stage: _Optional[str] = ..., variant: _Optional[str] = ..., iteration: _Optional[int] = ..., loss: _Optional[float] = ..., best_loss: _Optional[float] = ...) -> None: ...
+
+class WorkerRequirements(_message.Message):
+    __slots__ = ("backend", "memory_bytes", "labels")
+    BACKEND_FIELD_NUMBER: _ClassVar[int]
+    MEMORY_BYTES_FIELD_NUMBER: _ClassVar[int]
+    LABELS_FIELD_NUMBER: _ClassVar[int]
+    backend: str
+    memory_bytes: int
+    labels: _containers.RepeatedScalarFieldContainer[str]
+    def __init__(self, backend: _Optional[str] = ..., memory_bytes: _Optional[int] = ..., labels: _Optional[_Iterable[str]] = ...) -> None: ...

@@ -4,7 +4,8 @@ use semver::Version;
 
 use super::*;
 use crate::{
-    Capabilities, Claimant, Creator, Quotas, Requirements, jobs::requirements::MAX_DIFFERENT, sql,
+    Capabilities, Claimant, Creator, NewCapture, NewIngest, Quotas, Requirements,
+    jobs::requirements::MAX_DIFFERENT, sql, store::tests::new_capture,
 };
 
 on_both! {
@@ -14,6 +15,7 @@ on_both! {
     a_fit_waits_for_a_worker_that_it_asks_for,
     a_fit_of_a_newer_version_waits_for_workers_and_servers_that_know_it,
     requirements_are_part_of_a_repeated_request,
+    an_ingest_waits_for_a_worker_that_it_asks_for,
     the_queue_has_a_bounded_number_of_different_requirements,
 }
 
@@ -27,6 +29,10 @@ async fn queue(
     bench.clock.advance(Duration::from_secs(1));
     let new = NewFit { creator, priority, ..new_fit(capture) };
     bench.store.jobs().create_fit(new).await.unwrap().id
+}
+
+fn labels(words: &[&str]) -> Vec<String> {
+    words.iter().map(|word| (*word).to_owned()).collect()
 }
 
 /// Owners of the next jobs, each ended before the next claim if `one_at_a_time`.
@@ -87,7 +93,6 @@ async fn a_higher_priority_comes_before_the_turn_of_others(on: On) {
 async fn a_fit_waits_for_a_worker_that_it_asks_for(on: On) {
     let bench = Bench::new(on).await;
     let capture = bench.capture("a").await;
-    let labels = |words: &[&str]| words.iter().map(|w| (*w).to_owned()).collect::<Vec<_>>();
     let wanted = [
         Requirements { backend: "cuda".into(), ..Requirements::default() },
         Requirements { memory_bytes: 1 << 34, ..Requirements::default() },
@@ -149,6 +154,40 @@ async fn a_fit_of_a_newer_version_waits_for_workers_and_servers_that_know_it(on:
     let known = sql::query("update jobs set requirements = $1 where kind = 'fit'");
     bench.tell(known.bind(read.to_text().unwrap())).await;
     assert_eq!(claim_with(Some(Version::new(0, 9, 3))).await, Some(fit.id));
+}
+
+async fn an_ingest_waits_for_a_worker_that_it_asks_for(on: On) {
+    let bench = Bench::new(on).await;
+    let requirements = Requirements { labels: labels(&["lab=2"]), ..Requirements::default() };
+    let content = bench.stage("a").await;
+    let new = NewCapture { requirements: requirements.clone(), ..new_capture("a", content) };
+    let capture = bench.store.captures().create(new).await.unwrap();
+    let claim_with = async |of_worker: &[&str]| {
+        let capabilities = Capabilities { labels: labels(of_worker), ..Capabilities::default() };
+        let claimant = Claimant { worker: WorkerId::generate(), capabilities };
+        bench.store.jobs().claim(Kind::Ingest, claimant, LEASE).await.unwrap()
+    };
+    assert!(claim_with(&[]).await.is_none());
+    let claimed = claim_with(&["lab=2"]).await.unwrap();
+    assert_eq!((claimed.capture, &claimed.requirements), (capture.id, &requirements));
+    let end = AttemptEnd::FailedForGood(fault());
+    bench.store.jobs().end_attempt(lease_of(&claimed), end).await.unwrap();
+
+    let again = NewIngest {
+        capture: capture.id,
+        settings: "{}".to_owned(),
+        request_id: Some("key".to_owned()),
+        trace_parent: None,
+        creator: Creator::default(),
+        requirements,
+    };
+    bench.store.jobs().create_ingest(again.clone()).await.unwrap();
+    assert!(claim_with(&[]).await.is_none());
+    bench.store.jobs().create_ingest(again.clone()).await.unwrap();
+    let other = NewIngest { requirements: Requirements::default(), ..again };
+    let other = bench.store.jobs().create_ingest(other).await;
+    assert!(matches!(other, Err(Error::RequestIdTaken { .. })));
+    assert!(claim_with(&["lab=2"]).await.is_some());
 }
 
 async fn requirements_are_part_of_a_repeated_request(on: On) {

@@ -4,7 +4,8 @@ use bendtwin_core::{Category, Problem as _};
 
 use super::{fault, progress};
 use crate::{
-    AttemptEnd, Capture, Error, IngestResult, Job, Kind, Lease, Loss, NewIngest, NewReport, State,
+    AttemptEnd, Capture, Error, IngestResult, Job, Kind, Lease, Loss, NewIngest, NewReport,
+    Requirements, State,
     failpoint::Failpoint,
     sql::query,
     store::tests::{Bench, LEASE, lease_of, new_fit},
@@ -45,6 +46,7 @@ fn again(capture: &Capture) -> NewIngest {
         request_id: None,
         trace_parent: None,
         creator: crate::Creator::default(),
+        requirements: Requirements::default(),
     }
 }
 
