@@ -223,8 +223,9 @@ pub struct RefineSettings {
     /// Largest reach of gradients within a window [frames] (0: the whole window); a fit that makes
     /// no gain shortens it further.
     pub reach: u32,
-    /// Training sequences per step (0: all); each pass shuffles them anew.
-    pub batch: usize,
+    /// Training sequences per step (0: all); each pass shuffles them anew. Left open, their number
+    /// follows the device.
+    pub batch: Option<usize>,
     /// Fit rest lengths and rest angles too.
     pub rest_shape: bool,
 }
@@ -340,7 +341,7 @@ impl Default for RefineSettings {
             prior: 0.3,
             window: GradientWindow::Pass,
             reach: 0,
-            batch: 8,
+            batch: None,
             rest_shape: true,
         }
     }
@@ -372,6 +373,7 @@ impl FitSettings {
             },
             refine: RefineSettings {
                 passes: Some(200),
+                batch: Some(8),
                 learning_rate: 1e-3,
                 window: GradientWindow::Frame,
                 prior: 0.0,

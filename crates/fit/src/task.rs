@@ -48,6 +48,12 @@ pub(crate) struct Task<'a> {
     pub(crate) nears_ground: bool,
 }
 
+/// Number of sequences with training frames, over all recordings.
+fn training_sequences(capture: &Capture) -> usize {
+    let sequences = capture.recordings().flat_map(|recording| &recording.sequences);
+    sequences.filter(|sequence| sequence.train_frame_count > 0).count()
+}
+
 /// The training frames of one sequence.
 pub(crate) struct Training<'a> {
     pub(crate) source: Arc<Source<'a>>,
@@ -74,7 +80,8 @@ impl<'a> Task<'a> {
         settings.validate().map_err(Error::Settings)?;
         capture.recordings().try_for_each(bendtwin_eval::check_capture)?;
         let subject = capture.object.subject();
-        let mut settings = settings.filled(Conditions { subject, device });
+        let sequences = training_sequences(capture);
+        let mut settings = settings.filled(Conditions { subject, device, sequences });
         let sample = sample_nodes(capture, &settings.graph, settings.seed)?;
         settings.graph.radius_m = Some(sample.radius_m(&settings.graph));
         let nodes = connect(&sample, &Connectivity::from_settings(&settings.graph, false));
@@ -97,7 +104,8 @@ impl<'a> Task<'a> {
         settings.validate().map_err(Error::Settings)?;
         capture.recordings().try_for_each(bendtwin_eval::check_capture)?;
         let subject = capture.object.subject();
-        let mut settings = settings.filled(Conditions { subject, device });
+        let sequences = training_sequences(capture);
+        let mut settings = settings.filled(Conditions { subject, device, sequences });
         (settings.search.starts, settings.search.generations) = (Some(1), Some(0));
         settings.bending = !twin.graph.triplets.is_empty();
         (settings.compare_axial, settings.control_velocity) = (false, twin.control_velocity);

@@ -83,7 +83,8 @@ mod tests {
 
     #[test]
     fn what_was_left_open_shows_what_was_chosen() {
-        let conditions = Conditions { subject: Subject::Body, device: DeviceKind::Cpu };
+        let conditions =
+            Conditions { subject: Subject::Body, device: DeviceKind::Cpu, sequences: 1 };
         let given = FitSettings::default();
         let [given, chosen] =
             [given.clone(), given.filled(conditions)].map(|s| serde_json::to_value(s).unwrap());

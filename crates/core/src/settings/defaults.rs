@@ -12,6 +12,13 @@ use crate::capture::Subject;
 
 /// Gaussians of a twin whose fit takes its time.
 const BEST_GAUSSIANS: u32 = 20_000;
+/// Training sequences per step of a refinement, at least.
+const LEAST_BATCH: usize = 8;
+/// Steps of a pass on a GPU, at most: it computes a quarter of a cable's sequences in hardly more time
+/// than eight of them.
+const GPU_STEPS: usize = 4;
+/// Training sequences per step there are a multiple of this, as those that were measured.
+const GPU_BATCH_STEP: usize = 4;
 
 /// Effort of a fit, which settings that are left open follow.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -42,6 +49,8 @@ pub struct Conditions {
     pub subject: Subject,
     /// Kind of the device.
     pub device: DeviceKind,
+    /// Number of training sequences.
+    pub sequences: usize,
 }
 
 /// Values of settings that may be left open.
@@ -109,6 +118,17 @@ impl SubjectDefaults {
     }
 }
 
+/// Training sequences per step of a refinement.
+fn batch(conditions: Conditions) -> usize {
+    match conditions.device {
+        DeviceKind::Cpu => LEAST_BATCH,
+        DeviceKind::Gpu => {
+            let quarter = conditions.sequences.div_ceil(GPU_STEPS).max(LEAST_BATCH);
+            quarter.checked_next_multiple_of(GPU_BATCH_STEP).unwrap_or(quarter)
+        }
+    }
+}
+
 impl FitSettings {
     /// These settings with defaults in place of those that are left open, apart from
     /// `graph.radius_m`, which follows the spacing of the capture's points.
@@ -131,6 +151,7 @@ impl FitSettings {
         filled.search.generations.get_or_insert(defaults.generations);
         filled.search.population.get_or_insert(defaults.population);
         filled.refine.passes.get_or_insert(defaults.passes);
+        filled.refine.batch.get_or_insert(batch(conditions));
         let gaussians = if self.effort == Effort::Best { BEST_GAUSSIANS } else { 0 };
         filled.appearance.gaussians.get_or_insert(gaussians);
         let of_subject = SubjectDefaults::of(conditions.subject);

@@ -165,6 +165,7 @@ impl CaptureSize {
         Conditions {
             subject: if self.edges > 0 { Subject::Cable } else { Subject::Body },
             device: if lanes.on_host { DeviceKind::Cpu } else { DeviceKind::Gpu },
+            sequences: self.sequences.try_into().unwrap_or(usize::MAX),
         }
     }
 }
@@ -198,7 +199,7 @@ pub fn estimate(
     let building = sum([(200, springs), (320, triplets)]).saturating_mul(threads.max(1));
     let search = candidates.saturating_mul(candidate).min(loaded).saturating_add(building);
 
-    let batch = match settings.refine.batch as u64 {
+    let batch = match settings.refine.batch.unwrap_or_default() as u64 {
         0 => sequences,
         batch => batch.min(sequences),
     };

@@ -30,7 +30,7 @@ fn nothing_is_left_open_for_a_fit() {
     use crate::capture::Subject;
     for subject in [Subject::Cable, Subject::Body] {
         for device in [DeviceKind::Cpu, DeviceKind::Gpu] {
-            let conditions = Conditions { subject, device };
+            let conditions = Conditions { subject, device, sequences: 77 };
             let of = |effort| FitSettings { effort, ..FitSettings::default() }.filled(conditions);
             let [draft, standard, best] = [Effort::Draft, Effort::Standard, Effort::Best].map(of);
             let work = |s: &FitSettings| {
@@ -44,6 +44,8 @@ fn nothing_is_left_open_for_a_fit() {
                 assert_eq!(s.search.gravity, Some(is_cable));
                 assert_eq!(s.search.prior, Some(if is_cable { 0.0 } else { 0.4 }));
                 assert!(s.loss.sequences.is_some());
+                let batch = if device == DeviceKind::Gpu { 20 } else { 8 };
+                assert_eq!(s.refine.batch, Some(batch));
                 nodes * f64::from(search.starts.unwrap()) * (candidates + 3.0 * passes)
             };
             assert!(work(&draft) < work(&standard) && work(&standard) < work(&best));
@@ -53,6 +55,7 @@ fn nothing_is_left_open_for_a_fit() {
             given.search.prior = Some(2.0);
             given.search.gravity = Some(subject == Subject::Body);
             given.loss.sequences = Some(SequenceMean::Arithmetic);
+            given.refine.batch = Some(0);
             given.appearance.gaussians = Some(7);
             assert_eq!(given.filled(conditions), given);
         }

@@ -18,7 +18,7 @@ fn settings(window: GradientWindow) -> FitSettings {
     s.search.topology = true;
     s.refine.passes = Some(3);
     s.refine.window = window;
-    s.refine.batch = 2;
+    s.refine.batch = Some(2);
     s
 }
 

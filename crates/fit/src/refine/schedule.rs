@@ -24,7 +24,10 @@ pub(crate) struct Step {
 pub(crate) fn steps(task: &Task<'_>, pass: u32) -> Vec<Step> {
     let refine = &task.settings.refine;
     let mut order: Vec<usize> = (0..task.training.len()).collect();
-    let size = if refine.batch == 0 { order.len() } else { refine.batch };
+    let size = match refine.batch {
+        None | Some(0) => order.len(),
+        Some(size) => size,
+    };
     if size < order.len() {
         let mut rng = ChaCha8Rng::seed_from_u64(task.settings.seed);
         rng.set_stream(STREAM | u64::from(pass));
