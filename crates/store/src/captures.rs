@@ -10,6 +10,7 @@ use crate::{
     Content, Creator, Digest, Error, Job, LabelChange, Labels, ListQuery, Page, Report,
     Requirements, Result, Staged, Store,
     clock::from_micros,
+    deleted_requests::{self, Kind},
     failpoint::Failpoint,
     jobs::{self, Asked},
     labels::{self, Collection},
@@ -117,8 +118,8 @@ impl Captures<'_> {
     /// returns the capture created before.
     ///
     /// # Errors
-    /// [`Error::RequestIdTaken`], [`Error::DiskFull`], [`Error::TooManyRequirements`], database and
-    /// file errors.
+    /// [`Error::RequestIdTaken`], [`Error::DeletedSince`], [`Error::DiskFull`],
+    /// [`Error::TooManyRequirements`], database and file errors.
     pub async fn create(&self, new: NewCapture) -> Result<Capture> {
         self.store.admit()?;
         let NewCapture { display_name, request_id, content, creator, .. } = new;
@@ -149,10 +150,14 @@ impl Captures<'_> {
             }
         }
         let more = More { jobs: 1, bytes: size_bytes, upload };
-        let admitted = match quotas::require(&mut tx, &creator, more).await {
-            Ok(()) => jobs::admit_ingest(&mut tx, &requirements).await,
-            refused => refused,
-        };
+        let admitted = async {
+            if let Some(request_id) = &request_id {
+                deleted_requests::refuse(&mut tx, Kind::Captures, request_id, upload).await?;
+            }
+            quotas::require(&mut tx, &creator, more).await?;
+            jobs::admit_ingest(&mut tx, &requirements).await
+        }
+        .await;
         if let Err(error) = admitted {
             drop((tx, guard));
             self.store.release(&digest.to_hex()).await?;
@@ -287,7 +292,7 @@ impl Captures<'_> {
     }
 
     /// Deletes a capture with its ingest, observation, playback and report. Its twins and
-    /// ended fits stay.
+    /// ended fits stay. Its request id makes no other for a day.
     ///
     /// # Errors
     /// [`Error::NotFound`]; [`Error::CaptureInUse`] while fits of it are queued or running.
@@ -298,12 +303,15 @@ impl Captures<'_> {
         if fits > 0 {
             return Err(Error::CaptureInUse { name: id.to_string(), fits });
         }
-        let digest: Option<String> =
-            query_scalar("delete from captures where id = $1 returning digest")
+        let deleted: Option<(String, Option<String>)> =
+            query("delete from captures where id = $1 returning digest, request_id")
                 .bind(&key)
                 .fetch_optional(&mut tx)
                 .await?;
-        let digest = digest.ok_or_else(|| Error::NotFound { name: id.to_string() })?;
+        let (digest, request_id) =
+            deleted.ok_or_else(|| Error::NotFound { name: id.to_string() })?;
+        let (request_id, name) = (request_id.as_deref(), id.to_string());
+        self.store.keep_request_id(&mut tx, Kind::Captures, request_id, &name).await?;
         labels::forget(&mut tx, Collection::Captures, &key).await?;
         let mut obsolete = vec![digest];
         // Its worker learns that the job is gone, and stops.

@@ -27,6 +27,11 @@ pub enum Error {
     )]
     RequestIdTaken { request_id: String, name: String },
     #[error(
+        "request id `{request_id}` made {name}, which has been deleted since: choose a new request id \
+         to make another"
+    )]
+    DeletedSince { request_id: String, name: String },
+    #[error(
         "the lease {epoch} of {job} has been lost to another worker or the job has ended: stop"
     )]
     StaleLease { job: JobId, epoch: u64 },
@@ -193,7 +198,7 @@ impl Problem for Error {
             Self::NotFound { .. } | Self::PlaybackMissing { .. } | Self::UploadGone { .. } => {
                 Category::NotFound
             }
-            Self::RequestIdTaken { .. } => Category::AlreadyExists,
+            Self::RequestIdTaken { .. } | Self::DeletedSince { .. } => Category::AlreadyExists,
             Self::StaleLease { .. } | Self::UploadLocked { .. } => Category::Aborted,
             Self::CaptureInUse { .. }
             | Self::IngestUnderWay { .. }
@@ -252,6 +257,7 @@ impl Problem for Error {
             Self::NotFound { .. } => "NOT_FOUND",
             Self::PlaybackMissing { .. } => "PLAYBACK_MISSING",
             Self::RequestIdTaken { .. } => "REQUEST_ID_TAKEN",
+            Self::DeletedSince { .. } => "DELETED_SINCE",
             Self::StaleLease { .. } => "STALE_LEASE",
             Self::CaptureInUse { .. } => "CAPTURE_IN_USE",
             Self::IngestUnderWay { .. } => "INGEST_UNDER_WAY",

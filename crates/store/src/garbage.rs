@@ -1,4 +1,5 @@
-//! Content that no row refers to: what a deleted row leaves, and what crashes leave.
+//! Content that no row refers to: what a deleted row leaves, and what crashes leave. With it go the
+//! request ids of deleted resources.
 
 use std::time::Duration;
 
@@ -21,7 +22,7 @@ impl Store {
     /// Moves blobs that no row refers to into the trash, and removes what has been there for a day;
     /// removes them from a bucket once they are a day old. They were left by callers that went away
     /// in the middle of a call. Safe at any time, and whatever other servers do; one of them at a time
-    /// does it.
+    /// does it. Also forgets the request ids of resources that were deleted long ago.
     ///
     /// # Errors
     /// [`crate::Error::StoreMismatch`] if somebody exchanged the database or the blobs; database and
@@ -30,6 +31,7 @@ impl Store {
         let blobs = self.blobs();
         let Some(_turn) = self.inner.database.turn(TURN).await? else { return Ok(()) };
         identity::verify(&self.inner.database, blobs.place()).await?;
+        self.forget_deleted_requests().await?;
         if blobs.place().is_shared() {
             self.take_over_deletions(arrivals::TAKEN_OVER).await?;
         }

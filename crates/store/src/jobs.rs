@@ -24,7 +24,7 @@ use jiff::Timestamp;
 use tokio::sync::broadcast;
 
 use crate::{
-    Digest, Error, Labels, Result, Store,
+    Digest, Error, Labels, Result, Store, deleted_requests,
     labels::{self, Collection},
     sql::query,
 };
@@ -194,7 +194,7 @@ impl Jobs<'_> {
         Ok(job)
     }
 
-    /// Deletes a fit that does not run. Its twin stays.
+    /// Deletes a fit that does not run. Its twin stays. Its request id makes no other for a day.
     ///
     /// # Errors
     /// [`Error::NotFound`], [`Error::FitRunning`].
@@ -209,6 +209,9 @@ impl Jobs<'_> {
             query(statement).bind(&key).execute(&mut tx).await?;
         }
         labels::forget(&mut tx, Collection::Fits, &key).await?;
+        let (request_id, name) = (row.request_id.as_deref(), fit.to_string());
+        let kind = deleted_requests::Kind::Jobs;
+        self.store.keep_request_id(&mut tx, kind, request_id, &name).await?;
         tx.commit().await?;
         let _ = self.store.inner.changes.send(fit.into());
         match row.checkpoint {

@@ -61,6 +61,11 @@
 //! and removed a day later. Database and blobs have a common identity: [`Store::open`] refuses to
 //! make garbage of the blobs of another database.
 //!
+//! # Requests that come again
+//! The row of what a request made has its request id, so a repetition finds it. The id outlives the
+//! row for a day (`deleted_requests`): an attempt that its client had given up, and that comes to its
+//! end after the deletion, makes nothing.
+//!
 //! # Content that is not what it was
 //! Sizes are compared when content is opened, digests while it is read: damaged
 //! content never arrives whole. [`maintenance`] has the check of a whole store, its
@@ -95,6 +100,7 @@ mod blobs;
 mod captures;
 mod clock;
 mod database;
+mod deleted_requests;
 mod disk;
 mod error;
 pub mod failpoint;

@@ -20,7 +20,7 @@ pub(crate) use compatibility::{newer, require_alone};
 pub(crate) const BREAKING: &str = "breaking_";
 
 /// Version, description and SQL of every migration.
-const MIGRATIONS: [(i64, &str, &str); 14] = [
+const MIGRATIONS: [(i64, &str, &str); 15] = [
     (1, "initial", include_str!("../migrations/0001_initial.sql")),
     (2, "ingest", include_str!("../migrations/0002_ingest.sql")),
     (3, "uploads", include_str!("../migrations/0003_uploads.sql")),
@@ -35,6 +35,7 @@ const MIGRATIONS: [(i64, &str, &str); 14] = [
     (12, "objects", include_str!("../migrations/0012_objects.sql")),
     (13, "servers", include_str!("../migrations/0013_servers.sql")),
     (14, "requirements", include_str!("../migrations/0014_requirements.sql")),
+    (15, "deleted_requests", include_str!("../migrations/0015_deleted_requests.sql")),
 ];
 
 /// The migrations of SQLite.

@@ -9,11 +9,12 @@ use uuid::Uuid;
 use crate::{
     Content, Creator, Digest, Error, LabelChange, Labels, ListQuery, Page, Result, Staged, Store,
     clock::from_micros,
+    deleted_requests::{self, Kind},
     failpoint::Failpoint,
     labels::{self, Collection},
     quotas::{self, More},
     row::row,
-    sql::{Transaction, query, query_scalar},
+    sql::{Transaction, query},
 };
 
 /// Facts of a twin, read from its file, for listings.
@@ -207,7 +208,8 @@ impl Twins<'_> {
     /// created before.
     ///
     /// # Errors
-    /// [`Error::RequestIdTaken`], [`Error::DiskFull`], database and file errors.
+    /// [`Error::RequestIdTaken`], [`Error::DeletedSince`], [`Error::DiskFull`], database and file
+    /// errors.
     pub async fn create(&self, new: NewTwin) -> Result<Twin> {
         self.store.admit()?;
         let NewTwin { display_name, request_id, facts, content, creator } = new;
@@ -232,7 +234,14 @@ impl Twins<'_> {
             }
         }
         let more = More { bytes: size_bytes, ..More::default() };
-        if let Err(error) = quotas::require(&mut tx, &creator, more).await {
+        let admitted = async {
+            if let Some(request_id) = &request_id {
+                deleted_requests::refuse(&mut tx, Kind::Twins, request_id, None).await?;
+            }
+            quotas::require(&mut tx, &creator, more).await
+        }
+        .await;
+        if let Err(error) = admitted {
             drop((tx, guard));
             self.store.release(&digest.to_hex()).await?;
             return Err(error);
@@ -313,19 +322,22 @@ impl Twins<'_> {
         Ok((twin, content))
     }
 
-    /// Deletes a twin.
+    /// Deletes a twin. Its request id makes no other for a day.
     ///
     /// # Errors
     /// [`Error::NotFound`].
     pub async fn delete(&self, id: TwinId) -> Result<()> {
         let key = id.uuid().to_string();
         let mut tx = self.store.inner.database.write().await?;
-        let digest: Option<String> =
-            query_scalar("delete from twins where id = $1 returning digest")
+        let deleted: Option<(String, Option<String>)> =
+            query("delete from twins where id = $1 returning digest, request_id")
                 .bind(&key)
                 .fetch_optional(&mut tx)
                 .await?;
-        let digest = digest.ok_or_else(|| Error::NotFound { name: id.to_string() })?;
+        let (digest, request_id) =
+            deleted.ok_or_else(|| Error::NotFound { name: id.to_string() })?;
+        let (request_id, name) = (request_id.as_deref(), id.to_string());
+        self.store.keep_request_id(&mut tx, Kind::Twins, request_id, &name).await?;
         labels::forget(&mut tx, Collection::Twins, &key).await?;
         tx.commit().await?;
         self.store.pass(Failpoint::BeforeRelease)?;

@@ -41,6 +41,8 @@ pub(crate) struct NewUpload {
     pub(crate) metadata: String,
     /// The idempotency key, if it was given outside the metadata.
     pub(crate) request_id: String,
+    /// True if the request brings content.
+    pub(crate) has_content: bool,
 }
 
 /// Bytes to be appended.
@@ -69,6 +71,7 @@ impl App {
                 expected_digest: super::digest(&metadata.digest)?,
                 metadata: new.metadata,
                 length_bytes: new.length_bytes,
+                has_content: new.has_content,
                 keep: self.options.upload_start(),
                 remember: self.options.upload_expiry(),
                 creator: Context::current().caller.creator(),

@@ -71,11 +71,6 @@ async fn options(State(app): State<App>) -> Response {
         (status = "default", body = ProblemDocument)))]
 async fn create(State(app): State<App>, request: Request) -> Result<Response> {
     let headers = request.headers();
-    let new = NewUpload {
-        length_bytes: protocol::declared_length(headers)?,
-        metadata: protocol::text(headers, &UPLOAD_METADATA)?.unwrap_or_default().to_owned(),
-        request_id: extract::idempotency_key(headers)?,
-    };
     // With a body, the rules of PATCH hold; a wrong type is refused before anything is made.
     let body = match protocol::body_size(headers)? {
         Some(0) => None,
@@ -88,6 +83,12 @@ async fn create(State(app): State<App>, request: Request) -> Result<Response> {
             protocol::expect_offset_type(headers)?;
             Some((size_bytes, protocol::checksum(headers)?))
         }
+    };
+    let new = NewUpload {
+        length_bytes: protocol::declared_length(headers)?,
+        metadata: protocol::text(headers, &UPLOAD_METADATA)?.unwrap_or_default().to_owned(),
+        request_id: extract::idempotency_key(headers)?,
+        has_content: body.is_some(),
     };
     let mut upload = app.create_upload(new).await.map_err(refused)?;
     if let Some((size_bytes, checksum)) = body

@@ -52,6 +52,33 @@ async fn http_round_trip() {
     assert_eq!(server.blob_files(), 0);
 }
 
+/// A client gives an upload up whose server stands still, repeats it, and deletes what that made. Then
+/// the first attempt comes to its end.
+#[tokio::test]
+async fn a_deleted_capture_does_not_come_back() {
+    let server = Server::start().await;
+    let upload = |body: reqwest::Body| {
+        let request = server.http.post(server.url("/v1/captures?display_name=rope"));
+        let request = request.header("content-type", "application/zip");
+        request.header("idempotency-key", "key").body(body).send()
+    };
+    let (mut sender, body) = futures::channel::mpsc::channel::<std::io::Result<&[u8]>>(1);
+    sender.try_send(Ok(b"an ")).unwrap();
+    let first = tokio::spawn(upload(reqwest::Body::wrap_stream(body)));
+    let (status, made) = read(upload("an archive".into()).await.unwrap()).await;
+    assert_eq!(status, 201);
+    let path = format!("/v1/{}", made["name"].as_str().unwrap());
+    assert_eq!(server.delete(&path).await.0, 204);
+    sender.try_send(Ok(b"archive")).unwrap();
+    drop(sender);
+    for late in [first.await.unwrap().unwrap(), upload("an archive".into()).await.unwrap()] {
+        let (status, problem) = read(late).await;
+        assert_eq!((status, &problem["reason"]), (409, &json!("DELETED_SINCE")));
+    }
+    assert_eq!(server.get("/v1/captures").await.1["captures"], json!([]));
+    assert_eq!(server.blob_files(), 0);
+}
+
 /// What an archive is, its content tells the worker.
 #[tokio::test]
 async fn archives_of_every_kind_are_taken() {

@@ -280,6 +280,14 @@ async fn content_may_come_with_the_creation() {
     assert_eq!((status, plain["name"].as_str().unwrap()), (201, name.as_str()));
     let request = server.tus("POST", "/v1/uploads").header("upload-length", 7);
     expect(refusal(request.header("idempotency-key", "key")).await, 409, "REQUEST_ID_TAKEN");
+    // Deleted, it comes again only by an upload that begins without content.
+    assert_eq!(server.delete(&format!("/v1/{name}")).await.0, 204);
+    expect(refusal(create("abcdef", TYPE)).await, 409, "DELETED_SINCE");
+    let request = server.tus("POST", "/v1/uploads").header("upload-length", 6);
+    let begun = request.header("idempotency-key", "key").send().await.unwrap();
+    let sent =
+        server.patch(&header(&begun, "location").unwrap(), 0, b"abcdef").send().await.unwrap();
+    assert_ne!(header(&sent, "bendtwin-capture").unwrap(), name);
 }
 
 #[tokio::test]

@@ -13,6 +13,7 @@ use super::{
 };
 use crate::{
     Creator, Digest, Error, LabelChange, ListQuery, Page, Result, Staged, TwinFacts,
+    deleted_requests,
     failpoint::Failpoint,
     labels::{self, Collection},
     quotas::{self, More},
@@ -48,7 +49,7 @@ impl Jobs<'_> {
     ///
     /// # Errors
     /// [`Error::NotFound`] if there is no such capture, [`Error::RequestIdTaken`],
-    /// [`Error::DiskFull`], [`Error::TooManyRequirements`].
+    /// [`Error::DeletedSince`], [`Error::DiskFull`], [`Error::TooManyRequirements`].
     pub async fn create_fit(&self, new: NewFit) -> Result<Job> {
         self.store.admit()?;
         let requirements = new.requirements.to_text()?;
@@ -68,6 +69,10 @@ impl Jobs<'_> {
             }
             let (request_id, name) = (request_id.clone(), before.id.to_string());
             return Err(Error::RequestIdTaken { request_id, name });
+        }
+        if let Some(request_id) = &new.request_id {
+            let kind = deleted_requests::Kind::Jobs;
+            deleted_requests::refuse(&mut tx, kind, request_id, None).await?;
         }
         let capture = new.capture.uuid().to_string();
         let capture_name: Option<String> =

@@ -8,7 +8,7 @@ use super::{
     row::{self, Row, State},
 };
 use crate::{
-    Creator, Digest, Error, Result, Staged,
+    Creator, Digest, Error, Result, Staged, deleted_requests,
     failpoint::Failpoint,
     observations,
     quotas::{self, More},
@@ -22,7 +22,7 @@ pub struct NewIngest {
     pub capture: CaptureId,
     /// Settings as JSON, the same text for the same settings.
     pub settings: String,
-    /// Idempotency key, valid until the next ingest of the same capture.
+    /// Idempotency key; refused for a day once another ingest has replaced this one.
     pub request_id: Option<String>,
     /// W3C traceparent of the call.
     pub trace_parent: Option<String>,
@@ -150,9 +150,9 @@ impl Jobs<'_> {
     /// this one has replaced them.
     ///
     /// # Errors
-    /// [`Error::NotFound`], [`Error::RequestIdTaken`], [`Error::IngestUnderWay`],
-    /// [`Error::TooManyRequirements`]; [`Error::CaptureInUse`] while fits of it are queued or running: they are not to see two
-    /// observations.
+    /// [`Error::NotFound`], [`Error::RequestIdTaken`], [`Error::DeletedSince`],
+    /// [`Error::IngestUnderWay`], [`Error::TooManyRequirements`]; [`Error::CaptureInUse`] while fits of
+    /// it are queued or running: they are not to see two observations.
     pub async fn create_ingest(&self, new: NewIngest) -> Result<Job> {
         let key = new.capture.uuid().to_string();
         let requirements = new.requirements.to_text()?;
@@ -170,6 +170,10 @@ impl Jobs<'_> {
             let (request_id, name) = (request_id.clone(), before.id.to_string());
             return Err(Error::RequestIdTaken { request_id, name });
         }
+        if let Some(request_id) = &new.request_id {
+            let kind = deleted_requests::Kind::Jobs;
+            deleted_requests::refuse(&mut tx, kind, request_id, None).await?;
+        }
         let before = row::ingest_of(&mut tx, &key).await?;
         let before = before.ok_or_else(|| Error::NotFound { name: new.capture.to_string() })?;
         if !before.state()?.has_ended() {
@@ -183,6 +187,9 @@ impl Jobs<'_> {
         quotas::require(&mut tx, &new.creator, more).await?;
         admit_ingest(&mut tx, &requirements).await?;
         query("delete from jobs where id = $1").bind(&before.id).execute(&mut tx).await?;
+        let (replaced, name) = (before.request_id.as_deref(), format!("ingests/{}", before.id));
+        let kind = deleted_requests::Kind::Jobs;
+        self.store.keep_request_id(&mut tx, kind, replaced, &name).await?;
         let now = self.store.now_micros();
         let due = due(&mut tx, &key, now).await?;
         let row: Row = query(

@@ -74,7 +74,7 @@ row! {
         fault: Option<String>,
         pub(super) attempt_faults: String,
         trace_parent: Option<String>,
-        request_id: Option<String>,
+        pub(super) request_id: Option<String>,
         created_at: i64,
         started_at: Option<i64>,
         ended_at: Option<i64>,

@@ -33,9 +33,10 @@ struct Table {
 }
 
 /// All tables.
-const TABLES: [Table; 16] = [
+const TABLES: [Table; 17] = [
     Table { name: "arrivals", key: "id, digest" },
     Table { name: "captures", key: "id" },
+    Table { name: "deleted_requests", key: "kind, request_id" },
     Table { name: "deletions", key: "digest" },
     Table { name: "jobs", key: "id" },
     Table { name: "keys", key: "id" },

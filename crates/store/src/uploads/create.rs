@@ -6,7 +6,7 @@ use bendtwin_core::ids::UploadId;
 
 use super::{IN_USE, ResumableUpload, UploadState, Uploads, row::Row};
 use crate::{
-    Creator, Digest, Error, Result,
+    Creator, Digest, Error, Result, deleted_requests,
     quotas::{self, More},
     sql::{Transaction, query, query_scalar},
 };
@@ -24,6 +24,8 @@ pub struct NewResumableUpload {
     pub metadata: String,
     /// Size of the whole, if known.
     pub length_bytes: Option<u64>,
+    /// True if the request that creates it brings content.
+    pub has_content: bool,
     /// Time for which it is kept without a first byte.
     pub keep: Duration,
     /// Time for which it is remembered if its capture exists.
@@ -66,8 +68,11 @@ impl Uploads<'_> {
     /// request id, the upload is complete at once. Beyond the number of uploads, the oldest of
     /// those of which nothing has come gives way.
     ///
+    /// If the capture of that request id has been deleted, the upload starts again. A request with
+    /// content does not start it: it may be a late attempt at one that has been answered.
+    ///
     /// # Errors
-    /// [`Error::RequestIdTaken`]; [`Error::UploadsFull`] beyond `bounds`; [`Error::DiskFull`].
+    /// [`Error::RequestIdTaken`]; [`Error::DeletedSince`]; [`Error::UploadsFull`] beyond `bounds`; [`Error::DiskFull`].
     pub async fn create(
         &self,
         new: NewResumableUpload,
@@ -116,6 +121,10 @@ impl Uploads<'_> {
                 return Ok(before);
             }
             capture = made_before(&mut tx, new, request_id).await?;
+            if new.has_content && capture.is_none() {
+                let kind = deleted_requests::Kind::Captures;
+                deleted_requests::refuse(&mut tx, kind, request_id, None).await?;
+            }
         }
         let length = match &capture {
             Some((_, size)) => Some(*size),
@@ -127,13 +136,17 @@ impl Uploads<'_> {
                 new.length_bytes.map(|n| i64::try_from(n).unwrap_or(i64::MAX))
             }
         };
+        let id = UploadId::generate().uuid().to_string();
+        if let (Some(request_id), None) = (&new.request_id, &capture) {
+            deleted_requests::begin_anew(&mut tx, request_id, &id).await?;
+        }
         let keep = if capture.is_some() { new.remember } else { new.keep };
         let row: Row = query(
             "insert into uploads (id, state, display_name, request_id, expected_digest, metadata,
                 length_bytes, offset_bytes, capture, created_at, expires_at, owner)
              values ($1, $2, $3, $4, $5, $6, $7, $8, $9, $10, $11, $12) returning *",
         )
-        .bind(UploadId::generate().uuid().to_string())
+        .bind(id)
         .bind(if capture.is_some() { "stored" } else { "receiving" })
         .bind(&new.display_name)
         .bind(&new.request_id)

@@ -19,6 +19,7 @@ on_both! {
     whole_content_becomes_one_capture_whatever_crashes,
     the_holder_is_asked_to_make_room,
     a_request_id_finds_the_upload_that_was_begun,
+    an_upload_from_before_a_deletion_makes_no_capture,
     the_wrong_content_is_refused_and_frees_its_place,
     silent_uploads_expire_and_are_forgotten_later,
     uploads_under_way_are_bounded_together,
@@ -43,6 +44,7 @@ pub(crate) fn new(content: &str) -> NewResumableUpload {
         expected_digest: Some(blake3::hash(content.as_bytes())),
         metadata: "filename cm9wZQ==".into(),
         length_bytes: Some(content.len() as u64),
+        has_content: false,
         keep: KEEP,
         remember: KEEP,
         creator: crate::Creator::default(),
@@ -170,6 +172,36 @@ async fn a_request_id_finds_the_upload_that_was_begun(on: On) {
     bench.store.captures().delete(capture.id).await.unwrap();
     let anew = bench.store.uploads().create(new("whole"), BOUNDS).await.unwrap();
     assert_eq!((anew.state, anew.offset_bytes), (UploadState::Receiving, 0));
+}
+
+/// The same content comes by an upload, and in one piece.
+async fn an_upload_from_before_a_deletion_makes_no_capture(on: On) {
+    let bench = Bench::new(on).await;
+    let (captures, uploads) = (bench.store.captures(), bench.store.uploads());
+    let in_one_piece = async || {
+        let content = bench.stage("whole").await;
+        captures
+            .create(NewCapture { request_id: Some("key".into()), ..new_capture("rope", content) })
+            .await
+    };
+    let before = begin(&bench, "whole").await;
+    append(&bench, before, "whole").await;
+    captures.delete(in_one_piece().await.unwrap().id).await.unwrap();
+    // However long it takes.
+    bench.clock.advance(Duration::from_secs(2 * 86_400));
+    bench.store.collect_garbage().await.unwrap();
+    assert!(matches!(finish(&bench, before).await, Err(Error::DeletedSince { .. })));
+    claim(&bench, before).await.end("it was refused", KEEP).await.unwrap();
+    // A request that brings content may be a late one; without content it makes nothing yet.
+    let late = NewResumableUpload { has_content: true, ..new("whole") };
+    assert!(matches!(uploads.create(late, BOUNDS).await, Err(Error::DeletedSince { .. })));
+    let after = begin(&bench, "whole").await;
+    append(&bench, after, "whole").await;
+    assert!(matches!(in_one_piece().await, Err(Error::DeletedSince { .. })));
+    let capture = finish(&bench, after).await.unwrap();
+    assert_eq!(in_one_piece().await.unwrap().id, capture.id);
+    captures.delete(capture.id).await.unwrap();
+    assert!(matches!(in_one_piece().await, Err(Error::DeletedSince { .. })));
 }
 
 async fn the_wrong_content_is_refused_and_frees_its_place(on: On) {

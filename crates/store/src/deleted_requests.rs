@@ -1,0 +1,128 @@
+//! Request ids of resources that have been deleted.
+//!
+//! A request may be under way more than once: its client gave it up and repeated it elsewhere, and
+//! the first attempt runs on in its server, or in the network. The resource of the repetition may be
+//! deleted before that attempt ends. Then only the id tells that it has been answered, so it
+//! outlives the row that it was in.
+//!
+//! A resumable upload is another matter: clients derive its id from a file, and send the file again
+//! on purpose. One that is begun after the deletion, by a request without content, is no late
+//! attempt: that request has made nothing yet, and only a client that is there goes on. Its row is
+//! noted beside the id.
+
+use std::time::Duration;
+
+use bendtwin_core::ids::UploadId;
+
+use crate::{
+    Error, Result, Store,
+    sql::{Transaction, query},
+};
+
+/// Time for which an id is kept; an attempt ends within minutes.
+const KEPT: Duration = Duration::from_secs(86_400);
+
+/// Tables whose rows have request ids of their own.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Kind {
+    /// Captures.
+    Captures,
+    /// Fits and ingests.
+    Jobs,
+    /// Twins.
+    Twins,
+}
+
+impl Kind {
+    fn as_str(self) -> &'static str {
+        match self {
+            Self::Captures => "captures",
+            Self::Jobs => "jobs",
+            Self::Twins => "twins",
+        }
+    }
+}
+
+/// Refuses a request whose resource has been deleted, unless it is the last one of an upload that
+/// was begun after that.
+///
+/// # Errors
+/// [`Error::DeletedSince`].
+pub(crate) async fn refuse(
+    tx: &mut Transaction,
+    kind: Kind,
+    request_id: &str,
+    upload: Option<UploadId>,
+) -> Result<()> {
+    let row: Option<(String, Option<String>)> =
+        query("select name, upload from deleted_requests where kind = $1 and request_id = $2")
+            .bind(kind.as_str())
+            .bind(request_id)
+            .fetch_optional(tx)
+            .await?;
+    match row {
+        Some((name, begun))
+            if begun.is_none() || begun != upload.map(|id| id.uuid().to_string()) =>
+        {
+            Err(Error::DeletedSince { request_id: request_id.to_owned(), name })
+        }
+        _ => Ok(()),
+    }
+}
+
+/// Lets an upload make a capture that was begun under the id of a deleted one.
+pub(crate) async fn begin_anew(tx: &mut Transaction, request_id: &str, upload: &str) -> Result<()> {
+    query("update deleted_requests set upload = $3 where kind = $1 and request_id = $2")
+        .bind(Kind::Captures.as_str())
+        .bind(request_id)
+        .bind(upload)
+        .execute(tx)
+        .await?;
+    Ok(())
+}
+
+impl Store {
+    /// Keeps the request id of a resource within the transaction that deletes it.
+    pub(crate) async fn keep_request_id(
+        &self,
+        tx: &mut Transaction,
+        kind: Kind,
+        request_id: Option<&str>,
+        name: &str,
+    ) -> Result<()> {
+        let Some(request_id) = request_id else { return Ok(()) };
+        let until = self.lease_until(tx, KEPT);
+        query(
+            "insert into deleted_requests (kind, request_id, name, until_at)
+             values ($1, $2, $3, $4)
+             on conflict (kind, request_id) do update
+             set name = excluded.name, until_at = excluded.until_at, upload = null",
+        )
+        .bind(kind.as_str())
+        .bind(request_id)
+        .bind(name)
+        .bind(until)
+        .execute(tx)
+        .await?;
+        Ok(())
+    }
+
+    /// Forgets ids that have been kept long enough. Uploads live longer than attempts: the id of one
+    /// that is under way stays.
+    pub(crate) async fn forget_deleted_requests(&self) -> Result<()> {
+        let mut tx = self.inner.database.write().await?;
+        let now = self.lease_until(&tx, Duration::ZERO);
+        query(
+            "delete from deleted_requests where until_at < $1 and not exists (
+                 select 1 from uploads
+                 where uploads.request_id = deleted_requests.request_id and state = 'receiving')",
+        )
+        .bind(now)
+        .execute(&mut tx)
+        .await?;
+        tx.commit().await
+    }
+}
+
+#[cfg(test)]
+mod tests;
