@@ -63,8 +63,8 @@ pub(super) fn hull(points: &[Point]) -> Result<Vec<Face>, Fault> {
     while let Some(index) = open.pop_front() {
         let face = faces[index];
         for [a, b] in edges(&points, &face, near) {
-            let out = cross(unit(sub(b, a)), face.normal);
-            let Some(next) = turned(&points, a, face.normal, out, near) else { continue };
+            let out = unit(cross(sub(b, a), face.normal));
+            let Some(next) = turned(&points, &face, a, out, near) else { continue };
             let known = |f: &Plane| {
                 dot(f.normal, next.normal) > SAME_NORMAL && (f.offset - next.offset).abs() < near
             };
@@ -87,28 +87,31 @@ pub(super) fn hull(points: &[Point]) -> Result<Vec<Face>, Fault> {
 /// The lowest point's horizontal plane, turned about two edges until it meets a face.
 fn first_face(points: &[Vector], near: f64) -> Option<Plane> {
     let lowest = points.iter().min_by(|a, b| a[2].total_cmp(&b[2])).copied()?;
-    let down = [0.0, 0.0, -1.0];
-    let side = turned(points, lowest, down, [1.0, 0.0, 0.0], near)?;
+    let below = Plane { normal: [0.0, 0.0, -1.0], offset: -lowest[2] };
+    let side = turned(points, &below, lowest, [1.0, 0.0, 0.0], near)?;
     // An edge of that plane: the lowest point and the one in the plane that is farthest from it.
     let apart = |p: &&Vector| length(sub(**p, lowest));
-    let in_plane = points.iter().filter(|p| side.offset - dot(side.normal, **p) <= near);
+    let in_plane = points.iter().filter(|p| is_on(&side, **p, near));
     let other = in_plane.max_by(|a, b| apart(a).total_cmp(&apart(b)))?;
     if apart(&other) <= near {
         return None;
     }
-    let along = unit(sub(*other, lowest));
-    turned(points, lowest, side.normal, cross(along, side.normal), near)
+    let out = unit(cross(sub(*other, lowest), side.normal));
+    turned(points, &side, lowest, out, near)
 }
 
-/// The plane through `a` with this normal, above all points, turned about the line that is
-/// perpendicular to `out` until it meets a point that is not on the line. It falls on the side to
-/// which `out`, a unit vector in the plane, points.
-fn turned(points: &[Vector], a: Vector, normal: Vector, out: Vector, near: f64) -> Option<Plane> {
+/// A plane that no point is above, turned about the line through its point `a` that is perpendicular
+/// to `out` until it meets a point that is not on the line. It falls on the side to which `out`, a
+/// unit vector in the plane, points.
+fn turned(points: &[Vector], plane: &Plane, a: Vector, out: Vector, near: f64) -> Option<Plane> {
+    let normal = plane.normal;
     let angles = points.iter().filter_map(|p| {
         let d = sub(*p, a);
-        let (ahead, below) = (dot(d, out), -dot(d, normal));
-        // A point that rounding puts above the plane is on it; the angle of -0 would be -pi.
-        let below = if below > 0.0 { below } else { 0.0 };
+        // What counts as in the plane is in it: an end of an edge that the tolerance lets lie below
+        // the plane, and so beside the line, would else be met by a plane that holds that edge alone.
+        // The angle of -0 would be -pi.
+        let below = if is_on(plane, *p, near) { 0.0 } else { -dot(d, normal) };
+        let ahead = dot(d, out);
         (ahead.hypot(below) > near).then(|| below.atan2(ahead))
     });
     let angle = angles.min_by(f64::total_cmp)?;
@@ -116,6 +119,11 @@ fn turned(points: &[Vector], a: Vector, normal: Vector, out: Vector, near: f64) 
     // All points are within it, those that the tolerance left out too.
     let offset = points.iter().map(|p| dot(normal, *p)).fold(f64::MIN, f64::max);
     Some(Plane { normal, offset })
+}
+
+/// True if a point counts as in a plane that no point is above.
+fn is_on(plane: &Plane, p: Vector, near: f64) -> bool {
+    plane.offset - dot(plane.normal, p) <= 2.0 * near
 }
 
 /// Edges of a face, anticlockwise seen from outside: the convex polygon around the points in its
@@ -126,7 +134,7 @@ fn edges(points: &[Vector], face: &Plane, near: f64) -> Vec<[Vector; 2]> {
     // In the plane, with the point that each belongs to.
     let mut flat: Vec<([f64; 2], Vector)> = points
         .iter()
-        .filter(|p| face.offset - dot(face.normal, **p) <= 2.0 * near)
+        .filter(|p| is_on(face, **p, near))
         .map(|p| ([dot(*p, u), dot(*p, v)], *p))
         .collect();
     flat.sort_by(|(a, _), (b, _)| a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1])));
