@@ -206,7 +206,7 @@ fn revoke(args: &Revoke, global: &Global) -> anyhow::Result<()> {
             list.certificates.iter().map(|one| format!("revoked {} ({})\n", one.name, one.serial));
         let (path, total) = (list.list.display(), list.total);
         format!(
-            "{}wrote {path}, on which there are {total} certificates in all\n\
+            "{}wrote {path}, with {total} revoked in all\n\
              Next: copy it over the file of --worker-tls-crl of each server, and of --crl of each \
              worker: within seconds they read it, and end the connections of whoever is on it",
             revoked.collect::<String>()
