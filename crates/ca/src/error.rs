@@ -38,7 +38,7 @@ pub enum Error {
          `bendtwin ca list {0}`, or the file of the certificate", folder.display()
     )]
     Unknown {
-        /// What was asked for.
+        /// Name, serial number or file that was asked for.
         what: String,
         /// The folder.
         folder: PathBuf,

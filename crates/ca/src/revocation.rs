@@ -1,6 +1,6 @@
 //! Certificates that an authority has issued, and the list of those that it has revoked (`crl.pem`).
-//! Each certificate is kept in `issued/` under its serial number as well, because a renewal replaces the file of its
-//! name, and the one before holds until its end.
+//! Each certificate is kept in `issued/` under its serial number as well, because a renewal replaces
+//! the file of its name, and the one before holds until its end.
 
 use std::{
     collections::BTreeMap,
@@ -48,7 +48,7 @@ pub fn issued(folder: &Path) -> Result<Vec<Issued>, Error> {
         return Err(Error::Missing { folder: folder.to_owned() });
     }
     let authority = of_file(&ca)?;
-    let list = read_list(&list_path(folder), &authority)?;
+    let list = read_list(&Authority::list_path(folder), &authority)?;
     let mut by_serial = BTreeMap::new();
     let mut add = |facts: Certificate| {
         if !facts.is_authority && facts.issuer == authority.common_name {
@@ -77,7 +77,7 @@ pub fn issued(folder: &Path) -> Result<Vec<Issued>, Error> {
 impl Authority {
     /// The list of revoked certificates in a folder.
     pub fn list_path(folder: &Path) -> PathBuf {
-        list_path(folder)
+        folder.join("crl.pem")
     }
 
     /// Revokes certificates, each by its file, its name (all certificates of that name) or its serial
@@ -92,7 +92,7 @@ impl Authority {
         // Two that revoke at the same time would each leave out what the other one adds.
         let key_file = File::open(&key).map_err(unwritable)?;
         key_file.lock().map_err(unwritable)?;
-        let path = list_path(&self.folder);
+        let path = Self::list_path(&self.folder);
         let before = read_list(&path, &self.certificate)?;
         let number = before.as_ref().map_or(0, |list| list.number) + 1;
         let mut revoked = before.map(|list| list.revoked).unwrap_or_default();
@@ -149,10 +149,6 @@ impl Authority {
         }
         Ok(found)
     }
-}
-
-fn list_path(folder: &Path) -> PathBuf {
-    folder.join("crl.pem")
 }
 
 fn record_folder(folder: &Path) -> PathBuf {

@@ -48,12 +48,6 @@ pub(crate) struct Task<'a> {
     pub(crate) nears_ground: bool,
 }
 
-/// Number of sequences with training frames, over all recordings.
-fn training_sequences(capture: &Capture) -> usize {
-    let sequences = capture.recordings().flat_map(|recording| &recording.sequences);
-    sequences.filter(|sequence| sequence.train_frame_count > 0).count()
-}
-
 /// The training frames of one sequence.
 pub(crate) struct Training<'a> {
     pub(crate) source: Arc<Source<'a>>,
@@ -77,11 +71,7 @@ impl<'a> Task<'a> {
         device: DeviceKind,
         cancel: &CancelToken,
     ) -> Result<Self, Error> {
-        settings.validate().map_err(Error::Settings)?;
-        capture.recordings().try_for_each(bendtwin_eval::check_capture)?;
-        let subject = capture.object.subject();
-        let sequences = training_sequences(capture);
-        let mut settings = settings.filled(Conditions { subject, device, sequences });
+        let mut settings = settings_in_force(capture, settings, device)?;
         let sample = sample_nodes(capture, &settings.graph, settings.seed)?;
         settings.graph.radius_m = Some(sample.radius_m(&settings.graph));
         let nodes = connect(&sample, &Connectivity::from_settings(&settings.graph, false));
@@ -101,11 +91,7 @@ impl<'a> Task<'a> {
         device: DeviceKind,
         cancel: &CancelToken,
     ) -> Result<Self, Error> {
-        settings.validate().map_err(Error::Settings)?;
-        capture.recordings().try_for_each(bendtwin_eval::check_capture)?;
-        let subject = capture.object.subject();
-        let sequences = training_sequences(capture);
-        let mut settings = settings.filled(Conditions { subject, device, sequences });
+        let mut settings = settings_in_force(capture, settings, device)?;
         (settings.search.starts, settings.search.generations) = (Some(1), Some(0));
         settings.bending = !twin.graph.triplets.is_empty();
         (settings.compare_axial, settings.control_velocity) = (false, twin.control_velocity);
@@ -277,6 +263,23 @@ impl<'a> Task<'a> {
         let pins = &self.sample.pins;
         (0..self.sample.control_rest.len()).any(|c| !pins.iter().any(|p| p.control as usize == c))
     }
+}
+
+/// Settings without open ones, but for the spring radius, for a capture that can be fitted.
+///
+/// # Errors
+/// If settings or capture are wrong.
+fn settings_in_force(
+    capture: &Capture,
+    settings: &FitSettings,
+    device: DeviceKind,
+) -> Result<FitSettings, Error> {
+    settings.validate().map_err(Error::Settings)?;
+    capture.recordings().try_for_each(bendtwin_eval::check_capture)?;
+    let sequences = capture.recordings().flat_map(|recording| &recording.sequences);
+    let sequences = sequences.filter(|sequence| sequence.train_frame_count > 0).count();
+    let subject = capture.object.subject();
+    Ok(settings.filled(Conditions { subject, device, sequences }))
 }
 
 impl<'a> Training<'a> {

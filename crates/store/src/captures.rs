@@ -151,9 +151,8 @@ impl Captures<'_> {
         }
         let more = More { jobs: 1, bytes: size_bytes, upload };
         let admitted = async {
-            if let Some(request_id) = &request_id {
-                deleted_requests::refuse(&mut tx, Kind::Captures, request_id, upload).await?;
-            }
+            let key = request_id.as_deref();
+            deleted_requests::refuse(&mut tx, Kind::Captures, key, upload).await?;
             quotas::require(&mut tx, &creator, more).await?;
             jobs::admit_ingest(&mut tx, &requirements).await
         }

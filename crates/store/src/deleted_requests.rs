@@ -51,9 +51,10 @@ impl Kind {
 pub(crate) async fn refuse(
     tx: &mut Transaction,
     kind: Kind,
-    request_id: &str,
+    request_id: Option<&str>,
     upload: Option<UploadId>,
 ) -> Result<()> {
+    let Some(request_id) = request_id else { return Ok(()) };
     let row: Option<(String, Option<String>)> =
         query("select name, upload from deleted_requests where kind = $1 and request_id = $2")
             .bind(kind.as_str())

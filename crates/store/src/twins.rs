@@ -235,9 +235,8 @@ impl Twins<'_> {
         }
         let more = More { bytes: size_bytes, ..More::default() };
         let admitted = async {
-            if let Some(request_id) = &request_id {
-                deleted_requests::refuse(&mut tx, Kind::Twins, request_id, None).await?;
-            }
+            let key = request_id.as_deref();
+            deleted_requests::refuse(&mut tx, Kind::Twins, key, None).await?;
             quotas::require(&mut tx, &creator, more).await
         }
         .await;

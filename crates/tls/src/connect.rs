@@ -84,8 +84,10 @@ impl Connector {
             let name = name.map_err(|_| failed(TlsError::no_name(host)))?;
             let shaken = TlsConnector::from(settings).connect(name.clone(), stream).await;
             let stream = shaken.map_err(|error| with_advice(error, &authority))?;
-            let peer = Peer::of(stream.get_ref().1, Some(name));
-            let watch = peers.map(|peers| Watch::new(peers, peer, authority.clone()));
+            let watch = peers.map(|peers| {
+                let peer = Peer::of(stream.get_ref().1, Some(name));
+                Watch::new(peers, peer, authority.clone())
+            });
             Ok(Stream::begun(stream, watch))
         };
         match tokio::time::timeout(self.timeout, connecting).await {

@@ -18,7 +18,7 @@ use crate::{audit, context::Context};
 /// Longest verdict.
 const MAX_VERDICT: usize = 32;
 
-/// What is wanted of an ingest.
+/// Wishes for an ingest.
 pub(super) struct Ingest {
     /// The settings in force as canonical JSON: equal settings are equal text.
     pub(super) settings: String,
@@ -216,7 +216,7 @@ impl App {
         })
     }
 
-    /// What is wanted of an ingest, checked, with the settings in force.
+    /// Wishes for an ingest, checked, with the settings in force.
     pub(super) fn ingest(&self, settings_json: &str, requirements: Requirements) -> Result<Ingest> {
         let limit = self.options.limits.json_bytes;
         let settings: IngestSettings = super::read_settings(settings_json, limit)?;

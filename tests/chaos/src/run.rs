@@ -20,7 +20,7 @@ use crate::{
 /// Longest load, as a multiple of the time with faults.
 const MOST: u32 = 3;
 
-/// What has to have happened before the load ends.
+/// Events without which the load does not end.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Wanted {
     /// The time with faults.

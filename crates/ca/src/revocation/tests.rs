@@ -21,7 +21,7 @@ fn words(words: &[&str]) -> Vec<String> {
 
 /// Serial numbers of what the list in a folder revokes.
 fn revoked(folder: &Path) -> Vec<String> {
-    let der = pem::revocation_lists(&list_path(folder)).unwrap();
+    let der = pem::revocation_lists(&Authority::list_path(folder)).unwrap();
     RevocationList::of(&der[0]).unwrap().revoked.into_keys().collect()
 }
 
@@ -31,7 +31,7 @@ fn a_new_authority_has_revoked_nothing() {
     assert!(revoked(folder.path()).is_empty());
     assert!(issued(folder.path()).unwrap().is_empty());
     // One from before there were lists is given one.
-    std::fs::remove_file(list_path(folder.path())).unwrap();
+    std::fs::remove_file(Authority::list_path(folder.path())).unwrap();
     assert_eq!(authority.revoke(&[]).unwrap().number, 1);
     assert!(revoked(folder.path()).is_empty());
 }
@@ -96,8 +96,8 @@ fn a_list_that_cannot_be_read_is_not_replaced() {
     let (folder, authority) = authority();
     issue(&authority, "gpu1");
     let (other, _) = self::authority();
-    let path = list_path(folder.path());
-    std::fs::copy(list_path(other.path()), &path).unwrap();
+    let path = Authority::list_path(folder.path());
+    std::fs::copy(Authority::list_path(other.path()), &path).unwrap();
     assert!(matches!(authority.revoke(&words(&["gpu1"])), Err(Error::OfAnother { .. })));
     std::fs::write(&path, "no list").unwrap();
     assert_eq!(authority.revoke(&words(&["gpu1"])).unwrap_err().reason(), "TLS_FILE_UNUSABLE");

@@ -70,10 +70,8 @@ impl Jobs<'_> {
             let (request_id, name) = (request_id.clone(), before.id.to_string());
             return Err(Error::RequestIdTaken { request_id, name });
         }
-        if let Some(request_id) = &new.request_id {
-            let kind = deleted_requests::Kind::Jobs;
-            deleted_requests::refuse(&mut tx, kind, request_id, None).await?;
-        }
+        let kind = deleted_requests::Kind::Jobs;
+        deleted_requests::refuse(&mut tx, kind, new.request_id.as_deref(), None).await?;
         let capture = new.capture.uuid().to_string();
         let capture_name: Option<String> =
             query_scalar("select display_name from captures where id = $1")

@@ -170,10 +170,8 @@ impl Jobs<'_> {
             let (request_id, name) = (request_id.clone(), before.id.to_string());
             return Err(Error::RequestIdTaken { request_id, name });
         }
-        if let Some(request_id) = &new.request_id {
-            let kind = deleted_requests::Kind::Jobs;
-            deleted_requests::refuse(&mut tx, kind, request_id, None).await?;
-        }
+        let kind = deleted_requests::Kind::Jobs;
+        deleted_requests::refuse(&mut tx, kind, new.request_id.as_deref(), None).await?;
         let before = row::ingest_of(&mut tx, &key).await?;
         let before = before.ok_or_else(|| Error::NotFound { name: new.capture.to_string() })?;
         if !before.state()?.has_ended() {

@@ -72,7 +72,8 @@ impl Uploads<'_> {
     /// content does not start it: it may be a late attempt at one that has been answered.
     ///
     /// # Errors
-    /// [`Error::RequestIdTaken`]; [`Error::DeletedSince`]; [`Error::UploadsFull`] beyond `bounds`; [`Error::DiskFull`].
+    /// [`Error::RequestIdTaken`]; [`Error::DeletedSince`]; [`Error::UploadsFull`] beyond `bounds`;
+    /// [`Error::DiskFull`].
     pub async fn create(
         &self,
         new: NewResumableUpload,
@@ -123,7 +124,7 @@ impl Uploads<'_> {
             capture = made_before(&mut tx, new, request_id).await?;
             if new.has_content && capture.is_none() {
                 let kind = deleted_requests::Kind::Captures;
-                deleted_requests::refuse(&mut tx, kind, request_id, None).await?;
+                deleted_requests::refuse(&mut tx, kind, Some(request_id), None).await?;
             }
         }
         let length = match &capture {

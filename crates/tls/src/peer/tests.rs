@@ -36,7 +36,7 @@ async fn connect(called: &Reloaded<Mutual>, calling: &Reloaded<Mutual>) -> (Stre
     (accepted, begun)
 }
 
-/// How the wait of one side for the other one ends.
+/// End of the wait of one side for the other one.
 async fn end(stream: &mut Stream) -> TlsError {
     let error = timeout(LIMIT, stream.read_u8()).await.expect("it stays open").unwrap_err();
     TlsError::find(&error, "-").unwrap_or_else(|| panic!("{error:?}"))

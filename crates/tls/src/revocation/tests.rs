@@ -6,7 +6,7 @@ use rcgen::{CertificateRevocationListParams, Issuer, KeyIdMethod, KeyPair, date_
 use super::*;
 use crate::{Mutual, MutualPaths, tests::Folder};
 
-/// What a file is refused for as the list beside an authority.
+/// Fault for which a file is refused as the list beside an authority.
 fn refusal(paths: &MutualPaths) -> String {
     Mutual::load(paths).err().map(|error| error.to_string()).unwrap_or_default()
 }
