@@ -24,6 +24,13 @@ const RADIUS_STEP_M: f64 = 5e-4;
 /// radius that suits the spacing is that to the sixth neighbour, which holds an even body together.
 const RADII: [f64; 2] = [0.5, 2.5];
 
+/// Restitution at which the search starts: soft objects hardly bounce, and only a capture with free
+/// flight says more.
+const SOFT_RESTITUTION: f64 = 0.1;
+
+/// Change of restitution that the prior counts as it does a decade of damping.
+const RESTITUTION_DECADE: f64 = 0.25;
+
 /// A quantity that the search varies.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Variable {
@@ -173,11 +180,11 @@ impl Space {
             axes.push(Axis::linear(RestTwist, -PI, PI, 0.0));
         }
         if task.nears_ground {
-            axes.push(Axis::linear(GroundRestitution, 0.0, 1.0, 0.3));
+            axes.push(Axis::linear(GroundRestitution, 0.0, 1.0, SOFT_RESTITUTION));
             axes.push(Axis::linear(GroundFriction, 0.0, 2.0, 0.5));
         }
         if task.has_contact() {
-            axes.push(Axis::linear(ObjectRestitution, 0.0, 1.0, 0.5));
+            axes.push(Axis::linear(ObjectRestitution, 0.0, 1.0, SOFT_RESTITUTION));
             axes.push(Axis::linear(ObjectFriction, 0.0, 2.0, 0.3));
             axes.push(Axis::linear(CollisionDistance, 0.01, 0.05, 0.02));
         }
@@ -232,17 +239,22 @@ impl Space {
     }
 
     /// Factor on the loss at a point of the cube, for `prior` of it per square decade that damping
-    /// and bending are away from where the search starts.
+    /// and bending, or per square [`RESTITUTION_DECADE`] that restitution is away from where the
+    /// search starts.
     ///
     /// A body that is held and moved says much about its stiffness and little about what damps it:
     /// drag or dashpots, of which either may be anything within two decades at nearly the same loss.
-    /// Where the search leaves them matters for motion that the capture does not show.
+    /// Where the search leaves them matters for motion that the capture does not show. One that
+    /// never bounces says nothing about restitution.
     pub(crate) fn penalty(&self, point: &[f64], prior: f64) -> f64 {
         let square_decades = |(axis, &x): (&Axis, &f64)| match axis.variable {
             Variable::Dashpot
             | Variable::Drag
             | Variable::BendStiffness
             | Variable::BendDamping => (axis.value(x) / axis.start).log10().powi(2),
+            Variable::GroundRestitution | Variable::ObjectRestitution => {
+                ((axis.value(x) - axis.start) / RESTITUTION_DECADE).powi(2)
+            }
             _ => 0.0,
         };
         1.0 + prior * self.axes.iter().zip(point).map(square_decades).sum::<f64>()

@@ -27,4 +27,9 @@ fn damping_is_drawn_to_where_the_search_starts_and_stiffness_is_not() {
     for variable in [Variable::Dashpot, Variable::Drag, Variable::BendStiffness] {
         assert!((decade_off(variable) - 1.4).abs() < 1e-9, "{variable}");
     }
+    let at = space.axes.iter().position(|a| a.variable == Variable::GroundRestitution).unwrap();
+    assert_eq!(space.axes[at].start, SOFT_RESTITUTION);
+    let mut point = start.clone();
+    point[at] += RESTITUTION_DECADE;
+    assert!((space.penalty(&point, 0.4) - 1.4).abs() < 1e-9, "{}", space.penalty(&point, 0.4));
 }
