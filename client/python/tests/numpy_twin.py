@@ -60,14 +60,14 @@ def norm(a):
     return np.sqrt(dot(a, a))
 
 
-def impact(v, n, restitution, friction):
-    """Change of a relative velocity by an impact."""
+def impact(start, v, n, restitution, friction):
+    """Change of a relative velocity by an impact, `start` being that at the substep's start."""
     v_n = dot(v, n)[:, None]
     v_t = v - v_n * n
     speed = norm(v_t)[:, None]
-    limit = friction * (1 + restitution) * np.abs(v_n)
-    slip = np.where(speed > limit, 1 - limit / np.maximum(speed, 1e-300), 0)
-    return -(1 + restitution) * v_n * n + (slip - 1) * v_t
+    impulse = restitution * np.clip(-dot(start, n)[:, None], 0, -v_n) - v_n
+    brake = np.minimum(1, friction * impulse / np.maximum(speed, 1e-300))
+    return impulse * n - brake * v_t
 
 
 class Simulator:
@@ -112,10 +112,11 @@ class Simulator:
         for s in range(1, self.substeps + 1):
             c = (1 - s / self.substeps) * start + s / self.substeps * end
             force = self.forces(np.concatenate([x, c]), np.concatenate([v, w]))
+            begin = v
             v = (v + (force / self.mass[:, None] + self.gravity) * self.dt) * self.decay
             v[self.pinned] = w[self.pinned_to]
-            v = self.collide(pairs, x, v)
-            x, v = self.travel(x, v)
+            v = self.collide(pairs, x, begin, v)
+            x, v = self.travel(x, begin, v)
             x[self.pinned] = c[self.pinned_to] + self.offsets
             v[self.pinned] = w[self.pinned_to]
         return x, v
@@ -213,34 +214,46 @@ class Simulator:
         # No test here has a node with more than 512 of them.
         return self.may_touch[:, norm(x[b] - x[a]) <= near + reach]
 
-    def collide(self, pairs, x, v):
+    def collide(self, pairs, x, start, v):
         contact = self.about["contact"]
+        limit = contact["collision_distance_m"]
         a, b = pairs
-        r, rate = x[b] - x[a], v[b] - v[a]
         inverse = self.inverse_mass[a] + self.inverse_mass[b]
-        touch = (norm(r) < contact["collision_distance_m"]) & (dot(r, rate) < -1e-4)
-        touch &= (norm(r) > 1e-12) & (inverse > 0)
-        a, b, r, rate, inverse = a[touch], b[touch], r[touch], rate[touch], inverse[touch]
-        n = r / norm(r)[:, None]
+        length = norm(x[b] - x[a])
+        near = (length < limit) & (length > 1e-12) & (inverse > 0)
+        a, b, inverse, length = a[near], b[near], inverse[near], length[near]
+        n = (x[b] - x[a]) / length[:, None]
+        change = v[b] - v[a]
+        hits = dot(change, n) < 0
         law = contact["object_restitution"], contact["object_friction"]
-        impulse = impact(rate, n, *law) / inverse[:, None]
+        by_impact = impact(start[b] - start[a], change, n, *law)
+        total_change = np.where(hits[:, None], by_impact, 0)
+        leaves = dot(change + total_change, n)
+        apart = norm(self.rest[b] - self.rest[a]) >= limit
+        lack = np.where(apart, np.minimum(limit - length, 0.005) / 0.01 - leaves, 0)
+        pushes = lack > 0
+        total_change += np.where(pushes, lack, 0)[:, None] * n
+        touch = hits | pushes
+        a, b = a[touch], b[touch]
+        impulse = total_change[touch] / inverse[touch][:, None]
         total, count = np.zeros_like(v), np.zeros(self.n)
         np.add.at(total, a, impulse)
         np.add.at(total, b, -impulse)
         np.add.at(count, np.concatenate([a, b]), 1)
         return v - (self.inverse_mass / np.maximum(count, 1))[:, None] * total
 
-    def travel(self, x, v):
+    def travel(self, x, start, v):
         ground, contact = self.about["environment"]["ground"], self.about["contact"]
         after = x + self.dt * v
         if ground is None:
             return after, v
         n = np.array(ground["normal"])
-        hits = (after @ n - ground["offset_m"] < 0) & (v @ n < -1e-4)
+        hits = (after @ n - ground["offset_m"] < 1e-6) & (v @ n < 0)
         x, old, v = x[hits], v[hits], v.copy()
         law = contact["ground_restitution"], contact["ground_friction"]
-        v[hits] = old + impact(old, np.broadcast_to(n, old.shape), *law)
-        tau = np.clip((x @ n - ground["offset_m"]) / np.abs(old @ n), 0, self.dt)[:, None]
+        v[hits] = old + impact(start[hits], old, np.broadcast_to(n, old.shape), *law)
+        height = x @ n - ground["offset_m"]
+        tau = np.where(height > 1e-6, np.minimum(height / np.abs(old @ n), self.dt), 0)[:, None]
         after[hits] = x + tau * old + (self.dt - tau) * v[hits]
         return after, v
 

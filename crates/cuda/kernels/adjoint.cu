@@ -25,10 +25,11 @@ DEVICE void fetch_tape(const BlockState& l, const Constants& c, u32 buffer, u32 
         put_control(l, instance, buffer, 0, i, instance.state.first_frame, t);
 }
 
-// From d loss / d velocity before contact to that before forces acted, and to lambda.
+// From d loss / d velocity before contact to that before forces acted, to which contact adds
+// `start_bar`, and to lambda.
 DEVICE void accelerate_adjoint(
     const BlockState& l, const Constants& c, const ThreadNode& p, const NodeHold& h, u32 buffer,
-    float3 before, float3 x_bar, float3 v_bar, Sums& sums
+    float3 before, float3 x_bar, float3 v_bar, float3 start_bar, Sums& sums
 ) {
     bool is_held = is_pinned(p, h) || is_carried(h);
     float3 held_bar = zero3();  // d loss / d the velocity that it would have
@@ -48,7 +49,7 @@ DEVICE void accelerate_adjoint(
     v_bar = scale(v_bar, c.decay);
     if (p.lane == 0) {
         bar_x_of(l)[p.node] = with_w(x_bar, 0.0f);
-        bar_v_of(l)[p.node] = with_w(v_bar, 0.0f);
+        bar_v_of(l)[p.node] = with_w(add(v_bar, start_bar), 0.0f);
     }
     float inverse_mass = inverse_mass_of(p, h);
 #if FORCES
@@ -58,15 +59,21 @@ DEVICE void accelerate_adjoint(
     publish_vector(l, p, buffer, lambda_of(l, buffer), lambda);
 }
 
-// A node's record on tape at a substep: position, and velocity before contact.
+// A node's record on tape at a substep: position and velocity at its start, and velocity before
+// contact.
 struct TapeEntry {
-    float3 x, before;
+    float3 x, start, before;
 };
 
 DEVICE TapeEntry tape_entry_of(const Constants& c, const ThreadNode& p, u32 tape) {
     u64 at = (u64)tape * c.nodes + p.slot;
     TapeEntry e;
-    e.x = xyz(c.tape_x[at]);
+    float4 x = c.tape_x[at];
+    e.x = xyz(x);
+#if GROUND || COLLIDERS || SMOOTH
+    float2 v = c.tape_v[at];
+    e.start = v3(x.w, v.x, v.y);
+#endif
     e.before = load_v3(c.tape_b + 3 * at);
     return e;
 }
@@ -85,12 +92,12 @@ DEVICE void node_adjoint(
         if (p.lane == 0) add_hold_path(l, p, h, t, x_bar, v_bar);
         x_bar = v_bar = zero3();
     }
-    float3 after = before;
+    float3 after = before, start_bar = zero3();
     Law law_bar = {0.0f, 0.0f};
 #if CONTACT
     u64 start = (u64)tape * c.nodes;
     TapedNodes nodes = {
-        c.tape_x + start, c.tape_b + 3 * start, instance.topology.inverse_mass,
+        c.tape_x + start, c.tape_v + start, c.tape_b + 3 * start, instance.topology.inverse_mass,
         instance.tape.slot_of, &instance
     };
     float contact_count;
@@ -99,13 +106,14 @@ DEVICE void node_adjoint(
 #if COLLIDERS || FORCES || SMOOTH
     if (!is_held && p.valid) {
         float t = __fdiv_rn((float)substep, (float)c.substeps);
-        advance_among_adjoint(
-            instance, instance.state.first_frame, t, p.at, p.lane == 0, x, after, x_bar, v_bar,
-            law_bar
+        start_bar = advance_among_adjoint(
+            instance, instance.state.first_frame, t, p.at, p.lane == 0, entry.start, x, after,
+            x_bar, v_bar, law_bar
         );
     }
 #elif GROUND
-    advance_adjoint(c.ground, c.law, c.dt, x, after, x_bar, v_bar, law_bar);
+    start_bar =
+        advance_adjoint(c.ground, c.law, c.dt, entry.start, x, after, x_bar, v_bar, law_bar);
 #else
     v_bar = add_scaled(v_bar, c.dt, x_bar);
 #endif
@@ -118,11 +126,12 @@ DEVICE void node_adjoint(
     if (p.lane == 0) {
         float share = contact_count > 0.0f ? -(inverse_mass_of(p, h) / contact_count) : 0.0f;
         __stcg(instance.contact.v + p.at, with_w(scale(v_bar, share), 0.0f));
+        __stcg(instance.contact.start + p.at, with_w(start_bar, 0.0f));
         bar_x_of(l)[p.node] = with_w(x_bar, 0.0f);
         bar_v_of(l)[p.node] = with_w(v_bar, 0.0f);
     }
 #else
-    accelerate_adjoint(l, c, p, h, buffer, before, x_bar, v_bar, sums);
+    accelerate_adjoint(l, c, p, h, buffer, before, x_bar, v_bar, start_bar, sums);
 #endif
 }
 
@@ -134,20 +143,22 @@ DEVICE void contact_adjoint(
     const InstanceArgs& instance = *l.instance;
     u64 start = (u64)tape * c.nodes;
     TapedNodes nodes = {
-        c.tape_x + start, c.tape_b + 3 * start, instance.topology.inverse_mass,
+        c.tape_x + start, c.tape_v + start, c.tape_b + 3 * start, instance.topology.inverse_mass,
         instance.tape.slot_of, &instance
     };
-    float3 x_bar = zero3(), v_bar = zero3();
+    float3 x_bar = zero3(), v_bar = zero3(), start_bar = zero3();
     if (p.valid) {
         x_bar = xyz(bar_x_of(l)[p.node]);
         v_bar = xyz(bar_v_of(l)[p.node]);
+        start_bar = xyz(__ldcg(instance.contact.start + p.at));
     }
     __syncwarp();
     collide_adjoint(
-        instance, nodes, p.at, p.valid, p.lane, instance.contact.v, x_bar, v_bar, sums.object
+        instance, nodes, p.at, p.valid, p.lane, instance.contact.v, x_bar, v_bar, start_bar,
+        sums.object
     );
     float3 before = load_v3(c.tape_b + 3 * (start + p.slot));
-    if (p.valid) accelerate_adjoint(l, c, p, h, buffer, before, x_bar, v_bar, sums);
+    if (p.valid) accelerate_adjoint(l, c, p, h, buffer, before, x_bar, v_bar, start_bar, sums);
 }
 
 // Adds a block's sum of a thread's value to `to`, in a fixed order.

@@ -2,56 +2,81 @@
 // all computed from the velocities before contact, so the order of pairs does not matter to the
 // physics; it is fixed all the same.
 
+// A touching pair as seen from its first node, `a`.
 struct ContactPair {
-    float3 normal;  // from the first to the second
+    float3 normal;      // from the first to the second
     float distance;
-    float3 v;       // of the second relative to the first
-    float mass;     // 1 / (1/m1 + 1/m2)
+    float inside;       // by which they are farther apart than the collision distance; below zero
+    Approach approach;  // of the second relative to the first
+    Contact contact;
+    float mass;         // 1 / (1/m1 + 1/m2)
 };
 
-// Test of two nodes for contact; `a` and `b` carry the inverse masses in w.
-DEVICE bool contact_pair(float limit, float4 a, float4 b, float3 v_a, float3 v_b, ContactPair& t) {
-    float3 r = sub(xyz(b), xyz(a));
-    t.v = sub(v_b, v_a);
-    float square = dot(r, r);
-    float inverse = a.w + b.w;
-    if (!(square < limit * limit && dot(r, t.v) < -MIN_APPROACH_M2_S &&
-          square > MIN_LENGTH_SQUARED_M2 && inverse > 0.0f))
-        return false;
-    t.distance = sqrtf(square);
-    t.normal = scale(r, 1.0f / t.distance);
-    t.mass = 1.0f / inverse;
-    return true;
-}
-
-// Positions, velocities before contact and inverse masses of all nodes while a substep runs.
+// Positions, inverse masses and velocities, at a substep's start and before contact, of all nodes
+// while it runs.
 struct CurrentNodes {
-    const float4 *x, *v;  // x with the inverse mass, v
-    DEVICE_MEMBER void load(u32 node, float4& x_out, float3& v_out) const {
-        x_out = __ldcg(x + node);
-        v_out = xyz(__ldcg(v + node));
+    const float4 *x, *v, *start;  // x with the inverse mass
+    DEVICE_MEMBER float4 position(u32 node) const { return __ldcg(x + node); }
+    DEVICE_MEMBER Approach velocity(u32 node) const {
+        return {xyz(__ldcg(start + node)), xyz(__ldcg(v + node))};
     }
 };
 
 // The same from a substep on tape.
 struct TapedNodes {
     const float4* x;
+    const float2* v;
     const float *b, *inverse_mass;
     const u32* slots;
     const InstanceArgs* instance;
-    DEVICE_MEMBER void load(u32 node, float4& x_out, float3& v_out) const {
-        u32 slot = slots[node];
-        float inverse = inverse_mass[node];
-        v_out = load_v3(b + 3 * (u64)slot);
+    DEVICE_MEMBER float inverse_mass_at(u32 node) const {
 #if GRASPS || FORCES
-        u32 frame = instance->state.first_frame;
-        inverse = inverse_mass_in(*instance, frame, node);
-        // On tape is what held nodes would do if they were not.
-        if (FORCES && inverse == 0.0f) v_out = held_velocity(*instance, frame, node);
+        return inverse_mass_in(*instance, instance->state.first_frame, node);
+#else
+        return inverse_mass[node];
 #endif
-        x_out = with_w(xyz(x[slot]), inverse);
+    }
+    DEVICE_MEMBER float4 position(u32 node) const {
+        return with_w(xyz(x[slots[node]]), inverse_mass_at(node));
+    }
+    DEVICE_MEMBER Approach velocity(u32 node) const {
+        u32 slot = slots[node];
+        float2 rest = v[slot];
+        Approach u = {v3(x[slot].w, rest.x, rest.y), load_v3(b + 3 * (u64)slot)};
+#if FORCES
+        // On tape is what held nodes would do if they were not.
+        if (inverse_mass_at(node) == 0.0f)
+            u.now = held_velocity(*instance, instance->state.first_frame, node);
+#endif
+        return u;
     }
 };
+
+// Test of two nodes for contact, the first having the given position and velocity.
+template <class Nodes>
+DEVICE bool contact_pair(
+    const InstanceArgs& instance, const Nodes& nodes, u32 a, u32 b, float4 own_x,
+    const Approach& own, ContactPair& t
+) {
+    const float limit = instance.contact.collision_distance;
+    float4 other_x = nodes.position(b);
+    float3 r = sub(xyz(other_x), xyz(own_x));
+    float square = dot(r, r);
+    float inverse = own_x.w + other_x.w;
+    if (!(square < limit * limit && square > MIN_LENGTH_SQUARED_M2 && inverse > 0.0f)) return false;
+    Approach other = nodes.velocity(b);
+    t.approach = {sub(other.start, own.start), sub(other.now, own.now)};
+    bool hits = dot(r, t.approach.now) < 0.0f;
+    float3 apart = sub(xyz(__ldg(instance.contact.rest + b)), xyz(__ldg(instance.contact.rest + a)));
+    bool pushes = dot(apart, apart) >= limit * limit;
+    if (!(hits || pushes)) return false;
+    t.distance = sqrtf(square);
+    t.normal = scale(r, 1.0f / t.distance);
+    t.inside = t.distance - limit;
+    t.mass = 1.0f / inverse;
+    Law law = instance.parameters.object_law;
+    return contact_of(law, t.approach, t.normal, hits, pushes, t.inside, t.contact);
+}
 
 // Velocity of a node after contact; `contact_count` counts its pairs. The LANES lanes of a node
 // share the work; lanes without a node come along, not active, for the sums' sake.
@@ -60,67 +85,64 @@ DEVICE float3 collide(
     const InstanceArgs& instance, const Nodes& nodes, u32 node, bool active, u32 lane,
     float& contact_count
 ) {
-    float4 own_x;
-    float3 own_v;
-    nodes.load(node, own_x, own_v);
+    const float4 own_x = nodes.position(node);
+    const Approach own = nodes.velocity(node);
     const u32* partners = instance.contact.partners + (u64)node * instance.contact.max_partners;
     u32 count = active ? instance.contact.partner_counts[node] : 0;
     float3 sum = zero3();
     float n = 0.0f;
     for (u32 k = lane; k < count; k += LANES) {
-        u32 other = partners[k];
-        float4 other_x;
-        float3 other_v;
-        nodes.load(other, other_x, other_v);
         ContactPair t;
-        if (contact_pair(instance.contact.collision_distance, own_x, other_x, own_v, other_v, t)) {
-            sum = add_scaled(sum, t.mass, impact(instance.parameters.object_law, t.v, t.normal));
-            n += 1.0f;
-        }
+        if (!contact_pair(instance, nodes, node, partners[k], own_x, own, t)) continue;
+        sum = add_scaled(sum, t.mass, t.contact.change);
+        n += 1.0f;
     }
     sum = sum_lanes(sum);
     contact_count = sum_lanes(n);
-    return contact_count > 0.0f ? add_scaled(own_v, -(own_x.w / contact_count), sum) : own_v;
+    return contact_count > 0.0f ? add_scaled(own.now, -(own_x.w / contact_count), sum) : own.now;
 }
 
-// Adjoint of `collide`, gathered: adds what a node's position and velocity before contact get from
-// its own impulses and from its partners'. `share` holds, per node, d loss / d velocity after
-// contact times -(1/m) / contact_count (zero where nothing contact_count); `law_bar` gets this
-// node's impulses only.
+// Adjoint of `collide`, gathered: adds what a node's position and velocities, before contact and at
+// the substep's start, get from its own impulses and from its partners'. `share` holds, per node,
+// d loss / d velocity after contact times -(1/m) / contact_count (zero where nothing
+// contact_count); `law_bar` gets this node's impulses only.
 template <class Nodes>
 DEVICE void collide_adjoint(
     const InstanceArgs& instance, const Nodes& nodes, u32 node, bool active, u32 lane,
-    const float4* share, float3& x_bar, float3& v_bar, Law& law_bar
+    const float4* share, float3& x_bar, float3& v_bar, float3& start_bar, Law& law_bar
 ) {
-    float4 own_x;
-    float3 own_v;
-    nodes.load(node, own_x, own_v);
+    const float4 own_x = nodes.position(node);
+    const Approach own = nodes.velocity(node);
+    const Law law = instance.parameters.object_law;
     float3 own_share = xyz(__ldcg(share + node));
     const u32* partners = instance.contact.partners + (u64)node * instance.contact.max_partners;
     u32 count = active ? instance.contact.partner_counts[node] : 0;
-    float3 x_sum = zero3(), v_sum = zero3();
+    float3 x_sum = zero3(), v_sum = zero3(), start_sum = zero3();
     for (u32 k = lane; k < count; k += LANES) {
         u32 other = partners[k];
-        float4 other_x;
-        float3 other_v;
-        nodes.load(other, other_x, other_v);
         ContactPair t;
-        if (!contact_pair(instance.contact.collision_distance, own_x, other_x, own_v, other_v, t))
-            continue;
-        ImpactAdjoint mine =
-            impact_adjoint(instance.parameters.object_law, t.v, t.normal, scale(own_share, t.mass));
-        law_bar.restitution += mine.restitution;
-        law_bar.friction += mine.friction;
-        float3 theirs_in = scale(xyz(__ldcg(share + other)), t.mass);
-        ImpactAdjoint theirs = impact_adjoint(
-            instance.parameters.object_law, scale(t.v, -1.0f), scale(t.normal, -1.0f), theirs_in
+        if (!contact_pair(instance, nodes, node, other, own_x, own, t)) continue;
+        ContactAdjoint mine = contact_adjoint_of(
+            law, t.approach, t.normal, t.inside, t.contact, scale(own_share, t.mass)
         );
-        // Seen from the other end, this node is the second of the pair.
+        add_law(law_bar, mine);
+        // Seen from the other end, this node is the second of the pair and all vectors are reversed.
+        Approach back = {scale(t.approach.start, -1.0f), scale(t.approach.now, -1.0f)};
+        float3 normal = scale(t.normal, -1.0f);
+        Contact contact = t.contact;
+        contact.impact = scale(contact.impact, -1.0f);
+        contact.change = scale(contact.change, -1.0f);
+        ContactAdjoint theirs = contact_adjoint_of(
+            law, back, normal, t.inside, contact, scale(xyz(__ldcg(share + other)), t.mass)
+        );
         float3 normal_bar = sub(theirs.normal, mine.normal);
         float3 flat = add_scaled(normal_bar, -dot(normal_bar, t.normal), t.normal);
         x_sum = add_scaled(x_sum, 1.0f / t.distance, flat);
+        x_sum = add_scaled(x_sum, -(mine.distance + theirs.distance), t.normal);
         v_sum = add(v_sum, sub(theirs.v, mine.v));
+        start_sum = add(start_sum, sub(theirs.start, mine.start));
     }
     x_bar = add(x_bar, sum_lanes(x_sum));
     v_bar = add(v_bar, sum_lanes(v_sum));
+    start_bar = add(start_bar, sum_lanes(start_sum));
 }

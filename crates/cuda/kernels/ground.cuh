@@ -1,5 +1,5 @@
 // Motion of a node for one substep with ground contact, and its adjoint: the node moves
-// with the old velocity until the time of impact and with the reflected one after it.
+// with the old velocity until the time of impact and with the new one after it.
 
 struct Ground {
     float3 normal;
@@ -9,46 +9,54 @@ struct Ground {
 DEVICE float height(const Ground& g, float3 x) { return dot(g.normal, x) - g.offset; }
 
 DEVICE bool hits(const Ground& g, float3 v, float3 next) {
-    return height(g, next) < 0.0f && dot(g.normal, v) < -MIN_APPROACH_M_S;
+    return height(g, next) < CONTACT_MARGIN_M && dot(g.normal, v) < 0.0f;
 }
 
-DEVICE float impact_time(const Ground& g, float dt, float3 x, float3 v) {
-    float tau = height(g, x) / -dot(g.normal, v);
-    return fminf(fmaxf(tau, 0.0f), dt);
+// Time at which a node meets a surface at this distance that it approaches with `along` < 0, within
+// the substep; `varies` says whether it depends on both. Zero within the margin.
+DEVICE float impact_time(float distance, float along, float dt, bool& varies) {
+    float tau = distance / -along;
+    varies = distance > CONTACT_MARGIN_M && tau < dt;
+    if (distance <= CONTACT_MARGIN_M) return 0.0f;
+    return varies ? tau : dt;
 }
 
-DEVICE void advance(const Ground& g, Law law, float dt, float3& x, float3& v) {
+// Moves a node from the state (x, start) with its velocity `v` after forces acted; that becomes the
+// new one.
+DEVICE void advance(const Ground& g, Law law, float dt, float3 start, float3& x, float3& v) {
     float3 next = add_scaled(x, dt, v);
     if (!hits(g, v, next)) {
         x = next;
         return;
     }
-    float3 after = add(v, impact(law, v, g.normal));
-    float tau = impact_time(g, dt, x, v);
+    float3 after = add(v, impact(law, {start, v}, g.normal));
+    bool varies;
+    float tau = impact_time(height(g, x), dot(g.normal, v), dt, varies);
     x = add_scaled(add_scaled(x, tau, v), dt - tau, after);
     v = after;
 }
 
-// Adjoint of `advance` from (x, v): turns d loss / d result in (x_bar, v_bar) into that of its
-// arguments.
-DEVICE void advance_adjoint(
-    const Ground& g, Law law, float dt, float3 x, float3 v, float3& x_bar, float3& v_bar,
-    Law& law_bar
+// Adjoint of `advance` from (x, start, v): turns d loss / d result in (x_bar, v_bar) into that of
+// its arguments; gives that of `start`.
+DEVICE float3 advance_adjoint(
+    const Ground& g, Law law, float dt, float3 start, float3 x, float3 v, float3& x_bar,
+    float3& v_bar, Law& law_bar
 ) {
     if (!hits(g, v, add_scaled(x, dt, v))) {
         v_bar = add_scaled(v_bar, dt, x_bar);
-        return;
+        return zero3();
     }
     float3 n = g.normal;
-    float3 change = impact(law, v, n);
-    float tau = impact_time(g, dt, x, v);
+    Approach u = {start, v};
+    float3 change = impact(law, u, n);
+    bool varies;
+    float tau = impact_time(height(g, x), dot(n, v), dt, varies);
     float3 after_bar = add_scaled(v_bar, dt - tau, x_bar);
-    ImpactAdjoint a = impact_adjoint(law, v, n, after_bar);
-    law_bar.restitution += a.restitution;
-    law_bar.friction += a.friction;
+    ContactAdjoint a = impact_adjoint(law, u, n, after_bar);
+    add_law(law_bar, a);
     float3 v_out = add(add(a.v, after_bar), scale(x_bar, tau));
     float3 x_out = x_bar;
-    if (height(g, x) > 0.0f) {
+    if (varies) {
         // x' = x + tau v + (dt - tau) v', so d x'/d tau = v - v' = -change; tau = -h / v_n.
         float tau_bar = -dot(x_bar, change);
         float inverse = 1.0f / dot(n, v);
@@ -57,4 +65,5 @@ DEVICE void advance_adjoint(
     }
     x_bar = x_out;
     v_bar = v_out;
+    return a.start;
 }

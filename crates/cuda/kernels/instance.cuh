@@ -132,6 +132,8 @@ struct ContactArgs {
     const u32* neighbours;        // nodes that a spring joins to a node, ascending
     float4* x;                    // [N]: x, inverse mass
     float4* v;                    // [N]: velocity before contact
+    float4* start;                // [N]: velocity at the substep's start
+    const float4* rest;           // [N]: position at rest
     float collision_distance;     // [m]
     u32 max_partners;
     u32 between_objects, within_object;

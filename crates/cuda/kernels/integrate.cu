@@ -40,7 +40,7 @@ DEVICE void finish_substep(
             record_velocity(l, p, tape, before);
     }
 #endif
-    float3 x = s.x, v = after;
+    float3 x, v = after;
     if (is_pinned(p, holds, m)) {
         State held = l.state(now, m, p.pin_control);
         x = add(held.x, p.pin_offset);
@@ -51,7 +51,7 @@ DEVICE void finish_substep(
         v = holds.of[m].velocity;
 #endif
     } else {
-        travel(l.instance[m], c, p, at, x, v);
+        travel(l.instance[m], c, p, at, s, x, v);
     }
     publish_state(l, p, now ^ 1, m, x, v);
 }
@@ -139,6 +139,7 @@ DEVICE void integrate_node(
         if (p.valid && p.lane == 0) {
             __stcg(l.instance->contact.x + p.at, with_w(s[m].x, inverse_mass));
             __stcg(l.instance->contact.v + p.at, with_w(before, 0.0f));
+            __stcg(l.instance->contact.start + p.at, with_w(s[m].v, 0.0f));
         }
 #else
         if (p.valid) finish_substep(l, c, p, holds, m, now, s[m], recorded, before, at);
@@ -152,7 +153,7 @@ DEVICE void resolve_contact(
 ) {
     const InstanceArgs& instance = *l.instance;
     float contact_count;
-    CurrentNodes nodes = {instance.contact.x, instance.contact.v};
+    CurrentNodes nodes = {instance.contact.x, instance.contact.v, instance.contact.start};
     float3 after = collide(instance, nodes, p.at, p.valid, p.lane, contact_count);
     float3 before = xyz(__ldcg(instance.contact.v + p.at));
     if (p.valid)

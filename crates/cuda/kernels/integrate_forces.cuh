@@ -70,27 +70,28 @@ struct Moment {
     u32 tape;
 };
 
-// Moves a free node for a substep.
+// Moves a free node for a substep that it starts in the state `s`; `v` is its velocity after forces
+// acted.
 DEVICE void travel(
     const InstanceArgs& instance, const Constants& c, const ThreadNode& p, const Moment& at,
-    float3& x, float3& v
+    const State& s, float3& x, float3& v
 ) {
+    x = s.x;
 #if COLLIDERS || FORCES || SMOOTH
-    float3 start = x;
     float t = __fdiv_rn((float)at.substep, (float)at.substeps);
     u32 frame = frame_of(instance, at.frame);
-    advance_among(instance, frame, t, x, v, [&](const Meeting& m) {
+    advance_among(instance, frame, t, s.v, x, v, [&](const Meeting& m) {
 #if FORCES
         if (!instance.world.impulses || !p.valid || p.lane != 0) return;
-        float3 by = scale(sub(m.after, m.before), instance.topology.masses[p.at]);
+        float3 by = scale(m.contact.change, instance.topology.masses[p.at]);
         bool ground = m.with == GROUND_ITSELF;
         u32 kind = ground ? IMPULSE_GROUND : IMPULSES + 6 * m.with;
         u32 body = ground ? NO_BODY : instance.world.colliders[m.with].body;
-        add_node_impulse(instance, frame, p.at, kind, body, start, by);
+        add_node_impulse(instance, frame, p.at, kind, body, s.x, by);
 #endif
     });
 #elif GROUND
-    advance(c.ground, c.law, c.dt, x, v);
+    advance(c.ground, c.law, c.dt, s.v, x, v);
 #else
     x = add_scaled(x, c.dt, v);
 #endif

@@ -3,9 +3,10 @@
 //
 // A node at `x` is at q = transposed A (x - p) of a collider's body in the pose where the substep
 // starts; d(q) is the signed distance, n = A n(q) / |A n(q)| the normal, w the velocity of the
-// body's point q, u = v - w. It hits if d + dt u.n < 0 and u.n < -MIN_APPROACH_M_S, by the law of
-// impacts for u, after tau = clamp(d / -(u.n), 0, dt). Inside it is also pushed out: the normal
-// velocity that it leaves with is at least min(-d, MAX_PUSH_M) / PUSH_S. The substep ends at
+// body's point q, u = v - w. It hits if d + dt u.n < CONTACT_MARGIN_M and u.n < 0, by the law of
+// impacts for u, after tau = clamp(d / -(u.n), 0, dt), zero within the margin. Inside it is also
+// pushed out: the normal velocity that it leaves with is at least min(-d, MAX_PUSH_M) / PUSH_S. The
+// substep ends at
 // x + tau v + (dt - tau) v' with the velocities before and after the last that changed it. With a
 // width of contact (SMOOTH) a layer takes the place of impact and push (`smooth.cuh`).
 
@@ -83,56 +84,54 @@ DEVICE Surface surface_of(const Ground& g, float3 x) {
 
 // A meeting that changed a node's velocity.
 struct Meeting {
-    u32 with;                       // a collider, or GROUND_ITSELF
+    u32 with;            // a collider, or GROUND_ITSELF
     Surface surface;
     Law law;
-    float3 before, between, after;  // velocities: the impact's, then the push's
-    bool hits, pushes;
+    float3 before;       // velocity of the node
+    Approach approach;   // velocity relative to the surface
+    Contact contact;     // of smooth contact the change alone
     float tau;
+    bool tau_varies;     // it depends on distance and approach
 };
 
-// Velocity with which a node so deep inside leaves at least, and its derivative by the distance.
-DEVICE float push_of(float distance, float& slope) {
-    const float rate = 1.0f / PUSH_S;
-    bool shallow = -distance < MAX_PUSH_M;
-    slope = shallow ? -rate : 0.0f;
-    return shallow ? -distance * rate : MAX_PUSH_M * rate;
+// Velocity of a node relative to a surface.
+DEVICE Approach approach_of(const Surface& s, float3 start, float3 v) {
+    return {sub(start, s.velocity), sub(v, s.velocity)};
 }
 
-// The meeting with a collider, if there is one.
-DEVICE bool meeting_of(const Surface& s, Law law, float dt, float3 v, Meeting& m) {
-    float3 u = sub(v, s.velocity);
-    float along = dot(s.normal, u);
-    m.hits = fmaf(dt, along, s.distance) < 0.0f && along < -MIN_APPROACH_M_S;
-    m.pushes = false;
-    if (!m.hits && !(s.distance < 0.0f)) return false;
-    m.between = m.hits ? add(v, impact(law, u, s.normal)) : v;
-    m.after = m.between;
-    if (s.distance < 0.0f) {
-        float slope;
-        float lack = push_of(s.distance, slope) - dot(s.normal, sub(m.between, s.velocity));
-        m.pushes = lack > 0.0f;
-        if (m.pushes) m.after = add_scaled(m.after, lack, s.normal);
-    }
+// The meeting with a surface that is hit or pushes, if there is one.
+DEVICE bool meeting_of(
+    const Surface& s, Law law, float dt, float3 start, float3 v, bool hits, bool can_push, Meeting& m
+) {
     m.surface = s;
     m.law = law;
     m.before = v;
-    m.tau = m.hits ? fminf(fmaxf(s.distance / -along, 0.0f), dt) : 0.0f;
-    return m.hits || m.pushes;
+    m.approach = approach_of(s, start, v);
+    m.tau = 0.0f;
+    m.tau_varies = false;
+    if (hits) {
+        float along = dot(s.normal, m.approach.now);
+        m.tau = impact_time(s.distance, along, dt, m.tau_varies);
+    }
+    return contact_of(law, m.approach, s.normal, hits, can_push, s.distance, m.contact);
+}
+
+// The meeting with a collider, if there is one.
+DEVICE bool
+meeting_of(const Surface& s, Law law, float dt, float3 start, float3 v, Meeting& m) {
+    float along = dot(s.normal, sub(v, s.velocity));
+    bool hits = fmaf(dt, along, s.distance) < CONTACT_MARGIN_M && along < 0.0f;
+    bool inside = s.distance < 0.0f;
+    return (hits || inside) && meeting_of(s, law, dt, start, v, hits, inside, m);
 }
 
 // The meeting with the ground, if there is one.
-DEVICE bool meeting_of(const Ground& g, Law law, float dt, float3 x, float3 v, Meeting& m) {
-    if (!hits(g, v, add_scaled(x, dt, v))) return false;
+DEVICE bool meeting_of(
+    const Ground& g, Law law, float dt, float3 start, float3 x, float3 v, Meeting& m
+) {
     m.with = GROUND_ITSELF;
-    m.surface = surface_of(g, x);
-    m.law = law;
-    m.before = v;
-    m.between = m.after = add(v, impact(law, v, g.normal));
-    m.hits = true;
-    m.pushes = false;
-    m.tau = impact_time(g, dt, x, v);
-    return true;
+    return hits(g, v, add_scaled(x, dt, v)) &&
+           meeting_of(surface_of(g, x), law, dt, start, v, true, false, m);
 }
 
 #if SMOOTH
@@ -141,20 +140,23 @@ DEVICE bool layer_meeting_of(const Surface& s, Law law, const Layer& l, float3 v
     if (!reaches(l, s.distance)) return false;
     m.surface = s;
     m.law = law;
-    m.before = m.between = v;
-    m.after = add(v, layer_change(l, law, s.distance, sub(v, s.velocity), s.normal));
-    m.hits = m.pushes = false;
+    m.before = v;
+    m.approach = approach_of(s, v, v);
+    m.contact.hits = m.contact.pushes = false;
+    m.contact.impact = m.contact.change = layer_change(l, law, s.distance, m.approach.now, s.normal);
     m.tau = 0.0f;
+    m.tau_varies = false;
     return true;
 }
 #endif
 
-// Calls `see` with all that a node meets in a substep that it starts at `x` with velocity `v`, one
-// after the other, `t` being the share of the frame that is over; `v` becomes its velocity behind
-// them.
+// Calls `see` with all that a node meets in a substep that it starts in the state (x, start), one
+// after the other, `t` being the share of the frame that is over; `v`, its velocity after forces
+// acted, becomes that behind them.
 template <class See>
-DEVICE void
-for_meetings(const InstanceArgs& instance, u32 frame, float t, float3 x, float3& v, See see) {
+DEVICE void for_meetings(
+    const InstanceArgs& instance, u32 frame, float t, float3 start, float3 x, float3& v, See see
+) {
     float dt = instance.step.dt;
     Meeting m;
 #if SMOOTH
@@ -167,39 +169,40 @@ for_meetings(const InstanceArgs& instance, u32 frame, float t, float3 x, float3&
     m.with = GROUND_ITSELF;
     bool meets = layer_meeting_of(surface_of(ground, x), ground_law, layer, v, m);
 #else
-    bool meets = meeting_of(ground, ground_law, dt, x, v, m);
+    bool meets = meeting_of(ground, ground_law, dt, start, x, v, m);
 #endif
     if (meets) {
         see(m);
-        v = m.after;
+        v = add(v, m.contact.change);
     }
 #endif
     for (u32 k = 0; k < instance.world.collider_count; k++) {
         const Collider& c = instance.world.colliders[k];
         BodyFrame body = body_of(instance, frame, c.body);
-        float margin = SMOOTH ? instance.world.smoothing : 0.0f;
+        float margin = SMOOTH ? instance.world.smoothing : CONTACT_MARGIN_M;
         Surface s = surface_of(instance, c, body, pose_at(body, t), x, v, margin);
         Law law = {c.restitution, c.friction};
         m.with = k;
 #if SMOOTH
         bool is_met = layer_meeting_of(s, law, layer, v, m);
 #else
-        bool is_met = meeting_of(s, law, dt, v, m);
+        bool is_met = meeting_of(s, law, dt, start, v, m);
 #endif
         if (is_met) {
             see(m);
-            v = m.after;
+            v = add(v, m.contact.change);
         }
     }
 }
 
 // The same, to where the node is at the substep's end.
 template <class See>
-DEVICE void
-advance_among(const InstanceArgs& instance, u32 frame, float t, float3& x, float3& v, See see) {
+DEVICE void advance_among(
+    const InstanceArgs& instance, u32 frame, float t, float3 start, float3& x, float3& v, See see
+) {
     float dt = instance.step.dt, tau = 0.0f;
     float3 before = v;
-    for_meetings(instance, frame, t, x, v, [&](const Meeting& m) {
+    for_meetings(instance, frame, t, start, x, v, [&](const Meeting& m) {
         see(m);
         tau = m.tau;
         before = m.before;
@@ -290,27 +293,27 @@ DEVICE float3 force_bar_of(const InstanceArgs& instance, u32 with) {
     return load_v3(w.force_bars + (with == GROUND_ITSELF ? ground : ground + 3 + 6 * with));
 }
 
-// Adjoint of `advance_among` from (x, v) of a node: turns d loss / d result in (x_bar, v_bar) into
-// that of its arguments. Only where it `writes` are sums of poses added to.
-DEVICE void advance_among_adjoint(
-    const InstanceArgs& instance, u32 frame, float t, u32 node, bool writes, float3 x, float3 v,
-    float3& x_bar, float3& v_bar, Law& law_bar
+// Adjoint of `advance_among` from (x, start, v) of a node: turns d loss / d result in (x_bar, v_bar)
+// into that of x and v, and gives that of `start`. Only where it `writes` are sums of poses added to.
+DEVICE float3 advance_among_adjoint(
+    const InstanceArgs& instance, u32 frame, float t, u32 node, bool writes, float3 start, float3 x,
+    float3 v, float3& x_bar, float3& v_bar, Law& law_bar
 ) {
     float dt = instance.step.dt;
     float rate = instance.topology.masses[node] / instance.step.frame_s;
     Meeting m;
     u32 count = 0;
-    float3 end = v;
-    for_meetings(instance, frame, t, x, end, [&](const Meeting& one) {
+    float3 end = v, start_bar = zero3();
+    for_meetings(instance, frame, t, start, x, end, [&](const Meeting& one) {
         m = one;
         count++;
     });
     if (count == 0) {
         v_bar = add_scaled(v_bar, dt, x_bar);
-        return;
+        return start_bar;
     }
     // x' = x + tau v + (dt - tau) v'
-    float tau_bar = -dot(x_bar, sub(m.after, m.before));
+    float tau_bar = -dot(x_bar, m.contact.change);
     float3 before_bar = scale(x_bar, m.tau);
     v_bar = add_scaled(v_bar, dt - m.tau, x_bar);
     for (u32 j = count; j-- > 0;) {
@@ -318,57 +321,32 @@ DEVICE void advance_among_adjoint(
             // Several meetings are rare: they are found again.
             u32 at = 0;
             end = v;
-            for_meetings(instance, frame, t, x, end, [&](const Meeting& one) {
+            for_meetings(instance, frame, t, start, x, end, [&](const Meeting& one) {
                 if (at++ == j) m = one;
             });
         }
         const Surface& s = m.surface;
-        float3 n = s.normal, seed = scale(force_bar_of(instance, m.with), rate);
-        float3 after_bar = add(v_bar, seed), in_bar = sub(before_bar, seed);
-        float3 between_bar = after_bar;
-        SurfaceAdjoint bar = {0.0f, zero3(), zero3()};
-        if (m.pushes) {
-            float along = dot(n, after_bar), slope;
-            float speed = push_of(s.distance, slope);
-            float3 leaves = sub(m.between, s.velocity);
-            bar.distance = slope * along;
-            bar.velocity = scale(n, along);
-            bar.normal = add_scaled(scale(after_bar, speed - dot(n, leaves)), -along, leaves);
-            between_bar = add_scaled(after_bar, -along, n);
-        }
-        in_bar = add(in_bar, between_bar);
+        float3 n = s.normal, u = m.approach.now;
+        float3 change_bar = add(v_bar, scale(force_bar_of(instance, m.with), rate));
 #if SMOOTH
         Layer layer = layer_of(instance.world.smoothing, dt);
-        ImpactAdjoint g = layer_change_adjoint(
-            layer, m.law, s.distance, sub(m.before, s.velocity), n, after_bar, bar.distance
-        );
-        if (m.with == GROUND_ITSELF) {
-            law_bar.restitution += g.restitution;
-            law_bar.friction += g.friction;
-        }
-        in_bar = add(in_bar, g.v);
-        bar.velocity = scale(g.v, -1.0f);
-        bar.normal = g.normal;
+        ContactAdjoint g = layer_change_adjoint(layer, m.law, s.distance, u, n, change_bar);
+#else
+        ContactAdjoint g =
+            contact_adjoint_of(m.law, m.approach, n, s.distance, m.contact, change_bar);
 #endif
-        if (m.hits) {
-            float3 u = sub(m.before, s.velocity);
-            ImpactAdjoint g = impact_adjoint(m.law, u, n, between_bar);
-            if (m.with == GROUND_ITSELF) {
-                law_bar.restitution += g.restitution;
-                law_bar.friction += g.friction;
-            }
-            in_bar = add(in_bar, g.v);
-            bar.velocity = sub(bar.velocity, g.v);
-            bar.normal = add(bar.normal, g.normal);
-            if (s.distance > 0.0f) {
-                // tau = -d / (u . n)
-                float inverse = 1.0f / dot(n, u);
-                bar.distance -= tau_bar * inverse;
-                float along = -(tau_bar * m.tau * inverse);
-                in_bar = add_scaled(in_bar, along, n);
-                bar.velocity = add_scaled(bar.velocity, -along, n);
-                bar.normal = add_scaled(bar.normal, along, u);
-            }
+        if (m.with == GROUND_ITSELF) add_law(law_bar, g);
+        start_bar = add(start_bar, g.start);
+        float3 in_bar = add(add(before_bar, v_bar), g.v);
+        SurfaceAdjoint bar = {g.distance, g.normal, scale(add(g.v, g.start), -1.0f)};
+        if (m.tau_varies) {
+            // tau = -d / (u . n)
+            float inverse = 1.0f / dot(n, u);
+            bar.distance -= tau_bar * inverse;
+            float along = -(tau_bar * m.tau * inverse);
+            in_bar = add_scaled(in_bar, along, n);
+            bar.velocity = add_scaled(bar.velocity, -along, n);
+            bar.normal = add_scaled(bar.normal, along, u);
         }
         if (m.with == GROUND_ITSELF) {
             x_bar = add_scaled(x_bar, bar.distance, n);
@@ -383,4 +361,5 @@ DEVICE void advance_among_adjoint(
         before_bar = zero3();
         tau_bar = 0.0f;
     }
+    return start_bar;
 }

@@ -1,6 +1,5 @@
 // Outputs of a rollout: recorded positions and velocities, and the extremes of strain and speed by
-// frame. A velocity is a node's way during a frame by the frame's length, as `cpu/diagnostics.rs`
-// says.
+// frame.
 
 struct OutputArgs {
     const float* states;    // [slots][6][N]
@@ -14,7 +13,7 @@ struct OutputArgs {
     float* extremes;        // [all frames][3]: largest strain, that to a control point, speed
     u32 node_count, recorded_nodes, recorded_frames, slot_count;
     u32 spring_count, control_count, frame_count;
-    float rate;             // frames a second
+    u32 unused;
 };
 
 struct RecordArgs {
@@ -37,15 +36,6 @@ struct GatherArgs {
     u32* gathered;
 };
 
-// Velocity of a node in a frame; that of the state where no frame has been.
-DEVICE float3 velocity(const OutputArgs& r, u32 frame, u32 node) {
-    const u32 n = r.node_count;
-    const float* s = r.states + (u64)(frame % r.slot_count) * 6 * n + node;
-    if (frame == 0) return v3(s[3 * n], s[4 * n], s[5 * n]);
-    const float* before = r.states + (u64)((frame - 1) % r.slot_count) * 6 * n + node;
-    return scale(v3(s[0] - before[0], s[n] - before[n], s[2 * n] - before[2 * n]), r.rate);
-}
-
 // Block (nodes, recorded frame, instance).
 extern "C" __global__ void record(const __grid_constant__ RecordArgs args) {
     const OutputArgs& r = args.outputs[blockIdx.z];
@@ -56,10 +46,7 @@ extern "C" __global__ void record(const __grid_constant__ RecordArgs args) {
     const u64 at = ((u64)blockIdx.y * r.recorded_nodes + k) * 3;
     for (u32 c = 0; c < 3; c++) r.positions[at + c] = s[c * n + node];
     if (!r.velocities) return;
-    float3 v = velocity(r, frame, node);
-    r.velocities[at] = v.x;
-    r.velocities[at + 1] = v.y;
-    r.velocities[at + 2] = v.z;
+    for (u32 c = 0; c < 3; c++) r.velocities[at + c] = s[(3 + c) * n + node];
 }
 
 // Block (frame - 1, instance).
@@ -86,7 +73,7 @@ extremes(const __grid_constant__ ExtremesArgs args) {
         most = fmaxf(most, fabsf(sqrtf(dot(d, d)) / rest - 1.0f));
     }
     for (u32 i = threadIdx.x; i < n; i += THREADS) {
-        float3 v = velocity(r, frame, i);
+        float3 v = v3(s[3 * n + i], s[4 * n + i], s[5 * n + i]);
         square = fmaxf(square, dot(v, v));
     }
     for (u32 k = 0; k < 2; k++) strains[k] = block_max(strains[k]);

@@ -62,10 +62,9 @@ DEVICE float3 layer_change(const Layer& l, Law law, float h, float3 u, float3 n)
     return add_scaled(scale(n, j), -(most / speed), u_t);
 }
 
-// Adjoint of `layer_change` for d loss / d change = `bar`; beside that of velocity, normal and law,
-// d loss / d h.
-DEVICE ImpactAdjoint layer_change_adjoint(
-    const Layer& l, Law law, float h, float3 u, float3 n, float3 bar, float& h_bar
+// Adjoint of `layer_change` for d loss / d change = `bar`.
+DEVICE ContactAdjoint layer_change_adjoint(
+    const Layer& l, Law law, float h, float3 u, float3 n, float3 bar
 ) {
     float u_n = dot(u, n);
     float3 u_t = add_scaled(u, -u_n, n);
@@ -87,9 +86,10 @@ DEVICE ImpactAdjoint layer_change_adjoint(
     float p_bar = j_bar * (q * 0.5f * a.b * a.b * root_inverse - a.j / a.p);
     float gamma_bar = l.dt * p_bar - u_n * y_bar;
     float share_bar = gamma_bar * (a.damping + l.dt * l.stiffness);
-    h_bar = share_bar * a.share_slope - b_bar * l.stiffness * a.share;
     float u_n_bar = -(a.gamma * y_bar) - dot(n, u_t_bar);
-    ImpactAdjoint out;
+    ContactAdjoint out;
+    out.start = zero3();
+    out.distance = share_bar * a.share_slope - b_bar * l.stiffness * a.share;
     out.v = add_scaled(u_t_bar, u_n_bar, n);
     out.normal = add_scaled(add_scaled(scale(bar, a.j), u_n_bar, u), -u_n, u_t_bar);
     out.restitution = -(2.0f * gamma_bar * a.share * sqrtf(l.stiffness));

@@ -156,10 +156,7 @@ pub struct Outputs {
     pub final_state: bool,
     /// The [`Diagnostics`] to compute.
     pub diagnose: Diagnose,
-    /// Record velocities where positions are recorded: a node's way during the frame by the frame's
-    /// length, so that what lies on the ground is at rest there. Those at the instant, which
-    /// impacts turn round in every substep, are in the final state. In frame 0 they are those of
-    /// the initial state.
+    /// Record velocities where positions are recorded: those of the states.
     pub velocities: bool,
     /// Record [`Forces`].
     pub forces: bool,
@@ -218,8 +215,7 @@ pub struct Diagnostics {
     pub max_strain: f32,
     /// The same of springs to control points; their rest lengths are short, so it may be large.
     pub max_control_strain: f32,
-    /// Largest mean speed of a node over any frame [m/s], as [`Outputs::velocities`] has it; of the
-    /// initial state if there is no frame.
+    /// Largest speed of a node at any frame end [m/s]; of the initial state if there is no frame.
     pub max_speed_m_s: f32,
     /// Kinetic energy at the end [J per unit mass scale]; NaN if it diverged.
     pub kinetic_energy: f32,

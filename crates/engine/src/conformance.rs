@@ -25,6 +25,7 @@ mod objectives;
 mod optimizer;
 mod random;
 mod refusals;
+mod rest;
 mod scene;
 mod skin;
 mod smooth;
@@ -157,6 +158,11 @@ suite! { ($)
         friction_holds_on_a_slope,
         smooth_contact_is_near_the_hard_one,
         what_lies_still_reports_no_speed;
+    rest:
+        what_is_pressed_does_not_bounce,
+        what_rests_does_not_creep,
+        what_lies_on_nodes_does_not_sink,
+        gradients_through_resting_contact;
     contact:
         colliding_objects_exchange_momentum,
         a_node_takes_the_mean_of_its_contacts,
@@ -192,7 +198,7 @@ suite! { ($)
         losses_match_their_definitions,
         frame_costs_match_their_definitions,
         outputs_are_as_asked,
-        velocities_are_those_of_the_motion,
+        velocities_are_those_of_the_states,
         diagnostics_match_the_motion,
         extremes_are_those_of_all_diagnostics;
     skin:

@@ -18,20 +18,18 @@ pub const MIN_EDGE_M: f64 = 1e-6;
 pub const MIN_SINE_SQUARED: f64 = 1e-2;
 /// Length [m] below which a spring has no direction and exerts no force.
 pub const MIN_LENGTH_M: f64 = 1e-12;
-/// Speed of approach [m/s] up to which there is no impact.
-pub const MIN_APPROACH_M_S: f64 = 1e-4;
-/// Approach of two nodes [m²/s], position difference times velocity difference, up to which there
-/// is no contact.
-pub const MIN_APPROACH_M2_S: f64 = 1e-4;
+/// Distance from a surface [m] within which a node touches it: above the rounding of coordinates of
+/// a few metres in `f32`.
+pub const CONTACT_MARGIN_M: f64 = 1e-6;
 /// Most contact candidates of a node, the nearest: bounds memory where an object has collapsed.
 pub const MAX_PARTNERS: usize = 512;
 /// Largest coordinate [m]: a node farther out has diverged.
 pub const MAX_COORDINATE_M: f64 = 1000.0;
 /// Height above the ground [m] below which a node stands on it.
 pub const ON_GROUND_M: f64 = 1e-3;
-/// Time [s] in which a collider pushes out what is inside it.
+/// Time [s] in which a collider, or another node, pushes out what is inside its surface.
 pub const PUSH_S: f64 = 0.01;
-/// Depth [m] inside a collider beyond which it pushes no faster.
+/// Depth [m] inside a surface beyond which it pushes no faster.
 pub const MAX_PUSH_M: f64 = 0.005;
 /// Stiffness of smooth contact times its width [m/s²], such that a node rests half the width deep
 /// under standard gravity.

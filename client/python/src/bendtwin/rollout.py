@@ -100,7 +100,7 @@ class Diagnostics:
 
     #: Of springs between nodes.
     max_strain: float
-    #: Of a node, over a frame.
+    #: Of a node, at frames' ends.
     max_speed_m_s: float
     #: At the end; NaN where it diverged.
     kinetic_energy: float
@@ -234,7 +234,7 @@ class RolloutResult:
     gradient_norms: FloatArray | None = None
     #: 1 where a gradient [R] exploded on its way back (docs/gradients.md): it says little.
     gradient_exploded: IndexArray | None = None
-    #: Velocities [R, T, K, 3], metres per second: means over the frame that ends there.
+    #: Velocities [R, T, K, 3], metres per second.
     velocities: FloatArray | None = None
     #: Weighted terms by frame [R, F + 1, terms]; frame 0 is the start.
     frame_costs: FloatArray | None = None

@@ -55,7 +55,7 @@ pub struct Reply {
     pub gradient_norms: Vec<f64>,
     /// True where a gradient exploded on its way back, and says little; shape [R].
     pub gradient_exploded: Vec<bool>,
-    /// Mean velocities over the frames that end with the recorded ones [m/s], as `positions`.
+    /// Velocities in the recorded frames [m/s], as `positions`.
     pub velocities: Vec<Point>,
     /// Weighted costs by frame and name, shape [R, F + 1, names]; frame 0 is the start.
     pub frame_costs: Vec<f64>,

@@ -27,6 +27,8 @@ pub(crate) struct DeviceGraph {
     pins: Buffer<args::Pin>,
     pin_of: Buffer<i32>,
     pub(crate) object_ids: Buffer<u32>,
+    /// Positions at rest [m], padded.
+    pub(crate) rest: Buffer<[f32; 4]>,
     /// Shape [E, 2].
     pub(crate) springs: Buffer<[u32; 2]>,
     /// Made when self contact first asks for it.
@@ -97,12 +99,15 @@ impl DeviceGraph {
             .iter()
             .map(|p| args::Pin { control: p.control, offset: p.offset_m })
             .collect();
+        let rest: Vec<[f32; 4]> =
+            graph.rest_positions.iter().map(|&[x, y, z]| [x, y, z, 0.0]).collect();
         Ok(Self {
             inverse_mass: Buffer::of(stream, &inverse_mass)?,
             masses: Buffer::of(stream, &graph.masses)?,
             pins: Buffer::of(stream, &pins)?,
             pin_of: Buffer::of(stream, &pin_of)?,
             object_ids: Buffer::of(stream, &graph.object_ids)?,
+            rest: Buffer::of(stream, &rest)?,
             springs: Buffer::of(stream, &graph.springs)?,
             neighbours: Memo::default(),
             node_springs: Memo::default(),

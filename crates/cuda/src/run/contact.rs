@@ -18,6 +18,7 @@ pub(crate) struct Contact {
     scratch: Buffer<u32>,
     x: Buffer<[f32; 4]>,
     v: Buffer<[f32; 4]>,
+    start: Buffer<[f32; 4]>,
     /// First node of each in these.
     starts: Vec<usize>,
 }
@@ -36,6 +37,7 @@ impl Contact {
             scratch: Buffer::empty(stream, n)?,
             x: Buffer::empty(stream, n)?,
             v: Buffer::empty(stream, n)?,
+            start: Buffer::empty(stream, n)?,
             starts,
         })
     }
@@ -48,6 +50,7 @@ impl Contact {
         args.contact.partner_scratch = self.scratch.at(at);
         args.contact.x = self.x.at(at);
         args.contact.v = self.v.at(at);
+        args.contact.start = self.start.at(at);
         args.contact.max_partners = MAX_PARTNERS as u32;
     }
 }

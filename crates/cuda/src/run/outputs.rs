@@ -1,4 +1,4 @@
-//! Outputs of a rollout beside its costs; velocities are means over frames, as on the CPU.
+//! Outputs of a rollout beside its costs.
 
 use std::collections::HashMap;
 
@@ -106,7 +106,7 @@ impl RecordedOutputs {
                 spring_count: graph.springs.len() as u32,
                 control_count: graph.control_count() as u32,
                 frame_count: instance.frames as u32,
-                rate: (1.0 / instance.model.model().timing.frame_s()) as f32,
+                unused: 0,
             });
         }
         let output_args = Buffer::of(stream, &output_args)?;

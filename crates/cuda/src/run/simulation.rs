@@ -72,7 +72,7 @@ pub(crate) fn bytes_of(instance: &Instance, retained: RetainedStates, measured: 
     let model = instance.model.model();
     let n = model.graph.node_count() as u64;
     let states = (24 * n + 4 * model.graph.rods.len() as u64) * slots(instance, retained) as u64;
-    let contact = if has_contact(model) { n * (4 * MAX_PARTNERS as u64 + 40) } else { 0 };
+    let contact = if has_contact(model) { n * (4 * MAX_PARTNERS as u64 + 56) } else { 0 };
     let world = world::bytes_of(instance, slots(instance, retained), measured);
     states + contact + 12 * instance.controls.len() as u64 + world
 }
@@ -171,6 +171,7 @@ impl<'a> Simulation<'a> {
             ..StateArgs::default()
         };
         args.contact.object_ids = resident.graph.object_ids.address();
+        args.contact.rest = resident.graph.rest.address();
         if has_contact(model) {
             if model.params.contact.within_object {
                 let neighbours = resident.graph.neighbours(&resident.device)?;

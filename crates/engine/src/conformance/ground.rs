@@ -51,10 +51,11 @@ pub(super) fn bouncing_node_loses_restitution_squared(backend: &dyn Backend) -> 
 }
 
 /// A node sliding on level ground stops after v0²/(2 mu g): without restitution to 0.5 % (one
-/// substep's path is 0.06 %), with restitution 0.5 to 2 % (it hops by single substeps).
+/// substep's path is 0.06 %), with and without restitution, which what slides does not need.
 pub(super) fn sliding_node_stops_by_coulomb_friction(backend: &dyn Backend) -> Outcome {
     let (v0, mu) = (1.0_f64, 0.3_f64);
-    for (restitution, tolerance) in [(0.0, 5e-3), (0.5, 2e-2)] {
+    for restitution in [0.0, 0.5] {
+        let tolerance = 5e-3;
         let mut scene = Scene::of(&[[0.0; 3]]);
         scene.environment.gravity[2] = -G as f32;
         scene.ground([0.0, 0.0, 1.0], 0.0, restitution, mu as f32);
@@ -71,7 +72,7 @@ pub(super) fn sliding_node_stops_by_coulomb_friction(backend: &dyn Backend) -> O
     Ok(())
 }
 
-/// On a slope below the angle of friction a node at rest stays (to 0.1 mm in a second); above it,
+/// On a slope below the angle of friction a node at rest stays (to 1 µm in a second); above it,
 /// it slides with g (sin - mu cos), to 1 %.
 pub(super) fn friction_holds_on_a_slope(backend: &dyn Backend) -> Outcome {
     let mu = 0.5_f64;
@@ -85,16 +86,15 @@ pub(super) fn friction_holds_on_a_slope(backend: &dyn Backend) -> Outcome {
         let moved = f64::from(scene.end(backend)?.positions[0][0]);
         let slides = slope.tan() > mu;
         let pull = G * (slope.sin() - mu * slope.cos());
-        let (expected, tolerance) = if slides { (pull / 2.0, 0.01 * pull) } else { (0.0, 1e-4) };
+        let (expected, tolerance) = if slides { (pull / 2.0, 0.01 * pull) } else { (0.0, 1e-6) };
         close(&format!("slip on a slope of {slope} rad"), moved, expected, tolerance)?;
     }
     Ok(())
 }
 
 /// A sheet that lies on the ground reports that it is at rest, though gravity pushes its nodes into
-/// the ground in every substep and restitution throws them up again: below 0.1 mm/s after a second,
-/// of the nodes and of a rollout from there. At an instant a node of it has (1 + e) g dt, 3 mm/s,
-/// or more.
+/// the ground in every substep: below 0.1 mm/s after a second, of the nodes and of a rollout from
+/// there.
 pub(super) fn what_lies_still_reports_no_speed(backend: &dyn Backend) -> Outcome {
     let points: Vec<Point> =
         (0..16).map(|i| [0.05 * (i % 4) as f32, 0.05 * (i / 4) as f32, 0.0]).collect();

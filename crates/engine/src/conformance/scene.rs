@@ -230,6 +230,7 @@ impl Scene {
             nodes: None,
             final_state: true,
             diagnose: Diagnose::All,
+            velocities: true,
             ..Outputs::default()
         };
         let rollout = self.roll_out_raw(backend, &outputs)?;

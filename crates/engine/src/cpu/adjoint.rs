@@ -31,6 +31,9 @@ const SEGMENT_BYTES: usize = if cfg!(test) { 5_000 } else { 12 << 20 };
 pub(crate) struct Adjoint<T> {
     /// Of the state, shape [N + C]; control points' are zero between substeps.
     pub(crate) bar: Vec<Node<T>>,
+    /// Of the velocities at a substep's start, as far as contact depends on them, shape [N]; zero
+    /// between substeps.
+    pub(crate) start_bar: Vec<Quad<T>>,
     /// Of the twists, shape [R].
     pub(crate) twist_bar: Vec<T>,
     /// Of the frame's controls.
@@ -54,6 +57,7 @@ impl<T: Real> Adjoint<T> {
         let law = Law { restitution: T::ZERO, friction: T::ZERO };
         Self {
             bar: vec![Node::default(); system.endpoints()],
+            start_bar: vec![[T::ZERO; 4]; system.nodes],
             twist_bar: vec![T::ZERO; system.rods.rods.len()],
             controls: FrameControlsAdjoint::zero(system.controls),
             around: AroundAdjoint::new(bodies, system.rods.rods.len(), system.nodes),
@@ -185,16 +189,19 @@ impl<T: Real> Work<T> for BackSubsteps<'_, T> {
             let twists = &a.tape.twists[on_tape * r..(on_tape + 1) * r];
             a.controls.pin_nodes(system, substep, &mut a.bar);
             if w.candidates.is_empty() {
-                travel_adjoint(m, system, nodes, before, &mut a.bar, &mut a.ground);
+                let bars = (&mut *a.bar, &mut *a.start_bar);
+                travel_adjoint(m, system, nodes, before, bars, &mut a.ground);
             } else {
                 collide(system, &w.candidates, nodes, before, &mut w.after);
-                travel_adjoint(m, system, nodes, &w.after, &mut a.bar, &mut a.ground);
-                let (bar, scratch) = (&mut a.bar, &mut w.after);
-                let law_bar = &mut a.object;
-                collide_adjoint(system, &w.candidates, nodes, before, bar, scratch, law_bar);
+                let bars = (&mut *a.bar, &mut *a.start_bar);
+                travel_adjoint(m, system, nodes, &w.after, bars, &mut a.ground);
+                let bars = (&mut *a.bar, &mut *a.start_bar);
+                let (scratch, law_bar) = (&mut w.after, &mut a.object);
+                collide_adjoint(system, &w.candidates, nodes, before, bars, scratch, law_bar);
             }
             a.controls.pin_velocities(system, &mut a.bar);
-            a.drag += accelerate_adjoint(system, before, &mut a.bar, &mut a.lambda);
+            let bars = (&mut *a.bar, &mut *a.start_bar);
+            a.drag += accelerate_adjoint(system, before, bars, &mut a.lambda);
             spring_adjoint(m, &system.springs, nodes, &a.lambda, &mut a.bar, &mut a.springs);
             bend_adjoint(m, &system.triplets, nodes, &a.lambda, &mut a.bar, &mut a.triplets);
             let (bar, twist_bar) = (&mut a.bar, (&mut *a.twist_bar, &mut [][..]));
@@ -213,16 +220,19 @@ fn travel_adjoint<T: Real, M: Machine<T>>(
     system: &System<T>,
     nodes: &[Node<T>],
     velocities: &[Quad<T>],
-    bar: &mut [Node<T>],
+    (bar, start_bar): (&mut [Node<T>], &mut [Quad<T>]),
     law_bar: &mut Law<T>,
 ) {
     let (dt, ground, law) = (system.dt, system.ground, ground_law(system));
-    let chunks = nodes.chunks(LANES).zip(velocities.chunks(LANES)).zip(bar.chunks_mut(LANES));
-    for ((nodes, v), bar) in chunks {
+    let bars = bar.chunks_mut(LANES).zip(start_bar.chunks_mut(LANES));
+    let chunks = nodes.chunks(LANES).zip(velocities.chunks(LANES)).zip(bars);
+    for ((nodes, v), (bar, start_bar)) in chunks {
         match &ground {
             Some(ground) if may_hit(m, ground, dt, nodes, v) => {
-                for ((node, &v), bar) in nodes.iter().zip(v).zip(bar) {
-                    *bar = advance_adjoint(ground, law, dt, (node.x, v), *bar, law_bar);
+                let bars = bar.iter_mut().zip(start_bar);
+                for ((&node, &v), (bar, start_bar)) in nodes.iter().zip(v).zip(bars) {
+                    (*bar, *start_bar) =
+                        advance_adjoint(ground, law, dt, (node, v), *bar, law_bar);
                 }
             }
             _ => {
@@ -235,21 +245,25 @@ fn travel_adjoint<T: Real, M: Machine<T>>(
 }
 
 /// Adjoint of `accelerate`: velocities before contact to velocities before the substep, and
-/// forces; gives d loss / d drag.
+/// forces; takes what contact adds to the former and gives d loss / d drag.
 #[inline(always)]
 pub(crate) fn accelerate_adjoint<T: Real>(
     system: &System<T>,
     before: &[Quad<T>],
-    bar: &mut [Node<T>],
+    (bar, start_bar): (&mut [Node<T>], &mut [Quad<T>]),
     lambda: &mut [Quad<T>],
 ) -> T {
     let (dt, decay) = (system.dt, system.decay);
     let mut sum = [T::ZERO; 4];
-    let per_node = before.iter().zip(bar).zip(lambda).zip(&system.inverse_mass);
-    for (((&v, bar), lambda), &inverse_mass) in per_node {
+    let bars = bar.iter_mut().zip(lambda).zip(start_bar);
+    for (((bar, lambda), start), (&v, &inverse_mass)) in
+        bars.zip(before.iter().zip(&system.inverse_mass))
+    {
         sum = add(sum, product(bar.v, v));
         bar.v = scale(bar.v, decay);
         *lambda = scale(bar.v, inverse_mass * dt);
+        bar.v = add(bar.v, *start);
+        *start = [T::ZERO; 4];
     }
     let decay = sum[0] + sum[1] + sum[2];
     -(decay * system.dt)

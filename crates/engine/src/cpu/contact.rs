@@ -1,14 +1,19 @@
 //! Contact between nodes by impulses: candidates once a frame, impulses every
 //! substep, and their adjoint. A node takes the mean of its pairs' impulses, all computed from the
 //! velocities before contact, so the order of pairs does not matter.
+//!
+//! Two nodes nearer than the collision distance hit if they approach each other. Those that are at
+//! least that far apart at rest are also pushed out of each other, as by a collider: a mean of
+//! impulses stops several partners only in part, and what lies on others would sink into them. Nodes
+//! of one piece of material may be nearer at rest, and are not pushed.
 
 use super::{
-    impulse::{Law, impact, impact_adjoint},
+    impulse::{Approach, Contact, Law},
     lanes::Node,
-    real::{Quad, Real, add_scaled, dot, scale, sub},
+    real::{Quad, Real, add, add_scaled, dot, scale, sub},
     system::{ContactRule, System},
 };
-use crate::constants::{MAX_PARTNERS, MIN_APPROACH_M2_S};
+use crate::constants::MAX_PARTNERS;
 
 /// For each node, the nodes that it may touch during a frame.
 #[derive(Clone, Debug, Default)]
@@ -114,8 +119,11 @@ struct ContactPair<T> {
     /// Unit vector from the first to the second.
     normal: Quad<T>,
     distance: T,
+    /// Distance by which they are farther apart than the collision distance; below zero.
+    inside: T,
     /// Velocity of the second relative to the first.
-    v: Quad<T>,
+    approach: Approach<T>,
+    contact: Contact<T>,
     /// 1 / (1/m1 + 1/m2).
     mass: T,
 }
@@ -123,25 +131,42 @@ struct ContactPair<T> {
 #[inline(always)]
 fn touch<T: Real>(
     system: &System<T>,
+    law: Law<T>,
     nodes: &[Node<T>],
     velocities: &[Quad<T>],
     a: usize,
     b: usize,
 ) -> Option<ContactPair<T>> {
     let r = sub(nodes[b].x, nodes[a].x);
-    let v = sub(velocities[b], velocities[a]);
     let square = dot(r, r);
     let limit = T::from_f64(system.contact.distance);
     let inverse = system.inverse_mass[a] + system.inverse_mass[b];
-    let touches = square < limit * limit
-        && dot(r, v) < -T::from_f64(MIN_APPROACH_M2_S)
-        && square > T::from_f64(1e-24)
-        && inverse > T::ZERO;
-    touches.then(|| {
-        let distance = square.sqrt();
-        let normal = scale(r, T::ONE / distance);
-        ContactPair { normal, distance, v, mass: T::ONE / inverse }
-    })
+    let is_near =
+        square < limit * limit && square > T::from_f64(1e-24) && inverse > T::ZERO;
+    if !is_near {
+        return None;
+    }
+    let v = sub(velocities[b], velocities[a]);
+    let hits = dot(r, v) < T::ZERO;
+    let pushes = are_apart_at_rest(system, a, b);
+    if !(hits | pushes) {
+        return None;
+    }
+    let distance = square.sqrt();
+    let normal = scale(r, T::ONE / distance);
+    let approach = Approach { start: sub(nodes[b].v, nodes[a].v), now: v };
+    let inside = distance - limit;
+    let contact = Contact::new(law, approach, normal, hits, pushes.then_some(inside));
+    let mass = T::ONE / inverse;
+    contact.acts().then_some(ContactPair { normal, distance, inside, approach, contact, mass })
+}
+
+/// True if two nodes do not touch in the rest shape.
+#[inline(always)]
+fn are_apart_at_rest<T: Real>(system: &System<T>, a: usize, b: usize) -> bool {
+    let r = sub(system.rest[b], system.rest[a]);
+    let limit = T::from_f64(system.contact.distance);
+    dot(r, r) >= limit * limit
 }
 
 fn law<T: Real>(system: &System<T>) -> Law<T> {
@@ -164,8 +189,8 @@ pub(crate) fn collide<T: Real>(
     for (a, out) in after.iter_mut().enumerate().take(system.nodes) {
         let (mut sum, mut count) = ([T::ZERO; 4], T::ZERO);
         for &b in candidates.of(a) {
-            if let Some(t) = touch(system, nodes, before, a, b as usize) {
-                sum = add_scaled(sum, t.mass, impact(law, t.v, t.normal));
+            if let Some(t) = touch(system, law, nodes, before, a, b as usize) {
+                sum = add_scaled(sum, t.mass, t.contact.change);
                 count += T::ONE;
             }
         }
@@ -177,14 +202,15 @@ pub(crate) fn collide<T: Real>(
 }
 
 /// Adjoint of [`collide`]: turns d loss / d velocity after contact in `bar` into that before it,
-/// `after` is scratch; adds to the positions' adjoints and to `law_bar`.
+/// `after` is scratch; adds to the positions' adjoints, to those of the velocities at the substep's
+/// start, shape [N], and to `law_bar`.
 #[inline(always)]
 pub(crate) fn collide_adjoint<T: Real>(
     system: &System<T>,
     candidates: &Candidates,
     nodes: &[Node<T>],
     before: &[Quad<T>],
-    bar: &mut [Node<T>],
+    (bar, start_bar): (&mut [Node<T>], &mut [Quad<T>]),
     after: &mut [Quad<T>],
     law_bar: &mut Law<T>,
 ) {
@@ -194,7 +220,7 @@ pub(crate) fn collide_adjoint<T: Real>(
     }
     for a in 0..system.nodes {
         let partners = candidates.of(a);
-        let touches = |b: &&u32| touch(system, nodes, before, a, **b as usize).is_some();
+        let touches = |b: &&u32| touch(system, law, nodes, before, a, **b as usize).is_some();
         let count = partners.iter().filter(touches).count();
         if count == 0 {
             continue;
@@ -202,16 +228,18 @@ pub(crate) fn collide_adjoint<T: Real>(
         let share = -(system.inverse_mass[a] / T::from_f64(count as f64));
         for &b in partners {
             let b = b as usize;
-            let Some(t) = touch(system, nodes, before, a, b) else { continue };
-            let g = impact_adjoint(law, t.v, t.normal, scale(after[a], share * t.mass));
-            law_bar.restitution += g.restitution;
-            law_bar.friction += g.friction;
+            let Some(t) = touch(system, law, nodes, before, a, b) else { continue };
+            let change_bar = scale(after[a], share * t.mass);
+            let g = t.contact.adjoint(law, t.approach, t.normal, t.inside, change_bar);
+            law_bar.add(&g);
             let flat = add_scaled(g.normal, -dot(g.normal, t.normal), t.normal);
-            let r_bar = scale(flat, T::ONE / t.distance);
+            let r_bar = add_scaled(scale(flat, T::ONE / t.distance), g.distance, t.normal);
             bar[a].x = sub(bar[a].x, r_bar);
-            bar[b].x = add_scaled(bar[b].x, T::ONE, r_bar);
+            bar[b].x = add(bar[b].x, r_bar);
             bar[a].v = sub(bar[a].v, g.v);
-            bar[b].v = add_scaled(bar[b].v, T::ONE, g.v);
+            bar[b].v = add(bar[b].v, g.v);
+            start_bar[a] = sub(start_bar[a], g.start);
+            start_bar[b] = add(start_bar[b], g.start);
         }
     }
 }

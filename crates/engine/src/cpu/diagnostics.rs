@@ -1,10 +1,8 @@
 //! Outputs of a rollout beside its costs: recorded positions and velocities, final state and
 //! diagnostics.
 //!
-//! A velocity that is reported is the mean over the frame: the way of a node by the frame's length.
-//! Forces push a node that lies on the ground into it anew in every substep and the ground pushes
-//! it back, so that its velocity at an instant, which a state needs to go on from, is that of an
-//! impact and not of its motion.
+//! Velocities, speeds and energies are those of the states at frames' ends: what a state holds and
+//! what is reported of it agree.
 
 use super::{
     force::{FrameForces, Wrench},
@@ -12,7 +10,7 @@ use super::{
     integrate::Workspace,
     lanes::Node,
     parameters::narrow,
-    real::{Quad, Real, dot, scale, sub},
+    real::{Real, dot},
     rollout::Simulation,
     system::System,
 };
@@ -31,10 +29,6 @@ pub(crate) struct Observer<'a, T> {
     frames: usize,
     rollout: Rollout,
     sanity: Diagnostics,
-    /// The frame before, shape [N]; empty if no velocity is asked for.
-    previous: Vec<Node<T>>,
-    /// Velocities of the latest frame, shape [N]; empty as `previous`.
-    velocities: Vec<Quad<T>>,
 }
 
 impl<'a, T: Real> Observer<'a, T> {
@@ -49,8 +43,6 @@ impl<'a, T: Real> Observer<'a, T> {
                 elastic_energy: f32::NAN,
                 ..Diagnostics::default()
             },
-            previous: Vec::new(),
-            velocities: Vec::new(),
         }
     }
 
@@ -60,9 +52,6 @@ impl<'a, T: Real> Observer<'a, T> {
 
     pub(crate) fn see(&mut self, frame: usize, now: &Workspace<T>) {
         let nodes = &now.nodes[..self.system.nodes];
-        if self.outputs.velocities || self.diagnoses() {
-            self.find_velocities(frame, nodes);
-        }
         let every = self.outputs.every;
         let wanted = if frame == 0 {
             self.outputs.initial
@@ -71,22 +60,11 @@ impl<'a, T: Real> Observer<'a, T> {
         };
         if wanted {
             self.rollout.frames.push(frame);
-            let positions = &mut self.rollout.positions;
-            match &self.outputs.nodes {
-                None => positions.extend(nodes.iter().map(|n| point(n.x))),
-                Some(some) => positions.extend(some.iter().map(|&i| point(nodes[i as usize].x))),
-            }
-            if self.outputs.velocities {
-                let (found, velocities) = (&self.velocities, &mut self.rollout.velocities);
-                match &self.outputs.nodes {
-                    None => velocities.extend(found.iter().map(|&v| point(v))),
-                    Some(some) => velocities.extend(some.iter().map(|&i| point(found[i as usize]))),
-                }
-            }
+            self.record(nodes);
         }
         let last = frame == self.frames;
         if let Some(forces) = self.rollout.forces.as_mut().filter(|_| frame > 0) {
-            record(forces, &now.around.forces);
+            record_forces(forces, &now.around.forces);
         }
         if self.outputs.final_state && last {
             self.rollout.final_state = Some(state_of(nodes, &now.twists, &now.around.hands));
@@ -96,24 +74,25 @@ impl<'a, T: Real> Observer<'a, T> {
         }
     }
 
-    /// Mean velocities over the frame that ends here; those of the state where none has.
-    fn find_velocities(&mut self, frame: usize, nodes: &[Node<T>]) {
-        self.velocities.clear();
-        if frame == 0 {
-            self.velocities.extend(nodes.iter().map(|n| n.v));
-        } else {
-            let rate = T::from_f64(1.0 / self.system.frame_s);
-            let pairs = nodes.iter().zip(&self.previous);
-            self.velocities.extend(pairs.map(|(n, before)| scale(sub(n.x, before.x), rate)));
+    /// Records positions, and velocities if they are wanted.
+    fn record(&mut self, nodes: &[Node<T>]) {
+        let Rollout { positions, velocities, .. } = &mut self.rollout;
+        let mut one = |n: &Node<T>| {
+            positions.push(point(n.x));
+            if self.outputs.velocities {
+                velocities.push(point(n.v));
+            }
+        };
+        match &self.outputs.nodes {
+            None => nodes.iter().for_each(one),
+            Some(some) => some.iter().for_each(|&i| one(&nodes[i as usize])),
         }
-        self.previous.clear();
-        self.previous.extend_from_slice(nodes);
     }
 
     fn measure(&mut self, now: &Workspace<T>, last: bool) {
         let nodes = &now.nodes[..self.system.nodes];
         let sanity = &mut self.sanity;
-        let squares = self.velocities.iter().map(|&v| dot(v, v).to_f64());
+        let squares = nodes.iter().map(|n| dot(n.v, n.v).to_f64());
         let speed = squares.fold(0.0, f64::max).sqrt();
         sanity.max_speed_m_s = sanity.max_speed_m_s.max(narrow(speed));
         let [strain, of_controls] = energy::max_strains(self.system, &now.nodes);
@@ -175,7 +154,7 @@ pub(crate) fn state_of<T: Real>(nodes: &[Node<T>], twists: &[T], hands: &Hands<T
 }
 
 /// Records the forces of a frame.
-fn record<T: Real>(forces: &mut Forces, of: &FrameForces<T>) {
+fn record_forces<T: Real>(forces: &mut Forces, of: &FrameForces<T>) {
     let wrench = |[force, torque]: &Wrench<T>| {
         let ([fx, fy, fz], [tx, ty, tz]) = (point(*force), point(*torque));
         [fx, fy, fz, tx, ty, tz]

@@ -207,7 +207,7 @@ fn travel<T: Real, M: Machine<T>>(
         match &ground {
             Some(ground) if may_hit(m, ground, dt, nodes, v) => {
                 for (node, &v) in nodes.iter_mut().zip(v) {
-                    *node = advance(ground, law, dt, node.x, v);
+                    *node = advance(ground, law, dt, *node, v);
                 }
             }
             _ => {

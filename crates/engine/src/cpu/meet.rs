@@ -6,8 +6,8 @@
 //! there, and the surface has the velocity w of the body's point q, also where the model ignores that
 //! of control points. With `u = v - w`:
 //!
-//! - it hits if `d + dt u . n < 0` and `u . n < -1e-4 m/s`, by the law of [`super::impulse`] for u,
-//!   after `tau = clamp(d / -(u . n), 0, dt)`;
+//! - it hits if `d + dt u . n < 1 µm` and `u . n < 0`, by the law of [`super::impulse`] for u, after
+//!   `tau = clamp(d / -(u . n), 0, dt)`, which is 0 up to a distance of 1 µm;
 //! - inside (d < 0) it is also pushed out: the normal velocity that it leaves the surface with is at
 //!   least `min(-d, 5 mm) / 10 ms`.
 //!
@@ -20,14 +20,15 @@ use super::{
     body::{BodyFrame, Pose, add_outer, into_body, into_body_adjoint, turn, turn_back},
     collider::Collider,
     grasp::AroundAdjoint,
-    impulse::{Law, impact, impact_adjoint},
+    ground::{hits, impact_time},
+    impulse::{Approach, Contact, ContactAdjoint, Law},
     lanes::Node,
     real::{Quad, Real, add, add_scaled, dot, scale, sub},
     smooth::Layer,
     surroundings::{Around, Surroundings},
     system::{Ground, System},
 };
-use crate::constants::{MAX_PUSH_M, MIN_APPROACH_M_S, PUSH_S};
+use crate::constants::CONTACT_MARGIN_M;
 
 /// A collider in a substep.
 #[derive(Clone, Copy, Debug)]
@@ -111,7 +112,7 @@ impl<T: Real> Obstacle<T> {
 }
 
 /// d loss / d a [`Surface`].
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug)]
 pub(crate) struct SurfaceAdjoint<T> {
     pub(crate) distance: T,
     pub(crate) normal: Quad<T>,
@@ -125,69 +126,74 @@ pub(crate) struct Meeting<T> {
     pub(crate) with: Option<usize>,
     surface: Surface<T>,
     law: Law<T>,
-    /// Velocities before, after the impact, and after the push.
+    /// Velocity of the node before it.
     before: Quad<T>,
-    between: Quad<T>,
-    pub(crate) after: Quad<T>,
-    kind: Kind,
+    /// Velocity relative to the surface.
+    approach: Approach<T>,
+    kind: Kind<T>,
+    /// Change of velocity.
+    pub(crate) change: Quad<T>,
     tau: T,
+    /// True if `tau` depends on distance and approach.
+    tau_varies: bool,
 }
 
 /// The way in which a velocity changed.
 #[derive(Clone, Copy, Debug)]
-enum Kind {
-    Hard { hits: bool, pushes: bool },
+enum Kind<T> {
+    Hard(Contact<T>),
     Smooth,
 }
 
 impl<T: Real> Meeting<T> {
-    /// Change of velocity.
+    /// Velocity of the node after it.
     #[inline(always)]
-    pub(crate) fn change(&self) -> Quad<T> {
-        sub(self.after, self.before)
+    fn after(&self) -> Quad<T> {
+        add(self.before, self.change)
     }
 }
 
-/// Velocity with which a node so deep inside leaves at least, and its derivative by the distance.
-#[inline(always)]
-fn push<T: Real>(distance: T) -> (T, T) {
-    let (deepest, rate) = (T::from_f64(MAX_PUSH_M), T::from_f64(1.0 / PUSH_S));
-    if -distance < deepest { (-distance * rate, -rate) } else { (deepest * rate, T::ZERO) }
+impl<T: Real> Surface<T> {
+    /// The velocity of a node relative to it.
+    #[inline(always)]
+    fn approach(&self, start: Quad<T>, v: Quad<T>) -> Approach<T> {
+        Approach { start: sub(start, self.velocity), now: sub(v, self.velocity) }
+    }
 }
 
+/// The meeting with a collider of a node that started the substep with velocity `start`.
 #[inline(always)]
 fn meeting<T: Real>(
     obstacle: usize,
     surface: Surface<T>,
     law: Law<T>,
     dt: T,
+    start: Quad<T>,
     v: Quad<T>,
 ) -> Option<Meeting<T>> {
     let (d, n) = (surface.distance, surface.normal);
-    let u = sub(v, surface.velocity);
-    let along = dot(n, u);
-    let hits = (d + dt * along < T::ZERO) & (along < -T::from_f64(MIN_APPROACH_M_S));
-    let between = if hits { add(v, impact(law, u, n)) } else { v };
-    let mut after = between;
-    let mut pushes = false;
-    if d < T::ZERO {
-        let lack = push(d).0 - dot(n, sub(between, surface.velocity));
-        pushes = lack > T::ZERO;
-        if pushes {
-            after = add_scaled(after, lack, n);
-        }
-    }
-    let tau = if hits { (d / -along).at_least(T::ZERO).at_most(dt) } else { T::ZERO };
-    (hits | pushes).then_some(Meeting {
-        with: Some(obstacle),
-        surface,
-        law,
-        before: v,
-        between,
-        after,
-        kind: Kind::Hard { hits, pushes },
-        tau,
-    })
+    let approach = surface.approach(start, v);
+    let along = dot(n, approach.now);
+    let hits = (d + dt * along < T::from_f64(CONTACT_MARGIN_M)) & (along < T::ZERO);
+    let contact = Contact::new(law, approach, n, hits, (d < T::ZERO).then_some(d));
+    contact.acts().then(|| hard(Some(obstacle), surface, law, dt, v, approach, contact))
+}
+
+#[inline(always)]
+fn hard<T: Real>(
+    with: Option<usize>,
+    surface: Surface<T>,
+    law: Law<T>,
+    dt: T,
+    before: Quad<T>,
+    approach: Approach<T>,
+    contact: Contact<T>,
+) -> Meeting<T> {
+    let along = dot(surface.normal, approach.now);
+    let (tau, tau_varies) =
+        if contact.hits { impact_time(surface.distance, along, dt) } else { (T::ZERO, false) };
+    let (kind, change) = (Kind::Hard(contact), contact.change);
+    Meeting { with, surface, law, before, approach, kind, change, tau, tau_varies }
 }
 
 /// The meeting with a surface in its layer.
@@ -197,13 +203,13 @@ fn smooth_meeting<T: Real>(
     surface: Surface<T>,
     law: Law<T>,
     layer: &Layer<T>,
-    v: Quad<T>,
+    before: Quad<T>,
 ) -> Option<Meeting<T>> {
     layer.reaches(surface.distance).then(|| {
-        let u = sub(v, surface.velocity);
-        let after = add(v, layer.change(law, surface.distance, u, surface.normal));
-        let (kind, tau) = (Kind::Smooth, T::ZERO);
-        Meeting { with, surface, law, before: v, between: after, after, kind, tau }
+        let approach = surface.approach(before, before);
+        let change = layer.change(law, surface.distance, approach.now, surface.normal);
+        let (kind, tau, tau_varies) = (Kind::Smooth, T::ZERO, false);
+        Meeting { with, surface, law, before, approach, kind, change, tau, tau_varies }
     })
 }
 
@@ -218,39 +224,43 @@ pub(crate) struct Scene<'a, T> {
 }
 
 impl<T: Real> Scene<'_, T> {
-    /// The node after a substep that it starts at `x` with velocity `v`; shows what it meets.
+    /// The node after a substep that it starts as `start`, with velocity `v` after forces acted;
+    /// shows what it meets.
     #[inline(always)]
     pub(crate) fn advance(
         &self,
-        x: Quad<T>,
+        start: Node<T>,
         v: Quad<T>,
         mut on_meeting: impl FnMut(&Meeting<T>),
     ) -> Node<T> {
-        let dt = self.dt;
+        let (dt, x) = (self.dt, start.x);
         let mut now = v;
         let mut path = None;
         if let Some((ground, law)) = &self.ground {
             let met = match &self.layer {
-                None => {
-                    hits_ground(ground, x, v, dt).then(|| meeting_ground(ground, *law, dt, x, v))
-                }
+                None => hits(ground, v, add_scaled(x, dt, v)).then(|| {
+                    let surface = on_ground(ground, x);
+                    let approach = surface.approach(start.v, v);
+                    let contact = Contact::new(*law, approach, ground.normal, true, None);
+                    hard(None, surface, *law, dt, v, approach, contact)
+                }),
                 Some(layer) => smooth_meeting(None, on_ground(ground, x), *law, layer, v),
             };
             if let Some(m) = met {
                 on_meeting(&m);
-                (now, path) = (m.after, Some((m.tau, m.before)));
+                (now, path) = (m.after(), Some((m.tau, m.before)));
             }
         }
         for (o, obstacle) in self.obstacles.iter().enumerate() {
             let collider = &self.of.colliders[obstacle.collider];
             let surface = obstacle.surface(collider, x);
             let met = match &self.layer {
-                None => meeting(o, surface, collider.law, dt, now),
+                None => meeting(o, surface, collider.law, dt, start.v, now),
                 Some(layer) => smooth_meeting(Some(o), surface, collider.law, layer, now),
             };
             if let Some(m) = met {
                 on_meeting(&m);
-                (now, path) = (m.after, Some((m.tau, m.before)));
+                (now, path) = (m.after(), Some((m.tau, m.before)));
             }
         }
         match path {
@@ -262,7 +272,8 @@ impl<T: Real> Scene<'_, T> {
     }
 
     /// Adjoint of [`Self::advance`], given what the node met: d loss / d (x, v) from that of the
-    /// result. `seed` gives d loss / d velocity change by an obstacle of itself.
+    /// result, and d loss / d the velocity at the start. `seed` gives d loss / d velocity change by
+    /// an obstacle of itself.
     #[inline(always)]
     pub(crate) fn advance_adjoint(
         &self,
@@ -271,68 +282,48 @@ impl<T: Real> Scene<'_, T> {
         seed: impl Fn(Option<usize>) -> Quad<T>,
         law_bar: &mut Law<T>,
         around: &mut AroundAdjoint<T>,
-    ) -> Node<T> {
+    ) -> (Node<T>, Quad<T>) {
         let dt = self.dt;
+        let mut start_bar = [T::ZERO; 4];
         let Some(last) = meetings.last() else {
-            return Node { x: bar.x, v: add_scaled(bar.v, dt, bar.x) };
+            return (Node { x: bar.x, v: add_scaled(bar.v, dt, bar.x) }, start_bar);
         };
         let mut x_bar = bar.x;
         let mut v_bar = add_scaled(bar.v, dt - last.tau, bar.x);
         // x' = x + tau v + (dt - tau) v'
-        let mut tau_bar = -dot(bar.x, last.change());
+        let mut tau_bar = -dot(bar.x, last.change);
         let mut before_bar = scale(bar.x, last.tau);
         for m in meetings.iter().rev() {
             let (s, n) = (&m.surface, m.surface.normal);
-            let seed = seed(m.with);
-            let after_bar = add(v_bar, seed);
-            let mut in_bar = sub(before_bar, seed);
-            let mut s_bar = SurfaceAdjoint::default();
-            let mut between_bar = after_bar;
-            let (hits, pushes) = match m.kind {
-                Kind::Hard { hits, pushes } => (hits, pushes),
-                Kind::Smooth => (false, false),
+            let change_bar = add(v_bar, seed(m.with));
+            let g = match (m.kind, &self.layer) {
+                (Kind::Hard(contact), _) => {
+                    contact.adjoint(m.law, m.approach, n, s.distance, change_bar)
+                }
+                (Kind::Smooth, Some(layer)) => {
+                    layer.change_adjoint(m.law, s.distance, m.approach.now, n, change_bar)
+                }
+                (Kind::Smooth, None) => ContactAdjoint::ZERO,
             };
-            if pushes {
-                let along = dot(n, after_bar);
-                let (speed, slope) = push(s.distance);
-                let leaves = sub(m.between, s.velocity);
-                s_bar.distance += slope * along;
-                s_bar.velocity = scale(n, along);
-                s_bar.normal = add_scaled(scale(after_bar, speed - dot(n, leaves)), -along, leaves);
-                between_bar = add_scaled(after_bar, -along, n);
+            if m.with.is_none() {
+                law_bar.add(&g);
             }
-            in_bar = add(in_bar, between_bar);
-            if let (Kind::Smooth, Some(layer)) = (m.kind, &self.layer) {
-                let u = sub(m.before, s.velocity);
-                let (g, h_bar) = layer.change_adjoint(m.law, s.distance, u, n, after_bar);
-                if m.with.is_none() {
-                    law_bar.restitution += g.restitution;
-                    law_bar.friction += g.friction;
-                }
-                in_bar = add(in_bar, g.v);
-                s_bar.velocity = scale(g.v, -T::ONE);
-                s_bar.normal = g.normal;
-                s_bar.distance = h_bar;
-            }
-            if hits {
-                let u = sub(m.before, s.velocity);
-                let g = impact_adjoint(m.law, u, n, between_bar);
-                if m.with.is_none() {
-                    law_bar.restitution += g.restitution;
-                    law_bar.friction += g.friction;
-                }
-                in_bar = add(in_bar, g.v);
-                s_bar.velocity = sub(s_bar.velocity, g.v);
-                s_bar.normal = add(s_bar.normal, g.normal);
-                if s.distance > T::ZERO {
-                    // tau = -d / (u . n)
-                    let inverse = T::ONE / dot(n, u);
-                    s_bar.distance -= tau_bar * inverse;
-                    let along = -(tau_bar * m.tau * inverse);
-                    in_bar = add_scaled(in_bar, along, n);
-                    s_bar.velocity = add_scaled(s_bar.velocity, -along, n);
-                    s_bar.normal = add_scaled(s_bar.normal, along, u);
-                }
+            start_bar = add(start_bar, g.start);
+            let mut in_bar = add(add(before_bar, v_bar), g.v);
+            let mut s_bar = SurfaceAdjoint {
+                distance: g.distance,
+                normal: g.normal,
+                velocity: scale(add(g.v, g.start), -T::ONE),
+            };
+            if m.tau_varies {
+                // tau = -d / (u . n)
+                let u = m.approach.now;
+                let inverse = T::ONE / dot(n, u);
+                s_bar.distance -= tau_bar * inverse;
+                let along = -(tau_bar * m.tau * inverse);
+                in_bar = add_scaled(in_bar, along, n);
+                s_bar.velocity = add_scaled(s_bar.velocity, -along, n);
+                s_bar.normal = add_scaled(s_bar.normal, along, u);
             }
             x_bar = match m.with {
                 None => add_scaled(x_bar, s_bar.distance, n),
@@ -344,32 +335,8 @@ impl<T: Real> Scene<'_, T> {
             };
             (v_bar, before_bar, tau_bar) = (in_bar, [T::ZERO; 4], T::ZERO);
         }
-        Node { x: x_bar, v: v_bar }
+        (Node { x: x_bar, v: v_bar }, start_bar)
     }
-}
-
-/// True if a node hits the ground, in the roundings of [`super::ground::advance`].
-#[inline(always)]
-fn hits_ground<T: Real>(ground: &Ground<T>, x: Quad<T>, v: Quad<T>, dt: T) -> bool {
-    let height = dot(ground.normal, add_scaled(x, dt, v)) - ground.offset;
-    (height < T::ZERO) & (dot(ground.normal, v) < -T::from_f64(MIN_APPROACH_M_S))
-}
-
-/// The meeting of a node that hits the ground.
-#[inline(always)]
-fn meeting_ground<T: Real>(
-    ground: &Ground<T>,
-    law: Law<T>,
-    dt: T,
-    x: Quad<T>,
-    v: Quad<T>,
-) -> Meeting<T> {
-    let surface = on_ground(ground, x);
-    let after = add(v, impact(law, v, ground.normal));
-    let along = dot(ground.normal, v);
-    let tau = (surface.distance / -along).at_least(T::ZERO).at_most(dt);
-    let kind = Kind::Hard { hits: true, pushes: false };
-    Meeting { with: None, surface, law, before: v, between: after, after, kind, tau }
 }
 
 impl<T: Real> Around<T> {

@@ -22,7 +22,7 @@
 //! at `x + dt v'`.
 
 use super::{
-    impulse::{ImpactAdjoint, Law},
+    impulse::{ContactAdjoint, Law},
     real::{Quad, Real, add, add_scaled, dot, scale},
 };
 use crate::constants::{SMOOTH_RATE_1_S, SMOOTH_STIFFNESS_M_S2};
@@ -94,8 +94,7 @@ impl<T: Real> Layer<T> {
         add_scaled(scale(n, j), -(most / speed), u_t)
     }
 
-    /// Adjoint of [`Self::change`] for d loss / d change = `bar`; beside that of velocity, normal and
-    /// law, d loss / d h.
+    /// Adjoint of [`Self::change`] for d loss / d change = `bar`.
     #[inline(always)]
     pub(crate) fn change_adjoint(
         &self,
@@ -104,7 +103,7 @@ impl<T: Real> Layer<T> {
         u: Quad<T>,
         n: Quad<T>,
         bar: Quad<T>,
-    ) -> (ImpactAdjoint<T>, T) {
+    ) -> ContactAdjoint<T> {
         let u_n = dot(u, n);
         let u_t = add_scaled(u, -u_n, n);
         let at = self.normal(law, h, u_n);
@@ -129,13 +128,14 @@ impl<T: Real> Layer<T> {
         let u_n_bar = -(at.gamma * y_bar) - dot(n, u_t_bar);
         let normal = add_scaled(scale(bar, at.j), u_n_bar, u);
         let two = T::from_f64(2.0);
-        let adjoint = ImpactAdjoint {
+        ContactAdjoint {
+            start: [T::ZERO; 4],
             v: add_scaled(u_t_bar, u_n_bar, n),
             normal: add(normal, scale(u_t_bar, -u_n)),
+            distance: h_bar,
             restitution: -(two * gamma_bar * at.share * self.stiffness.sqrt()),
             friction: most_bar * at.j,
-        };
-        (adjoint, h_bar)
+        }
     }
 }
 

@@ -143,9 +143,9 @@ fn travel<T: Real>(
             continue;
         }
         let x = node.x;
-        *node = scene.advance(x, v, |meeting| {
+        *node = scene.advance(*node, v, |meeting| {
             if of.measured {
-                let impulse = scale(meeting.change(), system.masses[i]);
+                let impulse = scale(meeting.change, system.masses[i]);
                 match meeting.with.map(|o| &obstacles[o]) {
                     None => forces.by_ground(impulse),
                     Some(o) => forces.by_collider(o.collider, &o.body, x, impulse),

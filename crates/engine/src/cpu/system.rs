@@ -102,6 +102,8 @@ pub(crate) struct System<T> {
     pub(crate) gravity: Quad<T>,
     pub(crate) ground: Option<Ground<T>>,
     pub(crate) contact: ContactRule,
+    /// Positions at rest [m], shape [N].
+    pub(crate) rest: Vec<Quad<T>>,
     pub(crate) object_ids: Vec<u32>,
     /// Pairs exempt from self contact, sorted; empty if self contact is off.
     pub(crate) joined: Vec<[u32; 2]>,
@@ -157,6 +159,7 @@ impl<T: Real> System<T> {
                 between_objects: contact.between_objects,
                 within_object: contact.within_object,
             },
+            rest: graph.rest_positions.iter().map(|&x| quad(x)).collect(),
             object_ids: graph.object_ids.clone(),
             joined: if contact.within_object { layout.joined(graph).to_vec() } else { Vec::new() },
             dt: T::from_f64(dt),

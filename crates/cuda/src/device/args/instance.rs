@@ -171,6 +171,8 @@ device_struct! {
         neighbours: Pointer<u32>,
         x: Pointer<[f32; 4]>,
         v: Pointer<[f32; 4]>,
+        start: Pointer<[f32; 4]>,
+        rest: Pointer<[f32; 4]>,
         collision_distance: f32,
         max_partners: u32,
         between_objects: u32,

@@ -116,6 +116,6 @@ device_struct! {
         spring_count: u32,
         control_count: u32,
         frame_count: u32,
-        rate: f32,
+        unused: u32,
     }
 }

@@ -56,13 +56,13 @@ impl<T: Real> Work<T> for BackSurrounded<'_, T> {
             }
             let velocities = if touches { &w.after } else { before };
             let travel = Travel { of, system, seeds, around: &w.around };
-            let law_bar = &mut a.ground;
             let state = (nodes, velocities);
-            travel.back(state, &mut a.bar, law_bar, &mut a.around, &mut meetings);
+            let bars = (&mut *a.bar, &mut *a.start_bar);
+            travel.back(state, bars, &mut a.ground, &mut a.around, &mut meetings);
             if touches {
-                let (bar, scratch) = (&mut a.bar, &mut w.after);
-                let law_bar = &mut a.object;
-                collide_adjoint(system, &w.candidates, nodes, before, bar, scratch, law_bar);
+                let bars = (&mut *a.bar, &mut *a.start_bar);
+                let (scratch, law_bar) = (&mut w.after, &mut a.object);
+                collide_adjoint(system, &w.candidates, nodes, before, bars, scratch, law_bar);
             }
             if let Some(seeds) = seeds {
                 let rate = T::from_f64(1.0 / system.frame_s);
@@ -73,7 +73,8 @@ impl<T: Real> Work<T> for BackSurrounded<'_, T> {
             }
             a.around.hold_velocities((of, &w.around), system, &mut a.bar);
             a.controls.pin_velocities(system, &mut a.bar);
-            a.drag += accelerate_adjoint(system, before, &mut a.bar, &mut a.lambda);
+            let bars = (&mut *a.bar, &mut *a.start_bar);
+            a.drag += accelerate_adjoint(system, before, bars, &mut a.lambda);
             if let Some(seeds) = seeds {
                 a.drag +=
                     seed_held(m, seeds, of, system, (nodes, twists), w, &mut a.bar, &mut a.lambda);
@@ -145,7 +146,7 @@ impl<T: Real> Travel<'_, T> {
     fn back(
         &self,
         (nodes, velocities): (&[Node<T>], &[Quad<T>]),
-        bar: &mut [Node<T>],
+        (bar, start_bar): (&mut [Node<T>], &mut [Quad<T>]),
         law_bar: &mut Law<T>,
         around_bar: &mut AroundAdjoint<T>,
         meetings: &mut Vec<Meeting<T>>,
@@ -158,7 +159,7 @@ impl<T: Real> Travel<'_, T> {
                 continue;
             }
             meetings.clear();
-            scene.advance(node.x, v, |m| meetings.push(*m));
+            scene.advance(*node, v, |m| meetings.push(*m));
             let seed = |with: Option<usize>| {
                 let Some(seeds) = seeds else { return [T::ZERO; 4] };
                 let by = match with {
@@ -168,7 +169,8 @@ impl<T: Real> Travel<'_, T> {
                 scale(by, system.masses[i] * rate)
             };
             let state = (node.x, &**meetings);
-            bar[i] = scene.advance_adjoint(state, bar[i], seed, law_bar, around_bar);
+            (bar[i], start_bar[i]) =
+                scene.advance_adjoint(state, bar[i], seed, law_bar, around_bar);
         }
     }
 }
