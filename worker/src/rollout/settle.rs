@@ -1,12 +1,12 @@
 //! The settled state of a twin: its rest shape come to rest in a world, held by its control points
 //! where they are at rest.
 //!
-//! It is simulated with more drag, which changes the way there but not where forces balance. Rest is
-//! judged by how far nodes get, not by their velocities: those of nodes on the ground are not zero.
+//! It is simulated with more drag, which changes the way there but not where forces balance. What the
+//! world's ground would bury starts on it, since the ground pushes nothing out.
 
 use std::sync::Arc;
 
-use bendtwin_core::{CancelToken, Point, geometry::distance};
+use bendtwin_core::{CancelToken, Plane, Point, geometry::distance};
 use bendtwin_engine::{
     Backend, Objective,
     backend::{Instance, Outputs},
@@ -53,7 +53,7 @@ pub(super) fn settle(
     let at_rest = Arc::new(graph.control_rest.clone());
     let controls: Arc<Vec<Point>> = Arc::new(at_rest.repeat(interval + 1));
     let outputs = Outputs { final_state: true, ..Outputs::NONE };
-    let mut state = Arc::new(State::rest(graph));
+    let mut state = Arc::new(above_ground(State::rest(graph), model.model().environment.ground));
     let mut speed_m_s = f64::INFINITY;
     for passed in 0..intervals {
         let instance = Instance {
@@ -85,6 +85,17 @@ pub(super) fn settle(
         }
     }
     Err(Error::NeverAtRest { speed_m_s, after_s: LONGEST_S })
+}
+
+/// The state with nodes below the ground lifted onto it.
+fn above_ground(mut state: State, ground: Option<Plane>) -> State {
+    let Some(Plane { normal, offset_m }) = ground else { return state };
+    for x in &mut state.positions {
+        let height: f32 = x.iter().zip(normal).map(|(x, n)| x * n).sum::<f32>() - offset_m;
+        let lift = (-height).max(0.0);
+        *x = std::array::from_fn(|k| x[k] + lift * normal[k]);
+    }
+    state
 }
 
 #[cfg(test)]
