@@ -12,6 +12,7 @@ import numpy.typing as npt
 from bendtwin.skin import Skin
 from bendtwin.tensors import unpack
 from bendtwin.v1 import twin_pb2
+from bendtwin.world import Grasp
 
 FloatArray = npt.NDArray[np.floating[Any]]
 IndexArray = npt.NDArray[np.uint32]
@@ -78,6 +79,16 @@ class Geometry:
     def hand_count(self) -> int:
         """Number of hands."""
         return int(self.hands.max()) + 1 if self.hands.size else 0
+
+    def released(self, instances: int = 1) -> dict[str, Any]:
+        """Arguments of a rollout in which no hand of the capture holds the object: it drops.
+
+        `twin.rollout(**geometry.released(), frames=30, initial=state)`
+        """
+        poses = np.zeros((instances, 2, 1, 7), np.float32)
+        poses[..., 6] = 1.0
+        hands = [Grasp(hand=hand, closed=False) for hand in range(self.hand_count)]
+        return {"poses": poses, "grasps": hands}
 
     @classmethod
     def from_proto(cls, message: twin_pb2.TwinGeometry) -> Geometry:
