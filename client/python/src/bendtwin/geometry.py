@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import Any
 
@@ -10,6 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from bendtwin.skin import Skin
+from bendtwin.state import State
 from bendtwin.tensors import unpack
 from bendtwin.v1 import twin_pb2
 from bendtwin.world import Grasp
@@ -80,15 +81,18 @@ class Geometry:
         """Number of hands."""
         return int(self.hands.max()) + 1 if self.hands.size else 0
 
-    def released(self, instances: int = 1) -> dict[str, Any]:
-        """Arguments of a rollout in which no hand of the capture holds the object: it drops.
+    def released(self, state: State | None = None) -> dict[str, Any]:
+        """Arguments of a rollout in which nothing holds the object, so that it drops: from a state,
+        or [B] of them, whatever held it there, or else from where the rollout says.
 
-        `twin.rollout(**geometry.released(), frames=30, initial=state)`
+        `twin.rollout(**geometry.released(state), frames=30)`
         """
-        poses = np.zeros((instances, 2, 1, 7), np.float32)
-        poses[..., 6] = 1.0
+        is_batch = state is not None and np.ndim(state.positions) == 3
+        count = len(np.asarray(state.positions)) if state is not None and is_batch else 1
+        poses = np.tile(np.array([0, 0, 0, 0, 0, 0, 1], np.float32), (count, 2, 1, 1))
         hands = [Grasp(hand=hand, closed=False) for hand in range(self.hand_count)]
-        return {"poses": poses, "grasps": hands}
+        start = {} if state is None else {"initial": replace(state, grasping=None)}
+        return {"poses": poses, "grasps": hands, **start}
 
     @classmethod
     def from_proto(cls, message: twin_pb2.TwinGeometry) -> Geometry:
