@@ -102,14 +102,14 @@ def test_what_is_held_stays_held(scene, task):
     assert abs(heights[0]).max() < 2e-3
     np.testing.assert_allclose(np.diff(heights[1:], axis=0)[:, 1:], 0.01, atol=1e-4)
     assert abs(np.array(heights)[:, 0]).max() < 2e-3
-    # Closings begin anew with the episode.
+    # Closings begin again with the episode.
     env.step(action)
     env.step(action)
     observed, *_ = env.step(action)
     assert abs(observed[:, 5] - start[2]).max() < 2e-3
 
 
-def test_episodes_start_anew_in_the_next_step(task):
+def test_episodes_begin_again_in_the_next_step(task):
     env = environments(task, episode_frames=2 * STEP)
     assert env.metadata["autoreset_mode"] is AutoresetMode.NEXT_STEP
     first, info = env.reset(seed=0)
@@ -128,7 +128,7 @@ def test_episodes_start_anew_in_the_next_step(task):
     np.testing.assert_array_equal(info["strain"], 0.0)
 
 
-def test_episodes_start_anew_in_the_same_step(task):
+def test_episodes_begin_again_in_the_same_step(task):
     env = environments(
         task, episode_frames=2 * STEP, autoreset_mode=AutoresetMode.SAME_STEP, success=is_up
     )

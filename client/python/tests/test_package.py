@@ -1,4 +1,4 @@
-"""What the modules of the package list."""
+"""Names that modules of the package list."""
 
 import importlib
 

@@ -157,7 +157,7 @@ def test_the_next_plan_begins_with_the_shifted_one():
     np.testing.assert_allclose(again.knots[0], half[0], atol=1e-12)
     planner.shift(frames=3)
     planner.plan()
-    assert planner.problem.frame == 9, "what is around goes on with the plan"
+    assert planner.problem.frame == 9, "surroundings move on with the plan"
     planner.reset()
     np.testing.assert_array_equal(planner.nominal, 0.0)
     planner.plan()

@@ -44,5 +44,5 @@ def test_the_page_leads_to_a_closed_loop(tmp_path, monkeypatch, capsys):
 
 
 def is_ours(warning):
-    """Not what the interpreter says of its own resources."""
+    """True for all but what the interpreter says of its resources."""
     return not issubclass(warning.category, ResourceWarning)

@@ -214,8 +214,8 @@ pub struct ConvexMesh {
     pub points: ::core::option::Option<Tensor>,
 }
 /// A hold of a gripper on the object. The twin's own control points hold as they were fitted, unless a
-/// grasp of their `hand` is open: to take hold elsewhere, let go of them by one that is never closed,
-/// whose `closed` is \[0\].
+/// grasp of their `hand` is open: to take hold elsewhere, release them by one that is never closed, whose
+/// `closed` is \[0\].
 #[derive(Clone, PartialEq, ::prost::Message)]
 pub struct Grasp {
     /// The gripper, by its number in the actions' poses.

@@ -37,11 +37,11 @@ class TwinVectorEnv(VectorEnv):
     The reward is the negative cost of the step.
 
     An episode is truncated after `episode_frames`. It terminates where it succeeds, and where an
-    instance diverges, or is implausible and the task refuses that. Such a step, and each that the
-    episode would still have had, costs `diverged_cost`, and no other step costs more, so that to
-    diverge is the worst outcome. With NEXT_STEP the step after the last one starts an episode anew
-    and ignores its action; with SAME_STEP the last one does, and `info` has the last observation as
-    `final_obs`, and `final_info`.
+    instance diverges, or is implausible and the task refuses that. To diverge is the worst outcome:
+    the step costs `diverged_cost`, and so does each that the episode would still have had, while no
+    other step costs more. With NEXT_STEP the step after the last one begins another episode and
+    ignores its action; with SAME_STEP the last one does, and `info` has `final_info` and the last
+    observation, `final_obs`.
 
     `info` has `is_success`, `diverged` and `strain`, the largest of a spring in this step.
     """
@@ -71,7 +71,7 @@ class TwinVectorEnv(VectorEnv):
             autoreset_mode: NEXT_STEP or SAME_STEP.
         """
         if autoreset_mode not in (AutoresetMode.NEXT_STEP, AutoresetMode.SAME_STEP):
-            raise ValueError("episodes start anew with NEXT_STEP or SAME_STEP")
+            raise ValueError("episodes begin again with NEXT_STEP or SAME_STEP")
         if task.ensemble is not None:
             raise ValueError("an environment is one object: vary the task by environment instead")
         self.metadata = {"autoreset_mode": autoreset_mode}
@@ -177,7 +177,7 @@ def _last(
 
 
 def _start(task: Task, count: int) -> State:
-    """The initial state of a task, so many times and with all its parts, as replies have them."""
+    """The initial state of a task with all its parts, repeated for each environment."""
     state, geometry = task.initial, task.twin.geometry()
     if not isinstance(state, State) or state.controls is None or np.ndim(state.positions) != 2:
         raise ValueError(

@@ -1,7 +1,7 @@
 """Surroundings of a plan that change with time: closings of grasps, and paths of colliders.
 
 A request has them by the knots of its actions. A task has them by frame, so that they are the same
-for any number of knots and go on while a loop shifts its plan.
+for any number of knots and continue while a loop shifts its plan.
 """
 
 from __future__ import annotations

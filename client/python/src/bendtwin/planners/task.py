@@ -53,7 +53,7 @@ class Problem(Protocol):
         """Seconds from frame to frame."""
 
     def at(self, frame: float) -> Problem:
-        """The same problem when so many frames have been executed."""
+        """The same problem after a number of executed frames."""
 
     def evaluate(
         self,
@@ -82,7 +82,7 @@ class Task:
     frames: int
     interpolation: Interpolation = "linear"
     fidelity: Fidelity = "exact"
-    #: Where planners begin that are given no other state; of a session: `SessionSlots`.
+    #: State that planners begin in if they are given no other; of a session: `SessionSlots`.
     initial: InitialState = _REST
     #: Ground, gravity and colliders. A `Collider.path` has a pose for each frame boundary, [T, 7],
     #: of which the last holds on.
@@ -117,7 +117,7 @@ class Task:
         return 1.0 / self.twin.info.fps if self.twin.info.fps else 1.0
 
     def at(self, frame: float) -> Task:
-        """The same task when so many frames have been executed: paths and closings go on."""
+        """The same task after a number of executed frames: paths and closings continue there."""
         return replace(self, since=np.asarray(self.since) + frame)
 
     def request(

@@ -40,7 +40,7 @@ class _RolloutCosts(torch.autograd.Function):
 def rollout_costs(task: Problem, knots: torch.Tensor, initial: InitialState | None = None) -> Any:
     """Costs [B] of knots [B, K, D] from a state, in one call; differentiable once by the knots.
 
-    Where a gradient is wanted contact is smoothed over a millimetre, in the costs as well, unless
+    Contact is smoothed over a millimetre where a gradient is wanted, in the costs as well, unless
     the task has other options: a step along a gradient through impacts leads astray.
     """
     if isinstance(task, Task) and task.gradient is None:
