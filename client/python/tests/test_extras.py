@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from server import make_rope, needs_server, running
 
-from bendtwin import Client, GradientOptions, Keypoints, Returns
+from bendtwin import Client, GradientOptions, Keypoints, Returns, Vary, World
 from bendtwin.planners import Task, Together
 
 pytestmark = needs_server
@@ -19,7 +19,7 @@ SETTINGS = {
 
 @pytest.fixture(scope="module")
 def scene(tmp_path_factory):
-    """A task of 6 frames and the state that it starts from."""
+    """A task of 6 frames, of a heavier rope on another ground, and the state it starts from."""
     folder = tmp_path_factory.mktemp("extras")
     make_rope(folder / "rope.zip")
     with running(folder) as address, Client(address) as client:
@@ -32,7 +32,24 @@ def scene(tmp_path_factory):
         )
         goal = np.asarray(state.positions)[:1] + np.array([0.04, 0.0, 0.04])
         costs = [Keypoints(nodes=[0], targets=goal, squared=True)]
-        yield Task(twin=twin, costs=costs, space=Together(controls), frames=6), state
+        task = Task(
+            twin=twin,
+            costs=costs,
+            space=Together(controls),
+            frames=6,
+            world=World(ground_friction=0.9),
+            vary=Vary(mass=[1.3]),
+        )
+        by_hand = twin.rollout(
+            trajectories=hold,
+            frames=6,
+            initial=state,
+            costs=costs,
+            world=task.world,
+            vary=task.vary,
+        )
+        assert task.evaluate(np.zeros((1, 2, 3)), state).costs == by_hand.costs
+        yield task, state
 
 
 def test_torch_differentiates_costs_by_knots(scene):
