@@ -32,6 +32,11 @@ class Bowl:
     wall: float = np.inf
     batches: list = field(default_factory=list)
     takes_s: float = 0.0
+    frame: float = 0.0
+
+    def at(self, frame):
+        self.frame = frame
+        return self
 
     def evaluate(self, knots, initial, *, gradients=False, timeout_s=None):
         self.batches.append(knots)
@@ -150,8 +155,13 @@ def test_the_next_plan_begins_with_the_shifted_one():
     np.testing.assert_allclose(planner.nominal, expected, atol=1e-12)
     again = planner.plan()
     np.testing.assert_allclose(again.knots[0], half[0], atol=1e-12)
+    planner.shift(frames=3)
+    planner.plan()
+    assert planner.problem.frame == 9, "surroundings move on with the plan"
     planner.reset()
     np.testing.assert_array_equal(planner.nominal, 0.0)
+    planner.plan()
+    assert planner.problem.frame == 0
 
 
 def test_sigma_is_by_coordinate_and_by_knot():

@@ -71,11 +71,12 @@ def test_grasps_open_and_close_by_knots(twin, fake):
         Grasp(region=Sphere(0.03), closed=[0, 1, 0], max_force_n=2.0),
         Grasp(nodes=[0, 2], attachment="springs", stiffness=10.0),
         Grasp(hand=1, closed=np.zeros((2, 3), bool)),
+        Grasp(hand=0, closed=False),
     ]
     quiet(twin, poses=poses(2), grasps=grasps)
     sent = fake.rollout_request.grasps
-    assert [g.WhichOneof("region") for g in sent] == ["sphere", "nodes", "hand"]
-    assert [list(g.closed.shape) for g in sent] == [[3], [], [2, 3]]
+    assert [g.WhichOneof("region") for g in sent] == ["sphere", "nodes", "hand", "hand"]
+    assert [list(g.closed.shape) for g in sent] == [[3], [], [2, 3], [1]]
     assert sent[0].max_force_n == 2.0
     assert not sent[1].HasField("max_force_n")
     assert (sent[1].stiffness, sent[2].hand.hand) == (10.0, 1)

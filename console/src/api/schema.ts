@@ -1329,11 +1329,11 @@ export interface components {
              */
             smoothing_m?: number;
         };
-        /** @description A hold of a gripper on the object. The twin's own control points hold as they were fitted, unless a grasp of their `hand` is open: to take hold elsewhere, let go of them by one that is never closed. */
+        /** @description A hold of a gripper on the object. The twin's own control points hold as they were fitted, unless a grasp of their `hand` is open: to take hold elsewhere, release them by one that is never closed, whose `closed` is [0]. */
         Grasp: {
             /** @enum {string} */
             attachment?: "PIN" | "SPRINGS";
-            /** @description UINT32 [K] for all instances or [B, K]: whether it is closed from each knot of the actions on, 1 or 0; absent: always closed. */
+            /** @description UINT32 [K] for all instances or [B, K]: whether it is closed from each knot of the actions on, 1 or 0; [1]: from first to last, whatever the number of knots; absent: always closed. */
             closed?: components["schemas"]["Tensor"];
             /** @description Only one of sphere, cuboid, nodes, hand may be given. */
             cuboid?: components["schemas"]["Cuboid"];

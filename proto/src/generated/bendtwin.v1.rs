@@ -214,7 +214,8 @@ pub struct ConvexMesh {
     pub points: ::core::option::Option<Tensor>,
 }
 /// A hold of a gripper on the object. The twin's own control points hold as they were fitted, unless a
-/// grasp of their `hand` is open: to take hold elsewhere, let go of them by one that is never closed.
+/// grasp of their `hand` is open: to take hold elsewhere, release them by one that is never closed, whose
+/// `closed` is \[0\].
 #[derive(Clone, PartialEq, ::prost::Message)]
 pub struct Grasp {
     /// The gripper, by its number in the actions' poses.
@@ -230,7 +231,7 @@ pub struct Grasp {
     #[prost(float, tag = "8")]
     pub damping: f32,
     /// UINT32 \[K\] for all instances or \[B, K\]: whether it is closed from each knot of the actions on, 1 or
-    /// 0; absent: always closed.
+    /// 0; \[1\]: from first to last, whatever the number of knots; absent: always closed.
     #[prost(message, optional, tag = "9")]
     pub closed: ::core::option::Option<Tensor>,
     /// Mean force over a frame beyond which it lets go, newtons; absent: never.

@@ -58,7 +58,7 @@ pub(super) struct Surroundings {
 #[derive(Debug)]
 enum Closed {
     Always,
-    /// For all instances, shape [K].
+    /// For all instances, shape [K], or [1] for all knots.
     Shared(Vec<u32>),
     /// Shape [B, K].
     Each(Vec<u32>),
@@ -257,7 +257,7 @@ impl Closed {
     fn at(&self, instance: usize, knot: usize, knots: usize) -> bool {
         match self {
             Self::Always => true,
-            Self::Shared(values) => values[knot] != 0,
+            Self::Shared(values) => values[knot.min(values.len() - 1)] != 0,
             Self::Each(values) => values[instance * knots + knot] != 0,
         }
     }

@@ -31,7 +31,7 @@ from bendtwin.geometry import Geometry, Ground
 from bendtwin.interpolation import Interpolation, interpolate, interpolate_poses
 from bendtwin.labels import LabelArguments, ListArguments
 from bendtwin.motion import Motion
-from bendtwin.plan import PlanUpdate, Search
+from bendtwin.plan import PlanArguments, PlanUpdate, Search
 from bendtwin.registration import Correction, Registration, Residual
 from bendtwin.resources import (
     Capture,

@@ -57,7 +57,7 @@ from bendtwin.transport import transport
 from bendtwin.twin import TwinFacts
 from bendtwin.uploads import Sender
 from bendtwin.v1 import session_pb2
-from bendtwin.world import Grasp, World
+from bendtwin.world import Grasp, Vary, World
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack
@@ -341,16 +341,17 @@ class Client:
         slots: int = 1,
         world: World | None = None,
         grasps: Sequence[Grasp] = (),
+        vary: Vary | None = None,
         fidelity: Fidelity = "exact",
         idle_timeout_s: float = 0.0,
     ) -> Session:
         """Opens simulations of a twin that stay: see `bendtwin.Client.open_session`."""
         of = await self.twin(twin) if isinstance(twin, str) else twin
         request = session_calls.open_request(
-            of.name, initial, slots, world, grasps, fidelity, idle_timeout_s
+            of.name, initial, slots, world, grasps, vary, fidelity, idle_timeout_s
         )
         info = await self._caller.run(session_calls.open_session(request))
-        return Session(self._caller, of, request, info)
+        return Session(self._caller, of, request, info, vary)
 
     async def push_capture(
         self,

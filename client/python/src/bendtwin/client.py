@@ -33,7 +33,7 @@ from bendtwin.token import shown_token, with_token
 from bendtwin.transport import transport
 from bendtwin.twin import Twin
 from bendtwin.uploads import Sender
-from bendtwin.world import Grasp, World
+from bendtwin.world import Grasp, Vary, World
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack
@@ -340,21 +340,23 @@ class Client:
         slots: int = 1,
         world: World | None = None,
         grasps: Sequence[Grasp] = (),
+        vary: Vary | None = None,
         fidelity: Fidelity = "exact",
         idle_timeout_s: float = 0.0,
     ) -> Session:
         """Opens simulations of a twin that stay at a worker between calls.
 
         They begin in `initial` (default: at rest; a batch of given states has one for each slot).
-        `world` and `grasps` are those of every rollout from there that names none itself. It ends
+        `world` and `grasps` are those of every rollout from there that names none itself; `vary`
+        too, with a factor for all slots or one for each, but in calls of this object alone. It ends
         when nobody has used it for `idle_timeout_s` (0: five minutes).
         """
         of = self.twin(twin) if isinstance(twin, str) else twin
         request = session_calls.open_request(
-            of.name, initial, slots, world, grasps, fidelity, idle_timeout_s
+            of.name, initial, slots, world, grasps, vary, fidelity, idle_timeout_s
         )
         info = self._caller.run(session_calls.open_session(request))
-        return Session(self._caller, of, request, info)
+        return Session(self._caller, of, request, info, vary)
 
     def twins(self, capture: str = "", **choice: Unpack[ListArguments]) -> Iterator[Twin]:
         """All twins, newest first, or those of a capture, with a text or a tag."""

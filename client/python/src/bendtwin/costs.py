@@ -12,9 +12,11 @@ import numpy.typing as npt
 from bendtwin.skin import POINT_SETS, PointSet
 from bendtwin.tensors import pack_floats, pack_indices
 from bendtwin.v1 import rollout_pb2, tensor_pb2
+from bendtwin.world import Cuboid, Plane
 
 When = Literal["last_frame", "every_frame", "soft_min"]
 
+_LEVEL = Plane()
 _WHEN = {
     "last_frame": rollout_pb2.Cost.LAST_FRAME,
     "every_frame": rollout_pb2.Cost.EVERY_FRAME,
@@ -61,13 +63,6 @@ def _targets(name: str, values: npt.ArrayLike) -> tensor_pb2.Tensor:
             "or [B, F, M, 3]"
         )
     return pack_floats(name, values, (None,) * (dimensions - 1) + (3,))
-
-
-def _three(name: str, values: npt.ArrayLike) -> list[float]:
-    array = np.asarray(values, dtype=float)
-    if array.shape != (3,):
-        raise ValueError(f"{name} has shape {array.shape}, not [3]")
-    return [float(value) for value in array]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -157,15 +152,13 @@ class Force(Cost):
 class Height(Cost):
     """Mean over nodes of the squared depth [m²] below a plane; level by default."""
 
-    offset_m: float = 0.0
-    #: Of length 1, to the side where nodes cost nothing.
-    normal: npt.ArrayLike = (0.0, 0.0, 1.0)
+    #: Nodes above it, on the side of its normal, cost nothing.
+    plane: Plane = _LEVEL
     #: Indices [M]; None means all.
     nodes: npt.ArrayLike | None = None
 
     def _describe(self, cost: rollout_pb2.Cost) -> None:
-        cost.height.plane.normal.extend(_three("normal", self.normal))
-        cost.height.plane.offset_m = self.offset_m
+        cost.height.plane.CopyFrom(self.plane.to_proto())
         if self.nodes is not None:
             cost.height.nodes.CopyFrom(pack_indices("nodes", self.nodes))
 
@@ -174,15 +167,12 @@ class Height(Cost):
 class Within(Cost):
     """Mean over nodes of the squared distance [m²] to a box along the axes, zero within."""
 
-    #: Least and greatest corner [3].
-    low: npt.ArrayLike
-    high: npt.ArrayLike
+    cuboid: Cuboid
     #: Indices [M]; None means all.
     nodes: npt.ArrayLike | None = None
 
     def _describe(self, cost: rollout_pb2.Cost) -> None:
-        cost.within.cuboid.low.extend(_three("low", self.low))
-        cost.within.cuboid.high.extend(_three("high", self.high))
+        cost.within.cuboid.CopyFrom(self.cuboid.to_proto())
         if self.nodes is not None:
             cost.within.nodes.CopyFrom(pack_indices("nodes", self.nodes))
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import Any
 
@@ -10,8 +10,10 @@ import numpy as np
 import numpy.typing as npt
 
 from bendtwin.skin import Skin
+from bendtwin.state import State
 from bendtwin.tensors import unpack
 from bendtwin.v1 import twin_pb2
+from bendtwin.world import Grasp
 
 FloatArray = npt.NDArray[np.floating[Any]]
 IndexArray = npt.NDArray[np.uint32]
@@ -78,6 +80,19 @@ class Geometry:
     def hand_count(self) -> int:
         """Number of hands."""
         return int(self.hands.max()) + 1 if self.hands.size else 0
+
+    def released(self, state: State | None = None) -> dict[str, Any]:
+        """Arguments of a rollout in which nothing holds the object, so that it drops: from a state,
+        or [B] of them, whatever held it there, or else from where the rollout says.
+
+        `twin.rollout(**geometry.released(state), frames=30)`
+        """
+        is_batch = state is not None and np.ndim(state.positions) == 3
+        count = len(np.asarray(state.positions)) if state is not None and is_batch else 1
+        poses = np.tile(np.array([0, 0, 0, 0, 0, 0, 1], np.float32), (count, 2, 1, 1))
+        hands = [Grasp(hand=hand, closed=False) for hand in range(self.hand_count)]
+        start = {} if state is None else {"initial": replace(state, grasping=None)}
+        return {"poses": poses, "grasps": hands, **start}
 
     @classmethod
     def from_proto(cls, message: twin_pb2.TwinGeometry) -> Geometry:

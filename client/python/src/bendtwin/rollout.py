@@ -148,6 +148,11 @@ class Implausible:
     #: The frame in which it was found; 0 where it is not known.
     frame: int
 
+    @property
+    def is_of_start(self) -> bool:
+        """True for what actions and initial state have in common, whatever comes later."""
+        return self.reason == "START_GAP"
+
 
 @dataclass(frozen=True)
 class Divergence:

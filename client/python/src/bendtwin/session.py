@@ -7,6 +7,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
+import numpy as np
 import numpy.typing as npt
 
 from bendtwin import calls, session_calls
@@ -20,6 +21,7 @@ from bendtwin.rollout import RolloutResult
 from bendtwin.state import InitialState, SessionSlots, State
 from bendtwin.twin import Twin
 from bendtwin.v1 import planning_pb2, session_pb2
+from bendtwin.world import Vary
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack
@@ -38,6 +40,7 @@ class SessionCalls(Generic[_Caller, _Twin]):
         twin: _Twin,
         opening: session_pb2.OpenSessionRequest,
         info: SessionInfo,
+        vary: Vary | None = None,
     ) -> None:
         #: What the server said when it was opened.
         self.info = info
@@ -45,6 +48,7 @@ class SessionCalls(Generic[_Caller, _Twin]):
         self._caller = caller
         self._opening = opening
         self._kept = Kept(info.slots)
+        self._vary = vary
 
     @property
     def name(self) -> str:
@@ -55,14 +59,18 @@ class SessionCalls(Generic[_Caller, _Twin]):
         self, slots: Sequence[int], arguments: RolloutArguments
     ) -> calls.Call[RolloutResult]:
         _refuse(arguments, "initial")
-        initial = SessionSlots(self.name, tuple(slots))
-        return calls.roll_out(rollout_request(self.info.twin, {**arguments, "initial": initial}))
+        own: Any = {
+            "initial": SessionSlots(self.name, tuple(slots)),
+            **self._varied(slots, arguments),
+        }
+        return calls.roll_out(rollout_request(self.info.twin, {**arguments, **own}))
 
     def _advance_request(
         self, slots: Sequence[int], arguments: RolloutArguments
     ) -> session_pb2.AdvanceSessionRequest:
         _refuse(arguments, "initial", "fidelity")
-        return session_calls.advance_request(self.name, slots, arguments)
+        own: Any = {**arguments, **self._varied(slots, arguments)}
+        return session_calls.advance_request(self.name, slots, own)
 
     def _advance(
         self, slots: Sequence[int], arguments: RolloutArguments
@@ -117,8 +125,17 @@ class SessionCalls(Generic[_Caller, _Twin]):
 
     def _plan_request(self, slot: int, arguments: PlanArguments) -> planning_pb2.PlanRequest:
         _refuse(arguments, "initial")
-        initial = SessionSlots(self.name, (slot,))
-        return plan_request(self.info.twin, {**arguments, "initial": initial})
+        own: Any = {"initial": SessionSlots(self.name, (slot,)), **self._varied([slot], arguments)}
+        return plan_request(self.info.twin, {**arguments, **own})
+
+    def _varied(self, slots: Sequence[int], arguments: RolloutArguments) -> dict[str, Vary]:
+        """The factors of the slots that instances begin in, unless the call has its own."""
+        if self._vary is None or arguments.keys() & {"vary", "ensemble"}:
+            return {}
+        actions = arguments.get("trajectories")
+        batch = len(np.asarray(arguments.get("poses") if actions is None else actions))
+        rows = list(slots) or [0]
+        return {"vary": self._vary.of(rows if len(rows) == batch else rows[:1] * batch)}
 
 
 class Session(SessionCalls[Caller, Twin]):

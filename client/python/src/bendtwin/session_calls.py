@@ -12,7 +12,7 @@ from bendtwin.rollout import FIDELITIES, Fidelity, RolloutResult
 from bendtwin.state import Grasping, InitialState, State, state_of
 from bendtwin.tensors import unpack
 from bendtwin.v1 import rollout_pb2, session_pb2
-from bendtwin.world import Grasp, Surroundings, World
+from bendtwin.world import Grasp, Surroundings, Vary, World
 
 
 def open_request(
@@ -21,10 +21,20 @@ def open_request(
     slots: int,
     world: World | None,
     grasps: Sequence[Grasp],
+    vary: Vary | None,
     fidelity: Fidelity,
     idle_timeout_s: float,
 ) -> session_pb2.OpenSessionRequest:
-    """The message that opens a session."""
+    """The message that opens a session, whose client has the factors of its slots.
+
+    Raises:
+        ValueError: If there is neither one factor nor one for each slot.
+    """
+    if vary is not None and vary.fits:
+        raise ValueError("fits go with an ensemble: give both to the calls of the session")
+    for name, factor in ({} if vary is None else vary.factors).items():
+        if factor.shape not in ((1,), (slots,)):
+            raise ValueError(f"{name} has shape {factor.shape}: give one factor, or {slots}")
     request = session_pb2.OpenSessionRequest(
         twin=twin, slots=slots, fidelity=FIDELITIES[fidelity], idle_timeout_s=idle_timeout_s
     )

@@ -7,8 +7,8 @@ x, y, z, w.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import Literal
+from dataclasses import dataclass, fields, replace
+from typing import Any, Literal
 
 import numpy as np
 import numpy.typing as npt
@@ -52,6 +52,11 @@ class Cuboid:
 
     low: npt.ArrayLike
     high: npt.ArrayLike
+
+    def to_proto(self) -> world_pb2.Cuboid:
+        """Makes the wire form."""
+        low, high = _numbers("low", self.low, 3), _numbers("high", self.high, 3)
+        return world_pb2.Cuboid(low=low, high=high)
 
 
 @dataclass(frozen=True)
@@ -102,7 +107,7 @@ class Collider:
             getattr(capsule, "from").extend(start)
             message.capsule.CopyFrom(capsule)
         elif isinstance(shape, Cuboid):
-            message.cuboid.CopyFrom(_cuboid(shape))
+            message.cuboid.CopyFrom(shape.to_proto())
         else:
             points = pack_floats("points", shape.points, (None, 3))
             message.convex_mesh.points.CopyFrom(points)
@@ -124,6 +129,11 @@ class Plane:
     offset_m: float = 0.0
     #: Of length 1, away from the ground.
     normal: npt.ArrayLike = (0.0, 0.0, 1.0)
+
+    def to_proto(self) -> world_pb2.Plane:
+        """Makes the wire form."""
+        normal = _numbers("normal", self.normal, 3)
+        return world_pb2.Plane(normal=normal, offset_m=self.offset_m)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -148,8 +158,7 @@ class World:
         if self.gravity is not None:
             message.gravity.extend(_numbers("gravity", self.gravity, 3))
         if isinstance(self.ground, Plane):
-            message.ground.offset_m = self.ground.offset_m
-            message.ground.normal.extend(_numbers("normal", self.ground.normal, 3))
+            message.ground.CopyFrom(self.ground.to_proto())
         elif self.ground is not None:
             message.no_ground = True
         return message
@@ -161,7 +170,7 @@ class Grasp:
     the twin's own control points of a hand of its capture.
 
     Control points hold as they were fitted unless a grasp of their hand is open. To take hold
-    elsewhere, add `Grasp(hand=0, closed=np.zeros(K))`.
+    elsewhere, add `Grasp(hand=0, closed=False)`.
     """
 
     #: The gripper, by its number in the poses.
@@ -176,8 +185,8 @@ class Grasp:
     stiffness: float = 0.0
     #: Newton seconds per metre; 0 chooses critical damping.
     damping: float = 0.0
-    #: Whether it is closed from each knot of the actions on, [K] or [B, K]; None: always.
-    closed: npt.ArrayLike | None = None
+    #: Whether it is closed from each knot of the actions on, [K] or [B, K], or from first to last.
+    closed: npt.ArrayLike = True
     #: Mean force over a frame beyond which it lets go; None: never.
     max_force_n: float | None = None
 
@@ -195,12 +204,12 @@ class Grasp:
         if isinstance(self.region, Sphere):
             message.sphere.CopyFrom(_sphere(self.region))
         elif isinstance(self.region, Cuboid):
-            message.cuboid.CopyFrom(_cuboid(self.region))
+            message.cuboid.CopyFrom(self.region.to_proto())
         if self.nodes is not None:
             message.nodes.CopyFrom(pack_indices("nodes", self.nodes))
         if self.hand is not None:
             message.hand.hand = self.hand
-        if self.closed is not None:
+        if self.closed is not True:
             message.closed.CopyFrom(_pack_closed(self.closed))
         return message
 
@@ -223,13 +232,27 @@ class Vary:
     #: `TwinGeometry.fits` of them.
     fits: bool = False
 
+    @property
+    def factors(self) -> dict[str, npt.NDArray[np.float64]]:
+        """The factors that are given, by name."""
+        given = {f.name: getattr(self, f.name) for f in fields(self) if f.name != "fits"}
+        return {name: np.asarray(v, dtype=np.float64) for name, v in given.items() if v is not None}
+
+    @property
+    def is_of_one(self) -> bool:
+        """True if it has one factor a parameter, of the twin itself."""
+        return not self.fits and all(factor.shape == (1,) for factor in self.factors.values())
+
+    def of(self, rows: Sequence[int]) -> Vary:
+        """The factors of some instances; a single one is that of all."""
+        chosen: Any = {k: v[np.minimum(rows, len(v) - 1)] for k, v in self.factors.items()}
+        return replace(self, **chosen)
+
     def to_proto(self) -> world_pb2.Vary:
         """Makes the wire form."""
         message = world_pb2.Vary(fits=self.fits)
-        for name in ("stiffness", "damping", "bending", "friction", "mass"):
-            values = getattr(self, name)
-            if values is not None:
-                getattr(message, name).CopyFrom(pack_floats(name, values, (None,)))
+        for name, values in self.factors.items():
+            getattr(message, name).CopyFrom(pack_floats(name, values, (None,)))
         return message
 
 
@@ -326,11 +349,6 @@ def _sphere(sphere: Sphere) -> world_pb2.Sphere:
     return world_pb2.Sphere(center=center, radius_m=sphere.radius_m)
 
 
-def _cuboid(cuboid: Cuboid) -> world_pb2.Cuboid:
-    low, high = _numbers("low", cuboid.low, 3), _numbers("high", cuboid.high, 3)
-    return world_pb2.Cuboid(low=low, high=high)
-
-
 def _numbers(name: str, values: npt.ArrayLike, count: int) -> list[float]:
     array = np.asarray(values, dtype=np.float64)
     if array.shape != (count,):
@@ -341,7 +359,7 @@ def _numbers(name: str, values: npt.ArrayLike, count: int) -> list[float]:
 
 
 def _pack_closed(closed: npt.ArrayLike) -> tensor_pb2.Tensor:
-    array = np.asarray(closed)
+    array = np.atleast_1d(closed)
     if array.ndim not in (1, 2) or not np.isin(array, (0, 1)).all():
         raise ValueError(f"closed has shape {array.shape}, not [K] or [B, K], or is not 0 or 1")
     data = array.astype("<u4").tobytes()

@@ -78,6 +78,7 @@ fn attachment(grasp: &Grasp, field: impl Fn(&str) -> String) -> Result<(), Error
 fn closed(closed: &Tensor, field: &str, moves: &Moves) -> Result<(), Error> {
     let (tensor, shape) = required(Some(closed), field, Dtype::Uint32)?;
     let fits = match (&shape[..], moves.knots) {
+        ([1], _) => true,
         ([own] | [_, own], Some(k)) if own != &k => false,
         ([_], _) => true,
         ([instances, _], Some(_)) => *instances == moves.instances,
@@ -88,7 +89,9 @@ fn closed(closed: &Tensor, field: &str, moves: &Moves) -> Result<(), Error> {
     if !fits {
         let k = moves.knots.map_or("K".to_owned(), |knots| knots.to_string());
         let b = moves.instances;
-        let fault = format!("has shape {shape:?}, not [{k}] or [{b}, {k}]: a value for each knot");
+        let fault = format!(
+            "has shape {shape:?}, not [1], [{k}] or [{b}, {k}]: a value for each knot, or one for all"
+        );
         return Err(Error::field(field, fault));
     }
     match indices(tensor).find(|value| *value > 1) {

@@ -138,6 +138,7 @@ fn sound_worlds_pass() {
         Ok(())
     );
     assert_eq!(with(&|r| r.grasps[0].closed = Some(Tensor::pack(&[2, 3], &[1u32; 6]))), Ok(()));
+    assert_eq!(with(&|r| r.grasps[0].closed = Some(Tensor::pack(&[1], &[0u32]))), Ok(()));
     let mass = |count: usize| Vary {
         mass: Some(Tensor::pack(&[count], &vec![2.0f32; count])),
         ..Vary::default()

@@ -92,6 +92,25 @@ fn reasons(part: &RollOutResponse) -> Vec<&str> {
 }
 
 #[test]
+fn one_value_is_that_of_all_knots() {
+    let bench = bench(chain(0.0));
+    for value in [0, 1u32] {
+        let ends = [&[value; 4][..], &[value]].map(|closed| {
+            let mut request = carried(&[0.01, 0.1, 0.2, 0.2]);
+            request.grasps = vec![Grasp {
+                region: Some(grasp::Region::Sphere(Sphere { center: Vec::new(), radius_m: 0.03 })),
+                closed: Some(Tensor::pack(&[closed.len()], closed)),
+                ..Grasp::default()
+            }];
+            request.returns = recording(10);
+            bench.run(request, 0).unwrap().remove(0).positions
+        });
+        assert_eq!(ends[0], ends[1]);
+        assert_eq!(points(&ends[1])[5 * N][2] > 0.1, value == 1);
+    }
+}
+
+#[test]
 fn a_gripper_lifts_a_chain_from_the_ground_and_sets_it_down() {
     let bench = bench(chain(0.0));
     // Springs give way under the weight that they carry.

@@ -50,7 +50,7 @@ class TwinTask(HydraxTask):
             nodes: Nodes whose ways are traced.
         """
         self.task, self.nodes = task, list(nodes)
-        #: Where the object is; None is the twin's rest.
+        #: Where the object is; None is the task's own state.
         self.initial: InitialState | None = None
         xml = model_xml(task.dims, task.frame_s, fastest, self.nodes)
         sites = [f"node_{node}" for node in self.nodes]

@@ -56,7 +56,7 @@ class TwinTask(JudoTask[TwinTaskConfig]):
         """
         # What the base class does would look for its own models on the network.
         self.task, self.nodes = task, list(nodes)
-        #: Where the object is; None is the twin's rest.
+        #: Where the object is; None is the task's own state.
         self.initial: InitialState | None = None
         self.config = TwinTaskConfig()
         xml = model_xml(task.dims, task.frame_s, fastest, self.nodes, has_sensors=True)

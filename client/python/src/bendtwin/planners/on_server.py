@@ -13,8 +13,8 @@ from bendtwin.plan import PlanUpdate, Search, ServerSpace
 from bendtwin.planners.knots import Array, shifted
 from bendtwin.planners.plan import ServerPlan
 from bendtwin.planners.planner import EveryPlanDiverged
-from bendtwin.planners.task import Task
-from bendtwin.state import InitialState, Rest
+from bendtwin.planners.task import ACTIONS, Task
+from bendtwin.state import InitialState
 
 _SEARCH = Search()
 
@@ -33,13 +33,15 @@ class OnServer:
         if not hasattr(task.space, "to_proto"):
             raise TypeError("the server does not know this action space: plan with Mppi, say")
         self.task, self.knots, self.search = task, knots, search
+        #: Frames that were executed since the start, or since `reset`.
+        self._frame = 0.0
         #: The plan that the next call begins with.
         self.nominal: Array = np.zeros((knots, task.dims))
 
     def plan(
         self, initial: InitialState | None = None, *, nominal: npt.ArrayLike | None = None
     ) -> ServerPlan:
-        """Lowers the cost of the nominal plan from a state; None is the twin's rest.
+        """Lowers the cost of the nominal plan from a state; None is the task's own.
 
         The nominal plan is that of the call before, shifted, unless one is given: knots [K, D].
         A state of a session stays at the server: `SessionSlots`.
@@ -47,36 +49,39 @@ class OnServer:
         Raises:
             EveryPlanDiverged: If no plan of the first iteration could be simulated.
             BendTwinError: If the server refuses; see docs/errors.md.
+            ValueError: If paths or closings of the task change between knots.
         """
-        task, began = self.task, time.monotonic()
+        task, began = self.task.at(self._frame), time.monotonic()
         start = self.nominal if nominal is None else self._checked(nominal)
+        request = task.request(start[None], initial)
+        if any(request[kind].shape[1] != self.knots for kind in ACTIONS & request.keys()):
+            raise ValueError(
+                "paths and closings change between the knots of the plan: shift by as many frames "
+                "as lie between knots, have them change there, or plan with Mppi, say"
+            )
         try:
             found = task.twin.plan(
-                **task.space.actions(start[None]),
-                frames=task.frames,
-                interpolation=task.interpolation,
-                initial=Rest() if initial is None else initial,
-                costs=task.costs,
-                fidelity=task.fidelity,
-                search=self.search,
-                space=cast(ServerSpace, task.space),
+                **request, search=self.search, space=cast(ServerSpace, task.space)
             )
         except BendTwinError as error:
             if error.reason == "EVERY_PLAN_DIVERGED":
                 raise EveryPlanDiverged from error
             raise
         self.nominal = np.array(found.coordinates)
-        return self._planned(found, time.monotonic() - began)
+        return self._planned(task, found, time.monotonic() - began)
 
     def shift(self, frames: float) -> None:
-        """Moves the nominal plan on by frames that were executed; at its end it stands still."""
+        """Moves the nominal plan on by frames that were executed, at its end it stands still, and
+        the task with it."""
         self.nominal = shifted(self.nominal, frames, self.task.frames, self.task.interpolation)
+        self._frame += frames
 
     def reset(self, nominal: npt.ArrayLike | None = None) -> None:
         """Forgets the plan before: the next one begins with these knots, or with staying still at
         the start of the action space."""
         shape = (self.knots, self.task.dims)
         self.nominal = np.zeros(shape) if nominal is None else self._checked(nominal)
+        self._frame = 0.0
 
     def _checked(self, nominal: npt.ArrayLike) -> Array:
         array = np.array(nominal, dtype=np.float64)
@@ -85,7 +90,7 @@ class OnServer:
             raise ValueError(f"nominal has shape {array.shape}: give finite knots {list(shape)}")
         return array
 
-    def _planned(self, found: PlanUpdate, time_s: float) -> ServerPlan:
+    def _planned(self, task: Task, found: PlanUpdate, time_s: float) -> ServerPlan:
         return ServerPlan(
             knots=self.nominal,
             cost=found.cost,
@@ -94,7 +99,7 @@ class OnServer:
             iterations=found.iterations,
             time_s=time_s,
             stopped="deadline" if found.met_deadline else "iterations",
-            problem=self.task,
+            problem=task,
             cost_terms=found.cost_terms,
             simulated=found.simulated,
             diverged=found.diverged,

@@ -90,6 +90,8 @@ class Planner(ABC):
         if not 0.0 < self.finest <= 1.0:
             raise ValueError("finest must be above 0, and 1 or less")
         self._random = np.random.default_rng(seed)
+        #: Frames that were executed since the start, or since `reset`.
+        self._frame = 0.0
         #: The plan that the next call begins with.
         self.nominal: Array = np.zeros((knots, problem.dims))
 
@@ -101,7 +103,7 @@ class Planner(ABC):
         iterations: int | None = None,
         deadline_s: float | None = None,
     ) -> Plan:
-        """Lowers the cost of the nominal plan from a state; None is the twin's rest.
+        """Lowers the cost of the nominal plan from a state; None is the task's own.
 
         The nominal plan is that of the call before, shifted, unless one is given: knots [K, D].
         Outside of the bounds it is moved inside first.
@@ -134,15 +136,18 @@ class Planner(ABC):
         return plan
 
     def shift(self, frames: float) -> None:
-        """Moves the nominal plan on by frames that were executed; at its end it stands still."""
+        """Moves the nominal plan on by frames that were executed, at its end it stands still, and
+        the problem with it."""
         problem = self.problem
         self.nominal = shifted(self.nominal, frames, problem.frames, problem.interpolation)
+        self._frame += frames
 
     def reset(self, nominal: npt.ArrayLike | None = None) -> None:
         """Forgets the plan before: the next one begins with these knots, or with staying still at
         the start of the action space."""
         shape = (self.knots, self.problem.dims)
         self.nominal = np.zeros(shape) if nominal is None else self._checked(nominal)
+        self._frame = 0.0
 
     # Methods
 
@@ -191,7 +196,8 @@ class _Search:
         began: float,
         deadline_s: float | None,
     ) -> None:
-        self._problem, self._initial, self._began = planner.problem, initial, began
+        self._problem = planner.problem.at(planner._frame)
+        self._initial, self._began = initial, began
         self._gradients = planner._gradients
         self._deadline_s = deadline_s
         self._longest_s = 0.0

@@ -26,7 +26,7 @@ class TwinMppi(MPPI):
     def __init__(self, task: Task, noise_sigma: torch.Tensor, **settings: Any) -> None:
         """`settings` are those of `pytorch_mppi.MPPI`."""
         self.task = task
-        #: Where the object is; None is the twin's rest.
+        #: Where the object is; None is the task's own state.
         self.initial: InitialState | None = None
         super().__init__(
             lambda state, action: state + action,

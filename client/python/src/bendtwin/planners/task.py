@@ -3,19 +3,28 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Protocol
 
 import numpy as np
 import numpy.typing as npt
 
+from bendtwin.calls import roll_out
 from bendtwin.costs import Cost
 from bendtwin.interpolation import Interpolation, interpolate, interpolate_poses
-from bendtwin.planners.knots import Array
+from bendtwin.planners.knots import Array, curve_matrix
+from bendtwin.planners.schedule import Schedule, check_rows
 from bendtwin.planners.spaces import ActionSpace
-from bendtwin.rollout import Fidelity, Returns
+from bendtwin.rollout import Fidelity, Returns, RolloutResult, warned
 from bendtwin.state import InitialState, Rest
 from bendtwin.twin import Twin
+from bendtwin.world import Ensemble, GradientOptions, Grasp, Plausibility, Vary, World
+
+_COSTS_ALONE = Returns()
+_REST = Rest()
+_CURVES = {"trajectories": interpolate, "poses": interpolate_poses}
+#: Arguments of a rollout that have a row for each knot.
+ACTIONS = _CURVES.keys()
 
 
 @dataclass(frozen=True)
@@ -43,6 +52,9 @@ class Problem(Protocol):
     def frame_s(self) -> float:
         """Seconds from frame to frame."""
 
+    def at(self, frame: float) -> Problem:
+        """The same problem after a number of executed frames."""
+
     def evaluate(
         self,
         knots: Array,
@@ -56,7 +68,11 @@ class Problem(Protocol):
 
 @dataclass(frozen=True, kw_only=True)
 class Task:
-    """Costs of a twin's motion over a horizon, as a function of knots in an action space."""
+    """Costs of a twin's motion over a horizon, as a function of knots in an action space.
+
+    All planners and adapters ask for rollouts and plans by `request`, so that they see whatever is
+    said here.
+    """
 
     twin: Twin
     costs: Sequence[Cost]
@@ -66,10 +82,29 @@ class Task:
     frames: int
     interpolation: Interpolation = "linear"
     fidelity: Fidelity = "exact"
+    #: State that planners begin in if they are given no other; of a session: `SessionSlots`.
+    initial: InitialState = _REST
+    #: Ground, gravity and colliders. A `Collider.path` has a pose for each frame boundary, [T, 7],
+    #: of which the last holds on.
+    world: World | None = None
+    #: They need a space of grippers. `Grasp.closed` has a value for each frame boundary, [T], of
+    #: which the last holds on, or one for all.
+    grasps: Sequence[Grasp] = ()
+    #: By member of the ensemble; without one, a factor for all plans.
+    vary: Vary | None = None
+    ensemble: Ensemble | None = None
+    #: Of gradients, and of the costs beside them: gradients through impacts mislead, so smooth the
+    #: contact of what lies on something (docs/gradients.md). Costs without gradients stay.
+    gradient: GradientOptions | None = None
+    #: With `refuse` plans beyond the limits count as diverged.
+    plausibility: Plausibility | None = None
+    #: The frame of paths and closings that the horizon begins in, or [B] of them: see `at`.
+    since: npt.ArrayLike = 0.0
 
     def __post_init__(self) -> None:
         if self.frames < 1:
             raise ValueError("the horizon must be one frame or more")
+        check_rows(self.world, self.grasps, self.frames)
 
     @property
     def dims(self) -> int:
@@ -81,6 +116,65 @@ class Task:
         """Seconds from frame to frame of the twin."""
         return 1.0 / self.twin.info.fps if self.twin.info.fps else 1.0
 
+    def at(self, frame: float) -> Task:
+        """The same task after a number of executed frames: paths and closings continue there."""
+        return replace(self, since=np.asarray(self.since) + frame)
+
+    def request(
+        self, knots: Array, initial: InitialState | None = None, *, frames: int | None = None
+    ) -> dict[str, Any]:
+        """Arguments of `Twin.rollout` and `Twin.plan` for knots [B, K, D] from a state, over the
+        horizon or another one [frames].
+
+        Actions have an entry for every knot, or for every frame where surroundings change between
+        knots.
+        """
+        frames = self.frames if frames is None else frames
+        ensemble = self.ensemble
+        if self.vary is not None and ensemble is None and self.vary.is_of_one:
+            ensemble = Ensemble(1)
+        given = {
+            "vary": self.vary,
+            "ensemble": ensemble,
+            "gradient": self.gradient,
+            "plausibility": self.plausibility,
+        }
+        return {
+            **self._motion(knots, frames),
+            "initial": self.initial if initial is None else initial,
+            "costs": self.costs,
+            "fidelity": self.fidelity,
+            **{name: value for name, value in given.items() if value is not None},
+        }
+
+    def rollout(
+        self,
+        knots: Array,
+        initial: InitialState | None = None,
+        *,
+        frames: int | None = None,
+        returns: Returns = _COSTS_ALONE,
+        timeout_s: float | None = None,
+    ) -> RolloutResult:
+        """Simulates knots [B, K, D] from a state, in one call.
+
+        Costs are +inf where an instance diverged, or is implausible and that is refused. There is a
+        warning where the start is implausible, which all plans share; a search tries the rest.
+        """
+        request = self.request(knots, initial, frames=frames)
+        refuses = self.plausibility is not None and self.plausibility.refuse
+        if refuses:
+            request["plausibility"] = replace(request["plausibility"], refuse=False)
+        call = roll_out(self.twin.rollout_request(**request, returns=returns))
+        call = replace(call, read=RolloutResult.from_proto)
+        result = self.twin._caller.run(call, timeout_s)
+        costs = np.where(np.isnan(result.costs), np.inf, result.costs)
+        members = 1 if self.ensemble is None else self.ensemble.members
+        if refuses:
+            costs[[i.instance // members for i in result.implausible]] = np.inf
+        warned(replace(result, implausible=[i for i in result.implausible if i.is_of_start]))
+        return replace(result, costs=costs)
+
     def evaluate(
         self,
         knots: Array,
@@ -89,35 +183,46 @@ class Task:
         gradients: bool = False,
         timeout_s: float | None = None,
     ) -> Evaluation:
-        """Simulates knots [B, K, D] from a state, in one call; None is the twin's rest."""
-        result = self.twin.rollout(
-            **self.space.actions(knots),
-            frames=self.frames,
-            interpolation=self.interpolation,
-            initial=Rest() if initial is None else initial,
-            costs=self.costs,
-            returns=Returns(action_gradients=gradients),
-            fidelity=self.fidelity,
-            timeout_s=timeout_s,
-        )
-        costs = np.where(np.isnan(result.costs), np.inf, result.costs)
+        """Simulates knots [B, K, D] from a state, in one call; None is the task's own."""
+        returns = Returns(action_gradients=gradients)
+        result = self.rollout(knots, initial, returns=returns, timeout_s=timeout_s)
         if not gradients:
-            return Evaluation(costs)
-        by_actions = result.action_gradients
-        if by_actions is None:
+            return Evaluation(np.asarray(result.costs, np.float64))
+        if result.action_gradients is None:
             raise ValueError("the server returned no gradients: is it older than this client?")
-        return Evaluation(costs, self.space.gradients(knots, by_actions.astype(np.float64)))
+        by_actions = np.asarray(result.action_gradients, np.float64)
+        count = knots.shape[1]
+        if by_actions.shape[1] != count:
+            if by_actions.shape[-1] == 7:
+                raise ValueError(
+                    "gradients of poses need surroundings that change at knots alone: choose the "
+                    "number of knots, and the frames of closings and paths, so that they do"
+                )
+            times = np.arange(self.frames + 1) * (count - 1) / self.frames
+            curve = curve_matrix(times, count, self.interpolation)
+            by_actions = np.einsum("fk,bfcx->bkcx", curve, by_actions)
+        return Evaluation(
+            np.asarray(result.costs, np.float64), self.space.gradients(knots, by_actions)
+        )
 
     def actions(self, knots: Array, frames: int | None = None) -> dict[str, Any]:
-        """Arguments of `Twin.rollout` that execute knots [K, D]: all of them, or the first frames,
-        then with an action for every frame, so that they are the very motion that was planned."""
-        named = self.space.actions(knots[None])
-        if frames is None:
-            return {**named, "frames": self.frames, "interpolation": self.interpolation}
-        if not 1 <= frames <= self.frames:
+        """Arguments of `Twin.rollout` that execute knots [K, D] in the task's surroundings: all of
+        them, or the first frames, then with an action for every frame, so that they are the very
+        motion that was planned."""
+        if frames is not None and not 1 <= frames <= self.frames:
             raise ValueError(f"the plan has {self.frames} frames: give 1..{self.frames}")
-        curves = {"trajectories": interpolate, "poses": interpolate_poses}
-        for kind in curves.keys() & named.keys():
-            dense = curves[kind](named[kind], self.frames, interpolation=self.interpolation)
-            named[kind] = dense[:, : frames + 1]
-        return {**named, "frames": frames}
+        return self._motion(knots[None], self.frames, frames)
+
+    def _motion(self, knots: Array, frames: int, first: int | None = None) -> dict[str, Any]:
+        """Actions, world and grasps over a horizon, or over its first frames."""
+        schedule = Schedule(self.world, self.grasps, frames, self.since)
+        named = self.space.actions(knots)
+        count = knots.shape[1]
+        if first is None and schedule.has_knots(count, self.interpolation):
+            named["interpolation"] = self.interpolation
+            return {**named, **schedule.at(count, frames), "frames": frames}
+        first = frames if first is None else first
+        for kind in ACTIONS & named.keys():
+            dense = _CURVES[kind](named[kind], frames, interpolation=self.interpolation)
+            named[kind] = dense[:, : first + 1]
+        return {**named, **schedule.at(first + 1, first), "frames": first}

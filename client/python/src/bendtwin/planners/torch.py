@@ -9,12 +9,16 @@ knots.grad
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import torch
 
-from bendtwin.planners.task import Problem
+from bendtwin.planners.task import Problem, Task
 from bendtwin.state import InitialState
+from bendtwin.world import GradientOptions
+
+_SMOOTHED = GradientOptions(smoothing_m=0.001)
 
 
 class _RolloutCosts(torch.autograd.Function):
@@ -34,5 +38,11 @@ class _RolloutCosts(torch.autograd.Function):
 
 
 def rollout_costs(task: Problem, knots: torch.Tensor, initial: InitialState | None = None) -> Any:
-    """Costs [B] of knots [B, K, D] from a state, in one call; differentiable once by the knots."""
+    """Costs [B] of knots [B, K, D] from a state, in one call; differentiable once by the knots.
+
+    Contact is smoothed over a millimetre where a gradient is wanted, in the costs as well, unless
+    the task has other options: a step along a gradient through impacts leads astray.
+    """
+    if isinstance(task, Task) and task.gradient is None:
+        task = replace(task, gradient=_SMOOTHED)
     return _RolloutCosts.apply(knots, task, initial)

@@ -6,8 +6,10 @@ one that has these and nothing else. The twin simulates all motion, in one call.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -15,17 +17,19 @@ import numpy.typing as npt
 from bendtwin.planners.knots import Array
 from bendtwin.planners.task import Task
 from bendtwin.rollout import Returns
-from bendtwin.state import InitialState, Rest
+from bendtwin.state import InitialState
+from bendtwin.world import Ensemble
 
 
 @dataclass(frozen=True)
 class Motion:
     """Effect of N sequences of controls, by frame."""
 
-    #: Weighted costs [N, F]: row f is what frame f + 1 adds; infinite where an instance diverged.
+    #: Weighted costs [N, F]: row f is what frame f + 1 adds, to the statistic of an ensemble;
+    #: infinite where an instance diverged.
     costs: Array
-    #: Positions [N, F, M, 3] of the nodes that were asked for, metres; after a divergence those of
-    #: the last frame before it.
+    #: Positions [N, F, M, 3] of the nodes that were asked for, metres, in the first member of an
+    #: ensemble; zeros after a divergence.
     nodes: Array
     #: Coordinates [N, F, D] at the end of each frame.
     coordinates: Array
@@ -47,21 +51,30 @@ def simulate(
     start = np.broadcast_to(np.asarray(now, dtype=np.float64), (len(steps), 1, task.dims))
     path = np.concatenate([start, start + steps.cumsum(axis=1)], axis=1)
     frames = steps.shape[1]
-    result = task.twin.rollout(
-        **replace(task, frames=frames).space.actions(path),
-        frames=frames,
-        initial=Rest() if initial is None else initial,
-        costs=task.costs,
-        returns=Returns(every_frames=1 if nodes else 0, nodes=nodes or None, frame_costs=True),
-        fidelity=task.fidelity,
-    )
+    returns = Returns(every_frames=1 if nodes else 0, nodes=nodes or None, frame_costs=True)
+    result = task.rollout(path, initial, frames=frames, returns=returns)
     if result.frame_costs is None or (nodes and result.positions is None):
         raise ValueError("the server returned no costs by frame: is it older than this client?")
-    costs = result.frame_costs[:, 1:].sum(axis=2).astype(np.float64)
+    # A row for each member of an ensemble.
+    costs = result.frame_costs[:, 1:].sum(axis=2).astype(np.float64).reshape(len(steps), -1, frames)
+    if task.ensemble is not None and result.member_costs is not None:
+        shares = _shares(task.ensemble, result.member_costs)[:, :, None]
+        costs = np.where(shares > 0.0, shares * costs, 0.0)
+    costs = costs.sum(axis=1)
     costs[~np.isfinite(result.costs)] = np.inf
-    shape = (len(steps), frames, len(nodes), 3)
-    positions = np.zeros(shape) if result.positions is None else result.positions.astype(float)
-    return Motion(costs, np.nan_to_num(positions), path[:, 1:])
+    places = np.zeros((len(steps), frames, len(nodes), 3))
+    if result.positions is not None:
+        places[:] = np.nan_to_num(result.positions.reshape(len(steps), -1, *places.shape[1:])[:, 0])
+    return Motion(costs, places, path[:, 1:])
+
+
+def _shares(ensemble: Ensemble, costs: npt.NDArray[Any]) -> Array:
+    """Shares of the members' costs [N, E] in the statistic: the worst count alike."""
+    members = ensemble.members
+    counted = {"mean": members, "worst": 1, "cvar": math.ceil(ensemble.share * members - 1e-9)}
+    rank = np.argsort(np.argsort(-costs, axis=1, kind="stable"), axis=1, kind="stable")
+    worst = min(max(counted[ensemble.statistic], 1), members)
+    return np.asarray((rank < worst) / worst)
 
 
 def model_xml(
