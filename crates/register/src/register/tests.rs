@@ -1,3 +1,5 @@
+use std::sync::Arc;
+
 use bendtwin_core::{Skin, geometry::point_distance};
 use bendtwin_engine::Model;
 
