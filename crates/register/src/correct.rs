@@ -160,6 +160,26 @@ pub fn correct(
     Ok(Corrected { state: corrected, before, after, moved_m, misfit })
 }
 
+/// Distances of an observation from a state whose control points are at `controls` [m], shape [C, 3].
+///
+/// # Errors
+/// If the input does not fit the model.
+pub fn residual(
+    model: &Model,
+    state: &State,
+    controls: &[Point],
+    observation: &Observation,
+) -> Result<Residual, Error> {
+    let graph = &model.graph;
+    observation.check(graph)?;
+    check(graph, state, controls)?;
+    let x: Vec<Vector3<f64>> =
+        state.positions.iter().chain(controls).map(|p| vector3(*p)).collect();
+    let skin = observation.tracks.is_none().then(|| MatchedSkin::new(graph, &model.skin));
+    let seen = Seen { graph, skin: skin.as_ref(), observation };
+    Ok(Residual::of(&seen.distances(&x)?))
+}
+
 impl CorrectOptions {
     fn check(&self) -> Result<(), Error> {
         let numbers = [

@@ -33,7 +33,7 @@ mod visible;
 
 pub use around::{Around, Obstacle, Placed as PlacedBody};
 pub use carry::carried;
-pub use correct::{CorrectOptions, Corrected, correct};
+pub use correct::{CorrectOptions, Corrected, correct, residual};
 pub use error::Error;
 pub use observation::{MAX_CAMERAS, MAX_POINTS, Observation};
 pub use place::{Placed, place};
