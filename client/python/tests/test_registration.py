@@ -83,7 +83,11 @@ def test_a_registration_is_read():
 
 
 def test_a_correction_knows_its_surroundings_and_brings_the_state():
-    given = {"world": World(colliders=[BALL]), "grippers": np.ones((2, 7)), "register_if_lost": True}
+    given = {
+        "world": World(colliders=[BALL]),
+        "grippers": np.ones((2, 7)),
+        "register_if_lost": True,
+    }
     call = correct_session("sessions/s", [3], POINTS, given)
     options = call.request.options
     assert options.register_if_lost

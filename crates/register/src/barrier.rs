@@ -2,9 +2,9 @@
 //! one to its other side.
 //!
 //! Obstacles are convex. Between a node outside and an obstacle is a plane, that of the obstacle's
-//! surface which is nearest to the node. Where the straight way from there meets the obstacle, a
-//! deformation ends on the node's side of that plane, so that whatever the points say, a node stays on
-//! the side where it was before.
+//! surface which is nearest to the node. A deformation that would cross the obstacle on the straight
+//! way from there ends on the node's side of that plane, so that whatever the points say, a node stays
+//! on the side where it was before.
 
 mod solid;
 
@@ -40,6 +40,8 @@ pub(crate) struct Outside<'b> {
     barrier: &'b Barrier,
     /// Positions of all endpoints [m], shape [N + C].
     pub(crate) from: Vec<Vector3<f64>>,
+    /// Planes that nodes are on at present.
+    pub(crate) contacts: Contacts,
 }
 
 /// Planes that nodes are on in a step.
@@ -91,7 +93,11 @@ impl Barrier {
                 x[e] = self.exit(x[e]);
             }
         }
-        (!self.solids.is_empty()).then(|| Outside { barrier: self, from: x.to_vec() })
+        (!self.solids.is_empty()).then(|| Outside {
+            barrier: self,
+            from: x.to_vec(),
+            contacts: Contacts::default(),
+        })
     }
 
     /// The nearest place outside along a normal of what a node is in; where obstacles overlap, upwards.
@@ -138,12 +144,12 @@ impl Barrier {
 
 impl Outside<'_> {
     /// Adds the planes of what nodes meet on their way; true if there are any.
-    pub(crate) fn meet(&self, to: &[Vector3<f64>], contacts: &mut Contacts) -> bool {
+    pub(crate) fn meet(&mut self, to: &[Vector3<f64>]) -> bool {
         let mut found = false;
         for e in self.barrier.nodes() {
             let from = self.from[e];
             for solid in self.barrier.solids.iter().filter(|s| s.is_hit(from, to[e])) {
-                found |= contacts.add(e, solid.plane(from));
+                found |= self.contacts.add(e, solid.plane(from));
             }
         }
         found

@@ -112,13 +112,13 @@ pub fn correct(
     let seen = Seen { graph, skin: skin.as_ref(), observation };
     let before = seen.distances(&start)?;
     let mut x = start.clone();
-    let outside = barrier.leave(&mut x);
+    let mut outside = barrier.leave(&mut x);
     for _ in 0..ROUNDS {
         if cancel.is_cancelled() {
             return Err(Error::Cancelled);
         }
         let matches = seen.matches(&x, options.noise_m)?;
-        elastic.relax(&mut x, &matches, options.give, ITERATIONS, outside.as_ref());
+        elastic.relax(&mut x, &matches, options.give, ITERATIONS, outside.as_mut());
     }
     let from = outside.as_ref().map_or(&start, |outside| &outside.from);
     limit_strain(graph, [&start, from], &mut x, options.most_added_strain);

@@ -4,8 +4,8 @@
 //! the sum over springs of k |(x_i - x_j) - (R_i + R_j)/2 (r_i - r_j)|², k = 1 / (give l)², plus the
 //! sum over matches of w |Σ_p b_p Σ_i s_pi x_i - y|² / noise². r is the reference, R_i the rotation
 //! of the springs around i, s_pi the weights of skin point p. Rotations and positions are solved for
-//! in turn, positions by conjugate gradients. Where there are obstacles, nodes that would enter one are
-//! kept on its surface (an active set: on it they may slide, and leave it where they are pulled away).
+//! in turn, positions by conjugate gradients. Nodes that would enter an obstacle are kept on its
+//! surface (an active set: on it they may slide, and leave it where they are pulled away).
 
 use bendtwin_core::{Graph, Skin};
 use nalgebra::{Matrix3, Vector3};
@@ -121,7 +121,7 @@ impl Elastic {
         matches: &Matches<'_>,
         give: f64,
         iterations: usize,
-        outside: Option<&Outside<'_>>,
+        mut outside: Option<&mut Outside<'_>>,
     ) {
         let scale = 1.0 / (give * give);
         for _ in 0..iterations {
@@ -134,7 +134,7 @@ impl Elastic {
                 right[i] += turned;
                 right[j] -= turned;
             }
-            self.step(x, &mut right, matches, scale, outside);
+            self.step(x, &mut right, matches, scale, outside.as_deref_mut());
         }
     }
 
@@ -145,18 +145,17 @@ impl Elastic {
         right: &mut [Vector3<f64>],
         matches: &Matches<'_>,
         scale: f64,
-        outside: Option<&Outside<'_>>,
+        outside: Option<&mut Outside<'_>>,
     ) {
-        let mut contacts = Contacts::default();
         let Some(outside) = outside else {
-            self.solve(x, right, matches, scale, &contacts);
+            self.solve(x, right, matches, scale, &Contacts::default());
             return;
         };
         for _ in 0..PASSES {
-            contacts.place(x);
-            let pull = self.solve(x, &mut right.to_vec(), matches, scale, &contacts);
-            let released = contacts.release(&pull);
-            if !outside.meet(x, &mut contacts) && !released {
+            outside.contacts.place(x);
+            let pull = self.solve(x, &mut right.to_vec(), matches, scale, &outside.contacts);
+            let released = outside.contacts.release(&pull);
+            if !outside.meet(x) && !released {
                 break;
             }
         }

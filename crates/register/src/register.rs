@@ -47,7 +47,7 @@ pub struct RegisterOptions {
     pub controls: Vec<Point>,
     /// Nodes that something holds, and where [m]; a node twice counts where it is named last.
     pub held: Vec<(u32, Point)>,
-    /// What is around the object, beside the ground of the model.
+    /// Surroundings of the object, beside the ground of the model.
     pub around: Around,
     /// True if the start is near already, so that no other pose is tried.
     pub near: bool,
@@ -296,24 +296,25 @@ impl<'a> Job<'a> {
             self.shape.iter().map(|p| motion.rotation * p + motion.translation).collect();
         let (fixed, mut x) = self.held(moved.clone());
         let elastic = Elastic::new(self.graph, moved, fixed, &self.options.around.loose);
-        let soften = |x: &mut Vec<Vector3<f64>>, softening: f64, outside: Option<&Outside<'_>>| {
-            for _ in 0..ROUNDS {
-                if self.cancel.is_cancelled() {
-                    return Err(Error::Cancelled);
+        let soften =
+            |x: &mut Vec<Vector3<f64>>, softening: f64, mut outside: Option<Outside<'_>>| {
+                for _ in 0..ROUNDS {
+                    if self.cancel.is_cancelled() {
+                        return Err(Error::Cancelled);
+                    }
+                    let matches = self.seen(observation).matches(x, self.options.noise_m)?;
+                    let give = self.options.give * softening;
+                    elastic.relax(x, &matches, give, ITERATIONS, outside.as_mut());
                 }
-                let matches = self.seen(observation).matches(x, self.options.noise_m)?;
-                let give = self.options.give * softening;
-                elastic.relax(x, &matches, give, ITERATIONS, outside);
-            }
-            Ok(())
-        };
+                Ok(())
+            };
         for softening in SOFTENING {
             soften(&mut x, softening, None)?;
         }
         let depth_m = self.barrier.mean_depth(&x);
         if depth_m > 0.0 {
             let outside = self.barrier.leave(&mut x);
-            soften(&mut x, 1.0, outside.as_ref())?;
+            soften(&mut x, 1.0, outside)?;
         }
         Ok((x, depth_m))
     }
@@ -389,13 +390,13 @@ impl<'a> Job<'a> {
             }
             state.twists = after.twists;
             x[..n].copy_from_slice(&moved);
-            let outside = self.barrier.leave(x);
+            let mut outside = self.barrier.leave(x);
             let RegisterOptions { around, held, noise_m, give, .. } = self.options;
             let mut fixed = fixed(self.graph, &around.loose);
             held.iter().for_each(|(node, _)| fixed[*node as usize] = true);
             let elastic = Elastic::new(self.graph, x.to_vec(), fixed, &around.loose);
             let matches = self.seen(&observation).matches(x, *noise_m)?;
-            elastic.relax(x, &matches, 0.3 * give, ITERATIONS, outside.as_ref());
+            elastic.relax(x, &matches, 0.3 * give, ITERATIONS, outside.as_mut());
         }
         Ok(0.0)
     }

@@ -6726,7 +6726,7 @@ pub struct RegisterStateRequest {
     #[prost(message, optional, tag = "6")]
     pub options: ::core::option::Option<RegisterOptions>,
     /// FLOAT32 \[G, 7\]: poses of the grippers that carry colliders of the world: x, y, z in metres,
-    /// quaternion x, y, z, w. What others carry is left out.
+    /// quaternion x, y, z, w. Colliders of others are left out.
     #[prost(message, optional, tag = "7")]
     pub grippers: ::core::option::Option<Tensor>,
 }
@@ -7567,8 +7567,8 @@ pub struct Session {
     #[prost(uint32, repeated, tag = "8")]
     pub lost: ::prost::alloc::vec::Vec<u32>,
 }
-/// How well a slot explains the observations that it is corrected by, refused ones included, since its
-/// state was last set or registered. The misfit of one is the median distance of its points after the
+/// Record of how well a slot explains the observations that it is corrected by, refused ones included,
+/// since its state was last set or registered. The misfit of one is the median distance of its points after the
 /// correction, by the largest of half the distance of neighbouring nodes, 5 mm and noise_m; or, if that
 /// is more, the share of its points that are farther away than that and than three noise_m, by 1/2. Up
 /// to 1 the observation is explained.

@@ -184,9 +184,8 @@ impl Problem for Error {
         match self {
             Self::Request(e) => e.category(),
             Self::Observation(e) => e.category(),
-            Self::Register(e) | Self::Correct { error: e, .. } | Self::Lost { error: e, .. } => {
-                e.category()
-            }
+            Self::Register(e) | Self::Correct { error: e, .. } => e.category(),
+            Self::Lost { .. } => Category::FailedPrecondition,
             // Sent again, it would be refused again.
             Self::Memory { exhausted: Exhausted::TooLarge { .. }, .. } => Category::InvalidArgument,
             Self::SessionLost { .. } => Category::Aborted,

@@ -175,13 +175,13 @@ class Registration:
 
 @dataclass(frozen=True)
 class Tracking:
-    """How well a slot explains the points that it is corrected by, refused ones included, since its
-    state was last set or registered.
+    """Record of how well a slot explains the points that it is corrected by, refused ones included,
+    since its state was last set or registered.
 
     The misfit of an observation is the median distance of its points after the correction, by the
     largest of half the distance of neighbouring nodes, 5 mm and `noise_m`; or, if that is more, the
-    share of the points that are farther away than that and than three `noise_m`, by 1/2. Up to 1 the
-    observation is explained.
+    share of the points that are farther away than that and than three `noise_m`, by 1/2. Up to 1
+    the observation is explained.
     """
 
     #: True if the slot does not follow its object any more: the last three observations in a row
