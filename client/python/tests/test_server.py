@@ -504,7 +504,9 @@ def test_what_is_found_and_corrected_is_outside_of_obstacles(twin, client, seen)
         [quiet] = session.correct(points, nodes=nodes, world=World(), omit_state=True)
         assert quiet.state is None
         assert session.states()[0].positions[:, 1].max() > wall
-    found = twin.register(points, nodes=nodes, world=world)
+    # Of a thin one the points say on which side the rope is; in a thick one it cannot be.
+    thick = Collider(shape=Cuboid([-5, wall, -5], [5, 5, 5]))
+    found = twin.register(points, nodes=nodes, world=World(colliders=[thick]))
     assert found.state.positions[:, 1].max() <= wall
 
 
