@@ -14,6 +14,9 @@ pub use self::{
         MAX_CAMERAS, MAX_POINTS, MAX_SETTLE_FRAMES, begun, carry, check_correction,
         check_registration,
     },
-    cost::{evaluation_work, memory_bytes, registration_work, reply_bytes, settle_frames},
+    cost::{
+        correction_reply_bytes, correction_work, evaluation_work, memory_bytes, registration_work,
+        reply_bytes, settle_frames,
+    },
     error::Error,
 };

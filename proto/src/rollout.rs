@@ -27,7 +27,6 @@ pub const REQUEST_BYTES: &str = "bendtwin-request-bytes";
 /// Most dimensions of a tensor.
 pub const MOST_DIMENSIONS: usize = 8;
 
-pub(crate) use self::check::{SHORTEST_QUATERNION, sizes, tensors, within};
 pub use self::{
     check::{
         Batch, check, check_for, fidelity, has_gradients, has_spread, members, too_much_memory,
@@ -44,4 +43,8 @@ pub use self::{
     size::reply_bytes,
     surroundings::models_bytes,
     twin::TwinShape,
+};
+pub(crate) use self::{
+    check::{SHORTEST_QUATERNION, sizes, tensors, within, world},
+    session::states_size,
 };

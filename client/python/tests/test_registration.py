@@ -3,12 +3,13 @@
 import numpy as np
 import pytest
 
-from bendtwin import Plane, Registration, Settled, World
+from bendtwin import Collider, Plane, Registration, Settled, Sphere, World
 from bendtwin.registration import correct_session, register_state
 from bendtwin.tensors import unpack
-from bendtwin.v1 import registration_pb2
+from bendtwin.v1 import registration_pb2, session_pb2
 
 POINTS = np.array([[0, 0, 1], [np.nan, 0, 0], [0, 0.5, 1]])
+BALL = Collider(shape=Sphere(0.05))
 
 
 def test_what_was_not_seen_is_left_out_with_all_that_belongs_to_it():
@@ -24,7 +25,8 @@ def test_what_was_not_seen_is_left_out_with_all_that_belongs_to_it():
 def test_options_are_sent_only_where_they_are_given():
     given = {
         "initial": Settled(),
-        "world": World(ground=Plane(offset_m=0.1)),
+        "world": World(ground=Plane(offset_m=0.1), colliders=[BALL]),
+        "grippers": [[0, 0, 0.5, 0, 0, 0, 1]],
         "controls": np.zeros((1, 3)),
         "near": True,
         "settle_frames": 0,
@@ -38,6 +40,8 @@ def test_options_are_sent_only_where_they_are_given():
     assert not request.options.HasField("noise_m")
     assert not request.options.HasField("give")
     assert request.world.ground.offset_m == pytest.approx(0.1)
+    assert request.world.colliders[0].sphere.radius_m == pytest.approx(0.05)
+    assert unpack(request.grippers).shape == (1, 7)
     assert request.observation.WhichOneof("tracks") is None
 
 
@@ -76,3 +80,32 @@ def test_a_registration_is_read():
     assert found.after.median_mm == 2.0
     assert found.motion.shape == (7,)
     assert found.explained_points == 0.9
+
+
+def test_a_correction_knows_its_surroundings_and_brings_the_state():
+    given = {
+        "world": World(colliders=[BALL]),
+        "grippers": np.ones((2, 7)),
+        "register_if_lost": True,
+    }
+    call = correct_session("sessions/s", [3], POINTS, given)
+    options = call.request.options
+    assert options.register_if_lost
+    assert not options.omit_state
+    assert len(options.world.colliders) == 1
+    assert unpack(options.grippers).shape == (2, 7)
+    assert not correct_session("sessions/s", [], POINTS, {}).request.options.HasField("world")
+
+    reply = session_pb2.CorrectedSession()
+    one = reply.corrections.add(slot=3, moved_mm=2.5, registered=True)
+    one.tracking.misfit = 0.25
+    [bare] = call.read(reply)
+    assert bare.state is None
+    assert not bare.lost
+    one.state.positions.CopyFrom(call.request.observation.points)
+    one.tracking.lost, one.tracking.unexplained = True, 3
+    [correction] = call.read(reply)
+    np.testing.assert_array_equal(correction.state.positions, [[0, 0, 1], [0, 0.5, 1]])
+    assert correction.lost
+    assert correction.registered
+    assert correction.tracking.unexplained == 3

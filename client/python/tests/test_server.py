@@ -19,12 +19,15 @@ from bendtwin import (
     CaptureFrame,
     Category,
     Client,
+    Collider,
+    Cuboid,
     JobState,
     Keypoints,
     Motion,
     Returns,
     Settled,
     Smoothness,
+    World,
     aio,
     interpolate,
 )
@@ -481,6 +484,53 @@ def test_a_session_is_corrected_by_what_is_seen(twin, client, seen):
                 return await session.correct(points, nodes=nodes)
 
     assert asyncio.run(same())[0].after.mean_mm < 20
+
+
+def test_what_is_found_and_corrected_is_outside_of_obstacles(twin, client, seen):
+    nodes = np.arange(len(seen.positions))
+    # A wall beside the rope, and points behind its surface.
+    wall = np.float32(seen.positions[:, 1].max() + 0.001)
+    box = Collider(shape=Cuboid([-5, wall, -5], [5, wall + 0.004, 5]), name="wall")
+    world, points = World(colliders=[box]), seen.positions + np.array([0, 0.012, 0])
+    with client.open_session(twin, initial=seen, world=world) as session:
+        [correction] = session.correct(points, nodes=nodes)
+        assert correction.moved_mm > 0.5
+        assert correction.state.positions[:, 1].max() <= wall
+        assert not correction.lost
+        assert correction.tracking.misfit < 1
+        [state] = session.states()
+        for name in ("positions", "velocities", "controls"):
+            np.testing.assert_array_equal(getattr(correction.state, name), getattr(state, name))
+        [quiet] = session.correct(points, nodes=nodes, world=World(), omit_state=True)
+        assert quiet.state is None
+        assert session.states()[0].positions[:, 1].max() > wall
+    # Of a thin one the points say on which side the rope is; in a thick one it cannot be.
+    thick = Collider(shape=Cuboid([-5, wall, -5], [5, 5, 5]))
+    found = twin.register(points, nodes=nodes, world=World(colliders=[thick]))
+    assert found.state.positions[:, 1].max() <= wall
+
+
+def test_a_session_that_lost_its_object_says_so_and_finds_it_again(twin, client, seen):
+    nodes = np.arange(len(seen.positions))
+    away = seen.positions + np.array([5, 0, 0])
+    reasons = []
+    with client.open_session(twin, initial=seen) as session:
+        for _ in range(12):
+            with pytest.raises(BendTwinError) as refused:
+                session.correct(away, nodes=nodes, register_if_lost=True)
+            reasons.append(refused.value.reason)
+        assert reasons == ["OBSERVATION_NOT_EXPLAINED"] * 2 + ["OBJECT_LOST"] * 10
+        assert session.refresh().lost == (0,)
+        [state] = session.states()
+        np.testing.assert_array_equal(state.positions, seen.positions)
+        [found] = session.correct(seen.positions, nodes=nodes, register_if_lost=True)
+        assert found.registered
+        assert not found.lost
+        assert found.after.median_mm < 5
+        np.testing.assert_array_equal(found.state.controls, seen.controls)
+        assert session.refresh().lost == ()
+        session.reopen()
+        np.testing.assert_array_equal(session.states()[0].positions, found.state.positions)
 
 
 def test_http_finds_and_corrects_too(twin, client, seen):

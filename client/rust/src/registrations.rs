@@ -10,7 +10,7 @@ use bendtwin_proto::v1::{
 };
 
 pub use self::observation::Observation;
-use crate::{Error, State, World, channel::Channel};
+use crate::{Error, State, WirePose, World, channel::Channel};
 
 /// Calls that find objects.
 #[derive(Clone, Debug)]
@@ -104,10 +104,17 @@ impl Registration {
         self
     }
 
-    /// Ground and gravity that are not those of the twin.
+    /// Gravity, ground and colliders, where they are not those of the twin: the state is outside of them.
     #[must_use]
     pub fn world(mut self, world: World) -> Self {
         self.request.world = Some(world.0);
+        self
+    }
+
+    /// Poses of the grippers that carry colliders of the world; what others carry is left out.
+    #[must_use]
+    pub fn grippers(mut self, poses: &[WirePose]) -> Self {
+        self.request.grippers = Some(packed(poses));
         self
     }
 
@@ -139,6 +146,11 @@ impl Registration {
         set(self.request.options.get_or_insert_default());
         self
     }
+}
+
+/// Poses of grippers, shape [G, 7].
+pub(crate) fn packed(poses: &[WirePose]) -> Tensor {
+    Tensor::pack(&[poses.len(), 7], poses.as_flattened())
 }
 
 impl From<v1::Residual> for Residual {

@@ -21,7 +21,7 @@ use futures::{Stream, StreamExt as _, future, stream};
 use serde::Serialize;
 
 pub use self::{
-    correction::{Corrected, Correction},
+    correction::{Corrected, Correction, Tracking},
     new::NewSession,
 };
 use crate::{Error, Reply, Rollout, State, channel::Channel};
@@ -50,6 +50,8 @@ pub struct Session {
     pub worker: WorkerId,
     /// Fidelity of its rollouts.
     pub fidelity: Fidelity,
+    /// Slots that do not follow their object any more ([`Tracking`]), ascending.
+    pub lost: Vec<u32>,
 }
 
 impl Sessions {
@@ -149,8 +151,9 @@ impl Sessions {
         self.service.clone().reset_session(request).await?.into_inner().try_into()
     }
 
-    /// Brings the states of slots (none: slot 0) closer to what is seen, in place; all of them, or
-    /// none if too much is left at one (reason `OBSERVATION_NOT_EXPLAINED`). Rest shapes of the slots
+    /// Brings the states of slots (none: slot 0) closer to what is seen, in place and outside of
+    /// obstacles; all of them, or none if too much is left at one (reason `OBSERVATION_NOT_EXPLAINED`,
+    /// or `OBJECT_LOST` if that slot is lost). Rest shapes of the slots
     /// take part ([`Correction::carry`]); they are lost with the worker of the session.
     ///
     /// # Errors
@@ -163,7 +166,7 @@ impl Sessions {
     ) -> Result<Vec<Corrected>, Error> {
         let request = correction.into_request(name, slots);
         let reply = self.service.clone().correct_session(request).await?.into_inner();
-        Ok(reply.corrections.into_iter().map(Corrected::from).collect())
+        reply.corrections.into_iter().map(Corrected::try_from).collect()
     }
 
     /// Ends a session; it is no error if it has ended.
@@ -221,6 +224,7 @@ impl TryFrom<v1::Session> for Session {
             idle_timeout: idle.map_err(Error::malformed)?,
             worker: wire.worker.parse().map_err(Error::malformed)?,
             fidelity,
+            lost: wire.lost,
         })
     }
 }

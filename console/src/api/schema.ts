@@ -542,8 +542,9 @@ export interface paths {
         put?: never;
         /**
          * Correct slots by what is seen
-         * @description Brings their states closer to points that were seen of the object, in place; all of them, or none
-         *     if more than the stated residual is left at one.
+         * @description Brings their states closer to points that were seen of the object, in place and outside of
+         *     obstacles; all of them, or none if more than the stated residual is left at one. The reply has the
+         *     corrected states, and says whether slots still follow their object.
          */
         post: operations["sessions.correct"];
         delete?: never;
@@ -1045,6 +1046,8 @@ export interface components {
              * @description Deviation of a spring by its length in one correction; default 0.03: how far the shape is doubted.
              */
             give?: number;
+            /** @description FLOAT32 [G, 7]: poses of the first G grippers now, where they are not known from the slot's last advance, or are others: x, y, z in metres, quaternion x, y, z, w. */
+            grippers?: components["schemas"]["Tensor"];
             /**
              * Format: double
              * @description Median distance of the points beyond which the correction is refused, metres; default: half the distance of neighbouring nodes, or 0.005 if that is more.
@@ -1060,6 +1063,10 @@ export interface components {
              * @description Deviation of a point from its place, metres; default 0.005: noise, and what a coarse twin cannot follow.
              */
             noise_m?: number;
+            /** @description Replies have no states. */
+            omit_state?: boolean;
+            /** @description A slot that is lost, with this observation counted, is registered by it: from where it is, and if that does not explain it, from the rest shape anywhere, with what control points and grasps hold in place, and outside of the surroundings. */
+            register_if_lost?: boolean;
             /**
              * Format: double
              * @description Share of the displacement that is added to the velocity, per second, where velocities are not observed; default 0.
@@ -1070,6 +1077,8 @@ export interface components {
              * @description Deviation of an observed velocity, metres per second; default 0.2.
              */
             velocity_noise_m_s?: number;
+            /** @description Surroundings now. Absent: those of the slot's last advance where that ended, bodies included, or before one those of the session, with paths at their first pose and without what grippers carry. A path given here is at its first pose. */
+            world?: components["schemas"]["World"];
         };
         CorrectSessionRequest: {
             name?: string;
@@ -1092,8 +1101,14 @@ export interface components {
              * @description Largest displacement of a node, millimetres.
              */
             moved_mm?: number;
+            /** @description True if the slot was lost and has been registered by this observation: it is at rest, with the rest shape of the twin, and `after` and `moved_mm` are those of the registration. */
+            registered?: boolean;
             /** Format: int64 */
             slot?: number;
+            /** @description The corrected state, of this slot alone, unless CorrectOptions.omit_state is set. InitialState.given takes it as it is; the rest shape stays in the session. */
+            state?: components["schemas"]["InitialState.GivenState"];
+            /** @description With this observation. */
+            tracking?: components["schemas"]["Tracking"];
         };
         Cost: {
             /** @description Only one of target_cloud, keypoints, smoothness, strain, force, height, within, clearance, control_path, control_speed may be given. */
@@ -1933,13 +1948,15 @@ export interface components {
         RegisterStateRequest: {
             /** @description FLOAT32 [C, 3], metres: where the control points are, if that is known, say from the gripper. Absent: they go where the nodes go that they hold. */
             controls?: components["schemas"]["Tensor"];
+            /** @description FLOAT32 [G, 7]: poses of the grippers that carry colliders of the world: x, y, z in metres, quaternion x, y, z, w. Colliders of others are left out. */
+            grippers?: components["schemas"]["Tensor"];
             /** @description Shape to start from: a single state, of no session; default: the rest shape. */
             initial?: components["schemas"]["InitialState"];
             observation?: components["schemas"]["Observation"];
             options?: components["schemas"]["RegisterOptions"];
             /** @description twins/{uuid} */
             twin?: string;
-            /** @description Gravity and ground during the frames of physics, where they are not those of the twin; without colliders. */
+            /** @description Gravity, ground and colliders, where they are not those of the twin. The state is outside of them, but for what control points hold. A collider on a path is at its first pose. */
             world?: components["schemas"]["World"];
         };
         RegisteredState: {
@@ -2268,6 +2285,8 @@ export interface components {
              * @description The session ends when nobody has used it for so long.
              */
             idle_timeout_s?: number;
+            /** @description Slots that are lost, ascending: see Tracking. */
+            lost?: number[];
             /** @description sessions/{uuid} */
             name?: string;
             /** Format: int64 */
@@ -2300,6 +2319,21 @@ export interface components {
             /** @description Of INT16_SCALED: value = int16 * scale + offset. */
             scale?: number;
             shape: number[];
+        };
+        /** @description Record of how well a slot explains the observations that it is corrected by, refused ones included, since its state was last set or registered. The misfit of one is the median distance of its points after the correction, by the largest of half the distance of neighbouring nodes, 5 mm and noise_m; or, if that is more, the share of its points that are farther away than that and than three noise_m, by 1/2. Up to 1 the observation is explained. */
+        Tracking: {
+            /** @description True if the last three observations in a row are not explained, or if the mean misfit is above 1: the slot does not follow its object any more. Register it again (CorrectOptions.register_if_lost). */
+            lost?: boolean;
+            /**
+             * Format: double
+             * @description Mean misfit, each weighted by 3/4 of the one after it and counted as at most 1.5; 0 before the first.
+             */
+            misfit?: number;
+            /**
+             * Format: int64
+             * @description Last observations in a row that are not explained.
+             */
+            unexplained?: number;
         };
         /** @description A stored twin. */
         Twin: {
@@ -3831,6 +3865,7 @@ export interface operations {
                 };
                 content: {
                     "application/json": components["schemas"]["CorrectedSession"];
+                    "application/x-protobuf": number[];
                 };
             };
             /** @description An RFC 9457 problem document: what happened and what to do. */

@@ -1,5 +1,6 @@
 //! Correction of a running state: it moves towards an observation that is small beside the motion
-//! so far, smoothly, without straining the object and without touching what control points hold.
+//! so far, smoothly, without straining the object, without touching what control points hold, and
+//! outside of obstacles, on the side of them where it was.
 
 use bendtwin_core::{
     CancelToken, Graph, Point,
@@ -9,10 +10,11 @@ use bendtwin_engine::{Model, model::State};
 use nalgebra::Vector3;
 
 use crate::{
-    Error, Observation, Residual,
+    Around, Error, Observation, Residual,
+    barrier::Barrier,
     elastic::Elastic,
     observation::is_place,
-    residual::share_within,
+    residual::{misfit, share_within},
     seen::{MatchedSkin, Seen, node_spacing},
 };
 
@@ -62,6 +64,9 @@ pub struct Corrected {
     pub after: Residual,
     /// Largest displacement of a node [m].
     pub moved_m: f64,
+    /// Misfit of the corrected state: up to 1 noise and the twin's resolution explain what is left
+    /// ([`Tracking`](crate::Tracking)).
+    pub misfit: f64,
 }
 
 /// Rounds of matching and reweighting.
@@ -70,7 +75,9 @@ const ROUNDS: usize = 5;
 const ITERATIONS: usize = 4;
 
 /// Corrects a state whose control points are at `controls` [m], shape [C, 3]; they, the nodes that
-/// they pin and the nodes in grasps stay.
+/// they pin and the nodes in grasps stay. All others are outside of the model's ground and of what is
+/// around, a node that was outside on the side where it was and one that was inside along the normal,
+/// and have no velocity into what they touch.
 ///
 /// # Errors
 /// If the input does not fit the model, if more than the stated residual is left, or on
@@ -79,6 +86,7 @@ pub fn correct(
     model: &Model,
     state: &State,
     controls: &[Point],
+    around: &Around,
     observation: &Observation,
     options: &CorrectOptions,
     cancel: &CancelToken,
@@ -90,34 +98,36 @@ pub fn correct(
     let n = graph.node_count();
     let start: Vec<Vector3<f64>> =
         state.positions.iter().chain(controls).map(|p| vector3(*p)).collect();
-    let mut fixed = vec![false; start.len()];
-    fixed[n..].fill(true);
-    graph.pins.iter().for_each(|p| fixed[p.node as usize] = true);
+    let mut fixed = fixed(graph, &around.loose);
     for hold in &state.grasping.holds {
         if let Some(node) = fixed[..n].get_mut(hold.node as usize) {
             *node = true;
         }
     }
-    let elastic = Elastic::new(graph, start.clone(), fixed);
+    let barrier = Barrier::new(model.environment.ground, around, fixed.clone());
+    let elastic = Elastic::new(graph, start.clone(), fixed, &around.loose);
 
     // Tracks say where they are: no skin is matched.
     let skin = observation.tracks.is_none().then(|| MatchedSkin::new(graph, &model.skin));
     let seen = Seen { graph, skin: skin.as_ref(), observation };
     let before = seen.distances(&start)?;
     let mut x = start.clone();
+    let mut outside = barrier.leave(&mut x);
     for _ in 0..ROUNDS {
         if cancel.is_cancelled() {
             return Err(Error::Cancelled);
         }
         let matches = seen.matches(&x, options.noise_m)?;
-        elastic.relax(&mut x, &matches, options.give, ITERATIONS);
+        elastic.relax(&mut x, &matches, options.give, ITERATIONS, outside.as_mut());
     }
-    keep_above_ground(model, &start, &mut x[..n]);
-    limit_strain(graph, &start, &mut x, options.most_added_strain);
+    let from = outside.as_ref().map_or(&start, |outside| &outside.from);
+    limit_strain(graph, [&start, from], &mut x, options.most_added_strain);
 
     let distances = seen.distances(&x)?;
     let after = Residual::of(&distances);
-    let limit_m = options.max_residual_m.unwrap_or((0.5 * node_spacing(graph)).max(0.005));
+    let spacing_m = node_spacing(graph);
+    let misfit = misfit(&distances, spacing_m, options.noise_m);
+    let limit_m = options.max_residual_m.unwrap_or((0.5 * spacing_m).max(0.005));
     let fits = after.median_mm <= 1e3 * limit_m;
     if !fits || x.iter().flatten().any(|c| !c.is_finite()) {
         return Err(Error::NotExplained {
@@ -125,6 +135,7 @@ pub fn correct(
             limit_mm: 1e3 * limit_m,
             explained: share_within(&distances, limit_m),
             least_explained: 0.0,
+            misfit,
         });
     }
     let mut corrected = state.clone();
@@ -143,8 +154,30 @@ pub fn correct(
             *v = point(vector3(*v) + change);
         }
     }
+    barrier.stop(&x, &mut corrected.velocities);
     let moved_m = x.iter().zip(&start).map(|(a, b)| (a - b).norm()).fold(0.0, f64::max);
-    Ok(Corrected { state: corrected, before: Residual::of(&before), after, moved_m })
+    let before = Residual::of(&before);
+    Ok(Corrected { state: corrected, before, after, moved_m, misfit })
+}
+
+/// Distances of an observation from a state whose control points are at `controls` [m], shape [C, 3].
+///
+/// # Errors
+/// If the input does not fit the model.
+pub fn residual(
+    model: &Model,
+    state: &State,
+    controls: &[Point],
+    observation: &Observation,
+) -> Result<Residual, Error> {
+    let graph = &model.graph;
+    observation.check(graph)?;
+    check(graph, state, controls)?;
+    let x: Vec<Vector3<f64>> =
+        state.positions.iter().chain(controls).map(|p| vector3(*p)).collect();
+    let skin = observation.tracks.is_none().then(|| MatchedSkin::new(graph, &model.skin));
+    let seen = Seen { graph, skin: skin.as_ref(), observation };
+    Ok(Residual::of(&seen.distances(&x)?))
 }
 
 impl CorrectOptions {
@@ -189,22 +222,20 @@ pub(crate) fn check(graph: &Graph, state: &State, controls: &[Point]) -> Result<
     }
 }
 
-/// Nodes that a deformation took below the ground stay on it.
-fn keep_above_ground(model: &Model, start: &[Vector3<f64>], x: &mut [Vector3<f64>]) {
-    let Some(ground) = model.environment.ground else { return };
-    let normal = vector3(ground.normal);
-    let height = |x: &Vector3<f64>| normal.dot(x) - f64::from(ground.offset_m);
-    for (x, start) in x.iter_mut().zip(start) {
-        let least = height(start).min(0.0);
-        let below = least - height(x);
-        if below > 0.0 {
-            *x += normal * below;
-        }
-    }
+/// Endpoints that stay while control points do: these, and what those of them pin that are not loose,
+/// shape [N + C].
+pub(crate) fn fixed(graph: &Graph, loose: &[u32]) -> Vec<bool> {
+    let n = graph.node_count();
+    let mut fixed = vec![false; n + graph.control_count()];
+    fixed[n..].fill(true);
+    let pins = graph.pins.iter().filter(|pin| !loose.contains(&pin.control));
+    pins.for_each(|pin| fixed[pin.node as usize] = true);
+    fixed
 }
 
-/// Cuts the displacement in half until no spring between two nodes is strained much more.
-fn limit_strain(graph: &Graph, start: &[Vector3<f64>], x: &mut [Vector3<f64>], most: f64) {
+/// Cuts the way from the second of two states in half until no spring between two nodes is strained
+/// much more than it was in one of them. The states are the start, before and after it left obstacles.
+fn limit_strain(graph: &Graph, states: [&[Vector3<f64>]; 2], x: &mut [Vector3<f64>], most: f64) {
     let n = graph.node_count();
     let length = |x: &[Vector3<f64>], s: &[u32; 2]| (x[s[0] as usize] - x[s[1] as usize]).norm();
     let within = |x: &[Vector3<f64>]| {
@@ -212,19 +243,21 @@ fn limit_strain(graph: &Graph, start: &[Vector3<f64>], x: &mut [Vector3<f64>], m
             let rest =
                 (vector3(graph.rest_endpoint(s[0])) - vector3(graph.rest_endpoint(s[1]))).norm();
             let strain = |x: &[Vector3<f64>]| (length(x, s) / rest.max(1e-9) - 1.0).abs();
-            strain(x) <= strain(start) + most
+            strain(x) <= strain(states[0]).max(strain(states[1])) + most
         })
     };
+    let from = states[1];
     for _ in 0..6 {
         if within(x) {
             return;
         }
-        for (x, start) in x.iter_mut().zip(start) {
-            *x = (*x + *start) * 0.5;
+        // A part of a way that meets no obstacle meets none.
+        for (x, from) in x.iter_mut().zip(from) {
+            *x = (*x + *from) * 0.5;
         }
     }
     if !within(x) {
-        x.copy_from_slice(start);
+        x.copy_from_slice(from);
     }
 }
 

@@ -4,10 +4,13 @@
 //! the sum over springs of k |(x_i - x_j) - (R_i + R_j)/2 (r_i - r_j)|², k = 1 / (give l)², plus the
 //! sum over matches of w |Σ_p b_p Σ_i s_pi x_i - y|² / noise². r is the reference, R_i the rotation
 //! of the springs around i, s_pi the weights of skin point p. Rotations and positions are solved for
-//! in turn, positions by conjugate gradients.
+//! in turn, positions by conjugate gradients. Nodes that would enter an obstacle are kept on its
+//! surface (an active set: on it they may slide, and leave it where they are pulled away).
 
 use bendtwin_core::{Graph, Skin};
 use nalgebra::{Matrix3, Vector3};
+
+use crate::barrier::{Contacts, Outside};
 
 /// Springs count as at least this share of their mean length: short ones would hold like rods.
 const LEAST_LENGTH: f64 = 0.5;
@@ -18,6 +21,8 @@ pub(crate) const CORNERS: usize = 3;
 /// Iterations of conjugate gradients, at most, and the residual at which they end.
 const ITERATIONS: usize = 150;
 const TOLERANCE: f64 = 1e-5;
+/// Solutions of a step, in each of which other nodes may be on surfaces.
+const PASSES: usize = 5;
 
 /// A place on the object that should be somewhere.
 #[derive(Clone, Copy, Debug)]
@@ -77,8 +82,18 @@ pub(crate) struct Elastic {
 }
 
 impl Elastic {
-    /// The springs of a graph with all endpoints at a reference.
-    pub(crate) fn new(graph: &Graph, reference: Vec<Vector3<f64>>, fixed: Vec<bool>) -> Self {
+    /// The springs of a graph, without those to control points that are loose, with all endpoints at a
+    /// reference.
+    pub(crate) fn new(
+        graph: &Graph,
+        reference: Vec<Vector3<f64>>,
+        fixed: Vec<bool>,
+        loose: &[u32],
+    ) -> Self {
+        let n = graph.node_count();
+        let is_held = |e: u32| {
+            (e as usize).checked_sub(n).is_none_or(|c| !loose.iter().any(|l| *l as usize == c))
+        };
         let ends = |s: &[u32; 2]| s.map(|e| e as usize);
         let length = |e: [usize; 2]| (reference[e[0]] - reference[e[1]]).norm();
         let count = graph.springs.len().max(1) as f64;
@@ -89,6 +104,7 @@ impl Elastic {
         let edges = graph
             .springs
             .iter()
+            .filter(|s| is_held(s[1]))
             .map(|s| {
                 let ends = ends(s);
                 Edge { ends, precision: share / length(ends).max(least).powi(2) }
@@ -97,13 +113,15 @@ impl Elastic {
         Self { edges, reference, fixed }
     }
 
-    /// Moves endpoints `x` towards the matches; `give` is the deviation of a spring by its length.
+    /// Moves endpoints `x` towards the matches, and keeps them outside of obstacles; `give` is the deviation
+    /// of a spring by its length.
     pub(crate) fn relax(
         &self,
         x: &mut [Vector3<f64>],
         matches: &Matches<'_>,
         give: f64,
         iterations: usize,
+        mut outside: Option<&mut Outside<'_>>,
     ) {
         let scale = 1.0 / (give * give);
         for _ in 0..iterations {
@@ -116,8 +134,32 @@ impl Elastic {
                 right[i] += turned;
                 right[j] -= turned;
             }
-            self.solve(x, &mut right, matches, scale);
+            self.step(x, &mut right, matches, scale, outside.as_deref_mut());
         }
+    }
+
+    /// The solution, with nodes that meet something on its surface.
+    fn step(
+        &self,
+        x: &mut [Vector3<f64>],
+        right: &mut [Vector3<f64>],
+        matches: &Matches<'_>,
+        scale: f64,
+        outside: Option<&mut Outside<'_>>,
+    ) {
+        let Some(outside) = outside else {
+            self.solve(x, right, matches, scale, &Contacts::default());
+            return;
+        };
+        for _ in 0..PASSES {
+            outside.contacts.place(x);
+            let pull = self.solve(x, &mut right.to_vec(), matches, scale, &outside.contacts);
+            let released = outside.contacts.release(&pull);
+            if !outside.meet(x) && !released {
+                break;
+            }
+        }
+        outside.keep(x);
     }
 
     /// The smooth field on all endpoints, zero where they are fixed, that fits matches of its
@@ -125,7 +167,8 @@ impl Elastic {
     pub(crate) fn field(&self, matches: &Matches<'_>, give: f64) -> Vec<Vector3<f64>> {
         let mut x = vec![Vector3::zeros(); self.reference.len()];
         let mut right = x.clone();
-        self.solve(&mut x, &mut right, matches, 1.0 / (give * give));
+        let nothing = Contacts::default();
+        self.solve(&mut x, &mut right, matches, 1.0 / (give * give), &nothing);
         x
     }
 
@@ -142,14 +185,16 @@ impl Elastic {
         covariance.into_iter().map(nearest_rotation).collect()
     }
 
-    /// Conjugate gradients for the positions of endpoints that are not fixed, from where they are.
+    /// Conjugate gradients for the positions of endpoints that are not fixed, from where they are, those
+    /// in contact on their planes; the pull on the latter, empty if there are none.
     fn solve(
         &self,
         x: &mut [Vector3<f64>],
         right: &mut [Vector3<f64>],
         matches: &Matches<'_>,
         scale: f64,
-    ) {
+        contacts: &Contacts,
+    ) -> Vec<Vector3<f64>> {
         let tether = 1.0 / (TETHER_M * TETHER_M);
         let mut diagonal = vec![tether; x.len()];
         for edge in &self.edges {
@@ -202,18 +247,20 @@ impl Elastic {
                     out[n as usize] += pulls[p] * f64::from(w);
                 }
             }
-            for (e, o) in out.iter_mut().enumerate() {
-                if !free(e) {
-                    *o = Vector3::zeros();
-                }
-            }
         };
         // What is fixed acts on the rest through the residual alone: its direction stays zero.
+        let bind = |v: &mut [Vector3<f64>]| {
+            for (e, v) in v.iter_mut().enumerate() {
+                if !free(e) {
+                    *v = Vector3::zeros();
+                }
+            }
+            contacts.project(v);
+        };
         let mut product = vec![Vector3::zeros(); x.len()];
         apply(x, &mut product);
-        let mut r: Vec<Vector3<f64>> = (0..x.len())
-            .map(|e| if free(e) { right[e] - product[e] } else { Vector3::zeros() })
-            .collect();
+        let mut r: Vec<Vector3<f64>> = right.iter().zip(&product).map(|(b, p)| b - p).collect();
+        bind(&mut r);
         let precondition = |r: &[Vector3<f64>], z: &mut [Vector3<f64>]| {
             for ((z, r), d) in z.iter_mut().zip(r).zip(&diagonal) {
                 *z = r / *d;
@@ -229,6 +276,7 @@ impl Elastic {
                 break;
             }
             apply(&direction, &mut product);
+            bind(&mut product);
             let curvature = dot(&direction, &product);
             if !(curvature.is_finite() && curvature > 0.0) {
                 break;
@@ -246,6 +294,11 @@ impl Elastic {
                 *d = z + *d * ratio;
             }
         }
+        if contacts.is_empty() {
+            return Vec::new();
+        }
+        apply(x, &mut product);
+        right.iter().zip(&product).map(|(b, p)| b - p).collect()
     }
 }
 

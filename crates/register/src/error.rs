@@ -26,6 +26,9 @@ pub enum Error {
         explained: f64,
         /// Least share that is accepted, 0..=1.
         least_explained: f64,
+        /// Misfit: up to 1 noise and the twin's resolution explain the distances
+        /// ([`Tracking`](crate::Tracking)).
+        misfit: f64,
     },
     /// The work was cancelled through its token.
     #[error("cancelled")]

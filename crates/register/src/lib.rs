@@ -6,10 +6,16 @@
 //! that it cannot explode; force balance is the engine's part, in frames of the twin's own physics
 //! that [`register`] simulates.
 //!
+//! Neither leaves a node in an obstacle: the deformation stays outside of the ground and of what is
+//! [`Around`] the object. [`Tracking`] says whether a state that is corrected again and again still
+//! follows its object.
+//!
 //! [`place`] is the geometry of a registration alone: the shape of a graph that explains a cloud.
 //!
 //! Captures, cameras and networks are left to others: points arrive in the twin's frame.
 
+mod around;
+mod barrier;
 mod carry;
 mod correct;
 mod elastic;
@@ -21,16 +27,19 @@ mod residual;
 mod rigid;
 mod seen;
 mod surface;
+mod tracking;
 mod tracks;
 mod visible;
 
+pub use around::{Around, Obstacle, Placed as PlacedBody};
 pub use carry::carried;
-pub use correct::{CorrectOptions, Corrected, correct};
+pub use correct::{CorrectOptions, Corrected, correct, residual};
 pub use error::Error;
 pub use observation::{MAX_CAMERAS, MAX_POINTS, Observation};
 pub use place::{Placed, place};
 pub use register::{RegisterOptions, Registered, register};
 pub use residual::{Explained, Residual};
+pub use tracking::Tracking;
 pub use tracks::bind_tracks;
 
 #[cfg(test)]

@@ -7,7 +7,7 @@ use bendtwin_core::{
 };
 
 use crate::{
-    Error, Explained, Observation, RegisterOptions, Residual,
+    Around, Error, Explained, Observation, RegisterOptions, Residual,
     register::{Job, check_cloud},
 };
 
@@ -25,8 +25,8 @@ pub struct Placed {
 }
 
 /// Places the nodes of a graph, from their rest shape, so that its skin explains an observation.
-/// Control points and pins of the graph take no part; initial state, controls and frames of physics
-/// of the options neither.
+/// Control points and pins of the graph take no part; of the options, what is held or around and frames
+/// of physics neither.
 ///
 /// # Errors
 /// If the input does not fit the graph, if it does not explain the points, or on cancellation.
@@ -38,7 +38,13 @@ pub fn place(
     cancel: &CancelToken,
 ) -> Result<Placed, Error> {
     observation.check(graph)?;
-    let options = RegisterOptions { initial: None, controls: Vec::new(), ..options.clone() };
+    let options = RegisterOptions {
+        initial: None,
+        controls: Vec::new(),
+        held: Vec::new(),
+        around: Around::default(),
+        ..options.clone()
+    };
     let nodes = nodes_alone(graph);
     options.check(&nodes)?;
     check_cloud(observation, &options)?;
@@ -46,7 +52,7 @@ pub fn place(
         return Err(Error::Invalid("the twin has no surface".into()));
     }
     let shape = nodes.rest_positions.iter().map(|p| vector3(*p)).collect();
-    let job = Job::new(&nodes, skin, shape, observation, &options, cancel);
+    let job = Job::new(&nodes, None, skin, shape, observation, &options, cancel);
     let (rigid, x) = job.best()?;
     let (residual, explained) = job.explain(&x)?;
     Ok(Placed { positions: x.into_iter().map(point).collect(), residual, explained, rigid })

@@ -1,26 +1,25 @@
 //! Registration: from points of an object that stands somewhere to a state of its twin. A rigid
 //! motion first, then an elastic deformation that softens, then frames of the twin's own physics
-//! during which the points keep pulling, so that the state is one that the twin can be in.
+//! during which the points keep pulling, so that the state is one that the twin can be in. Points say on
+//! which side of an obstacle a node is; then it is taken out of what it is in, and stays out.
 
-use std::sync::Arc;
+mod physics;
 
 use bendtwin_core::{
-    CancelToken, Graph, Point, Skin,
+    CancelToken, Graph, Pin, Plane, Point, Skin,
     geometry::{Pair, RigidMotion, point, vector3},
 };
-use bendtwin_engine::{
-    Backend, Loaded, Objective,
-    backend::{Instance, Outputs},
-    model::State,
-};
+use bendtwin_engine::{Backend, Loaded, model::State};
 use nalgebra::Vector3;
 
+use self::physics::Physics;
 use crate::{
-    Error, Explained, Observation, Residual,
-    correct::check,
+    Around, Error, Explained, Observation, Residual,
+    barrier::{Barrier, Outside},
+    correct::{check, fixed},
     elastic::Elastic,
     observation::is_place,
-    residual::share_within,
+    residual::{misfit, share_within},
     rigid::{Target, of_tracks, thinned},
     seen::{MatchedSkin, Seen, node_spacing, position},
     surface::Surface,
@@ -46,6 +45,10 @@ pub struct RegisterOptions {
     /// Positions of the control points that are known, say of the gripper [m], shape [C]; empty if
     /// they go where the nodes go that they hold.
     pub controls: Vec<Point>,
+    /// Nodes that something holds, and where [m]; a node twice counts where it is named last.
+    pub held: Vec<(u32, Point)>,
+    /// Surroundings of the object, beside the ground of the model.
+    pub around: Around,
     /// True if the start is near already, so that no other pose is tried.
     pub near: bool,
     /// Deviation of an observed point from the surface [m].
@@ -66,6 +69,8 @@ impl Default for RegisterOptions {
         Self {
             initial: None,
             controls: Vec::new(),
+            held: Vec::new(),
+            around: Around::default(),
             near: false,
             noise_m: 0.004,
             give: 0.1,
@@ -119,14 +124,15 @@ pub fn register(
     options.check(graph)?;
     check_cloud(observation, options)?;
     let shape = start.positions.iter().chain(&start_controls).map(|p| vector3(*p)).collect();
-    let job = Job::new(graph, &model.skin, shape, observation, options, cancel);
+    let job =
+        Job::new(graph, model.environment.ground, &model.skin, shape, observation, options, cancel);
 
     let before = Residual::of(&job.seen(observation).distances(&job.shape)?);
     let (rigid, mut x) = job.best()?;
     job.place_controls(&mut x);
     let mut state = start;
     let deformed = x.clone();
-    let settled = job.settle(backend, loaded, &mut state, &mut x);
+    let settled = job.settle(&Physics::new(backend, loaded, options), &mut state, &mut x);
     if matches!(settled, Err(Error::Invalid(_))) {
         // The shape of points that are not this object's: that is what to say of it.
         job.explain(&deformed)?;
@@ -165,6 +171,10 @@ impl RegisterOptions {
         if !self.controls.iter().all(is_place) {
             return refuse("a control point is not finite, or farther than 1 km off".into());
         }
+        let n = graph.node_count();
+        if let Some((node, _)) = self.held.iter().find(|h| h.0 as usize >= n || !is_place(&h.1)) {
+            return refuse(format!("node {node} of {n} is held nowhere"));
+        }
         if self.settle_frames > 1000 {
             return refuse(format!("settle_frames is {}: give at most 1000", self.settle_frames));
         }
@@ -193,6 +203,7 @@ pub(crate) struct Job<'a> {
     options: &'a RegisterOptions,
     /// Distance of neighbouring nodes [m].
     spacing_m: f64,
+    barrier: Barrier,
     cancel: &'a CancelToken,
 }
 
@@ -200,6 +211,7 @@ impl<'a> Job<'a> {
     /// A registration that starts from endpoints at `shape` [m], shape [N + C].
     pub(crate) fn new(
         graph: &'a Graph,
+        ground: Option<Plane>,
         skin: &Skin,
         shape: Vec<Vector3<f64>>,
         observation: &'a Observation,
@@ -208,7 +220,10 @@ impl<'a> Job<'a> {
     ) -> Self {
         let skin = MatchedSkin::new(graph, skin);
         let spacing_m = node_spacing(graph);
-        Self { graph, skin, shape, observation, options, spacing_m, cancel }
+        let mut passes = fixed(graph, &options.around.loose);
+        options.held.iter().for_each(|(node, _)| passes[*node as usize] = true);
+        let barrier = Barrier::new(ground, &options.around, passes);
+        Self { graph, skin, shape, observation, options, spacing_m, barrier, cancel }
     }
 
     fn seen<'b>(&'b self, observation: &'b Observation) -> Seen<'b> {
@@ -222,11 +237,12 @@ impl<'a> Job<'a> {
         let mut best: Option<(f64, RigidMotion)> = None;
         if motions.len() > 1 {
             for motion in &motions {
-                let x = self.deform(motion, &few)?;
+                let (x, depth_m) = self.deform(motion, &few)?;
                 let mut distances = self.seen(&few).distances(&x)?;
                 distances.sort_by(f64::total_cmp);
                 distances.truncate((distances.len() * 9).div_ceil(10));
-                let score = distances.iter().sum::<f64>();
+                // A pose that was in obstacles is as unlikely as one that far from the points.
+                let score = distances.iter().map(|d| d + depth_m).sum::<f64>();
                 if best.is_none_or(|(least, _)| score < least) {
                     best = Some((score, *motion));
                 }
@@ -235,15 +251,17 @@ impl<'a> Job<'a> {
         let motion = best.map(|(_, motion)| motion).or_else(|| motions.first().copied());
         let motion =
             motion.ok_or_else(|| Error::Invalid("the points determine no rigid motion".into()))?;
-        Ok((motion, self.deform(&motion, &self.part(USED))?))
+        Ok((motion, self.deform(&motion, &self.part(USED))?.0))
     }
 
     /// Candidates for the rigid motion.
     fn motions(&self) -> Result<Vec<RigidMotion>, Error> {
         let n = self.graph.node_count();
-        let given = self.options.controls.iter().zip(&self.shape[n..]);
+        let RegisterOptions { controls, held, around, .. } = self.options;
+        let given = controls.iter().zip(n..).filter(|(_, e)| !around.is_loose(e - n));
+        let given = given.chain(held.iter().map(|(node, place)| (place, *node as usize)));
         let known: Vec<Pair> = given
-            .map(|(to, from)| Pair { before: point(*from), after: *to, weight: 1.0 })
+            .map(|(to, e)| Pair { before: point(self.shape[e]), after: *to, weight: 1.0 })
             .collect();
         if self.options.near {
             let (rotation, translation) = (nalgebra::Matrix3::identity(), Vector3::zeros());
@@ -267,26 +285,38 @@ impl<'a> Job<'a> {
             .motions(self.cancel)
     }
 
-    /// The shape after a rigid motion, deformed to the points.
+    /// The shape after a rigid motion, deformed to the points and outside of all obstacles; and how deep
+    /// the nodes were in these before, in the mean [m].
     fn deform(
         &self,
         motion: &RigidMotion,
         observation: &Observation,
-    ) -> Result<Vec<Vector3<f64>>, Error> {
+    ) -> Result<(Vec<Vector3<f64>>, f64), Error> {
         let moved: Vec<Vector3<f64>> =
             self.shape.iter().map(|p| motion.rotation * p + motion.translation).collect();
         let (fixed, mut x) = self.held(moved.clone());
-        let elastic = Elastic::new(self.graph, moved, fixed);
-        for softening in SOFTENING {
-            for _ in 0..ROUNDS {
-                if self.cancel.is_cancelled() {
-                    return Err(Error::Cancelled);
+        let elastic = Elastic::new(self.graph, moved, fixed, &self.options.around.loose);
+        let soften =
+            |x: &mut Vec<Vector3<f64>>, softening: f64, mut outside: Option<Outside<'_>>| {
+                for _ in 0..ROUNDS {
+                    if self.cancel.is_cancelled() {
+                        return Err(Error::Cancelled);
+                    }
+                    let matches = self.seen(observation).matches(x, self.options.noise_m)?;
+                    let give = self.options.give * softening;
+                    elastic.relax(x, &matches, give, ITERATIONS, outside.as_mut());
                 }
-                let matches = self.seen(observation).matches(&x, self.options.noise_m)?;
-                elastic.relax(&mut x, &matches, self.options.give * softening, ITERATIONS);
-            }
+                Ok(())
+            };
+        for softening in SOFTENING {
+            soften(&mut x, softening, None)?;
         }
-        Ok(x)
+        let depth_m = self.barrier.mean_depth(&x);
+        if depth_m > 0.0 {
+            let outside = self.barrier.leave(&mut x);
+            soften(&mut x, 1.0, outside)?;
+        }
+        Ok((x, depth_m))
     }
 
     /// Endpoints that stay, with given control points and what they pin in place.
@@ -297,12 +327,22 @@ impl<'a> Job<'a> {
             (fixed[n + c], x[n + c]) = (true, vector3(*given));
         }
         if !self.options.controls.is_empty() {
-            for pin in &self.graph.pins {
+            for pin in self.pins() {
                 let (node, control) = (pin.node as usize, n + pin.control as usize);
                 (fixed[node], x[node]) = (true, x[control] + vector3(pin.offset_m));
             }
         }
+        for (node, place) in &self.options.held {
+            let node = *node as usize;
+            (fixed[node], x[node]) = (true, vector3(*place));
+        }
         (fixed, x)
+    }
+
+    /// Pins of control points that are not loose.
+    fn pins(&self) -> impl Iterator<Item = &Pin> {
+        let around = &self.options.around;
+        self.graph.pins.iter().filter(|pin| !around.is_loose(pin.control as usize))
     }
 
     /// Puts control points that pin nodes where these are, and the nodes exactly there.
@@ -310,7 +350,7 @@ impl<'a> Job<'a> {
         let n = self.graph.node_count();
         if self.options.controls.is_empty() {
             let mut sums = vec![(Vector3::zeros(), 0.0); self.graph.control_count()];
-            for pin in &self.graph.pins {
+            for pin in self.pins() {
                 let (sum, count) = &mut sums[pin.control as usize];
                 *sum += x[pin.node as usize] - vector3(pin.offset_m);
                 *count += 1.0;
@@ -319,7 +359,7 @@ impl<'a> Job<'a> {
                 x[n + c] = sum / count;
             }
         }
-        for pin in &self.graph.pins {
+        for pin in self.pins() {
             x[pin.node as usize] = x[n + pin.control as usize] + vector3(pin.offset_m);
         }
     }
@@ -328,13 +368,13 @@ impl<'a> Job<'a> {
     /// which they do not; mean distance that the nodes moved in that [m]. The state keeps the twists.
     fn settle(
         &self,
-        backend: &dyn Backend,
-        loaded: &Loaded,
+        physics: &Physics<'_>,
         state: &mut State,
         x: &mut [Vector3<f64>],
     ) -> Result<f64, Error> {
         let n = self.graph.node_count();
         let observation = self.part(USED);
+        self.barrier.leave(x);
         for frame in 0..=self.options.settle_frames {
             if self.cancel.is_cancelled() {
                 return Err(Error::Cancelled);
@@ -342,7 +382,7 @@ impl<'a> Job<'a> {
             for ((to, v), x) in state.positions.iter_mut().zip(&mut state.velocities).zip(&*x) {
                 (*to, *v) = (point(*x), [0.0; 3]);
             }
-            let after = self.frame(backend, loaded, state, &x[n..])?;
+            let after = physics.frame(state, &x[n..], self.cancel)?;
             let moved: Vec<Vector3<f64>> = after.positions.iter().map(|p| vector3(*p)).collect();
             if frame == self.options.settle_frames {
                 let drift = moved.iter().zip(&*x).map(|(a, b)| (a - b).norm()).sum::<f64>();
@@ -350,39 +390,15 @@ impl<'a> Job<'a> {
             }
             state.twists = after.twists;
             x[..n].copy_from_slice(&moved);
-            let mut fixed = vec![false; x.len()];
-            fixed[n..].fill(true);
-            self.graph.pins.iter().for_each(|p| fixed[p.node as usize] = true);
-            let elastic = Elastic::new(self.graph, x.to_vec(), fixed);
-            let matches = self.seen(&observation).matches(x, self.options.noise_m)?;
-            elastic.relax(x, &matches, 0.3 * self.options.give, ITERATIONS);
+            let mut outside = self.barrier.leave(x);
+            let RegisterOptions { around, held, noise_m, give, .. } = self.options;
+            let mut fixed = fixed(self.graph, &around.loose);
+            held.iter().for_each(|(node, _)| fixed[*node as usize] = true);
+            let elastic = Elastic::new(self.graph, x.to_vec(), fixed, &around.loose);
+            let matches = self.seen(&observation).matches(x, *noise_m)?;
+            elastic.relax(x, &matches, 0.3 * give, ITERATIONS, outside.as_mut());
         }
         Ok(0.0)
-    }
-
-    /// The state after a frame in which the control points stay.
-    fn frame(
-        &self,
-        backend: &dyn Backend,
-        loaded: &Loaded,
-        state: &State,
-        controls: &[Vector3<f64>],
-    ) -> Result<State, Error> {
-        let both = controls.iter().chain(controls).map(|p| point(*p)).collect();
-        let instance = Instance {
-            model: loaded.clone(),
-            initial: Arc::new(state.clone()),
-            controls: Arc::new(both),
-            frames: 1,
-            objective: Objective::default(),
-            world: Arc::default(),
-            motion: Arc::default(),
-        };
-        let outputs = Outputs { final_state: true, ..Outputs::NONE };
-        let rollout = backend.roll_out(&[instance], &outputs, self.cancel)?.into_iter().next();
-        rollout.and_then(|r| r.final_state).ok_or_else(|| {
-            Error::Invalid("the twin explodes in the shape of the points: raise noise_m".into())
-        })
     }
 
     /// Distances that are left between the observation and nodes at `x`, unless they are too large.
@@ -401,6 +417,7 @@ impl<'a> Job<'a> {
                 limit_mm,
                 explained: points,
                 least_explained: options.least_explained,
+                misfit: misfit(&distances, spacing_m, options.noise_m),
             });
         }
         let surface = self.covered(x, within_m.max(self.skin.spacing_m));

@@ -2,6 +2,9 @@
 
 use bendtwin_core::geometry::median;
 
+/// Median distance that every twin may have from what is seen [m].
+const LEAST_EXPECTED_M: f64 = 0.005;
+
 /// Distances between observed points and the twin: of tracks to their places, of a cloud to the
 /// surface between the points of the skin.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -40,6 +43,25 @@ impl Residual {
         let p95_mm = 1e3 * sorted[(19 * n / 20).min(n - 1)];
         Self { median_mm, mean_mm, p95_mm }
     }
+}
+
+/// Share of the points that may be out of reach of a twin that explains them.
+const TOLERATED: f64 = 0.5;
+
+/// Median distance up to which a twin with nodes so far apart explains points with this noise [m]: half
+/// the distance between neighbouring nodes, 5 mm, or the noise, whichever is most.
+pub(crate) fn expected_m(spacing_m: f64, noise_m: f64) -> f64 {
+    (0.5 * spacing_m).max(LEAST_EXPECTED_M).max(noise_m)
+}
+
+/// How far distances [m] are from being explained, which they are up to 1: the median by what is
+/// expected, or the share beyond that and beyond three deviations by half of the points, if that is
+/// more.
+pub(crate) fn misfit(distances_m: &[f64], spacing_m: f64, noise_m: f64) -> f64 {
+    let expected_m = expected_m(spacing_m, noise_m);
+    let median_m = median(&mut distances_m.to_vec()).unwrap_or(f64::INFINITY);
+    let astray = 1.0 - share_within(distances_m, expected_m.max(3.0 * noise_m));
+    (median_m / expected_m).max(astray / TOLERATED)
 }
 
 /// Share of distances up to `within_m`.

@@ -11,10 +11,13 @@ use bendtwin_engine::{
     Backend, Model, Objective,
     backend::{Instance, Outputs},
     model::State,
+    world::{Collider, Face, Pose, Shape},
 };
 use bendtwin_graph::{SurfacePoints, bind_skin};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
+
+use crate::Obstacle;
 
 /// Distance of neighbouring nodes [m].
 pub(crate) const SPACING_M: f32 = 0.02;
@@ -157,4 +160,25 @@ pub(crate) fn apart(a: &[Point], b: &[Point]) -> (f64, f64) {
     let distances = a.iter().zip(b).map(|(a, b)| bendtwin_core::geometry::point_distance(*a, *b));
     let (sum, most) = distances.fold((0.0, 0.0_f64), |(sum, most), d| (sum + d, most.max(d)));
     (sum / a.len() as f64, most)
+}
+
+/// A box that stands in the world, grown by nothing.
+pub(crate) fn cuboid(low: Point, high: Point) -> Obstacle {
+    let face = |axis: usize, sign: f32, offset_m: f32| {
+        let mut normal = [0.0; 3];
+        normal[axis] = sign;
+        Face { normal, offset_m }
+    };
+    let faces = (0..3).flat_map(|i| [face(i, -1.0, -low[i]), face(i, 1.0, high[i])]).collect();
+    standing(Shape::Convex(Arc::new(faces)))
+}
+
+/// A peg, or a ball, that stands in the world.
+pub(crate) fn peg(from: Point, to: Point, radius_m: f32) -> Obstacle {
+    standing(Shape::Capsule { from, to, radius_m })
+}
+
+fn standing(shape: Shape) -> Obstacle {
+    let collider = Collider { body: None, shape, friction: 0.5, restitution: 0.0 };
+    Obstacle { collider, motion: Pose::default() }
 }

@@ -6720,12 +6720,16 @@ pub struct RegisterStateRequest {
     /// Absent: they go where the nodes go that they hold.
     #[prost(message, optional, tag = "4")]
     pub controls: ::core::option::Option<Tensor>,
-    /// Gravity and ground during the frames of physics, where they are not those of the twin; without
-    /// colliders.
+    /// Gravity, ground and colliders, where they are not those of the twin. The state is outside of them,
+    /// but for what control points hold. A collider on a path is at its first pose.
     #[prost(message, optional, tag = "5")]
     pub world: ::core::option::Option<World>,
     #[prost(message, optional, tag = "6")]
     pub options: ::core::option::Option<RegisterOptions>,
+    /// FLOAT32 \[G, 7\]: poses of the grippers that carry colliders of the world: x, y, z in metres,
+    /// quaternion x, y, z, w. Colliders of others are left out.
+    #[prost(message, optional, tag = "7")]
+    pub grippers: ::core::option::Option<Tensor>,
 }
 #[derive(Clone, Copy, PartialEq, ::prost::Message)]
 pub struct RegisterOptions {
@@ -6799,7 +6803,7 @@ pub struct Explained {
     #[prost(double, tag = "3")]
     pub within_mm: f64,
 }
-#[derive(Clone, Copy, PartialEq, ::prost::Message)]
+#[derive(Clone, PartialEq, ::prost::Message)]
 pub struct CorrectOptions {
     /// Deviation of a point from its place, metres; default 0.005: noise, and what a coarse twin cannot
     /// follow.
@@ -6828,6 +6832,23 @@ pub struct CorrectOptions {
     /// are repeated, several times a second.
     #[prost(double, optional, tag = "7")]
     pub carry: ::core::option::Option<f64>,
+    /// Surroundings now. Absent: those of the slot's last advance where that ended, bodies included, or
+    /// before one those of the session, with paths at their first pose and without what grippers carry.
+    /// A path given here is at its first pose.
+    #[prost(message, optional, tag = "8")]
+    pub world: ::core::option::Option<World>,
+    /// FLOAT32 \[G, 7\]: poses of the first G grippers now, where they are not known from the slot's last
+    /// advance, or are others: x, y, z in metres, quaternion x, y, z, w.
+    #[prost(message, optional, tag = "9")]
+    pub grippers: ::core::option::Option<Tensor>,
+    /// A slot that is lost, with this observation counted, is registered by it: from where it is, and if
+    /// that does not explain it, from the rest shape anywhere, with what control points and grasps hold
+    /// in place, and outside of the surroundings.
+    #[prost(bool, tag = "10")]
+    pub register_if_lost: bool,
+    /// Replies have no states.
+    #[prost(bool, tag = "11")]
+    pub omit_state: bool,
 }
 /// Generated client implementations.
 pub mod registration_service_client {
@@ -7543,6 +7564,28 @@ pub struct Session {
     pub worker: ::prost::alloc::string::String,
     #[prost(enumeration = "Fidelity", tag = "7")]
     pub fidelity: i32,
+    /// Slots that are lost, ascending: see Tracking.
+    #[prost(uint32, repeated, tag = "8")]
+    pub lost: ::prost::alloc::vec::Vec<u32>,
+}
+/// Record of how well a slot explains the observations that it is corrected by, refused ones included,
+/// since its state was last set or registered. The misfit of one is the median distance of its points after the
+/// correction, by the largest of half the distance of neighbouring nodes, 5 mm and noise_m; or, if that
+/// is more, the share of its points that are farther away than that and than three noise_m, by 1/2. Up
+/// to 1 the observation is explained.
+#[derive(Clone, Copy, PartialEq, ::prost::Message)]
+pub struct Tracking {
+    /// True if the last three observations in a row are not explained, or if the mean misfit is above 1:
+    /// the slot does not follow its object any more. Register it again (CorrectOptions.register_if_lost).
+    #[prost(bool, tag = "1")]
+    pub lost: bool,
+    /// Mean misfit, each weighted by 3/4 of the one after it and counted as at most 1.5; 0 before the
+    /// first.
+    #[prost(double, tag = "2")]
+    pub misfit: f64,
+    /// Last observations in a row that are not explained.
+    #[prost(uint32, tag = "3")]
+    pub unexplained: u32,
 }
 #[derive(Clone, PartialEq, ::prost::Message)]
 pub struct OpenSessionRequest {
@@ -7643,7 +7686,7 @@ pub struct CorrectedSession {
 }
 /// Nested message and enum types in `CorrectedSession`.
 pub mod corrected_session {
-    #[derive(Clone, Copy, PartialEq, ::prost::Message)]
+    #[derive(Clone, PartialEq, ::prost::Message)]
     pub struct Correction {
         #[prost(uint32, tag = "1")]
         pub slot: u32,
@@ -7655,6 +7698,17 @@ pub mod corrected_session {
         /// Largest displacement of a node, millimetres.
         #[prost(double, tag = "4")]
         pub moved_mm: f64,
+        /// The corrected state, of this slot alone, unless CorrectOptions.omit_state is set.
+        /// InitialState.given takes it as it is; the rest shape stays in the session.
+        #[prost(message, optional, tag = "5")]
+        pub state: ::core::option::Option<super::initial_state::GivenState>,
+        /// With this observation.
+        #[prost(message, optional, tag = "6")]
+        pub tracking: ::core::option::Option<super::Tracking>,
+        /// True if the slot was lost and has been registered by this observation: it is at rest, with the
+        /// rest shape of the twin, and `after` and `moved_mm` are those of the registration.
+        #[prost(bool, tag = "7")]
+        pub registered: bool,
     }
 }
 #[derive(Clone, PartialEq, Eq, Hash, ::prost::Message)]
@@ -7924,11 +7978,12 @@ pub mod session_service_client {
                 .insert(GrpcMethod::new("bendtwin.v1.SessionService", "ResetSession"));
             self.inner.unary(req, path, codec).await
         }
-        /// Brings the states of slots closer to what is seen, in place: smoothly, and without touching what
-        /// control points and grasps hold. Their rest shapes take part (CorrectOptions.carry), and belong to
-        /// the slots from then on, in all that is simulated from them. Ends with FAILED_PRECONDITION, reason
-        /// OBSERVATION_NOT_EXPLAINED, if more than the stated residual is left at one of them; nothing changes
-        /// then.
+        /// Brings the states of slots closer to what is seen, in place: smoothly, without touching what
+        /// control points and grasps hold, and outside of the ground and of colliders, on the side of them
+        /// where nodes were. Their rest shapes take part (CorrectOptions.carry), and belong to the slots from
+        /// then on, in all that is simulated from them. Ends with FAILED_PRECONDITION if more than the stated
+        /// residual is left at one of them, reason OBSERVATION_NOT_EXPLAINED, or OBJECT_LOST for a slot that
+        /// is lost (Tracking); no state changes then.
         pub async fn correct_session(
             &mut self,
             request: impl tonic::IntoRequest<super::CorrectSessionRequest>,
@@ -8036,11 +8091,12 @@ pub mod session_service_server {
             &self,
             request: tonic::Request<super::ResetSessionRequest>,
         ) -> std::result::Result<tonic::Response<super::Session>, tonic::Status>;
-        /// Brings the states of slots closer to what is seen, in place: smoothly, and without touching what
-        /// control points and grasps hold. Their rest shapes take part (CorrectOptions.carry), and belong to
-        /// the slots from then on, in all that is simulated from them. Ends with FAILED_PRECONDITION, reason
-        /// OBSERVATION_NOT_EXPLAINED, if more than the stated residual is left at one of them; nothing changes
-        /// then.
+        /// Brings the states of slots closer to what is seen, in place: smoothly, without touching what
+        /// control points and grasps hold, and outside of the ground and of colliders, on the side of them
+        /// where nodes were. Their rest shapes take part (CorrectOptions.carry), and belong to the slots from
+        /// then on, in all that is simulated from them. Ends with FAILED_PRECONDITION if more than the stated
+        /// residual is left at one of them, reason OBSERVATION_NOT_EXPLAINED, or OBJECT_LOST for a slot that
+        /// is lost (Tracking); no state changes then.
         async fn correct_session(
             &self,
             request: tonic::Request<super::CorrectSessionRequest>,

@@ -1635,7 +1635,7 @@ write_tensor(map, "node_positions", self.node_positions.as_ref(), tensors)?;
 
 impl Fields for crate::v1::RegisterStateRequest {
     const NAME: &'static str = "RegisterStateRequest";
-    const FIELDS: &'static [&'static str] = &["twin", "observation", "initial", "controls", "world", "options"];
+    const FIELDS: &'static [&'static str] = &["twin", "observation", "initial", "controls", "world", "options", "grippers"];
     #[allow(unused_variables)]
     fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
         match field {
@@ -1645,6 +1645,7 @@ impl Fields for crate::v1::RegisterStateRequest {
 3 => { self.controls = tensor(map, Dtype::Float32)?; }
 4 => { self.world = message(map)?; }
 5 => { self.options = message(map)?; }
+6 => { self.grippers = tensor(map, Dtype::Float32)?; }
 
             _ => {}
         }
@@ -1658,6 +1659,7 @@ write_message(map, "initial", self.initial.as_ref(), tensors)?;
 write_tensor(map, "controls", self.controls.as_ref(), tensors)?;
 write_message(map, "world", self.world.as_ref(), tensors)?;
 write_message(map, "options", self.options.as_ref(), tensors)?;
+write_tensor(map, "grippers", self.grippers.as_ref(), tensors)?;
 
         Ok(())
     }
@@ -1775,7 +1777,7 @@ map.serialize_entry("within_mm", &self.within_mm)?;
 
 impl Fields for crate::v1::CorrectOptions {
     const NAME: &'static str = "CorrectOptions";
-    const FIELDS: &'static [&'static str] = &["noise_m", "give", "velocity_noise_m_s", "velocity_gain_per_s", "most_added_strain", "max_residual_m", "carry"];
+    const FIELDS: &'static [&'static str] = &["noise_m", "give", "velocity_noise_m_s", "velocity_gain_per_s", "most_added_strain", "max_residual_m", "carry", "world", "grippers", "register_if_lost", "omit_state"];
     #[allow(unused_variables)]
     fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
         match field {
@@ -1786,6 +1788,10 @@ impl Fields for crate::v1::CorrectOptions {
 4 => { self.most_added_strain = map.next_value()?; }
 5 => { self.max_residual_m = map.next_value()?; }
 6 => { self.carry = map.next_value()?; }
+7 => { self.world = message(map)?; }
+8 => { self.grippers = tensor(map, Dtype::Float32)?; }
+9 => { self.register_if_lost = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+10 => { self.omit_state = map.next_value::<Option<_>>()?.unwrap_or_default(); }
 
             _ => {}
         }
@@ -1800,6 +1806,10 @@ if let Some(value) = &self.velocity_gain_per_s { map.serialize_entry("velocity_g
 if let Some(value) = &self.most_added_strain { map.serialize_entry("most_added_strain", value)?; }
 if let Some(value) = &self.max_residual_m { map.serialize_entry("max_residual_m", value)?; }
 if let Some(value) = &self.carry { map.serialize_entry("carry", value)?; }
+write_message(map, "world", self.world.as_ref(), tensors)?;
+write_tensor(map, "grippers", self.grippers.as_ref(), tensors)?;
+map.serialize_entry("register_if_lost", &self.register_if_lost)?;
+map.serialize_entry("omit_state", &self.omit_state)?;
 
         Ok(())
     }
@@ -1807,7 +1817,7 @@ if let Some(value) = &self.carry { map.serialize_entry("carry", value)?; }
 
 impl Fields for crate::v1::Session {
     const NAME: &'static str = "Session";
-    const FIELDS: &'static [&'static str] = &["name", "twin", "slots", "frames", "idle_timeout_s", "worker", "fidelity"];
+    const FIELDS: &'static [&'static str] = &["name", "twin", "slots", "frames", "idle_timeout_s", "worker", "fidelity", "lost"];
     #[allow(unused_variables)]
     fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
         match field {
@@ -1818,6 +1828,7 @@ impl Fields for crate::v1::Session {
 4 => { self.idle_timeout_s = map.next_value::<Option<_>>()?.unwrap_or_default(); }
 5 => { self.worker = map.next_value::<Option<_>>()?.unwrap_or_default(); }
 6 => { self.fidelity = word::<crate::v1::Fidelity, A>(map)?; }
+7 => { self.lost = map.next_value::<Option<_>>()?.unwrap_or_default(); }
 
             _ => {}
         }
@@ -1832,6 +1843,31 @@ map.serialize_entry("frames", &self.frames)?;
 map.serialize_entry("idle_timeout_s", &self.idle_timeout_s)?;
 map.serialize_entry("worker", &self.worker)?;
 write_word::<crate::v1::Fidelity, M>(map, "fidelity", self.fidelity)?;
+map.serialize_entry("lost", &self.lost)?;
+
+        Ok(())
+    }
+}
+
+impl Fields for crate::v1::Tracking {
+    const NAME: &'static str = "Tracking";
+    const FIELDS: &'static [&'static str] = &["lost", "misfit", "unexplained"];
+    #[allow(unused_variables)]
+    fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
+        match field {
+            0 => { self.lost = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+1 => { self.misfit = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+2 => { self.unexplained = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+
+            _ => {}
+        }
+        Ok(())
+    }
+    #[allow(unused_variables)]
+    fn write<M: SerializeMap>(&self, tensors: TensorFormat, map: &mut M) -> Result<(), M::Error> {
+        map.serialize_entry("lost", &self.lost)?;
+map.serialize_entry("misfit", &self.misfit)?;
+map.serialize_entry("unexplained", &self.unexplained)?;
 
         Ok(())
     }
@@ -2057,7 +2093,7 @@ write_messages(map, "corrections", &self.corrections, tensors)?;
 
 impl Fields for crate::v1::corrected_session::Correction {
     const NAME: &'static str = "Correction";
-    const FIELDS: &'static [&'static str] = &["slot", "before", "after", "moved_mm"];
+    const FIELDS: &'static [&'static str] = &["slot", "before", "after", "moved_mm", "state", "tracking", "registered"];
     #[allow(unused_variables)]
     fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
         match field {
@@ -2065,6 +2101,9 @@ impl Fields for crate::v1::corrected_session::Correction {
 1 => { self.before = message(map)?; }
 2 => { self.after = message(map)?; }
 3 => { self.moved_mm = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+4 => { self.state = message(map)?; }
+5 => { self.tracking = message(map)?; }
+6 => { self.registered = map.next_value::<Option<_>>()?.unwrap_or_default(); }
 
             _ => {}
         }
@@ -2076,6 +2115,9 @@ impl Fields for crate::v1::corrected_session::Correction {
 write_message(map, "before", self.before.as_ref(), tensors)?;
 write_message(map, "after", self.after.as_ref(), tensors)?;
 map.serialize_entry("moved_mm", &self.moved_mm)?;
+write_message(map, "state", self.state.as_ref(), tensors)?;
+write_message(map, "tracking", self.tracking.as_ref(), tensors)?;
+map.serialize_entry("registered", &self.registered)?;
 
         Ok(())
     }

@@ -60,10 +60,13 @@ pub fn malformed(twin: &TwinShape) -> Vec<Case> {
     let colliders = World { colliders: vec![Collider::default()], ..World::default() };
     for (what, names, world) in [
         ("gravity that is no number", "`world.gravity`", gravity),
-        ("a collider", "`world.colliders`", colliders),
+        ("a collider without shape", "`world.colliders[0].shape`", colliders),
     ] {
         add(what, names, RegisterStateRequest { world: Some(world), ..good.clone() });
     }
+    let unturned = Some(Tensor::pack(&[1, 7], &[0.0f32; 7]));
+    let grippers = RegisterStateRequest { grippers: unturned, ..good.clone() };
+    add("a gripper without a rotation", "`grippers`", grippers);
     let options = RegisterOptions { settle_frames: Some(u32::MAX), ..RegisterOptions::default() };
     let options = Some(options);
     add("4294967295 frames", "`options.settle_frames`", RegisterStateRequest { options, ..good });

@@ -2,12 +2,15 @@
 //! counted out before it is known to be within the limits; nothing is allocated but shapes. Most
 //! numbers of options and weights are left to `bendtwin-register`, which knows what they mean.
 
-use super::{Error, memory_bytes, registration_work, reply_bytes, settle_frames};
+use super::{
+    Error, correction_reply_bytes, correction_work, memory_bytes, registration_work, reply_bytes,
+    settle_frames,
+};
 use crate::{
-    rollout::{self, Limits, TwinShape, tensors},
+    rollout::{self, Limits, TwinShape, tensors, world},
     v1::{
-        CorrectSessionRequest, Observation, OpenSessionRequest, RegisterStateRequest, Tensor,
-        initial_state::State, observation::Tracks, tensor::Dtype,
+        CorrectOptions, CorrectSessionRequest, Observation, OpenSessionRequest,
+        RegisterStateRequest, Tensor, initial_state::State, observation::Tracks, tensor::Dtype,
     },
 };
 
@@ -46,39 +49,47 @@ pub fn check_registration(
     within("the size of the reply in bytes", bytes, limits.reply_bytes, "use a coarser twin")
 }
 
-/// Checks a correction of a session of a twin.
+/// Checks a correction of so many slots of a session of a twin, with so many grasps.
 ///
 /// # Errors
 /// The first fault that is found.
 pub fn check_correction(
     request: &CorrectSessionRequest,
+    slots: u64,
+    grasps: u64,
     twin: &TwinShape,
     limits: &Limits,
 ) -> Result<(), Error> {
     observation(request.observation.as_ref(), twin, limits)?;
-    let carry = carry(request);
+    let default = CorrectOptions::default();
+    let options = request.options.as_ref().unwrap_or(&default);
+    let carry = carry(options);
     if !(0.0..=1.0).contains(&carry) {
         let fault = format!("is {carry}: it is a share, and must lie in 0..=1");
         return Err(Error::field("options.carry", fault));
     }
-    Ok(())
+    let grippers = options.grippers.as_ref();
+    world::check_now(options.world.as_ref(), grippers, "options.grippers", limits)?;
+    let work = correction_work(request.observation.as_ref(), options, slots, twin);
+    let advice = "correct fewer slots at once, or without `register_if_lost`";
+    within("the work of the correction in element substeps", work, limits.work, advice)?;
+    let bytes = correction_reply_bytes(options, slots, grasps, twin);
+    let advice = "correct fewer slots at once, or with `omit_state`";
+    within("the size of the reply in bytes", bytes, limits.reply_bytes, advice)
 }
 
 /// Share of a correction that rest shapes take over.
-pub fn carry(request: &CorrectSessionRequest) -> f64 {
-    request.options.as_ref().and_then(|options| options.carry).unwrap_or(1.0)
+pub fn carry(options: &CorrectOptions) -> f64 {
+    options.carry.unwrap_or(1.0)
 }
 
 /// Checks the shape to start from, and what surrounds it: what a session with one slot begins in.
 fn start(request: &RegisterStateRequest, twin: &TwinShape, limits: &Limits) -> Result<(), Error> {
-    let refuse = |field, fault: &str| Err(rollout::Error::field(field, fault).into());
     if matches!(request.initial.as_ref().and_then(|i| i.state.as_ref()), Some(State::Session(_))) {
-        return refuse("initial.session", "starts no registration: correct it, or give its state");
+        let fault = "starts no registration: correct it, or give its state";
+        return Err(rollout::Error::field("initial.session", fault).into());
     }
-    if request.world.as_ref().is_some_and(|world| !world.colliders.is_empty()) {
-        let fault = "belong to rollouts: here ground and gravity are all there is";
-        return refuse("world.colliders", fault);
-    }
+    world::check_now(request.world.as_ref(), request.grippers.as_ref(), "grippers", limits)?;
     Ok(rollout::check_session(&begun(request), twin, limits)?)
 }
 

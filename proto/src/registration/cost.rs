@@ -1,8 +1,8 @@
 //! Work and memory of a registration or a correction: upper bounds, before anything is unpacked.
 
 use crate::{
-    rollout::TwinShape,
-    v1::{Observation, RegisterStateRequest, observation::Tracks},
+    rollout::{TwinShape, states_size, world},
+    v1::{CorrectOptions, Observation, RegisterStateRequest, observation::Tracks},
 };
 
 /// Frames of physics where the request does not say.
@@ -20,6 +20,10 @@ const SPRING: u64 = 64;
 const DEFORMED: u64 = 20_000;
 /// Work for each point.
 const MATCHED: u64 = 2_000;
+/// Steps of a deformation in which a node may meet the surroundings.
+const MEETINGS: u64 = 200;
+/// Bytes of the reply to a correction for each slot, beside its state.
+const SLOT: u64 = 160;
 /// Frames that a recording is taken to have.
 const RECORDED: u64 = 150;
 /// Bytes of a reply beside its state.
@@ -39,11 +43,49 @@ pub fn settle_frames(request: &RegisterStateRequest) -> u32 {
 /// Work of a registration, in element substeps: its frames of physics, and what takes as long.
 pub fn registration_work(request: &RegisterStateRequest, twin: &TwinShape) -> u64 {
     let frames = u64::from(settle_frames(request)) + 1;
-    let elements = twin.nodes.saturating_add(twin.springs).saturating_add(twin.triplets);
+    let surroundings = world::work_of(request.world.as_ref());
+    work(points(request.observation.as_ref()), frames, surroundings, twin)
+}
+
+/// Work of registering so many points with so many frames of physics in surroundings.
+fn work(points: u64, frames: u64, surroundings: u64, twin: &TwinShape) -> u64 {
+    let nodes = twin.nodes.saturating_mul(1 + surroundings);
+    let elements = nodes.saturating_add(twin.springs).saturating_add(twin.triplets);
     let physics = frames.saturating_mul(u64::from(twin.substeps)).saturating_mul(elements);
+    let met = MEETINGS.saturating_mul(surroundings).saturating_mul(twin.nodes);
     physics
         .saturating_add(DEFORMED.saturating_mul(twin.springs))
-        .saturating_add(MATCHED.saturating_mul(points(request.observation.as_ref())))
+        .saturating_add(MATCHED.saturating_mul(points))
+        .saturating_add(met)
+}
+
+/// Work of registering so many slots, if a correction of them may come to that: twice, near and
+/// anywhere; in element substeps.
+pub fn correction_work(
+    observation: Option<&Observation>,
+    options: &CorrectOptions,
+    slots: u64,
+    twin: &TwinShape,
+) -> u64 {
+    if !options.register_if_lost {
+        return 0;
+    }
+    let surroundings = world::work_of(options.world.as_ref());
+    let frames = u64::from(SETTLE_FRAMES) + 1;
+    let each = work(points(observation), frames, surroundings, twin);
+    each.saturating_mul(2).saturating_mul(slots)
+}
+
+/// Largest size of the reply to a correction of so many slots of a session with so many grasps [bytes].
+pub fn correction_reply_bytes(
+    options: &CorrectOptions,
+    slots: u64,
+    grasps: u64,
+    twin: &TwinShape,
+) -> u64 {
+    let state =
+        if options.omit_state { 0 } else { states_size(1, grasps, twin).saturating_add(64) };
+    state.saturating_add(SLOT).saturating_mul(slots).saturating_add(REPLY)
 }
 
 /// Work of an evaluation of a twin on a recording, which may be registered first, in element

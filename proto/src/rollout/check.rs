@@ -13,7 +13,7 @@ mod returns;
 pub(crate) mod tensors;
 mod times;
 mod vary;
-mod world;
+pub(crate) mod world;
 
 use prost::Message as _;
 

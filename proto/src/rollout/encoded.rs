@@ -70,8 +70,10 @@ static BOUNDS: Message = Message(&[(1, &TENSOR), (2, &TENSOR), (3, &TENSOR)]);
 static PLACES: Message = Message(&[(1, &TENSOR), (2, &TENSOR)]);
 static OBSERVATION: Message =
     Message(&[(1, &TENSOR), (2, &TENSOR), (3, &PLACES), (4, &TENSOR), (5, &TENSOR), (6, &TENSOR)]);
-static REGISTER: Message = Message(&[(2, &OBSERVATION), (3, &INITIAL), (4, &TENSOR), (5, &WORLD)]);
-static CORRECT: Message = Message(&[(3, &OBSERVATION)]);
+static REGISTER: Message =
+    Message(&[(2, &OBSERVATION), (3, &INITIAL), (4, &TENSOR), (5, &WORLD), (7, &TENSOR)]);
+static CORRECT: Message = Message(&[(3, &OBSERVATION), (4, &CORRECT_OPTIONS)]);
+static CORRECT_OPTIONS: Message = Message(&[(8, &WORLD), (9, &TENSOR)]);
 static OTHER: Message = Message(&[]);
 
 /// Message that is checked before it is decoded.

@@ -52,6 +52,20 @@ pub fn states_bytes(
     twin: &TwinShape,
     limits: &Limits,
 ) -> Result<u64, Error> {
+    let bytes = states_size(slots, grasps, twin);
+    if bytes > limits.reply_bytes {
+        return Err(Error::TooLarge {
+            what: "the size of the states in bytes",
+            asked: bytes,
+            limit: limits.reply_bytes,
+            advice: "ask for fewer slots at once",
+        });
+    }
+    Ok(bytes)
+}
+
+/// Size of the message that holds the states of so many slots with so many grasps, at most [bytes].
+pub(crate) fn states_size(slots: u64, grasps: u64, twin: &TwinShape) -> u64 {
     let (n, c) = (twin.nodes, twin.controls);
     let mut grasping = Sum(0);
     for width in [grasps, n, n.saturating_mul(3)] {
@@ -68,15 +82,7 @@ pub fn states_bytes(
     reply.message(1, &given);
     // Numbers of slots and of frames.
     reply.add(slots.saturating_mul(5 + 10).saturating_add(32));
-    if reply.0 > limits.reply_bytes {
-        return Err(Error::TooLarge {
-            what: "the size of the states in bytes",
-            asked: reply.0,
-            limit: limits.reply_bytes,
-            advice: "ask for fewer slots at once",
-        });
-    }
-    Ok(reply.0)
+    reply.0
 }
 
 #[cfg(test)]

@@ -201,19 +201,29 @@ impl Dispatch {
         Ok((reply.states.unwrap_or_default(), Held::of(share)))
     }
 
-    /// Brings slots of a session closer to what is seen.
+    /// Brings slots of a session closer to what is seen; the reply with its memory. `as_lists` if it is
+    /// to be written as nested lists of JSON.
     pub(crate) async fn correct_session(
         &self,
         correct: CorrectSessionRequest,
         timeout: Option<Duration>,
-    ) -> Result<CorrectedSession> {
+        as_lists: bool,
+    ) -> Result<(CorrectedSession, Held)> {
         let (id, entry, held) = self.named(&correct.name).await?;
         let known = self.twins.get(&self.store, held.twin).await?;
-        registration::check_correction(&correct, &known.shape, &self.limits.rollout)?;
+        let (slots, grasps) = (correct.slots.len().max(1) as u64, u64::from(held.grasps));
+        let mut limits = self.limits.rollout;
+        if as_lists {
+            limits.reply_bytes = limits.json_reply_bytes;
+        }
+        registration::check_correction(&correct, slots, grasps, &known.shape, &limits)?;
+        let options = correct.options.clone().unwrap_or_default();
+        let bytes = registration::correction_reply_bytes(&options, slots, grasps, &known.shape);
+        let share = self.memory.reply(bytes).await?;
         let call = Call::Correct(correct);
         let reply = self.manage_known(id, &entry, held.twin, call, timeout).await?;
         let missing = || Error::Internal("a worker's reply has no correction".to_owned());
-        reply.corrected.ok_or_else(missing)
+        Ok((reply.corrected.ok_or_else(missing)?, Held::of(share)))
     }
 
     /// Ends a session; it is no error if it has ended.

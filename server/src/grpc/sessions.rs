@@ -122,8 +122,11 @@ impl SessionService for Api {
         let timeout = timeout(request.metadata());
         // Held until the worker has the request.
         let _memory = memory_of(&request);
-        let corrected = self.app.dispatch.correct_session(request.into_inner(), timeout).await?;
-        Ok(Response::new(corrected))
+        let correct = request.into_inner();
+        let (corrected, held) = self.app.dispatch.correct_session(correct, timeout, false).await?;
+        let mut response = Response::new(corrected);
+        response.extensions_mut().insert(held);
+        Ok(response)
     }
 
     async fn close_session(

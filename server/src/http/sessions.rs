@@ -156,12 +156,14 @@ pub(super) async fn fork(
 
 /// Correct slots by what is seen
 ///
-/// Brings their states closer to points that were seen of the object, in place; all of them, or none
-/// if more than the stated residual is left at one.
+/// Brings their states closer to points that were seen of the object, in place and outside of
+/// obstacles; all of them, or none if more than the stated residual is left at one. The reply has the
+/// corrected states, and says whether slots still follow their object.
 #[utoipa::path(post, path = "/v1/sessions/{id}/correct", tag = "sessions",
     params(("id" = String, Path), ReplyParams),
     request_body(content((schema::CorrectSessionRequest = "application/json"), (Vec<u8> = "application/x-protobuf"))),
-    responses((status = 200, body = schema::CorrectedSession), (status = "default", body = ProblemDocument)))]
+    responses((status = 200, content((schema::CorrectedSession = "application/json"), (Vec<u8> = "application/x-protobuf"))),
+        (status = "default", body = ProblemDocument)))]
 pub(super) async fn correct(
     State(app): State<App>,
     Id(id): Id,
@@ -171,9 +173,11 @@ pub(super) async fn correct(
     let body: Body<CorrectSessionRequest> =
         Body::read(&app, request, Encoded::Correct, params.tensors()).await?;
     // Held until the worker has the request.
-    let Body { mut message, memory: _memory, .. } = body;
+    let Body { mut message, memory: _memory, form } = body;
     message.name = name(&id, message.name)?;
-    Ok(document(&app.dispatch.correct_session(message, params.timeout()?).await?))
+    let (timeout, as_lists) = (params.timeout()?, form.is_lists());
+    let (corrected, held) = app.dispatch.correct_session(message, timeout, as_lists).await?;
+    form.answer(corrected, held)
 }
 
 /// Set slots back

@@ -6,8 +6,9 @@ use bendtwin_proto::{
     registration::{cases, check_registration},
     rollout::{Limits, TwinShape},
     v1::{
-        CorrectSessionRequest, Observation, RegisterStateRequest, RegisteredState, Tensor,
-        observation::Tracks, registration_service_client::RegistrationServiceClient,
+        Collider, CorrectOptions, CorrectSessionRequest, CorrectedSession, Observation,
+        RegisterStateRequest, RegisteredState, Tensor, World, observation::Tracks,
+        registration_service_client::RegistrationServiceClient,
         session_service_client::SessionServiceClient,
     },
     worker::v1::HeartbeatRequest,
@@ -150,4 +151,48 @@ async fn a_session_that_is_nowhere_is_lost_to_a_correction() {
     assert_eq!((status.code(), fault(&status).reason.as_str()), (Code::Aborted, "SESSION_LOST"));
     let status = client.correct_session(correction("x")).await.unwrap_err();
     assert_eq!(status.code(), Code::InvalidArgument);
+}
+
+#[tokio::test]
+async fn a_correction_brings_the_state_and_says_that_a_slot_is_lost() {
+    let server = Server::start().await;
+    let mut worker = Worker::register(&server).await;
+    let twin = twin(&server, &mut worker).await;
+    let (status, session) = server.post("/v1/sessions", json!({"twin": twin})).await;
+    assert_eq!(status, 201, "{session}");
+    let path = format!("/v1/{}/correct", session["name"].as_str().unwrap());
+    let ball = json!({"sphere": {"radius_m": 0.1}, "gripper": 0});
+    let options = json!({"world": {"colliders": [ball]}, "grippers": [[0, 0, 0, 0, 0, 0, 1]],
+        "register_if_lost": true});
+    let observation = json!({"points": [[0, 0, 1], [0.5, 0, 2]], "nodes": [0, 1]});
+    let body = json!({"observation": observation, "options": options});
+    let (status, reply) = server.post(&path, body.clone()).await;
+    assert_eq!(status, 200, "{reply}");
+    let correction = &reply["corrections"][0];
+    assert_eq!(correction["state"]["positions"], json!([[0.0, 0.0, 1.0], [0.5, 0.0, 2.0]]));
+    assert_eq!(correction["tracking"], json!({"lost": true, "misfit": 1.25, "unexplained": 3}));
+    assert_eq!((&correction["registered"], &reply["session"]["lost"]), (&json!(true), &json!([0])));
+
+    let (status, problem) = server
+        .post(&path, json!({"observation": observation, "options": {"grippers": [[0, 1]]}}))
+        .await;
+    assert_eq!(status, 400, "{problem}");
+    assert!(problem["detail"].as_str().unwrap().contains("options.grippers"), "{problem}");
+
+    let correct = CorrectSessionRequest {
+        observation: cases::sound().observation,
+        ..CorrectSessionRequest::default()
+    };
+    let call = server.http.post(server.url(&path)).header("content-type", "application/x-protobuf");
+    let response = call.body(correct.encode_to_vec()).send().await.unwrap();
+    let reply = CorrectedSession::decode(response.bytes().await.unwrap()).unwrap();
+    assert!(reply.corrections[0].state.is_some());
+    // Thirty-two colliders are the most, counted before anything is decoded.
+    let colliders = vec![Collider::default(); 33];
+    let world = Some(World { colliders, ..World::default() });
+    let options = Some(CorrectOptions { world, ..CorrectOptions::default() });
+    let mut client = SessionServiceClient::new(server.channel.clone());
+    let crowded = CorrectSessionRequest { options, ..correct };
+    let status = client.correct_session(crowded).await.unwrap_err();
+    assert!(status.message().contains("world.colliders"), "{status:?}");
 }

@@ -17,9 +17,10 @@ use bendtwin_proto::{
     fault,
     rollout::Limits,
     v1::{
-        EvaluateTwinRequest, Evaluation, Fault, ModelLoss, PredictedMotion, Progress,
-        RegisteredState, RollOutResponse, Session, Tensor, initial_state::GivenState,
-        roll_out_request::Actions, roll_out_response::Timing,
+        CorrectSessionRequest, CorrectedSession, EvaluateTwinRequest, Evaluation, Fault, ModelLoss,
+        PredictedMotion, Progress, RegisteredState, RollOutResponse, Session, Tensor, Tracking,
+        corrected_session::Correction, initial_state::GivenState, roll_out_request::Actions,
+        roll_out_response::Timing,
     },
     worker::v1::{
         CompleteFitRequest, DownloadRequest, EndIngestRequest, ExecuteEvaluateTwinRequest,
@@ -389,6 +390,21 @@ impl Drop for GivenUp {
     }
 }
 
+/// A correction that leaves its slot lost, in the state of the points.
+fn corrected(correct: CorrectSessionRequest) -> CorrectedSession {
+    let positions = correct.observation.and_then(|observation| observation.points);
+    let state = GivenState { positions, ..GivenState::default() };
+    let tracking = Tracking { lost: true, misfit: 1.25, unexplained: 3 };
+    let correction = Correction {
+        state: Some(state),
+        tracking: Some(tracking),
+        registered: true,
+        ..Correction::default()
+    };
+    let session = Session { name: correct.name, slots: 1, lost: vec![0], ..Session::default() };
+    CorrectedSession { session: Some(session), corrections: vec![correction] }
+}
+
 #[tonic::async_trait]
 impl WorkerRollouts for Device {
     type WatchStream = Pin<Box<dyn Stream<Item = Result<WatchResponse, Status>> + Send>>;
@@ -406,6 +422,13 @@ impl WorkerRollouts for Device {
         let (name, slots) = match request.into_inner().call.unwrap() {
             Call::Open(open) => (SessionId::generate().to_string(), open.slots),
             Call::Get(get) => (get.name, 1),
+            Call::Correct(correct) => {
+                let corrected = Some(corrected(correct));
+                return Ok(Response::new(ManageSessionResponse {
+                    corrected,
+                    ..Default::default()
+                }));
+            }
             other => return Err(Status::unimplemented(format!("{other:?}"))),
         };
         let session = Some(Session { name, slots, ..Session::default() });

@@ -28,6 +28,20 @@ pub(crate) enum Error {
         /// The refusal.
         error: register::Error,
     },
+    /// A state of a session does not follow its object any more.
+    #[error(
+        "slot {slot} is lost ({unexplained} observations in a row are not explained, mean misfit {misfit:.2}): set \
+         `options.register_if_lost`, or reset it to a state that `register` finds. This time {error}",
+        misfit = tracking.misfit, unexplained = tracking.unexplained
+    )]
+    Lost {
+        /// The slot.
+        slot: usize,
+        /// Its record.
+        tracking: register::Tracking,
+        /// The refusal.
+        error: register::Error,
+    },
     /// As many rollouts as this worker takes are in flight.
     #[error("{limit} rollouts are in flight on this worker: try again in a moment")]
     Busy {
@@ -123,9 +137,16 @@ impl Error {
         Self::Request(rollout::Error::field(field, fault))
     }
 
-    /// The refusal of a correction of a slot.
-    pub(super) fn of_slot(slot: usize, error: register::Error) -> Self {
+    /// The refusal of a correction of a slot with this record.
+    pub(super) fn of_slot(
+        slot: usize,
+        tracking: register::Tracking,
+        error: register::Error,
+    ) -> Self {
         match error {
+            register::Error::NotExplained { .. } if tracking.is_lost() => {
+                Self::Lost { slot, tracking, error }
+            }
             register::Error::NotExplained { .. } => Self::Correct { slot, error },
             other => other.into(),
         }
@@ -164,6 +185,7 @@ impl Problem for Error {
             Self::Request(e) => e.category(),
             Self::Observation(e) => e.category(),
             Self::Register(e) | Self::Correct { error: e, .. } => e.category(),
+            Self::Lost { .. } => Category::FailedPrecondition,
             // Sent again, it would be refused again.
             Self::Memory { exhausted: Exhausted::TooLarge { .. }, .. } => Category::InvalidArgument,
             Self::SessionLost { .. } => Category::Aborted,
@@ -188,6 +210,7 @@ impl Problem for Error {
             Self::Request(e) => e.reason(),
             Self::Observation(e) => e.reason(),
             Self::Register(e) | Self::Correct { error: e, .. } => e.reason(),
+            Self::Lost { .. } => "OBJECT_LOST",
             Self::SessionLost { .. } => "SESSION_LOST",
             Self::TooManySessions { .. } => "TOO_MANY_SESSIONS",
             Self::Busy { .. } => "WORKER_BUSY",

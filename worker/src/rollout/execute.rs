@@ -93,14 +93,16 @@ impl Execution<'_> {
         Ok(kept)
     }
 
-    /// States in which instances end, with their control points and rest shapes.
+    /// States in which instances end, with their control points, rest shapes and surroundings.
     fn ends(&self, indices: &[usize], simulated: &Simulated) -> Vec<Option<Start>> {
         let width = self.plan.twin().graph.control_count();
         let each = simulated.rollouts.iter().enumerate().map(|(i, rollout)| {
             let state = Arc::new(rollout.final_state.clone()?);
             let controls = Arc::new(simulated.controls.get(i * width..(i + 1) * width)?.to_vec());
-            let begun = self.starts.of(self.plan.action(*indices.get(i)?));
-            Some(Start { rest: begun.rest.clone(), ..Start::new(state, controls) })
+            let index = *indices.get(i)?;
+            let begun = self.starts.of(self.plan.action(index));
+            let around = Some(Arc::new(self.plan.ended(index)));
+            Some(Start { rest: begun.rest.clone(), around, ..Start::new(state, controls) })
         });
         each.collect()
     }

@@ -16,7 +16,7 @@ use bendtwin_proto::v1::{
     initial_state::{self as wire, GivenState, State as Wire},
 };
 
-use super::{error::Error, grasping, rest_shape::RestShape};
+use super::{error::Error, grasping, rest_shape::RestShape, world::Ended};
 
 /// A state and the control points that belong to it.
 #[derive(Clone, Debug)]
@@ -29,18 +29,23 @@ pub(super) struct Start {
     pub(super) likely: Option<Arc<Vec<Point>>>,
     /// Rest shape, where it is not that of the twin.
     pub(super) rest: Option<Arc<RestShape>>,
+    /// Surroundings in which a simulation ended in it.
+    pub(super) around: Option<Arc<Ended>>,
 }
+
+/// Memory of where bodies are around a state, at most [bytes].
+const BODIES_BYTES: usize = 4 << 10;
 
 impl Start {
     /// A state whose control points are known [m], shape [C, 3], of a simulation with the twin's own
     /// rest shape.
     pub(super) fn new(state: Arc<State>, controls: Arc<Vec<Point>>) -> Self {
-        Self { state, controls, likely: None, rest: None }
+        Self { state, controls, likely: None, rest: None, around: None }
     }
 
     /// Memory that it takes beside its rest shape [bytes].
     pub(super) fn bytes(&self) -> u64 {
-        (24 * self.state.positions.len() + 12 * self.controls.len()) as u64
+        (24 * self.state.positions.len() + 12 * self.controls.len() + BODIES_BYTES) as u64
     }
 
     /// Control points, or where they may be if they are not known [m], shape [C, 3].

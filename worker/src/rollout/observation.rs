@@ -7,7 +7,7 @@ use bendtwin_proto::{
     v1::{self, Tensor, observation::Places, observation::Tracks},
 };
 use bendtwin_register::{
-    self as register, CorrectOptions, Explained, Observation, Residual, bind_tracks,
+    self as register, CorrectOptions, Explained, Observation, Residual, Tracking, bind_tracks,
 };
 
 use super::error::Error;
@@ -79,6 +79,12 @@ pub(super) fn correct_options(wire: Option<v1::CorrectOptions>) -> CorrectOption
 pub(super) fn residual(of: Residual) -> v1::Residual {
     let Residual { median_mm, mean_mm, p95_mm } = of;
     v1::Residual { median_mm, mean_mm, p95_mm }
+}
+
+/// A record as a message.
+pub(super) fn tracking(of: Tracking) -> v1::Tracking {
+    let Tracking { misfit, unexplained } = of;
+    v1::Tracking { lost: of.is_lost(), misfit, unexplained }
 }
 
 /// Shares as a message.

@@ -3,6 +3,7 @@
 
 use std::sync::Arc;
 
+use bendtwin_budget::Share;
 use bendtwin_core::{CancelToken, Point, Twin};
 use bendtwin_engine::{
     Backend, Motion,
@@ -22,7 +23,7 @@ use super::{
     returns::Returns,
     serve::Served,
     vary::{Base, Variant, Variants},
-    world::{Surroundings, gripper_of_control},
+    world::{Ended, Surroundings, gripper_of_control},
 };
 
 /// Distance between where a control point is and where nodes say that it may be, at most [m].
@@ -47,6 +48,8 @@ pub(super) struct Plan {
     pub(super) part: usize,
     /// Instances that are prepared at once.
     pub(super) prepared: usize,
+    /// Memory of the surroundings, if a session keeps them.
+    pub(super) kept: Option<Arc<Share>>,
 }
 
 impl Plan {
@@ -98,6 +101,7 @@ impl Plan {
             reach: request.gradient.map_or(0, |gradient| gradient.reach_frames as usize),
             part,
             prepared,
+            kept: None,
             served,
         };
         Ok((plan, wanted))
@@ -154,6 +158,20 @@ impl Plan {
     /// Model and world of an instance.
     pub(super) fn variant(&self, index: usize) -> &Variant {
         self.variants.of(index)
+    }
+
+    /// Surroundings in which an instance ends.
+    pub(super) fn ended(&self, index: usize) -> Ended {
+        let variant = self.variant(index);
+        let model = variant.loaded.model();
+        let motion = self.surroundings.motion(self.action(index), &self.actions);
+        Ended::new(
+            Arc::clone(&variant.world),
+            model.environment,
+            (&motion, model.timing.frame_s()),
+            self.surroundings.grippers(),
+            self.kept.clone(),
+        )
     }
 
     /// Extremes of what is prescribed to an instance; `end` is its last state, if that is known.

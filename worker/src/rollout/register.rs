@@ -10,7 +10,7 @@ use bendtwin_proto::{
     v1::{self, RegisterStateRequest, RegisteredState, Tensor, initial_state::GivenState},
     worker::v1::ExecuteRegisterStateRequest,
 };
-use bendtwin_register::{RegisterOptions, Registered, register};
+use bendtwin_register::{Around, RegisterOptions, Registered, register};
 
 use super::{
     error::Error,
@@ -18,9 +18,10 @@ use super::{
     observation,
     plan::shape,
     service::{Inner, Unary},
+    sessions::correct::grippers,
     vary::{Base, Variants},
     warm::Warm,
-    world::Surroundings,
+    world::{Still, Surroundings},
 };
 use crate::{
     budget,
@@ -73,9 +74,12 @@ impl Job {
     pub(super) fn run(self, cancel: &CancelToken) -> Result<RegisteredState, Error> {
         let loaded = self.surrounded(cancel)?;
         let Self { warm, start, request, backend } = self;
+        let grippers = grippers(request.grippers.as_ref(), "grippers")?;
+        let around = Still::among(request.world.as_ref(), &grippers)?.around_now();
         let seen = observation::read(request.observation, &warm.twin.graph)?;
         let controls = observation::points(request.controls, "controls")?;
-        let options = options(request.options.unwrap_or_default(), start, controls);
+        let wire = request.options.unwrap_or_default();
+        let options = RegisterOptions { around, ..options(wire, start, controls) };
         let registered = register(&backend, &loaded, &seen, &options, cancel)?;
         Ok(message(&registered, warm.twin.graph.rods.len()))
     }
@@ -92,12 +96,14 @@ impl Job {
 
 fn options(wire: v1::RegisterOptions, start: Start, controls: Vec<Point>) -> RegisterOptions {
     let default = RegisterOptions::default();
-    // Grasps belong to a world, and there is none.
+    // Grasps belong to a rollout.
     let state = State { grasping: Default::default(), ..State::clone(&start.state) };
     let start_controls = start.likely.unwrap_or(start.controls);
     RegisterOptions {
         initial: Some((state, Vec::clone(&start_controls))),
         controls,
+        held: Vec::new(),
+        around: Around::default(),
         near: wire.near,
         noise_m: wire.noise_m.unwrap_or(default.noise_m),
         give: wire.give.unwrap_or(default.give),

@@ -392,9 +392,13 @@ impl Call {
         // It is set here alone.
         let _ = self.held.rollout.set(share);
         let (on, cancel) = (Arc::clone(&backend), self.cancel.clone());
-        let (plan, wanted) =
+        let (mut plan, wanted) =
             blocking(&self.held, move || Plan::new(checked, part_instances, served, &*on, &cancel))
                 .await?;
+        if begun.as_ref().is_some_and(Begun::commits) {
+            let (bytes, advice) = (plan.surroundings.bytes(), "the surroundings: close sessions");
+            plan.kept = Some(Arc::new(budget::take(&inner.memory.sessions, bytes, advice).await?));
+        }
         let starts = match (starts, wanted, simulated) {
             (Some(starts), ..) => starts,
             (None, Wanted::Ready(starts), _) => starts,

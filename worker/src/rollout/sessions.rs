@@ -15,6 +15,7 @@ use std::{
 use bendtwin_budget::Share;
 use bendtwin_core::ids::{SessionId, TwinId};
 use bendtwin_proto::{v1, worker::v1::HeldSession};
+use bendtwin_register::Tracking;
 
 pub(super) use self::begun::Begun;
 use super::{error::Error, initial::Start};
@@ -45,6 +46,15 @@ struct Slot {
     now: Start,
     /// Frames since the first state.
     frames: u64,
+    /// Record of how well its corrections explain what is seen.
+    tracking: Tracking,
+}
+
+impl Slot {
+    /// One that begins in a state.
+    fn new(now: Start) -> Self {
+        Self { now, frames: 0, tracking: Tracking::default() }
+    }
 }
 
 /// A session.
@@ -77,7 +87,7 @@ pub(super) fn idle(asked_s: f64) -> Result<Duration, Error> {
 impl Session {
     /// A session whose slots begin in these states.
     pub(super) fn new(setup: Setup, first: Vec<Start>, share: Option<Share>) -> Self {
-        let slots = first.iter().map(|start| Slot { now: start.clone(), frames: 0 }).collect();
+        let slots = first.iter().cloned().map(Slot::new).collect();
         Self {
             id: SessionId::generate(),
             setup,
@@ -141,12 +151,29 @@ impl Session {
         let mut own = lock(&self.slots);
         for (&slot, now) in slots.iter().zip(states) {
             if let Some(slot) = own.get_mut(slot) {
-                *slot = Slot { now, frames: slot.frames.saturating_add(frames) };
+                slot.now = now;
+                slot.frames = slot.frames.saturating_add(frames);
             }
         }
     }
 
-    /// Copies the state of a slot to others.
+    /// The records of slots.
+    pub(super) fn trackings(&self, slots: &[usize]) -> Vec<Tracking> {
+        let own = lock(&self.slots);
+        slots.iter().filter_map(|&s| own.get(s)).map(|s| s.tracking).collect()
+    }
+
+    /// Leaves slots with these records.
+    pub(super) fn record(&self, slots: impl IntoIterator<Item = (usize, Tracking)>) {
+        let mut own = lock(&self.slots);
+        for (slot, tracking) in slots {
+            if let Some(slot) = own.get_mut(slot) {
+                slot.tracking = tracking;
+            }
+        }
+    }
+
+    /// Copies a slot to others.
     pub(super) fn fork(&self, from: usize, to: &[usize]) {
         let mut own = lock(&self.slots);
         let Some(source) = own.get(from).cloned() else { return };
@@ -164,21 +191,24 @@ impl Session {
         let mut own = lock(&self.slots);
         for (&slot, now) in slots.iter().zip(states) {
             if let Some(slot) = own.get_mut(slot) {
-                *slot = Slot { now, frames: 0 };
+                *slot = Slot::new(now);
             }
         }
     }
 
     /// The session as a client sees it.
     pub(super) fn describe(&self, worker: &str) -> v1::Session {
+        let slots = lock(&self.slots);
+        let lost = slots.iter().zip(0..).filter(|(slot, _)| slot.tracking.is_lost());
         v1::Session {
             name: self.id.to_string(),
             twin: self.setup.twin.to_string(),
             slots: self.slots() as u32,
-            frames: lock(&self.slots).iter().map(|s| s.frames).collect(),
+            frames: slots.iter().map(|s| s.frames).collect(),
             idle_timeout_s: self.setup.idle.as_secs_f64(),
             worker: worker.to_owned(),
             fidelity: self.setup.fidelity.into(),
+            lost: lost.map(|(_, number)| number).collect(),
         }
     }
 

@@ -6,6 +6,7 @@ mod faults;
 mod fidelity;
 mod gradients;
 mod limit;
+mod obstacles;
 mod registration;
 mod skin;
 mod split;

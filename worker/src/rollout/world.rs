@@ -3,6 +3,7 @@
 //! Bodies are the grippers, by their numbers, and then the paths of colliders, in their order; there
 //! are none if nothing is carried.
 
+mod ended;
 mod grasps;
 mod holds;
 mod hull;
@@ -22,8 +23,8 @@ use bendtwin_proto::v1::{
     world::GroundChoice,
 };
 
+pub(super) use self::{ended::Ended, holds::Path, still::Still};
 use self::{grasps::Held, shapes::three};
-pub(super) use self::{holds::Path, still::Still};
 use super::{actions::Actions, error::Error, plausible::Obstacles, vary::Factors};
 
 /// Friction and restitution of a collider that does not say.

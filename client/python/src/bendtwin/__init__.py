@@ -32,7 +32,7 @@ from bendtwin.interpolation import Interpolation, interpolate, interpolate_poses
 from bendtwin.labels import LabelArguments, ListArguments
 from bendtwin.motion import Motion
 from bendtwin.plan import PlanArguments, PlanUpdate, Search
-from bendtwin.registration import Correction, Registration, Residual
+from bendtwin.registration import Correction, Registration, Residual, Tracking
 from bendtwin.resources import (
     Capture,
     Fault,
@@ -153,6 +153,7 @@ __all__ = [
     "Strain",
     "TargetCloud",
     "Timing",
+    "Tracking",
     "Twin",
     "TwinInfo",
     "Vary",

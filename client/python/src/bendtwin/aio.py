@@ -36,7 +36,6 @@ from bendtwin.registration import (
     Correction,
     RegisterArguments,
     Registration,
-    correct_session,
     register_state,
 )
 from bendtwin.resources import (
@@ -200,8 +199,7 @@ class Session(SessionCalls[AsyncCaller, Twin]):
         **arguments: Unpack[CorrectArguments],
     ) -> list[Correction]:
         """Brings the states of slots closer to points: see `bendtwin.Session.correct`."""
-        call = correct_session(self.name, slots, points, arguments)
-        return await self._caller.run(call, timeout_s)
+        return await self._caller.run(self._correct(slots, points, arguments), timeout_s)
 
     async def states(self, slots: Sequence[int] = ()) -> list[State]:
         """The states of slots, or of all of them."""

@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 from bendtwin.calls import Call
 from bendtwin.state import InitialState, State
-from bendtwin.tensors import pack_floats, pack_indices, unpack
+from bendtwin.tensors import pack_floats, pack_indices
 from bendtwin.v1 import registration_pb2, session_pb2
 from bendtwin.world import World
 
@@ -44,8 +44,12 @@ class RegisterArguments(ObservationArguments, total=False):
     #: Where the control points are [C, 3], if that is known, say from the gripper. By default they
     #: go where the nodes go that they hold.
     controls: npt.ArrayLike | None
-    #: Gravity and ground, where they are not those of the twin; without colliders.
+    #: Gravity, ground and colliders, where they are not those of the twin. The state is outside of
+    #: them, but for what control points hold; a collider on a path is at its first pose.
     world: World | None
+    #: Poses of the grippers that carry colliders of the world [G, 7]: x, y, z in metres, quaternion
+    #: x, y, z, w. What others carry is left out.
+    grippers: npt.ArrayLike | None
     #: True if the object is near the shape to start from: no other pose is tried.
     near: bool
     #: Deviation of a point from the surface, metres; 0.004 by default.
@@ -78,6 +82,17 @@ class CorrectArguments(ObservationArguments, total=False):
     #: Share of the correction that the rest shape of the slot takes over, 0..1, so that the slot
     #: does not go back to where it was; 1 by default. With 0 the state alone is corrected.
     carry: float | None
+    #: Surroundings now. By default those of the slot's last `advance` where that ended, or before
+    #: one those of the session, with paths at their first pose and without what grippers carry.
+    world: World | None
+    #: Poses of the first grippers now [G, 7], where they are not known from the last `advance`, or
+    #: are others: x, y, z in metres, quaternion x, y, z, w.
+    grippers: npt.ArrayLike | None
+    #: True if a slot that is lost is to be registered by these points: from where it is, or else
+    #: from the rest shape anywhere, with what control points and grasps hold in place.
+    register_if_lost: bool
+    #: True if the reply is to bring no states.
+    omit_state: bool
 
 
 _REGISTER_OPTIONS = (
@@ -96,6 +111,8 @@ _CORRECT_OPTIONS = (
     "most_added_strain",
     "max_residual_m",
     "carry",
+    "register_if_lost",
+    "omit_state",
 )
 
 
@@ -142,13 +159,9 @@ class Registration:
     @classmethod
     def from_proto(cls, message: registration_pb2.RegisteredState) -> Registration:
         """Reads the wire form."""
-        given, explained = message.state, message.explained
-        arrays: dict[str, Any] = {
-            name: unpack(getattr(given, name))
-            for name in ("positions", "velocities", "twists", "controls")
-        }
+        explained = message.explained
         return cls(
-            state=State(**arrays),
+            state=State.from_proto(message.state),
             before=Residual.from_proto(message.before),
             after=Residual.from_proto(message.after),
             explained_points=explained.points,
@@ -161,6 +174,31 @@ class Registration:
 
 
 @dataclass(frozen=True)
+class Tracking:
+    """Record of how well a slot explains the points that it is corrected by, refused ones included,
+    since its state was last set or registered.
+
+    The misfit of an observation is the median distance of its points after the correction, by the
+    largest of half the distance of neighbouring nodes, 5 mm and `noise_m`; or, if that is more, the
+    share of the points that are farther away than that and than three `noise_m`, by 1/2. Up to 1
+    the observation is explained.
+    """
+
+    #: True if the slot does not follow its object any more: the last three observations in a row
+    #: are not explained, or the mean misfit is above 1.
+    lost: bool
+    #: Mean misfit, each weighted by 3/4 of the one after it and counted as at most 1.5.
+    misfit: float
+    #: Last observations in a row that are not explained.
+    unexplained: int
+
+    @classmethod
+    def from_proto(cls, message: session_pb2.Tracking) -> Tracking:
+        """Reads the wire form."""
+        return cls(message.lost, message.misfit, message.unexplained)
+
+
+@dataclass(frozen=True)
 class Correction:
     """A correction of a slot of a session."""
 
@@ -170,6 +208,32 @@ class Correction:
     after: Residual
     #: Largest displacement of a node.
     moved_mm: float
+    #: The corrected state, unless `omit_state` was set. An initial state anywhere; the rest shape
+    #: of the slot stays in the session.
+    state: State | None
+    #: Record of the slot, with these points.
+    tracking: Tracking
+    #: True if the slot was lost and has been registered by these points: it is at rest, with the
+    #: rest shape of the twin.
+    registered: bool
+
+    @property
+    def lost(self) -> bool:
+        """True if the slot does not follow its object any more."""
+        return self.tracking.lost
+
+    @classmethod
+    def from_proto(cls, message: session_pb2.CorrectedSession.Correction) -> Correction:
+        """Reads the wire form."""
+        return cls(
+            slot=message.slot,
+            before=Residual.from_proto(message.before),
+            after=Residual.from_proto(message.after),
+            moved_mm=message.moved_mm,
+            state=State.from_proto(message.state) if message.HasField("state") else None,
+            tracking=Tracking.from_proto(message.tracking),
+            registered=message.registered,
+        )
 
 
 def register_state(
@@ -184,11 +248,10 @@ def register_state(
     )
     if "initial" in given:
         request.initial.CopyFrom(given["initial"].to_proto())
-    controls, world = given.get("controls"), given.get("world")
+    controls = given.get("controls")
     if controls is not None:
         request.controls.CopyFrom(pack_floats("controls", controls, (None, 3)))
-    if world is not None:
-        request.world.CopyFrom(world.to_proto())
+    _add_surroundings(request, given)
     return Call(lambda s: s.registrations.RegisterState, request, Registration.from_proto)
 
 
@@ -201,21 +264,31 @@ def correct_session(
         name=name,
         slots=slots,
         observation=_observation(points, given),
-        options=registration_pb2.CorrectOptions(**_options(given, _CORRECT_OPTIONS)),
+        options=correct_options(given),
     )
     return Call(lambda s: s.sessions.CorrectSession, request, _read_corrections)
 
 
+def correct_options(given: CorrectArguments) -> registration_pb2.CorrectOptions:
+    """Makes the wire form of the options among the arguments of a correction."""
+    options = registration_pb2.CorrectOptions(**_options(given, _CORRECT_OPTIONS))
+    _add_surroundings(options, given)
+    return options
+
+
 def _read_corrections(reply: session_pb2.CorrectedSession) -> list[Correction]:
-    return [
-        Correction(
-            slot=one.slot,
-            before=Residual.from_proto(one.before),
-            after=Residual.from_proto(one.after),
-            moved_mm=one.moved_mm,
-        )
-        for one in reply.corrections
-    ]
+    return [Correction.from_proto(one) for one in reply.corrections]
+
+
+def _add_surroundings(
+    message: registration_pb2.RegisterStateRequest | registration_pb2.CorrectOptions,
+    given: RegisterArguments | CorrectArguments,
+) -> None:
+    world, grippers = given.get("world"), given.get("grippers")
+    if world is not None:
+        message.world.CopyFrom(world.to_proto())
+    if grippers is not None:
+        message.grippers.CopyFrom(pack_floats("grippers", grippers, (None, 7)))
 
 
 def _observation(

@@ -424,6 +424,8 @@ class SessionInfo:
     idle_timeout_s: float
     #: workers/{uuid}.
     worker: str
+    #: Slots that do not follow their object any more, ascending: see `Tracking`.
+    lost: tuple[int, ...] = ()
 
     @classmethod
     def from_proto(cls, message: session_pb2.Session) -> SessionInfo:
@@ -435,6 +437,7 @@ class SessionInfo:
             frames=tuple(message.frames),
             idle_timeout_s=message.idle_timeout_s,
             worker=message.worker,
+            lost=tuple(message.lost),
         )
 
 

@@ -93,6 +93,20 @@ class SessionCalls(Generic[_Caller, _Twin]):
         self._kept.advanced(request.slots, request.rollout, result)
         return result
 
+    def _correct(
+        self, slots: Sequence[int], points: npt.ArrayLike, arguments: CorrectArguments
+    ) -> calls.Call[list[Correction]]:
+        call = correct_session(self.name, slots, points, arguments)
+
+        def read(reply: Any) -> list[Correction]:
+            corrections = call.read(reply)
+            told = [(one.slot, one.state) for one in corrections if one.state is not None]
+            if told:
+                self._kept.told([slot for slot, _ in told], [state for _, state in told])
+            return corrections
+
+        return replace(call, read=read)
+
     def _states(self, slots: Sequence[int]) -> calls.Call[list[State]]:
         call = session_calls.session_states(self.name, slots)
 
@@ -231,15 +245,16 @@ class Session(SessionCalls[Caller, Twin]):
     ) -> list[Correction]:
         """Brings the states of slots (default: 0) closer to points [M, 3], metres, that were seen.
 
-        They move smoothly, without touching what control points and grasps hold. The rest shapes of
-        the slots take part (`carry`), so that what is simulated from them does not go back to where
-        it was; they follow by repetition: correct several times a second. All of the slots
-        are corrected, or none if the points are too far from one of them: BendTwinError with the
-        reason OBSERVATION_NOT_EXPLAINED. The other arguments are in `CorrectArguments`. The reply
-        brings no states: ask for `states` if `reopen` is to know the corrected ones.
+        They move smoothly, without touching what control points and grasps hold, and stay outside
+        of ground and colliders, on the side where they were. The rest shapes of the slots take part
+        (`carry`), so that what is simulated from them does not go back to where it was; they follow
+        by repetition: correct several times a second. All of the slots are corrected, or none if
+        the points are too far from one of them: BendTwinError with the reason
+        OBSERVATION_NOT_EXPLAINED, or OBJECT_LOST if that slot is lost (`Correction.lost`,
+        `refresh().lost`); `register_if_lost=True` registers a lost slot by the same points. The
+        other arguments are in `CorrectArguments`. Each correction brings the corrected state.
         """
-        call = correct_session(self.name, slots, points, arguments)
-        return self._caller.run(call, timeout_s)
+        return self._caller.run(self._correct(slots, points, arguments), timeout_s)
 
     def states(self, slots: Sequence[int] = ()) -> list[State]:
         """The states of slots, or of all of them; each can be an initial state anywhere, from which
@@ -261,9 +276,9 @@ class Session(SessionCalls[Caller, Twin]):
 
     def reopen(self) -> list[int]:
         """Opens it again after it was lost, under a new name: each slot is in the last state that a
-        reply brought, from `advance` with `Returns(final_state=True)` or from `states`, and goes on
-        from there to the bit. Rest shapes that corrections gave to slots are lost with the worker:
-        the slots have that of the twin, until they are corrected again.
+        reply brought, from `advance` with `Returns(final_state=True)`, from `states` or from
+        `correct`, and goes on from there to the bit. Rest shapes that corrections gave to slots are
+        lost with the worker: the slots have that of the twin, until they are corrected again.
 
         Returns by how many frames each slot is behind where it was: 0 if every advance brought its
         final state. Raises BendTwinError (UNAVAILABLE) while no worker is there: try again.

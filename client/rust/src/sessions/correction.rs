@@ -2,10 +2,10 @@
 
 use bendtwin_core::ids::SessionId;
 use bendtwin_proto::v1::{
-    CorrectOptions, CorrectSessionRequest, corrected_session::Correction as Wire,
+    self, CorrectOptions, CorrectSessionRequest, corrected_session::Correction as Wire,
 };
 
-use crate::{Observation, Residual};
+use crate::{Error, Observation, Residual, State, WirePose, World, registrations::packed};
 
 /// A correction of states by an observation.
 #[derive(Clone, Debug)]
@@ -14,8 +14,20 @@ pub struct Correction {
     options: CorrectOptions,
 }
 
+/// Record of how well a slot explains what it is corrected by.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Tracking {
+    /// True if the slot does not follow its object any more: the last three observations are not
+    /// explained, or the mean misfit is above 1.
+    pub lost: bool,
+    /// Mean misfit; up to 1 noise and the twin's resolution explain what corrections leave.
+    pub misfit: f64,
+    /// Last observations in a row that are not explained.
+    pub unexplained: u32,
+}
+
 /// A slot that was corrected.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Corrected {
     /// The slot.
     pub slot: u32,
@@ -25,6 +37,12 @@ pub struct Corrected {
     pub after: Residual,
     /// Largest displacement of a node [mm].
     pub moved_mm: f64,
+    /// The corrected state, unless it is omitted; the rest shape stays in the session.
+    pub state: Option<State>,
+    /// Record of the slot, with this observation.
+    pub tracking: Tracking,
+    /// True if the slot was lost and has been registered by this observation.
+    pub registered: bool,
 }
 
 impl Correction {
@@ -63,6 +81,36 @@ impl Correction {
         self
     }
 
+    /// Surroundings now, where they are not those in which the slot was advanced last. Nodes stay outside
+    /// of its ground and its colliders.
+    #[must_use]
+    pub fn world(mut self, world: World) -> Self {
+        self.options.world = Some(world.0);
+        self
+    }
+
+    /// Poses of the first grippers now, where they carry colliders and are not where the last advance
+    /// ended.
+    #[must_use]
+    pub fn grippers(mut self, poses: &[WirePose]) -> Self {
+        self.options.grippers = Some(packed(poses));
+        self
+    }
+
+    /// Registers a slot that is lost by the same observation, near where it is or else anywhere.
+    #[must_use]
+    pub fn register_if_lost(mut self) -> Self {
+        self.options.register_if_lost = true;
+        self
+    }
+
+    /// Leaves the corrected states out of the reply.
+    #[must_use]
+    pub fn omit_state(mut self) -> Self {
+        self.options.omit_state = true;
+        self
+    }
+
     pub(super) fn into_request(self, name: SessionId, slots: &[u32]) -> CorrectSessionRequest {
         CorrectSessionRequest {
             name: name.to_string(),
@@ -73,14 +121,19 @@ impl Correction {
     }
 }
 
-impl From<Wire> for Corrected {
-    fn from(wire: Wire) -> Self {
-        Self {
+impl TryFrom<Wire> for Corrected {
+    type Error = Error;
+    fn try_from(wire: Wire) -> Result<Self, Error> {
+        let v1::Tracking { lost, misfit, unexplained } = wire.tracking.unwrap_or_default();
+        Ok(Self {
             slot: wire.slot,
             before: wire.before.unwrap_or_default().into(),
             after: wire.after.unwrap_or_default().into(),
             moved_mm: wire.moved_mm,
-        }
+            state: wire.state.map(State::try_from).transpose()?,
+            tracking: Tracking { lost, misfit, unexplained },
+            registered: wire.registered,
+        })
     }
 }
 

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use bendtwin_core::{CancelToken, Point};
 use bendtwin_engine::{Backend, Loaded, model::State};
-use bendtwin_register::{Corrected, Error as Refused, carried, correct};
+use bendtwin_register::{Around, Corrected, Error as Refused, carried, correct};
 
 use super::{
     CorrectionPlan,
@@ -59,7 +59,15 @@ pub(super) fn follow(
         let seen = run.observe(plan, share, frame, &running.state, &running.rows)?;
         let (model, controls) = (running.loaded.model(), run.sequence.controls_at(frame));
         followed.points = seen.points.len();
-        match correct(model, &running.state, controls, &seen, &plan.options, cancel) {
+        match correct(
+            model,
+            &running.state,
+            controls,
+            &Around::default(),
+            &seen,
+            &plan.options,
+            cancel,
+        ) {
             Ok(corrected) => {
                 followed.residual_mm = [corrected.before.median_mm, corrected.after.median_mm];
                 running.take(backend, run, plan, corrected)?;

@@ -48,7 +48,7 @@ fn what_is_within_the_noise_does_not_last() {
     let at = |median_mm| {
         let before = crate::Residual { median_mm, ..crate::Residual::default() };
         let state = State::default();
-        Corrected { state, before, after: before, moved_m: 0.0 }.beyond_noise(0.005)
+        Corrected { state, before, after: before, moved_m: 0.0, misfit: 0.0 }.beyond_noise(0.005)
     };
     assert_eq!(at(0.0), 0.0);
     assert!((at(5.0) - 0.5).abs() < 1e-9);

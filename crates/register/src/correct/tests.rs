@@ -1,3 +1,5 @@
+mod obstacles;
+
 use bendtwin_core::{Skin, geometry::point_distance};
 use bendtwin_engine::Backend;
 
@@ -32,7 +34,15 @@ fn run(
     observation: &Observation,
     options: &CorrectOptions,
 ) -> Result<Corrected, Error> {
-    correct(&scene::model(), state, controls, observation, options, &CancelToken::default())
+    correct(
+        &scene::model(),
+        state,
+        controls,
+        &Around::default(),
+        observation,
+        options,
+        &CancelToken::default(),
+    )
 }
 
 const OPTIONS: CorrectOptions = CorrectOptions {
@@ -111,8 +121,16 @@ fn left_of_a_bent_bar(skin: Option<Skin>) -> (f64, f64) {
     let observation = Observation { points, ..Observation::default() };
     let options = CorrectOptions { max_residual_m: Some(1.0), ..OPTIONS };
     let state = State::rest(&model.graph);
-    let corrected =
-        correct(&model, &state, &[], &observation, &options, &CancelToken::default()).unwrap();
+    let corrected = correct(
+        &model,
+        &state,
+        &[],
+        &Around::default(),
+        &observation,
+        &options,
+        &CancelToken::default(),
+    )
+    .unwrap();
     let (off, _) = scene::apart(&corrected.state.positions, &truth);
     (corrected.after.median_mm, 1e3 * off)
 }
@@ -205,6 +223,7 @@ fn absurd_input_is_refused_in_words() {
     assert!(matches!(run(&state, &controls, &good, &absurd), Err(Error::Invalid(_))));
     let stop = CancelToken::default();
     stop.cancel();
-    let stopped = correct(&scene::model(), &state, &controls, &good, &OPTIONS, &stop);
+    let nothing = Around::default();
+    let stopped = correct(&scene::model(), &state, &controls, &nothing, &good, &OPTIONS, &stop);
     assert_eq!(stopped, Err(Error::Cancelled));
 }

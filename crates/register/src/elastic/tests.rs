@@ -25,10 +25,10 @@ fn a_few_points_turn_the_whole_object() {
     let rest = endpoints(graph);
     let turn = Rotation3::new(Vector3::new(0.05, 0.1, 0.2));
     let image: Vec<_> = rest.iter().map(|p| turn * p + Vector3::new(0.05, 0.0, 0.1)).collect();
-    let elastic = Elastic::new(graph, rest.clone(), vec![false; rest.len()]);
+    let elastic = Elastic::new(graph, rest.clone(), vec![false; rest.len()], &[]);
     let (skin, list) = on_nodes(&[0, 15, 31, 50, 70, 80], |n| image[n]);
     let mut x = rest.clone();
-    elastic.relax(&mut x, &Matches { skin: &skin, list }, 0.03, 60);
+    elastic.relax(&mut x, &Matches { skin: &skin, list }, 0.03, 60, None);
     let worst = x.iter().zip(&image).map(|(a, b)| (a - b).norm()).fold(0.0, f64::max);
     let most = rest.iter().zip(&image).map(|(a, b)| (a - b).norm()).fold(0.0, f64::max);
     assert!(worst < 0.06 * most, "{worst} {most}");
@@ -41,14 +41,14 @@ fn what_is_fixed_stays_and_what_nothing_pulls_stays_too() {
     let rest = endpoints(graph);
     let n = graph.node_count();
     let fixed: Vec<bool> = (0..rest.len()).map(|e| e >= n || e == 3).collect();
-    let elastic = Elastic::new(graph, rest.clone(), fixed);
+    let elastic = Elastic::new(graph, rest.clone(), fixed, &[]);
     let mut x = rest.clone();
     let none = Skin::default();
-    elastic.relax(&mut x, &Matches { skin: &none, list: Vec::new() }, 0.03, 5);
+    elastic.relax(&mut x, &Matches { skin: &none, list: Vec::new() }, 0.03, 5, None);
     assert!(x.iter().zip(&rest).all(|(a, b)| (a - b).norm() < 1e-9));
     let up = Vector3::new(0.0, 0.0, 0.03);
     let (skin, list) = on_nodes(&[n as u32 - 1], |n| rest[n] + up);
-    elastic.relax(&mut x, &Matches { skin: &skin, list }, 0.03, 20);
+    elastic.relax(&mut x, &Matches { skin: &skin, list }, 0.03, 20, None);
     assert!((x[n - 1] - rest[n - 1]).z > 0.01);
     assert_eq!([x[3], x[n], x[n + 1]], [rest[3], rest[n], rest[n + 1]]);
 }

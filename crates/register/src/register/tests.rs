@@ -1,3 +1,5 @@
+use std::sync::Arc;
+
 use bendtwin_core::{Skin, geometry::point_distance};
 use bendtwin_engine::Model;
 
@@ -169,4 +171,39 @@ fn options_are_checked_and_cancellation_is_heard() {
     stop.cancel();
     let stopped = register(&*backend, &loaded, &observation, &default(), &stop);
     assert_eq!(stopped, Err(Error::Cancelled));
+}
+
+#[test]
+fn what_is_held_stays_and_what_is_free_leaves_obstacles() {
+    let (nodes, controls) = truth(0.4);
+    let chosen: Vec<u32> = (0..nodes.len() as u32).step_by(5).collect();
+    let at: Vec<Point> = chosen.iter().map(|n| nodes[*n as usize]).collect();
+    let observation = Observation {
+        points: scene::noisy(&at, 0.001, 9),
+        tracks: Some(Skin::at_nodes(&chosen)),
+        ..Observation::default()
+    };
+    // The hand is open and elsewhere; a gripper holds two nodes. A slab cuts 5 mm off the lowest part.
+    let held: Vec<(u32, Point)> = [40, 41].map(|n| (n, nodes[n as usize])).to_vec();
+    let low = nodes.iter().map(|p| p[2]).fold(f32::MAX, f32::min) + 0.005;
+    let slab = scene::cuboid([-2.0, -2.0, low - 0.3], [2.0, 2.0, low]);
+    let around = Around { obstacles: vec![slab], loose: vec![0, 1] };
+    let options = RegisterOptions {
+        controls: controls.iter().map(|p| [p[0] + 0.5, p[1], p[2]]).collect(),
+        held: held.clone(),
+        around,
+        ..RegisterOptions::default()
+    };
+    let found = run(&observation, &options).unwrap();
+    for (node, place) in &held {
+        assert_eq!(found.state.positions[*node as usize], *place);
+    }
+    for (node, p) in found.state.positions.iter().enumerate() {
+        let is_held = held.iter().any(|h| h.0 as usize == node);
+        assert!(is_held || p[2] >= low, "{node} {p:?} {low}");
+    }
+    let (mean, _) = scene::apart(&found.state.positions, &nodes);
+    assert!(mean < 0.015, "{mean}");
+    let wrong = RegisterOptions { held: vec![(100_000, [0.0; 3])], ..options };
+    assert!(matches!(run(&observation, &wrong), Err(Error::Invalid(_))));
 }

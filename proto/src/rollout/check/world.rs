@@ -5,7 +5,7 @@ use std::collections::HashSet;
 use super::{
     Error, Grippers, Limits, Moves,
     numbers::{angle_free, least, vector, within_range},
-    tensors::{finite, floats, required},
+    tensors::{finite, floats, given, required},
 };
 use crate::v1::{
     Capsule, Collider, Cuboid, Grasp, Plane, RollOutRequest, Sphere, Tensor, World,
@@ -262,9 +262,18 @@ fn bodies_among(world: Option<&World>, grasps: &[Grasp], grippers: Grippers) -> 
     grippers.saturating_add(paths)
 }
 
-/// Work of the surroundings for a node in a substep, in elements: a face is a fourth of a spring.
+/// Work of the surroundings for a node in a substep, in elements.
 pub(super) fn work(request: &RollOutRequest) -> u64 {
-    let colliders = request.world.iter().flat_map(|world| &world.colliders);
+    let regions = request
+        .grasps
+        .iter()
+        .filter(|grasp| matches!(grasp.region, Some(Region::Sphere(_) | Region::Cuboid(_))));
+    work_of(request.world.as_ref()) + regions.count() as u64
+}
+
+/// Work of a world for a node in a substep, in elements: a face is a fourth of a spring.
+pub(crate) fn work_of(world: Option<&World>) -> u64 {
+    let colliders = world.iter().flat_map(|world| &world.colliders);
     let each = colliders.map(|collider| match &collider.shape {
         Some(Shape::ConvexMesh(mesh)) => {
             // A hull has at most two faces a point.
@@ -274,9 +283,23 @@ pub(super) fn work(request: &RollOutRequest) -> u64 {
         Some(Shape::Cuboid(_)) => 2,
         _ => 1,
     });
-    let regions = request
-        .grasps
-        .iter()
-        .filter(|grasp| matches!(grasp.region, Some(Region::Sphere(_) | Region::Cuboid(_))));
-    each.sum::<u64>() + regions.count() as u64
+    each.sum::<u64>()
+}
+
+/// Checks the surroundings of an object at one moment, and the poses of the grippers in it, FLOAT32
+/// [G, 7].
+pub(crate) fn check_now(
+    world: Option<&World>,
+    grippers: Option<&Tensor>,
+    field: &str,
+    limits: &Limits,
+) -> Result<(), Error> {
+    let moves = Moves { instances: 1, knots: None, grippers: Grippers::Later };
+    check(world, &[], &moves, limits)?;
+    let Some(poses) = given(grippers) else { return Ok(()) };
+    path(poses, field, None)?;
+    match poses.shape.first() {
+        Some(count) if *count <= MOST_PARTS => Ok(()),
+        _ => Err(Error::field(field, format!("has more than {MOST_PARTS} poses"))),
+    }
 }

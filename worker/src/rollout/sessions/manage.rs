@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use bendtwin_budget::Share;
 use bendtwin_core::{
-    CancelToken, Point,
+    CancelToken, Graph, Point,
     ids::{SessionId, TwinId},
 };
 use bendtwin_engine::model::State;
@@ -217,9 +217,15 @@ impl Setup {
 
 /// The states of slots as an initial state takes them.
 fn pack(session: &Session, warm: &Warm, slots: &[usize]) -> SessionStates {
-    let graph = &warm.twin.graph;
-    let (n, r, c) = (graph.node_count(), graph.rods.len(), graph.control_count());
     let (starts, frames) = session.states(slots);
+    let states = Some(given(&starts, &warm.twin.graph, session.setup.grasps.len()));
+    let slots = slots.iter().map(|&s| s as u32).collect();
+    SessionStates { states, slots, frames }
+}
+
+/// States with so many grasps as an initial state takes them.
+fn given(starts: &[Start], graph: &Graph, grasps: usize) -> GivenState {
+    let (n, r, c) = (graph.node_count(), graph.rods.len(), graph.control_count());
     let points = |of: fn(&State) -> &Vec<Point>| {
         let all: Vec<Point> = starts.iter().flat_map(|s| of(&s.state)).copied().collect();
         Some(Tensor::pack_points(&[starts.len(), n], &all))
@@ -231,15 +237,24 @@ fn pack(session: &Session, warm: &Warm, slots: &[usize]) -> SessionStates {
         Tensor::pack(&[starts.len(), r], &all)
     };
     let controls: Vec<Point> = starts.iter().flat_map(|s| s.controls.iter()).copied().collect();
-    let grasps = session.setup.grasps.len();
-    let states = GivenState {
+    GivenState {
         positions: points(|s| &s.positions),
         velocities: points(|s| &s.velocities),
         twists: (r > 0).then(twists),
         controls: Some(Tensor::pack_points(&[starts.len(), c], &controls)),
         grasping: (grasps > 0)
             .then(|| grasping::pack(starts.iter().map(|s| Some(&*s.state)), grasps, n)),
-    };
-    let slots = slots.iter().map(|&s| s as u32).collect();
-    SessionStates { states: Some(states), slots, frames }
+    }
+}
+
+/// One state with so many grasps as an initial state takes it, without a batch in front.
+pub(in crate::rollout) fn given_one(start: &Start, graph: &Graph, grasps: usize) -> GivenState {
+    let mut state = given(std::slice::from_ref(start), graph, grasps);
+    let GivenState { positions, velocities, twists, controls, grasping } = &mut state;
+    let of_grasps =
+        grasping.iter_mut().flat_map(|g| [&mut g.phases, &mut g.holders, &mut g.places]);
+    for tensor in [positions, velocities, twists, controls].into_iter().chain(of_grasps).flatten() {
+        tensor.shape.remove(0);
+    }
+    state
 }

@@ -1,12 +1,11 @@
 //! Corrections that last: rest shapes of slots, in all that is simulated from them.
 
 use bendtwin_core::Point;
-use bendtwin_proto::v1::{Ensemble, Vary, initial_state::SessionSlots};
+use bendtwin_proto::v1::{CorrectOptions, Ensemble, Vary, initial_state::SessionSlots};
 
 use super::*;
 use crate::rollout::{
     initial::Start,
-    observation,
     sessions::{
         Begun, Session, Sessions,
         correct::{Seen, corrected},
@@ -81,9 +80,10 @@ impl Running {
     }
 
     fn correct(&self, slot: usize, there: &[Point], carry: f64) {
-        let model = self.bench.warm.loaded.model();
-        let seen = observation::read(tracked(there), &model.graph).unwrap();
-        let by = Seen { model, seen, options: observation::correct_options(None), carry };
+        let options = CorrectOptions { carry: Some(carry), ..CorrectOptions::default() };
+        let backend = self.bench.device.backend(Priority::Interactive);
+        let warm = &self.bench.warm;
+        let by = Seen::new(warm, &backend, &self.session.setup, tracked(there), options).unwrap();
         corrected(&self.session, &[slot], &by, Vec::new(), &CancelToken::default()).unwrap();
     }
 

@@ -10,11 +10,10 @@ use bendtwin_proto::v1::{
 use super::*;
 use crate::rollout::{
     initial::Start,
-    observation,
     register::Job,
     sessions::{
         Session, Setup,
-        correct::{Seen, around, corrected},
+        correct::{Seen, corrected},
     },
 };
 
@@ -124,11 +123,16 @@ fn what_the_twin_is_not_is_refused_and_cancelled_work_ends() {
 
 /// A session whose slots are at rest.
 pub(super) fn session(bench: &Bench, slots: usize) -> Session {
+    session_in(bench, slots, None)
+}
+
+/// A session whose slots are at rest in a world.
+pub(super) fn session_in(bench: &Bench, slots: usize, world: Option<World>) -> Session {
     let setup = Setup {
         twin: bench.warm.id,
         capture: String::new(),
         fidelity: bendtwin_proto::v1::Fidelity::Exact,
-        world: None,
+        world,
         grasps: Vec::new(),
         idle: std::time::Duration::from_secs(60),
     };
@@ -142,11 +146,10 @@ fn a_correction_moves_the_slots_that_it_names_and_a_refused_one_none() {
     let session = session(&bench, 2);
     let mut there = model.graph.rest_positions.clone();
     there[3][1] += 0.02;
-    let seen = |options| Seen {
-        model,
-        seen: observation::read(tracked(&there), &model.graph).unwrap(),
-        options: observation::correct_options(options),
-        carry: 1.0,
+    let backend = bench.device.backend(Priority::Interactive);
+    let seen = |options: Option<CorrectOptions>| {
+        let options = options.unwrap_or_default();
+        Seen::new(&bench.warm, &backend, &session.setup, tracked(&there), options).unwrap()
     };
     let cancel = CancelToken::default();
     let strict = CorrectOptions { max_residual_m: Some(0.0), ..CorrectOptions::default() };
@@ -173,11 +176,11 @@ fn the_ground_is_that_of_the_session() {
     let mut there = model.graph.rest_positions.clone();
     there[3][2] -= 0.015;
     let height_in = |world: Option<World>| {
-        let session = session(&bench, 2);
-        let model = around(model, world.as_ref());
-        let seen = observation::read(tracked(&there), &model.graph).unwrap();
-        let options = observation::correct_options(None);
-        let by = Seen { model: &model, seen, options, carry: 1.0 };
+        let session = session_in(&bench, 2, world);
+        let backend = bench.device.backend(Priority::Interactive);
+        let options = CorrectOptions::default();
+        let by = Seen::new(&bench.warm, &backend, &session.setup, tracked(&there), options);
+        let by = by.unwrap();
         corrected(&session, &[0], &by, Vec::new(), &CancelToken::default()).unwrap();
         session.states(&[0]).0[0].state.positions[3][2]
     };

@@ -1,15 +1,17 @@
 //! A world before anything moves, in which a twin settles: its gravity and ground, and the colliders
-//! that stand still or begin a path. Grippers and their load are not there: only actions say where
-//! they are, and each instance may have others.
+//! that stand still or begin a path. Grippers and their load are not there, unless it is said where
+//! they are: actions say so, and each instance may have others.
 
 use std::sync::Arc;
 
-use bendtwin_core::Params;
+use bendtwin_core::{Environment, Params};
 use bendtwin_engine::{
     Backend, Loaded, Motion, World,
+    model::State,
     world::{Pose, Shape},
 };
 use bendtwin_proto::v1::{self, collider::Carrier};
+use bendtwin_register::{Around, PlacedBody as Placed};
 use prost::Message as _;
 
 use super::Surroundings;
@@ -33,6 +35,14 @@ pub(in crate::rollout) struct Still {
 impl Still {
     /// The world of a checked request, or the twin's own without one.
     pub(in crate::rollout) fn read(wire: Option<&v1::World>) -> Result<Self, Error> {
+        Self::among(wire, &[])
+    }
+
+    /// The world with what the first grippers carry, which are there.
+    pub(in crate::rollout) fn among(
+        wire: Option<&v1::World>,
+        grippers: &[Pose],
+    ) -> Result<Self, Error> {
         let default = v1::World::default();
         let wire = wire.unwrap_or(&default);
         let key = *blake3::hash(&at_rest(wire).encode_to_vec()).as_bytes();
@@ -40,7 +50,11 @@ impl Still {
         let mut poses = Vec::new();
         for (index, collider) in wire.colliders.iter().enumerate() {
             let body = match &collider.carrier {
-                Some(Carrier::Gripper(_)) => continue,
+                Some(Carrier::Gripper(number)) => {
+                    let Some(pose) = grippers.get(*number as usize) else { continue };
+                    poses.push(*pose);
+                    Some((poses.len() - 1) as u32)
+                }
                 Some(Carrier::Path(path)) => {
                     let field = format!("world.colliders[{index}].path");
                     let (_, rows) = path.unpack::<f32>(&field)?;
@@ -78,6 +92,18 @@ impl Still {
             None => model,
             Some(environment) => backend.with_environment(&model, environment)?,
         })
+    }
+
+    /// The environment that takes the place of a model's own, if it differs.
+    pub(in crate::rollout) fn environment(&self, own: Environment) -> Option<Environment> {
+        self.surroundings.environment(own)
+    }
+
+    /// What is around an object in it.
+    pub(in crate::rollout) fn around_now(&self) -> Around {
+        let still = |pose: &Pose| Some(Placed { pose: *pose, rate: Pose::default() });
+        let bodies: Vec<Option<Placed>> = self.poses.iter().map(still).collect();
+        Around::new(&self.surroundings.world, &bodies, &State::default())
     }
 
     /// The colliders, and their poses during so many frames.

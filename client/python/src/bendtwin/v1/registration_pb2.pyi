@@ -33,20 +33,22 @@ class Observation(_message.Message):
     def __init__(self, points: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., nodes: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., places: _Optional[_Union[Observation.Places, _Mapping]] = ..., weights: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., velocities: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., cameras: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ...) -> None: ...
 
 class RegisterStateRequest(_message.Message):
-    __slots__ = ("twin", "observation", "initial", "controls", "world", "options")
+    __slots__ = ("twin", "observation", "initial", "controls", "world", "options", "grippers")
     TWIN_FIELD_NUMBER: _ClassVar[int]
     OBSERVATION_FIELD_NUMBER: _ClassVar[int]
     INITIAL_FIELD_NUMBER: _ClassVar[int]
     CONTROLS_FIELD_NUMBER: _ClassVar[int]
     WORLD_FIELD_NUMBER: _ClassVar[int]
     OPTIONS_FIELD_NUMBER: _ClassVar[int]
+    GRIPPERS_FIELD_NUMBER: _ClassVar[int]
     twin: str
     observation: Observation
     initial: _rollout_pb2.InitialState
     controls: _tensor_pb2.Tensor
     world: _world_pb2.World
     options: RegisterOptions
-    def __init__(self, twin: _Optional[str] = ..., observation: _Optional[_Union[Observation, _Mapping]] = ..., initial: _Optional[_Union[_rollout_pb2.InitialState, _Mapping]] = ..., controls: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., world: _Optional[_Union[_world_pb2.World, _Mapping]] = ..., options: _Optional[_Union[RegisterOptions, _Mapping]] = ...) -> None: ...
+    grippers: _tensor_pb2.Tensor
+    def __init__(self, twin: _Optional[str] = ..., observation: _Optional[_Union[Observation, _Mapping]] = ..., initial: _Optional[_Union[_rollout_pb2.InitialState, _Mapping]] = ..., controls: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., world: _Optional[_Union[_world_pb2.World, _Mapping]] = ..., options: _Optional[_Union[RegisterOptions, _Mapping]] = ..., grippers: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ...) -> None: ...
 
 class RegisterOptions(_message.Message):
     __slots__ = ("near", "noise_m", "give", "settle_frames", "max_residual_m", "least_explained")
@@ -103,7 +105,7 @@ class Explained(_message.Message):
     def __init__(self, points: _Optional[float] = ..., surface: _Optional[float] = ..., within_mm: _Optional[float] = ...) -> None: ...
 
 class CorrectOptions(_message.Message):
-    __slots__ = ("noise_m", "give", "velocity_noise_m_s", "velocity_gain_per_s", "most_added_strain", "max_residual_m", "carry")
+    __slots__ = ("noise_m", "give", "velocity_noise_m_s", "velocity_gain_per_s", "most_added_strain", "max_residual_m", "carry", "world", "grippers", "register_if_lost", "omit_state")
     NOISE_M_FIELD_NUMBER: _ClassVar[int]
     GIVE_FIELD_NUMBER: _ClassVar[int]
     VELOCITY_NOISE_M_S_FIELD_NUMBER: _ClassVar[int]
@@ -111,6 +113,10 @@ class CorrectOptions(_message.Message):
     MOST_ADDED_STRAIN_FIELD_NUMBER: _ClassVar[int]
     MAX_RESIDUAL_M_FIELD_NUMBER: _ClassVar[int]
     CARRY_FIELD_NUMBER: _ClassVar[int]
+    WORLD_FIELD_NUMBER: _ClassVar[int]
+    GRIPPERS_FIELD_NUMBER: _ClassVar[int]
+    REGISTER_IF_LOST_FIELD_NUMBER: _ClassVar[int]
+    OMIT_STATE_FIELD_NUMBER: _ClassVar[int]
     noise_m: float
     give: float
     velocity_noise_m_s: float
@@ -118,4 +124,8 @@ class CorrectOptions(_message.Message):
     most_added_strain: float
     max_residual_m: float
     carry: float
-    def __init__(self, noise_m: _Optional[float] = ..., give: _Optional[float] = ..., velocity_noise_m_s: _Optional[float] = ..., velocity_gain_per_s: _Optional[float] = ..., most_added_strain: _Optional[float] = ..., max_residual_m: _Optional[float] = ..., carry: _Optional[float] = ...) -> None: ...
+    world: _world_pb2.World
+    grippers: _tensor_pb2.Tensor
+    register_if_lost: bool
+    omit_state: bool
+    def __init__(self, noise_m: _Optional[float] = ..., give: _Optional[float] = ..., velocity_noise_m_s: _Optional[float] = ..., velocity_gain_per_s: _Optional[float] = ..., most_added_strain: _Optional[float] = ..., max_residual_m: _Optional[float] = ..., carry: _Optional[float] = ..., world: _Optional[_Union[_world_pb2.World, _Mapping]] = ..., grippers: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., register_if_lost: bool = ..., omit_state: bool = ...) -> None: ...

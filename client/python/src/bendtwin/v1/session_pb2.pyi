@@ -10,7 +10,7 @@ from typing import ClassVar as _ClassVar, Optional as _Optional, Union as _Union
 DESCRIPTOR: _descriptor.FileDescriptor
 
 class Session(_message.Message):
-    __slots__ = ("name", "twin", "slots", "frames", "idle_timeout_s", "worker", "fidelity")
+    __slots__ = ("name", "twin", "slots", "frames", "idle_timeout_s", "worker", "fidelity", "lost")
     NAME_FIELD_NUMBER: _ClassVar[int]
     TWIN_FIELD_NUMBER: _ClassVar[int]
     SLOTS_FIELD_NUMBER: _ClassVar[int]
@@ -18,6 +18,7 @@ class Session(_message.Message):
     IDLE_TIMEOUT_S_FIELD_NUMBER: _ClassVar[int]
     WORKER_FIELD_NUMBER: _ClassVar[int]
     FIDELITY_FIELD_NUMBER: _ClassVar[int]
+    LOST_FIELD_NUMBER: _ClassVar[int]
     name: str
     twin: str
     slots: int
@@ -25,7 +26,18 @@ class Session(_message.Message):
     idle_timeout_s: float
     worker: str
     fidelity: _rollout_pb2.Fidelity
-    def __init__(self, name: _Optional[str] = ..., twin: _Optional[str] = ..., slots: _Optional[int] = ..., frames: _Optional[_Iterable[int]] = ..., idle_timeout_s: _Optional[float] = ..., worker: _Optional[str] = ..., fidelity: _Optional[_Union[_rollout_pb2.Fidelity, str]] = ...) -> None: ...
+    lost: _containers.RepeatedScalarFieldContainer[int]
+    def __init__(self, name: _Optional[str] = ..., twin: _Optional[str] = ..., slots: _Optional[int] = ..., frames: _Optional[_Iterable[int]] = ..., idle_timeout_s: _Optional[float] = ..., worker: _Optional[str] = ..., fidelity: _Optional[_Union[_rollout_pb2.Fidelity, str]] = ..., lost: _Optional[_Iterable[int]] = ...) -> None: ...
+
+class Tracking(_message.Message):
+    __slots__ = ("lost", "misfit", "unexplained")
+    LOST_FIELD_NUMBER: _ClassVar[int]
+    MISFIT_FIELD_NUMBER: _ClassVar[int]
+    UNEXPLAINED_FIELD_NUMBER: _ClassVar[int]
+    lost: bool
+    misfit: float
+    unexplained: int
+    def __init__(self, lost: bool = ..., misfit: _Optional[float] = ..., unexplained: _Optional[int] = ...) -> None: ...
 
 class OpenSessionRequest(_message.Message):
     __slots__ = ("twin", "initial", "slots", "world", "grasps", "fidelity", "idle_timeout_s")
@@ -113,16 +125,22 @@ class CorrectSessionRequest(_message.Message):
 class CorrectedSession(_message.Message):
     __slots__ = ("session", "corrections")
     class Correction(_message.Message):
-        __slots__ = ("slot", "before", "after", "moved_mm")
+        __slots__ = ("slot", "before", "after", "moved_mm", "state", "tracking", "registered")
         SLOT_FIELD_NUMBER: _ClassVar[int]
         BEFORE_FIELD_NUMBER: _ClassVar[int]
         AFTER_FIELD_NUMBER: _ClassVar[int]
         MOVED_MM_FIELD_NUMBER: _ClassVar[int]
+        STATE_FIELD_NUMBER: _ClassVar[int]
+        TRACKING_FIELD_NUMBER: _ClassVar[int]
+        REGISTERED_FIELD_NUMBER: _ClassVar[int]
         slot: int
         before: _registration_pb2.Residual
         after: _registration_pb2.Residual
         moved_mm: float
-        def __init__(self, slot: _Optional[int] = ..., before: _Optional[_Union[_registration_pb2.Residual, _Mapping]] = ..., after: _Optional[_Union[_registration_pb2.Residual, _Mapping]] = ..., moved_mm: _Optional[float] = ...) -> None: ...
+        state: _rollout_pb2.InitialState.GivenState
+        tracking: Tracking
+        registered: bool
+        def __init__(self, slot: _Optional[int] = ..., before: _Optional[_Union[_registration_pb2.Residual, _Mapping]] = ..., after: _Optional[_Union[_registration_pb2.Residual, _Mapping]] = ..., moved_mm: _Optional[float] = ..., state: _Optional[_Union[_rollout_pb2.InitialState.GivenState, _Mapping]] = ..., tracking: _Optional[_Union[Tracking, _Mapping]] = ..., registered: bool = ...) -> None: ...
     SESSION_FIELD_NUMBER: _ClassVar[int]
     CORRECTIONS_FIELD_NUMBER: _ClassVar[int]
     session: Session

@@ -145,11 +145,12 @@ class SessionServiceServicer(object):
         raise NotImplementedError('Method not implemented!')
 
     def CorrectSession(self, request, context):
-        """Brings the states of slots closer to what is seen, in place: smoothly, and without touching what
-        control points and grasps hold. Their rest shapes take part (CorrectOptions.carry), and belong to
-        the slots from then on, in all that is simulated from them. Ends with FAILED_PRECONDITION, reason
-        OBSERVATION_NOT_EXPLAINED, if more than the stated residual is left at one of them; nothing changes
-        then.
+        """Brings the states of slots closer to what is seen, in place: smoothly, without touching what
+        control points and grasps hold, and outside of the ground and of colliders, on the side of them
+        where nodes were. Their rest shapes take part (CorrectOptions.carry), and belong to the slots from
+        then on, in all that is simulated from them. Ends with FAILED_PRECONDITION if more than the stated
+        residual is left at one of them, reason OBSERVATION_NOT_EXPLAINED, or OBJECT_LOST for a slot that
+        is lost (Tracking); no state changes then.
         """
         context.set_code(grpc.StatusCode.UNIMPLEMENTED)
         context.set_details('Method not implemented!')
