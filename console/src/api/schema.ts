@@ -1807,7 +1807,7 @@ export interface components {
         Plausibility: {
             /**
              * Format: double
-             * @description Deepest that the middle of a grasp's sphere or box may be below the ground or in a collider that stands still, and that a control point may be beyond its depth in the initial state; default 0.005.
+             * @description Deepest that the middle of a grasp's sphere or box may be below the ground or in a collider that stands still, and that a control point may be beyond its depth in the initial state; default 0.005. At the ground hands stop there (Diagnostics.stopped_hand_m).
              */
             control_depth_m?: number;
             /**
@@ -2194,7 +2194,7 @@ export interface components {
         "RollOutResponse.Diagnostics": {
             /**
              * Format: float
-             * @description Deepest that the middle of a grasp's sphere or box was below the ground or in a collider that stands still, and a control point or a held node beyond its depth at the start, metres.
+             * @description Deepest that the middle of a grasp's sphere or box was below the ground or in a collider that stands still, and a control point or a held node beyond its depth at the start, metres; where hands stopped at the ground, as deep as the actions would have had them.
              */
             control_depth_m?: number;
             /** Format: float */
@@ -2218,6 +2218,11 @@ export interface components {
              * @description Of springs between nodes.
              */
             max_strain?: number;
+            /**
+             * Format: float
+             * @description Farthest that a hand was held back, metres; 0 if none was. A hand stops where a control point, a node pinned to it, the middle of a grasp or a held node would get deeper below the ground than `plausibility.control_depth_m` beyond where it began; then all of it moves along the ground's normal.
+             */
+            stopped_hand_m?: number;
         };
         "RollOutResponse.Divergence": {
             /**

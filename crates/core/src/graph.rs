@@ -3,7 +3,10 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::Point;
+use crate::{
+    Point,
+    geometry::{length, sub},
+};
 
 /// The kind of a node. Nodes are ordered by kind: all observed surface nodes, then completed
 /// surface, then interior. The numbers are the file format's.
@@ -68,7 +71,7 @@ pub struct Graph {
     /// first two nodes are pinned: a clamp, which gives a position and a direction; its rotation
     /// about that direction is carried along by parallel transport. Its last two are either a clamp
     /// too, or a junction and the first node of a branch there, its *arm*, whose direction holds
-    /// the rod's frame.
+    /// the rod's frame. Clamps may open later, and hands clamp the rod elsewhere.
     #[serde(default)]
     pub rods: Vec<Vec<u32>>,
 }
@@ -83,6 +86,19 @@ impl Graph {
     /// True if a rod ends in the arm of a branch, and not in a clamp.
     pub fn has_arm(&self, rod: &[u32]) -> bool {
         rod.last().is_some_and(|&last| self.pins.iter().all(|p| p.node != last))
+    }
+
+    /// Share of a rod's length at rest that belongs to each of its inner nodes: half of both edges
+    /// there. They sum up to 1.
+    pub fn rod_shares(&self, rod: &[u32]) -> Vec<f32> {
+        let edge = |pair: &[u32]| {
+            let [a, b] = [pair[0], pair[1]].map(|i| self.rest_positions[i as usize]);
+            length(sub(b, a)).max(f32::MIN_POSITIVE)
+        };
+        let edges: Vec<f32> = rod.windows(2).map(edge).collect();
+        let inner: Vec<f32> = edges.windows(2).map(|pair| pair[0] + pair[1]).collect();
+        let whole: f32 = inner.iter().sum();
+        inner.into_iter().map(|length| length / whole).collect()
     }
 
     /// Number of nodes N.

@@ -366,6 +366,6 @@ back_frame(const __grid_constant__ BackFrameArgs args) {
     }
     store_sums(l, c, one, triplet, sums);
 #if RODS
-    store_rod_bars(instance);
+    store_rod_bars(instance, from == 0);
 #endif
 }

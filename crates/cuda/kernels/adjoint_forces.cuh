@@ -55,10 +55,19 @@ DEVICE void load_rod_bars(const InstanceArgs& instance) {
     for (u32 i = threadIdx.x; i < 3 * RODS; i += THREADS) rod_sums()[i] = 0.0f;
 }
 
-DEVICE void store_rod_bars(const InstanceArgs& instance) {
+// `begins` where that is the start of the frame.
+DEVICE void store_rod_bars(const InstanceArgs& instance, bool begins) {
     __syncthreads();
-    for (u32 r = threadIdx.x; r < RODS; r += THREADS)
-        instance.adjoint.bar_twists[r] = rod_twists()[r];
+    for (u32 r = threadIdx.x; r < RODS; r += THREADS) {
+        float bar = rod_twists()[r];
+        float kept = rod_span_of(instance, instance.state.first_frame, r, 0).kept;
+        if (begins) {
+            rod_sums()[2 * RODS + r] += (1.0f - kept) * bar;
+            bar *= kept;
+        }
+        instance.adjoint.bar_twists[r] = bar;
+    }
+    __syncthreads();
     for (u32 i = threadIdx.x; i < 3 * RODS; i += THREADS)
         instance.adjoint.bend_sums[3 * instance.topology.triplet_count + i] += rod_sums()[i];
 }
@@ -75,29 +84,35 @@ DEVICE void rod_adjoints(
     for_rods(l, first, [&](u32 r, const HeldRod& h) {
         u32 lane = threadIdx.x % 32;
         float before = l.instance->tape.twists[(u64)tape * RODS + r];
+        RodSpan span = rod_span_of(instance, instance.state.first_frame, r, h.end - h.first);
+        u32 begin = h.first + span.first, end = h.first + span.end;
         float rate = 0.0f, pull = 0.0f;
-        for (u32 t = h.first + lane; t < h.end; t += 32) {
+        for (u32 t = begin + lane; t < end; t += 32) {
             InnerNode in = inner_node_at(l, now, 0, t);
             float3 own = xyz(lambda[in.ends.j]);
             rate += along(in.turn, in.v_before, in.v_after);
             pull +=
                 along(in.turn, sub(xyz(lambda[in.ends.i]), own), sub(xyz(lambda[in.ends.k]), own));
         }
-        rate = sum_warp(rate) + roll_rate(instance, instance.state.first_frame, r);
+        rate = (sum_warp(rate) + span.roll_rate) * span.inverse_share;
         pull = sum_warp(pull);
         float deviation = before + rate * c.dt - h.rest_twist;
         float torque = h.stiffness * deviation + h.damping * rate;
         float bar = rod_twists()[r] - pull * h.stiffness;
-        float rate_bar = c.dt * bar - h.damping * pull;
+        float rate_bar = (c.dt * bar - h.damping * pull) * span.inverse_share;
         __syncwarp();
         if (lane == 0) {
             rod_twists()[r] = bar;
             rod_sums()[r] -= pull * deviation;
             rod_sums()[RODS + r] -= pull * rate;
             rod_sums()[2 * RODS + r] += pull * h.stiffness;
-            if (ROLLS && instance.world.roll_sums) instance.world.roll_sums[r] += rate_bar;
+            if ((ROLLS || GRASPS) && instance.world.roll_sums) instance.world.roll_sums[r] += rate_bar;
         }
         for (u32 t = h.first + lane; t < h.end; t += 32) {
+            if (t < begin || t >= end) {
+                for (u32 k = 0; k < 4; k++) out[4 * t + k] = zero3();
+                continue;
+            }
             InnerNode in = inner_node_at(l, now, 0, t);
             float3 own = xyz(lambda[in.ends.j]);
             float3 by_before = sub(xyz(lambda[in.ends.i]), own);

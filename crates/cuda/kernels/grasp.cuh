@@ -26,8 +26,8 @@ DEVICE bool is_in(const WorldArgs& w, const Grasp& grasp, u32 node, float3 place
     return low < end && w.members[low] == node;
 }
 
-// Phase of a grasp behind a boundary, from the one before it.
-DEVICE u32 phase_behind(const InstanceArgs& instance, u32 g, u32 boundary, u32 phase) {
+// Phase of a grasp at the end of the frame before a boundary: it may have been pulled too hard.
+DEVICE u32 phase_before(const InstanceArgs& instance, u32 g, u32 boundary, u32 phase) {
     const WorldArgs& w = instance.world;
     const Grasp& grasp = w.grasps[g];
     if (phase == PHASE_CLOSED && boundary > 0 && isfinite(grasp.max_force)) {
@@ -37,6 +37,13 @@ DEVICE u32 phase_behind(const InstanceArgs& instance, u32 g, u32 boundary, u32 p
         float3 force = v3(__ldcg(f), __ldcg(f + 1), __ldcg(f + 2));
         if (sqrtf(dot(force, force)) > grasp.max_force) phase = PHASE_SLIPPED;
     }
+    return phase;
+}
+
+// Phase of a grasp behind a boundary, from the one at the end of the frame before it.
+DEVICE u32 phase_behind(const InstanceArgs& instance, u32 g, u32 boundary, u32 phase) {
+    const WorldArgs& w = instance.world;
+    const Grasp& grasp = w.grasps[g];
     if (boundary >= instance.state.frame_count) return phase;
     if (!w.closed[(u64)boundary * w.grasp_count + g]) return PHASE_OPEN;
     if (phase == PHASE_OPEN && grasp.region != REGION_CONTROLS) return PHASE_CLOSED;
@@ -48,6 +55,7 @@ DEVICE u32 phase_behind(const InstanceArgs& instance, u32 g, u32 boundary, u32 p
 DEVICE void change_grasps_of(const InstanceArgs& instance, u32 boundary, u32 end) {
     __shared__ u32 phases[MAX_GRASPS];
     __shared__ bool takes[MAX_GRASPS];
+    __shared__ bool held[MAX_GRASPS];
     const WorldArgs& w = instance.world;
     const u32 n = instance.topology.node_count;
     const u32 frames = instance.state.frame_count, count = w.grasp_count;
@@ -58,7 +66,9 @@ DEVICE void change_grasps_of(const InstanceArgs& instance, u32 boundary, u32 end
     const u32 g = threadIdx.x;
     if (g < count) {
         u32 before = w.phases[(u64)(boundary % w.slot_count) * count + g];
-        phases[g] = phase_behind(instance, g, boundary, before);
+        u32 until = phase_before(instance, g, boundary, before);
+        held[g] = until == PHASE_CLOSED;
+        phases[g] = phase_behind(instance, g, boundary, until);
         takes[g] = before != PHASE_CLOSED && phases[g] == PHASE_CLOSED;
     }
     __syncthreads();
@@ -101,6 +111,26 @@ DEVICE void change_grasps_of(const InstanceArgs& instance, u32 boundary, u32 end
         state[3 * n + node] = v.x;
         state[4 * n + node] = v.y;
         state[5 * n + node] = v.z;
+    }
+    __syncthreads();
+    if (!w.spans) return;
+    const Hold* was = w.holds + (u64)(boundary % w.slot_count) * n;
+    const Hold* is = w.holds + (u64)(first % w.slot_count) * n;
+    const u32 rods = instance.topology.rod_count;
+    for (u32 r = threadIdx.x; r < rods; r += THREADS) {
+        RodPath path = rod_path_of(instance, r);
+        RodSpan before = span_of(path, [&](u32 node) {
+            return holder_of(instance, was, node, [&](int g) { return held[g]; });
+        });
+        RodSpan span = span_of(path, [&](u32 node) {
+            return holder_of(instance, is, node, [&](int g) { return phases[g] == PHASE_CLOSED; });
+        });
+        span.kept = kept_of(path, before, span);
+        for (u32 k = 0; k < used; k++) {
+            span.roll_rate = roll_rate_of(instance, boundary + k, r, path, span);
+            w.spans[(u64)((first + k) % w.slot_count) * rods + r] = span;
+            span.kept = span.end > span.first ? 1.0f : 0.0f;
+        }
     }
     __syncthreads();
 }

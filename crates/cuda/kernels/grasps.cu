@@ -15,7 +15,7 @@ change_grasps(const __grid_constant__ ChangeGraspsArgs args) {
 struct CollectMotionArgs {
     const InstanceArgs* instances;
     float* const* poses;  // by instance: d loss / d poses, [frames + 1][B][3][4]; null if not wanted
-    float* const* rolls;  // by instance: d loss / d rolls, [frames + 1][R]
+    float* const* rolls;  // by instance: d loss / d rolls, [frames + 1][R][2]
     u32 starts;           // whether it is the adjoint of how the rollout starts
     u32 unused;
 };
@@ -81,6 +81,61 @@ DEVICE void collect_node(const InstanceArgs& instance, u32 node, bool starts) {
     w.place_bars[node] = with_w(bar, 0.0f);
 }
 
+// Adjoint of a hand's turn about an edge that it holds, d loss / d the turn being `bar`.
+DEVICE void roll_adjoint(const InstanceArgs& instance, u32 frame, int grasp, u32 a, u32 b, float bar) {
+    const WorldArgs& w = instance.world;
+    Roll r = roll_of(instance, frame, grasp, a, b);
+    if (!r.known) return;
+    float by_axial = 2.0f * bar / ((1.0f + r.tangent * r.tangent) * r.turn);
+    float by_turn = -by_axial * r.tangent;
+    BodySums sums = body_sums_of(instance, r.body, a);
+    const float4* was = &r.of.from.x;
+    const float4* is = &r.of.to.x;
+    for (u32 k = 0; k < 3 && sums.to; k++) {
+        float3 from = xyz(was[k]), to = xyz(is[k]);
+        float3 by_from = add_scaled(scale(cross(r.along, to), by_axial), by_turn, to);
+        float3 by_to = add_scaled(scale(cross(from, r.along), by_axial), by_turn, from);
+        const float both[6] = {by_from.x, by_from.y, by_from.z, by_to.x, by_to.y, by_to.z};
+        for (u32 c = 0; c < 3; c++) {
+            sums.to[(4 * k + c) * sums.stride] += both[c];
+            sums.to[(12 + 4 * k + c) * sums.stride] += both[3 + c];
+        }
+    }
+    float3 by_along = scale(r.axial, by_axial);
+    float3 across = add_scaled(by_along, -dot(r.along, by_along), r.along);
+    float3 by_edge = scale(across, 1.0f / r.length);
+    w.place_bars[b] = with_w(add(xyz(w.place_bars[b]), by_edge), 0.0f);
+    w.place_bars[a] = with_w(sub(xyz(w.place_bars[a]), by_edge), 0.0f);
+}
+
+// Hands what has come together for the rates of twists in a frame to what imposes them: prescribed
+// turns of control points, poses and places of grasps. By one thread.
+DEVICE void collect_rolls(const InstanceArgs& instance, u32 frame, float* rolls) {
+    const WorldArgs& w = instance.world;
+    const u32 rods = instance.topology.rod_count, end = end_of(instance, frame);
+    for (u32 r = 0; r < rods; r++) {
+        float bar = w.roll_sums[r] / instance.step.frame_s;
+        w.roll_sums[r] = 0.0f;
+        if (end == frame) continue;
+        RodPath path = rod_path_of(instance, r);
+        RodSpan span = {0, path.inner, 1.0f, 1.0f, 0.0f, 0};
+        if (w.spans) span = w.spans[(u64)((frame + 1) % w.slot_count) * rods + r];
+        if (span.end <= span.first) continue;
+        for (u32 side = 0; side < 2; side++, bar = -bar) {
+            if (w.spans && side == 1 && path.has_arm) continue;
+            u32 edge = side == 0 ? span.first : span.end;
+            u32 a = node_along(path, edge), b = node_along(path, edge + 1);
+            int holder = w.spans ? holder_in(instance, frame, a) : BY_CONTROLS;
+            if (holder != BY_CONTROLS) {
+                roll_adjoint(instance, frame, holder, a, b, bar);
+            } else if (rolls && w.rolls) {
+                rolls[2 * ((u64)frame * rods + r) + side] -= bar;
+                rolls[2 * ((u64)end * rods + r) + side] += bar;
+            }
+        }
+    }
+}
+
 // Block (instance). The adjoint of a frame's beginning, and of what has come together in the frame:
 // adds to d loss / d poses and rolls and clears their sums.
 extern "C" __global__ void __launch_bounds__(THREADS)
@@ -89,6 +144,9 @@ collect_motion(const __grid_constant__ CollectMotionArgs args) {
     const WorldArgs& w = instance.world;
     const u32 n = instance.topology.node_count, frame = instance.state.first_frame;
     const u32 end = end_of(instance, frame), lane = threadIdx.x % 32;
+    float* rolls = args.rolls ? args.rolls[blockIdx.x] : 0;
+    if (w.roll_sums && threadIdx.x == 0) collect_rolls(instance, frame, rolls);
+    __syncthreads();
     for (u32 node = threadIdx.x; node < n; node += THREADS) {
         if (w.grasp_count > 0) collect_node(instance, node, args.starts);
         if (args.starts && w.arrive_bars) {
@@ -112,14 +170,5 @@ collect_motion(const __grid_constant__ CollectMotionArgs args) {
         bool has_row = entry < 12 || end > frame;
         if (lane == 0 && poses && has_row)
             poses[((u64)row * w.body_count + body) * 12 + entry % 12] += sum;
-    }
-    float* rolls = args.rolls ? args.rolls[blockIdx.x] : 0;
-    u32 rods = instance.topology.rod_count;
-    for (u32 r = threadIdx.x; w.rolls && w.roll_sums && r < rods; r += THREADS) {
-        float bar = w.roll_sums[r] / instance.step.frame_s;
-        w.roll_sums[r] = 0.0f;
-        if (!rolls || end == frame) continue;
-        rolls[(u64)frame * rods + r] -= bar;
-        rolls[(u64)end * rods + r] += bar;
     }
 }

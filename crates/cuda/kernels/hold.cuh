@@ -109,15 +109,3 @@ DEVICE float3 held_velocity(const InstanceArgs& instance, u32 frame, u32 node) {
         return control_velocity(path_of(instance, frame), instance.topology.pins[pin].control);
     return held_of(instance, frame, node, true, pin).velocity;
 }
-
-// Rate of a rod's twist that its clamps impose [rad/s].
-DEVICE float roll_rate(const InstanceArgs& instance, u32 frame, u32 r) {
-#if ROLLS
-    u32 rods = instance.topology.rod_count;
-    const float* rolls = instance.world.rolls;
-    float to = rolls[(u64)end_of(instance, frame) * rods + r];
-    return (to - rolls[(u64)frame * rods + r]) / instance.step.frame_s;
-#else
-    return 0.0f;
-#endif
-}

@@ -54,6 +54,7 @@ struct TopologyArgs {
     const u32* sum_rows;       // as `rows`: pairs with sums before each row
     const u32* triplet_of;     // per triplet of a share: its index in the graph
     const u32* rod_turns;      // [R + 1]: first inner node of each rod among the share's triplets
+    const float* rod_shares;   // by inner node: share of its rod's length
     u32 node_count;            // N
     u32 control_count;         // C
     u32 control_base;          // local index of control point 0
@@ -180,6 +181,15 @@ struct Hold {
     int grasp;       // -1: none
 };
 
+// The part of a rod that is twisted in a frame, as `cpu/rod/span.rs` says.
+struct RodSpan {
+    u32 first, end;       // inner nodes along the rod
+    float inverse_share;  // of the rod's length
+    float kept;           // share of the twist beyond its rest that the frame begins with
+    float roll_rate;      // rate of the twist that clamps impose [rad/s]
+    u32 unused;
+};
+
 // What surrounds the object, and the memory that goes with it. A boundary `f` is the start of frame
 // `f`.
 struct WorldArgs {
@@ -190,10 +200,11 @@ struct WorldArgs {
     const u32* members;
     const int* grasp_of;       // [C]: the grasp that a control point belongs to, or -1; may be null
     const u32* closed;         // [frames][G]
-    const float* rolls;        // [frames + 1][R]: turns of clamps [rad]; may be null
+    const float* rolls;        // [frames + 1][R][2]: turns of clamps [rad]; may be null
     const float* initial;      // [6][N]: the state that the rollout was given
     Hold* holds;               // [slots][N]: before boundary 0, then in frame f at (f + 1) % slots
     u32* phases;               // [slots][G]: as `holds`
+    RodSpan* spans;            // [slots][R]: as `holds`; null without rods
     float* impulses;           // [IMPULSES + 6 K][N] of a frame [N s], in the order of `IMPULSE_*`
     float* control_impulses;   // [blocks][6][C]: by springs of control points
     float* forces;             // [frames][6 C + 6 G + 3 + 6 K]

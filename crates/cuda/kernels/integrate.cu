@@ -343,6 +343,9 @@ advance_frames(const __grid_constant__ AdvanceFramesArgs args) {
     u32 last_frame = min(end, longest(instances));
     for (u32 frame = first; frame < last_frame; frame++) {
         ControlPath path = control_path_of(l, instances, frame);
+#if RODS
+        begin_twists(instances, frame);
+#endif
         begin_frame(l, instances, now, frame);
         place_controls(l, instances, path, now, frame, 0);
 #if ONE_ROW

@@ -174,12 +174,15 @@ DEVICE void rod_forces(
     for_rods(l, first, [&](u32 r, const HeldRod& h) {
         for (u32 m = 0; m < INSTANCES; m++) {
             u32 lane = threadIdx.x % 32;
+            RodSpan span = rod_span_of(
+                instances[m], frame_of(instances[m], frame), r, h.end - h.first);
+            u32 begin = h.first + span.first, end = h.first + span.end;
             float rate = 0.0f;
-            for (u32 t = h.first + lane; t < h.end; t += 32) {
+            for (u32 t = begin + lane; t < end; t += 32) {
                 InnerNode in = inner_node_at(l, now, m, t);
                 rate += along(in.turn, in.v_before, in.v_after);
             }
-            rate = sum_warp(rate) + roll_rate(instances[m], frame_of(instances[m], frame), r);
+            rate = (sum_warp(rate) + span.roll_rate) * span.inverse_share;
             float* kept = rod_twists() + m * RODS + r;
             float before = *kept;
             float twist = before + rate * c.dt;
@@ -192,6 +195,10 @@ DEVICE void rod_forces(
             }
             float torque = h.stiffness * (twist - h.rest_twist) + h.damping * rate;
             for (u32 t = h.first + lane; t < h.end; t += 32) {
+                if (t < begin || t >= end) {
+                    bends.store(t, m, zero3(), zero3());
+                    continue;
+                }
                 Turn turn = inner_node_at(l, now, m, t).turn;
                 bends.store(t, m, scale(turn.a, -torque), scale(turn.c, -torque));
             }
@@ -207,6 +214,18 @@ DEVICE void load_twists(const InstanceArgs* instances, u32 frame) {
         u64 slot = frame_of(instance, frame) % instance.state.slot_count;
         rod_twists()[i] = instance.state.twists[slot * RODS + i % RODS];
     }
+}
+
+// Takes from the twists what lay outside the clamps that hold in a frame.
+DEVICE void begin_twists(const InstanceArgs* instances, u32 frame) {
+#if GRASPS
+    for (u32 i = threadIdx.x; i < RODS * INSTANCES; i += THREADS) {
+        const InstanceArgs& instance = instances[i / RODS];
+        float kept = rod_span_of(instance, frame_of(instance, frame), i % RODS, 0).kept;
+        float rest = instance.parameters.rods[2 * RODS + i % RODS];
+        if (kept != 1.0f) rod_twists()[i] = rest + kept * (rod_twists()[i] - rest);
+    }
+#endif
 }
 
 DEVICE void store_twists(const InstanceArgs* instances, u32 frame) {

@@ -5,7 +5,7 @@
 // of the twist by the node before is a = n / (fold |e|), by the node after c = -n / (fold |g|), by
 // the node itself minus their sum. With a branch that holds the frame, g is its arm: a = -(e.g) n /
 // (|e||n|^2), c = -|e| n / |n|^2. If an edge has no length, the rod folds back on itself or an arm
-// hardly leaves its line, everything is zero.
+// hardly leaves its line, everything is zero. Only inner nodes between clamps count (`clamp.cuh`).
 
 struct Turn {
     float3 e, g;

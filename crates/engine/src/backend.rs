@@ -315,7 +315,7 @@ pub struct Gradient {
     pub controls: Vec<Point>,
     /// d loss / d poses of bodies if asked for, shape [F + 1, B].
     pub poses: Vec<Pose>,
-    /// d loss / d rolls if asked for, shape [F + 1, R]; empty if the motion has none.
+    /// d loss / d rolls if asked for, shape [F + 1, R, 2]; empty if the motion has none.
     pub rolls: Vec<f32>,
     /// Norm of d loss / d positions of all nodes at each frame boundary if asked for [loss per m],
     /// shape [F + 1]; pinned nodes, which have no positions of their own, count as zero. NaN if it

@@ -11,6 +11,7 @@
 
 mod batches;
 mod bending;
+mod clamps;
 mod colliders;
 mod conservation;
 mod contact;
@@ -177,6 +178,13 @@ suite! { ($)
         a_hand_slips_above_its_force,
         grasps_resume_exactly,
         a_rolling_clamp_twists_its_rod;
+    clamps:
+        an_opened_clamp_lets_the_twist_out,
+        a_hand_takes_a_cable_anywhere,
+        a_hand_rolls_what_it_holds,
+        hands_that_turn_a_cable_do_not_twist_it,
+        twist_spreads_over_a_longer_span,
+        gradients_through_regrasps;
     colliders:
         a_node_rests_on_a_box,
         friction_on_an_inclined_box,

@@ -9,6 +9,7 @@ mod adjoint;
 pub(crate) mod bend;
 pub(crate) mod body;
 pub mod check;
+mod clamp;
 mod collider;
 mod contact;
 mod control;

@@ -24,7 +24,7 @@ pub struct Energy {
     /// Sum of m v²/2.
     pub kinetic: f64,
     /// Of springs, k (l - l0)² / (2 l0), of triplets, k (theta - theta0)² / 2, and of rods, k
-    /// (twist - rest)² / 2.
+    /// (twist - rest)² / 2 for as much of them as clamps twist.
     pub elastic: f64,
     /// Sum of -m g . x; zero at the origin.
     pub gravitational: f64,
@@ -114,7 +114,7 @@ fn elastic<T: Real>(system: &System<T>, nodes: &[Node<T>]) -> f64 {
 fn twisting<T: Real>(system: &System<T>, twists: &[T]) -> f64 {
     let of = |(rod, twist): (&Rod<T>, &T)| {
         let deviation = twist.to_f64() - rod.rest_twist.to_f64();
-        0.5 * rod.stiffness.to_f64() * deviation * deviation
+        0.5 * rod.stiffness.to_f64() * deviation * deviation / rod.inverse_share.to_f64()
     };
     system.rods.rods.iter().zip(twists).map(of).sum()
 }

@@ -48,7 +48,7 @@ pub struct Reference {
     pub poses: Vec<Pose64>,
     /// As in [`crate::Motion::closed`], shape [F, G].
     pub closed: Vec<bool>,
-    /// As in [`crate::Motion::rolls`] [rad], shape [F + 1, R], or empty.
+    /// As in [`crate::Motion::rolls`] [rad], shape [F + 1, R, 2], or empty.
     pub rolls: Vec<f64>,
     /// Holds of grasps at the start; none at first.
     pub grasping: Grasping,
@@ -211,7 +211,7 @@ impl Reference {
             && rods.iter().all(|v| v.len() == r)
             && self.poses.len() == (self.frames + 1) * self.world.bodies
             && self.closed.len() == self.frames * self.world.grasps.len()
-            && [0, (self.frames + 1) * r].contains(&self.rolls.len())
+            && [0, 2 * (self.frames + 1) * r].contains(&self.rolls.len())
             && self.places.len() == self.grasping.holds.len();
         if !fits {
             return Err(Error::InvalidInput("a length of the reference was changed".into()));

@@ -107,7 +107,10 @@ pub enum Attachment {
 }
 
 /// A hold on nodes by a body, which opens and closes at frame boundaries ([`Motion::closed`]).
-/// When it closes it takes the nodes of its region that nothing else holds, each where it is.
+/// When it closes it takes the nodes of its region that nothing else holds, each where it is. Two
+/// neighbouring nodes of a rod in one grasp, or held by control points, are a clamp: the grasp gives
+/// the rod its direction there, and turns it. A rod is twisted between its outermost two clamps;
+/// without them it has no torque, and its twist is that of its rest.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Grasp {
     /// The body that carries it.
@@ -161,10 +164,11 @@ pub struct Motion {
     pub poses: Vec<Pose>,
     /// True if a grasp is closed during a frame, shape [F, G].
     pub closed: Vec<bool>,
-    /// Turn of the near clamp of each rod against its far one about the rod's ends, by the right hand
-    /// along the rod, since the start [rad], shape [F + 1, R]; empty if no clamp turns: a rod that is
+    /// Turn of the near and of the far clamp of each rod about the rod there, by the right hand along
+    /// the rod, since the start [rad], shape [F + 1, R, 2]; empty if no clamp turns: a rod that is
     /// turned as one body keeps its twist. The part that the directions of the clamps
-    /// have in the twist is known from the nodes, and does not belong here.
+    /// have in the twist is known from the nodes, and does not belong here. It counts for a clamp
+    /// while control points hold it; how a grasp turns what it holds is known from its body.
     pub rolls: Vec<f32>,
 }
 

@@ -278,8 +278,8 @@ fn settings_in_force(
     capture.recordings().try_for_each(bendtwin_eval::check_capture)?;
     let sequences = capture.recordings().flat_map(|recording| &recording.sequences);
     let sequences = sequences.filter(|sequence| sequence.train_frame_count > 0).count();
-    let subject = capture.object.subject();
-    Ok(settings.filled(Conditions { subject, device, sequences }))
+    let (subject, is_weighed) = (capture.object.subject(), capture.object.mass_kg.is_some());
+    Ok(settings.filled(Conditions { subject, device, sequences, is_weighed }))
 }
 
 impl<'a> Training<'a> {

@@ -237,7 +237,8 @@ pub struct Grasp {
     /// Mean force over a frame beyond which it lets go, newtons; absent: never.
     #[prost(double, optional, tag = "10")]
     pub max_force_n: ::core::option::Option<f64>,
-    /// Nodes that it takes hold of when it closes. Nodes that something else holds stay there.
+    /// Nodes that it takes hold of when it closes. Nodes that something else holds stay there. Two neighbours
+    /// on a cable are a clamp: it gives the cable its direction there, and turns it.
     #[prost(oneof = "grasp::Region", tags = "2, 3, 4, 5")]
     pub region: ::core::option::Option<grasp::Region>,
 }
@@ -289,7 +290,8 @@ pub mod grasp {
             }
         }
     }
-    /// Nodes that it takes hold of when it closes. Nodes that something else holds stay there.
+    /// Nodes that it takes hold of when it closes. Nodes that something else holds stay there. Two neighbours
+    /// on a cable are a clamp: it gives the cable its direction there, and turns it.
     #[derive(Clone, PartialEq, ::prost::Oneof)]
     pub enum Region {
         /// In the coordinates of the gripper.
@@ -4985,7 +4987,8 @@ pub struct Plausibility {
     #[prost(bool, tag = "4")]
     pub refuse: bool,
     /// Deepest that the middle of a grasp's sphere or box may be below the ground or in a collider that
-    /// stands still, and that a control point may be beyond its depth in the initial state; default 0.005.
+    /// stands still, and that a control point may be beyond its depth in the initial state; default 0.005. At
+    /// the ground hands stop there (Diagnostics.stopped_hand_m).
     #[prost(double, optional, tag = "5")]
     pub control_depth_m: ::core::option::Option<f64>,
 }
@@ -5547,9 +5550,15 @@ pub mod roll_out_response {
         #[prost(float, tag = "6")]
         pub max_control_strain: f32,
         /// Deepest that the middle of a grasp's sphere or box was below the ground or in a collider that
-        /// stands still, and a control point or a held node beyond its depth at the start, metres.
+        /// stands still, and a control point or a held node beyond its depth at the start, metres; where hands
+        /// stopped at the ground, as deep as the actions would have had them.
         #[prost(float, tag = "7")]
         pub control_depth_m: f32,
+        /// Farthest that a hand was held back, metres; 0 if none was. A hand stops where a control point, a node
+        /// pinned to it, the middle of a grasp or a held node would get deeper below the ground than
+        /// `plausibility.control_depth_m` beyond where it began; then all of it moves along the ground's normal.
+        #[prost(float, tag = "8")]
+        pub stopped_hand_m: f32,
     }
     #[derive(Clone, Copy, PartialEq, Eq, Hash, ::prost::Message)]
     pub struct Divergence {

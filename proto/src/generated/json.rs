@@ -1185,7 +1185,7 @@ map.serialize_entry("frame", &self.frame)?;
 
 impl Fields for crate::v1::roll_out_response::Diagnostics {
     const NAME: &'static str = "Diagnostics";
-    const FIELDS: &'static [&'static str] = &["max_strain", "max_speed_m_s", "kinetic_energy", "elastic_energy", "ground_contacts", "max_control_strain", "control_depth_m"];
+    const FIELDS: &'static [&'static str] = &["max_strain", "max_speed_m_s", "kinetic_energy", "elastic_energy", "ground_contacts", "max_control_strain", "control_depth_m", "stopped_hand_m"];
     #[allow(unused_variables)]
     fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
         match field {
@@ -1196,6 +1196,7 @@ impl Fields for crate::v1::roll_out_response::Diagnostics {
 4 => { self.ground_contacts = map.next_value::<Option<_>>()?.unwrap_or_default(); }
 5 => { self.max_control_strain = map.next_value::<Option<_>>()?.unwrap_or_default(); }
 6 => { self.control_depth_m = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+7 => { self.stopped_hand_m = map.next_value::<Option<_>>()?.unwrap_or_default(); }
 
             _ => {}
         }
@@ -1210,6 +1211,7 @@ map.serialize_entry("elastic_energy", &self.elastic_energy)?;
 map.serialize_entry("ground_contacts", &self.ground_contacts)?;
 map.serialize_entry("max_control_strain", &self.max_control_strain)?;
 map.serialize_entry("control_depth_m", &self.control_depth_m)?;
+map.serialize_entry("stopped_hand_m", &self.stopped_hand_m)?;
 
         Ok(())
     }

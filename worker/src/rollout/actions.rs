@@ -4,6 +4,7 @@
 mod gradients;
 mod poses;
 mod rolls;
+mod stops;
 
 use bendtwin_core::{Graph, Point};
 use bendtwin_engine::{backend::Gradient, world::Pose};
@@ -13,6 +14,7 @@ use bendtwin_proto::v1::{
 
 pub(super) use self::poses::pose;
 use self::poses::{Knots, Poses};
+pub(super) use self::stops::{Carried, Floor, Stopped, Stops};
 use super::{
     error::Error,
     interpolate::{Curve, Schedule},
@@ -23,6 +25,8 @@ pub(super) struct Actions {
     shape: Shape,
     schedule: Schedule,
     kind: Kind,
+    /// What moves as one body, of each control point: a gripper, or a hand; shape [C].
+    hands: Vec<usize>,
 }
 
 enum Kind {
@@ -76,13 +80,26 @@ impl Actions {
         };
         let Horizon { frames, fps, times } = horizon;
         let schedule = Schedule::new(curve, shape.knots, frames, times, fps)?;
-        Ok(Self { shape, schedule, kind })
+        let hands = match &kind {
+            Kind::Trajectories(_) => vec![0; controls],
+            Kind::Poses(p) => p.gripper_of_control.clone(),
+        };
+        Ok(Self { shape, schedule, kind, hands })
     }
 
     /// With the clamps of a twin's rods, which grippers turn.
     pub(super) fn with_clamps(mut self, graph: &Graph) -> Self {
         if let Kind::Poses(p) = &mut self.kind {
             p.clamps = rolls::clamps(graph, &p.gripper_of_control);
+        }
+        self
+    }
+
+    /// With the hands of a twin's control points, shape [C], which move as one body where no
+    /// gripper carries them.
+    pub(super) fn with_hands(mut self, hands: &[u32]) -> Self {
+        if let Kind::Trajectories(_) = &self.kind {
+            self.hands = hands.iter().map(|hand| *hand as usize).collect();
         }
         self
     }
@@ -130,7 +147,7 @@ impl Actions {
         self.schedule.places().iter().map(|place| knots.at(place, 0).matrix()).collect()
     }
 
-    /// Rolls of a twin's R rods at frame boundaries, shape [F + 1, R], where control points are at
+    /// Rolls of both ends of a twin's R rods at frame boundaries, shape [F + 1, R, 2], where control points are at
     /// `controls`, shape [F + 1, C, 3]. Empty if no gripper holds a clamp or, unless they are
     /// `kept`, if none rolls.
     pub(super) fn rolls(

@@ -10,6 +10,7 @@ use bendtwin_engine::{
 use bendtwin_proto::v1::{RollOutResponse, Tensor, roll_out_response::Timing};
 
 use super::{
+    actions::Stopped,
     error::Error,
     initial::{Start, Starts},
     plan::Plan,
@@ -192,8 +193,9 @@ impl Execution<'_> {
                 return Err(backend::Error::Cancelled.into());
             }
             let index = action * plan.ensemble.members;
-            let instance = plan.instance(index, self.starts);
-            let extremes = plan.extremes(index, &instance, self.starts, None);
+            let (instance, stops) = plan.stopped_instance(index, self.starts);
+            let of = (&instance, stops.most());
+            let extremes = plan.extremes(index, of, self.starts, None);
             plan.plausibility.refuse(&plan.plausibility.judge(index, &extremes, None))?;
         }
         Ok(())
@@ -214,16 +216,23 @@ impl Execution<'_> {
         let cancel = self.until.map_or_else(|| self.cancel.clone(), |t| self.cancel.until(t));
         for run in cut::runs(0..indices.len(), self.plan.prepared) {
             let indices = &indices[run];
-            let batch = self.batch(indices);
+            let stopped_instance = |i: &usize| {
+                let (instance, stops) = self.plan.stopped_instance(*i, self.starts);
+                (instance, stops.most())
+            };
+            let (batch, stopped): (Vec<Instance>, Vec<Stopped>) =
+                indices.iter().map(stopped_instance).unzip();
             let rollouts = self.backend.roll_out_in_time(&batch, &outputs, &cancel)?;
-            for ((index, instance), rollout) in indices.iter().zip(&batch).zip(rollouts) {
+            let prescribed = batch.iter().zip(stopped);
+            for ((index, of), rollout) in indices.iter().zip(prescribed).zip(rollouts) {
+                let instance = of.0;
                 let mut rollout = rollout.unwrap_or_else(|| {
                     simulated.unfinished.push(*index as u32);
                     self.unfinished()
                 });
                 costs.settle(&mut rollout, &instance.controls);
                 let end = rollout.final_state.as_ref();
-                let extremes = self.plan.extremes(*index, instance, self.starts, end);
+                let extremes = self.plan.extremes(*index, of, self.starts, end);
                 simulated.extremes.push(extremes);
                 if !keeps_states {
                     rollout.final_state = None;
@@ -321,11 +330,15 @@ impl Execution<'_> {
                 if members.len() < plan.ensemble.members {
                     continue;
                 }
-                let result = plan.ensemble.gradient(std::mem::take(&mut members));
+                let mut result = plan.ensemble.gradient(std::mem::take(&mut members));
                 if returns.action_gradients {
                     let action = plan.action(*index);
                     let start = &self.starts.of(action).controls;
+                    let stops = plan.stopped_instance(*index, self.starts).1;
+                    let simulated = (result.controls.clone(), result.poses.clone());
+                    stops.back(&plan.actions, &mut result);
                     gradients.actions.extend(plan.actions.gradient(action, start, &result));
+                    (result.controls, result.poses) = simulated;
                 }
                 gradients.push(result);
             }

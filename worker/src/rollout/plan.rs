@@ -13,7 +13,7 @@ use bendtwin_engine::{
 use bendtwin_proto::rollout::TwinShape;
 
 use super::{
-    actions::{Actions, Horizon},
+    actions::{Actions, Floor, Horizon, Stopped, Stops},
     checked::Checked,
     costs::Costs,
     ensemble::Ensemble,
@@ -70,7 +70,8 @@ impl Plan {
         let horizon = Horizon { frames, fps, times: request.knot_times.take() };
         let map = gripper_of_control(request.actions.as_ref(), graph.control_count())?;
         let actions = Actions::read(request.actions.take(), graph.control_count(), horizon)?
-            .with_clamps(graph);
+            .with_clamps(graph)
+            .with_hands(&twin.hands());
         let grasps = request.grasps.len();
         let surroundings =
             Surroundings::read(&mut request, &actions, map, twin, served.loaded.model())?;
@@ -130,22 +131,42 @@ impl Plan {
 
     /// An instance, ready for the engine.
     pub(super) fn instance(&self, index: usize, starts: &Starts) -> Instance {
+        self.stopped_instance(index, starts).0
+    }
+
+    /// An instance, and how far its hands are held back at the ground.
+    pub(super) fn stopped_instance(&self, index: usize, starts: &Starts) -> (Instance, Stops) {
         let variant = self.variant(index);
         let action = self.action(index);
         let start = starts.of(action);
-        let controls: Vec<Point> = self.actions.controls(action, &start.controls);
+        let mut controls: Vec<Point> = self.actions.controls(action, &start.controls);
         let rods = self.twin().graph.rods.len();
         let kept = self.returns.action_gradients;
         let rolls = self.actions.rolls(action, &controls, rods, kept);
-        Instance {
+        let mut motion = Motion { rolls, ..self.surroundings.motion(action, &self.actions) };
+        let stops = match variant.loaded.model().environment.ground {
+            None => Stops::default(),
+            Some(plane) => {
+                let floor = Floor {
+                    plane,
+                    allowed_m: self.plausibility.allowed_depth_m(),
+                    graph: &self.twin().graph,
+                    start: start.here(),
+                    carried: self.surroundings.carried(&start.state, &motion),
+                };
+                self.actions.stop(&mut controls, &mut motion.poses, floor)
+            }
+        };
+        let instance = Instance {
             model: variant.loaded.clone(),
             initial: Arc::clone(&start.state),
             controls: Arc::new(controls),
             frames: self.frames,
             objective: variant.objective(&self.costs.objective(action)),
             world: Arc::clone(&variant.world),
-            motion: Arc::new(Motion { rolls, ..self.surroundings.motion(action, &self.actions) }),
-        }
+            motion: Arc::new(motion),
+        };
+        (instance, stops)
     }
 
     /// An instance whose objective has the gradient of the costs at its rollout.
@@ -174,11 +195,12 @@ impl Plan {
         )
     }
 
-    /// Extremes of what is prescribed to an instance; `end` is its last state, if that is known.
+    /// Extremes of what is prescribed to an instance, whose hands were `stopped`; `end` is its last
+    /// state, if that is known.
     pub(super) fn extremes(
         &self,
         index: usize,
-        instance: &Instance,
+        (instance, stopped): (&Instance, Stopped),
         starts: &Starts,
         end: Option<&State>,
     ) -> Extremes {
@@ -194,6 +216,7 @@ impl Plan {
         let slack = if start.likely.is_some() { UNKNOWN_SLACK_M } else { 0.0 };
         let gap = (start.gap_m(first) - slack).max(0.0);
         plausible::extremes(gap, of, self.frames, model.timing.fps, &obstacles)
+            .with(stopped, self.plausibility.allowed_depth_m())
     }
 }
 

@@ -11,7 +11,7 @@ use bendtwin_proto::{
     v1::{Plausibility as Wire, roll_out_response::Implausible},
 };
 
-use super::{error::Error, world::Path};
+use super::{actions::Stopped, error::Error, world::Path};
 
 /// Limits of what is plausible.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -27,6 +27,21 @@ pub(super) struct Extremes {
     /// Of what is prescribed and gets deepest in an obstacle [m], and its frame; of control points
     /// beyond the depth that they have in the initial state.
     pub(super) depth: (f32, usize),
+    /// The most that a hand was held back at the ground [m].
+    pub(super) stopped_m: f32,
+}
+
+impl Extremes {
+    /// Those of actions that would have had a hand deeper in the ground than `allowed_m`, by as much
+    /// as it was held back.
+    pub(super) fn with(mut self, stopped: Stopped, allowed_m: f32) -> Self {
+        let asked = stopped.shift_m + allowed_m;
+        self.stopped_m = stopped.shift_m;
+        if stopped.shift_m > 0.0 && asked > self.depth.0 {
+            self.depth = (asked, stopped.frame);
+        }
+        self
+    }
 }
 
 /// Positions that are prescribed to an instance.
@@ -54,6 +69,12 @@ impl Plausibility {
     /// The limits of a checked request.
     pub(super) fn read(wire: Option<Wire>) -> Self {
         Self(wire.unwrap_or_default())
+    }
+
+    /// Depth below the ground that hands may have beyond that with which they began [m].
+    pub(super) fn allowed_depth_m(&self) -> f32 {
+        let reason = Reason::ControlInObstacle;
+        reason.limit(&self.0).unwrap_or_else(|| reason.default_limit()) as f32
     }
 
     /// True if implausible motion is an error.

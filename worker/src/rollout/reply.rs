@@ -55,6 +55,7 @@ pub(super) fn summary(
             ground_contacts: d.ground_contacts,
             max_control_strain: d.max_control_strain,
             control_depth_m: extremes.depth.0,
+            stopped_hand_m: extremes.stopped_m,
         }
     });
     let implausible =

@@ -83,8 +83,12 @@ mod tests {
 
     #[test]
     fn what_was_left_open_shows_what_was_chosen() {
-        let conditions =
-            Conditions { subject: Subject::Body, device: DeviceKind::Cpu, sequences: 1 };
+        let conditions = Conditions {
+            subject: Subject::Body,
+            device: DeviceKind::Cpu,
+            sequences: 1,
+            is_weighed: false,
+        };
         let given = FitSettings::default();
         let [given, chosen] =
             [given.clone(), given.filled(conditions)].map(|s| serde_json::to_value(s).unwrap());

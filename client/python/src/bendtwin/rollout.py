@@ -111,6 +111,8 @@ class Diagnostics:
     #: Deepest that a control point got in the ground or a fixed collider, beyond its depth in
     #: the initial state, metres.
     control_depth_m: float = 0.0
+    #: Farthest that a hand was held back at the ground, metres; 0 if none was.
+    stopped_hand_m: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -337,6 +339,7 @@ class RolloutResult:
                     d.ground_contacts,
                     d.max_control_strain,
                     d.control_depth_m,
+                    d.stopped_hand_m,
                 )
                 for d in message.diagnostics
             ],

@@ -171,6 +171,10 @@ class Grasp:
 
     Control points hold as they were fitted unless a grasp of their hand is open. To take hold
     elsewhere, add `Grasp(hand=0, closed=False)`.
+
+    On a cable a grasp of two neighbouring nodes is a clamp: it gives the cable its direction
+    there and turns it. What lies between the outermost two clamps is twisted; an end that nothing
+    holds turns freely.
     """
 
     #: The gripper, by its number in the poses.
@@ -302,7 +306,7 @@ class Plausibility:
     #: Of the material; 1.
     strain: float | None = None
     #: Of control points and grasps in the ground or colliders that stand still, of control
-    #: points beyond their depth in the initial state; 0.005.
+    #: points beyond their depth in the initial state; 0.005. At the ground hands stop there.
     control_depth_m: float | None = None
     #: Raise an error with the reason IMPLAUSIBLE_MOTION instead.
     refuse: bool = False

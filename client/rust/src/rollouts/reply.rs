@@ -116,6 +116,8 @@ pub struct Diagnostics {
     pub elastic_energy: f32,
     /// Nodes on the ground at the end.
     pub ground_contacts: u32,
+    /// Farthest that a hand was held back at the ground [m]; 0 if none was.
+    pub stopped_hand_m: f32,
 }
 
 /// Mean forces on the object over each frame [N]; per unit mass if its mass is not known.
@@ -254,6 +256,7 @@ impl From<wire::Diagnostics> for Diagnostics {
             kinetic_energy: d.kinetic_energy,
             elastic_energy: d.elastic_energy,
             ground_contacts: d.ground_contacts,
+            stopped_hand_m: d.stopped_hand_m,
         }
     }
 }

@@ -51,6 +51,8 @@ pub struct Conditions {
     pub device: DeviceKind,
     /// Number of training sequences.
     pub sequences: usize,
+    /// The object's mass is known.
+    pub is_weighed: bool,
 }
 
 /// Values of settings that may be left open.
@@ -95,7 +97,8 @@ struct SubjectDefaults {
     /// Mean of the losses of several sequences.
     sequence_mean: SequenceMean,
     /// True if the strength of gravity is searched. It pays in motion capture, where nothing else
-    /// corrects a frame rate that is not quite true.
+    /// corrects a frame rate that is not quite true. With a known mass it would make every force in
+    /// newtons wrong by as much: the weight is what the scale of forces comes from.
     searches_gravity: bool,
     /// Pull of the search to where it starts.
     search_prior: f64,
@@ -156,7 +159,8 @@ impl FitSettings {
         filled.appearance.gaussians.get_or_insert(gaussians);
         let of_subject = SubjectDefaults::of(conditions.subject);
         filled.search.prior.get_or_insert(of_subject.search_prior);
-        filled.search.gravity.get_or_insert(of_subject.searches_gravity);
+        let searches_gravity = of_subject.searches_gravity && !conditions.is_weighed;
+        filled.search.gravity.get_or_insert(searches_gravity);
         filled.loss.sequences.get_or_insert(of_subject.sequence_mean);
         filled
     }

@@ -166,6 +166,8 @@ impl CaptureSize {
             subject: if self.edges > 0 { Subject::Cable } else { Subject::Body },
             device: if lanes.on_host { DeviceKind::Cpu } else { DeviceKind::Gpu },
             sequences: self.sequences.try_into().unwrap_or(usize::MAX),
+            // No memory depends on it.
+            is_weighed: false,
         }
     }
 }

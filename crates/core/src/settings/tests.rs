@@ -30,7 +30,7 @@ fn nothing_is_left_open_for_a_fit() {
     use crate::capture::Subject;
     for subject in [Subject::Cable, Subject::Body] {
         for device in [DeviceKind::Cpu, DeviceKind::Gpu] {
-            let conditions = Conditions { subject, device, sequences: 77 };
+            let conditions = Conditions { subject, device, sequences: 77, is_weighed: false };
             let of = |effort| FitSettings { effort, ..FitSettings::default() }.filled(conditions);
             let [draft, standard, best] = [Effort::Draft, Effort::Standard, Effort::Best].map(of);
             let work = |s: &FitSettings| {
@@ -41,6 +41,9 @@ fn nothing_is_left_open_for_a_fit() {
                 assert_eq!(s.graph.interior, Some(true));
                 assert_eq!(s.validate(), Ok(()));
                 let is_cable = subject == Subject::Cable;
+                let weighed = Conditions { is_weighed: true, ..conditions };
+                let open = FitSettings::default();
+                assert_eq!(open.filled(weighed).search.gravity, Some(false));
                 assert_eq!(s.search.gravity, Some(is_cable));
                 assert_eq!(s.search.prior, Some(if is_cable { 0.0 } else { 0.4 }));
                 assert!(s.loss.sequences.is_some());

@@ -24,6 +24,7 @@ const HEADERS: &[(&str, &str)] = &[
     ("instance.cuh", include_str!("../../kernels/instance.cuh")),
     ("body.cuh", include_str!("../../kernels/body.cuh")),
     ("hold.cuh", include_str!("../../kernels/hold.cuh")),
+    ("clamp.cuh", include_str!("../../kernels/clamp.cuh")),
     ("force.cuh", include_str!("../../kernels/force.cuh")),
     ("smooth.cuh", include_str!("../../kernels/smooth.cuh")),
     ("meet.cuh", include_str!("../../kernels/meet.cuh")),

@@ -83,6 +83,7 @@ struct TopologyBuffers {
     _export_refs: Buffer<u32>,
     _sum_rows: Buffer<u32>,
     _rod_turns: Buffer<u32>,
+    _rod_shares: Buffer<f32>,
 }
 
 impl DeviceGraph {
@@ -144,6 +145,7 @@ impl DeviceGraph {
             _export_refs: Buffer::of(stream, &layout.export_refs)?,
             _sum_rows: Buffer::of(stream, &layout.sum_rows)?,
             _rod_turns: Buffer::of(stream, &layout.rod_turns)?,
+            _rod_shares: Buffer::of(stream, &layout.rod_shares)?,
         };
         let triplet_of = Buffer::of(stream, &layout.triplet_of)?;
         let topology = args::TopologyArgs {
@@ -170,6 +172,7 @@ impl DeviceGraph {
             max_pairs: layout.max_pairs,
             max_all_pairs: layout.max_all_pairs,
             rod_turns: parts._rod_turns.address(),
+            rod_shares: parts._rod_shares.address(),
             rod_count: self.graph.rods.len() as u32,
             triplet_count: self.graph.triplets.len() as u32,
             pin_count: self.graph.pins.len() as u32,

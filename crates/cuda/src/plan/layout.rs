@@ -54,6 +54,8 @@ pub(crate) struct Layout {
     /// First of each rod's inner nodes among the triplets, behind the graph's, and their end; shape
     /// [R + 1]. Only where one block has all nodes.
     pub(crate) rod_turns: Vec<u32>,
+    /// Share of its rod's length at each of these inner nodes.
+    pub(crate) rod_shares: Vec<f32>,
     /// First slot of references to triplets of each row, by the same index as `rows`.
     pub(crate) arm_rows: Vec<u32>,
     /// References, [`NO_ARM`] where a lane has none; shape [slots, 32].
@@ -257,6 +259,7 @@ impl Layout {
                 at += 1;
             }
             self.rod_turns.push(at);
+            self.rod_shares.extend(graph.rod_shares(rod));
         }
         at - before
     }

@@ -41,7 +41,7 @@ pub(crate) struct Gradients {
     /// d loss / d poses by instance, shape [F + 1, B, 3, 4]; empty if not asked for.
     pub(crate) poses: Buffer<f32>,
     pub(crate) pose_starts: Vec<usize>,
-    /// d loss / d rolls by instance, shape [F + 1, R]; empty if not asked for.
+    /// d loss / d rolls by instance, shape [F + 1, R, 2]; empty if not asked for.
     pub(crate) rolls: Buffer<f32>,
     pub(crate) roll_starts: Vec<usize>,
     /// d loss / d places of holds by instance, shape [N], padded to four; empty without grasps.

@@ -40,6 +40,8 @@ pub(crate) struct Worlds {
     hold_starts: Vec<usize>,
     phases: Buffer<u32>,
     phase_starts: Vec<usize>,
+    spans: Buffer<args::RodSpan>,
+    span_starts: Vec<usize>,
     impulses: Buffer<f32>,
     impulse_starts: Vec<usize>,
     forces: Buffer<f32>,
@@ -111,7 +113,9 @@ pub(crate) fn bytes_of(instance: &Instance, state_slots: usize, measured: bool) 
     let (world, motion) = (&instance.world, &instance.motion);
     let n = instance.model.model().graph.node_count();
     let held = if parts.grasps {
-        (state_slots + 1) * (size_of::<args::Hold>() * n + 4 * world.grasps.len())
+        let rods = instance.model.model().graph.rods.len();
+        let spans = size_of::<args::RodSpan>() * rods;
+        (state_slots + 1) * (size_of::<args::Hold>() * n + 4 * world.grasps.len() + spans)
     } else {
         0
     };
@@ -135,7 +139,7 @@ impl Worlds {
     ) -> Result<Self, Error> {
         let stream = &queue.stream;
         let parts: Vec<WorldParts> = instances.iter().map(|i| parts_of(i, measured)).collect();
-        let (mut hold_starts, mut phase_starts) = (vec![0], vec![0]);
+        let (mut hold_starts, mut phase_starts, mut span_starts) = (vec![0], vec![0], vec![0]);
         let (mut impulse_starts, mut force_starts) = (vec![0], vec![0]);
         let (mut boundaries, mut phases) = (BTreeSet::new(), Vec::new());
         for ((instance, parts), &slots) in instances.iter().zip(&parts).zip(slots) {
@@ -144,6 +148,8 @@ impl Worlds {
             let g = instance.world.grasps.len();
             hold_starts.push(end_of(&hold_starts) + slots * n);
             phase_starts.push(end_of(&phase_starts) + slots * g);
+            let rods = if parts.grasps { instance.model.model().graph.rods.len() } else { 0 };
+            span_starts.push(end_of(&span_starts) + slots * rods);
             phases.extend(initial_phases(instance));
             phases.resize(end_of(&phase_starts), 0);
             let (impulses, forces) = if parts.forces {
@@ -173,10 +179,12 @@ impl Worlds {
             uploaded,
             holds,
             phases: Buffer::of(stream, &phases)?,
+            spans: Buffer::empty(stream, end_of(&span_starts))?,
             impulses: Buffer::zeros(stream, end_of(&impulse_starts))?,
             forces: Buffer::zeros(stream, end_of(&force_starts))?,
             hold_starts,
             phase_starts,
+            span_starts,
             impulse_starts,
             force_starts,
             parts,
@@ -198,7 +206,13 @@ impl Worlds {
         } else {
             Pointer::default()
         };
+        let has_spans = self.span_starts[index + 1] > self.span_starts[index];
         WorldArgs {
+            spans: if has_spans {
+                self.spans.at(self.span_starts[index])
+            } else {
+                Pointer::default()
+            },
             holds: self.holds.at(self.hold_starts[index]),
             phases: self.phases.at(self.phase_starts[index]),
             forces,

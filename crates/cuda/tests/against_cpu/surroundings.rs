@@ -112,7 +112,7 @@ fn shortened(instance: &Instance, frames: usize) -> Instance {
         motion: Arc::new(Motion {
             poses: motion.poses[..(frames + 1) * world.bodies].to_vec(),
             closed: motion.closed[..frames * world.grasps.len()].to_vec(),
-            rolls: motion.rolls.iter().take((frames + 1) * graph.rods.len()).copied().collect(),
+            rolls: motion.rolls.iter().take(2 * (frames + 1) * graph.rods.len()).copied().collect(),
         }),
         objective: Objective {
             terms: Arc::new(terms.collect()),

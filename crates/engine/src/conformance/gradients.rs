@@ -152,7 +152,7 @@ pub(super) fn gradients_of_a_rolling_clamp(backend: &dyn Backend) -> Outcome {
     scene.params.spring_dashpot.fill(1.0);
     scene.params.drag = 1.0;
     scene.last(12);
-    scene.motion.rolls = (0..=12).map(|f| 0.2 * f as f32).collect();
+    scene.motion.rolls = (0..=12).flat_map(|f| [0.2 * f as f32, -0.1 * f as f32]).collect();
     let targets = scene.graph.rest_positions.iter().map(|p| [p[0] + 0.08, p[1], p[2] - 0.05]);
     let track = Term::Track {
         of: PointSet::Nodes,

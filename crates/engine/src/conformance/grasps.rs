@@ -243,7 +243,7 @@ pub(super) fn grasping(seed: u64, frames: usize) -> Scene {
     scene
 }
 
-/// A straight rod between two clamps, one of which rolls by an angle, is twisted by as much, to 1e-4,
+/// A rod between two clamps that roll against one another is twisted by as much, to 1e-4,
 /// and remembers it; a rollout that goes on from there adds to it.
 pub(super) fn a_rolling_clamp_twists_its_rod(backend: &dyn Backend) -> Outcome {
     let mut scene = cable();
@@ -254,7 +254,7 @@ pub(super) fn a_rolling_clamp_twists_its_rod(backend: &dyn Backend) -> Outcome {
     scene.last(40);
     let roll = |f: usize| 1.5 * (f.min(30) as f32) / 30.0;
     let still = scene.end(backend)?;
-    scene.motion.rolls = (0..=40).map(roll).collect();
+    scene.motion.rolls = (0..=40).flat_map(|f| [0.6 * roll(f), -0.4 * roll(f)]).collect();
     let states = scene.states(backend)?;
     let end = scene.end(backend)?;
     ensure(states.last() == Some(&end), || "it resumes differently".to_owned())?;

@@ -287,7 +287,7 @@ impl Scene {
         Motion {
             poses: poses[rows(b)].to_vec(),
             closed: closed[frame * g..(frame + frames) * g].to_vec(),
-            rolls: if rolls.is_empty() { Vec::new() } else { rolls[rows(r)].to_vec() },
+            rolls: if rolls.is_empty() { Vec::new() } else { rolls[rows(2 * r)].to_vec() },
         }
     }
 

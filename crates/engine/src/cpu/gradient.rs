@@ -123,7 +123,7 @@ struct Prescribed<T> {
     controls: Vec<Quad<T>>,
     /// Shape [F + 1, B].
     poses: Vec<Pose<T>>,
-    /// Shape [F + 1, R], or empty.
+    /// Shape [F + 1, R, 2], or empty.
     rolls: Vec<T>,
 }
 
@@ -136,7 +136,7 @@ impl<T: Real> Prescribed<T> {
 
     /// Adds what a frame's adjoint, 0-based, has gathered; after the last frame there is no row for
     /// what stands still.
-    fn gather(&mut self, adjoint: &Adjoint<T>, frame: usize, frame_s: f64) {
+    fn gather(&mut self, adjoint: &Adjoint<T>, frame: usize) {
         let (from, to) = (&adjoint.controls.from, &adjoint.controls.to);
         let c = from.len();
         let rows = &mut self.controls[frame * c..];
@@ -149,11 +149,10 @@ impl<T: Real> Prescribed<T> {
             }
         }
         if !self.rolls.is_empty() {
-            let rates = &adjoint.around.roll_rates;
-            let rate = T::from_f64(1.0 / frame_s);
-            let rows = &mut self.rolls[frame * rates.len()..];
-            let both = rates.iter().map(|&x| -x).chain(rates.iter().copied());
-            rows.iter_mut().zip(both).for_each(|(a, x)| *a += x * rate);
+            let by = &adjoint.around.rolls;
+            let rows = &mut self.rolls[frame * by.len()..];
+            let both = by.iter().map(|&x| -x).chain(by.iter().copied());
+            rows.iter_mut().zip(both).for_each(|(a, x)| *a += x);
         }
     }
 }
@@ -183,9 +182,10 @@ impl<T: Real> Backward<'_, T> {
         cut_every: usize,
         cancel: &CancelToken,
     ) -> Result<(), Error> {
-        let (simulation, frame_s) = (self.simulation, self.simulation.system.frame_s);
+        let simulation = self.simulation;
         let mut workspace = simulation.start();
         let taken = std::mem::take(&mut workspace.around.taken);
+        let rods = std::mem::take(&mut workspace.around.rods);
         workspace.around.arrive.clear();
         let mut arriving = Vec::new();
         for frame in (0..=simulation.frames).rev() {
@@ -222,7 +222,7 @@ impl<T: Real> Backward<'_, T> {
             });
             let controls = simulation.controls_of(frame - 1);
             arriving = adjoint.back_frame(simulation.system, controls, around, &mut workspace);
-            prescribed.gather(adjoint, frame - 1, frame_s);
+            prescribed.gather(adjoint, frame - 1);
             if frame > 1 {
                 add_velocities(&mut adjoint.bar, &arriving);
             }
@@ -235,11 +235,12 @@ impl<T: Real> Backward<'_, T> {
             None => adjoint.controls.begin(simulation.system, &mut adjoint.bar),
             Some(at) => {
                 workspace.around.taken = taken;
+                workspace.around.rods = rods;
                 begin_adjoint(at, simulation.system, &workspace.around, None, adjoint);
                 add_velocities(&mut adjoint.bar, &arriving);
             }
         }
-        prescribed.gather(adjoint, 0, frame_s);
+        prescribed.gather(adjoint, 0);
         Ok(())
     }
 

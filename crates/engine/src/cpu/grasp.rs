@@ -7,6 +7,8 @@
 //! and has no inverse mass, as a pinned node; a spring acts in every substep where control springs
 //! do. Places have no velocity where the model ignores that of control points.
 
+use std::sync::Arc;
+
 use super::{
     body::{BodyFrame, BodyFrameAdjoint, apply, into_body, into_body_adjoint, turn_back},
     control::progress,
@@ -113,7 +115,7 @@ impl<T: Real> Hands<T> {
     }
 
     /// True for the control points whose hands are open.
-    fn open_controls(&self, hands: &[Hand<T>], controls: usize) -> Vec<bool> {
+    pub(crate) fn open_controls(&self, hands: &[Hand<T>], controls: usize) -> Vec<bool> {
         let mut open = vec![false; controls];
         for (hand, phase) in hands.iter().zip(&self.phases) {
             if *phase != Phase::Closed {
@@ -172,9 +174,13 @@ impl<T: Real> Around<T> {
         if pinned.is_empty() && !opens.contains(&true) {
             self.system = None;
             self.system_of = Default::default();
-        } else if self.system_of != (opens.clone(), pinned.clone()) {
-            self.system = Some(std::sync::Arc::new(system.while_held(&opens, &pinned)));
-            self.system_of = (opens, pinned);
+        } else {
+            let held = (opens, pinned, self.spans(of, system));
+            if self.system_of != held {
+                let (opens, pinned, spans) = &held;
+                self.system = Some(Arc::new(system.while_held(opens, pinned, spans)));
+                self.system_of = held;
+            }
         }
     }
 
@@ -263,6 +269,8 @@ pub(crate) struct AroundAdjoint<T> {
     pub(crate) bodies: Vec<BodyFrameAdjoint<T>>,
     /// Of the rates that clamps impose, shape [R].
     pub(crate) roll_rates: Vec<T>,
+    /// Of what control points turn the two clamps of a rod by in the frame, shape [R, 2].
+    pub(crate) rolls: Vec<T>,
     /// Of the place of a held node, shape [N], zero for others.
     pub(crate) places: Vec<Quad<T>>,
 }
@@ -272,6 +280,7 @@ impl<T: Real> AroundAdjoint<T> {
         Self {
             bodies: vec![BodyFrameAdjoint::default(); bodies],
             roll_rates: vec![T::ZERO; rods],
+            rolls: vec![T::ZERO; 2 * rods],
             places: vec![[T::ZERO; 4]; nodes],
         }
     }
@@ -280,6 +289,7 @@ impl<T: Real> AroundAdjoint<T> {
     pub(crate) fn clear(&mut self) {
         self.bodies.fill(BodyFrameAdjoint::default());
         self.roll_rates.fill(T::ZERO);
+        self.rolls.fill(T::ZERO);
     }
 
     #[inline(always)]

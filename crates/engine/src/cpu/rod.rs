@@ -1,4 +1,5 @@
 //! Rods that twist between a clamp and another one, or a branch, and the adjoint of their forces.
+//! Which clamps hold may change from frame to frame ([`span`]).
 //!
 //! A rod has one twist, the same all along it: an isotropic rod's torsion evens out much faster
 //! than it moves (the quasi-static material frame of discrete elastic rods, Bergou et al. 2008,
@@ -13,6 +14,9 @@
 //! torque = k (twist - rest) + damping · d twist / dt,      force = -torque · grad
 //! ```
 //!
+//! Where the clamps that hold have only a share w of the rod between them, the sum is over the inner
+//! nodes there, and divided by w: see [`span`].
+//!
 //! A substep first moves the twist with the velocities that led to where the nodes are, then takes
 //! the torque from it. That is semi-implicit Euler for twist and velocities together; the other
 //! order would feed energy in.
@@ -22,10 +26,14 @@
 //! frame nor feels the torque in that substep.
 
 mod arm;
+mod span;
 
-use std::ops::Range;
+use std::{ops::Range, sync::Arc};
 
-use self::arm::Arm;
+use self::{
+    arm::Arm,
+    span::{Path, Paths},
+};
 use super::{
     lanes::{Index, LANES, Node},
     machine::{Machine, Pack, Pack3, v3},
@@ -44,6 +52,8 @@ pub(crate) struct RodBlock {
     is_arm: bool,
 }
 
+pub(crate) use self::span::{Holder, Span};
+
 /// A rod and its parameters.
 #[derive(Clone, Debug)]
 pub(crate) struct Rod<T> {
@@ -55,6 +65,8 @@ pub(crate) struct Rod<T> {
     pub(crate) damping: T,
     /// [rad]
     pub(crate) rest_twist: T,
+    /// Inverse of the share of the rod that clamps twist now.
+    pub(crate) inverse_share: T,
 }
 
 impl<T> Rod<T> {
@@ -69,38 +81,53 @@ impl<T> Rod<T> {
 pub(crate) struct Rods<T> {
     pub(crate) rods: Vec<Rod<T>>,
     blocks: Vec<RodBlock>,
+    /// In the graph.
+    paths: Paths,
 }
 
 impl<T: Real> Rods<T> {
-    /// Rods along these paths; `has_arm` is true if the last node is that of a branch, `parameters`
-    /// gives stiffness, damping and rest twist of each.
+    /// Rods along these paths; `has_arm` is true if the last node is that of a branch, `shares` gives
+    /// the share of the rod's length at each inner node, `parameters` stiffness, damping and rest
+    /// twist of each.
     pub(crate) fn new(
         paths: &[Vec<u32>],
         has_arm: impl Fn(&[u32]) -> bool,
+        shares: impl Fn(&[u32]) -> Vec<f32>,
         parameters: impl Fn(usize) -> [T; 3],
     ) -> Self {
-        let (mut rods, mut blocks) = (Vec::with_capacity(paths.len()), Vec::new());
+        let described = paths.iter().map(|nodes| Path {
+            nodes: nodes.clone(),
+            has_arm: has_arm(nodes),
+            shares: shares(nodes),
+        });
+        let paths: Paths = Arc::new(described.collect());
+        let mut this = Self { paths: paths.clone(), ..Self::default() };
         for (r, path) in paths.iter().enumerate() {
-            let first = blocks.len() as u32;
-            let inner: Vec<&[u32]> = path.windows(3).collect();
-            let turns = inner.len().saturating_sub(usize::from(has_arm(path)));
-            let (turns, arm) = inner.split_at(turns);
-            let parts = turns.chunks(LANES).map(|part| (part, false));
-            blocks.extend(parts.chain(arm.chunks(LANES).map(|part| (part, true))).map(
-                |(inner, is_arm)| {
-                    let lane = |place: usize| {
-                        // Lanes that fill up: the last node, three times.
-                        let filler = inner.last().map_or(0, |w| w[1]);
-                        std::array::from_fn(|l| inner.get(l).map_or(filler, |w| w[place]))
-                    };
-                    RodBlock { before: lane(0), at: lane(1), after: lane(2), is_arm }
-                },
-            ));
             let [stiffness, damping, rest_twist] = parameters(r);
-            let end = blocks.len() as u32;
-            rods.push(Rod { first, end, stiffness, damping, rest_twist });
+            let rod =
+                Rod { first: 0, end: 0, stiffness, damping, rest_twist, inverse_share: T::ONE };
+            this.add(&path.nodes, path.has_arm, rod);
         }
-        Self { rods, blocks }
+        this
+    }
+
+    /// Adds a rod along these nodes.
+    fn add(&mut self, nodes: &[u32], has_arm: bool, rod: Rod<T>) {
+        let first = self.blocks.len() as u32;
+        let inner: Vec<&[u32]> = nodes.windows(3).collect();
+        let (turns, arm) = inner.split_at(inner.len().saturating_sub(usize::from(has_arm)));
+        let parts = turns.chunks(LANES).map(|part| (part, false));
+        self.blocks.extend(parts.chain(arm.chunks(LANES).map(|part| (part, true))).map(
+            |(inner, is_arm)| {
+                let lane = |place: usize| {
+                    // Lanes that fill up: the last node, three times.
+                    let filler = inner.last().map_or(0, |w| w[1]);
+                    std::array::from_fn(|l| inner.get(l).map_or(filler, |w| w[place]))
+                };
+                RodBlock { before: lane(0), at: lane(1), after: lane(2), is_arm }
+            },
+        ));
+        self.rods.push(Rod { first, end: self.blocks.len() as u32, ..rod });
     }
 }
 
@@ -379,6 +406,7 @@ pub(crate) fn rod_forces<T: Real, M: Machine<T>>(
         if let Some(&roll) = rolls.get(r) {
             rate += roll;
         }
+        let rate = rate * rod.inverse_share;
         *twist += rate * dt;
         let torque = rod.stiffness * (*twist - rod.rest_twist) + rod.damping * rate;
         let push = m.splat(-torque);
@@ -429,13 +457,14 @@ pub(crate) fn rod_adjoint<T: Real, M: Machine<T>>(
         if let Some(&roll) = rolls.get(r) {
             rate += roll;
         }
+        let rate = rate * rod.inverse_share;
         let deviation = before + rate * dt - rod.rest_twist;
         let torque = rod.stiffness * deviation + rod.damping * rate;
         gradient.stiffness -= pull * deviation;
         gradient.damping -= pull * rate;
         gradient.rest_twist += pull * rod.stiffness;
         *twist_bar -= pull * rod.stiffness;
-        let rate_bar = dt * *twist_bar - rod.damping * pull;
+        let rate_bar = (dt * *twist_bar - rod.damping * pull) * rod.inverse_share;
         if let Some(roll_bar) = roll_bar.get_mut(r) {
             *roll_bar += rate_bar;
         }

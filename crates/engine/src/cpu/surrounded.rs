@@ -41,10 +41,12 @@ pub(crate) fn begin_frame<T: Real>(
     workspace: &mut Workspace<T>,
 ) {
     let Frame { of, frame, frames } = at;
-    let Workspace { nodes, candidates, around, .. } = workspace;
+    let Workspace { nodes, twists, candidates, around, .. } = workspace;
     around.bodies = of.bodies_of(frame, frames, system.frame_s);
-    around.roll_rates = of.roll_rates(frame, system.rods.rods.len(), system.frame_s);
+    let spans = around.spans(of, system);
     around.open_and_close(of, of.closed_in(frame), system, nodes);
+    around.hold_rods(of, &spans, system, twists);
+    around.roll_rates = around.roll_rates_in(of, frame, system);
     let own = around.system.clone();
     let system = own.as_deref().unwrap_or(system);
     let mut arrive = std::mem::take(&mut around.arrive);

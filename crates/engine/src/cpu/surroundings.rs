@@ -5,12 +5,14 @@ use std::sync::Arc;
 
 use super::{
     body::{BodyFrame, Pose, into_body, pose_of},
+    clamp::HeldRod,
     collider::Collider,
     force::FrameForces,
     grasp::{Hand, Hands},
     lanes::Node,
     meet::Obstacle,
     real::{Quad, Real, add, dot, scale, sub},
+    rod::Span,
     system::System,
 };
 use crate::world::{Motion, World};
@@ -32,7 +34,7 @@ pub(crate) struct Surroundings<T> {
     pub(crate) poses: Vec<Pose<T>>,
     /// Shape [F, G].
     pub(crate) closed: Vec<bool>,
-    /// Shape [F + 1, R], or empty.
+    /// Shape [F + 1, R, 2], or empty.
     pub(crate) rolls: Vec<T>,
     /// What the hands hold at the start.
     pub(crate) start: Hands<T>,
@@ -73,15 +75,6 @@ impl<T: Real> Surroundings<T> {
         Some(self.hand_of[at].1)
     }
 
-    /// Rates of rods' twists during a frame, 0-based, that their clamps impose [rad/s]; empty if
-    /// none turns.
-    pub(crate) fn roll_rates(&self, frame: usize, rods: usize, frame_s: f64) -> Vec<T> {
-        let rate = T::from_f64(1.0 / frame_s);
-        let row = |f: usize| self.rolls.get(f * rods..(f + 1) * rods);
-        let (Some(from), Some(to)) = (row(frame), row(frame + 1)) else { return Vec::new() };
-        from.iter().zip(to).map(|(&from, &to)| (to - from) * rate).collect()
-    }
-
     /// The grasps that are closed during a frame, 0-based; empty after the last.
     pub(crate) fn closed_in(&self, frame: usize) -> &[bool] {
         let g = self.hands.len();
@@ -110,6 +103,8 @@ pub(crate) struct Around<T> {
     /// Nodes that they took at the beginning of this frame, with where these were.
     pub(crate) taken: Vec<(usize, Quad<T>)>,
     pub(crate) bodies: Vec<BodyFrame<T>>,
+    /// How rods are held, shape [R]; empty without hands.
+    pub(crate) rods: Vec<HeldRod<T>>,
     /// Rate of each rod's twist that its clamps impose [rad/s], shape [R], or empty.
     pub(crate) roll_rates: Vec<T>,
     /// Colliders that a node may reach in this frame.
@@ -121,8 +116,8 @@ pub(crate) struct Around<T> {
     pub(crate) arrive: Vec<Quad<T>>,
     /// The system while hands hold what they do; `None` if that changes nothing.
     pub(crate) system: Option<Arc<System<T>>>,
-    /// Of which hands and nodes `system` is.
-    pub(crate) system_of: (Vec<bool>, Vec<usize>),
+    /// Of which hands, nodes and spans of rods `system` is.
+    pub(crate) system_of: (Vec<bool>, Vec<usize>, Vec<Span>),
     /// Of the frame that ran last.
     pub(crate) forces: FrameForces<T>,
 }
@@ -133,6 +128,7 @@ impl<T: Real> Default for Around<T> {
             hands: Hands::default(),
             taken: Vec::new(),
             bodies: Vec::new(),
+            rods: Vec::new(),
             roll_rates: Vec::new(),
             near: Vec::new(),
             obstacles: Vec::new(),

@@ -10,7 +10,7 @@ use super::{
     bend::{Triplet, Triplets},
     parameters::Parameters,
     real::{Quad, Real, quad},
-    rod::Rods,
+    rod::{Rods, Span},
     spring::{Spring, Springs},
     strips::{self, Owned, Strips},
 };
@@ -172,8 +172,9 @@ impl<T: Real> System<T> {
     }
 
     /// The system while hands hold what they do: springs and triplets at open control points, shape
-    /// [C], exert nothing and their pins hold nothing; nodes held by pins have no inverse mass.
-    pub(crate) fn while_held(&self, open: &[bool], held: &[usize]) -> Self {
+    /// [C], exert nothing and their pins hold nothing; nodes held by pins have no inverse mass; rods
+    /// twist within `spans`, shape [R], or as a whole without any.
+    pub(crate) fn while_held(&self, open: &[bool], held: &[usize], spans: &[Span]) -> Self {
         let mut system = self.clone();
         let is_open = |e: u32| {
             let control = (e as usize).checked_sub(self.nodes);
@@ -186,6 +187,9 @@ impl<T: Real> System<T> {
         system.springs.leave_out(is_open);
         system.triplets.leave_out(is_open);
         held.iter().for_each(|&node| system.inverse_mass[node] = T::ZERO);
+        if !self.rods.are_whole(spans) {
+            system.rods = self.rods.within(spans);
+        }
         system
     }
 
@@ -225,7 +229,10 @@ fn triplets<T: Real>(graph: &Graph, order: &Strips, p: &Parameters<T>) -> Triple
 
 fn rods<T: Real>(graph: &Graph, p: &Parameters<T>) -> Rods<T> {
     let has_arm = |rod: &[u32]| graph.has_arm(rod);
-    Rods::new(&graph.rods, has_arm, |r| {
-        [p.twist_stiffness[r], p.twist_damping[r], p.rest_twists_rad[r]]
-    })
+    Rods::new(
+        &graph.rods,
+        has_arm,
+        |rod| graph.rod_shares(rod),
+        |r| [p.twist_stiffness[r], p.twist_damping[r], p.rest_twists_rad[r]],
+    )
 }

@@ -102,4 +102,9 @@ fn cables_are_fitted_in_their_own_way() {
     assert_eq!(of(Scene::Cable, &said), (2, 7, false, SequenceMean::Arithmetic, true));
     said.graph.twist = false;
     assert!(!of(Scene::Cable, &said).4);
+    // With a known mass, gravity is what the scale of forces comes from.
+    let mut capture = make(Scene::Cable, &MakeOptions::tiny(1)).unwrap();
+    capture.object.mass_kg = Some(0.04);
+    let task = Task::new(&capture, &open, DeviceKind::Cpu, &CancelToken::default()).unwrap();
+    assert!(!task.searches_gravity());
 }

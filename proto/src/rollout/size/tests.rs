@@ -71,6 +71,7 @@ fn reply(
             ground_contacts: u32::MAX,
             max_control_strain: 1.0,
             control_depth_m: 1.0,
+            stopped_hand_m: 1.0,
         };
         reply.diagnostics = vec![most; n];
     }

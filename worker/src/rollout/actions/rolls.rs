@@ -5,10 +5,10 @@
 //! one gripper, with the direction d from the first to the second along the rod. From one frame to
 //! the next the gripper turns by Q = R' R⁻¹, while parallel transport turns what belongs to d by the
 //! smallest rotation M from d to d'. The rest, the twist of M⁻¹ Q about d, is the clamp's roll in
-//! that frame, between -π and π, positive by the right hand along the rod; a rod's is the sum over
-//! frames for its near clamp less that for its far one, and 0 in the first row. That is the sign of
-//! the twist that nodes tell (docs/twin-format.md): when grippers turn a bent cable as one body, the
-//! two undo one another.
+//! that frame, between -π and π, positive by the right hand along the rod; an end's is the sum over
+//! frames, and 0 in the first row. The near end's less the far end's has the sign of the twist that
+//! nodes tell (docs/twin-format.md): when grippers turn a bent cable as one body, the two undo one
+//! another. What grasps hold beside these clamps is the engine's.
 //!
 //! Rolls are multiples of [`QUANTUM`], so that their differences from frame to frame are exact up to
 //! two and a half turns, and a rollout that goes on from a state repeats them bit for bit.
@@ -24,10 +24,9 @@ const QUANTUM: f64 = 1.0 / 1_048_576.0;
 /// An end of a rod in a gripper.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Clamp {
-    rod: usize,
+    /// Of the ends of all rods, two each: the near one first.
+    end: usize,
     gripper: usize,
-    /// +1 for the near end, -1 for the far one.
-    sign: f64,
     /// Control points of both nodes, along the rod, and where the nodes are beside them [m].
     held: [(usize, Point); 2],
 }
@@ -41,12 +40,12 @@ pub(super) fn clamps(graph: &Graph, gripper_of_control: &[usize]) -> Vec<Clamp> 
     let mut clamps = Vec::new();
     for (rod, nodes) in graph.rods.iter().enumerate() {
         let last = nodes.len();
-        for (sign, ends) in [(1.0, 0..2), (-1.0, last - 2..last)] {
+        for (end, ends) in [(2 * rod, 0..2), (2 * rod + 1, last - 2..last)] {
             let [a, b] = [nodes[ends.start], nodes[ends.start + 1]].map(held);
             let (Some(a), Some(b)) = (a, b) else { continue };
             let gripper = gripper_of_control[a.0];
             if gripper_of_control[b.0] == gripper {
-                clamps.push(Clamp { rod, gripper, sign, held: [a, b] });
+                clamps.push(Clamp { end, gripper, held: [a, b] });
             }
         }
     }
@@ -79,7 +78,7 @@ fn roll(from: &Quaternion, to: &Quaternion, before: Vector, after: Vector) -> f6
     angle - std::f64::consts::TAU * (angle / std::f64::consts::TAU).round()
 }
 
-/// Rolls of R rods at frame boundaries [rad], shape [F + 1, R]. `placed` are the G grippers and
+/// Rolls of the ends of R rods at frame boundaries [rad], shape [F + 1, R, 2]. `placed` are the G grippers and
 /// `controls` the control points there, shapes [F + 1, G] and [F + 1, C, 3].
 pub(super) fn rolls(
     clamps: &[Clamp],
@@ -89,15 +88,15 @@ pub(super) fn rolls(
 ) -> Vec<f32> {
     let width = controls.len() / placed.len().max(1);
     let row = |frame: usize| &controls[frame * width..(frame + 1) * width];
-    let mut sums = vec![0.0f64; rods];
-    let mut out = vec![0.0f32; rods];
+    let mut sums = vec![0.0f64; 2 * rods];
+    let mut out = vec![0.0f32; 2 * rods];
     for frame in 1..placed.len() {
         for clamp in clamps {
             let [from, to] = [frame - 1, frame].map(|f| &placed[f][clamp.gripper].rotation);
             let ends = [frame - 1, frame].map(|f| clamp.direction(row(f)));
             if let [Some(before), Some(after)] = ends {
                 let step = roll(from, to, before, after) / QUANTUM;
-                sums[clamp.rod] += clamp.sign * step.round() * QUANTUM;
+                sums[clamp.end] += step.round() * QUANTUM;
             }
         }
         out.extend(sums.iter().map(|x| *x as f32));
@@ -106,7 +105,7 @@ pub(super) fn rolls(
 }
 
 /// Gradients by rotation vectors of the grippers at frame boundaries, shape [F + 1, G], of a
-/// function whose gradient by rolls is `by`, shape [F + 1, R]. The clamps' directions turn with
+/// function whose gradient by rolls is `by`, shape [F + 1, R, 2]. The clamps' directions turn with
 /// their grippers, as they do where control points stand for the pinned nodes themselves.
 ///
 /// With t = (d + d') / (1 + d · d') the roll of a frame grows by t · ω' - t · ω as the gripper is
@@ -120,12 +119,12 @@ pub(super) fn gradient(
 ) -> Vec<Vec<Vector>> {
     let frames = placed.len();
     let mut out: Vec<Vec<Vector>> = placed.iter().map(|row| vec![[0.0; 3]; row.len()]).collect();
-    let (width, rods) = (controls.len() / frames.max(1), by.len() / frames.max(1));
+    let (width, ends) = (controls.len() / frames.max(1), by.len() / frames.max(1));
     let row = |frame: usize| &controls[frame * width..(frame + 1) * width];
     for clamp in clamps {
         let mut later = 0.0;
         for frame in (1..frames).rev() {
-            later += clamp.sign * f64::from(by[frame * rods + clamp.rod]);
+            later += f64::from(by[frame * ends + clamp.end]);
             let ends = [frame - 1, frame].map(|f| clamp.direction(row(f)));
             let [Some(before), Some(after)] = ends else { continue };
             let scale = later / (1.0 + dot(before, after)).max(1e-9);

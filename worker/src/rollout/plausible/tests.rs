@@ -72,7 +72,8 @@ fn the_depth_in_a_shape_leaves_its_margin_out() {
 #[test]
 fn what_is_beyond_a_limit_is_named_and_refused_if_asked() {
     let limits = Plausibility::default();
-    let extremes = Extremes { start_gap_m: 0.05, speed: (9.0, 2), depth: (0.02, 3) };
+    let extremes =
+        Extremes { start_gap_m: 0.05, speed: (9.0, 2), depth: (0.02, 3), ..Extremes::default() };
     let diagnostics = Diagnostics { max_strain: 1.5, ..Diagnostics::default() };
     let rollout = Rollout { diagnostics: Some(diagnostics), ..Rollout::default() };
     let found = limits.judge(7, &extremes, Some(&rollout));

@@ -11,7 +11,8 @@ use bendtwin_engine::{
 };
 
 use crate::rollout::{
-    costs::Costs, initial::Starts, plan::Plan, plausible::Extremes, reply::Span, returns::Returns,
+    actions::Stopped, costs::Costs, initial::Starts, plan::Plan, plausible::Extremes, reply::Span,
+    returns::Returns,
 };
 
 /// An instance and where it is.
@@ -23,14 +24,16 @@ pub(super) struct Track {
     /// Positions one frame earlier, shape [N], if a cost looks back.
     before: Option<Vec<Point>>,
     pub(super) extremes: Extremes,
+    stopped: Stopped,
     /// What is reported of whole rollouts, as far as it has come.
     pub(super) so_far: Rollout,
 }
 
 impl Track {
     pub(super) fn new(plan: &Plan, starts: &Starts, index: usize) -> Self {
-        let whole = plan.instance(index, starts);
-        let extremes = plan.extremes(index, &whole, starts, None);
+        let (whole, stops) = plan.stopped_instance(index, starts);
+        let stopped = stops.most();
+        let extremes = plan.extremes(index, (&whole, stopped), starts, None);
         let groups = plan.costs.names.len();
         let mut so_far = Rollout {
             frame_costs: vec![0.0; (plan.frames + 1) * groups],
@@ -41,13 +44,14 @@ impl Track {
         // Those of the controls, which are known; sums come at the end.
         plan.costs.settle(&mut so_far, &whole.controls);
         so_far.group_costs.fill(0.0);
-        Self { index, now: Arc::clone(&whole.initial), before: None, extremes, so_far, whole }
+        let now = Arc::clone(&whole.initial);
+        Self { index, now, before: None, extremes, stopped, so_far, whole }
     }
 
     /// Extremes of what is prescribed, once it is known where the instance ends.
     pub(super) fn extremes_at_end(&self, plan: &Plan, starts: &Starts) -> Extremes {
         let end = self.runs().then_some(&*self.now);
-        plan.extremes(self.index, &self.whole, starts, end)
+        plan.extremes(self.index, (&self.whole, self.stopped), starts, end)
     }
 
     /// False once it has diverged.
@@ -83,7 +87,7 @@ impl Track {
             motion: Arc::new(Motion {
                 poses: rows(&motion.poses, bodies, from..to + 1),
                 closed: rows(&motion.closed, grasps, from..to),
-                rolls: rows(&motion.rolls, rods, from..to + 1),
+                rolls: rows(&motion.rolls, 2 * rods, from..to + 1),
             }),
         }
     }

@@ -341,6 +341,32 @@ fn control_points_do_not_pass_through_a_table_unnoticed() {
     assert_eq!(part.implausible[0].frame, 60);
 }
 
+#[test]
+fn a_hand_stops_at_the_ground_and_the_reply_says_so() {
+    let bench = bench(chain(0.45));
+    let mut request = carried(&[0.6, 0.3]);
+    request.returns = recording(0);
+    let ground = Plane { normal: Vec::new(), offset_m: 0.4 };
+    let world = World { ground_choice: Some(GroundChoice::Ground(ground)), ..World::default() };
+    request.world = Some(world);
+    let run = |request: &RollOutRequest| bench.run(request.clone(), 0).unwrap().remove(0);
+    let part = run(&request);
+    assert_eq!(reasons(&part), ["CONTROL_IN_OBSTACLE"]);
+    let found = &part.diagnostics[0];
+    assert!((found.control_depth_m - 0.1).abs() < 1e-5, "{found:?}");
+    assert!((found.stopped_hand_m - 0.095).abs() < 1e-5, "{found:?}");
+    // 200 mm more change nothing of what happens.
+    let mut deeper = carried(&[0.6, 0.3, 0.1]);
+    deeper.returns = recording(0);
+    deeper.world.clone_from(&request.world);
+    let found = &run(&deeper).diagnostics[0];
+    assert!((found.stopped_hand_m - 0.295).abs() < 1e-5, "{found:?}");
+    // Who wants it deeper says so; above the ground nothing stops.
+    request.plausibility = Some(Plausibility { control_depth_m: Some(1.0), ..Default::default() });
+    let free = run(&request);
+    assert!(reasons(&free).is_empty() && free.diagnostics[0].stopped_hand_m == 0.0);
+}
+
 /// A gripper that stays above a table takes hold of nodes below it and carries them into the table:
 /// flagged, whether it closes at the start or later.
 #[test]

@@ -388,7 +388,7 @@ class RollOutResponse(_message.Message):
         frame: int
         def __init__(self, instance: _Optional[int] = ..., reason: _Optional[str] = ..., found: _Optional[float] = ..., limit: _Optional[float] = ..., frame: _Optional[int] = ...) -> None: ...
     class Diagnostics(_message.Message):
-        __slots__ = ("max_strain", "max_speed_m_s", "kinetic_energy", "elastic_energy", "ground_contacts", "max_control_strain", "control_depth_m")
+        __slots__ = ("max_strain", "max_speed_m_s", "kinetic_energy", "elastic_energy", "ground_contacts", "max_control_strain", "control_depth_m", "stopped_hand_m")
         MAX_STRAIN_FIELD_NUMBER: _ClassVar[int]
         MAX_SPEED_M_S_FIELD_NUMBER: _ClassVar[int]
         KINETIC_ENERGY_FIELD_NUMBER: _ClassVar[int]
@@ -396,6 +396,7 @@ class RollOutResponse(_message.Message):
         GROUND_CONTACTS_FIELD_NUMBER: _ClassVar[int]
         MAX_CONTROL_STRAIN_FIELD_NUMBER: _ClassVar[int]
         CONTROL_DEPTH_M_FIELD_NUMBER: _ClassVar[int]
+        STOPPED_HAND_M_FIELD_NUMBER: _ClassVar[int]
         max_strain: float
         max_speed_m_s: float
         kinetic_energy: float
@@ -403,7 +404,8 @@ class RollOutResponse(_message.Message):
         ground_contacts: int
         max_control_strain: float
         control_depth_m: float
-        def __init__(self, max_strain: _Optional[float] = ..., max_speed_m_s: _Optional[float] = ..., kinetic_energy: _Optional[float] = ..., elastic_energy: _Optional[float] = ..., ground_contacts: _Optional[int] = ..., max_control_strain: _Optional[float] = ..., control_depth_m: _Optional[float] = ...) -> None: ...
+        stopped_hand_m: float
+        def __init__(self, max_strain: _Optional[float] = ..., max_speed_m_s: _Optional[float] = ..., kinetic_energy: _Optional[float] = ..., elastic_energy: _Optional[float] = ..., ground_contacts: _Optional[int] = ..., max_control_strain: _Optional[float] = ..., control_depth_m: _Optional[float] = ..., stopped_hand_m: _Optional[float] = ...) -> None: ...
     class Divergence(_message.Message):
         __slots__ = ("instance", "frame", "node")
         INSTANCE_FIELD_NUMBER: _ClassVar[int]

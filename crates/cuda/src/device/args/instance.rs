@@ -80,6 +80,7 @@ device_struct! {
         sum_rows: Pointer<u32>,
         triplet_of: Pointer<u32>,
         rod_turns: Pointer<u32>,
+        rod_shares: Pointer<f32>,
         node_count: u32,
         control_count: u32,
         control_base: u32,
@@ -231,6 +232,18 @@ device_struct! {
 }
 
 device_struct! {
+    /// Part of a rod that is twisted in a frame.
+    RodSpan {
+        first: u32,
+        end: u32,
+        inverse_share: f32,
+        kept: f32,
+        roll_rate: f32,
+        unused: u32,
+    }
+}
+
+device_struct! {
     /// Surroundings of the object, and the memory that goes with them.
     WorldArgs {
         poses: Pointer<[f32; 4]>,
@@ -244,6 +257,7 @@ device_struct! {
         initial: Pointer<f32>,
         holds: Pointer<Hold>,
         phases: Pointer<u32>,
+        spans: Pointer<RodSpan>,
         impulses: Pointer<f32>,
         control_impulses: Pointer<f32>,
         forces: Pointer<f32>,

@@ -66,8 +66,8 @@ pub fn random_world(
         world.colliders.push(Collider { body, shape, friction, restitution });
     }
     if options.rolls {
-        let rods = model.graph.rods.len();
-        let rates: Vec<f32> = (0..rods).map(|_| 0.1 * (rng.random::<f32>() - 0.5)).collect();
+        let ends = 2 * model.graph.rods.len();
+        let rates: Vec<f32> = (0..ends).map(|_| 0.1 * (rng.random::<f32>() - 0.5)).collect();
         motion.rolls =
             (0..=frames).flat_map(|f| rates.iter().map(move |rate| rate * f as f32)).collect();
     }

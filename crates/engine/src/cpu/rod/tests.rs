@@ -11,7 +11,7 @@ type V = Quad<f64>;
 const NODES: usize = 11;
 
 fn rod(parameters: [f64; 3], has_arm: bool) -> Rods<f64> {
-    Rods::new(&[(0..NODES as u32).collect()], |_| has_arm, |_| parameters)
+    Rods::new(&[(0..NODES as u32).collect()], |_| has_arm, |_| Vec::new(), |_| parameters)
 }
 
 /// A bent and twisting curve with edges of different lengths, moving.
@@ -202,7 +202,7 @@ fn degenerate_rods_do_nothing() {
     let lines = [[0.0, 1.0, 1.0, 2.0], [0.0, 1.0, 0.0, 1.0], [0.0; 4], [0.0, 1.0, 2.0, 3.0]];
     for (line, has_arm) in lines.into_iter().flat_map(|line| [(line, false), (line, true)]) {
         let nodes: Vec<Node<f64>> = line.into_iter().map(still).collect();
-        let rods = Rods::new(&[vec![0, 1, 2, 3]], |_| has_arm, |_| [1.0, 1.0, 3.0]);
+        let rods = Rods::new(&[vec![0, 1, 2, 3]], |_| has_arm, |_| Vec::new(), |_| [1.0, 1.0, 3.0]);
         let (forces, twist) = step(&rods, 0.1, &nodes, 0.5);
         assert_eq!(forces.iter().flatten().fold(0.0_f64, |m, f| m.max(f.abs())), 0.0, "{line:?}");
         assert_eq!(twist, 0.5);

@@ -4,6 +4,7 @@ use super::{Frame, scene};
 use crate::cpu::{
     adjoint::{Adjoint, BackSubsteps, accelerate_adjoint},
     bend::{bend_adjoint, bend_forces},
+    clamp::hold_rods_adjoint,
     contact::{collide, collide_adjoint},
     control::progress,
     force::{ForceSeeds, free_momentum},
@@ -197,6 +198,8 @@ pub(crate) fn begin_adjoint<T: Real>(
     }
     a.around.hold_nodes((of, around), system, T::ZERO, &mut a.bar);
     a.controls.begin(system, &mut a.bar);
+    a.around.roll_rates(of, around, system);
+    hold_rods_adjoint(around, &mut a.twist_bar, &mut a.rods);
     a.around.taken(of, around, &mut a.bar);
     jumps.into_iter().map(|(node, jump)| (node, sub([T::ZERO; 4], jump))).collect()
 }

@@ -42,10 +42,11 @@ fn turned(axis: [f32; 3], angle: f32, at: Point) -> [f32; 7] {
     [at[0], at[1], at[2], axis[0] * sine, axis[1] * sine, axis[2] * sine, cosine]
 }
 
+/// Turn of the near end against the far one.
 fn rolled(actions: &Actions) -> (Vec<Point>, Vec<f32>) {
     let controls = actions.controls(0, &cable().control_rest);
     let rolls = actions.rolls(0, &controls, 1, false);
-    (controls, rolls)
+    (controls, rolls.as_chunks::<2>().0.iter().map(|[near, far]| near - far).collect())
 }
 
 #[test]
@@ -117,7 +118,8 @@ fn gradients_by_rolls_agree_with_differences() {
         (0..8).map(pose).collect()
     };
     let poses = turn(0.9);
-    let by = Gradient { rolls: vec![0.3, -0.2, 0.9, 0.4], ..Gradient::default() };
+    let by =
+        Gradient { rolls: vec![0.3, 0.1, -0.2, 0.4, 0.9, -0.6, 0.4, 0.2], ..Gradient::default() };
     let value = |poses: &[[f32; 7]]| -> f64 {
         let actions = actions(poses);
         let controls = actions.controls(0, &cable().control_rest);
