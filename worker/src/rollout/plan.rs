@@ -156,6 +156,11 @@ impl Plan {
         self.variants.of(index)
     }
 
+    /// Newtons per unit of the engine's forces, and joules per unit of its energies, in an instance.
+    pub(super) fn force_unit(&self, index: usize) -> f32 {
+        self.twin().newtons_per_unit() as f32 * self.variant(index).mass
+    }
+
     /// Extremes of what is prescribed to an instance; `end` is its last state, if that is known.
     pub(super) fn extremes(
         &self,

@@ -205,9 +205,23 @@ class Grasp:
         return message
 
 
+_VARIED = (
+    "stiffness",
+    "damping",
+    "bending",
+    "friction",
+    "mass",
+    "ground_restitution",
+    "object_restitution",
+)
+
+
 @dataclass(frozen=True, kw_only=True)
 class Vary:
-    """Parameters as factors of the twin's own: [B], or [E] with an ensemble. None: 1."""
+    """Parameters as factors of the twin's own: [B], or [E] with an ensemble. None: 1.
+
+    What is too stiff for the twin's substeps gets more, and takes as much longer.
+    """
 
     #: Axial, 0.01..100.
     stiffness: npt.ArrayLike | None = None
@@ -219,6 +233,10 @@ class Vary:
     friction: npt.ArrayLike | None = None
     #: Of all nodes, 0.01..100.
     mass: npt.ArrayLike | None = None
+    #: No factor: of the ground, 0..1, in the place of the twin's and the world's.
+    ground_restitution: npt.ArrayLike | None = None
+    #: No factor: between nodes, 0..1, in the place of the twin's.
+    object_restitution: npt.ArrayLike | None = None
     #: Member e of the ensemble is simulated on fit e of the twin, 0 being the twin itself: at most
     #: `TwinGeometry.fits` of them.
     fits: bool = False
@@ -226,7 +244,7 @@ class Vary:
     def to_proto(self) -> world_pb2.Vary:
         """Makes the wire form."""
         message = world_pb2.Vary(fits=self.fits)
-        for name in ("stiffness", "damping", "bending", "friction", "mass"):
+        for name in _VARIED:
             values = getattr(self, name)
             if values is not None:
                 getattr(message, name).CopyFrom(pack_floats(name, values, (None,)))
