@@ -41,7 +41,7 @@ def test_a_folder_is_packed_the_same_way_every_time(client, fake, tmp_path):
 def test_motion_capture_is_packed_with_its_description(client, fake, tmp_path):
     arrays = tmp_path / "DLO4.npz"
     arrays.write_bytes(b"arrays")
-    with pytest.raises(FileNotFoundError, match="DLO4.json"):
+    with pytest.raises(FileNotFoundError, match=r"DLO4\.json"):
         client.upload_capture(arrays)
     (tmp_path / "DLO4.json").write_text('{"fps": 100}')
     (tmp_path / "DLO5.json").write_text("{}")

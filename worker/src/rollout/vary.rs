@@ -5,9 +5,9 @@
 //! every motion as a mass of m does; a force that the engine reports, at unit node mass, is then m
 //! times as large.
 //!
-//! What is too stiff for the twin's substeps gets more, by the stability estimate that fits go by. Each
-//! variant gets those that it needs itself, whatever else is in its batch, so that an instance moves in
-//! the same bits alone and in company.
+//! A variant that is too stiff for the twin's substeps gets more, by the stability estimate that fits use:
+//! those that it needs itself, whatever else is in its batch, so that an instance moves in the same
+//! bits alone and beside others.
 
 use std::{collections::HashMap, sync::Arc};
 

@@ -220,7 +220,7 @@ _VARIED = (
 class Vary:
     """Parameters as factors of the twin's own: [B], or [E] with an ensemble. None: 1.
 
-    What is too stiff for the twin's substeps gets more, and takes as much longer.
+    An instance that is too stiff for the twin's substeps gets more, and takes as much longer.
     """
 
     #: Axial, 0.01..100.
