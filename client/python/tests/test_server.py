@@ -25,7 +25,6 @@ from bendtwin import (
     Returns,
     Settled,
     Smoothness,
-    Vary,
     aio,
     interpolate,
 )
@@ -128,42 +127,6 @@ def rest_controls(file):
     entry = json.loads(file[8 : 8 + length])["controls.rest_position"]
     start, end = (8 + length + offset for offset in entry["data_offsets"])
     return np.frombuffer(file[start:end], "<f4").reshape(entry["shape"])
-
-
-def test_motion_capture_is_sent_with_its_description(client, tmp_path):
-    frames, vertices = 6, 4
-    points = np.zeros((1, frames, vertices, 3), np.float32)
-    points[..., 0] = 0.1 * np.arange(vertices)
-    points[..., 2] = 0.5 + 0.01 * np.arange(frames)[:, None]
-    edges = [[0, 1], [1, 2], [2, 3]]
-    np.savez(tmp_path / "DLO4.npz", train=points, edges=edges, controlled=[0, 3])
-    description = {"fps": 100, "units": "m", "up_axis": "+z", "gravity": [0, 0, -9.81]}
-    (tmp_path / "DLO4.json").write_text(json.dumps(description))
-    capture = client.wait_for_capture(client.push_capture(tmp_path / "DLO4.npz"))
-    assert (capture.display_name, capture.ingest.state) == ("DLO4", JobState.SUCCEEDED)
-    client.delete_capture(capture.name)
-
-
-def test_what_varies_has_the_substeps_that_it_needs(twin):
-    geometry = twin.geometry()
-    controls = geometry.controls
-    hold = np.stack([controls, controls + np.array([0.02, 0.0, 0.02])])
-
-    def run(stiffness, mass):
-        return twin.rollout(
-            trajectories=np.stack([hold] * len(mass)),
-            frames=5,
-            vary=Vary(stiffness=stiffness, mass=mass),
-            returns=Returns(final_state=True),
-        )
-
-    stiffness, mass = [1.0, 100.0, 0.01, 1.0], [1.0, 1.0, 100.0, 0.01]
-    together = run(stiffness, mass)
-    assert together.diverged == []
-    assert together.substeps > geometry.substeps
-    for i in range(4):
-        apart = run(stiffness[i : i + 1], mass[i : i + 1])
-        np.testing.assert_array_equal(apart.final_positions[0], together.final_positions[i])
 
 
 def test_a_batch_is_predicted_with_costs_positions_and_gradients(twin, client, folder):
