@@ -29,8 +29,8 @@ pub const MOST_DIMENSIONS: usize = 8;
 
 pub use self::{
     check::{
-        Batch, check, check_for, fidelity, has_gradients, has_spread, members, too_much_memory,
-        work,
+        Batch, MOST_SUBSTEPS, check, check_for, fidelity, finer_substeps, has_gradients,
+        has_spread, members, too_much_memory, work,
     },
     encoded::{Encoded, check_encoded},
     error::Error,

@@ -20,7 +20,7 @@ pub(crate) use gate::Gate;
 pub(crate) use in_flight::{Flight, InFlight};
 pub(crate) use key_ring::KeyRing;
 pub use table::{Access, TABLE};
-pub(crate) use table::{find, is_open_path, route_name};
+pub(crate) use table::{find, is_open, route_name};
 
 /// Right to a kind of calls, which a key may have.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]

@@ -6,7 +6,7 @@ use bendtwin_eval::{Scale, assess};
 
 /// The assessment of a twin of this machine by a table: that of its fit, where the table is its fit's.
 pub(crate) fn of_twin(twin: &Twin, quality: &Quality) -> Assessment {
-    let anew = || assess(quality, Scale::of_nodes(&twin.graph.rest_positions));
+    let anew = || assess(quality, Scale::of_nodes(&twin.graph.rest_positions, &twin.graph.rods));
     quality.assessment.clone().unwrap_or_else(anew)
 }
 
@@ -21,7 +21,7 @@ pub(crate) async fn of_stored(
         return Ok(assessment);
     }
     let geometry = client.twins().geometry(name).await?;
-    Ok(assess(&twin.quality, Scale::of_nodes(&geometry.rest_positions)))
+    Ok(assess(&twin.quality, Scale::of_nodes(&geometry.rest_positions, &geometry.rods)))
 }
 
 /// The fast variant in a line; none if there is none. `substeps` are those of the twin.

@@ -212,7 +212,7 @@ fn text(reply: &Reply, instances: usize, spread: Option<&Spread>, out: Option<&P
     );
     if let Some(d) = reply.deviation {
         text += &format!(
-            "\nfast: {} substeps a frame; on its own capture {:.2} mm from the exact twin on average, {:.1} mm at most",
+            "\nfast: {} substeps a frame; on its own capture {:.2} mm from the exact twin on average, {:.1} mm at most, which does not hold for other motions",
             reply.substeps,
             1e3 * d.mean_m,
             1e3 * d.max_m

@@ -38,6 +38,19 @@ def test_a_folder_is_packed_the_same_way_every_time(client, fake, tmp_path):
         assert archive.namelist() == ["arrays/points.npy", "capture.json"]
 
 
+def test_motion_capture_is_packed_with_its_description(client, fake, tmp_path):
+    arrays = tmp_path / "DLO4.npz"
+    arrays.write_bytes(b"arrays")
+    with pytest.raises(FileNotFoundError, match=r"DLO4\.json"):
+        client.upload_capture(arrays)
+    (tmp_path / "DLO4.json").write_text('{"fps": 100}')
+    (tmp_path / "DLO5.json").write_text("{}")
+    assert client.upload_capture(arrays).display_name == "DLO4"
+    with zipfile.ZipFile(BytesIO(fake.uploaded)) as archive:
+        assert archive.namelist() == ["DLO4.json", "DLO4.npz"]
+        assert archive.read("DLO4.npz") == b"arrays"
+
+
 def test_lists_follow_pages(client):
     names = [c.name for c in client.captures()]
     assert names == [f"captures/{page}-{i}" for page in range(3) for i in range(2)]

@@ -86,14 +86,16 @@ def test_members_vary_and_their_costs_come_back(twin, fake):
     result = quiet(
         twin,
         poses=poses(2),
-        vary=Vary(mass=[1.0, 2.0], stiffness=[1.0, 0.5]),
+        vary=Vary(mass=[1.0, 2.0], stiffness=[1.0, 0.5], object_restitution=[0.0, 0.4]),
         ensemble=Ensemble(2, "cvar", share=0.5),
         gradient=GradientOptions(reach_frames=15, smoothing_m=0.001),
         plausibility=Plausibility(strain=0.5, refuse=True),
     )
     sent = fake.rollout_request
     assert list(sent.vary.mass.shape) == [2]
+    assert list(sent.vary.object_restitution.shape) == [2]
     assert not sent.vary.HasField("damping")
+    assert not sent.vary.HasField("ground_restitution")
     assert (sent.ensemble.members, sent.ensemble.share) == (2, 0.5)
     assert sent.gradient.reach_frames == 15
     assert sent.plausibility.refuse

@@ -23,6 +23,8 @@ pub struct Geometry {
     pub hands: Vec<u32>,
     /// Nodes that control points hold exactly, as pairs of node and control point.
     pub pins: Vec<[u32; 2]>,
+    /// Nodes of each rod, in their order.
+    pub rods: Vec<Vec<u32>>,
     /// Number of surface nodes.
     pub surface_count: usize,
     /// Frames per second.
@@ -63,6 +65,10 @@ impl TryFrom<TwinGeometry> for Geometry {
             controls: points(wire.controls, "controls")?,
             hands: numbers(wire.hands, "hands")?,
             pins: pairs(wire.pins, "pins")?,
+            rods: rods(
+                &numbers(wire.rod_starts, "rod_starts")?,
+                &numbers(wire.rod_nodes, "rod_nodes")?,
+            )?,
             surface_count: wire.surface_count as usize,
             fps: wire.fps,
             mass_kg: wire.mass_kg,
@@ -71,6 +77,13 @@ impl TryFrom<TwinGeometry> for Geometry {
             fits: wire.fits.max(1) as usize,
         })
     }
+}
+
+/// Lists of nodes that follow one another, each from its start to the next.
+fn rods(starts: &[u32], nodes: &[u32]) -> Result<Vec<Vec<u32>>, Error> {
+    let rod = |ends: &[u32]| nodes.get(ends[0] as usize..ends[1] as usize).map(<[u32]>::to_vec);
+    let rods: Option<Vec<_>> = starts.windows(2).map(rod).collect();
+    rods.ok_or_else(|| Error::malformed("rods without nodes"))
 }
 
 /// The skin of a twin of so many nodes, which can be placed without further checks.

@@ -2147,7 +2147,7 @@ export interface components {
             instances?: components["schemas"]["Tensor"];
             /**
              * Format: double
-             * @description Kilograms of the object: forces are in newtons. Without it they are per unit mass, as if a node of the twin weighed 1 kg.
+             * @description Kilograms of the object: forces are in newtons and energies in joules. Without it they are per unit mass, as if a node of the twin weighed 1 kg.
              */
             mass_kg?: number;
             /** @description With an ensemble: FLOAT64 [B', E], the costs that `costs` are statistics of. */
@@ -2171,7 +2171,7 @@ export interface components {
             /** @description workers/{uuid} */
             worker?: string;
         };
-        /** @description Between the fast variant and the exact twin when both follow the twin's own capture from its start. */
+        /** @description Between the fast variant and the exact twin when both follow the twin's own capture from its start. It does not hold for this reply: with faster or larger motions, or other surroundings, 5 to 16 times as much was seen. */
         "RollOutResponse.Deviation": {
             /**
              * Format: int64
@@ -2203,7 +2203,7 @@ export interface components {
             ground_contacts?: number;
             /**
              * Format: float
-             * @description Joules per unit mass scale.
+             * @description At the end, joules; without a mass_kg as if a node of the twin weighed 1 kg.
              */
             kinetic_energy?: number;
             /**
@@ -2496,7 +2496,7 @@ export interface components {
             next_page_token: string;
             uploads: components["schemas"]["Upload"][];
         };
-        /** @description Parameters by instance, as factors of the twin's own: B numbers each, FLOAT32 [B], or [E] with an ensemble. Absent: 1. */
+        /** @description Parameters by instance, as factors of the twin's own: B numbers each, FLOAT32 [B], or [E] with an ensemble. Absent: 1. An instance whose factors ask for more substeps than the twin has gets them, up to 100,000 a frame, and is as much more work. */
         Vary: {
             /** @description Of stiffness of bending and twist, 0..100. */
             bending?: components["schemas"]["Tensor"];
@@ -2506,8 +2506,11 @@ export interface components {
             fits?: boolean;
             /** @description Of friction with ground, colliders and other nodes, 0..100; friction is at most 2. */
             friction?: components["schemas"]["Tensor"];
+            /** @description No factors, since captures hardly show them: the restitution of the ground and that between nodes, 0..1, in the place of the twin's and of the world's. */
+            ground_restitution?: components["schemas"]["Tensor"];
             /** @description Of the mass of all nodes, 0.01..100. */
             mass?: components["schemas"]["Tensor"];
+            object_restitution?: components["schemas"]["Tensor"];
             /** @description Of axial stiffness, 0.01..100. */
             stiffness?: components["schemas"]["Tensor"];
         };
@@ -2657,7 +2660,7 @@ export interface operations {
     "captures.list": {
         parameters: {
             query?: {
-                /** @description At most 1000; 0 means 50. */
+                /** @description 0 means 50; more than 1000 counts as 1000. */
                 page_size?: number;
                 /** @description `next_page_token` of the previous page, with the same filters and order. */
                 page_token?: string;
@@ -2893,7 +2896,7 @@ export interface operations {
         parameters: {
             query?: never;
             header?: {
-                /** @description Skip revisions up to this one */
+                /** @description Skip revisions up to this one; what is no revision skips none */
                 "Last-Event-ID"?: number | null;
             };
             path: {
@@ -3154,7 +3157,7 @@ export interface operations {
     "fits.list": {
         parameters: {
             query?: {
-                /** @description At most 1000; 0 means 50. */
+                /** @description 0 means 50; more than 1000 counts as 1000. */
                 page_size?: number;
                 /** @description `next_page_token` of the previous page, with the same filters and order. */
                 page_token?: string;
@@ -3370,7 +3373,7 @@ export interface operations {
         parameters: {
             query?: never;
             header?: {
-                /** @description Skip revisions up to this one */
+                /** @description Skip revisions up to this one; what is no revision skips none */
                 "Last-Event-ID"?: number | null;
             };
             path: {
@@ -3436,7 +3439,7 @@ export interface operations {
     "keys.list": {
         parameters: {
             query?: {
-                /** @description At most 1000; 0 means 50. */
+                /** @description 0 means 50; more than 1000 counts as 1000. */
                 page_size?: number;
                 /** @description `next_page_token` of the previous page. */
                 page_token?: string;
@@ -4008,7 +4011,7 @@ export interface operations {
     "twins.list": {
         parameters: {
             query?: {
-                /** @description At most 1000; 0 means 50. */
+                /** @description 0 means 50; more than 1000 counts as 1000. */
                 page_size?: number;
                 /** @description `next_page_token` of the previous page, with the same filters and order. */
                 page_token?: string;
@@ -4476,7 +4479,7 @@ export interface operations {
     "uploads.list": {
         parameters: {
             query?: {
-                /** @description At most 1000; 0 means 50. */
+                /** @description 0 means 50; more than 1000 counts as 1000. */
                 page_size?: number;
                 /** @description `next_page_token` of the previous page. */
                 page_token?: string;
@@ -4730,7 +4733,7 @@ export interface operations {
     "workers.list": {
         parameters: {
             query?: {
-                /** @description At most 1000; 0 means 50. */
+                /** @description 0 means 50; more than 1000 counts as 1000. */
                 page_size?: number;
                 /** @description `next_page_token` of the previous page. */
                 page_token?: string;

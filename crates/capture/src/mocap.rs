@@ -14,7 +14,7 @@ use serde::Deserialize;
 use crate::{
     Error, Limits,
     bundle::index_in,
-    files::{Files, MAX_DOCUMENT},
+    files::{Contents, Files, MAX_DOCUMENT},
     frame::Frame,
     npy,
     phystwin::json,
@@ -58,6 +58,36 @@ pub fn read_npz(npz: &Path, description: &Path, limits: &Limits) -> Result<Captu
     let capture = read(&mut files, &description)?;
     validate(&capture)?;
     Ok(capture)
+}
+
+/// The .npz of a folder that has one, with the .json that describes it beside it.
+pub(crate) fn packed(contents: &Contents) -> Option<&str> {
+    let mut arrays = contents.files.iter().filter(|name| stem(name).is_some());
+    let (Some(npz), None) = (arrays.next(), arrays.next()) else { return None };
+    contents.has(&description_of(npz)).then_some(npz)
+}
+
+/// Reads an .npz and its .json in a folder or an archive.
+pub(crate) fn read_packed(files: &mut Files<'_>, npz: &str) -> Result<Capture, Error> {
+    let name = description_of(npz);
+    let description: Description = json(&files.read_document(&name)?, &name)?;
+    let bytes = files.read(npz)?;
+    let mut arrays = Files::from_bytes(stem(npz).unwrap_or(npz), &bytes, &files.limits)?;
+    // What is unpacked counts beside what was read.
+    std::mem::swap(&mut arrays.budget, &mut files.budget);
+    let capture = read(&mut arrays, &description);
+    std::mem::swap(&mut arrays.budget, &mut files.budget);
+    capture
+}
+
+/// The name of an .npz without its extension; none of another file.
+fn stem(name: &str) -> Option<&str> {
+    let (stem, extension) = name.rsplit_once('.')?;
+    (!stem.is_empty() && extension.eq_ignore_ascii_case("npz")).then_some(stem)
+}
+
+fn description_of(npz: &str) -> String {
+    format!("{}.json", stem(npz).unwrap_or(npz))
 }
 
 fn read(files: &mut Files<'_>, description: &Description) -> Result<Capture, Error> {

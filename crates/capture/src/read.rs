@@ -15,7 +15,7 @@ use crate::{
 };
 
 /// Reads a capture from a folder, a ZIP or tar archive, or an .npz of motion capture with its .json
-/// beside it.
+/// beside it, which may lie in a folder or archive, too.
 ///
 /// The result is structurally sound (lengths agree, indices exist), in metres
 /// with z up. [`crate::check()`] judges its numbers.
@@ -128,6 +128,8 @@ pub(crate) fn read_one(files: &mut Files<'_>, notes: &mut Vec<Note>) -> Result<C
         phystwin::read(files, notes)?
     } else if contents.has(several::MARKER) {
         return Err(files.unknown());
+    } else if let (true, Some(npz)) = (is_motion_capture(&contents), mocap::packed(&contents)) {
+        mocap::read_packed(files, npz)?
     } else {
         return Err(Error::RawOnly(files.name.clone()));
     };
@@ -143,6 +145,12 @@ pub(crate) fn is_capture(contents: &Contents) -> bool {
 
 /// Words for recordings that lie in folders.
 const SEVERAL: &str = "several recordings (`recordings.json`)";
+const MOTION_CAPTURE: &str = "motion capture (`.npz` with its `.json`)";
+
+/// `true` if motion capture is what is read of a folder.
+fn is_motion_capture(contents: &Contents) -> bool {
+    formats(contents).next() == Some(MOTION_CAPTURE)
+}
 
 /// Formats in a folder; the first is read.
 pub(crate) fn formats(contents: &Contents) -> impl Iterator<Item = &'static str> {
@@ -152,6 +160,7 @@ pub(crate) fn formats(contents: &Contents) -> impl Iterator<Item = &'static str>
         (contents.has(phystwin::MARKER), "a processed PhysTwin case (`final_data.pkl`)"),
         (contents.has(raw::nerfstudio::MARKER), "nerfstudio (`transforms.json`)"),
         (raw::is_case(contents), "a raw PhysTwin case (`metadata.json` with `color`)"),
+        (mocap::packed(contents).is_some(), MOTION_CAPTURE),
     ]
     .into_iter()
     .filter_map(|(is_there, name)| is_there.then_some(name))

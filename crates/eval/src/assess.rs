@@ -3,6 +3,7 @@
 
 use bendtwin_core::{
     Point, Quality,
+    geometry::distance,
     quality::{Assessment, Level, Predictor},
 };
 use bendtwin_graph::mean_spacing;
@@ -15,7 +16,8 @@ const OF_STANDING_STILL: [f64; 2] = [0.2, 0.33];
 /// Lengths that errors of a twin are compared with.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Scale {
-    /// Mean distance of a node to its sixth neighbour [m].
+    /// Mean distance of a node to its sixth neighbour [m]; of a cable, of two nodes that follow one
+    /// another on a rod.
     pub spacing_m: f64,
     /// Diagonal of the box around the nodes at rest [m].
     pub size_m: f64,
@@ -31,16 +33,27 @@ struct Comparison {
 }
 
 impl Scale {
-    /// Of the nodes of a twin at rest [m], shape [N, 3].
-    pub fn of_nodes(nodes: &[Point]) -> Self {
+    /// Of the nodes of a twin at rest [m], shape [N, 3], and its rods, as in
+    /// [`Graph::rods`](bendtwin_core::Graph::rods); rods of nodes that do not exist are passed over.
+    pub fn of_nodes(nodes: &[Point], rods: &[Vec<u32>]) -> Self {
         let side = |axis: usize| {
             let along = || nodes.iter().map(|p| f64::from(p[axis]));
             along().fold(f64::NEG_INFINITY, f64::max) - along().fold(f64::INFINITY, f64::min)
         };
         let size_m = (0..3).map(|axis| side(axis).powi(2)).sum::<f64>().sqrt();
         let size_m = if nodes.is_empty() { 0.0 } else { size_m };
-        Self { spacing_m: mean_spacing(nodes), size_m }
+        Self { spacing_m: rod_spacing(nodes, rods).unwrap_or_else(|| mean_spacing(nodes)), size_m }
     }
+}
+
+/// Mean distance of nodes that follow one another on rods [m]; none without rods.
+fn rod_spacing(nodes: &[Point], rods: &[Vec<u32>]) -> Option<f64> {
+    let node = |index: u32| nodes.get(index as usize);
+    let pairs = rods.iter().flat_map(|rod| rod.windows(2));
+    let lengths = pairs.filter_map(|pair| Some(distance(*node(pair[0])?, *node(pair[1])?)));
+    let (sum, count) =
+        lengths.fold((0.0, 0), |(sum, count), length| (sum + f64::from(length), count + 1));
+    (count > 0).then(|| sum / f64::from(count))
 }
 
 /// Puts a quality table in words. Of the comparisons with the object's size, the distance of the

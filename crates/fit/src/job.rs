@@ -510,7 +510,8 @@ impl<'a> Run<'a> {
 
     /// The table in words. Where the time limit cut the fit short, that comes before other advice.
     fn assessment(&self, twin: &Twin, quality: &Quality) -> Assessment {
-        let mut assessment = assess(quality, Scale::of_nodes(&twin.graph.rest_positions));
+        let mut assessment =
+            assess(quality, Scale::of_nodes(&twin.graph.rest_positions, &twin.graph.rods));
         let made = twin.provenance.settings.as_ref().and_then(|s| s.refine.passes);
         if let (Some(made), Some(limit_s)) = (made, self.task.settings.within_s)
             && made < self.task.passes()

@@ -322,7 +322,8 @@ pub struct Grasping {
     pub places: ::core::option::Option<Tensor>,
 }
 /// Parameters by instance, as factors of the twin's own: B numbers each, FLOAT32 \[B\], or \[E\] with an
-/// ensemble. Absent: 1.
+/// ensemble. Absent: 1. An instance whose factors ask for more substeps than the twin has gets them, up
+/// to 100,000 a frame, and is as much more work.
 #[derive(Clone, PartialEq, ::prost::Message)]
 pub struct Vary {
     /// Of axial stiffness, 0.01..100.
@@ -345,6 +346,12 @@ pub struct Vary {
     /// changed. Factors apply on top of each fit.
     #[prost(bool, tag = "6")]
     pub fits: bool,
+    /// No factors, since captures hardly show them: the restitution of the ground and that between nodes,
+    /// 0..1, in the place of the twin's and of the world's.
+    #[prost(message, optional, tag = "7")]
+    pub ground_restitution: ::core::option::Option<Tensor>,
+    #[prost(message, optional, tag = "8")]
+    pub object_restitution: ::core::option::Option<Tensor>,
 }
 /// Work that a worker does for a fit, or for the ingest of a capture.
 #[derive(Clone, PartialEq, ::prost::Message)]
@@ -566,7 +573,7 @@ pub struct GetCaptureRequest {
 }
 #[derive(Clone, PartialEq, Eq, Hash, ::prost::Message)]
 pub struct ListCapturesRequest {
-    /// At most 1000; 0 means 50.
+    /// 0 means 50; more than 1000 counts as 1000.
     #[prost(uint32, tag = "1")]
     pub page_size: u32,
     /// Of the page before, with the same filters and order.
@@ -1789,6 +1796,7 @@ pub struct GetFitRequest {
 }
 #[derive(Clone, PartialEq, Eq, Hash, ::prost::Message)]
 pub struct ListFitsRequest {
+    /// 0 means 50; more than 1000 counts as 1000.
     #[prost(uint32, tag = "1")]
     pub page_size: u32,
     #[prost(string, tag = "2")]
@@ -2889,6 +2897,7 @@ pub struct GetTwinRequest {
 }
 #[derive(Clone, PartialEq, Eq, Hash, ::prost::Message)]
 pub struct ListTwinsRequest {
+    /// 0 means 50; more than 1000 counts as 1000.
     #[prost(uint32, tag = "1")]
     pub page_size: u32,
     #[prost(string, tag = "2")]
@@ -4278,7 +4287,7 @@ pub struct GetKeyRequest {
 }
 #[derive(Clone, PartialEq, Eq, Hash, ::prost::Message)]
 pub struct ListKeysRequest {
-    /// At most 1000; 0 means 50.
+    /// 0 means 50; more than 1000 counts as 1000.
     #[prost(uint32, tag = "1")]
     pub page_size: u32,
     #[prost(string, tag = "2")]
@@ -5470,8 +5479,8 @@ pub struct RollOutResponse {
     /// Instances that are not plausible, with the reason; limits in RollOutRequest.plausibility.
     #[prost(message, repeated, tag = "31")]
     pub implausible: ::prost::alloc::vec::Vec<roll_out_response::Implausible>,
-    /// Kilograms of the object: forces are in newtons. Without it they are per unit mass, as if a node of
-    /// the twin weighed 1 kg.
+    /// Kilograms of the object: forces are in newtons and energies in joules. Without it they are per unit
+    /// mass, as if a node of the twin weighed 1 kg.
     #[prost(double, optional, tag = "32")]
     pub mass_kg: ::core::option::Option<f64>,
     /// With `returns.part_frames`: what this part covers in time.
@@ -5539,7 +5548,7 @@ pub mod roll_out_response {
         pub max_strain: f32,
         #[prost(float, tag = "2")]
         pub max_speed_m_s: f32,
-        /// Joules per unit mass scale.
+        /// At the end, joules; without a mass_kg as if a node of the twin weighed 1 kg.
         #[prost(float, tag = "3")]
         pub kinetic_energy: f32,
         #[prost(float, tag = "4")]
@@ -5577,7 +5586,9 @@ pub mod roll_out_response {
         #[prost(double, tag = "2")]
         pub compute_s: f64,
     }
-    /// Between the fast variant and the exact twin when both follow the twin's own capture from its start.
+    /// Between the fast variant and the exact twin when both follow the twin's own capture from its start. It
+    /// does not hold for this reply: with faster or larger motions, or other surroundings, 5 to 16 times as
+    /// much was seen.
     #[derive(Clone, Copy, PartialEq, ::prost::Message)]
     pub struct Deviation {
         /// Between a node here and there, over nodes and frames, metres.

@@ -293,7 +293,7 @@ write_tensor(map, "places", self.places.as_ref(), tensors)?;
 
 impl Fields for crate::v1::Vary {
     const NAME: &'static str = "Vary";
-    const FIELDS: &'static [&'static str] = &["stiffness", "damping", "bending", "friction", "mass", "fits"];
+    const FIELDS: &'static [&'static str] = &["stiffness", "damping", "bending", "friction", "mass", "fits", "ground_restitution", "object_restitution"];
     #[allow(unused_variables)]
     fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
         match field {
@@ -303,6 +303,8 @@ impl Fields for crate::v1::Vary {
 3 => { self.friction = tensor(map, Dtype::Float32)?; }
 4 => { self.mass = tensor(map, Dtype::Float32)?; }
 5 => { self.fits = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+6 => { self.ground_restitution = tensor(map, Dtype::Float32)?; }
+7 => { self.object_restitution = tensor(map, Dtype::Float32)?; }
 
             _ => {}
         }
@@ -316,6 +318,8 @@ write_tensor(map, "bending", self.bending.as_ref(), tensors)?;
 write_tensor(map, "friction", self.friction.as_ref(), tensors)?;
 write_tensor(map, "mass", self.mass.as_ref(), tensors)?;
 map.serialize_entry("fits", &self.fits)?;
+write_tensor(map, "ground_restitution", self.ground_restitution.as_ref(), tensors)?;
+write_tensor(map, "object_restitution", self.object_restitution.as_ref(), tensors)?;
 
         Ok(())
     }

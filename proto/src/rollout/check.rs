@@ -20,12 +20,12 @@ use prost::Message as _;
 pub(crate) use self::numbers::SHORTEST_QUATERNION;
 pub(super) use self::{
     costs::{own_targets, targets},
-    vary::sets,
+    vary::{sets, substeps},
     world::{bodies_of, parts},
 };
 pub use self::{
     returns::{has_gradients, has_spread},
-    vary::members,
+    vary::{MOST_SUBSTEPS, finer_substeps, members},
 };
 use super::{Error, Limits, TwinShape, memory, size};
 use crate::v1::{Fidelity, OpenSessionRequest, RollOutRequest};
@@ -184,8 +184,10 @@ pub fn too_much_memory(asked: u64, limit: u64) -> Error {
 
 /// Work of a checked request, in element substeps.
 pub fn work(request: &RollOutRequest, batch: &Batch, twin: &TwinShape) -> u128 {
-    let each = twin.work(request.fidelity(), batch.frames, world::work(request))
-        + costs::work(&request.costs, batch, twin);
+    let substeps = substeps(request, twin.substeps(request.fidelity()));
+    let physics = twin.substep_work(batch.frames, world::work(request));
+    let physics = physics.saturating_mul(substeps.total).div_ceil(substeps.sets.into());
+    let each = physics.saturating_add(costs::work(&request.costs, batch, twin));
     each.saturating_mul(u128::from(batch.instances)).saturating_mul(u128::from(members(request)))
 }
 

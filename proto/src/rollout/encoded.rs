@@ -7,7 +7,7 @@ use prost::{
     encoding::{DecodeContext, WireType, decode_key, decode_varint, skip_field},
 };
 
-use super::{Error, Limits, MOST_DIMENSIONS, check::parts};
+use super::{Error, Limits, MOST_DIMENSIONS, check::parts, within};
 
 /// Numbers of fields in the .proto files.
 const COSTS: u32 = 6;
@@ -27,8 +27,10 @@ struct Message(&'static [(u32, &'static Message)]);
 
 /// A tensor has no fields below it; its shape is what counts.
 static TENSOR: Message = Message(&[]);
-static TRAJECTORIES: Message = Message(&[(1, &TENSOR)]);
-static POSES: Message = Message(&[(1, &TENSOR), (2, &TENSOR)]);
+/// The same, of actions: the first number of its shape is that of instances.
+static ACTIONS: Message = Message(&[]);
+static TRAJECTORIES: Message = Message(&[(1, &ACTIONS)]);
+static POSES: Message = Message(&[(1, &ACTIONS), (2, &TENSOR)]);
 static INITIAL: Message = Message(&[(3, &GIVEN)]);
 static GIVEN: Message =
     Message(&[(1, &TENSOR), (2, &TENSOR), (3, &TENSOR), (4, &TENSOR), (5, &GRASPING)]);
@@ -44,8 +46,15 @@ static WORLD: Message = Message(&[(COLLIDERS, &COLLIDER)]);
 static COLLIDER: Message = Message(&[(5, &MESH), (11, &TENSOR)]);
 static MESH: Message = Message(&[(1, &TENSOR)]);
 static GRASP: Message = Message(&[(4, &TENSOR), (9, &TENSOR)]);
-static VARY: Message =
-    Message(&[(1, &TENSOR), (2, &TENSOR), (3, &TENSOR), (4, &TENSOR), (5, &TENSOR)]);
+static VARY: Message = Message(&[
+    (1, &TENSOR),
+    (2, &TENSOR),
+    (3, &TENSOR),
+    (4, &TENSOR),
+    (5, &TENSOR),
+    (7, &TENSOR),
+    (8, &TENSOR),
+]);
 static REQUEST: Message = Message(&[
     (2, &TRAJECTORIES),
     (3, &POSES),
@@ -112,16 +121,24 @@ impl Encoded {
     }
 }
 
-/// Checks an encoded message for parts that take far more memory decoded. Bytes that are no message
-/// pass: decoding refuses them.
+/// Checks an encoded message for parts that take far more memory decoded, and for too many instances,
+/// which stand at its beginning: what has come of a message that is still on its way may be checked,
+/// too. Bytes that are no message pass: decoding refuses them.
 ///
 /// # Errors
-/// If it has more costs than the limits allow, more colliders or grasps than a world has, a tensor
-/// with too many dimensions, or a million fields.
+/// If it has more instances or costs than the limits allow, more colliders or grasps than a world has,
+/// a tensor with too many dimensions, or a million fields.
 pub fn check_encoded(encoded: Encoded, bytes: &[u8], limits: &Limits) -> Result<(), Error> {
     let (mut costs, mut fields) = (0, 0);
     let (mut colliders, mut grasps) = (0, 0);
-    walk(encoded.message(), bytes, &mut |message, field| {
+    walk(encoded.message(), bytes, &mut |message, field, first| {
+        // A number that no request can hold is none of instances, but a wrong shape.
+        if let (true, SHAPE, Some(instances)) = (std::ptr::eq(message, &ACTIONS), field, first)
+            && instances <= limits.request_bytes
+        {
+            let most = limits.instances;
+            within("the number of instances", instances.into(), most, "split the batch")?;
+        }
         fields += 1;
         if fields > MOST_FIELDS {
             let fault = format!("has more than {MOST_FIELDS} fields");
@@ -152,30 +169,42 @@ pub fn check_encoded(encoded: Encoded, bytes: &[u8], limits: &Limits) -> Result<
     })
 }
 
-/// Goes through the fields of a message and those below it.
+/// Goes through the fields of a message and those below it, with the first number of each: that of a
+/// list, once.
 fn walk(
     message: &'static Message,
     mut rest: &[u8],
-    see: &mut impl FnMut(&'static Message, u32) -> Result<(), Error>,
+    see: &mut impl FnMut(&'static Message, u32, Option<u64>) -> Result<(), Error>,
 ) -> Result<(), Error> {
     let mut shape_bytes = 0;
     while rest.has_remaining() {
         let Ok((field, wire)) = decode_key(&mut rest) else { return Ok(()) };
-        see(message, field)?;
-        if wire != WireType::LengthDelimited {
+        let is_first = field != SHAPE || shape_bytes == 0;
+        let mut ahead = rest;
+        let content = match wire {
+            WireType::LengthDelimited => content(&mut rest),
+            _ => None,
+        };
+        let first = match (wire, content) {
+            (WireType::Varint, _) => decode_varint(&mut ahead).ok(),
+            (_, Some(mut numbers)) => decode_varint(&mut numbers).ok(),
+            _ => None,
+        };
+        see(message, field, first.filter(|_| is_first))?;
+        if let Some(content) = content {
+            shape_bytes += if field == SHAPE { content.len() } else { 0 };
+            if let Some((_, below)) = message.0.iter().find(|(number, _)| *number == field) {
+                walk(below, content, see)?;
+            }
+        } else {
             let before = rest.len();
             if skip_field(wire, field, &mut rest, DecodeContext::default()).is_err() {
                 return Ok(());
             }
             shape_bytes += if field == SHAPE { before - rest.len() } else { 0 };
-        } else {
-            let Some(content) = content(&mut rest) else { return Ok(()) };
-            shape_bytes += if field == SHAPE { content.len() } else { 0 };
-            if let Some((_, below)) = message.0.iter().find(|(number, _)| *number == field) {
-                walk(below, content, see)?;
-            }
         }
-        if std::ptr::eq(message, &TENSOR) && shape_bytes > SHAPE_BYTES {
+        let is_tensor = std::ptr::eq(message, &TENSOR) || std::ptr::eq(message, &ACTIONS);
+        if is_tensor && shape_bytes > SHAPE_BYTES {
             let fault = format!("of a tensor has more than {MOST_DIMENSIONS} dimensions");
             return Err(Error::field("shape", fault));
         }
@@ -183,10 +212,11 @@ fn walk(
     Ok(())
 }
 
-/// Content of a field with a length.
+/// Content of a field with a length, or as much of it as is there; none if its length is not.
 fn content<'b>(rest: &mut &'b [u8]) -> Option<&'b [u8]> {
-    let length = usize::try_from(decode_varint(rest).ok()?).ok()?;
-    let (content, later) = rest.split_at_checked(length)?;
+    let mut after = *rest;
+    let length = usize::try_from(decode_varint(&mut after).ok()?).ok()?;
+    let (content, later) = after.split_at(length.min(after.len()));
     *rest = later;
     Some(content)
 }

@@ -4,7 +4,7 @@
 use prost::Message as _;
 
 use super::{
-    check::{Batch, has_gradients, has_spread, members, own_targets, targets},
+    check::{Batch, has_gradients, has_spread, members, own_targets, substeps, targets},
     parts::part_frames,
     points::{is_at_skin, recorded},
     size::reply_bytes,
@@ -197,7 +197,7 @@ pub fn memory(
             mul(&[kept, boundaries]),
             mul(&[ELEMENT_GRADIENT, elements]),
             mul(&[NODE, endpoints]),
-            tape(endpoints, rods, twin.substeps),
+            tape(endpoints, rods, substeps(request, twin.substeps).most),
         ]);
     }
     // Parts in time: all instances of a part wait at the end of a window, with what is added up.

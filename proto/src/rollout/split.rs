@@ -105,14 +105,16 @@ pub(crate) fn by_instance(request: &mut RollOutRequest, see: impl Fn(Option<&mut
         see(grasp.closed.as_mut(), 2);
     }
     if let Some(vary) = &mut request.vary {
-        for factors in [
+        for values in [
             &mut vary.stiffness,
             &mut vary.damping,
             &mut vary.bending,
             &mut vary.friction,
             &mut vary.mass,
+            &mut vary.ground_restitution,
+            &mut vary.object_restitution,
         ] {
-            see(factors.as_mut(), 1);
+            see(values.as_mut(), 1);
         }
     }
 }

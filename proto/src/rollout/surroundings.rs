@@ -2,7 +2,7 @@
 //! differ by instance, implausible instances.
 
 use super::{
-    check::{Batch, bodies_of, members, sets},
+    check::{Batch, bodies_of, members, sets, substeps},
     implausible::ImplausibleReason,
     parts::part_frames,
     size::{Sum, length},
@@ -16,6 +16,8 @@ const POSE: u64 = 48;
 const PARAMETER: u64 = 16;
 /// A set of parameters beside its arrays.
 const SET: u64 = 4096;
+/// Numbers of substeps that variants of a model have, at most.
+const MOST_FINER: u64 = 64;
 /// A face of a collider, and faces of all of them at most.
 const FACES: u64 = 16 * 32 * 128;
 
@@ -64,8 +66,15 @@ fn implausible(request: &RollOutRequest, batch: &Batch) -> u64 {
 pub(super) fn fixed_bytes(request: &RollOutRequest, batch: &Batch, twin: &TwinShape) -> u64 {
     let each = set_bytes(twin);
     let own = if request.world.is_some() { 1 } else { 0 };
+    let sets = sets(request, batch);
+    // Models with more substeps, from which others are made.
+    let finer = if substeps(request, twin.substeps).most > twin.substeps {
+        sets.min(MOST_FINER.saturating_mul(members(request)))
+    } else {
+        0
+    };
     sum(&[
-        each.saturating_mul(sets(request, batch).saturating_add(own)),
+        each.saturating_mul(sets.saturating_add(finer).saturating_add(own)),
         if bodies_of(request) > 0 || own > 0 { FACES } else { 0 },
         // Costs of members, kept until all are there.
         batch.instances.saturating_mul(members(request)).saturating_mul(64),

@@ -27,14 +27,13 @@ pub struct TwinShape {
 }
 
 impl TwinShape {
-    /// Work of one instance over `frames` frames among surroundings that are as much work for each
-    /// node as so many elements, in element substeps.
-    pub(super) fn work(&self, fidelity: Fidelity, frames: u64, surroundings: u64) -> u128 {
-        let substeps = self.substeps(fidelity);
+    /// Work of one instance over `frames` frames of one substep among surroundings that are as much
+    /// work for each node as so many elements, in element substeps.
+    pub(super) fn substep_work(&self, frames: u64, surroundings: u64) -> u128 {
         let elements = u128::from(self.nodes) * (1 + u128::from(surroundings))
             + u128::from(self.springs)
             + u128::from(self.triplets);
-        u128::from(frames) * u128::from(substeps) * elements
+        u128::from(frames) * elements
     }
 
     /// Work of one instance as a worker counts it when it cuts a batch into slices, in element
@@ -51,7 +50,8 @@ impl TwinShape {
         self.skin_points.unwrap_or(self.nodes)
     }
 
-    fn substeps(&self, fidelity: Fidelity) -> u32 {
+    /// Substeps per frame as fitted, or of the fast variant.
+    pub(super) fn substeps(&self, fidelity: Fidelity) -> u32 {
         match fidelity {
             Fidelity::Fast => self.fast_substeps.unwrap_or(self.substeps),
             Fidelity::Exact | Fidelity::Unspecified => self.substeps,

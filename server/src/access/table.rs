@@ -39,6 +39,8 @@ pub const TABLE: &[(&str, Access)] = &[
     ("GET /healthz", Open),
     ("GET /openapi.json", Open),
     ("GET /readyz", Open),
+    // What is understood of tus, which its clients ask before they show who they are.
+    ("OPTIONS /v1/uploads", Open),
     ("GET /metrics", Anyone),
     ("GET /v1/workers", Anyone),
     ("GET /v1/workers/{id}", Anyone),
@@ -60,7 +62,6 @@ pub const TABLE: &[(&str, Access)] = &[
     ("DELETE /v1/captures/{id}", CAPTURES_WRITE),
     ("POST /v1/captures/{id}/ingest", CAPTURES_WRITE),
     ("POST /v1/captures/{id}/ingest/cancel", CAPTURES_WRITE),
-    ("OPTIONS /v1/uploads", CAPTURES_WRITE),
     ("POST /v1/uploads", CAPTURES_WRITE),
     ("GET /v1/uploads", CAPTURES_WRITE),
     ("HEAD /v1/uploads/{id}", CAPTURES_WRITE),
@@ -178,18 +179,29 @@ pub(crate) fn route_name(method: &Method, pattern: &str) -> String {
     }
 }
 
-/// True of paths that take nothing, whatever the method: those of open routes, and what is directly
-/// below one whose last part is a parameter.
-pub(crate) fn is_open_path(path: &str) -> bool {
-    let open = TABLE.iter().filter(|(_, access)| *access == Open);
-    open.filter_map(|(name, _)| name.split_once(' ')).any(|(_, pattern)| {
-        match pattern.rsplit_once('/') {
-            Some((folder, last)) if last.starts_with('{') => {
-                path.strip_prefix(folder).is_some_and(|rest| rest.starts_with('/'))
-            }
-            _ => pattern == path,
+/// True if a request takes nothing: its route is open, or, for a method that a path does not have, all
+/// routes of the path are.
+pub(crate) fn is_open(method: &Method, path: &str) -> bool {
+    let routes = TABLE.iter().filter_map(|(name, access)| Some((name.split_once(' ')?, *access)));
+    let here = routes.filter(|((_, pattern), _)| is_at(pattern, path));
+    let (mut any, mut all) = (false, true);
+    for ((own, _), access) in here {
+        if own == method.as_str() {
+            return access == Open;
         }
-    })
+        (any, all) = (true, all && access == Open);
+    }
+    any && all
+}
+
+/// True if a path is this pattern, or below one whose last part is a parameter.
+fn is_at(pattern: &str, path: &str) -> bool {
+    match pattern.rsplit_once('/') {
+        Some((folder, last)) if last.starts_with('{') => {
+            path.strip_prefix(folder).is_some_and(|rest| rest.starts_with('/'))
+        }
+        _ => pattern == path,
+    }
 }
 
 #[cfg(test)]

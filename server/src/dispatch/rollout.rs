@@ -152,12 +152,13 @@ impl Dispatch {
     /// The reply in one part. Workers are asked not to split it: `best` ranks
     /// the whole batch, and 16-bit positions have one scale. Several may share it.
     pub(crate) async fn roll_out(&self, rollout: RollOut) -> Result<Whole> {
-        let prepared = self.prepared(RollOut { in_parts: false, ..rollout }).await?;
+        // Boxed: a request is large, and each of these steps has a place for it on the stack.
+        let prepared = Box::pin(self.prepared(RollOut { in_parts: false, ..rollout })).await?;
         let sharers = self.sharers(&prepared);
         if sharers.len() > 1 {
-            return self.spread(prepared, sharers).await;
+            return Box::pin(self.spread(prepared, sharers)).await;
         }
-        let InParts { mut parts, held } = self.by_one(prepared).await?;
+        let InParts { mut parts, held } = Box::pin(self.by_one(prepared)).await?;
         let response = parts.next().await.ok_or(Error::WorkerEnded)??;
         match parts.next().await {
             None => Ok(Whole { response, held }),
@@ -168,8 +169,8 @@ impl Dispatch {
 
     /// The reply in the parts that the worker sends. The first has come when this returns.
     pub(crate) async fn parts(&self, rollout: RollOut) -> Result<InParts> {
-        let prepared = self.prepared(rollout).await?;
-        self.by_one(prepared).await
+        let prepared = Box::pin(self.prepared(rollout)).await?;
+        Box::pin(self.by_one(prepared)).await
     }
 
     /// Checks a rollout.

@@ -112,9 +112,11 @@ fn encoded(path: &str) -> Message {
 
 async fn receive(app: &App, body: Body, encoded: Encoded) -> Result<Received, Status> {
     let limits = app.options.limits.rollout;
-    let received = app.memory.receive_message(body, limits.request_bytes).await;
+    let look = |beginning: &[u8]| rollout::check_encoded(encoded, beginning, &limits);
+    let received = app.memory.receive_message(body, limits.request_bytes, look).await;
     let received = received.map_err(|error| match error {
         ReceiveError::Memory(error) => Status::from(Refusal::from(error)),
+        ReceiveError::Refused(error) => fault::status(&error.fault()),
         // The service never gets to read these.
         ReceiveError::TooLong => Status::out_of_range("the message is too long"),
         ReceiveError::Broken(error) => Status::cancelled(format!("the body broke off: {error}")),

@@ -16,7 +16,7 @@ use super::{
     resource::{Capture, Fit},
 };
 use crate::{
-    app::{self, App, Error},
+    app::{self, App},
     error::ProblemDocument,
 };
 
@@ -28,7 +28,7 @@ const KEEP_ALIVE: Duration = Duration::from_secs(15);
 /// revision as id, until it has ended. `Last-Event-ID` skips what is known.
 #[utoipa::path(get, path = "/v1/fits/{id}/events", tag = "fits",
     params(("id" = String, Path),
-        ("Last-Event-ID" = Option<u64>, Header, description = "Skip revisions up to this one")),
+        ("Last-Event-ID" = Option<u64>, Header, description = "Skip revisions up to this one; what is no revision skips none")),
     responses((status = 200, body = String, content_type = "text/event-stream"),
         (status = "default", body = ProblemDocument)))]
 pub(super) async fn watch(
@@ -36,7 +36,7 @@ pub(super) async fn watch(
     Id(id): Id,
     headers: HeaderMap,
 ) -> Result<Sse<impl Stream<Item = Result<Event, Infallible>> + Send>> {
-    let fits = app.watch_fit(&id, last_seen(&headers)?).await?;
+    let fits = app.watch_fit(&id, last_seen(&headers)).await?;
     Ok(events("fit", fits, |fit| (fit.revision, Fit::from(fit))))
 }
 
@@ -46,7 +46,7 @@ pub(super) async fn watch(
 /// revision of its ingest as id, until that has ended. `Last-Event-ID` skips what is known.
 #[utoipa::path(get, path = "/v1/captures/{id}/events", tag = "captures",
     params(("id" = String, Path),
-        ("Last-Event-ID" = Option<u64>, Header, description = "Skip revisions up to this one")),
+        ("Last-Event-ID" = Option<u64>, Header, description = "Skip revisions up to this one; what is no revision skips none")),
     responses((status = 200, body = String, content_type = "text/event-stream"),
         (status = "default", body = ProblemDocument)))]
 pub(super) async fn watch_ingest(
@@ -54,18 +54,15 @@ pub(super) async fn watch_ingest(
     Id(id): Id,
     headers: HeaderMap,
 ) -> Result<Sse<impl Stream<Item = Result<Event, Infallible>> + Send>> {
-    let captures = app.watch_ingest(&id, last_seen(&headers)?).await?;
+    let captures = app.watch_ingest(&id, last_seen(&headers)).await?;
     Ok(events("capture", captures, |c| (c.ingest.revision, Capture::from(c))))
 }
 
-fn last_seen(headers: &HeaderMap) -> app::Result<u64> {
-    match headers.get("last-event-id").map(|v| v.to_str()) {
-        None => Ok(0),
-        Some(text) => text
-            .ok()
-            .and_then(|t| t.trim().parse().ok())
-            .ok_or_else(|| Error::invalid("last-event-id", "is not a revision")),
-    }
+/// The last revision that a client has seen. An id that is not from here, which a browser may send
+/// after it read another stream, counts as none: the client then gets the newest again.
+fn last_seen(headers: &HeaderMap) -> u64 {
+    let text = headers.get("last-event-id").and_then(|v| v.to_str().ok());
+    text.and_then(|t| t.trim().parse().ok()).unwrap_or(0)
 }
 
 /// An event for each change, with its revision.

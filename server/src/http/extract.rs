@@ -4,6 +4,7 @@ use axum::{
     extract::{FromRequest, FromRequestParts, Path, Query, Request},
     http::{HeaderMap, StatusCode, header, request::Parts},
 };
+use bendtwin_proto::rollout;
 use futures::{StreamExt, TryStreamExt};
 use serde::de::DeserializeOwned;
 
@@ -44,7 +45,7 @@ impl<T: DeserializeOwned> FromRequest<App> for Json<T> {
     async fn from_request(request: Request, app: &App) -> Result<Self, Refusal> {
         expect_type(request.headers(), &["application/json"])?;
         let limit = app.options.limits.json_bytes as u64;
-        let received = whole(app, request, Kind::Document, limit).await?;
+        let received = whole(app, request, Kind::Document, limit, |_| Ok(())).await?;
         json(&received.bytes).map(Self)
     }
 }
@@ -68,14 +69,16 @@ pub(super) fn json<T: DeserializeOwned>(bytes: &[u8]) -> Result<T, Refusal> {
     })
 }
 
-/// A body read to its end, in memory that it has taken before.
+/// A body read to its end, in memory that it has taken before, unless `look` refuses its beginning.
 pub(super) async fn whole(
     app: &App,
     request: Request,
     kind: Kind,
     limit: u64,
+    look: impl Fn(&[u8]) -> Result<(), rollout::Error>,
 ) -> Result<Received, Refusal> {
-    app.memory.receive(request.into_body(), kind, limit).await.map_err(|error| match error {
+    let received = app.memory.receive(request.into_body(), kind, limit, look).await;
+    received.map_err(|error| match error {
         ReceiveError::TooLong => {
             let advice = match kind {
                 Kind::Json => ": send application/x-protobuf, which may be larger",
@@ -85,6 +88,7 @@ pub(super) async fn whole(
             Refusal::http_only(StatusCode::PAYLOAD_TOO_LARGE, "CONTENT_TOO_LARGE", &message)
         }
         ReceiveError::Memory(error) => error.into(),
+        ReceiveError::Refused(error) => Error::Rollout(error).into(),
         ReceiveError::Broken(error) => broken(&error).into(),
     })
 }

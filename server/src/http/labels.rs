@@ -36,7 +36,7 @@ impl From<LabelUpdate> for Change {
 #[serde(deny_unknown_fields)]
 #[into_params(parameter_in = Query)]
 pub(super) struct CaptureList {
-    /// At most 1000; 0 means 50.
+    /// 0 means 50; more than 1000 counts as 1000.
     #[serde(default)]
     page_size: u32,
     /// `next_page_token` of the previous page, with the same filters and order.
@@ -44,15 +44,18 @@ pub(super) struct CaptureList {
     page_token: String,
     /// Text in display name or note, whatever its case.
     #[serde(default)]
+    #[param(max_length = 200)]
     search: String,
     /// A tag.
     #[serde(default)]
     tag: String,
     /// An owner.
     #[serde(default)]
+    #[param(max_length = 200)]
     owner: String,
     /// `create_time` or `name`, ascending or, followed by ` desc`, descending. Newest first if empty.
     #[serde(default)]
+    #[param(pattern = "^((create_time|name)( asc| desc)?)?$")]
     order_by: String,
 }
 
@@ -61,7 +64,7 @@ pub(super) struct CaptureList {
 #[serde(deny_unknown_fields)]
 #[into_params(parameter_in = Query)]
 pub(super) struct FitList {
-    /// At most 1000; 0 means 50.
+    /// 0 means 50; more than 1000 counts as 1000.
     #[serde(default)]
     page_size: u32,
     /// `next_page_token` of the previous page, with the same filters and order.
@@ -69,22 +72,27 @@ pub(super) struct FitList {
     page_token: String,
     /// Restricts the list to this capture.
     #[serde(default)]
+    #[param(pattern = "^(captures/[0-9a-f]{8}(-[0-9a-f]{4}){3}-[0-9a-f]{12})?$")]
     capture: String,
     /// QUEUED, RUNNING, SUCCEEDED, FAILED or CANCELLED.
     #[serde(default)]
+    #[param(pattern = "^(QUEUED|RUNNING|SUCCEEDED|FAILED|CANCELLED)?$")]
     state: String,
     /// Text in display name or note, whatever its case.
     #[serde(default)]
+    #[param(max_length = 200)]
     search: String,
     /// A tag.
     #[serde(default)]
     tag: String,
     /// An owner.
     #[serde(default)]
+    #[param(max_length = 200)]
     owner: String,
     /// `create_time`, `name` or `error`, ascending or, followed by ` desc`, descending. Newest first
     /// if empty.
     #[serde(default)]
+    #[param(pattern = "^((create_time|name|error)( asc| desc)?)?$")]
     order_by: String,
 }
 
@@ -93,7 +101,7 @@ pub(super) struct FitList {
 #[serde(deny_unknown_fields)]
 #[into_params(parameter_in = Query)]
 pub(super) struct TwinList {
-    /// At most 1000; 0 means 50.
+    /// 0 means 50; more than 1000 counts as 1000.
     #[serde(default)]
     page_size: u32,
     /// `next_page_token` of the previous page, with the same filters and order.
@@ -101,19 +109,23 @@ pub(super) struct TwinList {
     page_token: String,
     /// Restricts the list to this capture.
     #[serde(default)]
+    #[param(pattern = "^(captures/[0-9a-f]{8}(-[0-9a-f]{4}){3}-[0-9a-f]{12})?$")]
     capture: String,
     /// Text in display name or note, whatever its case.
     #[serde(default)]
+    #[param(max_length = 200)]
     search: String,
     /// A tag.
     #[serde(default)]
     tag: String,
     /// An owner.
     #[serde(default)]
+    #[param(max_length = 200)]
     owner: String,
     /// `create_time`, `name` or `error`, ascending or, followed by ` desc`, descending. Newest first
     /// if empty.
     #[serde(default)]
+    #[param(pattern = "^((create_time|name|error)( asc| desc)?)?$")]
     order_by: String,
 }
 

@@ -62,7 +62,11 @@ where
             true => (Kind::Protobuf, limits.request_bytes),
             false => (Kind::Json, limits.json_bytes),
         };
-        let received = extract::whole(app, request, kind, most).await?;
+        let look = |beginning: &[u8]| match kind {
+            Kind::Protobuf => rollout::check_encoded(encoded, beginning, &limits),
+            Kind::Json | Kind::Document => Ok(()),
+        };
+        let received = extract::whole(app, request, kind, most, look).await?;
         let message = if sends_protobuf {
             rollout::check_encoded(encoded, &received.bytes, &limits).map_err(Error::Rollout)?;
             let fault = |e| Error::invalid("body", format!("is not the message expected: {e}"));

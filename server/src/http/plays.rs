@@ -140,7 +140,7 @@ pub(super) async fn put_recording(
     let play = app.plays.get(app::name(&id)?)?;
     extract::expect_type(request.headers(), &["application/json"])?;
     let most = app.options.limits.rollout.json_bytes;
-    let received = extract::whole(&app, request, Kind::Json, most).await?;
+    let received = extract::whole(&app, request, Kind::Json, most, |_| Ok(())).await?;
     let twin = play.twin;
     let read = tokio::task::spawn_blocking(move || {
         let document = extract::json::<Document>(&received.bytes)?;

@@ -356,7 +356,7 @@ pub(super) struct Workers {
 #[serde(deny_unknown_fields)]
 #[into_params(parameter_in = Query)]
 pub(super) struct Paging {
-    /// At most 1000; 0 means 50.
+    /// 0 means 50; more than 1000 counts as 1000.
     #[serde(default)]
     page_size: u32,
     /// `next_page_token` of the previous page.

@@ -163,7 +163,7 @@ impl RootService {
             return Ok(Admission::Free);
         }
         self.hosts.check(request)?;
-        if access == Some(Access::Open) || !is_grpc && access::is_open_path(path) {
+        if access == Some(Access::Open) || !is_grpc && access::is_open(request.method(), path) {
             return Ok(Admission::Free);
         }
         // A method that does not exist is told so by the router.

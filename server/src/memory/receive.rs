@@ -4,6 +4,7 @@
 use std::sync::Arc;
 
 use axum::body::HttpBody;
+use bendtwin_proto::rollout;
 use bytes::{Buf as _, Bytes, BytesMut};
 use http_body_util::BodyExt as _;
 
@@ -14,6 +15,8 @@ use crate::failure::Error;
 const FIRST_STEP: u64 = 64 << 10;
 /// Bytes before a message of gRPC: a flag and the length.
 const GRPC_PREFIX: usize = 5;
+/// The beginning of a message, which is looked at while the rest is on its way [bytes].
+const BEGINNING: usize = 64 << 10;
 /// Memory of a body and of what is decoded from it, in times its length: a text of JSON becomes
 /// tensors of twice its length, whose buffers grow by doubling.
 const JSON: u64 = 8;
@@ -43,6 +46,8 @@ pub(crate) enum ReceiveError {
     Memory(Error),
     /// It broke off.
     Broken(axum::Error),
+    /// Its beginning is refused.
+    Refused(rollout::Error),
 }
 
 impl Kind {
@@ -56,12 +61,14 @@ impl Kind {
 }
 
 impl Memory {
-    /// Receives a body of at most `limit` bytes.
+    /// Receives a body of at most `limit` bytes. `look` sees its beginning, as far as it has come, and
+    /// may refuse it before the rest is sent.
     pub(crate) async fn receive<B>(
         &self,
         body: B,
         kind: Kind,
         limit: u64,
+        look: impl Fn(&[u8]) -> Result<(), rollout::Error>,
     ) -> Result<Received, ReceiveError>
     where
         B: HttpBody<Data = Bytes> + Unpin,
@@ -71,16 +78,18 @@ impl Memory {
         if let Some(declared) = body.size_hint().exact() {
             buffer.reserve(declared, true).await?;
         }
-        buffer.fill(body, |_| None).await?;
+        buffer.fill(body, |_| None, look).await?;
         Ok(buffer.received())
     }
 
     /// Receives the first message of a gRPC call, prefix included. One that is longer than `limit`,
-    /// or compressed, is left to the service, which refuses it by its prefix.
+    /// or compressed, is left to the service, which refuses it by its prefix. `look` sees the beginning
+    /// of the message, as that of a body.
     pub(crate) async fn receive_message<B>(
         &self,
         body: B,
         limit: u64,
+        look: impl Fn(&[u8]) -> Result<(), rollout::Error>,
     ) -> Result<Received, ReceiveError>
     where
         B: HttpBody<Data = Bytes> + Unpin,
@@ -94,7 +103,11 @@ impl Memory {
             let length = u64::from(prefix.get_u32()) + GRPC_PREFIX as u64;
             Some(if flag == 0 && length <= most { length } else { GRPC_PREFIX as u64 })
         };
-        buffer.fill(body, whole).await?;
+        let look = |bytes: &[u8]| match bytes.split_at_checked(GRPC_PREFIX) {
+            Some((&[0, ..], message)) => look(message),
+            _ => Ok(()),
+        };
+        buffer.fill(body, whole, look).await?;
         Ok(buffer.received())
     }
 }
@@ -136,11 +149,13 @@ impl<'m> Buffer<'m> {
         Ok(())
     }
 
-    /// Reads a body to its end, or to the length that `whole` tells from its beginning.
+    /// Reads a body to its end, or to the length that `whole` tells from its beginning, unless `look`
+    /// refuses that.
     async fn fill<B>(
         &mut self,
         mut body: B,
         whole: impl Fn(&[u8]) -> Option<u64>,
+        look: impl Fn(&[u8]) -> Result<(), rollout::Error>,
     ) -> Result<(), ReceiveError>
     where
         B: HttpBody<Data = Bytes> + Unpin,
@@ -149,6 +164,7 @@ impl<'m> Buffer<'m> {
         while let Some(frame) = body.frame().await {
             let frame = frame.map_err(|e| ReceiveError::Broken(axum::Error::new(e)))?;
             let Ok(mut chunk) = frame.into_data() else { continue };
+            let seen = self.bytes.len();
             while !chunk.is_empty() {
                 // The length is known once its first bytes are there.
                 let ahead = if self.bytes.len() < GRPC_PREFIX {
@@ -166,6 +182,10 @@ impl<'m> Buffer<'m> {
                     }
                     self.reserve(length, true).await?;
                 }
+            }
+            if seen < BEGINNING {
+                let beginning = &self.bytes[..self.bytes.len().min(BEGINNING)];
+                look(beginning).map_err(ReceiveError::Refused)?;
             }
         }
         Ok(())

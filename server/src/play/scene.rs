@@ -367,7 +367,7 @@ fn vary(factors: Factors) -> Option<Vary> {
         bending: one(factors.bending),
         friction: one(factors.friction),
         mass: one(factors.mass),
-        fits: false,
+        ..Vary::default()
     })
 }
 

@@ -102,7 +102,7 @@ async fn unsound_settings_are_refused_with_all_faults() {
 }
 
 /// Reads the events of a fit until the server ends them.
-async fn events(server: &Server, fit: &str, last: Option<u64>) -> Vec<(u64, Value)> {
+async fn events(server: &Server, fit: &str, last: Option<&str>) -> Vec<(u64, Value)> {
     let mut request = server.http.get(server.url(&format!("/v1/{fit}/events")));
     if let Some(last) = last {
         request = request.header("last-event-id", last);
@@ -144,8 +144,12 @@ async fn events_tell_every_change_and_resume() {
     assert_eq!((&state["job"]["state"], &state["twin"]), (&json!("SUCCEEDED"), &json!(twin)));
     assert_eq!(state["job"]["revision"], json!(last));
     // From the end: nothing new, and the stream ends; from before it: the last state.
-    assert_eq!(events(&server, &fit, Some(*last)).await, []);
-    assert_eq!(events(&server, &fit, Some(last - 1)).await.len(), 1);
+    assert_eq!(events(&server, &fit, Some(&last.to_string())).await, []);
+    assert_eq!(events(&server, &fit, Some(&(last - 1).to_string())).await.len(), 1);
+    // An id of another stream counts as none.
+    for other in ["x", "-1", "99999999999999999999999", ""] {
+        assert_eq!(events(&server, &fit, Some(other)).await.len(), 1, "{other}");
+    }
     let mut messages = Vec::new();
     while let Some(message) = watched.next().await {
         messages.push(message.unwrap());

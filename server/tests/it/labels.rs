@@ -160,6 +160,8 @@ async fn lists_are_searched_filtered_and_ordered() {
     assert_eq!(listed(&server, "fits?state=QUEUED").await, ["rope"]);
     assert!(listed(&server, "fits?state=RUNNING").await.is_empty());
     assert_eq!(listed(&server, "captures?search=rop&order_by=name").await, ["rope"]);
+    // As large a page as there may be.
+    assert_eq!(listed(&server, "captures?page_size=1000000").await, ["rope"]);
     for wrong in [
         "captures?order_by=error",
         "twins?order_by=size",

@@ -4,6 +4,7 @@
 use std::time::Duration;
 
 use base64::{Engine as _, prelude::BASE64_STANDARD};
+use bendtwin_server::ClientTokenPolicy;
 use reqwest::{Method, RequestBuilder, Response};
 use serde_json::Value;
 use tokio::io::{AsyncReadExt as _, AsyncWriteExt as _};
@@ -78,6 +79,22 @@ async fn options_say_what_is_understood() {
     );
     assert_eq!(list("tus-max-size"), (8u64 << 30).to_string());
     assert_eq!(list("tus-checksum-algorithm"), "sha1,sha256,blake3");
+}
+
+/// Clients ask what is understood before they show who they are; all else takes the token.
+#[tokio::test]
+async fn options_need_no_token() {
+    let server = Server::start_with(|o| o.client_token = ClientTokenPolicy::Required).await;
+    let token = server.handle.client_token().unwrap().to_owned();
+    let ask = |method: Method| server.http.request(method, server.url("/v1/uploads"));
+    assert_eq!(ask(Method::OPTIONS).send().await.unwrap().status(), 204);
+    assert_eq!(ask(Method::GET).send().await.unwrap().status(), 401);
+    let overridden = ask(Method::OPTIONS).header("x-http-method-override", "GET").send();
+    assert_eq!(overridden.await.unwrap().status(), 403);
+    for method in [Method::OPTIONS, Method::GET] {
+        let shown = ask(method).bearer_auth(&token).send().await.unwrap();
+        assert!(shown.status().is_success(), "{}", shown.status());
+    }
 }
 
 #[tokio::test]

@@ -92,6 +92,13 @@ impl Costs {
         self.costs.iter().any(|cost| matches!(cost.measure, Measure::Fixed(Term::Acceleration)))
     }
 
+    /// True if a cost of the nodes counts in every frame, and not after the last alone.
+    pub(super) fn are_in_every_frame(&self) -> bool {
+        let of_nodes = |cost: &&Cost| !matches!(cost.measure, Measure::Controls(_));
+        let in_every = |cost: &Cost| matches!(cost.when, When::EveryFrame | When::SoftMin);
+        self.costs.iter().filter(of_nodes).any(in_every)
+    }
+
     /// The objective whose gradient is that of the costs, at a rollout of an action. There is none
     /// where it diverged, which the engine finds again.
     pub(super) fn tangent(&self, action: usize, at: &Rollout) -> Objective {

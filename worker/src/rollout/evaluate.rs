@@ -68,7 +68,8 @@ impl Inner {
                 }
             };
             keep_rendered(&mut quality, twin, &recording);
-            let scale = Scale::of_nodes(&warm.twin.graph.rest_positions);
+            let graph = &warm.twin.graph;
+            let scale = Scale::of_nodes(&graph.rest_positions, &graph.rods);
             quality.assessment = Some(assess(&quality, scale));
             Ok((quality, motion))
         });

@@ -195,6 +195,11 @@ impl Plan {
         )
     }
 
+    /// Newtons per unit of the engine's forces, and joules per unit of its energies, in an instance.
+    pub(super) fn force_unit(&self, index: usize) -> f32 {
+        self.twin().newtons_per_unit() as f32 * self.variant(index).mass
+    }
+
     /// Extremes of what is prescribed to an instance, whose hands were `stopped`; `end` is its last
     /// state, if that is known.
     pub(super) fn extremes(

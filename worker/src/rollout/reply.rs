@@ -44,14 +44,15 @@ pub(super) fn summary(
         .flat_map(|r| (0..names.len()).map(|g| r.group_costs.get(g).copied().unwrap_or(f64::NAN)))
         .map(never_nan)
         .collect();
-    let asked = rollouts.iter().zip(extremes).filter(|_| plan.returns.diagnostics);
-    let diagnostics = asked.map(|(r, extremes)| {
+    let asked = indices.iter().zip(rollouts).zip(extremes).filter(|_| plan.returns.diagnostics);
+    let diagnostics = asked.map(|((instance, r), extremes)| {
         let d = r.diagnostics.unwrap_or_default();
+        let joules = plan.force_unit(*instance);
         Diagnostics {
             max_strain: d.max_strain,
             max_speed_m_s: d.max_speed_m_s,
-            kinetic_energy: d.kinetic_energy,
-            elastic_energy: d.elastic_energy,
+            kinetic_energy: joules * d.kinetic_energy,
+            elastic_energy: joules * d.elastic_energy,
             ground_contacts: d.ground_contacts,
             max_control_strain: d.max_control_strain,
             control_depth_m: extremes.depth.0,
@@ -93,7 +94,7 @@ pub(super) fn head(plan: &Plan) -> RollOutResponse {
     RollOutResponse {
         cost_names: plan.costs.names.clone(),
         fidelity: fidelity.into(),
-        substeps: plan.served.loaded.model().timing.substeps,
+        substeps: plan.variants.most_substeps(),
         deviation,
         mass_kg: plan.twin().mass_kg,
         ..RollOutResponse::default()

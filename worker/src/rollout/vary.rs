@@ -4,6 +4,10 @@
 //! A mass factor m divides what exerts forces (stiffness, damping, drag, holds) by m, which changes
 //! every motion as a mass of m does; a force that the engine reports, at unit node mass, is then m
 //! times as large.
+//!
+//! A variant that is too stiff for the twin's substeps gets more, by the stability estimate that fits use:
+//! those that it needs itself, whatever else is in its batch, so that an instance moves in the same
+//! bits alone and beside others.
 
 use std::{collections::HashMap, sync::Arc};
 
@@ -12,14 +16,17 @@ use bendtwin_engine::{
     Backend, Loaded, Model, Objective, Term, World, backend, enough_substeps,
     objective::WeightedTerm,
 };
-use bendtwin_proto::v1::{Tensor, Vary};
+use bendtwin_proto::{
+    rollout::{MOST_SUBSTEPS, finer_substeps},
+    v1::{Tensor, Vary},
+};
 
 use super::{error::Error, rest_shape::RestShape, world::Surroundings};
 
 /// Largest Coulomb friction.
 const MOST_FRICTION: f32 = 2.0;
 
-/// Factors of the twin's own parameters.
+/// Factors of the twin's own parameters, and what takes their place.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Factors {
     pub(super) stiffness: f32,
@@ -27,6 +34,8 @@ pub(super) struct Factors {
     pub(super) bending: f32,
     pub(super) friction: f32,
     pub(super) mass: f32,
+    pub(super) ground_restitution: Option<f32>,
+    pub(super) object_restitution: Option<f32>,
 }
 
 /// A model and what surrounds it.
@@ -60,11 +69,22 @@ pub(super) struct Variants {
 impl Factors {
     /// The twin as it is.
     #[cfg(test)]
-    pub(super) const ONE: Self =
-        Self { stiffness: 1.0, damping: 1.0, bending: 1.0, friction: 1.0, mass: 1.0 };
+    pub(super) const ONE: Self = Self {
+        stiffness: 1.0,
+        damping: 1.0,
+        bending: 1.0,
+        friction: 1.0,
+        mass: 1.0,
+        ground_restitution: None,
+        object_restitution: None,
+    };
 
-    fn bits(self) -> [u32; 5] {
-        [self.stiffness, self.damping, self.bending, self.friction, self.mass].map(f32::to_bits)
+    fn bits(self) -> [Option<u32>; 7] {
+        let factors = [self.stiffness, self.damping, self.bending, self.friction, self.mass];
+        let [a, b, c, d, e] = factors.map(|x| Some(x.to_bits()));
+        let [f, g] =
+            [self.ground_restitution, self.object_restitution].map(|x| x.map(f32::to_bits));
+        [a, b, c, d, e, f, g]
     }
 
     /// Parameters of the twin with these factors.
@@ -87,6 +107,8 @@ impl Factors {
         let contact = &mut params.contact;
         contact.ground_friction = self.friction_of(contact.ground_friction);
         contact.object_friction = self.friction_of(contact.object_friction);
+        contact.ground_restitution = self.ground_restitution.unwrap_or(contact.ground_restitution);
+        contact.object_restitution = self.object_restitution.unwrap_or(contact.object_restitution);
     }
 
     /// A coefficient of friction with this factor.
@@ -116,7 +138,7 @@ impl Variants {
         let fits = base.models().iter().map(around).collect::<Result<Vec<_>, _>>()?;
         let sets = read(vary.unwrap_or_default())?;
         let count = base.count(sets.len());
-        let mut numbers = HashMap::new();
+        let (mut numbers, mut finer) = (HashMap::new(), Finer::default());
         let (mut all, mut of) = (Vec::new(), Vec::with_capacity(count));
         for index in 0..count {
             if cancel.is_cancelled() {
@@ -129,7 +151,8 @@ impl Variants {
             let number = *numbers.entry(key).or_insert(next);
             if number == next {
                 let changed = Changed { factors, set, rest: rest.map(|rest| &**rest) };
-                let loaded = changed.load(&fits[fit], surroundings, backend)?;
+                let base = (fit, &fits[fit]);
+                let loaded = changed.load(base, surroundings, &mut finer, backend)?;
                 let world = Arc::new(surroundings.world(factors));
                 all.push(Variant { loaded, world, mass: factors.mass });
             }
@@ -141,6 +164,12 @@ impl Variants {
     /// The variant of an instance; those of the members of an ensemble follow one another.
     pub(super) fn of(&self, index: usize) -> &Variant {
         &self.all[self.of[index % self.of.len()] as usize]
+    }
+
+    /// Substeps per frame of the variant that takes most.
+    pub(super) fn most_substeps(&self) -> u32 {
+        let substeps = |variant: &Variant| variant.loaded.model().timing.substeps;
+        self.all.iter().map(substeps).max().unwrap_or_default()
     }
 }
 
@@ -199,11 +228,35 @@ struct Changed<'a> {
     rest: Option<&'a RestShape>,
 }
 
+/// Models with more substeps than the fits have, by fit and substeps, from which variants are made.
+#[derive(Default)]
+struct Finer(HashMap<(usize, u32), Loaded>);
+
+impl Finer {
+    fn load(
+        &mut self,
+        (fit, base): (usize, &Loaded),
+        substeps: u32,
+        backend: &dyn Backend,
+    ) -> Result<Loaded, Error> {
+        if let Some(loaded) = self.0.get(&(fit, substeps)) {
+            return Ok(loaded.clone());
+        }
+        let mut model = Model::clone(base.model());
+        model.timing.substeps = substeps;
+        let loaded = backend.load(Arc::new(model))?;
+        self.0.insert((fit, substeps), loaded.clone());
+        Ok(loaded)
+    }
+}
+
 impl Changed<'_> {
+    /// The model of this variant, of a fit with this number.
     fn load(
         &self,
-        base: &Loaded,
+        (fit, base): (usize, &Loaded),
         surroundings: &Surroundings,
+        finer: &mut Finer,
         backend: &dyn Backend,
     ) -> Result<Loaded, Error> {
         let model = base.model();
@@ -217,17 +270,26 @@ impl Changed<'_> {
             return Ok(base.clone());
         }
         if self.factors.stiffens() {
-            let (set, substeps) = (self.set, model.timing.substeps);
+            let own = model.timing.substeps;
             let stiffer = Model { params: params.clone(), ..Model::clone(model) };
-            enough_substeps(&stiffer, substeps).map_err(|needs| {
-                let needed = needs.needed;
-                let fault = format!(
-                    "needs {needed} substeps a frame for {set}, the twin has {substeps}: use smaller factors of stiffness, bending and damping, or a larger one of the mass"
-                );
-                Error::field("vary", fault)
-            })?;
+            if let Err(needs) = enough_substeps(&stiffer, own) {
+                let substeps = finer_substeps(own, needs.needed.into());
+                if substeps < needs.needed {
+                    return Err(self.too_stiff(needs.needed));
+                }
+                let finer = finer.load((fit, base), substeps, backend)?;
+                return Ok(backend.with_params(&finer, params)?);
+            }
         }
         Ok(backend.with_params(base, params)?)
+    }
+
+    fn too_stiff(&self, needed: u32) -> Error {
+        let set = self.set;
+        let fault = format!(
+            "needs {needed} substeps a frame for {set}, and a frame has at most {MOST_SUBSTEPS}: use smaller factors of stiffness, bending and damping, or a larger one of the mass"
+        );
+        Error::field("vary", fault)
     }
 }
 
@@ -242,7 +304,17 @@ fn read(vary: Vary) -> Result<Vec<Factors>, Error> {
     let bending = unpack(vary.bending, "vary.bending")?;
     let friction = unpack(vary.friction, "vary.friction")?;
     let mass = unpack(vary.mass, "vary.mass")?;
-    let arrays = [&stiffness, &damping, &bending, &friction, &mass];
+    let ground_restitution = unpack(vary.ground_restitution, "vary.ground_restitution")?;
+    let object_restitution = unpack(vary.object_restitution, "vary.object_restitution")?;
+    let arrays = [
+        &stiffness,
+        &damping,
+        &bending,
+        &friction,
+        &mass,
+        &ground_restitution,
+        &object_restitution,
+    ];
     let count = arrays.iter().map(|values| values.len()).max().unwrap_or(0).max(1);
     let at = |values: &[f32], i: usize| values.get(i).copied().unwrap_or(1.0);
     let factors = |i| Factors {
@@ -251,6 +323,8 @@ fn read(vary: Vary) -> Result<Vec<Factors>, Error> {
         bending: at(&bending, i),
         friction: at(&friction, i),
         mass: at(&mass, i),
+        ground_restitution: ground_restitution.get(i).copied(),
+        object_restitution: object_restitution.get(i).copied(),
     };
     Ok((0..count).map(factors).collect())
 }

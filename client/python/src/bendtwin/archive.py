@@ -16,21 +16,23 @@ _COMPRESSED = frozenset((*_PICTURES, ".npz", ".zip", ".gz", ".zst", ".mcap", ".g
 
 @contextmanager
 def archive_of(path: Path) -> Iterator[Path]:
-    """The capture as one ZIP file: `path` itself, or a temporary archive of the folder.
+    """The capture as one file: `path` itself, or a temporary ZIP archive.
 
-    Of a folder, all regular files but hidden ones are packed, the same way every time: so the same
-    files have the same digest, by which an upload that broke off is found again.
+    Of a folder, all regular files but hidden ones are packed, and motion capture (`.npz`) with the
+    `.json` that describes it, the same way every time: so the same files have the same digest, by
+    which an upload that broke off is found again.
     """
-    if not path.is_dir():
+    files = _parts_of(path)
+    if files is None:
         path.stat()  # Missing files fail here, not in the middle of a call.
         yield path
         return
     with tempfile.TemporaryDirectory(prefix="bendtwin-") as folder:
         archive = Path(folder) / f"{path.name}.zip"
         with zipfile.ZipFile(archive, "w", zipfile.ZIP_DEFLATED, compresslevel=1) as zipped:
-            for file in sorted(p for p in path.rglob("*") if _is_packed(p, path)):
+            for name, file in files:
                 # A fixed time, for the time of a file says nothing about its content.
-                entry = zipfile.ZipInfo(file.relative_to(path).as_posix())
+                entry = zipfile.ZipInfo(name)
                 stored = file.suffix.lower() in _COMPRESSED
                 entry.compress_type = zipfile.ZIP_STORED if stored else zipfile.ZIP_DEFLATED
                 entry.file_size = file.stat().st_size  # Decides on the long form of its header.
@@ -38,6 +40,19 @@ def archive_of(path: Path) -> Iterator[Path]:
                     while chunk := source.read(_CHUNK_BYTES):
                         target.write(chunk)
         yield archive
+
+
+def _parts_of(path: Path) -> list[tuple[str, Path]] | None:
+    """The files that a capture consists of, by their names in an archive; None if it is a file."""
+    if path.is_dir():
+        files = sorted(p for p in path.rglob("*") if _is_packed(p, path))
+        return [(file.relative_to(path).as_posix(), file) for file in files]
+    if path.suffix.lower() != ".npz":
+        return None
+    description = path.with_suffix(".json")
+    if path.is_file() and not description.is_file():
+        raise FileNotFoundError(f"{path.name} is motion capture, and needs {description} beside it")
+    return [(file.name, file) for file in (description, path)]
 
 
 def _is_packed(file: Path, root: Path) -> bool:

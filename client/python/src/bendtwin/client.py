@@ -90,8 +90,9 @@ class Client:
         ingest: dict[str, Any] | None = None,
         ingest_requirements: Requirements | None = None,
     ) -> Capture:
-        """Uploads a capture: a ZIP archive, or a folder that is packed first.
+        """Uploads a capture: an archive, or a folder that is packed first.
 
+        Motion capture (`.npz`) is packed with the `.json` beside it.
         `ingest` says what differs from the default settings of reading it (docs/settings.md), and
         `ingest_requirements` which worker reads it.
         The same content under the same `request_id` answers with the capture that exists.
@@ -155,8 +156,9 @@ class Client:
         ingest_requirements: Requirements | None = None,
         on_progress: Callable[[int, int], None] | None = None,
     ) -> Capture:
-        """Uploads a capture resumably (tus 1.0.0): a ZIP archive, or a folder that is packed first.
+        """Uploads a capture resumably (tus 1.0.0): an archive, or a folder that is packed first.
 
+        Motion capture (`.npz`) is packed with the `.json` beside it.
         Goes on over broken connections and restarts of the server, and, called again, over
         restarts of its own process. The same content under the same name is one capture and is not
         sent twice. `ingest_requirements` says which worker reads it; `on_progress` is told the

@@ -220,7 +220,10 @@ class Grasp:
 
 @dataclass(frozen=True, kw_only=True)
 class Vary:
-    """Parameters as factors of the twin's own: [B], or [E] with an ensemble. None: 1."""
+    """Parameters as factors of the twin's own: [B], or [E] with an ensemble. None: 1.
+
+    An instance that is too stiff for the twin's substeps gets more, and takes as much longer.
+    """
 
     #: Axial, 0.01..100.
     stiffness: npt.ArrayLike | None = None
@@ -232,6 +235,10 @@ class Vary:
     friction: npt.ArrayLike | None = None
     #: Of all nodes, 0.01..100.
     mass: npt.ArrayLike | None = None
+    #: No factor: of the ground, 0..1, in the place of the twin's and the world's.
+    ground_restitution: npt.ArrayLike | None = None
+    #: No factor: between nodes, 0..1, in the place of the twin's.
+    object_restitution: npt.ArrayLike | None = None
     #: Member e of the ensemble is simulated on fit e of the twin, 0 being the twin itself: at most
     #: `TwinGeometry.fits` of them.
     fits: bool = False

@@ -88,7 +88,9 @@ pub struct Reply {
     pub deviation: Option<Deviation>,
 }
 
-/// Distance of the fast variant from the exact twin when both follow the twin's own capture.
+/// Distance of the fast variant from the exact twin when both follow the twin's own capture. It does
+/// not hold for the rollout that it comes with: with faster or larger motions, or other surroundings, 5
+/// to 16 times as much was seen.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Deviation {
     /// Between a node here and there, mean over nodes and frames [m].
@@ -110,9 +112,10 @@ pub struct Diagnostics {
     pub max_control_strain: f32,
     /// Largest mean speed of a node over a frame [m/s].
     pub max_speed_m_s: f32,
-    /// At the end [J per unit mass scale]; NaN where it diverged.
+    /// At the end [J]; without a mass of the object as if a node of the twin weighed 1 kg, and NaN
+    /// where it diverged.
     pub kinetic_energy: f32,
-    /// At the end [J per unit mass scale]; NaN where it diverged.
+    /// The same.
     pub elastic_energy: f32,
     /// Nodes on the ground at the end.
     pub ground_contacts: u32,

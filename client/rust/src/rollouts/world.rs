@@ -200,18 +200,24 @@ pub struct Vary {
     pub friction: Vec<f32>,
     /// Mass of all nodes.
     pub mass: Vec<f32>,
+    /// No factor: the restitution of the ground, 0 to 1, in the place of the twin's and the world's.
+    pub ground_restitution: Vec<f32>,
+    /// No factor: the restitution between nodes, 0 to 1, in the place of the twin's.
+    pub object_restitution: Vec<f32>,
 }
 
 impl From<Vary> for v1::Vary {
     fn from(vary: Vary) -> Self {
-        let factors =
+        let packed =
             |values: &[f32]| (!values.is_empty()).then(|| Tensor::pack(&[values.len()], values));
         Self {
-            stiffness: factors(&vary.stiffness),
-            damping: factors(&vary.damping),
-            bending: factors(&vary.bending),
-            friction: factors(&vary.friction),
-            mass: factors(&vary.mass),
+            stiffness: packed(&vary.stiffness),
+            damping: packed(&vary.damping),
+            bending: packed(&vary.bending),
+            friction: packed(&vary.friction),
+            mass: packed(&vary.mass),
+            ground_restitution: packed(&vary.ground_restitution),
+            object_restitution: packed(&vary.object_restitution),
             fits: false,
         }
     }

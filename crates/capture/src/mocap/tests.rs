@@ -54,6 +54,32 @@ fn held_vertices_become_pins() {
     assert_eq!(capture.environment.ground.unwrap().offset_m, FLOOR_M);
 }
 
+/// An archive of both files, as a client sends them, or a folder that has them.
+#[test]
+fn both_files_may_lie_in_an_archive_or_a_folder() {
+    let folder = tempfile::tempdir().unwrap();
+    let npz = write(folder.path(), &[0, 3]);
+    let alone = crate::read(&npz, &Limits::default()).unwrap();
+    let of = |name: &str| (name.to_owned(), std::fs::read(folder.path().join(name)).unwrap());
+    let archive = pack(&[of("C1.npz"), of("C1.json")].into());
+    let packed = crate::read_bytes("DLO4", &archive, &Limits::default()).unwrap();
+    assert_eq!(packed, alone);
+    assert_eq!(crate::read(folder.path(), &Limits::default()).unwrap(), alone);
+    let read = crate::files_read(folder.path(), &Limits::default()).unwrap();
+    assert_eq!(read.files, ["C1.json", "C1.npz"]);
+    assert!(read.format.contains("motion capture"), "{}", read.format);
+    // What is unpacked is bounded as in any archive.
+    let little = Limits { total_bytes: 1_000, ..Limits::default() };
+    assert!(crate::read_bytes("DLO4", &archive, &little).is_err());
+    // Which of two it is to be, nobody says; and arrays alone are no capture.
+    let (_, bytes) = of("C1.npz");
+    let two = [of("C1.npz"), of("C1.json"), ("C2.npz".to_owned(), bytes.clone())];
+    assert!(crate::read_bytes("two", &pack(&two.into()), &Limits::default()).is_err());
+    let lone = pack(&[("C1.npz".to_owned(), bytes)].into());
+    let error = crate::read_bytes("DLO4", &lone, &Limits::default()).unwrap_err();
+    assert!(error.to_string().contains("with its .json"), "{error}");
+}
+
 #[test]
 fn the_description_is_needed_and_indices_must_exist() {
     let folder = tempfile::tempdir().unwrap();

@@ -101,7 +101,7 @@ fn comparisons_without_data_are_left_out() {
     quality.scores[0].train = ErrorSummary::default();
     is(&quality, Scale::default(), Level::Unknown, "off by 4.0 mm.", "nothing to compare");
     is(&table(4.0, 7.0, 5.0), Scale::default(), Level::Poor, "1.75 times", "Do not plan");
-    assert_eq!(Scale::of_nodes(&[]), Scale::default());
+    assert_eq!(Scale::of_nodes(&[], &[]), Scale::default());
 }
 
 #[test]
@@ -124,9 +124,21 @@ fn the_axial_fit_is_told_without_deciding() {
 fn sizes_are_those_of_the_nodes() {
     let nodes: Vec<Point> =
         (0..1000).map(|i| [i % 10, i / 10 % 10, i / 100].map(|x| 0.02 * x as f32)).collect();
-    let scale = Scale::of_nodes(&nodes);
+    let scale = Scale::of_nodes(&nodes, &[]);
     assert!((scale.size_m - 0.18 * 3.0_f64.sqrt()).abs() < 1e-6, "{scale:?}");
     assert!((0.02..0.025).contains(&scale.spacing_m), "{scale:?}");
+}
+
+/// The sixth neighbour of a cable's node is far along it.
+#[test]
+fn the_nodes_of_a_cable_are_as_far_apart_as_they_follow_one_another() {
+    let nodes: Vec<Point> = (0..9).map(|i| [0.0866 * i as f32, 0.0, 0.0]).collect();
+    let rods = [(0..9).collect::<Vec<u32>>()];
+    let scale = Scale::of_nodes(&nodes, &rods);
+    assert!((scale.spacing_m - 0.0866).abs() < 1e-6, "{scale:?}");
+    assert!(Scale::of_nodes(&nodes, &[]).spacing_m > 0.3);
+    // Rods of a reply that does not fit its nodes.
+    assert!(Scale::of_nodes(&nodes, &[vec![7, 8, 9]]).spacing_m < 0.1);
 }
 
 #[test]

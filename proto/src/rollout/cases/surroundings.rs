@@ -251,6 +251,11 @@ fn varied() -> Named<Vary> {
         ("a stiffness of 0", "`vary.stiffness`", stiffness(&[1.0, 0.0])),
         ("a mass that is NaN", "`vary.mass`", mass(&[f32::NAN, 1.0])),
         ("a mass of 101", "`vary.mass`", mass(&[1.0, 101.0])),
+        (
+            "a restitution above 1",
+            "`vary.ground_restitution`",
+            Vary { ground_restitution: factors(&[0.0, 1.5]), ..Vary::default() },
+        ),
         ("fits without an ensemble", "`vary.fits`", Vary { fits: true, ..Vary::default() }),
     ]
 }

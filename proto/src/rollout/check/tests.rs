@@ -187,6 +187,43 @@ fn limits_hold_and_say_what_to_do() {
     assert!(check_for(&request, &TWIN, &Limits { reply_bytes: 700, ..all }, 1).is_ok());
 }
 
+/// Twice as stiff takes the root of two as many substeps, half as heavy too, twice as damped twice.
+#[test]
+fn what_is_varied_is_counted_with_the_substeps_that_it_takes() {
+    let plain = RollOutRequest { costs: Vec::new(), ..sound() };
+    let of = |vary: Vary| {
+        let request = RollOutRequest { vary: Some(vary), ..plain.clone() };
+        let batch = check(&request, &Limits::default()).unwrap();
+        work(&request, &batch, &TWIN)
+    };
+    let two = |a: f32, b: f32| Some(Tensor::pack(&[2], &[a, b]));
+    // 2 frames of 12 elements with 10 substeps, or as many as are given.
+    let with = |a: u128, b: u128| 2 * 12 * (a + b);
+    assert_eq!(of(Vary::default()), with(10, 10));
+    assert_eq!(of(Vary { stiffness: two(1.0, 0.5), ..Vary::default() }), with(10, 10));
+    assert_eq!(of(Vary { stiffness: two(1.0, 2.0), ..Vary::default() }), with(10, 15));
+    assert_eq!(of(Vary { bending: two(4.0, 4.0), ..Vary::default() }), with(20, 20));
+    assert_eq!(of(Vary { mass: two(0.01, 1.0), ..Vary::default() }), with(1_077, 10));
+    assert_eq!(of(Vary { damping: two(2.0, 1.0), ..Vary::default() }), with(20, 10));
+    let most = Vary { damping: two(100.0, 1.0), mass: two(0.01, 1.0), ..Vary::default() };
+    assert_eq!(of(most), with(MOST_SUBSTEPS.into(), 10));
+}
+
+#[test]
+fn finer_substeps_are_enough_and_few_numbers() {
+    let mut seen = std::collections::BTreeSet::new();
+    for own in [1, 7, 154] {
+        for needed in own..50 * own {
+            let found = finer_substeps(own, needed.into());
+            assert!(found >= needed && f64::from(found) <= 1.2 * f64::from(needed) + 1.0);
+            seen.insert((own, found));
+        }
+    }
+    assert!(seen.len() < 3 * 30, "{}", seen.len());
+    assert_eq!(finer_substeps(154, 1e9), MOST_SUBSTEPS);
+    assert_eq!(finer_substeps(200_000, 1e9), 200_000);
+}
+
 #[test]
 fn targets_may_differ_by_frame_and_instance() {
     let limits = Limits::default();

@@ -11,6 +11,10 @@ use crate::v1::{Fidelity, RollOutRequest, Tensor, Vary, ensemble::Statistic, ten
 const MOST: f32 = 100.0;
 /// Smallest factor of what must not vanish.
 const LEAST: f32 = 0.01;
+/// Most substeps of a frame of what is varied.
+pub const MOST_SUBSTEPS: u32 = 100_000;
+/// Numbers of substeps between one and its double: few, as each needs a model on the device.
+const RUNGS: f64 = 4.0;
 
 pub(super) fn check(request: &RollOutRequest, batch: &Batch, limits: &Limits) -> Result<(), Error> {
     let sets = match &request.ensemble {
@@ -52,9 +56,9 @@ pub(super) fn check(request: &RollOutRequest, batch: &Batch, limits: &Limits) ->
         let fault = "is for the exact twin, and the fast variant has no other fits: ask for EXACT";
         return Err(Error::field("vary.fits", fault));
     }
-    for (name, tensor, least) in factors(vary) {
+    for (name, tensor, [least, most]) in given_by_set(vary) {
         if let Some(tensor) = given(tensor) {
-            self::factor(tensor, &format!("vary.{name}"), sets, least)?;
+            numbers(tensor, &format!("vary.{name}"), sets, least, most)?;
         }
     }
     Ok(())
@@ -76,36 +80,92 @@ pub(in crate::rollout) fn sets(request: &RollOutRequest, batch: &Batch) -> u64 {
 }
 
 fn is_empty(vary: &Vary) -> bool {
-    !vary.fits && factors(vary).into_iter().all(|(_, tensor, _)| given(tensor).is_none())
+    !vary.fits && given_by_set(vary).into_iter().all(|(_, tensor, _)| given(tensor).is_none())
 }
 
-/// Name and tensor of each factor, and the least that it may be.
-fn factors(vary: &Vary) -> [(&'static str, Option<&Tensor>, f32); 5] {
+/// Name and tensor of what differs between sets of parameters, with its least and greatest value.
+fn given_by_set(vary: &Vary) -> [(&'static str, Option<&Tensor>, [f32; 2]); 7] {
     [
-        ("stiffness", vary.stiffness.as_ref(), LEAST),
-        ("damping", vary.damping.as_ref(), 0.0),
-        ("bending", vary.bending.as_ref(), 0.0),
-        ("friction", vary.friction.as_ref(), 0.0),
-        ("mass", vary.mass.as_ref(), LEAST),
+        ("stiffness", vary.stiffness.as_ref(), [LEAST, MOST]),
+        ("damping", vary.damping.as_ref(), [0.0, MOST]),
+        ("bending", vary.bending.as_ref(), [0.0, MOST]),
+        ("friction", vary.friction.as_ref(), [0.0, MOST]),
+        ("mass", vary.mass.as_ref(), [LEAST, MOST]),
+        ("ground_restitution", vary.ground_restitution.as_ref(), [0.0, 1.0]),
+        ("object_restitution", vary.object_restitution.as_ref(), [0.0, 1.0]),
     ]
 }
 
-fn factor(
+fn numbers(
     tensor: &Tensor,
     field: &str,
     (name, count): (&str, u64),
     least: f32,
+    most: f32,
 ) -> Result<(), Error> {
     let (tensor, shape) = required(Some(tensor), field, Dtype::Float32)?;
     if shape != [count] {
         let fault = format!("has shape {shape:?}, not [{count}] ({name})");
         return Err(Error::field(field, fault));
     }
-    match floats(tensor).enumerate().find(|(_, x)| !(least..=MOST).contains(x)) {
+    match floats(tensor).enumerate().find(|(_, x)| !(least..=most).contains(x)) {
         Some((i, x)) => {
-            let fault = format!("is {x} for {i}: it is a factor, and must lie in {least}..={MOST}");
+            let what = if most == MOST { "is a factor, and must" } else { "must" };
+            let fault = format!("is {x} for {i}: it {what} lie in {least}..={most}");
             Err(Error::field(field, fault))
         }
         None => Ok(()),
     }
+}
+
+/// Substeps of the sets of parameters of a request, at most: a worker finds out what each needs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(in crate::rollout) struct Substeps {
+    /// Of all sets together.
+    pub(in crate::rollout) total: u128,
+    /// Number of sets.
+    pub(in crate::rollout) sets: u64,
+    /// Of the set that needs most.
+    pub(in crate::rollout) most: u32,
+}
+
+/// Substeps of the sets of a checked request to a twin that has `own` a frame.
+///
+/// A substep dt is stable as long as `dt² k + 2 dt c <= 4` for all modes. Factors multiply k by at most
+/// that of stiffness or bending, and c by that of damping, both divided by that of the mass; so a
+/// substep that is shorter by `max(sqrt(k'/k), c'/c)` is stable again.
+pub(in crate::rollout) fn substeps(request: &RollOutRequest, own: u32) -> Substeps {
+    let nothing = Vary::default();
+    let vary = request.vary.as_ref().unwrap_or(&nothing);
+    let of = |tensor: &Option<Tensor>| -> Vec<f32> {
+        given(tensor.as_ref()).map(|tensor| floats(tensor).collect()).unwrap_or_default()
+    };
+    let [stiffness, bending, damping, mass] =
+        [&vary.stiffness, &vary.bending, &vary.damping, &vary.mass].map(of);
+    let count = [&stiffness, &bending, &damping, &mass].map(Vec::len).into_iter().max();
+    let count = count.unwrap_or(0).max(1);
+    let at = |values: &[f32], set: usize| f64::from(values.get(set).copied().unwrap_or(1.0));
+    let each = |set: usize| {
+        let stiffer = at(&stiffness, set).max(at(&bending, set)) / at(&mass, set);
+        let ratio = stiffer.sqrt().max(at(&damping, set) / at(&mass, set));
+        if ratio <= 1.0 { own } else { finer_substeps(own, f64::from(own) * ratio) }
+    };
+    let all = (0..count).map(each);
+    Substeps {
+        total: all.clone().map(u128::from).sum(),
+        sets: count as u64,
+        most: all.max().unwrap_or(own),
+    }
+}
+
+/// Substeps of a variant that needs at least `needed`, of a twin that has `own`: the next of four
+/// numbers between each and its double, at most [`MOST_SUBSTEPS`], or what the twin has, if that is
+/// more.
+pub fn finer_substeps(own: u32, needed: f64) -> u32 {
+    let rung = RUNGS * (needed / f64::from(own.max(1))).log2();
+    // A rung that is met exactly is not passed by rounding.
+    let rung = (rung - 1e-9).ceil().max(0.0);
+    let substeps = (f64::from(own) * (rung / RUNGS).exp2()).max(needed).ceil();
+    // A saturating cast.
+    (substeps as u32).min(MOST_SUBSTEPS).max(own)
 }

@@ -2,10 +2,11 @@ use prost::Message as _;
 
 use super::*;
 use crate::{
-    rollout::{TwinShape, cases},
+    rollout::{TwinShape, cases, check},
     v1::{
-        Cost, Returns, RollOutRequest, Tensor,
+        AdvanceSessionRequest, ControlTrajectories, Cost, Returns, RollOutRequest, Tensor,
         cost::{Keypoints, Kind},
+        roll_out_request::Actions,
     },
 };
 
@@ -26,6 +27,41 @@ fn costs_are_counted_before_they_are_decoded() {
     assert_eq!(with(256), Ok(()));
     let refused = with(257).unwrap_err().to_string();
     assert!(refused.contains("number of costs would be 257"), "{refused}");
+}
+
+/// The first kilobyte of a batch tells how large it is.
+#[test]
+fn instances_are_counted_before_their_actions_have_come() {
+    let limits = Limits { instances: 1_000, ..Limits::default() };
+    let positions = |count: usize| {
+        let values = vec![0.5f32; count * 2 * 3];
+        Some(Tensor::pack(&[count, 2, 1, 3], &values))
+    };
+    let trajectories = |count: usize| {
+        let positions = positions(count);
+        let actions = ControlTrajectories { positions, ..ControlTrajectories::default() };
+        RollOutRequest {
+            twin: "twins/0".into(),
+            actions: Some(Actions::Trajectories(actions)),
+            ..RollOutRequest::default()
+        }
+    };
+    let look = |request: &RollOutRequest| {
+        let bytes = request.encode_to_vec();
+        assert!(bytes.len() > 20_000);
+        check_encoded(Encoded::RollOut, &bytes[..1_000], &limits)
+    };
+    assert_eq!(look(&trajectories(1_000)), Ok(()));
+    let refused = look(&trajectories(1_001)).unwrap_err();
+    assert_eq!(refused, check(&trajectories(1_001), &limits).unwrap_err());
+    assert!(refused.to_string().contains("split the batch"), "{refused}");
+    let advance = AdvanceSessionRequest {
+        name: "sessions/0".into(),
+        rollout: Some(trajectories(1_001)),
+        ..AdvanceSessionRequest::default()
+    };
+    let bytes = advance.encode_to_vec();
+    assert_eq!(check_encoded(Encoded::Advance, &bytes[..1_000], &limits), Err(refused));
 }
 
 #[test]

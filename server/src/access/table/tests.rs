@@ -44,9 +44,21 @@ fn heads_are_gets_unless_they_have_an_entry() {
 #[test]
 fn few_paths_are_open() {
     for open in ["/", "/healthz", "/readyz", "/docs", "/openapi.json", "/assets/index-1.js"] {
-        assert!(is_open_path(open), "{open}");
+        // Other methods get their answer, that they do not exist, without a token, too.
+        for method in [Method::GET, Method::HEAD, Method::POST] {
+            assert!(is_open(&method, open), "{method} {open}");
+        }
     }
     for closed in ["/metrics", "/v1/captures", "/assets", "/healthz/x", "//", "", "/v1/keys"] {
-        assert!(!is_open_path(closed), "{closed}");
+        assert!(!is_open(&Method::GET, closed), "{closed}");
     }
+}
+
+#[test]
+fn of_uploads_only_the_options_are_open() {
+    assert!(is_open(&Method::OPTIONS, "/v1/uploads"));
+    for method in [Method::GET, Method::HEAD, Method::POST, Method::DELETE] {
+        assert!(!is_open(&method, "/v1/uploads"), "{method}");
+    }
+    assert!(!is_open(&Method::OPTIONS, "/v1/uploads/0199"));
 }

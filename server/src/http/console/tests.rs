@@ -4,7 +4,7 @@ use super::*;
 fn every_file_can_be_decompressed_and_the_page_is_there() {
     for (path, media_type, _) in FILES {
         let asset = &ASSETS[path];
-        assert!(crate::access::is_open_path(path), "{path}");
+        assert!(crate::access::is_open(&axum::http::Method::GET, path), "{path}");
         assert!(!asset.plain().unwrap().is_empty(), "{path}");
         assert_eq!(asset.media_type, *media_type);
     }

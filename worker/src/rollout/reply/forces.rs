@@ -64,7 +64,7 @@ fn rows<'r, const N: usize>(
 ) -> Vec<[f32; N]> {
     let mut out = Vec::with_capacity(instances.len() * each);
     for (instance, rollout) in instances.iter().zip(rollouts) {
-        let unit = plan.twin().newtons_per_unit() as f32 * plan.variant(*instance).mass;
+        let unit = plan.force_unit(*instance);
         let end = out.len() + each;
         out.extend(of(rollout).iter().take(each).map(|row| row.map(|x| unit * x)));
         out.resize(end, [f32::NAN; N]);

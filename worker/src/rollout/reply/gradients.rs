@@ -60,15 +60,19 @@ pub(in crate::rollout) fn add_gradients(
         let values = padded(&gradients.norms, rows, 0.0);
         part.gradient_norms = Some(Tensor::pack(&[count, rows], &values));
     }
-    let exploded: Vec<u32> = gradients.norms.iter().map(|n| u32::from(has_exploded(n))).collect();
+    let every = plan.costs.are_in_every_frame();
+    let exploded = gradients.norms.iter().map(|norms| u32::from(has_exploded(norms, every)));
+    let exploded: Vec<u32> = exploded.collect();
     part.gradient_exploded = Some(Tensor::pack(&[count], &exploded));
 }
 
 /// True if a norm is no number, or more than 20 times what would come together if every frame from
-/// there on added as much as the last one on which the cost depends.
-fn has_exploded(norms: &[f64]) -> bool {
+/// there on that a cost counts in added as much as the last one on which the cost depends: all of them
+/// if costs count in every frame, else that one.
+fn has_exploded(norms: &[f64], every: bool) -> bool {
     let Some(last) = norms.iter().rposition(|norm| *norm != 0.0) else { return false };
-    let allowed = |frame: usize| EXPLODED * norms[last] * (last - frame + 1) as f64;
+    let counted = |frame: usize| if every { (last - frame + 1) as f64 } else { 1.0 };
+    let allowed = |frame: usize| EXPLODED * norms[last] * counted(frame);
     norms.iter().enumerate().take(last + 1).any(|(f, norm)| !norm.is_finite() || *norm > allowed(f))
 }
 
@@ -89,16 +93,24 @@ mod tests {
 
     #[test]
     fn a_gradient_that_grows_by_more_than_its_frames_has_exploded() {
-        assert!(!has_exploded(&[]));
-        assert!(!has_exploded(&[0.0, 0.0]));
+        assert!(!has_exploded(&[], true));
+        assert!(!has_exploded(&[0.0, 0.0], true));
         // Nothing depends on the frames after the last cost.
-        assert!(!has_exploded(&[59.0, 5.0, 1.0, 0.0, 0.0]));
-        assert!(has_exploded(&[61.0, 5.0, 1.0, 0.0]));
-        assert!(has_exploded(&[5.0, 41.0, 1.0, 0.0]));
+        assert!(!has_exploded(&[59.0, 5.0, 1.0, 0.0, 0.0], true));
+        assert!(has_exploded(&[61.0, 5.0, 1.0, 0.0], true));
+        assert!(has_exploded(&[5.0, 41.0, 1.0, 0.0], true));
         // A cost in each of a thousand frames.
         let every: Vec<f64> = (0..1000).rev().map(|f| 3.0 * f64::from(f + 1)).collect();
-        assert!(!has_exploded(&every));
-        assert!(has_exploded(&[f64::NAN, f64::NAN]));
-        assert!(has_exploded(&[f64::INFINITY, 1.0]));
+        assert!(!has_exploded(&every, true));
+        assert!(has_exploded(&[f64::NAN, f64::NAN], true));
+        assert!(has_exploded(&[f64::INFINITY, 1.0], true));
+    }
+
+    /// A cost of the last frame alone adds nothing on the way back.
+    #[test]
+    fn a_gradient_of_the_last_frame_is_to_grow_no_more_with_more_frames() {
+        assert!(has_exploded(&[42.0, 5.0, 1.0], false));
+        assert!(!has_exploded(&[42.0, 5.0, 1.0], true));
+        assert!(!has_exploded(&[19.0, 5.0, 1.0], false));
     }
 }

@@ -230,15 +230,91 @@ fn a_mass_is_the_inverse_of_all_that_exerts_forces() {
     let forces = floats(&part.forces.unwrap().controls);
     let (heavy, weak) = (&forces[18..36], &forces[36..]);
     assert!(heavy.iter().zip(weak).all(|(h, w)| *h == 2.0 * w) && heavy[17] > 0.0, "{heavy:?}");
-    // What would be unstable is refused.
+    // What would need more than a hundred thousand substeps is refused.
     request.vary = Some(Vary {
         mass: factors(&[1.0, 0.01, 1.0]),
-        stiffness: factors(&[1.0, 100.0, 1.0]),
+        damping: factors(&[1.0, 100.0, 1.0]),
         ..Vary::default()
     });
-    let error = bench.run(request, 0).unwrap_err();
+    let mut damped = twin();
+    damped.params.spring_dashpot.fill(500.0);
+    let error = self::bench(damped).run(request, 0).unwrap_err();
     assert_eq!(error.category(), Category::InvalidArgument);
-    assert!(error.to_string().contains("`vary`") && error.to_string().contains("substeps"));
+    assert!(error.to_string().contains("`vary`") && error.to_string().contains("at most 100000"));
+}
+
+/// Factors as large and as small as they may be: each instance has the substeps that it needs, so it
+/// moves in the same bits alone and beside others.
+#[test]
+fn what_varies_gets_the_substeps_that_it_needs() {
+    // Of its 60 substeps it needs 57.
+    let mut stiff = twin();
+    stiff.params.spring_stiffness.fill(3e5);
+    let bench = bench(stiff);
+    let run = |stiffness: &[f32], mass: &[f32]| {
+        let mut request = request(1);
+        let knots = [[0.0, 0.0, 0.6], [0.05, 0.0, 0.6]].repeat(mass.len());
+        let positions = Some(Tensor::pack_points(&[mass.len(), 2, 1], &knots));
+        let trajectories = ControlTrajectories { positions, interpolation: 0 };
+        request.actions = Some(Actions::Trajectories(trajectories));
+        let (stiffness, mass) = (factors(stiffness), factors(mass));
+        request.vary = Some(Vary { stiffness, mass, ..Vary::default() });
+        request.returns = recording(0);
+        bench.run(request, 0).unwrap().remove(0)
+    };
+    let [stiffness, mass] = [[1.0, 100.0, 1.0, 0.01], [1.0, 1.0, 0.1, 100.0]];
+    let together = run(&stiffness, &mass);
+    assert!(together.diverged.is_empty() && together.substeps > 60, "{}", together.substeps);
+    let (last, forces) = (points(&together.final_positions), together.forces.unwrap().controls);
+    for i in 0..4 {
+        let apart = run(&stiffness[i..i + 1], &mass[i..i + 1]);
+        assert_eq!(points(&apart.final_positions), last[4 * i..4 * (i + 1)], "{i}");
+        let own = floats(&apart.forces.unwrap().controls);
+        assert_eq!(own, floats(&forces)[own.len() * i..own.len() * (i + 1)], "{i}");
+        assert_eq!(apart.substeps > 60, i == 1 || i == 2, "{i}: {}", apart.substeps);
+    }
+}
+
+/// Energies are those of the object's mass, as forces are.
+#[test]
+fn energies_are_joules_where_the_mass_is_known() {
+    let mut known = twin();
+    let units: f64 = known.graph.masses.iter().map(|m| f64::from(*m)).sum();
+    known.mass_kg = Some(0.05 * units);
+    let energies = |twin: Twin, mass: f32| {
+        let mut request = request(1);
+        request.vary = Some(Vary { mass: factors(&[mass]), ..Vary::default() });
+        request.returns = recording(0);
+        let part = bench(twin).run(request, 0).unwrap().remove(0);
+        [part.diagnostics[0].kinetic_energy, part.diagnostics[0].elastic_energy]
+    };
+    let [kinetic, elastic] = energies(twin(), 1.0);
+    assert!(kinetic > 0.0 && elastic > 0.0);
+    let near = |a: f32, b: f32| (a - b).abs() < 1e-5 * b;
+    let joules = energies(known.clone(), 1.0);
+    assert!(near(joules[0], 0.05 * kinetic) && near(joules[1], 0.05 * elastic), "{joules:?}");
+    let [heavy, _] = energies(known, 2.0);
+    let [unit, _] = energies(twin(), 2.0);
+    assert!(near(heavy, 0.05 * unit), "{heavy} {unit}");
+}
+
+#[test]
+fn a_chain_bounces_as_high_as_its_restitution_says() {
+    let bench = bench(chain(0.3));
+    let mut request = still([0.0, 0.0, 0.6], 20);
+    let positions = Some(Tensor::pack_points(&[2, 2, 1], &[[0.0, 0.0, 0.6]; 4]));
+    let trajectories = ControlTrajectories { positions, interpolation: 0 };
+    request.actions = Some(Actions::Trajectories(trajectories));
+    request.vary = Some(Vary { ground_restitution: factors(&[0.0, 0.9]), ..Vary::default() });
+    request.returns = recording(1);
+    let part = bench.run(request, 0).unwrap().remove(0);
+    let positions = points(&part.positions);
+    // The highest that the far end gets after it has met the ground, which takes 7.4 frames.
+    let [dead, bouncy] = [0, 1].map(|instance| {
+        let rows = positions.chunks(N).skip(20 * instance).take(20).map(|row| row[N - 1][2]);
+        rows.skip(9).fold(0.0, f32::max)
+    });
+    assert!(bouncy > dead + 0.1, "{dead} {bouncy}");
 }
 
 #[test]

@@ -35,6 +35,19 @@ fn each_factor_scales_its_own_parameters() {
 }
 
 #[test]
+fn a_restitution_takes_the_place_of_the_twins_own() {
+    let mut bouncy = params();
+    let factors = Factors { ground_restitution: Some(0.5), ..Factors::ONE };
+    factors.apply(&mut bouncy);
+    assert_eq!(bouncy.contact.ground_restitution, 0.5);
+    assert_eq!(bouncy.contact.object_restitution, params().contact.object_restitution);
+    let between = Factors { object_restitution: Some(0.25), ..Factors::ONE };
+    between.apply(&mut bouncy);
+    assert_eq!(bouncy.contact.object_restitution, 0.25);
+    assert_ne!(factors.bits(), between.bits());
+}
+
+#[test]
 fn a_mass_divides_all_that_exerts_forces() {
     let mut heavy = params();
     Factors { mass: 2.0, ..Factors::ONE }.apply(&mut heavy);

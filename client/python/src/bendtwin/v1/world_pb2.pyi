@@ -142,17 +142,21 @@ class Grasping(_message.Message):
     def __init__(self, phases: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., holders: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., places: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ...) -> None: ...
 
 class Vary(_message.Message):
-    __slots__ = ("stiffness", "damping", "bending", "friction", "mass", "fits")
+    __slots__ = ("stiffness", "damping", "bending", "friction", "mass", "fits", "ground_restitution", "object_restitution")
     STIFFNESS_FIELD_NUMBER: _ClassVar[int]
     DAMPING_FIELD_NUMBER: _ClassVar[int]
     BENDING_FIELD_NUMBER: _ClassVar[int]
     FRICTION_FIELD_NUMBER: _ClassVar[int]
     MASS_FIELD_NUMBER: _ClassVar[int]
     FITS_FIELD_NUMBER: _ClassVar[int]
+    GROUND_RESTITUTION_FIELD_NUMBER: _ClassVar[int]
+    OBJECT_RESTITUTION_FIELD_NUMBER: _ClassVar[int]
     stiffness: _tensor_pb2.Tensor
     damping: _tensor_pb2.Tensor
     bending: _tensor_pb2.Tensor
     friction: _tensor_pb2.Tensor
     mass: _tensor_pb2.Tensor
     fits: bool
-    def __init__(self, stiffness: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., damping: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., bending: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., friction: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., mass: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., fits: bool = ...) -> None: ...
+    ground_restitution: _tensor_pb2.Tensor
+    object_restitution: _tensor_pb2.Tensor
+    def __init__(self, stiffness: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., damping: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., bending: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., friction: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., mass: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., fits: bool = ..., ground_restitution: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., object_restitution: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ...) -> None: ...
