@@ -5546,6 +5546,7 @@ pub mod roll_out_response {
         /// Of springs between nodes.
         #[prost(float, tag = "1")]
         pub max_strain: f32,
+        /// Of a node at the end of any frame.
         #[prost(float, tag = "2")]
         pub max_speed_m_s: f32,
         /// At the end, joules; without a mass_kg as if a node of the twin weighed 1 kg.
