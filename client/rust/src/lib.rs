@@ -118,7 +118,7 @@ pub use self::{
         GripperPoses, Implausible, Reply, Rollout, RolloutTiming, Rollouts, Shape, State,
         Statistic, Vary, WirePose, World,
     },
-    sessions::{Corrected, Correction, NewSession, Session, Sessions},
+    sessions::{Corrected, Correction, NewSession, Session, Sessions, Step, StepTimes, Stepped},
     twins::Twins,
     watch::Watch,
     workers::Workers,

@@ -72,6 +72,7 @@ static OBSERVATION: Message =
     Message(&[(1, &TENSOR), (2, &TENSOR), (3, &PLACES), (4, &TENSOR), (5, &TENSOR), (6, &TENSOR)]);
 static REGISTER: Message = Message(&[(2, &OBSERVATION), (3, &INITIAL), (4, &TENSOR), (5, &WORLD)]);
 static CORRECT: Message = Message(&[(3, &OBSERVATION)]);
+static STEP: Message = Message(&[(3, &CORRECT), (4, &PLAN), (6, &RETURNS)]);
 static OTHER: Message = Message(&[]);
 
 /// Message that is checked before it is decoded.
@@ -91,6 +92,8 @@ pub enum Encoded {
     Register,
     /// [`CorrectSessionRequest`](crate::v1::CorrectSessionRequest).
     Correct,
+    /// [`StepSessionRequest`](crate::v1::StepSessionRequest).
+    Step,
     /// One that has nothing below it.
     Other,
 }
@@ -105,6 +108,7 @@ impl Encoded {
             Self::Plan => &PLAN,
             Self::Register => &REGISTER,
             Self::Correct => &CORRECT,
+            Self::Step => &STEP,
             Self::Other => &OTHER,
         }
     }

@@ -171,6 +171,16 @@ class Correction:
     #: Largest displacement of a node.
     moved_mm: float
 
+    @classmethod
+    def from_proto(cls, message: session_pb2.CorrectedSession.Correction) -> Correction:
+        """Reads the wire form."""
+        return cls(
+            slot=message.slot,
+            before=Residual.from_proto(message.before),
+            after=Residual.from_proto(message.after),
+            moved_mm=message.moved_mm,
+        )
+
 
 def register_state(
     twin: str, points: npt.ArrayLike, given: RegisterArguments
@@ -207,15 +217,7 @@ def correct_session(
 
 
 def _read_corrections(reply: session_pb2.CorrectedSession) -> list[Correction]:
-    return [
-        Correction(
-            slot=one.slot,
-            before=Residual.from_proto(one.before),
-            after=Residual.from_proto(one.after),
-            moved_mm=one.moved_mm,
-        )
-        for one in reply.corrections
-    ]
+    return [Correction.from_proto(one) for one in reply.corrections]
 
 
 def _observation(

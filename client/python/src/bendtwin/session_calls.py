@@ -9,8 +9,7 @@ from bendtwin.arguments import RolloutArguments, rollout_request
 from bendtwin.calls import Call, read_rollout
 from bendtwin.resources import SessionInfo
 from bendtwin.rollout import FIDELITIES, Fidelity, RolloutResult
-from bendtwin.state import Grasping, InitialState, State, state_of
-from bendtwin.tensors import unpack
+from bendtwin.state import InitialState, State, state_of
 from bendtwin.v1 import rollout_pb2, session_pb2
 from bendtwin.world import Grasp, Surroundings, World
 
@@ -97,11 +96,5 @@ def close_session(name: str) -> Call[None]:
 
 
 def _read_states(reply: Any) -> list[State]:
-    given = reply.states
-    arrays: dict[str, Any] = {
-        name: unpack(getattr(given, name))
-        for name in ("positions", "velocities", "twists", "controls")
-    }
-    grasping = Grasping.from_proto(given.grasping) if given.HasField("grasping") else None
-    states = State(grasping=grasping, **arrays)
+    states = State.from_proto(reply.states)
     return [state_of(states, row) for row in range(len(reply.slots))]

@@ -125,6 +125,18 @@ class State:
             given.grasping.CopyFrom(self.grasping.to_proto())
         return rollout_pb2.InitialState(given=given)
 
+    @classmethod
+    def from_proto(cls, message: rollout_pb2.InitialState.GivenState) -> State:
+        """Reads the wire form."""
+        positions, velocities, twists, controls = (
+            unpack(getattr(message, name))
+            for name in ("positions", "velocities", "twists", "controls")
+        )
+        if positions is None:
+            raise ValueError("a state without positions")
+        grasping = Grasping.from_proto(message.grasping) if message.HasField("grasping") else None
+        return cls(positions, velocities, twists, controls, grasping)
+
 
 #: The name of a given state in the wire format.
 GivenState = State

@@ -13,7 +13,7 @@ from bendtwin.costs import Cost
 from bendtwin.interpolation import Interpolation, interpolate, interpolate_poses
 from bendtwin.planners.knots import Array
 from bendtwin.planners.spaces import ActionSpace
-from bendtwin.rollout import Fidelity, Returns
+from bendtwin.rollout import Fidelity, Returns, RolloutResult
 from bendtwin.state import InitialState, Rest
 from bendtwin.twin import Twin
 
@@ -26,6 +26,9 @@ class Evaluation:
     costs: npt.NDArray[np.float64]
     #: d cost / d knots [B, K, D], if asked for.
     gradients: Array | None = None
+    #: How far the strain of the material is beyond the limit, 0 where it is not [B]: a plan beyond
+    #: it is worse than all that keep it. None: all keep it.
+    excess: npt.NDArray[np.float64] | None = None
 
 
 class Problem(Protocol):
@@ -102,11 +105,12 @@ class Task:
         )
         costs = np.where(np.isnan(result.costs), np.inf, result.costs)
         if not gradients:
-            return Evaluation(costs)
+            return Evaluation(costs, excess=_excess(result))
         by_actions = result.action_gradients
         if by_actions is None:
             raise ValueError("the server returned no gradients: is it older than this client?")
-        return Evaluation(costs, self.space.gradients(knots, by_actions.astype(np.float64)))
+        gradients_by_knots = self.space.gradients(knots, by_actions.astype(np.float64))
+        return Evaluation(costs, gradients_by_knots, _excess(result))
 
     def actions(self, knots: Array, frames: int | None = None) -> dict[str, Any]:
         """Arguments of `Twin.rollout` that execute knots [K, D]: all of them, or the first frames,
@@ -121,3 +125,14 @@ class Task:
             dense = curves[kind](named[kind], self.frames, interpolation=self.interpolation)
             named[kind] = dense[:, : frames + 1]
         return {**named, "frames": frames}
+
+
+def _excess(result: RolloutResult) -> npt.NDArray[np.float64]:
+    """Excess of the strain of each action, with an ensemble of its members, over the limit."""
+    members = 1 if result.member_costs is None else result.member_costs.shape[1]
+    excess = np.zeros(len(result.costs))
+    for found in result.implausible:
+        if found.reason == "STRAIN":
+            action = found.instance // members
+            excess[action] = max(excess[action], found.found - found.limit)
+    return excess
