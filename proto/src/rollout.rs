@@ -29,8 +29,8 @@ pub const MOST_DIMENSIONS: usize = 8;
 
 pub use self::{
     check::{
-        Batch, MOST_SUBSTEPS, check, check_for, fidelity, finer_substeps, has_gradients,
-        has_spread, members, too_much_memory, work,
+        Batch, MOST_SUBSTEPS, SessionParts, check, check_for, check_in, fidelity, finer_substeps,
+        has_gradients, has_spread, members, too_much_memory, work,
     },
     encoded::{Encoded, check_encoded},
     error::Error,
@@ -39,7 +39,7 @@ pub use self::{
     memory::{Memory, memory, request_bytes},
     parts::{STREAMED_PART, part_frames, part_instances},
     points::{measured, recorded},
-    session::{MOST_SLOTS, check_session, slots, states_bytes},
+    session::{MOST_SLOTS, check_advance, check_session, slots, states_bytes},
     size::reply_bytes,
     surroundings::models_bytes,
     twin::TwinShape,

@@ -65,6 +65,7 @@ fn generate(root: &Path) -> BTreeMap<String, Vec<u8>> {
     let folder = tempfile::tempdir().unwrap();
     std::fs::write(folder.path().join("descriptors.bin"), descriptors.encode_to_vec()).unwrap();
     let in_json = [
+        "bendtwin/v1/fault.proto",
         "bendtwin/v1/world.proto",
         "bendtwin/v1/rollout.proto",
         "bendtwin/v1/planning.proto",

@@ -16,6 +16,7 @@ mod rollout;
 mod route;
 mod sessions;
 mod spread;
+mod steps;
 mod twins;
 mod untaken;
 
@@ -44,6 +45,7 @@ pub(crate) use registrations::{Register, Registered};
 use registry::{Entry, Heard, Now};
 pub(crate) use registry::{FitRoom, Heartbeat, HeldSession, Memory, WorkerView};
 pub(crate) use rollout::{Held, InParts, Parts, RollOut, Whole};
+pub(crate) use steps::Step;
 use twins::Twins;
 
 /// The routing table. Clones share it.

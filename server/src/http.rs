@@ -128,6 +128,7 @@ pub(crate) fn described() -> OpenApiRouter<App> {
         .routes(routes!(sessions::correct))
         .routes(routes!(sessions::fork))
         .routes(routes!(sessions::reset))
+        .routes(routes!(sessions::step))
         .routes(routes!(plays::play))
         .routes(routes!(plays::watch))
         .routes(routes!(plays::recording, plays::put_recording))

@@ -91,3 +91,10 @@ def test_the_examples_of_the_page_are_answered_by_a_twin_whose_controls_pin_noth
     reply = call(server, f"/v1/{session['name']}/advance", advance[1].encode())
     assert np.shape(reply["final_positions"]) == (1, len(geometry.kinds), 3)
     assert call(server, f"/v1/{session['name']}")["frames"] == [3, 0, 0, 0]
+    step = re.search(r"/step [^']*-d '(\{.*?\})'", PAGE.read_text(), re.DOTALL)
+    reply = call(server, f"/v1/{session['name']}/step", step[1].encode())
+    assert reply["plan"]["last"]
+    assert np.shape(reply["state"]["positions"]) == (len(geometry.kinds), 3)
+    assert np.shape(reply["advanced"]["controls"])[1] == 4
+    assert ("refused" in reply) != ("corrected" in reply)
+    assert call(server, f"/v1/{session['name']}")["frames"] == [6, 0, 0, 0]

@@ -1,6 +1,7 @@
 """Requests for plans, and plans of a real server with its own worker."""
 
 import asyncio
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -21,7 +22,7 @@ from bendtwin import (
     interpolate,
 )
 from bendtwin.plan import plan_request
-from bendtwin.planners import Grippers, OnServer, PerHand, Points, Task, Together
+from bendtwin.planners import Grippers, Mppi, OnServer, PerHand, Points, Task, Together
 from bendtwin.tensors import unpack
 from bendtwin.v1 import planning_pb2
 
@@ -133,7 +134,7 @@ def scene(tmp_path_factory):
 def test_every_method_lowers_the_cost(scene, search):
     plan = scene.twin.plan(**scene.ask, search=search, returns=Returns(every_frames=1))
     assert plan.cost < 0.9 * plan.nominal_cost
-    assert (plan.last, plan.met_deadline, plan.diverged) == (True, False, 0)
+    assert (plan.last, plan.stopped_by_deadline, plan.diverged) == (True, False, 0)
     assert plan.cost_terms == {"tip": pytest.approx(plan.cost)}
     assert plan.knots.shape == scene.nominal.shape
     np.testing.assert_array_equal(plan.knots[:, 0], scene.nominal[:, 0])
@@ -146,6 +147,31 @@ def test_every_method_lowers_the_cost(scene, search):
     np.testing.assert_array_equal(same.knots, plan.knots)
     following = scene.twin.plan(**{**scene.ask, **plan.actions}, search=search)
     assert following.nominal_cost == plan.cost
+
+
+@needs_server
+@pytest.mark.parametrize("search", METHODS, ids=lambda search: search.method)
+def test_a_plan_does_not_tear_the_object_unless_the_limit_is_lifted(scene, search):
+    """The goal is a metre away from where an end is, and the control points go each its own way."""
+    goal = scene.costs[0].targets + np.array([1.0, 0.0, 0.0])
+    far = {**scene.ask, "costs": [Keypoints(nodes=[0], targets=goal)], "space": "points"}
+    wide = replace(search, sigma=0.4, rate=0.2)
+    kept = scene.twin.plan(**far, search=wide, returns=Returns(diagnostics=True))
+    assert kept.strain <= kept.strain_limit == 1.0
+    assert kept.rollout.diagnostics[0].max_strain == kept.strain
+    assert kept.overstrained > 0
+    lifted = Plausibility(strain=float("inf"))
+    torn = scene.twin.plan(**far, search=wide, plausibility=lifted)
+    assert torn.strain > 1.0
+    assert torn.cost < kept.cost
+    assert torn.overstrained == 0
+    # Planners here keep the same limit.
+    task = Task(twin=scene.twin, costs=far["costs"], space=Points(scene.controls), frames=FRAMES)
+    plan = Mppi(task, knots=3, samples=16, sigma=0.4).plan()
+    again = scene.twin.rollout(**plan.actions(), returns=Returns(diagnostics=True))
+    assert again.diagnostics[0].max_strain <= 1.0
+    assert plan.overstrained > 0
+    assert plan.excess_strain == 0.0
 
 
 @needs_server
@@ -162,7 +188,7 @@ def test_updates_come_iteration_by_iteration_and_can_be_left(scene):
     updates.close()
     deadline = Search(samples=8, iterations=10_000, deadline_s=0.5)
     plan = scene.twin.plan(**scene.ask, search=deadline)
-    assert plan.met_deadline
+    assert plan.stopped_by_deadline
     assert plan.cost <= plan.nominal_cost
 
 

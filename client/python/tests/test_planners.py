@@ -23,13 +23,15 @@ GOAL = np.array([0.3, -0.2])
 
 @dataclass
 class Bowl:
-    """Squared distance of all knots but the first from a goal; infinite beyond `wall` in x."""
+    """Squared distance of all knots but the first from a goal; infinite beyond `wall` in x, and not
+    to be beyond `limit` there."""
 
     frames: int = 12
     interpolation: str = "linear"
     dims: int = 2
     frame_s: float = 0.1
     wall: float = np.inf
+    limit: float = np.inf
     batches: list = field(default_factory=list)
     takes_s: float = 0.0
     frame: float = 0.0
@@ -44,7 +46,10 @@ class Bowl:
         costs = (apart**2).sum(axis=(1, 2))
         costs = np.where((knots[:, :, 0] > self.wall).any(axis=1), np.inf, costs)
         slopes = np.concatenate([np.zeros_like(knots[:, :1]), 2.0 * apart], axis=1)
-        return Evaluation(costs, slopes if gradients else None)
+        return Evaluation(costs, slopes if gradients else None, self.excess(knots))
+
+    def excess(self, knots):
+        return np.maximum(knots[:, :, 0] - self.limit, 0.0).max(axis=1)
 
 
 METHODS = [
@@ -85,6 +90,31 @@ def test_a_plan_is_never_worse_than_the_nominal_one(method):
         )
         assert plan.cost <= plan.nominal_cost == 0.0
         assert plan.origin == "nominal"
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_what_is_beyond_the_limit_is_worse_than_all_that_keeps_it(method):
+    """The goal is at 0.3 in x: without the limit every method ends there."""
+    bowl = Bowl(limit=0.2)
+    plan = method(bowl, knots=4, samples=64, iterations=40, sigma=0.1).plan()
+    assert (plan.excess_strain, bowl.excess(plan.knots[None])[0]) == (0.0, 0.0)
+    assert plan.cost < 0.2 * plan.nominal_cost
+    assert plan.overstrained > 0
+    assert min(costs.min() for costs in plan.costs) < plan.cost, "none was beyond"
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_a_search_that_begins_beyond_the_limit_comes_back(method):
+    beyond = np.array([[0.0, 0.0], [0.6, -0.2], [0.7, -0.2], [0.6, -0.2]])
+    planner = method(Bowl(limit=0.2), knots=4, samples=8, iterations=40, sigma=0.1)
+    plan = planner.plan(nominal=beyond)
+    assert plan.excess_strain == 0.0
+    assert plan.cost < 0.25 < plan.nominal_cost
+    nowhere = Bowl(limit=-1.0)
+    plan = method(nowhere, knots=4, samples=8, iterations=3, sigma=0.1).plan(nominal=beyond)
+    least = min(nowhere.excess(batch).min() for batch in nowhere.batches)
+    assert plan.excess_strain == least
+    assert plan.overstrained == sum(len(batch) for batch in nowhere.batches)
 
 
 def test_a_mean_that_is_worse_than_its_samples_is_not_taken():

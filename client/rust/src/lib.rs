@@ -118,7 +118,9 @@ pub use self::{
         GripperPoses, Implausible, Reply, Rollout, RolloutTiming, Rollouts, Shape, State,
         Statistic, Vary, WirePose, World,
     },
-    sessions::{Corrected, Correction, NewSession, Session, Sessions, Tracking},
+    sessions::{
+        Corrected, Correction, NewSession, Session, Sessions, Step, StepTimes, Stepped, Tracking,
+    },
     twins::Twins,
     watch::Watch,
     workers::Workers,

@@ -46,14 +46,21 @@ pub struct PlanUpdate {
     pub simulated: usize,
     /// Those of them that diverged.
     pub diverged: usize,
-    /// True if there was no time for all iterations.
-    pub met_deadline: bool,
+    /// True if the deadline ended the search before all iterations were done.
+    pub stopped_by_deadline: bool,
     /// Time since planning began at the server.
     pub time: Duration,
     /// True for the last update.
     pub last: bool,
     /// The rollout of the best plan, in the last update, if the rollout asked for returns.
     pub rollout: Option<Reply>,
+    /// Largest strain of the material in the plan's motion.
+    pub strain: f64,
+    /// Limit of the strain: a plan beyond it is worse than every plan that keeps it, whatever its
+    /// cost.
+    pub strain_limit: f64,
+    /// Plans that did not diverge and were beyond the limit.
+    pub overstrained: usize,
 }
 
 impl Plans {
@@ -236,10 +243,13 @@ impl TryFrom<v1::PlanUpdate> for PlanUpdate {
             iterations: wire.iterations as usize,
             simulated: wire.simulated as usize,
             diverged: wire.diverged as usize,
-            met_deadline: wire.met_deadline,
+            stopped_by_deadline: wire.stopped_by_deadline,
             time: Duration::try_from_secs_f64(wire.time_s).map_err(Error::malformed)?,
             last: wire.last,
             rollout: wire.rollout.map(Reply::try_from).transpose()?,
+            strain: wire.strain,
+            strain_limit: wire.strain_limit,
+            overstrained: wire.overstrained as usize,
         })
     }
 }

@@ -2,6 +2,7 @@
 
 mod correction;
 mod new;
+mod step;
 
 use std::{
     sync::{Arc, OnceLock},
@@ -23,6 +24,7 @@ use serde::Serialize;
 pub use self::{
     correction::{Corrected, Correction, Tracking},
     new::NewSession,
+    step::{Step, StepTimes, Stepped},
 };
 use crate::{Error, Reply, Rollout, State, channel::Channel};
 
@@ -167,6 +169,18 @@ impl Sessions {
         let request = correction.into_request(name, slots);
         let reply = self.service.clone().correct_session(request).await?.into_inner();
         reply.corrections.into_iter().map(Corrected::try_from).collect()
+    }
+
+    /// Takes a step of a closed loop: corrects a slot by what is seen, plans from there, and advances it
+    /// by the first frames of the best plan.
+    ///
+    /// # Errors
+    /// If the request is wrong, before anything changes; if the session or its worker is lost, every
+    /// plan diverges, or the server cannot be asked: the slot may be corrected then, but it is not
+    /// advanced.
+    pub async fn step(&self, name: SessionId, step: Step) -> Result<Stepped, Error> {
+        let request = step.into_request(name)?;
+        self.service.clone().step_session(request).await?.into_inner().try_into()
     }
 
     /// Ends a session; it is no error if it has ended.

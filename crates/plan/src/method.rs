@@ -3,7 +3,10 @@
 mod gradient;
 mod sampling;
 
-pub(crate) use self::{gradient::Descent, sampling::Sampling};
+pub(crate) use self::{
+    gradient::{Batch, Descent},
+    sampling::{Sampling, still},
+};
 use crate::error::Invalid;
 
 /// Way to propose plans and to learn from their costs.

@@ -7,7 +7,7 @@ use std::{borrow::BorrowMut, time::Duration};
 use crate::{
     Knots, Planner, Settings,
     error::Error,
-    method::{Descent, Method, Sampling},
+    method::{Batch, Descent, Method, Sampling},
 };
 
 /// Result of simulating a batch of plans.
@@ -17,6 +17,30 @@ pub struct Evaluation {
     pub costs: Vec<f64>,
     /// d cost / d knots of each plan, shape [K, D]; only [`Method::Gradient`] needs them.
     pub gradients: Vec<Knots>,
+    /// Excess of each plan over a limit, 0 for one that keeps it: those beyond are worse than all
+    /// that keep it, whatever they cost. Empty: all keep it.
+    pub excess: Vec<f64>,
+}
+
+/// Rank of a plan: what keeps the limit first, then by how far it is beyond, then by cost.
+#[derive(Clone, Copy, Debug, PartialEq, PartialOrd)]
+struct Rank {
+    /// Infinite for a plan that diverged.
+    excess: f64,
+    cost: f64,
+}
+
+impl Rank {
+    /// That of a plan; what is no number is as bad as can be.
+    fn new(cost: f64, excess: f64) -> Self {
+        let cost = if cost.is_nan() { f64::INFINITY } else { cost };
+        let is_known = cost.is_finite() && !excess.is_nan();
+        Self { excess: if is_known { excess.max(0.0) } else { f64::INFINITY }, cost }
+    }
+
+    fn keeps_limit(self) -> bool {
+        self.excess == 0.0
+    }
 }
 
 /// Origin of a plan.
@@ -39,6 +63,8 @@ pub struct Plan {
     pub cost: f64,
     /// Its source.
     pub origin: Origin,
+    /// Excess over the limit: 0 unless every plan was beyond.
+    pub excess: f64,
     /// Cost of the nominal plan.
     pub nominal_cost: f64,
     /// Best of the samples, with its cost; none if none was simulated.
@@ -48,7 +74,7 @@ pub struct Plan {
     /// Iterations that were finished.
     pub iterations: usize,
     /// True if there was no time for all iterations.
-    pub met_deadline: bool,
+    pub stopped_by_deadline: bool,
     /// Time that it took.
     pub time: Duration,
 }
@@ -70,6 +96,8 @@ pub struct Progress<'s> {
     pub simulated: usize,
     /// Those of them that diverged.
     pub diverged: usize,
+    /// Those that did not, and were beyond the limit.
+    pub beyond_limit: usize,
 }
 
 /// A plan being made. The planner is in it, or borrowed.
@@ -82,12 +110,13 @@ pub struct Search<P> {
     finished: usize,
     started: Duration,
     longest: Duration,
-    best: Option<(Knots, f64, Origin)>,
-    best_sample: Option<(Knots, f64)>,
+    best: Option<(Knots, Rank, Origin)>,
+    best_sample: Option<(Knots, Rank)>,
     nominal_cost: f64,
     costs: Vec<Vec<f64>>,
     simulated: usize,
     diverged: usize,
+    beyond_limit: usize,
 }
 
 #[derive(Debug)]
@@ -117,6 +146,7 @@ impl<P: BorrowMut<Planner>> Search<P> {
             costs: Vec::new(),
             simulated: 0,
             diverged: 0,
+            beyond_limit: 0,
         }
     }
 
@@ -162,12 +192,13 @@ impl<P: BorrowMut<Planner>> Search<P> {
         evaluation: Evaluation,
         elapsed: Duration,
     ) -> Result<Option<usize>, Error<E>> {
-        let Evaluation { mut costs, gradients } = evaluation;
+        let Evaluation { mut costs, gradients, excess } = evaluation;
         let settings = &self.planner.borrow().settings;
         let shape = settings.knots * settings.dims;
         let right = gradients.iter().filter(|g| g.len() == shape).count();
         let (plans, needed) = (self.batch.len(), settings.method.needs_gradients());
-        if costs.len() != plans || (needed && right != plans) {
+        let is_right = costs.len() == plans && (excess.is_empty() || excess.len() == plans);
+        if !is_right || (needed && right != plans) {
             return Err(Error::Shape { plans, costs: costs.len(), gradients: right });
         }
         for cost in costs.iter_mut().filter(|c| c.is_nan()) {
@@ -175,21 +206,35 @@ impl<P: BorrowMut<Planner>> Search<P> {
         }
         self.longest = self.longest.max(elapsed.saturating_sub(self.started));
         self.simulated += plans;
-        self.diverged += costs.iter().filter(|c| c.is_infinite()).count();
-        let place = self.note(&costs);
+        let beyond = excess.iter().copied().chain(std::iter::repeat(0.0));
+        let ranks: Vec<Rank> = costs.iter().zip(beyond).map(|(c, e)| Rank::new(*c, e)).collect();
+        let diverged = ranks.iter().filter(|rank| rank.excess.is_infinite()).count();
+        self.diverged += diverged;
+        self.beyond_limit += ranks.iter().filter(|rank| !rank.keeps_limit()).count() - diverged;
+        let place = self.note(&ranks);
         let settings = &self.planner.borrow().settings;
-        let best = self.best.as_ref().filter(|b| b.1.is_finite());
-        let Some((best, best_cost, _)) = best else { return Err(Error::EveryPlanDiverged) };
+        let best = self.best.as_ref().filter(|b| b.1.excess.is_finite());
+        let Some((best, first, _)) = best else { return Err(Error::EveryPlanDiverged) };
         if !self.is_mean {
             self.finished += 1;
             match (&mut self.state, &settings.method) {
                 (State::Descent(descent), Method::Gradient { rate }) => {
-                    descent.learn(settings, rate, &costs, &gradients, best);
+                    let batch = Batch {
+                        diverged: ranks.iter().map(|rank| rank.excess.is_infinite()).collect(),
+                        beyond: ranks.iter().map(|rank| !rank.keeps_limit()).collect(),
+                        gradients,
+                    };
+                    descent.learn(settings, rate, &batch, (best, first.keeps_limit()));
                 }
                 (State::Sampling(sampling), method) => {
                     let plans: Vec<&Knots> = std::iter::once(best).chain(&self.batch).collect();
-                    let known: Vec<f64> =
-                        std::iter::once(*best_cost).chain(costs.iter().copied()).collect();
+                    // As long as none keeps the limit, less beyond it is better.
+                    let worth = |rank: &Rank| match (first.keeps_limit(), rank.keeps_limit()) {
+                        (true, true) => rank.cost,
+                        (true, false) => f64::INFINITY,
+                        (false, _) => rank.excess,
+                    };
+                    let known: Vec<f64> = std::iter::once(first).chain(&ranks).map(worth).collect();
                     sampling.learn(method, &plans, &known);
                 }
                 (State::Descent(_), _) => {}
@@ -211,57 +256,59 @@ impl<P: BorrowMut<Planner>> Search<P> {
 
     /// The best so far; none before the first batch was simulated.
     pub fn progress(&self) -> Option<Progress<'_>> {
-        let (knots, cost, origin) = self.best.as_ref()?;
+        let (knots, rank, origin) = self.best.as_ref()?;
         Some(Progress {
             knots,
-            cost: *cost,
+            cost: rank.cost,
             origin: *origin,
             nominal_cost: self.nominal_cost,
             iterations: self.finished,
             simulated: self.simulated,
             diverged: self.diverged,
+            beyond_limit: self.beyond_limit,
         })
     }
 
     /// The best plan so far, which the planner keeps for the next time; none before the first batch
     /// was simulated.
     pub fn finish(mut self, elapsed: Duration) -> Option<Plan> {
-        let (knots, cost, origin) = self.best?;
+        let (knots, rank, origin) = self.best?;
         let planner = self.planner.borrow_mut();
         planner.nominal.clone_from(&knots);
         Some(Plan {
             knots,
-            cost,
+            cost: rank.cost,
             origin,
+            excess: rank.excess,
             nominal_cost: self.nominal_cost,
-            best_sample: self.best_sample,
+            best_sample: self.best_sample.map(|(knots, rank)| (knots, rank.cost)),
             costs: self.costs,
             iterations: self.finished,
-            met_deadline: self.finished < planner.settings.iterations,
+            stopped_by_deadline: self.finished < planner.settings.iterations,
             time: elapsed,
         })
     }
 
     /// Keeps the best, whose place it returns if it is new, and the best sample.
-    fn note(&mut self, costs: &[f64]) -> Option<usize> {
+    fn note(&mut self, ranks: &[Rank]) -> Option<usize> {
         let mut place = None;
         let is_first = self.costs.is_empty();
-        for (i, (plan, cost)) in self.batch.iter().zip(costs).enumerate() {
+        for (i, (plan, rank)) in self.batch.iter().zip(ranks).enumerate() {
             let origin = match (is_first && i == 0, self.is_mean) {
                 (true, _) => Origin::Nominal,
                 (false, true) => Origin::Mean,
                 (false, false) => Origin::Sample,
             };
             if origin == Origin::Nominal {
-                self.nominal_cost = *cost;
+                self.nominal_cost = rank.cost;
             }
-            if self.best.as_ref().is_none_or(|b| *cost < b.1) {
-                self.best = Some((plan.clone(), *cost, origin));
+            if self.best.as_ref().is_none_or(|b| *rank < b.1) {
+                self.best = Some((plan.clone(), *rank, origin));
                 place = Some(i);
             }
-            let is_better = self.best_sample.as_ref().is_none_or(|b| *cost < b.1);
+            let is_better = self.best_sample.as_ref().is_none_or(|b| *rank < b.1);
             if origin == Origin::Sample && is_better {
-                self.best_sample = Some((plan.clone(), *cost));
+                self.best_sample = Some((plan.clone(), *rank));
             }
         }
         place

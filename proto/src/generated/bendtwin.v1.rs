@@ -6104,8 +6104,9 @@ pub struct PlanRequest {
     /// The rollout to minimize: twin or session, costs, horizon, surroundings, fidelity. Its actions, of
     /// one instance, are the nominal plan, which the first iteration begins with; knots that came back can be
     /// sent as they are. Row 0 is where things are, and stays: where the initial state tells the control
-    /// points (a session, or given controls), row 0 of trajectories is taken from there. With
-    /// `plausibility.refuse` a plan beyond the limits counts as one that diverges. `returns` are those of
+    /// points (a session, or given controls), row 0 of trajectories is taken from there.
+    /// `plausibility.strain` is the limit of the strain (default: 1; infinity lifts it). With
+    /// `plausibility.refuse` a plan beyond any of the limits counts as one that diverges. `returns` are those of
     /// one more rollout, of the best plan alone; without any there is none.
     #[prost(message, optional, tag = "1")]
     pub rollout: ::core::option::Option<RollOutRequest>,
@@ -6310,9 +6311,9 @@ pub struct PlanUpdate {
     pub simulated: u32,
     #[prost(uint32, tag = "10")]
     pub diverged: u32,
-    /// True if there was no time for all iterations.
+    /// True if the deadline ended the search before all iterations were done.
     #[prost(bool, tag = "11")]
-    pub met_deadline: bool,
+    pub stopped_by_deadline: bool,
     /// Since planning began, seconds.
     #[prost(double, tag = "12")]
     pub time_s: f64,
@@ -6322,6 +6323,15 @@ pub struct PlanUpdate {
     /// In the last update, if returns were asked for: the rollout of the best plan.
     #[prost(message, optional, tag = "14")]
     pub rollout: ::core::option::Option<RollOutResponse>,
+    /// Largest strain of the material in the motion of the best plan, with an ensemble of its members, and
+    /// the limit. It is above the limit only if that is so for every plan that was simulated.
+    #[prost(double, tag = "15")]
+    pub strain: f64,
+    #[prost(double, tag = "16")]
+    pub strain_limit: f64,
+    /// Plans that did not diverge and were beyond the limit.
+    #[prost(uint32, tag = "17")]
+    pub overstrained: u32,
 }
 /// Nested message and enum types in `PlanUpdate`.
 pub mod plan_update {
@@ -6464,7 +6474,9 @@ pub mod planning_service_client {
             self
         }
         /// One update after each iteration with the best so far, and a last one. The best is never worse than
-        /// the nominal plan: whatever comes back was simulated, with that cost.
+        /// the nominal plan: whatever comes back was simulated, with that cost. A plan that strains the material
+        /// beyond the limit counts as worse than every plan that does not, whatever its cost; of plans beyond
+        /// it the one that is beyond it least is best.
         pub async fn plan(
             &mut self,
             request: impl tonic::IntoRequest<super::PlanRequest>,
@@ -6511,7 +6523,9 @@ pub mod planning_service_server {
             + std::marker::Send
             + 'static;
         /// One update after each iteration with the best so far, and a last one. The best is never worse than
-        /// the nominal plan: whatever comes back was simulated, with that cost.
+        /// the nominal plan: whatever comes back was simulated, with that cost. A plan that strains the material
+        /// beyond the limit counts as worse than every plan that does not, whatever its cost; of plans beyond
+        /// it the one that is beyond it least is best.
         async fn plan(
             &self,
             request: tonic::Request<super::PlanRequest>,
@@ -7732,6 +7746,74 @@ pub mod corrected_session {
         pub registered: bool,
     }
 }
+#[derive(Clone, PartialEq, ::prost::Message)]
+pub struct StepSessionRequest {
+    /// sessions/{uuid}
+    #[prost(string, tag = "1")]
+    pub name: ::prost::alloc::string::String,
+    /// The slot that is corrected, planned from and advanced.
+    #[prost(uint32, tag = "2")]
+    pub slot: u32,
+    /// Without name and slots, which are given above. Absent: nothing is corrected.
+    #[prost(message, optional, tag = "3")]
+    pub correction: ::core::option::Option<CorrectSessionRequest>,
+    /// Its rollout without twin, initial state and returns; world and grasps are the session's where it names
+    /// none. Its actions are the nominal plan: the knots of the step before, with the frames that were executed
+    /// as `shift_frames`, continue that plan. Its fidelity and its ensemble are those of the search alone.
+    #[prost(message, optional, tag = "4")]
+    pub search: ::core::option::Option<PlanRequest>,
+    /// Frames of the best plan by which the slot is advanced, up to the horizon; 0 plans alone.
+    #[prost(uint32, tag = "5")]
+    pub execute_frames: u32,
+    /// Of the rollout of these frames.
+    #[prost(message, optional, tag = "6")]
+    pub returns: ::core::option::Option<Returns>,
+    /// Time for all of it, seconds; 0 means as long as it takes. A correction takes what it takes, the search
+    /// ends when nine tenths have passed, and its first iteration is always finished.
+    #[prost(double, tag = "7")]
+    pub deadline_s: f64,
+}
+#[derive(Clone, PartialEq, ::prost::Message)]
+pub struct SteppedSession {
+    /// Absent if none was asked for, or it was refused.
+    #[prost(message, optional, tag = "1")]
+    pub corrected: ::core::option::Option<CorrectedSession>,
+    /// The reason, if the correction was refused because the slot does not explain the points: its state is as
+    /// it was, and the plan begins where it was predicted to be.
+    #[prost(message, optional, tag = "2")]
+    pub refused: ::core::option::Option<Fault>,
+    /// The best plan, as the last update of a search.
+    #[prost(message, optional, tag = "3")]
+    pub plan: ::core::option::Option<PlanUpdate>,
+    /// The rollout of the frames that were executed; absent without any. If it diverged, the slot stays where
+    /// the plan began.
+    #[prost(message, optional, tag = "4")]
+    pub advanced: ::core::option::Option<RollOutResponse>,
+    /// The state that the slot is in now, for all instances; InitialState.given takes it as it is.
+    #[prost(message, optional, tag = "5")]
+    pub state: ::core::option::Option<initial_state::GivenState>,
+    #[prost(message, optional, tag = "6")]
+    pub times: ::core::option::Option<stepped_session::Times>,
+    /// True if the slot does not follow its object any more: predictions and plans from it say nothing of the
+    /// object until it is registered again.
+    #[prost(bool, tag = "7")]
+    pub lost: bool,
+}
+/// Nested message and enum types in `SteppedSession`.
+pub mod stepped_session {
+    /// Times of the parts, and of all of it, seconds.
+    #[derive(Clone, Copy, PartialEq, ::prost::Message)]
+    pub struct Times {
+        #[prost(double, tag = "1")]
+        pub correct_s: f64,
+        #[prost(double, tag = "2")]
+        pub plan_s: f64,
+        #[prost(double, tag = "3")]
+        pub advance_s: f64,
+        #[prost(double, tag = "4")]
+        pub total_s: f64,
+    }
+}
 #[derive(Clone, PartialEq, Eq, Hash, ::prost::Message)]
 pub struct CloseSessionRequest {
     #[prost(string, tag = "1")]
@@ -8029,6 +8111,31 @@ pub mod session_service_client {
                 .insert(GrpcMethod::new("bendtwin.v1.SessionService", "CorrectSession"));
             self.inner.unary(req, path, codec).await
         }
+        /// A step of a closed loop: corrects a slot by what is seen, plans from there, and advances the slot by
+        /// the first frames of the best plan. All of the request is checked before anything changes. Later
+        /// failures (EVERY_PLAN_DIVERGED, a lost worker, the deadline of the call) may leave the slot corrected,
+        /// but not advanced.
+        pub async fn step_session(
+            &mut self,
+            request: impl tonic::IntoRequest<super::StepSessionRequest>,
+        ) -> std::result::Result<tonic::Response<super::SteppedSession>, tonic::Status> {
+            self.inner
+                .ready()
+                .await
+                .map_err(|e| {
+                    tonic::Status::unknown(
+                        format!("Service was not ready: {}", e.into()),
+                    )
+                })?;
+            let codec = tonic_prost::ProstCodec::default();
+            let path = http::uri::PathAndQuery::from_static(
+                "/bendtwin.v1.SessionService/StepSession",
+            );
+            let mut req = request.into_request();
+            req.extensions_mut()
+                .insert(GrpcMethod::new("bendtwin.v1.SessionService", "StepSession"));
+            self.inner.unary(req, path, codec).await
+        }
         pub async fn close_session(
             &mut self,
             request: impl tonic::IntoRequest<super::CloseSessionRequest>,
@@ -8125,6 +8232,14 @@ pub mod session_service_server {
             tonic::Response<super::CorrectedSession>,
             tonic::Status,
         >;
+        /// A step of a closed loop: corrects a slot by what is seen, plans from there, and advances the slot by
+        /// the first frames of the best plan. All of the request is checked before anything changes. Later
+        /// failures (EVERY_PLAN_DIVERGED, a lost worker, the deadline of the call) may leave the slot corrected,
+        /// but not advanced.
+        async fn step_session(
+            &self,
+            request: tonic::Request<super::StepSessionRequest>,
+        ) -> std::result::Result<tonic::Response<super::SteppedSession>, tonic::Status>;
         async fn close_session(
             &self,
             request: tonic::Request<super::CloseSessionRequest>,
@@ -8566,6 +8681,51 @@ pub mod session_service_server {
                     let inner = self.inner.clone();
                     let fut = async move {
                         let method = CorrectSessionSvc(inner);
+                        let codec = tonic_prost::ProstCodec::default();
+                        let mut grpc = tonic::server::Grpc::new(codec)
+                            .apply_compression_config(
+                                accept_compression_encodings,
+                                send_compression_encodings,
+                            )
+                            .apply_max_message_size_config(
+                                max_decoding_message_size,
+                                max_encoding_message_size,
+                            );
+                        let res = grpc.unary(method, req).await;
+                        Ok(res)
+                    };
+                    Box::pin(fut)
+                }
+                "/bendtwin.v1.SessionService/StepSession" => {
+                    #[allow(non_camel_case_types)]
+                    struct StepSessionSvc<T: SessionService>(pub Arc<T>);
+                    impl<
+                        T: SessionService,
+                    > tonic::server::UnaryService<super::StepSessionRequest>
+                    for StepSessionSvc<T> {
+                        type Response = super::SteppedSession;
+                        type Future = BoxFuture<
+                            tonic::Response<Self::Response>,
+                            tonic::Status,
+                        >;
+                        fn call(
+                            &mut self,
+                            request: tonic::Request<super::StepSessionRequest>,
+                        ) -> Self::Future {
+                            let inner = Arc::clone(&self.0);
+                            let fut = async move {
+                                <T as SessionService>::step_session(&inner, request).await
+                            };
+                            Box::pin(fut)
+                        }
+                    }
+                    let accept_compression_encodings = self.accept_compression_encodings;
+                    let send_compression_encodings = self.send_compression_encodings;
+                    let max_decoding_message_size = self.max_decoding_message_size;
+                    let max_encoding_message_size = self.max_encoding_message_size;
+                    let inner = self.inner.clone();
+                    let fut = async move {
+                        let method = StepSessionSvc(inner);
                         let codec = tonic_prost::ProstCodec::default();
                         let mut grpc = tonic::server::Grpc::new(codec)
                             .apply_compression_config(

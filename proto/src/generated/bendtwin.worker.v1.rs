@@ -173,8 +173,11 @@ pub struct HeldSession {
     pub twin: ::prost::alloc::string::String,
     #[prost(uint32, tag = "3")]
     pub slots: u32,
+    /// Numbers of grasps and colliders of its rollouts that name none themselves.
     #[prost(uint32, tag = "4")]
     pub grasps: u32,
+    #[prost(uint32, tag = "5")]
+    pub colliders: u32,
 }
 #[derive(Clone, Copy, PartialEq, Eq, Hash, ::prost::Message)]
 pub struct HeartbeatResponse {

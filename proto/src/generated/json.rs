@@ -1,4 +1,28 @@
 
+impl Fields for crate::v1::Fault {
+    const NAME: &'static str = "Fault";
+    const FIELDS: &'static [&'static str] = &["category", "reason", "message"];
+    #[allow(unused_variables)]
+    fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
+        match field {
+            0 => { self.category = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+1 => { self.reason = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+2 => { self.message = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+
+            _ => {}
+        }
+        Ok(())
+    }
+    #[allow(unused_variables)]
+    fn write<M: SerializeMap>(&self, tensors: TensorFormat, map: &mut M) -> Result<(), M::Error> {
+        map.serialize_entry("category", &self.category)?;
+map.serialize_entry("reason", &self.reason)?;
+map.serialize_entry("message", &self.message)?;
+
+        Ok(())
+    }
+}
+
 impl Fields for crate::v1::World {
     const NAME: &'static str = "World";
     const FIELDS: &'static [&'static str] = &["gravity", "ground", "no_ground", "ground_friction", "ground_restitution", "colliders"];
@@ -1533,7 +1557,7 @@ write_tensor(map, "speed", self.speed.as_ref(), tensors)?;
 
 impl Fields for crate::v1::PlanUpdate {
     const NAME: &'static str = "PlanUpdate";
-    const FIELDS: &'static [&'static str] = &["knots", "coordinates", "cost", "cost_names", "cost_terms", "origin", "nominal_cost", "iterations", "simulated", "diverged", "met_deadline", "time_s", "last", "rollout"];
+    const FIELDS: &'static [&'static str] = &["knots", "coordinates", "cost", "cost_names", "cost_terms", "origin", "nominal_cost", "iterations", "simulated", "diverged", "stopped_by_deadline", "time_s", "last", "rollout", "strain", "strain_limit", "overstrained"];
     #[allow(unused_variables)]
     fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
         match field {
@@ -1547,10 +1571,13 @@ impl Fields for crate::v1::PlanUpdate {
 7 => { self.iterations = map.next_value::<Option<_>>()?.unwrap_or_default(); }
 8 => { self.simulated = map.next_value::<Option<_>>()?.unwrap_or_default(); }
 9 => { self.diverged = map.next_value::<Option<_>>()?.unwrap_or_default(); }
-10 => { self.met_deadline = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+10 => { self.stopped_by_deadline = map.next_value::<Option<_>>()?.unwrap_or_default(); }
 11 => { self.time_s = map.next_value::<Option<_>>()?.unwrap_or_default(); }
 12 => { self.last = map.next_value::<Option<_>>()?.unwrap_or_default(); }
 13 => { self.rollout = message(map)?; }
+14 => { self.strain = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+15 => { self.strain_limit = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+16 => { self.overstrained = map.next_value::<Option<_>>()?.unwrap_or_default(); }
 
             _ => {}
         }
@@ -1568,10 +1595,13 @@ map.serialize_entry("nominal_cost", &self.nominal_cost)?;
 map.serialize_entry("iterations", &self.iterations)?;
 map.serialize_entry("simulated", &self.simulated)?;
 map.serialize_entry("diverged", &self.diverged)?;
-map.serialize_entry("met_deadline", &self.met_deadline)?;
+map.serialize_entry("stopped_by_deadline", &self.stopped_by_deadline)?;
 map.serialize_entry("time_s", &self.time_s)?;
 map.serialize_entry("last", &self.last)?;
 write_message(map, "rollout", self.rollout.as_ref(), tensors)?;
+map.serialize_entry("strain", &self.strain)?;
+map.serialize_entry("strain_limit", &self.strain_limit)?;
+map.serialize_entry("overstrained", &self.overstrained)?;
 
         Ok(())
     }
@@ -2124,6 +2154,96 @@ map.serialize_entry("moved_mm", &self.moved_mm)?;
 write_message(map, "state", self.state.as_ref(), tensors)?;
 write_message(map, "tracking", self.tracking.as_ref(), tensors)?;
 map.serialize_entry("registered", &self.registered)?;
+
+        Ok(())
+    }
+}
+
+impl Fields for crate::v1::StepSessionRequest {
+    const NAME: &'static str = "StepSessionRequest";
+    const FIELDS: &'static [&'static str] = &["name", "slot", "correction", "search", "execute_frames", "returns", "deadline_s"];
+    #[allow(unused_variables)]
+    fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
+        match field {
+            0 => { self.name = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+1 => { self.slot = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+2 => { self.correction = message(map)?; }
+3 => { self.search = message(map)?; }
+4 => { self.execute_frames = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+5 => { self.returns = message(map)?; }
+6 => { self.deadline_s = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+
+            _ => {}
+        }
+        Ok(())
+    }
+    #[allow(unused_variables)]
+    fn write<M: SerializeMap>(&self, tensors: TensorFormat, map: &mut M) -> Result<(), M::Error> {
+        map.serialize_entry("name", &self.name)?;
+map.serialize_entry("slot", &self.slot)?;
+write_message(map, "correction", self.correction.as_ref(), tensors)?;
+write_message(map, "search", self.search.as_ref(), tensors)?;
+map.serialize_entry("execute_frames", &self.execute_frames)?;
+write_message(map, "returns", self.returns.as_ref(), tensors)?;
+map.serialize_entry("deadline_s", &self.deadline_s)?;
+
+        Ok(())
+    }
+}
+
+impl Fields for crate::v1::SteppedSession {
+    const NAME: &'static str = "SteppedSession";
+    const FIELDS: &'static [&'static str] = &["corrected", "refused", "plan", "advanced", "state", "times", "lost"];
+    #[allow(unused_variables)]
+    fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
+        match field {
+            0 => { self.corrected = message(map)?; }
+1 => { self.refused = message(map)?; }
+2 => { self.plan = message(map)?; }
+3 => { self.advanced = message(map)?; }
+4 => { self.state = message(map)?; }
+5 => { self.times = message(map)?; }
+6 => { self.lost = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+
+            _ => {}
+        }
+        Ok(())
+    }
+    #[allow(unused_variables)]
+    fn write<M: SerializeMap>(&self, tensors: TensorFormat, map: &mut M) -> Result<(), M::Error> {
+        write_message(map, "corrected", self.corrected.as_ref(), tensors)?;
+write_message(map, "refused", self.refused.as_ref(), tensors)?;
+write_message(map, "plan", self.plan.as_ref(), tensors)?;
+write_message(map, "advanced", self.advanced.as_ref(), tensors)?;
+write_message(map, "state", self.state.as_ref(), tensors)?;
+write_message(map, "times", self.times.as_ref(), tensors)?;
+map.serialize_entry("lost", &self.lost)?;
+
+        Ok(())
+    }
+}
+
+impl Fields for crate::v1::stepped_session::Times {
+    const NAME: &'static str = "Times";
+    const FIELDS: &'static [&'static str] = &["correct_s", "plan_s", "advance_s", "total_s"];
+    #[allow(unused_variables)]
+    fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
+        match field {
+            0 => { self.correct_s = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+1 => { self.plan_s = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+2 => { self.advance_s = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+3 => { self.total_s = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+
+            _ => {}
+        }
+        Ok(())
+    }
+    #[allow(unused_variables)]
+    fn write<M: SerializeMap>(&self, tensors: TensorFormat, map: &mut M) -> Result<(), M::Error> {
+        map.serialize_entry("correct_s", &self.correct_s)?;
+map.serialize_entry("plan_s", &self.plan_s)?;
+map.serialize_entry("advance_s", &self.advance_s)?;
+map.serialize_entry("total_s", &self.total_s)?;
 
         Ok(())
     }

@@ -4,8 +4,8 @@ use bendtwin_plan::{Movement, Settings};
 
 use super::{Error, Template, settings::settings, space, template};
 use crate::{
-    rollout::{self, Batch, Limits, TwinShape, tensors::floats, within},
-    v1::PlanRequest,
+    rollout::{self, Batch, Limits, SessionParts, TwinShape, tensors::floats, within},
+    v1::{PlanRequest, Returns, RollOutRequest},
 };
 
 /// Most plans that are simulated for one: their costs are kept.
@@ -33,19 +33,32 @@ pub struct Checked {
     pub bytes: u64,
 }
 
-/// Checks a request for a twin with `frame_s` seconds a frame.
+impl Checked {
+    /// The rollout of the first frames of a plan, up to the horizon: the same motion, without what
+    /// belongs to the search. Its actions are the nominal plan, until others
+    /// [take their place](Template::put).
+    pub fn first_frames(&self, frames: u32, returns: Option<Returns>) -> RollOutRequest {
+        let Settings { knots, frames: horizon, frame_s, .. } = self.settings;
+        let between_s = horizon as f64 * frame_s / (knots.max(2) - 1) as f64;
+        self.template.first_frames(&self.nominal, frames, between_s, returns)
+    }
+}
+
+/// Checks a request for a twin with `frame_s` seconds a frame, whose rollout may be in a session with
+/// surroundings of its own.
 ///
 /// # Errors
 /// The first fault that is found; those of the rollout come first.
 pub fn check(
     request: PlanRequest,
+    session: SessionParts,
     twin: &TwinShape,
     frame_s: f64,
     limits: &Limits,
 ) -> Result<Checked, Error> {
     let missing = || Error::field("rollout", "is missing: say what to minimize");
     let of = request.rollout.as_ref().ok_or_else(missing)?;
-    let one = rollout::check_for(of, twin, limits, 0).map_err(Error::of_rollout)?;
+    let one = rollout::check_in(of, session, twin, limits, 0).map_err(Error::of_rollout)?;
     if one.instances != 1 {
         let fault = format!("has {} instances: give the nominal plan alone", one.instances);
         return Err(Error::field("rollout.actions", fault));

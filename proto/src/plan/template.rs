@@ -3,9 +3,10 @@
 use prost::Message as _;
 
 use crate::{
-    rollout::{self, Batch, Limits, TwinShape, within},
+    rollout::{self, Batch, ImplausibleReason, Limits, TwinShape, within},
     v1::{
-        Ensemble, Returns, RollOutRequest, Tensor, ensemble::Statistic, roll_out_request::Actions,
+        Ensemble, KnotTimes, Plausibility, Returns, RollOutRequest, Tensor, ensemble::Statistic,
+        knot_times::Times, roll_out_request::Actions,
     },
 };
 
@@ -20,6 +21,8 @@ pub struct Template {
     returns: Option<Returns>,
     /// True if what is beyond the limits of plausibility is to be refused.
     refuses: bool,
+    /// Strain of the material beyond which a plan is worse than all that keep it.
+    strain_limit: f64,
 }
 
 impl Template {
@@ -31,13 +34,16 @@ impl Template {
             |r: &Returns| Returns { encoding: 0, point_set: 0, ..r.clone() } != Returns::default();
         let returns = request.returns.take().filter(asks);
         let refuses = request.plausibility.as_ref().is_some_and(|p| p.refuse);
+        let strain = ImplausibleReason::Strain;
+        let strain_limit = request.plausibility.as_ref().and_then(|limits| strain.limit(limits));
+        let strain_limit = strain_limit.unwrap_or_else(|| strain.default_limit());
         rollout::split::by_instance(&mut request, shared);
         // Factors for one instance are those of an ensemble with one member.
         if request.vary.is_some() && request.ensemble.is_none() {
             let statistic = Statistic::Mean.into();
             request.ensemble = Some(Ensemble { members: 1, statistic, share: 0.0 });
         }
-        Self { request, shape: shape.unwrap_or_default(), returns, refuses }
+        Self { request, shape: shape.unwrap_or_default(), returns, refuses, strain_limit }
     }
 
     /// Checks a batch of so many instances against the limits, with or without gradients by actions.
@@ -62,7 +68,7 @@ impl Template {
             limits.request_bytes,
             "use fewer samples or knots",
         )?;
-        let request = RollOutRequest { returns: returns(gradients), ..self.request.clone() };
+        let request = self.unset_batch(gradients);
         rollout::sizes(&request, batch, twin, limits, 0)?;
         within(
             "the work of all iterations (instances x frames x substeps x (nodes + springs + triplets))",
@@ -72,13 +78,11 @@ impl Template {
         )
     }
 
-    /// The rollout of plans, shape [S, K, ...] of the actions; with gradients by them if asked for.
+    /// The rollout of plans, shape [S, K, ...] of the actions; with gradients by them if asked for. Its
+    /// reply names the strain of each as implausible, whatever it is.
     pub fn batch(&self, plans: &[Vec<f64>], gradients: bool) -> RollOutRequest {
-        let mut request = RollOutRequest { returns: returns(gradients), ..self.request.clone() };
+        let mut request = self.unset_batch(gradients);
         self.set(&mut request, plans);
-        if let Some(plausibility) = &mut request.plausibility {
-            plausibility.refuse = false;
-        }
         request
     }
 
@@ -88,6 +92,32 @@ impl Template {
         let mut request = RollOutRequest { returns, ..self.request.clone() };
         self.set(&mut request, &[plan.to_vec()]);
         Some(request)
+    }
+
+    /// The rollout of the first frames of a plan whose knots are `between_s` seconds apart, if the request
+    /// does not say when they are.
+    pub(super) fn first_frames(
+        &self,
+        plan: &[f64],
+        frames: u32,
+        between_s: f64,
+        returns: Option<Returns>,
+    ) -> RollOutRequest {
+        let mut request = self.request.clone();
+        Self::put(&mut request, self.actions(plan));
+        let times = || KnotTimes { times: Some(Times::PeriodS(between_s)) };
+        let own = request.ensemble.take().is_none_or(|ensemble| ensemble.members == 1);
+        RollOutRequest {
+            frames,
+            costs: Vec::new(),
+            returns,
+            // Of several members none is the object.
+            vary: request.vary.take().filter(|_| own),
+            gradient: None,
+            knot_times: Some(request.knot_times.take().unwrap_or_else(times)),
+            time_limit_s: None,
+            ..request
+        }
     }
 
     /// A plan as the actions of a request.
@@ -100,6 +130,11 @@ impl Template {
         self.refuses
     }
 
+    /// Strain of the material beyond which a plan is worse than all that keep it.
+    pub fn strain_limit(&self) -> f64 {
+        self.strain_limit
+    }
+
     /// The request, with the nominal plan as its actions.
     pub fn request(&self) -> &RollOutRequest {
         &self.request
@@ -110,11 +145,26 @@ impl Template {
         4 * self.shape.iter().product::<usize>()
     }
 
+    /// The rollout of a batch before it has plans.
+    fn unset_batch(&self, gradients: bool) -> RollOutRequest {
+        let plausibility = self.request.plausibility.unwrap_or_default();
+        let plausibility = Plausibility { refuse: false, strain: Some(0.0), ..plausibility };
+        RollOutRequest {
+            returns: returns(gradients),
+            plausibility: Some(plausibility),
+            ..self.request.clone()
+        }
+    }
+
     fn set(&self, request: &mut RollOutRequest, plans: &[Vec<f64>]) {
-        let tensor = Some(pack(&self.shape, plans));
+        Self::put(request, pack(&self.shape, plans));
+    }
+
+    /// Puts other knots in the place of a request's actions.
+    pub fn put(request: &mut RollOutRequest, knots: Tensor) {
         match &mut request.actions {
-            Some(Actions::Trajectories(t)) => t.positions = tensor,
-            Some(Actions::Poses(p)) => p.poses = tensor,
+            Some(Actions::Trajectories(t)) => t.positions = Some(knots),
+            Some(Actions::Poses(p)) => p.poses = Some(knots),
             None => {}
         }
     }

@@ -41,6 +41,28 @@ pub struct Batch {
     pub frames: u64,
 }
 
+/// Numbers of parts in the surroundings of a session, which a rollout in it has that names none itself.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct SessionParts {
+    /// Colliders of its world.
+    pub colliders: u32,
+    /// Its grasps.
+    pub grasps: u32,
+}
+
+impl SessionParts {
+    /// Numbers of colliders and of grasps of a rollout in the session.
+    fn of(self, request: &RollOutRequest) -> [usize; 2] {
+        let world = request.world.as_ref();
+        let colliders = world.map_or(self.colliders as usize, |world| world.colliders.len());
+        let grasps = match request.grasps.len() {
+            0 => self.grasps as usize,
+            own => own,
+        };
+        [colliders, grasps]
+    }
+}
+
 /// Facts of the actions that the surroundings of a rollout are checked against.
 #[derive(Clone, Copy)]
 struct Moves {
@@ -65,6 +87,14 @@ enum Grippers {
 /// # Errors
 /// The first fault that is found.
 pub fn check(request: &RollOutRequest, limits: &Limits) -> Result<Batch, Error> {
+    check_alone(request, SessionParts::default(), limits)
+}
+
+fn check_alone(
+    request: &RollOutRequest,
+    session: SessionParts,
+    limits: &Limits,
+) -> Result<Batch, Error> {
     within(
         "the size of the request in bytes",
         request.encoded_len() as u128,
@@ -83,7 +113,7 @@ pub fn check(request: &RollOutRequest, limits: &Limits) -> Result<Batch, Error> 
     }
     let batch = Batch { instances, knots, frames };
     fidelity(request.fidelity)?;
-    costs::check(request, &batch, limits)?;
+    costs::check(request, session.of(request), &batch, limits)?;
     returns::check(request)?;
     partial::check(request)?;
     initial::check(request.initial.as_ref(), instances)?;
@@ -107,7 +137,22 @@ pub fn check_for(
     limits: &Limits,
     part_instances: u32,
 ) -> Result<Batch, Error> {
-    let batch = check(request, limits)?;
+    check_in(request, SessionParts::default(), twin, limits, part_instances)
+}
+
+/// [`check_for`] of a rollout that may be in a session, which has the surroundings that the request
+/// does not name.
+///
+/// # Errors
+/// As [`check_for`].
+pub fn check_in(
+    request: &RollOutRequest,
+    session: SessionParts,
+    twin: &TwinShape,
+    limits: &Limits,
+    part_instances: u32,
+) -> Result<Batch, Error> {
+    let batch = check_alone(request, session, limits)?;
     partial::check_for(request, part_instances)?;
     actions::check_for(request.actions.as_ref(), twin)?;
     costs::check_for(&request.costs, twin)?;

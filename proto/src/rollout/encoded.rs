@@ -83,6 +83,7 @@ static REGISTER: Message =
     Message(&[(2, &OBSERVATION), (3, &INITIAL), (4, &TENSOR), (5, &WORLD), (7, &TENSOR)]);
 static CORRECT: Message = Message(&[(3, &OBSERVATION), (4, &CORRECT_OPTIONS)]);
 static CORRECT_OPTIONS: Message = Message(&[(8, &WORLD), (9, &TENSOR)]);
+static STEP: Message = Message(&[(3, &CORRECT), (4, &PLAN), (6, &RETURNS)]);
 static OTHER: Message = Message(&[]);
 
 /// Message that is checked before it is decoded.
@@ -102,6 +103,8 @@ pub enum Encoded {
     Register,
     /// [`CorrectSessionRequest`](crate::v1::CorrectSessionRequest).
     Correct,
+    /// [`StepSessionRequest`](crate::v1::StepSessionRequest).
+    Step,
     /// One that has nothing below it.
     Other,
 }
@@ -116,6 +119,7 @@ impl Encoded {
             Self::Plan => &PLAN,
             Self::Register => &REGISTER,
             Self::Correct => &CORRECT,
+            Self::Step => &STEP,
             Self::Other => &OTHER,
         }
     }

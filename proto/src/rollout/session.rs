@@ -1,7 +1,7 @@
 //! The check of what a session begins with, and the size of its states.
 
 use super::{Error, Limits, TwinShape, check::check_open, size::Sum};
-use crate::v1::{OpenSessionRequest, initial_state::State};
+use crate::v1::{OpenSessionRequest, RollOutRequest, initial_state::State};
 
 /// Most slots of a session.
 pub const MOST_SLOTS: u32 = 4096;
@@ -40,6 +40,28 @@ pub fn check_session(
         return Err(Error::field("initial.session", fault));
     }
     check_open(request, u64::from(slots), twin, limits)
+}
+
+/// Refuses what belongs to rollouts alone in one that advances slots, which have one state each.
+///
+/// # Errors
+/// The first field that is set.
+pub fn check_advance(request: &RollOutRequest) -> Result<(), Error> {
+    if request.ensemble.is_some() {
+        let fault = "belongs to rollouts: a slot has one state";
+        return Err(Error::field("rollout.ensemble", fault));
+    }
+    let returns = request.returns.clone().unwrap_or_default();
+    let of_rollouts = [
+        ("rollout.returns.best", returns.best > 0),
+        ("rollout.returns.part_frames", returns.part_frames > 0),
+        ("rollout.time_limit_s", request.time_limit_s.is_some()),
+    ];
+    if let Some((field, _)) = of_rollouts.into_iter().find(|(_, is_set)| *is_set) {
+        let fault = "belongs to rollouts: every slot is advanced";
+        return Err(Error::field(field, fault));
+    }
+    Ok(())
 }
 
 /// Size of the reply that holds the states of so many slots with so many grasps, at most [bytes].

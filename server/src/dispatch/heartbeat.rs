@@ -1,6 +1,9 @@
 //! Heartbeats as workers send them.
 
-use bendtwin_proto::worker::v1::{HeartbeatRequest, HeldSession as SessionMessage};
+use bendtwin_proto::{
+    rollout::SessionParts,
+    worker::v1::{HeartbeatRequest, HeldSession as SessionMessage},
+};
 
 use super::{Heartbeat, HeldSession, Memory};
 use crate::{
@@ -13,7 +16,8 @@ impl TryFrom<HeartbeatRequest> for Heartbeat {
 
     fn try_from(sent: HeartbeatRequest) -> Result<Self> {
         let session = |s: &SessionMessage| {
-            let held = HeldSession { twin: app::name(&s.twin)?, slots: s.slots, grasps: s.grasps };
+            let parts = SessionParts { colliders: s.colliders, grasps: s.grasps };
+            let held = HeldSession { twin: app::name(&s.twin)?, slots: s.slots, parts };
             Ok((app::name(&s.session)?, held))
         };
         Ok(Self {

@@ -9,6 +9,7 @@ mod start;
 
 use std::{sync::Arc, time::Duration};
 
+use bendtwin_budget::Share;
 use bendtwin_proto::{
     plan::{self, Checked},
     rollout::{self, TwinShape},
@@ -39,12 +40,30 @@ pub(crate) struct Plan {
     pub(crate) stopping: CancellationToken,
 }
 
+/// A plan that has passed the check.
+pub(super) struct Ready {
+    pub(super) checked: Checked,
+    /// Size of the request.
+    bytes: u64,
+    /// The end of the call.
+    deadline: Instant,
+    memory: Arc<Shares>,
+    share: Share,
+    stopping: CancellationToken,
+}
+
 /// Updates of a plan as they come.
 pub(super) type Updates = BoxStream<'static, Result<PlanUpdate>>;
 
 impl Dispatch {
     /// Checks a request and gets ready; what is wrong with it is refused before the first update.
     pub(crate) async fn plan(&self, plan: Plan) -> Result<Updates> {
+        let ready = self.ready(plan).await?;
+        self.search(ready).await
+    }
+
+    /// Checks a request.
+    pub(super) async fn ready(&self, plan: Plan) -> Result<Ready> {
         let Plan { mut request, timeout, as_lists, memory, stopping } = plan;
         let deadline = Instant::now() + timeout.unwrap_or(LONGEST).min(LONGEST);
         let missing = || plan::Error::Field {
@@ -52,20 +71,26 @@ impl Dispatch {
             fault: "is missing: say what to minimize".to_owned(),
         };
         let rollout = request.rollout.as_mut().ok_or_else(missing)?;
-        self.session_of(rollout).await?;
+        let (_, parts) = self.session_of(rollout).await?;
         let known = self.twins.get(&self.store, rollout.twin.parse().map_err(Error::Name)?).await?;
         let limits = self.limits.rollout;
         let bytes = request.encoded_len();
-        let check = move || plan::check(request, &known.shape, known.frame_s, &limits);
+        let check = move || plan::check(request, parts, &known.shape, known.frame_s, &limits);
         let checked = beside(bytes as u64, check).await??;
         if as_lists {
             self.fits_lists(last_reply_bytes(&checked, &known.shape))?;
         }
         let share = self.memory.plan(checked.bytes)?;
+        Ok(Ready { checked, bytes: bytes as u64, deadline, memory, share, stopping })
+    }
+
+    /// Begins the search where the control points are now.
+    pub(super) async fn search(&self, ready: Ready) -> Result<Updates> {
+        let Ready { checked, bytes, deadline, memory, share, stopping } = ready;
         let controls = self.controls(checked.template.request(), deadline).await?;
-        let parts = beside(bytes as u64, move || start::search(checked, controls)).await??;
+        let parts = beside(bytes, move || start::search(checked, controls)).await??;
         let run = Run::new(self.clone(), parts, deadline, stopping, memory, share);
-        Ok(stream::unfold(Some(run), |run| async { run?.update().await }).boxed())
+        Ok(stream::unfold(Some(Box::new(run)), |run| async { run?.update().await }).boxed())
     }
 }
 

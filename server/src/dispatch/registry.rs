@@ -11,7 +11,9 @@ use bendtwin_core::{
     ids::{CaptureId, FitId, SessionId, TwinId},
     settings::memory::Lanes,
 };
-use bendtwin_proto::worker::v1::worker_rollouts_client::WorkerRolloutsClient;
+use bendtwin_proto::{
+    rollout::SessionParts, worker::v1::worker_rollouts_client::WorkerRolloutsClient,
+};
 use bendtwin_store::{Capabilities, Job, Kind, Worker};
 use jiff::Timestamp;
 use semver::Version;
@@ -150,7 +152,8 @@ pub(crate) struct Heartbeat {
 pub(crate) struct HeldSession {
     pub(crate) twin: TwinId,
     pub(crate) slots: u32,
-    pub(crate) grasps: u32,
+    /// Of its surroundings, which rollouts have that name none themselves.
+    pub(crate) parts: SessionParts,
 }
 
 /// Room for a fit at a worker.

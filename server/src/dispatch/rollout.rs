@@ -8,7 +8,7 @@ use std::{pin::Pin, sync::Arc, time::Duration};
 use bendtwin_budget::Share;
 use bendtwin_core::ids::{SessionId, TwinId};
 use bendtwin_proto::{
-    rollout::{self, Batch, TwinShape},
+    rollout::{self, Batch, SessionParts, TwinShape},
     v1::{RollOutRequest, RollOutResponse, roll_out_response},
     worker::v1::{ExecuteRollOutRequest, ExecuteRollOutResponse},
 };
@@ -177,11 +177,11 @@ impl Dispatch {
     async fn prepared(&self, rollout: RollOut) -> Result<Prepared> {
         let arrived = Instant::now();
         let RollOut { mut request, timeout, in_parts, as_lists, commit_slots, memory } = rollout;
-        let session = self.session_of(&mut request).await?;
+        let (session, parts) = self.session_of(&mut request).await?;
         let id: TwinId = request.twin.parse().map_err(Error::Name)?;
         let twin = self.twins.get(&self.store, id).await?;
         let part_instances = rollout::part_instances(&request, in_parts);
-        let (request, batch) = self.checked(request, twin.shape, part_instances).await?;
+        let (request, batch) = self.checked(request, parts, twin.shape, part_instances).await?;
         let reply_bytes = rollout::reply_bytes(&request, &batch, &twin.shape, part_instances);
         if as_lists {
             self.fits_lists(reply_bytes)?;
@@ -250,14 +250,15 @@ impl Dispatch {
     async fn checked(
         &self,
         request: RollOutRequest,
+        session: SessionParts,
         twin: TwinShape,
         part_instances: u32,
     ) -> Result<(RollOutRequest, Batch)> {
         let limits = self.limits.rollout;
         let is_large = request.encoded_len() > LARGE;
-        let check = move || match rollout::check_for(&request, &twin, &limits, part_instances) {
-            Ok(batch) => Ok((request, batch)),
-            Err(error) => Err(error.into()),
+        let check = move || {
+            let batch = rollout::check_in(&request, session, &twin, &limits, part_instances)?;
+            Ok((request, batch))
         };
         if !is_large {
             return check();

@@ -7,7 +7,8 @@ use std::{sync::Arc, time::Duration};
 
 use bendtwin_core::ids::{SessionId, TwinId};
 use bendtwin_proto::{
-    registration, rollout,
+    registration,
+    rollout::{self, SessionParts},
     v1::{
         AdvanceSessionRequest, CloseSessionRequest, CorrectSessionRequest, CorrectedSession,
         GetSessionStatesRequest, InitialState, OpenSessionRequest, RollOutRequest, RollOutResponse,
@@ -77,21 +78,23 @@ impl Dispatch {
     }
 
     /// The session in which a request begins, if it begins in one, and its worker; fills in the
-    /// twin.
+    /// twin. Also the parts of its surroundings.
     pub(super) async fn session_of(
         &self,
         request: &mut RollOutRequest,
-    ) -> Result<Option<(SessionId, Arc<Entry>)>> {
+    ) -> Result<(Option<(SessionId, Arc<Entry>)>, SessionParts)> {
         let state = request.initial.as_ref().and_then(|i| i.state.as_ref());
-        let Some(State::Session(SessionSlots { session, .. })) = state else { return Ok(None) };
+        let Some(State::Session(SessionSlots { session, .. })) = state else {
+            return Ok((None, SessionParts::default()));
+        };
         let id: SessionId = session.parse().map_err(Error::Name)?;
-        let (entry, HeldSession { twin, .. }) = self.session(id).await?;
+        let (entry, HeldSession { twin, parts, .. }) = self.session(id).await?;
         if !request.twin.is_empty() && request.twin.parse() != Ok(twin) {
             let fault = format!("is {}: the session is of {twin}", request.twin);
             return Err(Error::invalid("twin", fault));
         }
         request.twin = twin.to_string();
-        Ok(Some((id, entry)))
+        Ok((Some((id, entry)), parts))
     }
 
     /// Gets the session's worker to send a first part.
@@ -150,7 +153,10 @@ impl Dispatch {
         rollout::check_session(&open, &known.shape, &self.limits.rollout)?;
         let ask = Ask { client: Context::current().client, work: 0.0 };
         let capture = known.capture.map(|c| c.to_string()).unwrap_or_default();
-        let grasps = open.grasps.len() as u32;
+        let parts = SessionParts {
+            colliders: open.world.as_ref().map_or(0, |world| world.colliders.len() as u32),
+            grasps: open.grasps.len() as u32,
+        };
         let opened = self.at_a_worker(twin, &ask, None, |entry| {
             let (call, capture) = (Call::Open(open.clone()), capture.clone());
             async move {
@@ -161,7 +167,7 @@ impl Dispatch {
         let (entry, reply) = opened.await?;
         let session = described(reply)?;
         let id: SessionId = session.name.parse().map_err(|_| Error::WorkerEnded)?;
-        entry.opened(id, HeldSession { twin, slots: session.slots, grasps });
+        entry.opened(id, HeldSession { twin, slots: session.slots, parts });
         Ok(session)
     }
 
@@ -194,7 +200,7 @@ impl Dispatch {
         if as_lists {
             limits.reply_bytes = limits.json_reply_bytes;
         }
-        let grasps = u64::from(held.grasps);
+        let grasps = u64::from(held.parts.grasps);
         let bytes = rollout::states_bytes(slots as u64, grasps, &known.shape, &limits)?;
         let share = self.memory.reply(bytes).await?;
         let reply = self.manage_known(id, &entry, held.twin, Call::States(asked), timeout).await?;
@@ -243,7 +249,10 @@ impl Dispatch {
         }
     }
 
-    async fn named(&self, session: &str) -> Result<(SessionId, Arc<Entry>, HeldSession)> {
+    pub(super) async fn named(
+        &self,
+        session: &str,
+    ) -> Result<(SessionId, Arc<Entry>, HeldSession)> {
         let id = session.parse().map_err(Error::Name)?;
         let (entry, held) = self.session(id).await?;
         Ok((id, entry, held))

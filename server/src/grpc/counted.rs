@@ -105,6 +105,7 @@ fn encoded(path: &str) -> Message {
         Some("ResetSession") => Message::One(Encoded::Reset),
         Some("RegisterState") => Message::One(Encoded::Register),
         Some("CorrectSession") => Message::One(Encoded::Correct),
+        Some("StepSession") => Message::One(Encoded::Step),
         Some("ControlSession") => Message::Several(Encoded::Advance),
         _ => Message::One(Encoded::Other),
     }

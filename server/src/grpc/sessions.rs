@@ -8,7 +8,7 @@ use bendtwin_proto::{
         AdvanceSessionRequest, CloseSessionRequest, CloseSessionResponse, CorrectSessionRequest,
         CorrectedSession, ForkSessionRequest, GetSessionRequest, GetSessionStatesRequest,
         OpenSessionRequest, ResetSessionRequest, RollOutResponse, Session, SessionStates,
-        session_service_server::SessionService,
+        StepSessionRequest, SteppedSession, session_service_server::SessionService,
     },
     worker::v1::manage_session_request::Call,
 };
@@ -16,7 +16,11 @@ use futures::StreamExt as _;
 use tonic::{Request, Response, Status, Streaming};
 
 use super::{Api, Reply, counted::memory_of};
-use crate::{context::Context, dispatch::Held, error::Refusal};
+use crate::{
+    context::Context,
+    dispatch::{Held, Step},
+    error::Refusal,
+};
 
 #[tonic::async_trait]
 impl SessionService for Api {
@@ -126,6 +130,19 @@ impl SessionService for Api {
         let (corrected, held) = self.app.dispatch.correct_session(correct, timeout, false).await?;
         let mut response = Response::new(corrected);
         response.extensions_mut().insert(held);
+        Ok(response)
+    }
+
+    async fn step_session(
+        &self,
+        request: Request<StepSessionRequest>,
+    ) -> Result<Response<SteppedSession>, Status> {
+        let (timeout, memory) = (timeout(request.metadata()), memory_of(&request));
+        let (stopping, as_lists) = (self.app.stopping.clone(), false);
+        let step = Step { request: request.into_inner(), timeout, as_lists, memory, stopping };
+        let stepped = self.app.dispatch.step_session(step).await?;
+        let mut response = Response::new(stepped.response);
+        response.extensions_mut().insert(stepped.held);
         Ok(response)
     }
 

@@ -13,6 +13,7 @@ use bendtwin_proto::{
     v1::{
         AdvanceSessionRequest, CloseSessionRequest, CorrectSessionRequest, ForkSessionRequest,
         GetSessionRequest, GetSessionStatesRequest, OpenSessionRequest, ResetSessionRequest,
+        StepSessionRequest,
     },
     worker::v1::manage_session_request::Call,
 };
@@ -27,7 +28,7 @@ use super::{
 };
 use crate::{
     app::{self, App, Error},
-    dispatch::Whole,
+    dispatch::{Step, Whole},
     error::ProblemDocument,
 };
 
@@ -200,6 +201,31 @@ pub(super) async fn reset(
     message.name.clone_from(&name);
     let call = Call::Reset(message);
     Ok(document(&app.dispatch.session_call(&name, call, params.timeout()?).await?))
+}
+
+/// Take a step of a closed loop
+///
+/// Corrects a slot by what is seen, plans from there, and advances the slot by the first frames of the
+/// best plan. All of the request is checked before anything changes.
+#[utoipa::path(post, path = "/v1/sessions/{id}/step", tag = "sessions",
+    params(("id" = String, Path), ReplyParams),
+    request_body(content((schema::StepSessionRequest = "application/json"), (Vec<u8> = "application/x-protobuf"))),
+    responses((status = 200, content((schema::SteppedSession = "application/json"), (Vec<u8> = "application/x-protobuf"))),
+        (status = "default", body = ProblemDocument)))]
+pub(super) async fn step(
+    State(app): State<App>,
+    Id(id): Id,
+    Params(params): Params<ReplyParams>,
+    request: Request,
+) -> Result<Response> {
+    let body: Body<StepSessionRequest> =
+        Body::read(&app, request, Encoded::Step, params.tensors()).await?;
+    let Body { message: mut request, memory, form } = body;
+    request.name = name(&id, request.name)?;
+    let (timeout, as_lists, stopping) = (params.timeout()?, form.is_lists(), app.stopping.clone());
+    let step = Step { request, timeout, as_lists, memory, stopping };
+    let stepped = app.dispatch.step_session(step).await?;
+    form.answer(stepped.response, stepped.held)
 }
 
 /// The session that a path names, and no other that the body does.

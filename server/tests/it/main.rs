@@ -22,6 +22,7 @@ mod results;
 mod rollouts;
 mod sessions;
 mod sharing;
+mod steps;
 mod streams;
 mod tls;
 mod tus;

@@ -6,7 +6,7 @@ use bendtwin_proto::{
     plan::cases,
     rollout::TwinShape,
     v1::{
-        ControlTrajectories, PlanMethod, PlanRequest, PlanUpdate, Returns, Tensor,
+        ControlTrajectories, PlanMethod, PlanRequest, PlanUpdate, Plausibility, Returns, Tensor,
         plan_method::{Cem, Gradient, Method, Mppi, PredictiveSampling},
         plan_update::Origin,
         roll_out_request::Actions,
@@ -92,7 +92,7 @@ async fn every_method_lowers_the_cost_and_says_the_cost_of_its_very_knots() {
         assert_eq!(updates[0].nominal_cost, 0.75);
         assert!(updates.iter().rev().skip(1).all(|update| !update.last));
         let last = updates.last().unwrap();
-        assert!(last.last && !last.met_deadline && last.cost < 0.75, "{method:?}");
+        assert!(last.last && !last.stopped_by_deadline && last.cost < 0.75, "{method:?}");
         assert_eq!((last.iterations, last.diverged, &last.rollout), (4, 0, &None));
         assert!(last.origin() == Origin::Sample || last.origin() == Origin::Mean);
         let found = knots(last);
@@ -108,6 +108,52 @@ async fn every_method_lowers_the_cost_and_says_the_cost_of_its_very_knots() {
         let again = planned(&server, next).await.unwrap();
         assert_eq!(again[0].nominal_cost, last.cost);
     }
+}
+
+/// The cost is lowest at the origin, half a metre from the start, where the strain is 2.
+#[tokio::test]
+async fn plans_keep_the_limit_of_the_strain_unless_it_is_lifted() {
+    let (server, _worker, twin) = started(Device { strains: true, ..Device::default() }).await;
+    let last = |updates: Vec<PlanUpdate>| updates.last().unwrap().clone();
+    let strain = |update: &PlanUpdate| {
+        let far = knots(update).iter().map(|p| (p[0] - 0.5).abs()).fold(0.0, f32::max);
+        f64::from(4.0 * far)
+    };
+    let methods = [
+        Method::Mppi(Mppi::default()),
+        Method::Cem(Cem::default()),
+        Method::PredictiveSampling(PredictiveSampling {}),
+        Method::Gradient(Gradient { rate: Some(Tensor::pack(&[1], &[0.1f32])) }),
+    ];
+    for method in methods {
+        let request = |limit| {
+            let mut request = with(&twin, method.clone());
+            request.sigma = Some(Tensor::pack(&[1], &[0.3f32]));
+            request.iterations = 12;
+            let strain = Some(limit);
+            request.rollout.as_mut().unwrap().plausibility =
+                (limit != 1.0).then(|| Plausibility { strain, ..Plausibility::default() });
+            request
+        };
+        let kept = last(planned(&server, request(1.0)).await.unwrap());
+        assert!(kept.strain <= 1.0 && strain(&kept) == kept.strain, "{method:?}: {kept:?}");
+        assert!(kept.overstrained > 0 && kept.diverged == 0 && kept.cost < 0.75, "{method:?}");
+        let lifted = last(planned(&server, request(f64::INFINITY)).await.unwrap());
+        assert!(lifted.strain > 1.0 && lifted.cost < kept.cost, "{method:?}: {lifted:?}");
+        assert_eq!((lifted.strain_limit, lifted.overstrained), (f64::INFINITY, 0));
+        let narrow = last(planned(&server, request(0.5)).await.unwrap());
+        assert!(narrow.strain <= 0.5 && narrow.strain_limit == 0.5, "{method:?}: {narrow:?}");
+    }
+    // One that begins beyond comes back within.
+    let mut beyond = request(&twin);
+    let positions = Tensor::pack_points(&[1, 3, 1], &[[0.5; 3], [1.5; 3], [1.5; 3]]);
+    beyond.rollout.as_mut().unwrap().actions = Some(Actions::Trajectories(ControlTrajectories {
+        positions: Some(positions),
+        ..ControlTrajectories::default()
+    }));
+    (beyond.sigma, beyond.iterations) = (Some(Tensor::pack(&[1], &[0.2f32])), 40);
+    let updates = planned(&server, beyond).await.unwrap();
+    assert!(last(updates).strain <= 1.0);
 }
 
 #[tokio::test]
@@ -155,7 +201,7 @@ async fn at_the_deadline_the_best_so_far_comes_back() {
     let request = PlanRequest { deadline_s: 1.0, ..request(&twin) };
     let updates = planned(&server, request.clone()).await.unwrap();
     let last = updates.last().unwrap();
-    assert!(last.last && last.met_deadline && last.cost <= last.nominal_cost);
+    assert!(last.last && last.stopped_by_deadline && last.cost <= last.nominal_cost);
     assert_eq!((last.iterations, last.simulated), (1, 16));
     // The first iteration is finished, however long it takes: not beyond the call's own deadline.
     let mut call = tonic::Request::new(request);

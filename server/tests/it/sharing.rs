@@ -143,7 +143,12 @@ async fn a_batch_from_a_session_stays_at_the_worker_that_has_it() {
     let [mut worker, mut other] = two(&server, &device).await;
     let twin = twin(&server, &mut worker).await;
     let session = format!("sessions/{}", uuid::Uuid::now_v7());
-    let held = HeldSession { session: session.clone(), twin: twin.clone(), slots: 2, grasps: 0 };
+    let held = HeldSession {
+        session: session.clone(),
+        twin: twin.clone(),
+        slots: 2,
+        ..HeldSession::default()
+    };
     let heartbeat = HeartbeatRequest {
         worker: other.id.to_string(),
         sessions: vec![held],

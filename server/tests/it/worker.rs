@@ -18,9 +18,12 @@ use bendtwin_proto::{
     rollout::Limits,
     v1::{
         CorrectSessionRequest, CorrectedSession, EvaluateTwinRequest, Evaluation, Fault, ModelLoss,
-        PredictedMotion, Progress, RegisteredState, RollOutResponse, Session, Tensor, Tracking,
-        corrected_session::Correction, initial_state::GivenState, roll_out_request::Actions,
-        roll_out_response::Timing,
+        PredictedMotion, Progress, RegisteredState, RollOutResponse, Session, SessionStates, Tensor,
+        Tracking,
+        corrected_session::Correction,
+        initial_state::GivenState,
+        roll_out_request::Actions,
+        roll_out_response::{Divergence, Implausible, Timing},
     },
     worker::v1::{
         CompleteFitRequest, DownloadRequest, EndIngestRequest, ExecuteEvaluateTwinRequest,
@@ -102,6 +105,13 @@ pub(crate) struct Device {
     pub(crate) part_costs: usize,
     /// Fail after so many parts.
     pub(crate) ends_after: Option<usize>,
+    /// The strain of an instance is four times the farthest that its actions get from 0.5 in x.
+    pub(crate) strains: bool,
+    /// Instances that advance a session diverge.
+    pub(crate) diverges: bool,
+    /// Calls about sessions, and the rollouts that advanced one, as they came.
+    pub(crate) sessions: Arc<Mutex<Vec<Call>>>,
+    pub(crate) advances: Arc<Mutex<Vec<ExecuteRollOutRequest>>>,
     /// Time limits of the rollouts that came, as they were passed on [s].
     pub(crate) time_left_s: Arc<Mutex<Vec<f64>>>,
 }
@@ -396,6 +406,8 @@ fn corrected(correct: CorrectSessionRequest) -> CorrectedSession {
     let state = GivenState { positions, ..GivenState::default() };
     let tracking = Tracking { lost: true, misfit: 1.25, unexplained: 3 };
     let correction = Correction {
+        slot: correct.slots.first().copied().unwrap_or_default(),
+        moved_mm: 1.0,
         state: Some(state),
         tracking: Some(tracking),
         registered: true,
@@ -419,15 +431,40 @@ impl WorkerRollouts for Device {
         &self,
         request: Request<ManageSessionRequest>,
     ) -> Result<Response<ManageSessionResponse>, Status> {
-        let (name, slots) = match request.into_inner().call.unwrap() {
+        let call = request.into_inner().call.unwrap();
+        self.sessions.lock().unwrap().push(call.clone());
+        let (name, slots) = match call {
             Call::Open(open) => (SessionId::generate().to_string(), open.slots),
             Call::Get(get) => (get.name, 1),
+            Call::States(asked) => {
+                let at = |place| Some(Tensor::pack_points(&[1, 1], &[place]));
+                let states = GivenState {
+                    positions: at([1.0, 2.0, 3.0]),
+                    controls: at([0.5, 0.0, 0.0]),
+                    ..GivenState::default()
+                };
+                let (states, slots) = (Some(states), asked.slots);
+                let states = Some(SessionStates { states, slots, frames: vec![0] });
+                let reply = ManageSessionResponse { states, ..ManageSessionResponse::default() };
+                return Ok(Response::new(reply));
+            }
+            // What is seen far away is of something else, and farther away the object is lost.
             Call::Correct(correct) => {
+                let points = correct.observation.clone().unwrap().points.unwrap();
+                let reason = match points.unpack::<f32>("points").unwrap().1[0] {
+                    x if x < 800.0 => None,
+                    x if x < 900.0 => Some("OBSERVATION_NOT_EXPLAINED"),
+                    _ => Some("OBJECT_LOST"),
+                };
+                if let Some(reason) = reason {
+                    let (category, message) = (Category::FailedPrecondition, "too far".to_owned());
+                    let reason = reason.to_owned();
+                    let fault = bendtwin_core::Fault { category, reason, message };
+                    return Err(fault::status(&fault));
+                }
                 let corrected = Some(corrected(correct));
-                return Ok(Response::new(ManageSessionResponse {
-                    corrected,
-                    ..Default::default()
-                }));
+                let reply = ManageSessionResponse { corrected, ..ManageSessionResponse::default() };
+                return Ok(Response::new(reply));
             }
             other => return Err(Status::unimplemented(format!("{other:?}"))),
         };
@@ -489,8 +526,14 @@ impl WorkerRollouts for Device {
         }
         let execute = request.into_inner();
         self.time_left_s.lock().unwrap().push(execute.time_left_s);
+        let advances = !execute.commit_slots.is_empty();
+        if advances {
+            self.advances.lock().unwrap().push(execute.clone());
+        }
         let asked = execute.request.unwrap();
-        let has_gradients = asked.returns.is_some_and(|r| r.action_gradients);
+        let limit = asked.plausibility.and_then(|limits| limits.strain).unwrap_or(1.0);
+        let returns = asked.returns.unwrap_or_default();
+        let has_gradients = returns.action_gradients;
         let Some(Actions::Trajectories(t)) = asked.actions else {
             return Err(Status::invalid_argument("no trajectories"));
         };
@@ -515,6 +558,26 @@ impl WorkerRollouts for Device {
         }
         let size = if execute.part_instances == 0 { batch } else { execute.part_instances };
         let part_costs = self.part_costs;
+        let strain = |row: &[f32]| {
+            let far = row.iter().step_by(3).map(|x| (x - 0.5).abs()).fold(0.0, f32::max);
+            f64::from(4.0 * far)
+        };
+        let strained = (0..).zip(positions.chunks(width)).filter(|_| self.strains);
+        let strained = strained.map(|(instance, row)| (instance, strain(row)));
+        let implausible: Vec<Implausible> = strained
+            .filter(|(_, found)| *found > limit)
+            .map(|(instance, found)| Implausible {
+                instance,
+                reason: "STRAIN".to_owned(),
+                found,
+                limit,
+                frame: 0,
+            })
+            .collect();
+        let diverged =
+            (advances && self.diverges).then(|| Divergence { instance: 0, frame: 1, node: 0 });
+        let last = positions[positions.len() - 3..].to_vec();
+        let end = returns.final_state.then(|| Tensor::pack(&[1, 1, 3], &last));
         let slopes: Vec<f32> = positions.iter().map(|x| 2.0 * x).collect();
         let slopes = has_gradients.then(|| Tensor::pack(&shape, &slopes));
         let parts = (0..batch).step_by(size as usize).map(move |first| {
@@ -526,6 +589,10 @@ impl WorkerRollouts for Device {
                 costs: Some(Tensor::pack(&[costs.len()], &costs)),
                 timing: Some(Timing { queue_s: 0.0, compute_s: 0.5 }),
                 action_gradients: slopes.clone(),
+                implausible: implausible.clone(),
+                diverged: diverged.into_iter().collect(),
+                final_positions: end.clone(),
+                final_controls: end.clone(),
                 ..RollOutResponse::default()
             };
             Ok(ExecuteRollOutResponse { response: Some(response) })

@@ -269,6 +269,7 @@ impl Sessions {
             twin: session.setup.twin.to_string(),
             slots: session.slots() as u32,
             grasps: session.setup.grasps.len() as u32,
+            colliders: session.setup.world.as_ref().map_or(0, |w| w.colliders.len() as u32),
         });
         held.collect()
     }

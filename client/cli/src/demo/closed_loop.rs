@@ -156,8 +156,14 @@ async fn planned(
     let began = Instant::now();
     let mut search = planner.search();
     while let Some(plans) = search.propose(began.elapsed()) {
-        let Reply { costs, .. } = rollouts.run(ask(plans)).await?;
-        let evaluation = Evaluation { costs, gradients: Vec::new() };
+        let Reply { costs, implausible, .. } = rollouts.run(ask(plans)).await?;
+        let mut excess = vec![0.0; costs.len()];
+        for found in implausible.iter().filter(|found| found.reason == "STRAIN") {
+            if let Some(excess) = excess.get_mut(found.instance) {
+                *excess = found.found - found.limit;
+            }
+        }
+        let evaluation = Evaluation { costs, excess, ..Evaluation::default() };
         search.learn::<std::convert::Infallible>(evaluation, began.elapsed())?;
     }
     search.finish(began.elapsed()).context("no plan was simulated")

@@ -69,6 +69,7 @@ from bendtwin.state import (
     Settled,
     State,
 )
+from bendtwin.step import Step
 from bendtwin.twin import Twin
 from bendtwin.world import (
     Capsule,
@@ -150,6 +151,7 @@ __all__ = [
     "Smoothness",
     "Sphere",
     "State",
+    "Step",
     "Strain",
     "TargetCloud",
     "Timing",

@@ -48,9 +48,10 @@ from bendtwin.resources import (
     TwinInfo,
     Worker,
 )
-from bendtwin.rollout import Fidelity, RolloutResult
+from bendtwin.rollout import Fidelity, Returns, RolloutResult
 from bendtwin.session import SessionCalls
 from bendtwin.state import InitialState, State
+from bendtwin.step import Step
 from bendtwin.token import aio_interceptors, shown_token
 from bendtwin.transport import transport
 from bendtwin.twin import TwinFacts
@@ -200,6 +201,30 @@ class Session(SessionCalls[AsyncCaller, Twin]):
     ) -> list[Correction]:
         """Brings the states of slots closer to points: see `bendtwin.Session.correct`."""
         return await self._caller.run(self._correct(slots, points, arguments), timeout_s)
+
+    async def step(
+        self,
+        points: ArrayLike | None,
+        search: PlanArguments,
+        *,
+        frames: int = 1,
+        slot: int = 0,
+        correct: CorrectArguments | None = None,
+        returns: Returns | None = None,
+        deadline_s: float | None = None,
+        timeout_s: float | None = None,
+    ) -> Step:
+        """Takes a step of a closed loop in one call: see `bendtwin.Session.step`."""
+        call = self._step(
+            points,
+            search,
+            frames=frames,
+            slot=slot,
+            correct=correct,
+            returns=returns,
+            deadline_s=deadline_s,
+        )
+        return await self._caller.run(call, timeout_s)
 
     async def states(self, slots: Sequence[int] = ()) -> list[State]:
         """The states of slots, or of all of them."""

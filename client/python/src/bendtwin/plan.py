@@ -133,14 +133,20 @@ class PlanUpdate:
     #: Plans that were simulated, and those of them that diverged.
     simulated: int
     diverged: int
-    #: True if there was no time for all iterations.
-    met_deadline: bool
+    #: True if the deadline ended the search before all iterations were done.
+    stopped_by_deadline: bool
     #: Since planning began at the server.
     time_s: float
     #: True for the last update.
     last: bool
     #: The rollout of the best plan, in the last update, if returns were asked for.
     rollout: RolloutResult | None = None
+    #: Largest strain of the material in the plan's motion, and the limit. A plan beyond the limit
+    #: is worse than every plan that keeps it, whatever its cost: this is above it only if all were.
+    strain: float = 0.0
+    strain_limit: float = float("inf")
+    #: Plans that did not diverge and were beyond the limit.
+    overstrained: int = 0
 
     @property
     def actions(self) -> dict[str, npt.NDArray[np.float32]]:
@@ -165,10 +171,13 @@ class PlanUpdate:
             iterations=message.iterations,
             simulated=message.simulated,
             diverged=message.diverged,
-            met_deadline=message.met_deadline,
+            stopped_by_deadline=message.stopped_by_deadline,
             time_s=message.time_s,
             last=message.last,
             rollout=warned(RolloutResult.from_proto(message.rollout)) if has_rollout else None,
+            strain=message.strain,
+            strain_limit=message.strain_limit,
+            overstrained=message.overstrained,
         )
 
 

@@ -17,8 +17,9 @@ from bendtwin.kept import Kept
 from bendtwin.plan import PlanArguments, PlanUpdate, last_of, plan_request
 from bendtwin.registration import CorrectArguments, Correction, correct_session
 from bendtwin.resources import SessionInfo
-from bendtwin.rollout import RolloutResult
+from bendtwin.rollout import Returns, RolloutResult
 from bendtwin.state import InitialState, SessionSlots, State
+from bendtwin.step import Step, step_session
 from bendtwin.twin import Twin
 from bendtwin.v1 import planning_pb2, session_pb2
 from bendtwin.world import Vary
@@ -136,6 +137,14 @@ class SessionCalls(Generic[_Caller, _Twin]):
         self.info = opened
         behind, self._kept.behind = self._kept.behind, [0] * opened.slots
         return behind
+
+    def _step(
+        self, points: npt.ArrayLike | None, search: PlanArguments, *, slot: int, **named: Any
+    ) -> calls.Call[Step]:
+        def see(state: State) -> None:
+            self._kept.told([slot], [state])
+
+        return step_session(self.name, slot, points, search, see=see, **named)
 
     def _plan_request(self, slot: int, arguments: PlanArguments) -> planning_pb2.PlanRequest:
         _refuse(arguments, "initial")
@@ -255,6 +264,45 @@ class Session(SessionCalls[Caller, Twin]):
         other arguments are in `CorrectArguments`. Each correction brings the corrected state.
         """
         return self._caller.run(self._correct(slots, points, arguments), timeout_s)
+
+    def step(
+        self,
+        points: npt.ArrayLike | None,
+        search: PlanArguments,
+        *,
+        frames: int = 1,
+        slot: int = 0,
+        correct: CorrectArguments | None = None,
+        returns: Returns | None = None,
+        deadline_s: float | None = None,
+        timeout_s: float | None = None,
+    ) -> Step:
+        """Takes a step of a closed loop in one call: corrects a slot by points [M, 3], metres, that
+        were seen (None: not at all), plans from there, and advances it by the first `frames` of the
+        best plan (0: not at all).
+
+        `search` has the arguments of `plan`; its actions are the nominal plan, and the next step
+        takes `Step.search`. `correct` has the other arguments of `correct`; `returns` are of the
+        frames that are executed. All of it is checked before anything changes.
+
+        With `deadline_s` the search ends when nine tenths of it have passed, and the best so far is
+        executed; its first iteration is always finished. Points that are too far from the object
+        correct nothing, and the step is taken from where the object was predicted: `Step.refused`.
+
+        Raises:
+            BendTwinError: EVERY_PLAN_DIVERGED, a lost worker or the time-out may leave the slot
+                corrected, but not advanced; other refusals change nothing.
+        """
+        call = self._step(
+            points,
+            search,
+            frames=frames,
+            slot=slot,
+            correct=correct,
+            returns=returns,
+            deadline_s=deadline_s,
+        )
+        return self._caller.run(call, timeout_s)
 
     def states(self, slots: Sequence[int] = ()) -> list[State]:
         """The states of slots, or of all of them; each can be an initial state anywhere, from which

@@ -310,7 +310,7 @@ class Plausibility:
     start_gap_m: float | None = None
     #: Of the fastest control point; 5.
     control_speed_m_s: float | None = None
-    #: Of the material; 1.
+    #: Of the material; 1. A plan beyond it is worse than all that keep it; `float("inf")` lifts it.
     strain: float | None = None
     #: Of control points and grasps in the ground or colliders that stand still, of control
     #: points beyond their depth in the initial state; 0.005. At the ground hands stop there.

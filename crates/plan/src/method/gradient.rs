@@ -2,6 +2,7 @@
 
 use rand_chacha::ChaCha12Rng;
 
+use super::still;
 use crate::{Knots, noise::correlated, settings::Settings};
 
 const FIRST: f64 = 0.9;
@@ -11,9 +12,21 @@ const SECOND: f64 = 0.99;
 #[derive(Clone, Debug)]
 pub(crate) struct Descent {
     plans: Vec<Knots>,
+    /// What each was when it kept the limit last; none if it never did.
+    kept: Vec<Option<Knots>>,
     first: Vec<Knots>,
     second: Vec<Knots>,
     steps: i32,
+}
+
+/// The simulation of the plans.
+pub(crate) struct Batch {
+    /// True for each that diverged.
+    pub(crate) diverged: Vec<bool>,
+    /// True for each that is beyond the limit.
+    pub(crate) beyond: Vec<bool>,
+    /// d cost / d knots of each, shape [K, D].
+    pub(crate) gradients: Vec<Knots>,
 }
 
 impl Descent {
@@ -29,27 +42,41 @@ impl Descent {
             plans.push(plan);
         }
         let zeros = vec![vec![0.0; nominal.len()]; plans.len()];
-        Self { plans, first: zeros.clone(), second: zeros, steps: 0 }
+        let kept = vec![None; plans.len()];
+        Self { plans, kept, first: zeros.clone(), second: zeros, steps: 0 }
     }
 
     pub(crate) fn plans(&self) -> Vec<Knots> {
         self.plans.clone()
     }
 
-    /// Steps down; a plan that diverged goes on from the best one.
+    /// Steps down; a plan that diverged goes on from the best one. One beyond the limit, where the
+    /// gradient of the cost says nothing of how to keep it, goes half the way back to where it kept
+    /// it last, to the best one if that keeps it, or to staying still, and begins anew there.
     pub(crate) fn learn(
         &mut self,
         settings: &Settings,
         rate: &[f64],
-        costs: &[f64],
-        gradients: &[Knots],
-        best: &Knots,
+        batch: &Batch,
+        (best, best_keeps_limit): (&Knots, bool),
     ) {
         self.steps += 1;
         let (bias1, bias2) = (1.0 - FIRST.powi(self.steps), 1.0 - SECOND.powi(self.steps));
         for (p, plan) in self.plans.iter_mut().enumerate() {
-            let gradient = &gradients[p];
-            let is_whole = costs[p].is_finite() && gradient.iter().all(|g| g.is_finite());
+            let gradient = &batch.gradients[p];
+            if batch.beyond[p] && !batch.diverged[p] {
+                let safe = self.kept[p].clone().or_else(|| best_keeps_limit.then(|| best.clone()));
+                let safe = safe.unwrap_or_else(|| still(plan, settings.dims));
+                plan.iter_mut().zip(&safe).for_each(|(x, to)| *x = 0.5 * (*x + to));
+                self.first[p].fill(0.0);
+                self.second[p].fill(0.0);
+                settings.project(plan);
+                continue;
+            }
+            let is_whole = !batch.diverged[p] && gradient.iter().all(|g| g.is_finite());
+            if !batch.diverged[p] {
+                self.kept[p] = Some(plan.clone());
+            }
             if !is_whole {
                 plan.clone_from(best);
             }

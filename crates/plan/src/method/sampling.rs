@@ -89,7 +89,7 @@ impl Sampling {
 }
 
 /// The plan that stays where it begins.
-fn still(plan: &Knots, dims: usize) -> Knots {
+pub(crate) fn still(plan: &Knots, dims: usize) -> Knots {
     plan.iter().take(dims).copied().cycle().take(plan.len()).collect()
 }
 

@@ -5,15 +5,17 @@ use crate::{Bounds, Curve, Limit, Method, Origin};
 
 const GOAL: [f64; 2] = [0.3, -0.2];
 
-/// Squared distance of all knots but the first from a goal; infinite beyond `wall` in x.
+/// Squared distance of all knots but the first from a goal; infinite beyond `wall` in x, and not to be
+/// beyond `limit` there.
 struct Bowl {
     wall: f64,
+    limit: f64,
     seen: Vec<Knots>,
 }
 
 impl Bowl {
     fn new() -> Self {
-        Self { wall: f64::INFINITY, seen: Vec::new() }
+        Self { wall: f64::INFINITY, limit: f64::INFINITY, seen: Vec::new() }
     }
 
     fn cost(&self, plan: &[f64]) -> f64 {
@@ -21,6 +23,11 @@ impl Bowl {
             return f64::INFINITY;
         }
         (2..plan.len()).map(|i| (plan[i] - GOAL[i % 2]).powi(2)).sum()
+    }
+
+    /// How far a plan is beyond the limit.
+    fn excess(&self, plan: &[f64]) -> f64 {
+        plan.iter().step_by(2).map(|x| (x - self.limit).max(0.0)).fold(0.0, f64::max)
     }
 
     fn gradient(plan: &[f64]) -> Knots {
@@ -36,6 +43,7 @@ impl Evaluate for Bowl {
         Ok(Evaluation {
             costs: plans.iter().map(|p| self.cost(p)).collect(),
             gradients: plans.iter().map(|p| Self::gradient(p)).collect(),
+            excess: plans.iter().map(|p| self.excess(p)).collect(),
         })
     }
 }
@@ -64,7 +72,7 @@ fn every_method_walks_downhill_and_knows_the_cost_of_what_it_returns() {
         assert!(plan.cost < 0.05 * plan.nominal_cost, "{method:?}: {}", plan.cost);
         assert_eq!(plan.cost, bowl.cost(&plan.knots));
         assert_eq!(plan.knots[..2], [0.0, 0.0]);
-        assert_eq!((plan.iterations, plan.met_deadline), (40, false));
+        assert_eq!((plan.iterations, plan.stopped_by_deadline), (40, false));
         assert!(plan.costs.iter().all(|batch| batch.len() <= 64));
         let lowest = plan.costs.iter().flatten().copied().fold(f64::INFINITY, f64::min);
         assert_eq!(plan.cost, lowest);
@@ -98,7 +106,7 @@ fn a_mean_that_is_worse_than_its_samples_is_not_taken() {
         type Error = Infallible;
         fn evaluate(&mut self, plans: &[Knots]) -> Result<Evaluation, Infallible> {
             let cost = |p: &Knots| (p[2].hypot(p[3]) - 0.3).powi(2);
-            Ok(Evaluation { costs: plans.iter().map(cost).collect(), gradients: Vec::new() })
+            Ok(Evaluation { costs: plans.iter().map(cost).collect(), ..Evaluation::default() })
         }
     }
     let settings = Settings {
@@ -207,7 +215,7 @@ fn at_the_deadline_there_is_the_best_so_far() {
             search.learn::<Infallible>(evaluation, now).unwrap();
         }
         let plan = search.finish(now).unwrap();
-        assert_eq!((plan.iterations, plan.met_deadline), (4, true));
+        assert_eq!((plan.iterations, plan.stopped_by_deadline), (4, true));
         assert!(plan.cost < plan.nominal_cost && plan.time == Duration::from_secs(4));
     }
 }
@@ -225,12 +233,52 @@ fn diverged_plans_count_for_nothing() {
     }
 }
 
+/// The goal is at 0.3 in x: without the limit every method ends there.
+#[test]
+fn what_is_beyond_the_limit_is_worse_than_all_that_keeps_it() {
+    for method in methods() {
+        let mut bowl = Bowl { limit: 0.2, ..Bowl::new() };
+        let plan = Planner::new(settings(method.clone())).unwrap().plan(&mut bowl).unwrap();
+        assert_eq!((plan.excess, bowl.excess(&plan.knots)), (0.0, 0.0), "{method:?}");
+        assert!(plan.cost < 0.2 * plan.nominal_cost, "{method:?}: {}", plan.cost);
+        let lowest = plan.costs.iter().flatten().copied().fold(f64::INFINITY, f64::min);
+        assert!(lowest < plan.cost, "{method:?}: none was beyond, so this shows nothing");
+    }
+}
+
+#[test]
+fn a_search_that_begins_beyond_the_limit_comes_back() {
+    let beyond = [[0.0, 0.0], [0.6, -0.2], [0.7, -0.2], [0.6, -0.2]].concat();
+    for method in methods() {
+        let mut bowl = Bowl { limit: 0.2, ..Bowl::new() };
+        let settings = Settings { samples: 8, ..settings(method.clone()) };
+        let mut planner = Planner::new(settings).unwrap();
+        planner.set_nominal(beyond.clone()).unwrap();
+        let mut search = planner.search();
+        while let Some(plans) = search.propose(Duration::ZERO) {
+            let evaluation = bowl.evaluate(plans).unwrap();
+            search.learn::<Infallible>(evaluation, Duration::ZERO).unwrap();
+        }
+        let progress = search.progress().unwrap();
+        assert!(progress.beyond_limit > 0 && progress.diverged == 0, "{method:?}");
+        let plan = search.finish(Duration::ZERO).unwrap();
+        assert_eq!(plan.excess, 0.0, "{method:?}");
+        assert!(plan.cost < 0.2, "{method:?}: {}", plan.cost);
+    }
+    // If nothing keeps it, the best is what is least beyond.
+    let mut bowl = Bowl { limit: -1.0, ..Bowl::new() };
+    let plan = Planner::new(settings(Method::MPPI)).unwrap().plan(&mut bowl).unwrap();
+    let least = bowl.seen.iter().map(|p| bowl.excess(p)).fold(f64::INFINITY, f64::min);
+    assert_eq!(plan.excess, least);
+}
+
 #[test]
 fn answers_of_another_shape_are_refused() {
     let mut planner = Planner::new(settings(Method::Gradient { rate: vec![0.1] })).unwrap();
     let mut search = planner.search();
     assert_eq!(search.propose(Duration::ZERO).map(<[_]>::len), Some(64));
-    let wrong = Evaluation { costs: vec![1.0; 64], gradients: vec![vec![0.0; 3]; 64] };
+    let gradients = vec![vec![0.0; 3]; 64];
+    let wrong = Evaluation { costs: vec![1.0; 64], gradients, ..Evaluation::default() };
     let refused = search.learn::<Infallible>(wrong, Duration::ZERO);
     assert!(matches!(refused, Err(Error::Shape { plans: 64, costs: 64, gradients: 0 })));
     assert!(search.finish(Duration::ZERO).is_none());

@@ -5,8 +5,10 @@ use super::*;
 use crate::{
     plan::cases,
     v1::{
-        ActionSpace, InitialState, KnotTimes, PlanBounds, Returns, Tensor, Vary,
+        ActionSpace, Cost, Ensemble, InitialState, KnotTimes, PlanBounds, Plausibility, Returns,
+        Tensor, Vary, World,
         action_space::Coordinates,
+        cost::{Clearance, Force, Kind, force::By},
         initial_state::{GivenState, State},
         knot_times::Times,
         roll_out_request::Actions,
@@ -27,7 +29,7 @@ const TWIN: TwinShape = TwinShape {
 };
 
 fn checked(request: PlanRequest) -> Result<Checked, Error> {
-    check(request, &TWIN, 0.1, &Limits::default())
+    check(request, SessionParts::default(), &TWIN, 0.1, &Limits::default())
 }
 
 #[test]
@@ -108,16 +110,90 @@ fn what_is_said_of_the_one_instance_holds_for_all() {
 }
 
 #[test]
+fn every_strain_of_a_batch_is_told_and_its_limit_is_the_callers() {
+    let limits = |plausibility| {
+        let mut request = cases::sound(&TWIN);
+        request.rollout.as_mut().unwrap().plausibility = plausibility;
+        let template = checked(request).unwrap().template;
+        let batch = template.batch(&[vec![0.0; 18]], false);
+        assert_eq!(batch.plausibility.unwrap().strain, Some(0.0));
+        assert!(!batch.plausibility.unwrap().refuse);
+        (template.strain_limit(), template.refuses())
+    };
+    assert_eq!(limits(None), (1.0, false));
+    let lifted = Plausibility { strain: Some(f64::INFINITY), ..Plausibility::default() };
+    assert_eq!(limits(Some(lifted)), (f64::INFINITY, false));
+    let refused = Plausibility { refuse: true, strain: Some(0.2), ..Plausibility::default() };
+    assert_eq!(limits(Some(refused)), (0.2, true));
+}
+
+#[test]
+fn costs_of_a_session_have_its_colliders_and_grasps() {
+    let session = SessionParts { colliders: 1, grasps: 1 };
+    let with = |kind, session| {
+        let mut request = cases::sound_with_poses(&TWIN);
+        request.rollout.as_mut().unwrap().costs =
+            vec![Cost { kind: Some(kind), ..Cost::default() }];
+        check(request, session, &TWIN, 0.1, &Limits::default()).map(drop)
+    };
+    let clearance = |collider| Kind::Clearance(Clearance { collider, margin_m: 0.01 });
+    let force = |by| Kind::Force(Force { limit_n: 1.0, by: Some(by) });
+    let inside = [clearance(0), force(By::Collider(0)), force(By::Grasp(0))];
+    for kind in inside {
+        assert_eq!(with(kind.clone(), session), Ok(()));
+        let refused = with(kind, SessionParts::default()).unwrap_err().to_string();
+        assert!(refused.contains("the request has 0"), "{refused}");
+    }
+    for kind in [clearance(1), force(By::Collider(1)), force(By::Grasp(1))] {
+        let refused = with(kind, session).unwrap_err().to_string();
+        assert!(refused.contains("the request has 1"), "{refused}");
+    }
+    // A world of the request takes the place of the session's.
+    let mut request = cases::sound_with_poses(&TWIN);
+    let rollout = request.rollout.as_mut().unwrap();
+    rollout.world = Some(World::default());
+    rollout.costs = vec![Cost { kind: Some(clearance(0)), ..Cost::default() }];
+    assert!(check(request, session, &TWIN, 0.1, &Limits::default()).is_err());
+}
+
+#[test]
+fn the_first_frames_of_a_plan_are_its_motion_without_the_search() {
+    let mut request = cases::sound(&TWIN);
+    let rollout = request.rollout.as_mut().unwrap();
+    rollout.frames = 4;
+    rollout.ensemble = Some(Ensemble { members: 2, ..Ensemble::default() });
+    rollout.vary =
+        Some(Vary { stiffness: Some(Tensor::pack(&[2], &[1f32, 2.0])), ..Vary::default() });
+    rollout.time_limit_s = Some(1.0);
+    let returns = Some(Returns { final_state: true, ..Returns::default() });
+    let first = checked(request.clone()).unwrap().first_frames(3, returns.clone());
+    assert_eq!((first.frames, &first.returns, first.costs.len()), (3, &returns, 0));
+    assert_eq!((&first.ensemble, &first.vary, first.time_limit_s), (&None, &None, None));
+    // Three knots over four frames of 0.1 s.
+    assert_eq!(first.knot_times, Some(KnotTimes { times: Some(Times::PeriodS(0.2)) }));
+    rollout::check_for(&first, &TWIN, &Limits::default(), 0).unwrap();
+    rollout::check_advance(&first).unwrap();
+    let rollout = request.rollout.as_mut().unwrap();
+    (rollout.ensemble, rollout.vary) =
+        (None, Some(Vary { friction: Some(Tensor::pack(&[1], &[2f32])), ..Vary::default() }));
+    let times = Some(KnotTimes { times: Some(Times::PeriodS(0.05)) });
+    rollout.knot_times.clone_from(&times);
+    let first = checked(request).unwrap().first_frames(3, None);
+    assert!(first.vary.is_some() && first.ensemble.is_none());
+    assert_eq!(first.knot_times, times);
+}
+
+#[test]
 fn all_batches_together_are_bounded_by_the_work_of_one_rollout() {
     // 4 plans x 2 frames x 10 substeps x 12 elements, and the costs.
     let limits = Limits { work: 5_000, ..Limits::default() };
     let plan = |iterations| PlanRequest { iterations, ..cases::sound(&TWIN) };
-    check(plan(4), &TWIN, 0.1, &limits).unwrap();
-    let error = check(plan(8), &TWIN, 0.1, &limits).expect_err("too much");
+    check(plan(4), SessionParts::default(), &TWIN, 0.1, &limits).unwrap();
+    let error = check(plan(8), SessionParts::default(), &TWIN, 0.1, &limits).expect_err("too much");
     assert!(error.to_string().contains("work of all iterations"), "{error}");
     let limits = Limits { request_bytes: 1_000, ..Limits::default() };
     let many = PlanRequest { samples: 100, ..cases::sound(&TWIN) };
-    let error = check(many, &TWIN, 0.1, &limits).expect_err("too large");
+    let error = check(many, SessionParts::default(), &TWIN, 0.1, &limits).expect_err("too large");
     assert!(error.to_string().contains("size of a batch"), "{error}");
 }
 

@@ -36,7 +36,13 @@ const SKIN_WORK: u128 = 8;
 /// Work of the distance between a node and a collider.
 const COLLIDER_WORK: u128 = 32;
 
-pub(super) fn check(request: &RollOutRequest, batch: &Batch, limits: &Limits) -> Result<(), Error> {
+/// Checks costs beside so many colliders and grasps.
+pub(super) fn check(
+    request: &RollOutRequest,
+    parts: [usize; 2],
+    batch: &Batch,
+    limits: &Limits,
+) -> Result<(), Error> {
     let costs = &request.costs;
     within("the number of costs", costs.len() as u128, limits.costs, "merge target clouds")?;
     let mut names = HashSet::new();
@@ -71,7 +77,7 @@ pub(super) fn check(request: &RollOutRequest, batch: &Batch, limits: &Limits) ->
             );
             return Err(Error::field(field("temperature"), fault));
         }
-        kind(cost, when, request, batch, field)?;
+        kind(cost, when, parts, batch, field)?;
     }
     within(
         "the number of target points over all instances and frames of all costs",
@@ -157,11 +163,10 @@ pub(super) fn work(costs: &[Cost], batch: &Batch, twin: &TwinShape) -> u128 {
 fn kind(
     cost: &Cost,
     when: When,
-    request: &RollOutRequest,
+    [colliders, grasps]: [usize; 2],
     batch: &Batch,
     field: impl Fn(&str) -> String,
 ) -> Result<(), Error> {
-    let colliders = request.world.as_ref().map_or(0, |world| world.colliders.len());
     match &cost.kind {
         None => {
             let fault = "is missing: give target_cloud, keypoints, smoothness, strain, force, height, within, clearance, control_path or control_speed";
@@ -183,7 +188,7 @@ fn kind(
             Ok(())
         }
         Some(Kind::Strain(strain)) => least(strain.limit, &field("strain.limit"), 0.0),
-        Some(Kind::Force(f)) => force(f, request.grasps.len(), colliders, field),
+        Some(Kind::Force(f)) => force(f, grasps, colliders, field),
         Some(Kind::Height(height)) => {
             if let Some(ground) = &height.plane {
                 plane(ground, &field("height.plane"))?;

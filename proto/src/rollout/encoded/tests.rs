@@ -4,7 +4,8 @@ use super::*;
 use crate::{
     rollout::{TwinShape, cases, check},
     v1::{
-        AdvanceSessionRequest, ControlTrajectories, Cost, Returns, RollOutRequest, Tensor,
+        AdvanceSessionRequest, ControlTrajectories, Cost, PlanRequest, Returns, RollOutRequest,
+        StepSessionRequest, Tensor,
         cost::{Keypoints, Kind},
         roll_out_request::Actions,
     },
@@ -22,7 +23,12 @@ fn costs_are_counted_before_they_are_decoded() {
     let limits = Limits::default();
     let with = |count: usize| {
         let request = encoded(|r| r.costs = vec![Cost::default(); count]);
-        check_encoded(Encoded::RollOut, &request, &limits)
+        let rollout = RollOutRequest::decode(&*request).unwrap();
+        let search = Some(PlanRequest { rollout: Some(rollout), ..PlanRequest::default() });
+        let step = StepSessionRequest { search, ..StepSessionRequest::default() }.encode_to_vec();
+        let found = check_encoded(Encoded::RollOut, &request, &limits);
+        assert_eq!(check_encoded(Encoded::Step, &step, &limits), found);
+        found
     };
     assert_eq!(with(256), Ok(()));
     let refused = with(257).unwrap_err().to_string();

@@ -2,43 +2,55 @@
 
 use bendtwin_plan::{Evaluation, Knots, Space};
 use bendtwin_proto::{
+    plan::Template,
+    rollout::ImplausibleReason,
     tensor::TensorError,
     v1::{RollOutResponse, Tensor},
 };
 
 use crate::failure::{Error, Result};
 
-/// Costs of a batch with their terms.
+/// Costs of a batch with their terms and strains.
 pub(super) struct Costs {
     pub(super) evaluation: Evaluation,
+    /// Largest strain of the material in each plan, shape [B].
+    strains: Vec<f64>,
     pub(super) names: Vec<String>,
     /// Shape [B, terms], weighted.
     pub(super) terms: Vec<f64>,
 }
 
 impl Costs {
-    /// Those of a reply to plans of a space. With `refuses` what is not plausible counts as
-    /// diverged.
+    /// Those of a reply to plans of a template in a space, which names every strain. What the template
+    /// refuses counts as diverged.
     pub(super) fn read(
         reply: RollOutResponse,
         plans: &[Knots],
         space: &Space,
         gradients: bool,
-        refuses: bool,
+        template: &Template,
     ) -> Result<Self> {
         let mut costs = values::<f64>(reply.costs.as_ref(), "costs")?;
-        if refuses {
-            let members = match &reply.member_costs {
-                Some(tensor) => tensor.shape.get(1).copied().unwrap_or(1).max(1),
-                None => 1,
+        let mut strains = vec![0.0_f64; costs.len()];
+        let (limit, refuses) = (template.strain_limit(), template.refuses());
+        let members = match &reply.member_costs {
+            Some(tensor) => tensor.shape.get(1).copied().unwrap_or(1).max(1),
+            None => 1,
+        };
+        for implausible in &reply.implausible {
+            let plan = usize::try_from(u64::from(implausible.instance) / members).ok();
+            let Some((plan, cost)) = plan.and_then(|p| Some((p, costs.get_mut(p)?))) else {
+                continue;
             };
-            for implausible in &reply.implausible {
-                let plan = usize::try_from(u64::from(implausible.instance) / members);
-                if let Some(cost) = plan.ok().and_then(|plan| costs.get_mut(plan)) {
-                    *cost = f64::INFINITY;
-                }
+            let is_strain = implausible.reason == ImplausibleReason::Strain.as_str();
+            if is_strain {
+                strains[plan] = strains[plan].max(implausible.found);
+            }
+            if refuses && !(is_strain && implausible.found <= limit) {
+                *cost = f64::INFINITY;
             }
         }
+        let excess = strains.iter().map(|strain| (strain - limit).max(0.0)).collect();
         let gradients = match gradients {
             true => by_coordinates(reply.action_gradients.as_ref(), plans, space)?,
             false => Vec::new(),
@@ -47,7 +59,13 @@ impl Costs {
             Some(tensor) => values::<f64>(Some(tensor), "cost_terms")?,
             None => Vec::new(),
         };
-        Ok(Self { evaluation: Evaluation { costs, gradients }, names: reply.cost_names, terms })
+        let evaluation = Evaluation { costs, gradients, excess };
+        Ok(Self { evaluation, strains, names: reply.cost_names, terms })
+    }
+
+    /// Largest strain of the material in a plan of the batch.
+    pub(super) fn strain_of(&self, plan: usize) -> f64 {
+        self.strains.get(plan).copied().unwrap_or(0.0)
     }
 
     /// The terms of a plan of the batch.

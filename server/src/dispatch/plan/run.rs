@@ -18,7 +18,8 @@ use crate::{
     memory::Shares,
 };
 
-/// A plan under way: everything that the next update needs.
+/// A plan under way: everything that the next update needs. It is on the heap, as it goes from step to
+/// step by value, and stacks are small.
 pub(super) struct Run {
     dispatch: Dispatch,
     context: Context,
@@ -27,9 +28,10 @@ pub(super) struct Run {
     /// The end of the call.
     deadline: Instant,
     stopping: CancellationToken,
-    /// Names of the cost terms, and their values for the best plan so far.
+    /// Names of the cost terms, and their values and the strain for the best plan so far.
     names: Vec<String>,
     terms: Vec<f64>,
+    strain: f64,
     is_first: bool,
     /// The next batch; none once there is no other.
     next: Option<RollOutRequest>,
@@ -41,7 +43,7 @@ pub(super) struct Run {
 }
 
 /// An update, and the plan if it goes on.
-type Step = (Result<PlanUpdate>, Option<Run>);
+type Step = (Result<PlanUpdate>, Option<Box<Run>>);
 
 impl Run {
     pub(super) fn new(
@@ -61,6 +63,7 @@ impl Run {
             stopping,
             names: Vec::new(),
             terms: Vec::new(),
+            strain: 0.0,
             is_first: true,
             next: None,
             _request: request,
@@ -71,7 +74,7 @@ impl Run {
     }
 
     /// The next update.
-    pub(super) async fn update(self) -> Option<Step> {
+    pub(super) async fn update(self: Box<Self>) -> Option<Step> {
         if self.has_ended {
             return None;
         }
@@ -88,7 +91,7 @@ impl Run {
     }
 
     /// Simulates a batch, and proposes the next one.
-    async fn iteration(mut self) -> Result<(PlanUpdate, Self)> {
+    async fn iteration(mut self: Box<Self>) -> Result<(PlanUpdate, Box<Self>)> {
         if self.is_first {
             self = self.proposed().await?;
         }
@@ -138,15 +141,16 @@ impl Run {
     }
 
     /// Takes in the reply to a batch.
-    async fn learned(mut self, reply: RollOutResponse) -> Result<Self> {
+    async fn learned(mut self: Box<Self>, reply: RollOutResponse) -> Result<Box<Self>> {
         let (bytes, elapsed) = (self.parts.bytes, self.began.elapsed());
         let work = move || {
             let Parts { search, space, template, .. } = &mut self.parts;
             let gradients = search.settings().method.needs_gradients();
-            let costs = Costs::read(reply, search.batch(), space, gradients, template.refuses())?;
+            let costs = Costs::read(reply, search.batch(), space, gradients, template)?;
             let place = search.learn(costs.evaluation.clone(), elapsed).map_err(failed)?;
             if let Some(place) = place {
                 self.terms = costs.of(place);
+                self.strain = costs.strain_of(place);
                 self.names = costs.names;
             }
             Ok(self)
@@ -155,7 +159,7 @@ impl Run {
     }
 
     /// Proposes the next batch, if there is another.
-    async fn proposed(mut self) -> Result<Self> {
+    async fn proposed(mut self: Box<Self>) -> Result<Box<Self>> {
         let (bytes, elapsed) = (self.parts.bytes, self.began.elapsed());
         let work = move || {
             let Parts { search, space, template, .. } = &mut self.parts;
@@ -186,10 +190,13 @@ impl Run {
             iterations: count(best.iterations),
             simulated: count(best.simulated),
             diverged: count(best.diverged),
-            met_deadline: self.next.is_none() && best.iterations < settings.iterations,
+            stopped_by_deadline: self.next.is_none() && best.iterations < settings.iterations,
             time_s: self.began.elapsed().as_secs_f64(),
             last: false,
             rollout: None,
+            strain: self.strain,
+            strain_limit: template.strain_limit(),
+            overstrained: count(best.beyond_limit),
         })
     }
 

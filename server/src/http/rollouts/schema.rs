@@ -17,7 +17,8 @@ use utoipa::{
 };
 
 /// The files whose messages are described, all or some of them.
-const FILES: [(&str, Option<&str>); 7] = [
+const FILES: [(&str, Option<&str>); 8] = [
+    ("bendtwin/v1/fault.proto", None),
     ("bendtwin/v1/world.proto", None),
     ("bendtwin/v1/rollout.proto", None),
     ("bendtwin/v1/planning.proto", None),
@@ -73,6 +74,8 @@ described! {
     RollOutResponse
     Session
     SessionStates
+    StepSessionRequest
+    SteppedSession
     TwinGeometry
 }
 

@@ -2,7 +2,10 @@
 
 use std::sync::Arc;
 
-use bendtwin_proto::v1::{self, RollOutRequest, initial_state};
+use bendtwin_proto::{
+    rollout,
+    v1::{self, RollOutRequest, initial_state},
+};
 use tokio::sync::OwnedMutexGuard;
 
 use super::{Session, Sessions};
@@ -48,7 +51,7 @@ impl Begun {
         let turn = if commit.is_empty() {
             None
         } else {
-            check_advance(request)?;
+            rollout::check_advance(request)?;
             Some(session.begin_advance().await)
         };
         Ok(Some(Self { session, slots, commit, _turn: turn }))
@@ -94,22 +97,4 @@ impl Begun {
         }
         Ok(())
     }
-}
-
-fn check_advance(request: &RollOutRequest) -> Result<(), Error> {
-    if request.ensemble.is_some() {
-        let fault = "belongs to rollouts: a slot has one state";
-        return Err(Error::field("rollout.ensemble", fault));
-    }
-    let returns = request.returns.clone().unwrap_or_default();
-    let of_rollouts = [
-        ("rollout.returns.best", returns.best > 0),
-        ("rollout.returns.part_frames", returns.part_frames > 0),
-        ("rollout.time_limit_s", request.time_limit_s.is_some()),
-    ];
-    if let Some((field, _)) = of_rollouts.into_iter().find(|(_, is_set)| *is_set) {
-        let fault = "belongs to rollouts: every slot is advanced";
-        return Err(Error::field(field, fault));
-    }
-    Ok(())
 }

@@ -156,6 +156,9 @@ class GradientDescent(Planner):
         self._plans = np.concatenate([nominal[None], self._bounded(nominal + others)])
         self._first = np.zeros_like(self._plans)
         self._second = np.zeros_like(self._plans)
+        # What plans were when they kept the limit of the strain last, and whether they ever did.
+        self._kept = self._plans.copy()
+        self._has_kept = np.zeros(len(self._plans), dtype=bool)
         self._steps = 0
 
     def _propose(self, iteration: int) -> Array:
@@ -166,12 +169,23 @@ class GradientDescent(Planner):
     ) -> None:
         if evaluation.gradients is None:
             raise ValueError("the problem has no gradients: choose another method")
+        excess = np.zeros(len(candidates)) if evaluation.excess is None else evaluation.excess
+        keeps, beyond = excess == 0.0, (excess > 0.0) & np.isfinite(excess)
         gradients = evaluation.gradients.copy()
         gradients[:, 0] = 0.0
-        whole = np.isfinite(gradients).all(axis=(1, 2)) & np.isfinite(evaluation.costs)
+        whole = np.isfinite(gradients).all(axis=(1, 2)) & keeps
         gradients[~whole] = 0.0
         # A plan that diverged goes on from the best one.
         plans = np.where(whole[:, None, None], candidates, best)
+        # One beyond the limit, where the gradient of the cost says nothing of how to keep it, goes
+        # half the way back to where it kept it last, to the best one if that keeps it, or to
+        # staying still, and begins anew there.
+        self._kept[keeps], self._has_kept = candidates[keeps], self._has_kept | keeps
+        still = np.repeat(candidates[:, :1], self.knots, axis=1)
+        otherwise = best if self._has_kept.any() else still
+        safe = np.where(self._has_kept[:, None, None], self._kept, otherwise)
+        plans[beyond] = 0.5 * (candidates + safe)[beyond]
+        self._first[beyond] = self._second[beyond] = 0.0
         self._steps += 1
         self._first = 0.9 * self._first + 0.1 * gradients
         self._second = 0.99 * self._second + 0.01 * gradients**2

@@ -31,6 +31,11 @@ class Planned:
     #: "deadline" if there was no time for all iterations.
     stopped: Literal["iterations", "deadline"]
     problem: Problem | Task = field(repr=False)
+    #: How far the strain of the material is beyond the limit of `Plausibility`: 0, unless no plan
+    #: kept it. A plan beyond it is worse than all that keep it, whatever its cost.
+    excess_strain: float = 0.0
+    #: Number of the simulated plans that did not diverge and were beyond it.
+    overstrained: int = 0
 
     def actions(self, frames: int | None = None) -> dict[str, Any]:
         """Arguments of `Twin.rollout` that execute the plan: all of it, or its first frames."""

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import time
 from abc import ABC, abstractmethod
+from dataclasses import replace
 from typing import ClassVar
 
 import numpy as np
@@ -127,7 +128,7 @@ class Planner(ABC):
             if evaluation is None:
                 break
             search.finished += 1
-            self._learn(candidates, evaluation, search.best, search.best_cost)
+            self._learn(candidates, *search.worth(evaluation))
         mean = self._mean()
         if mean is not None and search.finished == iterations:
             search.simulate(self._bounded(mean[None]), is_mean=True)
@@ -163,7 +164,9 @@ class Planner(ABC):
     def _learn(
         self, candidates: Array, evaluation: Evaluation, best: Array, best_cost: float
     ) -> None:
-        """Takes in what an iteration found; `best` is the best of all iterations."""
+        """Takes in what an iteration found; `best` is the best of all iterations. Costs are +inf
+        beyond the limit of the strain or, while no plan keeps it, how far plans are beyond it; the
+        excess of what diverged is +inf."""
 
     def _mean(self) -> Array | None:
         """A plan that the method arrived at and that was not simulated yet."""
@@ -205,9 +208,13 @@ class _Search:
         self.costs: list[npt.NDArray[np.float64]] = []
         self.best: Array = np.zeros((0, 0))
         self.best_cost = np.inf
+        #: How far the best is beyond the limit of the strain; +inf if it diverged.
+        self._best_excess = np.inf
+        self._overstrained = 0
         self._origin: Origin = "nominal"
         self._nominal_cost = np.inf
-        self._sample: tuple[Array, float] | None = None
+        #: The best sample, how far it is beyond the limit, and its cost.
+        self._sample: tuple[Array, tuple[float, float]] | None = None
 
     def simulate(self, knots: Array, *, is_mean: bool = False) -> Evaluation | None:
         """Simulates plans [B, K, D] and keeps the best; None if there is no time for it."""
@@ -226,29 +233,46 @@ class _Search:
                 return None
             raise
         self._longest_s = max(self._longest_s, time.monotonic() - started)
-        self._note(knots, evaluation.costs, is_mean)
+        self._note(knots, evaluation, is_mean)
         return evaluation
 
-    def _note(self, knots: Array, costs: npt.NDArray[np.float64], is_mean: bool) -> None:
+    def worth(self, evaluation: Evaluation) -> tuple[Evaluation, Array, float]:
+        """An evaluation as methods learn from it, the best plan, and its cost in the same terms."""
+        excess = _excess(evaluation)
+        if self._best_excess > 0.0:
+            return replace(evaluation, costs=excess, excess=excess), self.best, self._best_excess
+        costs = np.where(excess > 0.0, np.inf, evaluation.costs)
+        return replace(evaluation, costs=costs, excess=excess), self.best, self.best_cost
+
+    def _note(self, knots: Array, evaluation: Evaluation, is_mean: bool) -> None:
         is_first = not self.costs
+        costs, excess = evaluation.costs, _excess(evaluation)
         self.costs.append(costs)
+        self._overstrained += int(((excess > 0.0) & np.isfinite(excess)).sum())
         if is_first:
             self._nominal_cost = float(costs[0])
-            self.best, self.best_cost = knots[0], float(costs[0])
-        samples, their_costs = (knots[1:], costs[1:]) if is_first else (knots, costs)
-        if len(samples) and not is_mean:
-            i = int(np.argmin(their_costs))
-            if self._sample is None or their_costs[i] < self._sample[1]:
-                self._sample = (samples[i], float(their_costs[i]))
-        i = int(np.argmin(costs))
-        if costs[i] < self.best_cost:
-            self.best, self.best_cost = knots[i], float(costs[i])
+            self._take(knots[0], costs[0], excess[0])
+        # What keeps the limit comes first, then what is least beyond it, then what costs least.
+        order = np.lexsort((costs, excess))
+        samples = [] if is_mean else [i for i in order if i or not is_first]
+        if samples:
+            i = samples[0]
+            rank = (float(excess[i]), float(costs[i]))
+            if self._sample is None or rank < self._sample[1]:
+                self._sample = (knots[i], rank)
+        i = order[0]
+        if (excess[i], costs[i]) < (self._best_excess, self.best_cost):
+            self._take(knots[i], costs[i], excess[i])
             self._origin = "mean" if is_mean else "sample"
-        if not np.isfinite(self.best_cost):
+        if not np.isfinite(self._best_excess):
             raise EveryPlanDiverged
 
+    def _take(self, knots: Array, cost: float, excess: float) -> None:
+        self.best, self.best_cost, self._best_excess = knots, float(cost), float(excess)
+
     def ended(self, iterations: int) -> Plan:
-        sample, sample_cost = self._sample or (self.best, self.best_cost)
+        nothing = (self.best, (self._best_excess, self.best_cost))
+        sample, (_, sample_cost) = self._sample or nothing
         return Plan(
             knots=self.best,
             cost=self.best_cost,
@@ -261,4 +285,12 @@ class _Search:
             time_s=time.monotonic() - self._began,
             stopped="iterations" if self.finished == iterations else "deadline",
             problem=self._problem,
+            excess_strain=self._best_excess,
+            overstrained=self._overstrained,
         )
+
+
+def _excess(evaluation: Evaluation) -> npt.NDArray[np.float64]:
+    """Excess of each plan [B] over the limit of the strain; +inf for one that diverged."""
+    beyond = 0.0 if evaluation.excess is None else evaluation.excess
+    return np.where(np.isfinite(evaluation.costs), beyond, np.inf)

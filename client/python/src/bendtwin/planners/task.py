@@ -35,6 +35,9 @@ class Evaluation:
     costs: npt.NDArray[np.float64]
     #: d cost / d knots [B, K, D], if asked for.
     gradients: Array | None = None
+    #: How far the strain of the material is beyond the limit, 0 where it is not [B]: a plan beyond
+    #: it is worse than all that keep it. None: all keep it.
+    excess: npt.NDArray[np.float64] | None = None
 
 
 class Problem(Protocol):
@@ -187,7 +190,7 @@ class Task:
         returns = Returns(action_gradients=gradients)
         result = self.rollout(knots, initial, returns=returns, timeout_s=timeout_s)
         if not gradients:
-            return Evaluation(np.asarray(result.costs, np.float64))
+            return Evaluation(np.asarray(result.costs, np.float64), excess=_excess(result))
         if result.action_gradients is None:
             raise ValueError("the server returned no gradients: is it older than this client?")
         by_actions = np.asarray(result.action_gradients, np.float64)
@@ -201,9 +204,8 @@ class Task:
             times = np.arange(self.frames + 1) * (count - 1) / self.frames
             curve = curve_matrix(times, count, self.interpolation)
             by_actions = np.einsum("fk,bfcx->bkcx", curve, by_actions)
-        return Evaluation(
-            np.asarray(result.costs, np.float64), self.space.gradients(knots, by_actions)
-        )
+        costs = np.asarray(result.costs, np.float64)
+        return Evaluation(costs, self.space.gradients(knots, by_actions), _excess(result))
 
     def actions(self, knots: Array, frames: int | None = None) -> dict[str, Any]:
         """Arguments of `Twin.rollout` that execute knots [K, D] in the task's surroundings: all of
@@ -226,3 +228,14 @@ class Task:
             dense = _CURVES[kind](named[kind], frames, interpolation=self.interpolation)
             named[kind] = dense[:, : first + 1]
         return {**named, **schedule.at(first + 1, first), "frames": first}
+
+
+def _excess(result: RolloutResult) -> npt.NDArray[np.float64]:
+    """Excess of the strain of each action, with an ensemble of its members, over the limit."""
+    members = 1 if result.member_costs is None else result.member_costs.shape[1]
+    excess = np.zeros(len(result.costs))
+    for found in result.implausible:
+        if found.reason == "STRAIN":
+            action = found.instance // members
+            excess[action] = max(excess[action], found.found - found.limit)
+    return excess

@@ -106,7 +106,7 @@ class PlanBounds(_message.Message):
     def __init__(self, low: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., high: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., speed: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ...) -> None: ...
 
 class PlanUpdate(_message.Message):
-    __slots__ = ("knots", "coordinates", "cost", "cost_names", "cost_terms", "origin", "nominal_cost", "iterations", "simulated", "diverged", "met_deadline", "time_s", "last", "rollout")
+    __slots__ = ("knots", "coordinates", "cost", "cost_names", "cost_terms", "origin", "nominal_cost", "iterations", "simulated", "diverged", "stopped_by_deadline", "time_s", "last", "rollout", "strain", "strain_limit", "overstrained")
     class Origin(int, metaclass=_enum_type_wrapper.EnumTypeWrapper):
         __slots__ = ()
         ORIGIN_UNSPECIFIED: _ClassVar[PlanUpdate.Origin]
@@ -127,10 +127,13 @@ class PlanUpdate(_message.Message):
     ITERATIONS_FIELD_NUMBER: _ClassVar[int]
     SIMULATED_FIELD_NUMBER: _ClassVar[int]
     DIVERGED_FIELD_NUMBER: _ClassVar[int]
-    MET_DEADLINE_FIELD_NUMBER: _ClassVar[int]
+    STOPPED_BY_DEADLINE_FIELD_NUMBER: _ClassVar[int]
     TIME_S_FIELD_NUMBER: _ClassVar[int]
     LAST_FIELD_NUMBER: _ClassVar[int]
     ROLLOUT_FIELD_NUMBER: _ClassVar[int]
+    STRAIN_FIELD_NUMBER: _ClassVar[int]
+    STRAIN_LIMIT_FIELD_NUMBER: _ClassVar[int]
+    OVERSTRAINED_FIELD_NUMBER: _ClassVar[int]
     knots: _tensor_pb2.Tensor
     coordinates: _tensor_pb2.Tensor
     cost: float
@@ -141,8 +144,11 @@ class PlanUpdate(_message.Message):
     iterations: int
     simulated: int
     diverged: int
-    met_deadline: bool
+    stopped_by_deadline: bool
     time_s: float
     last: bool
     rollout: _rollout_pb2.RollOutResponse
-    def __init__(self, knots: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., coordinates: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., cost: _Optional[float] = ..., cost_names: _Optional[_Iterable[str]] = ..., cost_terms: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., origin: _Optional[_Union[PlanUpdate.Origin, str]] = ..., nominal_cost: _Optional[float] = ..., iterations: _Optional[int] = ..., simulated: _Optional[int] = ..., diverged: _Optional[int] = ..., met_deadline: bool = ..., time_s: _Optional[float] = ..., last: bool = ..., rollout: _Optional[_Union[_rollout_pb2.RollOutResponse, _Mapping]] = ...) -> None: ...
+    strain: float
+    strain_limit: float
+    overstrained: int
+    def __init__(self, knots: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., coordinates: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., cost: _Optional[float] = ..., cost_names: _Optional[_Iterable[str]] = ..., cost_terms: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., origin: _Optional[_Union[PlanUpdate.Origin, str]] = ..., nominal_cost: _Optional[float] = ..., iterations: _Optional[int] = ..., simulated: _Optional[int] = ..., diverged: _Optional[int] = ..., stopped_by_deadline: bool = ..., time_s: _Optional[float] = ..., last: bool = ..., rollout: _Optional[_Union[_rollout_pb2.RollOutResponse, _Mapping]] = ..., strain: _Optional[float] = ..., strain_limit: _Optional[float] = ..., overstrained: _Optional[int] = ...) -> None: ...

@@ -50,7 +50,9 @@ class PlanningServiceServicer(object):
 
     def Plan(self, request, context):
         """One update after each iteration with the best so far, and a last one. The best is never worse than
-        the nominal plan: whatever comes back was simulated, with that cost.
+        the nominal plan: whatever comes back was simulated, with that cost. A plan that strains the material
+        beyond the limit counts as worse than every plan that does not, whatever its cost; of plans beyond
+        it the one that is beyond it least is best.
         """
         context.set_code(grpc.StatusCode.UNIMPLEMENTED)
         context.set_details('Method not implemented!')

@@ -1,3 +1,5 @@
+from bendtwin.v1 import fault_pb2 as _fault_pb2
+from bendtwin.v1 import planning_pb2 as _planning_pb2
 from bendtwin.v1 import registration_pb2 as _registration_pb2
 from bendtwin.v1 import rollout_pb2 as _rollout_pb2
 from bendtwin.v1 import world_pb2 as _world_pb2
@@ -146,6 +148,53 @@ class CorrectedSession(_message.Message):
     session: Session
     corrections: _containers.RepeatedCompositeFieldContainer[CorrectedSession.Correction]
     def __init__(self, session: _Optional[_Union[Session, _Mapping]] = ..., corrections: _Optional[_Iterable[_Union[CorrectedSession.Correction, _Mapping]]] = ...) -> None: ...
+
+class StepSessionRequest(_message.Message):
+    __slots__ = ("name", "slot", "correction", "search", "execute_frames", "returns", "deadline_s")
+    NAME_FIELD_NUMBER: _ClassVar[int]
+    SLOT_FIELD_NUMBER: _ClassVar[int]
+    CORRECTION_FIELD_NUMBER: _ClassVar[int]
+    SEARCH_FIELD_NUMBER: _ClassVar[int]
+    EXECUTE_FRAMES_FIELD_NUMBER: _ClassVar[int]
+    RETURNS_FIELD_NUMBER: _ClassVar[int]
+    DEADLINE_S_FIELD_NUMBER: _ClassVar[int]
+    name: str
+    slot: int
+    correction: CorrectSessionRequest
+    search: _planning_pb2.PlanRequest
+    execute_frames: int
+    returns: _rollout_pb2.Returns
+    deadline_s: float
+    def __init__(self, name: _Optional[str] = ..., slot: _Optional[int] = ..., correction: _Optional[_Union[CorrectSessionRequest, _Mapping]] = ..., search: _Optional[_Union[_planning_pb2.PlanRequest, _Mapping]] = ..., execute_frames: _Optional[int] = ..., returns: _Optional[_Union[_rollout_pb2.Returns, _Mapping]] = ..., deadline_s: _Optional[float] = ...) -> None: ...
+
+class SteppedSession(_message.Message):
+    __slots__ = ("corrected", "refused", "plan", "advanced", "state", "times", "lost")
+    class Times(_message.Message):
+        __slots__ = ("correct_s", "plan_s", "advance_s", "total_s")
+        CORRECT_S_FIELD_NUMBER: _ClassVar[int]
+        PLAN_S_FIELD_NUMBER: _ClassVar[int]
+        ADVANCE_S_FIELD_NUMBER: _ClassVar[int]
+        TOTAL_S_FIELD_NUMBER: _ClassVar[int]
+        correct_s: float
+        plan_s: float
+        advance_s: float
+        total_s: float
+        def __init__(self, correct_s: _Optional[float] = ..., plan_s: _Optional[float] = ..., advance_s: _Optional[float] = ..., total_s: _Optional[float] = ...) -> None: ...
+    CORRECTED_FIELD_NUMBER: _ClassVar[int]
+    REFUSED_FIELD_NUMBER: _ClassVar[int]
+    PLAN_FIELD_NUMBER: _ClassVar[int]
+    ADVANCED_FIELD_NUMBER: _ClassVar[int]
+    STATE_FIELD_NUMBER: _ClassVar[int]
+    TIMES_FIELD_NUMBER: _ClassVar[int]
+    LOST_FIELD_NUMBER: _ClassVar[int]
+    corrected: CorrectedSession
+    refused: _fault_pb2.Fault
+    plan: _planning_pb2.PlanUpdate
+    advanced: _rollout_pb2.RollOutResponse
+    state: _rollout_pb2.InitialState.GivenState
+    times: SteppedSession.Times
+    lost: bool
+    def __init__(self, corrected: _Optional[_Union[CorrectedSession, _Mapping]] = ..., refused: _Optional[_Union[_fault_pb2.Fault, _Mapping]] = ..., plan: _Optional[_Union[_planning_pb2.PlanUpdate, _Mapping]] = ..., advanced: _Optional[_Union[_rollout_pb2.RollOutResponse, _Mapping]] = ..., state: _Optional[_Union[_rollout_pb2.InitialState.GivenState, _Mapping]] = ..., times: _Optional[_Union[SteppedSession.Times, _Mapping]] = ..., lost: bool = ...) -> None: ...
 
 class CloseSessionRequest(_message.Message):
     __slots__ = ("name",)

@@ -80,6 +80,11 @@ class SessionServiceStub(object):
                 request_serializer=bendtwin_dot_v1_dot_session__pb2.CorrectSessionRequest.SerializeToString,
                 response_deserializer=bendtwin_dot_v1_dot_session__pb2.CorrectedSession.FromString,
                 _registered_method=True)
+        self.StepSession = channel.unary_unary(
+                '/bendtwin.v1.SessionService/StepSession',
+                request_serializer=bendtwin_dot_v1_dot_session__pb2.StepSessionRequest.SerializeToString,
+                response_deserializer=bendtwin_dot_v1_dot_session__pb2.SteppedSession.FromString,
+                _registered_method=True)
         self.CloseSession = channel.unary_unary(
                 '/bendtwin.v1.SessionService/CloseSession',
                 request_serializer=bendtwin_dot_v1_dot_session__pb2.CloseSessionRequest.SerializeToString,
@@ -156,6 +161,16 @@ class SessionServiceServicer(object):
         context.set_details('Method not implemented!')
         raise NotImplementedError('Method not implemented!')
 
+    def StepSession(self, request, context):
+        """A step of a closed loop: corrects a slot by what is seen, plans from there, and advances the slot by
+        the first frames of the best plan. All of the request is checked before anything changes. Later
+        failures (EVERY_PLAN_DIVERGED, a lost worker, the deadline of the call) may leave the slot corrected,
+        but not advanced.
+        """
+        context.set_code(grpc.StatusCode.UNIMPLEMENTED)
+        context.set_details('Method not implemented!')
+        raise NotImplementedError('Method not implemented!')
+
     def CloseSession(self, request, context):
         """Missing associated documentation comment in .proto file."""
         context.set_code(grpc.StatusCode.UNIMPLEMENTED)
@@ -204,6 +219,11 @@ def add_SessionServiceServicer_to_server(servicer, server):
                     servicer.CorrectSession,
                     request_deserializer=bendtwin_dot_v1_dot_session__pb2.CorrectSessionRequest.FromString,
                     response_serializer=bendtwin_dot_v1_dot_session__pb2.CorrectedSession.SerializeToString,
+            ),
+            'StepSession': grpc.unary_unary_rpc_method_handler(
+                    servicer.StepSession,
+                    request_deserializer=bendtwin_dot_v1_dot_session__pb2.StepSessionRequest.FromString,
+                    response_serializer=bendtwin_dot_v1_dot_session__pb2.SteppedSession.SerializeToString,
             ),
             'CloseSession': grpc.unary_unary_rpc_method_handler(
                     servicer.CloseSession,
@@ -432,6 +452,33 @@ class SessionService(object):
             '/bendtwin.v1.SessionService/CorrectSession',
             bendtwin_dot_v1_dot_session__pb2.CorrectSessionRequest.SerializeToString,
             bendtwin_dot_v1_dot_session__pb2.CorrectedSession.FromString,
+            options,
+            channel_credentials,
+            insecure,
+            call_credentials,
+            compression,
+            wait_for_ready,
+            timeout,
+            metadata,
+            _registered_method=True)
+
+    @staticmethod
+    def StepSession(request,
+            target,
+            options=(),
+            channel_credentials=None,
+            call_credentials=None,
+            insecure=False,
+            compression=None,
+            wait_for_ready=None,
+            timeout=None,
+            metadata=None):
+        return grpc.experimental.unary_unary(
+            request,
+            target,
+            '/bendtwin.v1.SessionService/StepSession',
+            bendtwin_dot_v1_dot_session__pb2.StepSessionRequest.SerializeToString,
+            bendtwin_dot_v1_dot_session__pb2.SteppedSession.FromString,
             options,
             channel_credentials,
             insecure,
