@@ -1,0 +1,131 @@
+"""A cable laid along a line on the table, with a regrasp.
+
+The gripper of one end releases it, takes the cable in its middle, lays that, and comes back for
+the end.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from bendtwin import Cost, Grasp, Sphere, State
+
+from studies.loops.loop import Array, Loop, Move, Outcome, Planned, Scripted, reach, search, up
+
+LIMIT_MM = 15.0
+#: Horizon of half a second.
+FRAMES = 50
+LINE_Y, LINE_FROM = 0.3, -0.42
+#: Height of a gripper that lays the cable on the table, and that moves above it.
+LAID, ABOVE = 0.012, 0.12
+#: Of the grippers on their way, metres per second.
+SPEED = 0.4
+#: The place of the regrasp, as a share of the length.
+MIDDLE = 0.55
+
+
+@dataclass(frozen=True)
+class Phase:
+    """A part of the way, until the grippers are there."""
+
+    #: Whether the grasps are closed: hand 0, hand 1, gripper 1 elsewhere.
+    closed: tuple[int, int, int]
+    #: Place of gripper 1: a point, or the node that it goes to, with a height above that.
+    to: Array | int
+    above: float = 0.0
+    #: Nodes that this lays along the line, by planning.
+    lays: int = 0
+    #: Steps after which it goes on even if it is not there.
+    most_steps: int = 25
+
+
+class Cable(Loop):
+    """Grippers 0 and 1 begin with the clamps of the recording."""
+
+    name = "cable"
+    title = "cable along a line, with a regrasp"
+    scene = "cable"
+    mass_kg = 0.08
+    steps = 110
+    target = f"nodes within {LIMIT_MM:.0f} mm of the line on average, with open grippers"
+    sees_markers = True
+
+    def prepare(self) -> None:
+        """The phases; the first gripper stays at the beginning of the line."""
+        grip = Sphere(0.03)
+        self.grasps = [
+            Grasp(gripper=0, hand=0),
+            Grasp(gripper=1, hand=1),
+            Grasp(gripper=1, region=grip),
+        ]
+        steps = np.linalg.norm(np.diff(self.geometry.rest_positions, axis=0), axis=1)
+        self.along = np.concatenate([[0.0], np.cumsum(steps)])
+        self.line_y = LINE_Y + self.rng.uniform(-0.02, 0.02)
+        self.goal = np.stack([self.on_line(s) for s in self.along])
+        count = len(self.along)
+        middle, end = int(np.searchsorted(self.along, MIDDLE * self.along[-1])), count - 2
+        slack = self.on_line(0.7 * self.along[-1])
+        self.phases = [
+            Phase((1, 1, 0), slack + up(0.1)),
+            Phase((1, 1, 0), slack),
+            Phase((1, 0, 0), slack + up(ABOVE)),
+            *self._taken(middle, middle + 1),
+            *self._taken(end, count),
+            Phase((0, 0, 0), self.on_line(self.along[end]) + up(ABOVE)),
+        ]
+        self.phase, self.phase_steps = 0, 0
+        self.poses = self.grippers.copy()
+
+    def on_line(self, along: float) -> Array:
+        """The place on the line for a length along the cable."""
+        return np.array([LINE_FROM + along, self.line_y, LAID])
+
+    def _taken(self, node: int, lays: int) -> list[Phase]:
+        """Takes the cable at a node, lays it, and lets go."""
+        place = self.on_line(self.along[node])
+        return [
+            Phase((1, 0, 0), node, ABOVE),
+            Phase((1, 0, 0), node),
+            Phase((1, 0, 1), place, lays=lays),
+            Phase((1, 0, 0), place + up(ABOVE)),
+        ]
+
+    def move(self, step: int, believed: State) -> Move:
+        """The next part of the way."""
+        nodes = np.asarray(believed.positions, dtype=float)
+        phase = self.phases[self.phase]
+        first = self.on_line(0.0)
+        place = nodes[phase.to] + up(phase.above) if isinstance(phase.to, int) else phase.to
+        self._advance(0, first)
+        there = self._advance(1, place)
+        self.phase_steps += 1
+        is_last = self.phase == len(self.phases) - 1
+        if not is_last and (there or self.phase_steps >= phase.most_steps):
+            self.phase, self.phase_steps = self.phase + 1, 0
+        if phase.lays and not there:
+            return self._laying(phase, step)
+        return Scripted(poses=self.poses.copy(), closed=phase.closed)
+
+    def _advance(self, gripper: int, place: Array) -> bool:
+        """Moves a gripper towards a place by a step; true if it is there."""
+        way = place - self.poses[gripper, :3]
+        length = float(np.linalg.norm(way))
+        share = min(1.0, SPEED * 0.1 / max(length, 1e-9))
+        self.poses[gripper, :3] += share * way
+        return share >= 1.0
+
+    def _laying(self, phase: Phase, step: int) -> Planned:
+        nodes = np.arange(phase.lays)
+        costs: list[Cost] = reach(nodes, self.goal[nodes], 1.0, FRAMES)
+        sigma = [0.0, 0.0, 0.0, 0.05, 0.05, 0.02]
+        found = search(sigma, seed=1000 * self.seed + step, samples=24)
+        return Planned(costs=costs, search=found, frames=FRAMES, closed=phase.closed)
+
+    def outcome(self, state: State) -> Outcome:
+        """The mean distance from the line."""
+        nodes = np.asarray(state.positions, dtype=float)
+        off = np.hypot(nodes[:, 1] - self.line_y, np.maximum(nodes[:, 2] - LAID, 0.0))
+        error_mm = 1e3 * float(off.mean())
+        is_done = self.phase == len(self.phases) - 1
+        return Outcome(is_done and error_mm <= LIMIT_MM, error_mm, {"phase": float(self.phase)})
