@@ -19,6 +19,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+
 from bendtwin import BendTwinError, Client, Returns, Settled, State, Twin, Vary, World
 
 _START_S = 60

@@ -20,8 +20,8 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from bendtwin import BendTwinError, Grasp, Returns, Settled, Twin, World
 
+from bendtwin import BendTwinError, Grasp, Returns, Settled, Twin, World
 from studies.lab import at_rest, binary, open_lab
 from studies.loops.report import table
 

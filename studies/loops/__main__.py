@@ -15,7 +15,6 @@ from pathlib import Path
 from typing import Any, get_args
 
 from bendtwin import Twin
-
 from studies.lab import Lab, binary, open_lab
 from studies.loops import report
 from studies.loops.bin import Bin

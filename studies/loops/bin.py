@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from bendtwin import Clearance, Collider, Cost, Cuboid, Grasp, State, Within, World
 
+from bendtwin import Clearance, Collider, Cost, Cuboid, Grasp, State, Within, World
 from studies.loops.loop import (
     Array,
     Loop,

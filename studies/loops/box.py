@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from bendtwin import Clearance, Collider, Cost, Cuboid, State, World
 
+from bendtwin import Clearance, Collider, Cost, Cuboid, State, World
 from studies.loops.loop import (
     Loop,
     Outcome,
@@ -23,7 +23,7 @@ FRAMES = 15
 BOX_FROM, BOX_TO, GOAL = 0.17, 0.25, 0.42
 BOX_HEIGHT = 0.1
 #: Height that the head needs so that what hangs from it passes over the box.
-OVER = 0.34
+OVER = 0.24
 
 
 class Box(Loop):
@@ -33,7 +33,7 @@ class Box(Loop):
     title = "toy over a box"
     scene = "toy"
     mass_kg = 0.25
-    steps = 45
+    steps = 70
     target = f"nodes within {LIMIT_MM:.0f} mm of their places on average, strain below 1.5"
 
     def surroundings(self) -> World:
@@ -48,8 +48,8 @@ class Box(Loop):
         end = np.array([0.0, GOAL, 0.0]) + self.rng.uniform(-0.02, 0.02, 3) * [1, 1, 0]
         self.goal = self.lying + end
         # It comes down hanging, and is drawn out over the table.
-        behind = end - [0.12, 0.0, 0.0]
-        way = [up(0.0), up(OVER), behind + up(OVER), behind + up(0.12), end]
+        behind = end - [0.16, 0.0, 0.0]
+        way = [up(0.0), up(OVER), behind + up(OVER), behind + up(0.16), end]
         self.way = Path(np.stack(way), 0.45)
 
     def move(self, step: int, believed: State) -> Planned:

@@ -9,8 +9,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from bendtwin import Cost, Grasp, Sphere, State
 
+from bendtwin import Cost, Grasp, Sphere, State
 from studies.loops.loop import Array, Loop, Move, Outcome, Planned, Scripted, reach, search, up
 
 LIMIT_MM = 15.0
@@ -74,6 +74,7 @@ class Cable(Loop):
             *self._taken(end, count),
             Phase((0, 0, 0), self.on_line(self.along[end]) + up(ABOVE)),
         ]
+        self.lowest_m = [LAID, LAID]
         self.phase, self.phase_steps = 0, 0
         self.poses = self.grippers.copy()
 

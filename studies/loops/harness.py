@@ -12,17 +12,18 @@ from typing import Any, Literal
 
 import numpy as np
 import numpy.typing as npt
+
 from bendtwin import (
     BendTwinError,
     Client,
     Forces,
     Returns,
+    Search,
     Session,
     Twin,
     Vary,
     interpolate_poses,
 )
-
 from studies.loops.loop import Loop, Move, Planned
 
 #: What the controller knows of the object while it moves: 20 % of its skin with 3 mm of noise,
@@ -55,6 +56,8 @@ class Episode:
     largest_force_n: float = 0.0
     corrections: int = 0
     refused_corrections: int = 0
+    #: The error after each step.
+    errors_mm: list[float] = field(default_factory=list)
     #: Reason of the server, if it ended the episode.
     ended_by: str = ""
     #: Seconds of every step, by part.
@@ -177,20 +180,30 @@ class Controller:
 
     def _plan(self, move: Planned) -> npt.NDArray[np.float32]:
         """Poses of the grippers in every frame of the horizon [1, F + 1, G, 7]."""
-        goes_on = self._nominal is not None
-        nominal = self._nominal if goes_on else np.stack([self._poses] * move.knots)[None]
+        nominal = self._nominal
+        if nominal is None:
+            nominal = np.stack([self._poses] * move.knots)[None]
         with self._episode.timed("plan"):
             update = self._session.plan(
                 **self._actions(nominal, move),
                 world=self._loop.world,
                 frames=move.frames,
                 costs=move.costs,
-                search=move.search,
-                space="translation",
-                shift_frames=self._loop.step_frames if goes_on else 0,
+                search=self._above_the_table(move),
+                space=move.space,
             )
-        self._nominal = update.knots
-        return interpolate_poses(update.knots, move.frames)
+        path = interpolate_poses(update.knots, move.frames)
+        # The next plan begins with the rest of this one, at whose end the grippers stay.
+        later = self._loop.step_frames + np.linspace(0, move.frames, move.knots).round().astype(int)
+        self._nominal = path[:, np.minimum(later, move.frames)]
+        return path
+
+    def _above_the_table(self, move: Planned) -> Search:
+        """The search with bounds, which count from where the grippers are, for their heights."""
+        low = np.full((len(self._poses), 3 if move.space == "translation" else 6), -np.inf)
+        low[:, 2] = np.minimum(self._loop.lowest_m - self._poses[:, 2], 0.0)
+        bounds = replace(move.search.bounds, low=low.reshape(-1))
+        return replace(move.search, bounds=bounds)
 
 
 def run_episode(
@@ -225,6 +238,7 @@ def run_episode(
                 controller = Controller(session, loop, variant, episode)
                 for number in range(steps or kind.steps):
                     real.execute(controller.step(number, real))
+                    episode.errors_mm.append(loop.outcome(real.state).error_mm)
         except Ended as end:
             episode.ended_by = str(end)
         except BendTwinError as error:

@@ -7,11 +7,12 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
-from dataclasses import dataclass, field
-from typing import Any, ClassVar
+from dataclasses import dataclass, field, replace
+from typing import Any, ClassVar, Literal
 
 import numpy as np
 import numpy.typing as npt
+
 from bendtwin import (
     Bounds,
     Cost,
@@ -25,7 +26,6 @@ from bendtwin import (
     Vary,
     World,
 )
-
 from studies.lab import at_rest
 
 Array = npt.NDArray[np.float64]
@@ -40,6 +40,8 @@ class Planned:
 
     costs: Sequence[Cost]
     search: Search
+    #: Coordinates of the plan: "translation" of the grippers, or "rigid" motion.
+    space: Literal["translation", "rigid"] = "translation"
     #: Horizon, and knots over it.
     frames: int = 15
     knots: int = 4
@@ -117,19 +119,24 @@ class Loop(ABC):
             vary: Parameters that make another object of it.
             seed: Seed of the goal and of the plans.
         """
-        self.real, self.vary, self.seed = real, vary, seed
+        self.twin, self.real, self.vary, self.seed = twin, real, vary, seed
         self.geometry: Geometry = twin.geometry()
         self.fps = self.geometry.fps
         self.step_frames = round(PERIOD_S * self.fps)
         #: Poses of the grippers at the beginning [G, 7]; the hands of the recording have the first.
         self.grippers = around_hands(self.geometry)
+        #: Lowest heights of the grippers [G]: where they are when the object lies on the table.
+        self.lowest_m: npt.ArrayLike = self.grippers[:, 2].copy()
         #: Holds of the grippers; without any the hands of the recording hold.
         self.grasps: Sequence[Grasp] = ()
         #: Surroundings of the object.
         self.world = self.surroundings()
         #: Where the real object is, and where the controller takes it to be, at the beginning.
-        self.start: State = at_rest(real, world=self.world, vary=vary)
-        self.believed: State = at_rest(twin, world=self.world)
+        still = replace(
+            self.world, colliders=[c for c in self.world.colliders if c.gripper is None]
+        )
+        self.start: State = at_rest(real, world=still, vary=vary)
+        self.believed: State = at_rest(twin, world=still)
         self.rng = np.random.default_rng([seed, 2])
         self.prepare()
 

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from bendtwin import Returns, State, interpolate
 
+from bendtwin import Returns, State, interpolate
 from studies.loops.loop import Loop, Outcome, Planned, reach, search, unbroken
 
 LIMIT_MM = 5.0
