@@ -185,6 +185,7 @@ def main() -> None:
     parser.add_argument("--parts", default=",".join(PARTS), help="of lowered, creep, settled")
     parser.add_argument("--scenes", default=",".join(SCENES), help="made scenes")
     parser.add_argument("--fit", choices=SETTINGS, default="planning", help="kind of the twins")
+    parser.add_argument("--tiny", action="store_true", help="of the scenes, coarse recordings")
     parser.add_argument("--captures", nargs="*", type=Path, default=[], help="for `settled`")
     parser.add_argument("--twins", type=Path, help="folder in which twins are kept")
     parser.add_argument("--json", action="store_true", help="print JSON instead of tables")
@@ -192,7 +193,11 @@ def main() -> None:
     warnings.filterwarnings("ignore", message="implausible motion")
     found: dict[str, list[Row]] = {}
     with open_lab(binary(options.bin), kept=options.twins) as lab:
-        made = {scene: partial(lab.made, scene) for scene in options.scenes.split(",") if scene}
+        made = {
+            scene: partial(lab.made, scene, tiny=options.tiny)
+            for scene in options.scenes.split(",")
+            if scene
+        }
         given = {file.stem: partial(Path, file) for file in options.captures}
         for part in options.parts.split(","):
             found[part] = []

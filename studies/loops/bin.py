@@ -26,7 +26,7 @@ HALF = 0.15
 WALL, HEIGHT = 0.02, 0.12
 OVER = 0.36
 #: Height of the head above the floor when the toy is let go.
-LET_GO = 0.22
+LET_GO = 0.16
 FALL_STEPS = 12
 
 

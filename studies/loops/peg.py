@@ -102,7 +102,7 @@ class Peg(Loop):
         if times[-1] > 0.8 * self.way.duration_s:
             costs += reach(np.arange(len(self.goal)), self.goal, 0.5, FRAMES)
         sigma = [*[0.03] * 3, 0.0, 0.0, 0.3, *[0.0] * 6]
-        found = search(sigma, seed=1000 * self.seed + step)
+        found = search(sigma, seed=1000 * self.seed + step, samples=24)
         found = replace(found, bounds=Bounds(speed=[*[0.8] * 3, *[4.0] * 3] * 2))
         return Planned(costs=costs, search=found, space="rigid")
 

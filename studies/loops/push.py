@@ -9,7 +9,7 @@ import numpy as np
 from bendtwin import Collider, Grasp, Keypoints, Returns, Sphere, State, World
 from studies.loops.loop import Array, Loop, Outcome, Planned, search, unbroken
 
-LIMIT_MM = 20.0
+LIMIT_MM = 25.0
 FRAMES = 24
 #: Time in which the toy is to get there.
 PUSHING_S = 3.0

@@ -40,7 +40,7 @@ class RopeTip(Loop):
     def move(self, step: int, believed: State) -> Planned:
         """Brings the tip to the goal."""
         costs = [*reach(self.tip, self.goal, 1.0, FRAMES), unbroken(FRAMES)]
-        return Planned(costs=costs, search=search(0.05, seed=1000 * self.seed + step))
+        return Planned(costs=costs, search=search(0.05, seed=1000 * self.seed + step, samples=24))
 
     def outcome(self, state: State) -> Outcome:
         """The distance of the tip."""
