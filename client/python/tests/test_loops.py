@@ -1,7 +1,6 @@
 """The closed loops of studies/loops, and the measurement of contact at rest, as commands."""
 
 import json
-import os
 import subprocess
 import sys
 from pathlib import Path
@@ -20,13 +19,8 @@ pytestmark = [
 
 def study(name, *options):
     """The standard output of a study that succeeds."""
-    # Beside the sources there is no package to install.
-    path = os.pathsep.join(
-        [str(ROOT / "client" / "python" / "src"), os.environ.get("PYTHONPATH", "")]
-    )
     command = [sys.executable, "-m", f"studies.{name}", "--bin", Path(BINARY).resolve(), *options]
-    env = os.environ | {"PYTHONPATH": path}
-    done = subprocess.run(command, cwd=ROOT, env=env, capture_output=True, text=True)
+    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
     return done.stdout
 
