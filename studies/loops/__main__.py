@@ -20,7 +20,8 @@ from studies.loops import report
 from studies.loops.bin import Bin
 from studies.loops.box import Box
 from studies.loops.cable import Cable
-from studies.loops.harness import Episode, Variant, run_episode
+from studies.loops.episode import Episode, Variant
+from studies.loops.harness import run_episode
 from studies.loops.loop import Loop
 from studies.loops.peg import Peg
 from studies.loops.push import Push

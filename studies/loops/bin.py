@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from bendtwin import Clearance, Collider, Cost, Cuboid, Grasp, State, Within, World
+from bendtwin import Clearance, Collider, Cost, Cuboid, Grasp, State, World
 from studies.loops.loop import (
     Array,
     Loop,
@@ -14,6 +14,8 @@ from studies.loops.loop import (
     Planned,
     Scripted,
     follow,
+    near,
+    reach,
     search,
     unbroken,
     up,
@@ -61,9 +63,8 @@ class Bin(Loop):
         over = np.array([*(MIDDLE + self.rng.uniform(-0.02, 0.02, 2) - head[:2]), OVER])
         low = np.array([*over[:2], LET_GO - head[2]])
         self.way = Path(np.stack([up(0.0), up(OVER), over, low]), 0.45)
-        self.inside = [*(MIDDLE - HALF), 0.0], [*(MIDDLE + HALF), 0.5]
+        self.belly = near(self.lying, [self.lying.mean(axis=0)], 0.04)
         self.open_since: int | None = None
-        self.held_at = self.grippers
 
     def move(self, step: int, believed: State) -> Move:
         """Follows the way; opens once the toy is above the bin, at the latest in time to fall."""
@@ -72,12 +73,9 @@ class Bin(Loop):
         arrived = times[0] > self.way.duration_s and self.outside_m(believed).max() <= 0.0
         if self.open_since is None and (arrived or is_late):
             self.open_since = step
-            controls = np.asarray(believed.controls, dtype=float)
-            self.held_at = self.grippers.copy()
-            self.held_at[0, :3] += (controls - self.geometry.controls).mean(axis=0)
         if self.open_since is not None:
-            return Scripted(poses=self.held_at, closed=[0])
-        low, high = self.inside
+            return Scripted(poses=self.grippers, closed=[0])
+        believed_positions = np.asarray(believed.positions, dtype=float)
         costs: list[Cost] = [
             follow(self.head, self.lying[self.head], self.way.at(times), 1.0),
             unbroken(FRAMES),
@@ -87,7 +85,9 @@ class Bin(Loop):
             ),
         ]
         if times[-1] > 0.7 * self.way.duration_s:
-            costs.append(Within(low=low, high=high, weight=20.0, name="inside"))
+            # What hangs from the hand, above the middle.
+            below = np.array([*MIDDLE, float(believed_positions[self.belly, 2].mean())])
+            costs += reach(self.belly, np.repeat(below[None], len(self.belly), axis=0), 1.0, FRAMES)
         return Planned(costs=costs, search=search(0.06, seed=1000 * self.seed + step))
 
     def outside_m(self, state: State) -> Array:

@@ -1,78 +1,26 @@
-"""The simulated real object, its sensor, the controller, and the episode around them."""
+"""The simulated real object, its sensor, and the episode around them and the controller."""
 
 from __future__ import annotations
 
 import sys
-import time
 import warnings
-from collections.abc import Iterator
-from contextlib import contextmanager
-from dataclasses import dataclass, field, replace
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
-from bendtwin import (
-    BendTwinError,
-    Client,
-    Forces,
-    Returns,
-    Search,
-    Session,
-    Twin,
-    Vary,
-    interpolate_poses,
-)
-from studies.loops.loop import Loop, Move, Planned
-
-#: What the controller knows of the object while it moves: 20 % of its skin with 3 mm of noise,
-#: nothing, or the state itself, which tells errors of planning from errors of seeing.
-Variant = Literal["corrected", "open_loop", "known"]
+from bendtwin import BendTwinError, Client, Forces, Returns, Twin, Vary
+from studies.loops.controller import Controller
+from studies.loops.episode import Episode, Variant
+from studies.loops.loop import Loop
 
 SEEN_SHARE = 0.2
 #: Points that are seen at least: cables have few.
 LEAST_SEEN = 6
 NOISE_M = 0.003
-#: Deviation that the controller expects of a point: noise, and the coarse skin.
-EXPECTED_NOISE_M = 0.004
 
 
 class Ended(Exception):
     """The end of an episode before its last step, with the reason."""
-
-
-@dataclass
-class Episode:
-    """What happened in an episode."""
-
-    loop: str
-    variant: Variant
-    seed: int
-    success: bool = False
-    error_mm: float = float("nan")
-    also: dict[str, float] = field(default_factory=dict)
-    largest_strain: float = 0.0
-    largest_force_n: float = 0.0
-    corrections: int = 0
-    refused_corrections: int = 0
-    #: The error after each step.
-    errors_mm: list[float] = field(default_factory=list)
-    #: Reason of the server, if it ended the episode.
-    ended_by: str = ""
-    #: Seconds of every step, by part.
-    latencies_s: dict[str, list[float]] = field(
-        default_factory=lambda: {"correct": [], "plan": [], "advance": []}
-    )
-
-    @contextmanager
-    def timed(self, part: str) -> Iterator[None]:
-        """Adds the time of what is done within."""
-        began = time.monotonic()
-        try:
-            yield
-        finally:
-            self.latencies_s[part].append(time.monotonic() - began)
 
 
 def other_object(rng: np.random.Generator) -> Vary:
@@ -121,91 +69,6 @@ class RealObject:
         episode.largest_force_n = max(episode.largest_force_n, _largest_force(done.forces))
 
 
-class Controller:
-    """A session of the twin that plans, and the nominal plan."""
-
-    def __init__(self, session: Session, loop: Loop, variant: Variant, episode: Episode) -> None:
-        self._session, self._loop, self._episode = session, loop, episode
-        self._variant = variant
-        self._poses = loop.grippers
-        self._nominal: npt.NDArray[Any] | None = None
-
-    def step(self, number: int, real: RealObject) -> dict[str, Any]:
-        """Corrects, plans and advances; returns the actions that the robot executes."""
-        self._look(real)
-        (believed,) = self._session.states([0])
-        move = self._loop.move(number, believed)
-        frames = self._loop.step_frames
-        if isinstance(move, Planned):
-            path = self._plan(move)[:, : frames + 1]
-        else:
-            self._nominal = None
-            ends = np.stack([self._poses, np.asarray(move.poses, dtype=float)])[None]
-            path = interpolate_poses(ends, frames)
-        actions = self._actions(path, move)
-        with self._episode.timed("advance"):
-            self._session.advance(**actions)
-        self._poses = path[0, -1].astype(float)
-        return actions
-
-    def _actions(self, poses: npt.NDArray[Any], move: Move) -> dict[str, Any]:
-        """Poses [1, K, G, 7] and what the grippers hold meanwhile, as arguments of a rollout."""
-        grasps = self._loop.grasps
-        closed = [1] * len(grasps) if move.closed is None else move.closed
-        knots = poses.shape[1]
-        return {
-            "poses": poses,
-            "gripper_of_control": self._loop.geometry.hands,
-            "grasps": [
-                replace(grasp, closed=[is_closed] * knots)
-                for grasp, is_closed in zip(grasps, closed, strict=True)
-            ],
-        }
-
-    def _look(self, real: RealObject) -> None:
-        """Brings the session closer to what is seen."""
-        if self._variant == "known":
-            self._session.reset([0], real.state)
-        if self._variant != "corrected":
-            return
-        seen = real.see()
-        self._episode.corrections += 1
-        try:
-            with self._episode.timed("correct"):
-                self._session.correct(**seen, noise_m=EXPECTED_NOISE_M)
-        except BendTwinError as error:
-            if error.reason != "OBSERVATION_NOT_EXPLAINED":
-                raise
-            self._episode.refused_corrections += 1
-
-    def _plan(self, move: Planned) -> npt.NDArray[np.float32]:
-        """Poses of the grippers in every frame of the horizon [1, F + 1, G, 7]."""
-        nominal = self._nominal
-        if nominal is None:
-            nominal = np.stack([self._poses] * move.knots)[None]
-        with self._episode.timed("plan"):
-            update = self._session.plan(
-                **self._actions(nominal, move),
-                world=self._loop.world,
-                frames=move.frames,
-                costs=move.costs,
-                search=self._above_the_table(move),
-                space=move.space,
-            )
-        path = interpolate_poses(update.knots, move.frames)
-        # The next plan begins with the rest of this one, at whose end the grippers stay.
-        later = self._loop.step_frames + np.linspace(0, move.frames, move.knots).round().astype(int)
-        self._nominal = path[:, np.minimum(later, move.frames)]
-        return path
-
-    def _above_the_table(self, move: Planned) -> Search:
-        """The search with bounds, which count from where the grippers are, for their heights."""
-        low = np.full((len(self._poses), 3 if move.space == "translation" else 6), -np.inf)
-        low[:, 2] = np.minimum(self._loop.lowest_m - self._poses[:, 2], 0.0)
-        bounds = replace(move.search.bounds, low=low.reshape(-1))
-        return replace(move.search, bounds=bounds)
-
-
 def run_episode(
     client: Client,
     kind: type[Loop],
@@ -235,9 +98,12 @@ def run_episode(
             with client.open_session(
                 twin, initial=loop.believed, world=loop.world, grasps=loop.grasps
             ) as session:
-                controller = Controller(session, loop, variant, episode)
+                controller = Controller(session, loop, episode)
                 for number in range(steps or kind.steps):
-                    real.execute(controller.step(number, real))
+                    if variant == "known":
+                        session.reset([0], real.state)
+                    seen = real.see() if variant == "corrected" else None
+                    real.execute(controller.step(number, seen))
                     episode.errors_mm.append(loop.outcome(real.state).error_mm)
         except Ended as end:
             episode.ended_by = str(end)

@@ -123,7 +123,7 @@ class Loop(ABC):
         self.geometry: Geometry = twin.geometry()
         self.fps = self.geometry.fps
         self.step_frames = round(PERIOD_S * self.fps)
-        #: Poses of the grippers at the beginning [G, 7]; the hands of the recording have the first.
+        #: Poses of the grippers now [G, 7]; the hands of the recording have the first ones.
         self.grippers = around_hands(self.geometry)
         #: Lowest heights of the grippers [G]: where they are when the object lies on the table.
         self.lowest_m: npt.ArrayLike = self.grippers[:, 2].copy()

@@ -9,9 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from studies.loops.harness import Episode
-
-_PARTS = ("correct", "plan", "advance")
+from studies.loops.episode import PARTS, Episode
 
 
 def summary(episodes: Sequence[Episode]) -> list[dict[str, Any]]:
@@ -20,7 +18,7 @@ def summary(episodes: Sequence[Episode]) -> list[dict[str, Any]]:
     for (loop, variant), group in groupby(episodes, key=lambda e: (e.loop, e.variant)):
         of = list(group)
         errors = np.array([e.error_mm for e in of])
-        parts = {part: [s for e in of for s in e.latencies_s[part]] for part in _PARTS}
+        parts = {part: [s for e in of for s in e.latencies_s[part]] for part in PARTS}
         rows.append(
             {
                 "loop": loop,
@@ -33,6 +31,7 @@ def summary(episodes: Sequence[Episode]) -> list[dict[str, Any]]:
                 "largest_force_n": max(e.largest_force_n for e in of),
                 "corrections": sum(e.corrections for e in of),
                 "refused_corrections": sum(e.refused_corrections for e in of),
+                "lost": sum(e.lost for e in of),
                 "ended_by": sorted({e.ended_by for e in of if e.ended_by}),
                 "latency_ms": {part: _quantiles(times) for part, times in parts.items()},
             }
@@ -65,7 +64,7 @@ def markdown(episodes: Sequence[Episode]) -> str:
         [
             row["loop"],
             row["variant"].replace("_", " "),
-            *(_shown(row["latency_ms"][part]) for part in _PARTS),
+            *(_shown(row["latency_ms"][part]) for part in PARTS),
         ]
         for row in rows
     ]
@@ -76,7 +75,7 @@ def markdown(episodes: Sequence[Episode]) -> str:
     return "\n\n".join(
         [
             table([*heads[0], *heads[1]], reached),
-            table(["latency, median / p99, ms", "variant", *_PARTS], times),
+            table(["latency, median / p99, ms", "variant", *PARTS], times),
         ]
     )
 
