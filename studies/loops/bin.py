@@ -13,11 +13,11 @@ from studies.loops.loop import (
     Path,
     Planned,
     Scripted,
+    care,
     follow,
     near,
     reach,
     search,
-    unbroken,
     up,
 )
 
@@ -78,7 +78,7 @@ class Bin(Loop):
         believed_positions = np.asarray(believed.positions, dtype=float)
         costs: list[Cost] = [
             follow(self.head, self.lying[self.head], self.way.at(times), 1.0),
-            unbroken(FRAMES),
+            *care(FRAMES),
             *(
                 Clearance(collider=wall, margin_m=0.01, when="every_frame", weight=1e3 / FRAMES)
                 for wall in range(4)

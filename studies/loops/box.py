@@ -10,10 +10,10 @@ from studies.loops.loop import (
     Outcome,
     Path,
     Planned,
+    care,
     follow,
     reach,
     search,
-    unbroken,
     up,
 )
 
@@ -56,7 +56,7 @@ class Box(Loop):
         """Follows the way of the head, and towards its end brings the whole toy to the goal."""
         times = self.times_s(step, FRAMES)
         costs: list[Cost] = [
-            unbroken(FRAMES),
+            *care(FRAMES),
             Clearance(collider=0, margin_m=0.01, when="every_frame", weight=1e3 / FRAMES),
         ]
         if times[0] < self.way.duration_s:

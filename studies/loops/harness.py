@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from bendtwin import BendTwinError, Client, Forces, Returns, Twin, Vary
+from bendtwin import BendTwinError, Client, Forces, Returns, Twin, Vary, World
 from studies.loops.controller import Controller
 from studies.loops.episode import Episode, Variant
 from studies.loops.loop import Loop
@@ -66,7 +66,9 @@ class RealObject:
         self.state = done.state(0)
         episode = self._episode
         episode.largest_strain = max(episode.largest_strain, done.diagnostics[0].max_strain)
-        episode.largest_force_n = max(episode.largest_force_n, _largest_force(done.forces))
+        episode.largest_force_n = max(
+            episode.largest_force_n, _largest_force(done.forces, self._world)
+        )
 
 
 def run_episode(
@@ -116,10 +118,14 @@ def run_episode(
     return episode
 
 
-def _largest_force(forces: Forces | None) -> float:
-    """Largest force of a hand or a grasp over a frame, newtons."""
+def _largest_force(forces: Forces | None, world: World) -> float:
+    """Largest force of a hand, a grasp or a collider that a gripper carries, newtons."""
     if forces is None:
         return 0.0
-    by_hands = np.linalg.norm(forces.controls.sum(axis=2), axis=-1)
-    by_grasps = np.linalg.norm(forces.grasps[..., :3], axis=-1)
-    return float(max(by_hands.max(initial=0.0), by_grasps.max(initial=0.0)))
+    carried = [i for i, collider in enumerate(world.colliders) if collider.gripper is not None]
+    by = (
+        forces.controls.sum(axis=2),
+        forces.grasps[..., :3],
+        forces.colliders[:, :, carried, :3],
+    )
+    return max(float(np.linalg.norm(force, axis=-1).max(initial=0.0)) for force in by)

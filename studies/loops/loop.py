@@ -15,6 +15,7 @@ import numpy.typing as npt
 
 from bendtwin import (
     Bounds,
+    ControlPath,
     Cost,
     Geometry,
     Grasp,
@@ -209,9 +210,13 @@ def reach(nodes: npt.NDArray[Any], places: npt.ArrayLike, weight: float, frames:
     ]
 
 
-def unbroken(frames: int) -> Strain:
-    """A cost of strain beyond what soft material bears."""
-    return Strain(limit=0.5, when="every_frame", weight=10.0 / frames, name="strain")
+def care(frames: int) -> list[Cost]:
+    """Costs of strain beyond what soft material bears, and of motion that gains nothing: a hand
+    that has brought the object to its goal stays there."""
+    return [
+        Strain(limit=0.5, when="every_frame", weight=10.0 / frames, name="strain"),
+        ControlPath(weight=0.03, name="motion"),
+    ]
 
 
 def search(sigma: npt.ArrayLike, *, seed: int, samples: int = 32, speed_m_s: float = 0.8) -> Search:

@@ -15,9 +15,9 @@ from studies.loops.loop import (
     Outcome,
     Path,
     Planned,
+    care,
     reach,
     search,
-    unbroken,
 )
 
 LEAST_WINDING_DEG = 250.0
@@ -96,7 +96,7 @@ class Peg(Loop):
     def move(self, step: int, believed: State) -> Planned:
         """Leads the hand around the peg, then lays the rope."""
         times = self.times_s(step, FRAMES)
-        costs: list[Cost] = [unbroken(FRAMES)]
+        costs: list[Cost] = [*care(FRAMES)]
         if times[0] < self.way.duration_s:
             costs.append(self._led(self.way.at(times)))
         if times[-1] > 0.8 * self.way.duration_s:

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from bendtwin import Collider, Grasp, Keypoints, Returns, Sphere, State, World
-from studies.loops.loop import Array, Loop, Outcome, Planned, search, unbroken
+from studies.loops.loop import Array, Loop, Outcome, Planned, care, search
 
 LIMIT_MM = 25.0
 FRAMES = 24
@@ -75,7 +75,7 @@ class Push(Loop):
         )
         sigma = [0.0, 0.0, 0.0, 0.03, 0.03, 0.0]
         found = search(sigma, seed=1000 * self.seed + step, samples=48, speed_m_s=0.3)
-        return Planned(costs=[way, unbroken(FRAMES)], search=found, frames=FRAMES, closed=[0])
+        return Planned(costs=[way, *care(FRAMES)], search=found, frames=FRAMES, closed=[0])
 
     def outcome(self, state: State) -> Outcome:
         """The mean distance of the nodes from their places."""
