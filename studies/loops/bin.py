@@ -1,4 +1,4 @@
-"""A plush toy into a bin: carried over its wall, lowered, and let go."""
+"""A plush toy into a bin: carried over its wall, lowered, and released."""
 
 from __future__ import annotations
 
@@ -27,8 +27,8 @@ MIDDLE = np.array([0.0, 0.42])
 HALF = 0.15
 WALL, HEIGHT = 0.02, 0.12
 OVER = 0.36
-#: Height of the head above the floor when the toy is let go.
-LET_GO = 0.16
+#: Height of the head above the floor when the toy is released.
+RELEASED = 0.16
 FALL_STEPS = 12
 
 
@@ -61,7 +61,7 @@ class Bin(Loop):
         self.lying = np.asarray(self.believed.positions, dtype=float)
         head = self.lying[self.head].mean(axis=0)
         over = np.array([*(MIDDLE + self.rng.uniform(-0.02, 0.02, 2) - head[:2]), OVER])
-        low = np.array([*over[:2], LET_GO - head[2]])
+        low = np.array([*over[:2], RELEASED - head[2]])
         self.way = Path(np.stack([up(0.0), up(OVER), over, low]), 0.45)
         self.belly = near(self.lying, [self.lying.mean(axis=0)], 0.04)
         self.open_since: int | None = None

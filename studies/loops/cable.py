@@ -39,7 +39,7 @@ class Phase:
     above: float = 0.0
     #: Nodes that this lays along the line, by planning.
     lays: int = 0
-    #: Steps after which it goes on even if it is not there.
+    #: Steps after which the next phase begins even if it is not there.
     most_steps: int = 25
 
 
@@ -89,7 +89,7 @@ class Cable(Loop):
         return np.array([LINE_FROM + along, self.line_y, LAID])
 
     def _taken(self, node: int, closed: tuple[int, int, int, int]) -> list[Phase]:
-        """Takes the cable at a node and its neighbour, lays it, and lets go."""
+        """Takes the cable at a node and its neighbour, lays it, and releases it."""
         place = self.on_line(self.along[node : node + 2].mean())
         return [
             Phase((1, 0, 0, 0), node, ABOVE),
