@@ -96,7 +96,7 @@ class Bin(Loop):
         return np.asarray(np.maximum(apart, 0.0).max(axis=1))
 
     def outcome(self, state: State) -> Outcome:
-        """Whether all lies in the bin; the error is the distance of the middles."""
+        """Success if all lies in the bin; the error is the distance of the middles."""
         positions = np.asarray(state.positions, dtype=float)
         off = positions[:, :2].mean(axis=0) - MIDDLE
         inside = float((self.outside_m(state) <= 0.0).mean())

@@ -11,11 +11,14 @@ import numpy as np
 import numpy.typing as npt
 
 from bendtwin import BendTwinError, Returns, Search, Session, interpolate_poses
+from bendtwin.registration import CorrectArguments
 from studies.loops.episode import Episode
 from studies.loops.loop import Loop, Move, Planned
 
 #: Deviation that is expected of a point: noise, and the coarse skin.
 CORRECTION: Any = {"noise_m": 0.004}
+if "register_if_lost" in CorrectArguments.__optional_keys__:
+    CORRECTION["register_if_lost"] = True
 NOT_EXPLAINED = ("OBSERVATION_NOT_EXPLAINED", "OBJECT_LOST")
 
 
@@ -70,7 +73,8 @@ class Controller:
         if seen is not None:
             try:
                 with self._episode.timed("correct"):
-                    self._session.correct(**seen, **CORRECTION)
+                    (correction,) = self._session.correct(**seen, **CORRECTION)
+                self._episode.lost += getattr(correction, "lost", False)
             except BendTwinError as error:
                 if error.reason not in NOT_EXPLAINED:
                     raise

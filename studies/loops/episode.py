@@ -18,7 +18,7 @@ PARTS = ("correct", "plan", "advance", "step")
 
 @dataclass
 class Episode:
-    """What happened in an episode."""
+    """Course and end of an episode."""
 
     loop: str
     variant: Variant

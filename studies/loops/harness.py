@@ -85,7 +85,7 @@ def run_episode(
         client: The server.
         kind: The loop.
         twins: The twin that plans, and the one that stands for the real object.
-        variant: What the controller knows.
+        variant: Knowledge of the controller.
         seed: Seed of the real object's parameters, of the goal, the noise and the plans.
         steps: The number of steps; as many as the loop has by default.
     """
