@@ -23,7 +23,7 @@ FRAMES = 15
 BOX_FROM, BOX_TO, GOAL = 0.17, 0.25, 0.42
 BOX_HEIGHT = 0.1
 #: Height that the head needs so that what hangs from it passes over the box.
-OVER = 0.24
+OVER = 0.30
 
 
 class Box(Loop):

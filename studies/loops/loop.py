@@ -215,7 +215,7 @@ def care(frames: int) -> list[Cost]:
     that has brought the object to its goal stays there."""
     return [
         Strain(limit=0.5, when="every_frame", weight=10.0 / frames, name="strain"),
-        ControlPath(weight=0.03, name="motion"),
+        ControlPath(weight=0.05, name="motion"),
     ]
 
 

@@ -18,7 +18,7 @@ class RopeTip(Loop):
     title = "rope tip to a goal"
     scene = "rope"
     mass_kg = 0.12
-    steps = 35
+    steps = 40
     target = f"tip within {LIMIT_MM:.0f} mm of the goal"
 
     def prepare(self) -> None:
