@@ -210,12 +210,12 @@ def reach(nodes: npt.NDArray[Any], places: npt.ArrayLike, weight: float, frames:
     ]
 
 
-def care(frames: int) -> list[Cost]:
+def care(frames: int, motion: float = 0.05) -> list[Cost]:
     """Costs of strain beyond what soft material bears, and of motion that gains nothing: a hand
     that has brought the object to its goal stays there."""
     return [
         Strain(limit=0.5, when="every_frame", weight=10.0 / frames, name="strain"),
-        ControlPath(weight=0.05, name="motion"),
+        ControlPath(weight=motion, name="motion"),
     ]
 
 

@@ -96,7 +96,7 @@ class Peg(Loop):
     def move(self, step: int, believed: State) -> Planned:
         """Leads the hand around the peg, then lays the rope."""
         times = self.times_s(step, FRAMES)
-        costs: list[Cost] = [*care(FRAMES)]
+        costs: list[Cost] = [*care(FRAMES, motion=0.03)]
         if times[0] < self.way.duration_s:
             costs.append(self._led(self.way.at(times)))
         if times[-1] > 0.8 * self.way.duration_s:

@@ -18,7 +18,7 @@ class RopeTip(Loop):
     title = "rope tip to a goal"
     scene = "rope"
     mass_kg = 0.12
-    steps = 40
+    steps = 35
     target = f"tip within {LIMIT_MM:.0f} mm of the goal"
 
     def prepare(self) -> None:
@@ -39,7 +39,7 @@ class RopeTip(Loop):
 
     def move(self, step: int, believed: State) -> Planned:
         """Brings the tip to the goal."""
-        costs = [*reach(self.tip, self.goal, 1.0, FRAMES), *care(FRAMES)]
+        costs = [*reach(self.tip, self.goal, 1.0, FRAMES), *care(FRAMES, motion=0.03)]
         return Planned(costs=costs, search=search(0.05, seed=1000 * self.seed + step, samples=24))
 
     def outcome(self, state: State) -> Outcome:
