@@ -1,0 +1,53 @@
+"""The closed loops of studies/loops, and the measurement of contact at rest, as commands."""
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from server import BINARY, needs_server
+
+ROOT = Path(__file__).parents[3]
+
+pytestmark = [
+    needs_server,
+    pytest.mark.skipif(not (ROOT / "studies" / "loops").is_dir(), reason="no studies beside"),
+]
+
+
+def study(name, *options):
+    """The standard output of a study that succeeds."""
+    command = [sys.executable, "-m", f"studies.{name}", "--bin", Path(BINARY).resolve(), *options]
+    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    return done.stdout
+
+
+def test_a_loop_runs_with_one_command_and_again_with_the_same_result(tmp_path):
+    quick = ("loops", "--quick", "--loops", "push", "--twins", tmp_path)
+    found = json.loads(study(*quick, "--variants", "corrected,known", "--json"))
+    corrected, known = found["episodes"]
+    assert corrected["ended_by"] == known["ended_by"] == ""
+    assert corrected["corrections"] == 5
+    assert known["corrections"] == 0
+    for episode in (corrected, known):
+        assert len(episode["errors_mm"]) == len(episode["latencies_s"]["plan"]) == 5
+        assert np.isfinite(episode["errors_mm"]).all()
+        assert 0.0 < episode["largest_strain"] < 1.5
+        # The sphere has begun to push.
+        assert episode["errors_mm"][-1] < episode["errors_mm"][0]
+    assert [row["variant"] for row in found["loops"]] == ["corrected", "known"]
+
+    table = study(*quick, "--variants", "corrected", "--out", tmp_path / "again.json")
+    assert "| push | corrected |" in table
+    (again,) = json.loads((tmp_path / "again.json").read_text())["episodes"]
+    assert again["errors_mm"] == corrected["errors_mm"]
+
+
+def test_contact_at_rest_is_measured(tmp_path):
+    found = json.loads(study("rest", "--scenes", "toy", "--tiny", "--json"))
+    assert [row["lowered by, mm"] for row in found["lowered"]] == [0, 10, 20, 60]
+    assert [row["slope, rad"] for row in found["creep"]] == [0.15, 0.255]
+    assert [row["object"] for row in found["settled"]] == ["toy"]
