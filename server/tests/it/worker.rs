@@ -18,8 +18,8 @@ use bendtwin_proto::{
     rollout::Limits,
     v1::{
         CorrectSessionRequest, CorrectedSession, EvaluateTwinRequest, Evaluation, Fault, ModelLoss,
-        PredictedMotion, Progress, RegisteredState, RollOutResponse, Session, SessionStates, Tensor,
-        Tracking,
+        PredictedMotion, Progress, RegisteredState, RollOutResponse, Session, SessionStates,
+        Tensor, Tracking,
         corrected_session::Correction,
         initial_state::GivenState,
         roll_out_request::Actions,

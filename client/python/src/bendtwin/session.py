@@ -144,7 +144,8 @@ class SessionCalls(Generic[_Caller, _Twin]):
         def see(state: State) -> None:
             self._kept.told([slot], [state])
 
-        return step_session(self.name, slot, points, search, see=see, **named)
+        own: Any = {**search, **self._varied([slot], search)}
+        return step_session(self.name, slot, points, own, see=see, **named)
 
     def _plan_request(self, slot: int, arguments: PlanArguments) -> planning_pb2.PlanRequest:
         _refuse(arguments, "initial")

@@ -32,9 +32,8 @@ enum Under {
 fn sheet(under: Under, slope: f64, away: f64, friction: f32) -> Scene {
     let (s, c) = slope.atan().sin_cos();
     let place = |x: f64, y: f64| [x * c, y, x * s].map(|x| x as f32);
-    let points: Vec<Point> = (0..16)
-        .map(|i| place(away + 0.05 * f64::from(i % 4), 0.05 * f64::from(i / 4)))
-        .collect();
+    let points: Vec<Point> =
+        (0..16).map(|i| place(away + 0.05 * f64::from(i % 4), 0.05 * f64::from(i / 4))).collect();
     let mut scene = Scene::of(&points);
     for i in 0..16_u32 {
         let right = (i % 4 < 3).then_some(i + 1);

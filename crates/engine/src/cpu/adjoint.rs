@@ -231,8 +231,7 @@ fn travel_adjoint<T: Real, M: Machine<T>>(
             Some(ground) if may_hit(m, ground, dt, nodes, v) => {
                 let bars = bar.iter_mut().zip(start_bar);
                 for ((&node, &v), (bar, start_bar)) in nodes.iter().zip(v).zip(bars) {
-                    (*bar, *start_bar) =
-                        advance_adjoint(ground, law, dt, (node, v), *bar, law_bar);
+                    (*bar, *start_bar) = advance_adjoint(ground, law, dt, (node, v), *bar, law_bar);
                 }
             }
             _ => {

@@ -141,8 +141,7 @@ fn touch<T: Real>(
     let square = dot(r, r);
     let limit = T::from_f64(system.contact.distance);
     let inverse = system.inverse_mass[a] + system.inverse_mass[b];
-    let is_near =
-        square < limit * limit && square > T::from_f64(1e-24) && inverse > T::ZERO;
+    let is_near = square < limit * limit && square > T::from_f64(1e-24) && inverse > T::ZERO;
     if !is_near {
         return None;
     }
