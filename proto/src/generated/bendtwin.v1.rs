@@ -7775,7 +7775,7 @@ pub struct StepSessionRequest {
 }
 #[derive(Clone, PartialEq, ::prost::Message)]
 pub struct SteppedSession {
-    /// Absent if none was asked for, or it was refused.
+    /// Absent if none was asked for, or it was refused; without the corrected state.
     #[prost(message, optional, tag = "1")]
     pub corrected: ::core::option::Option<CorrectedSession>,
     /// The reason, if the correction was refused because the slot does not explain the points: its state is as

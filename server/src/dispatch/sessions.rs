@@ -217,7 +217,7 @@ impl Dispatch {
     ) -> Result<(CorrectedSession, Held)> {
         let (id, entry, held) = self.named(&correct.name).await?;
         let known = self.twins.get(&self.store, held.twin).await?;
-        let (slots, grasps) = (correct.slots.len().max(1) as u64, u64::from(held.grasps));
+        let (slots, grasps) = (correct.slots.len().max(1) as u64, u64::from(held.parts.grasps));
         let mut limits = self.limits.rollout;
         if as_lists {
             limits.reply_bytes = limits.json_reply_bytes;

@@ -9,9 +9,10 @@ use bendtwin_proto::{
     registration,
     rollout::{self, SessionParts, TwinShape},
     v1::{
-        AdvanceSessionRequest, CorrectSessionRequest, GetSessionStatesRequest, InitialState,
-        PlanRequest, PlanUpdate, Returns, RollOutRequest, RollOutResponse, StepSessionRequest,
-        SteppedSession, Tensor,
+        AdvanceSessionRequest, CorrectOptions, CorrectSessionRequest, GetSessionStatesRequest,
+        InitialState, PlanRequest, PlanUpdate, Returns, RollOutRequest, RollOutResponse,
+        StepSessionRequest, SteppedSession, Tensor,
+        corrected_session::Correction,
         initial_state::{GivenState, SessionSlots, State},
         stepped_session::Times,
     },
@@ -84,8 +85,12 @@ impl Dispatch {
 
         if let Some(correction) = correction {
             let correcting = Instant::now();
-            match Box::pin(self.correct_session(correction, left())).await {
-                Ok(corrected) => response.corrected = Some(corrected),
+            match Box::pin(self.correct_session(correction, left(), as_lists)).await {
+                Ok((corrected, _)) => {
+                    let is_lost = |c: &Correction| c.tracking.is_some_and(|t| t.lost);
+                    response.lost = corrected.corrections.iter().any(is_lost);
+                    response.corrected = Some(corrected);
+                }
                 Err(Error::Worker(fault)) if fault.category == Category::FailedPrecondition => {
                     response.lost = fault.reason != NOT_EXPLAINED;
                     response.refused = Some((&fault).into());
@@ -151,7 +156,8 @@ impl Dispatch {
         let shape = self.twins.get(&self.store, twin).await?.shape;
         let correction = correction.map(|correction| {
             let correction = of_slot(correction, &name, slot)?;
-            registration::check_correction(&correction, &shape, &self.limits.rollout)?;
+            let (grasps, limits) = (u64::from(parts.grasps), &self.limits.rollout);
+            registration::check_correction(&correction, 1, grasps, &shape, limits)?;
             Ok::<_, Error>(correction)
         });
         let correction = correction.transpose()?;
@@ -245,7 +251,11 @@ fn of_slot(
         let fault = "has a name or slots: leave them out, they are those of the step";
         return Err(Error::invalid("correction", fault));
     }
-    Ok(CorrectSessionRequest { name: name.to_owned(), slots: vec![slot], ..correction })
+    // The reply has the state that the slot ends in.
+    let options = CorrectOptions { omit_state: true, ..correction.options.unwrap_or_default() };
+    let observation = correction.observation;
+    let (name, slots, options) = (name.to_owned(), vec![slot], Some(options));
+    Ok(CorrectSessionRequest { name, slots, observation, options })
 }
 
 /// The search of a step, from where the slot is.

@@ -115,7 +115,7 @@ impl TryFrom<SteppedSession> for Stepped {
         let corrections = wire.corrected.unwrap_or_default().corrections;
         let Times { correct_s, plan_s, advance_s, total_s } = wire.times.unwrap_or_default();
         Ok(Self {
-            corrected: corrections.into_iter().next().map(Corrected::from),
+            corrected: corrections.into_iter().next().map(Corrected::try_from).transpose()?,
             refused: wire.refused.as_ref().map(Fault::from),
             lost: wire.lost,
             plan: wire.plan.unwrap_or_default().try_into()?,
