@@ -99,7 +99,11 @@ impl Actions {
     /// gripper carries them.
     pub(super) fn with_hands(mut self, hands: &[u32]) -> Self {
         if let Kind::Trajectories(_) = &self.kind {
-            self.hands = hands.iter().map(|hand| *hand as usize).collect();
+            let mut numbers = hands.to_vec();
+            numbers.sort_unstable();
+            numbers.dedup();
+            let index = |hand: &u32| numbers.binary_search(hand).unwrap_or_default();
+            self.hands = hands.iter().map(index).collect();
         }
         self
     }

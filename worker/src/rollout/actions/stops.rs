@@ -117,7 +117,7 @@ impl Actions {
         let carries = matches!(self.kind, Kind::Poses(_));
         let hands = self.hands.iter().max().map_or(0, |last| last + 1).max(self.grippers());
         let prescribed = floor.prescribed();
-        let carried = if bodies < self.grippers() { &[][..] } else { &floor.carried };
+        let carried: &[Carried] = if bodies < self.grippers() { &[] } else { &floor.carried };
         let mut shifts = vec![Shift::default(); frames * hands];
         for frame in 0..frames {
             let began: Vec<f32> = shifts[..hands].iter().map(|shift| shift.by).collect();
