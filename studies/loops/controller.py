@@ -11,14 +11,11 @@ import numpy as np
 import numpy.typing as npt
 
 from bendtwin import BendTwinError, Returns, Search, Session, interpolate_poses
-from bendtwin.registration import CorrectArguments
 from studies.loops.episode import Episode
-from studies.loops.loop import Loop, Move, Planned
+from studies.loops.loop import Loop, Move, Planned, Scripted
 
-#: Deviation that is expected of a point: noise, and the coarse skin.
-CORRECTION: Any = {"noise_m": 0.004}
-if "register_if_lost" in CorrectArguments.__optional_keys__:
-    CORRECTION["register_if_lost"] = True
+#: Deviation that is expected of a point, noise and the coarse skin, and what to do without it.
+CORRECTION: Any = {"noise_m": 0.004, "register_if_lost": True}
 NOT_EXPLAINED = ("OBSERVATION_NOT_EXPLAINED", "OBJECT_LOST")
 
 
@@ -42,14 +39,14 @@ class Controller:
         if seen is not None:
             self._episode.corrections += 1
         with self._episode.timed("step"):
-            if isinstance(move, Planned) and hasattr(self._session, "step"):
-                path = self._in_one_call(move, seen)
+            if isinstance(move, Planned):
+                path = self._planned(move, seen)
             else:
-                path = self._by_parts(move, seen)
+                path = self._scripted(move, seen)
         self._loop.grippers = path[0, -1].astype(float)
         return self._actions(path, move)
 
-    def _in_one_call(self, move: Planned, seen: dict[str, Any] | None) -> npt.NDArray[np.float32]:
+    def _planned(self, move: Planned, seen: dict[str, Any] | None) -> npt.NDArray[np.float32]:
         """Corrects, plans and advances by `session.step`; the poses of the grippers by frame."""
         observed = dict(seen or {})
         points = observed.pop("points", None)
@@ -68,26 +65,20 @@ class Controller:
                 self._episode.latencies_s[part].append(getattr(done, f"{part}_s"))
         return self._keep(move, done.plan.knots)[:, : frames + 1]
 
-    def _by_parts(self, move: Move, seen: dict[str, Any] | None) -> npt.NDArray[np.float32]:
-        """The same by a call for each part, also for a motion that is given."""
+    def _scripted(self, move: Scripted, seen: dict[str, Any] | None) -> npt.NDArray[np.float32]:
+        """Corrects and advances, for a motion that is given."""
         if seen is not None:
             try:
                 with self._episode.timed("correct"):
                     (correction,) = self._session.correct(**seen, **CORRECTION)
-                self._episode.lost += getattr(correction, "lost", False)
+                self._episode.lost += correction.lost
             except BendTwinError as error:
                 if error.reason not in NOT_EXPLAINED:
                     raise
                 self._episode.refused_corrections += 1
-        frames = self._loop.step_frames
-        if isinstance(move, Planned):
-            with self._episode.timed("plan"):
-                update = self._session.plan(**self._search(move))
-            path = self._keep(move, update.knots)[:, : frames + 1]
-        else:
-            self._nominal = None
-            ends = np.stack([self._loop.grippers, np.asarray(move.poses, dtype=float)])[None]
-            path = interpolate_poses(ends, frames)
+        self._nominal = None
+        ends = np.stack([self._loop.grippers, np.asarray(move.poses, dtype=float)])[None]
+        path = interpolate_poses(ends, self._loop.step_frames)
         with self._episode.timed("advance"):
             done = self._session.advance(
                 **self._actions(path, move), returns=Returns(final_state=True)
