@@ -610,6 +610,27 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/v1/sessions/{id}/step": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Take a step of a closed loop
+         * @description Corrects a slot by what is seen, plans from there, and advances the slot by the first frames of the
+         *     best plan. All of the request is checked before anything changes.
+         */
+        post: operations["sessions.step"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/v1/twins": {
         parameters: {
             query?: never;
@@ -1282,6 +1303,15 @@ export interface components {
              */
             within_mm?: number;
         };
+        /** @description Reason why something failed: the same triple that a failed call would carry. */
+        Fault: {
+            /** @description INVALID_ARGUMENT, NOT_FOUND, ...: the names of the gRPC codes. */
+            category?: string;
+            /** @description Text for a person: what happened and what to do about it. */
+            message?: string;
+            /** @description Stable UPPER_SNAKE_CASE word for programs. */
+            reason?: string;
+        };
         /** @description A fit. */
         Fit: {
             /** @description `captures/{uuid}` */
@@ -1727,7 +1757,7 @@ export interface components {
              */
             iterations?: number;
             method?: components["schemas"]["PlanMethod"];
-            /** @description The rollout to minimize: twin or session, costs, horizon, surroundings, fidelity. Its actions, of one instance, are the nominal plan, which the first iteration begins with; knots that came back can be sent as they are. Row 0 is where things are, and stays: where the initial state tells the control points (a session, or given controls), row 0 of trajectories is taken from there. With `plausibility.refuse` a plan beyond the limits counts as one that diverges. `returns` are those of one more rollout, of the best plan alone; without any there is none. */
+            /** @description The rollout to minimize: twin or session, costs, horizon, surroundings, fidelity. Its actions, of one instance, are the nominal plan, which the first iteration begins with; knots that came back can be sent as they are. Row 0 is where things are, and stays: where the initial state tells the control points (a session, or given controls), row 0 of trajectories is taken from there. `plausibility.strain` is the limit of the strain (default: 1; infinity lifts it). With `plausibility.refuse` a plan beyond any of the limits counts as one that diverges. `returns` are those of one more rollout, of the best plan alone; without any there is none. */
             rollout?: components["schemas"]["RollOutRequest"];
             /**
              * Format: int64
@@ -1771,8 +1801,6 @@ export interface components {
             knots?: components["schemas"]["Tensor"];
             /** @description True for the last update. */
             last?: boolean;
-            /** @description True if there was no time for all iterations. */
-            met_deadline?: boolean;
             /**
              * Format: double
              * @description +inf if the nominal plan diverges.
@@ -1780,6 +1808,11 @@ export interface components {
             nominal_cost?: number;
             /** @enum {string} */
             origin?: "NOMINAL" | "MEAN" | "SAMPLE";
+            /**
+             * Format: int64
+             * @description Plans that did not diverge and were beyond the limit.
+             */
+            overstrained?: number;
             /** @description In the last update, if returns were asked for: the rollout of the best plan. */
             rollout?: components["schemas"]["RollOutResponse"];
             /**
@@ -1787,6 +1820,15 @@ export interface components {
              * @description Plans that were simulated, and those of them that diverged.
              */
             simulated?: number;
+            /** @description True if the deadline ended the search before all iterations were done. */
+            stopped_by_deadline?: boolean;
+            /**
+             * Format: double
+             * @description Largest strain of the material in the motion of the best plan, with an ensemble of its members, and the limit. It is above the limit only if that is so for every plan that was simulated.
+             */
+            strain?: number;
+            /** Format: double */
+            strain_limit?: number;
             /**
              * Format: double
              * @description Since planning began, seconds.
@@ -2211,7 +2253,10 @@ export interface components {
              * @description Of springs to control points.
              */
             max_control_strain?: number;
-            /** Format: float */
+            /**
+             * Format: float
+             * @description Of a node at the end of any frame.
+             */
             max_speed_m_s?: number;
             /**
              * Format: float
@@ -2312,6 +2357,57 @@ export interface components {
             center?: number[];
             /** Format: float */
             radius_m?: number;
+        };
+        StepSessionRequest: {
+            /** @description Without name and slots, which are given above. Absent: nothing is corrected. */
+            correction?: components["schemas"]["CorrectSessionRequest"];
+            /**
+             * Format: double
+             * @description Time for all of it, seconds; 0 means as long as it takes. A correction takes what it takes, the search ends when nine tenths have passed, and its first iteration is always finished.
+             */
+            deadline_s?: number;
+            /**
+             * Format: int64
+             * @description Frames of the best plan by which the slot is advanced, up to the horizon; 0 plans alone.
+             */
+            execute_frames?: number;
+            /** @description sessions/{uuid} */
+            name?: string;
+            /** @description Of the rollout of these frames. */
+            returns?: components["schemas"]["Returns"];
+            /** @description Its rollout without twin, initial state and returns; world and grasps are the session's where it names none. Its actions are the nominal plan: the knots of the step before, with the frames that were executed as `shift_frames`, continue that plan. Its fidelity and its ensemble are those of the search alone. */
+            search?: components["schemas"]["PlanRequest"];
+            /**
+             * Format: int64
+             * @description The slot that is corrected, planned from and advanced.
+             */
+            slot?: number;
+        };
+        SteppedSession: {
+            /** @description The rollout of the frames that were executed; absent without any. If it diverged, the slot stays where the plan began. */
+            advanced?: components["schemas"]["RollOutResponse"];
+            /** @description Absent if none was asked for, or it was refused; without the corrected state. */
+            corrected?: components["schemas"]["CorrectedSession"];
+            /** @description True if the slot does not follow its object any more: predictions and plans from it say nothing of the object until it is registered again. */
+            lost?: boolean;
+            /** @description The best plan, as the last update of a search. */
+            plan?: components["schemas"]["PlanUpdate"];
+            /** @description The reason, if the correction was refused because the slot does not explain the points: its state is as it was, and the plan begins where it was predicted to be. */
+            refused?: components["schemas"]["Fault"];
+            /** @description The state that the slot is in now, for all instances; InitialState.given takes it as it is. */
+            state?: components["schemas"]["InitialState.GivenState"];
+            times?: components["schemas"]["SteppedSession.Times"];
+        };
+        /** @description Times of the parts, and of all of it, seconds. */
+        "SteppedSession.Times": {
+            /** Format: double */
+            advance_s?: number;
+            /** Format: double */
+            correct_s?: number;
+            /** Format: double */
+            plan_s?: number;
+            /** Format: double */
+            total_s?: number;
         };
         /** @description A dense array: nested lists of numbers, in which null stands for what is no finite number, or raw bytes. */
         Tensor: unknown[] | {
@@ -3995,6 +4091,49 @@ export interface operations {
                 };
                 content: {
                     "application/json": components["schemas"]["SessionStates"];
+                };
+            };
+            /** @description An RFC 9457 problem document: what happened and what to do. */
+            default: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDocument"];
+                };
+            };
+        };
+    };
+    "sessions.step": {
+        parameters: {
+            query?: {
+                /** @description `lists` (nested lists of numbers, the default) or `base64`. */
+                tensors?: string;
+                /** @description Give up after so many seconds. */
+                timeout_s?: number;
+            };
+            header?: never;
+            path: {
+                /** @description The uuid of the resource's name. */
+                id: string;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["StepSessionRequest"];
+                "application/x-protobuf": number[];
+            };
+        };
+        responses: {
+            /** @description Success. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["SteppedSession"];
+                    "application/x-protobuf": number[];
                 };
             };
             /** @description An RFC 9457 problem document: what happened and what to do. */
