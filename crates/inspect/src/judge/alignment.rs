@@ -3,7 +3,7 @@
 
 use bendtwin_core::Severity;
 
-use super::{Assessment, Context, named};
+use super::{Assessment, Context, depth::is_sparse, named};
 use crate::{
     Finding,
     scan::{
@@ -83,8 +83,12 @@ fn misaligned(context: &Context<'_>, camera: usize, scan: &CameraScan) -> Option
     let share = middle(&|o| Some(o.depth.share))?;
     let gain = middle(&|o| Some(o.depth.share - o.depth.declared_share))?;
     let moved_px = middle(&|o| Some(o.depth.moved_px))?;
-    let is_off =
-        share > limits.min_share && gain > limits.min_gain && moved_px > limits.min_moved_px;
+    // The edges of what is missing are no outlines, and pull the fit by a pixel or two.
+    let min_moved_px = match is_sparse(context, scan) {
+        true => limits.min_moved_sparse_px,
+        false => limits.min_moved_px,
+    };
+    let is_off = share > limits.min_share && gain > limits.min_gain && moved_px > min_moved_px;
     if is_off && let Some(fit) = agreed(&scan.outlines, width, limits) {
         // Masks are drawn on colour; if they suit it better where depth is, they are what is off.
         let with_depth = middle(&|o| o.color_with_depth);

@@ -24,12 +24,20 @@ pub(super) fn judge(context: &Context<'_>, assessment: &mut Assessment) {
     }
 }
 
+/// Share of the object's pixels that have depth in a frame.
+fn covered(frame: &FrameStats) -> Option<f64> {
+    let patch = frame.object.filter(|p| p.area_px > 0)?;
+    frame.depth.map(|_| share(patch.depth_px, patch.area_px))
+}
+
+/// True if a camera measures depth on little of the object.
+pub(super) fn is_sparse(context: &Context<'_>, scan: &CameraScan) -> bool {
+    let middle = median(scan.frames.iter().filter_map(covered));
+    middle.is_some_and(|middle| middle < context.thresholds.depth.good_coverage)
+}
+
 fn coverage(context: &Context<'_>, index: usize, scan: &CameraScan, assessment: &mut Assessment) {
     let limits = &context.thresholds.depth;
-    let covered = |g: &FrameStats| {
-        let patch = g.object.filter(|p| p.area_px > 0)?;
-        g.depth.map(|_| share(patch.depth_px, patch.area_px))
-    };
     let shares: Vec<Option<f64>> = scan.frames.iter().map(covered).collect();
     let middle = median(shares.iter().flatten().copied());
     if let Some(report) = assessment.cameras.get_mut(index) {

@@ -16,6 +16,8 @@ pub(crate) struct AlignmentThresholds {
     /// Distance by which the warp moves what the masks show from which depth is off [px]. Twice what
     /// is measured where nothing is off.
     pub(crate) min_moved_px: f64,
+    /// The same where depth of the object is sparse.
+    pub(crate) min_moved_sparse_px: f64,
     /// The same from which a fit is meaningless [widths of the image]: 8 of 424 pixels, 1 cm and
     /// more at 0.6 m. Chosen by hand.
     pub(crate) bad_moved_widths: f64,
@@ -45,6 +47,7 @@ impl Default for AlignmentThresholds {
             min_share: 0.5,
             min_gain: 0.08,
             min_moved_px: 1.6,
+            min_moved_sparse_px: 4.0,
             bad_moved_widths: 0.02,
             bad_scale_error: 0.06,
             min_forward_share: 0.6,
