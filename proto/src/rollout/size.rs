@@ -16,7 +16,7 @@ use crate::v1::{
 /// Tag and length of a nested message below 128 bytes.
 const HEAD: u64 = 2;
 /// Longest encoding of `Diagnostics`: six floats and a count.
-const DIAGNOSTICS: u64 = HEAD + 6 * 5 + 6;
+const DIAGNOSTICS: u64 = HEAD + 7 * 5 + 6;
 /// Longest encoding of a `Divergence`: three counts.
 const DIVERGENCE: u64 = HEAD + 3 * 6;
 /// Longest encoding of a `Window`: two counts.

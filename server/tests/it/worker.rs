@@ -401,20 +401,18 @@ impl Drop for GivenUp {
 }
 
 /// A correction that leaves its slot lost, in the state of the points.
-fn corrected(correct: CorrectSessionRequest) -> CorrectedSession {
+fn corrected(correct: CorrectSessionRequest) -> ManageSessionResponse {
     let positions = correct.observation.and_then(|observation| observation.points);
     let state = GivenState { positions, ..GivenState::default() };
     let tracking = Tracking { lost: true, misfit: 1.25, unexplained: 3 };
-    let correction = Correction {
-        slot: correct.slots.first().copied().unwrap_or_default(),
-        moved_mm: 1.0,
-        state: Some(state),
-        tracking: Some(tracking),
-        registered: true,
-        ..Correction::default()
-    };
+    let slot = correct.slots.first().copied().unwrap_or_default();
+    let (state, tracking) = (Some(state), Some(tracking));
+    let (registered, moved_mm) = (true, 1.0);
+    let correction =
+        Correction { slot, moved_mm, state, tracking, registered, ..Correction::default() };
     let session = Session { name: correct.name, slots: 1, lost: vec![0], ..Session::default() };
-    CorrectedSession { session: Some(session), corrections: vec![correction] }
+    let corrected = CorrectedSession { session: Some(session), corrections: vec![correction] };
+    ManageSessionResponse { corrected: Some(corrected), ..ManageSessionResponse::default() }
 }
 
 #[tonic::async_trait]
@@ -438,15 +436,11 @@ impl WorkerRollouts for Device {
             Call::Get(get) => (get.name, 1),
             Call::States(asked) => {
                 let at = |place| Some(Tensor::pack_points(&[1, 1], &[place]));
-                let states = GivenState {
-                    positions: at([1.0, 2.0, 3.0]),
-                    controls: at([0.5, 0.0, 0.0]),
-                    ..GivenState::default()
-                };
+                let (positions, controls) = (at([1.0, 2.0, 3.0]), at([0.5, 0.0, 0.0]));
+                let states = GivenState { positions, controls, ..GivenState::default() };
                 let (states, slots) = (Some(states), asked.slots);
                 let states = Some(SessionStates { states, slots, frames: vec![0] });
-                let reply = ManageSessionResponse { states, ..ManageSessionResponse::default() };
-                return Ok(Response::new(reply));
+                return Ok(Response::new(ManageSessionResponse { states, ..Default::default() }));
             }
             // What is seen far away is of something else, and farther away the object is lost.
             Call::Correct(correct) => {
@@ -456,15 +450,14 @@ impl WorkerRollouts for Device {
                     x if x < 900.0 => Some("OBSERVATION_NOT_EXPLAINED"),
                     _ => Some("OBJECT_LOST"),
                 };
-                if let Some(reason) = reason {
-                    let (category, message) = (Category::FailedPrecondition, "too far".to_owned());
-                    let reason = reason.to_owned();
-                    let fault = bendtwin_core::Fault { category, reason, message };
-                    return Err(fault::status(&fault));
-                }
-                let corrected = Some(corrected(correct));
-                let reply = ManageSessionResponse { corrected, ..ManageSessionResponse::default() };
-                return Ok(Response::new(reply));
+                return match reason.map(str::to_owned) {
+                    None => Ok(Response::new(corrected(correct))),
+                    Some(reason) => {
+                        let (category, message) = (Category::FailedPrecondition, "far".to_owned());
+                        let fault = bendtwin_core::Fault { category, reason, message };
+                        Err(fault::status(&fault))
+                    }
+                };
             }
             other => return Err(Status::unimplemented(format!("{other:?}"))),
         };

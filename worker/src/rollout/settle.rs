@@ -1,8 +1,8 @@
 //! The settled state of a twin: its rest shape come to rest in a world, held by its control points
 //! where they are at rest.
 //!
-//! It is simulated with more drag, which changes the way there but not where forces balance. What the
-//! world's ground would bury starts on it, since the ground pushes nothing out.
+//! It is simulated with more drag, which changes the way there but not where forces balance. Nodes
+//! below the world's ground start on it, since the ground pushes nothing out.
 
 use std::sync::Arc;
 

@@ -173,7 +173,7 @@ class Grasp:
     elsewhere, add `Grasp(hand=0, closed=False)`.
 
     On a cable a grasp of two neighbouring nodes is a clamp: it gives the cable its direction
-    there and turns it. What lies between the outermost two clamps is twisted; an end that nothing
+    there and turns it. The cable is twisted between the outermost two clamps; an end that nothing
     holds turns freely.
     """
 

@@ -198,6 +198,11 @@ pub(super) fn twist_spreads_over_a_longer_span(backend: &dyn Backend) -> Outcome
     let states = scene.states(backend)?;
     ensure(states.last() == Some(&scene.end(backend)?), || "it resumes differently".into())?;
     // Nothing resists or moves, so only hands change the twist.
+    for (f, state) in states[..10].iter().enumerate() {
+        let moved = state.positions.iter().zip(&states[0].positions);
+        let moved = moved.map(|(a, b)| norm(difference(*a, *b))).fold(0.0, f64::max);
+        close(&format!("way in {f} frames, twist {}", twist(state)), moved, 0.0, 1e-6)?;
+    }
     close("twist of a part", twist(&states[6]), 1.0, 1e-5)?;
     close("twist of all of it", twist(&states[9]), 0.5, 1e-5)?;
     close("twist of nothing", twist(&states[12]), 0.0, 0.0)

@@ -1,5 +1,5 @@
 //! Rods that twist between a clamp and another one, or a branch, and the adjoint of their forces.
-//! Which clamps hold may change from frame to frame ([`span`]).
+//! Clamps may open and close from frame to frame ([`span`]).
 //!
 //! A rod has one twist, the same all along it: an isotropic rod's torsion evens out much faster
 //! than it moves (the quasi-static material frame of discrete elastic rods, Bergou et al. 2008,
@@ -14,8 +14,8 @@
 //! torque = k (twist - rest) + damping · d twist / dt,      force = -torque · grad
 //! ```
 //!
-//! Where the clamps that hold have only a share w of the rod between them, the sum is over the inner
-//! nodes there, and divided by w: see [`span`].
+//! With only a share w of the rod between the clamps that hold, the sum is over the inner nodes there,
+//! and divided by w: see [`span`].
 //!
 //! A substep first moves the twist with the velocities that led to where the nodes are, then takes
 //! the torque from it. That is semi-implicit Euler for twist and velocities together; the other

@@ -10,12 +10,13 @@
 //! shift = max(0, max over points p of (offset - n . x_p - began_p - allowed))
 //! ```
 //!
-//! Where the hand is held back its motion along the normal does nothing, and its gradient is zero: of
-//! d loss / d shift, the sum over the hand of n . d loss / d x, the deepest point gets the negative.
+//! The motion of a hand along the normal does nothing while the hand is held back, and its gradient is
+//! zero: the deepest point gets the negative of d loss / d shift, which is the sum over the hand of
+//! n . d loss / d x.
 //!
 //! A gripper's control points move with it from where the initial state has them. So they are not
-//! shifted by as much as the gripper is where the rollout begins, which a state of a stopped hand that
-//! a rollout goes on from has behind it.
+//! shifted by as much as the gripper is at the start of the rollout: the state of a stopped hand that a
+//! rollout resumes from has that shift behind it.
 
 use bendtwin_core::{Graph, Plane, Point, geometry::dot};
 use bendtwin_engine::{backend::Gradient, world::Pose};

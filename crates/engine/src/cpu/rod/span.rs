@@ -3,14 +3,14 @@
 //! A *clamp* is an edge of the rod whose two nodes control points hold, or the same hand does: it
 //! gives the rod a direction, and its frame with it. The span lies between the outermost two clamps,
 //! from the inner edge of the one to the inner edge of the other; an arm at the rod's end counts as
-//! one. A hand between them lets the rod turn in its fingers. What lies outside turns freely, and so
+//! one. A hand between them lets the rod turn in its fingers. The rest of the rod turns freely, and so
 //! does all of a rod with less than two clamps: it has no torque.
 //!
 //! A span that is the share w of the rod's length is 1/w times as stiff. With a twist that counts
 //! for the whole rod, as if all of it were twisted as the span is, its torque stays the same function
 //! of the twist, which grows 1/w times as fast ([`super::rod_forces`]). Then nothing jumps where a
-//! clamp closes within the span. Where a clamp opens, what twist there was between the span and it is
-//! lost; where one closes outside, the twist of the span spreads out: see [`kept`].
+//! clamp closes within the span. The twist between the span and a clamp that opens is lost, and that of
+//! the span spreads out when a clamp closes outside: see [`kept`].
 
 use std::sync::Arc;
 
