@@ -4996,8 +4996,8 @@ pub struct Plausibility {
     #[prost(bool, tag = "4")]
     pub refuse: bool,
     /// Deepest that the middle of a grasp's sphere or box may be below the ground or in a collider that
-    /// stands still, and that a control point may be beyond its depth in the initial state; default 0.005. At
-    /// the ground hands stop there (Diagnostics.stopped_hand_m).
+    /// stands still, and that a control point may be beyond its depth in the initial state; default 0.005.
+    /// Hands of trajectories stop at that depth below the ground (Diagnostics.stopped_hand_m).
     #[prost(double, optional, tag = "5")]
     pub control_depth_m: ::core::option::Option<f64>,
 }
@@ -5564,9 +5564,9 @@ pub mod roll_out_response {
         /// stopped at the ground, as deep as the actions would have had them.
         #[prost(float, tag = "7")]
         pub control_depth_m: f32,
-        /// Farthest that a hand was held back, metres; 0 if none was. A hand stops where a control point, a node
-        /// pinned to it, the middle of a grasp or a held node would get deeper below the ground than
-        /// `plausibility.control_depth_m` beyond where it began; then all of it moves along the ground's normal.
+        /// Farthest that a hand of trajectories was held back, metres; 0 if none was. It stops where a control
+        /// point, or a node pinned to it, would get deeper below the ground than `plausibility.control_depth_m`
+        /// and than it began; then all of it moves along the ground's normal. Grippers do not stop.
         #[prost(float, tag = "8")]
         pub stopped_hand_m: f32,
     }

@@ -568,7 +568,7 @@ impl WorkerRollouts for Device {
             })
             .collect();
         let diverged =
-            (advances && self.diverges).then(|| Divergence { instance: 0, frame: 1, node: 0 });
+            (advances && self.diverges).then_some(Divergence { instance: 0, frame: 1, node: 0 });
         let last = positions[positions.len() - 3..].to_vec();
         let end = returns.final_state.then(|| Tensor::pack(&[1, 1, 3], &last));
         let slopes: Vec<f32> = positions.iter().map(|x| 2.0 * x).collect();

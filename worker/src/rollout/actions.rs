@@ -14,7 +14,7 @@ use bendtwin_proto::v1::{
 
 pub(super) use self::poses::pose;
 use self::poses::{Knots, Poses};
-pub(super) use self::stops::{Carried, Floor, Stopped, Stops};
+pub(super) use self::stops::{Floor, Stopped, Stops};
 use super::{
     error::Error,
     interpolate::{Curve, Schedule},

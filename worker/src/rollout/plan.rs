@@ -143,7 +143,7 @@ impl Plan {
         let rods = self.twin().graph.rods.len();
         let kept = self.returns.action_gradients;
         let rolls = self.actions.rolls(action, &controls, rods, kept);
-        let mut motion = Motion { rolls, ..self.surroundings.motion(action, &self.actions) };
+        let motion = Motion { rolls, ..self.surroundings.motion(action, &self.actions) };
         let stops = match variant.loaded.model().environment.ground {
             None => Stops::default(),
             Some(plane) => {
@@ -152,9 +152,8 @@ impl Plan {
                     allowed_m: self.plausibility.allowed_depth_m(),
                     graph: &self.twin().graph,
                     start: start.here(),
-                    carried: self.surroundings.carried(&start.state, &motion),
                 };
-                self.actions.stop(&mut controls, &mut motion.poses, floor)
+                self.actions.stop(&mut controls, &floor)
             }
         };
         let instance = Instance {

@@ -16,7 +16,6 @@ use bendtwin_core::{
 };
 use bendtwin_engine::{
     Model, Motion, World,
-    model::State,
     world::{Attachment, Collider, Pose, Region},
 };
 use bendtwin_proto::v1::{
@@ -26,12 +25,7 @@ use bendtwin_proto::v1::{
 
 pub(super) use self::{ended::Ended, holds::Path, still::Still};
 use self::{grasps::Held, shapes::three};
-use super::{
-    actions::{Actions, Carried},
-    error::Error,
-    plausible::Obstacles,
-    vary::Factors,
-};
+use super::{actions::Actions, error::Error, plausible::Obstacles, vary::Factors};
 
 /// Friction and restitution of a collider that does not say.
 const FRICTION: f32 = 0.5;
@@ -223,25 +217,6 @@ impl Surroundings {
         let fixed = colliders.filter(|(collider, _)| collider.body.is_none());
         let shapes = fixed.map(|(collider, margin)| (collider.shape.clone(), *margin));
         Obstacles { ground: environment.ground, shapes: shapes.collect() }
-    }
-
-    /// Points that grippers carry: middles of the spheres and boxes of grasps, and nodes that are held
-    /// in the initial state, until they are let go of.
-    pub(super) fn carried(&self, initial: &State, motion: &Motion) -> Vec<Carried> {
-        let grasps = &self.world.grasps;
-        let middles = grasps.iter().filter_map(|grasp| {
-            let (gripper, place) = (grasp.body as usize, middle(&grasp.region)?);
-            Some(Carried { gripper, place, began: None, until: usize::MAX })
-        });
-        let held = initial.grasping.holds.iter().filter_map(|hold| {
-            let g = hold.grasp as usize;
-            let gripper = grasps.get(g)?.body as usize;
-            let began = initial.positions.get(hold.node as usize).copied();
-            let mut frames = motion.closed.chunks(grasps.len());
-            let until = frames.position(|closed| !closed[g]).unwrap_or(usize::MAX);
-            Some(Carried { gripper, place: hold.place, began, until })
-        });
-        middles.chain(held).collect()
     }
 
     /// Middles of the spheres and boxes of grasps at frame boundaries [m], frame by frame.

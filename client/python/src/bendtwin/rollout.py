@@ -111,7 +111,7 @@ class Diagnostics:
     #: Deepest that a control point got in the ground or a fixed collider, beyond its depth in
     #: the initial state, metres.
     control_depth_m: float = 0.0
-    #: Farthest that a hand was held back at the ground, metres; 0 if none was.
+    #: Farthest that a hand of trajectories was held back at the ground, metres; 0 if none was.
     stopped_hand_m: float = 0.0
 
 

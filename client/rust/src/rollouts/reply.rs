@@ -119,7 +119,7 @@ pub struct Diagnostics {
     pub elastic_energy: f32,
     /// Nodes on the ground at the end.
     pub ground_contacts: u32,
-    /// Farthest that a hand was held back at the ground [m]; 0 if none was.
+    /// Farthest that a hand of trajectories was held back at the ground [m]; 0 if none was.
     pub stopped_hand_m: f32,
 }
 

@@ -294,8 +294,8 @@ pub(super) fn diagnostics_match_the_motion(backend: &dyn Backend) -> Outcome {
         let n = scene.graph.node_count();
         let frames: Vec<&[Point]> = rollout.positions.chunks_exact(n).collect();
         let (mut most, mut fastest) = ([0.0_f64; 2], 0.0_f64);
-        for f in 1..frames.len() {
-            let strains = strains(&scene, frames[f], &scene.controls[f * c..(f + 1) * c]);
+        for (f, positions) in frames.iter().enumerate().skip(1) {
+            let strains = strains(&scene, positions, &scene.controls[f * c..(f + 1) * c]);
             for (most, strains) in most.iter_mut().zip(strains) {
                 *most = strains.iter().fold(*most, |most, s| most.max(s.abs()));
             }

@@ -1,39 +1,26 @@
 //! Hands that stop at the ground. A hand that is driven into the table would pull on what lies there
-//! with any force; a robot's stops. So no point of a hand gets deeper below the ground than a
-//! request's `plausibility.control_depth_m` (a recorded hand may seem to be some millimetres in the
-//! table), or than that beyond where it began. The points of a hand are its control points, the nodes
-//! pinned to them and, of a gripper, the middles of its grasps and the nodes that it holds from the
-//! start on. A hand that would get deeper is shifted along the ground's normal, as a rigid body, by
-//! the least that suffices:
+//! with any force; a robot's stops. So no control point of trajectories, and no node pinned to one,
+//! gets deeper below the ground than a request's `plausibility.control_depth_m` (a recorded hand may
+//! seem to be some millimetres in the table), or than it began. A hand that would get deeper is
+//! shifted along the ground's normal, as a rigid body, by the least that suffices:
 //!
 //! ```text
-//! shift = max(0, max over points p of (offset - n . x_p - began_p - allowed))
+//! shift = max(0, max over points p of (depth(p) - max(depth_began(p), allowed)))
 //! ```
 //!
 //! The motion of a hand along the normal does nothing while the hand is held back, and its gradient is
 //! zero: the deepest point gets the negative of d loss / d shift, which is the sum over the hand of
 //! n . d loss / d x.
 //!
-//! A gripper's control points move with it from where the initial state has them. So they are not
-//! shifted by as much as the gripper is at the start of the rollout: the state of a stopped hand that a
-//! rollout resumes from has that shift behind it.
+//! Where a hand stops depends on the trajectory alone, so frames that are executed one after the other
+//! stop as those of one rollout do. That would not hold for grippers: their control points move with
+//! them from where the state has them, which after a stop is not where the gripper would have them. What
+//! they drive into the ground is reported (`CONTROL_IN_OBSTACLE`).
 
 use bendtwin_core::{Graph, Plane, Point, geometry::dot};
-use bendtwin_engine::{backend::Gradient, world::Pose};
+use bendtwin_engine::backend::Gradient;
 
 use super::{Actions, Kind};
-
-/// A point that a gripper carries.
-#[derive(Clone, Copy, Debug)]
-pub(in crate::rollout) struct Carried {
-    pub(in crate::rollout) gripper: usize,
-    /// In the gripper's coordinates [m].
-    pub(in crate::rollout) place: Point,
-    /// Where it begins in the world, if it may be in the ground there [m].
-    pub(in crate::rollout) began: Option<Point>,
-    /// The frame boundary from which it is not carried any more.
-    pub(in crate::rollout) until: usize,
-}
 
 /// The ground and what may meet it.
 pub(in crate::rollout) struct Floor<'a> {
@@ -43,14 +30,6 @@ pub(in crate::rollout) struct Floor<'a> {
     pub(in crate::rollout) graph: &'a Graph,
     /// Control points of the initial state [m], shape [C].
     pub(in crate::rollout) start: &'a [Point],
-    pub(in crate::rollout) carried: Vec<Carried>,
-}
-
-/// The point that holds a hand back.
-#[derive(Clone, Copy, Debug)]
-enum Deepest {
-    Control(usize),
-    Carried(usize),
 }
 
 /// How far a hand is held back at a frame boundary.
@@ -58,7 +37,8 @@ enum Deepest {
 struct Shift {
     /// [m]
     by: f32,
-    deepest: Option<Deepest>,
+    /// The control point that holds it back.
+    deepest: Option<usize>,
 }
 
 /// The most that a hand is held back [m], and the frame of that.
@@ -75,74 +55,44 @@ pub(in crate::rollout) struct Stops {
     /// Shape [F + 1, hands]; empty if no hand is held back.
     shifts: Vec<Shift>,
     hands: usize,
-    places: Vec<Carried>,
-    /// Grippers carry the control points.
-    carries: bool,
 }
 
 impl Floor<'_> {
-    /// How much deeper a point is than it may be [m]; not positive where it is not.
-    fn excess(&self, x: Point, began: f32) -> f32 {
-        self.depth(x) - began - self.allowed_m
-    }
-
     fn depth(&self, x: Point) -> f32 {
         self.plane.offset_m - dot(self.plane.normal, x)
     }
 
     /// Control points and what is pinned to them: the control point, the offset from it [m], and how
-    /// deep it began [m].
+    /// deep it may get [m].
     fn prescribed(&self) -> Vec<(usize, Point, f32)> {
-        let began = |x: Point| self.depth(x).max(0.0);
-        let own = self.start.iter().enumerate().map(|(c, x)| (c, [0.0; 3], began(*x)));
+        let limit = |x: Point| self.depth(x).max(self.allowed_m);
+        let own = self.start.iter().enumerate().map(|(c, x)| (c, [0.0; 3], limit(*x)));
         let pinned = self.graph.pins.iter().filter_map(|pin| {
             let c = pin.control as usize;
             let x = moved(*self.start.get(c)?, 1.0, pin.offset_m);
-            Some((c, pin.offset_m, began(x)))
+            Some((c, pin.offset_m, limit(x)))
         });
         own.chain(pinned).collect()
     }
 }
 
 impl Actions {
-    /// Holds back the hands of an instance: shifts `controls`, shape [F + 1, C], and the poses of
-    /// grippers, the first of each row of `poses`, shape [F + 1, B] or empty.
-    pub(in crate::rollout) fn stop(
-        &self,
-        controls: &mut [Point],
-        poses: &mut [Pose],
-        floor: Floor<'_>,
-    ) -> Stops {
+    /// Holds back the hands of an instance: shifts `controls`, shape [F + 1, C].
+    pub(in crate::rollout) fn stop(&self, controls: &mut [Point], floor: &Floor<'_>) -> Stops {
+        if matches!(self.kind, Kind::Poses(_)) {
+            return Stops::default();
+        }
         let frames = self.schedule.places().len().max(1);
-        let (width, bodies) = (controls.len() / frames, poses.len() / frames);
-        let carries = matches!(self.kind, Kind::Poses(_));
-        let hands = self.hands.iter().max().map_or(0, |last| last + 1).max(self.grippers());
+        let width = controls.len() / frames;
+        let hands = self.hands.iter().max().map_or(0, |last| last + 1);
         let prescribed = floor.prescribed();
-        let carried: &[Carried] = if bodies < self.grippers() { &[] } else { &floor.carried };
         let mut shifts = vec![Shift::default(); frames * hands];
-        for frame in 0..frames {
-            let began: Vec<f32> = shifts[..hands].iter().map(|shift| shift.by).collect();
-            let row = &mut shifts[frame * hands..(frame + 1) * hands];
-            let mut see = |hand: usize, by: f32, deepest: Deepest| {
-                if by > row[hand].by {
-                    row[hand] = Shift { by, deepest: Some(deepest) };
-                }
-            };
-            for (k, point) in carried.iter().enumerate().filter(|(_, p)| frame < p.until) {
-                let x = at(&poses[frame * bodies + point.gripper], point.place);
-                let began = point.began.map_or(0.0, |x| floor.depth(x).max(0.0));
-                see(point.gripper, floor.excess(x, began), Deepest::Carried(k));
-            }
-            // A gripper's control points begin where the state has them.
-            if carries && frame == 0 {
-                continue;
-            }
-            for &(c, offset, deep) in &prescribed {
-                let hand = self.hands[c];
-                let excess = floor.excess(moved(controls[frame * width + c], 1.0, offset), deep);
-                if excess > 0.0 {
-                    let base = if carries { began[hand] } else { 0.0 };
-                    see(hand, base + excess, Deepest::Control(c));
+        for (frame, row) in shifts.chunks_mut(hands.max(1)).enumerate() {
+            for &(c, offset, limit) in &prescribed {
+                let by = floor.depth(moved(controls[frame * width + c], 1.0, offset)) - limit;
+                let shift = &mut row[self.hands[c]];
+                if by > shift.by {
+                    *shift = Shift { by, deepest: Some(c) };
                 }
             }
         }
@@ -152,15 +102,10 @@ impl Actions {
         let normal = floor.plane.normal;
         for (frame, row) in shifts.chunks(hands).enumerate() {
             for (x, hand) in controls[frame * width..].iter_mut().zip(&self.hands) {
-                let begun = if carries { shifts[*hand].by } else { 0.0 };
-                *x = moved(*x, row[*hand].by - begun, normal);
-            }
-            let grippers = if bodies < self.grippers() { 0 } else { self.grippers() };
-            for (pose, shift) in poses[frame * bodies..].iter_mut().zip(&row[..grippers]) {
-                (0..3).for_each(|i| pose[i][3] += shift.by * normal[i]);
+                *x = moved(*x, row[*hand].by, normal);
             }
         }
-        Stops { normal, shifts, hands, places: floor.carried, carries }
+        Stops { normal, shifts, hands }
     }
 }
 
@@ -181,49 +126,17 @@ impl Stops {
     /// are those that were stopped.
     pub(in crate::rollout) fn back(&self, actions: &Actions, by: &mut Gradient) {
         let frames = self.shifts.len().checked_div(self.hands).unwrap_or(0);
-        if frames == 0 {
-            return;
-        }
-        let (width, bodies) = (by.controls.len() / frames, by.poses.len() / frames);
-        let grippers = if bodies < actions.grippers() { 0 } else { actions.grippers() };
-        let along = |g: Point| f64::from(dot(self.normal, g));
-        let mut begun = vec![0.0f64; self.hands];
-        for frame in (0..frames).rev() {
-            let mut sums = if frame == 0 { begun.clone() } else { vec![0.0; self.hands] };
-            for (g, hand) in by.controls[frame * width..].iter().zip(&actions.hands) {
-                let by_shift = along(*g);
-                if frame > 0 || !self.carries {
-                    sums[*hand] += by_shift;
-                }
-                if frame > 0 && self.carries {
-                    begun[*hand] -= by_shift;
-                }
-            }
-            for (g, sum) in by.poses[frame * bodies..].iter().zip(&mut sums[..grippers]) {
-                *sum += along(g.map(|row| row[3]));
+        let width = by.controls.len().checked_div(frames).unwrap_or(0);
+        for frame in 0..frames {
+            let row = by.controls.get_mut(frame * width..(frame + 1) * width).unwrap_or_default();
+            let mut sums = vec![0.0f64; self.hands];
+            for (g, hand) in row.iter().zip(&actions.hands) {
+                sums[*hand] += f64::from(dot(self.normal, *g));
             }
             for (hand, sum) in sums.into_iter().enumerate() {
-                let shift = self.shifts[frame * self.hands + hand];
-                let back = self.normal.map(|n| (-sum * f64::from(n)) as f32);
-                match shift.deepest {
-                    None => {}
-                    Some(Deepest::Control(c)) => {
-                        if let Some(g) = by.controls.get_mut(frame * width + c) {
-                            *g = moved(*g, 1.0, back);
-                        }
-                        if self.carries {
-                            begun[hand] += sum;
-                        }
-                    }
-                    Some(Deepest::Carried(k)) => {
-                        let place = self.places[k].place;
-                        if let Some(g) = by.poses.get_mut(frame * bodies + hand) {
-                            for (row, back) in g.iter_mut().zip(back) {
-                                let by = [place[0], place[1], place[2], 1.0];
-                                (0..4).for_each(|i| row[i] += back * by[i]);
-                            }
-                        }
-                    }
+                let deepest = self.shifts[frame * self.hands + hand].deepest;
+                if let Some(g) = deepest.and_then(|c| row.get_mut(c)) {
+                    *g = moved(*g, -sum as f32, self.normal);
                 }
             }
         }
@@ -233,11 +146,6 @@ impl Stops {
 /// x + t v
 fn moved(x: Point, t: f32, v: Point) -> Point {
     std::array::from_fn(|i| x[i] + t * v[i])
-}
-
-/// A gripper's point in the world.
-fn at(pose: &Pose, p: Point) -> Point {
-    pose.map(|[x, y, z, at]| x * p[0] + y * p[1] + z * p[2] + at)
 }
 
 #[cfg(test)]

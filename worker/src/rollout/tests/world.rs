@@ -61,6 +61,15 @@ fn carried(heights: &[f32]) -> RollOutRequest {
     }
 }
 
+/// The control point at these heights over x = 0, in knots spread over 60 frames.
+fn lowered(heights: &[f32]) -> RollOutRequest {
+    let rows: Vec<[f32; 3]> = heights.iter().map(|z| [0.0, 0.0, *z]).collect();
+    let positions = Some(Tensor::pack_points(&[1, heights.len(), 1], &rows));
+    let trajectories = ControlTrajectories { positions, interpolation: 0 };
+    let actions = Some(Actions::Trajectories(trajectories));
+    RollOutRequest { actions, frames: 60, ..RollOutRequest::default() }
+}
+
 /// The control point stands still for so many frames.
 fn still(at: [f32; 3], frames: u32) -> RollOutRequest {
     let positions = Some(Tensor::pack_points(&[1, 2, 1], &[at; 2]));
@@ -420,7 +429,7 @@ fn control_points_do_not_pass_through_a_table_unnoticed() {
 #[test]
 fn a_hand_stops_at_the_ground_and_the_reply_says_so() {
     let bench = bench(chain(0.45));
-    let mut request = carried(&[0.6, 0.3]);
+    let mut request = lowered(&[0.6, 0.3]);
     request.returns = recording(0);
     let ground = Plane { normal: Vec::new(), offset_m: 0.4 };
     let world = World { ground_choice: Some(GroundChoice::Ground(ground)), ..World::default() };
@@ -432,7 +441,7 @@ fn a_hand_stops_at_the_ground_and_the_reply_says_so() {
     assert!((found.control_depth_m - 0.1).abs() < 1e-5, "{found:?}");
     assert!((found.stopped_hand_m - 0.095).abs() < 1e-5, "{found:?}");
     // 200 mm more change nothing of what happens.
-    let mut deeper = carried(&[0.6, 0.3, 0.1]);
+    let mut deeper = lowered(&[0.6, 0.3, 0.1]);
     deeper.returns = recording(0);
     deeper.world.clone_from(&request.world);
     let found = &run(&deeper).diagnostics[0];

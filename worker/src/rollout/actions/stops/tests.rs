@@ -38,8 +38,8 @@ fn lowered(by: f32) -> Actions {
     actions.with_hands(&HANDS)
 }
 
-fn floor(graph: &Graph, carried: Vec<Carried>) -> Floor<'_> {
-    Floor { plane: TABLE, allowed_m: ALLOWED_M, graph, start: &START, carried }
+fn floor(graph: &Graph) -> Floor<'_> {
+    Floor { plane: TABLE, allowed_m: ALLOWED_M, graph, start: &START }
 }
 
 fn close(a: f32, b: f32) -> bool {
@@ -52,7 +52,7 @@ fn a_hand_stops_at_the_ground_as_a_whole() {
     let actions = lowered(0.02);
     let mut controls = actions.controls(0, &START);
     let asked = controls.clone();
-    let stops = actions.stop(&mut controls, &mut [], floor(&graph, Vec::new()));
+    let stops = actions.stop(&mut controls, &floor(&graph));
     // In the last frame the pinned node of hand 0 would be 50 mm deep, hand 1 80 mm.
     let last = 3 * FRAMES;
     let lifted = |c: usize| controls[last + c][2] - asked[last + c][2];
@@ -64,51 +64,37 @@ fn a_hand_stops_at_the_ground_as_a_whole() {
     // Whatever is above the table stays as it was.
     assert_eq!(controls[..3], asked[..3]);
     let mut gently = lowered(0.001).controls(0, &START);
-    let stops = actions.stop(&mut gently, &mut [], floor(&graph, Vec::new()));
+    let stops = actions.stop(&mut gently, &floor(&graph));
     assert_eq!((stops.most(), gently), (Stopped::default(), lowered(0.001).controls(0, &START)));
 }
 
-/// A gripper that carries a hand and takes hold 20 mm in front of itself, and turns on its way down.
-fn gripper(poses: &[[f32; 7]]) -> Actions {
-    let knots = poses.len();
-    let wire = GripperPoses {
-        poses: Some(Tensor::pack(&[1, knots, 1, 7], poses.as_flattened())),
-        gripper_of_control: None,
-        interpolation: 0,
-    };
-    Actions::read(Some(Wire::Poses(wire)), 3, horizon()).unwrap()
-}
-
-fn poses(depth: f32) -> Vec<[f32; 7]> {
-    let at = |f: usize| {
-        let t = f as f32;
-        [0.0, 0.01 * t, 0.2 - depth * t, 0.02 * t, 0.05 * t, 0.0, 1.0]
-    };
-    (0..=FRAMES).map(at).collect()
-}
-
-fn carried() -> Vec<Carried> {
-    vec![Carried { gripper: 0, place: [0.02, 0.0, -0.05], began: None, until: usize::MAX }]
-}
-
 #[test]
-fn a_gripper_stops_with_all_that_it_carries() {
+fn grippers_do_not_stop() {
     let graph = graph();
-    for (depth, carried) in [(0.06, carried()), (0.06, Vec::new())] {
-        let actions = gripper(&poses(depth));
-        let mut controls = actions.controls(0, &START);
-        let mut bodies = actions.bodies(0);
-        let before = bodies.clone();
-        let stops = actions.stop(&mut controls, &mut bodies, floor(&graph, carried.clone()));
-        let lifted = bodies[FRAMES][2][3] - before[FRAMES][2][3];
-        assert!(lifted > 0.02 && close(lifted, stops.most().shift_m), "{lifted}");
-        for frame in 1..=FRAMES {
-            let low = |x: Point| TABLE.offset_m - x[2];
-            let deepest = controls[3 * frame..3 * frame + 3].iter().map(|x| low(*x));
-            let middles = carried.iter().map(|p| low(at(&bodies[frame], p.place)));
-            let most = deepest.chain(middles).fold(f32::MIN, f32::max);
-            assert!(most < ALLOWED_M + 1e-6, "{most} in frame {frame}");
-        }
+    let down = |f: usize| [0.0, 0.0, 0.2 - 0.06 * f as f32, 0.0, 0.0, 0.0, 1.0f32];
+    let rows: Vec<[f32; 7]> = (0..=FRAMES).map(down).collect();
+    let poses = Some(Tensor::pack(&[1, FRAMES + 1, 1, 7], rows.as_flattened()));
+    let wire = GripperPoses { poses, gripper_of_control: None, interpolation: 0 };
+    let actions = Actions::read(Some(Wire::Poses(wire)), 3, horizon()).unwrap();
+    let mut controls = actions.controls(0, &START);
+    assert_eq!(actions.stop(&mut controls, &floor(&graph)).most(), Stopped::default());
+    assert_eq!(controls, actions.controls(0, &START));
+}
+
+/// Frames that are executed one after the other stop where those of one rollout do.
+#[test]
+fn a_stop_is_the_same_frame_by_frame() {
+    let graph = graph();
+    let actions = lowered(0.02);
+    let asked = actions.controls(0, &START);
+    let mut whole = asked.clone();
+    actions.stop(&mut whole, &floor(&graph));
+    for frame in 1..FRAMES {
+        let here = &whole[3 * frame..3 * frame + 3];
+        let start = Floor { start: here, ..floor(&graph) };
+        let mut rest = asked.clone();
+        actions.stop(&mut rest, &start);
+        assert_eq!(rest[3 * frame + 3..3 * frame + 6], whole[3 * frame + 3..3 * frame + 6]);
     }
 }
 
@@ -116,44 +102,32 @@ fn a_gripper_stops_with_all_that_it_carries() {
 fn gradients_through_a_stop_agree_with_differences() {
     let graph = graph();
     let weight = |i: usize| (1.7 * i as f32).sin();
-    let value = |actions: &Actions, carried: &[Carried]| -> f64 {
+    let actions = lowered(0.02);
+    let rows = actions.controls(0, &START);
+    let value = |rows: &[Point]| -> f64 {
+        let positions = Some(Tensor::pack_points(&[1, FRAMES + 1, 3], rows));
+        let wire = Wire::Trajectories(ControlTrajectories { positions, interpolation: 0 });
+        let actions = Actions::read(Some(wire), 3, horizon()).unwrap().with_hands(&HANDS);
         let mut controls = actions.controls(0, &START);
-        let mut bodies = actions.bodies(0);
-        actions.stop(&mut controls, &mut bodies, floor(&graph, carried.to_vec()));
-        let points = controls.as_flattened().iter().enumerate().skip(9);
-        let entries = bodies.as_flattened().as_flattened().iter().enumerate();
-        points.map(|(i, x)| f64::from(*x) * f64::from(weight(i))).sum::<f64>()
-            + entries.map(|(i, x)| f64::from(*x) * f64::from(weight(i + 500))).sum::<f64>()
+        actions.stop(&mut controls, &floor(&graph));
+        let entries = controls.as_flattened().iter().enumerate();
+        entries.map(|(i, x)| f64::from(*x) * f64::from(weight(i))).sum()
     };
-    for carried in [carried(), Vec::new()] {
-        let poses = poses(0.06);
-        let actions = gripper(&poses);
-        let mut controls = actions.controls(0, &START);
-        let mut bodies = actions.bodies(0);
-        let stops = actions.stop(&mut controls, &mut bodies, floor(&graph, carried.clone()));
-        assert!(stops.most().shift_m > 0.02);
-        let point = |i: usize| -> Point {
-            std::array::from_fn(|c| if 3 * i + c < 9 { 0.0 } else { weight(3 * i + c) })
+    let mut controls = rows.clone();
+    let stops = actions.stop(&mut controls, &floor(&graph));
+    assert!(stops.most().shift_m > 0.02);
+    let point = |i: usize| -> Point { std::array::from_fn(|c| weight(3 * i + c)) };
+    let mut by =
+        Gradient { controls: (0..controls.len()).map(point).collect(), ..Gradient::default() };
+    stops.back(&actions, &mut by);
+    for (i, found) in by.controls.as_flattened().iter().enumerate().skip(9) {
+        let moved = |by: f32| {
+            let mut rows = rows.clone();
+            rows[i / 3][i % 3] += by;
+            value(&rows)
         };
-        let pose = |i: usize| -> Pose {
-            std::array::from_fn(|r| std::array::from_fn(|c| weight(500 + 12 * i + 4 * r + c)))
-        };
-        let mut by = Gradient {
-            controls: (0..controls.len()).map(point).collect(),
-            poses: (0..bodies.len()).map(pose).collect(),
-            ..Gradient::default()
-        };
-        stops.back(&actions, &mut by);
-        let found = actions.gradient(0, &START, &by);
-        for (i, found) in found.iter().enumerate() {
-            let moved = |by: f32| {
-                let mut poses = poses.clone();
-                poses[i / 7][i % 7] += by;
-                value(&gripper(&poses), &carried)
-            };
-            let expected = (moved(2e-3) - moved(-2e-3)) / 4e-3;
-            let error = (f64::from(*found) - expected).abs();
-            assert!(error < 5e-3 * (1.0 + expected.abs()), "{i}: {found} {expected}");
-        }
+        let expected = (moved(2e-3) - moved(-2e-3)) / 4e-3;
+        let error = (f64::from(*found) - expected).abs();
+        assert!(error < 5e-3 * (1.0 + expected.abs()), "{i}: {found} {expected}");
     }
 }
