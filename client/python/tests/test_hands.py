@@ -6,7 +6,7 @@ from numpy_twin import norm
 from scenes import dragged, twisted
 from server import needs_server, running
 
-from bendtwin import Client, Grasp, Keypoints, Plausibility, Returns, Sphere
+from bendtwin import Client, Grasp, Keypoints, Plausibility, Returns
 
 pytestmark = needs_server
 
@@ -43,7 +43,7 @@ def regrasp(nodes, turn=0.0):
         "gripper_of_control": [0, 1],
         "grasps": [
             Grasp(gripper=1, hand=1, closed=~later),
-            Grasp(gripper=1, region=Sphere(0.03), closed=later),
+            Grasp(gripper=1, nodes=[6, 7], closed=later),
         ],
         "returns": Returns(every_frames=1, final_state=True, diagnostics=True),
     }
@@ -89,12 +89,12 @@ def test_a_hand_stops_at_the_table_and_the_reply_says_so(client, tmp_path):
         return pulls[-5:].max(), result
 
     # The control points are 50 mm above the table; 5 mm deep they stop.
-    shallow, result = force(0.06)
+    _, result = force(0.06)
     assert result.diagnostics[0].stopped_hand_m == pytest.approx(0.005, abs=1e-4)
     assert result.controls[0, -1, :, 2].min() == pytest.approx(-0.005, abs=1e-4)
     deep, result = force(0.16)
     assert result.diagnostics[0].stopped_hand_m == pytest.approx(0.105, abs=1e-4)
-    assert deep < 1.2 * shallow + 1.0
+    assert result.controls[0, -1, :, 2].min() == pytest.approx(-0.005, abs=1e-4)
     # Who wants more says so.
     allowed, result = force(0.16, plausibility=Plausibility(control_depth_m=0.08))
     assert result.diagnostics[0].stopped_hand_m == pytest.approx(0.03, abs=1e-4)

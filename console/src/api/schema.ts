@@ -1849,7 +1849,7 @@ export interface components {
         Plausibility: {
             /**
              * Format: double
-             * @description Deepest that the middle of a grasp's sphere or box may be below the ground or in a collider that stands still, and that a control point may be beyond its depth in the initial state; default 0.005. At the ground hands stop there (Diagnostics.stopped_hand_m).
+             * @description Deepest that the middle of a grasp's sphere or box may be below the ground or in a collider that stands still, and that a control point may be beyond its depth in the initial state; default 0.005. Hands of trajectories stop at that depth below the ground (Diagnostics.stopped_hand_m).
              */
             control_depth_m?: number;
             /**
@@ -2265,7 +2265,7 @@ export interface components {
             max_strain?: number;
             /**
              * Format: float
-             * @description Farthest that a hand was held back, metres; 0 if none was. A hand stops where a control point, a node pinned to it, the middle of a grasp or a held node would get deeper below the ground than `plausibility.control_depth_m` beyond where it began; then all of it moves along the ground's normal.
+             * @description Farthest that a hand of trajectories was held back, metres; 0 if none was. It stops where a control point, or a node pinned to it, would get deeper below the ground than `plausibility.control_depth_m` and than it began; then all of it moves along the ground's normal. Grippers do not stop.
              */
             stopped_hand_m?: number;
         };

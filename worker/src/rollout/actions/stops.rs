@@ -12,10 +12,10 @@
 //! zero: the deepest point gets the negative of d loss / d shift, which is the sum over the hand of
 //! n . d loss / d x.
 //!
-//! Where a hand stops depends on the trajectory alone, so frames that are executed one after the other
-//! stop as those of one rollout do. That would not hold for grippers: their control points move with
-//! them from where the state has them, which after a stop is not where the gripper would have them. What
-//! they drive into the ground is reported (`CONTROL_IN_OBSTACLE`).
+//! A stop depends on the trajectory alone, so frames that are executed one after the other stop as those
+//! of one rollout do. That would not hold for grippers: their control points move with them from where
+//! the state has them, which after a stop is not where the gripper would have them. Grippers in the ground
+//! are reported (`CONTROL_IN_OBSTACLE`).
 
 use bendtwin_core::{Graph, Plane, Point, geometry::dot};
 use bendtwin_engine::backend::Gradient;

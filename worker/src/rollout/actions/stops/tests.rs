@@ -102,8 +102,12 @@ fn a_stop_is_the_same_frame_by_frame() {
 fn gradients_through_a_stop_agree_with_differences() {
     let graph = graph();
     let weight = |i: usize| (1.7 * i as f32).sin();
-    let actions = lowered(0.02);
-    let rows = actions.controls(0, &START);
+    // The two control points of hand 0 would hold it back by the same depth.
+    let mut rows = lowered(0.02).controls(0, &START);
+    rows.iter_mut().skip(1).step_by(3).for_each(|x| x[2] += 0.004);
+    let positions = Some(Tensor::pack_points(&[1, FRAMES + 1, 3], &rows));
+    let wire = Wire::Trajectories(ControlTrajectories { positions, interpolation: 0 });
+    let actions = Actions::read(Some(wire), 3, horizon()).unwrap().with_hands(&HANDS);
     let value = |rows: &[Point]| -> f64 {
         let positions = Some(Tensor::pack_points(&[1, FRAMES + 1, 3], rows));
         let wire = Wire::Trajectories(ControlTrajectories { positions, interpolation: 0 });
