@@ -25,6 +25,9 @@ pub(crate) struct MotionThresholds {
     /// Ratio of a step to those around it from which a frame was skipped. A skipped frame doubles
     /// the step; chosen by hand, below 2.
     pub(crate) skip_ratio: f64,
+    /// Ratio of the steps beside a frame to the usual one from which motion is steady there. Chosen by
+    /// hand.
+    pub(crate) steady_ratio: f64,
     /// Step below which such a ratio is noise [m]. Chosen by hand.
     pub(crate) skip_m: f64,
     /// Median step around a frame from which the object moves there [multiples of `skip_m`]. Chosen
@@ -47,6 +50,7 @@ impl Default for MotionThresholds {
             fast_widths: 0.06,
             min_fast_frames: 3,
             skip_ratio: 1.65,
+            steady_ratio: 0.7,
             skip_m: 0.006,
             moving_ratio: 0.6,
             min_skip_share: 0.1,
