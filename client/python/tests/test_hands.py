@@ -1,4 +1,4 @@
-"""Hands that let go of a cable and take it elsewhere, and hands that are driven into the table."""
+"""Hands that release a cable and take it elsewhere, and hands that are driven into the table."""
 
 import numpy as np
 import pytest
@@ -26,7 +26,7 @@ def imported(client, folder, file):
 
 
 def regrasp(nodes, turn=0.0):
-    """Gripper 1 lets go of the cable's end, takes node 6, and lifts and turns it; gripper 0 holds
+    """Gripper 1 releases the cable's end, takes node 6, and lifts and turns it; gripper 0 holds
     the other end."""
     poses = np.zeros((1, KNOTS, 2, 7))
     poses[..., 6] = 1.0

@@ -43,13 +43,13 @@ pub struct Stepped {
 /// Time that the parts of a step took at the server.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct StepTimes {
-    /// Of the correction [s].
+    /// Time of the correction [s].
     pub correct_s: f64,
-    /// Of the search [s].
+    /// Time of the search [s].
     pub plan_s: f64,
-    /// Of the frames that were executed, and of the state [s].
+    /// Time of the frames that were executed, and of the state [s].
     pub advance_s: f64,
-    /// Of all of it [s].
+    /// Time of the whole step [s].
     pub total_s: f64,
 }
 

@@ -67,8 +67,8 @@ fn twist(state: &State) -> f64 {
     state.twists.first().map_or(f64::NAN, |&x| f64::from(x))
 }
 
-/// What a clamp lets go of falls, and is not twisted any more; the other end stays where it is held.
-/// A rollout that is cut anywhere goes on bit for bit.
+/// An end that a clamp releases falls, and is not twisted any more; the other end stays where it is
+/// held. A rollout that is cut anywhere resumes bit for bit.
 pub(super) fn an_opened_clamp_lets_the_twist_out(backend: &dyn Backend) -> Outcome {
     let mut scene = held_cable(20, [|_| true, |f| f < 10]);
     scene.params.rest_twists_rad[0] = 0.25;

@@ -31,8 +31,8 @@ const SEGMENT_BYTES: usize = if cfg!(test) { 5_000 } else { 12 << 20 };
 pub(crate) struct Adjoint<T> {
     /// Of the state, shape [N + C]; control points' are zero between substeps.
     pub(crate) bar: Vec<Node<T>>,
-    /// Of the velocities at a substep's start, as far as contact depends on them, shape [N]; zero
-    /// between substeps.
+    /// Share of contact in d loss / d velocities at a substep's start, shape [N]; zero between
+    /// substeps.
     pub(crate) start_bar: Vec<Quad<T>>,
     /// Of the twists, shape [R].
     pub(crate) twist_bar: Vec<T>,
