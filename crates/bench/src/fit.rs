@@ -167,7 +167,7 @@ fn settings(scene: &Scene, plan: &FitPlan) -> FitSettings {
     let refine = match plan.scheme {
         Scheme::Frame => RefineSettings { window: GradientWindow::Frame, ..published.refine },
         Scheme::Pass => pass,
-        Scheme::Cut => RefineSettings { reach: 1, learning_rate: CUT_RATE, ..pass },
+        Scheme::Cut => RefineSettings { reach: Some(1), learning_rate: CUT_RATE, ..pass },
     };
     FitSettings {
         bending: scene.bending,

@@ -191,7 +191,7 @@ pub(crate) fn graph_settings() -> GraphSettings {
         max_nodes: Some(usize::MAX),
         interior: Some(true),
         radius_m: Some(0.02),
-        max_neighbours: 29,
+        max_neighbours: Some(29),
         control_radius_m: 0.04,
         control_neighbours: 50,
         twist: false,

@@ -61,8 +61,8 @@ pub struct GraphSettings {
     /// Spring radius at full sampling [m]; scaled up as nodes get sparser. If left open, it follows
     /// the spacing of the capture's points.
     pub radius_m: Option<f64>,
-    /// Most springs that a node opens.
-    pub max_neighbours: usize,
+    /// Most springs that a node opens. If left open, it depends on the object and on the device.
+    pub max_neighbours: Option<usize>,
     /// Radius of control springs [m].
     pub control_radius_m: f64,
     /// Most springs that a control point opens.
@@ -216,13 +216,13 @@ pub struct RefineSettings {
     /// Decay of the second moment.
     pub beta2: f64,
     /// Strength of the pull of parameters towards the search's result, which is one material for
-    /// the whole object; 0 for none.
-    pub prior: f64,
+    /// the whole object; 0 for none. If left open, it depends on the kind of object.
+    pub prior: Option<f64>,
     /// Frames per step, and the reach of its gradients back in time.
     pub window: GradientWindow,
     /// Largest reach of gradients within a window [frames] (0: the whole window); a fit that makes
-    /// no gain shortens it further.
-    pub reach: u32,
+    /// no gain shortens it further. If left open, it depends on the device.
+    pub reach: Option<u32>,
     /// Training sequences per step (0: all); each pass shuffles them anew. Left open, their number
     /// follows the device.
     pub batch: Option<usize>,
@@ -291,7 +291,7 @@ impl Default for GraphSettings {
             max_nodes: None,
             interior: None,
             radius_m: None,
-            max_neighbours: 12,
+            max_neighbours: None,
             control_radius_m: 0.02,
             control_neighbours: 10,
             max_triplets: 4,
@@ -338,9 +338,9 @@ impl Default for RefineSettings {
             learning_rate: 0.1,
             beta1: 0.9,
             beta2: 0.99,
-            prior: 0.3,
+            prior: None,
             window: GradientWindow::Pass,
-            reach: 0,
+            reach: None,
             batch: None,
             rest_shape: true,
         }
@@ -359,7 +359,7 @@ impl FitSettings {
                 max_nodes: Some(usize::MAX),
                 interior: Some(true),
                 radius_m: Some(0.02),
-                max_neighbours: 30,
+                max_neighbours: Some(30),
                 control_radius_m: 0.04,
                 control_neighbours: 50,
                 ..GraphSettings::default()
@@ -376,7 +376,8 @@ impl FitSettings {
                 batch: Some(8),
                 learning_rate: 1e-3,
                 window: GradientWindow::Frame,
-                prior: 0.0,
+                prior: Some(0.0),
+                reach: Some(0),
                 rest_shape: false,
                 ..RefineSettings::default()
             },
@@ -401,7 +402,7 @@ impl FitSettings {
         let max_nodes = g.max_nodes.unwrap_or(1).min(1 << 24) as f64;
         within("graph.max_nodes", max_nodes, 1.0, f64::from(1 << 24));
         within("graph.radius_m", g.radius_m.unwrap_or(0.02), 1e-5, 10.0);
-        within("graph.max_neighbours", g.max_neighbours as f64, 1.0, 256.0);
+        within("graph.max_neighbours", g.max_neighbours.unwrap_or(1) as f64, 1.0, 256.0);
         within("graph.control_radius_m", g.control_radius_m, 0.0, 10.0);
         within("graph.control_neighbours", g.control_neighbours as f64, 0.0, 1024.0);
         within("graph.max_triplets", g.max_triplets as f64, 0.0, 256.0);
@@ -431,8 +432,8 @@ impl FitSettings {
         within("refine.learning_rate", r.learning_rate, 1e-9, 1.0);
         within("refine.beta1", r.beta1, 0.0, 0.999_999);
         within("refine.beta2", r.beta2, 0.0, 0.999_999_9);
-        within("refine.prior", r.prior, 0.0, 1e3);
-        within("refine.reach", f64::from(r.reach), 0.0, 1_000_000.0);
+        within("refine.prior", r.prior.unwrap_or_default(), 0.0, 1e3);
+        within("refine.reach", f64::from(r.reach.unwrap_or_default()), 0.0, 1_000_000.0);
         let a = &self.appearance;
         let (gaussians, most) = (a.gaussians.unwrap_or_default(), MOST_SPLATS as f64);
         within("appearance.gaussians", f64::from(gaussians), 0.0, most);

@@ -8,7 +8,7 @@ use crate::{Error, cmaes::CmaEs, refine::RunState};
 
 /// Checkpoints of fits. The version rises with every change of [`Checkpoint`] or of what a stage
 /// computes from it.
-const KIND: Kind = Kind { name: "fit", magic: *b"BTFC", version: 9 };
+const KIND: Kind = Kind { name: "fit", magic: *b"BTFC", version: 10 };
 
 /// The state of a fit that changes while it runs.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

@@ -155,6 +155,8 @@ struct Finished {
     twin: Twin,
     warnings: Vec<String>,
     choice: Option<Choice>,
+    /// True if the time limit left too few passes.
+    is_cut: bool,
 }
 
 impl<'a> Run<'a> {
@@ -337,8 +339,8 @@ impl<'a> Run<'a> {
     /// Makes the refinement as long as the time limit allows, from the time of a pass.
     fn limit_passes(&mut self, refinement: &mut Refinement<'_>, took_s: f64) {
         let Some(limit) = &self.limit else { return };
-        let Some(done) = refinement.runs.first().map(|r| r.state.pass) else { return };
-        // The rate falls over all passes, so their number stays once it is known; the first pass
+        let Some((done, _)) = refinement.next_pass() else { return };
+        // The rate may fall over all passes, so their number stays once it is known; the first pass
         // may be slow for reasons of its own.
         let (before, planned) = (self.passes_before(), self.current_task().passes());
         // Those of the stage after this one take their part of the time.
@@ -381,9 +383,10 @@ impl<'a> Run<'a> {
             let model = &self.models[best.model];
             let choice = self.choice(best.model, &refinement);
             let mut twin = model.twin(self.job, self.task, refined_from, self.generations, best)?;
+            let is_cut = !best.state.has_ended && best.state.passes < self.task.passes();
             let warnings = warnings::of_fit(self.task, model);
             twin.members = self.members(&twin, best.model, &refinement)?;
-            finished.push(Finished { twin, warnings, choice });
+            finished.push(Finished { twin, warnings, choice, is_cut });
         }
         Ok(finished)
     }
@@ -400,11 +403,12 @@ impl<'a> Run<'a> {
                 self.models[run.model].record_run(&run.state);
             }
             self.keep()?;
+            let passes = refinement.runs.iter().map(|r| r.state.pass).max().unwrap_or(0);
             for run in &mut refinement.runs {
                 self.report(ModelProgress {
                     model: self.models[run.model].name.clone(),
                     stage: Stage::Refine,
-                    iteration: before + run.state.pass,
+                    iteration: before + passes,
                     loss: Some(run.state.loss),
                     best_loss: Some(run.state.best.loss),
                     note: run.note.take(),
@@ -509,12 +513,12 @@ impl<'a> Run<'a> {
     }
 
     /// The table in words. Where the time limit cut the fit short, that comes before other advice.
-    fn assessment(&self, twin: &Twin, quality: &Quality) -> Assessment {
+    fn assessment(&self, twin: &Twin, quality: &Quality, is_cut: bool) -> Assessment {
         let mut assessment =
             assess(quality, Scale::of_nodes(&twin.graph.rest_positions, &twin.graph.rods));
         let made = twin.provenance.settings.as_ref().and_then(|s| s.refine.passes);
         if let (Some(made), Some(limit_s)) = (made, self.task.settings.within_s)
-            && made < self.task.passes()
+            && is_cut
             && assessment.level != Level::Good
         {
             assessment.next = format!(
@@ -539,7 +543,7 @@ impl<'a> Run<'a> {
         };
         self.report(progress(0));
         let mut finished = finished.into_iter();
-        let Some(Finished { mut twin, warnings, choice }) = finished.next() else {
+        let Some(Finished { mut twin, warnings, choice, is_cut }) = finished.next() else {
             return Err(Error::NothingStable("there is no model".into()));
         };
         let mut axial = finished.next().map(|f| f.twin);
@@ -553,7 +557,7 @@ impl<'a> Run<'a> {
             axial.quality.scores = row.into_iter().collect();
         }
         quality.fast = fast_variant(&*self.job.backend, &twin, self.job.capture, self.cancel)?;
-        quality.assessment = Some(self.assessment(&twin, &quality));
+        quality.assessment = Some(self.assessment(&twin, &quality, is_cut));
         twin.quality = quality;
         self.report(progress(1));
         Ok(Outcome { twin, axial })

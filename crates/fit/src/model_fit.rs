@@ -157,7 +157,7 @@ impl ModelFit {
         let (params, timing) = run.best();
         let mut settings = self.settings.clone();
         settings.search.generations = Some(generations);
-        settings.refine.passes = Some(run.state.passes);
+        settings.refine.passes = Some(run.state.pass);
         let skin = &run.loaded.model().skin;
         let (graph, params, skin) = others::of_reference(task, &run.graph, params, skin);
         Ok(Twin {

@@ -2,6 +2,7 @@
 //! Parameters and gradients stay with the backend's [`Optimizer`], which returns losses and
 //! gradient norms.
 
+mod average;
 mod optimizer_run;
 mod schedule;
 mod step_control;
@@ -21,7 +22,7 @@ use bendtwin_engine::{
 };
 
 pub(crate) use self::optimizer_run::{OptimizerRun, RunState};
-use self::{schedule::Step, windows::Windows};
+use self::{average::Average, schedule::Step, windows::Windows};
 use crate::{Error, submit, task::Task};
 
 /// The refinement of all models.
@@ -45,7 +46,11 @@ impl<'a> Refinement<'a> {
     ) -> Result<Self, Error> {
         let (runs, inits): (Vec<_>, Vec<_>) = runs.into_iter().unzip();
         let refine = &task.settings.refine;
-        let decay = Decay { beta1: refine.beta1, beta2: refine.beta2, prior: refine.prior };
+        let decay = Decay {
+            beta1: refine.beta1,
+            beta2: refine.beta2,
+            prior: refine.prior.unwrap_or_default(),
+        };
         let optimizer = backend.optimizer(inits, decay)?;
         Ok(Self { runs, optimizer, windows: Windows::default(), task, backend, cancel })
     }
@@ -54,7 +59,7 @@ impl<'a> Refinement<'a> {
     /// first pass if that scores them anyway.
     pub(crate) fn begin(&mut self) -> Result<(), Error> {
         let passes = self.task.passes();
-        let first_does = passes > 0 && schedule::steps(self.task, 0).len() == 1;
+        let first_does = passes > 0 && schedule::is_single_step(self.task);
         if first_does { Ok(()) } else { self.score() }
     }
 
@@ -68,8 +73,7 @@ impl<'a> Refinement<'a> {
     /// which the pass begins, and the next pass scores those at which this one ends. Only the last
     /// pass has none after it.
     pub(crate) fn pass(&mut self) -> Result<(), Error> {
-        let first = self.runs.first().map(|w| (w.state.pass, w.state.passes));
-        let Some((pass, passes)) = first else { return Ok(()) };
+        let Some((pass, passes)) = self.next_pass() else { return Ok(()) };
         let initial: Vec<_> = self.task.training.iter().map(|t| t.source.initial.clone()).collect();
         // States at the start of the next window, by model and sequence.
         let mut states = vec![initial; self.runs.len()];
@@ -85,6 +89,9 @@ impl<'a> Refinement<'a> {
         }
         for (index, run) in self.runs.iter_mut().enumerate() {
             run.sync(index, &mut *self.optimizer)?;
+        }
+        if steps.len() == 1 && Average::is_due(pass) {
+            self.score_averages()?;
         }
         let is_last = pass + 1 >= passes;
         if is_last || steps.len() > 1 {
@@ -173,6 +180,31 @@ impl<'a> Refinement<'a> {
             }
         }
         Ok(gradients_of)
+    }
+
+    /// Number of the next pass, counted from 0, and of all passes; none if all runs are done. Runs that
+    /// have ended stay at the pass that was their last.
+    pub(crate) fn next_pass(&self) -> Option<(u32, u32)> {
+        let open = self.runs.iter().filter(|r| !r.state.is_done());
+        open.map(|r| (r.state.pass, r.state.passes)).next()
+    }
+
+    /// Scores the mean of the last positions of every active run.
+    fn score_averages(&mut self) -> Result<(), Error> {
+        let training = &self.task.training;
+        let (mut scored, mut batch): (Vec<usize>, Vec<Instance>) = Default::default();
+        for run in self.active() {
+            if let Some(average) = self.runs[run].average(self.backend)? {
+                scored.push(run);
+                batch.extend(training.iter().map(|t| t.instance(&average)));
+            }
+        }
+        let losses = submit::losses(self.backend, &batch, self.cancel)?;
+        for (run, own) in scored.into_iter().zip(losses.chunks(training.len())) {
+            let loss = self.task.loss(own.iter().map(|l| l.total));
+            self.runs[run].record_average(loss);
+        }
+        Ok(())
     }
 
     /// Scores the current parameters of every model on all training frames, and keeps the best.

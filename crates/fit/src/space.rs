@@ -20,9 +20,9 @@ use crate::{built_graph::BuiltGraph, task::Task};
 /// Steps of searched radii [m]: finer ones would only make graphs that are equal in all but name.
 const RADIUS_STEP_M: f64 = 5e-4;
 
-/// Spring radii that are searched, over the one at the start: 1 to 5 cm around 2 cm. Half of the
-/// radius that suits the spacing is that to the sixth neighbour, which holds an even body together.
-const RADII: [f64; 2] = [0.5, 2.5];
+/// Spring radii that are searched, over the one at the start. A third of the radius that suits the
+/// spacing is that to the sixth neighbour, which holds an even body together.
+const RADII: [f64; 2] = [1.0 / 3.0, 5.0 / 3.0];
 
 /// Restitution at which the search starts: soft objects hardly bounce, and only a capture with free
 /// flight says more.
@@ -197,7 +197,7 @@ impl Space {
                 // Relative to the start, which knows how far apart the points are.
                 let [low, high] = RADII.map(|times| times * connectivity.radius_m);
                 axes.push(Axis::linear(Radius, low, high, connectivity.radius_m));
-                axes.push(Axis::linear(Neighbours, 10.0, 50.0, graph.max_neighbours as f64));
+                axes.push(Axis::linear(Neighbours, 10.0, 50.0, connectivity.max_neighbours as f64));
             }
             if task.has_control_springs() {
                 axes.push(Axis::linear(ControlRadius, 0.01, 0.08, graph.control_radius_m));

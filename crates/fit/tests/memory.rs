@@ -52,7 +52,7 @@ fn settings() -> FitSettings {
     let mut settings = FitSettings::default();
     settings.graph.max_nodes = Some(EDGE * EDGE);
     settings.graph.radius_m = Some(0.05);
-    settings.graph.max_neighbours = 64;
+    settings.graph.max_neighbours = Some(64);
     settings.graph.max_triplets = 15;
     settings.substeps = Substeps::Auto { safety: 1.1, max: Some(1_000) };
     settings.search.generations = Some(1);
@@ -91,7 +91,7 @@ fn what_would_take_all_memory_is_refused_before_it_begins() {
     let capture = plate();
     let backend = bendtwin_engine::cpu_with_threads(2);
     let mut greedy = settings();
-    greedy.graph.max_neighbours = 256;
+    greedy.graph.max_neighbours = Some(256);
     greedy.search.starts = Some(64);
     greedy.search.topology = true;
     let most = 1 << 30;
@@ -102,7 +102,7 @@ fn what_would_take_all_memory_is_refused_before_it_begins() {
     assert!(memory::check(&capture, None, &greedy, &*backend, most).unwrap() <= most);
     // Neighbours that the radius does not have are not counted.
     let mut generous = settings();
-    generous.graph.max_neighbours = 256;
+    generous.graph.max_neighbours = Some(256);
     generous.graph.radius_m = Some(0.015);
     let bound = memory::estimate(&capture, None, &generous, &*backend);
     let built = memory::check(&capture, None, &generous, &*backend, bound - 1).unwrap();

@@ -32,9 +32,11 @@ pub use self::{
 
 /// Spring radius at full sampling where settings leave it open [m].
 const RADIUS_M: f64 = 0.02;
+/// Most springs that a node opens where settings leave it open.
+const MAX_NEIGHBOURS: usize = 12;
 /// Spring radius over the distance of the capture's points to their sixth neighbours, where
-/// settings leave it open: enough for a dozen neighbours inside a body.
-const RADIUS_SPACINGS: f64 = 2.0;
+/// settings leave it open: enough for thirty neighbours at the surface of a body.
+const RADIUS_SPACINGS: f64 = 3.0;
 /// Bounds of that radius [m].
 const LEAST_RADIUS_M: f64 = 1e-5;
 const MOST_RADIUS_M: f64 = 10.0;
@@ -148,7 +150,7 @@ impl Connectivity {
     pub fn from_settings(settings: &GraphSettings, bending: bool) -> Self {
         Self {
             radius_m: settings.radius_m.unwrap_or(RADIUS_M),
-            max_neighbours: settings.max_neighbours,
+            max_neighbours: settings.max_neighbours.unwrap_or(MAX_NEIGHBOURS),
             control_radius_m: settings.control_radius_m,
             control_neighbours: settings.control_neighbours,
             triplets: (bending && settings.max_triplets > 0).then_some(Triplets {

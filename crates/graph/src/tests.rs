@@ -129,7 +129,7 @@ proptest! {
         prop_assert!(graph.node_count() <= max_nodes);
         assert_sound(&sample, &graph, settings.max_triplets);
         prop_assert!(graph.springs.iter().filter(|s| (s[1] as usize) < graph.node_count()).count()
-            <= graph.node_count() * (settings.max_neighbours + 6));
+            <= graph.node_count() * (Connectivity::from_settings(&settings, false).max_neighbours + 6));
         let distinct: std::collections::HashSet<_> =
             sample.positions.iter().map(|p| p.map(f32::to_bits)).collect();
         if size.iter().any(|s| *s > 0.05) && distinct.len() == sample.node_count() {

@@ -56,6 +56,8 @@ pub(crate) struct FitObserver<'a> {
     spent_before_s: f64,
     losses: Losses,
     written: Instant,
+    /// Stage and iteration of the last report.
+    last: Option<(Stage, u32)>,
     /// The last checkpoint. It is written when the next one comes, since the losses of its
     /// iteration are reported after it.
     pending: Option<Vec<u8>>,
@@ -80,12 +82,20 @@ impl<'a> FitObserver<'a> {
             spent_before_s: from.spent_s,
             losses: from.losses,
             written: now,
+            last: None,
             pending: None,
         }
     }
 
     pub(crate) fn losses(&self) -> Losses {
         self.losses
+    }
+
+    /// The lowest loss of an iteration, which every start of the fit reports in turn.
+    fn lowest(&self, progress: &Progress, so_far: Option<f64>) -> Option<f64> {
+        let is_same = self.last == Some((progress.stage, progress.iteration));
+        let others = so_far.filter(|_| is_same);
+        progress.best_loss.into_iter().chain(others).reduce(f64::min)
     }
 
     /// Time spent on the run in all [s].
@@ -110,10 +120,11 @@ impl<'a> FitObserver<'a> {
 impl Observer<Progress> for FitObserver<'_> {
     fn progress(&mut self, progress: Progress) {
         match progress.stage {
-            Stage::Search => self.losses.search = progress.best_loss,
-            Stage::Refine => self.losses.refine = progress.best_loss,
+            Stage::Search => self.losses.search = self.lowest(&progress, self.losses.search),
+            Stage::Refine => self.losses.refine = self.lowest(&progress, self.losses.refine),
             Stage::Ingest | Stage::Evaluate | Stage::Appearance => {}
         }
+        self.last = Some((progress.stage, progress.iteration));
         (self.tell)(progress);
     }
 

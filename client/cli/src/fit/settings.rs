@@ -95,7 +95,7 @@ mod tests {
         let text = table(&given, Some(&chosen));
         let line = text.lines().find(|line| line.contains("graph.max_nodes")).unwrap();
         assert!(line.ends_with("200 (chosen)") && !text.contains('*'), "{text}");
-        let line = text.lines().find(|line| line.contains("graph.max_neighbours")).unwrap();
+        let line = text.lines().find(|line| line.contains("graph.control_neighbours")).unwrap();
         assert!(!line.contains("chosen"), "{line}");
     }
 }

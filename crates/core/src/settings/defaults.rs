@@ -20,6 +20,10 @@ const GPU_STEPS: usize = 4;
 /// Training sequences per step there are a multiple of this, as those that were measured.
 const GPU_BATCH_STEP: usize = 4;
 
+/// Frames that the gradient of a body reaches back there: the pieces between run backward side by
+/// side, so that a pass takes half of the time, and twins predict as well as with all frames.
+const GPU_REACH: u32 = 16;
+
 /// Effort of a fit, which settings that are left open follow.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
@@ -59,6 +63,7 @@ pub struct Conditions {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct Defaults {
     max_nodes: usize,
+    max_neighbours: usize,
     starts: u32,
     generations: u32,
     population: usize,
@@ -69,8 +74,9 @@ impl Defaults {
     fn of(effort: Effort, conditions: Conditions) -> Self {
         use DeviceKind::{Cpu, Gpu};
         use Effort::{Best, Draft, Standard};
-        let of = |max_nodes, starts, generations, population, passes| Self {
+        let of = |max_nodes, max_neighbours, starts, generations, population, passes| Self {
             max_nodes,
+            max_neighbours,
             starts,
             generations,
             population,
@@ -79,15 +85,15 @@ impl Defaults {
         match (conditions.subject, conditions.device, effort) {
             // A cable has the nodes that were recorded. Its searches are cheap, its optimum is
             // narrow, and its training loss shows which of several starts predicts best.
-            (Subject::Cable, _, Draft) => of(usize::MAX, 1, 20, 32, 20),
-            (Subject::Cable, _, Standard) => of(usize::MAX, 3, 60, 32, 40),
-            (Subject::Cable, _, Best) => of(usize::MAX, 6, 60, 32, 80),
-            (Subject::Body, Cpu, Draft) => of(100, 1, 4, 16, 40),
-            (Subject::Body, Cpu, Standard) => of(200, 2, 12, 16, 120),
-            (Subject::Body, Cpu, Best) => of(600, 4, 12, 32, 200),
-            (Subject::Body, Gpu, Draft) => of(300, 1, 8, 32, 60),
-            (Subject::Body, Gpu, Standard) => of(600, 2, 12, 32, 120),
-            (Subject::Body, Gpu, Best) => of(600, 4, 25, 32, 200),
+            (Subject::Cable, _, Draft) => of(usize::MAX, 12, 1, 20, 32, 20),
+            (Subject::Cable, _, Standard) => of(usize::MAX, 12, 3, 60, 32, 40),
+            (Subject::Cable, _, Best) => of(usize::MAX, 12, 6, 60, 32, 80),
+            (Subject::Body, Cpu, Draft) => of(100, 12, 1, 4, 16, 40),
+            (Subject::Body, Cpu, Standard) => of(200, 12, 2, 12, 16, 120),
+            (Subject::Body, Cpu, Best) => of(600, 30, 4, 12, 32, 300),
+            (Subject::Body, Gpu, Draft) => of(300, 30, 1, 8, 32, 60),
+            (Subject::Body, Gpu, Standard) => of(600, 30, 2, 12, 32, 300),
+            (Subject::Body, Gpu, Best) => of(600, 30, 4, 25, 32, 600),
         }
     }
 }
@@ -102,6 +108,8 @@ struct SubjectDefaults {
     searches_gravity: bool,
     /// Pull of the search to where it starts.
     search_prior: f64,
+    /// Pull of the refinement to what the search found.
+    refine_prior: f64,
 }
 
 impl SubjectDefaults {
@@ -111,13 +119,23 @@ impl SubjectDefaults {
                 sequence_mean: SequenceMean::Geometric,
                 searches_gravity: true,
                 search_prior: 0.0,
+                refine_prior: 0.3,
             },
             Subject::Body => Self {
                 sequence_mean: SequenceMean::Arithmetic,
                 searches_gravity: false,
                 search_prior: 0.4,
+                refine_prior: 0.05,
             },
         }
+    }
+}
+
+/// Frames that a gradient of a refinement reaches back; 0 for all.
+fn reach(conditions: Conditions) -> u32 {
+    match (conditions.subject, conditions.device) {
+        (Subject::Body, DeviceKind::Gpu) => GPU_REACH,
+        (Subject::Cable, _) | (_, DeviceKind::Cpu) => 0,
     }
 }
 
@@ -140,6 +158,7 @@ impl FitSettings {
         let defaults = Defaults::of(self.effort, conditions);
         let mut filled = self.clone();
         filled.graph.max_nodes.get_or_insert(defaults.max_nodes);
+        filled.graph.max_neighbours.get_or_insert(defaults.max_neighbours);
         filled.graph.interior.get_or_insert(true);
         filled.search.starts.get_or_insert(defaults.starts);
         if let Substeps::Auto { max, .. } = &mut filled.substeps {
@@ -155,10 +174,12 @@ impl FitSettings {
         filled.search.population.get_or_insert(defaults.population);
         filled.refine.passes.get_or_insert(defaults.passes);
         filled.refine.batch.get_or_insert(batch(conditions));
+        filled.refine.reach.get_or_insert(reach(conditions));
         let gaussians = if self.effort == Effort::Best { BEST_GAUSSIANS } else { 0 };
         filled.appearance.gaussians.get_or_insert(gaussians);
         let of_subject = SubjectDefaults::of(conditions.subject);
         filled.search.prior.get_or_insert(of_subject.search_prior);
+        filled.refine.prior.get_or_insert(of_subject.refine_prior);
         let searches_gravity = of_subject.searches_gravity && !conditions.is_weighed;
         filled.search.gravity.get_or_insert(searches_gravity);
         filled.loss.sequences.get_or_insert(of_subject.sequence_mean);

@@ -133,7 +133,7 @@ impl GraphSize {
             let kept = (pool as f64 * graph.sampling_ratio.clamp(0.0, 1.0)).ceil() as u64;
             let most = graph.max_nodes.map_or(u64::MAX, |most| most as u64);
             let nodes = kept.min(most).clamp(1, pool.max(1));
-            let each = searched(graph.max_neighbours, SEARCHED_NEIGHBOURS);
+            let each = searched(graph.max_neighbours.unwrap_or(usize::MAX), SEARCHED_NEIGHBOURS);
             (nodes, nodes.saturating_mul(each.min(nodes - 1)), MOST_TRIPLETS)
         };
         let held = searched(graph.control_neighbours, SEARCHED_CONTROL_NEIGHBOURS)
@@ -239,9 +239,13 @@ pub fn what_would_fit(
         ("graph.max_nodes", largest.nodes, |s, v| {
             s.graph.max_nodes = Some(v as usize);
         }),
-        ("graph.max_neighbours", settings.graph.max_neighbours as u64, |s, v| {
-            s.graph.max_neighbours = v as usize;
-        }),
+        (
+            "graph.max_neighbours",
+            settings.graph.max_neighbours.unwrap_or_default() as u64,
+            |s, v| {
+                s.graph.max_neighbours = Some(v as usize);
+            },
+        ),
         ("search.starts", settings.search.starts.unwrap_or(1).into(), |s, v| {
             s.search.starts = Some(v as u32);
         }),

@@ -15,7 +15,7 @@ fn every_fault_is_reported_at_once() {
     settings.graph.sampling_ratio = 0.0;
     settings.refine.learning_rate = f64::NAN;
     settings.substeps = Substeps::Fixed(0);
-    settings.refine.reach = 1_000_001;
+    settings.refine.reach = Some(1_000_001);
     settings.start_from = Some("captures/x".into());
     assert_eq!(settings.validate().unwrap_err().len(), 5);
 }

@@ -10,7 +10,7 @@ use super::*;
 fn settings(window: GradientWindow) -> FitSettings {
     let mut s = FitSettings { seed: 5, compare_axial: true, ..FitSettings::default() };
     s.graph.max_nodes = Some(24);
-    s.graph.max_neighbours = 6;
+    s.graph.max_neighbours = Some(6);
     s.substeps = Substeps::Auto { safety: 1.2, max: Some(60) };
     s.search.starts = Some(1);
     s.search.generations = Some(3);

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use bendtwin_core::{Environment, Graph, Params, Timing, settings::Substeps};
 use bendtwin_engine::{
-    Backend, Loaded, enough_substeps,
+    Backend, Loaded, Model, enough_substeps,
     optimizer::{GradientNorm, Optimizer, OptimizerInit, Parameterization, Position},
 };
 use serde::{Deserialize, Serialize};
@@ -14,7 +14,11 @@ use crate::{
     Error,
     built_graph::{LoadError, build_model, load},
     parameterization::parameterization,
-    refine::step_control::StepControl,
+    refine::{
+        average::Average,
+        schedule,
+        step_control::{Schedule, StepControl},
+    },
     sequences,
     task::Task,
 };
@@ -33,6 +37,10 @@ pub(crate) struct RunState {
     position: Position,
     substeps: u32,
     step_control: StepControl,
+    /// Mean of the last positions, where a pass is a single step.
+    average: Average,
+    /// True if passes make no gain any more.
+    pub(crate) has_ended: bool,
     /// The last loss measured over all training frames: at the start of the last pass if that was a
     /// single step, otherwise at its end.
     pub(crate) loss: f64,
@@ -42,7 +50,7 @@ pub(crate) struct RunState {
 impl RunState {
     /// True if no pass is left to make.
     pub(crate) fn is_done(&self) -> bool {
-        self.pass >= self.passes
+        self.has_ended || self.pass >= self.passes
     }
 }
 
@@ -92,7 +100,9 @@ impl<'a> OptimizerRun<'a> {
             passes: task.passes(),
             position,
             substeps,
-            step_control: StepControl::new(task.settings.refine.reach),
+            step_control: StepControl::new(task.settings.refine.reach.unwrap_or_default()),
+            average: Average::default(),
+            has_ended: false,
             loss: f64::INFINITY,
             best,
         };
@@ -155,13 +165,22 @@ impl<'a> OptimizerRun<'a> {
         self.resume();
     }
 
-    /// Ends a pause after a rollback, unless steps have become too short to matter.
+    /// Ends a pause after a rollback, unless the run has ended or steps have become too short to
+    /// matter.
     pub(crate) fn resume(&mut self) {
-        self.paused = !self.state.step_control.can_continue();
+        self.paused = self.state.has_ended || !self.state.step_control.can_continue();
     }
 
     pub(crate) fn end_pass(&mut self) {
+        if self.state.is_done() {
+            return;
+        }
         self.state.pass += 1;
+        if self.schedule() == Schedule::Whole {
+            let control = &mut self.state.step_control;
+            self.state.has_ended =
+                control.has_ended(self.state.best.loss) || !control.can_continue();
+        }
     }
 
     /// The best parameters, and the timing that they were scored with.
@@ -188,12 +207,20 @@ impl<'a> OptimizerRun<'a> {
         Ok(())
     }
 
+    /// What the steps of this run depend on.
+    fn schedule(&self) -> Schedule {
+        if schedule::is_single_step(self.task) {
+            Schedule::Whole
+        } else {
+            Schedule::Parts { passes: self.state.passes }
+        }
+    }
+
     /// Learning rate of the current pass.
     fn learning_rate(&self) -> f64 {
-        let RunState { pass, passes, .. } = self.state;
         let steps = self.state.position.adam.steps;
         let rate = self.task.settings.refine.learning_rate;
-        rate * self.state.step_control.rate(pass, passes, steps)
+        rate * self.state.step_control.rate(self.schedule(), self.state.pass, steps)
     }
 
     /// One optimizer step down the mean of the gradients that were just measured.
@@ -231,6 +258,9 @@ impl<'a> OptimizerRun<'a> {
     ) -> Result<(), Error> {
         self.loaded = optimizer.loaded(index)?;
         self.state.position = optimizer.position(index)?;
+        if self.schedule() == Schedule::Whole && self.is_active() {
+            self.state.average.add(&self.state.position.theta);
+        }
         self.raise_substeps(index, optimizer)
     }
 
@@ -292,17 +322,39 @@ impl<'a> OptimizerRun<'a> {
             self.state.step_control.record_gain();
             return Ok(());
         }
-        let passes = self.state.passes;
         if !loss.is_finite() {
             let change = self.state.step_control.halve_rate();
             self.rollback(index, "the simulation diverged", &change, optimizer)?;
         } else if !self.paused
-            && let Some(patience) = self.state.step_control.record_no_gain(passes)
+            && let Some(patience) = self.state.step_control.record_no_gain(self.schedule())
         {
             let change = self.state.step_control.back_off();
             self.rollback(index, &format!("no gain in {patience} passes"), &change, optimizer)?;
         }
         Ok(())
+    }
+
+    /// The model at the mean of the last positions; none if there is none, or if it would need more
+    /// substeps than the run takes.
+    pub(crate) fn average(&self, backend: &dyn Backend) -> Result<Option<Loaded>, Error> {
+        let Some(theta) = self.state.average.theta() else { return Ok(None) };
+        let params = self.parameterization.params(theta);
+        let model = Model { params, ..Model::clone(self.loaded.model()) };
+        if enough_substeps(&model, self.state.substeps).is_err() {
+            return Ok(None);
+        }
+        Ok(Some(backend.with_params(&self.loaded, model.params)?))
+    }
+
+    /// Records the loss of [`OptimizerRun::average`]: it becomes the best if it is, while steps go on
+    /// from where they are.
+    pub(crate) fn record_average(&mut self, loss: f64) {
+        let Some(theta) = self.state.average.theta() else { return };
+        if loss < self.state.best.loss {
+            let theta = theta.to_vec();
+            self.state.best = Best { theta, substeps: self.state.substeps, loss };
+            self.state.step_control.record_gain();
+        }
     }
 
     /// Appends to the message about this pass.
@@ -326,6 +378,7 @@ impl<'a> OptimizerRun<'a> {
         let (position, substeps) =
             (self.parameterization.at_rest(best.theta.clone()), best.substeps);
         self.move_to(index, position, substeps, optimizer)?;
+        self.state.average.clear();
         self.paused = true;
         self.note(format!("{why}: went back to the best parameters, {change}"));
         Ok(())

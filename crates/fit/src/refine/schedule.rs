@@ -19,6 +19,13 @@ pub(crate) struct Step {
     pub(crate) has_next: bool,
 }
 
+/// True if a pass is a single step along the gradient of the whole loss.
+pub(crate) fn is_single_step(task: &Task<'_>) -> bool {
+    let refine = &task.settings.refine;
+    let batch = refine.batch.filter(|&size| size > 0).unwrap_or(usize::MAX);
+    refine.window == GradientWindow::Pass && task.training.len() <= batch
+}
+
 /// The steps of a pass. Sequences are assigned to mini-batches anew in every pass, by seed and
 /// pass.
 pub(crate) fn steps(task: &Task<'_>, pass: u32) -> Vec<Step> {

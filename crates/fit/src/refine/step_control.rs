@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-/// Share of the learning rate that is left in the last pass.
+/// Share of the learning rate that is left in the last pass, where it falls.
 const FINAL_RATE: f64 = 0.1;
 /// Share of the first rate below which a run that keeps failing stays at its best parameters.
 const MIN_RATE: f64 = 1e-3;
@@ -13,14 +13,34 @@ const WARM_UP: u64 = 8;
 const MAX_NORM_RATIO: f64 = 3.0;
 /// Number of recent gradients in the median.
 const NORM_HISTORY: usize = 15;
-/// Passes without a better loss after which a run rolls back, as a share of all passes.
-const PATIENCE: f64 = 1.0 / 12.0;
-/// Least number of passes without a better loss after which a run rolls back.
+/// Passes without a better loss after which a run whose passes are single steps rolls back.
+const PATIENCE: u32 = 12;
+/// The same where a pass has several steps, as a share of all passes,
+const PATIENCE_SHARE: f64 = 1.0 / 12.0;
+/// and at least.
 const MIN_PATIENCE: u32 = 6;
+/// A run has ended when so many passes
+const IDLE_PASSES: usize = 40;
+/// lower its best loss by less than this share.
+const LEAST_GAIN: f64 = 0.01;
 /// Largest reach of gradients [frames] after the first cut; each further cut leaves a quarter.
 const FIRST_CUT_REACH: u32 = 16;
 
-/// The step_control of a run.
+/// What the steps of a run depend on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Schedule {
+    /// A pass is one step along the gradient of the whole loss. Neither the rate nor when it ends
+    /// depends on how many passes there may be, so that more passes never end at a larger loss.
+    Whole,
+    /// A pass has several steps, each along the gradient of a part of the loss, which would never
+    /// settle without a rate that falls over all passes.
+    Parts {
+        /// Number of all passes.
+        passes: u32,
+    },
+}
+
+/// Length and reach of the steps of a run.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct StepControl {
     /// Share of the learning rate, halved by rollbacks.
@@ -33,12 +53,14 @@ pub(crate) struct StepControl {
     failures: u32,
     /// Norms of the last gradients.
     norms: Vec<f64>,
+    /// Best losses after the last passes.
+    best_losses: Vec<f64>,
 }
 
 impl StepControl {
     /// The initial state, with the reach from the settings [frames].
     pub(crate) fn new(reach: u32) -> Self {
-        Self { rate: 1.0, reach, stale: 0, failures: 0, norms: Vec::new() }
+        Self { rate: 1.0, reach, stale: 0, failures: 0, norms: Vec::new(), best_losses: Vec::new() }
     }
 
     /// Reach of gradients [frames]; 0 is the whole window.
@@ -51,12 +73,25 @@ impl StepControl {
         self.rate >= MIN_RATE
     }
 
-    /// Share of the learning rate in pass `pass` of `passes`, after `steps` steps of Adam. It falls
-    /// linearly over the passes, so that the run converges.
-    pub(crate) fn rate(&self, pass: u32, passes: u32, steps: u64) -> f64 {
-        let done = f64::from(pass) / f64::from(passes.max(1));
+    /// Share of the learning rate in a pass, after `steps` steps of Adam.
+    pub(crate) fn rate(&self, schedule: Schedule, pass: u32, steps: u64) -> f64 {
+        let done = match schedule {
+            Schedule::Whole => 0.0,
+            Schedule::Parts { passes } => f64::from(pass) / f64::from(passes.max(1)),
+        };
         let warm = (steps + 1).min(WARM_UP) as f64 / WARM_UP as f64;
         self.rate * warm * (1.0 - (1.0 - FINAL_RATE) * done)
+    }
+
+    /// Records the best loss at the end of a pass; true if the run has ended, since the last passes
+    /// gained next to nothing.
+    pub(crate) fn has_ended(&mut self, best_loss: f64) -> bool {
+        self.best_losses.push(best_loss);
+        if self.best_losses.len() <= IDLE_PASSES {
+            return false;
+        }
+        let before = self.best_losses.remove(0);
+        best_loss > (1.0 - LEAST_GAIN) * before
     }
 
     /// Factor that clips a gradient of this norm, at most 1. Near a bifurcation of the motion the
@@ -80,9 +115,14 @@ impl StepControl {
 
     /// Records a pass without a gain; `Some` with the number of such passes if it is time to roll
     /// back.
-    pub(crate) fn record_no_gain(&mut self, passes: u32) -> Option<u32> {
+    pub(crate) fn record_no_gain(&mut self, schedule: Schedule) -> Option<u32> {
         self.stale += 1;
-        let patience = ((f64::from(passes) * PATIENCE) as u32).max(MIN_PATIENCE);
+        let patience = match schedule {
+            Schedule::Whole => PATIENCE,
+            Schedule::Parts { passes } => {
+                ((f64::from(passes) * PATIENCE_SHARE) as u32).max(MIN_PATIENCE)
+            }
+        };
         (self.stale >= patience).then_some(patience)
     }
 

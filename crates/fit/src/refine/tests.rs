@@ -167,7 +167,7 @@ fn gradients_reach_as_far_as_the_settings_say() {
     let capture = make(Scene::Rope, &MakeOptions::tiny(2)).unwrap();
     for reach in [0, 1, 5] {
         let (mut settings, backend) = (settings(1), Watched::new(false));
-        settings.refine.reach = reach;
+        settings.refine.reach = Some(reach);
         let (cut_every, backend) = (backend.cut_every.clone(), Arc::new(backend));
         let job = FitJob {
             capture: &capture,
@@ -207,6 +207,29 @@ fn a_pass_of_one_step_needs_no_rollout_beside() {
     assert!(once[3] > 0, "where it ends has to be measured: {once:?}");
     let each = scored(GradientWindow::Frames(9));
     assert!(each.is_sorted_by(|a, b| a < b) && each[0] > 0, "{each:?}");
+}
+
+/// The passes of a shorter fit are the first ones of a longer one.
+#[test]
+fn more_passes_never_end_at_a_larger_loss() {
+    let capture = make(Scene::Rope, &MakeOptions::tiny(2)).unwrap();
+    let best_losses = |passes: u32| -> Vec<f64> {
+        let job = FitJob {
+            capture: &capture,
+            capture_digest: "digest".into(),
+            settings: settings(passes),
+            backend: Arc::new(Watched::new(false)),
+            look: None,
+        };
+        let mut seen = Passes::default();
+        job.run(None, &mut seen, &CancelToken::default()).unwrap();
+        seen.0.iter().filter_map(|p| p.best_loss).collect()
+    };
+    let (short, long) = (best_losses(12), best_losses(36));
+    assert_eq!((short.len(), long.len()), (12, 36));
+    assert_eq!(short[..11], long[..11], "where the last step led to is measured after it");
+    assert!(long[35] <= short[11], "{short:?} {long:?}");
+    assert!(long[35] < long[0], "{long:?}");
 }
 
 /// Notes how often losses were asked for after every pass.

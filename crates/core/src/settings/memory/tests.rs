@@ -23,7 +23,7 @@ fn total(settings: &FitSettings, capture: &CaptureSize, count: u64) -> u64 {
 fn greedy() -> FitSettings {
     let mut settings = FitSettings::default();
     settings.graph.max_nodes = Some(3_000);
-    settings.graph.max_neighbours = 256;
+    settings.graph.max_neighbours = Some(256);
     settings.graph.max_triplets = 256;
     settings.search.population = Some(10_000);
     settings
@@ -120,7 +120,7 @@ fn advice_fits_and_one_more_does_not() {
             let mut changed = settings.clone();
             match name {
                 "graph.max_nodes" => changed.graph.max_nodes = Some(value as usize),
-                "graph.max_neighbours" => changed.graph.max_neighbours = value as usize,
+                "graph.max_neighbours" => changed.graph.max_neighbours = Some(value as usize),
                 _ => changed.search.starts = Some(value as u32),
             }
             total(&changed, &body(), 2)

@@ -14,13 +14,25 @@ fn gradients_reach_less_and_less_until_a_frame_is_left() {
 }
 
 #[test]
-fn the_rate_warms_up_and_falls() {
+fn the_rate_warms_up_and_falls_where_passes_have_several_steps() {
     let step_control = StepControl::new(0);
-    let rates: Vec<f64> = (0..10).map(|steps| step_control.rate(0, 100, steps)).collect();
+    let parts = |passes| Schedule::Parts { passes };
+    let rates: Vec<f64> = (0..10).map(|steps| step_control.rate(parts(100), 0, steps)).collect();
     assert!(rates.is_sorted() && rates[0] > 0.0 && rates[0] < 0.2, "{rates:?}");
     assert_eq!(rates[9], 1.0);
-    assert!((step_control.rate(100, 100, 100) - FINAL_RATE).abs() < 1e-12);
-    assert!(step_control.rate(0, 0, 0).is_finite());
+    assert!((step_control.rate(parts(100), 100, 100) - FINAL_RATE).abs() < 1e-12);
+    assert!(step_control.rate(parts(0), 0, 0).is_finite());
+    assert_eq!(step_control.rate(Schedule::Whole, 100, 100), 1.0, "it falls by rollbacks alone");
+}
+
+#[test]
+fn a_run_ends_when_passes_gain_next_to_nothing() {
+    let passes_until_end = |gain: f64| -> Option<i32> {
+        let mut step_control = StepControl::new(0);
+        (0..200).find(|pass| step_control.has_ended((1.0 - gain).powi(*pass)))
+    };
+    assert_eq!(passes_until_end(1e-3), None, "four percent in forty passes");
+    assert_eq!(passes_until_end(1e-4), Some(IDLE_PASSES as i32));
 }
 
 #[test]
@@ -37,11 +49,12 @@ fn a_gradient_out_of_the_usual_is_shortened() {
 #[test]
 fn failures_halve_the_rate_and_cut_the_reach_by_turns() {
     let mut step_control = StepControl::new(0);
+    let parts = |passes| Schedule::Parts { passes };
     for _ in 0..MIN_PATIENCE - 1 {
-        assert_eq!(step_control.record_no_gain(40), None);
+        assert_eq!(step_control.record_no_gain(parts(40)), None);
     }
-    assert_eq!(step_control.record_no_gain(40), Some(MIN_PATIENCE));
-    assert_eq!(step_control.record_no_gain(1200), None, "long fits are more patient");
+    assert_eq!(step_control.record_no_gain(parts(40)), Some(MIN_PATIENCE));
+    assert_eq!(step_control.record_no_gain(parts(1200)), None, "long fits are more patient");
     let said: Vec<String> = (0..4).map(|_| step_control.back_off()).collect();
     let words = ["halved", "16", "halved", " 4"];
     assert!(said.iter().zip(words).all(|(said, word)| said.contains(word)), "{said:?}");
