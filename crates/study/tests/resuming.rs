@@ -6,8 +6,8 @@ use bendtwin_capture::{Limits, write_bundle_file};
 use bendtwin_core::{CancelToken, Fault, Problem};
 use bendtwin_engine::cpu_with_threads;
 use bendtwin_study::{
-    Captured, Devices, Event, Folder, Invocation, Plan, PlanOptions, Suite, Summary, Table,
-    draw_pictures,
+    Captured, Devices, Event, Folder, Invocation, Outcome, Plan, PlanOptions, Suite, Summary,
+    Table, draw_pictures,
 };
 use bendtwin_synth::{MakeOptions, Scene, make};
 
@@ -144,6 +144,10 @@ fn a_selection_runs_what_it_names() {
             if let Event::Ended(record) = event {
                 names.push(record.run.to_string());
                 assert!(record.command.starts_with("bendtwin eval"), "{}", record.command);
+                let Outcome::Finished(finished) = &record.outcome else { panic!("{record:?}") };
+                let losses = &finished.quality.choice.as_ref().unwrap().losses;
+                let lowest = losses.iter().flatten().copied().reduce(f64::min);
+                assert!(losses.len() > 1 && finished.losses.refine == lowest, "{losses:?}");
             }
         })
         .unwrap();
