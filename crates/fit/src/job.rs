@@ -382,7 +382,7 @@ impl<'a> Run<'a> {
             let choice = self.choice(best.model, &refinement);
             let mut twin = model.twin(self.job, self.task, refined_from, self.generations, best)?;
             let warnings = warnings::of_fit(self.task, model);
-            twin.members = self.members(&twin, best.model, &refinement)?;
+            self.add_members(&mut twin, best.model, &refinement)?;
             finished.push(Finished { twin, warnings, choice });
         }
         Ok(finished)
