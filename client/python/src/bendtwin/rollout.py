@@ -65,8 +65,8 @@ class Returns:
     point_set: PointSet = "nodes"
     #: Indices of the points of the skin to record, with `point_set` "skin"; None means all.
     skin_points: npt.ArrayLike | None = None
-    #: The spread of an ensemble's recorded points; arrays beside it are of member 0 alone then, or of
-    #: the mean with the statistic "mean_prediction".
+    #: The spread of an ensemble's recorded points; arrays beside it are of member 0 alone then, or
+    #: of the mean with the statistic "mean_prediction".
     spread: bool = False
 
     def to_proto(self) -> rollout_pb2.Returns:

@@ -275,8 +275,8 @@ class Ensemble:
 
     members: int
     #: With "mean_prediction" costs, gradients and arrays are of the mean motion of the members, one
-    #: row for each action: those of `Vary(fits=True)` weigh one over the square of the loss of their
-    #: fits, others alike, and one that diverges has no part in it.
+    #: row for each action: those of `Vary(fits=True)` weigh one over the square of the loss of
+    #: their fits, others alike, and one that diverges has no part in it.
     statistic: Statistic = "mean"
     #: Of "cvar": the share of the worst members that is averaged.
     share: float = 0.0

@@ -22,7 +22,7 @@ fn twin() -> Twin {
 /// The same twin with a member that flies away.
 fn with_a_lost_member() -> Twin {
     let mut twin = twin();
-    twin.members[0].environment.gravity = [0.0, 0.0, -1e8];
+    twin.members[0].environment.gravity = [0.0, 0.0, 1e8];
     twin
 }
 
@@ -187,7 +187,7 @@ fn a_fit_that_diverged_has_no_part_in_the_mean() {
 
     // With no fit left there is no mean.
     let mut twin = with_a_lost_member();
-    twin.environment.gravity = [0.0, 0.0, -1e8];
+    twin.environment.gravity = [0.0, 0.0, 1e8];
     twin.members.truncate(1);
     of_mean.ensemble.iter_mut().for_each(|ensemble| ensemble.members = 2);
     let part = bench(twin).run(of_mean, 0).unwrap().remove(0);
@@ -309,5 +309,5 @@ fn a_mean_is_no_larger_than_the_check_says() {
     let most = bendtwin_proto::rollout::reply_bytes(&request, &batch, &shape, 0);
     let part = bench(twin).run(request, 0).unwrap().remove(0);
     let bytes = prost::Message::encoded_len(&part) as u64;
-    assert!(bytes <= most && most < bytes + 1000, "{bytes} of {most}");
+    assert!(bytes <= most && most < 2 * bytes, "{bytes} of {most}");
 }
