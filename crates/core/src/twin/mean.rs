@@ -28,8 +28,8 @@ impl Twin {
     }
 }
 
-/// A weighted mean of predictions of the same points, in the making. What is not added has no share:
-/// its weight goes to the others.
+/// A weighted mean of predictions of the same points, in the making. A prediction that is not added has
+/// no share: its weight goes to the others.
 #[derive(Clone, Debug, Default)]
 pub struct Mean {
     sums: Vec<[f64; 3]>,

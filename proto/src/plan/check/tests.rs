@@ -178,7 +178,7 @@ fn the_first_frames_of_a_plan_are_its_motion_without_the_search() {
     let mut of_mean = request.clone();
     let ensemble = of_mean.rollout.as_mut().and_then(|rollout| rollout.ensemble.as_mut());
     ensemble.unwrap().set_statistic(Statistic::MeanPrediction);
-    let first = checked(of_mean).unwrap().first_frames(3, returns.clone());
+    let first = checked(of_mean).unwrap().first_frames(3, returns);
     assert!(first.ensemble.is_some() && first.vary.is_some(), "{first:?}");
     rollout::check_for(&first, &TWIN, &Limits::default(), 0).unwrap();
     rollout::check_advance(&first).unwrap();
