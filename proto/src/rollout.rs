@@ -30,7 +30,7 @@ pub const MOST_DIMENSIONS: usize = 8;
 pub use self::{
     check::{
         Batch, MOST_SUBSTEPS, SessionParts, check, check_for, check_in, fidelity, finer_substeps,
-        has_gradients, has_spread, members, too_much_memory, work,
+        has_gradients, has_mean_prediction, has_spread, members, too_much_memory, work,
     },
     encoded::{Encoded, check_encoded},
     error::Error,

@@ -12,6 +12,7 @@ mod grasping;
 mod initial;
 mod interpolate;
 mod lru;
+mod mean;
 mod observation;
 mod plan;
 mod plausible;

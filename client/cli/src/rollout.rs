@@ -1,9 +1,9 @@
 //! `bendtwin rollout`: predicts the outcome of actions on a twin.
 
 mod actions;
+mod fits;
 mod implausible;
 mod recording;
-mod spread;
 
 use std::path::{Path, PathBuf};
 
@@ -13,8 +13,8 @@ use serde_json::json;
 
 use self::{
     actions::Actions,
+    fits::Fits,
     recording::{Recording, RecordingOptions},
-    spread::Spread,
 };
 use crate::{failure::Usage, global::Global, npy, output, table::Table};
 
@@ -68,6 +68,9 @@ pub(crate) struct Rollout {
     /// Also simulate the twin's other fits, and say how far their predictions are apart
     #[arg(long, conflicts_with = "fidelity")]
     spread: bool,
+    /// Predict the mean motion of the twin and its other fits, weighted by how well they fit
+    #[arg(long, conflicts_with = "fidelity")]
+    mean: bool,
 }
 
 #[derive(Clone, Copy, Debug, clap::ValueEnum)]
@@ -127,19 +130,19 @@ pub(crate) async fn run(args: Rollout, global: &Global) -> anyhow::Result<()> {
     if let Some(best) = args.best {
         request = request.best(best);
     }
-    let spread = if args.spread { Some(Spread::of(&client, args.twin).await?) } else { None };
-    if let Some(spread) = &spread {
-        request = spread.ask(request, args.every.max(1));
+    let mut fits = Fits::of(&client, args.twin, args.spread, args.mean).await?;
+    if let Some(fits) = &fits {
+        request = fits.ask(request, args.every.max(1));
     }
     let mut reply = client.rollouts().run(request).await?;
-    if let Some(spread) = &spread {
-        spread.fold(&mut reply);
+    if let Some(fits) = &mut fits {
+        fits.fold(&mut reply);
     }
     if let Some(recording) = &recording {
         recording.write(&client, args.twin, &reply).await?;
     }
     let out = recording.as_ref().map(Recording::path);
-    output::print(global, &document(&reply), || text(&reply, instances, spread.as_ref(), out))
+    output::print(global, &document(&reply), || text(&reply, instances, fits.as_ref(), out))
 }
 
 fn cloud(path: &Path) -> anyhow::Result<Vec<Point>> {
@@ -163,7 +166,8 @@ fn document(reply: &Reply) -> serde_json::Value {
         "instances": reply.instances,
         "frames": reply.frames,
         "diagnostics": reply.diagnostics,
-        "spread_m": if reply.spread.is_empty() { Vec::new() } else { Spread::by_frame(reply) },
+        "member_costs": reply.member_costs,
+        "spread_m": if reply.spread.is_empty() { Vec::new() } else { Fits::by_frame(reply) },
         "diverged": reply.diverged,
         "implausible": reply.implausible,
         "timing": reply.timing,
@@ -174,7 +178,7 @@ fn document(reply: &Reply) -> serde_json::Value {
     })
 }
 
-fn text(reply: &Reply, instances: usize, spread: Option<&Spread>, out: Option<&Path>) -> String {
+fn text(reply: &Reply, instances: usize, fits: Option<&Fits>, out: Option<&Path>) -> String {
     let mut order: Vec<usize> = (0..reply.costs.len()).collect();
     order.sort_by(|a, b| reply.costs[*a].total_cmp(&reply.costs[*b]));
     let mut table = Table::new(["INSTANCE", "COST", "MAX STRAIN", "MAX SPEED", "ON THE GROUND"]);
@@ -202,8 +206,8 @@ fn text(reply: &Reply, instances: usize, spread: Option<&Spread>, out: Option<&P
             &format!("\ninstance {} diverged in frame {} at node {}", d.instance, d.frame, d.node);
     }
     text += &implausible::warnings(&reply.implausible);
-    if let Some(spread) = spread {
-        text += &spread.text(reply);
+    if let Some(fits) = fits {
+        text += &fits.text(reply);
     }
     text += &format!(
         "\n{instances} rollouts in {:.0} ms ({:.0} ms waiting)",

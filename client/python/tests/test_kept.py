@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from bendtwin import RolloutResult, State
+from bendtwin import Ensemble, RolloutResult, State
 from bendtwin.arguments import rollout_request
 from bendtwin.kept import Kept
 from bendtwin.rollout import Divergence
@@ -37,6 +37,15 @@ def test_the_last_state_of_each_slot_is_kept():
     )
     kept.advanced([0], ROLLOUT, result(7, diverged=[Divergence(0, 1, 0)]))
     assert (places(kept), kept.behind) == ({0: 1, 3: 2, 1: 3}, [0, 12, 0, 0])
+    # Of a mean a member may diverge, as long as one comes through.
+    mean = Ensemble(2, "mean_prediction")
+    of_mean = rollout_request("", {"trajectories": np.zeros((1, 4, 1, 3)), "ensemble": mean})
+    lost = {"diverged": [Divergence(1, 1, 0)]}
+    kept.advanced([0], of_mean, result(7, **lost, costs=np.array([np.inf])))
+    assert places(kept)[0] == 1
+    kept.advanced([0], of_mean, result(7, **lost, costs=np.zeros(1)))
+    assert places(kept)[0] == 7
+    kept.advanced([0], ROLLOUT, result(1))
     kept.forked(1, [2])
     assert (places(kept), kept.behind) == ({0: 1, 3: 2, 1: 3, 2: 3}, [0, 12, 12, 0])
     kept.told([1], [State(np.full((1, 3), 5.0))])

@@ -19,6 +19,7 @@ from bendtwin import (
     Vary,
     World,
 )
+from bendtwin.v1 import rollout_pb2
 
 
 @pytest.fixture
@@ -114,6 +115,9 @@ def test_fits_and_their_spread_are_asked_for(fake, twin):
     sent = fake.rollout_request
     assert sent.vary.fits
     assert sent.returns.spread
+    quiet(twin, poses=poses(), vary=Vary(fits=True), ensemble=Ensemble(3, "mean_prediction"))
+    ensemble = fake.rollout_request.ensemble
+    assert ensemble.statistic == rollout_pb2.Ensemble.MEAN_PREDICTION
     quiet(twin, poses=poses())
     assert not fake.rollout_request.returns.spread
 

@@ -43,6 +43,9 @@ pub enum Predictor {
     Bending,
     /// The axial-only fit of the same nodes.
     Axial,
+    /// The mean of the predictions of the twin and its members, weighted by loss
+    /// ([`Twin::fit_weights`](crate::Twin::fit_weights)).
+    MeanOfFits,
     /// Nothing moves.
     StandingStill,
     /// The twin's prediction plus its error in the last training frame.

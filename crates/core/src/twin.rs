@@ -1,6 +1,7 @@
 //! A twin: the fitted result, everything that a rollout needs.
 
 pub mod format;
+mod mean;
 mod member;
 
 use serde::{Deserialize, Serialize};
@@ -12,6 +13,7 @@ use crate::{
     settings::FitSettings,
 };
 
+pub use mean::Mean;
 pub use member::{Member, spread};
 
 /// A fitted spring-mass model of an object.
@@ -107,6 +109,10 @@ pub struct Provenance {
     /// searched.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub refined_from: Option<String>,
+    /// Loss that the fit ended with, by which its start was chosen among others; kept beside those of
+    /// the twin's members ([`Twin::fit_weights`]).
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub loss: Option<f64>,
 }
 
 #[cfg(test)]

@@ -15,6 +15,7 @@ mod contact;
 mod control;
 mod diagnostics;
 mod force;
+mod gauge;
 pub(crate) mod gradient;
 pub(crate) mod grasp;
 mod ground;
@@ -43,6 +44,7 @@ use std::sync::Arc;
 use bendtwin_core::{CancelToken, Environment, Params};
 use rayon::prelude::*;
 
+pub use self::gauge::{Gauge, PathGradient};
 use self::{
     diagnostics::{Observer, hold_of, state_of},
     grasp::Hands,
@@ -130,6 +132,15 @@ fn resident(loaded: &Loaded) -> Result<&Resident, Error> {
 
 /// The simulation of an instance; `measured` if its forces are asked for.
 fn simulation(instance: &Instance, measured: bool) -> Result<Simulation<'_, f32>, Error> {
+    Ok(simulation_on(&resident(&instance.model)?.system, instance, measured))
+}
+
+/// The same on a system of the instance's model.
+fn simulation_on<'a>(
+    system: &'a System<f32>,
+    instance: &'a Instance,
+    measured: bool,
+) -> Simulation<'a, f32> {
     let (world, motion) = (&*instance.world, &*instance.motion);
     let in_cost = |t: &WeightedTerm| matches!(t.term, Term::Force { .. });
     let measured = measured || instance.objective.terms.iter().any(in_cost);
@@ -138,15 +149,15 @@ fn simulation(instance: &Instance, measured: bool) -> Result<Simulation<'_, f32>
         let start = Hands::new(&instance.initial.grasping, &world.grasps);
         Surroundings::new(world, motion, start, measured)
     });
-    Ok(Simulation {
+    Simulation {
         surroundings,
-        system: &resident(&instance.model)?.system,
+        system,
         initial: nodes_of(&instance.initial),
         twists: twists_of(&instance.initial, &instance.model.model().graph),
         controls: instance.controls.iter().map(|&p| quad(p)).collect(),
         frames: instance.frames,
         objective: &instance.objective,
-    })
+    }
 }
 
 /// A gradient by a point as a client sees it.

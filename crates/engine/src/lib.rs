@@ -16,7 +16,7 @@ mod stability;
 pub mod world;
 
 pub use backend::{Backend, Device, Error, Loaded};
-pub use cpu::{CpuBackend, check, cpu, cpu_with_threads};
+pub use cpu::{CpuBackend, Gauge, PathGradient, check, cpu, cpu_with_threads};
 pub use energy::{Energies, Energy, energy};
 pub use model::Model;
 pub use objective::{Objective, PointLoss, PointSet, Term};

@@ -1,5 +1,6 @@
 //! The quality table: the twin, the axial-only fit beside it, and the free baselines.
 
+mod mean;
 mod row;
 
 use std::{borrow::Cow, sync::Arc};
@@ -10,7 +11,10 @@ use bendtwin_core::{
 };
 use bendtwin_engine::{Backend, model::State};
 
-use self::row::{Measured, Row};
+use self::{
+    mean::mean_of_fits,
+    row::{Measured, Row},
+};
 use crate::{
     Error, Motion, Placement, Trajectory,
     baselines::{clamp_interpolation, standing_still},
@@ -230,9 +234,8 @@ fn fits(twin: &Twin) -> impl Iterator<Item = Twin> + '_ {
 /// A quality table in the making.
 struct Table {
     own: Predictor,
+    /// One for each predictor that may be measured, the twin's own first.
     rows: Vec<Row>,
-    /// Index of the first free baseline.
-    free: usize,
     per_frame: bool,
     recordings: Vec<(RecordingScore, PredictorErrors)>,
     spread: SpreadErrors,
@@ -249,21 +252,18 @@ impl Table {
     fn new(twin: &Twin, options: &EvaluateOptions<'_>) -> Self {
         let own =
             if twin.graph.triplets.is_empty() { Predictor::Axial } else { Predictor::Bending };
-        let mut rows = vec![Row::new(own)];
-        if options.axial.is_some() && own == Predictor::Bending {
-            rows.push(Row::new(Predictor::Axial));
-        }
-        let free = rows.len();
-        rows.push(Row::new(Predictor::StandingStill));
-        rows.push(Row::new(Predictor::LastResidual));
-        rows.push(Row::new(Predictor::ClampInterpolation));
+        let beside =
+            (options.axial.is_some() && own == Predictor::Bending).then_some(Predictor::Axial);
+        let baselines =
+            [Predictor::StandingStill, Predictor::LastResidual, Predictor::ClampInterpolation];
+        let all = [own, Predictor::MeanOfFits].into_iter().chain(beside).chain(baselines);
+        let rows = all.map(Row::new).collect();
         let per_frame = options.per_frame;
         let (recordings, warnings, of_axial) = (Vec::new(), Vec::new(), Vec::new());
         let (passed, wanted, motion) = (0, None, None);
         Self {
             own,
             rows,
-            free,
             per_frame,
             recordings,
             spread: SpreadErrors::default(),
@@ -278,7 +278,8 @@ impl Table {
     /// Adds the sequences of a case. If the twin has not seen the recording, all frames count as future.
     fn add(&mut self, case: &Case<'_>, unseen: bool) {
         let Case { model, axial, members, recording, sequences, registered } = case;
-        let (rows, free) = (&mut self.rows, self.free);
+        let rows = &mut self.rows;
+        let weights = model.twin.fit_weights();
         let mut of_recording = PredictorErrors::default();
         for (index, sequence) in sequences.iter().enumerate() {
             let Some(prediction) = model.paths.get(index) else { continue };
@@ -287,7 +288,7 @@ impl Table {
                 Some(if unseen { measured.unseen() } else { measured })
             };
             let Some(measured) = measure(&model.twin, prediction) else { continue };
-            measured.add(prediction, &mut rows[0]);
+            measured.add(prediction, self.own, rows);
             let on_skin = prediction.at_skin(&model.twin.skin);
             of_recording.add(&measured.at_skin, &on_skin);
             if self.wanted == Some(self.passed + index) {
@@ -295,25 +296,30 @@ impl Table {
                 self.motion =
                     Some(Motion::new(recording, sequence, reference, prediction, &on_skin));
             }
-            if let (Some(other), 2) = (axial, free)
+            if let Some(other) = axial
+                && self.own != Predictor::Axial
                 && let Some(prediction) = other.paths.get(index)
                 && let Some(measured) = measure(&other.twin, prediction)
             {
-                measured.add(prediction, &mut rows[1]);
+                measured.add(prediction, Predictor::Axial, rows);
             }
             let start = &prediction.positions[..prediction.node_count];
-            measured.add(&standing_still(&model.twin.graph, sequence, start), &mut rows[free]);
+            let still = standing_still(&model.twin.graph, sequence, start);
+            measured.add(&still, Predictor::StandingStill, rows);
             if !unseen {
-                measured.add_last_residual(prediction, &mut rows[free + 1]);
+                measured.add_last_residual(prediction, rows);
             }
             let others: Vec<&Trajectory> = members.iter().filter_map(|m| m.get(index)).collect();
             if !others.is_empty() {
                 let train_frames = if unseen { 0 } else { sequence.train_frame_count };
                 self.spread.add(&model.twin, sequence, prediction, &others, train_frames);
+                let (mean, warning) = mean_of_fits(sequence, prediction, &others, &weights);
+                measured.add(&mean, Predictor::MeanOfFits, rows);
+                self.warnings.extend(warning);
             }
             let graph = &model.twin.graph;
             if let Some(between) = clamp_interpolation(recording, graph, sequence, start) {
-                measured.add(&between, &mut rows[free + 2]);
+                measured.add(&between, Predictor::ClampInterpolation, rows);
             }
         }
         self.warnings.extend(divergences(sequences, &model.paths));

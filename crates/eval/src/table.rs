@@ -21,9 +21,18 @@ pub fn predictor_name(predictor: Predictor) -> &'static str {
     match predictor {
         Predictor::Bending => "twin (bending)",
         Predictor::Axial => "axial only",
+        Predictor::MeanOfFits => "mean of fits",
         Predictor::StandingStill => "standing still",
         Predictor::LastResidual => "last residual",
         Predictor::ClampInterpolation => "clamp interpolation",
+    }
+}
+
+/// Name of a row of a quality table: that of its predictor, with the number of fits that it is a mean of.
+fn row_name(quality: &Quality, predictor: Predictor) -> String {
+    match (predictor, &quality.spread) {
+        (Predictor::MeanOfFits, Some(spread)) => format!("mean of {} fits", spread.fits),
+        _ => predictor_name(predictor).to_owned(),
     }
 }
 
@@ -168,9 +177,8 @@ pub fn format_table(quality: &Quality, style: TableStyle) -> String {
         vec![std::iter::once("mm".to_owned()).chain(columns.iter().map(|c| c.0.clone())).collect()];
     for (index, score) in quality.scores.iter().enumerate() {
         let cells = columns.iter().map(|c| in_mm(c.1[index]));
-        rows.push(
-            std::iter::once(predictor_name(score.predictor).to_owned()).chain(cells).collect(),
-        );
+        let name = row_name(quality, score.predictor);
+        rows.push(std::iter::once(name).chain(cells).collect());
     }
     let mut text = lay_out(&rows, style);
     if !quality.recordings.is_empty() {

@@ -385,7 +385,7 @@ impl<'a> Run<'a> {
             let mut twin = model.twin(self.job, self.task, refined_from, self.generations, best)?;
             let is_cut = !best.state.has_ended && best.state.passes < self.task.passes();
             let warnings = warnings::of_fit(self.task, model);
-            twin.members = self.members(&twin, best.model, &refinement)?;
+            self.add_members(&mut twin, best.model, &refinement)?;
             finished.push(Finished { twin, warnings, choice, is_cut });
         }
         Ok(finished)

@@ -175,6 +175,7 @@ impl ModelFit {
                 backend: job.backend.device().kind,
                 source_to_world: job.capture.source_to_world,
                 refined_from: refined_from.map(str::to_owned),
+                loss: None,
             },
             quality: bendtwin_core::Quality::default(),
             mass_kg: job.capture.object.mass_kg,

@@ -103,8 +103,9 @@ impl std::fmt::Display for RunId {
     }
 }
 
-/// Names of the free baselines in comparisons.
-pub(crate) const BASELINES: [(&str, Predictor); 3] = [
+/// Names in comparisons of what is predicted beside each fit: the mean of its fits, and free baselines.
+pub(crate) const BASELINES: [(&str, Predictor); 4] = [
+    ("mean_of_fits", Predictor::MeanOfFits),
     ("standing_still", Predictor::StandingStill),
     ("clamp_interpolation", Predictor::ClampInterpolation),
     ("last_residual", Predictor::LastResidual),

@@ -4907,7 +4907,8 @@ pub mod knot_times {
 /// of their costs. Instances are then B x E, those of one action together: member e of action b is
 /// instance b E + e in `instances`, positions, final states, forces, diagnostics, `diverged` and
 /// `implausible`. Costs, gradients, `first_instance` and `returns.best` count actions. A member that
-/// diverges has the cost +inf, and so has the mean.
+/// diverges has the cost +inf, and so has the mean. MEAN_PREDICTION is no statistic of costs: there the
+/// members move the object together.
 #[derive(Clone, Copy, PartialEq, ::prost::Message)]
 pub struct Ensemble {
     #[prost(uint32, tag = "1")]
@@ -4939,6 +4940,16 @@ pub mod ensemble {
         Mean = 1,
         Worst = 2,
         Cvar = 3,
+        /// The mean motion of the members: each node is where the mean of its positions in all of them is, and as
+        /// fast as the mean of its velocities, and carries the skin there. Costs and gradients are those of this
+        /// motion, and member_costs those of the members' own. With `vary.fits` a member weighs one over the square
+        /// of the loss that its fit ended with, as in the row `mean_of_fits` of the twin's quality table; else all
+        /// weigh alike. A member that diverges has no part in it, at no frame, and is in `diverged`; if all do, the
+        /// cost is +inf. Positions, velocities, final states, costs by frame and controls have one row for each
+        /// action, whose instance is that of its member 0; what grasps hold at the end is what they hold in the
+        /// first member. An advance of a session leaves the mean state in its slot, in which all members begin the
+        /// next time. Not with costs of forces, `returns.forces` or `returns.part_frames`.
+        MeanPrediction = 4,
     }
     impl Statistic {
         /// String value of the enum field names used in the ProtoBuf definition.
@@ -4951,6 +4962,7 @@ pub mod ensemble {
                 Self::Mean => "MEAN",
                 Self::Worst => "WORST",
                 Self::Cvar => "CVAR",
+                Self::MeanPrediction => "MEAN_PREDICTION",
             }
         }
         /// Creates an enum from field names used in the ProtoBuf definition.
@@ -4960,6 +4972,7 @@ pub mod ensemble {
                 "MEAN" => Some(Self::Mean),
                 "WORST" => Some(Self::Worst),
                 "CVAR" => Some(Self::Cvar),
+                "MEAN_PREDICTION" => Some(Self::MeanPrediction),
                 _ => None,
             }
         }
@@ -5340,7 +5353,7 @@ pub struct Returns {
     pub skin_points: ::core::option::Option<Tensor>,
     /// With an ensemble of two members or more, and every_frames: `spread` of the recorded points. Arrays beside
     /// it (positions, velocities, final states, forces, costs by frame, controls) are of member 0 of each action
-    /// alone then.
+    /// alone then, or of the mean with MEAN_PREDICTION.
     #[prost(bool, tag = "18")]
     pub spread: bool,
 }
@@ -5473,7 +5486,8 @@ pub struct RollOutResponse {
     /// FLOAT32 \[R, F + 1, C, 3\], metres.
     #[prost(message, optional, tag = "29")]
     pub controls: ::core::option::Option<Tensor>,
-    /// With an ensemble: FLOAT64 \[B', E\], the costs that `costs` are statistics of.
+    /// With an ensemble: FLOAT64 \[B', E\], the costs of its members, which `costs` are statistics of (but for
+    /// MEAN_PREDICTION).
     #[prost(message, optional, tag = "30")]
     pub member_costs: ::core::option::Option<Tensor>,
     /// Instances that are not plausible, with the reason; limits in RollOutRequest.plausibility.
@@ -5491,7 +5505,7 @@ pub struct RollOutResponse {
     #[prost(message, optional, tag = "34")]
     pub unfinished: ::core::option::Option<Tensor>,
     /// FLOAT32 \[actions, T', K\], metres: root mean square distance of the other members' points from those of
-    /// member 0, which positions are of. NaN where a member diverged.
+    /// member 0, which positions are of (but for MEAN_PREDICTION). NaN where a member diverged.
     #[prost(message, optional, tag = "35")]
     pub spread: ::core::option::Option<Tensor>,
 }
@@ -7759,7 +7773,8 @@ pub struct StepSessionRequest {
     pub correction: ::core::option::Option<CorrectSessionRequest>,
     /// Its rollout without twin, initial state and returns; world and grasps are the session's where it names
     /// none. Its actions are the nominal plan: the knots of the step before, with the frames that were executed
-    /// as `shift_frames`, continue that plan. Its fidelity and its ensemble are those of the search alone.
+    /// as `shift_frames`, continue that plan. Its fidelity and its ensemble are those of the search alone,
+    /// but that a MEAN_PREDICTION advances the slot too.
     #[prost(message, optional, tag = "4")]
     pub search: ::core::option::Option<PlanRequest>,
     /// Frames of the best plan by which the slot is advanced, up to the horizon; 0 plans alone.

@@ -446,7 +446,7 @@ map.serialize_entry("share", &self.share)?;
 }
 
 impl Words for crate::v1::ensemble::Statistic {
-    const KNOWN: &'static [&'static str] = &["MEAN", "WORST", "CVAR"];
+    const KNOWN: &'static [&'static str] = &["MEAN", "WORST", "CVAR", "MEAN_PREDICTION"];
     fn number(word: &str) -> Option<i32> {
         Self::from_str_name(word).map(Into::into)
     }

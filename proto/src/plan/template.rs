@@ -106,12 +106,15 @@ impl Template {
         let mut request = self.request.clone();
         Self::put(&mut request, self.actions(plan));
         let times = || KnotTimes { times: Some(Times::PeriodS(between_s)) };
-        let own = request.ensemble.take().is_none_or(|ensemble| ensemble.members == 1);
+        // A mean prediction of several members is that of the object, a member is not.
+        let own = match rollout::has_mean_prediction(&request) {
+            true => true,
+            false => request.ensemble.take().is_none_or(|ensemble| ensemble.members == 1),
+        };
         RollOutRequest {
             frames,
             costs: Vec::new(),
             returns,
-            // Of several members none is the object.
             vary: request.vary.take().filter(|_| own),
             gradient: None,
             knot_times: Some(request.knot_times.take().unwrap_or_else(times)),

@@ -25,7 +25,7 @@ pub(super) use self::{
 };
 pub use self::{
     returns::{has_gradients, has_spread},
-    vary::{MOST_SUBSTEPS, finer_substeps, members},
+    vary::{MOST_SUBSTEPS, finer_substeps, has_mean_prediction, members},
 };
 use super::{Error, Limits, TwinShape, memory, size};
 use crate::v1::{Fidelity, OpenSessionRequest, RollOutRequest};
@@ -233,7 +233,13 @@ pub fn work(request: &RollOutRequest, batch: &Batch, twin: &TwinShape) -> u128 {
     let physics = twin.substep_work(batch.frames, world::work(request));
     let physics = physics.saturating_mul(substeps.total).div_ceil(substeps.sets.into());
     let each = physics.saturating_add(costs::work(&request.costs, batch, twin));
-    each.saturating_mul(u128::from(batch.instances)).saturating_mul(u128::from(members(request)))
+    let of_members = each.saturating_mul(u128::from(members(request)));
+    // Of a mean prediction costs are measured beside those of its members.
+    let of_mean = match has_mean_prediction(request) {
+        true => costs::work(&request.costs, batch, twin),
+        false => 0,
+    };
+    of_members.saturating_add(of_mean).saturating_mul(u128::from(batch.instances))
 }
 
 /// Fidelity that a request asks for.

@@ -4,7 +4,10 @@
 use prost::Message as _;
 
 use super::{
-    check::{Batch, has_gradients, has_spread, members, own_targets, substeps, targets},
+    check::{
+        Batch, has_gradients, has_mean_prediction, has_spread, members, own_targets, substeps,
+        targets,
+    },
     parts::part_frames,
     points::{is_at_skin, recorded},
     size::reply_bytes,
@@ -14,6 +17,7 @@ use super::{
 use crate::v1::{
     Cost, PointSet, RollOutRequest,
     cost::{Kind, When},
+    ensemble::Statistic,
     initial_state::State,
     returns::Encoding,
 };
@@ -63,6 +67,11 @@ const NODE_TAPED: u64 = 48;
 /// A spring's, triplet's or rod's gradient as it is added up, and as it is returned.
 const ELEMENT_GRADIENT: u64 = 64;
 const ELEMENT_RETURNED: u64 = 16;
+/// A node in a frame of a mean: its sums in double precision, the mean, and as it is measured, with the
+/// gradient.
+const MEAN_NODE: u64 = 128;
+/// A node in a frame whose gradient is given to the engine: its target and number, twice.
+const SEED: u64 = 32;
 /// A tape up to this size is whole; of a larger one segments of about this size are kept.
 const WHOLE_TAPE: u64 = 64 << 20;
 
@@ -96,7 +105,7 @@ impl Memory {
     }
 }
 
-/// A message of the reply, with the arrays of the members that only their spread is returned of.
+/// A message of the reply, with the arrays of the members that only their spread or mean is returned of.
 fn made_bytes(
     request: &RollOutRequest,
     batch: &Batch,
@@ -104,11 +113,12 @@ fn made_bytes(
     part_instances: u32,
 ) -> u64 {
     let sent = reply_bytes(request, batch, twin, part_instances);
-    if !has_spread(request) {
+    if !has_spread(request) && !has_mean_prediction(request) {
         return sent;
     }
     let mut all = request.clone();
     all.returns.iter_mut().for_each(|returns| returns.spread = false);
+    all.ensemble.iter_mut().for_each(|ensemble| ensemble.set_statistic(Statistic::Mean));
     sent.saturating_add(reply_bytes(&all, batch, twin, part_instances))
 }
 
@@ -171,6 +181,13 @@ pub fn memory(
     // What grasps hold at the end says which nodes they took.
     let end = if request.grasps.is_empty() { 0 } else { state };
     prepared = sum(&[prepared, end]);
+    if has_mean_prediction(request) && !(request.costs.is_empty() && returns.every_frames == 0) {
+        // Members with all their nodes in all frames, and with gradients targets that stand for those.
+        let gradients = if has_gradients(&returns) { SEED } else { 0 };
+        let kinds = if returns.velocities { 2 } else { 1 };
+        let node = sum(&[mul(&[RECORDED_NODE, kinds]), gradients]);
+        prepared = sum(&[prepared, mul(&[node, twin.nodes, boundaries])]);
+    }
     let mut running = sum(&[
         mul(&[CONTROL_READ, boundaries, twin.controls]),
         mul(&[NODE, endpoints]),
@@ -214,6 +231,16 @@ pub fn memory(
         mul(&[count, members(request), sum(&[prepared, mul(&[2, state]), recorded])])
     };
     let mut fixed = sum(&[fixed, waiting]);
+    if has_mean_prediction(request) {
+        // The mean of one action: as it is added up, and as it is measured; and the model that tells strains.
+        let kinds = if returns.velocities { 2 } else { 1 };
+        let mean = mul(&[MEAN_NODE, kinds, twin.nodes, boundaries]);
+        fixed = sum(&[fixed, mean, mul(&[ELEMENT_GRADIENT, elements])]);
+        if has_gradients(&returns) {
+            // All members of an action, however few are prepared at once otherwise.
+            fixed = sum(&[fixed, mul(&[members(request), prepared])]);
+        }
+    }
     if recorded(&returns) == PointSet::Skin {
         // Recordings of nodes, until the skin is placed from them.
         let rows = part_frames(request, batch).checked_div(returns.every_frames.into());

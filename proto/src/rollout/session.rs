@@ -1,6 +1,10 @@
 //! The check of what a session begins with, and the size of its states.
 
-use super::{Error, Limits, TwinShape, check::check_open, size::Sum};
+use super::{
+    Error, Limits, TwinShape,
+    check::{check_open, has_mean_prediction},
+    size::Sum,
+};
 use crate::v1::{OpenSessionRequest, RollOutRequest, initial_state::State};
 
 /// Most slots of a session.
@@ -47,8 +51,8 @@ pub fn check_session(
 /// # Errors
 /// The first field that is set.
 pub fn check_advance(request: &RollOutRequest) -> Result<(), Error> {
-    if request.ensemble.is_some() {
-        let fault = "belongs to rollouts: a slot has one state";
+    if request.ensemble.is_some() && !has_mean_prediction(request) {
+        let fault = "belongs to rollouts: a slot has one state. Of several members take that of their mean, with MEAN_PREDICTION";
         return Err(Error::field("rollout.ensemble", fault));
     }
     let returns = request.returns.clone().unwrap_or_default();

@@ -3,7 +3,7 @@
 use prost::length_delimiter_len as varint_len;
 
 use super::{
-    check::{Batch, has_gradients, has_spread, members},
+    check::{Batch, has_gradients, has_mean_prediction, has_spread, members},
     parts::part_frames,
     points::recorded_count,
     surroundings,
@@ -63,8 +63,10 @@ pub fn reply_bytes(
         0 => covered,
         best => u64::from(best).min(batch.instances),
     };
-    // Of an ensemble arrays are by member, or of the first with a spread; gradients are by action.
-    let holders = if has_spread(request) { ranked } else { ranked.saturating_mul(members) };
+    // Of an ensemble arrays are by member, or of the first with a spread, or of the mean; gradients are
+    // by action.
+    let by_action = has_spread(request) || has_mean_prediction(request);
+    let holders = if by_action { ranked } else { ranked.saturating_mul(members) };
     let frames = part_frames(request, batch);
     if returns.part_frames > 0 {
         sum.add(WINDOW);

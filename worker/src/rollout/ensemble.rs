@@ -5,7 +5,7 @@ use bendtwin_engine::backend::Gradient;
 use bendtwin_proto::v1::{Ensemble as Wire, RollOutResponse, Tensor, ensemble as wire};
 
 /// The members under which each action is simulated.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub(super) struct Ensemble {
     /// Number of members E.
     pub(super) members: usize,
@@ -13,20 +13,29 @@ pub(super) struct Ensemble {
     worst: usize,
     /// True if costs by member are returned.
     is_asked_for: bool,
+    /// Weights of the members in their mean motion, shape [E], if costs and arrays are of that.
+    pub(super) weights: Option<Vec<f64>>,
 }
 
 impl Ensemble {
-    /// That of a checked request: one member, if none are asked for.
-    pub(super) fn read(wire: Option<Wire>) -> Self {
-        let Some(wire) = wire else { return Self { members: 1, worst: 1, is_asked_for: false } };
+    /// That of a checked request: one member, if none are asked for. In their mean motion members on
+    /// the fits of a twin have the weights of `fits`, any others the same.
+    pub(super) fn read(wire: Option<Wire>, fits: Option<Vec<f64>>) -> Self {
+        let Some(wire) = wire else {
+            return Self { members: 1, worst: 1, is_asked_for: false, weights: None };
+        };
         let members = (wire.members as usize).max(1);
+        let is_mean = wire.statistic() == wire::Statistic::MeanPrediction;
+        let weights = is_mean.then(|| fits.unwrap_or_else(|| vec![1.0; members]));
         let worst = match wire.statistic() {
-            wire::Statistic::Unspecified | wire::Statistic::Mean => members,
+            wire::Statistic::Unspecified
+            | wire::Statistic::Mean
+            | wire::Statistic::MeanPrediction => members,
             wire::Statistic::Worst => 1,
             // A share of a third of three members is one of them, whatever rounding makes of it.
             wire::Statistic::Cvar => (wire.share * members as f64 - 1e-9).ceil() as usize,
         };
-        Self { members, worst: worst.clamp(1, members), is_asked_for: true }
+        Self { members, worst: worst.clamp(1, members), is_asked_for: true, weights }
     }
 
     /// Shares of the members' costs in the statistic, which add up to 1. Of equal members the first
@@ -40,7 +49,8 @@ impl Ensemble {
         shares
     }
 
-    /// Turns costs by member into costs by action, in a part of a reply.
+    /// Turns costs by member into costs by action, in a part of a reply; those of the mean motion are
+    /// to take their place.
     pub(super) fn fold(&self, part: &mut RollOutResponse) {
         if !self.is_asked_for {
             return;
@@ -69,21 +79,26 @@ impl Ensemble {
             return members.pop().unwrap_or_default();
         }
         let costs: Vec<f64> = members.iter().map(|g| g.loss.total).collect();
-        let shares = self.shares(&costs);
-        let mut sum: Option<Gradient> = None;
-        for (member, share) in members.into_iter().zip(shares).filter(|(_, share)| *share > 0.0) {
-            match &mut sum {
-                None => {
-                    let mut first = member;
-                    each(&mut first, |x| *x = (f64::from(*x) * share) as f32);
-                    first.norms.iter_mut().for_each(|norm| *norm *= share);
-                    sum = Some(first);
-                }
-                Some(sum) => add(sum, &member, share),
-            }
-        }
-        sum.unwrap_or_default()
+        sum(members, &self.shares(&costs))
     }
+}
+
+/// The sum of shares of gradients, those above 0, as a gradient whose other fields are those of the
+/// first of them.
+pub(super) fn sum(gradients: Vec<Gradient>, shares: &[f64]) -> Gradient {
+    let mut sum: Option<Gradient> = None;
+    for (gradient, share) in gradients.into_iter().zip(shares).filter(|(_, share)| **share > 0.0) {
+        match &mut sum {
+            None => {
+                let mut first = gradient;
+                each(&mut first, |x| *x = (f64::from(*x) * share) as f32);
+                first.norms.iter_mut().for_each(|norm| *norm *= share);
+                sum = Some(first);
+            }
+            Some(sum) => add(sum, &gradient, *share),
+        }
+    }
+    sum.unwrap_or_default()
 }
 
 /// Sum of what counts; what has no share may be infinite.

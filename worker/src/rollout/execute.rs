@@ -13,6 +13,7 @@ use super::{
     actions::Stopped,
     error::Error,
     initial::{Start, Starts},
+    mean::MeanMotions,
     plan::Plan,
     plausible::Extremes,
     reply::{self, Gradients, Span},
@@ -38,16 +39,25 @@ pub(super) struct Execution<'a> {
 
 /// Instances that were simulated.
 #[derive(Default)]
-struct Simulated {
+pub(super) struct Simulated {
     rollouts: Vec<Rollout>,
     /// Extremes of what was prescribed to them.
     extremes: Vec<Extremes>,
+    /// Mean motions of the members of each action, if these are asked for.
+    means: Vec<Rollout>,
     /// With their final states, the control points there [m], shape [instances, C, 3].
     controls: Vec<Point>,
     /// Control points at all frame boundaries [m] if asked for, shape [instances, F + 1, C, 3].
     paths: Vec<Point>,
     /// Instances that were not simulated within the time limit.
     unfinished: Vec<u32>,
+}
+
+impl Simulated {
+    /// Instances of which nothing else is kept.
+    pub(super) fn of(rollouts: Vec<Rollout>, extremes: Vec<Extremes>) -> Self {
+        Self { rollouts, extremes, ..Self::default() }
+    }
 }
 
 /// Results of a simulation that are kept.
@@ -83,7 +93,7 @@ impl Execution<'_> {
         for range in self.parts() {
             let indices = self.plan.instances(range);
             let simulated = self.roll_out(&indices, Kept::Arrays)?;
-            let mut part = self.summary(&indices, &simulated.rollouts, &simulated.extremes)?;
+            let mut part = self.summary(&indices, &simulated)?;
             self.add_unfinished(&simulated.unfinished, &mut part);
             if self.keeps_states {
                 kept.extend(self.ends(&indices, &simulated));
@@ -97,7 +107,11 @@ impl Execution<'_> {
     /// States in which instances end, with their control points, rest shapes and surroundings.
     fn ends(&self, indices: &[usize], simulated: &Simulated) -> Vec<Option<Start>> {
         let width = self.plan.twin().graph.control_count();
-        let each = simulated.rollouts.iter().enumerate().map(|(i, rollout)| {
+        let (rollouts, members) = match &self.plan.ensemble.weights {
+            None => (&simulated.rollouts, 1),
+            Some(_) => (&simulated.means, self.plan.ensemble.members),
+        };
+        let each = (0..).step_by(members).zip(rollouts).map(|(i, rollout): (usize, _)| {
             let state = Arc::new(rollout.final_state.clone()?);
             let controls = Arc::new(simulated.controls.get(i * width..(i + 1) * width)?.to_vec());
             let index = *indices.get(i)?;
@@ -120,11 +134,10 @@ impl Execution<'_> {
         let mut late = HashSet::new();
         for range in self.parts() {
             let indices = self.plan.instances(range);
-            let Simulated { rollouts, extremes, unfinished, .. } =
-                self.roll_out(&indices, Kept::Costs)?;
-            let mut part = self.summary(&indices, &rollouts, &extremes)?;
-            self.add_unfinished(&unfinished, &mut part);
-            late.extend(unfinished.iter().map(|i| self.plan.action(*i as usize)));
+            let simulated = self.roll_out(&indices, Kept::Costs)?;
+            let mut part = self.summary(&indices, &simulated)?;
+            self.add_unfinished(&simulated.unfinished, &mut part);
+            late.extend(simulated.unfinished.iter().map(|i| self.plan.action(*i as usize)));
             costs.extend(reply::costs(&part));
             if let Some(previous) = held.replace(part) {
                 emit(self.signed(previous))?;
@@ -152,10 +165,19 @@ impl Execution<'_> {
         simulated: Simulated,
         part: &mut RollOutResponse,
     ) -> Result<(), Error> {
-        let Simulated { rollouts, controls, paths, .. } = simulated;
-        let arrays = reply::Arrays { indices, rollouts: &rollouts, ends: &controls, paths: &paths };
+        let Simulated { rollouts, means, controls, paths, .. } = simulated;
+        let (ends, paths) = (&controls[..], &paths[..]);
+        let arrays = reply::Arrays { indices, rollouts: &rollouts, means: &means, ends, paths };
         reply::add_arrays(self.plan, Span::whole(self.plan.frames), &arrays, part);
-        self.add_gradients(indices, &rollouts, part)
+        if !self.plan.returns.has_gradients() {
+            return Ok(());
+        }
+        let gradients = match &self.plan.ensemble.weights {
+            None => self.gradients(indices, &rollouts)?,
+            Some(weights) => self.mean_gradients(indices, &means, weights)?,
+        };
+        reply::add_gradients(self.plan, &gradients, part);
+        Ok(())
     }
 
     pub(super) fn parts(&self) -> impl Iterator<Item = Range<usize>> + use<> {
@@ -166,12 +188,15 @@ impl Execution<'_> {
     pub(super) fn summary(
         &self,
         indices: &[usize],
-        rollouts: &[Rollout],
-        extremes: &[Extremes],
+        simulated: &Simulated,
     ) -> Result<RollOutResponse, Error> {
+        let Simulated { rollouts, extremes, means, .. } = simulated;
         let mut part = reply::summary(self.plan, indices, rollouts, extremes);
         self.plan.plausibility.refuse(&part.implausible)?;
         self.plan.ensemble.fold(&mut part);
+        if self.plan.ensemble.weights.is_some() {
+            reply::set_costs(self.plan, means, &mut part);
+        }
         Ok(part)
     }
 
@@ -210,6 +235,8 @@ impl Execution<'_> {
         // Which nodes grasps have taken on the way is known from what they hold at the end.
         let final_state = keeps_states || self.plan.surroundings.has_pins();
         let outputs = Outputs { frame_costs, final_state, ..asked };
+        let mut means = MeanMotions::new(self.plan);
+        let outputs = means.as_ref().map_or(outputs.clone(), |means| means.outputs(outputs));
         let keeps_frames = arrays && (returns.frame_costs || returns.has_gradients());
         let mut simulated = Simulated::default();
         let width = self.plan.twin().graph.control_count();
@@ -226,6 +253,7 @@ impl Execution<'_> {
             let prescribed = batch.iter().zip(stopped);
             for ((index, of), rollout) in indices.iter().zip(prescribed).zip(rollouts) {
                 let instance = of.0;
+                let mean = means.as_mut().and_then(|m| m.add(instance, rollout.as_ref()));
                 let mut rollout = rollout.unwrap_or_else(|| {
                     simulated.unfinished.push(*index as u32);
                     self.unfinished()
@@ -234,16 +262,25 @@ impl Execution<'_> {
                 let end = rollout.final_state.as_ref();
                 let extremes = self.plan.extremes(*index, of, self.starts, end);
                 simulated.extremes.push(extremes);
-                if !keeps_states {
-                    rollout.final_state = None;
+                let kept = |mut rollout: Rollout| {
+                    if !keeps_states {
+                        rollout.final_state = None;
+                    }
+                    if arrays {
+                        returns.recorded.place(&self.plan.twin().skin, &mut rollout);
+                    } else {
+                        (rollout.positions, rollout.velocities) = Default::default();
+                    }
+                    if !keeps_frames {
+                        rollout.frame_costs = Vec::new();
+                    }
+                    rollout
+                };
+                if let Some(means) = &means {
+                    means.strip(&mut rollout);
                 }
-                if arrays {
-                    returns.recorded.place(&self.plan.twin().skin, &mut rollout);
-                }
-                if !keeps_frames {
-                    rollout.frame_costs = Vec::new();
-                }
-                simulated.rollouts.push(rollout);
+                simulated.means.extend(mean.map(kept));
+                simulated.rollouts.push(kept(rollout));
                 if arrays && returns.controls {
                     simulated.paths.extend_from_slice(&instance.controls);
                 }
@@ -281,16 +318,8 @@ impl Execution<'_> {
     }
 
     /// Gradients of instances, of which rollouts are needed where costs have soft minima.
-    fn add_gradients(
-        &self,
-        indices: &[usize],
-        rollouts: &[Rollout],
-        part: &mut RollOutResponse,
-    ) -> Result<(), Error> {
-        let (plan, returns) = (self.plan, &self.plan.returns);
-        if !returns.has_gradients() {
-            return Ok(());
-        }
+    fn gradients(&self, indices: &[usize], rollouts: &[Rollout]) -> Result<Gradients, Error> {
+        let plan = self.plan;
         let soft = plan.costs.have_soft_minima();
         let mut gradients = Gradients::default();
         // Those of the members of an action, until all of them are there.
@@ -308,15 +337,7 @@ impl Execution<'_> {
             let results = if plan.costs.need_no_gradient() {
                 vec![Gradient::default(); indices.len()]
             } else {
-                let request = GradientRequest {
-                    cut_every: plan.reach,
-                    controls: true,
-                    initial: returns.initial_gradients,
-                    norms: true,
-                    motion: returns.action_gradients && batch.iter().any(is_moved),
-                    ..GradientRequest::default()
-                };
-                self.backend.gradients(&batch, &request, self.cancel)?
+                self.backend.gradients(&batch, &self.gradient_request(&batch), self.cancel)?
             };
             let pairs = run.zip(indices).zip(&batch).zip(results);
             for (((row, index), instance), mut result) in pairs {
@@ -330,21 +351,45 @@ impl Execution<'_> {
                 if members.len() < plan.ensemble.members {
                     continue;
                 }
-                let mut result = plan.ensemble.gradient(std::mem::take(&mut members));
-                if returns.action_gradients {
-                    let action = plan.action(*index);
-                    let start = &self.starts.of(action).controls;
-                    let stops = plan.stopped_instance(*index, self.starts).1;
-                    let simulated = (result.controls.clone(), result.poses.clone());
-                    stops.back(&plan.actions, &mut result);
-                    gradients.actions.extend(plan.actions.gradient(action, start, &result));
-                    (result.controls, result.poses) = simulated;
-                }
-                gradients.push(result);
+                let result = plan.ensemble.gradient(std::mem::take(&mut members));
+                self.push_gradient(*index, result, &mut gradients);
             }
         }
-        reply::add_gradients(plan, &gradients, part);
-        Ok(())
+        Ok(gradients)
+    }
+
+    /// The gradients of a batch that the engine is asked for.
+    pub(super) fn gradient_request(&self, batch: &[Instance]) -> GradientRequest {
+        let returns = &self.plan.returns;
+        GradientRequest {
+            cut_every: self.plan.reach,
+            controls: true,
+            initial: returns.initial_gradients,
+            norms: true,
+            motion: returns.action_gradients && batch.iter().any(is_moved),
+            ..GradientRequest::default()
+        }
+    }
+
+    /// Adds the gradient of the cost of an action, one of whose instances is named, with that by what the
+    /// request gave as actions.
+    pub(super) fn push_gradient(
+        &self,
+        index: usize,
+        mut result: Gradient,
+        gradients: &mut Gradients,
+    ) {
+        let plan = self.plan;
+        if plan.returns.action_gradients {
+            let action = plan.action(index);
+            let start = &self.starts.of(action).controls;
+            let stops = plan.stopped_instance(index, self.starts).1;
+            let simulated = (result.controls.clone(), result.poses.clone());
+            stops.back(&plan.actions, &mut result);
+            gradients.actions.extend(plan.actions.gradient(action, start, &result));
+            (result.controls, result.poses) = simulated;
+        }
+        gradients.push(result);
     }
 
     pub(super) fn signed(&self, mut part: RollOutResponse) -> RollOutResponse {

@@ -75,9 +75,10 @@ impl Plan {
         let grasps = request.grasps.len();
         let surroundings =
             Surroundings::read(&mut request, &actions, map, twin, served.loaded.model())?;
-        let ensemble = Ensemble::read(request.ensemble);
+        let on_fits = request.vary.as_ref().is_some_and(|vary| vary.fits);
+        let ensemble = Ensemble::read(request.ensemble, on_fits.then(|| twin.fit_weights()));
         let members = ensemble.members;
-        let fits = match request.vary.as_ref().is_some_and(|vary| vary.fits) {
+        let fits = match on_fits {
             true => served.fits(members, backend)?,
             false => Vec::new(),
         };

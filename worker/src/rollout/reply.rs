@@ -37,13 +37,6 @@ pub(super) fn summary(
     rollouts: &[Rollout],
     extremes: &[Extremes],
 ) -> RollOutResponse {
-    let names = &plan.costs.names;
-    let costs: Vec<f64> = rollouts.iter().map(cost).collect();
-    let terms: Vec<f64> = rollouts
-        .iter()
-        .flat_map(|r| (0..names.len()).map(|g| r.group_costs.get(g).copied().unwrap_or(f64::NAN)))
-        .map(never_nan)
-        .collect();
     let asked = indices.iter().zip(rollouts).zip(extremes).filter(|_| plan.returns.diagnostics);
     let diagnostics = asked.map(|((instance, r), extremes)| {
         let d = r.diagnostics.unwrap_or_default();
@@ -64,15 +57,28 @@ pub(super) fn summary(
             plan.plausibility.judge(*instance, extremes, Some(rollout))
         });
     let diverged = rollouts.iter().zip(indices).filter_map(|(r, i)| divergence(*i, r));
-    RollOutResponse {
+    let mut part = RollOutResponse {
         first_instance: indices.first().map_or(0, |first| *first as u32),
-        costs: Some(Tensor::pack(&[costs.len()], &costs)),
-        cost_terms: Some(Tensor::pack(&[costs.len(), names.len()], &terms)),
         diagnostics: diagnostics.collect(),
         diverged: diverged.collect(),
         implausible: implausible.collect(),
         ..head(plan)
-    }
+    };
+    set_costs(plan, rollouts, &mut part);
+    part
+}
+
+/// Sets costs and terms to those of rollouts.
+pub(super) fn set_costs(plan: &Plan, rollouts: &[Rollout], part: &mut RollOutResponse) {
+    let names = plan.costs.names.len();
+    let costs: Vec<f64> = rollouts.iter().map(cost).collect();
+    let terms: Vec<f64> = rollouts
+        .iter()
+        .flat_map(|r| (0..names).map(|g| r.group_costs.get(g).copied().unwrap_or(f64::NAN)))
+        .map(never_nan)
+        .collect();
+    part.costs = Some(Tensor::pack(&[costs.len()], &costs));
+    part.cost_terms = Some(Tensor::pack(&[costs.len(), names], &terms));
 }
 
 /// The divergence of an instance.
@@ -105,18 +111,22 @@ pub(super) fn head(plan: &Plan) -> RollOutResponse {
 pub(super) struct Arrays<'a> {
     pub(super) indices: &'a [usize],
     pub(super) rollouts: &'a [Rollout],
+    /// Mean motions of the members of each action, if arrays are of these.
+    pub(super) means: &'a [Rollout],
     /// Control points of final states [m], shape [instances, C, 3]; empty without such states.
     pub(super) ends: &'a [Point],
     /// Control points at the frame boundaries [m] if asked for, shape [instances, boundaries, C, 3].
     pub(super) paths: &'a [Point],
 }
 
-/// Adds the arrays that were asked for: of all instances, or the spread of ensembles and those of
-/// their first members.
+/// Adds the arrays that were asked for: of all instances, or of one for each action where there is a
+/// spread or a mean motion.
 pub(super) fn add_arrays(plan: &Plan, span: Span, arrays: &Arrays<'_>, part: &mut RollOutResponse) {
     if plan.returns.spread {
-        let first = spread::first_members(arrays, plan.ensemble.members);
         part.spread = Some(spread::pack(plan, span, arrays.rollouts));
+    }
+    if plan.returns.spread || plan.ensemble.weights.is_some() {
+        let first = spread::first_members(arrays, plan.ensemble.members);
         return add_own(plan, span, &first.arrays(), part);
     }
     add_own(plan, span, arrays, part);

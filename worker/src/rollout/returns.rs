@@ -1,7 +1,7 @@
 //! Arrays that a request wants back.
 
 use bendtwin_core::Twin;
-use bendtwin_engine::backend::{Diagnose, Outputs};
+use bendtwin_engine::backend::{Diagnose, Outputs, Rollout};
 use bendtwin_proto::v1::{Returns as Wire, returns::Encoding};
 
 use super::{error::Error, recorded::Recorded};
@@ -99,6 +99,24 @@ impl Returns {
     /// Outputs of the engine where only costs count.
     pub(super) fn summary(&self) -> Outputs {
         Outputs { diagnose: self.diagnose(), ..Outputs::default() }
+    }
+
+    /// Keeps the frames and nodes that are asked for of a recording of all nodes in all frames, with
+    /// frame 0 or without it.
+    pub(super) fn thin_out(&self, recording: &mut Rollout) {
+        let nodes = recording.positions.len() / recording.frames.len().max(1);
+        let start = usize::from(recording.frames.first() == Some(&0));
+        let most = if self.every > 0 { usize::MAX } else { 0 };
+        for values in [&mut recording.positions, &mut recording.velocities] {
+            let frames = values.chunks_exact(nodes.max(1)).skip(start + self.every.max(1) - 1);
+            let frames = frames.step_by(self.every.max(1)).take(most);
+            *values = match self.recorded.nodes() {
+                None => frames.flatten().copied().collect(),
+                Some(some) => {
+                    frames.flat_map(|row| some.iter().map(|&i| row[i as usize])).collect()
+                }
+            };
+        }
     }
 
     /// Extremes, which tell how plausible a rollout is, in any case.

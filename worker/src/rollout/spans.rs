@@ -14,7 +14,7 @@ use bendtwin_proto::v1::{RollOutResponse, roll_out_response::Window};
 use self::track::Track;
 use super::{
     error::Error,
-    execute::Execution,
+    execute::{Execution, Simulated},
     plausible::Extremes,
     reply::{self, Span},
 };
@@ -94,7 +94,7 @@ impl Execution<'_> {
             let rollouts: Vec<Rollout> = tracks.iter().map(|t| t.whole(&plan.costs)).collect();
             let extremes: Vec<Extremes> =
                 tracks.iter().map(|t| t.extremes_at_end(plan, self.starts)).collect();
-            self.summary(indices, &rollouts, &extremes)?
+            self.summary(indices, &Simulated::of(rollouts, extremes))?
         } else {
             for track in tracks {
                 let judged =
@@ -124,7 +124,7 @@ impl Execution<'_> {
         let path = |track: &Track| track.controls(span.rows()).to_vec();
         let paths =
             if plan.returns.controls { tracks.iter().flat_map(path).collect() } else { Vec::new() };
-        let arrays = reply::Arrays { indices, rollouts, ends: &ends, paths: &paths };
+        let arrays = reply::Arrays { indices, rollouts, means: &[], ends: &ends, paths: &paths };
         reply::add_arrays(plan, span, &arrays, part);
     }
 }

@@ -23,8 +23,10 @@ class Kept:
     def advanced(
         self, slots: Sequence[int], rollout: rollout_pb2.RollOutRequest, result: RolloutResult
     ) -> None:
-        """Slots (none: slot 0) were advanced, unless an instance diverged."""
-        if result.diverged:
+        """Slots (none: slot 0) were advanced, unless an instance diverged; of a mean, all of it."""
+        statistic = rollout.ensemble.statistic
+        is_mean = statistic == rollout_pb2.Ensemble.MEAN_PREDICTION
+        if result.diverged and not (is_mean and np.isfinite(result.costs).all()):
             return
         for row, slot in enumerate(slots or [0]):
             if result.final_positions is None:

@@ -65,7 +65,8 @@ class Returns:
     point_set: PointSet = "nodes"
     #: Indices of the points of the skin to record, with `point_set` "skin"; None means all.
     skin_points: npt.ArrayLike | None = None
-    #: The spread of an ensemble's recorded points; arrays beside it are of member 0 alone then.
+    #: The spread of an ensemble's recorded points; arrays beside it are of member 0 alone then, or
+    #: of the mean with the statistic "mean_prediction".
     spread: bool = False
 
     def to_proto(self) -> rollout_pb2.Returns:
@@ -255,7 +256,8 @@ class RolloutResult:
     final_controls: FloatArray | None = None
     #: What grasps hold in the final states; None without grasps.
     final_grasping: Grasping | None = None
-    #: Costs of the members of an ensemble [B, E], of which `costs` are a statistic.
+    #: Costs of the members of an ensemble [B, E], of which `costs` are a statistic, but for
+    #: "mean_prediction".
     member_costs: FloatArray | None = None
     #: Distance of the other members' points from those of member 0 [actions, T, K], metres: root
     #: mean square. NaN where a member diverged.

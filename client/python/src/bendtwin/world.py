@@ -16,12 +16,13 @@ import numpy.typing as npt
 from bendtwin.tensors import pack_floats, pack_indices
 from bendtwin.v1 import rollout_pb2, tensor_pb2, world_pb2
 
-Statistic = Literal["mean", "worst", "cvar"]
+Statistic = Literal["mean", "worst", "cvar", "mean_prediction"]
 
 _STATISTICS: dict[str, rollout_pb2.Ensemble.Statistic] = {
     "mean": rollout_pb2.Ensemble.MEAN,
     "worst": rollout_pb2.Ensemble.WORST,
     "cvar": rollout_pb2.Ensemble.CVAR,
+    "mean_prediction": rollout_pb2.Ensemble.MEAN_PREDICTION,
 }
 _ATTACHMENTS: dict[str, world_pb2.Grasp.Attachment] = {
     "pin": world_pb2.Grasp.PIN,
@@ -270,9 +271,12 @@ class Vary:
 @dataclass(frozen=True)
 class Ensemble:
     """Simulates every action under the sets of parameters of a `Vary`; its cost is a statistic of
-    theirs."""
+    theirs, or that of their mean motion."""
 
     members: int
+    #: With "mean_prediction" costs, gradients and arrays are of the mean motion of the members, one
+    #: row for each action: those of `Vary(fits=True)` weigh one over the square of the loss of
+    #: their fits, others alike, and one that diverges has no part in it.
     statistic: Statistic = "mean"
     #: Of "cvar": the share of the worst members that is averaged.
     share: float = 0.0

@@ -63,10 +63,11 @@ pub struct Reply {
     pub controls: Vec<Point>,
     /// One for each instance covered, if asked for.
     pub diagnostics: Vec<Diagnostics>,
-    /// Costs of the members of an ensemble, of which `costs` are a statistic, shape [B', E].
+    /// Costs of the members of an ensemble, of which `costs` are a statistic or beside those of their mean
+    /// motion, shape [B', E].
     pub member_costs: Vec<f64>,
     /// Root mean square distance of the other members of an ensemble from the first, whose
-    /// `positions` are returned [m], shape [actions, recorded frames, K]; NaN where one diverged.
+    /// `positions` are returned unless they are those of the mean [m], shape [actions, recorded frames, K]; NaN where one diverged.
     pub spread: Vec<f32>,
     /// Forces, if asked for.
     pub forces: Option<Forces>,

@@ -330,7 +330,8 @@ impl Rollout {
     }
 
     /// Simulates every action on so many fits of the twin, the first being the twin itself: at most
-    /// [`Geometry::fits`](crate::Geometry::fits). Its cost is a statistic of theirs.
+    /// [`Geometry::fits`](crate::Geometry::fits). Its cost is a statistic of theirs, or that of their
+    /// mean motion.
     #[must_use]
     pub fn on_fits(mut self, count: u32, statistic: Statistic) -> Self {
         self.request.vary.get_or_insert_default().fits = true;
@@ -338,7 +339,7 @@ impl Rollout {
     }
 
     /// Returns how far the recorded points of the members of an ensemble are apart. Arrays beside
-    /// that are of the first member of each action alone.
+    /// that are of the first member of each action alone, or of their mean motion.
     #[must_use]
     pub fn spread(mut self) -> Self {
         self.returns.spread = true;

@@ -98,6 +98,8 @@ fn what_surrounds_an_object_passes_the_check() {
         .into_request()
         .unwrap();
     check_for(&request, &twin, &Limits::default(), 0).unwrap();
+    let of_mean = Statistic::MeanPrediction.of(3);
+    assert_eq!((of_mean.members, of_mean.statistic().as_str_name()), (3, "MEAN_PREDICTION"));
     assert_eq!((request.grasps.len(), request.world.unwrap().colliders.len()), (4, 4));
 }
 

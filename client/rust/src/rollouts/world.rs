@@ -223,7 +223,7 @@ impl From<Vary> for v1::Vary {
     }
 }
 
-/// A statistic of the costs of the members of an ensemble.
+/// A statistic of the costs of the members of an ensemble, or of their motion.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Statistic {
     /// Their mean.
@@ -232,6 +232,9 @@ pub enum Statistic {
     Worst,
     /// The mean of a share of the worst, above 0 and at most 1.
     Cvar(f64),
+    /// The mean motion of the members, which arrays are of then, and its costs: fits of a twin weigh one over
+    /// the square of their loss, any others alike.
+    MeanPrediction,
 }
 
 impl Statistic {
@@ -241,6 +244,7 @@ impl Statistic {
             Self::Mean => (Wire::Mean, 0.0),
             Self::Worst => (Wire::Worst, 0.0),
             Self::Cvar(share) => (Wire::Cvar, share),
+            Self::MeanPrediction => (Wire::MeanPrediction, 0.0),
         };
         v1::Ensemble { members, statistic: statistic.into(), share }
     }

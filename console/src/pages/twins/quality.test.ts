@@ -33,6 +33,13 @@ test('a table has the rows and the measures that there are', () => {
   expect(rowsOf({})).toEqual([]);
 });
 
+test('the mean of several fits says of how many', () => {
+  const scores = [{ predictor: 'mean_of_fits', train: NONE, future: NONE }];
+  const spread = { fits: 4, mean_m: 0.001, error_m: 0.002, within: 1 };
+  expect(rowsOf({ scores }).map(({ text }) => text)).toEqual(['Mean of its fits']);
+  expect(rowsOf({ scores, spread }).map(({ text }) => text)).toEqual(['Mean of 4 fits']);
+});
+
 test('renderings have a row for each prediction and for each camera of the first', () => {
   const likeness = (iou: number): Likeness => ({ iou, psnr_db: null, ssim: null, flip: null });
   const span = (iou: number) => ({ train: likeness(iou), future: likeness(iou / 2) });

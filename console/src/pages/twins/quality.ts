@@ -120,14 +120,19 @@ const MEASURES: readonly (readonly [Measure, string])[] = [
 const PREDICTORS: Record<string, string> = {
   bending: 'This twin',
   axial: 'Axial springs alone',
+  mean_of_fits: 'Mean of its fits',
   standing_still: 'Standing still',
   last_residual: 'With its last training error added',
   clamp_interpolation: 'Interpolation between the clamps',
 };
 
-/** A predictor in words. A twin that was fitted without bending has its own table's first score as axial. */
-export function predictorText(predictor: string, isFirst: boolean): string {
+/**
+ * A predictor in words; of the mean of so many fits, if that is known. A twin that was fitted without
+ * bending has its own table's first score as axial.
+ */
+export function predictorText(predictor: string, isFirst: boolean, fits?: number): string {
   if (isFirst && predictor === 'axial') return 'This twin, axial springs alone';
+  if (predictor === 'mean_of_fits' && fits !== undefined) return `Mean of ${fits} fits`;
   return PREDICTORS[predictor] ?? predictor;
 }
 
@@ -139,9 +144,9 @@ export interface Row {
 }
 
 /** All rows: predictors, and below each what it has at the nodes in place of the skin. */
-export function rowsOf({ scores = [] }: Quality): Row[] {
+export function rowsOf({ scores = [], spread }: Quality): Row[] {
   return scores.flatMap(({ predictor, train, future, at_nodes }, index) => {
-    const text = predictorText(predictor, index === 0);
+    const text = predictorText(predictor, index === 0, spread?.fits);
     return [
       { text, train, future },
       ...(at_nodes === undefined ? [] : [{ text: `${text}, at its nodes`, ...at_nodes }]),

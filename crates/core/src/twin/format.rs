@@ -347,6 +347,10 @@ impl Twin {
             let (low, high) = (MASSES.start(), MASSES.end());
             return fail(format!("the mass is {mass} kg ({low} to {high} are possible)"));
         }
+        if let Some(loss) = self.provenance.loss.filter(|loss| !(*loss >= 0.0 && loss.is_finite()))
+        {
+            return fail(format!("the loss is {loss}: it must be finite and not negative"));
+        }
         let (hands, controls) = (self.control_hands.len(), self.graph.control_count());
         if hands != 0 && hands != controls {
             return fail(format!("{hands} hands for {controls} control points: one each, or none"));

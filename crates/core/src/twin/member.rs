@@ -1,6 +1,6 @@
 //! Other fits of a twin's object.
 
-use super::Twin;
+use super::{Provenance, Twin};
 use crate::{Environment, Graph, Params, Point, Quality, Timing, geometry::sub};
 
 /// Another fit of a twin's object to the same capture: what it has of its own. It shares the twin's
@@ -17,6 +17,8 @@ pub struct Member {
     pub environment: Environment,
     /// Substeps of a frame.
     pub substeps: u32,
+    /// Loss that the fit ended with, by the measure of the twin's; none in files that do not say.
+    pub loss: Option<f64>,
 }
 
 impl Member {
@@ -30,6 +32,7 @@ impl Member {
             params: fit.params.clone(),
             environment: fit.environment,
             substeps: fit.timing.substeps,
+            loss: fit.provenance.loss,
         };
         let again = member.twin(twin);
         let is_same =
@@ -51,7 +54,7 @@ impl Member {
             environment: self.environment,
             timing: Timing { substeps: self.substeps, ..of.timing },
             control_velocity: of.control_velocity,
-            provenance: of.provenance.clone(),
+            provenance: Provenance { loss: self.loss, ..of.provenance.clone() },
             quality: Quality::default(),
             mass_kg: of.mass_kg,
             control_hands: of.control_hands.clone(),

@@ -271,7 +271,7 @@ fn norm<T: Real>(system: &System<T>, bar: &[Node<T>]) -> f64 {
 }
 
 /// A frame's end, with the two before it; `None` after the last.
-fn moment<'a, T>(
+pub(super) fn moment<'a, T>(
     simulation: &'a Simulation<'_, T>,
     states: &'a [Vec<Node<T>>],
     forces: &'a [FrameForces<T>],

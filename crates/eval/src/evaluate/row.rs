@@ -51,14 +51,18 @@ impl<'a> Measured<'a> {
         }
     }
 
-    pub(super) fn add(&self, prediction: &Trajectory, row: &mut Row) {
+    /// Adds the errors of a prediction to the row of its predictor.
+    pub(super) fn add(&self, prediction: &Trajectory, by: Predictor, rows: &mut [Row]) {
+        let Some(row) = row_of(by, rows) else { return };
         row.errors.add(&self.at_skin, &prediction.at_skin(&self.twin.skin));
         if let Some((_, reference)) = &self.at_nodes {
             row.at_nodes.add(reference, prediction);
         }
     }
 
-    pub(super) fn add_last_residual(&self, prediction: &Trajectory, row: &mut Row) {
+    /// Adds those of a twin's prediction plus its error in the last training frame.
+    pub(super) fn add_last_residual(&self, prediction: &Trajectory, rows: &mut [Row]) {
+        let Some(row) = row_of(Predictor::LastResidual, rows) else { return };
         let placed = prediction.at_skin(&self.twin.skin);
         if let Some(corrected) = last_residual(&self.points, self.sequence, &placed) {
             row.errors.add(&self.at_skin, &corrected);
@@ -69,6 +73,10 @@ impl<'a> Measured<'a> {
             row.at_nodes.add(reference, &corrected);
         }
     }
+}
+
+fn row_of(predictor: Predictor, rows: &mut [Row]) -> Option<&mut Row> {
+    rows.iter_mut().find(|row| row.predictor == predictor)
 }
 
 pub(super) struct Row {

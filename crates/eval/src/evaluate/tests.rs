@@ -92,3 +92,79 @@ fn the_motion_of_a_sequence_has_the_errors_of_its_frames() {
     assert!(both > 0.0 && ((future + all) / 10.0 - both).abs() < 1e-12, "{both}");
     assert_eq!(run(2).1, None);
 }
+
+/// A twin of a chain that moves, with two members of other stiffness whose fits ended with other losses.
+fn twin_with_members() -> (Capture, Twin) {
+    let capture = scene::chain(5, 12, 6, [0.0, 0.0, 0.002]);
+    let mut twin = scene::chain_twin(5);
+    twin.environment.gravity = [0.0, 0.0, -2.0];
+    twin.provenance.loss = Some(1e-3);
+    let member = |stiffness: f32, loss| {
+        let mut fit = twin.clone();
+        fit.params.spring_stiffness.fill(stiffness);
+        fit.provenance.loss = Some(loss);
+        bendtwin_core::twin::Member::of(&fit, &twin).unwrap()
+    };
+    twin.members = vec![member(5.0, 1e-3), member(20.0, 2e-3)];
+    (capture, twin)
+}
+
+#[test]
+fn the_mean_of_the_fits_has_the_errors_of_the_weighted_mean_of_their_positions() {
+    let (capture, twin) = twin_with_members();
+    let cancel = CancelToken::default();
+    let options = EvaluateOptions { axial: None, per_frame: true };
+    let quality = evaluate(&*backend(), &twin, &capture, &options, &cancel).unwrap();
+    let alone = Twin { members: Vec::new(), ..twin.clone() };
+    let paths = |twin: &Twin| predict(&*backend(), twin, &capture, &cancel).unwrap();
+    let all =
+        [paths(&alone), paths(&twin.members[0].twin(&twin)), paths(&twin.members[1].twin(&twin))];
+    let mut mean = all[0].clone();
+    for (i, point) in mean[0].positions.iter_mut().enumerate() {
+        let at = |fit: usize, axis: usize| f64::from(all[fit][0].positions[i][axis]);
+        let of = |axis: usize| (4.0 * at(0, axis) + 4.0 * at(1, axis) + at(2, axis)) / 9.0;
+        *point = [0, 1, 2].map(|axis| of(axis) as f32);
+    }
+    let expected = score(&alone, &mean, None, &capture, true);
+    let (expected, row) = (&expected.scores[0], &quality.scores[1]);
+    assert_eq!(row.predictor, Predictor::MeanOfFits);
+    let near = |a: &bendtwin_core::quality::ErrorSummary,
+                b: &bendtwin_core::quality::ErrorSummary| {
+        let (a, b) = (a.track_m.unwrap(), b.track_m.unwrap());
+        assert!((a - b).abs() < 1e-8 && a > 1e-5, "{a} is not {b}");
+    };
+    near(&row.train, &expected.train);
+    near(&row.future, &expected.future);
+    assert_eq!(row.per_frame.len(), expected.per_frame.len());
+    row.per_frame.iter().zip(&expected.per_frame).skip(1).for_each(|(a, b)| near(a, b));
+    // The twin's own rows are as without members.
+    let without = evaluate(&*backend(), &alone, &capture, &options, &cancel).unwrap();
+    let others: Vec<&Score> =
+        quality.scores.iter().filter(|s| s.predictor != Predictor::MeanOfFits).collect();
+    assert_eq!(others, without.scores.iter().collect::<Vec<_>>());
+    assert_ne!(row.future, quality.scores[0].future);
+}
+
+#[test]
+fn a_fit_that_diverged_has_no_part_in_the_mean() {
+    let capture = scene::chain(3, 4, 2, [0.0; 3]);
+    let sequence = &capture.sequences[0];
+    let path = |z: f32, lost: bool| Trajectory {
+        start_frame: 1,
+        node_count: 3,
+        positions: vec![[0.0, 0.0, z]; 9],
+        diverged: lost.then_some(bendtwin_engine::backend::Divergence { frame: 1, node: 0 }),
+    };
+    let mean = |own: bool, member: bool| {
+        let (own, member, third) = (path(1.0, own), path(3.0, member), path(5.0, member));
+        let (mean, warning) = mean_of_fits(sequence, &own, &[&member, &third], &[0.5, 0.25, 0.25]);
+        (mean.positions[0][2], warning.unwrap_or_default())
+    };
+    assert_eq!(mean(false, false), (2.5, String::new()));
+    let (z, warning) = mean(false, true);
+    assert_eq!(z, 1.0);
+    assert!(warning.contains("leaves out 2 of 3 in sequence `one`"), "{warning}");
+    assert_eq!(mean(true, false).0, 4.0);
+    let (z, warning) = mean(true, true);
+    assert!(z == 2.5 && warning.contains("all 3 fits diverged"), "{z} {warning}");
+}

@@ -47,6 +47,17 @@ fn markdown_is_a_table() {
 }
 
 #[test]
+fn a_mean_of_fits_says_of_how_many() {
+    let mut quality = quality();
+    quality.scores[1].predictor = Predictor::MeanOfFits;
+    let text = format_table(&quality, TableStyle::Plain);
+    assert!(text.contains("\nmean of fits  "), "{text}");
+    quality.spread = Some(SpreadScore { fits: 4, ..SpreadScore::default() });
+    let text = format_table(&quality, TableStyle::Plain);
+    assert!(text.contains("\nmean of 4 fits  "), "{text}");
+}
+
+#[test]
 fn the_choice_of_a_start_is_told() {
     let losses = vec![Some(3.2e-5), None, Some(1.5e-5)];
     let choice = Choice { start: 2, held_back_frames: 14, losses };

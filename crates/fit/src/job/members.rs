@@ -9,24 +9,25 @@ use crate::{Error, refine::Refinement};
 const WORST: f64 = 2.0;
 
 impl Run<'_> {
-    /// Members of a twin, that of a model: the best of the other starts of its kind by the loss that the
-    /// choice was made by. Where frames were held back, the others are as they were refined without them.
-    pub(super) fn members(
+    /// Adds its members to a twin, that of a model: the best of the other starts of its kind by the
+    /// loss that the choice was made by, which is kept of all of them. Where frames were held back, the
+    /// others are as they were refined without them.
+    pub(super) fn add_members(
         &mut self,
-        twin: &Twin,
+        twin: &mut Twin,
         chosen: usize,
         refinement: &Refinement<'_>,
-    ) -> Result<Vec<Member>, Error> {
+    ) -> Result<(), Error> {
         let most = self.task.settings.search.members as usize;
         let losses = match self.choice(chosen, refinement) {
             Some(choice) if most > 0 => choice.losses,
-            _ => return Ok(Vec::new()),
+            _ => return Ok(()),
         };
         let bending = self.models[chosen].bending;
         let of_kind: Vec<usize> =
             (0..self.models.len()).filter(|&m| self.models[m].bending == bending).collect();
         let own = of_kind.iter().zip(&losses).find(|(m, _)| **m == chosen).and_then(|(_, l)| *l);
-        let Some(own) = own else { return Ok(Vec::new()) };
+        let Some(own) = own else { return Ok(()) };
         let mut others: Vec<(usize, f64)> = of_kind
             .into_iter()
             .zip(losses)
@@ -35,9 +36,17 @@ impl Run<'_> {
             .collect();
         others.sort_by(|a, b| a.1.total_cmp(&b.1));
         others.truncate(most);
-        let fits = others.into_iter().map(|(model, _)| self.other_fit(model, refinement));
-        let fits = fits.collect::<Result<Vec<_>, Error>>()?;
-        Ok(fits.iter().filter_map(|fit| Member::of(fit, twin)).collect())
+        let mut members = Vec::with_capacity(others.len());
+        for (model, loss) in others {
+            let mut fit = self.other_fit(model, refinement)?;
+            fit.provenance.loss = Some(loss);
+            members.extend(Member::of(&fit, twin));
+        }
+        if !members.is_empty() {
+            twin.provenance.loss = Some(own);
+            twin.members = members;
+        }
+        Ok(())
     }
 
     /// The twin of a start that is not kept.

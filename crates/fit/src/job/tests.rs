@@ -234,6 +234,17 @@ fn of_several_starts_the_one_with_the_lowest_training_loss_is_the_twin() {
     let ends: Vec<f64> = losses[..4].iter().map(|(_, loss)| *loss).collect();
     let as_good = ends.iter().filter(|l| **l <= 2.0 * ends[best(0)]).count() - 1;
     assert_eq!(several.twin.members.len(), as_good);
+    // Of several fits the losses are kept, which their mean prediction is weighted by.
+    assert_eq!(several.twin.provenance.loss, Some(ends[best(0)]));
+    let mut others: Vec<f64> = several.twin.members.iter().map(|m| m.loss.unwrap()).collect();
+    assert!(others.is_sorted() && others.iter().all(|loss| ends.contains(loss)), "{others:?}");
+    others.dedup();
+    assert_eq!(others.len(), as_good);
+    assert_eq!(single.twin.provenance.loss, None);
+    let scores = &several.twin.quality.scores;
+    assert_eq!(scores[1].predictor, Predictor::MeanOfFits);
+    assert_ne!(scores[1].train, scores[0].train);
+    assert!(single.twin.quality.score(Predictor::MeanOfFits).is_none());
     let spread = several.twin.quality.spread.unwrap();
     assert_eq!(spread.fits as usize, 1 + as_good);
     assert!(spread.mean_m > 0.0 && spread.error_m > 0.0, "{spread:?}");

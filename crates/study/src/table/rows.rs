@@ -58,15 +58,15 @@ impl Maker<'_> {
         rows
     }
 
-    /// A baseline's rows: what does not depend on the configuration stands there once. The last
-    /// residual does, for it stands on the twin's own prediction.
+    /// A baseline's rows: what does not depend on the configuration stands there once. The mean of
+    /// fits and the last residual do, for they stand on the fits' own predictions.
     fn merged(
         &self,
         predictor: Predictor,
         rows: Vec<(&str, Row)>,
         capture: Option<&str>,
     ) -> Vec<Row> {
-        let depends = predictor == Predictor::LastResidual;
+        let depends = matches!(predictor, Predictor::MeanOfFits | Predictor::LastResidual);
         let agree = |a: &Row, b: &Row| !depends && self.samples.agree(&a.row, &b.row, capture);
         let mut groups: Vec<(Vec<&str>, Row)> = Vec::new();
         for (name, row) in rows {

@@ -9,6 +9,7 @@ use crate::{
         Tensor, Vary, World,
         action_space::Coordinates,
         cost::{Clearance, Force, Kind, force::By},
+        ensemble::Statistic,
         initial_state::{GivenState, State},
         knot_times::Times,
         roll_out_request::Actions,
@@ -171,6 +172,14 @@ fn the_first_frames_of_a_plan_are_its_motion_without_the_search() {
     assert_eq!((&first.ensemble, &first.vary, first.time_limit_s), (&None, &None, None));
     // Three knots over four frames of 0.1 s.
     assert_eq!(first.knot_times, Some(KnotTimes { times: Some(Times::PeriodS(0.2)) }));
+    rollout::check_for(&first, &TWIN, &Limits::default(), 0).unwrap();
+    rollout::check_advance(&first).unwrap();
+    // The mean of the members' motion is that of the object.
+    let mut of_mean = request.clone();
+    let ensemble = of_mean.rollout.as_mut().and_then(|rollout| rollout.ensemble.as_mut());
+    ensemble.unwrap().set_statistic(Statistic::MeanPrediction);
+    let first = checked(of_mean).unwrap().first_frames(3, returns);
+    assert!(first.ensemble.is_some() && first.vary.is_some(), "{first:?}");
     rollout::check_for(&first, &TWIN, &Limits::default(), 0).unwrap();
     rollout::check_advance(&first).unwrap();
     let rollout = request.rollout.as_mut().unwrap();

@@ -4,9 +4,13 @@ use super::{Case, zeros};
 use crate::{
     rollout::TwinShape,
     v1::{
-        Capsule, Collider, ConvexMesh, Cuboid, Ensemble, GradientOptions, Grasp, GripperPoses,
-        Plane, Plausibility, Returns, RollOutRequest, Sphere, Tensor, Vary, World,
+        Capsule, Collider, ConvexMesh, Cost, Cuboid, Ensemble, GradientOptions, Grasp,
+        GripperPoses, Plane, Plausibility, Returns, RollOutRequest, Sphere, Tensor, Vary, World,
         collider::{Carrier, Shape},
+        cost::{
+            Force, Kind,
+            force::{All, By},
+        },
         ensemble::Statistic,
         grasp::{Attachment, CaptureHand, Region},
         roll_out_request::Actions,
@@ -67,6 +71,9 @@ pub(super) fn malformed(good: &RollOutRequest, twin: &TwinShape) -> Vec<Case> {
         RollOutRequest { fidelity: fast, ..of_fits.clone() },
     );
     let spread = |every_frames| Some(Returns { spread: true, every_frames, ..Returns::default() });
+    for (what, names, request) in mean_predictions(&of_fits) {
+        add(what, names, request);
+    }
     add(
         "a spread of nothing",
         "`returns.spread`",
@@ -257,6 +264,33 @@ fn varied() -> Named<Vary> {
             Vary { ground_restitution: factors(&[0.0, 1.5]), ..Vary::default() },
         ),
         ("fits without an ensemble", "`vary.fits`", Vary { fits: true, ..Vary::default() }),
+    ]
+}
+
+/// What a mean of positions does not tell.
+fn mean_predictions(of_fits: &RollOutRequest) -> Named<RollOutRequest> {
+    let statistic = Statistic::MeanPrediction.into();
+    let ensemble = Some(Ensemble { members: 3, statistic, share: 0.0 });
+    let request = RollOutRequest { ensemble, ..of_fits.clone() };
+    let force = Force { by: Some(By::Ground(All {})), limit_n: 0.0 };
+    let cost = Cost { kind: Some(Kind::Force(force)), ..Cost::default() };
+    let returning = |returns| RollOutRequest { returns: Some(returns), ..request.clone() };
+    vec![
+        (
+            "a force in a mean",
+            "`costs[0].force`",
+            RollOutRequest { costs: vec![cost], ..request.clone() },
+        ),
+        (
+            "the forces of a mean",
+            "`returns.forces`",
+            returning(Returns { forces: true, ..Returns::default() }),
+        ),
+        (
+            "a mean in parts",
+            "`returns.part_frames`",
+            returning(Returns { part_frames: 1, ..Returns::default() }),
+        ),
     ]
 }
 

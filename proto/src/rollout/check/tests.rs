@@ -13,6 +13,7 @@ use crate::{
             TargetCloud, When, Within,
             force::{All, By},
         },
+        ensemble::Statistic,
         initial_state::{GivenState, State},
         roll_out_request::Actions,
         world::GroundChoice,
@@ -156,6 +157,13 @@ fn sound_worlds_pass() {
     let alone = work(&request, &batch, &TWIN);
     ensemble(&mut request);
     assert_eq!(work(&request, &batch, &TWIN), 5 * alone);
+    // Along the mean of their motion costs are measured once more, and what it takes is kept.
+    let of_costs = memory::memory(&request, &batch, &TWIN, 0);
+    request.ensemble.iter_mut().for_each(|e| e.set_statistic(Statistic::MeanPrediction));
+    assert_eq!(check(&request, &Limits::default()), Ok(batch));
+    assert!((5 * alone + 1..6 * alone).contains(&work(&request, &batch, &TWIN)));
+    let of_mean = memory::memory(&request, &batch, &TWIN, 0);
+    assert!(of_mean.prepared > of_costs.prepared && of_mean.fixed > of_costs.fixed);
 }
 
 #[test]

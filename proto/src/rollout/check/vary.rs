@@ -5,7 +5,9 @@ use super::{
     tensors::{floats, given, required},
     within,
 };
-use crate::v1::{Fidelity, RollOutRequest, Tensor, Vary, ensemble::Statistic, tensor::Dtype};
+use crate::v1::{
+    Cost, Fidelity, RollOutRequest, Tensor, Vary, cost::Kind, ensemble::Statistic, tensor::Dtype,
+};
 
 /// Largest factor of a parameter.
 const MOST: f32 = 100.0;
@@ -27,14 +29,19 @@ pub(super) fn check(request: &RollOutRequest, batch: &Batch, limits: &Limits) ->
             return Err(Error::field("ensemble.members", fault));
         }
         let Ok(statistic) = Statistic::try_from(ensemble.statistic) else {
-            let fault =
-                format!("has the unknown value {}: use MEAN, WORST or CVAR", ensemble.statistic);
+            let fault = format!(
+                "has the unknown value {}: use MEAN, WORST, CVAR or MEAN_PREDICTION",
+                ensemble.statistic
+            );
             return Err(Error::field("ensemble.statistic", fault));
         };
         let share = ensemble.share;
         if statistic == Statistic::Cvar && !(share > 0.0 && share <= 1.0) {
             let fault = format!("is {share}: with CVAR it must lie above 0 and be at most 1");
             return Err(Error::field("ensemble.share", fault));
+        }
+        if statistic == Statistic::MeanPrediction {
+            mean_prediction(request)?;
         }
         if ensemble.members > 1 && request.vary.as_ref().is_none_or(is_empty) {
             let fault = "is missing: without it all members of the ensemble are the same";
@@ -62,6 +69,32 @@ pub(super) fn check(request: &RollOutRequest, batch: &Batch, limits: &Limits) ->
         }
     }
     Ok(())
+}
+
+/// Refuses what positions do not tell, and what is there before it is known which members diverge.
+fn mean_prediction(request: &RollOutRequest) -> Result<(), Error> {
+    let is_force = |cost: &Cost| matches!(cost.kind, Some(Kind::Force(_)));
+    let returns = request.returns.clone().unwrap_or_default();
+    let (field, why) = if let Some(i) = request.costs.iter().position(is_force) {
+        (format!("costs[{i}].force"), "a mean of positions has no forces")
+    } else if returns.forces {
+        ("returns.forces".to_owned(), "a mean of positions has no forces")
+    } else if returns.part_frames > 0 {
+        let why =
+            "which members diverge, and so have no part in the mean, is known only at the end";
+        ("returns.part_frames".to_owned(), why)
+    } else {
+        return Ok(());
+    };
+    let fault = format!(
+        "does not go with the statistic MEAN_PREDICTION: {why}. Leave it out, or take the MEAN of the members' costs"
+    );
+    Err(Error::field(field, fault))
+}
+
+/// True if a reply has the mean motion of the members of an ensemble in the place of theirs.
+pub fn has_mean_prediction(request: &RollOutRequest) -> bool {
+    request.ensemble.is_some_and(|ensemble| ensemble.statistic() == Statistic::MeanPrediction)
 }
 
 /// Number of sets of parameters under which each action is simulated.

@@ -3,7 +3,7 @@ use bendtwin_engine::backend::Loss;
 use super::*;
 
 fn ensemble(members: u32, statistic: wire::Statistic, share: f64) -> Ensemble {
-    Ensemble::read(Some(Wire { members, statistic: statistic.into(), share }))
+    Ensemble::read(Some(Wire { members, statistic: statistic.into(), share }), None)
 }
 
 /// Costs of two actions of three members, with two terms that add up to them.
@@ -43,7 +43,7 @@ fn statistics_are_those_of_the_members() {
 
 #[test]
 fn without_an_ensemble_nothing_changes() {
-    let (mut part, ensemble) = (part(), Ensemble::read(None));
+    let (mut part, ensemble) = (part(), Ensemble::read(None, None));
     ensemble.fold(&mut part);
     assert_eq!(part, self::part());
     assert_eq!(ensemble.members, 1);
@@ -65,4 +65,15 @@ fn the_gradient_is_that_of_the_members_that_count() {
     assert_eq!(of(wire::Statistic::Worst, 0.0).controls[0][0], 2.0);
     let tail = of(wire::Statistic::Cvar, 0.6);
     assert_eq!((tail.controls[0][0], tail.poses[0][2][3], tail.norms[0]), (4.0, 4.0, 4.0));
+}
+
+#[test]
+fn a_mean_motion_has_the_weights_of_the_fits_or_all_alike() {
+    let of = |statistic: wire::Statistic, fits| {
+        let wire = Wire { members: 2, statistic: statistic.into(), share: 0.0 };
+        Ensemble::read(Some(wire), fits).weights
+    };
+    assert_eq!(of(wire::Statistic::Mean, Some(vec![0.9, 0.1])), None);
+    assert_eq!(of(wire::Statistic::MeanPrediction, Some(vec![0.9, 0.1])), Some(vec![0.9, 0.1]));
+    assert_eq!(of(wire::Statistic::MeanPrediction, None), Some(vec![1.0; 2]));
 }

@@ -1,4 +1,5 @@
-//! The spread of ensembles: how far the predictions of their members are apart.
+//! Arrays of ensembles by action: the spread, which is how far the predictions of the members are apart,
+//! and what comes beside it.
 
 use bendtwin_core::{Point, twin::spread};
 use bendtwin_engine::backend::Rollout;
@@ -7,7 +8,7 @@ use bendtwin_proto::v1::Tensor;
 use super::{Arrays, Span, extend_padded};
 use crate::rollout::plan::Plan;
 
-/// Arrays of the first members of ensembles.
+/// Arrays of one instance of each action, its first member.
 pub(super) struct FirstMembers {
     indices: Vec<usize>,
     rollouts: Vec<Rollout>,
@@ -18,11 +19,12 @@ pub(super) struct FirstMembers {
 impl FirstMembers {
     pub(super) fn arrays(&self) -> Arrays<'_> {
         let Self { indices, rollouts, ends, paths } = self;
-        Arrays { indices, rollouts, ends, paths }
+        Arrays { indices, rollouts, means: &[], ends, paths }
     }
 }
 
-/// The first of every `members` instances, which follow one another.
+/// The first of every `members` instances, which follow one another, with their mean motions if there
+/// are any.
 pub(super) fn first_members(of: &Arrays<'_>, members: usize) -> FirstMembers {
     let rows = |points: &[Point]| -> Vec<Point> {
         let width = points.len() / of.indices.len().max(1);
@@ -30,7 +32,10 @@ pub(super) fn first_members(of: &Arrays<'_>, members: usize) -> FirstMembers {
     };
     FirstMembers {
         indices: of.indices.iter().step_by(members).copied().collect(),
-        rollouts: of.rollouts.iter().step_by(members).cloned().collect(),
+        rollouts: match of.means {
+            [] => of.rollouts.iter().step_by(members).cloned().collect(),
+            means => means.to_vec(),
+        },
         ends: rows(of.ends),
         paths: rows(of.paths),
     }

@@ -12,7 +12,6 @@ use bendtwin_engine::{
 
 use crate::rollout::{
     actions::Stopped, costs::Costs, initial::Starts, plan::Plan, plausible::Extremes, reply::Span,
-    returns::Returns,
 };
 
 /// An instance and where it is.
@@ -108,7 +107,7 @@ impl Track {
     ) -> Rollout {
         if plan.costs.look_back() {
             self.look_back(instance, &mut result);
-            thin_out(&plan.returns, &mut result);
+            plan.returns.thin_out(&mut result);
         }
         plan.returns.recorded.place(&plan.twin().skin, &mut result);
         self.add_costs(span, &mut result);
@@ -191,21 +190,4 @@ impl Track {
 /// Some rows of an array, which may be empty.
 fn rows<T: Clone>(values: &[T], width: usize, rows: Range<usize>) -> Vec<T> {
     values.get(rows.start * width..rows.end * width).map(<[T]>::to_vec).unwrap_or_default()
-}
-
-/// Keeps the frames and nodes that are asked for of a recording of all.
-fn thin_out(returns: &Returns, result: &mut Rollout) {
-    let nodes = result.positions.len() / result.frames.len().max(1);
-    for values in [&mut result.positions, &mut result.velocities] {
-        let frames = values.chunks_exact(nodes.max(1)).skip(returns.every.max(1) - 1);
-        let frames = frames.step_by(returns.every.max(1)).take(if returns.every > 0 {
-            usize::MAX
-        } else {
-            0
-        });
-        *values = match returns.recorded.nodes() {
-            None => frames.flatten().copied().collect(),
-            Some(some) => frames.flat_map(|row| some.iter().map(|&i| row[i as usize])).collect(),
-        };
-    }
 }

@@ -25,6 +25,11 @@ impl Running {
     fn new(slots: usize, longer: f32) -> Self {
         let mut twin = twin();
         twin.params.rest_lengths_m.iter_mut().for_each(|length| *length *= longer);
+        Self::of(twin, slots)
+    }
+
+    /// A session with slots at rest.
+    fn of(twin: Twin, slots: usize) -> Self {
         let bench = Bench::of(twin, bendtwin_engine::cpu_with_threads(2)).0;
         let sessions = Sessions::default();
         let session = sessions.add(session(&bench, slots)).unwrap();
@@ -64,7 +69,11 @@ impl Running {
     }
 
     async fn advance(&self, slots: &[u32], frames: u32) {
-        let (plan, starts, begun) = self.plan(slots, slots, still(slots.len(), frames)).await;
+        self.advance_by(slots, still(slots.len(), frames)).await;
+    }
+
+    async fn advance_by(&self, slots: &[u32], request: RollOutRequest) {
+        let (plan, starts, begun) = self.plan(slots, slots, request).await;
         let execution = Execution {
             plan: &plan,
             starts: &starts,
@@ -222,4 +231,45 @@ async fn windows_and_gradients_are_of_the_same_rest_shape() {
     let own = here.roll_out(&[0], steered).await.remove(0);
     assert_ne!(carried.final_positions, own.final_positions);
     assert_ne!(carried.control_gradients, own.control_gradients);
+}
+
+/// A slot of a twin with members that is advanced by the mean of the fits goes on from there.
+#[tokio::test]
+async fn an_advance_by_the_mean_of_the_fits_leaves_their_mean_in_the_slot() {
+    let mut softer = twin();
+    softer.params.spring_stiffness = vec![200.0; 4];
+    let twin = twin();
+    let members = vec![bendtwin_core::twin::Member::of(&softer, &twin).unwrap()];
+    let running = Running::of(Twin { members, ..twin }, 1);
+    let alone = |stiffness: f32| {
+        let mut twin = super::twin();
+        twin.params.spring_stiffness = vec![stiffness; 4];
+        Running::of(twin, 1)
+    };
+    let of_mean = || {
+        let mut request = still(1, 5);
+        let statistic = bendtwin_proto::v1::ensemble::Statistic::MeanPrediction.into();
+        request.vary = Some(Vary { fits: true, ..Vary::default() });
+        request.ensemble = Some(Ensemble { members: 2, statistic, share: 0.0 });
+        request
+    };
+    let predicted = running.predict(&[0], of_mean()).await;
+    running.advance_by(&[0], of_mean()).await;
+    assert_eq!(running.nodes(0), predicted);
+    let [stiff, soft] = [500.0, 200.0].map(alone);
+    let [stiff, soft] =
+        [stiff.predict(&[0], still(1, 5)).await, soft.predict(&[0], still(1, 5)).await];
+    assert!(mean_apart(&stiff, &soft) > 1e-4);
+    let between = stiff.iter().zip(&soft).map(|(a, b)| [0, 1, 2].map(|i| 0.5 * (a[i] + b[i])));
+    assert!(mean_apart(&predicted, &between.collect::<Vec<_>>()) < 1e-6);
+    // Both go on from their mean.
+    let after = running.predict(&[0], of_mean()).await;
+    assert!(mean_apart(&after, &predicted) > 1e-4);
+
+    let mut of_costs = of_mean();
+    of_costs.ensemble = Some(Ensemble { members: 2, ..Ensemble::default() });
+    let slots = SessionSlots { session: running.session.id.to_string(), slots: vec![0] };
+    of_costs.initial = Some(InitialState { state: Some(State::Session(slots)) });
+    let begun = Begun::new(&running.sessions, &mut of_costs, vec![0]).await;
+    assert!(begun.err().unwrap().to_string().contains("MEAN_PREDICTION"));
 }

@@ -29,7 +29,7 @@ fn follow(shape: &[usize], x: impl Fn(usize) -> f32) -> Cost {
 type Point = [f32; 3];
 
 /// Every kind that needs no world, at every time.
-fn varied() -> Vec<Cost> {
+pub(super) fn varied() -> Vec<Cost> {
     let plane = Plane { normal: vec![0.0, 0.6, 0.8], offset_m: 0.3 };
     let cuboid = Some(Cuboid { low: vec![-0.01, -0.01, 0.3], high: vec![0.01, 0.01, 0.4] });
     let nodes = Some(Tensor::pack(&[2], &[1u32, 2]));

@@ -2,6 +2,7 @@
 //! the CPU.
 
 mod fits;
+mod mean;
 mod spans;
 
 use bendtwin_proto::v1::{

@@ -29,7 +29,7 @@ class Motion:
     #: infinite where an instance diverged.
     costs: Array
     #: Positions [N, F, M, 3] of the nodes that were asked for, metres, in the first member of an
-    #: ensemble; zeros after a divergence.
+    #: ensemble, or in the mean; zeros after a divergence.
     nodes: Array
     #: Coordinates [N, F, D] at the end of each frame.
     coordinates: Array
@@ -55,9 +55,10 @@ def simulate(
     result = task.rollout(path, initial, frames=frames, returns=returns)
     if result.frame_costs is None or (nodes and result.positions is None):
         raise ValueError("the server returned no costs by frame: is it older than this client?")
-    # A row for each member of an ensemble.
+    # A row for each member of an ensemble, or one for their mean motion.
     costs = result.frame_costs[:, 1:].sum(axis=2).astype(np.float64).reshape(len(steps), -1, frames)
-    if task.ensemble is not None and result.member_costs is not None:
+    by_member = task.ensemble is not None and task.ensemble.statistic != "mean_prediction"
+    if by_member and task.ensemble is not None and result.member_costs is not None:
         shares = _shares(task.ensemble, result.member_costs)[:, :, None]
         costs = np.where(shares > 0.0, shares * costs, 0.0)
     costs = costs.sum(axis=1)

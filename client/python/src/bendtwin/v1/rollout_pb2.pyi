@@ -90,10 +90,12 @@ class Ensemble(_message.Message):
         MEAN: _ClassVar[Ensemble.Statistic]
         WORST: _ClassVar[Ensemble.Statistic]
         CVAR: _ClassVar[Ensemble.Statistic]
+        MEAN_PREDICTION: _ClassVar[Ensemble.Statistic]
     STATISTIC_UNSPECIFIED: Ensemble.Statistic
     MEAN: Ensemble.Statistic
     WORST: Ensemble.Statistic
     CVAR: Ensemble.Statistic
+    MEAN_PREDICTION: Ensemble.Statistic
     MEMBERS_FIELD_NUMBER: _ClassVar[int]
     STATISTIC_FIELD_NUMBER: _ClassVar[int]
     SHARE_FIELD_NUMBER: _ClassVar[int]

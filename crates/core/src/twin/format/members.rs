@@ -14,12 +14,15 @@ pub(super) struct Numbers {
     contact: Contact,
     environment: Environment,
     substeps: u32,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    loss: Option<f64>,
 }
 
 impl Numbers {
     pub(super) fn of(member: &Member) -> Self {
         let Params { drag, contact, .. } = member.params;
-        Self { drag, contact, environment: member.environment, substeps: member.substeps }
+        let Member { environment, substeps, loss, .. } = *member;
+        Self { drag, contact, environment, substeps, loss }
     }
 }
 
@@ -102,6 +105,7 @@ impl Tensors<'_> {
             },
             environment: numbers.environment,
             substeps: numbers.substeps,
+            loss: numbers.loss,
         });
         Ok(members.collect())
     }

@@ -128,6 +128,28 @@ fn members_survive_their_file() {
 }
 
 #[test]
+fn losses_of_fits_survive_their_file_and_are_checked() {
+    let mut known = with_members();
+    known.provenance.loss = Some(1.5e-4);
+    for (member, loss) in known.members.iter_mut().zip([Some(0.0), Some(2e-4)]) {
+        member.loss = loss;
+    }
+    assert_eq!(Twin::decode(&known.encode().unwrap()).unwrap(), known);
+    assert!(!String::from_utf8_lossy(&with_members().encode().unwrap()).contains("loss"));
+    for loss in [-1.0, f64::NAN, f64::INFINITY] {
+        let mut wrong = known.clone();
+        wrong.members[1].loss = Some(loss);
+        let fault = wrong.encode().unwrap_err().to_string();
+        assert!(fault.contains("member 2") && fault.contains("loss"), "{loss}: {fault}");
+        wrong = Twin {
+            provenance: Provenance { loss: Some(loss), ..wrong.provenance },
+            ..known.clone()
+        };
+        assert!(wrong.encode().unwrap_err().to_string().contains("loss"), "{loss}");
+    }
+}
+
+#[test]
 fn members_are_checked_as_twins_are() {
     let refusal = |change: fn(&mut Member)| {
         let mut twin = with_members();

@@ -4,10 +4,10 @@ use bendtwin_core::{Point, geometry::point_distance, twin::Member};
 
 use super::*;
 
-const FITS: usize = 3;
+pub(super) const FITS: usize = 3;
 
 /// A twin with two members: one softer, one with fewer springs and in weaker gravity.
-fn twin_with_members() -> Twin {
+pub(super) fn twin_with_members() -> Twin {
     let twin = twin();
     let softer = Params { spring_stiffness: vec![300.0; 4], ..twin.params.clone() };
     let soft = Twin { params: softer, ..twin.clone() };
@@ -26,7 +26,7 @@ fn twin_with_members() -> Twin {
 }
 
 /// Two actions, each simulated on so many fits.
-fn on_fits(members: u32) -> RollOutRequest {
+pub(super) fn on_fits(members: u32) -> RollOutRequest {
     RollOutRequest {
         vary: Some(Vary { fits: true, ..Vary::default() }),
         ensemble: Some(Ensemble { members, ..Ensemble::default() }),
@@ -35,7 +35,7 @@ fn on_fits(members: u32) -> RollOutRequest {
     }
 }
 
-fn with_spread(request: &RollOutRequest, part_frames: u32) -> RollOutRequest {
+pub(super) fn with_spread(request: &RollOutRequest, part_frames: u32) -> RollOutRequest {
     let returns = request.returns.clone().unwrap_or_default();
     let returns = Some(Returns { spread: true, part_frames, ..returns });
     RollOutRequest { returns, ..request.clone() }
@@ -60,7 +60,7 @@ fn members_of_an_ensemble_are_simulated_on_the_fits() {
 }
 
 /// The points of one instance.
-fn row(tensor: &Option<Tensor>, instance: usize) -> Vec<Point> {
+pub(super) fn row(tensor: &Option<Tensor>, instance: usize) -> Vec<Point> {
     let rows = tensor.as_ref().unwrap().shape[0] as usize;
     let points = points(tensor);
     let width = points.len() / rows;
