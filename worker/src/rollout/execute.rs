@@ -102,8 +102,11 @@ impl Execution<'_> {
             let controls = Arc::new(simulated.controls.get(i * width..(i + 1) * width)?.to_vec());
             let index = *indices.get(i)?;
             let begun = self.starts.of(self.plan.action(index));
-            let around = Some(Arc::new(self.plan.ended(index)));
-            Some(Start { rest: begun.rest.clone(), around, ..Start::new(state, controls) })
+            let around = Some(Arc::new(self.plan.ended(index, self.starts)));
+            let commanded = self.plan.commanded(index, self.starts);
+            let commanded = commanded.filter(|other| *other != *controls).map(Arc::new);
+            let rest = begun.rest.clone();
+            Some(Start { commanded, rest, around, ..Start::new(state, controls) })
         });
         each.collect()
     }
@@ -153,9 +156,10 @@ impl Execution<'_> {
         part: &mut RollOutResponse,
     ) -> Result<(), Error> {
         let Simulated { rollouts, controls, paths, .. } = simulated;
-        let arrays = reply::Arrays { indices, rollouts: &rollouts, ends: &controls, paths: &paths };
+        let (starts, rollouts) = (self.starts, &rollouts[..]);
+        let arrays = reply::Arrays { indices, rollouts, starts, ends: &controls, paths: &paths };
         reply::add_arrays(self.plan, Span::whole(self.plan.frames), &arrays, part);
-        self.add_gradients(indices, &rollouts, part)
+        self.add_gradients(indices, rollouts, part)
     }
 
     pub(super) fn parts(&self) -> impl Iterator<Item = Range<usize>> + use<> {
@@ -333,7 +337,7 @@ impl Execution<'_> {
                 let mut result = plan.ensemble.gradient(std::mem::take(&mut members));
                 if returns.action_gradients {
                     let action = plan.action(*index);
-                    let start = &self.starts.of(action).controls;
+                    let start = self.starts.of(action).commanded();
                     let stops = plan.stopped_instance(*index, self.starts).1;
                     let simulated = (result.controls.clone(), result.poses.clone());
                     stops.back(&plan.actions, &mut result);

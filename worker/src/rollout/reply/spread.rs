@@ -5,7 +5,7 @@ use bendtwin_engine::backend::Rollout;
 use bendtwin_proto::v1::Tensor;
 
 use super::{Arrays, Span, extend_padded};
-use crate::rollout::plan::Plan;
+use crate::rollout::{initial::Starts, plan::Plan};
 
 /// Arrays of the first members of ensembles.
 pub(super) struct FirstMembers {
@@ -16,9 +16,9 @@ pub(super) struct FirstMembers {
 }
 
 impl FirstMembers {
-    pub(super) fn arrays(&self) -> Arrays<'_> {
+    pub(super) fn arrays<'a>(&'a self, starts: &'a Starts) -> Arrays<'a> {
         let Self { indices, rollouts, ends, paths } = self;
-        Arrays { indices, rollouts, ends, paths }
+        Arrays { indices, rollouts, starts, ends, paths }
     }
 }
 
