@@ -68,7 +68,7 @@ fn grippers_that_stop_go_on_from_a_state_bit_for_bit() {
     let bench = Bench::new();
     let dive = |frame: usize| {
         let (t, turn) = (frame as f32 / 12.0, 0.04 * frame as f32);
-        [0.1 * t, 0.0, 0.65 - 0.8 * t * (1.0 - t), 0.0, turn.sin(), 0.0, turn.cos()]
+        [0.1 * t, 0.0, 0.65 - 0.5 * t * (1.0 - t), 0.0, turn.sin(), 0.0, turn.cos()]
     };
     let request = |rows: std::ops::RangeInclusive<usize>| {
         let poses: Vec<[f32; 7]> = rows.clone().map(dive).collect();
