@@ -6,7 +6,7 @@ from numpy_twin import norm
 from scenes import dragged, twisted
 from server import needs_server, running
 
-from bendtwin import Client, Grasp, Keypoints, Plausibility, Returns
+from bendtwin import Client, Grasp, Keypoints, Plausibility, Rest, Returns
 
 pytestmark = needs_server
 
@@ -129,7 +129,7 @@ def test_a_gripper_stops_alike_in_a_plan_in_steps_and_in_a_session(client, tmp_p
     # At the end it is where its poses have it.
     assert np.array_equal(whole.final_controls, whole.final_commanded_controls)
     parts = [poses[:, a : b + 1] for a, b in [(0, 1), (1, 7), (7, 9), (9, 18)]]
-    state = None
+    state = Rest()
     with client.open_session(twin) as session:
         for part in parts:
             stepped = twin.rollout(poses=part, initial=state, returns=returns)
