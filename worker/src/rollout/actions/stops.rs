@@ -100,7 +100,8 @@ impl Floor<'_> {
         let pinned = self.graph.pins.iter().map(|pin| (pin.control as usize, pin.offset_m));
         let of_control = own.chain(pinned).filter_map(|(c, offset)| {
             let rest = moved(*self.graph.control_rest.get(c)?, 1.0, offset);
-            let limit_m = self.own.map_or(self.allowed_m, |own| below(own, rest).max(self.allowed_m));
+            let limit_m =
+                self.own.map_or(self.allowed_m, |own| below(own, rest).max(self.allowed_m));
             Some(Probe { hand: *hands.get(c)?, place: Place::Control(c, offset), limit_m })
         });
         let middles = self.middles.iter().map(|&(hand, place)| Probe {
