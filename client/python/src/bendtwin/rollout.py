@@ -253,7 +253,7 @@ class RolloutResult:
     controls: FloatArray | None = None
     #: Final control points [R, C, 3], metres.
     final_controls: FloatArray | None = None
-    #: Where grippers would have them if the ground did not hold them back [R, C, 3]; with poses.
+    #: Those as grippers would have them if the ground did not hold them back [R, C, 3]; with poses.
     final_commanded_controls: FloatArray | None = None
     #: What grasps hold in the final states; None without grasps.
     final_grasping: Grasping | None = None

@@ -104,8 +104,8 @@ class State:
     controls: npt.ArrayLike | None = None
     #: None: nothing but what grasps take when the rollout begins.
     grasping: Grasping | None = None
-    #: Where grippers would have the control points if the ground did not hold them back, metres,
-    #: [C, 3]: from there `poses` carry them on. None: where the control points are.
+    #: Control points as grippers would have them if the ground did not hold them back, metres,
+    #: [C, 3]: from there `poses` carry them on. None: as `controls`.
     commanded_controls: npt.ArrayLike | None = None
 
     def to_proto(self) -> rollout_pb2.InitialState:

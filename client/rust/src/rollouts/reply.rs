@@ -38,7 +38,7 @@ pub struct Reply {
     pub final_twists: Vec<f32>,
     /// Final control points [m], shape [R, C].
     pub final_controls: Vec<Point>,
-    /// Where grippers would have them if the ground did not hold them back [m], shape [R, C]; with poses.
+    /// Those as grippers would have them if the ground did not hold them back [m], shape [R, C]; with poses.
     pub final_commanded_controls: Vec<Point>,
     /// Holds of grasps in the final states, one after another; none without grasps.
     pub final_grasping: Option<Grasping>,

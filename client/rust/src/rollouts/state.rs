@@ -21,8 +21,8 @@ pub struct State {
     pub twists: Vec<f32>,
     /// Control points [m], shape [C]; empty: where pins say, others at rest.
     pub controls: Vec<Point>,
-    /// Where grippers would have the control points if the ground did not hold them back [m], shape [C],
-    /// from where they carry them on; empty: where the control points are.
+    /// Control points as grippers would have them if the ground did not hold them back [m], shape [C]:
+    /// from there poses carry them on. Empty: as `controls`.
     pub commanded_controls: Vec<Point>,
     /// Holds of grasps; none without grasps.
     pub grasping: Option<Grasping>,

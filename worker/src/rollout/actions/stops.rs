@@ -18,7 +18,7 @@
 //!
 //! The motion of a hand along the normal does nothing while the hand is held back, and its gradient is
 //! zero: the deepest point gets the negative of d loss / d shift, which is the sum over the hand of
-//! n . d loss / d x. Where its limit is the depth a frame earlier, that frame gets the opposite.
+//! n . d loss / d x. If its limit is the depth a frame earlier, that frame gets the opposite.
 
 use bendtwin_core::{Graph, Plane, Point, geometry::dot};
 use bendtwin_engine::{backend::Gradient, world::Pose};
