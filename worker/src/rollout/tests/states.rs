@@ -71,7 +71,7 @@ fn grippers_that_stop_go_on_from_a_state_bit_for_bit() {
         [0.1 * t, 0.0, 0.65 - 0.5 * t * (1.0 - t), 0.0, turn.sin(), 0.0, turn.cos()]
     };
     let request = |rows: std::ops::RangeInclusive<usize>| {
-        let poses: Vec<[f32; 7]> = rows.clone().map(dive).collect();
+        let poses: Vec<[f32; 7]> = rows.map(dive).collect();
         let poses = Some(Tensor::pack(&[1, poses.len(), 1, 7], poses.as_flattened()));
         let ground = v1::Plane { normal: Vec::new(), offset_m: 0.55 };
         RollOutRequest {

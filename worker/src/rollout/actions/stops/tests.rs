@@ -163,7 +163,7 @@ proptest! {
         };
         let (whole, _, bodies) = run(&path, &begin);
         let mut from = 0;
-        let mut now = begin.clone();
+        let mut now = begin;
         for to in cuts.into_iter().chain([8]) {
             let (controls, commanded, own) = run(&path[2 * from..2 * (to + 1)], &now);
             prop_assert_eq!(&controls[..], &whole[3 * from..3 * (to + 1)]);
