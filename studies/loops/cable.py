@@ -6,11 +6,11 @@ the end.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from bendtwin import Cost, Grasp, State
+from bendtwin import Bounds, Cost, Force, Grasp, State
 from studies.loops.loop import Array, Loop, Move, Outcome, Planned, Scripted, reach, search, up
 
 LIMIT_MM = 15.0
@@ -23,6 +23,9 @@ LAID, ABOVE = 0.012, 0.12
 SPEED = 0.4
 #: Distance from its place at which a gripper is there, metres.
 NEAR = 0.01
+#: Part of its length that the cable is given on the line, and the pull at which it is not taut. One
+#: that is stretched by a hundredth springs off the line when its gripper opens.
+SLACK, PULL_N = 0.998, 0.3
 #: The place of the regrasp, as a share of the length.
 MIDDLE = 0.55
 
@@ -56,8 +59,8 @@ class Cable(Loop):
 
     def prepare(self) -> None:
         """The phases; the first gripper stays at the beginning of the line."""
-        steps = np.linalg.norm(np.diff(self.geometry.rest_positions, axis=0), axis=1)
-        self.along = np.concatenate([[0.0], np.cumsum(steps)])
+        # Without load: at rest it hangs, and is longer.
+        self.along = np.concatenate([[0.0], SLACK * np.cumsum(self.geometry.rest_lengths)])
         self.line_y = LINE_Y + self.rng.uniform(-0.02, 0.02)
         self.goal = np.stack([self.on_line(s) for s in self.along])
         count = len(self.along)
@@ -82,7 +85,7 @@ class Cable(Loop):
         self.phase, self.phase_steps = 0, 0
         # The clamps turn until they lie along the line.
         rest = self.geometry.rest_positions
-        self.laid = np.stack([turned(rest[1] - rest[0]), turned(rest[-1] - rest[-2])])
+        self.turns = np.stack([turned(rest[1] - rest[0]), turned(rest[-1] - rest[-2])])
 
     def on_line(self, along: float) -> Array:
         """The place on the line for a length along the cable."""
@@ -104,10 +107,13 @@ class Cable(Loop):
         phase = self.phases[self.phase]
         place = phase.to
         if isinstance(place, int):
-            place = nodes[place : place + 2].mean(axis=0) + up(phase.above)
+            # The gripper's x axis takes the direction of the cable, and later that of the line.
+            pair = nodes[place : place + 2]
+            place = pair.mean(axis=0) + up(phase.above)
+            self.turns[1] = turned((pair[1] - pair[0]) * [1.0, 1.0, 0.0]) * [-1, -1, -1, 1]
         poses = self.grippers.copy()
-        self._go(poses[0], self.on_line(self.along[:2].mean()), self.laid[0])
-        left_m = self._go(poses[1], place, self.laid[1])
+        self._go(poses[0], self.on_line(self.along[:2].mean()), self.turns[0])
+        left_m = self._go(poses[1], place, self.turns[1])
         self.phase_steps += 1
         is_last = self.phase == len(self.phases) - 1
         if not is_last and (left_m < NEAR or self.phase_steps >= phase.most_steps):
@@ -128,10 +134,19 @@ class Cable(Loop):
 
     def _laying(self, phase: Phase, step: int) -> Planned:
         nodes = np.arange(phase.lays)
-        costs: list[Cost] = reach(nodes, self.goal[nodes], 1.0, FRAMES)
-        sigma = [0.0, 0.0, 0.0, 0.05, 0.05, 0.02]
-        found = search(sigma, seed=1000 * self.seed + step, samples=24)
-        return Planned(costs=costs, search=found, frames=FRAMES, closed=phase.closed)
+        pull = Force(
+            by=("grasp", phase.closed.index(1, 1)),
+            limit_n=PULL_N,
+            when="every_frame",
+            weight=0.03 / FRAMES,
+            name="pull",
+        )
+        costs: list[Cost] = [*reach(nodes, self.goal[nodes], 1.0, FRAMES), pull]
+        # Gripper 1 moves, and turns about z.
+        sigma = [*[0.0] * 6, 0.05, 0.05, 0.02, 0.0, 0.0, 0.3]
+        found = search(sigma, seed=1000 * self.seed + step, samples=48)
+        found = replace(found, bounds=Bounds(speed=[*[0.8] * 3, *[4.0] * 3] * 2))
+        return Planned(costs=costs, search=found, space="rigid", frames=FRAMES, closed=phase.closed)
 
     def outcome(self, state: State) -> Outcome:
         """The mean distance from the line."""

@@ -4,8 +4,12 @@ import os
 import subprocess
 import time
 from contextlib import contextmanager
+from types import SimpleNamespace
 
+import numpy as np
 import pytest
+
+from bendtwin import Client
 
 BINARY = os.environ.get("BENDTWIN_BIN")
 START_S = 60
@@ -35,6 +39,26 @@ def running(folder):
 def make_rope(path):
     """Makes a small recording of a rope."""
     subprocess.run([BINARY, "capture", "make", "rope", path, "--tiny"], check=True)
+
+
+@contextmanager
+def with_rope(folder):
+    """A running server, with a draft of a short recording of a rope, and its control points at rest
+    as a nominal plan of three knots."""
+    make_rope(folder / "rope.zip")
+    settings = {
+        "graph": {"max_nodes": 30},
+        "search": {"generations": 3, "population": 6},
+        "refine": {"passes": 2},
+    }
+    with running(folder) as address, Client(address) as client:
+        capture = client.wait_for_capture(client.upload_capture(folder / "rope.zip"))
+        twin = client.twin(client.wait(client.fit(capture.name, settings), timeout_s=120).twin)
+        controls = twin.geometry().controls
+        nominal = np.repeat(controls[None, None], 3, axis=1)
+        yield SimpleNamespace(
+            address=address, client=client, twin=twin, controls=controls, nominal=nominal
+        )
 
 
 def run(*arguments, address=None):

@@ -4,28 +4,19 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from server import make_rope, needs_server, running
+from server import needs_server, with_rope
 
-from bendtwin import Client, GradientOptions, Keypoints, Returns, Vary, World
+from bendtwin import GradientOptions, Keypoints, Returns, Vary, World
 from bendtwin.planners import Task, Together
 
 pytestmark = needs_server
-SETTINGS = {
-    "graph": {"max_nodes": 30},
-    "search": {"generations": 3, "population": 6},
-    "refine": {"passes": 2},
-}
 
 
 @pytest.fixture(scope="module")
 def scene(tmp_path_factory):
     """A task of 6 frames, of a heavier rope on another ground, and the state it starts from."""
-    folder = tmp_path_factory.mktemp("extras")
-    make_rope(folder / "rope.zip")
-    with running(folder) as address, Client(address) as client:
-        capture = client.wait_for_capture(client.upload_capture(folder / "rope.zip"))
-        twin = client.twin(client.wait(client.fit(capture.name, SETTINGS), timeout_s=120).twin)
-        controls = twin.geometry().controls
+    with with_rope(tmp_path_factory.mktemp("extras")) as made:
+        twin, controls = made.twin, made.controls
         hold = np.stack([controls, controls])[None]
         state = twin.rollout(trajectories=hold, frames=20, returns=Returns(final_state=True)).state(
             0

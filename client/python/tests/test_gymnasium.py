@@ -60,23 +60,39 @@ def spaces(scene):
     }
 
 
-@pytest.mark.parametrize("space", ["together", "per hand", "points", "grippers"])
-def test_steps_are_one_motion(scene, task, space):
-    task = replace(task, space=spaces(scene)[space])
-    env = environments(task)
+def run_in_steps(task, actions, **settings):
+    """The last observation and reward of environments, and their way as one rollout."""
+    env = environments(task, **settings)
     observed, _ = env.reset(seed=0)
     assert observed.shape == env.observation_space.shape == (COUNT, 12 + task.dims)
-    actions = some_actions(task, 4)
     for action in actions:
         observed, reward, *_ = env.step(action)
     path = np.concatenate([np.zeros((1, COUNT, task.dims)), actions.astype(float).cumsum(axis=0)])
-    whole = replace(task, frames=4 * STEP).rollout(
-        path.swapaxes(0, 1), returns=Returns(final_state=True)
+    whole = replace(task, frames=len(actions) * STEP).rollout(
+        path.swapaxes(0, 1), returns=Returns(final_state=True, diagnostics=True)
     )
     expected = whole.final_positions[:, [0, 19]].reshape(COUNT, -1)
     np.testing.assert_allclose(observed[:, :6], expected, atol=1e-5)
     np.testing.assert_allclose(observed[:, 12:], path[-1], atol=1e-6)
+    return reward, whole
+
+
+@pytest.mark.parametrize("space", ["together", "per hand", "points", "grippers"])
+def test_steps_are_one_motion(scene, task, space):
+    task = replace(task, space=spaces(scene)[space])
+    reward, whole = run_in_steps(task, some_actions(task, 4))
     np.testing.assert_allclose(-reward, whole.costs, rtol=1e-4)
+
+
+@pytest.mark.filterwarnings("ignore:implausible motion")
+def test_steps_into_the_table_are_one_motion(scene, task):
+    task = replace(task, space=spaces(scene)["grippers"])
+    actions = np.zeros((5, COUNT, task.dims), np.float32)
+    actions[:4, :, 2] = -0.03
+    actions[4, :, 2] = np.linspace(0.0, 0.03, COUNT)
+    _, whole = run_in_steps(task, actions, largest_step=0.03)
+    assert all(found.stopped_hand_m > 0.01 for found in whole.diagnostics)
+    assert np.abs(whole.final_commanded_controls - whole.final_controls).max() > 0.005
 
 
 def test_what_is_held_stays_held(scene, task):

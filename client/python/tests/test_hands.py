@@ -6,7 +6,7 @@ from numpy_twin import norm
 from scenes import dragged, twisted
 from server import needs_server, running
 
-from bendtwin import Client, Grasp, Keypoints, Plausibility, Returns
+from bendtwin import Client, Grasp, Keypoints, Plausibility, Rest, Returns
 
 pytestmark = needs_server
 
@@ -101,6 +101,45 @@ def test_a_hand_stops_at_the_table_and_the_reply_says_so(client, tmp_path):
     assert allowed > deep
     above = twin.rollout(trajectories=lowered(path, 0.03)[None], returns=returns)
     assert above.diagnostics[0].stopped_hand_m == 0.0
+
+
+def dive(path, frames=18, turn=0.5):
+    """Poses of a gripper around the control points that goes deep into the table, wanders and
+    turns there, and comes up again."""
+    rng = np.random.default_rng(5)
+    t = np.linspace(0.0, 1.0, frames + 1)
+    poses = np.zeros((1, frames + 1, 1, 7))
+    poses[0, :, 0, :3] = path[0].mean(axis=0)
+    poses[0, :, 0, 2] -= 0.5 * t * (1.0 - t)
+    poses[0, 1:, 0, :3] += rng.normal(0.0, 0.004, (frames, 3))
+    poses[0, :, 0, 3] = np.sin(turn * t / 2)
+    poses[0, :, 0, 6] = np.cos(turn * t / 2)
+    return poses
+
+
+@pytest.mark.filterwarnings("ignore:implausible motion")
+def test_a_gripper_stops_alike_in_a_plan_in_steps_and_in_a_session(client, tmp_path):
+    file, path = dragged()
+    twin = imported(client, tmp_path, file)
+    poses = dive(path)
+    returns = Returns(final_state=True, diagnostics=True, controls=True)
+    whole = twin.rollout(poses=poses, returns=returns)
+    assert whole.diagnostics[0].stopped_hand_m > 0.05
+    assert whole.controls[0, :, :, 2].min() == pytest.approx(-0.005, abs=1e-4)
+    # At the end it is where its poses have it.
+    assert np.array_equal(whole.final_controls, whole.final_commanded_controls)
+    parts = [poses[:, a : b + 1] for a, b in [(0, 1), (1, 7), (7, 9), (9, 18)]]
+    state = Rest()
+    with client.open_session(twin) as session:
+        for part in parts:
+            stepped = twin.rollout(poses=part, initial=state, returns=returns)
+            state = stepped.state(0)
+            session.advance(poses=part)
+            (held,) = session.states()
+            np.testing.assert_allclose(held.positions, state.positions, atol=1e-6)
+            np.testing.assert_allclose(held.controls, state.controls, atol=1e-6)
+    np.testing.assert_allclose(state.positions, whole.final_positions[0], atol=1e-6)
+    np.testing.assert_allclose(state.controls, whole.final_controls[0], atol=1e-6)
 
 
 def test_gradients_of_a_stopped_hand_are_those_of_differences(client, tmp_path):

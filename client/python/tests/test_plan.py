@@ -6,13 +6,12 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from server import make_rope, needs_server, running
+from server import needs_server, with_rope
 
 from bendtwin import (
     BendTwinError,
     Bounds,
     Category,
-    Client,
     Keypoints,
     Plausibility,
     Returns,
@@ -27,11 +26,6 @@ from bendtwin.tensors import unpack
 from bendtwin.v1 import planning_pb2
 
 STILL = np.zeros((1, 3, 2, 3), np.float32)
-SETTINGS = {
-    "graph": {"max_nodes": 30},
-    "search": {"generations": 3, "population": 6},
-    "refine": {"passes": 2},
-}
 FRAMES = 10
 METHODS = [
     Search(samples=16, iterations=3),
@@ -108,25 +102,13 @@ def test_only_spaces_of_the_server_are_planned_in_by_it():
 @pytest.fixture(scope="module")
 def scene(tmp_path_factory):
     """A twin, and a task: a node is to be 4 cm from where it comes to be when nothing moves."""
-    folder = tmp_path_factory.mktemp("plans")
-    make_rope(folder / "rope.zip")
-    with running(folder) as address, Client(address) as client:
-        capture = client.wait_for_capture(client.upload_capture(folder / "rope.zip"))
-        twin = client.twin(client.wait(client.fit(capture.name, SETTINGS), timeout_s=120).twin)
-        controls = twin.geometry().controls
-        nominal = np.repeat(controls[None, None], 3, axis=1)
-        end = twin.rollout(trajectories=nominal, frames=FRAMES, returns=Returns(final_state=True))
+    with with_rope(tmp_path_factory.mktemp("plans")) as scene:
+        still = {"trajectories": scene.nominal, "frames": FRAMES}
+        end = scene.twin.rollout(**still, returns=Returns(final_state=True))
         goal = end.final_positions[0, :1] + np.array([[0.03, 0.0, 0.03]])
-        costs = [Keypoints(nodes=[0], targets=goal, name="tip")]
-        yield SimpleNamespace(
-            address=address,
-            client=client,
-            twin=twin,
-            controls=controls,
-            nominal=nominal,
-            costs=costs,
-            ask={"trajectories": nominal, "frames": FRAMES, "costs": costs},
-        )
+        scene.costs = [Keypoints(nodes=[0], targets=goal, name="tip")]
+        scene.ask = {**still, "costs": scene.costs}
+        yield scene
 
 
 @needs_server

@@ -1,16 +1,14 @@
 """Steps of closed loops: their requests, and loops with a real server and its own worker."""
 
 import asyncio
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from server import make_rope, needs_server, running
+from server import needs_server, with_rope
 
 from bendtwin import (
     BendTwinError,
     Clearance,
-    Client,
     Collider,
     Keypoints,
     Returns,
@@ -24,11 +22,6 @@ from bendtwin.step import step_session
 
 STILL = np.zeros((1, 3, 2, 3), np.float32)
 POINTS = np.array([[0.1, 0.0, 0.2], [0.2, 0.0, 0.2], [np.nan] * 3])
-SETTINGS = {
-    "graph": {"max_nodes": 30},
-    "search": {"generations": 3, "population": 6},
-    "refine": {"passes": 2},
-}
 FRAMES, STEP = 10, 3
 
 
@@ -85,26 +78,19 @@ def test_what_is_wrong_is_refused_before_it_is_sent(wrong, error):
 @pytest.fixture(scope="module")
 def scene(tmp_path_factory):
     """A twin that lies still, and a search that brings its end 4 cm away."""
-    folder = tmp_path_factory.mktemp("steps")
-    make_rope(folder / "rope.zip")
-    with running(folder) as address, Client(address) as client:
-        capture = client.wait_for_capture(client.upload_capture(folder / "rope.zip"))
-        twin = client.twin(client.wait(client.fit(capture.name, SETTINGS), timeout_s=120).twin)
-        controls = twin.geometry().controls
-        nominal = np.repeat(controls[None, None], 3, axis=1)
-        returns = Returns(final_state=True)
-        lying = twin.rollout(trajectories=nominal, frames=1, initial=Settled(), returns=returns)
-        state = lying.state(0)
-        search = {
-            "trajectories": nominal,
+    with with_rope(tmp_path_factory.mktemp("steps")) as scene:
+        still = {"trajectories": scene.nominal, "initial": Settled()}
+        lying = scene.twin.rollout(**still, frames=1, returns=Returns(final_state=True))
+        scene.state = lying.state(0)
+        goal = scene.state.positions[:1] + np.array([0.03, 0.0, 0.03])
+        scene.search = {
+            "trajectories": scene.nominal,
             "frames": FRAMES,
-            "costs": [
-                Keypoints(nodes=[0], targets=state.positions[:1] + np.array([0.03, 0.0, 0.03]))
-            ],
+            "costs": [Keypoints(nodes=[0], targets=goal)],
             "space": "together",
             "search": Search(samples=16, seed=3),
         }
-        yield SimpleNamespace(address=address, client=client, twin=twin, state=state, search=search)
+        yield scene
 
 
 @needs_server

@@ -12,10 +12,11 @@ use bendtwin_core::{
     Plane, Point,
     geometry::{point, vector3},
 };
+use bendtwin_engine::{Model, model::State};
 use nalgebra::{Matrix3, Vector3};
 
 use self::solid::Solid;
-use crate::Around;
+use crate::{Around, correct::fixed};
 
 /// Distance that nodes keep from surfaces, well above the rounding of a position [m].
 pub(crate) const CLEARANCE_M: f64 = 1e-5;
@@ -23,6 +24,16 @@ pub(crate) const CLEARANCE_M: f64 = 1e-5;
 const SWEEPS: usize = 20;
 /// Part of a normal that another plane has to leave so that it bounds a node as well.
 const LEAST_NEW: f64 = 1e-2;
+
+/// Takes the nodes of a state out of the ground and of what is around it, along the normal; pinned
+/// ones stay.
+pub fn leave_obstacles(model: &Model, around: &Around, state: &mut State) {
+    let passes = fixed(&model.graph, &around.loose);
+    let mut x: Vec<Vector3<f64>> = state.positions.iter().map(|p| vector3(*p)).collect();
+    if Barrier::new(model.environment.ground, around, passes).leave(&mut x).is_some() {
+        state.positions = x.into_iter().map(point).collect();
+    }
+}
 
 /// Obstacles of nodes.
 #[derive(Debug, Default)]

@@ -32,6 +32,7 @@ mod tracks;
 mod visible;
 
 pub use around::{Around, Obstacle, Placed as PlacedBody};
+pub use barrier::leave_obstacles;
 pub use carry::carried;
 pub use correct::{CorrectOptions, Corrected, correct, residual};
 pub use error::Error;

@@ -5010,7 +5010,7 @@ pub struct Plausibility {
     pub refuse: bool,
     /// Deepest that the middle of a grasp's sphere or box may be below the ground or in a collider that
     /// stands still, and that a control point may be beyond its depth in the initial state; default 0.005.
-    /// Hands of trajectories stop at that depth below the ground (Diagnostics.stopped_hand_m).
+    /// Hands and grippers stop at that depth below the ground (Diagnostics.stopped_hand_m).
     #[prost(double, optional, tag = "5")]
     pub control_depth_m: ::core::option::Option<f64>,
 }
@@ -5085,6 +5085,10 @@ pub mod initial_state {
         pub controls: ::core::option::Option<super::Tensor>,
         #[prost(message, optional, tag = "5")]
         pub grasping: ::core::option::Option<super::Grasping>,
+        /// The shape of `controls`, metres: where grippers would have the control points if the ground did not hold
+        /// them back, from where `poses` carry them on. Absent: where the control points are.
+        #[prost(message, optional, tag = "6")]
+        pub commanded_controls: ::core::option::Option<super::Tensor>,
     }
     #[derive(Clone, PartialEq, ::prost::Oneof)]
     pub enum State {
@@ -5459,6 +5463,9 @@ pub struct RollOutResponse {
     /// With \[R\] in front; absent without grasps.
     #[prost(message, optional, tag = "20")]
     pub final_grasping: ::core::option::Option<Grasping>,
+    /// FLOAT32 \[R, C, 3\], metres, with `poses`: InitialState.GivenState.commanded_controls of the final state.
+    #[prost(message, optional, tag = "36")]
+    pub final_commanded_controls: ::core::option::Option<Tensor>,
     /// In the actions' shape for R instances: \[R, K, C, 3\], or \[R, K, G, 7\] for poses; d cost / d quaternion
     /// along the sphere of unit quaternions.
     #[prost(message, optional, tag = "21")]
@@ -5578,9 +5585,10 @@ pub mod roll_out_response {
         /// stopped at the ground, as deep as the actions would have had them.
         #[prost(float, tag = "7")]
         pub control_depth_m: f32,
-        /// Farthest that a hand of trajectories was held back, metres; 0 if none was. It stops where a control
-        /// point, or a node pinned to it, would get deeper below the ground than `plausibility.control_depth_m`
-        /// and than it began; then all of it moves along the ground's normal. Grippers do not stop.
+        /// Farthest that a hand or gripper was held back, metres; 0 if none was. It stops where a control point, a
+        /// node pinned to it, or the middle of a grasp's sphere or box would get deeper below the ground than
+        /// `plausibility.control_depth_m`; then all of it moves along the ground's normal. Control points may also be
+        /// as deep as a frame earlier, and as the twin has them at rest below its own ground.
         #[prost(float, tag = "8")]
         pub stopped_hand_m: f32,
     }

@@ -663,7 +663,7 @@ map.serialize_entry("frame", &self.frame)?;
 
 impl Fields for crate::v1::initial_state::GivenState {
     const NAME: &'static str = "GivenState";
-    const FIELDS: &'static [&'static str] = &["positions", "velocities", "twists", "controls", "grasping"];
+    const FIELDS: &'static [&'static str] = &["positions", "velocities", "twists", "controls", "grasping", "commanded_controls"];
     #[allow(unused_variables)]
     fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
         match field {
@@ -672,6 +672,7 @@ impl Fields for crate::v1::initial_state::GivenState {
 2 => { self.twists = tensor(map, Dtype::Float32)?; }
 3 => { self.controls = tensor(map, Dtype::Float32)?; }
 4 => { self.grasping = message(map)?; }
+5 => { self.commanded_controls = tensor(map, Dtype::Float32)?; }
 
             _ => {}
         }
@@ -684,6 +685,7 @@ write_tensor(map, "velocities", self.velocities.as_ref(), tensors)?;
 write_tensor(map, "twists", self.twists.as_ref(), tensors)?;
 write_tensor(map, "controls", self.controls.as_ref(), tensors)?;
 write_message(map, "grasping", self.grasping.as_ref(), tensors)?;
+write_tensor(map, "commanded_controls", self.commanded_controls.as_ref(), tensors)?;
 
         Ok(())
     }
@@ -1049,7 +1051,7 @@ impl Words for crate::v1::returns::Encoding {
 
 impl Fields for crate::v1::RollOutResponse {
     const NAME: &'static str = "RollOutResponse";
-    const FIELDS: &'static [&'static str] = &["first_instance", "costs", "cost_names", "cost_terms", "instances", "frames", "positions", "final_positions", "final_velocities", "control_gradients", "diagnostics", "diverged", "timing", "worker", "fidelity", "substeps", "deviation", "final_twists", "final_controls", "final_grasping", "action_gradients", "initial_position_gradients", "initial_velocity_gradients", "gradient_norms", "gradient_exploded", "velocities", "forces", "frame_costs", "controls", "member_costs", "implausible", "mass_kg", "window", "unfinished", "spread"];
+    const FIELDS: &'static [&'static str] = &["first_instance", "costs", "cost_names", "cost_terms", "instances", "frames", "positions", "final_positions", "final_velocities", "control_gradients", "diagnostics", "diverged", "timing", "worker", "fidelity", "substeps", "deviation", "final_twists", "final_controls", "final_grasping", "final_commanded_controls", "action_gradients", "initial_position_gradients", "initial_velocity_gradients", "gradient_norms", "gradient_exploded", "velocities", "forces", "frame_costs", "controls", "member_costs", "implausible", "mass_kg", "window", "unfinished", "spread"];
     #[allow(unused_variables)]
     fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
         match field {
@@ -1073,21 +1075,22 @@ impl Fields for crate::v1::RollOutResponse {
 17 => { self.final_twists = tensor(map, Dtype::Float32)?; }
 18 => { self.final_controls = tensor(map, Dtype::Float32)?; }
 19 => { self.final_grasping = message(map)?; }
-20 => { self.action_gradients = tensor(map, Dtype::Float32)?; }
-21 => { self.initial_position_gradients = tensor(map, Dtype::Float32)?; }
-22 => { self.initial_velocity_gradients = tensor(map, Dtype::Float32)?; }
-23 => { self.gradient_norms = tensor(map, Dtype::Float32)?; }
-24 => { self.gradient_exploded = tensor(map, Dtype::Uint32)?; }
-25 => { self.velocities = tensor(map, Dtype::Float32)?; }
-26 => { self.forces = message(map)?; }
-27 => { self.frame_costs = tensor(map, Dtype::Float32)?; }
-28 => { self.controls = tensor(map, Dtype::Float32)?; }
-29 => { self.member_costs = tensor(map, Dtype::Float32)?; }
-30 => { self.implausible = messages(map)?; }
-31 => { self.mass_kg = map.next_value()?; }
-32 => { self.window = message(map)?; }
-33 => { self.unfinished = tensor(map, Dtype::Float32)?; }
-34 => { self.spread = tensor(map, Dtype::Float32)?; }
+20 => { self.final_commanded_controls = tensor(map, Dtype::Float32)?; }
+21 => { self.action_gradients = tensor(map, Dtype::Float32)?; }
+22 => { self.initial_position_gradients = tensor(map, Dtype::Float32)?; }
+23 => { self.initial_velocity_gradients = tensor(map, Dtype::Float32)?; }
+24 => { self.gradient_norms = tensor(map, Dtype::Float32)?; }
+25 => { self.gradient_exploded = tensor(map, Dtype::Uint32)?; }
+26 => { self.velocities = tensor(map, Dtype::Float32)?; }
+27 => { self.forces = message(map)?; }
+28 => { self.frame_costs = tensor(map, Dtype::Float32)?; }
+29 => { self.controls = tensor(map, Dtype::Float32)?; }
+30 => { self.member_costs = tensor(map, Dtype::Float32)?; }
+31 => { self.implausible = messages(map)?; }
+32 => { self.mass_kg = map.next_value()?; }
+33 => { self.window = message(map)?; }
+34 => { self.unfinished = tensor(map, Dtype::Float32)?; }
+35 => { self.spread = tensor(map, Dtype::Float32)?; }
 
             _ => {}
         }
@@ -1115,6 +1118,7 @@ write_message(map, "deviation", self.deviation.as_ref(), tensors)?;
 write_tensor(map, "final_twists", self.final_twists.as_ref(), tensors)?;
 write_tensor(map, "final_controls", self.final_controls.as_ref(), tensors)?;
 write_message(map, "final_grasping", self.final_grasping.as_ref(), tensors)?;
+write_tensor(map, "final_commanded_controls", self.final_commanded_controls.as_ref(), tensors)?;
 write_tensor(map, "action_gradients", self.action_gradients.as_ref(), tensors)?;
 write_tensor(map, "initial_position_gradients", self.initial_position_gradients.as_ref(), tensors)?;
 write_tensor(map, "initial_velocity_gradients", self.initial_velocity_gradients.as_ref(), tensors)?;

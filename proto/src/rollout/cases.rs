@@ -198,6 +198,7 @@ fn states(n: u64, c: u64) -> Named<State> {
     const VELOCITIES: &str = "`initial.given.velocities`";
     const TWISTS: &str = "`initial.given.twists`";
     const CONTROLS: &str = "`initial.given.controls`";
+    const COMMANDED: &str = "`initial.given.commanded_controls`";
     const PHASES: &str = "`initial.given.grasping.phases`";
     const HOLDERS: &str = "`initial.given.grasping.holders`";
     const CAPTURE: &str = "`initial.capture_frame.capture`";
@@ -216,6 +217,15 @@ fn states(n: u64, c: u64) -> Named<State> {
     let with_controls = |controls: Tensor| {
         let (positions, controls) = (Some(good()), Some(controls));
         State::Given(GivenState { positions, controls, ..GivenState::default() })
+    };
+    let commanded = |controls: Option<Tensor>, commanded: Tensor| {
+        let (positions, commanded_controls) = (Some(good()), Some(commanded));
+        State::Given(GivenState {
+            positions,
+            controls,
+            commanded_controls,
+            ..GivenState::default()
+        })
     };
     let holding = |phases: &[u32], holders: u64, holder: u32| {
         let holders = vec![holder; holders as usize];
@@ -244,6 +254,17 @@ fn states(n: u64, c: u64) -> Named<State> {
         ("controls for a batch", CONTROLS, with_controls(zeros(&[2, c, 3]))),
         ("NaN in the controls of the state", CONTROLS, with_controls(with(&[c, 3], f32::NAN))),
         ("a control too many in the state", CONTROLS, with_controls(zeros(&[c + 1, 3]))),
+        ("commanded controls alone", COMMANDED, commanded(None, zeros(&[c, 3]))),
+        (
+            "commanded controls of another shape",
+            COMMANDED,
+            commanded(Some(zeros(&[c, 3])), zeros(&[c + 1, 3])),
+        ),
+        (
+            "NaN in the commanded controls",
+            COMMANDED,
+            commanded(Some(zeros(&[c, 3])), with(&[c, 3], f32::NAN)),
+        ),
         ("an unknown phase", PHASES, holding(&[3], n, 0)),
         ("a grasp too many in the state", PHASES, holding(&[1], n, 1)),
         ("a holder that is not there", HOLDERS, holding(&[1], n, 2)),

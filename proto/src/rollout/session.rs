@@ -100,7 +100,8 @@ pub(crate) fn states_size(slots: u64, grasps: u64, twin: &TwinShape) -> u64 {
     let mut given = Sum(0);
     // Rods have nodes of their own.
     let rods = twin.rods.unwrap_or(n);
-    for width in [n.saturating_mul(3), n.saturating_mul(3), rods, c.saturating_mul(3)] {
+    let (nodes, controls) = (n.saturating_mul(3), c.saturating_mul(3));
+    for width in [nodes, nodes, rods, controls, controls] {
         given.tensor(1, 4, &[slots, width]);
     }
     given.message(1, &grasping);

@@ -110,6 +110,9 @@ pub fn reply_bytes(
             sum.tensor(2, 4, &[holders, rods]);
         }
         sum.tensor(2, 4, &[holders, twin.controls, 3]);
+        if matches!(request.actions, Some(Actions::Poses(_))) {
+            sum.tensor(2, 4, &[holders, twin.controls, 3]);
+        }
         if !request.grasps.is_empty() {
             let mut grasping = Sum(0);
             grasping.tensor(1, 4, &[holders, request.grasps.len() as u64]);

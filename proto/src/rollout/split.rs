@@ -88,6 +88,7 @@ pub(crate) fn by_instance(request: &mut RollOutRequest, see: impl Fn(Option<&mut
         see(given.velocities.as_mut(), 3);
         see(given.twists.as_mut(), 2);
         see(given.controls.as_mut(), 3);
+        see(given.commanded_controls.as_mut(), 3);
         if let Some(grasping) = &mut given.grasping {
             see(grasping.phases.as_mut(), 2);
             see(grasping.holders.as_mut(), 2);
@@ -185,6 +186,7 @@ pub fn join(mut replies: Vec<RollOutResponse>) -> Result<RollOutResponse, Mismat
         final_velocities: joined!(final_velocities),
         final_twists: joined!(final_twists),
         final_controls: joined!(final_controls),
+        final_commanded_controls: joined!(final_commanded_controls),
         final_grasping: has_grasping.then_some(grasping),
         control_gradients: joined!(control_gradients),
         action_gradients: joined!(action_gradients),

@@ -286,6 +286,7 @@ fn final_state(advanced: &mut RollOutResponse, keeps: bool) -> GivenState {
         velocities: of(&mut advanced.final_velocities),
         twists: of(&mut advanced.final_twists),
         controls: of(&mut advanced.final_controls),
+        commanded_controls: of(&mut advanced.final_commanded_controls),
         grasping: match keeps {
             true => advanced.final_grasping.clone(),
             false => advanced.final_grasping.take(),
@@ -297,8 +298,13 @@ fn final_state(advanced: &mut RollOutResponse, keeps: bool) -> GivenState {
 fn single(mut state: GivenState) -> GivenState {
     let grasping = state.grasping.as_mut();
     let of_grasps = grasping.map(|g| [&mut g.phases, &mut g.holders, &mut g.places]);
-    let tensors =
-        [&mut state.positions, &mut state.velocities, &mut state.twists, &mut state.controls];
+    let tensors = [
+        &mut state.positions,
+        &mut state.velocities,
+        &mut state.twists,
+        &mut state.controls,
+        &mut state.commanded_controls,
+    ];
     for tensor in tensors.into_iter().chain(of_grasps.into_iter().flatten()).flatten() {
         if tensor.shape.first() == Some(&1) {
             tensor.shape.remove(0);

@@ -202,6 +202,7 @@ pub(crate) fn end(reply: RollOutResponse) -> GivenState {
         velocities: reply.final_velocities,
         twists: reply.final_twists,
         controls: reply.final_controls,
+        commanded_controls: reply.final_commanded_controls,
         grasping: reply.final_grasping,
     }
 }

@@ -116,8 +116,11 @@ impl Execution<'_> {
             let controls = Arc::new(simulated.controls.get(i * width..(i + 1) * width)?.to_vec());
             let index = *indices.get(i)?;
             let begun = self.starts.of(self.plan.action(index));
-            let around = Some(Arc::new(self.plan.ended(index)));
-            Some(Start { rest: begun.rest.clone(), around, ..Start::new(state, controls) })
+            let around = Some(Arc::new(self.plan.ended(index, self.starts)));
+            let commanded = self.plan.commanded(index, self.starts);
+            let commanded = commanded.filter(|other| *other != *controls).map(Arc::new);
+            let rest = begun.rest.clone();
+            Some(Start { commanded, rest, around, ..Start::new(state, controls) })
         });
         each.collect()
     }
@@ -166,8 +169,14 @@ impl Execution<'_> {
         part: &mut RollOutResponse,
     ) -> Result<(), Error> {
         let Simulated { rollouts, means, controls, paths, .. } = simulated;
-        let (ends, paths) = (&controls[..], &paths[..]);
-        let arrays = reply::Arrays { indices, rollouts: &rollouts, means: &means, ends, paths };
+        let arrays = reply::Arrays {
+            indices,
+            rollouts: &rollouts,
+            means: &means,
+            starts: self.starts,
+            ends: &controls,
+            paths: &paths,
+        };
         reply::add_arrays(self.plan, Span::whole(self.plan.frames), &arrays, part);
         if !self.plan.returns.has_gradients() {
             return Ok(());
@@ -382,7 +391,7 @@ impl Execution<'_> {
         let plan = self.plan;
         if plan.returns.action_gradients {
             let action = plan.action(index);
-            let start = &self.starts.of(action).controls;
+            let start = self.starts.of(action).commanded();
             let stops = plan.stopped_instance(index, self.starts).1;
             let simulated = (result.controls.clone(), result.poses.clone());
             stops.back(&plan.actions, &mut result);

@@ -24,6 +24,9 @@ pub(super) struct Start {
     pub(super) state: Arc<State>,
     /// Control points [m], shape [C, 3].
     pub(super) controls: Arc<Vec<Point>>,
+    /// Where grippers would have them, had the ground not held them back [m], shape [C]; if that is
+    /// elsewhere.
+    pub(super) commanded: Option<Arc<Vec<Point>>>,
     /// If some of them are not known but assumed to be at rest: where the nodes say that they may
     /// be [m], shape [C, 3].
     pub(super) likely: Option<Arc<Vec<Point>>>,
@@ -40,17 +43,22 @@ impl Start {
     /// A state whose control points are known [m], shape [C, 3], of a simulation with the twin's own
     /// rest shape.
     pub(super) fn new(state: Arc<State>, controls: Arc<Vec<Point>>) -> Self {
-        Self { state, controls, likely: None, rest: None, around: None }
+        Self { state, controls, commanded: None, likely: None, rest: None, around: None }
     }
 
     /// Memory that it takes beside its rest shape [bytes].
     pub(super) fn bytes(&self) -> u64 {
-        (24 * self.state.positions.len() + 12 * self.controls.len() + BODIES_BYTES) as u64
+        (24 * (self.state.positions.len() + self.controls.len()) + BODIES_BYTES) as u64
     }
 
     /// Control points, or where they may be if they are not known [m], shape [C, 3].
     pub(super) fn here(&self) -> &[Point] {
         self.likely.as_ref().unwrap_or(&self.controls)
+    }
+
+    /// The control points that grippers carry on [m], shape [C, 3].
+    pub(super) fn commanded(&self) -> &[Point] {
+        self.commanded.as_ref().unwrap_or(&self.controls)
     }
 
     /// Largest distance between control points here and in the first row of the actions [m]. Where
@@ -172,6 +180,10 @@ fn given(wire: GivenState, graph: &Graph, instances: usize) -> Result<Starts, Er
         None => None,
         Some(tensor) => Some(tensor.unpack_points("initial.given.controls")?.1),
     };
+    let commanded = match wire.commanded_controls.filter(|t| !t.is_absent()) {
+        None => None,
+        Some(tensor) => Some(tensor.unpack_points("initial.given.commanded_controls")?.1),
+    };
     let graspings = match &wire.grasping {
         None => None,
         Some(wire) => Some(grasping::read(wire, if each { instances } else { 1 }, n)?),
@@ -186,11 +198,13 @@ fn given(wire: GivenState, graph: &Graph, instances: usize) -> Result<Starts, Er
             grasping,
         };
         let c = graph.control_count();
-        let given = controls.as_ref().map(|all| all[i * c..(i + 1) * c].to_vec());
+        let row = |all: &Vec<Point>| all[i * c..(i + 1) * c].to_vec();
+        let given = controls.as_ref().map(row);
+        let commanded = commanded.as_ref().map(row).map(Arc::new);
         let likely = if given.is_some() { None } else { controls::likely(graph, &state.positions) };
         let controls = given.unwrap_or_else(|| controls::pinned(graph, &state.positions));
         let likely = likely.map(Arc::new);
-        Start { likely, ..Start::new(Arc::new(state), Arc::new(controls)) }
+        Start { commanded, likely, ..Start::new(Arc::new(state), Arc::new(controls)) }
     };
     Ok(if each {
         Starts::Each((0..instances).map(start).collect())

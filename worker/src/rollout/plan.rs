@@ -140,11 +140,11 @@ impl Plan {
         let variant = self.variant(index);
         let action = self.action(index);
         let start = starts.of(action);
-        let mut controls: Vec<Point> = self.actions.controls(action, &start.controls);
+        let mut controls: Vec<Point> = self.actions.controls(action, start.commanded());
         let rods = self.twin().graph.rods.len();
         let kept = self.returns.action_gradients;
         let rolls = self.actions.rolls(action, &controls, rods, kept);
-        let motion = Motion { rolls, ..self.surroundings.motion(action, &self.actions) };
+        let mut motion = Motion { rolls, ..self.surroundings.motion(action, &self.actions) };
         let stops = match variant.loaded.model().environment.ground {
             None => Stops::default(),
             Some(plane) => {
@@ -152,9 +152,11 @@ impl Plan {
                     plane,
                     allowed_m: self.plausibility.allowed_depth_m(),
                     graph: &self.twin().graph,
-                    start: start.here(),
+                    own: self.twin().environment.ground,
+                    start,
+                    middles: self.surroundings.places(),
                 };
-                self.actions.stop(&mut controls, &floor)
+                self.actions.stop(&mut controls, &mut motion.poses, &floor)
             }
         };
         let instance = Instance {
@@ -181,11 +183,23 @@ impl Plan {
         self.variants.of(index)
     }
 
+    /// Where grippers would have the control points at the end of an instance, did the ground not hold
+    /// them back [m], shape [C]; none without grippers.
+    pub(super) fn commanded(&self, index: usize, starts: &Starts) -> Option<Vec<Point>> {
+        if self.actions.grippers() == 0 {
+            return None;
+        }
+        let action = self.action(index);
+        let start = starts.of(action).commanded();
+        let path = self.actions.controls(action, start);
+        Some(path[self.frames * start.len()..].to_vec())
+    }
+
     /// Surroundings in which an instance ends.
-    pub(super) fn ended(&self, index: usize) -> Ended {
+    pub(super) fn ended(&self, index: usize, starts: &Starts) -> Ended {
         let variant = self.variant(index);
         let model = variant.loaded.model();
-        let motion = self.surroundings.motion(self.action(index), &self.actions);
+        let motion = self.instance(index, starts).motion;
         Ended::new(
             Arc::clone(&variant.world),
             model.environment,

@@ -124,7 +124,7 @@ fn message(registered: &Registered, rods: usize) -> RegisteredState {
             velocities: points(&state.velocities),
             twists: (rods > 0).then(|| Tensor::pack(&[rods], &twists)),
             controls: points(&registered.controls),
-            grasping: None,
+            ..GivenState::default()
         }),
         before: Some(observation::residual(registered.before)),
         after: Some(observation::residual(registered.residual)),

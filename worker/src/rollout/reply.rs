@@ -16,7 +16,7 @@ pub(super) use self::{
     gradients::{Gradients, add_gradients},
     span::Span,
 };
-use super::{grasping, plan::Plan, plausible::Extremes};
+use super::{grasping, initial::Starts, plan::Plan, plausible::Extremes};
 
 /// The cost of an instance as it is reported: never NaN.
 pub(super) fn cost(rollout: &Rollout) -> f64 {
@@ -113,6 +113,7 @@ pub(super) struct Arrays<'a> {
     pub(super) rollouts: &'a [Rollout],
     /// Mean motions of the members of each action, if arrays are of these.
     pub(super) means: &'a [Rollout],
+    pub(super) starts: &'a Starts,
     /// Control points of final states [m], shape [instances, C, 3]; empty without such states.
     pub(super) ends: &'a [Point],
     /// Control points at the frame boundaries [m] if asked for, shape [instances, boundaries, C, 3].
@@ -127,7 +128,7 @@ pub(super) fn add_arrays(plan: &Plan, span: Span, arrays: &Arrays<'_>, part: &mu
     }
     if plan.returns.spread || plan.ensemble.weights.is_some() {
         let first = spread::first_members(arrays, plan.ensemble.members);
-        return add_own(plan, span, &first.arrays(), part);
+        return add_own(plan, span, &first.arrays(arrays.starts), part);
     }
     add_own(plan, span, arrays, part);
 }
@@ -143,7 +144,7 @@ fn add_own(plan: &Plan, span: Span, arrays: &Arrays<'_>, part: &mut RollOutRespo
 /// its end. Frames that a diverged instance did not reach are NaN (with INT16, which has none, the
 /// middle of the extent).
 fn add_recordings(plan: &Plan, span: Span, arrays: &Arrays<'_>, part: &mut RollOutResponse) {
-    let Arrays { indices: instances, rollouts, ends: controls, .. } = *arrays;
+    let Arrays { indices: instances, rollouts, starts, ends: controls, .. } = *arrays;
     let returns = &plan.returns;
     if !returns.has_arrays() && returns.best.is_none() {
         return;
@@ -204,6 +205,10 @@ fn add_recordings(plan: &Plan, span: Span, arrays: &Arrays<'_>, part: &mut RollO
         }
         let shape = [rollouts.len(), graph.control_count()];
         part.final_controls = Some(Tensor::pack_points(&shape, controls));
+        let commanded: Option<Vec<Vec<Point>>> =
+            instances.iter().map(|i| plan.commanded(*i, starts)).collect();
+        part.final_commanded_controls =
+            commanded.map(|rows| Tensor::pack_points(&shape, &rows.concat()));
         if plan.grasps > 0 {
             let states = rollouts.iter().map(|r| r.final_state.as_ref());
             part.final_grasping = Some(grasping::pack(states, plan.grasps, n));

@@ -1,18 +1,19 @@
 //! The settled state of a twin: its rest shape come to rest in a world, held by its control points
 //! where they are at rest.
 //!
-//! It is simulated with more drag, which changes the way there but not where forces balance. Nodes
-//! below the world's ground start on it, since the ground pushes nothing out.
+//! It is simulated with more drag, which changes the way there but not where forces balance. Nodes in
+//! the world's ground or colliders start on their surfaces, since they push nothing out.
 
 use std::sync::Arc;
 
-use bendtwin_core::{CancelToken, Plane, Point, geometry::distance};
+use bendtwin_core::{CancelToken, Point, geometry::distance};
 use bendtwin_engine::{
     Backend, Objective,
     backend::{Instance, Outputs},
     model::State,
 };
 use bendtwin_proto::rollout;
+use bendtwin_register::leave_obstacles;
 
 use super::{error::Error, initial::Start, warm::Warm, world::Still};
 
@@ -49,11 +50,13 @@ pub(super) fn settle(
         }));
     }
     let model = world.load(&warm.loaded, DRAG, backend)?;
+    let mut state = State::rest(graph);
+    leave_obstacles(model.model(), &world.around_now(), &mut state);
+    let mut state = Arc::new(state);
     let (world, motion) = world.around(interval);
     let at_rest = Arc::new(graph.control_rest.clone());
     let controls: Arc<Vec<Point>> = Arc::new(at_rest.repeat(interval + 1));
     let outputs = Outputs { final_state: true, ..Outputs::NONE };
-    let mut state = Arc::new(above_ground(State::rest(graph), model.model().environment.ground));
     let mut speed_m_s = f64::INFINITY;
     for passed in 0..intervals {
         let instance = Instance {
@@ -85,17 +88,6 @@ pub(super) fn settle(
         }
     }
     Err(Error::NeverAtRest { speed_m_s, after_s: LONGEST_S })
-}
-
-/// The state with nodes below the ground lifted onto it.
-fn above_ground(mut state: State, ground: Option<Plane>) -> State {
-    let Some(Plane { normal, offset_m }) = ground else { return state };
-    for x in &mut state.positions {
-        let height: f32 = x.iter().zip(normal).map(|(x, n)| x * n).sum::<f32>() - offset_m;
-        let lift = (-height).max(0.0);
-        *x = std::array::from_fn(|k| x[k] + lift * normal[k]);
-    }
-    state
 }
 
 #[cfg(test)]

@@ -124,7 +124,14 @@ impl Execution<'_> {
         let path = |track: &Track| track.controls(span.rows()).to_vec();
         let paths =
             if plan.returns.controls { tracks.iter().flat_map(path).collect() } else { Vec::new() };
-        let arrays = reply::Arrays { indices, rollouts, means: &[], ends: &ends, paths: &paths };
+        let arrays = reply::Arrays {
+            indices,
+            rollouts,
+            means: &[],
+            starts: self.starts,
+            ends: &ends,
+            paths: &paths,
+        };
         reply::add_arrays(plan, span, &arrays, part);
     }
 }

@@ -219,11 +219,15 @@ impl Surroundings {
         Obstacles { ground: environment.ground, shapes: shapes.collect() }
     }
 
-    /// Middles of the spheres and boxes of grasps at frame boundaries [m], frame by frame.
-    pub(super) fn middles(&self, motion: &Motion) -> Vec<Point> {
+    /// Middles of the spheres and boxes of grasps: the gripper, and the place in its coordinates [m].
+    pub(super) fn places(&self) -> Vec<(usize, Point)> {
         let grasps = self.world.grasps.iter();
-        let middles: Vec<(usize, Point)> =
-            grasps.filter_map(|g| Some((g.body as usize, middle(&g.region)?))).collect();
+        grasps.filter_map(|g| Some((g.body as usize, middle(&g.region)?))).collect()
+    }
+
+    /// These middles at frame boundaries [m], frame by frame.
+    pub(super) fn middles(&self, motion: &Motion) -> Vec<Point> {
+        let middles = self.places();
         if middles.is_empty() {
             return Vec::new();
         }

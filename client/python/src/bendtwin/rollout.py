@@ -112,7 +112,7 @@ class Diagnostics:
     #: Deepest that a control point got in the ground or a fixed collider, beyond its depth in
     #: the initial state, metres.
     control_depth_m: float = 0.0
-    #: Farthest that a hand of trajectories was held back at the ground, metres; 0 if none was.
+    #: Farthest that a hand or gripper was held back at the ground, metres; 0 if none was.
     stopped_hand_m: float = 0.0
 
 
@@ -254,6 +254,8 @@ class RolloutResult:
     controls: FloatArray | None = None
     #: Final control points [R, C, 3], metres.
     final_controls: FloatArray | None = None
+    #: Those as grippers would have them if the ground did not hold them back [R, C, 3]; with poses.
+    final_commanded_controls: FloatArray | None = None
     #: What grasps hold in the final states; None without grasps.
     final_grasping: Grasping | None = None
     #: Costs of the members of an ensemble [B, E], of which `costs` are a statistic, but for
@@ -300,6 +302,7 @@ class RolloutResult:
             twists=self.final_twists,
             controls=self.final_controls,
             grasping=self.final_grasping,
+            commanded_controls=self.final_commanded_controls,
         )
 
     @classmethod
@@ -320,6 +323,7 @@ class RolloutResult:
                 "control_gradients",
                 "action_gradients",
                 "final_controls",
+                "final_commanded_controls",
                 "initial_position_gradients",
                 "initial_velocity_gradients",
                 "gradient_norms",

@@ -104,6 +104,9 @@ class State:
     controls: npt.ArrayLike | None = None
     #: None: nothing but what grasps take when the rollout begins.
     grasping: Grasping | None = None
+    #: Control points as grippers would have them if the ground did not hold them back, metres,
+    #: [C, 3]: from there `poses` carry them on. None: as `controls`.
+    commanded_controls: npt.ArrayLike | None = None
 
     def to_proto(self) -> rollout_pb2.InitialState:
         """Makes the wire form."""
@@ -121,6 +124,10 @@ class State:
             given.controls.CopyFrom(
                 pack_floats("initial controls", self.controls, (*batch, None, 3))
             )
+        if self.commanded_controls is not None:
+            given.commanded_controls.CopyFrom(
+                pack_floats("commanded controls", self.commanded_controls, (*batch, None, 3))
+            )
         if self.grasping is not None:
             given.grasping.CopyFrom(self.grasping.to_proto())
         return rollout_pb2.InitialState(given=given)
@@ -128,14 +135,14 @@ class State:
     @classmethod
     def from_proto(cls, message: rollout_pb2.InitialState.GivenState) -> State:
         """Reads the wire form."""
-        positions, velocities, twists, controls = (
+        positions, velocities, twists, controls, commanded = (
             unpack(getattr(message, name))
-            for name in ("positions", "velocities", "twists", "controls")
+            for name in ("positions", "velocities", "twists", "controls", "commanded_controls")
         )
         if positions is None:
             raise ValueError("a state without positions")
         grasping = Grasping.from_proto(message.grasping) if message.HasField("grasping") else None
-        return cls(positions, velocities, twists, controls, grasping)
+        return cls(positions, velocities, twists, controls, grasping, commanded)
 
 
 #: The name of a given state in the wire format.
@@ -172,4 +179,5 @@ def state_of(states: State, row: int) -> State:
         twists=pick(states.twists),
         controls=pick(states.controls),
         grasping=None if states.grasping is None else states.grasping.row(row),
+        commanded_controls=pick(states.commanded_controls),
     )

@@ -317,8 +317,8 @@ class Plausibility:
     #: Of the material; 1. A plan beyond it is worse than all that keep it; `float("inf")` lifts it.
     strain: float | None = None
     #: Of control points and grasps in the ground or colliders that stand still, of control
-    #: points beyond their depth in the initial state; 0.005. Hands of trajectories stop there
-    #: at the ground.
+    #: points beyond their depth in the initial state; 0.005. Hands and grippers stop there at the
+    #: ground.
     control_depth_m: float | None = None
     #: Raise an error with the reason IMPLAUSIBLE_MOTION instead.
     refuse: bool = False

@@ -38,6 +38,8 @@ pub struct Reply {
     pub final_twists: Vec<f32>,
     /// Final control points [m], shape [R, C].
     pub final_controls: Vec<Point>,
+    /// Those as grippers would have them if the ground did not hold them back [m], shape [R, C]; with poses.
+    pub final_commanded_controls: Vec<Point>,
     /// Holds of grasps in the final states, one after another; none without grasps.
     pub final_grasping: Option<Grasping>,
     /// d cost / d actions as the request gave them, [R, K, C, 3] or [R, K, G, 7].
@@ -120,7 +122,7 @@ pub struct Diagnostics {
     pub elastic_energy: f32,
     /// Nodes on the ground at the end.
     pub ground_contacts: u32,
-    /// Farthest that a hand of trajectories was held back at the ground [m]; 0 if none was.
+    /// Farthest that a hand or gripper was held back at the ground [m]; 0 if none was.
     pub stopped_hand_m: f32,
 }
 
@@ -215,6 +217,10 @@ impl TryFrom<RollOutResponse> for Reply {
             final_velocities: points(wire.final_velocities, "final_velocities")?,
             final_twists: floats(wire.final_twists, "final_twists")?,
             final_controls: points(wire.final_controls, "final_controls")?,
+            final_commanded_controls: points(
+                wire.final_commanded_controls,
+                "final_commanded_controls",
+            )?,
             final_grasping: wire.final_grasping.map(grasping).transpose()?,
             action_gradients: floats(wire.action_gradients, "action_gradients")?,
             mass_kg: wire.mass_kg,

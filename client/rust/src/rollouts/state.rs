@@ -21,6 +21,9 @@ pub struct State {
     pub twists: Vec<f32>,
     /// Control points [m], shape [C]; empty: where pins say, others at rest.
     pub controls: Vec<Point>,
+    /// Control points as grippers would have them if the ground did not hold them back [m], shape [C]:
+    /// from there poses carry them on. Empty: as `controls`.
+    pub commanded_controls: Vec<Point>,
     /// Holds of grasps; none without grasps.
     pub grasping: Option<Grasping>,
 }
@@ -48,6 +51,7 @@ impl From<&State> for GivenState {
             twists: (!state.twists.is_empty())
                 .then(|| Tensor::pack(&[state.twists.len()], &state.twists)),
             controls: points(&state.controls),
+            commanded_controls: points(&state.commanded_controls),
             grasping: state.grasping.as_ref().map(|g| v1::Grasping {
                 phases: numbers(&g.phases),
                 holders: numbers(&g.holders),
@@ -65,6 +69,7 @@ impl TryFrom<GivenState> for State {
             velocities: points(wire.velocities, "velocities")?,
             twists: floats(wire.twists, "twists")?,
             controls: points(wire.controls, "controls")?,
+            commanded_controls: points(wire.commanded_controls, "commanded_controls")?,
             grasping: wire.grasping.map(grasping).transpose()?,
         })
     }
@@ -78,6 +83,7 @@ impl State {
             velocities: one(&self.velocities, rows, row),
             twists: one(&self.twists, rows, row),
             controls: one(&self.controls, rows, row),
+            commanded_controls: one(&self.commanded_controls, rows, row),
             grasping: self.grasping.as_ref().map(|all| all.row(rows, row)),
         }
     }
@@ -107,6 +113,7 @@ impl Reply {
             velocities: one(&self.final_velocities, rows, row),
             twists: one(&self.final_twists, rows, row),
             controls: one(&self.final_controls, rows, row),
+            commanded_controls: one(&self.final_commanded_controls, rows, row),
             grasping,
         })
     }

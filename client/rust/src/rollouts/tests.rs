@@ -154,12 +154,14 @@ fn a_state_that_comes_out_goes_in_again() {
         final_velocities: Some(Tensor::pack_points(&[2, 2], &[row(2.0), row(3.0)].concat())),
         final_twists: Some(Tensor::pack(&[2, 1], &[0.1f32, 0.2])),
         final_controls: Some(Tensor::pack_points(&[2, 1], &[[4.0; 3], [5.0; 3]])),
+        final_commanded_controls: Some(Tensor::pack_points(&[2, 1], &[[6.0; 3], [7.0; 3]])),
         ..RollOutResponse::default()
     };
     let reply = Reply::try_from(wire).unwrap();
     let state = reply.state(1).unwrap();
     assert_eq!((&state.positions, &state.velocities), (&row(1.0), &row(3.0)));
     assert_eq!((&state.twists[..], &state.controls[..]), (&[0.2][..], &[[5.0; 3]][..]));
+    assert_eq!(state.commanded_controls, [[7.0; 3]]);
     assert_eq!(reply.state(2), None);
     let request = Rollout::of(TwinId::generate())
         .trajectories([2, 3, 1], vec![[0.0; 3]; 6])

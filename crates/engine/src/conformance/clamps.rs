@@ -12,9 +12,8 @@ use super::{
     twist::{branched_cable, cable},
 };
 use crate::{
-    Backend, PointLoss, PointSet, Term,
+    Backend,
     model::State,
-    objective::WeightedTerm,
     world::{Attachment, Grasp, IDENTITY, Phase, Pose, Region},
 };
 
@@ -248,16 +247,7 @@ pub(super) fn gradients_through_regrasps(backend: &dyn Backend) -> Outcome {
             scene.grasp(Grasp { attachment, ..pins(hand, nodes(&[1, 2])) }, |f| f >= 3);
             scene.grasp(pins(other, nodes(&[7, 8])), |f| f >= 3);
         }
-        let targets = scene.graph.rest_positions.iter().map(|p| [p[0] + 0.08, p[1], p[2] - 0.05]);
-        let track = Term::Track {
-            of: PointSet::Nodes,
-            points: (0..scene.graph.node_count() as u32).collect(),
-            targets: targets.collect(),
-            loss: PointLoss::SquaredDistance,
-        };
-        scene.objective.groups = vec!["track".into()];
-        scene.objective.terms =
-            Arc::new(vec![WeightedTerm { frame: 12, weight: 1.0, group: 0, term: track }]);
+        scene.track_all();
         let must_matter =
             &["twist stiffness", "twist damping", "initial twists", "poses", "initial positions"];
         matches_differences(backend, &scene, &Check { seed, tolerance: 1e-2, must_matter })?;

@@ -76,20 +76,8 @@ pub(super) fn gradients_of_a_straight_rod(backend: &dyn Backend) -> Outcome {
     scene.fix(0);
     scene.fix(1);
     scene.last(6);
-    let nodes = vec![2, 3, 4];
     let targets = vec![[0.2, 0.02, 0.0], [0.29, 0.05, 0.01], [0.37, 0.1, -0.02]];
-    scene.objective.groups = vec!["track".into()];
-    scene.objective.terms = Arc::new(vec![WeightedTerm {
-        frame: 6,
-        weight: 1.0,
-        group: 0,
-        term: Term::Track {
-            of: PointSet::Nodes,
-            points: nodes,
-            targets,
-            loss: PointLoss::SquaredDistance,
-        },
-    }]);
+    scene.track(vec![2, 3, 4], targets);
     let must_matter = &["controls", "initial positions", "initial velocities"];
     matches_differences(backend, &scene, &Check { seed: 0, tolerance: 1e-2, must_matter })
 }
@@ -119,16 +107,7 @@ pub(super) fn gradients_of_a_twisting_rod(backend: &dyn Backend) -> Outcome {
             .flat_map(|f| (0..rest.len()).map(move |c| (f, c)))
             .map(|(f, c)| at(f, c))
             .collect();
-        let targets = scene.graph.rest_positions.iter().map(|p| [p[0] + 0.08, p[1], p[2] - 0.05]);
-        let track = Term::Track {
-            of: PointSet::Nodes,
-            points: (0..scene.graph.node_count() as u32).collect(),
-            targets: targets.collect(),
-            loss: PointLoss::SquaredDistance,
-        };
-        scene.objective.groups = vec!["track".into()];
-        scene.objective.terms =
-            Arc::new(vec![WeightedTerm { frame: 12, weight: 1.0, group: 0, term: track }]);
+        scene.track_all();
         let must_matter = &[
             "twist stiffness",
             "twist damping",
@@ -153,16 +132,7 @@ pub(super) fn gradients_of_a_rolling_clamp(backend: &dyn Backend) -> Outcome {
     scene.params.drag = 1.0;
     scene.last(12);
     scene.motion.rolls = (0..=12).flat_map(|f| [0.2 * f as f32, -0.1 * f as f32]).collect();
-    let targets = scene.graph.rest_positions.iter().map(|p| [p[0] + 0.08, p[1], p[2] - 0.05]);
-    let track = Term::Track {
-        of: PointSet::Nodes,
-        points: (0..scene.graph.node_count() as u32).collect(),
-        targets: targets.collect(),
-        loss: PointLoss::SquaredDistance,
-    };
-    scene.objective.groups = vec!["track".into()];
-    scene.objective.terms =
-        Arc::new(vec![WeightedTerm { frame: 12, weight: 1.0, group: 0, term: track }]);
+    scene.track_all();
     let must_matter = &["rolls", "twist stiffness"];
     matches_differences(backend, &scene, &Check { seed: 0, tolerance: 1e-2, must_matter })
 }
@@ -276,17 +246,8 @@ pub(super) fn gradients_through_object_contact(backend: &dyn Backend) -> Outcome
         scene.params.drag = 0.3;
         scene.initial.velocities = vec![[0.5, 0.1, 0.0], [-0.4, sideways, 0.1], [0.0, 0.1, 0.0]];
         scene.last(3);
-        let nodes = vec![0, 1, 2];
         let targets = vec![[0.05, 0.0, 0.08], [0.0, 0.0, -0.09], [0.1, 0.1, 0.0]];
-        let track = Term::Track {
-            of: PointSet::Nodes,
-            points: nodes,
-            targets,
-            loss: PointLoss::SquaredDistance,
-        };
-        scene.objective.groups = vec!["track".into()];
-        scene.objective.terms =
-            Arc::new(vec![WeightedTerm { frame: 3, weight: 1.0, group: 0, term: track }]);
+        scene.track(vec![0, 1, 2], targets);
         let check = Check {
             seed,
             tolerance: 1e-2,

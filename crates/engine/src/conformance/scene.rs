@@ -10,9 +10,10 @@ use bendtwin_core::{
 use bendtwin_graph::{NodeSample, rest_geometry};
 
 use crate::{
-    Backend, Error, Loaded, Model, Objective,
+    Backend, Error, Loaded, Model, Objective, PointLoss, PointSet, Term,
     backend::{Diagnose, Forces, Gradient, GradientRequest, Instance, Loss, Outputs, Rollout},
     model::State,
+    objective::WeightedTerm,
     world::{Face, Grasp, Motion, Pose, Shape, World},
 };
 
@@ -155,6 +156,22 @@ impl Scene {
     /// Runs for `frames`, control points resting.
     pub(super) fn last(&mut self, frames: usize) {
         self.drive(frames, |_| [0.0; 3]);
+    }
+
+    /// Has nodes at targets [m] in the last frame: the only term of the objective.
+    pub(super) fn track(&mut self, points: Vec<u32>, targets: Vec<Point>) {
+        let (of, loss) = (PointSet::Nodes, PointLoss::SquaredDistance);
+        let term = Term::Track { of, points, targets, loss };
+        self.objective.groups = vec!["track".into()];
+        self.objective.terms =
+            Arc::new(vec![WeightedTerm { frame: self.frames, weight: 1.0, group: 0, term }]);
+    }
+
+    /// The same with all nodes, which are to get along x and down.
+    pub(super) fn track_all(&mut self) {
+        let rest = self.graph.rest_positions.iter();
+        let targets = rest.map(|p| [p[0] + 0.08, p[1], p[2] - 0.05]).collect();
+        self.track((0..self.graph.node_count() as u32).collect(), targets);
     }
 
     pub(super) fn ground(&mut self, normal: Point, offset_m: f32, restitution: f32, friction: f32) {

@@ -17,6 +17,7 @@ const POSITIONS: &str = "initial.given.positions";
 const VELOCITIES: &str = "initial.given.velocities";
 const TWISTS: &str = "initial.given.twists";
 const CONTROLS: &str = "initial.given.controls";
+const COMMANDED: &str = "initial.given.commanded_controls";
 const PHASES: &str = "initial.given.grasping.phases";
 const HOLDERS: &str = "initial.given.grasping.holders";
 const PLACES: &str = "initial.given.grasping.places";
@@ -81,6 +82,15 @@ fn check_given(state: &GivenState, instances: u64) -> Result<(), Error> {
         let (controls, other) = required(Some(controls), CONTROLS, Dtype::Float32)?;
         row_width(&other, lead, Some(3), CONTROLS)?;
         finite(controls, CONTROLS)?;
+    }
+    if let Some(commanded) = given(state.commanded_controls.as_ref()) {
+        let (commanded, other) = required(Some(commanded), COMMANDED, Dtype::Float32)?;
+        let controls = given(state.controls.as_ref());
+        if controls.is_none_or(|controls| controls.shape != commanded.shape) {
+            let fault = format!("has shape {other:?}, not that of `initial.given.controls`");
+            return Err(Error::field(COMMANDED, fault));
+        }
+        finite(commanded, COMMANDED)?;
     }
     state.grasping.as_ref().map_or(Ok(()), |grasping| check_grasping(grasping, lead, &shape))
 }

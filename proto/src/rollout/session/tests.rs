@@ -97,6 +97,7 @@ fn states_are_no_larger_than_expected() {
             velocities: points(n),
             twists: Some(Tensor::pack(&[slots, r], &vec![0.0f32; slots * r])),
             controls: points(c),
+            commanded_controls: points(c),
             grasping: (grasps > 0).then(|| Grasping {
                 phases: numbers(grasps),
                 holders: numbers(n),

@@ -120,6 +120,9 @@ fn reply(
         reply.final_velocities = reply.final_positions.clone();
         reply.final_twists = twin.rods.map(|rods| tensor(&[holders, rods], 4));
         reply.final_controls = Some(tensor(&[holders, twin.controls, 3], 4));
+        if matches!(request.actions, Some(Actions::Poses(_))) {
+            reply.final_commanded_controls.clone_from(&reply.final_controls);
+        }
         let grasps = request.grasps.len() as u64;
         reply.final_grasping = (grasps > 0).then(|| Grasping {
             phases: Some(tensor(&[holders, grasps], 4)),

@@ -28,6 +28,7 @@ fn request(b: usize) -> RollOutRequest {
             holders: numbered(&[4], 6e3),
             places: numbered(&[b, 4, 3], 7e3),
         }),
+        commanded_controls: numbered(&[b, 2, 3], 4.5e3),
     };
     let cloud = TargetCloud { points: numbered(&[b, 1, 5, 3], 8e3), point_set: 0 };
     let keypoints = Keypoints {
@@ -80,6 +81,7 @@ fn seen(request: &RollOutRequest, instance: usize, b: usize) -> Vec<Vec<f32>> {
         of(&g.velocities, 3),
         of(&g.twists, 2),
         of(&g.controls, 3),
+        of(&g.commanded_controls, 3),
         of(&grasping.phases, 2),
         of(&grasping.holders, 2),
         of(&grasping.places, 3),

@@ -155,6 +155,7 @@ pub(super) fn state(reply: &RollOutResponse) -> GivenState {
         velocities: reply.final_velocities.clone(),
         twists: reply.final_twists.clone(),
         controls: reply.final_controls.clone(),
+        commanded_controls: reply.final_commanded_controls.clone(),
         grasping: reply.final_grasping.clone(),
     }
 }

@@ -1,35 +1,62 @@
-//! Hands that stop at the ground. A hand that is driven into the table would pull on what lies there
-//! with any force; a robot's stops. So no control point of trajectories, and no node pinned to one,
-//! gets deeper below the ground than a request's `plausibility.control_depth_m` (a recorded hand may
-//! seem to be some millimetres in the table), or than it began. A hand that would get deeper is
+//! Hands and grippers that stop at the ground. A hand that is driven into the table would pull on what
+//! lies there with any force; a robot's stops. So no point of a hand gets deeper below the ground than a
+//! request's `plausibility.control_depth_m`. Its points are its control points, the nodes pinned to them
+//! and, of a gripper, the middles of its grasps' spheres and boxes. A hand that would get deeper is
 //! shifted along the ground's normal, as a rigid body, by the least that suffices:
 //!
 //! ```text
-//! shift = max(0, max over points p of (depth(p) - max(depth_began(p), allowed)))
+//! shift = max(0, max over points p of (depth(p) - limit(p)))
 //! ```
+//!
+//! A recorded hand may seem to be in the table. So control points and what is pinned to them may also be
+//! as deep as the twin has them at rest below its own ground, and as deep as they were a frame earlier.
+//!
+//! Nothing older than a frame counts, so frames that are executed one after the other stop as those of
+//! one rollout do. Poses carry control points from where a gripper would have them, not from where it is
+//! held back; a state has both ([`Start::commanded`]). Nodes that grasps take do not stop a gripper, as
+//! which they are is not known before a simulation.
 //!
 //! The motion of a hand along the normal does nothing while the hand is held back, and its gradient is
 //! zero: the deepest point gets the negative of d loss / d shift, which is the sum over the hand of
-//! n . d loss / d x.
-//!
-//! A stop depends on the trajectory alone, so frames that are executed one after the other stop as those
-//! of one rollout do. That would not hold for grippers: their control points move with them from where
-//! the state has them, which after a stop is not where the gripper would have them. Grippers in the ground
-//! are reported (`CONTROL_IN_OBSTACLE`).
+//! n . d loss / d x. If its limit is the depth a frame earlier, that frame gets the opposite.
 
 use bendtwin_core::{Graph, Plane, Point, geometry::dot};
-use bendtwin_engine::backend::Gradient;
+use bendtwin_engine::{backend::Gradient, world::Pose};
 
 use super::{Actions, Kind};
+use crate::rollout::initial::Start;
+
+/// Depth beyond a limit that is rounding: the hand is at the limit [m].
+const ROUNDING_M: f32 = 1e-6;
 
 /// The ground and what may meet it.
 pub(in crate::rollout) struct Floor<'a> {
     pub(in crate::rollout) plane: Plane,
     /// Depth that is allowed [m].
     pub(in crate::rollout) allowed_m: f32,
+    /// The twin's graph, and the ground that it has itself.
     pub(in crate::rollout) graph: &'a Graph,
-    /// Control points of the initial state [m], shape [C].
-    pub(in crate::rollout) start: &'a [Point],
+    pub(in crate::rollout) own: Option<Plane>,
+    pub(in crate::rollout) start: &'a Start,
+    /// Middles of grasps: the gripper, and the place in its coordinates [m].
+    pub(in crate::rollout) middles: Vec<(usize, Point)>,
+}
+
+/// A point that stops its hand.
+#[derive(Clone, Copy, Debug)]
+struct Probe {
+    hand: usize,
+    place: Place,
+    /// Depth that it may have whatever it had before [m].
+    limit_m: f32,
+}
+
+#[derive(Clone, Copy, Debug)]
+enum Place {
+    /// Beside a control point [m].
+    Control(usize, Point),
+    /// In the gripper's coordinates [m].
+    Gripper(Point),
 }
 
 /// How far a hand is held back at a frame boundary.
@@ -37,8 +64,10 @@ pub(in crate::rollout) struct Floor<'a> {
 struct Shift {
     /// [m]
     by: f32,
-    /// The control point that holds it back.
-    deepest: Option<usize>,
+    /// The point that holds it back.
+    probe: usize,
+    /// True if its limit is the depth a frame earlier.
+    follows: bool,
 }
 
 /// The most that a hand is held back [m], and the frame of that.
@@ -55,57 +84,105 @@ pub(in crate::rollout) struct Stops {
     /// Shape [F + 1, hands]; empty if no hand is held back.
     shifts: Vec<Shift>,
     hands: usize,
+    probes: Vec<Probe>,
+    /// Grippers carry the control points, from where the state has them.
+    carries: bool,
 }
 
 impl Floor<'_> {
     fn depth(&self, x: Point) -> f32 {
-        self.plane.offset_m - dot(self.plane.normal, x)
+        below(self.plane, x)
     }
 
-    /// Control points and what is pinned to them: the control point, the offset from it [m], and how
-    /// deep it may get [m].
-    fn prescribed(&self) -> Vec<(usize, Point, f32)> {
-        let limit = |x: Point| self.depth(x).max(self.allowed_m);
-        let own = self.start.iter().enumerate().map(|(c, x)| (c, [0.0; 3], limit(*x)));
-        let pinned = self.graph.pins.iter().filter_map(|pin| {
-            let c = pin.control as usize;
-            let x = moved(*self.start.get(c)?, 1.0, pin.offset_m);
-            Some((c, pin.offset_m, limit(x)))
+    /// The points of hands, given those of the control points.
+    fn probes(&self, hands: &[usize]) -> Vec<Probe> {
+        let own = (0..hands.len()).map(|c| (c, [0.0; 3]));
+        let pinned = self.graph.pins.iter().map(|pin| (pin.control as usize, pin.offset_m));
+        let of_control = own.chain(pinned).filter_map(|(c, offset)| {
+            let rest = moved(*self.graph.control_rest.get(c)?, 1.0, offset);
+            let limit_m =
+                self.own.map_or(self.allowed_m, |own| below(own, rest).max(self.allowed_m));
+            Some(Probe { hand: *hands.get(c)?, place: Place::Control(c, offset), limit_m })
         });
-        own.chain(pinned).collect()
+        let middles = self.middles.iter().map(|&(hand, place)| Probe {
+            hand,
+            place: Place::Gripper(place),
+            limit_m: self.allowed_m,
+        });
+        of_control.chain(middles).collect()
+    }
+}
+
+impl Probe {
+    /// Where it is in a frame with these control points and grippers.
+    fn at(&self, controls: &[Point], grippers: &[Pose]) -> Point {
+        match self.place {
+            Place::Control(c, offset) => moved(controls[c], 1.0, offset),
+            Place::Gripper(place) => grippers[self.hand]
+                .map(|[x, y, z, at]| x * place[0] + y * place[1] + z * place[2] + at),
+        }
+    }
+
+    /// Whether it may be as deep as a frame earlier.
+    fn remembers(&self) -> bool {
+        matches!(self.place, Place::Control(..))
     }
 }
 
 impl Actions {
-    /// Holds back the hands of an instance: shifts `controls`, shape [F + 1, C].
-    pub(in crate::rollout) fn stop(&self, controls: &mut [Point], floor: &Floor<'_>) -> Stops {
-        if matches!(self.kind, Kind::Poses(_)) {
-            return Stops::default();
-        }
+    /// Holds back the hands of an instance: shifts `controls`, shape [F + 1, C], and the poses of
+    /// grippers, the first of each row of `poses`, shape [F + 1, B] or empty.
+    pub(in crate::rollout) fn stop(
+        &self,
+        controls: &mut [Point],
+        poses: &mut [Pose],
+        floor: &Floor<'_>,
+    ) -> Stops {
         let frames = self.schedule.places().len().max(1);
-        let width = controls.len() / frames;
-        let hands = self.hands.iter().max().map_or(0, |last| last + 1);
-        let prescribed = floor.prescribed();
+        let (width, bodies) = (controls.len() / frames, poses.len() / frames);
+        let carries = matches!(self.kind, Kind::Poses(_));
+        let grippers = if bodies == 0 { 0 } else { self.grippers() };
+        let hands = self.hands.iter().max().map_or(0, |last| last + 1).max(grippers);
+        let probes = floor.probes(&self.hands);
         let mut shifts = vec![Shift::default(); frames * hands];
-        for (frame, row) in shifts.chunks_mut(hands.max(1)).enumerate() {
-            for &(c, offset, limit) in &prescribed {
-                let by = floor.depth(moved(controls[frame * width + c], 1.0, offset)) - limit;
-                let shift = &mut row[self.hands[c]];
+        let begun = floor.start.here();
+        let depth_at = |row: &[Point], probe: &Probe| match probe.remembers() {
+            true => floor.depth(probe.at(row, &[])),
+            false => f32::NEG_INFINITY,
+        };
+        let mut before: Vec<f32> = probes.iter().map(|probe| depth_at(begun, probe)).collect();
+        for (frame, shifts) in shifts.chunks_mut(hands.max(1)).enumerate() {
+            let row = &mut controls[frame * width..(frame + 1) * width];
+            let poses = &mut poses[frame * bodies..][..grippers];
+            for (index, (probe, before)) in probes.iter().zip(&before).enumerate() {
+                let follows = *before > probe.limit_m + ROUNDING_M;
+                let limit = if follows { *before } else { probe.limit_m };
+                let by = floor.depth(probe.at(row, poses)) - limit;
+                let shift = &mut shifts[probe.hand];
                 if by > shift.by {
-                    *shift = Shift { by, deepest: Some(c) };
+                    *shift = Shift { by, probe: index, follows };
                 }
             }
+            let held_back = |hand: usize| Some(shifts[hand].by).filter(|by| *by > 0.0);
+            for (x, hand) in row.iter_mut().zip(&self.hands) {
+                if let Some(by) = held_back(*hand) {
+                    *x = moved(*x, by, floor.plane.normal);
+                }
+            }
+            for (gripper, pose) in poses.iter_mut().enumerate() {
+                if let Some(by) = held_back(gripper) {
+                    (0..3).for_each(|i| pose[i][3] += by * floor.plane.normal[i]);
+                }
+            }
+            if carries && frame == 0 {
+                row.copy_from_slice(&floor.start.controls);
+            }
+            before = probes.iter().map(|probe| depth_at(row, probe)).collect();
         }
         if shifts.iter().all(|shift| shift.by == 0.0) {
             return Stops::default();
         }
-        let normal = floor.plane.normal;
-        for (frame, row) in shifts.chunks(hands).enumerate() {
-            for (x, hand) in controls[frame * width..].iter_mut().zip(&self.hands) {
-                *x = moved(*x, row[*hand].by, normal);
-            }
-        }
-        Stops { normal, shifts, hands }
+        Stops { normal: floor.plane.normal, shifts, hands, probes, carries }
     }
 }
 
@@ -127,20 +204,54 @@ impl Stops {
     pub(in crate::rollout) fn back(&self, actions: &Actions, by: &mut Gradient) {
         let frames = self.shifts.len().checked_div(self.hands).unwrap_or(0);
         let width = by.controls.len().checked_div(frames).unwrap_or(0);
-        for frame in 0..frames {
-            let row = by.controls.get_mut(frame * width..(frame + 1) * width).unwrap_or_default();
+        let bodies = by.poses.len().checked_div(frames).unwrap_or(0);
+        let grippers = if bodies == 0 { 0 } else { actions.grippers() };
+        let along = |g: Point| f64::from(dot(self.normal, g));
+        for frame in (0..frames).rev() {
             let mut sums = vec![0.0f64; self.hands];
-            for (g, hand) in row.iter().zip(&actions.hands) {
-                sums[*hand] += f64::from(dot(self.normal, *g));
+            // What grippers carry begins where the state has it.
+            let from = if self.carries && frame == 0 { width } else { 0 };
+            let row = by.controls.get(frame * width..(frame + 1) * width).unwrap_or_default();
+            for (g, hand) in row.iter().zip(&actions.hands).skip(from) {
+                sums[*hand] += along(*g);
+            }
+            for (g, sum) in by.poses.iter().skip(frame * bodies).take(grippers).zip(&mut sums) {
+                *sum += along(g.map(|row| row[3]));
             }
             for (hand, sum) in sums.into_iter().enumerate() {
-                let deepest = self.shifts[frame * self.hands + hand].deepest;
-                if let Some(g) = deepest.and_then(|c| row.get_mut(c)) {
-                    *g = moved(*g, -sum as f32, self.normal);
+                let shift = self.shifts[frame * self.hands + hand];
+                let Some(probe) = self.probes.get(shift.probe).filter(|_| shift.by > 0.0) else {
+                    continue;
+                };
+                match probe.place {
+                    Place::Control(c, _) => {
+                        let mut add = |frame: usize, t: f64| {
+                            if let Some(g) = by.controls.get_mut(frame * width + c) {
+                                *g = moved(*g, t as f32, self.normal);
+                            }
+                        };
+                        add(frame, -sum);
+                        if shift.follows && frame > 0 {
+                            add(frame - 1, sum);
+                        }
+                    }
+                    Place::Gripper([x, y, z]) => {
+                        if let Some(g) = by.poses.get_mut(frame * bodies + hand) {
+                            for (row, n) in g.iter_mut().zip(self.normal) {
+                                let place = [x, y, z, 1.0];
+                                *row = std::array::from_fn(|j| row[j] - sum as f32 * n * place[j]);
+                            }
+                        }
+                    }
                 }
             }
         }
     }
+}
+
+/// Depth below a plane [m].
+fn below(plane: Plane, x: Point) -> f32 {
+    plane.offset_m - dot(plane.normal, x)
 }
 
 /// x + t v

@@ -6,7 +6,7 @@ use bendtwin_engine::backend::Rollout;
 use bendtwin_proto::v1::Tensor;
 
 use super::{Arrays, Span, extend_padded};
-use crate::rollout::plan::Plan;
+use crate::rollout::{initial::Starts, plan::Plan};
 
 /// Arrays of one instance of each action, its first member.
 pub(super) struct FirstMembers {
@@ -17,9 +17,9 @@ pub(super) struct FirstMembers {
 }
 
 impl FirstMembers {
-    pub(super) fn arrays(&self) -> Arrays<'_> {
+    pub(super) fn arrays<'a>(&'a self, starts: &'a Starts) -> Arrays<'a> {
         let Self { indices, rollouts, ends, paths } = self;
-        Arrays { indices, rollouts, means: &[], ends, paths }
+        Arrays { indices, rollouts, means: &[], starts, ends, paths }
     }
 }
 

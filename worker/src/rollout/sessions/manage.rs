@@ -236,12 +236,17 @@ fn given(starts: &[Start], graph: &Graph, grasps: usize) -> GivenState {
         let all: Vec<f32> = starts.iter().flat_map(|s| -> Vec<f32> { own(s) }).collect();
         Tensor::pack(&[starts.len(), r], &all)
     };
-    let controls: Vec<Point> = starts.iter().flat_map(|s| s.controls.iter()).copied().collect();
+    let all = |of: fn(&Start) -> &[Point]| {
+        let all: Vec<Point> = starts.iter().flat_map(of).copied().collect();
+        Some(Tensor::pack_points(&[starts.len(), c], &all))
+    };
+    let is_held_back = starts.iter().any(|s| s.commanded.is_some());
     GivenState {
         positions: points(|s| &s.positions),
         velocities: points(|s| &s.velocities),
         twists: (r > 0).then(twists),
-        controls: Some(Tensor::pack_points(&[starts.len(), c], &controls)),
+        controls: all(|s| &s.controls),
+        commanded_controls: is_held_back.then(|| all(Start::commanded)).flatten(),
         grasping: (grasps > 0)
             .then(|| grasping::pack(starts.iter().map(|s| Some(&*s.state)), grasps, n)),
     }
@@ -250,10 +255,12 @@ fn given(starts: &[Start], graph: &Graph, grasps: usize) -> GivenState {
 /// One state with so many grasps as an initial state takes it, without a batch in front.
 pub(in crate::rollout) fn given_one(start: &Start, graph: &Graph, grasps: usize) -> GivenState {
     let mut state = given(std::slice::from_ref(start), graph, grasps);
-    let GivenState { positions, velocities, twists, controls, grasping } = &mut state;
+    let GivenState { positions, velocities, twists, controls, grasping, commanded_controls } =
+        &mut state;
     let of_grasps =
         grasping.iter_mut().flat_map(|g| [&mut g.phases, &mut g.holders, &mut g.places]);
-    for tensor in [positions, velocities, twists, controls].into_iter().chain(of_grasps).flatten() {
+    let of_nodes = [positions, velocities, twists, controls, commanded_controls];
+    for tensor in of_nodes.into_iter().chain(of_grasps).flatten() {
         tensor.shape.remove(0);
     }
     state

@@ -90,6 +90,11 @@ fn it_rests_on_the_ground_and_the_colliders_of_the_world() {
     };
     let on_path = on_table(Some(collider::Carrier::Path(path)));
     assert!((lowest(&on_path) - 0.25).abs() < 2e-3, "{on_path:?}");
+    // A table that begins above the chain's end takes the nodes in it out on their side.
+    let poses = [[0.0, 0.0, 0.3, 0.0, 0.0, 0.0, 1.0f32]];
+    let path = Tensor::pack(&[1, 7], poses.as_flattened());
+    let lifted = on_table(Some(collider::Carrier::Path(path)));
+    assert!(lowest(&lifted) > 0.3 - 2e-3, "{lifted:?}");
     // Nobody knows where the gripper is.
     let carried = on_table(Some(collider::Carrier::Gripper(0)));
     assert_eq!(carried.state, settled(twin(), WORK).unwrap().state);

@@ -1,6 +1,6 @@
 //! Whole states: what comes out of a rollout goes into the next, bit for bit.
 
-use bendtwin_proto::v1::GripperPoses;
+use bendtwin_proto::v1::{self, GripperPoses};
 
 use super::*;
 
@@ -36,6 +36,7 @@ fn going_on(part: RollOutResponse) -> Option<InitialState> {
         velocities: part.final_velocities,
         twists: part.final_twists,
         controls: part.final_controls,
+        commanded_controls: part.final_commanded_controls,
         grasping: part.final_grasping,
     };
     Some(InitialState { state: Some(State::Given(given)) })
@@ -61,6 +62,44 @@ fn poses_go_on_from_a_state_bit_for_bit() {
     assert!((controls[2][0] - 0.0).abs() > 0.05, "{controls:?}");
 }
 
+/// A gripper dives into the ground, turns there and comes up again.
+#[test]
+fn grippers_that_stop_go_on_from_a_state_bit_for_bit() {
+    let bench = Bench::new();
+    let dive = |frame: usize| {
+        let (t, turn) = (frame as f32 / 12.0, 0.04 * frame as f32);
+        [0.1 * t, 0.0, 0.65 - 0.5 * t * (1.0 - t), 0.0, turn.sin(), 0.0, turn.cos()]
+    };
+    let request = |rows: std::ops::RangeInclusive<usize>| {
+        let poses: Vec<[f32; 7]> = rows.map(dive).collect();
+        let poses = Some(Tensor::pack(&[1, poses.len(), 1, 7], poses.as_flattened()));
+        let ground = v1::Plane { normal: Vec::new(), offset_m: 0.55 };
+        RollOutRequest {
+            actions: Some(Actions::Poses(GripperPoses { poses, ..GripperPoses::default() })),
+            world: Some(v1::World {
+                ground_choice: Some(v1::world::GroundChoice::Ground(ground)),
+                ..v1::World::default()
+            }),
+            returns: Some(Returns { final_state: true, diagnostics: true, ..Returns::default() }),
+            ..RollOutRequest::default()
+        }
+    };
+    let whole = bench.run(request(0..=12), 0).unwrap().remove(0);
+    assert!(whole.diagnostics[0].stopped_hand_m > 0.05, "{:?}", whole.diagnostics);
+    for split in [1, 6, 11] {
+        let first = bench.run(request(0..=split), 0).unwrap().remove(0);
+        let is_held = first.final_controls != first.final_commanded_controls;
+        assert_eq!(is_held, split == 6);
+        let mut second = request(split..=12);
+        second.initial = going_on(first);
+        let second = bench.run(second, 0).unwrap().remove(0);
+        assert_eq!(second.final_positions, whole.final_positions, "split at {split}");
+        assert_eq!(second.final_velocities, whole.final_velocities);
+        assert_eq!(second.final_controls, whole.final_controls);
+        assert_eq!(second.final_commanded_controls, whole.final_commanded_controls);
+    }
+}
+
 #[test]
 fn a_state_of_one_starts_all_instances() {
     let bench = Bench::new();
@@ -72,6 +111,7 @@ fn a_state_of_one_starts_all_instances() {
     single(&mut first.final_positions);
     single(&mut first.final_velocities);
     single(&mut first.final_controls);
+    single(&mut first.final_commanded_controls);
     let mut second = carried(2, 6..=12);
     second.initial = going_on(first);
     let (plan, wanted) = bench.plan(second, 0).unwrap();

@@ -203,6 +203,7 @@ def _start(task: Task, count: int) -> State:
         None
         if grasping is None
         else Grasping(*map(tiled, (grasping.phases, grasping.holders, grasping.places))),
+        tiled(state.controls if state.commanded_controls is None else state.commanded_controls),
     )
 
 
@@ -227,4 +228,5 @@ def _chosen(which: _Mask, new: State, old: State) -> State:
         rows(new.twists, old.twists),
         rows(new.controls, old.controls),
         grasping,
+        rows(new.commanded_controls, old.commanded_controls),
     )

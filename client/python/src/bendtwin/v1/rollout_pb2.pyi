@@ -169,18 +169,20 @@ class InitialState(_message.Message):
         frame: int
         def __init__(self, capture: _Optional[str] = ..., sequence: _Optional[int] = ..., frame: _Optional[int] = ...) -> None: ...
     class GivenState(_message.Message):
-        __slots__ = ("positions", "velocities", "twists", "controls", "grasping")
+        __slots__ = ("positions", "velocities", "twists", "controls", "grasping", "commanded_controls")
         POSITIONS_FIELD_NUMBER: _ClassVar[int]
         VELOCITIES_FIELD_NUMBER: _ClassVar[int]
         TWISTS_FIELD_NUMBER: _ClassVar[int]
         CONTROLS_FIELD_NUMBER: _ClassVar[int]
         GRASPING_FIELD_NUMBER: _ClassVar[int]
+        COMMANDED_CONTROLS_FIELD_NUMBER: _ClassVar[int]
         positions: _tensor_pb2.Tensor
         velocities: _tensor_pb2.Tensor
         twists: _tensor_pb2.Tensor
         controls: _tensor_pb2.Tensor
         grasping: _world_pb2.Grasping
-        def __init__(self, positions: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., velocities: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., twists: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., controls: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., grasping: _Optional[_Union[_world_pb2.Grasping, _Mapping]] = ...) -> None: ...
+        commanded_controls: _tensor_pb2.Tensor
+        def __init__(self, positions: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., velocities: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., twists: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., controls: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., grasping: _Optional[_Union[_world_pb2.Grasping, _Mapping]] = ..., commanded_controls: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ...) -> None: ...
     REST_FIELD_NUMBER: _ClassVar[int]
     CAPTURE_FRAME_FIELD_NUMBER: _ClassVar[int]
     GIVEN_FIELD_NUMBER: _ClassVar[int]
@@ -357,7 +359,7 @@ class Returns(_message.Message):
     def __init__(self, every_frames: _Optional[int] = ..., nodes: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., encoding: _Optional[_Union[Returns.Encoding, str]] = ..., best: _Optional[int] = ..., final_state: bool = ..., diagnostics: bool = ..., control_gradients: bool = ..., action_gradients: bool = ..., initial_gradients: bool = ..., gradient_norms: bool = ..., velocities: bool = ..., forces: bool = ..., frame_costs: bool = ..., controls: bool = ..., part_frames: _Optional[int] = ..., point_set: _Optional[_Union[PointSet, str]] = ..., skin_points: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., spread: bool = ...) -> None: ...
 
 class RollOutResponse(_message.Message):
-    __slots__ = ("first_instance", "costs", "cost_names", "cost_terms", "instances", "frames", "positions", "final_positions", "final_velocities", "control_gradients", "diagnostics", "diverged", "timing", "worker", "fidelity", "substeps", "deviation", "final_twists", "final_controls", "final_grasping", "action_gradients", "initial_position_gradients", "initial_velocity_gradients", "gradient_norms", "gradient_exploded", "velocities", "forces", "frame_costs", "controls", "member_costs", "implausible", "mass_kg", "window", "unfinished", "spread")
+    __slots__ = ("first_instance", "costs", "cost_names", "cost_terms", "instances", "frames", "positions", "final_positions", "final_velocities", "control_gradients", "diagnostics", "diverged", "timing", "worker", "fidelity", "substeps", "deviation", "final_twists", "final_controls", "final_grasping", "final_commanded_controls", "action_gradients", "initial_position_gradients", "initial_velocity_gradients", "gradient_norms", "gradient_exploded", "velocities", "forces", "frame_costs", "controls", "member_costs", "implausible", "mass_kg", "window", "unfinished", "spread")
     class Window(_message.Message):
         __slots__ = ("first_frame", "last_frame")
         FIRST_FRAME_FIELD_NUMBER: _ClassVar[int]
@@ -455,6 +457,7 @@ class RollOutResponse(_message.Message):
     FINAL_TWISTS_FIELD_NUMBER: _ClassVar[int]
     FINAL_CONTROLS_FIELD_NUMBER: _ClassVar[int]
     FINAL_GRASPING_FIELD_NUMBER: _ClassVar[int]
+    FINAL_COMMANDED_CONTROLS_FIELD_NUMBER: _ClassVar[int]
     ACTION_GRADIENTS_FIELD_NUMBER: _ClassVar[int]
     INITIAL_POSITION_GRADIENTS_FIELD_NUMBER: _ClassVar[int]
     INITIAL_VELOCITY_GRADIENTS_FIELD_NUMBER: _ClassVar[int]
@@ -490,6 +493,7 @@ class RollOutResponse(_message.Message):
     final_twists: _tensor_pb2.Tensor
     final_controls: _tensor_pb2.Tensor
     final_grasping: _world_pb2.Grasping
+    final_commanded_controls: _tensor_pb2.Tensor
     action_gradients: _tensor_pb2.Tensor
     initial_position_gradients: _tensor_pb2.Tensor
     initial_velocity_gradients: _tensor_pb2.Tensor
@@ -505,4 +509,4 @@ class RollOutResponse(_message.Message):
     window: RollOutResponse.Window
     unfinished: _tensor_pb2.Tensor
     spread: _tensor_pb2.Tensor
-    def __init__(self, first_instance: _Optional[int] = ..., costs: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., cost_names: _Optional[_Iterable[str]] = ..., cost_terms: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., instances: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., frames: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., positions: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., final_positions: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., final_velocities: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., control_gradients: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., diagnostics: _Optional[_Iterable[_Union[RollOutResponse.Diagnostics, _Mapping]]] = ..., diverged: _Optional[_Iterable[_Union[RollOutResponse.Divergence, _Mapping]]] = ..., timing: _Optional[_Union[RollOutResponse.Timing, _Mapping]] = ..., worker: _Optional[str] = ..., fidelity: _Optional[_Union[Fidelity, str]] = ..., substeps: _Optional[int] = ..., deviation: _Optional[_Union[RollOutResponse.Deviation, _Mapping]] = ..., final_twists: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., final_controls: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., final_grasping: _Optional[_Union[_world_pb2.Grasping, _Mapping]] = ..., action_gradients: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., initial_position_gradients: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., initial_velocity_gradients: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., gradient_norms: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., gradient_exploded: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., velocities: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., forces: _Optional[_Union[RollOutResponse.Forces, _Mapping]] = ..., frame_costs: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., controls: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., member_costs: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., implausible: _Optional[_Iterable[_Union[RollOutResponse.Implausible, _Mapping]]] = ..., mass_kg: _Optional[float] = ..., window: _Optional[_Union[RollOutResponse.Window, _Mapping]] = ..., unfinished: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., spread: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ...) -> None: ...
+    def __init__(self, first_instance: _Optional[int] = ..., costs: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., cost_names: _Optional[_Iterable[str]] = ..., cost_terms: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., instances: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., frames: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., positions: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., final_positions: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., final_velocities: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., control_gradients: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., diagnostics: _Optional[_Iterable[_Union[RollOutResponse.Diagnostics, _Mapping]]] = ..., diverged: _Optional[_Iterable[_Union[RollOutResponse.Divergence, _Mapping]]] = ..., timing: _Optional[_Union[RollOutResponse.Timing, _Mapping]] = ..., worker: _Optional[str] = ..., fidelity: _Optional[_Union[Fidelity, str]] = ..., substeps: _Optional[int] = ..., deviation: _Optional[_Union[RollOutResponse.Deviation, _Mapping]] = ..., final_twists: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., final_controls: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., final_grasping: _Optional[_Union[_world_pb2.Grasping, _Mapping]] = ..., final_commanded_controls: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., action_gradients: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., initial_position_gradients: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., initial_velocity_gradients: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., gradient_norms: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., gradient_exploded: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., velocities: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., forces: _Optional[_Union[RollOutResponse.Forces, _Mapping]] = ..., frame_costs: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., controls: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., member_costs: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., implausible: _Optional[_Iterable[_Union[RollOutResponse.Implausible, _Mapping]]] = ..., mass_kg: _Optional[float] = ..., window: _Optional[_Union[RollOutResponse.Window, _Mapping]] = ..., unfinished: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., spread: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ...) -> None: ...
