@@ -72,6 +72,18 @@ pub(crate) fn first_views<'a>(
 }
 
 impl FirstView<'_> {
+    /// The surface that masks and depth show of a label [m].
+    #[cfg(test)]
+    pub(crate) fn surface(&self, label: Label) -> Vec<Point> {
+        let width = self.camera.width;
+        let of_label = self.labels.pixels.iter().enumerate().filter(|(_, l)| **l == label);
+        let place = |at: usize| {
+            let pixel = [(at % width) as f64, (at / width) as f64];
+            self.camera.unproject(pixel, f64::from(self.depth.pixels[at]), 0)
+        };
+        of_label.map(|(at, _)| place(at)).collect()
+    }
+
     /// What the camera knows of a place.
     pub(crate) fn sight(&self, place: Point) -> Sight {
         let Some(([u, v], depth_m)) = self.camera.project(place, 0) else { return Sight::Unknown };

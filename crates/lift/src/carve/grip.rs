@@ -79,3 +79,6 @@ fn sections(volume: &Volume, solid: &[bool], hidden: &[bool]) -> Vec<Vec<usize>>
 fn middle(points: &[Point]) -> nalgebra::Vector3<f64> {
     points.iter().map(|p| vector(*p)).sum::<nalgebra::Vector3<f64>>() / points.len().max(1) as f64
 }
+
+#[cfg(test)]
+mod tests;
