@@ -11,13 +11,15 @@ mod volume;
 
 use std::{cmp::Reverse, collections::BinaryHeap};
 
-use bendtwin_core::{Plane, Point};
+use bendtwin_core::{CancelToken, Plane, Point};
 use rayon::prelude::*;
 
 use self::volume::Volume;
 use crate::{
+    Error,
     clean::Label,
     complete::Shape,
+    error::check,
     grid::Grid,
     sight::{FirstView, Sight},
     thin::spread,
@@ -25,8 +27,10 @@ use crate::{
 
 /// Cameras that must have a cell behind what they see. One alone sees a silhouette without an end.
 pub(crate) const LEAST_VIEWS: usize = 2;
+/// Cells that are visited between two looks at whether to stop.
+const CELLS_AT_ONCE: usize = 1 << 14;
 
-/// What was seen of the first frame.
+/// The first frame as it was seen.
 pub(crate) struct Seen<'a> {
     pub(crate) views: &'a [FirstView<'a>],
     /// The object's surface, as all cameras see it [m].
@@ -36,22 +40,24 @@ pub(crate) struct Seen<'a> {
     pub(crate) ground: Option<Plane>,
 }
 
-/// The object's shape, and the number of its cells that hands hide.
-pub(crate) fn carve(seen: &Seen<'_>, spacing_m: f64) -> Option<(Shape, usize)> {
+/// The object's shape, and the number of its cells that hands hide. `None` if too few cameras saw it.
+pub(crate) fn carve(
+    seen: &Seen<'_>,
+    spacing_m: f64,
+    cancel: &CancelToken,
+) -> Result<Option<(Shape, usize)>, Error> {
     if seen.views.len() < LEAST_VIEWS {
-        return None;
+        return Ok(None);
     }
-    let volume = Volume::around(seen.object, spacing_m)?;
-    let cells = cells(&volume, seen);
-    let owners = owners(&volume, &cells, seen);
-    let mut solid: Vec<bool> = owners
-        .iter()
-        .zip(&cells)
-        .map(|(o, c)| *o == Label::Object && c.views >= LEAST_VIEWS)
-        .collect();
+    let Some(volume) = Volume::around(seen.object, spacing_m) else { return Ok(None) };
+    let cells = cells(&volume, seen, cancel)?;
+    let owners = owners(&volume, &cells, seen, cancel)?;
+    let is_object =
+        |(owner, cell): (&Label, &Cell)| *owner == Label::Object && cell.views >= LEAST_VIEWS;
+    let mut solid: Vec<bool> = owners.iter().zip(&cells).map(is_object).collect();
     let hidden: Vec<bool> =
         cells.iter().zip(&solid).map(|(c, solid)| c.open && c.behind_hand && !solid).collect();
-    let held = grip::fill(&volume, &mut solid, &hidden, seen.hands);
+    let held = grip::fill(&volume, &mut solid, &hidden, seen.hands, cancel)?;
     let (surface, interior) = (0..volume.count())
         .filter(|i| solid[*i])
         .partition::<Vec<_>, _>(|i| volume.faces(*i).iter().any(|j| j.is_none_or(|j| !solid[j])));
@@ -61,10 +67,10 @@ pub(crate) fn carve(seen: &Seen<'_>, spacing_m: f64) -> Option<(Shape, usize)> {
     let observed = observed.into_iter().map(|i| seen.object[i]);
     let surface = observed.chain(surface.into_iter().map(|i| volume.centre(i))).collect();
     let interior = interior.into_iter().map(|i| volume.centre(i)).collect();
-    Some((Shape { surface, interior }, held))
+    Ok(Some((Shape { surface, interior }, held)))
 }
 
-/// What all cameras together know of a cell.
+/// Knowledge of all cameras together about a cell.
 #[derive(Clone, Copy, Default)]
 struct Cell {
     /// No camera looks through it, nor is it below the ground.
@@ -75,7 +81,7 @@ struct Cell {
     behind_hand: bool,
 }
 
-fn cells(volume: &Volume, seen: &Seen<'_>) -> Vec<Cell> {
+fn cells(volume: &Volume, seen: &Seen<'_>, cancel: &CancelToken) -> Result<Vec<Cell>, Error> {
     let know = |i: usize| {
         let centre = volume.centre(i);
         let above = |g: &Plane| {
@@ -98,12 +104,24 @@ fn cells(volume: &Volume, seen: &Seen<'_>) -> Vec<Cell> {
         }
         cell
     };
-    (0..volume.count()).into_par_iter().map(know).collect()
+    let mut cells = Vec::with_capacity(volume.count());
+    while cells.len() < volume.count() {
+        check(cancel)?;
+        let end = (cells.len() + CELLS_AT_ONCE).min(volume.count());
+        cells.par_extend((cells.len()..end).into_par_iter().map(know));
+    }
+    Ok(cells)
 }
 
 /// Of each open cell, whose surface is nearest along open cells; none where no way leads to one.
-fn owners(volume: &Volume, cells: &[Cell], seen: &Seen<'_>) -> Vec<Label> {
+fn owners(
+    volume: &Volume,
+    cells: &[Cell],
+    seen: &Seen<'_>,
+    cancel: &CancelToken,
+) -> Result<Vec<Label>, Error> {
     let mut owner = vec![Label::None; cells.len()];
+    let mut ways_m = vec![f64::INFINITY; cells.len()];
     // Distances are not negative, so their bits are ordered as they are.
     let mut next = BinaryHeap::new();
     for (label, points) in [(Label::Object, seen.object), (Label::Manipulator, seen.hands)] {
@@ -111,19 +129,25 @@ fn owners(volume: &Volume, cells: &[Cell], seen: &Seen<'_>) -> Vec<Label> {
             next.push(Reverse((0_u64, cell, label == Label::Manipulator)));
         }
     }
+    let mut visited = 0;
     while let Some(Reverse((bits, cell, hand))) = next.pop() {
         if owner[cell] != Label::None {
             continue;
         }
+        if visited % CELLS_AT_ONCE == 0 {
+            check(cancel)?;
+        }
+        visited += 1;
         owner[cell] = if hand { Label::Manipulator } else { Label::Object };
-        for (other, way_m) in volume.around_cell(cell) {
-            if owner[other] == Label::None && cells[other].open {
-                let way = f64::from_bits(bits) + way_m;
-                next.push(Reverse((way.to_bits(), other, hand)));
+        for (other, step_m) in volume.around_cell(cell) {
+            let way_m = f64::from_bits(bits) + step_m;
+            if owner[other] == Label::None && cells[other].open && way_m < ways_m[other] {
+                ways_m[other] = way_m;
+                next.push(Reverse((way_m.to_bits(), other, hand)));
             }
         }
     }
-    owner
+    Ok(owner)
 }
 
 #[cfg(test)]

@@ -47,7 +47,8 @@ pub(crate) fn shape(
             let views = first_views(recording, settings, cancel)?;
             let ground = recording.environment.ground;
             let seen = Seen { views: &views, object: observed, hands, ground };
-            Ok(carve(&seen, settings.completion.spacing_m).map(|(shape, under_hands)| {
+            let carved = carve(&seen, settings.completion.spacing_m, cancel)?;
+            Ok(carved.map(|(shape, under_hands)| {
                 let sampled_surface = shape.surface.len();
                 (shape, ShapeEvidence { sampled_surface, under_hands, ..without_mesh("carved") })
             }))

@@ -1,5 +1,5 @@
-//! What a camera knows of places in space in the first frame, where twins start: from its masks and
-//! its cleaned depth.
+//! Knowledge of a camera about places in space in the first frame, where twins start: from its masks
+//! and its cleaned depth.
 
 use bendtwin_capture::raw::{Camera, DepthImage, Image, Recording, Region};
 use bendtwin_core::{CancelToken, Point, settings::ingest::IngestSettings};
@@ -19,13 +19,13 @@ const SLACK_M: f64 = 0.004;
 pub(crate) struct FirstView<'a> {
     camera: &'a Camera,
     depth: DepthImage,
-    /// What the masks show.
+    /// Labels by the masks.
     shown: Image<Label>,
-    /// What the masks show where depth is that of it.
+    /// Labels of those pixels whose depth is that of what the masks show.
     labels: Image<Label>,
 }
 
-/// What a camera knows of a place.
+/// Knowledge of a camera about a place.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Sight {
     /// Nothing: it is out of view, or something without a mask stands in front.
@@ -84,7 +84,7 @@ impl FirstView<'_> {
         of_label.map(|(at, _)| place(at)).collect()
     }
 
-    /// What the camera knows of a place.
+    /// The camera's knowledge of a place.
     pub(crate) fn sight(&self, place: Point) -> Sight {
         let Some(([u, v], depth_m)) = self.camera.project(place, 0) else { return Sight::Unknown };
         let (u, v) = (u.round(), v.round());
@@ -110,7 +110,7 @@ impl FirstView<'_> {
         }
     }
 
-    /// What masks show at a pixel or next to it.
+    /// Label that masks give to a pixel or one next to it.
     fn shown_near(&self, column: usize, row: usize) -> Label {
         let (column, row) = (column as i64, row as i64);
         let around = -RIM_PX..=RIM_PX;

@@ -1,23 +1,35 @@
-//! What a hand hides of the object that it holds.
+//! The part of the object that the hand which holds it hides.
 //!
-//! Where the object vanishes into a hand, its last cells are a section of it. The section goes on
+//! The last cells before the object vanishes into a hand are a section of it. The section goes on
 //! towards the middle of the hand around it, through cells that nobody saw to be empty: as a rope's
 //! end does in a fist, and what comes out on the other side meets it halfway.
 
-use bendtwin_core::Point;
+use bendtwin_core::{CancelToken, Point};
+use nalgebra::Vector3;
+use rayon::prelude::*;
 
 use super::volume::Volume;
-use crate::{grid::Grid, rigid::vector};
+use crate::{Error, error::check, grid::Grid, rigid::vector};
 
 /// Hand points this near to a section are those that hold it [m].
 const HOLDS_M: f64 = 0.04;
 /// Least cells of a section.
 const LEAST_CELLS: usize = 4;
+/// Most sections, the largest: a few hands hold with two each.
+const MOST_SECTIONS: usize = 8;
 
 /// Makes hidden cells solid where a hand holds the object; returns how many those are.
-pub(super) fn fill(volume: &Volume, solid: &mut [bool], hidden: &[bool], hands: &[Point]) -> usize {
+pub(super) fn fill(
+    volume: &Volume,
+    solid: &mut [bool],
+    hidden: &[bool],
+    hands: &[Point],
+    cancel: &CancelToken,
+) -> Result<usize, Error> {
+    let unseen: Vec<usize> = (0..hidden.len()).filter(|i| hidden[*i]).collect();
     let mut filled = Vec::new();
     for section in sections(volume, solid, hidden) {
+        check(cancel)?;
         let centres: Vec<Point> = section.iter().map(|i| volume.centre(*i)).collect();
         let near = Grid::of(centres.iter().copied(), HOLDS_M);
         let holding: Vec<Point> =
@@ -29,8 +41,9 @@ pub(super) fn fill(volume: &Volume, solid: &mut [bool], hidden: &[bool], hands: 
         let steps = (2.0 * way.norm() / volume.cell_m).ceil() as usize;
         let mut is_section = vec![false; solid.len()];
         section.iter().for_each(|i| is_section[*i] = true);
-        let meets = |cell: usize| {
-            let from = vector(volume.centre(cell));
+        // True if the way back from a cell, through hidden ones, ends in the section.
+        let goes_on = |cell: &usize| {
+            let from = vector(volume.centre(*cell));
             for step in 1..=steps {
                 let at = from - way * (step as f64 / steps as f64);
                 match volume.cell([at.x as f32, at.y as f32, at.z as f32]) {
@@ -41,15 +54,15 @@ pub(super) fn fill(volume: &Volume, solid: &mut [bool], hidden: &[bool], hands: 
             }
             false
         };
-        filled.extend((0..solid.len()).filter(|i| hidden[*i] && meets(*i)));
+        filled.par_extend(unseen.par_iter().copied().filter(goes_on));
     }
     filled.sort_unstable();
     filled.dedup();
     filled.iter().for_each(|i| solid[*i] = true);
-    filled.len()
+    Ok(filled.len())
 }
 
-/// Solid cells beside hidden ones, by parts that hang together.
+/// Solid cells beside hidden ones, by parts that hang together; the largest first.
 fn sections(volume: &Volume, solid: &[bool], hidden: &[bool]) -> Vec<Vec<usize>> {
     let is_rim = |i: usize| solid[i] && volume.around_cell(i).iter().any(|(j, _)| hidden[*j]);
     let rim: Vec<bool> = (0..solid.len()).map(is_rim).collect();
@@ -73,11 +86,13 @@ fn sections(volume: &Volume, solid: &[bool], hidden: &[bool]) -> Vec<Vec<usize>>
             sections.push(section);
         }
     }
+    sections.sort_by_key(|s| (std::cmp::Reverse(s.len()), s[0]));
+    sections.truncate(MOST_SECTIONS);
     sections
 }
 
-fn middle(points: &[Point]) -> nalgebra::Vector3<f64> {
-    points.iter().map(|p| vector(*p)).sum::<nalgebra::Vector3<f64>>() / points.len().max(1) as f64
+fn middle(points: &[Point]) -> Vector3<f64> {
+    points.iter().map(|p| vector(*p)).sum::<Vector3<f64>>() / points.len().max(1) as f64
 }
 
 #[cfg(test)]

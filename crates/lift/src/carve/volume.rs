@@ -4,8 +4,8 @@ use bendtwin_core::Point;
 
 /// Space around what was seen of the object: sides that no camera sees, and what a hand hides [m].
 const MARGIN_M: f64 = 0.06;
-/// Most cells; they are larger where there would be more.
-const MAX_CELLS: f64 = 2_000_000.0;
+/// About the most cells; they are larger where there would be more.
+const MAX_CELLS: f64 = 1_000_000.0;
 
 /// Cells, in order of x, y, z.
 pub(super) struct Volume {
@@ -15,7 +15,7 @@ pub(super) struct Volume {
 }
 
 impl Volume {
-    /// The box around points with a margin; `None` if there is no point.
+    /// The box around points with a margin; `None` if there is no point, or no finite box.
     pub(super) fn around(points: &[Point], cell_m: f64) -> Option<Self> {
         let first = *points.first()?;
         let [low, high] = points.iter().fold([first; 2], |[low, high], p| {
@@ -23,12 +23,16 @@ impl Volume {
         });
         let low = low.map(|x| f64::from(x) - MARGIN_M);
         let extent: [f64; 3] = std::array::from_fn(|a| f64::from(high[a]) + MARGIN_M - low[a]);
-        let least_m = (extent.iter().product::<f64>() / MAX_CELLS).cbrt();
-        let cell_m = cell_m.max(least_m);
-        if !cell_m.is_finite() || cell_m <= 0.0 {
+        let mut cell_m = cell_m.max((extent.iter().product::<f64>() / MAX_CELLS).cbrt());
+        if extent.iter().any(|e| !e.is_finite()) || !cell_m.is_finite() || cell_m <= 0.0 {
             return None;
         }
-        Some(Self { low, cell_m, size: extent.map(|e| (e / cell_m).ceil().max(1.0) as usize) })
+        let counts = |cell_m: f64| extent.map(|e| (e / cell_m).ceil().max(1.0));
+        // A box may be thinner than such a cell.
+        while counts(cell_m).iter().product::<f64>() > 2.0 * MAX_CELLS {
+            cell_m *= 1.5;
+        }
+        Some(Self { low, cell_m, size: counts(cell_m).map(|n| n as usize) })
     }
 
     pub(super) fn count(&self) -> usize {
@@ -91,3 +95,6 @@ impl Volume {
         (x * self.size[1] + y) * self.size[2] + z
     }
 }
+
+#[cfg(test)]
+mod tests;

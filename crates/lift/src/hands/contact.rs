@@ -1,9 +1,9 @@
-//! Where hands meet the object. Control points there hold it; those on a wrist or a forearm would
+//! The places at which hands meet the object. Control points there hold it; those on a wrist or a forearm would
 //! hold nothing.
 
 use bendtwin_core::Point;
 
-use crate::{rigid::distance, thin::farthest_first};
+use crate::{grid::Grid, rigid::distance, thin::farthest_first};
 
 /// Control points this near to the object hold it: nodes are within the control radius of a fit
 /// there, though there are fewer of them than points [m].
@@ -14,19 +14,32 @@ pub(crate) const REACH_M: f64 = 0.02;
 /// Fewest control points of a hand, however far it is from the object.
 const LEAST: usize = 4;
 
-/// What is known of the first frame.
-#[derive(Clone, Debug, Default)]
+/// Most points of the object from which a place is measured that is out of reach.
+const MOST_MEASURED: usize = 2000;
+
+/// Object and hands in the first frame.
 pub(crate) struct Contact {
     /// Points of the object: its surface, and what was completed [m].
-    pub(crate) object: Vec<Point>,
+    object: Vec<Point>,
+    grid: Grid,
     /// The hands' surface, as all cameras see it [m].
-    pub(crate) hands: Vec<Point>,
+    pub(super) hands: Vec<Point>,
 }
 
 impl Contact {
-    /// Distance of a place from the object [m]; infinite if nothing is known of it.
-    pub(super) fn distance_m(&self, place: Point) -> f64 {
-        self.object.iter().map(|p| distance(*p, place)).fold(f64::INFINITY, f64::min)
+    pub(crate) fn new(object: Vec<Point>, hands: Vec<Point>) -> Self {
+        Self { grid: Grid::of(object.iter().copied(), REACH_M), object, hands }
+    }
+
+    /// Distance of a place from the object [m], roughly where it is out of reach; infinite if nothing
+    /// is known of the object.
+    fn distance_m(&self, place: Point) -> f64 {
+        let near = self.grid.within(place, REACH_M).into_iter().map(|(square, _)| square.sqrt());
+        near.reduce(f64::min).unwrap_or_else(|| {
+            let stride = self.object.len().div_ceil(MOST_MEASURED).max(1);
+            let some = self.object.iter().step_by(stride).map(|p| distance(*p, place));
+            some.fold(f64::INFINITY, f64::min)
+        })
     }
 
     /// Up to `count` of some places on a hand, spread over where it meets the object, and how far each

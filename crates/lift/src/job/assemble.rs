@@ -70,7 +70,7 @@ pub(super) fn assemble(from: &Assembly<'_>, cancel: &CancelToken) -> Result<Obse
     let (mut controls, mut control_hands) = (Vec::new(), Vec::new());
     if seen.contains(&true) {
         let object = [kept.points_at(0), &shape.surface, &shape.interior].concat();
-        let made = follow(from, &hand, &clouds, &Contact { object, hands: hands.to_vec() })?;
+        let made = follow(from, &hand, &clouds, &Contact::new(object, hands.to_vec()))?;
         controls = made.points;
         // Control points of one hand are beside each other.
         let hands = made.hands.iter().zip(0..);

@@ -24,7 +24,7 @@ fn filled(fist: std::ops::Range<f32>, rope: std::ops::Range<f32>) -> Vec<Point> 
     let steps = (0..=30).map(|i| fist.start + (fist.end - fist.start) * i as f32 / 30.0);
     let hands: Vec<Point> = steps.flat_map(around).collect();
     let before = solid.clone();
-    let count = fill(&volume, &mut solid, &hidden, &hands);
+    let count = fill(&volume, &mut solid, &hidden, &hands, &CancelToken::default()).unwrap();
     let new = (0..cells.len()).filter(|i| solid[*i] && !before[*i]);
     let new: Vec<Point> = new.map(|i| cells[i]).collect();
     assert_eq!(new.len(), count);

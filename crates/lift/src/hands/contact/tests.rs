@@ -6,7 +6,7 @@ fn arm(from_mm: u32, to_mm: u32) -> Vec<Point> {
 }
 
 fn contact() -> Contact {
-    Contact { object: vec![[0.0; 3], [0.0, 0.005, 0.0]], hands: Vec::new() }
+    Contact::new(vec![[0.0; 3], [0.0, 0.005, 0.0]], Vec::new())
 }
 
 #[test]
@@ -32,7 +32,7 @@ fn a_hand_that_is_far_away_keeps_its_nearest_points() {
 #[test]
 fn without_an_object_all_places_count() {
     let places = arm(0, 300);
-    let (picked, distances) = Contact::default().choose(&places, 30);
+    let (picked, distances) = Contact::new(Vec::new(), Vec::new()).choose(&places, 30);
     assert_eq!((picked.len(), holding(&distances)), (30, 0));
-    assert_eq!(Contact::default().choose(&[], 3), (vec![], vec![]));
+    assert_eq!(Contact::new(Vec::new(), Vec::new()).choose(&[], 3), (vec![], vec![]));
 }
