@@ -141,7 +141,7 @@ fn owners(
         owner[cell] = if hand { Label::Manipulator } else { Label::Object };
         for (other, step_m) in volume.around_cell(cell) {
             let way_m = f64::from_bits(bits) + step_m;
-            if owner[other] == Label::None && cells[other].open && way_m < ways_m[other] {
+            if owner[other] == Label::None && cells[other].open && way_m <= ways_m[other] {
                 ways_m[other] = way_m;
                 next.push(Reverse((way_m.to_bits(), other, hand)));
             }

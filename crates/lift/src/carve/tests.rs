@@ -5,7 +5,7 @@ use super::*;
 use crate::{
     rigid::distance,
     sight::first_views,
-    testing::{BALL_M, HAND_M, TestScene, hand_middle, place, point, sphere},
+    testing::{BALL_M, HAND_M, TestScene, hand_middle, place, point},
 };
 
 const SPACING_M: f64 = 0.006;
