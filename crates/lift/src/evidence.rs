@@ -111,6 +111,8 @@ pub struct HandEvidence {
     pub surviving: usize,
     /// Its control points.
     pub controls: usize,
+    /// Of those, as near to the object in the first frame as control points hold in a fit.
+    pub holding: usize,
     /// Median distance of tracks from a rigid motion [m].
     pub residual_m: f64,
     /// 95th percentile of that [m].
@@ -127,7 +129,7 @@ pub struct HandEvidence {
 /// The completed shape.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct ShapeEvidence {
-    /// Its source: the mesh's file name, or `convex`.
+    /// Its source: the mesh's file name, `carved` or `convex`.
     pub source: String,
     /// True if it was aligned here.
     pub aligned: bool,
@@ -139,6 +141,8 @@ pub struct ShapeEvidence {
     pub error_p90_m: f64,
     /// Points on its surface that were sampled.
     pub sampled_surface: usize,
+    /// Of a carved shape, cells that hands hide.
+    pub under_hands: usize,
     /// Points on its surface that became part of the capture: those that no camera saw.
     pub surface: usize,
     /// Points inside that became part of the capture.

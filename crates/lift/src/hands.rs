@@ -1,15 +1,21 @@
 //! From tracks on hands or grippers to control points: tracks are grouped into hands, each hand's
-//! motion is fitted as that of a rigid body, and its control points move with it.
+//! motion is fitted as that of a rigid body, and its control points, which lie where it meets the
+//! object, move with it.
 
 mod body;
 pub(crate) mod cloud;
 mod cluster;
+pub(crate) mod contact;
 
 use bendtwin_core::{Finding, Severity};
 use bendtwin_core::{Point, settings::ingest::ControlSettings};
 
-use self::{body::Body, cluster::clusters};
-use crate::{Error, evidence::HandEvidence, thin::farthest_first, tracks::Tracks};
+use self::{
+    body::Body,
+    cluster::clusters,
+    contact::{Contact, holding},
+};
+use crate::{Error, evidence::HandEvidence, grid::Grid, tracks::Tracks};
 
 /// Least tracks of a hand: three span a pose, and one more shows whether they agree.
 pub(crate) const MIN_TRACKS: usize = 4;
@@ -27,7 +33,11 @@ pub(crate) struct Controls {
 }
 
 /// Control points from the tracks on all hands.
-pub(crate) fn controls(tracks: &Tracks, settings: &ControlSettings) -> Result<Controls, Error> {
+pub(crate) fn controls(
+    tracks: &Tracks,
+    contact: &Contact,
+    settings: &ControlSettings,
+) -> Result<Controls, Error> {
     let survival = tracks.survival();
     let mut longest: Vec<usize> = (0..tracks.count).collect();
     longest.sort_by_key(|i| (std::cmp::Reverse(survival[*i]), *i));
@@ -79,9 +89,14 @@ pub(crate) fn controls(tracks: &Tracks, settings: &ControlSettings) -> Result<Co
             ));
             chosen = body.rigid_tracks();
         }
-        let starts: Vec<Point> = chosen.iter().map(|i| body.start(*i)).collect();
-        let picked: Vec<usize> =
-            farthest_first(&starts, wanted).into_iter().map(|i| chosen[i]).collect();
+        let mut starts: Vec<Point> = chosen.iter().map(|i| body.start(*i)).collect();
+        // On a rigid hand any place moves as the tracks do.
+        if body.is_rigid() {
+            let surface = Grid::of(starts.iter().copied(), settings.hand_gap_m);
+            let near = |p: &&Point| surface.any_within(**p, settings.hand_gap_m / 2.0);
+            starts.extend(contact.hands.iter().filter(near));
+        }
+        let (picked, distances_m) = contact.choose(&starts, wanted);
         if !body.is_rigid() {
             findings.push(Finding::from_sentence(
                 Severity::Info,
@@ -98,9 +113,13 @@ pub(crate) fn controls(tracks: &Tracks, settings: &ControlSettings) -> Result<Co
             tracks: group.len(),
             surviving,
             controls: picked.len(),
+            holding: holding(&distances_m),
             ..body.evidence()
         });
-        columns.extend(picked.into_iter().map(|i| body.trajectory(i)));
+        columns.extend(picked.into_iter().map(|i| match chosen.get(i) {
+            Some(track) => body.trajectory(*track),
+            None => body.carried(starts[i]),
+        }));
     }
     let points = (0..tracks.frames).flat_map(|f| columns.iter().map(move |c| c[f])).collect();
     Ok(Controls { points, hands, longest_gap, findings })

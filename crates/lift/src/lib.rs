@@ -8,13 +8,16 @@
 //! 2. `lift`: 2D tracks become points, at sub-pixel accuracy and only where nothing hides them.
 //! 3. `motion`: tracks that do not move as their neighbours do are not believed.
 //! 4. `thin`: of several tracks of one spot the one that is seen longest stays.
-//! 5. `hands`: tracks on hands become control points that move as rigid bodies.
-//! 6. `shape`, `complete`: a mesh fills in what no camera saw.
+//! 5. `shape`, `complete`: a mesh fills in what no camera saw, or else what no camera saw through
+//!    (`sight`, `carve`).
+//! 6. `hands`: tracks on hands become control points that move as rigid bodies, where these meet the
+//!    object.
 //!
 //! The first two read frames, camera by camera in blocks, and are what a checkpoint keeps
 //! (`survey`); the rest takes seconds. Frames are read one at a time, so memory does not grow with
 //! their number or size. Results do not depend on the number of threads, nor on interruptions.
 
+mod carve;
 mod checkpoint;
 mod clean;
 mod complete;
@@ -29,6 +32,7 @@ mod progress;
 mod rigid;
 mod score;
 mod shape;
+mod sight;
 mod survey;
 mod thin;
 mod tracks;

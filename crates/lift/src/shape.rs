@@ -1,26 +1,35 @@
-//! The object's whole shape at the first frame: from a mesh that lies in the recording, or a guess
-//! from the convex parts of what was observed.
+//! The object's whole shape at the first frame: from a mesh that lies in the recording, or else
+//! carved out of what cameras did not see through, or a guess from the convex parts of what was
+//! observed.
 
 use bendtwin_capture::raw::{Alignment, MeshFile, Recording};
 use bendtwin_core::{
-    Finding, Point, Severity,
+    CancelToken, Finding, Point, Severity,
     settings::ingest::{IngestSettings, Interior},
 };
 use bendtwin_mesh::{Bvh, Limits, Mesh, Similarity, align, convex_interior, parse};
 
-use crate::{Error, complete::Shape, evidence::ShapeEvidence};
+use crate::{
+    Error,
+    carve::{Seen, carve},
+    complete::Shape,
+    evidence::ShapeEvidence,
+    sight::first_views,
+};
 
 /// Most observed points whose distance from a mesh is measured.
 const MAX_MEASURED_POINTS: usize = 4000;
 
-/// A shape and where it comes from. `observed` is the object's surface as all cameras see it in the
-/// first frame [m]. `None` if there is nothing to complete with, for which a finding says why where
-/// that is a surprise.
+/// A shape and where it comes from. `observed` and `hands` are the surfaces of the object and of the
+/// hands as all cameras see them in the first frame [m]. `None` if there is nothing to complete with,
+/// for which a finding says why where that is a surprise.
 pub(crate) fn shape(
     recording: &Recording,
     observed: &[Point],
+    hands: &[Point],
     settings: &IngestSettings,
     findings: &mut Vec<Finding>,
+    cancel: &CancelToken,
 ) -> Result<Option<(Shape, ShapeEvidence)>, Error> {
     if let Some(file) = recording.mesh.as_ref().filter(|_| settings.completion.mesh) {
         let mesh = parse(&file.name, &file.bytes, &Limits::default())
@@ -32,15 +41,29 @@ pub(crate) fn shape(
             Err(error) => findings.push(unused(error_code(&error), &file.name, &error.to_string())),
         }
     }
-    if settings.interior != Interior::Convex {
-        return Ok(None);
+    match settings.interior {
+        Interior::Mesh | Interior::None => Ok(None),
+        Interior::Carved => {
+            let views = first_views(recording, settings, cancel)?;
+            let ground = recording.environment.ground;
+            let seen = Seen { views: &views, object: observed, hands, ground };
+            let carved = carve(&seen, settings.completion.spacing_m, cancel)?;
+            Ok(carved.map(|(shape, under_hands)| {
+                let sampled_surface = shape.surface.len();
+                (shape, ShapeEvidence { sampled_surface, under_hands, ..without_mesh("carved") })
+            }))
+        }
+        Interior::Convex => {
+            let spacing_m = settings.completion.spacing_m as f32;
+            let interior = convex_interior(observed, spacing_m)
+                .map_err(|e| Error::Mesh { name: "convex".to_owned(), why: e.to_string() })?;
+            Ok(Some((Shape { surface: Vec::new(), interior }, without_mesh("convex"))))
+        }
     }
-    let spacing_m = settings.completion.spacing_m as f32;
-    let interior = convex_interior(observed, spacing_m)
-        .map_err(|e| Error::Mesh { name: "convex".to_owned(), why: e.to_string() })?;
-    let evidence =
-        ShapeEvidence { source: "convex".to_owned(), scale: 1.0, ..ShapeEvidence::default() };
-    Ok(Some((Shape { surface: Vec::new(), interior }, evidence)))
+}
+
+fn without_mesh(source: &str) -> ShapeEvidence {
+    ShapeEvidence { source: source.to_owned(), scale: 1.0, ..ShapeEvidence::default() }
 }
 
 fn from_mesh(
@@ -82,7 +105,7 @@ fn from_mesh(
     let surface = mesh.sample_surface(spacing_m, 0)?;
     let interior = match settings.interior {
         Interior::None => Vec::new(),
-        Interior::Mesh | Interior::Convex => mesh.sample_interior(spacing_m)?,
+        Interior::Carved | Interior::Mesh | Interior::Convex => mesh.sample_interior(spacing_m)?,
     };
     let evidence = ShapeEvidence {
         source: file.name.clone(),

@@ -41,13 +41,16 @@ pub enum Scene {
     ThickBar,
     /// A toy-like body with four limbs, lifted by its head and shaken.
     Toy,
+    /// A ring of foam, which one hand lifts at one side and waves: an object with a hole.
+    Ring,
     /// A cable clamped at both ends by two grippers: motion capture, several sequences.
     Cable,
 }
 
 impl Scene {
     /// All scenes.
-    pub const ALL: [Self; 5] = [Self::Rope, Self::Bar, Self::ThickBar, Self::Toy, Self::Cable];
+    pub const ALL: [Self; 6] =
+        [Self::Rope, Self::Bar, Self::ThickBar, Self::Toy, Self::Ring, Self::Cable];
 
     /// Its name, `rope` say.
     pub fn name(self) -> &'static str {
@@ -56,6 +59,7 @@ impl Scene {
             Self::Bar => "bar",
             Self::ThickBar => "thick_bar",
             Self::Toy => "toy",
+            Self::Ring => "ring",
             Self::Cable => "cable",
         }
     }

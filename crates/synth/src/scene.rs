@@ -1,4 +1,4 @@
-//! The rope, the bars and the toy: shape, material, grasp and motion.
+//! The rope, the bars, the toy and the ring: shape, material, grasp and motion.
 
 use std::f32::consts::TAU;
 
@@ -38,6 +38,7 @@ pub(super) fn setup(scene: Scene, options: &MakeOptions) -> Option<Setup> {
         Scene::Bar => Some(bar::<25>(options, scene.name())),
         Scene::ThickBar => Some(bar::<50>(options, scene.name())),
         Scene::Toy => Some(toy(options)),
+        Scene::Ring => Some(ring(options)),
         Scene::Cable => None,
     }
 }
@@ -156,6 +157,43 @@ fn wave(t: f32) -> Pose {
         0.28 * smoothstep(t / 1.1) + 0.025 * swing(1.2, 1.5),
     ];
     Pose::new(yaw, pitch, shift)
+}
+
+/// Radius of the ring's middle line and of its section [m].
+pub(super) const RING_RADIUS_M: f32 = 0.075;
+const RING_SECTION_M: f32 = 0.016;
+
+fn ring(options: &MakeOptions) -> Setup {
+    let spacing = if options.tiny { 0.0105 } else { 0.0055 };
+    let (section, outer) = (RING_SECTION_M, RING_RADIUS_M + RING_SECTION_M);
+    let body =
+        Body::fill([0.0, -outer, 0.0], [2.0 * outer, outer, 2.0 * section], spacing, ring_distance);
+    let material = foam(&body, 22.0, 1.4);
+    let pick = |full, tiny| if options.tiny { tiny } else { full };
+    Setup {
+        name: "ring",
+        hand: Hand {
+            grasp: [section, 0.0, section],
+            size: [0.026, 0.034, 0.026],
+            forearm: [-1.0, 0.0, 0.5],
+        },
+        body,
+        distance: ring_distance,
+        material,
+        motion: wave,
+        frames: options.frames_or(80, 24),
+        observed: pick(260, 50),
+        completed: pick(160, 30),
+        interior: pick(80, 10),
+        truth: pick(40, 10),
+        controls: pick(24, 8),
+    }
+}
+
+/// A lying ring that begins at x = 0.
+fn ring_distance(p: Point) -> f32 {
+    let [x, y, z] = sub(p, [RING_RADIUS_M + RING_SECTION_M, 0.0, RING_SECTION_M]);
+    norm([norm([x, y, 0.0]) - RING_RADIUS_M, z, 0.0]) - RING_SECTION_M
 }
 
 fn toy(options: &MakeOptions) -> Setup {

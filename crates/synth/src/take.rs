@@ -8,7 +8,7 @@ use bendtwin_core::{Capture, Point};
 use super::{
     Scene,
     pose::{Pose, smoothstep},
-    scene::Setup,
+    scene::{RING_RADIUS_M, Setup},
 };
 
 /// Changes a scene's setup to that of another recording of its body.
@@ -16,12 +16,15 @@ pub(super) fn vary(setup: &mut Setup, scene: Scene, take: u32) {
     let Some(index) = take.checked_sub(1) else { return };
     let hand = &mut setup.hand;
     let [x, y, z] = hand.grasp;
-    // Of a long body the other end, the middle and near an end; of the toy its limbs and its back.
+    // Of a long body the other end, the middle and near an end; of the toy its limbs and its back; of
+    // the ring the far side, then either side.
     let length = setup.body.positions.iter().map(|p| p[0]).fold(f32::MIN, f32::max);
     let (grasp, forearm): (Point, Point) = match (scene, index % 3) {
         (Scene::Toy, 0) => ([0.033, 0.082, 0.02], [0.2, 0.8, 1.0]),
         (Scene::Toy, 1) => ([-0.048, -0.072, 0.02], [-0.4, -0.7, 1.0]),
         (Scene::Toy, _) => ([-0.045, 0.0, 0.055], [-0.5, 0.0, 1.0]),
+        (Scene::Ring, 1) => ([0.5 * length, RING_RADIUS_M, z], [0.0, 1.0, 0.5]),
+        (Scene::Ring, 2) => ([0.5 * length, -RING_RADIUS_M, z], [0.0, -1.0, 0.5]),
         (_, 0) => ([length - x, y, z], [1.0, 0.0, 0.5]),
         (_, 1) => ([0.5 * length, y, z], [0.0, 0.6, 1.0]),
         (_, _) => ([0.25 * length, y, z], [-0.6, 0.5, 1.0]),

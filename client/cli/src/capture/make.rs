@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use bendtwin_capture::raw;
-use bendtwin_synth::{FilmOptions, MakeOptions, Scene, film, make};
+use bendtwin_synth::{FilmOptions, MakeOptions, Scene, Shape, film, make};
 use clap::Args;
 use serde_json::json;
 
@@ -15,7 +15,7 @@ use crate::{
 
 #[derive(Debug, Args)]
 pub(crate) struct Make {
-    /// Scene to simulate: rope, bar, thick_bar, toy or cable
+    /// Scene to simulate: rope, bar, thick_bar, toy, ring or cable
     #[arg(value_parser = scene)]
     scene: Scene,
     /// ZIP archive to write [default: {scene}.zip, or {scene}_raw.zip]
@@ -36,6 +36,9 @@ pub(crate) struct Make {
     /// --tiny). Writes a PhysTwin case, or a BendTwin bundle if the name ends with .zip
     #[arg(long)]
     raw: bool,
+    /// With --raw, put no mesh of the body beside the images
+    #[arg(long, requires = "raw")]
+    no_mesh: bool,
     /// Replace a file that is there
     #[arg(long)]
     force: bool,
@@ -99,7 +102,8 @@ async fn run_raw(args: Make, global: &Global) -> anyhow::Result<()> {
     let path = args.file.unwrap_or_else(|| format!("{}_raw.zip", args.scene.name()).into());
     expect_free(&path, args.force)?;
     let base = if args.tiny { FilmOptions::tiny(args.seed) } else { FilmOptions::full(args.seed) };
-    let options = FilmOptions { frames: args.frames, ..base };
+    let shape = if args.no_mesh { Shape::Absent } else { base.shape };
+    let options = FilmOptions { frames: args.frames, shape, ..base };
     let target = path.clone();
     let made = tokio::task::spawn_blocking(move || {
         let recording = film(args.scene, &options)?;

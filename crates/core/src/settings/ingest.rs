@@ -95,7 +95,7 @@ pub struct ControlSettings {
     pub rigid_m: f64,
 }
 
-/// Completion from a mesh.
+/// Completion of what no camera saw.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct CompletionSettings {
@@ -116,8 +116,11 @@ pub struct CompletionSettings {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Interior {
-    /// From the mesh, if there is one; otherwise there are none.
+    /// From the mesh, or else from the space that no camera sees through, which completes the surface
+    /// as well.
     #[default]
+    Carved,
+    /// From the mesh, if there is one; otherwise there are none.
     Mesh,
     /// From the mesh, or else from the convex parts of the observed surface, which is a guess.
     Convex,
@@ -134,7 +137,7 @@ impl Default for IngestSettings {
             spacing_m: 0.002,
             controls: ControlSettings::default(),
             completion: CompletionSettings::default(),
-            interior: Interior::Mesh,
+            interior: Interior::Carved,
         }
     }
 }

@@ -118,6 +118,12 @@ impl<'a> Body<'a> {
         self.poses[0].apply(self.shape[track])
     }
 
+    /// A place in the first frame that moves with the body, in every frame, shape [T].
+    pub(super) fn carried(&self, start: Point) -> Vec<Point> {
+        let place = self.poses[0].inverse().apply(start);
+        self.poses.iter().map(|p| p.apply(place)).collect()
+    }
+
     /// A control point in every frame, shape [T].
     pub(super) fn trajectory(&self, track: usize) -> Vec<Point> {
         let rigid: Vec<Point> = self.poses.iter().map(|p| p.apply(self.shape[track])).collect();

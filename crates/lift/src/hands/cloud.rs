@@ -10,13 +10,18 @@ use bendtwin_core::{Finding, Severity};
 use bendtwin_core::{Point, settings::ingest::ControlSettings};
 use nalgebra::{Matrix3, Matrix6, Rotation3, Vector3, Vector6};
 
-use super::{Controls, MIN_TRACKS, body::fill, long_gap};
+use super::{
+    Controls, MIN_TRACKS,
+    body::fill,
+    contact::{Contact, holding},
+    long_gap,
+};
 use crate::{
     Error,
     evidence::HandEvidence,
     grid::Grid,
     rigid::{Rigid, vector},
-    thin::{farthest_first, spread},
+    thin::spread,
 };
 
 /// Spacing of the template [m].
@@ -42,6 +47,7 @@ const TANGENTIAL_WEIGHT: f64 = 0.02;
 pub(crate) fn controls(
     clouds: &[Vec<Point>],
     tracks: usize,
+    contact: &Contact,
     settings: &ControlSettings,
 ) -> Result<Controls, Error> {
     let templates = templates(clouds.first().map_or(&[], Vec::as_slice), settings);
@@ -60,12 +66,13 @@ pub(crate) fn controls(
         gaps.extend(long_gap(hand, gap, settings));
         let all = settings.count as usize;
         let wanted = all / templates.len() + usize::from(hand < all % templates.len());
-        let picked = farthest_first(&template.points, wanted);
+        let (picked, distances_m) = contact.choose(&template.points, wanted);
         let mut residuals = motion.residuals_m;
         residuals.sort_by(f64::total_cmp);
         let at = |share: usize| residuals.get(residuals.len() * share / 100).copied();
         hands.push(HandEvidence {
             controls: picked.len(),
+            holding: holding(&distances_m),
             residual_m: at(50).unwrap_or(0.0),
             residual_p95_m: at(95).unwrap_or(0.0),
             rigid: true,

@@ -3,6 +3,11 @@ use nalgebra::{Rotation3, Vector3};
 use super::*;
 use crate::testing::{point, sphere};
 
+/// A contact of which nothing is known.
+fn unknown() -> Contact {
+    Contact::new(Vec::new(), Vec::new())
+}
+
 /// Two balls that go different ways, with a dozen tracks each; the last two tracks slide.
 fn pair(apart_m: f64, frames: usize) -> Tracks {
     let mut tracks =
@@ -26,7 +31,8 @@ fn pair(apart_m: f64, frames: usize) -> Tracks {
 #[test]
 fn two_hands_are_told_apart_even_where_they_touch() {
     for apart_m in [0.2, 0.045] {
-        let controls = controls(&pair(apart_m, 30), &ControlSettings::default()).unwrap();
+        let controls =
+            controls(&pair(apart_m, 30), &unknown(), &ControlSettings::default()).unwrap();
         assert_eq!(controls.hands.len(), 2, "{apart_m}");
         assert_eq!(controls.points.len(), 30 * 26, "the slides are left out");
         for hand in &controls.hands {
@@ -39,7 +45,7 @@ fn two_hands_are_told_apart_even_where_they_touch() {
 #[test]
 fn gaps_are_filled_and_noise_is_smoothed() {
     let mut tracks = pair(0.2, 30);
-    let clean = controls(&tracks, &ControlSettings::default()).unwrap();
+    let clean = controls(&tracks, &unknown(), &ControlSettings::default()).unwrap();
     for frame in 10..13 {
         tracks.seen[frame * 28..frame * 28 + 14].fill(false);
     }
@@ -48,7 +54,7 @@ fn gaps_are_filled_and_noise_is_smoothed() {
     for (i, p) in tracks.points.iter_mut().enumerate() {
         p[0] += 0.0005 * ((i * 7919) % 13) as f32 / 6.0 - 0.0005;
     }
-    let noisy = controls(&tracks, &ControlSettings::default()).unwrap();
+    let noisy = controls(&tracks, &unknown(), &ControlSettings::default()).unwrap();
     assert_eq!(noisy.hands[0].filled_frames + noisy.hands[1].filled_frames, 3);
     assert_eq!(noisy.hands.iter().map(|h| h.surviving).sum::<usize>(), 25);
     // Every control point is near one of the clean ones in all frames.
@@ -68,7 +74,7 @@ fn gaps_are_filled_and_noise_is_smoothed() {
         assert!(best < 1.2e-3, "control {control}: {best}");
     }
     let impatient = ControlSettings { max_gap_frames: 2, ..ControlSettings::default() };
-    let made = controls(&tracks, &impatient).unwrap();
+    let made = controls(&tracks, &unknown(), &impatient).unwrap();
     assert_eq!(made.longest_gap, 3);
     assert!(made.findings.iter().any(|f| f.code == "HAND_BARELY_TRACKED"), "{:?}", made.findings);
 }
@@ -83,7 +89,7 @@ fn a_hand_that_opens_is_not_smoothed() {
     }
     (8..12).for_each(|f| tracks.seen[f * 28 + 3] = false);
     let strict = ControlSettings { rigid_m: 0.002, ..ControlSettings::default() };
-    let made = controls(&tracks, &strict).unwrap();
+    let made = controls(&tracks, &unknown(), &strict).unwrap();
     assert!(made.hands.iter().any(|h| !h.rigid));
     assert!(made.findings.iter().any(|f| f.code == "HAND_NOT_RIGID"));
 }
@@ -92,10 +98,10 @@ fn a_hand_that_opens_is_not_smoothed() {
 fn too_few_or_too_many_hands_are_reported() {
     let tracks = pair(0.2, 5);
     let few = tracks.select(&[0, 1, 14]);
-    let error = controls(&few, &ControlSettings::default()).err().unwrap();
+    let error = controls(&few, &unknown(), &ControlSettings::default()).err().unwrap();
     assert!(matches!(error, Error::NoHandTracks { tracks: 2, needed: 4 }), "{error}");
     let one = ControlSettings { max_hands: 1, count: 5, ..ControlSettings::default() };
-    let made = controls(&tracks, &one).unwrap();
+    let made = controls(&tracks, &unknown(), &one).unwrap();
     assert_eq!((made.hands.len(), made.points.len()), (1, 25));
     assert!(made.findings.iter().any(|f| f.code == "TOO_MANY_HANDS"));
 }

@@ -1,7 +1,7 @@
 //! Assembly of one capture from the results of all units.
 
 use bendtwin_core::{
-    CancelToken, Capture, Sequence, capture::Object, settings::ingest::IngestSettings,
+    CancelToken, Capture, Point, Sequence, capture::Object, settings::ingest::IngestSettings,
 };
 use bendtwin_core::{Finding, Severity};
 use bendtwin_flow::Texture;
@@ -16,7 +16,7 @@ use crate::{
     complete::{Shape, complete},
     error::check,
     evidence::TrackEvidence,
-    hands::{self, Controls, MIN_TRACKS},
+    hands::{self, Controls, MIN_TRACKS, contact::Contact},
     motion,
     shape::shape,
     survey::TrackLabel,
@@ -48,11 +48,29 @@ pub(super) fn assemble(from: &Assembly<'_>, cancel: &CancelToken) -> Result<Obse
     refuse_lost(recording, &from.object_seen(), &kept, &mut evidence.findings)?;
     check(cancel)?;
 
-    let (mut controls, mut control_hands) = (Vec::new(), Vec::new());
     let seen = from.hand_seen();
     if seen.contains(&true) {
         refuse_gaps(&settings.controls, &seen)?;
-        let made = follow(from, &hand)?;
+    }
+    let observed = from.surface();
+    let clouds = from.hands();
+    let hands = clouds.first().map_or(&[][..], Vec::as_slice);
+    let findings = &mut evidence.findings;
+    let shape = match shape(recording, &observed, hands, settings, findings, cancel)? {
+        None => Shape::default(),
+        Some((shape, mut made)) => {
+            let shape = complete(kept.points_at(0), &shape, &settings.completion);
+            (made.surface, made.interior) = (shape.surface.len(), shape.interior.len());
+            evidence.shape = Some(made);
+            shape
+        }
+    };
+    check(cancel)?;
+
+    let (mut controls, mut control_hands) = (Vec::new(), Vec::new());
+    if seen.contains(&true) {
+        let object = [kept.points_at(0), &shape.surface, &shape.interior].concat();
+        let made = follow(from, &hand, &clouds, &Contact::new(object, hands.to_vec()))?;
         controls = made.points;
         // Control points of one hand are beside each other.
         let hands = made.hands.iter().zip(0..);
@@ -63,18 +81,6 @@ pub(super) fn assemble(from: &Assembly<'_>, cancel: &CancelToken) -> Result<Obse
         evidence.findings.push(Finding::from_sentence(Severity::Warning, "NO_HAND", "no mask shows a hand or gripper, so nothing moves the object but gravity: add masks of what \
                       holds it"));
     }
-    check(cancel)?;
-    let observed = from.surface();
-    let shape = match shape(recording, &observed, settings, &mut evidence.findings)? {
-        None => Shape::default(),
-        Some((shape, mut made)) => {
-            let shape = complete(kept.points_at(0), &shape, &settings.completion);
-            (made.surface, made.interior) = (shape.surface.len(), shape.interior.len());
-            evidence.shape = Some(made);
-            shape
-        }
-    };
-
     kept.fill_unseen();
     let sequence = Sequence {
         name: recording.name.clone(),
@@ -109,13 +115,18 @@ pub(super) fn assemble(from: &Assembly<'_>, cancel: &CancelToken) -> Result<Obse
 
 /// Control points from the tracks on hands, or from the hands' shape where there are too few tracks or
 /// these are lost for long.
-fn follow(from: &Assembly<'_>, hand: &Tracks) -> Result<Controls, Error> {
+fn follow(
+    from: &Assembly<'_>,
+    hand: &Tracks,
+    clouds: &[Vec<Point>],
+    contact: &Contact,
+) -> Result<Controls, Error> {
     let settings = &from.settings.controls;
-    let by_shape = || hands::cloud::controls(&from.hands(), hand.count, settings);
+    let by_shape = || hands::cloud::controls(clouds, hand.count, contact, settings);
     if hand.count < MIN_TRACKS {
         return by_shape();
     }
-    match hands::controls(hand, settings) {
+    match hands::controls(hand, contact, settings) {
         Ok(made) if made.longest_gap <= settings.max_gap_frames as usize => Ok(made),
         Ok(made) => match by_shape() {
             Ok(other) if other.longest_gap < made.longest_gap => Ok(other),

@@ -43,7 +43,15 @@ fn made(
     let mut recording = TestScene::default().recording();
     recording.mesh = Some(MeshFile { name: "ball.obj".to_owned(), bytes, to_world });
     let mut findings = Vec::new();
-    (shape(&recording, &observed(), settings, &mut findings), findings)
+    (completed(&recording, settings, &mut findings), findings)
+}
+
+fn completed(
+    recording: &Recording,
+    settings: &IngestSettings,
+    findings: &mut Vec<Finding>,
+) -> Made {
+    shape(recording, &observed(), &[], settings, findings, &CancelToken::default())
 }
 
 fn given(scale: f32) -> Option<Alignment> {
@@ -75,7 +83,7 @@ fn a_mesh_completes_the_ball() {
 
 #[test]
 fn a_mesh_that_does_not_fit_is_left_out_with_a_finding() {
-    let settings = IngestSettings::default();
+    let settings = IngestSettings { interior: Interior::Mesh, ..IngestSettings::default() };
     // In centimetres, and on its own without alignment.
     let (result, findings) = made(given(100.0 * BALL_M as f32), &settings, ball());
     assert_eq!(result.unwrap(), None);
@@ -95,16 +103,21 @@ fn a_mesh_that_does_not_fit_is_left_out_with_a_finding() {
 }
 
 #[test]
-fn without_a_mesh_the_inside_is_a_guess_for_those_who_ask() {
-    let recording = TestScene::default().recording();
-    let mut findings = Vec::new();
-    let settings = IngestSettings::default();
-    assert_eq!(shape(&recording, &observed(), &settings, &mut findings).unwrap(), None);
-    let convex = IngestSettings { interior: Interior::Convex, ..settings };
-    let (shape, evidence) =
-        shape(&recording, &observed(), &convex, &mut findings).unwrap().unwrap();
+fn without_a_mesh_the_settings_say_what_fills_the_object() {
+    let recording = TestScene { cameras: 3, ..TestScene::default() }.recording();
+    let made = |interior| {
+        let settings = IngestSettings { interior, ..IngestSettings::default() };
+        completed(&recording, &settings, &mut Vec::new()).unwrap()
+    };
+    assert_eq!((made(Interior::Mesh), made(Interior::None)), (None, None));
+    let (carved, evidence) = made(Interior::Carved).unwrap();
+    assert_eq!(evidence.source, "carved");
+    assert!(carved.surface.len() > 500 && carved.interior.len() > 3000);
+    assert_eq!(made(IngestSettings::default().interior), Some((carved, evidence)));
+
+    let (convex, evidence) = made(Interior::Convex).unwrap();
     assert_eq!(evidence.source, "convex");
     let middle = point(place(0, Vector3::zeros()));
-    assert!(shape.surface.is_empty() && shape.interior.len() > 1000);
-    assert!(shape.interior.iter().all(|p| crate::rigid::distance(*p, middle) < 1.05 * BALL_M));
+    assert!(convex.surface.is_empty() && convex.interior.len() > 1000);
+    assert!(convex.interior.iter().all(|p| crate::rigid::distance(*p, middle) < 1.05 * BALL_M));
 }

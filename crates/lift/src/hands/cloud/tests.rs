@@ -4,6 +4,11 @@ use crate::{
     testing::{point, sphere},
 };
 
+/// A contact of which nothing is known.
+fn unknown() -> Contact {
+    Contact::new(Vec::new(), Vec::new())
+}
+
 /// A curved body, seen from above, and a ball beside it that goes the other way.
 fn clouds(frames: usize) -> Vec<Vec<Point>> {
     (0..frames)
@@ -38,7 +43,7 @@ fn hands_without_tracks_are_followed_by_their_shape() {
     let settings = ControlSettings { count: 20, ..ControlSettings::default() };
     let mut clouds = clouds(frames);
     clouds[12].clear();
-    let made = controls(&clouds, 0, &settings).unwrap();
+    let made = controls(&clouds, 0, &unknown(), &settings).unwrap();
     assert_eq!(made.hands.len(), 2);
     assert!(made.hands.iter().all(|h| h.by_shape && h.controls == 10 && h.filled_frames == 1));
     assert_eq!(made.findings[0].code, "HAND_FOLLOWED_BY_SHAPE");
@@ -62,11 +67,11 @@ fn a_hand_that_is_not_there_at_first_is_refused_and_one_that_is_lost_is_reported
     let settings = ControlSettings::default();
     let mut clouds = clouds(20);
     (5..15).for_each(|f| clouds[f].clear());
-    let made = controls(&clouds, 0, &settings).unwrap();
+    let made = controls(&clouds, 0, &unknown(), &settings).unwrap();
     assert!(made.longest_gap >= 10, "{}", made.longest_gap);
     assert!(made.findings.iter().any(|f| f.code == "HAND_BARELY_TRACKED"), "{:?}", made.findings);
     clouds[0].truncate(5);
-    let error = controls(&clouds, 2, &settings).err().unwrap();
+    let error = controls(&clouds, 2, &unknown(), &settings).err().unwrap();
     assert!(matches!(error, Error::NoHandTracks { tracks: 2, .. }), "{error}");
-    assert!(controls(&[], 0, &settings).is_err());
+    assert!(controls(&[], 0, &unknown(), &settings).is_err());
 }
