@@ -1,6 +1,6 @@
 //! What the recordings leave open of a twin, in words and as a table.
 
-use bendtwin_core::{Identifiability, Quality};
+use bendtwin_core::{Identifiability, Quality, identifiability::MotionUncertainty};
 
 use crate::table::Table;
 
@@ -25,7 +25,7 @@ pub(crate) fn details(quality: &Quality) -> Option<String> {
         let left = format!("{:.0} %", 100.0 * group.relative_sd);
         let cells = [report.name(group), left, group.certainty.as_str().to_owned()];
         // By how much less a point would be uncertain if the group were known.
-        let of = |m: &bendtwin_core::identifiability::MotionUncertainty| {
+        let of = |m: &MotionUncertainty| {
             let share = m.shares.get(g).copied().unwrap_or_default().clamp(0.0, 1.0);
             format!("{:.1}", 1e3 * m.sd_m * (1.0 - (1.0 - share).sqrt()))
         };
@@ -37,7 +37,7 @@ pub(crate) fn details(quality: &Quality) -> Option<String> {
         next.row([format!("{:.1}", 1e3 * recording.sd_m), recording.action.clone()]);
     }
     if !report.next.is_empty() {
-        text += &format!("\n{}", next.text());
+        text += &format!("\n\n{}", next.text());
     }
     Some(text)
 }
@@ -45,4 +45,58 @@ pub(crate) fn details(quality: &Quality) -> Option<String> {
 /// The largest share of a group in a motion.
 fn most(report: &Identifiability, group: usize) -> f64 {
     report.motions.iter().filter_map(|m| m.shares.get(group)).copied().fold(0.0, f64::max)
+}
+
+#[cfg(test)]
+mod tests {
+    use bendtwin_core::identifiability::{
+        Certainty, Group, MotionUncertainty, NextRecording, Quantity, Region,
+    };
+
+    use super::*;
+
+    #[test]
+    fn groups_that_matter_most_come_first_and_recordings_follow() {
+        let group = |quantity, region, relative_sd| Group {
+            quantity,
+            region,
+            hand: None,
+            prior_sd: 0.7,
+            relative_sd,
+            certainty: Certainty::of(relative_sd),
+        };
+        let report = Identifiability {
+            summary: vec!["One.".into(), "Two.".into()],
+            regions: vec![Region { name: "free end".into(), center: [0.0; 3], nodes: 3 }],
+            groups: vec![
+                group(Quantity::Drag, None, 0.2),
+                group(Quantity::Stiffness, Some(0), 0.9),
+            ],
+            motions: vec![MotionUncertainty {
+                motion: "hang".into(),
+                sd_m: 0.004,
+                prior_sd_m: 0.02,
+                shares: vec![0.0, 0.75],
+            }],
+            next: vec![NextRecording {
+                motion: "shake".into(),
+                action: "Shake it.".into(),
+                sd_m: 0.0025,
+            }],
+            ..Identifiability::default()
+        };
+        let quality = Quality { identifiability: Some(report), ..Quality::default() };
+        let text = details(&quality).unwrap();
+        assert_eq!(
+            text,
+            "One.\nTwo.\n\n\
+             GROUP                LEFT  SO IT IS      hang (mm)\n\
+             stiffness, free end  90 %  undetermined  2.0\n\
+             drag                 20 %  determined    0.0\n\n\
+             LEAVES (mm)  RECORD NEXT\n\
+             2.5          Shake it."
+        );
+        assert_eq!(sentences(&quality).as_deref(), Some("One.\nTwo."));
+        assert_eq!(details(&Quality::default()), None);
+    }
 }

@@ -7,8 +7,8 @@
 //!
 //! A row for each capture: what the report of seed 0 leaves open of the frames after the training frames
 //! [mm], how far the fits with the other seeds and with all frames are apart there [mm], the correlation of
-//! both by rank over points, that of what is left of a group's range and of what the fits differ by in it
-//! over groups, the error to expect and the error [mm], and the report's part of the time of a fit. After it
+//! both by rank over points, that of what is left of a group's range, and of its share of the millimetres,
+//! and of what the fits differ by in it over groups, the error to expect and the error [mm], and the report's part of the time of a fit. After it
 //! come the groups by which the fit to all frames differs most, with what the report says of them.
 
 use std::{path::Path, time::Instant};
@@ -33,7 +33,9 @@ fn main() -> Result<(), Failure> {
     let mut argument = || arguments.next().ok_or("usage: SETTINGS.json SEEDS CAPTURE...");
     let settings: FitSettings = serde_json::from_slice(&std::fs::read(argument()?)?)?;
     let seeds: u64 = argument()?.parse()?;
-    println!("| capture | open | seeds apart | all frames apart | rank by point: seeds, all frames | rank by group: seeds, all frames | expected | error | error / expected | of the time |");
+    println!(
+        "| capture | open | seeds apart | all frames apart | rank by point: seeds, all frames | rank by group: seeds, all frames, of shares | expected | error | error / expected | of the time |"
+    );
     println!("|---|--:|--:|--:|--:|--:|--:|--:|--:|--:|");
     for path in arguments {
         let name = Path::new(&path).file_stem().unwrap_or_default().to_string_lossy().into_owned();
@@ -119,9 +121,10 @@ fn compare(
     let of = |fit: &Fitted| fit.twin.quality.error_m().unwrap_or(f64::NAN);
     let error_m = fits.iter().map(of).sum::<f64>() / fits.len() as f64;
     let expected_m = report.expected_error_m.unwrap_or(f64::NAN);
+    let shares = report.motions.first().map_or(&[][..], |m| &m.shares);
     let open_m = report.motions.first().map_or(f64::NAN, |m| m.sd_m);
     println!(
-        "| {name} | {:.1} | {:.1} | {:.1} | {:.2}, {:.2} | {:.2}, {:.2} | {:.1} | {:.1} | {:.2} | {:.0} % |",
+        "| {name} | {:.1} | {:.1} | {:.1} | {:.2}, {:.2} | {:.2}, {:.2}, {:.2} | {:.1} | {:.1} | {:.2} | {:.0} % |",
         1e3 * open_m,
         1e3 * mean(&between_seeds),
         1e3 * mean(&to_all),
@@ -129,6 +132,7 @@ fn compare(
         rank_correlation(&sd_of_points, &to_all),
         rank_correlation(&left, &over_seeds),
         rank_correlation(&left, &to_all_groups),
+        rank_correlation(shares, &to_all_groups),
         1e3 * expected_m,
         1e3 * error_m,
         error_m / expected_m,
@@ -147,10 +151,11 @@ fn compare(
     order.sort_by(|a, b| to_all_groups[*b].total_cmp(&to_all_groups[*a]));
     for &g in order.iter().take(NAMED) {
         eprintln!(
-            "{name}: all frames differ in {} by {:.2} of its range, {:.2} of which is left",
+            "{name}: all frames differ in {} by {:.2} of its range, of which {:.2} is left; share {:.2}",
             report.name(&report.groups[g]),
             to_all_groups[g],
-            left[g]
+            left[g],
+            shares[g]
         );
     }
     Ok(())

@@ -56,7 +56,7 @@ fn the_recording_to_make_next_moves_what_is_open() {
     assert!(best.sd_m < 0.7 * first.sd_m(), "{:?}", first.next);
     // The prediction of it comes true: with such a recording less is left open, first of all where most
     // was.
-    let mut both = capture.clone();
+    let mut both = capture;
     both.others.push(record(&twin, 31, 31, lift_and_shake));
     let second = report(&twin, &both);
     let far = first.regions.len() - 1;
