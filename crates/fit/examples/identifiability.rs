@@ -21,7 +21,7 @@ use bendtwin_core::{
 };
 use bendtwin_eval::predict;
 use bendtwin_fit::FitJob;
-use bendtwin_identify::identify;
+use bendtwin_identify::identify_by_motion;
 
 type Failure = Box<dyn std::error::Error>;
 
@@ -101,11 +101,11 @@ fn compare(
     let own = &fits[0];
     let began = Instant::now();
     let backend = bendtwin_engine::cpu();
-    let report = identify(&*backend, &own.twin, capture, &CancelToken::default())?;
+    let report = identify_by_motion(&*backend, &own.twin, capture, &CancelToken::default())?;
     let took_s = began.elapsed().as_secs_f64();
-    let report = report.ok_or("there is no report")?;
+    let (report, of_motions) = report.ok_or("there is no report")?;
 
-    let sd_of_points = by_observed(&own.twin, &report, capture);
+    let sd_of_points = by_observed(&own.twin, &of_motions[0], capture);
     let between_seeds = apart(&fits.iter().collect::<Vec<_>>());
     let to_all = apart(&[own, &all]);
     let coordinates: Vec<Vec<f64>> =
@@ -173,10 +173,10 @@ fn deviation(values: impl Iterator<Item = f64> + Clone) -> f64 {
     (values.map(|x| (x - mean).powi(2)).sum::<f64>() / (count - 1.0).max(1.0)).sqrt()
 }
 
-/// The report's standard deviation of each tracked point; NaN where none of the skin is it.
-fn by_observed(twin: &Twin, report: &Identifiability, capture: &Capture) -> Vec<f64> {
+/// The standard deviation of each tracked point by those of the skin; NaN where none of the skin is it.
+fn by_observed(twin: &Twin, sd_m: &[f32], capture: &Capture) -> Vec<f64> {
     let mut all = vec![f64::NAN; capture.object.point_count];
-    for (sd, p) in report.point_sd_m.iter().zip(&twin.skin.observed_points) {
+    for (sd, p) in sd_m.iter().zip(&twin.skin.observed_points) {
         if *p != Graph::NOT_OBSERVED {
             all[*p as usize] = f64::from(*sd);
         }

@@ -42,6 +42,20 @@ pub fn identify(
     capture: &Capture,
     cancel: &CancelToken,
 ) -> Result<Option<Identifiability>, Error> {
+    Ok(identify_by_motion(backend, twin, capture, cancel)?.map(|(report, _)| report))
+}
+
+/// The same with the standard deviation of each skin point in each of the report's motions [m], shape
+/// [motions, M].
+///
+/// # Errors
+/// As [`identify`].
+pub fn identify_by_motion(
+    backend: &dyn Backend,
+    twin: &Twin,
+    capture: &Capture,
+    cancel: &CancelToken,
+) -> Result<Option<(Identifiability, Vec<Vec<f32>>)>, Error> {
     if twin.skin.is_empty() || twin.graph.springs.is_empty() {
         return Ok(None);
     }
@@ -71,8 +85,8 @@ impl Points {
         Self { skin: Arc::new(skin.select(&asked)), nearest: Vec::new() }
     }
 
-    /// Values of all points of a skin from those of the points that are asked about.
-    fn spread(&mut self, twin: &Twin, values: &[f64]) -> Vec<f32> {
+    /// Standard deviations of all points of a skin from the variances of the points that are asked about.
+    fn deviations(&mut self, twin: &Twin, variances: &[f64]) -> Vec<f32> {
         let rest = &twin.graph.rest_positions;
         let (all, asked) = (twin.skin.positions(rest), self.skin.positions(rest));
         if self.nearest.is_empty() {
@@ -82,7 +96,7 @@ impl Points {
             };
             self.nearest = all.into_iter().map(nearest).collect();
         }
-        let value = |i: &usize| values.get(*i).copied().unwrap_or_default() as f32;
+        let value = |i: &usize| variances.get(*i).map_or(0.0, |v| v.max(0.0).sqrt() as f32);
         self.nearest.iter().map(value).collect()
     }
 }
@@ -108,7 +122,10 @@ struct Learnt {
 }
 
 impl Asking<'_> {
-    fn report(mut self, capture: &Capture) -> Result<Option<Identifiability>, Error> {
+    fn report(
+        mut self,
+        capture: &Capture,
+    ) -> Result<Option<(Identifiability, Vec<Vec<f32>>)>, Error> {
         let recordings = recorded(self.backend, self.twin, capture, self.cancel)?;
         let Some(learnt) = self.learn(&recordings)? else { return Ok(None) };
         let before = DMatrix::identity(self.directions.len(), self.directions.len());
@@ -148,28 +165,23 @@ impl Asking<'_> {
                 asked.push((candidate.name, Query::new(&columns)));
             }
         }
-        let mut squares = vec![0.0; self.points.skin.len()];
+        let points = self.points.skin.len();
+        let mut by_motion: Vec<Vec<f64>> = Vec::with_capacity(asked.len());
         let mut motions = Vec::with_capacity(asked.len());
         for (name, query) in &asked {
-            let mean = |variances: &[f64]| {
-                variances.iter().map(|v| v.max(0.0).sqrt()).sum::<f64>()
-                    / variances.len().max(1) as f64
-            };
             let variances = query.variances(&after);
-            let samples = (variances.len() / squares.len().max(1)).max(1) as f64;
-            let points = squares.len().max(1);
-            for (index, variance) in variances.iter().enumerate() {
-                squares[index % points] += variance / samples / asked.len() as f64;
-            }
+            by_motion.push(mean_by_point(&variances, points));
             motions.push(MotionUncertainty {
                 motion: (*name).to_owned(),
-                sd_m: mean(&variances),
-                prior_sd_m: mean(&query.variances(&before)),
+                sd_m: mean_root(&variances),
+                prior_sd_m: mean_root(&query.variances(&before)),
                 shares: query.shares(&after),
             });
         }
+        let over_motions: Vec<f64> = (0..points)
+            .map(|p| by_motion.iter().map(|m| m[p]).sum::<f64>() / by_motion.len().max(1) as f64)
+            .collect();
         let next = self.next(&learnt, &asked, &motions, &tried, &after);
-        let deviations: Vec<f64> = squares.iter().map(|x| x.max(0.0).sqrt()).collect();
         let noise_m = noise.map_or(0.0, |(noise, _)| noise.sd_m);
         let of_future = motions.first().filter(|m| m.motion == "future");
         let expected_error_m =
@@ -184,10 +196,13 @@ impl Asking<'_> {
             observations: learnt.observations,
             expected_error_m,
             node_regions: self.regions.of_nodes.clone(),
-            point_sd_m: self.points.spread(self.twin, &deviations),
+            point_sd_m: self.points.deviations(self.twin, &over_motions),
         };
         report.summary = words::summary(&report);
-        Ok(Some(report))
+        let of_motions =
+            by_motion.iter().map(|variances| self.points.deviations(self.twin, variances));
+        let of_motions = of_motions.collect();
+        Ok(Some((report, of_motions)).filter(|(report, _)| is_finite(report)))
     }
 
     /// What the recordings say about the directions; none without training frames.
@@ -301,6 +316,34 @@ impl Asking<'_> {
         next.sort_by(|a, b| a.sd_m.total_cmp(&b.sd_m));
         next
     }
+}
+
+/// Mean of the roots of variances.
+fn mean_root(variances: &[f64]) -> f64 {
+    variances.iter().map(|v| v.max(0.0).sqrt()).sum::<f64>() / variances.len().max(1) as f64
+}
+
+/// Mean over samples of the variance of each of so many points, whose samples follow one another.
+fn mean_by_point(variances: &[f64], points: usize) -> Vec<f64> {
+    let mut means = vec![0.0; points];
+    let samples = (variances.len() / points.max(1)).max(1) as f64;
+    for row in variances.chunks(points.max(1)) {
+        means.iter_mut().zip(row).for_each(|(mean, v)| *mean += v / samples);
+    }
+    means
+}
+
+/// True if all numbers of a report are finite: a file could not hold others.
+fn is_finite(report: &Identifiability) -> bool {
+    let groups = report.groups.iter().map(|g| g.relative_sd);
+    let motions = report
+        .motions
+        .iter()
+        .flat_map(|m| [m.sd_m, m.prior_sd_m].into_iter().chain(m.shares.iter().copied()));
+    let next = report.next.iter().map(|n| n.sd_m);
+    let whole = [report.noise_m, report.observations];
+    let points = report.point_sd_m.iter().map(|x| f64::from(*x));
+    groups.chain(motions).chain(next).chain(whole).chain(points).all(f64::is_finite)
 }
 
 /// The region whose stiffness the recordings leave most open.

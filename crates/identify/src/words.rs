@@ -16,6 +16,7 @@ const LEAST_GAIN: f64 = 0.05;
 pub(crate) fn summary(report: &Identifiability) -> Vec<String> {
     let mut sentences = vec![determined(report)];
     sentences.extend(millimetres(report));
+    sentences.extend(expected(report));
     sentences.extend(behind(report));
     sentences.extend(next(report));
     sentences
@@ -51,6 +52,15 @@ fn millimetres(report: &Identifiability) -> Option<String> {
         _ => format!("{} and {last}", first.join(", ")),
     };
     Some(format!("That leaves the place of a point uncertain by {all}."))
+}
+
+fn expected(report: &Identifiability) -> Option<String> {
+    let error_m = report.expected_error_m?;
+    Some(format!(
+        "With the error in training, which lasts, expect points to be off by {:.1} mm {}.",
+        1e3 * error_m,
+        during("future")
+    ))
 }
 
 /// The groups that are behind the millimetres of the first motion.

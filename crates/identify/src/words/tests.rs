@@ -27,6 +27,7 @@ fn a_report_is_told_in_sentences() {
             action: "Hold it at its free end instead, lift it and shake it.".into(),
             sd_m: 0.003,
         }],
+        expected_error_m: Some(0.0052),
         ..Identifiability::default()
     };
     assert_eq!(
@@ -35,12 +36,14 @@ fn a_report_is_told_in_sentences() {
             "Of 2 groups of parameters the recording determines 1, 0 in part, and leaves 1 open.",
             "That leaves the place of a point uncertain by 4.0 mm in the frames after the training \
              frames and 8.0 mm when it is shaken.",
+            "With the error in training, which lasts, expect points to be off by 5.2 mm in the frames after \
+             the training frames.",
             "Most of it in the frames after the training frames comes from: stiffness, free end (81 %).",
             "Record next: Hold it at its free end instead, lift it and shake it. That would leave 3.0 of \
              6.0 mm.",
         ]
     );
     report.next[0].sd_m = 0.0059;
-    assert!(summary(&report)[3].starts_with("None of the motions"));
+    assert!(summary(&report)[4].starts_with("None of the motions"));
     assert_eq!(summary(&Identifiability::default()).len(), 1);
 }
