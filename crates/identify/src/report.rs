@@ -27,9 +27,6 @@ use crate::{
 const MOST_POINTS: usize = 1000;
 /// Records of a standard motion.
 const RECORDS: usize = 6;
-/// Error to expect in the frames after the training frames over what the recordings leave open of them,
-/// beside the error in training: docs/accuracy.md says how it was found.
-const CALIBRATION: f64 = 1.0;
 
 /// The identifiability of a twin by the recordings of a capture that it was fitted to; none if it has no
 /// training frames, or the twin diverges in all of them.
@@ -184,8 +181,7 @@ impl Asking<'_> {
         let next = self.next(&learnt, &asked, &motions, &tried, &after);
         let noise_m = noise.map_or(0.0, |(noise, _)| noise.sd_m);
         let of_future = motions.first().filter(|m| m.motion == "future");
-        let expected_error_m =
-            of_future.map(|m| (3.0 * noise_m * noise_m + (CALIBRATION * m.sd_m).powi(2)).sqrt());
+        let expected_error_m = of_future.map(|m| (3.0 * noise_m * noise_m + m.sd_m.powi(2)).sqrt());
         let mut report = Identifiability {
             summary: Vec::new(),
             regions: self.regions.parts.clone(),
