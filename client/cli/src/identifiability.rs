@@ -1,4 +1,4 @@
-//! What the recordings leave open of a twin, in words and as a table.
+//! The report of what recordings leave open of a twin, in words and as a table.
 
 use bendtwin_core::{Identifiability, Quality, identifiability::MotionUncertainty};
 

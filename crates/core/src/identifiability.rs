@@ -115,7 +115,7 @@ pub struct Group {
     pub certainty: Certainty,
 }
 
-/// What the recordings leave open of a motion.
+/// A motion with what the recordings leave open of it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct MotionUncertainty {
     /// The motion: `future`, `hang`, `shake` or `push`.
@@ -135,7 +135,7 @@ pub struct MotionUncertainty {
 pub struct NextRecording {
     /// The motion: `shake`, `hang`, `push`, `far_shake`, `bend`, `pull` or `region_shake`.
     pub motion: String,
-    /// What to do, as a sentence.
+    /// Instruction, as a sentence.
     pub action: String,
     /// Standard deviation that would be left, mean over all motions of the report [m].
     pub sd_m: f64,

@@ -258,7 +258,7 @@ pub struct Quality {
     /// The spread of the predictions of several fits; none if the twin has no members.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub spread: Option<SpreadScore>,
-    /// What the recordings leave open of the twin; none in tables that no fit made.
+    /// Report of what the recordings leave open of the twin; none in tables that no fit made.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub identifiability: Option<Identifiability>,
 }

@@ -199,7 +199,7 @@ fn apart(fits: &[&Fitted]) -> Vec<f64> {
     (0..points).map(of).collect()
 }
 
-/// Where a twin is along each group of a report, whose regions are those of the nodes of `of`.
+/// Places of a twin along each group of a report, whose regions are those of the nodes of `of`.
 fn coordinates(twin: &Twin, of: &Twin, report: &Identifiability) -> Vec<f64> {
     let nearest = |p: &Point| {
         let apart = of.graph.rest_positions.iter().map(|q| point_distance(*p, *q)).enumerate();

@@ -40,7 +40,7 @@ pub(crate) fn candidates(twin: &Twin, regions: &Regions, open: usize) -> Vec<Can
 }
 
 impl Candidate {
-    /// What to do, as a sentence.
+    /// Instruction, as a sentence.
     pub(crate) fn action(&self, regions: &Regions, has_hands: bool) -> String {
         let place = |region: usize| place(regions.parts.get(region));
         let hold = match self.hold {

@@ -32,7 +32,7 @@ const MOVE_S: f64 = 0.5;
 const BEND: f64 = 0.3;
 const PULL: f64 = 0.06;
 
-/// What holds the object.
+/// The hold of the object.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Hold {
     /// The twin's own control points.
@@ -41,12 +41,12 @@ pub(crate) enum Hold {
     Region(usize),
 }
 
-/// What is done to the object.
+/// The action on the object.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Act {
     /// It is held still and hangs.
     Hang,
-    /// What holds it shakes.
+    /// Its hold shakes.
     Shake,
     /// A region is moved sideways.
     Push(usize),

@@ -199,7 +199,7 @@ impl Recorded {
         self.is_own || direction.quantity != Quantity::Grip
     }
 
-    /// What the recording itself leaves open beside the directions: where its hands are, and the grips
+    /// Unknowns of the recording itself beside the directions: where its hands are, and the grips
     /// of hands that are not the twin's.
     pub(crate) fn nuisances(&self) -> Vec<Variation> {
         let hands = self.scene.hands.iter().max().map_or(0, |h| h + 1);

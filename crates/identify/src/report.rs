@@ -108,7 +108,7 @@ struct Asking<'a> {
     cancel: &'a CancelToken,
 }
 
-/// What the recordings say.
+/// Information of the recordings.
 struct Learnt {
     information: DMatrix<f64>,
     /// Columns of the frames after the training frames; empty without such frames.
@@ -201,7 +201,7 @@ impl Asking<'_> {
         Ok(Some((report, of_motions)).filter(|(report, _)| is_finite(report)))
     }
 
-    /// What the recordings say about the directions; none without training frames.
+    /// Information of the recordings about the directions; none without training frames.
     fn learn(&self, recordings: &[Recorded]) -> Result<Option<Learnt>, Error> {
         let count = self.directions.len();
         let mut learnt = Learnt {

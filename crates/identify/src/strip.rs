@@ -102,7 +102,7 @@ pub(crate) fn held_in_the_middle() -> Twin {
     twin
 }
 
-/// What is recorded of a twin whose first hand is displaced so at each frame [m], with an error of some
+/// The recording of a twin whose first hand is displaced so at each frame [m], with an error of some
 /// millimetres that lasts and is shared by neighbours.
 pub(crate) fn record(
     twin: &Twin,

@@ -1,6 +1,6 @@
 use bendtwin_core::{
-    Environment, Graph, NodeKind, Params, Pin, Quality, Skin, Timing, Twin,
-    environment::ControlVelocity, twin::Provenance,
+    Environment, Graph, Identifiability, NodeKind, Params, Pin, Quality, Skin, Timing, Twin,
+    environment::ControlVelocity, identifiability::Region, twin::Provenance,
 };
 use bendtwin_proto::v1::{
     CreateTwinRequest, ExportTwinRequest, GetTwinGeometryRequest, ListTwinsRequest, Tensor,
