@@ -35,4 +35,4 @@ mod strip;
 mod words;
 
 pub use regions::Regions;
-pub use report::{identify, identify_by_motion};
+pub use report::{ByMotion, identify, identify_by_motion};

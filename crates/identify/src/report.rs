@@ -42,6 +42,10 @@ pub fn identify(
     Ok(identify_by_motion(backend, twin, capture, cancel)?.map(|(report, _)| report))
 }
 
+/// A report, and the standard deviation of each skin point in each of its motions [m], shape
+/// [motions, M].
+pub type ByMotion = (Identifiability, Vec<Vec<f32>>);
+
 /// The same with the standard deviation of each skin point in each of the report's motions [m], shape
 /// [motions, M].
 ///
@@ -52,7 +56,7 @@ pub fn identify_by_motion(
     twin: &Twin,
     capture: &Capture,
     cancel: &CancelToken,
-) -> Result<Option<(Identifiability, Vec<Vec<f32>>)>, Error> {
+) -> Result<Option<ByMotion>, Error> {
     if twin.skin.is_empty() || twin.graph.springs.is_empty() {
         return Ok(None);
     }
@@ -119,10 +123,7 @@ struct Learnt {
 }
 
 impl Asking<'_> {
-    fn report(
-        mut self,
-        capture: &Capture,
-    ) -> Result<Option<(Identifiability, Vec<Vec<f32>>)>, Error> {
+    fn report(mut self, capture: &Capture) -> Result<Option<ByMotion>, Error> {
         let recordings = recorded(self.backend, self.twin, capture, self.cancel)?;
         let Some(learnt) = self.learn(&recordings)? else { return Ok(None) };
         let before = DMatrix::identity(self.directions.len(), self.directions.len());
