@@ -242,7 +242,7 @@ describe('the playground', () => {
     await page.getByRole('checkbox', { name: 'Bending triplets' }).check();
     await page.getByRole('checkbox', { name: 'Skin' }).uncheck();
     expect(new URLSearchParams(page.url().split('?')[1]).get('layers')).toBe('appearance,springs,shadow,triplets');
-    await page.getByRole('combobox', { name: 'Colour springs by' }).selectOption('stiffness');
+    await page.getByRole('combobox', { name: 'Colour by' }).selectOption('stiffness');
     await page.getByText('Stiffness of springs').waitFor();
     expect(page.url()).toContain('colour=stiffness');
     await visit.stop('view');

@@ -26,7 +26,7 @@ use crate::{
     backend::BackendArgs,
     failure::{self, Failed, Usage},
     global::Global,
-    observation, output, picture, quality,
+    identifiability, observation, output, picture, quality,
     settings::SettingsArgs,
     signals,
 };
@@ -168,8 +168,15 @@ fn score(
     // A fit has scored its twin already; again only for what it did not keep.
     let kept = &fitted.twin.quality;
     let quality = match (&args.twin, args.per_frame) {
-        (Some(_), _) => Quality { fast: fast()?, ..again()? },
-        (None, true) => Quality { fast: kept.fast, choice: kept.choice.clone(), ..again()? },
+        (Some(_), _) => {
+            Quality { fast: fast()?, identifiability: kept.identifiability.clone(), ..again()? }
+        }
+        (None, true) => Quality {
+            fast: kept.fast,
+            choice: kept.choice.clone(),
+            identifiability: kept.identifiability.clone(),
+            ..again()?
+        },
         (None, false) => kept.clone(),
     };
     if let Some(file) = &args.out {
@@ -205,6 +212,9 @@ fn text(name: &str, scored: &Scored) -> String {
     text += &format!("\n{}\n", scored.assessment);
     if let Some(line) = quality::fast(&scored.quality, scored.substeps) {
         text += &format!("\nFast: {line}.\n");
+    }
+    if let Some(sentences) = identifiability::sentences(&scored.quality) {
+        text += &format!("\n{sentences}\n");
     }
     if !scored.corrections.is_empty() {
         text += &format!("\n{}", corrections::table(&scored.corrections));

@@ -14,6 +14,7 @@ use self::watch::watch_here;
 pub(crate) use self::watch::{ended_well, watch};
 use crate::{
     global::Global,
+    identifiability,
     labels::{self, Changes, Choice},
     output, quality,
     table::Table,
@@ -176,6 +177,11 @@ async fn print_ended(
         match quality::of_stored(client, name).await {
             Ok(assessment) => text += &format!("\n{assessment}"),
             Err(error) => text += &format!("\nits twin cannot be assessed: {error}"),
+        }
+        if let Ok(twin) = client.twins().get(name).await
+            && let Some(sentences) = identifiability::sentences(&twin.quality)
+        {
+            text += &format!("\n{sentences}");
         }
     }
     output::print(global, fit, || text)

@@ -13,6 +13,7 @@ mod exchange;
 mod failure;
 mod fit;
 mod global;
+mod identifiability;
 mod key;
 mod labels;
 mod logging;

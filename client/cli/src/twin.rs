@@ -15,6 +15,7 @@ use serde_json::json;
 
 use crate::{
     global::Global,
+    identifiability,
     labels::{self, Changes, Choice},
     output, quality,
     table::Table,
@@ -96,7 +97,13 @@ pub(crate) async fn run(args: Twin, global: &Global) -> anyhow::Result<()> {
             let client = global.connect().await?;
             let twin = client.twins().get(name).await?;
             let assessment = quality::of_stored(&client, name).await?;
-            output::print(global, &twin, || format!("{}\n{assessment}", shown(&twin)))
+            output::print(global, &twin, || {
+                let text = format!("{}\n{assessment}", shown(&twin));
+                match identifiability::details(&twin.quality) {
+                    Some(details) => format!("{text}\n\n{details}"),
+                    None => text,
+                }
+            })
         }
         Command::Evaluate { name, capture } => {
             let client = global.connect().await?;

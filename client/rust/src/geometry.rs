@@ -37,6 +37,12 @@ pub struct Geometry {
     pub skin: Skin,
     /// Number of fits: the twin and its members.
     pub fits: usize,
+    /// The part of the object that each node belongs to, by its place among the regions of the quality
+    /// table's `identifiability`, shape [N]; empty without such a report.
+    pub node_regions: Vec<u8>,
+    /// Standard deviation of each skin point that the recordings leave [m], root mean square over the
+    /// motions of that report; empty without one.
+    pub skin_sd_m: Vec<f32>,
 }
 
 impl TryFrom<TwinGeometry> for Geometry {
@@ -75,6 +81,8 @@ impl TryFrom<TwinGeometry> for Geometry {
             spacing_m: wire.spacing_m,
             skin: skin(wire.skin.unwrap_or_default(), nodes)?,
             fits: wire.fits.max(1) as usize,
+            node_regions: numbers_if_any(wire.node_regions, "node_regions")?,
+            skin_sd_m: numbers_if_any(wire.skin_sd, "skin_sd")?,
         })
     }
 }
@@ -108,4 +116,12 @@ fn skin(wire: twin_geometry::Skin, nodes: usize) -> Result<Skin, Error> {
     };
     skin.check(nodes).map_err(|fault| Error::malformed(format!("skin: {fault}")))?;
     Ok(skin)
+}
+
+/// The numbers of a tensor that a server of an earlier version does not have.
+fn numbers_if_any<T: bendtwin_proto::tensor::Element>(
+    tensor: Option<Tensor>,
+    name: &str,
+) -> Result<Vec<T>, Error> {
+    tensor.map_or(Ok(Vec::new()), |t| Ok(t.unpack(name).map_err(Error::malformed)?.1))
 }

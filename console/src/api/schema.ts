@@ -2511,6 +2511,8 @@ export interface components {
             mass_kg?: number;
             /** @description FLOAT32 [N]: masses; kilograms if `mass_kg` is known, else in units of a node. */
             masses?: components["schemas"]["Tensor"];
+            /** @description UINT8 [N]: the part of the object that each node belongs to, by its place among `regions` of the quality table's `identifiability`. Empty: the twin has no such report. */
+            node_regions?: components["schemas"]["Tensor"];
             /** @description UINT32 [P, 2]: nodes that control points hold exactly, as pairs of node and control point. */
             pins?: components["schemas"]["Tensor"];
             /** @description FLOAT32 [E], metres. */
@@ -2523,6 +2525,8 @@ export interface components {
             /** @description UINT32 [rods + 1] and UINT32 [..]: nodes of each rod, one after another. */
             rod_starts?: components["schemas"]["Tensor"];
             skin?: components["schemas"]["TwinGeometry.Skin"];
+            /** @description FLOAT32 [M], metres: standard deviation of each skin point that the recordings leave, root mean square over the motions of that report. */
+            skin_sd?: components["schemas"]["Tensor"];
             /**
              * Format: double
              * @description Mean length of springs between nodes, metres.

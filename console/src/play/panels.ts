@@ -9,7 +9,7 @@ import { grippersPanel } from './panels/grippers';
 import { helpPanel } from './panels/help';
 import { obstaclesPanel } from './panels/obstacles';
 import { panel } from './panels/parts';
-import { pictureControls, readLook } from './panels/picture';
+import { coloursOf, pictureControls, readLook } from './panels/picture';
 import { recordingPanel } from './panels/recording';
 import { timePanel } from './panels/time';
 import { worldPanel } from './panels/world';
@@ -60,6 +60,7 @@ export function panelsOf(
 
 /** What is shown of the twin. */
 function picturePanel({ scene, context }: Playing, shape: TwinShape): HTMLElement {
-  const colours: ColourBy[] = shape.springStiffness.length > 0 ? ['none', 'strain', 'stiffness'] : ['none', 'strain'];
+  const [none, ...others] = coloursOf(shape);
+  const colours: ColourBy[] = [none ?? 'none', 'strain', ...others];
   return panel('Picture', false, pictureControls(scene.twin, readLook(context.query, shape), colours, () => undefined));
 }

@@ -9,7 +9,7 @@ import { pointCount } from '../view3d/skin';
 import { Stage } from '../view3d/stage';
 import { TwinView } from '../view3d/twin_view';
 import { panel } from './panels/parts';
-import { pictureControls, readLook, writeLook, type Look } from './panels/picture';
+import { coloursOf, pictureControls, readLook, writeLook, type Look } from './panels/picture';
 import { shareMenu } from './share';
 import './play.css';
 
@@ -73,7 +73,6 @@ function elementOf(context: PageContext, { id, name, stage, shape, view, look }:
   ].join(', ');
   const keys = 'arrows turn, Control and arrows move, plus and minus come closer and go away';
   stage.describe(`${counts}. Keys: ${keys}.`);
-  const colours = shape.springStiffness.length > 0 ? (['none', 'stiffness'] as const) : (['none'] as const);
   return h('div', { class: 'play' },
     h('div', { class: 'play-main' },
       h('div', { class: 'row' },
@@ -86,6 +85,6 @@ function elementOf(context: PageContext, { id, name, stage, shape, view, look }:
         `With the picture in focus: ${keys}.`)),
     h('div', { class: 'play-panels' },
       panel('Picture', true,
-        pictureControls(view, look, colours, () => context.setQuery(query()))),
+        pictureControls(view, look, coloursOf(shape), () => context.setQuery(query()))),
       shareMenu(stage, context, query, name)));
 }

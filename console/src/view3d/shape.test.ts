@@ -28,11 +28,14 @@ describe('readShape', () => {
     expect(shape.rods.map((rod) => [...rod])).toEqual([[1, 0]]);
     expect(shape.ground).toEqual({ normal: [0, 0, 1], offset_m: 0.5 });
     expect([shape.skin.starts.length, shape.massKg, shape.springStiffness.length]).toEqual([1, null, 0]);
+    expect(shape.skinSd.length).toBe(0);
   });
 
   it('refuses arrays that do not belong together', () => {
     expect(() => readShape({ ...reply(), edges: packedIndices([0, 3, 1, 2], [2, 2]) })).toThrow('edges');
     expect(() => readShape({ ...reply(), hands: packedIndices([0, 0], [2]) })).toThrow('hands has 2 values');
+    const sd = packed(new Float32Array([0.001]), [1]);
+    expect(() => readShape({ ...reply(), skin_sd: sd })).toThrow('skin_sd has 1 values');
     const short = { ...packed(new Float32Array(3), [1, 3]), shape: [2, 3] };
     expect(() => readShape({ ...reply(), rest_positions: short })).toThrow('12 bytes');
     const bytes = { ...packed(new Float32Array(6), [2, 3]), dtype: 'FLOAT64' };

@@ -27,6 +27,8 @@ export interface TwinShape {
   readonly triplets: Uint32Array;
   /** [N m/rad], or per unit mass, shape [T]. Empty if it was not told. */
   readonly bendStiffness: Float32Array;
+  /** Standard deviation of each skin point that the recordings leave [m], shape [M]. Empty if it is not known. */
+  readonly skinSd: Float32Array;
   readonly rods: readonly Uint32Array[];
   readonly skin: Skin;
   /** Colours of the skin and splats; null if the twin has none. */
@@ -48,7 +50,7 @@ type Tensors<Name extends string> = { readonly [name in Name]?: PackedTensor };
 export interface GeometryReply
   extends Tensors<
     'rest_positions' | 'masses' | 'controls' | 'hands' | 'edges' | 'rest_lengths' | 'triplets' | 'spring_stiffness' |
-    'bend_stiffness' | 'rod_starts' | 'rod_nodes'
+    'bend_stiffness' | 'rod_starts' | 'rod_nodes' | 'skin_sd'
   > {
   readonly skin?: Tensors<'weight_counts' | 'weight_nodes' | 'weights' | 'frames' | 'offsets'>;
   readonly ground?: { readonly normal?: readonly number[]; readonly offset_m?: number };
@@ -78,6 +80,8 @@ export function readShape(reply: GeometryReply): TwinShape {
   const starts = indices(reply.rod_starts, 'rod_starts');
   const rodNodes = indices(reply.rod_nodes, 'rod_nodes');
   within(rodNodes, nodes, 'rod_nodes');
+  const skin = readSkin(reply.skin ?? {}, nodes);
+  const skinSd = floats(reply.skin_sd, 'skin_sd');
   return {
     rest,
     controls,
@@ -88,7 +92,8 @@ export function readShape(reply: GeometryReply): TwinShape {
     triplets,
     bendStiffness: floats(reply.bend_stiffness, 'bend_stiffness'),
     rods: Array.from(starts.subarray(1), (end, rod) => rodNodes.subarray(starts[rod], end)),
-    skin: readSkin(reply.skin ?? {}, nodes),
+    skin,
+    skinSd: skinSd.length === 0 ? skinSd : ofLength(skinSd, skin.starts.length - 1, 'skin_sd'),
     appearance: null,
     ground: reply.ground === undefined ? null : planeOf(reply.ground),
     gravity: vectorOf(reply.gravity, [0, 0, 0]),

@@ -15,7 +15,7 @@ import type { Stage } from './stage';
 export type TwinLayer = 'skin' | 'appearance' | 'nodes' | 'springs' | 'triplets' | 'rods' | 'controls' | 'shadow';
 
 /** Quantities that a twin can be coloured by. */
-export type ColourBy = 'none' | 'stiffness' | 'strain';
+export type ColourBy = 'none' | 'stiffness' | 'strain' | 'uncertainty';
 
 const COLOURS = {
   skin: 0x1098ad,
@@ -42,6 +42,8 @@ export class TwinView {
   readonly #splatCount = new SplatCount();
   #plane: Plane | null = null;
   #hasShadow = false;
+  #isUncertain = false;
+  #isOwn = false;
   readonly #lines: Record<'springs' | 'triplets' | 'rods', LinesLayer>;
 
   constructor(stage: Stage, shape: TwinShape, legend: Legend) {
@@ -120,13 +122,19 @@ export class TwinView {
     this.#shadow.object.visible = this.#hasShadow && plane !== null;
   }
 
-  /** Colours springs and triplets, and says what the colours mean. */
+  /** Colours springs and triplets, or the skin, and says what the colours mean. */
   colourBy(quantity: ColourBy): void {
     const { springs, triplets } = this.#lines;
-    const { springStiffness, bendStiffness, massKg } = this.#shape;
+    const { springStiffness, bendStiffness, skinSd, massKg } = this.#shape;
     springs.plain();
     triplets.plain();
     this.#legend.hide();
+    this.#isUncertain = quantity === 'uncertainty' && skinSd.length > 0;
+    this.#colourSkin();
+    if (this.#isUncertain) {
+      const { low, high } = rangeOf(skinSd);
+      this.#legend.show('What the recordings leave open', 'mm', { low: 1e3 * low, high: 1e3 * high }, SEQUENTIAL);
+    }
     if (quantity === 'strain') {
       springs.colourByStrain(STRAINS, DIVERGING);
       this.#legend.show('Strain of springs, pressed to stretched', '', STRAINS, DIVERGING);
@@ -162,14 +170,22 @@ export class TwinView {
 
   /** Shows the skin in one colour, or in its own colours: as splats where there are some. */
   #showSurface(isShown: boolean, isOwn: boolean): void {
-    const colours = this.#shape.appearance?.skinColours ?? new Uint8Array(0);
+    this.#isOwn = isOwn;
     const asSplats = isShown && isOwn && this.#splats !== null;
     this.#skin.object.visible = isShown && !asSplats;
-    if (isOwn && colours.length > 0 && colours.length === 3 * pointCount(this.#shape.skin)) this.#skin.tint(colours);
-    else this.#skin.plain();
+    this.#colourSkin();
     if (this.#splats === null) return;
     this.#splats.object.visible = asSplats;
     if (!asSplats) this.#splatCount.hide();
+  }
+
+  /** Colours the skin by what is uncertain of it, in its own colours, or in one. */
+  #colourSkin(): void {
+    const { appearance, skin, skinSd } = this.#shape;
+    const colours = appearance?.skinColours ?? new Uint8Array(0);
+    if (this.#isUncertain) this.#skin.colourBy(skinSd, rangeOf(skinSd), SEQUENTIAL);
+    else if (this.#isOwn && colours.length > 0 && colours.length === 3 * pointCount(skin)) this.#skin.tint(colours);
+    else this.#skin.plain();
   }
 
   #placeSurface(): void {

@@ -4,7 +4,7 @@ use std::fmt;
 
 use serde::{Deserialize, Serialize};
 
-use crate::FastVariant;
+use crate::{FastVariant, Identifiability};
 
 /// Errors over a span of frames, averaged over its frames. All in metres.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -261,6 +261,9 @@ pub struct Quality {
     /// The spread of the predictions of several fits; none if the twin has no members.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub spread: Option<SpreadScore>,
+    /// Report of what the recordings leave open of the twin; none in tables that no fit made.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub identifiability: Option<Identifiability>,
 }
 
 impl Quality {

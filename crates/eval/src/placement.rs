@@ -7,7 +7,7 @@
 //! was fitted to it, except for the parameters.
 
 use bendtwin_core::{
-    CancelToken, Capture, Environment, Graph, Params, Point, Sequence, Skin, Timing, Twin,
+    CancelToken, Capture, Environment, Graph, Params, Point, Quality, Sequence, Skin, Timing, Twin,
     geometry::{RigidMotion, point_distance, vector3},
     quality::RegistrationScore,
     settings::GraphSettings,
@@ -105,6 +105,8 @@ impl Placement {
             timing: retimed(twin.timing, capture.fps),
             control_hands: capture.object.control_hands.clone(),
             appearance: None,
+            // Its arrays are of the twin's own skin.
+            quality: Quality { identifiability: None, ..twin.quality.clone() },
             ..twin.clone()
         };
         if let Err(needs) = enough_substeps(&Model::from(&carried), carried.timing.substeps) {

@@ -1,5 +1,6 @@
 //! A fit from its capture to its twin.
 
+mod identifiability;
 mod look;
 mod members;
 
@@ -559,6 +560,7 @@ impl<'a> Run<'a> {
         quality.fast = fast_variant(&*self.job.backend, &twin, self.job.capture, self.cancel)?;
         quality.assessment = Some(self.assessment(&twin, &quality, is_cut));
         twin.quality = quality;
+        self.identify(&mut twin)?;
         self.report(progress(1));
         Ok(Outcome { twin, axial })
     }

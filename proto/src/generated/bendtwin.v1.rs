@@ -2834,6 +2834,14 @@ pub struct TwinGeometry {
     /// FLOAT32 \[T\]: newton metres per radian, or per unit mass.
     #[prost(message, optional, tag = "25")]
     pub bend_stiffness: ::core::option::Option<Tensor>,
+    /// UINT8 \[N\]: the part of the object that each node belongs to, by its place among `regions` of the
+    /// quality table's `identifiability`. Empty: the twin has no such report.
+    #[prost(message, optional, tag = "26")]
+    pub node_regions: ::core::option::Option<Tensor>,
+    /// FLOAT32 \[M\], metres: standard deviation of each skin point that the recordings leave, root mean square
+    /// over the motions of that report.
+    #[prost(message, optional, tag = "27")]
+    pub skin_sd: ::core::option::Option<Tensor>,
 }
 /// Nested message and enum types in `TwinGeometry`.
 pub mod twin_geometry {

@@ -2293,7 +2293,7 @@ impl Fields for crate::v1::CloseSessionResponse {
 
 impl Fields for crate::v1::TwinGeometry {
     const NAME: &'static str = "TwinGeometry";
-    const FIELDS: &'static [&'static str] = &["rest_positions", "kinds", "edges", "rest_lengths", "triplets", "masses", "controls", "hands", "pins", "surface_count", "rod_count", "fps", "substeps", "gravity", "ground", "ground_friction", "ground_restitution", "mass_kg", "spacing_m", "rod_starts", "rod_nodes", "skin", "fits", "spring_stiffness", "bend_stiffness"];
+    const FIELDS: &'static [&'static str] = &["rest_positions", "kinds", "edges", "rest_lengths", "triplets", "masses", "controls", "hands", "pins", "surface_count", "rod_count", "fps", "substeps", "gravity", "ground", "ground_friction", "ground_restitution", "mass_kg", "spacing_m", "rod_starts", "rod_nodes", "skin", "fits", "spring_stiffness", "bend_stiffness", "node_regions", "skin_sd"];
     #[allow(unused_variables)]
     fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
         match field {
@@ -2322,6 +2322,8 @@ impl Fields for crate::v1::TwinGeometry {
 22 => { self.fits = map.next_value::<Option<_>>()?.unwrap_or_default(); }
 23 => { self.spring_stiffness = tensor(map, Dtype::Float32)?; }
 24 => { self.bend_stiffness = tensor(map, Dtype::Float32)?; }
+25 => { self.node_regions = tensor(map, Dtype::Float32)?; }
+26 => { self.skin_sd = tensor(map, Dtype::Float32)?; }
 
             _ => {}
         }
@@ -2354,6 +2356,8 @@ write_message(map, "skin", self.skin.as_ref(), tensors)?;
 map.serialize_entry("fits", &self.fits)?;
 write_tensor(map, "spring_stiffness", self.spring_stiffness.as_ref(), tensors)?;
 write_tensor(map, "bend_stiffness", self.bend_stiffness.as_ref(), tensors)?;
+write_tensor(map, "node_regions", self.node_regions.as_ref(), tensors)?;
+write_tensor(map, "skin_sd", self.skin_sd.as_ref(), tensors)?;
 
         Ok(())
     }

@@ -70,6 +70,8 @@ fn geometry(twin: &TwinFile) -> TwinGeometry {
     };
     let rows = |rows: &[[u32; 2]]| Some(Tensor::pack(&[rows.len(), 2], rows.as_flattened()));
     let contact = &twin.params.contact;
+    let report = twin.quality.identifiability.as_ref();
+    let regions = report.map_or(&[][..], |report| &report.node_regions);
     TwinGeometry {
         rest_positions: Some(Tensor::pack_points(&[n], &graph.rest_positions)),
         kinds: Some(Tensor::pack(&[n], &kinds)),
@@ -96,6 +98,8 @@ fn geometry(twin: &TwinFile) -> TwinGeometry {
         spring_stiffness: numbers(&physical(&twin.params.spring_stiffness)),
         bend_stiffness: numbers(&physical(&twin.params.bend_stiffness)),
         fits: 1 + twin.members.len() as u32,
+        node_regions: Some(Tensor::pack(&[regions.len()], regions)),
+        skin_sd: numbers(report.map_or(&[], |report| &report.point_sd_m)),
     }
 }
 

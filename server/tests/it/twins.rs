@@ -1,6 +1,6 @@
 use bendtwin_core::{
-    Environment, Graph, NodeKind, Params, Pin, Quality, Skin, Timing, Twin,
-    environment::ControlVelocity, twin::Provenance,
+    Environment, Graph, Identifiability, NodeKind, Params, Pin, Quality, Skin, Timing, Twin,
+    environment::ControlVelocity, identifiability::Region, twin::Provenance,
 };
 use bendtwin_proto::v1::{
     CreateTwinRequest, ExportTwinRequest, GetTwinGeometryRequest, ListTwinsRequest, Tensor,
@@ -94,9 +94,20 @@ async fn the_geometry_of_a_twin_is_told_over_both_transports() {
     twin.mass_kg = Some(0.5);
     let none = [Skin::NO_FRAME; 3];
     twin.skin.push(Graph::NOT_OBSERVED, &[(0, 0.25), (1, 0.75)], none, [0.0, 0.0, 0.5]);
+    let region = |name: &str| Region { name: name.into(), center: [0.0; 3], nodes: 1 };
+    twin.quality.identifiability = Some(Identifiability {
+        summary: vec!["The free end is open.".into()],
+        regions: vec![region("near the hand"), region("free end")],
+        node_regions: vec![0, 1],
+        point_sd_m: vec![0.001, 0.002, 0.004],
+        ..Identifiability::default()
+    });
     let request = server.http.post(server.url("/v1/twins")).body(twin.encode().unwrap());
     let (_, stored) = read(request.send().await.unwrap()).await;
     assert_eq!(stored["mass_kg"], json!(0.5));
+    let report = &stored["quality"]["identifiability"];
+    assert_eq!(report["summary"], json!(["The free end is open."]));
+    assert_eq!(report["regions"][1]["name"], json!("free end"));
     let name = stored["name"].as_str().unwrap();
     let request = GetTwinGeometryRequest { name: name.to_owned() };
     let geometry = server.twins().get_twin_geometry(request).await.unwrap().into_inner();
@@ -109,6 +120,9 @@ async fn the_geometry_of_a_twin_is_told_over_both_transports() {
     let stiffness = |tensor: &Option<Tensor>| tensor.as_ref().unwrap().unpack::<f32>("s").unwrap();
     assert_eq!(stiffness(&geometry.spring_stiffness), (vec![2], vec![25.0, 0.25]));
     assert_eq!(stiffness(&geometry.bend_stiffness), (vec![0], vec![]));
+    let regions = geometry.node_regions.as_ref().unwrap().unpack::<u8>("r").unwrap();
+    assert_eq!(regions, (vec![2], vec![0, 1]));
+    assert_eq!(stiffness(&geometry.skin_sd), (vec![3], vec![0.001, 0.002, 0.004]));
     assert_eq!((geometry.surface_count, geometry.fps, geometry.substeps), (2, 30.0, 20));
     assert!((geometry.spacing_m - 0.1).abs() < 1e-6, "{}", geometry.spacing_m);
     assert_eq!(geometry.ground.unwrap().normal, [0.0, 0.0, 1.0]);

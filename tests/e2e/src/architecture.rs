@@ -10,7 +10,7 @@ use crate::{rust_code::code_only, workspace};
 /// Crates that talk to a network or wait for one.
 const NETWORK: [&str; 7] = ["tokio", "tonic", "hyper", "axum", "reqwest", "object_store", "quinn"];
 const DATABASE: [&str; 5] = ["sqlx", "sqlx-core", "rusqlite", "libsqlite3-sys", "bendtwin-store"];
-const PHYSICS: [&str; 19] = [
+const PHYSICS: [&str; 20] = [
     "bendtwin-backends",
     "bendtwin-bench",
     "bendtwin-capture",
@@ -21,6 +21,7 @@ const PHYSICS: [&str; 19] = [
     "bendtwin-fit",
     "bendtwin-flow",
     "bendtwin-graph",
+    "bendtwin-identify",
     "bendtwin-ingest",
     "bendtwin-inspect",
     "bendtwin-lift",
@@ -46,12 +47,13 @@ const CAMERA_SIDE: [&str; 9] = [
 /// Crates that open captures.
 const CAPTURE_READERS: [&str; 4] =
     ["bendtwin-capture", "bendtwin-ingest", "bendtwin-inspect", "bendtwin-lift"];
-const SIMULATION: [&str; 7] = [
+const SIMULATION: [&str; 8] = [
     "bendtwin-backends",
     "bendtwin-cuda",
     "bendtwin-engine",
     "bendtwin-eval",
     "bendtwin-fit",
+    "bendtwin-identify",
     "bendtwin-register",
     "bendtwin-synth",
 ];
@@ -79,6 +81,7 @@ const RULES: [Rule; 12] = [
             "bendtwin-engine",
             "bendtwin-fit",
             "bendtwin-eval",
+            "bendtwin-identify",
             "bendtwin-bench",
             "bendtwin-backends",
             "bendtwin-synth",

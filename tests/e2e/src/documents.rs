@@ -3,8 +3,9 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use bendtwin_core::{
-    Appearance, Contact, Environment, FitSettings, Graph, NodeKind, Params, Pin, Skin, Splats,
-    Timing, Twin, settings::ingest::IngestSettings, twin::Member,
+    Appearance, Contact, Environment, FitSettings, Graph, Identifiability, NodeKind, Params, Pin,
+    Quality, Skin, Splats, Timing, Twin, identifiability::Region, settings::ingest::IngestSettings,
+    twin::Member,
 };
 use serde_json::Value;
 
@@ -107,7 +108,7 @@ fn the_example_configuration_says_what_holds_by_default() {
     }
 }
 
-/// A twin of the newest version: with a rod, a skin, a member and a look.
+/// A twin of the newest version: with a rod, a skin, a member, a look and a report of what is open.
 fn twin() -> Twin {
     let n = Graph::MIN_ROD_NODES;
     let pin = |node| Pin { node, control: 0, offset_m: [0.0; 3] };
@@ -121,6 +122,13 @@ fn twin() -> Twin {
         pins: (0..n as u32).map(pin).collect(),
         rods: vec![(0..n as u32).collect()],
         ..Graph::default()
+    };
+    let report = Identifiability {
+        regions: vec![Region { name: "free end".into(), center: [0.0; 3], nodes: n as u32 }],
+        node_regions: vec![0; n],
+        point_sd_m: vec![0.001],
+        expected_error_m: Some(0.004),
+        ..Identifiability::default()
     };
     let per_rod = vec![0.0];
     let mut skin = Skin::default();
@@ -146,7 +154,7 @@ fn twin() -> Twin {
         timing: Timing { fps: 30.0, substeps: 1 },
         control_velocity: Default::default(),
         provenance: Default::default(),
-        quality: Default::default(),
+        quality: Quality { identifiability: Some(report), ..Quality::default() },
         mass_kg: Some(0.5),
         control_hands: vec![0],
         members: Vec::new(),

@@ -75,6 +75,12 @@ class Geometry:
     skin: Skin
     #: Number of fits: the twin and its members (`Vary(fits=True)`).
     fits: int = 1
+    #: The part of the object that each node belongs to, by its place among the regions of
+    #: `Twin.identifiability` [N]; None without such a report.
+    node_regions: npt.NDArray[np.uint8] | None = None
+    #: Standard deviation of each skin point that the recordings leave [M], metres, over the motions
+    #: of that report; None without one.
+    skin_sd: FloatArray | None = None
 
     @property
     def hand_count(self) -> int:
@@ -131,7 +137,14 @@ class Geometry:
             spacing_m=message.spacing_m,
             skin=Skin.from_proto(message.skin),
             fits=max(message.fits, 1),
+            node_regions=_array_or_none(message.node_regions),
+            skin_sd=_array_or_none(message.skin_sd),
         )
+
+
+def _array_or_none(tensor: Any) -> Any:
+    array = unpack(tensor)
+    return None if array is None or array.size == 0 else array
 
 
 def _array(tensor: Any) -> Any:

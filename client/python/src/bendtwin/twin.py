@@ -37,6 +37,15 @@ class TwinFacts(Generic[_Caller]):
         """twins/{uuid}."""
         return self.info.name
 
+    @property
+    def identifiability(self) -> dict[str, Any] | None:
+        """The report of what its recordings leave open: `summary` in sentences, `groups` of
+        parameters, `motions` in metres, and what to record `next`, as docs/twin-format.md describes
+        them; None for a twin that no fit made. `geometry()` has it by node and by skin point.
+        """
+        report: dict[str, Any] | None = self.info.quality.get("identifiability")
+        return report
+
     def rollout_request(self, **arguments: Unpack[RolloutArguments]) -> rollout_pb2.RollOutRequest:
         """The message of `rollout` with the same arguments."""
         return rollout_request(self.name, arguments)

@@ -10,6 +10,7 @@ import { LabelEditor } from '../parts/labels';
 import { LossView } from '../fits/curves';
 import { assessmentView, qualityView } from './assessment';
 import { evaluationView } from './evaluate';
+import { identifiabilityView } from './identifiability';
 import { parametersView } from './parameters';
 import type { Quality } from './quality';
 
@@ -34,6 +35,7 @@ export const open: OpenPage = async (context) => {
     ...[assessmentView(quality)].filter((view) => view !== null),
     twinFacts(twin, capture),
     qualityView(quality),
+    ...[identifiabilityView(quality, `#/twins/${id}/view?colour=uncertainty&layers=skin,shadow`)].filter((view) => view !== null),
     evaluationView(context, twin),
     parametersView(context, path, () => settingsAsked(context, twin.fit ?? null)),
     losses?.element ?? '',

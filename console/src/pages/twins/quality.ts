@@ -79,6 +79,7 @@ export interface Quality {
   };
   readonly recordings?: readonly Recording[];
   readonly spread?: Spread;
+  readonly identifiability?: Identifiability;
   readonly fast?: {
     readonly substeps: number;
     readonly mean_deviation_m: number;
@@ -98,6 +99,26 @@ export interface Spread {
   readonly within: number;
   /** Of spread and error, -1 to 1. */
   readonly rank_correlation?: number | null;
+}
+
+/** What the recordings leave open of a twin: groups of parameters, and motions in metres. */
+export interface Identifiability {
+  /** The report in sentences. */
+  readonly summary: readonly string[];
+  readonly regions: readonly { readonly name: string }[];
+  readonly groups: readonly OpenGroup[];
+  readonly motions: readonly { readonly motion: string; readonly sd_m: number; readonly shares: readonly number[] }[];
+  readonly next: readonly { readonly motion: string; readonly action: string; readonly sd_m: number }[];
+}
+
+/** Parameters that change together. */
+export interface OpenGroup {
+  readonly quantity: string;
+  readonly region?: number;
+  readonly hand?: number;
+  /** Standard deviation that the recordings leave, over the one before them. */
+  readonly relative_sd: number;
+  readonly certainty: string;
 }
 
 export interface Recording {

@@ -12,7 +12,12 @@ const NAMES: Readonly<Record<TwinLayer, string>> = {
   controls: 'Control points',
   shadow: 'Shadow',
 };
-const COLOURS: Readonly<Record<ColourBy, string>> = { none: 'nothing', strain: 'strain', stiffness: 'stiffness' };
+const COLOURS: Readonly<Record<ColourBy, string>> = {
+  none: 'nothing',
+  strain: 'strain',
+  stiffness: 'stiffness',
+  uncertainty: 'uncertainty (the skin)',
+};
 
 /** What is shown of a twin. */
 export interface Look {
@@ -37,7 +42,17 @@ export function writeLook(look: Look, query: URLSearchParams): void {
   if (look.colour !== 'none') query.set('colour', look.colour);
 }
 
-/** Boxes for layers, and what springs and triplets are coloured by. */
+/** What a twin at rest can be coloured by, from what is known of it. */
+export function coloursOf({ springStiffness, skinSd }: Pick<TwinShape, 'springStiffness' | 'skinSd'>): ColourBy[] {
+  const known: readonly (readonly [ColourBy, boolean])[] = [
+    ['none', true],
+    ['stiffness', springStiffness.length > 0],
+    ['uncertainty', skinSd.length > 0],
+  ];
+  return known.flatMap(([colour, isKnown]) => (isKnown ? [colour] : []));
+}
+
+/** Boxes for layers, and what springs and triplets, or the skin, are coloured by. */
 export function pictureControls(
   view: TwinView,
   look: Look,
@@ -62,8 +77,12 @@ export function pictureControls(
   }
   select.addEventListener('change', () => {
     look.colour = select.value as ColourBy;
-    // Colours are those of springs; the skin would hide them.
-    if (look.colour !== 'none') {
+    // What is coloured must be seen: springs, which the skin would hide, or the skin without its pictures.
+    if (look.colour === 'uncertainty') {
+      look.layers.add('skin');
+      look.layers.delete('appearance');
+      look.layers.delete('springs');
+    } else if (look.colour !== 'none') {
       look.layers.add('springs');
       look.layers.delete('skin');
     }
@@ -73,5 +92,5 @@ export function pictureControls(
   apply();
   return h('div', {},
     ...[...boxes].map(([layer, box]) => h('label', {}, box, ` ${NAMES[layer]}`)),
-    h('label', {}, 'Colour springs by ', select));
+    h('label', {}, 'Colour by ', select));
 }

@@ -3,6 +3,7 @@
 //! decoded twin can be simulated without further checks.
 
 mod appearance;
+mod identifiability;
 mod members;
 
 use std::borrow::Cow;
@@ -177,6 +178,9 @@ impl Twin {
         if !self.control_hands.is_empty() {
             tensors.push((HANDS, raw(Dtype::U32, &[c], &self.control_hands)));
         }
+        if let Some(report) = &self.quality.identifiability {
+            tensors.extend(identifiability::tensors(report));
+        }
         let metadata = Metadata {
             version,
             environment: self.environment,
@@ -217,9 +221,10 @@ impl Twin {
         if version == 0 || version > VERSION {
             return Err(FormatError::Version(version));
         }
-        let metadata: Metadata = serde_json::from_str(json).map_err(invalid)?;
+        let mut metadata: Metadata = serde_json::from_str(json).map_err(invalid)?;
         let file = Tensors(SafeTensors::deserialize(bytes).map_err(container)?);
 
+        file.complete_identifiability(&mut metadata.quality)?;
         let kinds = file
             .read::<u8>("nodes.kind", Dtype::U8, None)?
             .into_iter()
@@ -354,6 +359,9 @@ impl Twin {
         let (hands, controls) = (self.control_hands.len(), self.graph.control_count());
         if hands != 0 && hands != controls {
             return fail(format!("{hands} hands for {controls} control points: one each, or none"));
+        }
+        if let Some(report) = &self.quality.identifiability {
+            report.check(self.graph.node_count(), self.skin.len()).or_else(fail)?;
         }
         self.quality.fast.as_ref().map_or(Ok(()), |f| f.check().or_else(fail))
     }

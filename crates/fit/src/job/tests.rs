@@ -230,6 +230,9 @@ fn of_several_starts_the_one_with_the_lowest_training_loss_is_the_twin() {
         assert_eq!(best == 0, several.params == single.params);
     }
     assert!(best(0) > 0 || best(4) > 0, "the first start won twice: the test says little");
+    let report = single.twin.quality.identifiability.as_ref().unwrap();
+    assert!(report.motions.len() >= 3 && !report.summary.is_empty(), "{:?}", report.summary);
+    report.check(single.twin.graph.node_count(), single.twin.skin.len()).unwrap();
     assert!(single.twin.members.is_empty() && single.twin.quality.spread.is_none());
     let ends: Vec<f64> = losses[..4].iter().map(|(_, loss)| *loss).collect();
     let as_good = ends.iter().filter(|l| **l <= 2.0 * ends[best(0)]).count() - 1;

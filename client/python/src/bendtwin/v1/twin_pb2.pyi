@@ -61,7 +61,7 @@ class GetTwinGeometryRequest(_message.Message):
     def __init__(self, name: _Optional[str] = ...) -> None: ...
 
 class TwinGeometry(_message.Message):
-    __slots__ = ("rest_positions", "kinds", "edges", "rest_lengths", "triplets", "masses", "controls", "hands", "pins", "surface_count", "rod_count", "fps", "substeps", "gravity", "ground", "ground_friction", "ground_restitution", "mass_kg", "spacing_m", "rod_starts", "rod_nodes", "skin", "fits", "spring_stiffness", "bend_stiffness")
+    __slots__ = ("rest_positions", "kinds", "edges", "rest_lengths", "triplets", "masses", "controls", "hands", "pins", "surface_count", "rod_count", "fps", "substeps", "gravity", "ground", "ground_friction", "ground_restitution", "mass_kg", "spacing_m", "rod_starts", "rod_nodes", "skin", "fits", "spring_stiffness", "bend_stiffness", "node_regions", "skin_sd")
     class Skin(_message.Message):
         __slots__ = ("rest_positions", "observed_points", "weight_counts", "weight_nodes", "weights", "frames", "offsets")
         REST_POSITIONS_FIELD_NUMBER: _ClassVar[int]
@@ -104,6 +104,8 @@ class TwinGeometry(_message.Message):
     FITS_FIELD_NUMBER: _ClassVar[int]
     SPRING_STIFFNESS_FIELD_NUMBER: _ClassVar[int]
     BEND_STIFFNESS_FIELD_NUMBER: _ClassVar[int]
+    NODE_REGIONS_FIELD_NUMBER: _ClassVar[int]
+    SKIN_SD_FIELD_NUMBER: _ClassVar[int]
     rest_positions: _tensor_pb2.Tensor
     kinds: _tensor_pb2.Tensor
     edges: _tensor_pb2.Tensor
@@ -129,7 +131,9 @@ class TwinGeometry(_message.Message):
     fits: int
     spring_stiffness: _tensor_pb2.Tensor
     bend_stiffness: _tensor_pb2.Tensor
-    def __init__(self, rest_positions: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., kinds: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., edges: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., rest_lengths: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., triplets: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., masses: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., controls: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., hands: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., pins: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., surface_count: _Optional[int] = ..., rod_count: _Optional[int] = ..., fps: _Optional[float] = ..., substeps: _Optional[int] = ..., gravity: _Optional[_Iterable[float]] = ..., ground: _Optional[_Union[_world_pb2.Plane, _Mapping]] = ..., ground_friction: _Optional[float] = ..., ground_restitution: _Optional[float] = ..., mass_kg: _Optional[float] = ..., spacing_m: _Optional[float] = ..., rod_starts: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., rod_nodes: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., skin: _Optional[_Union[TwinGeometry.Skin, _Mapping]] = ..., fits: _Optional[int] = ..., spring_stiffness: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., bend_stiffness: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ...) -> None: ...
+    node_regions: _tensor_pb2.Tensor
+    skin_sd: _tensor_pb2.Tensor
+    def __init__(self, rest_positions: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., kinds: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., edges: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., rest_lengths: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., triplets: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., masses: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., controls: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., hands: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., pins: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., surface_count: _Optional[int] = ..., rod_count: _Optional[int] = ..., fps: _Optional[float] = ..., substeps: _Optional[int] = ..., gravity: _Optional[_Iterable[float]] = ..., ground: _Optional[_Union[_world_pb2.Plane, _Mapping]] = ..., ground_friction: _Optional[float] = ..., ground_restitution: _Optional[float] = ..., mass_kg: _Optional[float] = ..., spacing_m: _Optional[float] = ..., rod_starts: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., rod_nodes: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., skin: _Optional[_Union[TwinGeometry.Skin, _Mapping]] = ..., fits: _Optional[int] = ..., spring_stiffness: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., bend_stiffness: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., node_regions: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., skin_sd: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ...) -> None: ...
 
 class CreateTwinRequest(_message.Message):
     __slots__ = ("metadata", "chunk")

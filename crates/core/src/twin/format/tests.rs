@@ -1,7 +1,9 @@
 use crate::{Appearance, Splats};
 
 use super::*;
-use crate::{FastVariant, settings::MOST_MEMBERS, twin::Member};
+use crate::{
+    FastVariant, Identifiability, identifiability::Region, settings::MOST_MEMBERS, twin::Member,
+};
 use proptest::prelude::*;
 
 fn twin() -> Twin {
@@ -368,6 +370,33 @@ fn a_fast_variant_survives_its_file_and_is_checked() {
         twin.quality.fast = Some(bad);
         assert!(twin.encode().unwrap_err().to_string().contains("fast variant"));
     }
+}
+
+#[test]
+fn an_identifiability_report_survives_its_file_and_is_checked() {
+    let mut twin = twin();
+    let version = twin.version();
+    let (nodes, points) = (twin.graph.node_count(), twin.skin.len());
+    let region = Region { name: "near the hand".into(), center: [0.1; 3], nodes: nodes as u32 };
+    twin.quality.identifiability = Some(Identifiability {
+        summary: vec!["Nothing is open.".into()],
+        regions: vec![region],
+        node_regions: vec![0; nodes],
+        point_sd_m: (0..points).map(|i| 1e-3 * i as f32).collect(),
+        ..Identifiability::default()
+    });
+    let file = twin.encode().unwrap();
+    assert_eq!(Twin::decode(&file).unwrap(), twin);
+    assert_eq!(twin.version(), version, "older programs read it too");
+    let far = replaced(&file, "identifiability.node_region", &vec![7; nodes]);
+    assert!(Twin::decode(&far).unwrap_err().to_string().contains("region 7 of 1"));
+    let nan = vec![f32::NAN; points];
+    let nan = replaced(&file, "identifiability.point_sd", bytemuck::cast_slice(&nan));
+    assert!(Twin::decode(&nan).unwrap_err().to_string().contains("standard deviation"));
+    if let Some(report) = &mut twin.quality.identifiability {
+        report.point_sd_m.pop();
+    }
+    assert!(twin.encode().unwrap_err().to_string().contains("skin points"));
 }
 
 #[test]
