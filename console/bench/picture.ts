@@ -48,6 +48,7 @@ function sheet(): TwinShape {
     ground: { normal: [0, 0, 1], offset_m: 0 },
     gravity: [0, 0, -9.81],
     fps: 60,
+    skinSd: new Float32Array(0),
     appearance: splats === 0 ? null : { skinColours: new Uint8Array(0), splats: splatsOf(side) },
     massKg: null,
     mass: nodes,

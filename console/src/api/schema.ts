@@ -1255,7 +1255,7 @@ export interface components {
             /** @description Least and greatest corner, three numbers each. */
             low?: number[];
         };
-        /** @description Every action is simulated under E sets of parameters, given by `vary`, and its cost is a statistic of their costs. Instances are then B x E, those of one action together: member e of action b is instance b E + e in `instances`, positions, final states, forces, diagnostics, `diverged` and `implausible`. Costs, gradients, `first_instance` and `returns.best` count actions. A member that diverges has the cost +inf, and so has the mean. */
+        /** @description Every action is simulated under E sets of parameters, given by `vary`, and its cost is a statistic of their costs. Instances are then B x E, those of one action together: member e of action b is instance b E + e in `instances`, positions, final states, forces, diagnostics, `diverged` and `implausible`. Costs, gradients, `first_instance` and `returns.best` count actions. A member that diverges has the cost +inf, and so has the mean. MEAN_PREDICTION is no statistic of costs: there the members move the object together. */
         Ensemble: {
             /** Format: int64 */
             members?: number;
@@ -1265,7 +1265,7 @@ export interface components {
              */
             share?: number;
             /** @enum {string} */
-            statistic?: "MEAN" | "WORST" | "CVAR";
+            statistic?: "MEAN" | "WORST" | "CVAR" | "MEAN_PREDICTION";
         };
         /** @description A recording to evaluate a twin on. */
         EvaluateTwin: {
@@ -2099,7 +2099,7 @@ export interface components {
             point_set?: "NODES" | "SKIN";
             /** @description UINT32 [K]: points of the skin to record, with the point set SKIN; empty means all. */
             skin_points?: components["schemas"]["Tensor"];
-            /** @description With an ensemble of two members or more, and every_frames: `spread` of the recorded points. Arrays beside it (positions, velocities, final states, forces, costs by frame, controls) are of member 0 of each action alone then. */
+            /** @description With an ensemble of two members or more, and every_frames: `spread` of the recorded points. Arrays beside it (positions, velocities, final states, forces, costs by frame, controls) are of member 0 of each action alone then, or of the mean with MEAN_PREDICTION. */
             spread?: boolean;
             /** @description Velocities where positions are recorded. */
             velocities?: boolean;
@@ -2192,11 +2192,11 @@ export interface components {
              * @description Kilograms of the object: forces are in newtons and energies in joules. Without it they are per unit mass, as if a node of the twin weighed 1 kg.
              */
             mass_kg?: number;
-            /** @description With an ensemble: FLOAT64 [B', E], the costs that `costs` are statistics of. */
+            /** @description With an ensemble: FLOAT64 [B', E], the costs of its members, which `costs` are statistics of (but for MEAN_PREDICTION). */
             member_costs?: components["schemas"]["Tensor"];
             /** @description [R, T', K, 3], metres: of nodes, or of skin points (`returns.point_set`). */
             positions?: components["schemas"]["Tensor"];
-            /** @description FLOAT32 [actions, T', K], metres: root mean square distance of the other members' points from those of member 0, which positions are of. NaN where a member diverged. */
+            /** @description FLOAT32 [actions, T', K], metres: root mean square distance of the other members' points from those of member 0, which positions are of (but for MEAN_PREDICTION). NaN where a member diverged. */
             spread?: components["schemas"]["Tensor"];
             /**
              * Format: int64
@@ -2375,7 +2375,7 @@ export interface components {
             name?: string;
             /** @description Of the rollout of these frames. */
             returns?: components["schemas"]["Returns"];
-            /** @description Its rollout without twin, initial state and returns; world and grasps are the session's where it names none. Its actions are the nominal plan: the knots of the step before, with the frames that were executed as `shift_frames`, continue that plan. Its fidelity and its ensemble are those of the search alone. */
+            /** @description Its rollout without twin, initial state and returns; world and grasps are the session's where it names none. Its actions are the nominal plan: the knots of the step before, with the frames that were executed as `shift_frames`, continue that plan. Its fidelity and its ensemble are those of the search alone, but that a MEAN_PREDICTION advances the slot too. */
             search?: components["schemas"]["PlanRequest"];
             /**
              * Format: int64
@@ -2511,8 +2511,6 @@ export interface components {
             mass_kg?: number;
             /** @description FLOAT32 [N]: masses; kilograms if `mass_kg` is known, else in units of a node. */
             masses?: components["schemas"]["Tensor"];
-            /** @description UINT8 [N]: the part of the object that each node belongs to, by its place among `regions` of the quality table's `identifiability`. Empty: the twin has no such report. */
-            node_regions?: components["schemas"]["Tensor"];
             /** @description UINT32 [P, 2]: nodes that control points hold exactly, as pairs of node and control point. */
             pins?: components["schemas"]["Tensor"];
             /** @description FLOAT32 [E], metres. */
@@ -2525,8 +2523,6 @@ export interface components {
             /** @description UINT32 [rods + 1] and UINT32 [..]: nodes of each rod, one after another. */
             rod_starts?: components["schemas"]["Tensor"];
             skin?: components["schemas"]["TwinGeometry.Skin"];
-            /** @description FLOAT32 [M], metres: standard deviation of each skin point that the recordings leave, root mean square over the motions of that report. */
-            skin_sd?: components["schemas"]["Tensor"];
             /**
              * Format: double
              * @description Mean length of springs between nodes, metres.
