@@ -1,7 +1,7 @@
 //! The time that a user gives a fit: how many generations and passes fit into it, from the time that
 //! the first of them took.
 
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 /// Share of the time until the search ends.
 const SEARCH_SHARE: f64 = 0.3;
@@ -39,6 +39,12 @@ impl TimeLimit {
     /// Passes that fit, of at most so many, after `done` of them that took `each_s` each.
     pub(crate) fn passes(&self, most: u32, done: u32, each_s: f64) -> u32 {
         fitting(REFINE_SHARE * self.limit_s - self.spent_s(), most, done, each_s)
+    }
+
+    /// The moment at which the time is over.
+    pub(crate) fn end(&self) -> Instant {
+        let left_s = (self.limit_s - self.spent_s()).max(0.0);
+        Instant::now() + Duration::from_secs_f64(left_s)
     }
 
     /// True if no further pass should begin that takes so long.
