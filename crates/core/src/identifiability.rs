@@ -4,8 +4,6 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::Point;
-
 /// Most regions that an object is cut into.
 pub const MOST_REGIONS: usize = 12;
 
@@ -91,7 +89,7 @@ pub struct Region {
     /// Name for people, by where it is: `near the hand`, `free end`.
     pub name: String,
     /// Centre at rest [m].
-    pub center: Point,
+    pub center: [f64; 3],
     /// Number of nodes.
     pub nodes: u32,
 }

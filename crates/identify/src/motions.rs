@@ -175,7 +175,7 @@ impl Axes {
     fn of(twin: &Twin, regions: &Regions, hold: Hold) -> Self {
         let gravity = wide(twin.environment.gravity);
         let up = unit(scaled(gravity, -1.0)).unwrap_or([0.0, 0.0, 1.0]);
-        let center = |r: usize| regions.parts.get(r).map_or([0.0; 3], |p| wide(p.center));
+        let center = |r: usize| regions.parts.get(r).map_or([0.0; 3], |p| p.center);
         let hands = hand_centres(twin);
         let hold = match hold {
             Hold::Region(region) => center(region),
@@ -197,7 +197,7 @@ impl Axes {
 
     /// The way from the hold to a region, and a lift of a tenth of it.
     fn way(&self, regions: &Regions, region: usize) -> (Vector, Vector) {
-        let to = regions.parts.get(region).map_or(self.hold, |p| wide(p.center));
+        let to = regions.parts.get(region).map_or(self.hold, |p| p.center);
         (sub(to, self.hold), scaled(self.up, 0.1 * distance(to, self.hold)))
     }
 }

@@ -60,7 +60,7 @@ impl Regions {
         let names = names(&sorted, hands);
         let part = |((&r, centre), name): ((&usize, &Vector), String)| Region {
             name,
-            center: centre.map(|x| x as f32),
+            center: *centre,
             nodes: count(r) as u32,
         };
         Self {
@@ -75,7 +75,7 @@ impl Regions {
     pub(crate) fn handful(&self, twin: &Twin, region: usize) -> Vec<u32> {
         let nodes = &twin.graph.rest_positions;
         let hands = hand_centres(twin);
-        let center = self.parts.get(region).map_or([0.0; 3], |p| wide(p.center));
+        let center = self.parts.get(region).map_or([0.0; 3], |p| p.center);
         let mut own: Vec<u32> = (0..nodes.len() as u32)
             .filter(|&i| usize::from(self.of_nodes[i as usize]) == region)
             .collect();
