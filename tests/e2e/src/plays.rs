@@ -107,12 +107,13 @@ async fn what_was_done_is_recorded_and_repeats_what_was_shown() {
         last = shown;
     }
     assert!(apart(place(&seen[6], 0), place(&first, 0)) > 0.01, "the hand follows");
-    // Grasped where the node is, and gone on for thirteen frames.
+    // Grasped where the node is, and gone on for thirteen frames, in eight of which the whole rope hangs
+    // on it: the grip gives way as far as the twin is soft.
     let (stretch, way) = (
         apart(seen[23].nodes[end], place(&seen[23], grasped)),
         apart(place(&seen[23], grasped), place(&seen[9], grasped)),
     );
-    assert!(way > 0.03 && stretch < 0.5 * way, "the node follows: {stretch} m of {way} m");
+    assert!(way > 0.03 && stretch < 0.8 * way, "the node follows: {stretch} m of {way} m");
     assert_eq!((seen[23].grippers[0][10], seen[23].grippers[grasped][10]), (0.0, 1.0));
     assert!(seen[23].colliders[0][2] > -0.5 && seen[5].colliders.is_empty());
     play.send(json!({"type": "record", "on": false})).await;
