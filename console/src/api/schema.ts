@@ -1452,6 +1452,8 @@ export interface components {
             sequence?: number;
         };
         "InitialState.GivenState": {
+            /** @description The shape of `controls`, metres: where grippers would have the control points if the ground did not hold them back, from where `poses` carry them on. Absent: where the control points are. */
+            commanded_controls?: components["schemas"]["Tensor"];
             /** @description FLOAT32 [C, 3] or [B, C, 3], metres: where the control points are. Absent: where pins say, others at rest; then `poses` carry control points that pin no node from there, so give it. */
             controls?: components["schemas"]["Tensor"];
             grasping?: components["schemas"]["Grasping"];
@@ -1849,7 +1851,7 @@ export interface components {
         Plausibility: {
             /**
              * Format: double
-             * @description Deepest that the middle of a grasp's sphere or box may be below the ground or in a collider that stands still, and that a control point may be beyond its depth in the initial state; default 0.005. Hands of trajectories stop at that depth below the ground (Diagnostics.stopped_hand_m).
+             * @description Deepest that the middle of a grasp's sphere or box may be below the ground or in a collider that stands still, and that a control point may be beyond its depth in the initial state; default 0.005. Hands and grippers stop at that depth below the ground (Diagnostics.stopped_hand_m).
              */
             control_depth_m?: number;
             /**
@@ -2157,6 +2159,8 @@ export interface components {
              * @enum {string}
              */
             fidelity?: "EXACT" | "FAST";
+            /** @description FLOAT32 [R, C, 3], metres, with `poses`: InitialState.GivenState.commanded_controls of the final state. */
+            final_commanded_controls?: components["schemas"]["Tensor"];
             /** @description FLOAT32 [R, C, 3], metres: the control points of the final state. */
             final_controls?: components["schemas"]["Tensor"];
             /** @description With [R] in front; absent without grasps. */
@@ -2265,7 +2269,7 @@ export interface components {
             max_strain?: number;
             /**
              * Format: float
-             * @description Farthest that a hand of trajectories was held back, metres; 0 if none was. It stops where a control point, or a node pinned to it, would get deeper below the ground than `plausibility.control_depth_m` and than it began; then all of it moves along the ground's normal. Grippers do not stop.
+             * @description Farthest that a hand or gripper was held back, metres; 0 if none was. It stops where a control point, a node pinned to it, or the middle of a grasp's sphere or box would get deeper below the ground than `plausibility.control_depth_m`; then all of it moves along the ground's normal. Control points may also be as deep as a frame earlier, and as the twin has them at rest below its own ground.
              */
             stopped_hand_m?: number;
         };
@@ -2511,6 +2515,8 @@ export interface components {
             mass_kg?: number;
             /** @description FLOAT32 [N]: masses; kilograms if `mass_kg` is known, else in units of a node. */
             masses?: components["schemas"]["Tensor"];
+            /** @description UINT8 [N]: the part of the object that each node belongs to, by its place among `regions` of the quality table's `identifiability`. Empty: the twin has no such report. */
+            node_regions?: components["schemas"]["Tensor"];
             /** @description UINT32 [P, 2]: nodes that control points hold exactly, as pairs of node and control point. */
             pins?: components["schemas"]["Tensor"];
             /** @description FLOAT32 [E], metres. */
@@ -2523,6 +2529,8 @@ export interface components {
             /** @description UINT32 [rods + 1] and UINT32 [..]: nodes of each rod, one after another. */
             rod_starts?: components["schemas"]["Tensor"];
             skin?: components["schemas"]["TwinGeometry.Skin"];
+            /** @description FLOAT32 [M], metres: standard deviation of each skin point that the recordings leave, root mean square over the motions of that report. */
+            skin_sd?: components["schemas"]["Tensor"];
             /**
              * Format: double
              * @description Mean length of springs between nodes, metres.
