@@ -66,7 +66,7 @@ pub enum Quantity {
 }
 
 impl Quantity {
-    /// Its name for people.
+    /// Name for people.
     pub fn name(self) -> &'static str {
         match self {
             Self::Stiffness => "stiffness",

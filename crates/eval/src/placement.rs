@@ -105,7 +105,7 @@ impl Placement {
             timing: retimed(twin.timing, capture.fps),
             control_hands: capture.object.control_hands.clone(),
             appearance: None,
-            // Its arrays are of the twin's own skin.
+            // The report's arrays belong to the skin of the twin that it was made for.
             quality: Quality { identifiability: None, ..twin.quality.clone() },
             ..twin.clone()
         };

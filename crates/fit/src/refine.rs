@@ -15,7 +15,7 @@ use std::{
 
 use bendtwin_core::CancelToken;
 use bendtwin_engine::{
-    Backend,
+    Backend, Loaded,
     backend::{GradientRequest, Instance},
     model::State,
     optimizer::{Decay, GradientNorm, GradientSample, Optimizer, OptimizerInit},
@@ -191,17 +191,14 @@ impl<'a> Refinement<'a> {
 
     /// Scores the mean of the last positions of every active run.
     fn score_averages(&mut self) -> Result<(), Error> {
-        let training = &self.task.training;
-        let (mut scored, mut batch): (Vec<usize>, Vec<Instance>) = Default::default();
+        let (mut scored, mut averages) = (Vec::new(), Vec::new());
         for run in self.active() {
             if let Some(average) = self.runs[run].average(self.backend)? {
                 scored.push(run);
-                batch.extend(training.iter().map(|t| t.instance(&average)));
+                averages.push(average);
             }
         }
-        let losses = submit::losses(self.backend, &batch, self.cancel)?;
-        for (run, own) in scored.into_iter().zip(losses.chunks(training.len())) {
-            let loss = self.task.loss(own.iter().map(|l| l.total));
+        for (run, loss) in scored.into_iter().zip(self.losses(&averages)?) {
             self.runs[run].record_average(loss);
         }
         Ok(())
@@ -209,18 +206,22 @@ impl<'a> Refinement<'a> {
 
     /// Scores the current parameters of every model on all training frames, and keeps the best.
     fn score(&mut self) -> Result<(), Error> {
-        let training = &self.task.training;
-        let mut batch: Vec<Instance> = Vec::with_capacity(self.runs.len() * training.len());
-        for run in &self.runs {
-            batch.extend(training.iter().map(|t| t.instance(&run.loaded)));
-        }
-        let losses = submit::losses(self.backend, &batch, self.cancel)?;
-        let own = losses.chunks(training.len());
-        for (index, (run, own)) in self.runs.iter_mut().zip(own).enumerate() {
-            let loss = self.task.loss(own.iter().map(|l| l.total));
+        let current: Vec<Loaded> = self.runs.iter().map(|run| run.loaded.clone()).collect();
+        let losses = self.losses(&current)?;
+        for (index, (run, loss)) in self.runs.iter_mut().zip(losses).enumerate() {
             run.record_loss(index, loss, &mut *self.optimizer)?;
         }
         Ok(())
+    }
+
+    /// Losses of models over all training frames, from one batch.
+    fn losses(&self, models: &[Loaded]) -> Result<Vec<f64>, Error> {
+        let training = &self.task.training;
+        let of = |model| training.iter().map(move |t| t.instance(model));
+        let batch: Vec<Instance> = models.iter().flat_map(of).collect();
+        let losses = submit::losses(self.backend, &batch, self.cancel)?;
+        let own = losses.chunks(training.len());
+        Ok(own.map(|own| self.task.loss(own.iter().map(|l| l.total))).collect())
     }
 }
 

@@ -25,9 +25,9 @@ pub struct Gauge {
 /// d loss / d what terms depend on along given positions.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct PathGradient {
-    /// By positions, shape [F + 1, N, 3].
+    /// Gradient by positions, shape [F + 1, N, 3].
     pub positions: Vec<Point>,
-    /// By poses of the world's bodies, which colliders are on, shape [F + 1, B].
+    /// Gradient by poses of the world's bodies, which colliders are on, shape [F + 1, B].
     pub poses: Vec<Pose>,
 }
 

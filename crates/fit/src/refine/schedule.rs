@@ -21,9 +21,7 @@ pub(crate) struct Step {
 
 /// True if a pass is a single step along the gradient of the whole loss.
 pub(crate) fn is_single_step(task: &Task<'_>) -> bool {
-    let refine = &task.settings.refine;
-    let batch = refine.batch.filter(|&size| size > 0).unwrap_or(usize::MAX);
-    refine.window == GradientWindow::Pass && task.training.len() <= batch
+    steps(task, 0).len() == 1
 }
 
 /// The steps of a pass. Sequences are assigned to mini-batches anew in every pass, by seed and
