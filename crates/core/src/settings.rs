@@ -5,6 +5,7 @@ pub mod defaults;
 pub mod ingest;
 pub mod layers;
 pub mod memory;
+mod variation;
 
 use serde::{Deserialize, Serialize};
 
@@ -162,6 +163,10 @@ pub struct SearchSettings {
     /// one with the lowest training loss, or the one that predicts frames held back best. If left
     /// open, it depends on effort, capture and device.
     pub starts: Option<u32>,
+    /// Several starts that differ in more than their seeds: in turn with hands that reach farther and
+    /// hold more firmly, with axial springs alone, with denser springs, and as set. If left open, on
+    /// for bodies on a GPU.
+    pub vary: Option<bool>,
     /// Share of each sequence's training frames, the last ones, that are held back from several
     /// starts to choose one of them, which is then refined on all; 0: the training loss chooses.
     pub held_back: f64,
@@ -317,6 +322,7 @@ impl Default for SearchSettings {
     fn default() -> Self {
         Self {
             starts: None,
+            vary: None,
             held_back: 0.0,
             members: 7,
             generations: None,
@@ -369,6 +375,7 @@ impl FitSettings {
                 generations: Some(20),
                 population: Some(0),
                 topology: true,
+                vary: Some(false),
                 ..SearchSettings::default()
             },
             refine: RefineSettings {

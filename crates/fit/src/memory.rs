@@ -73,8 +73,8 @@ pub fn check(
         let bare = GraphSize { springs: 0, triplets: 0, ..largest };
         of_sizes(settings, &size, &bare, lanes).total() > most
     };
-    let built =
-        if is_hopeless || settings.search.topology { None } else { graph_of(capture, settings) };
+    let searches_topology = settings.of_starts().any(|of_start| of_start.search.topology);
+    let built = if is_hopeless || searches_topology { None } else { graph_of(capture, settings) };
     let needed =
         built.map_or(bound, |built| of_sizes(settings, &size, &built, lanes).total().min(bound));
     if needed <= most {
@@ -83,21 +83,24 @@ pub fn check(
     Err(TooLarge { needed, most, advice: what_would_fit(settings, &size, lanes, most) })
 }
 
-/// The graph of the settings; none if there cannot be one, which the fit will say.
+/// The graphs of all starts by the settings; none if there cannot be one, which the fit will say.
 fn graph_of(capture: &Capture, settings: &FitSettings) -> Option<GraphSize> {
     let sample = sample_nodes(capture, &settings.graph, settings.seed).ok()?;
     let radius_m = Some(sample.radius_m(&settings.graph));
-    let settings_of_graph = GraphSettings { radius_m, ..settings.graph.clone() };
-    let connectivity = Connectivity::from_settings(&settings_of_graph, settings.bending);
-    let graph = connect(&sample, &connectivity);
     let others = other_controls(capture);
-    let held = others.saturating_mul(connectivity.control_neighbours.min(graph.node_count()));
-    Some(GraphSize {
-        nodes: graph.node_count() as u64,
-        springs: graph.springs.len().saturating_add(held) as u64,
-        triplets: graph.triplets.len() as u64,
-        controls: (graph.control_count() + others) as u64,
-    })
+    let sizes = settings.of_starts().map(|of_start| {
+        let settings_of_graph = GraphSettings { radius_m, ..of_start.graph.clone() };
+        let connectivity = Connectivity::from_settings(&settings_of_graph, of_start.bending);
+        let graph = connect(&sample, &connectivity);
+        let held = others.saturating_mul(connectivity.control_neighbours.min(graph.node_count()));
+        GraphSize {
+            nodes: graph.node_count() as u64,
+            springs: graph.springs.len().saturating_add(held) as u64,
+            triplets: graph.triplets.len() as u64,
+            controls: (graph.control_count() + others) as u64,
+        }
+    });
+    Some(sizes.fold(GraphSize::default(), GraphSize::or_larger))
 }
 
 pub(crate) fn lanes(backend: &dyn Backend) -> Lanes {

@@ -55,7 +55,7 @@ impl ModelFit {
             compare_axial: bending && task.settings.compare_axial,
             ..task.settings.clone()
         };
-        let space = Space::new(task, bending);
+        let space = Space::new(task, &settings.of_start(start));
         let search = &settings.search;
         let steps = u64::from(start) + 1;
         let seed = settings.seed.wrapping_add(SEED_STEP.wrapping_mul(steps));

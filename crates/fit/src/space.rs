@@ -10,7 +10,7 @@
 use std::f64::consts::PI;
 
 use bendtwin_core::{
-    Contact, Environment, Params, capture::Subject, environment::ControlVelocity,
+    Contact, Environment, FitSettings, Params, capture::Subject, environment::ControlVelocity,
     params::MAX_SPRING_STIFFNESS,
 };
 use bendtwin_graph::Connectivity;
@@ -147,11 +147,11 @@ pub(crate) struct Candidate {
 }
 
 impl Space {
-    pub(crate) fn new(task: &Task<'_>, bending: bool) -> Self {
+    /// The space of a start of the task, by the start's own settings.
+    pub(crate) fn new(task: &Task<'_>, settings: &FitSettings) -> Self {
         use Variable::*;
-        let settings = &task.settings;
         let is_cable = task.subject() == Subject::Cable;
-        let mut connectivity = Connectivity::from_settings(&settings.graph, bending);
+        let mut connectivity = Connectivity::from_settings(&settings.graph, settings.bending);
         // Rods twist by how their clamps move.
         connectivity.rods &= settings.control_velocity == ControlVelocity::True;
         let mut axes = vec![

@@ -92,7 +92,7 @@ impl Defaults {
             (Subject::Body, Cpu, Standard) => of(200, 12, 2, 12, 16, 120),
             (Subject::Body, Cpu, Best) => of(600, 30, 4, 12, 32, 300),
             (Subject::Body, Gpu, Draft) => of(300, 30, 1, 8, 32, 60),
-            (Subject::Body, Gpu, Standard) => of(600, 30, 2, 12, 32, 300),
+            (Subject::Body, Gpu, Standard) => of(600, 30, 3, 12, 32, 300),
             (Subject::Body, Gpu, Best) => of(600, 30, 4, 25, 32, 600),
         }
     }
@@ -161,6 +161,8 @@ impl FitSettings {
         filled.graph.max_neighbours.get_or_insert(defaults.max_neighbours);
         filled.graph.interior.get_or_insert(true);
         filled.search.starts.get_or_insert(defaults.starts);
+        let varies = (conditions.subject, conditions.device) == (Subject::Body, DeviceKind::Gpu);
+        filled.search.vary.get_or_insert(varies);
         if let Substeps::Auto { max, .. } = &mut filled.substeps {
             // The search of a cable would spend its time on stiff candidates; a body with many nodes
             // needs more.

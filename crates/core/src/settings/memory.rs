@@ -120,6 +120,22 @@ impl GraphSize {
     /// The largest graph that a fit may build by settings without open ones. The number of
     /// neighbours within the radius is not known here.
     pub fn largest(settings: &FitSettings, capture: &CaptureSize) -> Self {
+        let of_starts = settings.of_starts().map(|settings| Self::of_start(&settings, capture));
+        of_starts.fold(Self::default(), Self::or_larger)
+    }
+
+    /// The sizes that hold both graphs.
+    #[must_use]
+    pub fn or_larger(self, other: Self) -> Self {
+        Self {
+            nodes: self.nodes.max(other.nodes),
+            springs: self.springs.max(other.springs),
+            triplets: self.triplets.max(other.triplets),
+            controls: self.controls.max(other.controls),
+        }
+    }
+
+    fn of_start(settings: &FitSettings, capture: &CaptureSize) -> Self {
         let (graph, topology) = (&settings.graph, settings.search.topology);
         let searched = |value: usize, up_to: u64| {
             if topology { (value as u64).max(up_to) } else { value as u64 }

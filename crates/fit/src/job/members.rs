@@ -6,7 +6,7 @@ use super::Run;
 use crate::{Error, refine::Refinement};
 
 /// Largest loss of a member, over that of the twin: what fits worse is no explanation of the capture.
-const WORST: f64 = 2.0;
+const WORST: f64 = 3.0;
 
 impl Run<'_> {
     /// Adds its members to a twin, that of a model: the best of the other starts of its kind by the

@@ -13,7 +13,7 @@ fn damping_is_drawn_to_where_the_search_starts_and_stiffness_is_not() {
         &bendtwin_core::CancelToken::default(),
     )
     .unwrap();
-    let space = Space::new(&task, true);
+    let space = Space::new(&task, &task.settings);
     let start = space.start();
     assert_eq!(space.penalty(&start, 0.4), 1.0);
     let decade_off = |variable: Variable| {
