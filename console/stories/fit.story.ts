@@ -131,7 +131,7 @@ describe('fits and twins', () => {
     await visit.stop('twins');
     await page.getByRole('link', { name: 'Compare 2' }).click();
     await visit.heading('Compare twins');
-    await page.getByText(/two starts \(\d\)\u2069 is nearer|are about as good/).waitFor();
+    await page.getByText(/two starts \(\d\)\u2069 is nearer|No difference between/).waitFor();
     await page.getByRole('rowheader', { name: 'effort' }).waitFor();
     await visit.stop('twins-compared');
     await visit.go('/fits');

@@ -2,9 +2,11 @@
 
 mod candidates;
 mod closed_loop;
+mod object;
 mod playground;
 mod server;
 mod steps;
+mod verdict;
 
 use std::{
     path::PathBuf,
@@ -14,7 +16,7 @@ use std::{
 use clap::Args;
 use tempfile::TempDir;
 
-use self::steps::DemoRun;
+use self::{object::Object, steps::DemoRun};
 use crate::{backend::BackendArgs, global::Global, signals};
 
 #[derive(Debug, Args)]
@@ -29,7 +31,7 @@ pub(crate) struct Demo {
     /// differs from it, and plan again from where that is
     #[arg(long)]
     plan: bool,
-    /// Fit the rope alone, open a browser in which it can be dragged, and stay until Ctrl-C
+    /// Fit a rope, open a browser in which it can be dragged, and stay until Ctrl-C
     #[arg(long, conflicts_with_all = ["plan", "out"])]
     open: bool,
     /// Seed of the capture, of the fits and of the plans
@@ -42,7 +44,8 @@ pub(crate) struct Demo {
 pub(crate) async fn run(args: Demo, global: &Global) -> anyhow::Result<()> {
     let shutdown = signals::shutdown();
     let folder = Folder::new(args.keep)?;
-    let mut demo = DemoRun::new(global.json, args.seed, args.out, folder.path().to_owned());
+    let object = if args.open || args.plan { Object::Rope } else { Object::Cable };
+    let mut demo = DemoRun::new(global.json, args.seed, object, args.out, folder.path().to_owned());
     let mut server = demo.start_server(&args.backend).await?;
     let connection = server.connection.clone();
     let is_open = AtomicBool::new(false);

@@ -10,7 +10,8 @@ use std::{
 
 use bendtwin_core::{CancelToken, Category, Fault};
 use bendtwin_study::{
-    Devices, Folder, Invocation, Plan, PlanOptions, Selection, Suite, Summary, Table, draw_pictures,
+    Devices, Folder, Invocation, Plan, PlanOptions, Selection, Suite, Summary, Table, draw_figure,
+    draw_pictures,
 };
 use clap::{Args, builder::RangedU64ValueParser};
 
@@ -29,7 +30,7 @@ was interrupted goes on from its checkpoint. Ctrl-C keeps what is finished. docs
 pub(crate) struct SuiteArgs {
     /// The suite, a JSON file
     suite: PathBuf,
-    /// Folder for results: table.md, table.json, runs/, twins/, pictures/
+    /// Folder for results: table.md, table.json, figure.png, runs/, twins/, pictures/
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
     /// Folder of the captures, found by their paths in the suite or by their file names alone
@@ -112,6 +113,10 @@ fn work(
     folder.write("table.json", json.as_bytes()).map_err(failure::failed)?;
     folder.write("table.md", table.to_markdown().as_bytes()).map_err(failure::failed)?;
     let left = result.map_err(failure::failed)?.left;
+    if let (Some(gains), false) = (&table.gains, args.no_pictures) {
+        let png = draw_figure(gains).map_err(failure::failed)?;
+        folder.write("figure.png", &png).map_err(failure::failed)?;
+    }
     if let (Some(backend), false) = (backends.first(), args.no_pictures) {
         let complaints = draw_pictures(&plan, &**backend, cancel).map_err(failure::failed)?;
         complaints.iter().for_each(|complaint| eprintln!("warning: {complaint}"));

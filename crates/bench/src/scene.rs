@@ -17,7 +17,7 @@ use bendtwin_core::{
     Capture, Contact, Environment, Params, Point, Sequence, Timing,
     capture::Object,
     environment::ControlVelocity,
-    settings::{GraphSettings, TripletReference},
+    settings::{GraphSettings, Sampling, TripletReference},
 };
 use bendtwin_engine::{Model, enough_substeps};
 use bendtwin_graph::{Connectivity, connect, rest_geometry, sample_nodes};
@@ -188,9 +188,11 @@ impl Scene {
 pub(crate) fn graph_settings() -> GraphSettings {
     GraphSettings {
         sampling_ratio: 1.0,
+        sampling: Sampling::Spread,
         max_nodes: Some(usize::MAX),
         interior: Some(true),
         radius_m: Some(0.02),
+        radius_scales: true,
         max_neighbours: Some(29),
         control_radius_m: 0.04,
         control_neighbours: 50,

@@ -54,14 +54,19 @@ pub struct FitSettings {
 pub struct GraphSettings {
     /// Fraction r of the capture's points kept as nodes, in (0, 1].
     pub sampling_ratio: f64,
+    /// Choice of these among the points.
+    pub sampling: Sampling,
     /// Upper bound on the number of nodes; lowers the ratio where it is exceeded. If left open, it
     /// depends on effort and device.
     pub max_nodes: Option<usize>,
     /// Keep interior nodes; without them the graph is its surface only. If left open, they are kept.
     pub interior: Option<bool>,
-    /// Spring radius at full sampling [m]; scaled up as nodes get sparser. If left open, it follows
-    /// the spacing of the capture's points.
+    /// Spring radius at full sampling [m]; scaled up as nodes get sparser, unless that is switched
+    /// off. If left open, it follows the spacing of the capture's points.
     pub radius_m: Option<f64>,
+    /// Scaling of the spring radius with the spacing of the nodes. Without it a graph of fewer nodes
+    /// has fewer springs at each.
+    pub radius_scales: bool,
     /// Most springs that a node opens. If left open, it depends on the object and on the device.
     pub max_neighbours: Option<usize>,
     /// Radius of control springs [m].
@@ -74,6 +79,17 @@ pub struct GraphSettings {
     pub triplet_reference: TripletReference,
     /// Rods that twist between two clamps of a cable with known edges.
     pub twist: bool,
+}
+
+/// Choice of the nodes among a capture's points.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Sampling {
+    /// Each as far as possible from those before it.
+    #[default]
+    Spread,
+    /// At random, with clusters and gaps.
+    Random,
 }
 
 /// Choice of the reference neighbour r(j) of a centre j.
@@ -293,9 +309,11 @@ impl Default for GraphSettings {
     fn default() -> Self {
         Self {
             sampling_ratio: 1.0,
+            sampling: Sampling::Spread,
             max_nodes: None,
             interior: None,
             radius_m: None,
+            radius_scales: true,
             max_neighbours: None,
             control_radius_m: 0.02,
             control_neighbours: 10,

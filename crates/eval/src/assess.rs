@@ -12,6 +12,9 @@ use bendtwin_graph::mean_spacing;
 const OF_SIZE: [f64; 2] = [0.03, 0.06];
 /// The same by the error of standing still.
 const OF_STANDING_STILL: [f64; 2] = [0.2, 0.33];
+/// Share by which errors of two fits of one capture differ although only their seeds do
+/// (docs/accuracy.md, a twin in words): a smaller difference between two fits says nothing.
+const SEEDS_DIFFER: f64 = 0.1;
 
 /// Lengths that errors of a twin are compared with.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -77,15 +80,7 @@ pub fn assess(quality: &Quality, scale: Scale) -> Assessment {
     .flatten()
     .collect();
     let mut texts: Vec<String> = comparisons.iter().map(|c| c.text.clone()).collect();
-    texts.extend(beside(Predictor::Axial).map(|axial_m| {
-        if axial_m >= error_m {
-            let ratio = axial_m / error_m.max(LEAST_M);
-            format!("{} times nearer than without bending", times(ratio))
-        } else {
-            let ratio = error_m / axial_m.max(LEAST_M);
-            format!("{} times farther than without bending", times(ratio))
-        }
-    }));
+    texts.extend(beside(Predictor::Axial).map(|axial_m| beside_axial(error_m, axial_m)));
     let off = format!("On frames that it never saw the twin is off by {:.1} mm", 1e3 * error_m);
     let why = match texts.is_empty() {
         true => format!("{off}."),
@@ -155,6 +150,24 @@ fn beside_last_residual(error_m: f64, residual_m: f64) -> Comparison {
     let by = if nearer { "nearer" } else { "farther" };
     let text = format!("{by} than with its last training error added ({:.1} mm)", 1e3 * residual_m);
     Comparison { level, text, next: LASTS }
+}
+
+fn beside_axial(error_m: f64, axial_m: f64) -> String {
+    if !differ([error_m, axial_m]) {
+        return format!("no difference from a fit without bending ({:.1} mm)", 1e3 * axial_m);
+    }
+    let (ratio, by) = match axial_m >= error_m {
+        true => (axial_m / error_m.max(LEAST_M), "nearer"),
+        false => (error_m / axial_m.max(LEAST_M), "farther"),
+    };
+    format!("{} times {by} than without bending", times(ratio))
+}
+
+/// True if two fits' errors of one capture differ by more than seeds alone make them differ. An error
+/// that is no number differs from any.
+pub fn differ(errors: [f64; 2]) -> bool {
+    let [low, high] = [errors[0].min(errors[1]), errors[0].max(errors[1])];
+    errors.iter().any(|e| e.is_nan()) || high > (1.0 + SEEDS_DIFFER) * low
 }
 
 /// The error on the frames of the fit, which says by itself whether the model can move as the object

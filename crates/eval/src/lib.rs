@@ -20,7 +20,7 @@ mod surface;
 mod table;
 mod trajectory;
 
-pub use assess::{Scale, assess};
+pub use assess::{Scale, assess, differ};
 pub use correction::{CorrectionPlan, CorrectionScore, corrections};
 pub use error::Error;
 pub use evaluate::{EvaluateOptions, evaluate, evaluate_with_motion, score};

@@ -65,6 +65,7 @@ pub struct NodeSample {
     /// Mean distance of all points to their sixth neighbours [m].
     pub point_spacing_m: f64,
     /// Mean spacing of the nodes over that of all points, at least 1: what radii are multiplied by.
+    /// 1 where settings fix the radius.
     pub spacing_scale: f64,
     /// All points of the surface, nodes or not.
     pub surface: SurfacePoints,

@@ -3,9 +3,11 @@
 use std::collections::{HashMap, HashSet};
 
 use bendtwin_core::{
-    Capture, Graph, NodeKind, Pin, Point, Sequence, capture::Object, settings::GraphSettings,
+    Capture, Graph, NodeKind, Pin, Point, Sequence,
+    capture::Object,
+    settings::{GraphSettings, Sampling},
 };
-use rand::{RngExt, SeedableRng};
+use rand::{RngExt, SeedableRng, seq::SliceRandom};
 use rand_chacha::ChaCha8Rng;
 
 use super::{
@@ -19,8 +21,8 @@ use super::{
 /// Tracked points, completed surface and (if `settings.interior`) interior
 /// points are reduced to `settings.sampling_ratio` of their number, and to at
 /// most `settings.max_nodes`, each kind in proportion, by farthest-point
-/// sampling over all kinds together. Points that are pinned to a control point
-/// are always kept, even beyond `max_nodes`. Nodes are ordered by kind and,
+/// sampling over all kinds together, or at random. Points that are pinned to a
+/// control point are always kept, even beyond `max_nodes`. Nodes are ordered by kind and,
 /// within a kind, along a space-filling curve.
 ///
 /// A capture with known edges (a cable) keeps all its tracked points, in their
@@ -57,7 +59,7 @@ pub fn sample_nodes(
     };
     let positions: Vec<Point> = chosen.iter().map(|&i| pool.positions[i]).collect();
     let point_spacing_m = mean_spacing(&pool.positions);
-    let spacing_scale = if chosen.len() == pool.positions.len() {
+    let spacing_scale = if !settings.radius_scales || chosen.len() == pool.positions.len() {
         1.0
     } else {
         let scale = mean_spacing(&positions) / point_spacing_m;
@@ -236,9 +238,19 @@ impl Pool {
         for (kind, share) in self.shares(wanted) {
             let of_kind: Vec<usize> = (0..total).filter(|&i| self.kinds[i] == kind).collect();
             let have = chosen.iter().filter(|&&i| self.kinds[i] == kind).count();
-            let start = rng.random_range(0..of_kind.len().max(1));
             let more = share.saturating_sub(have);
-            farthest_points(&self.positions, &of_kind, &mut chosen, more, start);
+            match settings.sampling {
+                Sampling::Spread => {
+                    let start = rng.random_range(0..of_kind.len().max(1));
+                    farthest_points(&self.positions, &of_kind, &mut chosen, more, start);
+                }
+                Sampling::Random => {
+                    let mut left = of_kind;
+                    left.retain(|i| !held.contains(&self.observed(*i)));
+                    let (drawn, _) = left.partial_shuffle(&mut rng, more);
+                    chosen.extend_from_slice(drawn);
+                }
+            }
         }
         chosen.sort_unstable();
         chosen

@@ -1,7 +1,7 @@
 use bendtwin_core::{
     Capture, Environment, Graph, NodeKind, Point, Sequence,
     capture::{HeldPoint, Object},
-    settings::{GraphSettings, TripletReference},
+    settings::{GraphSettings, Sampling, TripletReference},
 };
 use proptest::prelude::*;
 use rand::{RngExt, SeedableRng};
@@ -207,6 +207,59 @@ fn spacing_scale_follows_the_dimension() {
             let off = sample.spacing_scale / expected;
             assert!((0.75..1.35).contains(&off), "{dimension}D at {ratio}: {off}");
         }
+    }
+}
+
+/// A fixed radius does not grow with the spacing: of nodes drawn at random each point has a
+/// neighbour with the same probability, so that a graph of a tenth of them has a tenth of the degree.
+#[test]
+fn a_fixed_radius_thins_the_graph() {
+    let capture = capture(cloud(6, 4000, [0.2; 3]), vec![], vec![]);
+    let degree = |ratio: f64, radius_scales: bool| {
+        let settings = GraphSettings {
+            sampling_ratio: ratio,
+            sampling: Sampling::Random,
+            radius_m: Some(0.05),
+            radius_scales,
+            max_neighbours: Some(256),
+            ..settings(100_000)
+        };
+        let (sample, graph) = build(&capture, &settings);
+        assert_eq!(radius_scales, sample.spacing_scale > 1.5);
+        assert_eq!(sample.node_count(), (4000.0 * ratio) as usize);
+        2.0 * graph.springs.len() as f64 / sample.node_count() as f64
+    };
+    let [half, twentieth] = [0.5, 0.05].map(|ratio| degree(ratio, false));
+    assert!((8.0..12.0).contains(&(half / twentieth)), "{half} {twentieth}");
+    assert!(degree(0.05, true) > 5.0 * twentieth);
+}
+
+/// At random, points lie closer together than where they are spread; the same seed draws the same.
+#[test]
+fn random_nodes_have_clusters() {
+    let mut capture = capture(cloud(7, 2000, [0.2; 3]), cloud(8, 1000, [0.2; 3]), vec![]);
+    capture.object.pins = vec![HeldPoint { point: 1999, control: 0 }];
+    capture.sequences[0].controls = vec![[0.0; 3]];
+    let draw = |sampling, seed| {
+        let settings = GraphSettings { sampling, ..settings(300) };
+        sample_nodes(&capture, &settings, seed).unwrap()
+    };
+    let nearest = |sample: &NodeSample| {
+        let points = &sample.positions;
+        let gap = |i: usize| {
+            let others = (0..points.len()).filter(|k| *k != i);
+            others.map(|k| distance_squared(points[i], points[k])).fold(f32::INFINITY, f32::min)
+        };
+        (0..points.len()).map(|i| gap(i).sqrt()).fold(f32::INFINITY, f32::min)
+    };
+    let (random, even) = (draw(Sampling::Random, 3), draw(Sampling::Spread, 3));
+    assert_eq!((random.node_count(), even.node_count()), (300, 300));
+    assert!(nearest(&random) < 0.5 * nearest(&even));
+    assert_eq!(random, draw(Sampling::Random, 3));
+    assert_ne!(random.positions, draw(Sampling::Random, 4).positions);
+    for sample in [&random, &even] {
+        assert!(sample.observed_points.contains(&1999), "a held point is always a node");
+        assert_eq!(sample.kinds.iter().filter(|k| **k == NodeKind::Completed).count(), 100);
     }
 }
 

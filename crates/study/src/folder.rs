@@ -3,7 +3,7 @@
 //! - `runs/CAPTURE/CONFIGURATION/SEED.json`: a [`Record`] each;
 //! - `twins/CAPTURE/CONFIGURATION/SEED.twin`: the twins themselves;
 //! - `checkpoints/`: fits under way, by the same names;
-//! - `table.md`, `table.json`, `pictures/`.
+//! - `table.md`, `table.json`, `figure.png`, `pictures/`.
 //!
 //! Every file appears whole or not at all, and one process at a time works in the folder.
 

@@ -9,10 +9,12 @@
 //!
 //! Fits are documented in `bendtwin-fit`, their errors in `bendtwin-eval`.
 
+mod bootstrap;
 mod command;
 mod digest;
 mod error;
 mod execute;
+mod figure;
 mod fit_observer;
 mod folder;
 mod picture;
@@ -22,12 +24,17 @@ mod run;
 mod suite;
 mod table;
 
+pub use bootstrap::{Certainty, Verdict};
 pub use command::Invocation;
 pub use error::Error;
 pub use execute::{Devices, Event, Summary};
+pub use figure::draw_figure;
 pub use folder::Folder;
 pub use picture::draw_pictures;
 pub use plan::{Captured, Plan, PlanOptions, Read};
 pub use record::{Finished, GraphCounts, Losses, Outcome, Record};
-pub use suite::{CaptureEntry, Comparison, Configuration, Reference, RunId, Selection, Suite};
-pub use table::{Difference, Failure, Figure, Figures, Kind, Row, Size, Table};
+pub use suite::{
+    CaptureEntry, Comparison, Configuration, FigureEntry, Reference, RunId, Selection, Series,
+    Suite,
+};
+pub use table::{Difference, Failure, Figure, Figures, Gain, Gains, Kind, Row, Size, Table};

@@ -72,6 +72,9 @@ pub struct GraphCounts {
     pub surface_nodes: usize,
     /// Axial springs, those to control points among them.
     pub springs: usize,
+    /// Those between nodes; none in records of earlier versions.
+    #[serde(default)]
+    pub node_springs: Option<usize>,
     /// Bending triplets.
     pub triplets: usize,
     /// Control points.
@@ -108,12 +111,26 @@ impl Record {
     }
 }
 
+impl GraphCounts {
+    /// Springs that meet at a node, on average, those to control points apart.
+    pub fn mean_degree(&self) -> Option<f64> {
+        let springs = self.node_springs.filter(|_| self.nodes > 0)?;
+        Some(2.0 * springs as f64 / self.nodes as f64)
+    }
+}
+
+fn between_nodes(graph: &Graph) -> usize {
+    let n = graph.node_count() as u32;
+    graph.springs.iter().filter(|[a, b]| a.max(b) < &n).count()
+}
+
 impl From<&Graph> for GraphCounts {
     fn from(graph: &Graph) -> Self {
         Self {
             nodes: graph.node_count(),
             surface_nodes: graph.surface_count(),
             springs: graph.springs.len(),
+            node_springs: Some(between_nodes(graph)),
             triplets: graph.triplets.len(),
             controls: graph.control_count(),
             nodes_digest: digest::of_nodes(&graph.rest_positions),

@@ -1,5 +1,6 @@
 //! A suite: captures, configurations, seeds, and comparisons. docs/accuracy.md specifies the file.
 
+mod figure;
 mod parse;
 mod selection;
 
@@ -13,7 +14,11 @@ use bendtwin_core::{
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-pub use self::selection::Selection;
+pub(crate) use self::figure::MOST_SERIES;
+pub use self::{
+    figure::{FigureEntry, Series},
+    selection::Selection,
+};
 use crate::Error;
 
 /// A list of captures and the ways in which each of them is fitted.
@@ -37,6 +42,8 @@ pub struct Suite {
     pub compare: Vec<Comparison>,
     /// Published figures to stand beside.
     pub references: Vec<Reference>,
+    /// The picture of differences over mean degrees, if there is to be one.
+    pub figure: Option<FigureEntry>,
 }
 
 /// A capture of a suite.
@@ -46,6 +53,9 @@ pub struct CaptureEntry {
     pub name: String,
     /// Path, relative to the suite's folder or to the data folder.
     pub path: PathBuf,
+    /// Kind of object, as configurations and the suite's picture tell captures apart.
+    #[serde(default)]
+    pub group: Option<String>,
     /// Settings for this capture alone; they go over those of the configuration.
     #[serde(default)]
     pub settings: Value,
@@ -56,9 +66,19 @@ pub struct CaptureEntry {
 pub struct Configuration {
     /// Its name in tables and files.
     pub name: String,
+    /// Groups of the captures that it is for; all captures if empty.
+    #[serde(default)]
+    pub groups: Vec<String>,
     /// Changes of the base settings.
     #[serde(default)]
     pub settings: Value,
+}
+
+impl Configuration {
+    /// True if it is for a capture.
+    pub fn is_for(&self, capture: &CaptureEntry) -> bool {
+        self.groups.is_empty() || capture.group.as_ref().is_some_and(|g| self.groups.contains(g))
+    }
 }
 
 /// Two rows of the table, one measured by the other.
@@ -155,7 +175,8 @@ impl Suite {
     pub fn runs(&self) -> impl Iterator<Item = (RunId, &CaptureEntry, &Configuration)> {
         self.seeds.iter().flat_map(move |&seed| {
             self.captures.iter().flat_map(move |capture| {
-                self.configurations.iter().map(move |configuration| {
+                let configurations = self.configurations.iter().filter(|c| c.is_for(capture));
+                configurations.map(move |configuration| {
                     let id = RunId {
                         capture: capture.name.clone(),
                         configuration: configuration.name.clone(),

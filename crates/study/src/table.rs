@@ -1,7 +1,9 @@
 //! Results of a suite: a row for each capture and configuration, the free baselines and published
-//! figures, means over captures, and relative differences. All errors in millimetres.
+//! figures, means over captures, relative differences, and their dependence on the mean degree of
+//! graphs. All errors in millimetres.
 
 mod compare;
+mod gains;
 mod markdown;
 mod rows;
 mod samples;
@@ -10,8 +12,9 @@ use std::collections::BTreeMap;
 
 use serde::Serialize;
 
+pub use self::gains::{Gain, Gains};
 pub(crate) use self::samples::Samples;
-use crate::{Error, Plan, command::Invocation, suite::RunId};
+use crate::{Certainty, Error, Plan, command::Invocation, suite::RunId};
 
 /// Version of `table.json`.
 const VERSION: u32 = 1;
@@ -41,6 +44,9 @@ pub struct Table {
     pub means: Vec<Row>,
     /// Differences between rows that the suite compares.
     pub differences: Vec<Difference>,
+    /// Differences by the mean degree of graphs, if the suite asks for them.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub gains: Option<Gains>,
     /// Runs that failed.
     pub failures: Vec<Failure>,
 }
@@ -109,6 +115,10 @@ pub struct Size {
     pub springs: f64,
     /// Bending triplets.
     pub triplets: f64,
+    /// Springs that meet at a node, those to control points apart; none in results of earlier
+    /// versions.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub degree: Option<f64>,
 }
 
 /// Relative difference of the errors of one row from those of another.
@@ -130,6 +140,10 @@ pub struct Difference {
     /// capture.
     #[serde(skip_serializing_if = "BTreeMap::is_empty")]
     pub better: BTreeMap<&'static str, (usize, usize)>,
+    /// Certainty of the differences of means, over the captures and seeds that both rows have
+    /// [%]; empty for a single capture.
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
+    pub certainty: BTreeMap<&'static str, Certainty>,
 }
 
 /// A run that failed.
@@ -177,6 +191,7 @@ impl Table {
             rows,
             means,
             differences: compare::all(suite, &samples),
+            gains: suite.figure.as_ref().map(|figure| gains::of(suite, figure, &samples)),
             failures: failures.collect(),
         }
     }

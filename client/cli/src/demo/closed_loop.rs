@@ -13,10 +13,7 @@ use bendtwin_plan::{Bounds, Evaluation, Knots, Limit, Method, Plan, Planner, Set
 use serde_json::json;
 
 use self::{picture::Scene, rope::Rope};
-use super::{
-    server::Connection,
-    steps::{self, DemoRun},
-};
+use super::{server::Connection, steps::DemoRun};
 
 /// Frames that a plan looks ahead.
 const HORIZON: usize = 15;
@@ -34,7 +31,7 @@ impl DemoRun {
     /// Steps 2 to 6 of the closed loop.
     pub(super) async fn run_closed_loop(&mut self, connection: &Connection) -> anyhow::Result<()> {
         let (_, capture) = self.record(connection).await?;
-        let mut settings = steps::settings(self.seed);
+        let mut settings = self.object.settings(self.seed);
         (settings.search.generations, settings.refine.passes) = (Some(GENERATIONS), Some(PASSES));
         let name = self.quick_fit(connection, capture, &settings).await?;
         let model = connection.client.twins().download(name).await?;
@@ -68,7 +65,7 @@ impl DemoRun {
     ) -> anyhow::Result<TwinId> {
         let flags = format!(
             "{} --set search.generations={} --set refine.passes={}",
-            steps::flags(),
+            self.object.flags(),
             GENERATIONS,
             PASSES
         );

@@ -6,12 +6,14 @@ use anyhow::Context as _;
 use bendtwin_client::{CaptureId, Cost, Fit, Rollout, TwinId, TwinModel};
 use bendtwin_core::{CancelToken, Capture, FitSettings, Quality};
 use bendtwin_eval::{EvaluateOptions, TableStyle, evaluate, format_table};
-use bendtwin_synth::{MakeOptions, Scene};
+use bendtwin_synth::MakeOptions;
 use serde_json::json;
 
 use super::{
     candidates::{KNOTS, candidates, displacement},
+    object::Object,
     server::{Connection, DemoServer},
+    verdict,
 };
 use crate::{backend::BackendArgs, capture, failure, fit, output, picture, quality};
 
@@ -20,25 +22,11 @@ const CANDIDATES: usize = 64;
 /// Their horizon [frames].
 const HORIZON: u32 = 30;
 
-/// Nodes of the demo's twin: planners need coarse graphs, and people who wait a fast fit.
-const NODES: usize = 60;
-
-/// The settings of the demo's fits.
-pub(super) fn settings(seed: u64) -> FitSettings {
-    let mut settings = FitSettings { seed, ..FitSettings::default() };
-    settings.graph.max_nodes = Some(NODES);
-    settings
-}
-
-/// The same settings as flags of the command line.
-pub(super) fn flags() -> String {
-    format!("--set graph.max_nodes={NODES}")
-}
-
 /// The demo under way.
 pub(super) struct DemoRun {
     pub(super) quiet: bool,
     pub(super) seed: u64,
+    pub(super) object: Object,
     pub(super) picture: PathBuf,
     folder: PathBuf,
     started: Instant,
@@ -57,10 +45,16 @@ struct FittedPair {
 }
 
 impl DemoRun {
-    pub(super) fn new(quiet: bool, seed: u64, picture: PathBuf, folder: PathBuf) -> Self {
+    pub(super) fn new(
+        quiet: bool,
+        seed: u64,
+        object: Object,
+        picture: PathBuf,
+        folder: PathBuf,
+    ) -> Self {
         let report = serde_json::Map::new();
         let (started, steps, is_told) = (Instant::now(), 0, false);
-        Self { quiet, seed, picture, folder, started, steps, report, is_told }
+        Self { quiet, seed, object, picture, folder, started, steps, report, is_told }
     }
 
     /// Step 1: a server with a worker.
@@ -91,24 +85,19 @@ impl DemoRun {
         &mut self,
         connection: &Connection,
     ) -> anyhow::Result<(Capture, CaptureId)> {
+        let file = format!("{}.zip", self.object.name());
         self.step(
-            "Record a rope that a robot hand moves (simulated far more finely than the twin will be,\n   \
-             with noise and occlusion)",
-            "bendtwin capture make rope rope.zip",
+            self.object.recording(),
+            &format!("bendtwin capture make {} {file}", self.object.name()),
         );
-        let path = self.folder.join("rope.zip");
+        let path = self.folder.join(&file);
         let options = MakeOptions::full(self.seed);
-        let observed = capture::make::write(Scene::Rope, options, &path).await?;
-        let (frames, train) =
-            observed.sequences.first().map_or((0, 0), |s| (s.frame_count, s.train_frame_count));
-        self.print(&format!(
-            "  {} points over {frames} frames; the fit sees the first {train}, the others are its exam",
-            observed.object.point_count
-        ));
-        self.step("Upload it over HTTP", "bendtwin capture push rope.zip");
+        let observed = capture::make::write(self.object.scene(), options, &path).await?;
+        self.print(&format!("  {}", Object::split(&observed)));
+        self.step("Upload it over HTTP", &format!("bendtwin capture push {file}"));
+        let name = format!("demo {}", self.object.name());
         let stored =
-            capture::push::upload(&connection.client.captures(), &path, "demo rope", self.quiet)
-                .await?;
+            capture::push::upload(&connection.client.captures(), &path, &name, self.quiet).await?;
         self.print(&format!("  {} ({})", stored.name, output::bytes(stored.size_bytes)));
         Ok((observed, stored.name))
     }
@@ -118,11 +107,14 @@ impl DemoRun {
         connection: &Connection,
         capture: CaptureId,
     ) -> anyhow::Result<FittedPair> {
-        let settings = settings(self.seed);
+        let settings = self.object.settings(self.seed);
         let bending = self.bending_fit(connection, capture).await?;
         self.step(
             "Fit the same nodes once more without bending, for comparison",
-            &format!("bendtwin fit start {capture} {} --set bending=false --watch", flags()),
+            &format!(
+                "bendtwin fit start {capture} {} --set bending=false --watch",
+                self.object.flags()
+            ),
         );
         let without = FitSettings { bending: false, ..settings };
         let axial = self.one_fit(connection, capture, &without, "axial_fit_s").await?;
@@ -143,13 +135,10 @@ impl DemoRun {
         capture: CaptureId,
     ) -> anyhow::Result<Fit> {
         self.step(
-            &format!(
-                "Fit a coarse twin, fast enough to plan with: {NODES} nodes. Search its global numbers, then\n   \
-                 refine every spring and bending triplet"
-            ),
-            &format!("bendtwin fit start {capture} {} --watch", flags()),
+            &self.object.fitting(),
+            &format!("bendtwin fit start {capture} {} --watch", self.object.flags()),
         );
-        self.one_fit(connection, capture, &settings(self.seed), "fit_s").await
+        self.one_fit(connection, capture, &self.object.settings(self.seed), "fit_s").await
     }
 
     pub(super) async fn one_fit(
@@ -173,7 +162,7 @@ impl DemoRun {
     async fn compare(&mut self, pair: &FittedPair, observed: &Capture) -> anyhow::Result<()> {
         self.step(
             "How good is it? Errors in mm against what was recorded; `future` frames were never seen",
-            &format!("bendtwin eval rope.zip --axial {}", flags()),
+            &format!("bendtwin eval {}.zip --axial {}", self.object.name(), self.object.flags()),
         );
         let (twin, axial, observed) = (pair.bending.clone(), pair.axial.clone(), observed.clone());
         let scored = tokio::task::spawn_blocking(move || {
@@ -185,8 +174,12 @@ impl DemoRun {
         for line in format_table(&quality, TableStyle::Plain).lines() {
             self.print(&format!("  {line}"));
         }
+        for paragraph in verdict::paragraphs(&quality).unwrap_or_default() {
+            self.print("");
+            paragraph.lines().for_each(|line| self.print(&format!("  {line}")));
+        }
         let assessment = quality::of_twin(&pair.bending, &quality);
-        self.print(&format!("  {assessment}"));
+        self.print(&format!("\n  {assessment}"));
         self.report.insert("quality".to_owned(), serde_json::to_value(&quality)?);
         Ok(())
     }
@@ -199,7 +192,8 @@ impl DemoRun {
     ) -> anyhow::Result<()> {
         self.step(
             &format!(
-                "Plan with it: {CANDIDATES} robot actions in one gRPC call, scored by where they bring the rope's end"
+                "Plan with it: {CANDIDATES} robot actions in one gRPC call, scored by where they bring the\n   {}",
+                self.object.target()
             ),
             &format!("bendtwin rollout {} --actions actions.npy", pair.name),
         );
@@ -221,7 +215,7 @@ impl DemoRun {
         let request = from_now()
             .trajectories([CANDIDATES, KNOTS, hands.len()], batch.clone())
             .cubic()
-            .cost(Cost::keypoints("end of the rope", 1.0, &[end as u32], &[goal]))
+            .cost(Cost::keypoints(self.object.target(), 1.0, &[end as u32], &[goal]))
             .diagnostics();
         let started = Instant::now();
         let reply = connection.client.rollouts().run(request).await?;
@@ -230,7 +224,8 @@ impl DemoRun {
         let worst = reply.costs.iter().copied().filter(|c| c.is_finite()).fold(0.0, f64::max);
         let [x, y, z] = displacement(hands, &batch, best).map(|d| 100.0 * d);
         self.print(&format!(
-            "  best: action {best}, hands by ({x:.1}, {y:.1}, {z:.1}) cm; the end of the rope comes within {:.1} cm of its goal (worst action: {:.1} cm)",
+            "  best: action {best}, hands by ({x:.1}, {y:.1}, {z:.1}) cm; the {} comes within {:.1} cm of its goal (worst action: {:.1} cm)",
+            self.object.target(),
             100.0 * reply.costs.get(best).copied().unwrap_or_default(),
             100.0 * worst
         ));
@@ -246,8 +241,12 @@ impl DemoRun {
 
     async fn draw(&mut self, pair: FittedPair, observed: Capture) -> anyhow::Result<()> {
         let path = self.picture.clone();
-        let command =
-            format!("bendtwin eval rope.zip --axial {} --picture {}", flags(), path.display());
+        let command = format!(
+            "bendtwin eval {}.zip --axial {} --picture {}",
+            self.object.name(),
+            self.object.flags(),
+            path.display()
+        );
         self.step("Draw predicted against observed", &command);
         tokio::task::spawn_blocking(move || {
             let (backend, token) = (bendtwin_engine::cpu(), CancelToken::default());
@@ -282,7 +281,7 @@ impl DemoRun {
             ));
         } else {
             self.print(
-                "Next: `bendtwin demo --open` to drag the rope in a browser, or `bendtwin server` and the\n\
+                "Next: `bendtwin demo --open` to drag a rope in a browser, or `bendtwin server` and the\n\
                  commands above with a capture of your own.",
             );
         }

@@ -20,6 +20,15 @@ struct Measure {
     best: Option<usize>,
 }
 
+impl Measure {
+    /// True if the lowest is lower than all others by more than seeds make them differ.
+    fn is_clear(&self) -> bool {
+        let Some(lowest) = self.best.and_then(|best| self.values[best]) else { return false };
+        let others = self.values.iter().enumerate().filter(|(i, _)| Some(*i) != self.best);
+        others.filter_map(|(_, value)| *value).all(|value| bendtwin_eval::differ([lowest, value]))
+    }
+}
+
 /// A setting that is not the same in all fits.
 #[derive(Debug, PartialEq, Serialize)]
 struct Difference {
@@ -115,16 +124,22 @@ impl Comparison {
         text + &self.verdict(&letters)
     }
 
-    /// Measures on which each fit is the best, a line each.
+    /// Measures on which each fit is the best, a line each, and those on which none is.
     fn verdict(&self, letters: &[String]) -> String {
+        let named = |of: &dyn Fn(&Measure) -> bool| -> String {
+            let names = self.errors.iter().filter(|m| m.best.is_some() && of(m));
+            names.map(|m| m.name.as_str()).collect::<Vec<_>>().join(", ")
+        };
         let mut text = String::new();
         for (index, letter) in letters.iter().enumerate() {
-            let won = |m: &&Measure| m.best == Some(index);
-            let names: Vec<&str> =
-                self.errors.iter().filter(won).map(|m| m.name.as_str()).collect();
+            let names = named(&|m| m.best == Some(index) && m.is_clear());
             if !names.is_empty() {
-                text += &format!("\n{letter} is nearest on: {}", names.join(", "));
+                text += &format!("\n{letter} is nearest on: {names}");
             }
+        }
+        let names = named(&|m| !m.is_clear());
+        if !names.is_empty() {
+            text += &format!("\nno difference beyond what seeds make on: {names}");
         }
         if text.is_empty() { text } else { format!("\n{text}") }
     }

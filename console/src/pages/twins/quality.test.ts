@@ -93,8 +93,11 @@ test('differences are told in words', () => {
   expect(comparedText('A', 'B', 0.01, 0.004)).toBe(
     'B is nearer to frames that it was not fitted to than A by a factor of 2.50: 4 mm against 10 mm.',
   );
-  expect(comparedText('A', 'B', 0.01, 0.0099)).toContain('about as good');
-  expect(comparedText('A', 'B', 0, 0)).toContain('about as good');
+  expect(comparedText('A', 'B', 0.01, 0.0092)).toBe(
+    'No difference between A and B beyond what seeds make: 10 mm against 9.2 mm.',
+  );
+  expect(comparedText('A', 'B', 0, 0)).toContain('No difference');
+  expect(comparedText('A', 'B', 0.01, 0.009)).toContain('B is nearer');
   expect(comparedText('A', 'B', null, 0.1)).toBeNull();
   const choice = { start: 1, held_back_frames: 0, losses: [2, 1, null] };
   expect(choiceText({ choice })).toBe(

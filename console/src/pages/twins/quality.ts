@@ -210,14 +210,16 @@ export function spreadText({ spread }: Quality): string | null {
   return `${apart} ${share}, and spread and error agree in rank by ${rank_correlation.toFixed(2)}.`;
 }
 
-/**
- * Two errors in a sentence: by how much the second is larger or smaller. Differences below a
- * twentieth are within what chance does to a fit.
- */
+/** Share by which errors of two fits differ although only their seeds do. */
+const SEEDS_DIFFER = 0.1;
+
+/** Two errors in a sentence: by how much the second is larger or smaller, if not by chance alone. */
 export function comparedText(first: string, second: string, a: number | null, b: number | null): string | null {
   if (a === null || b === null) return null;
   const both = (one: number, other: number): string => `${millimetres(one)} against ${millimetres(other)}`;
-  if (a === b || Math.abs(a - b) < 0.05 * Math.max(a, b)) return `${first} and ${second} are about as good: ${both(a, b)}.`;
+  if (Math.max(a, b) <= (1 + SEEDS_DIFFER) * Math.min(a, b)) {
+    return `No difference between ${first} and ${second} beyond what seeds make: ${both(a, b)}.`;
+  }
   const [better, worse, ratio] = a < b ? [first, second, b / a] : [second, first, a / b];
   const factor = ratio.toFixed(2);
   const errors = both(Math.min(a, b), Math.max(a, b));

@@ -118,6 +118,21 @@ fn the_axial_fit_is_told_without_deciding() {
     let mut quality = table(4.0, 100.0, 5.0);
     quality.scores.insert(1, score(Predictor::Axial, tracks(2.0)));
     is(&quality, SCALE, Level::Good, "2.00 times farther than without bending", "Use it");
+    quality.scores[1].future = tracks(12.0);
+    is(&quality, SCALE, Level::Good, "3.00 times nearer than without bending", "Use it");
+}
+
+/// The rope of the tutorial: 6.8 mm with bending, 6.3 without.
+#[test]
+fn what_seeds_differ_by_is_no_difference() {
+    for axial_mm in [6.3, 7.4] {
+        let mut quality = table(6.8, 100.0, 8.0);
+        quality.scores.insert(1, score(Predictor::Axial, tracks(axial_mm)));
+        let why = format!("no difference from a fit without bending ({axial_mm:.1} mm)");
+        is(&quality, SCALE, Level::Good, &why, "Use it");
+    }
+    assert!(!differ([1.0, 1.1]) && differ([1.0, 1.11]) && differ([1.11, 1.0]));
+    assert!(!differ([0.0, 0.0]) && differ([0.0, 1e-9]) && differ([f64::NAN, 1.0]));
 }
 
 #[test]

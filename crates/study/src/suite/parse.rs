@@ -16,7 +16,7 @@ const VERSION: u64 = 1;
 /// No suite needs more runs than this.
 const MAX_RUNS: usize = 100_000;
 
-const FIELDS: [&str; 9] = [
+const FIELDS: [&str; 10] = [
     "version",
     "name",
     "about",
@@ -26,6 +26,7 @@ const FIELDS: [&str; 9] = [
     "seeds",
     "compare",
     "references",
+    "figure",
 ];
 
 /// Figures as a file gives them [mm].
@@ -69,12 +70,13 @@ pub(super) fn parse(file: &Path, text: &str) -> Result<Suite, Vec<String>> {
         file: file.to_owned(),
         name: reader.value(&document, "name").unwrap_or(stem),
         about: reader.value(&document, "about").unwrap_or_default(),
-        captures: reader.list(&document, "captures", &["name", "path", "settings"]),
+        captures: reader.list(&document, "captures", &["name", "path", "group", "settings"]),
         base: document.get("base").cloned().unwrap_or(Value::Null),
-        configurations: reader.list(&document, "configurations", &["name", "settings"]),
+        configurations: reader.list(&document, "configurations", &["name", "groups", "settings"]),
         seeds: reader.value(&document, "seeds").unwrap_or_else(|| vec![0]),
         compare: reader.list(&document, "compare", &["of", "against"]),
         references: references.into_iter().map(ReferenceEntry::into_reference).collect(),
+        figure: reader.value(&document, "figure"),
     };
     reader.check(&suite);
     if reader.faults.is_empty() { Ok(suite) } else { Err(reader.faults) }
@@ -147,9 +149,29 @@ impl Reader {
         if runs.saturating_mul(suite.seeds.len()) > MAX_RUNS {
             self.fault(format!("more than {MAX_RUNS} runs: cut the suite into several"));
         }
+        self.groups(suite);
         self.settings(suite);
         self.references(suite);
         self.comparisons(suite);
+        let figure = suite.figure.iter().flat_map(|f| f.faults(&suite.configurations));
+        figure.for_each(|fault| self.fault(fault));
+    }
+
+    /// A group of configurations is one of captures.
+    fn groups(&mut self, suite: &Suite) {
+        let known: BTreeSet<&str> =
+            suite.captures.iter().filter_map(|c| c.group.as_deref()).collect();
+        if known.iter().any(|group| group.is_empty() || group.contains(['|', '\n'])) {
+            self.fault("a group of captures has a name without `|`");
+        }
+        for configuration in &suite.configurations {
+            for group in configuration.groups.iter().filter(|g| !known.contains(g.as_str())) {
+                self.fault(format!(
+                    "{}: no capture is of the group `{group}`",
+                    of_configuration(configuration)
+                ));
+            }
+        }
     }
 
     /// Names become names of files and parts of commands.
@@ -194,7 +216,8 @@ impl Reader {
                 faults.into_iter().for_each(|f| self.fault(format!("{at}: {f}")));
                 continue;
             }
-            for capture in suite.captures.iter().filter(|c| !c.settings.is_null()) {
+            let own = |c: &&CaptureEntry| !c.settings.is_null() && configuration.is_for(c);
+            for capture in suite.captures.iter().filter(own) {
                 if let Err(faults) = suite.settings(capture, configuration, 0) {
                     let at = format!("{} under {}", of_capture(capture), configuration.name);
                     faults.into_iter().for_each(|f| self.fault(format!("{at}: {f}")));

@@ -91,6 +91,41 @@ fn all_faults_are_told_at_once() {
 }
 
 #[test]
+fn a_configuration_may_be_for_some_captures() {
+    let mut document = example();
+    document["captures"][0]["group"] = json!("ropes");
+    document["captures"][1]["group"] = json!("cables");
+    document["configurations"][0]["groups"] = json!(["cables"]);
+    let suite = parsed(&document).unwrap();
+    let names: Vec<String> = suite.runs().map(|(id, ..)| id.to_string()).collect();
+    assert_eq!(names[..3], ["rope/bending/0", "cable/axial/0", "cable/bending/0"]);
+    assert_eq!(names.len(), 6);
+    document["configurations"][0]["groups"] = json!(["bodies"]);
+    let faults = parsed(&document).unwrap_err();
+    assert_eq!(faults, ["configuration `axial`: no capture is of the group `bodies`"]);
+}
+
+#[test]
+fn a_figure_is_checked() {
+    let mut document = example();
+    let pair = json!({"of": "bending", "against": "axial"});
+    document["figure"] = json!({"degrees": [3, 6.5], "series": [{"name": "one", "pairs": [pair]}]});
+    let figure = parsed(&document).unwrap().figure.unwrap();
+    assert_eq!((figure.degrees.as_slice(), figure.title), ([3.0, 6.5].as_slice(), None));
+    document["figure"]["colour"] = json!(1);
+    assert!(parsed(&document).unwrap_err()[0].contains("colour"));
+    document["figure"] = json!({"degrees": [6, 3], "series": [
+        {"name": "one", "pairs": [{"of": "bending", "against": "axial:last_residual"}]},
+        {"name": "one", "pairs": []},
+    ]});
+    let faults = parsed(&document).unwrap_err();
+    for word in ["ascend", "stands twice", "`axial:last_residual`", "no pairs"] {
+        assert!(faults.iter().any(|f| f.contains(word)), "{word} is not among {faults:?}");
+    }
+    assert_eq!(faults.len(), 4, "{faults:?}");
+}
+
+#[test]
 fn values_are_checked_where_they_come_together() {
     let mut document = example();
     document["configurations"][0]["settings"] = json!({"refine": {"learning_rate": 7.0}});

@@ -7,7 +7,11 @@ use super::{
     Difference,
     samples::{COLUMNS, Samples, Seeds},
 };
-use crate::suite::{Comparison, Suite};
+use crate::{
+    Certainty,
+    bootstrap::{self, Pairs},
+    suite::{Comparison, Suite},
+};
 
 /// All that the suite compares.
 pub(super) fn all(suite: &Suite, samples: &Samples<'_>) -> Vec<Difference> {
@@ -15,17 +19,19 @@ pub(super) fn all(suite: &Suite, samples: &Samples<'_>) -> Vec<Difference> {
 }
 
 fn differences(c: &Comparison, suite: &Suite, samples: &Samples<'_>) -> Vec<Difference> {
-    let made = |capture: Option<&str>, same_nodes, percent, better| Difference {
+    let made = |capture: Option<&str>, same_nodes, percent| Difference {
         of: c.of.clone(),
         against: c.against.clone(),
         capture: capture.map(str::to_owned),
         same_nodes,
         percent,
-        better,
+        better: BTreeMap::new(),
+        certainty: BTreeMap::new(),
     };
     let mut rows = Vec::new();
-    // By column: the values of both on each capture.
+    // By column: the values of both on each capture, and by seed.
     let mut pairs: [Vec<(f64, f64)>; COLUMNS.len()] = Default::default();
+    let mut runs: [Vec<Pairs<'_>>; COLUMNS.len()] = Default::default();
     let mut nodes = Vec::new();
     for capture in suite.captures.iter().map(|capture| capture.name.as_str()) {
         let (of, against) = (samples.seeds(&c.of, capture), samples.seeds(&c.against, capture));
@@ -35,16 +41,18 @@ fn differences(c: &Comparison, suite: &Suite, samples: &Samples<'_>) -> Vec<Diff
             let Some(pair) = both(of, against, i) else { continue };
             percents.insert(column.key, percent(pair));
             pairs[i].push(pair);
+            runs[i].push(by_seed(of, against, i));
         }
         if percents.is_empty() {
             continue;
         }
         let same = samples.same_nodes(&c.of, &c.against, capture);
         nodes.push(same);
-        rows.push(made(Some(capture), same, percents, BTreeMap::new()));
+        rows.push(made(Some(capture), same, percents));
     }
     if suite.captures.len() > 1 {
         let (mut percents, mut better) = (BTreeMap::new(), BTreeMap::new());
+        let mut certainty: BTreeMap<&str, Certainty> = BTreeMap::new();
         for (i, column) in COLUMNS.iter().enumerate() {
             let pair = match published(c, samples, i) {
                 Some(pair) => Some(pair),
@@ -52,6 +60,8 @@ fn differences(c: &Comparison, suite: &Suite, samples: &Samples<'_>) -> Vec<Diff
             };
             if let Some(pair) = pair {
                 percents.insert(column.key, percent(pair));
+                let found = bootstrap::certainty(&runs[i], |[of, against]| percent((of, against)));
+                certainty.extend(found.map(|found| (column.key, found)));
             }
             if !pairs[i].is_empty() {
                 let wins = pairs[i].iter().filter(|(of, against)| of < against).count();
@@ -60,7 +70,8 @@ fn differences(c: &Comparison, suite: &Suite, samples: &Samples<'_>) -> Vec<Diff
         }
         if !percents.is_empty() {
             let same = nodes.into_iter().collect::<Option<Vec<bool>>>().filter(|n| !n.is_empty());
-            rows.push(made(None, same.map(|n| n.iter().all(|x| *x)), percents, better));
+            let all = made(None, same.map(|n| n.iter().all(|x| *x)), percents);
+            rows.push(Difference { better, certainty, ..all });
         }
     }
     rows
@@ -68,16 +79,28 @@ fn differences(c: &Comparison, suite: &Suite, samples: &Samples<'_>) -> Vec<Diff
 
 /// The means of both on a capture, over the seeds that both have; published figures have no seeds.
 fn both(of: &Seeds, against: &Seeds, column: usize) -> Option<(f64, f64)> {
-    let pairs: Vec<(f64, f64)> = of
-        .iter()
-        .filter_map(|(seed, a)| Some((a.values[column]?, against.get(seed)?.values[column]?)))
-        .collect();
-    let is_published = |seeds: &Seeds| seeds.values().all(|s| s.is_published());
     if is_published(of) || is_published(against) {
         let all = |seeds: &Seeds| mean_of(seeds.values().filter_map(|s| s.values[column]));
         return Some((all(of)?, all(against)?));
     }
+    let pairs: Vec<(f64, f64)> =
+        by_seed(of, against, column).into_values().map(|[of, against]| (of, against)).collect();
     mean(&pairs)
+}
+
+/// The values of both on a capture, by the seeds that both have; none where one is published.
+fn by_seed(of: &Seeds, against: &Seeds, column: usize) -> Pairs<'static> {
+    if is_published(of) || is_published(against) {
+        return Pairs::new();
+    }
+    let pair = |(seed, a): (&u64, &super::samples::Sample)| {
+        Some(((*seed, ""), [a.values[column]?, against.get(seed)?.values[column]?]))
+    };
+    of.iter().filter_map(pair).collect()
+}
+
+fn is_published(seeds: &Seeds) -> bool {
+    seeds.values().all(|s| s.is_published())
 }
 
 /// Values of a comparison with a published mean: that mean, and the other's own mean over captures.

@@ -3,9 +3,10 @@
 use std::fmt::Write as _;
 
 use super::{
-    Difference, Figure, Kind, Row, Table,
+    Difference, Figure, Gains, Kind, Row, Table,
     samples::{COLUMNS, Column},
 };
+use crate::Verdict;
 
 /// Writes the whole document.
 pub(super) fn write(table: &Table) -> String {
@@ -17,8 +18,15 @@ pub(super) fn write(table: &Table) -> String {
              difference (motion capture) and its padded root mean square (cables with branches), on training and on future frames.\n\n";
     text += &errors(table);
     if !table.differences.is_empty() {
-        text += "\nErrors of the first against those of the second; negative is better.\n\n";
+        text += "\nErrors of the first against those of the second; negative is better. Below a difference of means, the \
+                 interval that 95 % of draws of captures and seeds lie in. `no difference`: it contains zero, or seeds differ by \
+                 more.\n\n";
         text += &differences(&table.differences);
+    }
+    if let Some(gains) = &table.gains {
+        text += "\nThe same by the springs that meet at a node, in the twin that is compared with: geometric means over \
+                 captures of the ratio of errors in future frames (track, else coordinate, else CD), in percent.\n\n";
+        text += &by_degree(gains);
     }
     if !table.failures.is_empty() {
         text += "\nFailed:\n\n";
@@ -50,7 +58,7 @@ fn errors(table: &Table) -> String {
     let columns: Vec<&Column> =
         COLUMNS.iter().filter(|c| rows().any(|r| r.errors.contains_key(c.key))).collect();
     let mut header = vec!["capture".to_owned(), "twin or baseline".to_owned()];
-    header.extend(["nodes", "springs", "triplets"].map(str::to_owned));
+    header.extend(["nodes", "springs", "degree", "triplets"].map(str::to_owned));
     header.extend(columns.iter().map(|c| c.heading.to_owned()));
     header.push("fit [s]".to_owned());
     let mut lines = vec![header];
@@ -59,7 +67,9 @@ fn errors(table: &Table) -> String {
             row.size.as_ref().map_or("-".to_owned(), |size| format!("{:.0}", of(size)))
         };
         let mut cells = vec![name(row), row.label.clone()];
-        cells.extend([count(|s| s.nodes), count(|s| s.springs), count(|s| s.triplets)]);
+        let degree = row.size.and_then(|size| size.degree);
+        let degree = degree.map_or("-".to_owned(), |degree| format!("{degree:.1}"));
+        cells.extend([count(|s| s.nodes), count(|s| s.springs), degree, count(|s| s.triplets)]);
         cells.extend(columns.iter().map(|c| figure(row.errors.get(c.key), 2)));
         cells.push(figure(row.fit_s.as_ref(), 1));
         lines.push(cells);
@@ -100,11 +110,22 @@ fn differences(all: &[Difference]) -> String {
         };
         let capture = d.capture.as_deref().unwrap_or("mean").to_owned();
         let mut cells = vec![format!("{} against {}", d.of, d.against), capture, same.to_owned()];
+        let is_none =
+            |c: &Column| d.certainty.get(c.key).is_some_and(|c| c.verdict == Verdict::NoDifference);
         cells.extend(columns.iter().map(|c| match d.percent.get(c.key) {
+            Some(_) if is_none(c) => NO_DIFFERENCE.to_owned(),
             Some(percent) => format!("{percent:+.1}"),
             None => "-".to_owned(),
         }));
         lines.push(cells);
+        if !d.certainty.is_empty() {
+            let mut cells = vec![String::new(), "between".to_owned(), String::new()];
+            cells.extend(columns.iter().map(|c| match d.certainty.get(c.key) {
+                Some(certainty) => interval(certainty.interval),
+                None => "-".to_owned(),
+            }));
+            lines.push(cells);
+        }
         if !d.better.is_empty() {
             let mut cells = vec![String::new(), "better in".to_owned(), String::new()];
             cells.extend(columns.iter().map(|c| match d.better.get(c.key) {
@@ -115,6 +136,38 @@ fn differences(all: &[Difference]) -> String {
         }
     }
     lay_out(&lines, 3)
+}
+
+/// Text in place of a difference that is none.
+const NO_DIFFERENCE: &str = "no difference";
+
+fn interval([low, high]: [f64; 2]) -> String {
+    format!("{low:+.1}, {high:+.1}")
+}
+
+fn by_degree(gains: &Gains) -> String {
+    let header = ["series", "group", "degree", "captures", "pairs", "%", "between", "seeds differ"];
+    let mut lines = vec![header.map(str::to_owned).to_vec()];
+    for gain in &gains.gains {
+        let dash = || "-".to_owned();
+        let certainty = gain.certainty.as_ref();
+        let said = match certainty.map(|c| c.verdict) {
+            Some(Verdict::NoDifference) => NO_DIFFERENCE.to_owned(),
+            _ => format!("{:+.1}", gain.percent),
+        };
+        let seeds = certainty.and_then(|c| c.seeds_differ);
+        lines.push(vec![
+            gain.series.clone(),
+            gain.group.clone().unwrap_or_else(|| "all".to_owned()),
+            format!("{:.1}", gain.mean_degree),
+            gain.captures.to_string(),
+            gain.pairs.to_string(),
+            said,
+            certainty.map_or_else(dash, |c| interval(c.interval)),
+            seeds.map_or_else(dash, |seeds| format!("{seeds:.1}")),
+        ]);
+    }
+    lay_out(&lines, 2)
 }
 
 /// Columns as wide as their widest cell; the first `text_columns` begin on the left, the others end

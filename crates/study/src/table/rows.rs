@@ -152,9 +152,11 @@ fn mean_of(all: &[&Seeds], values: impl Fn(&Seeds) -> Vec<f64>) -> Option<Figure
 
 fn size(sizes: Vec<Size>) -> Option<Size> {
     let mean = |of: fn(&Size) -> f64| figure(&sizes.iter().map(of).collect::<Vec<_>>());
+    let degrees: Option<Vec<f64>> = sizes.iter().map(|s: &Size| s.degree).collect();
     Some(Size {
         nodes: mean(|s| s.nodes)?.mean,
         springs: mean(|s| s.springs)?.mean,
         triplets: mean(|s| s.triplets)?.mean,
+        degree: degrees.and_then(|degrees| Some(figure(&degrees)?.mean)),
     })
 }

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use bendtwin_core::quality::{ErrorSummary, Score};
+use bendtwin_core::quality::{ErrorSummary, NodeErrors, Score};
 
 use super::{Figure, Figures, Size};
 use crate::{
@@ -18,22 +18,37 @@ pub(crate) struct Column {
     pub(crate) heading: &'static str,
     error: fn(&ErrorSummary) -> Option<f64>,
     is_future: bool,
+    /// True if it is the error of the nodes and not of the skin.
+    at_nodes: bool,
 }
 
 macro_rules! column {
     ($key:literal, $heading:literal, $field:ident, $future:literal) => {
-        Column { key: $key, heading: $heading, error: |e| e.$field, is_future: $future }
+        column!($key, $heading, $field, $future, false)
+    };
+    ($key:literal, $heading:literal, $field:ident, $future:literal, $at_nodes:literal) => {
+        Column {
+            key: $key,
+            heading: $heading,
+            error: |e| e.$field,
+            is_future: $future,
+            at_nodes: $at_nodes,
+        }
     };
 }
 
 /// All columns, in the table's order.
-pub(crate) const COLUMNS: [Column; 10] = [
+pub(crate) const COLUMNS: [Column; 14] = [
     column!("cd_l1_train_mm", "CD train", chamfer_l1_m, false),
     column!("cd_l1_future_mm", "CD future", chamfer_l1_m, true),
     column!("cd_l2_train_mm", "CD (L2) train", chamfer_l2_m, false),
     column!("cd_l2_future_mm", "CD (L2) future", chamfer_l2_m, true),
     column!("track_train_mm", "track train", track_m, false),
     column!("track_future_mm", "track future", track_m, true),
+    column!("cd_l1_nodes_train_mm", "CD at nodes train", chamfer_l1_m, false, true),
+    column!("cd_l1_nodes_future_mm", "CD at nodes future", chamfer_l1_m, true, true),
+    column!("track_nodes_train_mm", "track at nodes train", track_m, false, true),
+    column!("track_nodes_future_mm", "track at nodes future", track_m, true, true),
     column!("coordinate_train_mm", "coordinate train", coordinate_m, false),
     column!("coordinate_future_mm", "coordinate future", coordinate_m, true),
     column!("padded_rms_train_mm", "padded RMS train", padded_rms_m, false),
@@ -83,6 +98,7 @@ impl<'a> Samples<'a> {
                 nodes: finished.graph.nodes as f64,
                 springs: finished.graph.springs as f64,
                 triplets: finished.graph.triplets as f64,
+                degree: finished.graph.mean_degree(),
             };
             let digest = Some(finished.graph.nodes_digest.clone());
             let mut add = |row: String, sample| {
@@ -90,21 +106,26 @@ impl<'a> Samples<'a> {
                 captures.entry(run.capture.as_str()).or_default().insert(run.seed, sample);
             };
             if let Some(own) = quality.scores.first() {
-                let (values, fit_s) = (values(&own.train, &own.future), Some(finished.fit_s));
-                let sample =
-                    Sample { values, size: Some(size), fit_s, nodes_digest: digest.clone() };
+                let sample = Sample {
+                    values: values(&own.train, &own.future, own.at_nodes),
+                    size: Some(size),
+                    fit_s: Some(finished.fit_s),
+                    nodes_digest: digest.clone(),
+                };
                 add(run.configuration.clone(), sample);
             }
             for (name, predictor) in BASELINES {
-                let Some(Score { train, future, .. }) = quality.score(predictor) else { continue };
-                let values = values(train, future);
+                let Some(Score { train, future, at_nodes, .. }) = quality.score(predictor) else {
+                    continue;
+                };
+                let values = values(train, future, *at_nodes);
                 let sample =
                     Sample { values, size: None, fit_s: None, nodes_digest: digest.clone() };
                 add(baseline_row(&run.configuration, name), sample);
             }
         }
         for reference in &suite.references {
-            let values = values(&reference.train, &reference.future);
+            let values = values(&reference.train, &reference.future, None);
             if !samples.published.contains(&reference.name.as_str()) {
                 samples.published.push(&reference.name);
             }
@@ -167,11 +188,28 @@ pub(crate) fn baseline_row(configuration: &str, baseline: &str) -> String {
     format!("{configuration}:{baseline}")
 }
 
-fn values(train: &ErrorSummary, future: &ErrorSummary) -> Values {
+fn values(train: &ErrorSummary, future: &ErrorSummary, at_nodes: Option<NodeErrors>) -> Values {
     std::array::from_fn(|i| {
         let column = &COLUMNS[i];
-        (column.error)(if column.is_future { future } else { train }).map(|m| 1e3 * m)
+        let errors = match (column.at_nodes, &at_nodes) {
+            (false, _) => Some([train, future]),
+            (true, Some(nodes)) => Some([&nodes.train, &nodes.future]),
+            (true, None) => None,
+        };
+        (column.error)(errors?[usize::from(column.is_future)]).map(|m| 1e3 * m)
     })
+}
+
+impl Sample {
+    /// Error of future frames by which a predictor is judged [mm]: of tracks, else of coordinates,
+    /// else the Chamfer distance, all at the skin.
+    pub(crate) fn headline(&self) -> Option<(&'static str, f64)> {
+        let keys = ["track_future_mm", "coordinate_future_mm", "cd_l1_future_mm"];
+        keys.into_iter().find_map(|key| {
+            let column = COLUMNS.iter().position(|c| c.key == key)?;
+            Some((key, self.values[column]?))
+        })
+    }
 }
 
 /// Mean and, of several, the standard deviation; none of no values.

@@ -8,7 +8,7 @@ use serde_json::{Value, json};
 
 use super::*;
 use crate::{
-    Folder, PlanOptions, Suite, digest,
+    Folder, PlanOptions, Suite, Verdict, digest,
     record::{Finished, GraphCounts, Losses, Outcome, Record},
 };
 
@@ -53,6 +53,7 @@ fn finished(nodes: &str, twin_mm: f64, residual_mm: f64) -> Outcome {
             nodes: 10,
             surface_nodes: 10,
             springs: 20,
+            node_springs: Some(15),
             triplets: 5,
             controls: 1,
             nodes_digest: nodes.into(),
@@ -87,10 +88,14 @@ fn table(results: &[(&str, Outcome)]) -> Table {
             {"name": "Theirs", "future": {"cd_l1_mm": 10.0}},
         ]
     });
+    table_of(&document, "a/axial/1", results)
+}
+
+/// One run without a result is selected, so that nothing but its capture is looked for.
+fn table_of(document: &Value, selected: &str, results: &[(&str, Outcome)]) -> Table {
     let place = tempfile::tempdir().unwrap();
     let file = place.path().join("suite.json");
     std::fs::write(&file, document.to_string()).unwrap();
-    // One run is selected, so that nothing but its capture is looked for.
     for name in ["a.zip", "b.zip"] {
         std::fs::write(place.path().join(name), b"").unwrap();
     }
@@ -101,7 +106,7 @@ fn table(results: &[(&str, Outcome)]) -> Table {
     }
     let options = PlanOptions {
         data: None,
-        only: vec!["a/axial/1".parse().unwrap()],
+        only: vec![selected.parse().unwrap()],
         build: "b".into(),
         any_build: false,
         checkpoint_every: Duration::ZERO,
@@ -211,6 +216,99 @@ fn the_table_reads_well() {
     assert!(widths.windows(2).filter(|w| w[0] != w[1]).count() <= 1, "columns line up");
     let document: Value = serde_json::from_str(&table(&all()).to_json().unwrap()).unwrap();
     assert_eq!(document["rows"][0]["errors"]["cd_l1_future_mm"]["mean"], 20.0);
+}
+
+/// Results of a suite of two groups, whose figure has two series.
+fn gains(results: &[(&str, Outcome)]) -> Table {
+    let capture = |name: &str, group: &str| json!({"name": name, "path": format!("{name}.zip"), "group": group});
+    let document = json!({
+        "version": 1,
+        "captures": [capture("a", "ropes"), capture("b", "ropes")],
+        "configurations": [
+            {"name": "axial", "groups": ["ropes"], "settings": {"bending": false}},
+            {"name": "bending"},
+            {"name": "arm", "settings": {"graph": {"triplet_reference": "nearest"}}},
+        ],
+        "seeds": [0, 1, 2],
+        "compare": [
+            {"of": "bending", "against": "axial"},
+            {"of": "arm", "against": "axial"},
+        ],
+        "figure": {"degrees": [2, 4, 8], "series": [
+            {"name": "opposite", "pairs": [{"of": "bending", "against": "axial"}]},
+            {"name": "one arm", "pairs": [{"of": "arm", "against": "axial"}]},
+        ]}
+    });
+    table_of(&document, "a/axial/2", results)
+}
+
+fn of_gains() -> Vec<(&'static str, Outcome)> {
+    vec![
+        ("a/axial/0", finished("n0", 20.0, 18.0)),
+        ("a/axial/1", finished("n1", 22.0, 18.0)),
+        ("b/axial/0", finished("m0", 10.0, 5.0)),
+        ("b/axial/1", finished("m1", 10.0, 5.0)),
+        ("a/bending/0", finished("n0", 10.0, 9.0)),
+        ("a/bending/1", finished("n1", 11.0, 9.0)),
+        ("b/bending/0", finished("m0", 5.0, 9.0)),
+        ("b/bending/1", finished("m1", 5.5, 9.0)),
+        ("a/arm/0", finished("n0", 22.0, 18.0)),
+        ("a/arm/1", finished("n1", 20.0, 18.0)),
+        ("b/arm/0", finished("m0", 9.0, 5.0)),
+        ("b/arm/1", finished("m1", 11.0, 5.0)),
+    ]
+}
+
+#[test]
+fn gains_are_told_by_degree() {
+    let table = gains(&of_gains());
+    let gains = table.gains.as_ref().unwrap();
+    assert_eq!(gains.groups, [Some("ropes".to_owned())]);
+    assert_eq!(gains.series, ["opposite", "one arm"]);
+    // Fifteen springs between ten nodes: three at each, which is nearer to 4 than to 2 by ratio.
+    let [opposite, arm] = &gains.gains[..] else { panic!("{gains:?}") };
+    assert_eq!((opposite.degree, opposite.mean_degree), (4.0, 3.0));
+    assert_eq!((opposite.captures, opposite.pairs), (2, 4));
+    let expected = 100.0 * ((0.25 * (0.5_f64.powi(3) * 0.55).ln()).exp() - 1.0);
+    assert!((opposite.percent - expected).abs() < 1e-9, "{opposite:?}");
+    assert_eq!(opposite.certainty.unwrap().verdict, Verdict::Lower);
+    assert_eq!(arm.certainty.unwrap().verdict, Verdict::NoDifference);
+    let text = table.to_markdown();
+    let line = |start: &str| {
+        let found = text.lines().find(|line| line.starts_with(start));
+        found.unwrap_or_else(|| panic!("no {start} in {text}")).to_owned()
+    };
+    assert!(line("| opposite").contains("| ropes"), "{text}");
+    assert!(line("| one arm").contains("no difference"), "{text}");
+    let png = crate::draw_figure(gains).unwrap();
+    assert_eq!(png[1..4], *b"PNG");
+    // With a degree of 3, neither 2 nor 8 has a point.
+    assert_eq!(gains.gains.len(), 2);
+}
+
+#[test]
+fn a_difference_of_means_that_is_none_is_told_so() {
+    let table = gains(&of_gains());
+    let mean = |of: &str| {
+        let found = table.differences.iter().find(|d| d.of == of && d.capture.is_none());
+        found.unwrap().certainty["cd_l1_future_mm"]
+    };
+    assert_eq!(mean("bending").verdict, Verdict::Lower);
+    assert!(mean("bending").interval[1] < -40.0);
+    assert_eq!(mean("arm").verdict, Verdict::NoDifference);
+    let text = table.to_markdown();
+    let rows: Vec<&str> = text.lines().filter(|l| l.starts_with("| arm against axial")).collect();
+    assert!(rows.iter().any(|l| l.contains("mean") && l.contains("no difference")), "{text}");
+    let single = table.differences.iter().filter(|d| d.capture.is_some());
+    assert!(single.clone().count() == 4 && single.into_iter().all(|d| d.certainty.is_empty()));
+}
+
+#[test]
+fn a_figure_of_nothing_can_be_drawn() {
+    let table = gains(&[]);
+    let gains = table.gains.unwrap();
+    assert!(gains.gains.is_empty());
+    assert_eq!(crate::draw_figure(&gains).unwrap()[1..4], *b"PNG");
 }
 
 #[test]

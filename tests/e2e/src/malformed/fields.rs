@@ -21,6 +21,8 @@ pub(super) fn bad_settings() -> Vec<String> {
         "{\"graph\": {\"max_nodes\": 0}}",
         "{\"graph\": {\"max_nodes\": -3}}",
         "{\"graph\": {\"triplet_reference\": \"best\"}}",
+        "{\"graph\": {\"sampling\": \"even\"}}",
+        "{\"graph\": {\"radius_scales\": 1}}",
         "{\"substeps\": {\"fixed\": 0}}",
         "{\"substeps\": {\"auto\": {\"safety\": 0.1, \"max\": 10}}}",
         "{\"substeps\": \"many\"}",

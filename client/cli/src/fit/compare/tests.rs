@@ -75,6 +75,15 @@ fn what_differs_and_who_is_nearest_is_said() {
 }
 
 #[test]
+fn what_seeds_differ_by_has_no_winner() {
+    let capture = CaptureId::generate();
+    let fits = vec![details(1, capture, 4.5, 0.5), details(2, capture, 4.6, 0.25)];
+    let text = Comparison::of(fits).text();
+    assert!(!text.contains("nearest"), "{text}");
+    assert!(text.contains("no difference beyond what seeds make on: track future, CD future"));
+}
+
+#[test]
 fn fits_of_different_captures_have_no_winner() {
     let [first, second] = [CaptureId::generate(), CaptureId::generate()];
     let fits = vec![details(1, first, 3.0, 0.5), details(1, second, 5.0, 0.25)];
