@@ -5,6 +5,7 @@ use bendtwin_engine::Error;
 use super::{
     args::{
         AddSeedsArgs, AdvanceFramesArgs, BackFrameArgs, ChangeGraspsArgs, Checks,
+        ClearanceAdjointArgs, FindClearancesArgs,
         CollectControlsArgs, CollectMotionArgs, DeviceType, ExtremesArgs, FindPartnersArgs,
         FinishGradientArgs, GatherArgs, GatherSumsArgs, MeanSquaresArgs, NormBarsArgs,
         PackBendsArgs, PackHalfSpringsArgs, RecordArgs, ScoreArgs, SeedArgs, SeedForcesArgs,
@@ -53,6 +54,10 @@ kernels! {
     Adjoint: back_frame(BackFrameArgs);
     /// Contact candidates of a frame: a block for an instance.
     Partners: find_partners(FindPartnersArgs);
+    /// Clearances of a frame: a block for an instance.
+    Clearance: find_clearances(FindClearancesArgs);
+    /// d loss / d the state that a frame begins in, by its clearances: a block for an instance.
+    Clearance: clearance_adjoint(ClearanceAdjointArgs);
     /// Grasps at a frame boundary: a block for an instance.
     Grasps: change_grasps(ChangeGraspsArgs);
     /// d loss / d poses and rolls of a frame, and of what grasps take: a block for an instance.

@@ -277,6 +277,18 @@ device_struct! {
 }
 
 device_struct! {
+    /// Contact of the skin.
+    ClearanceArgs {
+        skin: SkinArgs,
+        distances: Pointer<f32>,
+        points: Pointer<u32>,
+        bars: Pointer<f32>,
+        by_points: Pointer<[f32; 4]>,
+        places: Pointer<f32>,
+    }
+}
+
+device_struct! {
     /// One instance to simulate.
     InstanceArgs {
         topology: TopologyArgs,
@@ -288,5 +300,6 @@ device_struct! {
         contact: ContactArgs,
         team: TeamArgs,
         world: WorldArgs,
+        clearance: ClearanceArgs,
     }
 }
