@@ -185,8 +185,7 @@ impl<'a> Simulation<'a> {
             self.contact.place(index, &mut args);
         }
         if has_skin_contact(model) {
-            let by_node =
-                resident.skin.by_node(&resident.device, model.graph.node_count())?;
+            let by_node = resident.skin.by_node(&resident.device, model.graph.node_count())?;
             args.clearance.skin = by_node.add_to(resident.skin.args());
             self.clearances.place(index, &mut args);
         }
@@ -216,9 +215,8 @@ impl<'a> Simulation<'a> {
             .map(|g| Buffer::of(&self.queue.stream, g.instances()))
             .collect::<Result<_, _>>()?;
         let frame_us: f64 = groups.iter().map(|g| self.frame_us(g)).sum();
-        let frame_by_frame = |g: &Group| {
-            g.plan.specialization.contact || g.plan.specialization.skin_contact
-        };
+        let frame_by_frame =
+            |g: &Group| g.plan.specialization.contact || g.plan.specialization.skin_contact;
         let step = if groups.iter().any(frame_by_frame) {
             1
         } else {
