@@ -2,7 +2,7 @@
 
 use bendtwin_core::Point;
 
-use super::{Pointer, device_struct};
+use super::{Pointer, SkinArgs, device_struct};
 
 device_struct! {
     /// A block's share of a graph. A block knows its own nodes, then the halo of nodes that its
