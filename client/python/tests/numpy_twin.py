@@ -109,6 +109,7 @@ class Simulator:
         x[self.pinned] = start[self.pinned_to] + self.offsets
         v[self.pinned] = w[self.pinned_to]
         pairs = self.candidates(x, v)
+        self.clearance = self.clearances(x)
         for s in range(1, self.substeps + 1):
             c = (1 - s / self.substeps) * start + s / self.substeps * end
             force = self.forces(np.concatenate([x, c]), np.concatenate([v, w]))
@@ -120,6 +121,21 @@ class Simulator:
             x[self.pinned] = c[self.pinned_to] + self.offsets
             v[self.pinned] = w[self.pinned_to]
         return x, v
+
+    def clearances(self, x):
+        """Distances from the ground at which nodes touch it."""
+        clearance, ground = np.zeros(self.n), self.about["environment"]["ground"]
+        if ground is None or not self.about["contact"].get("skin"):
+            return clearance
+        counts, weight = self.file["skin.weight_count"], self.file["skin.weight"]
+        point = np.repeat(np.arange(len(counts)), counts)
+        largest = np.zeros(len(counts))
+        np.maximum.at(largest, point, weight)
+        bears = (weight > 0) & (weight >= 0.25 * largest[point])
+        node, point = self.file["skin.weight_node"][bears], point[bears]
+        nearer = (x[node] - skin(self.file, x[None])[0, point]) @ np.array(ground["normal"])
+        np.maximum.at(clearance, node, nearer)
+        return clearance
 
     def forces(self, x, v):
         force = np.zeros_like(x)
@@ -248,11 +264,12 @@ class Simulator:
         if ground is None:
             return after, v
         n = np.array(ground["normal"])
-        hits = (after @ n - ground["offset_m"] < 1e-6) & (v @ n < 0)
+        offset = ground["offset_m"] + self.clearance
+        hits = (after @ n - offset < 1e-6) & (v @ n < 0)
         x, old, v = x[hits], v[hits], v.copy()
         law = contact["ground_restitution"], contact["ground_friction"]
         v[hits] = old + impact(start[hits], old, np.broadcast_to(n, old.shape), *law)
-        height = x @ n - ground["offset_m"]
+        height = x @ n - offset[hits]
         tau = np.where(height > 1e-6, np.minimum(height / np.abs(old @ n), self.dt), 0)[:, None]
         after[hits] = x + tau * old + (self.dt - tau) * v[hits]
         return after, v

@@ -104,6 +104,25 @@ def dragged():
     return twin_file(nodes, springs, controls, triplets=triplets), controls + path
 
 
+def borne():
+    """The same again, whose skin meets the ground."""
+    file, path = dragged()
+    file.about["version"] = 6
+    file.about["contact"]["skin"] = True
+    # Nodes at the sheet's corners, and points below them.
+    weights = [0.6, 0.3, 0.1, 1, 0.8, 0.4, -0.2, 1, 1.3, -0.3, 1]
+    skin = {
+        "skin.observed_point": np.full(6, NONE, "<u4"),
+        "skin.weight_count": np.array([3, 1, 3, 1, 2, 1], "<u4"),
+        "skin.weight_node": np.array([0, 1, 4, 3, 10, 9, 6, 12, 19, 18, 16], "<u4"),
+        "skin.weight": np.array(weights, "<f4"),
+        "skin.frame": np.array([[0, 1, 4], *[[NONE] * 3] * 5], "<u4"),
+        "skin.offset": np.array([[0, 0, 0.006], *[[0, 0, -0.008]] * 5], "<f4"),
+    }
+    file.tensors.update(skin)
+    return file, path
+
+
 def ignored():
     """The same, whose control points have no velocity."""
     file, path = dragged()

@@ -4,7 +4,7 @@ twins whose files were written from it too."""
 import numpy as np
 import pytest
 from numpy_twin import Simulator, TwinFile, norm, skin
-from scenes import dragged, dropped, folded, ignored, twisted
+from scenes import borne, dragged, dropped, folded, ignored, twisted
 from server import needs_server, running
 
 from bendtwin import Client, Returns
@@ -23,6 +23,7 @@ def client(tmp_path_factory):
 
 SCENES = {
     "dragged": (dragged, {"ground_friction": 0.0}),
+    "borne": (borne, {"skin": False}),
     "ignored": (ignored, {"ground_restitution": 0.9}),
     "dropped": (dropped, {"between_objects": False}),
     "folded": (folded, {"within_object": False}),

@@ -24,6 +24,16 @@ pub struct Contact {
     pub between_objects: bool,
     /// Contact between nodes of one object that no spring joins.
     pub within_object: bool,
+    /// Ground and colliders meet the skin: a node touches them as far away as the skin that it
+    /// carries is nearer to them than it is.
+    #[serde(default, skip_serializing_if = "is_off")]
+    pub skin: bool,
+}
+
+/// A file that does not have it stays as programs before it wrote it.
+#[allow(clippy::trivially_copy_pass_by_ref)] // What serde calls has a reference.
+fn is_off(skin: &bool) -> bool {
+    !skin
 }
 
 impl Default for Contact {
@@ -36,6 +46,7 @@ impl Default for Contact {
             collision_distance_m: 0.02,
             between_objects: true,
             within_object: false,
+            skin: false,
         }
     }
 }

@@ -38,6 +38,8 @@ pub struct FitSettings {
     pub control_velocity: ControlVelocity,
     /// Contact between the nodes of one object.
     pub self_contact: bool,
+    /// Contact of the skin, not of the nodes alone, with ground and colliders.
+    pub skin_contact: bool,
     /// The loss.
     pub loss: LossSettings,
     /// Zeroth-order stage.
@@ -285,6 +287,7 @@ impl Default for FitSettings {
             substeps: Substeps::Auto { safety: default_safety(), max: None },
             control_velocity: ControlVelocity::True,
             self_contact: false,
+            skin_contact: false,
             loss: LossSettings::default(),
             search: SearchSettings::default(),
             refine: RefineSettings::default(),

@@ -50,6 +50,8 @@ struct Axes {
 impl Skin {
     /// Marks a point whose offset has no frame.
     pub const NO_FRAME: u32 = u32::MAX;
+    /// Share of a point's largest weight from which on a node bears the point.
+    pub const BEARING: f32 = 0.25;
     /// Most weights of a point: whoever places points knows how much work each is.
     pub const MOST_WEIGHTS: usize = 64;
 
@@ -185,6 +187,13 @@ impl Skin {
     pub fn carriers(&self, point: usize) -> impl Iterator<Item = u32> + '_ {
         let frame = self.frame(point).into_iter().flatten();
         self.weights_of(point).map(|(i, _)| i).chain(frame)
+    }
+
+    /// Nodes that bear a point: those with at least [`Skin::BEARING`] of its largest weight.
+    pub fn bearers(&self, point: usize) -> impl Iterator<Item = u32> + '_ {
+        let largest = self.weights_of(point).map(|(_, w)| w).fold(0.0, f32::max);
+        let least = Self::BEARING * largest;
+        self.weights_of(point).filter(move |(_, w)| *w > 0.0 && *w >= least).map(|(i, _)| i)
     }
 
     /// Passes d loss / d position of a point on to its nodes: `add_to` is called with a node and

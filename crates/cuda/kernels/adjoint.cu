@@ -112,8 +112,12 @@ DEVICE void node_adjoint(
         );
     }
 #elif GROUND
-    start_bar =
-        advance_adjoint(c.ground, c.law, c.dt, entry.start, x, after, x_bar, v_bar, law_bar);
+    float height_bar;
+    start_bar = advance_adjoint(
+        ground_for(instance, c.ground, p.at), c.law, c.dt, entry.start, x, after, x_bar, v_bar,
+        law_bar, height_bar
+    );
+    if (p.valid && p.lane == 0) add_clearance_bar(instance, 0, p.at, -height_bar);
 #else
     v_bar = add_scaled(v_bar, c.dt, x_bar);
 #endif

@@ -37,11 +37,12 @@ DEVICE void advance(const Ground& g, Law law, float dt, float3 start, float3& x,
 }
 
 // Adjoint of `advance` from (x, start, v): turns d loss / d result in (x_bar, v_bar) into that of
-// its arguments; gives that of `start`.
+// its arguments; gives that of `start`, and of the height in `height_bar`.
 DEVICE float3 advance_adjoint(
     const Ground& g, Law law, float dt, float3 start, float3 x, float3 v, float3& x_bar,
-    float3& v_bar, Law& law_bar
+    float3& v_bar, Law& law_bar, float& height_bar
 ) {
+    height_bar = 0.0f;
     if (!hits(g, v, add_scaled(x, dt, v))) {
         v_bar = add_scaled(v_bar, dt, x_bar);
         return zero3();
@@ -60,6 +61,7 @@ DEVICE float3 advance_adjoint(
         // x' = x + tau v + (dt - tau) v', so d x'/d tau = v - v' = -change; tau = -h / v_n.
         float tau_bar = -dot(x_bar, change);
         float inverse = 1.0f / dot(n, v);
+        height_bar = -(tau_bar * inverse);
         x_out = add_scaled(x_out, -(tau_bar * inverse), n);
         v_out = add_scaled(v_out, -(tau_bar * tau * inverse), n);
     }

@@ -222,6 +222,36 @@ struct WorldArgs {
     u32 unused;
 };
 
+// The skin of a model: points of its surface that nodes carry.
+struct SkinArgs {
+    const u32* starts;          // [M + 1]: first weight of each point
+    const u32* nodes;           // [K]: node of each weight
+    const float* weights;       // [K]
+    const u32* frames;          // [M][3]: nodes a, b, c of each point's frame, or NO_FRAME
+    const float* offsets;       // [M][3]: along the axes of the frame
+    // For gradients, or null: the points that each node carries, ascending, and the weights.
+    const u32* node_starts;     // [N + 1]
+    const u32* carried;         // [K]
+    const float* carried_weights;
+    // For gradients, or null: points whose frame each node is in, ascending, and which of a, b, c it is.
+    const u32* corner_starts;   // [N + 1]
+    const u32* corners;         // [corners][2]
+    const u32* borne_starts;    // [N + 1]: first of the points that each node bears
+    const u32* borne;           // ascending for each node
+    u32 point_count;            // M
+    u32 unused;
+};
+
+// Contact of the skin: distances at which nodes touch the ground (row 0) and colliders (1 + k).
+struct ClearanceArgs {
+    SkinArgs skin;
+    float* distances;   // [1 + K][N] [m]
+    u32* points;        // [1 + K][N]: the point of the skin that decides, or NO_POINT
+    float* bars;        // [1 + K][N]: d loss / d distances of a frame
+    float4* by_points;  // [1 + K][N]: d loss / d the points that decide
+    float* places;      // [3][M]: points where a frame begins, or d loss / d them
+};
+
 // One instance to simulate.
 struct InstanceArgs {
     TopologyArgs topology;
@@ -233,6 +263,7 @@ struct InstanceArgs {
     ContactArgs contact;
     TeamArgs team;
     WorldArgs world;
+    ClearanceArgs clearance;
 };
 
 DEVICE float3 load_v3(const float* p) { return v3(p[0], p[1], p[2]); }

@@ -80,7 +80,7 @@ DEVICE void travel(
 #if COLLIDERS || FORCES || SMOOTH
     float t = __fdiv_rn((float)at.substep, (float)at.substeps);
     u32 frame = frame_of(instance, at.frame);
-    advance_among(instance, frame, t, s.v, x, v, [&](const Meeting& m) {
+    advance_among(instance, frame, t, p.at, s.v, x, v, [&](const Meeting& m) {
 #if FORCES
         if (!instance.world.impulses || !p.valid || p.lane != 0) return;
         float3 by = scale(m.contact.change, instance.topology.masses[p.at]);
@@ -91,7 +91,7 @@ DEVICE void travel(
 #endif
     });
 #elif GROUND
-    advance(c.ground, c.law, c.dt, s.v, x, v);
+    advance(ground_for(instance, c.ground, p.at), c.law, c.dt, s.v, x, v);
 #else
     x = add_scaled(x, c.dt, v);
 #endif

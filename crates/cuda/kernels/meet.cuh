@@ -3,8 +3,9 @@
 //
 // A node at `x` is at q = transposed A (x - p) of a collider's body in the pose where the substep
 // starts; d(q) is the signed distance, n = A n(q) / |A n(q)| the normal, w the velocity of the
-// body's point q, u = v - w. It hits if d + dt u.n < CONTACT_MARGIN_M and u.n < 0, by the law of
-// impacts for u, after tau = clamp(d / -(u.n), 0, dt), zero within the margin. Inside it is also
+// body's point q, u = v - w, r its clearance. It hits if d - r + dt u.n < CONTACT_MARGIN_M and
+// u.n < 0, by the law of impacts for u, after tau = clamp((d - r) / -(u.n), 0, dt), zero within the
+// margin. Inside it is also
 // pushed out: the normal velocity that it leaves with is at least min(-d, MAX_PUSH_M) / PUSH_S. The
 // substep ends at
 // x + tau v + (dt - tau) v' with the velocities before and after the last that changed it. With a
@@ -49,6 +50,7 @@ shape_distance(const WorldArgs& w, const Collider& c, float3 q, float reach, flo
 // A surface as a node sees it.
 struct Surface {
     float distance;
+    float gap;            // the distance less that at which the node touches
     float3 normal;
     float3 velocity;      // of the surface
     float3 place, local;  // the node in the body's coordinates, the normal there
@@ -66,7 +68,7 @@ DEVICE Surface surface_of(
     s.velocity = body_velocity(body, s.place);
     float3 u = sub(v, s.velocity);
     float reach = margin + 1.001f * instance.step.dt * sqrtf(dot(u, u));
-    s.distance = shape_distance(instance.world, c, s.place, reach, s.local);
+    s.distance = s.gap = shape_distance(instance.world, c, s.place, reach, s.local);
     float3 turned = turn(pose, s.local);
     s.length = sqrtf(dot(turned, turned));
     s.normal = scale(turned, 1.0f / s.length);
@@ -75,7 +77,7 @@ DEVICE Surface surface_of(
 
 DEVICE Surface surface_of(const Ground& g, float3 x) {
     Surface s;
-    s.distance = height(g, x);
+    s.distance = s.gap = height(g, x);
     s.normal = g.normal;
     s.velocity = s.place = s.local = zero3();
     s.length = 1.0f;
@@ -111,7 +113,7 @@ DEVICE bool meeting_of(
     m.tau_varies = false;
     if (hits) {
         float along = dot(s.normal, m.approach.now);
-        m.tau = impact_time(s.distance, along, dt, m.tau_varies);
+        m.tau = impact_time(s.gap, along, dt, m.tau_varies);
     }
     return contact_of(law, m.approach, s.normal, hits, can_push, s.distance, m.contact);
 }
@@ -120,7 +122,7 @@ DEVICE bool meeting_of(
 DEVICE bool
 meeting_of(const Surface& s, Law law, float dt, float3 start, float3 v, Meeting& m) {
     float along = dot(s.normal, sub(v, s.velocity));
-    bool hits = fmaf(dt, along, s.distance) < CONTACT_MARGIN_M && along < 0.0f;
+    bool hits = fmaf(dt, along, s.gap) < CONTACT_MARGIN_M && along < 0.0f;
     bool inside = s.distance < 0.0f;
     return (hits || inside) && meeting_of(s, law, dt, start, v, hits, inside, m);
 }
@@ -137,25 +139,26 @@ DEVICE bool meeting_of(
 #if SMOOTH
 // The meeting with a surface in its layer, if the node is in it.
 DEVICE bool layer_meeting_of(const Surface& s, Law law, const Layer& l, float3 v, Meeting& m) {
-    if (!reaches(l, s.distance)) return false;
+    if (!reaches(l, s.gap)) return false;
     m.surface = s;
     m.law = law;
     m.before = v;
     m.approach = approach_of(s, v, v);
     m.contact.hits = m.contact.pushes = false;
-    m.contact.impact = m.contact.change = layer_change(l, law, s.distance, m.approach.now, s.normal);
+    m.contact.impact = m.contact.change = layer_change(l, law, s.gap, m.approach.now, s.normal);
     m.tau = 0.0f;
     m.tau_varies = false;
     return true;
 }
 #endif
 
-// Calls `see` with all that a node meets in a substep that it starts in the state (x, start), one
+// Calls `see` with all that the node with this index meets in a substep that it starts in the state (x, start), one
 // after the other, `t` being the share of the frame that is over; `v`, its velocity after forces
 // acted, becomes that behind them.
 template <class See>
 DEVICE void for_meetings(
-    const InstanceArgs& instance, u32 frame, float t, float3 start, float3 x, float3& v, See see
+    const InstanceArgs& instance, u32 frame, float t, u32 node, float3 start, float3 x, float3& v,
+    See see
 ) {
     float dt = instance.step.dt;
     Meeting m;
@@ -163,7 +166,7 @@ DEVICE void for_meetings(
     Layer layer = layer_of(instance.world.smoothing, dt);
 #endif
 #if GROUND
-    const Ground& ground = instance.step.ground;
+    const Ground ground = ground_for(instance, instance.step.ground, node);
     Law ground_law = instance.parameters.ground_law;
 #if SMOOTH
     m.with = GROUND_ITSELF;
@@ -179,8 +182,10 @@ DEVICE void for_meetings(
     for (u32 k = 0; k < instance.world.collider_count; k++) {
         const Collider& c = instance.world.colliders[k];
         BodyFrame body = body_of(instance, frame, c.body);
-        float margin = SMOOTH ? instance.world.smoothing : CONTACT_MARGIN_M;
+        float clearance = clearance_of(instance, 1 + k, node);
+        float margin = clearance + (SMOOTH ? instance.world.smoothing : CONTACT_MARGIN_M);
         Surface s = surface_of(instance, c, body, pose_at(body, t), x, v, margin);
+        s.gap = s.distance - clearance;
         Law law = {c.restitution, c.friction};
         m.with = k;
 #if SMOOTH
@@ -198,11 +203,12 @@ DEVICE void for_meetings(
 // The same, to where the node is at the substep's end.
 template <class See>
 DEVICE void advance_among(
-    const InstanceArgs& instance, u32 frame, float t, float3 start, float3& x, float3& v, See see
+    const InstanceArgs& instance, u32 frame, float t, u32 node, float3 start, float3& x, float3& v,
+    See see
 ) {
     float dt = instance.step.dt, tau = 0.0f;
     float3 before = v;
-    for_meetings(instance, frame, t, start, x, v, [&](const Meeting& m) {
+    for_meetings(instance, frame, t, node, start, x, v, [&](const Meeting& m) {
         see(m);
         tau = m.tau;
         before = m.before;
@@ -304,7 +310,7 @@ DEVICE float3 advance_among_adjoint(
     Meeting m;
     u32 count = 0;
     float3 end = v, start_bar = zero3();
-    for_meetings(instance, frame, t, start, x, end, [&](const Meeting& one) {
+    for_meetings(instance, frame, t, node, start, x, end, [&](const Meeting& one) {
         m = one;
         count++;
     });
@@ -321,7 +327,7 @@ DEVICE float3 advance_among_adjoint(
             // Several meetings are rare: they are found again.
             u32 at = 0;
             end = v;
-            for_meetings(instance, frame, t, start, x, end, [&](const Meeting& one) {
+            for_meetings(instance, frame, t, node, start, x, end, [&](const Meeting& one) {
                 if (at++ == j) m = one;
             });
         }
@@ -330,24 +336,31 @@ DEVICE float3 advance_among_adjoint(
         float3 change_bar = add(v_bar, scale(force_bar_of(instance, m.with), rate));
 #if SMOOTH
         Layer layer = layer_of(instance.world.smoothing, dt);
-        ContactAdjoint g = layer_change_adjoint(layer, m.law, s.distance, u, n, change_bar);
+        ContactAdjoint g = layer_change_adjoint(layer, m.law, s.gap, u, n, change_bar);
+        // A layer begins at the gap, a push at the surface itself.
+        float gap_bar = g.distance;
+        g.distance = 0.0f;
 #else
         ContactAdjoint g =
             contact_adjoint_of(m.law, m.approach, n, s.distance, m.contact, change_bar);
+        float gap_bar = 0.0f;
 #endif
         if (m.with == GROUND_ITSELF) add_law(law_bar, g);
         start_bar = add(start_bar, g.start);
         float3 in_bar = add(add(before_bar, v_bar), g.v);
         SurfaceAdjoint bar = {g.distance, g.normal, scale(add(g.v, g.start), -1.0f)};
         if (m.tau_varies) {
-            // tau = -d / (u . n)
+            // tau = -gap / (u . n)
             float inverse = 1.0f / dot(n, u);
-            bar.distance -= tau_bar * inverse;
+            gap_bar -= tau_bar * inverse;
             float along = -(tau_bar * m.tau * inverse);
             in_bar = add_scaled(in_bar, along, n);
             bar.velocity = add_scaled(bar.velocity, -along, n);
             bar.normal = add_scaled(bar.normal, along, u);
         }
+        bar.distance += gap_bar;
+        if (writes)
+            add_clearance_bar(instance, m.with == GROUND_ITSELF ? 0 : 1 + m.with, node, -gap_bar);
         if (m.with == GROUND_ITSELF) {
             x_bar = add_scaled(x_bar, bar.distance, n);
         } else {

@@ -7,23 +7,6 @@
 // Shorter edges [m] give a frame no direction.
 #define LEAST_EDGE_M 1e-12f
 
-struct SkinArgs {
-    const u32* starts;          // [M + 1]: first weight of each point
-    const u32* nodes;           // [K]: node of each weight
-    const float* weights;       // [K]
-    const u32* frames;          // [M][3]: nodes a, b, c of each point's frame, or NO_FRAME
-    const float* offsets;       // [M][3]: along the axes of the frame
-    // For gradients, or null: the points that each node carries, ascending, and the weights.
-    const u32* node_starts;     // [N + 1]
-    const u32* carried;         // [K]
-    const float* carried_weights;
-    // For gradients, or null: points whose frame each node is in, ascending, and which of a, b, c it is.
-    const u32* corner_starts;   // [N + 1]
-    const u32* corners;         // [corners][2]
-    u32 point_count;            // M
-    u32 unused;
-};
-
 // Positions of a frame's nodes.
 struct Positions {
     const float* x;  // [3][count]

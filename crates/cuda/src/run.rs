@@ -3,6 +3,7 @@
 
 pub(crate) mod backend;
 pub(crate) mod backward;
+mod clearance;
 mod contact;
 pub(crate) mod group;
 pub(crate) mod objective;

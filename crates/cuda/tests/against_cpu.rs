@@ -41,6 +41,10 @@ fn models() -> Vec<(String, Model)> {
         ("bending", RandomOptions::default()),
         ("rod", RandomOptions { rod: true, pins: 4, ..RandomOptions::default() }),
         ("ground", RandomOptions { ground: true, ..RandomOptions::default() }),
+        (
+            "skin on the ground",
+            RandomOptions { ground: true, skin_contact: true, ..RandomOptions::default() },
+        ),
         ("two objects", RandomOptions { objects: 2, contact: true, ..RandomOptions::default() }),
         (
             "everything",

@@ -1,6 +1,6 @@
 //! Cost of a substep on one core: microseconds by number of nodes, forward and with the gradient,
-//! spring evaluations a second, and the share of what a hand count of instructions allows; then the
-//! cost of checking a model's stability. Prints Markdown tables.
+//! spring evaluations a second, and the share of what a hand count of instructions allows; then what
+//! contact of the skin adds, and the cost of checking a model's stability. Prints Markdown tables.
 //!
 //! `cargo bench -p bendtwin-engine`
 
@@ -58,6 +58,7 @@ fn main() {
         table(&*backend, bending, flops);
     }
     small(&*backend, flops);
+    skin(&*backend);
     stability();
 }
 
@@ -106,6 +107,30 @@ fn small(backend: &dyn Backend, flops: f64) {
         c.elements.triplets,
         shares(&c, flops)
     );
+}
+
+/// Cost of a substep of bodies on the ground, with contact of their nodes and with that of their skin;
+/// what a frame costs once is in it.
+fn skin(backend: &dyn Backend) {
+    println!("\nContact of the skin, on the ground\n");
+    println!(
+        "| nodes | skin points | substeps | forward us/substep | with the skin | ratio | forward + backward us/substep | with the skin | ratio |"
+    );
+    println!("|---|---|---|---|---|---|---|---|---|");
+    for nodes in [100, 200, 600] {
+        let mut model = body::lying(nodes, 2000);
+        let of_nodes = cost(backend, model.clone());
+        model.params.contact.skin = true;
+        let of_skin = cost(backend, model.clone());
+        let cells = |a: f64, b: f64| format!("{a:.2} | {b:.2} | {:.2}", b / a);
+        println!(
+            "| {nodes} | {} | {} | {} | {} |",
+            model.skin.len(),
+            model.timing.substeps,
+            cells(of_nodes.forward_us, of_skin.forward_us),
+            cells(of_nodes.gradient_us, of_skin.gradient_us),
+        );
+    }
 }
 
 /// Cost of computing how many substeps a model needs, and of checking that those it has are enough.

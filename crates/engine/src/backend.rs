@@ -221,8 +221,8 @@ pub struct Diagnostics {
     pub kinetic_energy: f32,
     /// Elastic energy at the end [J per unit mass scale]; NaN if it diverged.
     pub elastic_energy: f32,
-    /// Nodes on the ground (less than 1 mm above it) at the end, or in the last frame before it
-    /// diverged.
+    /// Nodes on the ground (less than 1 mm above it, they or with contact of the skin what they bear
+    /// of that) at the end, or in the last frame before it diverged.
     pub ground_contacts: u32,
 }
 

@@ -29,6 +29,7 @@ mod refusals;
 mod rest;
 mod scene;
 mod skin;
+mod skin_contact;
 mod smooth;
 mod springs;
 mod twist;
@@ -215,6 +216,12 @@ suite! { ($)
         frames_without_a_triangle_hold_nothing_off,
         gradients_of_skin_terms,
         a_skin_of_nodes_is_the_nodes;
+    skin_contact:
+        a_skin_does_not_sink,
+        what_rests_on_its_skin_does_not_creep,
+        the_ground_bears_what_lies_on_its_skin,
+        a_skin_at_its_nodes_touches_as_they_do,
+        gradients_through_skin_contact;
     gradients:
         gradients_match_finite_differences,
         gradients_of_a_straight_rod,

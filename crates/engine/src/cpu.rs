@@ -10,6 +10,7 @@ pub(crate) mod bend;
 pub(crate) mod body;
 pub mod check;
 mod clamp;
+mod clearance;
 mod collider;
 mod contact;
 mod control;

@@ -3,10 +3,10 @@
 use std::sync::Arc;
 
 use bendtwin_core::{
-    Environment, Graph, Params, Point, Skin, Timing, Twin, environment::ControlVelocity,
+    Environment, Graph, Params, Plane, Point, Skin, Timing, Twin, environment::ControlVelocity,
 };
 
-use crate::world::Grasping;
+use crate::{constants::ON_GROUND_M, world::Grasping};
 
 /// The part of a simulation that stays constant during a rollout.
 #[derive(Clone, Debug, PartialEq)]
@@ -36,6 +36,23 @@ impl From<&Twin> for Model {
             control_velocity: twin.control_velocity,
         }
     }
+}
+
+/// Nodes on a ground: less than 1 mm above it, they or a point of the skin that they bear, if there is
+/// a skin that touches.
+pub fn ground_contacts(ground: &Plane, skin: Option<&Skin>, positions: &[Point]) -> u32 {
+    let is_low = |x: &Point| {
+        let height: f32 = x.iter().zip(ground.normal).map(|(x, n)| x * n).sum();
+        height - ground.offset_m < ON_GROUND_M as f32
+    };
+    let mut touching: Vec<bool> = positions.iter().map(is_low).collect();
+    if let Some(skin) = skin {
+        let points = skin.positions(positions);
+        for (p, _) in points.iter().enumerate().filter(|(_, x)| is_low(x)) {
+            skin.bearers(p).for_each(|node| touching[node as usize] = true);
+        }
+    }
+    touching.iter().filter(|touches| **touches).count() as u32
 }
 
 /// Positions and velocities of all nodes, twists of all rods, and what grasps hold.

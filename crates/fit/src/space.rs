@@ -205,7 +205,11 @@ impl Space {
                 axes.push(Axis::linear(ControlNeighbours, 10.0, 80.0, neighbours));
             }
         }
-        let contact = Contact { within_object: settings.self_contact, ..Contact::default() };
+        let contact = Contact {
+            within_object: settings.self_contact,
+            skin: settings.skin_contact,
+            ..Contact::default()
+        };
         let mut start = Candidate {
             connectivity,
             stiffness: 0.0,

@@ -144,7 +144,7 @@ fn twin() -> Twin {
         skin,
         graph,
         params: Params {
-            contact: Contact::default(),
+            contact: Contact { skin: true, ..Contact::default() },
             twist_stiffness: per_rod.clone(),
             twist_damping: per_rod.clone(),
             rest_twists_rad: per_rod,

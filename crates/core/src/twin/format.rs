@@ -20,7 +20,7 @@ use crate::{
 /// Newest version that this build reads and writes; it reads every earlier one. A twin is written
 /// in the earliest version that can hold it, so that older programs read the twins that they
 /// support and refuse others.
-pub const VERSION: u32 = 5;
+pub const VERSION: u32 = 6;
 
 /// The version with rods.
 const WITH_RODS: u32 = 2;
@@ -33,6 +33,9 @@ const WITH_MEMBERS: u32 = 4;
 
 /// The version with an appearance.
 const WITH_APPEARANCE: u32 = 5;
+
+/// The version with contact of the skin.
+const WITH_SKIN_CONTACT: u32 = 6;
 
 /// The tensor that says the hand of each control point; a file of any version may have it.
 const HANDS: &str = "controls.hand";
@@ -270,6 +273,9 @@ impl Twin {
         } else {
             Vec::new()
         };
+        // A file with contact of the skin may have none.
+        let has_appearance =
+            version == WITH_APPEARANCE || (version > WITH_APPEARANCE && file.has_appearance());
         let twin = Self {
             graph,
             skin,
@@ -298,7 +304,7 @@ impl Twin {
                 Vec::new()
             },
             members,
-            appearance: match version >= WITH_APPEARANCE {
+            appearance: match has_appearance {
                 true => Some(file.appearance()?),
                 false => None,
             },
@@ -310,7 +316,9 @@ impl Twin {
     /// The earliest version that can hold this twin.
     fn version(&self) -> u32 {
         let g = &self.graph;
+        let members = self.members.iter().map(|m| &m.params);
         let needs = [
+            (WITH_SKIN_CONTACT, members.chain([&self.params]).any(|p| p.contact.skin)),
             (WITH_APPEARANCE, self.appearance.is_some()),
             (WITH_MEMBERS, !self.members.is_empty()),
             (WITH_SKIN, !self.skin.is_nodes(g)),

@@ -5,13 +5,13 @@ use bendtwin_engine::Error;
 use super::{
     args::{
         AddSeedsArgs, AdvanceFramesArgs, BackFrameArgs, ChangeGraspsArgs, Checks,
-        CollectControlsArgs, CollectMotionArgs, DeviceType, ExtremesArgs, FindPartnersArgs,
-        FinishGradientArgs, GatherArgs, GatherSumsArgs, MeanSquaresArgs, NormBarsArgs,
-        PackBendsArgs, PackHalfSpringsArgs, RecordArgs, ScoreArgs, SeedArgs, SeedForcesArgs,
-        SeedPosesArgs, SeedRestLengthsArgs, SeedSkinArgs, SplatAdjointArgs, SplatBackwardArgs,
-        SplatCountsArgs, SplatExpandArgs, SplatForwardArgs, SplatHistogramArgs, SplatProjectArgs,
-        SplatRangesArgs, SplatScanArgs, SplatScatterArgs, SquareLengthsArgs, StartArgs,
-        StepAdamArgs, WeighGradientsArgs,
+        ClearanceAdjointArgs, CollectControlsArgs, CollectMotionArgs, DeviceType, ExtremesArgs,
+        FindClearancesArgs, FindPartnersArgs, FinishGradientArgs, GatherArgs, GatherSumsArgs,
+        MeanSquaresArgs, NormBarsArgs, PackBendsArgs, PackHalfSpringsArgs, RecordArgs, ScoreArgs,
+        SeedArgs, SeedForcesArgs, SeedPosesArgs, SeedRestLengthsArgs, SeedSkinArgs,
+        SplatAdjointArgs, SplatBackwardArgs, SplatCountsArgs, SplatExpandArgs, SplatForwardArgs,
+        SplatHistogramArgs, SplatProjectArgs, SplatRangesArgs, SplatScanArgs, SplatScatterArgs,
+        SquareLengthsArgs, StartArgs, StepAdamArgs, WeighGradientsArgs,
     },
     launch::Launch,
     specialization::Source,
@@ -53,6 +53,10 @@ kernels! {
     Adjoint: back_frame(BackFrameArgs);
     /// Contact candidates of a frame: a block for an instance.
     Partners: find_partners(FindPartnersArgs);
+    /// Clearances of a frame: a block for an instance.
+    Clearance: find_clearances(FindClearancesArgs);
+    /// d loss / d the state that a frame begins in, by its clearances: a block for an instance.
+    Clearance: clearance_adjoint(ClearanceAdjointArgs);
     /// Grasps at a frame boundary: a block for an instance.
     Grasps: change_grasps(ChangeGraspsArgs);
     /// d loss / d poses and rolls of a frame, and of what grasps take: a block for an instance.

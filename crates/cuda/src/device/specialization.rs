@@ -22,6 +22,7 @@ const HEADERS: &[(&str, &str)] = &[
     ("impulse.cuh", include_str!("../../kernels/impulse.cuh")),
     ("ground.cuh", include_str!("../../kernels/ground.cuh")),
     ("instance.cuh", include_str!("../../kernels/instance.cuh")),
+    ("clearance.cuh", include_str!("../../kernels/clearance.cuh")),
     ("body.cuh", include_str!("../../kernels/body.cuh")),
     ("hold.cuh", include_str!("../../kernels/hold.cuh")),
     ("clamp.cuh", include_str!("../../kernels/clamp.cuh")),
@@ -44,6 +45,8 @@ pub(crate) enum Source {
     Adjoint,
     /// Contact candidates.
     Partners,
+    /// Contact of the skin.
+    Clearance,
     /// Grasps that open and close.
     Grasps,
     /// Objectives.
@@ -60,9 +63,10 @@ pub(crate) enum Source {
 
 impl Source {
     /// Sources without specialization that a backend needs.
-    pub(crate) const SMALL: [Self; 7] = [
+    pub(crate) const SMALL: [Self; 8] = [
         Self::Start,
         Self::Partners,
+        Self::Clearance,
         Self::Grasps,
         Self::Loss,
         Self::Params,
@@ -91,6 +95,10 @@ impl Source {
                 ("adjoint.cu", include_str!("../../kernels/adjoint.cu")),
             ],
             Self::Partners => &[("partners.cu", include_str!("../../kernels/partners.cu"))],
+            Self::Clearance => &[
+                ("skin.cuh", include_str!("../../kernels/skin.cuh")),
+                ("clearance.cu", include_str!("../../kernels/clearance.cu")),
+            ],
             Self::Grasps => &[
                 ("grasp.cuh", include_str!("../../kernels/grasp.cuh")),
                 ("grasps.cu", include_str!("../../kernels/grasps.cu")),
@@ -157,6 +165,8 @@ pub(crate) struct Specialization {
     pub(crate) rods: u32,
     pub(crate) ground: bool,
     pub(crate) contact: bool,
+    /// Ground and colliders meet the skin.
+    pub(crate) skin_contact: bool,
     pub(crate) tape: bool,
     pub(crate) world: WorldParts,
     pub(crate) half_springs_in_shared: bool,
@@ -182,8 +192,10 @@ impl Specialization {
             rods: 0,
             ground: false,
             contact: false,
+            skin_contact: false,
             tape: false,
-            world: WorldParts::default(),
+            // Clearances are those to colliders too.
+            world: WorldParts { colliders: source == Source::Clearance, ..WorldParts::default() },
             half_springs_in_shared: false,
             bend_in_shared: false,
         }
@@ -214,6 +226,7 @@ impl Specialization {
             ("RODS", self.rods),
             ("GROUND", self.ground.into()),
             ("CONTACT", self.contact.into()),
+            ("SKIN_CONTACT", self.skin_contact.into()),
             ("TAPE", self.tape.into()),
             ("GRASPS", self.world.grasps.into()),
             ("COLLIDERS", self.world.colliders.into()),

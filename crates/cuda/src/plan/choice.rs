@@ -13,7 +13,7 @@ use crate::{
     plan::{
         layout::Layout,
         layouts::{Cut, Layouts},
-        resident::has_contact,
+        resident::{has_contact, has_skin_contact},
     },
 };
 
@@ -338,6 +338,7 @@ fn specialization(
         rods: model.graph.rods.len() as u32,
         ground: model.environment.ground.is_some(),
         contact: has_contact(model),
+        skin_contact: has_skin_contact(model),
         tape: purpose == Purpose::Tape,
         world,
         half_springs_in_shared: false,

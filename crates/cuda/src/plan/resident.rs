@@ -205,6 +205,11 @@ pub(crate) fn has_contact(model: &Model) -> bool {
         && (contact.within_object || (contact.between_objects && several()))
 }
 
+/// True if ground and colliders meet the skin of a model.
+pub(crate) fn has_skin_contact(model: &Model) -> bool {
+    model.params.contact.skin && !model.skin.is_empty()
+}
+
 /// Parameters in the kernels' order.
 pub(crate) fn flatten(p: &Params) -> Vec<f32> {
     let c = &p.contact;

@@ -26,6 +26,8 @@ pub(crate) struct DeviceSkinByNode {
     weights: Buffer<f32>,
     corner_starts: Buffer<u32>,
     corners: Buffer<[u32; 2]>,
+    borne_starts: Buffer<u32>,
+    borne: Buffer<u32>,
 }
 
 /// A skin as its nodes see it. K is the number of weights.
@@ -42,6 +44,10 @@ struct SkinByNode {
     /// Points with an offset in a frame that the node is in, ascending for each node, and which of the
     /// frame's three nodes it is.
     corners: Vec<[u32; 2]>,
+    /// First of the points that each node bears, and the end of the last, shape [N + 1].
+    borne_starts: Vec<u32>,
+    /// Those points, ascending for each node.
+    borne: Vec<u32>,
 }
 
 impl DeviceSkin {
@@ -60,7 +66,7 @@ impl DeviceSkin {
 
     /// Bytes that a skin takes on the device.
     pub(crate) fn bytes_of(skin: &Skin) -> u64 {
-        16 * skin.weights.len() as u64 + 52 * skin.len() as u64
+        20 * skin.weights.len() as u64 + 52 * skin.len() as u64
     }
 
     /// Arguments of kernels that place its points.
@@ -91,6 +97,8 @@ impl DeviceSkin {
                 weights: Buffer::of(stream, &by_node.weights)?,
                 corner_starts: Buffer::of(stream, &by_node.corner_starts)?,
                 corners: Buffer::of(stream, &by_node.corners)?,
+                borne_starts: Buffer::of(stream, &by_node.borne_starts)?,
+                borne: Buffer::of(stream, &by_node.borne)?,
             };
             // The urgent stream may use it next.
             crate::device::synchronize(stream)?;
@@ -108,6 +116,8 @@ impl DeviceSkinByNode {
             carried_weights: self.weights.address(),
             corner_starts: self.corner_starts.address(),
             corners: self.corners.address(),
+            borne_starts: self.borne_starts.address(),
+            borne: self.borne.address(),
             ..skin
         }
     }
@@ -127,7 +137,9 @@ impl SkinByNode {
         let (starts, carried) = grouped(nodes, weights);
         let (corner_starts, corners) = grouped(nodes, corners);
         let (points, weights) = carried.into_iter().unzip();
-        Self { starts, points, weights, corner_starts, corners }
+        let borne = (0..skin.len()).flat_map(|m| skin.bearers(m).map(move |node| (node, m as u32)));
+        let (borne_starts, borne) = grouped(nodes, borne);
+        Self { starts, points, weights, corner_starts, corners, borne_starts, borne }
     }
 }
 

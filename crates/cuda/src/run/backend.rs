@@ -327,6 +327,7 @@ fn gradient_params(model: &Model, flat: &[f32]) -> Params {
         collision_distance_m: 0.0,
         between_objects: bendtwin_core::Contact::default().between_objects,
         within_object: bendtwin_core::Contact::default().within_object,
+        skin: bendtwin_core::Contact::default().skin,
         ..params.contact
     };
     params

@@ -21,7 +21,9 @@ use crate::{
         resident::{LAWS, resident},
         tape::RolloutTapes,
     },
-    run::{contact::contact_nodes, scoring::Scores, simulation::Simulation},
+    run::{
+        clearance::ClearanceSize, contact::contact_nodes, scoring::Scores, simulation::Simulation,
+    },
 };
 
 /// Gradients of a simulation's instances, on the device.
@@ -96,7 +98,8 @@ impl Gradients {
             let graph = std::ptr::from_ref(&*resident.graph) as usize;
             let bodies = instances[i].world.bodies;
             let world = forward.simulation.worlds.parts(i);
-            Ok::<_, Error>((graph, substeps, contact_nodes(loaded.model()), bodies, world))
+            let contact = (contact_nodes(loaded.model()), ClearanceSize::of(&instances[i]));
+            Ok::<_, Error>((graph, substeps, contact, bodies, world))
         };
         let keys = order.iter().map(|&i| key(i)).collect::<Result<Vec<_>, _>>()?;
         order.sort_by_key(|&i| (keys[i], i));

@@ -6,8 +6,7 @@ use bendtwin_core::Point;
 use bendtwin_engine::{
     Energies, Energy, Error, Model,
     backend::{Diagnose, Diagnostics, Instance, Loss, Outputs, Rollout},
-    constants::ON_GROUND_M,
-    model::State,
+    model::{State, ground_contacts},
 };
 
 use crate::{
@@ -18,7 +17,7 @@ use crate::{
         memory::{Buffer, end_of},
         specialization::THREADS,
     },
-    plan::resident::resident,
+    plan::resident::{has_skin_contact, resident},
     run::simulation::{RetainedStates, Simulation},
 };
 
@@ -244,11 +243,8 @@ fn diagnose(
         found.elastic_energy = energy.elastic as f32;
     }
     if let Some(ground) = model.environment.ground {
-        let is_low = |x: &&[f32; 3]| {
-            let height: f32 = x.iter().zip(ground.normal).map(|(x, n)| x * n).sum();
-            height - ground.offset_m < ON_GROUND_M as f32
-        };
-        found.ground_contacts = last.positions.iter().filter(is_low).count() as u32;
+        let skin = has_skin_contact(model).then_some(&*model.skin);
+        found.ground_contacts = ground_contacts(&ground, skin, &last.positions);
     }
     found
 }

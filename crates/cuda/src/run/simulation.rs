@@ -27,10 +27,11 @@ use crate::{
     plan::{
         choice::{LaunchPlan, Purpose, choose},
         layouts::Cut,
-        resident::{Packed, has_contact, resident},
+        resident::{Packed, has_contact, has_skin_contact, resident},
         tape::RolloutTapes,
     },
     run::{
+        clearance::{ClearanceSize, Clearances, find_clearances},
         contact::{Contact, contact_nodes},
         group::{FrameRange, Group, InstanceSpan},
         start::{InitialStates, start},
@@ -62,6 +63,7 @@ pub(crate) struct Simulation<'a> {
     control_starts: Vec<usize>,
     divergence: Buffer<u64>,
     contact: Contact,
+    clearances: Clearances,
     pub(crate) worlds: Worlds,
     pub(super) initial: InitialStates,
 }
@@ -74,7 +76,8 @@ pub(crate) fn bytes_of(instance: &Instance, retained: RetainedStates, measured: 
     let states = (24 * n + 4 * model.graph.rods.len() as u64) * slots(instance, retained) as u64;
     let contact = if has_contact(model) { n * (4 * MAX_PARTNERS as u64 + 56) } else { 0 };
     let world = world::bytes_of(instance, slots(instance, retained), measured);
-    states + contact + 12 * instance.controls.len() as u64 + world
+    let clearances = ClearanceSize::of(instance).bytes(false);
+    states + contact + clearances + 12 * instance.controls.len() as u64 + world
 }
 
 fn slots(instance: &Instance, retained: RetainedStates) -> usize {
@@ -114,6 +117,7 @@ impl<'a> Simulation<'a> {
             twists: Buffer::empty(stream, end_of(&twist_starts))?,
             controls: Buffer::of(stream, &all)?,
             contact: Contact::new(queue, instances.iter().map(|i| contact_nodes(i.model.model())))?,
+            clearances: Clearances::new(queue, instances.iter().map(ClearanceSize::of), false)?,
             queue,
             instances,
             state_starts,
@@ -180,6 +184,11 @@ impl<'a> Simulation<'a> {
             }
             self.contact.place(index, &mut args);
         }
+        if has_skin_contact(model) {
+            let by_node = resident.skin.by_node(&resident.device, model.graph.node_count())?;
+            args.clearance.skin = by_node.add_to(resident.skin.args());
+            self.clearances.place(index, &mut args);
+        }
         args.world = self.worlds.args(index);
         args.world.initial = self.initial.of(index);
         Ok(args)
@@ -206,7 +215,9 @@ impl<'a> Simulation<'a> {
             .map(|g| Buffer::of(&self.queue.stream, g.instances()))
             .collect::<Result<_, _>>()?;
         let frame_us: f64 = groups.iter().map(|g| self.frame_us(g)).sum();
-        let step = if groups.iter().any(|g| g.plan.specialization.contact) {
+        let frame_by_frame =
+            |g: &Group| g.plan.specialization.contact || g.plan.specialization.skin_contact;
+        let step = if groups.iter().any(frame_by_frame) {
             1
         } else {
             ((self.queue.stretch_us() / frame_us.max(1e-3)) as usize).clamp(1, longest.max(1))
@@ -228,6 +239,9 @@ impl<'a> Simulation<'a> {
                 self.change_grasps(group, span, stream, (first, end))?;
                 if group.plan.specialization.contact {
                     self.find_partners(stream, span, first as u32)?;
+                }
+                if group.plan.specialization.skin_contact {
+                    find_clearances(self.queue, stream, span, first as u32)?;
                 }
                 group.advance(self.queue, stream, span, &range)
             })?;

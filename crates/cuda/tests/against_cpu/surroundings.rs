@@ -24,7 +24,10 @@ fn cases() -> Vec<(String, Model, WorldOptions)> {
     let ground = RandomOptions { ground: true, pins: 3, ..RandomOptions::default() };
     let touching = RandomOptions { objects: 2, contact: true, ..ground };
     let rod = RandomOptions { rod: true, pins: 4, ..RandomOptions::default() };
+    let skin = RandomOptions { skin_contact: true, ..ground };
     let kinds = [
+        ("skin over ground", skin, all),
+        ("skin in a layer", skin, WorldOptions { smoothing_m, ..all }),
         ("grasps", RandomOptions::default(), WorldOptions { grasps: true, ..none }),
         ("colliders", RandomOptions::default(), WorldOptions { colliders: 4, ..none }),
         ("both over ground", ground, all),

@@ -6,7 +6,8 @@ use std::sync::Arc;
 use bendtwin_core::{
     Contact, Environment, Graph, NodeKind, Params, Point, Timing, environment::ControlVelocity,
 };
-use bendtwin_engine::Model;
+use bendtwin_engine::{Model, stable_substeps};
+use bendtwin_graph::{SurfacePoints, bind_skin};
 
 const SPACING: f32 = 0.005;
 const RADIUS: f32 = 0.02;
@@ -37,6 +38,27 @@ pub(crate) fn ellipsoid(nodes: usize, bending: bool) -> Model {
     springs.sort_unstable();
     springs.dedup();
     model(positions, surface, springs, triplets)
+}
+
+/// An ellipsoid of so many nodes on the ground, with as few substeps as fits use, and so many skin
+/// points around its surface.
+pub(crate) fn lying(nodes: usize, points: usize) -> Model {
+    let mut model = ellipsoid(nodes, false);
+    model.timing.substeps = stable_substeps(&model).needed * 13 / 10 + 1;
+    let surface = &model.graph.rest_positions[..model.graph.surface_count()];
+    let beside = |k: usize| {
+        let by = [k * 7 % 5, k * 3 % 4, k * 11 % 3].map(|i| (i as f32 - 1.5) * 0.5 * SPACING);
+        let [x, y, z] = surface[k % surface.len()];
+        [x + by[0], y + by[1], z + by[2]]
+    };
+    let positions: Vec<Point> = (0..points).map(beside).collect();
+    let lowest = positions.iter().map(|p| p[2]).fold(f32::INFINITY, f32::min);
+    if let Some(ground) = &mut model.environment.ground {
+        ground.offset_m = lowest - 1e-3;
+    }
+    let observed_points = vec![Graph::NOT_OBSERVED; points];
+    model.skin = Arc::new(bind_skin(&model.graph, &SurfacePoints { positions, observed_points }));
+    model
 }
 
 /// A straight cable with a triplet at every inner node.

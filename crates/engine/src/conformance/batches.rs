@@ -25,6 +25,7 @@ fn mixed() -> Vec<Scene> {
                 bending: seed != 4,
                 ground: seed % 2 == 0,
                 contact: seed > 3,
+                skin_contact: seed % 4 == 2,
                 ..RandomOptions::default()
             };
             let model = random_model(seed, &options);

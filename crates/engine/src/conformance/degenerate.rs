@@ -124,6 +124,7 @@ pub(super) fn random_graphs_stay_finite(backend: &dyn Backend) -> Outcome {
             damping: !bit(1),
             ground: bit(2),
             contact: bit(1),
+            skin_contact: bit(4),
             rod: seed % 5 == 4,
         };
         let model = random_model(seed, &options);

@@ -35,6 +35,8 @@ pub struct RandomOptions {
     pub ground: bool,
     /// With contact between objects and within them.
     pub contact: bool,
+    /// With contact of the skin, which is around the nodes.
+    pub skin_contact: bool,
     /// With a rod, clamped at the four outermost nodes; takes four pins.
     pub rod: bool,
 }
@@ -50,6 +52,7 @@ impl Default for RandomOptions {
             damping: true,
             ground: false,
             contact: false,
+            skin_contact: false,
             rod: false,
         }
     }
@@ -226,6 +229,7 @@ fn params(
             collision_distance_m: 0.6 * SPACING_M,
             between_objects: options.contact,
             within_object: options.contact,
+            skin: options.skin_contact,
         },
     }
 }

@@ -66,11 +66,11 @@ fn sheet(under: Under, slope: f64, away: f64, friction: f32) -> Scene {
     scene
 }
 
-fn fastest(state: &State) -> f64 {
+pub(super) fn fastest(state: &State) -> f64 {
     state.velocities.iter().map(|v| norm(v.map(f64::from))).fold(0.0, f64::max)
 }
 
-fn farthest(from: &[Point], to: &[Point]) -> f64 {
+pub(super) fn farthest(from: &[Point], to: &[Point]) -> f64 {
     from.iter().zip(to).map(|(a, b)| norm(difference(*a, *b))).fold(0.0, f64::max)
 }
 

@@ -3,6 +3,7 @@
 
 use super::{
     bend::{TripletGradient, bend_adjoint},
+    clearance::{Clearance, ClearanceAdjoint, Surfaces},
     contact::{collide, collide_adjoint},
     control::{FrameControls, FrameControlsAdjoint},
     force::ForceSeeds,
@@ -38,6 +39,8 @@ pub(crate) struct Adjoint<T> {
     pub(crate) twist_bar: Vec<T>,
     /// Of the frame's controls.
     pub(crate) controls: FrameControlsAdjoint<T>,
+    /// Of the frame's clearances.
+    pub(crate) clearance: ClearanceAdjoint<T>,
     /// Of the frame's surroundings.
     pub(crate) around: AroundAdjoint<T>,
     /// Of the forces, shape [N + C]; zero for control points.
@@ -60,6 +63,7 @@ impl<T: Real> Adjoint<T> {
             start_bar: vec![[T::ZERO; 4]; system.nodes],
             twist_bar: vec![T::ZERO; system.rods.rods.len()],
             controls: FrameControlsAdjoint::zero(system.controls),
+            clearance: ClearanceAdjoint::default(),
             around: AroundAdjoint::new(bodies, system.rods.rods.len(), system.nodes),
             lambda: vec![[T::ZERO; 4]; system.endpoints()],
             springs: vec![SpringGradient::ZERO; system.springs.blocks.len()],
@@ -87,6 +91,7 @@ impl<T: Real> Adjoint<T> {
         begin_frame(system, controls, frame, workspace);
         self.controls.clear();
         self.around.clear();
+        self.clearance.clear(&workspace.clearance);
         let segment = segment_length(system);
         let starts: Vec<usize> = (0..system.substeps).step_by(segment).collect();
         let part = |start: usize| start..(start + segment).min(system.substeps);
@@ -110,6 +115,11 @@ impl<T: Real> Adjoint<T> {
                 workspace.twists.copy_from_slice(&twists);
             }
         }
+        // The tape ends up with the frame's first substep in front, where nodes are as it began.
+        let nodes = &self.tape.nodes[..system.nodes];
+        let surfaces = Surfaces::new(system, frame.map(|frame| (frame.of, &workspace.around)));
+        let (bar, around_bar) = (&mut self.bar, &mut self.around);
+        self.clearance.find(&workspace.clearance, &surfaces, nodes, bar, around_bar);
         match around {
             None => {
                 self.controls.begin(system, &mut self.bar);
@@ -190,11 +200,13 @@ impl<T: Real> Work<T> for BackSubsteps<'_, T> {
             a.controls.pin_nodes(system, substep, &mut a.bar);
             if w.candidates.is_empty() {
                 let bars = (&mut *a.bar, &mut *a.start_bar);
-                travel_adjoint(m, system, nodes, before, bars, &mut a.ground);
+                let clearance = (&w.clearance, &mut a.clearance);
+                travel_adjoint(m, system, clearance, nodes, before, bars, &mut a.ground);
             } else {
                 collide(system, &w.candidates, nodes, before, &mut w.after);
                 let bars = (&mut *a.bar, &mut *a.start_bar);
-                travel_adjoint(m, system, nodes, &w.after, bars, &mut a.ground);
+                let clearance = (&w.clearance, &mut a.clearance);
+                travel_adjoint(m, system, clearance, nodes, &w.after, bars, &mut a.ground);
                 let bars = (&mut *a.bar, &mut *a.start_bar);
                 let (scratch, law_bar) = (&mut w.after, &mut a.object);
                 collide_adjoint(system, &w.candidates, nodes, before, bars, scratch, law_bar);
@@ -218,12 +230,23 @@ impl<T: Real> Work<T> for BackSubsteps<'_, T> {
 fn travel_adjoint<T: Real, M: Machine<T>>(
     m: M,
     system: &System<T>,
+    (clearance, clearance_bar): (&Clearance<T>, &mut ClearanceAdjoint<T>),
     nodes: &[Node<T>],
     velocities: &[Quad<T>],
     (bar, start_bar): (&mut [Node<T>], &mut [Quad<T>]),
     law_bar: &mut Law<T>,
 ) {
     let (dt, ground, law) = (system.dt, system.ground, ground_law(system));
+    if let (Some(ground), false) = (&ground, clearance.is_zero()) {
+        for (i, (&node, &v)) in nodes.iter().zip(velocities).enumerate() {
+            let raised = ground.raised(clearance.of(None, i));
+            let height_bar;
+            (bar[i], start_bar[i], height_bar) =
+                advance_adjoint(&raised, law, dt, (node, v), bar[i], law_bar);
+            clearance_bar.add(None, i, -height_bar);
+        }
+        return;
+    }
     let bars = bar.chunks_mut(LANES).zip(start_bar.chunks_mut(LANES));
     let chunks = nodes.chunks(LANES).zip(velocities.chunks(LANES)).zip(bars);
     for ((nodes, v), (bar, start_bar)) in chunks {
@@ -231,7 +254,8 @@ fn travel_adjoint<T: Real, M: Machine<T>>(
             Some(ground) if may_hit(m, ground, dt, nodes, v) => {
                 let bars = bar.iter_mut().zip(start_bar);
                 for ((&node, &v), (bar, start_bar)) in nodes.iter().zip(v).zip(bars) {
-                    (*bar, *start_bar) = advance_adjoint(ground, law, dt, (node, v), *bar, law_bar);
+                    (*bar, *start_bar, _) =
+                        advance_adjoint(ground, law, dt, (node, v), *bar, law_bar);
                 }
             }
             _ => {

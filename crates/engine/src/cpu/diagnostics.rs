@@ -4,6 +4,8 @@
 //! Velocities, speeds and energies are those of the states at frames' ends: what a state holds and
 //! what is reported of it agree.
 
+use bendtwin_core::{Plane, Point};
+
 use super::{
     force::{FrameForces, Wrench},
     grasp::{Hands, Hold},
@@ -14,11 +16,10 @@ use super::{
     rollout::Simulation,
     system::System,
 };
-use crate::constants::ON_GROUND_M;
 use crate::{
     backend::{Diagnose, Diagnostics, Forces, Loss, Outputs, Rollout},
     energy,
-    model::State,
+    model::{State, ground_contacts},
     world::{self, Grasping},
 };
 
@@ -103,8 +104,10 @@ impl<'a, T: Real> Observer<'a, T> {
         }
         // Of the last frame that is reached, which may not be the last.
         if let Some(g) = &self.system.ground {
-            let on_ground = |n: &&Node<T>| (dot(g.normal, n.x) - g.offset).to_f64() < ON_GROUND_M;
-            sanity.ground_contacts = nodes.iter().filter(on_ground).count() as u32;
+            let plane = Plane { normal: point(g.normal), offset_m: narrow(g.offset) };
+            let positions: Vec<Point> = nodes.iter().map(|n| point(n.x)).collect();
+            let skin = self.system.skin_contact.then_some(&*self.system.skin);
+            sanity.ground_contacts = ground_contacts(&plane, skin, &positions);
         }
         if last {
             let system = now.around.system.as_deref().unwrap_or(self.system);

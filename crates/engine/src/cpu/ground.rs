@@ -87,8 +87,8 @@ pub(crate) fn impact_time<T: Real>(distance: T, along: T, dt: T) -> (T, bool) {
     }
 }
 
-/// Adjoint of [`advance`]: d loss / d (x, v) from that of the result, and d loss / d the velocity at
-/// the start; adds to `law_bar`.
+/// Adjoint of [`advance`]: d loss / d (x, v) from that of the result, d loss / d the velocity at the
+/// start, and d loss / d height; adds to `law_bar`.
 #[inline(always)]
 pub(crate) fn advance_adjoint<T: Real>(
     ground: &Ground<T>,
@@ -97,9 +97,9 @@ pub(crate) fn advance_adjoint<T: Real>(
     (start, v): (Node<T>, Quad<T>),
     bar: Node<T>,
     law_bar: &mut Law<T>,
-) -> (Node<T>, Quad<T>) {
+) -> (Node<T>, Quad<T>, T) {
     if !hits(ground, v, add_scaled(start.x, dt, v)) {
-        return (Node { x: bar.x, v: add_scaled(bar.v, dt, bar.x) }, [T::ZERO; 4]);
+        return (Node { x: bar.x, v: add_scaled(bar.v, dt, bar.x) }, [T::ZERO; 4], T::ZERO);
     }
     let n = ground.normal;
     let approach = Approach { start: start.v, now: v };
@@ -109,12 +109,14 @@ pub(crate) fn advance_adjoint<T: Real>(
     let by = impact_adjoint(law, approach, n, after_bar);
     law_bar.add(&by);
     let mut out = Node { x: bar.x, v: add(add(by.v, after_bar), scale(bar.x, tau)) };
+    let mut height_bar = T::ZERO;
     if varies {
         // x' = x + tau v + (dt - tau) v', so d x'/d tau = v - v' = -change; tau = -h / v_n.
         let tau_bar = -dot(bar.x, change);
         let inverse = T::ONE / dot(n, v);
+        height_bar = -(tau_bar * inverse);
         out.x = sub(out.x, scale(n, tau_bar * inverse));
         out.v = add_scaled(out.v, -(tau_bar * tau * inverse), n);
     }
-    (out, by.start)
+    (out, by.start, height_bar)
 }

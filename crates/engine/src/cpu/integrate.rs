@@ -5,6 +5,7 @@ use std::ops::Range;
 
 use super::{
     bend::bend_forces,
+    clearance::{Clearance, Surfaces},
     contact::{Candidates, collide},
     control::FrameControls,
     ground::{advance, may_hit},
@@ -34,6 +35,8 @@ pub(crate) struct Workspace<T> {
     pub(crate) after: Vec<Quad<T>>,
     /// Of the current frame.
     pub(crate) candidates: Candidates,
+    /// Of the current frame.
+    pub(crate) clearance: Clearance<T>,
     /// What surrounds the object in the current frame.
     pub(crate) around: Around<T>,
 }
@@ -49,6 +52,7 @@ impl<T: Real> Workspace<T> {
             before: vec![zero; system.nodes],
             after: vec![zero; system.nodes],
             candidates: Candidates::default(),
+            clearance: Clearance::default(),
             around: Around::default(),
         }
     }
@@ -99,7 +103,8 @@ pub(crate) fn run_frame<T: Real>(
     }
 }
 
-/// Work done once per frame: pinned nodes take their new velocity, contact its candidates.
+/// Work done once per frame: pinned nodes take their new velocity, contact its candidates, and the
+/// skin says how far away from the ground nodes touch it.
 pub(crate) fn begin_frame<T: Real>(
     system: &System<T>,
     controls: FrameControls<'_, T>,
@@ -110,8 +115,9 @@ pub(crate) fn begin_frame<T: Real>(
         return surrounded::begin_frame(at, system, controls, workspace);
     }
     controls.begin(system, &mut workspace.nodes);
-    let Workspace { nodes, candidates, .. } = workspace;
+    let Workspace { nodes, candidates, clearance, .. } = workspace;
     candidates.find(system, nodes);
+    clearance.find(&Surfaces::new(system, None), nodes);
 }
 
 /// Some of a frame's substeps; fills the tape if there is one.
@@ -164,10 +170,10 @@ impl<T: Real> Work<T> for Substeps<'_, T> {
                 tape.before.extend_from_slice(&w.before);
             }
             if w.candidates.is_empty() {
-                travel(m, system, &mut w.nodes, &w.before);
+                travel(m, system, &w.clearance, &mut w.nodes, &w.before);
             } else {
                 collide(system, &w.candidates, &w.nodes, &w.before, &mut w.after);
-                travel(m, system, &mut w.nodes, &w.after);
+                travel(m, system, &w.clearance, &mut w.nodes, &w.after);
             }
             controls.pin_nodes(system, substep, &mut w.nodes);
         }
@@ -199,10 +205,17 @@ pub(crate) fn accelerate<T: Real>(
 fn travel<T: Real, M: Machine<T>>(
     m: M,
     system: &System<T>,
+    clearance: &Clearance<T>,
     nodes: &mut [Node<T>],
     velocities: &[Quad<T>],
 ) {
     let (dt, ground, law) = (system.dt, system.ground, ground_law(system));
+    if let (Some(ground), false) = (&ground, clearance.is_zero()) {
+        for (i, (node, &v)) in nodes.iter_mut().zip(velocities).enumerate() {
+            *node = advance(&ground.raised(clearance.of(None, i)), law, dt, *node, v);
+        }
+        return;
+    }
     for (nodes, v) in nodes.chunks_mut(LANES).zip(velocities.chunks(LANES)) {
         match &ground {
             Some(ground) if may_hit(m, ground, dt, nodes, v) => {

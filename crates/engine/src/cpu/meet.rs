@@ -6,8 +6,9 @@
 //! there, and the surface has the velocity w of the body's point q, also where the model ignores that
 //! of control points. With `u = v - w`:
 //!
-//! - it hits if `d + dt u . n < 1 µm` and `u . n < 0`, by the law of [`super::impulse`] for u, after
-//!   `tau = clamp(d / -(u . n), 0, dt)`, which is 0 up to a distance of 1 µm;
+//! - it hits if `d - r + dt u . n < 1 µm` and `u . n < 0`, by the law of [`super::impulse`] for u,
+//!   after `tau = clamp((d - r) / -(u . n), 0, dt)`, which is 0 up to a distance of 1 µm, with r the
+//!   clearance of [`super::clearance`];
 //! - inside (d < 0) it is also pushed out: the normal velocity that it leaves the surface with is at
 //!   least `min(-d, 5 mm) / 10 ms`.
 //!
@@ -18,6 +19,7 @@
 
 use super::{
     body::{BodyFrame, Pose, add_outer, into_body, into_body_adjoint, turn, turn_back},
+    clearance::{Clearance, ClearanceAdjoint},
     collider::Collider,
     grasp::AroundAdjoint,
     ground::{hits, impact_time},
@@ -45,6 +47,8 @@ pub(crate) struct Obstacle<T> {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Surface<T> {
     pub(crate) distance: T,
+    /// The distance less that at which the node touches.
+    pub(crate) gap: T,
     pub(crate) normal: Quad<T>,
     /// Velocity of the surface.
     pub(crate) velocity: Quad<T>,
@@ -58,8 +62,10 @@ pub(crate) struct Surface<T> {
 #[inline(always)]
 pub(crate) fn on_ground<T: Real>(ground: &Ground<T>, x: Quad<T>) -> Surface<T> {
     let zero = [T::ZERO; 4];
+    let distance = dot(ground.normal, x) - ground.offset;
     Surface {
-        distance: dot(ground.normal, x) - ground.offset,
+        distance,
+        gap: distance,
         normal: ground.normal,
         velocity: zero,
         place: zero,
@@ -78,7 +84,7 @@ impl<T: Real> Obstacle<T> {
         let length = dot(turned, turned).sqrt();
         let normal = scale(turned, T::ONE / length);
         let velocity = self.body.velocity(place);
-        Surface { distance, normal, velocity, place, local, length }
+        Surface { distance, gap: distance, normal, velocity, place, local, length }
     }
 
     /// Adjoint of [`Self::surface`]: gives d loss / d x.
@@ -171,10 +177,10 @@ fn meeting<T: Real>(
     start: Quad<T>,
     v: Quad<T>,
 ) -> Option<Meeting<T>> {
-    let (d, n) = (surface.distance, surface.normal);
+    let (d, gap, n) = (surface.distance, surface.gap, surface.normal);
     let approach = surface.approach(start, v);
     let along = dot(n, approach.now);
-    let hits = (d + dt * along < T::from_f64(CONTACT_MARGIN_M)) & (along < T::ZERO);
+    let hits = (gap + dt * along < T::from_f64(CONTACT_MARGIN_M)) & (along < T::ZERO);
     let contact = Contact::new(law, approach, n, hits, (d < T::ZERO).then_some(d));
     contact.acts().then(|| hard(Some(obstacle), surface, law, dt, v, approach, contact))
 }
@@ -191,7 +197,7 @@ fn hard<T: Real>(
 ) -> Meeting<T> {
     let along = dot(surface.normal, approach.now);
     let (tau, tau_varies) =
-        if contact.hits { impact_time(surface.distance, along, dt) } else { (T::ZERO, false) };
+        if contact.hits { impact_time(surface.gap, along, dt) } else { (T::ZERO, false) };
     let (kind, change) = (Kind::Hard(contact), contact.change);
     Meeting { with, surface, law, before, approach, kind, change, tau, tau_varies }
 }
@@ -205,9 +211,9 @@ fn smooth_meeting<T: Real>(
     layer: &Layer<T>,
     before: Quad<T>,
 ) -> Option<Meeting<T>> {
-    layer.reaches(surface.distance).then(|| {
+    layer.reaches(surface.gap).then(|| {
         let approach = surface.approach(before, before);
-        let change = layer.change(law, surface.distance, approach.now, surface.normal);
+        let change = layer.change(law, surface.gap, approach.now, surface.normal);
         let (kind, tau, tau_varies) = (Kind::Smooth, T::ZERO, false);
         Meeting { with, surface, law, before, approach, kind, change, tau, tau_varies }
     })
@@ -218,17 +224,19 @@ pub(crate) struct Scene<'a, T> {
     pub(crate) of: &'a Surroundings<T>,
     pub(crate) ground: Option<(Ground<T>, Law<T>)>,
     pub(crate) obstacles: &'a [Obstacle<T>],
+    pub(crate) clearance: &'a Clearance<T>,
     pub(crate) dt: T,
     /// The layer of smooth contact, if it is smooth.
     pub(crate) layer: Option<Layer<T>>,
 }
 
 impl<T: Real> Scene<'_, T> {
-    /// The node after a substep that it starts as `start`, with velocity `v` after forces acted;
-    /// shows what it meets.
+    /// A node, after a substep that it starts as `start`, with velocity `v` after forces acted; shows
+    /// what it meets.
     #[inline(always)]
     pub(crate) fn advance(
         &self,
+        node: usize,
         start: Node<T>,
         v: Quad<T>,
         mut on_meeting: impl FnMut(&Meeting<T>),
@@ -237,6 +245,7 @@ impl<T: Real> Scene<'_, T> {
         let mut now = v;
         let mut path = None;
         if let Some((ground, law)) = &self.ground {
+            let ground = &ground.raised(self.clearance.of(None, node));
             let met = match &self.layer {
                 None => hits(ground, v, add_scaled(x, dt, v)).then(|| {
                     let surface = on_ground(ground, x);
@@ -253,7 +262,8 @@ impl<T: Real> Scene<'_, T> {
         }
         for (o, obstacle) in self.obstacles.iter().enumerate() {
             let collider = &self.of.colliders[obstacle.collider];
-            let surface = obstacle.surface(collider, x);
+            let mut surface = obstacle.surface(collider, x);
+            surface.gap = surface.distance - self.clearance.of(Some(o), node);
             let met = match &self.layer {
                 None => meeting(o, surface, collider.law, dt, start.v, now),
                 Some(layer) => smooth_meeting(Some(o), surface, collider.law, layer, now),
@@ -277,11 +287,12 @@ impl<T: Real> Scene<'_, T> {
     #[inline(always)]
     pub(crate) fn advance_adjoint(
         &self,
+        node: usize,
         (x, meetings): (Quad<T>, &[Meeting<T>]),
         bar: Node<T>,
         seed: impl Fn(Option<usize>) -> Quad<T>,
         law_bar: &mut Law<T>,
-        around: &mut AroundAdjoint<T>,
+        (around, clearance): (&mut AroundAdjoint<T>, &mut ClearanceAdjoint<T>),
     ) -> (Node<T>, Quad<T>) {
         let dt = self.dt;
         let mut start_bar = [T::ZERO; 4];
@@ -301,7 +312,7 @@ impl<T: Real> Scene<'_, T> {
                     contact.adjoint(m.law, m.approach, n, s.distance, change_bar)
                 }
                 (Kind::Smooth, Some(layer)) => {
-                    layer.change_adjoint(m.law, s.distance, m.approach.now, n, change_bar)
+                    layer.change_adjoint(m.law, s.gap, m.approach.now, n, change_bar)
                 }
                 (Kind::Smooth, None) => ContactAdjoint::ZERO,
             };
@@ -310,21 +321,28 @@ impl<T: Real> Scene<'_, T> {
             }
             start_bar = add(start_bar, g.start);
             let mut in_bar = add(add(before_bar, v_bar), g.v);
+            // A layer begins at the gap, a push at the surface itself.
+            let (mut distance_bar, mut gap_bar) = (g.distance, T::ZERO);
+            if matches!(m.kind, Kind::Smooth) {
+                (distance_bar, gap_bar) = (T::ZERO, g.distance);
+            }
             let mut s_bar = SurfaceAdjoint {
-                distance: g.distance,
+                distance: distance_bar,
                 normal: g.normal,
                 velocity: scale(add(g.v, g.start), -T::ONE),
             };
             if m.tau_varies {
-                // tau = -d / (u . n)
+                // tau = -gap / (u . n)
                 let u = m.approach.now;
                 let inverse = T::ONE / dot(n, u);
-                s_bar.distance -= tau_bar * inverse;
+                gap_bar -= tau_bar * inverse;
                 let along = -(tau_bar * m.tau * inverse);
                 in_bar = add_scaled(in_bar, along, n);
                 s_bar.velocity = add_scaled(s_bar.velocity, -along, n);
                 s_bar.normal = add_scaled(s_bar.normal, along, u);
             }
+            s_bar.distance += gap_bar;
+            clearance.add(m.with, node, -gap_bar);
             x_bar = match m.with {
                 None => add_scaled(x_bar, s_bar.distance, n),
                 Some(o) => {
@@ -348,11 +366,21 @@ impl<T: Real> Around<T> {
         substep: usize,
     ) {
         let t = T::from_f64(substep as f64 / system.substeps as f64);
-        self.obstacles.clear();
-        for &k in &self.near {
+        let mut obstacles = std::mem::take(&mut self.obstacles);
+        obstacles.clear();
+        obstacles.extend(self.obstacles_at(of, t));
+        self.obstacles = obstacles;
+    }
+
+    /// The obstacles that nodes may reach, after a fraction of the frame.
+    pub(crate) fn obstacles_at<'a>(
+        &'a self,
+        of: &'a Surroundings<T>,
+        t: T,
+    ) -> impl Iterator<Item = Obstacle<T>> + 'a {
+        self.near.iter().map(move |&k| {
             let body = self.body(of.colliders[k].body);
-            let obstacle = Obstacle { collider: k, body, t, pose: body.at(t) };
-            self.obstacles.push(obstacle);
-        }
+            Obstacle { collider: k, body, t, pose: body.at(t) }
+        })
     }
 }

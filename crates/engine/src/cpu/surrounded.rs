@@ -6,12 +6,13 @@ mod back;
 
 use super::{
     bend::bend_forces,
+    clearance::{Clearance, Surfaces},
     contact::collide,
     control::{FrameControls, progress},
     integrate::{Substeps, Workspace, accelerate, ground_law},
     lanes::Node,
     machine::{Machine, Work},
-    meet::Scene,
+    meet::{Obstacle, Scene},
     real::{Quad, Real, dot, scale},
     rod::rod_forces,
     smooth::Layer,
@@ -41,7 +42,7 @@ pub(crate) fn begin_frame<T: Real>(
     workspace: &mut Workspace<T>,
 ) {
     let Frame { of, frame, frames } = at;
-    let Workspace { nodes, twists, candidates, around, .. } = workspace;
+    let Workspace { nodes, twists, candidates, clearance, around, .. } = workspace;
     around.bodies = of.bodies_of(frame, frames, system.frame_s);
     let spans = around.spans(of, system);
     around.open_and_close(of, of.closed_in(frame), system, nodes);
@@ -61,6 +62,7 @@ pub(crate) fn begin_frame<T: Real>(
     }
     candidates.find(system, nodes);
     around.find_near(of, system.frame_s, &nodes[..system.nodes]);
+    clearance.find(&Surfaces::new(system, Some((of, around))), nodes);
 }
 
 /// Work done once a frame is over: its forces are means, and hands that pulled too hard let go.
@@ -118,10 +120,10 @@ impl<T: Real> Work<T> for SurroundedSubsteps<'_, T> {
             }
             w.around.place_obstacles(of, system, substep);
             if w.candidates.is_empty() {
-                travel(of, system, &mut w.nodes, &w.before, &mut w.around);
+                travel(of, system, &w.clearance, &mut w.nodes, &w.before, &mut w.around);
             } else {
                 collide(system, &w.candidates, &w.nodes, &w.before, &mut w.after);
-                travel(of, system, &mut w.nodes, &w.after, &mut w.around);
+                travel(of, system, &w.clearance, &mut w.nodes, &w.after, &mut w.around);
             }
             controls.pin_nodes(system, substep, &mut w.nodes);
             w.around.hold_nodes(of, system, progress(system, substep), &mut w.nodes);
@@ -134,18 +136,19 @@ impl<T: Real> Work<T> for SurroundedSubsteps<'_, T> {
 fn travel<T: Real>(
     of: &Surroundings<T>,
     system: &System<T>,
+    clearance: &Clearance<T>,
     nodes: &mut [Node<T>],
     velocities: &[Quad<T>],
     around: &mut Around<T>,
 ) {
     let Around { obstacles, forces, .. } = around;
-    let scene = scene(of, system, obstacles);
+    let scene = scene(of, system, obstacles, clearance);
     for (i, (node, &v)) in nodes.iter_mut().zip(velocities).enumerate() {
         if system.inverse_mass[i] == T::ZERO {
             continue;
         }
         let x = node.x;
-        *node = scene.advance(*node, v, |meeting| {
+        *node = scene.advance(i, *node, v, |meeting| {
             if of.measured {
                 let impulse = scale(meeting.change, system.masses[i]);
                 match meeting.with.map(|o| &obstacles[o]) {
@@ -162,9 +165,10 @@ fn travel<T: Real>(
 fn scene<'a, T: Real>(
     of: &'a Surroundings<T>,
     system: &System<T>,
-    obstacles: &'a [super::meet::Obstacle<T>],
+    obstacles: &'a [Obstacle<T>],
+    clearance: &'a Clearance<T>,
 ) -> Scene<'a, T> {
     let ground = system.ground.map(|ground| (ground, ground_law(system)));
     let layer = (of.smoothing > T::ZERO).then(|| Layer::new(of.smoothing, system.dt));
-    Scene { of, ground, obstacles, dt: system.dt, layer }
+    Scene { of, ground, obstacles, clearance, dt: system.dt, layer }
 }

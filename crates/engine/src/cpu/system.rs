@@ -62,6 +62,14 @@ pub(crate) struct Ground<T> {
     pub(crate) offset: T,
 }
 
+impl<T: Real> Ground<T> {
+    /// The ground for a node that touches it at a distance.
+    #[inline(always)]
+    pub(crate) fn raised(self, by: T) -> Self {
+        Self { offset: self.offset + by, ..self }
+    }
+}
+
 /// A node that a control point prescribes.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct PinnedNode<T> {
@@ -89,6 +97,8 @@ pub(crate) struct System<T> {
     pub(crate) surface: usize,
     /// Surface points that nodes carry.
     pub(crate) skin: Arc<Skin>,
+    /// Ground and colliders meet the skin.
+    pub(crate) skin_contact: bool,
     pub(crate) masses: Vec<T>,
     /// 1/m, zero where pinned.
     pub(crate) inverse_mass: Vec<T>,
@@ -133,6 +143,7 @@ impl<T: Real> System<T> {
             controls: graph.control_count(),
             surface: graph.surface_count(),
             skin: model.skin.clone(),
+            skin_contact: contact.skin && !model.skin.is_empty(),
             masses,
             inverse_mass,
             springs: springs(graph, &layout.spring_order, &parameters),

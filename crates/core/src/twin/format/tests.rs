@@ -282,6 +282,22 @@ fn painted() -> Twin {
 }
 
 #[test]
+fn contact_of_the_skin_survives_its_file_with_an_appearance_and_without() {
+    for mut twin in [skinned(), painted(), with_members()] {
+        let before = twin.encode().unwrap();
+        assert!(!String::from_utf8_lossy(&before).contains("skin\\\":"), "older programs read it");
+        twin.params.contact.skin = true;
+        let bytes = twin.encode().unwrap();
+        assert_eq!(Twin::decode(&bytes).unwrap(), twin);
+        assert!(String::from_utf8_lossy(&bytes).contains("{\\\"version\\\":6,"));
+    }
+    let mut twin = with_members();
+    twin.members[0].params.contact.skin = true;
+    assert_eq!(Twin::decode(&twin.encode().unwrap()).unwrap(), twin);
+    assert_eq!(twin.version(), 6);
+}
+
+#[test]
 fn an_appearance_survives_its_file_with_members_and_without() {
     let mut twin = painted();
     assert_eq!(Twin::decode(&twin.encode().unwrap()).unwrap(), twin);

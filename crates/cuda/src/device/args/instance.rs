@@ -2,7 +2,7 @@
 
 use bendtwin_core::Point;
 
-use super::{Pointer, device_struct};
+use super::{Pointer, SkinArgs, device_struct};
 
 device_struct! {
     /// A block's share of a graph. A block knows its own nodes, then the halo of nodes that its
@@ -277,6 +277,18 @@ device_struct! {
 }
 
 device_struct! {
+    /// Contact of the skin.
+    ClearanceArgs {
+        skin: SkinArgs,
+        distances: Pointer<f32>,
+        points: Pointer<u32>,
+        bars: Pointer<f32>,
+        by_points: Pointer<[f32; 4]>,
+        places: Pointer<f32>,
+    }
+}
+
+device_struct! {
     /// One instance to simulate.
     InstanceArgs {
         topology: TopologyArgs,
@@ -288,5 +300,6 @@ device_struct! {
         contact: ContactArgs,
         team: TeamArgs,
         world: WorldArgs,
+        clearance: ClearanceArgs,
     }
 }

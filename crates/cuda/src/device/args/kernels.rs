@@ -42,6 +42,22 @@ device_struct! {
 }
 
 device_struct! {
+    /// Parameters of `find_clearances`.
+    FindClearancesArgs {
+        instances: Pointer<InstanceArgs>,
+        frame: u32,
+        unused: u32,
+    }
+}
+
+device_struct! {
+    /// Parameters of `clearance_adjoint`.
+    ClearanceAdjointArgs {
+        instances: Pointer<InstanceArgs>,
+    }
+}
+
+device_struct! {
     /// Parameters of `change_grasps`.
     ChangeGraspsArgs {
         instances: Pointer<InstanceArgs>,

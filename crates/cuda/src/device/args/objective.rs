@@ -60,6 +60,8 @@ device_struct! {
         carried_weights: Pointer<f32>,
         corner_starts: Pointer<u32>,
         corners: Pointer<[u32; 2]>,
+        borne_starts: Pointer<u32>,
+        borne: Pointer<u32>,
         point_count: u32,
         unused: u32,
     }

@@ -29,7 +29,14 @@ fn specializations() -> Vec<Specialization> {
             held: 6,
             ..base
         },
-        Specialization { shape: TeamShape::Grid, blocks: 132, one_row: false, tape: true, ..base },
+        Specialization {
+            shape: TeamShape::Grid,
+            blocks: 132,
+            one_row: false,
+            skin_contact: true,
+            tape: true,
+            ..base
+        },
         Specialization {
             shape: TeamShape::Cluster,
             blocks: 8,
@@ -92,6 +99,7 @@ fn specializations() -> Vec<Specialization> {
             bending: true,
             rods: 2,
             contact: true,
+            skin_contact: true,
             tape: true,
             half_springs_in_shared: true,
             world: everything,

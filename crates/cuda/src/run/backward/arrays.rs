@@ -12,7 +12,10 @@ use crate::{
         resident::LAWS,
         tape::{self, Entries, Tape},
     },
-    run::contact::{Contact, contact_nodes},
+    run::{
+        clearance::{ClearanceSize, Clearances},
+        contact::{Contact, contact_nodes},
+    },
 };
 
 /// Bytes that contact takes a node.
@@ -41,6 +44,7 @@ pub(super) struct WindowArrays {
     /// None if the forward pass wrote all tapes.
     tape: Option<Tape>,
     contact: Option<Contact>,
+    clearances: Option<Clearances>,
 }
 
 /// Bytes of a window.
@@ -103,6 +107,7 @@ impl WindowArrays {
         let (on_tape, contacts) =
             if has_tapes { (0, count) } else { (count * frames, count * frames) };
         let contact = contact_nodes(model);
+        let clearances = ClearanceSize::of(&simulation.instances[instance]);
         Ok(Self {
             windows: count,
             frames,
@@ -122,6 +127,13 @@ impl WindowArrays {
                 nodes => {
                     let each = std::iter::repeat_n(nodes, contacts);
                     Some(Contact::new(simulation.queue, each)?)
+                }
+            },
+            clearances: match clearances == ClearanceSize::default() {
+                true => None,
+                false => {
+                    let each = std::iter::repeat_n(clearances, contacts);
+                    Some(Clearances::new(simulation.queue, each, true)?)
                 }
             },
         })
@@ -150,6 +162,9 @@ impl WindowArrays {
         if let Some(contact) = &self.contact {
             contact.place(if self.tape.is_some() { slot } else { window }, args);
         }
+        if let Some(clearances) = &self.clearances {
+            clearances.place(if self.tape.is_some() { slot } else { window }, args);
+        }
     }
 }
 
@@ -174,7 +189,8 @@ impl Backward<'_> {
             false => motion::bytes_of(n, bodies, r),
         };
         let fixed = (32 * n + 4 * sums + 36 * paths + world) as u64;
-        let contact = CONTACT_BYTES * contact_nodes(model) as u64;
+        let clearances = ClearanceSize::of(&simulation.instances[instance]).bytes(true);
+        let contact = CONTACT_BYTES * contact_nodes(model) as u64 + clearances;
         let substep = tape::NODE_BYTES * n as u64 + tape::ROD_BYTES * r as u64;
         let substeps = u64::from(model.timing.substeps);
         match self.forward.tapes {

@@ -27,6 +27,7 @@ use crate::{
         resident::{LAWS, resident},
     },
     run::{
+        clearance::{clearance_adjoint, find_clearances},
         group::{FrameRange, Group, InstanceSpan},
         simulation::Simulation,
     },
@@ -289,6 +290,10 @@ impl<'a> ConcurrentWindows<'a> {
             if batch.group.plan.specialization.contact && self.backward.forward.tapes.is_some() {
                 simulation.find_partners(&simulation.queue.stream, span, 0)?;
             }
+            let has_clearances = batch.group.plan.specialization.skin_contact;
+            if has_clearances && self.backward.forward.tapes.is_some() {
+                find_clearances(simulation.queue, &simulation.queue.stream, span, 0)?;
+            }
         }
         Ok(())
     }
@@ -311,6 +316,11 @@ impl<'a> ConcurrentWindows<'a> {
     /// Collects derivatives by controls and motion from the sums of a frame.
     pub(super) fn collect(&self, depth: usize) -> Result<(), Error> {
         let queue = self.queue();
+        for (batch, args) in self.batches.iter().zip(&self.ready) {
+            if batch.group.plan.specialization.skin_contact {
+                clearance_adjoint(queue, &queue.stream, self.part(args, depth).1)?;
+            }
+        }
         for args in &self.ready {
             let (start, span) = self.part(args, depth);
             let Some(motion) = &args.motion else { continue };
@@ -358,6 +368,9 @@ impl<'a> ConcurrentWindows<'a> {
             let uploaded = Buffer::of(&queue.stream, group.instances())?;
             if group.plan.specialization.contact {
                 simulation.find_partners(&queue.stream, InstanceSpan::all(&uploaded), 0)?;
+            }
+            if group.plan.specialization.skin_contact {
+                find_clearances(queue, &queue.stream, InstanceSpan::all(&uploaded), 0)?;
             }
             let range = FrameRange::again(taped.clone());
             group.advance(queue, &queue.stream, InstanceSpan::all(&uploaded), &range)?;

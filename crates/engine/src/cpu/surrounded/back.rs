@@ -5,6 +5,7 @@ use crate::cpu::{
     adjoint::{Adjoint, BackSubsteps, accelerate_adjoint},
     bend::{bend_adjoint, bend_forces},
     clamp::hold_rods_adjoint,
+    clearance::{Clearance, ClearanceAdjoint},
     contact::{collide, collide_adjoint},
     control::progress,
     force::{ForceSeeds, free_momentum},
@@ -56,10 +57,11 @@ impl<T: Real> Work<T> for BackSurrounded<'_, T> {
                 collide(system, &w.candidates, nodes, before, &mut w.after);
             }
             let velocities = if touches { &w.after } else { before };
-            let travel = Travel { of, system, seeds, around: &w.around };
+            let travel = Travel { of, system, seeds, clearance: &w.clearance, around: &w.around };
             let state = (nodes, velocities);
             let bars = (&mut *a.bar, &mut *a.start_bar);
-            travel.back(state, bars, &mut a.ground, &mut a.around, &mut meetings);
+            let surfaces = (&mut a.around, &mut a.clearance);
+            travel.back(state, bars, &mut a.ground, surfaces, &mut meetings);
             if touches {
                 let bars = (&mut *a.bar, &mut *a.start_bar);
                 let (scratch, law_bar) = (&mut w.after, &mut a.object);
@@ -139,6 +141,7 @@ struct Travel<'a, T> {
     of: &'a Surroundings<T>,
     system: &'a System<T>,
     seeds: Option<&'a ForceSeeds<T>>,
+    clearance: &'a Clearance<T>,
     around: &'a Around<T>,
 }
 
@@ -149,18 +152,18 @@ impl<T: Real> Travel<'_, T> {
         (nodes, velocities): (&[Node<T>], &[Quad<T>]),
         (bar, start_bar): (&mut [Node<T>], &mut [Quad<T>]),
         law_bar: &mut Law<T>,
-        around_bar: &mut AroundAdjoint<T>,
+        (around_bar, clearance_bar): (&mut AroundAdjoint<T>, &mut ClearanceAdjoint<T>),
         meetings: &mut Vec<Meeting<T>>,
     ) {
-        let Self { of, system, seeds, around } = *self;
-        let scene = scene(of, system, &around.obstacles);
+        let Self { of, system, seeds, clearance, around } = *self;
+        let scene = scene(of, system, &around.obstacles, clearance);
         let rate = T::from_f64(1.0 / system.frame_s);
         for (i, (node, &v)) in nodes.iter().zip(velocities).enumerate() {
             if system.inverse_mass[i] == T::ZERO {
                 continue;
             }
             meetings.clear();
-            scene.advance(*node, v, |m| meetings.push(*m));
+            scene.advance(i, *node, v, |m| meetings.push(*m));
             let seed = |with: Option<usize>| {
                 let Some(seeds) = seeds else { return [T::ZERO; 4] };
                 let by = match with {
@@ -170,8 +173,9 @@ impl<T: Real> Travel<'_, T> {
                 scale(by, system.masses[i] * rate)
             };
             let state = (node.x, &**meetings);
+            let surfaces = (&mut *around_bar, &mut *clearance_bar);
             (bar[i], start_bar[i]) =
-                scene.advance_adjoint(state, bar[i], seed, law_bar, around_bar);
+                scene.advance_adjoint(i, state, bar[i], seed, law_bar, surfaces);
         }
     }
 }
