@@ -5,6 +5,7 @@
 mod appearance;
 mod identifiability;
 mod members;
+mod planner;
 
 use std::borrow::Cow;
 
@@ -20,7 +21,7 @@ use crate::{
 /// Newest version that this build reads and writes; it reads every earlier one. A twin is written
 /// in the earliest version that can hold it, so that older programs read the twins that they
 /// support and refuse others.
-pub const VERSION: u32 = 5;
+pub const VERSION: u32 = 6;
 
 /// The version with rods.
 const WITH_RODS: u32 = 2;
@@ -33,6 +34,9 @@ const WITH_MEMBERS: u32 = 4;
 
 /// The version with an appearance.
 const WITH_APPEARANCE: u32 = 5;
+
+/// The version with a planner's twin.
+const WITH_PLANNER: u32 = 6;
 
 /// The tensor that says the hand of each control point; a file of any version may have it.
 const HANDS: &str = "controls.hand";
@@ -175,6 +179,9 @@ impl Twin {
         if let Some(appearance) = &self.appearance {
             tensors.extend(appearance::tensors(appearance));
         }
+        if let Some(planner) = &self.planner {
+            tensors.extend(planner::tensors(planner)?);
+        }
         if !self.control_hands.is_empty() {
             tensors.push((HANDS, raw(Dtype::U32, &[c], &self.control_hands)));
         }
@@ -205,6 +212,11 @@ impl Twin {
     /// # Errors
     /// If the bytes are no twin file, are damaged, or hold a twin that cannot be simulated.
     pub fn decode(bytes: &[u8]) -> Result<Self, FormatError> {
+        Self::decode_before(bytes, VERSION + 1)
+    }
+
+    /// Reads a twin file of a version before this one.
+    fn decode_before(bytes: &[u8], end: u32) -> Result<Self, FormatError> {
         let container = |e: safetensors::SafeTensorError| FormatError::Container(e.to_string());
         let (_, header) = SafeTensors::read_metadata(bytes).map_err(container)?;
         let json = header
@@ -218,7 +230,7 @@ impl Twin {
         }
         let invalid = |e: serde_json::Error| FormatError::Metadata(e.to_string());
         let version = serde_json::from_str::<Version>(json).map_err(invalid)?.version;
-        if version == 0 || version > VERSION {
+        if version == 0 || version >= end {
             return Err(FormatError::Version(version));
         }
         let mut metadata: Metadata = serde_json::from_str(json).map_err(invalid)?;
@@ -298,8 +310,12 @@ impl Twin {
                 Vec::new()
             },
             members,
-            appearance: match version >= WITH_APPEARANCE {
-                true => Some(file.appearance()?),
+            appearance: match version == WITH_APPEARANCE || file.has_appearance() {
+                true if version >= WITH_APPEARANCE => Some(file.appearance()?),
+                _ => None,
+            },
+            planner: match version >= WITH_PLANNER {
+                true => Some(file.planner()?),
                 false => None,
             },
         };
@@ -311,6 +327,7 @@ impl Twin {
     fn version(&self) -> u32 {
         let g = &self.graph;
         let needs = [
+            (WITH_PLANNER, self.planner.is_some()),
             (WITH_APPEARANCE, self.appearance.is_some()),
             (WITH_MEMBERS, !self.members.is_empty()),
             (WITH_SKIN, !self.skin.is_nodes(g)),
@@ -363,6 +380,7 @@ impl Twin {
         if let Some(report) = &self.quality.identifiability {
             report.check(self.graph.node_count(), self.skin.len()).or_else(fail)?;
         }
+        self.check_planner()?;
         self.quality.fast.as_ref().map_or(Ok(()), |f| f.check().or_else(fail))
     }
 }

@@ -36,6 +36,11 @@ pub(super) fn tensors(appearance: &Appearance) -> Vec<(&'static str, Raw<'static
 }
 
 impl Tensors<'_> {
+    /// True if there is an appearance that is more than nothing.
+    pub(super) fn has_appearance(&self) -> bool {
+        self.has(COLORS) || self.has(SCALES)
+    }
+
     /// The appearance.
     pub(super) fn appearance(&self) -> Result<Appearance, FormatError> {
         let skin_colors = match self.has(COLORS) {

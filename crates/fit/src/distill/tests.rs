@@ -1,0 +1,160 @@
+use bendtwin_core::{FitSettings, Twin, settings::Substeps};
+use bendtwin_engine::{Model, enough_substeps};
+use bendtwin_synth::{MakeOptions, Scene, make};
+
+use super::*;
+
+/// A fit of a second or so with some 60 nodes, and its capture.
+fn fitted() -> (Twin, Capture) {
+    let capture = make(Scene::Rope, &MakeOptions::tiny(2)).unwrap();
+    let mut settings = FitSettings { seed: 5, ..FitSettings::default() };
+    settings.graph.max_nodes = Some(60);
+    settings.substeps = Substeps::Auto { safety: 1.2, max: Some(100) };
+    settings.search.starts = Some(1);
+    settings.search.generations = Some(2);
+    settings.search.population = Some(4);
+    settings.refine.passes = Some(3);
+    let backend = bendtwin_engine::cpu_with_threads(2);
+    let job = FitJob { capture: &capture, capture_digest: "digest".into(), settings, backend, look: None };
+    let twin = job.run(None, &mut (), &CancelToken::default()).unwrap().twin;
+    (twin, capture)
+}
+
+const WANTED: Distillation = Distillation { nodes: 20, substeps: 10, seed: 3 };
+
+#[test]
+fn a_planners_twin_is_small_close_and_the_same_every_time() {
+    let (twin, capture) = fitted();
+    let backend = bendtwin_engine::cpu_with_threads(2);
+    let cancel = CancelToken::default();
+    let with = WANTED.of(&twin, Some(&capture), &backend, &cancel).unwrap();
+    let (planner, figures) = (with.planner.as_ref().unwrap(), with.quality.planner.unwrap());
+    assert_eq!((figures.nodes, planner.nodes.len()), (20, 20));
+    assert!(figures.substeps <= 10, "{figures:?}");
+    assert!(enough_substeps(&Model::from(&*planner.twin), figures.substeps).is_ok());
+    assert_eq!(planner.twin.skin.len(), twin.skin.len() + twin.graph.node_count());
+    let mass = |twin: &Twin| twin.graph.masses.iter().sum::<f32>();
+    assert!((mass(&planner.twin) / mass(&twin) - 1.0).abs() < 1e-4);
+    assert!(figures.mean_travel_m > 0.01, "the actions move it: {figures:?}");
+    assert!(figures.share_of_travel() < 0.2, "{figures:?}");
+    let file = with.encode().unwrap();
+    assert_eq!(Twin::decode(&file).unwrap(), with);
+    let again = WANTED.of(&twin, Some(&capture), &backend, &cancel).unwrap();
+    assert_eq!(again.encode().unwrap(), file);
+    // One in the place of another.
+    let other = Distillation { seed: 4, ..WANTED }.of(&with, None, &backend, &cancel).unwrap();
+    assert_ne!(other.planner, with.planner);
+}
+
+/// Without the refinement, the deviation is larger: distillation is worth its time.
+#[test]
+fn refinement_brings_it_closer() {
+    let (twin, capture) = fitted();
+    let backend = bendtwin_engine::cpu_with_threads(2);
+    let cancel = CancelToken::default();
+    let hands = Hands::new(&twin, Some(&capture));
+    let held_out = follow(&*backend, &twin, &hands.actions(HELD_OUT, 3, 1), &cancel).unwrap();
+    let training = follow(&*backend, &twin, &hands.actions(TRAINING, 3, 0), &cancel).unwrap();
+    let thin = WANTED.softened(&twin, &training, &*backend, &cancel).unwrap();
+    let [before, ..] = deviation(&*backend, &thin, &twin, &held_out, &cancel).unwrap();
+    let with = WANTED.of(&twin, Some(&capture), &backend, &cancel).unwrap();
+    let after = with.quality.planner.unwrap().mean_deviation_m;
+    assert!(after < 0.8 * before, "{after} is not much less than {before}");
+}
+
+#[test]
+fn what_cannot_be_planned_with_says_why() {
+    let (mut twin, _) = fitted();
+    let backend = bendtwin_engine::cpu_with_threads(1);
+    let cancel = CancelToken::default();
+    cancel.cancel();
+    assert!(matches!(WANTED.of(&twin, None, &backend, &cancel), Err(Error::Backend(_))));
+    let n = twin.graph.node_count() as u32;
+    twin.graph.pins.clear();
+    twin.graph.springs.retain(|spring| spring[1] < n);
+    twin.graph.control_rest.clear();
+    let error = WANTED.of(&twin, None, &backend, &CancelToken::default()).unwrap_err();
+    assert!(error.to_string().contains("control points"), "{error}");
+}
+
+#[test]
+fn a_budget_is_read_and_selects_a_size() {
+    let budget: Budget = "48x15@10".parse().unwrap();
+    assert_eq!(budget, Budget { samples: 48, frames: 15, per_second: 10.0 });
+    assert_eq!("8 x 5 @ 2.5 Hz".parse::<Budget>().unwrap().per_second, 2.5);
+    for text in ["", "48x15", "48@10", "0x15@10", "48x15@0", "48x15@nan", "48x15@-1"] {
+        assert!(text.parse::<Budget>().is_err(), "{text}");
+    }
+    let (twin, _) = fitted();
+    let backend = bendtwin_engine::cpu_with_threads(1);
+    let choose = |per_second| {
+        let budget = Budget { samples: 1, frames: 1, per_second };
+        budget.choose(&twin, &*backend, &CancelToken::default()).unwrap()
+    };
+    // A frame of one rollout takes less than a minute, and more than a tenth of a microsecond.
+    let (slow, fast) = (choose(0.01), choose(1e7));
+    assert!(slow.fits && slow.nodes == 120, "{slow:?}");
+    assert!(!fast.fits && fast.nodes == 60, "{fast:?}");
+}
+
+#[test]
+#[ignore]
+fn explore() {
+    let backend = bendtwin_engine::cpu_with_threads(2);
+    let cancel = CancelToken::default();
+    for file in std::env::var("TWINS").unwrap().split(',') {
+        let twin = Twin::decode(&std::fs::read(file).unwrap()).unwrap();
+        let hands = Hands::new(&twin, None);
+        let began = std::time::Instant::now();
+        let held_out = follow(&*backend, &twin, &hands.actions(HELD_OUT, 3, 1), &cancel).unwrap();
+        println!("{file}: {} nodes {} substeps, follow {:.2} s, {} windows", twin.graph.node_count(), twin.timing.substeps, began.elapsed().as_secs_f64(), held_out.len());
+        let needs = |change: &dyn Fn(&mut bendtwin_core::Params)| {
+            let mut model = Model::from(&twin);
+            change(&mut model.params);
+            bendtwin_engine::stable_substeps(&model).needed
+        };
+        let zero = |v: &mut Vec<f32>| v.iter_mut().for_each(|x| *x = 0.0);
+        println!("  needs {}; no dashpots {}; no bend damping {}; neither {}; no springs {}; no bending {}; only dashpots {}; only bend damping {}; drag {}", needs(&|_| {}),
+            needs(&|p| zero(&mut p.spring_dashpot)), needs(&|p| zero(&mut p.bend_damping)),
+            needs(&|p| { zero(&mut p.spring_dashpot); zero(&mut p.bend_damping) }),
+            needs(&|p| zero(&mut p.spring_stiffness)), needs(&|p| zero(&mut p.bend_stiffness)),
+            needs(&|p| { zero(&mut p.spring_stiffness); zero(&mut p.bend_stiffness); zero(&mut p.bend_damping) }),
+            needs(&|p| { zero(&mut p.spring_stiffness); zero(&mut p.bend_stiffness); zero(&mut p.spring_dashpot) }), twin.params.drag);
+        let sizes: Vec<(usize, u32)> = std::env::var("SIZES").unwrap().split(',').map(|s| { let (a, b) = s.split_once('x').unwrap(); (a.parse().unwrap(), b.parse().unwrap()) }).collect();
+        for (nodes, substeps) in sizes {
+            let wanted = Distillation { nodes, substeps, seed: 3 };
+            let training = follow(&*backend, &twin, &hands.actions(TRAINING, 3, 0), &cancel).unwrap();
+            for share in DAMPING {
+                let [mean, ..] = deviation(&*backend, &thin::softened(&thin::thin(&twin, nodes), share, substeps), &twin, &training, &cancel).unwrap();
+                print!("  share {share}: {:.2} mm;", 1e3 * mean);
+            }
+            println!();
+            let mut thin = wanted.softened(&twin, &training, &*backend, &cancel).unwrap();
+            let size = Budget { samples: 48, frames: 15, per_second: 10.0 };
+            println!("  48x15: {:.1} ms", 1e3 * size.time(&thin.twin, &*backend, &cancel).unwrap());
+            let large = large_skin(&twin);
+            // What binding alone loses.
+            let (mut sum, mut count) = (0.0, 0);
+            for w in &held_out {
+                let n = twin.graph.node_count();
+                for row in w.positions.chunks(n) {
+                    let own = thin.twin.skin.positions(&thin.select(row));
+                    for (a, b) in own.iter().zip(large.positions(row)) {
+                        sum += bendtwin_core::geometry::point_distance(*a, b);
+                        count += 1;
+                    }
+                }
+            }
+            let [before, most, travel] = deviation(&*backend, &thin, &twin, &held_out, &cancel).unwrap();
+            println!("  {nodes} x {substeps}: {} nodes {} springs {} triplets {} substeps; bound {:.2} mm; before {:.2} mm (max {:.1}) of {:.1}", thin.nodes.len(), thin.twin.graph.springs.len(), thin.twin.graph.triplets.len(), thin.twin.timing.substeps, 1e3 * sum / count as f64, 1e3 * before, 1e3 * most, 1e3 * travel);
+            if std::env::var("REFINE").is_ok() {
+                let began = std::time::Instant::now();
+                refine(&mut thin, &twin, &training, 3, (&backend, &cancel)).unwrap();
+                let took = began.elapsed().as_secs_f64();
+                let [train, ..] = deviation(&*backend, &thin, &twin, &training, &cancel).unwrap();
+                let [after, most, _] = deviation(&*backend, &thin, &twin, &held_out, &cancel).unwrap();
+                println!("     refined in {took:.1} s: {:.2} mm (max {:.1}), train {:.2}, {} substeps", 1e3 * after, 1e3 * most, 1e3 * train, thin.twin.timing.substeps);
+            }
+        }
+    }
+}
