@@ -112,12 +112,12 @@ fn joined(twin: &Twin, nodes: &[usize]) -> (Graph, Params) {
         positions,
         kinds,
     };
-    let triplets = Triplets { max_per_node: TRIPLETS, reference: TripletReference::OppositePairs };
+    let triplets = Triplets { max_per_node: tune("TRIPLETS", TRIPLETS as f64) as usize, reference: TripletReference::OppositePairs };
     let mut graph = connect(
         &sample,
         &Connectivity {
-            radius_m: REACH * spacing_m,
-            max_neighbours: NEIGHBOURS,
+            radius_m: tune("REACH", REACH) * spacing_m,
+            max_neighbours: tune("NEIGHBOURS", NEIGHBOURS as f64) as usize,
             control_radius_m: HOLD * spacing_m,
             control_neighbours: HOLDS,
             triplets: (!large.triplets.is_empty()).then_some(triplets),
@@ -329,4 +329,13 @@ pub(super) fn softened(planner: &PlannersTwin, damping: f32, substeps: u32) -> P
     softened.twin.params = model.params;
     softened.twin.timing.substeps = most;
     softened
+}
+
+#[cfg(test)]
+fn tune(name: &str, default: f64) -> f64 {
+    std::env::var(name).ok().and_then(|v| v.parse().ok()).unwrap_or(default)
+}
+#[cfg(not(test))]
+fn tune(_: &str, default: f64) -> f64 {
+    default
 }
