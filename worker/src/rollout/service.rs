@@ -401,7 +401,10 @@ impl Call {
         }
         let own = plan.served.planner.as_ref().map(|planner| Arc::clone(&planner.own));
         // States of sessions and of simulations that come before are the exact twin's.
-        let of_twin = |starts| own.as_ref().map_or_else(|| Ok(starts), |own| own.thinned(starts));
+        let of_twin = |starts| match &own {
+            None => Ok(starts),
+            Some(own) => own.thinned(starts),
+        };
         let starts = match (starts, wanted, simulated) {
             (Some(starts), ..) => of_twin(starts)?,
             (None, Wanted::Ready(starts), _) => starts,
