@@ -263,7 +263,7 @@ const MOST_PLANNER_SUBSTEPS: u32 = 1000;
 pub struct PlannerSettings {
     /// Number of its nodes; 0 makes none. If left open, it depends on effort.
     pub nodes: Option<u32>,
-    /// Its substeps per frame, at most. If left open, 40.
+    /// Its substeps per frame, at most. If left open, 32.
     pub substeps: Option<u32>,
 }
 

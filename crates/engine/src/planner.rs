@@ -2,7 +2,10 @@
 
 use bendtwin_core::PlannersTwin;
 
-use crate::{model::State, world::{Grasping, Hold}};
+use crate::{
+    model::State,
+    world::{Grasping, Hold},
+};
 
 /// The state of a planner's twin in that of its twin: of its own nodes. Holds of other nodes are left
 /// out.
@@ -25,9 +28,8 @@ pub fn thinned(planner: &PlannersTwin, state: &State) -> State {
 /// The state of a twin, whose skin has so many points, in that of its planner's twin: its nodes are
 /// carried. [`thinned`], it is the same state again.
 pub fn carried(planner: &PlannersTwin, skin_points: usize, state: &State) -> State {
-    let of_twin = |hold: &Hold| {
-        planner.nodes.get(hold.node as usize).map(|&node| Hold { node, ..*hold })
-    };
+    let of_twin =
+        |hold: &Hold| planner.nodes.get(hold.node as usize).map(|&node| Hold { node, ..*hold });
     State {
         positions: planner.positions(skin_points, &state.positions),
         velocities: planner.velocities(skin_points, &state.positions, &state.velocities),

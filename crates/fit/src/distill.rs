@@ -82,8 +82,7 @@ impl Distillation {
         }
         let mut planner = self.softened(twin, &training, &**backend, cancel)?;
         refine(&mut planner, twin, &training, self.seed, (backend, cancel))?;
-        let [mean_m, max_m, travel_m] =
-            deviation(&**backend, &planner, twin, &held_out, cancel)?;
+        let [mean_m, max_m, travel_m] = deviation(&**backend, &planner, twin, &held_out, cancel)?;
         let graph = &planner.twin.graph;
         let figures = PlannerQuality {
             nodes: graph.node_count() as u32,
@@ -158,7 +157,8 @@ fn refine(
         ..FitSettings::default()
     };
     let (capture_digest, look) = (String::new(), None);
-    let job = FitJob { capture: &capture, capture_digest, settings, backend: backend.clone(), look };
+    let job =
+        FitJob { capture: &capture, capture_digest, settings, backend: backend.clone(), look };
     let starts = windows.iter().map(|window| Arc::new(thinned(planner, &window.start)));
     let task = Task::of_motion(&capture, &job.settings, &small, device_kind(&**backend), cancel)?
         .starting_in(starts.collect());

@@ -44,12 +44,7 @@ pub struct PlannerShape {
 impl TwinShape {
     /// Work of one instance over `frames` frames of one substep among surroundings that are as much
     /// work for each node as so many elements, in element substeps.
-    pub(super) fn substep_work(
-        &self,
-        fidelity: Fidelity,
-        frames: u64,
-        surroundings: u64,
-    ) -> u128 {
+    pub(super) fn substep_work(&self, fidelity: Fidelity, frames: u64, surroundings: u64) -> u128 {
         let [nodes, springs, triplets] = self.simulated(fidelity);
         u128::from(frames) * (nodes * (1 + u128::from(surroundings)) + springs + triplets)
     }

@@ -69,11 +69,6 @@ impl PlannersWarm {
         Ok(Self { warm: Arc::new(warm), with_nodes, planner, nodes, skin_points, nearest })
     }
 
-    /// Number of nodes of the twin.
-    pub(super) fn nodes(&self) -> usize {
-        self.nodes
-    }
-
     /// The twin's number of one of the planner's nodes.
     pub(super) fn node(&self, own: usize) -> usize {
         self.planner.nodes.get(own).map_or(own, |&node| node as usize)
@@ -107,10 +102,8 @@ impl PlannersWarm {
             let fault = "is the planner's twin, which has the rest shape that was fitted, and a correction has changed that of the state: begin in another state, or ask for EXACT or FAST";
             return Err(Error::field("fidelity", fault));
         }
-        let of = |start: Start| Start {
-            state: Arc::new(thinned(&self.planner, &start.state)),
-            ..start
-        };
+        let of =
+            |start: Start| Start { state: Arc::new(thinned(&self.planner, &start.state)), ..start };
         Ok(match starts {
             Starts::Shared(start) => Starts::Shared(of(start)),
             Starts::Each(starts) => Starts::Each(starts.into_iter().map(of).collect()),
@@ -187,7 +180,8 @@ impl PlannersWarm {
         let points = |tensor: &mut Option<Tensor>, field: &str| -> Result<(), Error> {
             let Some(of) = tensor.take().filter(|t| !t.is_absent()) else { return Ok(()) };
             let (mut shape, values) = of.unpack_points(field)?;
-            let own: Vec<_> = values.chunks_exact(n).flat_map(|row| self.planner.select(row)).collect();
+            let own: Vec<_> =
+                values.chunks_exact(n).flat_map(|row| self.planner.select(row)).collect();
             shape.pop();
             shape.push(self.planner.nodes.len());
             *tensor = Some(Tensor::pack_points(&shape, &own));

@@ -33,7 +33,7 @@ pub(super) struct Planner {
           value_parser = clap::value_parser!(u32).range(4..=2000))]
     nodes: u32,
     /// Substeps per frame, at most
-    #[arg(long, value_name = "N", default_value_t = 40, conflicts_with = "budget",
+    #[arg(long, value_name = "N", default_value_t = 32, conflicts_with = "budget",
           value_parser = clap::value_parser!(u32).range(1..=1000))]
     substeps: u32,
     /// Choose nodes and substeps for plans of so many samples x frames @ plans a second on this machine,

@@ -15,7 +15,7 @@ const BEST_GAUSSIANS: u32 = 20_000;
 /// Nodes of the planner's twin of a twin whose fit takes its time, and substeps of any: 48 rollouts of
 /// 15 frames take some 40 ms on two cores.
 const PLANNER_NODES: u32 = 80;
-const PLANNER_SUBSTEPS: u32 = 40;
+const PLANNER_SUBSTEPS: u32 = 32;
 /// Training sequences per step of a refinement, at least.
 const LEAST_BATCH: usize = 8;
 /// Steps of a pass on a GPU, at most: it computes a quarter of a cable's sequences in hardly more time

@@ -89,7 +89,9 @@ impl Hands {
         let common = self.way(kind, 1.0, rng);
         let least = |hand: usize| {
             let others = (0..self.middles.len()).filter(|&other| other != hand);
-            others.map(|o| distance(self.middles[o], self.middles[hand])).fold(f64::INFINITY, f64::min)
+            others
+                .map(|o| distance(self.middles[o], self.middles[hand]))
+                .fold(f64::INFINITY, f64::min)
         };
         // Hands go together, and apart by a part of their distance: objects are not torn.
         let own: Vec<Option<Way>> = (0..self.middles.len())
@@ -99,8 +101,11 @@ impl Hands {
                 apart_m.is_finite().then(|| self.way(Kind::Wander, (apart_m / all_m).min(1.0), rng))
             })
             .collect();
-        let turns: Vec<(Vector, f64)> =
-            self.middles.iter().map(|_| (direction(rng), TURN * rng.random_range(-1.0..1.0))).collect();
+        let turns: Vec<(Vector, f64)> = self
+            .middles
+            .iter()
+            .map(|_| (direction(rng), TURN * rng.random_range(-1.0..1.0)))
+            .collect();
         let mut controls = Vec::with_capacity((LENGTH + 1) * self.rest.len());
         for frame in 0..=LENGTH {
             let t = frame as f64 / self.fps;
@@ -109,7 +114,11 @@ impl Hands {
             self.keep_above(&mut moved);
             for (point, &hand) in self.rest.iter().zip(&self.of) {
                 let (middle, (axis, angle)) = (self.middles[hand as usize], turns[hand as usize]);
-                let arm = turned(sub(wide(*point), middle), axis, angle * 0.5 * (1.0 - (PI * share).cos()));
+                let arm = turned(
+                    sub(wide(*point), middle),
+                    axis,
+                    angle * 0.5 * (1.0 - (PI * share).cos()),
+                );
                 let at = add(add(middle, arm), moved[hand as usize]);
                 controls.push(at.map(|x| x as f32));
             }

@@ -12,7 +12,7 @@ use super::thin::{softened, thin};
 use crate::Error;
 
 /// Nodes and substeps that are tried, the finest first.
-const SIZES: [(usize, u32); 6] = [(120, 60), (120, 40), (100, 40), (80, 40), (80, 24), (60, 16)];
+const SIZES: [(usize, u32); 6] = [(120, 60), (120, 40), (100, 40), (80, 32), (80, 24), (60, 16)];
 /// Share of the time of a plan that its rollouts may take: the rest is for the planner and the wire.
 const SHARE: f64 = 0.8;
 /// Calls that are timed; the best counts.
@@ -111,7 +111,9 @@ impl std::str::FromStr for Budget {
 
     /// Reads `48x15@10`: samples, frames, plans a second.
     fn from_str(text: &str) -> Result<Self, String> {
-        let wrong = || format!("`{text}` is no budget: write samples x frames @ plans a second, as 48x15@10");
+        let wrong = || {
+            format!("`{text}` is no budget: write samples x frames @ plans a second, as 48x15@10")
+        };
         let (size, rate) = text.split_once('@').ok_or_else(wrong)?;
         let (samples, frames) = size.split_once('x').ok_or_else(wrong)?;
         let number = |text: &str| text.trim().parse().ok().filter(|n| (1..=100_000).contains(n));

@@ -47,11 +47,11 @@ pub(super) fn follow(
     for part in 0..WINDOWS {
         let rows = part * FRAMES * width..((part + 1) * FRAMES + 1) * width;
         let going: Vec<usize> = (0..actions.len()).filter(|&a| states[a].is_some()).collect();
-        let begin = |&a: &usize| Some((states[a].clone()?, actions[a].controls[rows.clone()].to_vec()));
+        let begin =
+            |&a: &usize| Some((states[a].clone()?, actions[a].controls[rows.clone()].to_vec()));
         let begun: Vec<(State, Vec<Point>)> = going.iter().filter_map(begin).collect();
         let ran = run(backend, &loaded, &begun, cancel)?;
-        for ((action, (start, controls)), (positions, end)) in
-            going.into_iter().zip(begun).zip(ran)
+        for ((action, (start, controls)), (positions, end)) in going.into_iter().zip(begun).zip(ran)
         {
             states[action] = end;
             if states[action].is_some() {

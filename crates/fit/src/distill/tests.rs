@@ -15,12 +15,18 @@ fn fitted() -> (Twin, Capture) {
     settings.search.population = Some(4);
     settings.refine.passes = Some(3);
     let backend = bendtwin_engine::cpu_with_threads(2);
-    let job = FitJob { capture: &capture, capture_digest: "digest".into(), settings, backend, look: None };
+    let job = FitJob {
+        capture: &capture,
+        capture_digest: "digest".into(),
+        settings,
+        backend,
+        look: None,
+    };
     let twin = job.run(None, &mut (), &CancelToken::default()).unwrap().twin;
     (twin, capture)
 }
 
-const WANTED: Distillation = Distillation { nodes: 20, substeps: 10, seed: 3 };
+const WANTED: Distillation = Distillation { nodes: 20, substeps: 30, seed: 3 };
 
 #[test]
 fn a_planners_twin_is_small_close_and_the_same_every_time() {
@@ -30,7 +36,7 @@ fn a_planners_twin_is_small_close_and_the_same_every_time() {
     let with = WANTED.of(&twin, Some(&capture), &backend, &cancel).unwrap();
     let (planner, figures) = (with.planner.as_ref().unwrap(), with.quality.planner.unwrap());
     assert_eq!((figures.nodes, planner.nodes.len()), (20, 20));
-    assert!(figures.substeps <= 10, "{figures:?}");
+    assert!(figures.substeps <= 30, "{figures:?}");
     assert!(enough_substeps(&Model::from(&*planner.twin), figures.substeps).is_ok());
     assert_eq!(planner.twin.skin.len(), twin.skin.len() + twin.graph.node_count());
     let mass = |twin: &Twin| twin.graph.masses.iter().sum::<f32>();
@@ -95,66 +101,4 @@ fn a_budget_is_read_and_selects_a_size() {
     let (slow, fast) = (choose(0.01), choose(1e7));
     assert!(slow.fits && slow.nodes == 120, "{slow:?}");
     assert!(!fast.fits && fast.nodes == 60, "{fast:?}");
-}
-
-#[test]
-#[ignore]
-fn explore() {
-    let backend = bendtwin_engine::cpu_with_threads(2);
-    let cancel = CancelToken::default();
-    for file in std::env::var("TWINS").unwrap().split(',') {
-        let twin = Twin::decode(&std::fs::read(file).unwrap()).unwrap();
-        let hands = Hands::new(&twin, None);
-        let began = std::time::Instant::now();
-        let held_out = follow(&*backend, &twin, &hands.actions(HELD_OUT, 3, 1), &cancel).unwrap();
-        println!("{file}: {} nodes {} substeps, follow {:.2} s, {} windows", twin.graph.node_count(), twin.timing.substeps, began.elapsed().as_secs_f64(), held_out.len());
-        let needs = |change: &dyn Fn(&mut bendtwin_core::Params)| {
-            let mut model = Model::from(&twin);
-            change(&mut model.params);
-            bendtwin_engine::stable_substeps(&model).needed
-        };
-        let zero = |v: &mut Vec<f32>| v.iter_mut().for_each(|x| *x = 0.0);
-        println!("  needs {}; no dashpots {}; no bend damping {}; neither {}; no springs {}; no bending {}; only dashpots {}; only bend damping {}; drag {}", needs(&|_| {}),
-            needs(&|p| zero(&mut p.spring_dashpot)), needs(&|p| zero(&mut p.bend_damping)),
-            needs(&|p| { zero(&mut p.spring_dashpot); zero(&mut p.bend_damping) }),
-            needs(&|p| zero(&mut p.spring_stiffness)), needs(&|p| zero(&mut p.bend_stiffness)),
-            needs(&|p| { zero(&mut p.spring_stiffness); zero(&mut p.bend_stiffness); zero(&mut p.bend_damping) }),
-            needs(&|p| { zero(&mut p.spring_stiffness); zero(&mut p.bend_stiffness); zero(&mut p.spring_dashpot) }), twin.params.drag);
-        let sizes: Vec<(usize, u32)> = std::env::var("SIZES").unwrap().split(',').map(|s| { let (a, b) = s.split_once('x').unwrap(); (a.parse().unwrap(), b.parse().unwrap()) }).collect();
-        for (nodes, substeps) in sizes {
-            let wanted = Distillation { nodes, substeps, seed: 3 };
-            let training = follow(&*backend, &twin, &hands.actions(TRAINING, 3, 0), &cancel).unwrap();
-            for share in DAMPING {
-                let [mean, ..] = deviation(&*backend, &thin::softened(&thin::thin(&twin, nodes), share, substeps), &twin, &training, &cancel).unwrap();
-                print!("  share {share}: {:.2} mm;", 1e3 * mean);
-            }
-            println!();
-            let mut thin = wanted.softened(&twin, &training, &*backend, &cancel).unwrap();
-            let size = Budget { samples: 48, frames: 15, per_second: 10.0 };
-            println!("  48x15: {:.1} ms", 1e3 * size.time(&thin.twin, &*backend, &cancel).unwrap());
-            let large = large_skin(&twin);
-            // What binding alone loses.
-            let (mut sum, mut count) = (0.0, 0);
-            for w in &held_out {
-                let n = twin.graph.node_count();
-                for row in w.positions.chunks(n) {
-                    let own = thin.twin.skin.positions(&thin.select(row));
-                    for (a, b) in own.iter().zip(large.positions(row)) {
-                        sum += bendtwin_core::geometry::point_distance(*a, b);
-                        count += 1;
-                    }
-                }
-            }
-            let [before, most, travel] = deviation(&*backend, &thin, &twin, &held_out, &cancel).unwrap();
-            println!("  {nodes} x {substeps}: {} nodes {} springs {} triplets {} substeps; bound {:.2} mm; before {:.2} mm (max {:.1}) of {:.1}", thin.nodes.len(), thin.twin.graph.springs.len(), thin.twin.graph.triplets.len(), thin.twin.timing.substeps, 1e3 * sum / count as f64, 1e3 * before, 1e3 * most, 1e3 * travel);
-            if std::env::var("REFINE").is_ok() {
-                let began = std::time::Instant::now();
-                refine(&mut thin, &twin, &training, 3, (&backend, &cancel)).unwrap();
-                let took = began.elapsed().as_secs_f64();
-                let [train, ..] = deviation(&*backend, &thin, &twin, &training, &cancel).unwrap();
-                let [after, most, _] = deviation(&*backend, &thin, &twin, &held_out, &cancel).unwrap();
-                println!("     refined in {took:.1} s: {:.2} mm (max {:.1}), train {:.2}, {} substeps", 1e3 * after, 1e3 * most, 1e3 * train, thin.twin.timing.substeps);
-            }
-        }
-    }
 }

@@ -9,10 +9,8 @@
 //! kept as well. What holds a control point keeps the sums of k / l and of γ there.
 
 use bendtwin_core::{
-    Graph, NodeKind, Params, PlannersTwin, Point, Skin, Twin,
-    geometry::point_distance,
-    settings::TripletReference,
-    twin::Provenance,
+    Graph, NodeKind, Params, PlannersTwin, Point, Skin, Twin, geometry::point_distance,
+    settings::TripletReference, twin::Provenance,
 };
 use bendtwin_engine::{Model, fidelity::Reduction};
 use bendtwin_graph::{
@@ -94,9 +92,10 @@ fn joined(twin: &Twin, nodes: &[usize]) -> (Graph, Params) {
     let positions: Vec<Point> = nodes.iter().map(|&i| large.rest_positions[i]).collect();
     let kinds: Vec<NodeKind> = nodes.iter().map(|&i| large.kinds[i]).collect();
     let place = |node: u32| nodes.binary_search(&(node as usize)).ok().map(|at| at as u32);
-    let pins = large.pins.iter().filter_map(|pin| {
-        Some(bendtwin_core::Pin { node: place(pin.node)?, ..*pin })
-    });
+    let pins = large
+        .pins
+        .iter()
+        .filter_map(|pin| Some(bendtwin_core::Pin { node: place(pin.node)?, ..*pin }));
     let spacing_m = mean_spacing(&positions);
     let sample = NodeSample {
         observed_points: of(&large.observed_points),
@@ -112,12 +111,12 @@ fn joined(twin: &Twin, nodes: &[usize]) -> (Graph, Params) {
         positions,
         kinds,
     };
-    let triplets = Triplets { max_per_node: tune("TRIPLETS", TRIPLETS as f64) as usize, reference: TripletReference::OppositePairs };
+    let triplets = Triplets { max_per_node: TRIPLETS, reference: TripletReference::OppositePairs };
     let mut graph = connect(
         &sample,
         &Connectivity {
-            radius_m: tune("REACH", REACH) * spacing_m,
-            max_neighbours: tune("NEIGHBOURS", NEIGHBOURS as f64) as usize,
+            radius_m: REACH * spacing_m,
+            max_neighbours: NEIGHBOURS,
             control_radius_m: HOLD * spacing_m,
             control_neighbours: HOLDS,
             triplets: (!large.triplets.is_empty()).then_some(triplets),
@@ -329,13 +328,4 @@ pub(super) fn softened(planner: &PlannersTwin, damping: f32, substeps: u32) -> P
     softened.twin.params = model.params;
     softened.twin.timing.substeps = most;
     softened
-}
-
-#[cfg(test)]
-fn tune(name: &str, default: f64) -> f64 {
-    std::env::var(name).ok().and_then(|v| v.parse().ok()).unwrap_or(default)
-}
-#[cfg(not(test))]
-fn tune(_: &str, default: f64) -> f64 {
-    default
 }

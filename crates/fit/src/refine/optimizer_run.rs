@@ -295,7 +295,9 @@ impl<'a> OptimizerRun<'a> {
                 self.note(format!("raised to {} substeps a frame", self.state.substeps));
                 Ok(())
             }
-            Err(LoadError::TooStiff(_)) if self.task.softens && self.soften(index, optimizer)? => {
+            Err(LoadError::TooStiff(_))
+                if self.task.softens && self.soften(index, optimizer)? =>
+            {
                 Ok(())
             }
             Err(LoadError::TooStiff(n)) => {

@@ -145,7 +145,8 @@ async fn gradients_are_those_of_the_planner() {
         reply.costs.as_ref().unwrap().unpack::<f64>("costs").unwrap().1[0]
     };
     let step = 5e-3;
-    let difference = (value(&ask(0.05 + step)) - value(&ask(0.05 - step))) / (2.0 * f64::from(step));
+    let difference =
+        (value(&ask(0.05 + step)) - value(&ask(0.05 - step))) / (2.0 * f64::from(step));
     let gradient = f64::from(points(&ask(0.05).action_gradients).1[1][0]);
     assert!((gradient - difference).abs() < 0.02 * difference.abs(), "{gradient}, {difference}");
 }
@@ -203,5 +204,8 @@ async fn what_a_planner_does_not_measure_is_refused() {
     let bench = Bench::new();
     let none = Served::choose(Arc::clone(&bench.warm), Fidelity::Planner, &bench.device);
     let none = none.await.err().unwrap();
-    assert_eq!((none.category(), none.reason()), (Category::FailedPrecondition, "PLANNERS_TWIN_UNKNOWN"));
+    assert_eq!(
+        (none.category(), none.reason()),
+        (Category::FailedPrecondition, "PLANNERS_TWIN_UNKNOWN")
+    );
 }

@@ -42,7 +42,9 @@ impl Twin {
         match (&self.planner, &self.quality.planner) {
             (None, None) => Ok(()),
             (Some(_), None) => fail("the planner's twin has no figures".into()),
-            (None, Some(_)) => fail("there are figures of a planner's twin, and no such twin".into()),
+            (None, Some(_)) => {
+                fail("there are figures of a planner's twin, and no such twin".into())
+            }
             (Some(planner), Some(figures)) => {
                 planner.check(self).or_else(fail)?;
                 planner.twin.check()?;

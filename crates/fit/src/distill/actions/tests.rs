@@ -56,7 +56,8 @@ fn actions_begin_at_rest_stay_together_and_are_as_fast_as_hands() {
 #[test]
 fn hands_stay_above_the_ground() {
     let hands = Hands::new(&twin(), None);
-    let lowest = |action: &Action| action.controls.iter().map(|p| p[2]).fold(f32::INFINITY, f32::min);
+    let lowest =
+        |action: &Action| action.controls.iter().map(|p| p[2]).fold(f32::INFINITY, f32::min);
     let least = hands.actions(32, 7, 0).iter().map(lowest).fold(f32::INFINITY, f32::min);
     // They turn about their middle, which a control point is a centimetre from.
     assert!(least > -0.011, "{least}");
