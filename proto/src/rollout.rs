@@ -42,7 +42,7 @@ pub use self::{
     session::{MOST_SLOTS, check_advance, check_session, slots, states_bytes},
     size::reply_bytes,
     surroundings::models_bytes,
-    twin::TwinShape,
+    twin::{PlannerShape, TwinShape},
 };
 pub(crate) use self::{
     check::{SHORTEST_QUATERNION, sizes, tensors, within, world},

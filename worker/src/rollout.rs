@@ -15,6 +15,7 @@ mod lru;
 mod mean;
 mod observation;
 mod plan;
+mod planner;
 mod plausible;
 mod quaternion;
 mod recorded;

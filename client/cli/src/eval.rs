@@ -169,10 +169,12 @@ fn score(
     let kept = &fitted.twin.quality;
     let quality = match (&args.twin, args.per_frame) {
         (Some(_), _) => {
-            Quality { fast: fast()?, identifiability: kept.identifiability.clone(), ..again()? }
+            let (identifiability, planner) = (kept.identifiability.clone(), kept.planner);
+            Quality { fast: fast()?, identifiability, planner, ..again()? }
         }
         (None, true) => Quality {
             fast: kept.fast,
+            planner: kept.planner,
             choice: kept.choice.clone(),
             identifiability: kept.identifiability.clone(),
             ..again()?
@@ -212,6 +214,9 @@ fn text(name: &str, scored: &Scored) -> String {
     text += &format!("\n{}\n", scored.assessment);
     if let Some(line) = quality::fast(&scored.quality, scored.substeps) {
         text += &format!("\nFast: {line}.\n");
+    }
+    if let Some(line) = quality::planner(&scored.quality) {
+        text += &format!("\nPlanner's twin: {line}.\n");
     }
     if let Some(sentences) = identifiability::sentences(&scored.quality) {
         text += &format!("\n{sentences}\n");

@@ -41,9 +41,24 @@ pub(crate) fn fast(quality: &Quality, substeps: u32) -> Option<String> {
     ))
 }
 
+/// The planner's twin in a line; none if there is none.
+pub(crate) fn planner(quality: &Quality) -> Option<String> {
+    let planner = quality.planner.as_ref()?;
+    Some(format!(
+        "{} nodes, {} springs, {} triplets, {} substeps a frame, {:.2} mm from the exact twin on average, {:.1} mm at most, {:.1} % of the way that its skin travels",
+        planner.nodes,
+        planner.springs,
+        planner.triplets,
+        planner.substeps,
+        1e3 * planner.mean_deviation_m,
+        1e3 * planner.max_deviation_m,
+        1e2 * planner.share_of_travel(),
+    ))
+}
+
 #[cfg(test)]
 mod tests {
-    use bendtwin_core::FastVariant;
+    use bendtwin_core::{FastVariant, PlannerQuality};
 
     use super::*;
 
@@ -62,5 +77,24 @@ mod tests {
         assert!(line.contains("5.0 times fewer)") && line.contains("0.42 mm"), "{line}");
         assert!(super::fast(&quality, 20).unwrap().contains("as well"));
         assert_eq!(super::fast(&Quality::default(), 20), None);
+    }
+
+    #[test]
+    fn the_planners_twin_is_told_in_a_line() {
+        let planner = PlannerQuality {
+            nodes: 80,
+            springs: 500,
+            triplets: 90,
+            substeps: 12,
+            mean_deviation_m: 2e-3,
+            max_deviation_m: 1e-2,
+            mean_travel_m: 0.1,
+            frames: 30,
+            actions: 16,
+        };
+        let quality = Quality { planner: Some(planner), ..Quality::default() };
+        let line = super::planner(&quality).unwrap();
+        assert!(line.contains("80 nodes") && line.contains("2.0 % of the way"), "{line}");
+        assert_eq!(super::planner(&Quality::default()), None);
     }
 }

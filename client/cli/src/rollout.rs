@@ -77,6 +77,7 @@ pub(crate) struct Rollout {
 pub(crate) enum Mode {
     Exact,
     Fast,
+    Planner,
 }
 
 impl From<Mode> for Fidelity {
@@ -84,6 +85,7 @@ impl From<Mode> for Fidelity {
         match mode {
             Mode::Exact => Self::Exact,
             Mode::Fast => Self::Fast,
+            Mode::Planner => Self::Planner,
         }
     }
 }

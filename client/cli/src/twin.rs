@@ -1,8 +1,9 @@
-//! `bendtwin twin`: list, inspect, edit, export, import, dress.
+//! `bendtwin twin`: list, inspect, edit, export, import, dress, make ready for plans.
 
 mod dress;
 mod export;
 mod import;
+mod planner;
 mod source;
 
 use std::path::Path;
@@ -61,6 +62,9 @@ enum Command {
     Export(export::Export),
     /// Let a twin carry the Gaussians of a file: a scan by a phone, or a training elsewhere
     Dress(dress::Dress),
+    /// Make the planner's twin of a twin: a small twin beside it, distilled from its motion, with which
+    /// plans take a fraction of the time
+    Planner(planner::Planner),
     /// Store a twin file, or a fit by PhysTwin, on the server
     Import(import::Import),
     /// Delete twins
@@ -119,6 +123,7 @@ pub(crate) async fn run(args: Twin, global: &Global) -> anyhow::Result<()> {
         }
         Command::Export(args) => export::run(args, global).await,
         Command::Dress(args) => dress::run(args, global).await,
+        Command::Planner(args) => planner::run(args, global).await,
         Command::Import(args) => import::run(args, global).await,
         Command::Edit { name, changes } => {
             let update = changes.update()?;
@@ -147,7 +152,7 @@ fn stem(path: &Path) -> String {
 fn shown(twin: &bendtwin_client::Twin) -> String {
     let origin = |name: Option<String>| name.unwrap_or_else(|| "imported".to_owned());
     format!(
-        "{}\n  what      {}{}\n  capture   {}\n  fit       {}\n  graph     {} nodes, {} springs, {} triplets, {} control points\n  time      {} frames a second, {} substeps a frame\n  fast      {}\n  size      {}\n\n{}",
+        "{}\n  what      {}{}\n  capture   {}\n  fit       {}\n  graph     {} nodes, {} springs, {} triplets, {} control points\n  time      {} frames a second, {} substeps a frame\n  fast      {}\n  planner   {}\n  size      {}\n\n{}",
         twin.name,
         twin.display_name,
         labels::lines(&twin.note, &twin.tags, 10),
@@ -160,6 +165,7 @@ fn shown(twin: &bendtwin_client::Twin) -> String {
         twin.fps,
         twin.substeps,
         quality::fast(&twin.quality, twin.substeps).unwrap_or_else(|| "not known".to_owned()),
+        quality::planner(&twin.quality).unwrap_or_else(|| "none".to_owned()),
         output::bytes(twin.size_bytes),
         format_table(&twin.quality, TableStyle::Plain),
     )

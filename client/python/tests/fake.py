@@ -243,6 +243,9 @@ class Fake(
             reply.fidelity, reply.substeps = rollout_pb2.FAST, 20
             reply.deviation.mean_m = 5e-4
             reply.deviation.frames = 30
+        if request.fidelity == rollout_pb2.PLANNER:
+            reply.fidelity, reply.substeps = rollout_pb2.PLANNER, 40
+            reply.deviation.mean_m = 1e-3
         if request.returns.every_frames:
             path = np.repeat(knots[:, 1:, :1], 3, axis=2)
             if request.returns.encoding == rollout_pb2.Returns.INT16:

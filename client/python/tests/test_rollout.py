@@ -174,6 +174,8 @@ def test_a_fast_rollout_says_how_far_it_strays(twin):
     fast = twin.rollout(trajectories=actions(1), fidelity="fast")
     assert (fast.fidelity, fast.substeps) == ("fast", 20)
     assert (fast.deviation.mean_m, fast.deviation.frames) == (5e-4, 30)
+    planner = twin.rollout(trajectories=actions(1), fidelity="planner")
+    assert (planner.fidelity, planner.deviation.mean_m) == ("planner", 1e-3)
     exact = twin.rollout(trajectories=actions(1))
     assert (exact.fidelity, exact.substeps, exact.deviation) == ("exact", 100, None)
 

@@ -227,6 +227,7 @@ impl TryFrom<v1::Session> for Session {
     fn try_from(wire: v1::Session) -> Result<Self, Error> {
         let fidelity = match wire.fidelity() {
             v1::Fidelity::Fast => Fidelity::Fast,
+            v1::Fidelity::Planner => Fidelity::Planner,
             v1::Fidelity::Exact | v1::Fidelity::Unspecified => Fidelity::Exact,
         };
         let idle = Duration::try_from_secs_f64(wire.idle_timeout_s);

@@ -115,6 +115,7 @@ fn twin() -> Twin {
         control_hands: Vec::new(),
         members: Vec::new(),
         appearance: None,
+        planner: None,
         skin: Skin { observed_points: vec![Graph::NOT_OBSERVED; skin.len()], ..skin },
         graph,
     }

@@ -1,4 +1,4 @@
-//! Fidelity of a rollout: the twin exactly as fitted, or its fast variant.
+//! Fidelity of a rollout: the twin exactly as fitted, its fast variant, or its planner's twin.
 
 use serde::{Deserialize, Serialize};
 
@@ -11,6 +11,8 @@ pub enum Fidelity {
     Exact,
     /// The twin's [`FastVariant`].
     Fast,
+    /// The twin's [`PlannersTwin`](crate::PlannersTwin).
+    Planner,
 }
 
 /// The fast variant of a twin: its definition, and its deviation from the exact twin when both

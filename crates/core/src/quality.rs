@@ -4,7 +4,7 @@ use std::fmt;
 
 use serde::{Deserialize, Serialize};
 
-use crate::{FastVariant, Identifiability};
+use crate::{FastVariant, Identifiability, PlannerQuality};
 
 /// Errors over a span of frames, averaged over its frames. All in metres.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -258,6 +258,9 @@ pub struct Quality {
     /// The twin's fast variant with its deviation; none if that could not be measured.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub fast: Option<FastVariant>,
+    /// Figures of the twin's planner's twin; none if it has none.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub planner: Option<PlannerQuality>,
     /// The spread of the predictions of several fits; none if the twin has no members.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub spread: Option<SpreadScore>,

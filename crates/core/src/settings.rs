@@ -48,6 +48,8 @@ pub struct FitSettings {
     pub refine: RefineSettings,
     /// The look of the twin, from the images of a raw recording.
     pub appearance: AppearanceSettings,
+    /// The twin's planner's twin.
+    pub planner: PlannerSettings,
 }
 
 /// Sampling of nodes, and the connections between them.
@@ -274,6 +276,20 @@ pub struct AppearanceSettings {
     pub held_out_cameras: Vec<u32>,
 }
 
+/// Most nodes and most substeps of a planner's twin.
+const MOST_PLANNER_NODES: u32 = 2000;
+const MOST_PLANNER_SUBSTEPS: u32 = 1000;
+
+/// A small twin beside the twin, distilled from its motion, that plans are made with.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct PlannerSettings {
+    /// Number of its nodes; 0 makes none. If left open, it depends on effort.
+    pub nodes: Option<u32>,
+    /// Its substeps per frame, at most. If left open, 32.
+    pub substeps: Option<u32>,
+}
+
 impl Default for FitSettings {
     fn default() -> Self {
         Self {
@@ -292,6 +308,7 @@ impl Default for FitSettings {
             search: SearchSettings::default(),
             refine: RefineSettings::default(),
             appearance: AppearanceSettings::default(),
+            planner: PlannerSettings::default(),
         }
     }
 }
@@ -468,6 +485,11 @@ impl FitSettings {
         within("appearance.steps", f64::from(a.steps), 1.0, 1e6);
         let held_out = a.held_out_cameras.len() as f64;
         within("number of appearance.held_out_cameras", held_out, 0.0, MOST_HELD_OUT as f64);
+        let p = &self.planner;
+        let nodes = f64::from(p.nodes.unwrap_or_default());
+        within("planner.nodes", nodes, 0.0, MOST_PLANNER_NODES.into());
+        let substeps = f64::from(p.substeps.unwrap_or(1));
+        within("planner.substeps", substeps, 1.0, MOST_PLANNER_SUBSTEPS.into());
         if r.window == GradientWindow::Frames(0) {
             faults.push("refine.window.frames is 0: a window has at least one frame".to_owned());
         }

@@ -7,7 +7,7 @@ mod member;
 use serde::{Deserialize, Serialize};
 
 use crate::{
-    Appearance, Environment, Graph, Params, Quality, Skin, Timing,
+    Appearance, Environment, Graph, Params, PlannersTwin, Quality, Skin, Timing,
     environment::ControlVelocity,
     geometry::{length, sub},
     settings::FitSettings,
@@ -45,6 +45,8 @@ pub struct Twin {
     pub members: Vec<Member>,
     /// Colours and Gaussians; none if no camera saw the object.
     pub appearance: Option<Appearance>,
+    /// A small twin that plans are made with; none if it was not asked for.
+    pub planner: Option<PlannersTwin>,
 }
 
 impl Twin {

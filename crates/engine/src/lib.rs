@@ -11,6 +11,7 @@ pub mod fidelity;
 pub mod model;
 pub mod objective;
 pub mod optimizer;
+pub mod planner;
 pub mod reference;
 mod stability;
 pub mod world;

@@ -105,8 +105,9 @@ impl Placement {
             timing: retimed(twin.timing, capture.fps),
             control_hands: capture.object.control_hands.clone(),
             appearance: None,
-            // The report's arrays belong to the skin of the twin that it was made for.
-            quality: Quality { identifiability: None, ..twin.quality.clone() },
+            planner: None,
+            // The report's arrays and the planner's twin belong to the skin of the twin that it was made for.
+            quality: Quality { identifiability: None, planner: None, ..twin.quality.clone() },
             ..twin.clone()
         };
         if let Err(needs) = enough_substeps(&Model::from(&carried), carried.timing.substeps) {

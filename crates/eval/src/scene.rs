@@ -84,5 +84,6 @@ pub(crate) fn chain_twin(n: usize) -> Twin {
         control_hands: Vec::new(),
         members: Vec::new(),
         appearance: None,
+        planner: None,
     }
 }

@@ -94,6 +94,7 @@ pub fn of_phystwin(
         control_hands: Vec::new(),
         members: Vec::new(),
         appearance: None,
+        planner: None,
     };
     twin.check()?;
     Ok(twin)

@@ -54,6 +54,7 @@ pub(crate) fn twin() -> Twin {
         control_hands: Vec::new(),
         members: Vec::new(),
         appearance: None,
+        planner: None,
     }
 }
 

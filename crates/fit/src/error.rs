@@ -24,6 +24,9 @@ pub enum Error {
     /// The twin to be refined cannot be one.
     #[error("the twin to start from cannot be used ({0}): export it again, or fit without it")]
     Twin(String),
+    /// The twin can have no planner's twin.
+    #[error("the planner's twin cannot be made: {0}; plan with FAST or EXACT")]
+    Planner(String),
     /// Another recording of the object cannot be brought to the reference.
     #[error(
         "the twin cannot be brought to recording `{name}`: {error}; leave this recording out, or make \
@@ -68,9 +71,11 @@ impl From<Refusal> for Error {
 impl Problem for Error {
     fn category(&self) -> Category {
         match self {
-            Self::Settings(_) | Self::Capture(_) | Self::NothingStable(_) | Self::Twin(_) => {
-                Category::InvalidArgument
-            }
+            Self::Settings(_)
+            | Self::Capture(_)
+            | Self::NothingStable(_)
+            | Self::Twin(_)
+            | Self::Planner(_) => Category::InvalidArgument,
             Self::Graph(e) => e.category(),
             Self::Backend(e) => e.category(),
             Self::Evaluation(e) => e.category(),
@@ -86,6 +91,7 @@ impl Problem for Error {
             Self::Settings(_) => "INVALID_FIT_SETTINGS",
             Self::Capture(_) => "CAPTURE_CANNOT_BE_FITTED",
             Self::Twin(_) => "TWIN_TO_START_FROM_UNUSABLE",
+            Self::Planner(_) => "PLANNERS_TWIN_IMPOSSIBLE",
             Self::Graph(e) => e.reason(),
             Self::Backend(e) => e.reason(),
             Self::Evaluation(e) => e.reason(),

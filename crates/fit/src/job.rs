@@ -3,6 +3,7 @@
 mod identifiability;
 mod look;
 mod members;
+mod planner;
 
 use std::{sync::Arc, time::Instant};
 
@@ -96,6 +97,15 @@ impl FitJob<'_> {
         self.complete(&task, Some(&digest), checkpoint, observer, cancel)
     }
 
+    /// The twin that a task's own twin is refined to, without its quality.
+    pub(crate) fn refined(&self, task: &Task<'_>, cancel: &CancelToken) -> Result<Twin, Error> {
+        let mut observer = ();
+        let mut run = Run::new(self, task, None, &mut observer, cancel);
+        run.search()?;
+        let nothing = || Error::NothingStable("there is no model".into());
+        Ok(run.refine()?.into_iter().next().ok_or_else(nothing)?.twin)
+    }
+
     fn complete(
         &self,
         task: &Task<'_>,
@@ -117,6 +127,7 @@ impl FitJob<'_> {
         let finished = run.refine()?;
         let mut outcome = run.evaluate(finished)?;
         run.dress(&mut outcome)?;
+        run.distill(&mut outcome)?;
         Ok(outcome)
     }
 }

@@ -10,6 +10,7 @@
 mod built_graph;
 mod checkpoint;
 pub mod cmaes;
+mod distill;
 mod error;
 mod job;
 mod look;
@@ -31,6 +32,7 @@ mod time_limit;
 mod validation;
 mod warnings;
 
+pub use distill::{Budget, Choice, Distillation};
 pub use error::Error;
 pub use job::{FitJob, Outcome};
 pub use look::{Drawn, Look, OpenRasteriser, OpenVideo};

@@ -182,6 +182,7 @@ impl ModelFit {
             control_hands: job.capture.object.control_hands.clone(),
             members: Vec::new(),
             appearance: None,
+            planner: None,
         })
     }
 }

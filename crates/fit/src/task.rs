@@ -8,7 +8,7 @@ use bendtwin_core::{
     settings::{Conditions, DeviceKind, SequenceMean},
 };
 use bendtwin_engine::{
-    Loaded, Motion, Objective, Term, backend::Instance, objective::WeightedTerm,
+    Loaded, Motion, Objective, Term, backend::Instance, model::State, objective::WeightedTerm,
 };
 use bendtwin_eval::in_recording;
 use bendtwin_graph::{Connectivity, NodeSample, bind_skin, connect, mean_spacing, sample_nodes};
@@ -46,6 +46,8 @@ pub(crate) struct Task<'a> {
     pub(crate) spacing_m: f64,
     /// True if an object comes near the ground in the training frames.
     pub(crate) nears_ground: bool,
+    /// True if what becomes too stiff for the most substeps gives way, and is not taken back.
+    pub(crate) softens: bool,
 }
 
 /// The training frames of one sequence.
@@ -91,13 +93,35 @@ impl<'a> Task<'a> {
         device: DeviceKind,
         cancel: &CancelToken,
     ) -> Result<Self, Error> {
-        let mut settings = settings_in_force(capture, settings, device)?;
-        (settings.search.starts, settings.search.generations) = (Some(1), Some(0));
-        settings.bending = !twin.graph.triplets.is_empty();
-        (settings.compare_axial, settings.control_velocity) = (false, twin.control_velocity);
+        let settings = refining(settings_in_force(capture, settings, device)?, twin);
         let there = in_recording(twin, capture, cancel)?;
         let start = there.map_or_else(|| twin.clone(), |(twin, _)| twin);
         Self::of_nodes(capture, settings, Nodes::of_twin(start, capture), cancel)
+    }
+
+    /// The task of refining a twin on motion of its own object, in its own frame and from its own rest
+    /// shape: nothing is registered. What becomes too stiff gives way.
+    ///
+    /// # Errors
+    /// As [`Task::new`].
+    pub(crate) fn of_motion(
+        capture: &'a Capture,
+        settings: &FitSettings,
+        twin: &Twin,
+        device: DeviceKind,
+        cancel: &CancelToken,
+    ) -> Result<Self, Error> {
+        let settings = refining(settings_in_force(capture, settings, device)?, twin);
+        let nodes = Nodes::of_twin(twin.clone(), capture);
+        Ok(Self { softens: true, ..Self::of_nodes(capture, settings, nodes, cancel)? })
+    }
+
+    /// The same task with training sequences that begin in these states.
+    pub(crate) fn starting_in(mut self, states: Vec<Arc<State>>) -> Self {
+        for (training, state) in self.training.iter_mut().zip(states) {
+            Arc::make_mut(&mut training.source).initial = state;
+        }
+        self
     }
 
     fn of_nodes(
@@ -138,6 +162,7 @@ impl<'a> Task<'a> {
             training,
             spacing_m,
             nears_ground,
+            softens: false,
         })
     }
 
@@ -161,6 +186,7 @@ impl<'a> Task<'a> {
             training: self.training.iter().map(shorter).collect::<Option<_>>()?,
             spacing_m: self.spacing_m,
             nears_ground: self.nears_ground,
+            softens: self.softens,
         })
     }
 
@@ -263,6 +289,14 @@ impl<'a> Task<'a> {
         let pins = &self.sample.pins;
         (0..self.sample.control_rest.len()).any(|c| !pins.iter().any(|p| p.control as usize == c))
     }
+}
+
+/// Settings with which a twin is refined: without a search, and with the forces that it has.
+fn refining(mut settings: FitSettings, twin: &Twin) -> FitSettings {
+    (settings.search.starts, settings.search.generations) = (Some(1), Some(0));
+    settings.bending = !twin.graph.triplets.is_empty();
+    (settings.compare_axial, settings.control_velocity) = (false, twin.control_velocity);
+    settings
 }
 
 /// Settings without open ones, but for the spring radius, for a capture that can be fitted.

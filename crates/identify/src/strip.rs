@@ -81,6 +81,7 @@ pub(crate) fn strip(on_ground: bool) -> Twin {
         control_hands: vec![0; 4],
         members: Vec::new(),
         appearance: None,
+        planner: None,
     };
     twin.timing.substeps = stable_substeps(&Model::from(&twin)).needed * 3 / 2;
     twin

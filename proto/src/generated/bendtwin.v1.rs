@@ -5452,13 +5452,13 @@ pub struct RollOutResponse {
     /// workers/{uuid}
     #[prost(string, tag = "14")]
     pub worker: ::prost::alloc::string::String,
-    /// Fidelity of the answer: EXACT or FAST.
+    /// Fidelity of the answer: EXACT, FAST or PLANNER.
     #[prost(enumeration = "Fidelity", tag = "15")]
     pub fidelity: i32,
     /// Substeps per frame that were simulated.
     #[prost(uint32, tag = "16")]
     pub substeps: u32,
-    /// With FAST only: how far the variant strays where that was measured.
+    /// With FAST or PLANNER only: how far the answer strays where that was measured.
     #[prost(message, optional, tag = "17")]
     pub deviation: ::core::option::Option<roll_out_response::Deviation>,
     /// FLOAT32 \[R, rods\], radians; absent if the twin has no rods. With final_positions and final_velocities a whole
@@ -5619,18 +5619,19 @@ pub mod roll_out_response {
     }
     /// Between the fast variant and the exact twin when both follow the twin's own capture from its start. It
     /// does not hold for this reply: with faster or larger motions, or other surroundings, 5 to 16 times as
-    /// much was seen.
+    /// much was seen. With PLANNER between the planner's twin and the exact one under sampled actions that it was
+    /// not fitted to.
     #[derive(Clone, Copy, PartialEq, ::prost::Message)]
     pub struct Deviation {
-        /// Between a node here and there, over nodes and frames, metres.
+        /// Between a node here and there, over nodes and frames, metres; of points of the skin with PLANNER.
         #[prost(double, tag = "1")]
         pub mean_m: f64,
         #[prost(double, tag = "2")]
         pub max_m: f64,
-        /// To compare with: of the exact twin's nodes from where they started, metres.
+        /// To compare with: of the exact twin's nodes or skin from where they started, metres.
         #[prost(double, tag = "3")]
         pub mean_travel_m: f64,
-        /// Frames of each recording, at most.
+        /// Frames of each recording or action, at most.
         #[prost(uint32, tag = "4")]
         pub frames: u32,
     }
@@ -5647,6 +5648,15 @@ pub enum Fidelity {
     /// FAILED_PRECONDITION, reason FAST_VARIANT_UNKNOWN, if the twin has none. The state in a capture's frame
     /// (InitialState.CaptureFrame) is that of the exact twin.
     Fast = 2,
+    /// The twin's planner's twin, a small twin with the same skin and control points; how far it strays comes with
+    /// the reply. Requests and replies name the twin's nodes and skin points: states are those of the twin with the
+    /// other nodes left out, nodes that come back are carried by the planner's, keypoints at nodes are measured
+    /// there, and nodes of grasps and of `height` and `within` are the nearest of the planner's. Costs of all nodes
+    /// and gradients by initial states are of the planner's nodes. Keypoints at nodes are not measured beside a
+    /// target cloud of the skin. Refused with FAILED_PRECONDITION, reason PLANNERS_TWIN_UNKNOWN, if the twin has
+    /// none, and in states of which a correction has changed the rest shape. The state in a capture's frame
+    /// (InitialState.CaptureFrame) is that of the exact twin.
+    Planner = 3,
 }
 impl Fidelity {
     /// String value of the enum field names used in the ProtoBuf definition.
@@ -5658,6 +5668,7 @@ impl Fidelity {
             Self::Unspecified => "FIDELITY_UNSPECIFIED",
             Self::Exact => "EXACT",
             Self::Fast => "FAST",
+            Self::Planner => "PLANNER",
         }
     }
     /// Creates an enum from field names used in the ProtoBuf definition.
@@ -5666,6 +5677,7 @@ impl Fidelity {
             "FIDELITY_UNSPECIFIED" => Some(Self::Unspecified),
             "EXACT" => Some(Self::Exact),
             "FAST" => Some(Self::Fast),
+            "PLANNER" => Some(Self::Planner),
             _ => None,
         }
     }

@@ -1322,7 +1322,7 @@ map.serialize_entry("frames", &self.frames)?;
 }
 
 impl Words for crate::v1::Fidelity {
-    const KNOWN: &'static [&'static str] = &["EXACT", "FAST"];
+    const KNOWN: &'static [&'static str] = &["EXACT", "FAST", "PLANNER"];
     fn number(word: &str) -> Option<i32> {
         Self::from_str_name(word).map(Into::into)
     }

@@ -214,6 +214,9 @@ fn has_variant(fidelity: Fidelity, name: &str, twin: &TwinShape) -> Result<(), E
     if fidelity == Fidelity::Fast && twin.fast_substeps.is_none() {
         return Err(Error::NoFastVariant { twin: name.to_owned() });
     }
+    if fidelity == Fidelity::Planner && twin.planner.is_none() {
+        return Err(Error::NoPlannersTwin { twin: name.to_owned() });
+    }
     Ok(())
 }
 
@@ -230,7 +233,7 @@ pub fn too_much_memory(asked: u64, limit: u64) -> Error {
 /// Work of a checked request, in element substeps.
 pub fn work(request: &RollOutRequest, batch: &Batch, twin: &TwinShape) -> u128 {
     let substeps = substeps(request, twin.substeps(request.fidelity()));
-    let physics = twin.substep_work(batch.frames, world::work(request));
+    let physics = twin.substep_work(request.fidelity(), batch.frames, world::work(request));
     let physics = physics.saturating_mul(substeps.total).div_ceil(substeps.sets.into());
     let each = physics.saturating_add(costs::work(&request.costs, batch, twin));
     let of_members = each.saturating_mul(u128::from(members(request)));
@@ -250,8 +253,9 @@ pub fn fidelity(wire: i32) -> Result<bendtwin_core::Fidelity, Error> {
     match Fidelity::try_from(wire) {
         Ok(Fidelity::Unspecified | Fidelity::Exact) => Ok(bendtwin_core::Fidelity::Exact),
         Ok(Fidelity::Fast) => Ok(bendtwin_core::Fidelity::Fast),
+        Ok(Fidelity::Planner) => Ok(bendtwin_core::Fidelity::Planner),
         Err(_) => {
-            let fault = format!("has the unknown value {wire}: use EXACT or FAST");
+            let fault = format!("has the unknown value {wire}: use EXACT, FAST or PLANNER");
             Err(Error::field("fidelity", fault))
         }
     }

@@ -35,6 +35,14 @@ pub enum Error {
         /// twins/{uuid}
         twin: String,
     },
+    /// The twin has no planner's twin.
+    #[error(
+        "{twin} has no planner's twin: make one with `bendtwin twin planner`, fit its capture with planner.nodes, or ask for FAST or EXACT"
+    )]
+    NoPlannersTwin {
+        /// twins/{uuid}
+        twin: String,
+    },
 }
 
 impl Error {
@@ -55,7 +63,9 @@ impl Problem for Error {
         match self {
             // Sent again, it would be refused again: so it is not RESOURCE_EXHAUSTED.
             Self::Field { .. } | Self::TooLarge { .. } => Category::InvalidArgument,
-            Self::NoFastVariant { .. } => Category::FailedPrecondition,
+            Self::NoFastVariant { .. } | Self::NoPlannersTwin { .. } => {
+                Category::FailedPrecondition
+            }
         }
     }
     fn reason(&self) -> &'static str {
@@ -63,6 +73,7 @@ impl Problem for Error {
             Self::Field { .. } => "INVALID_ROLLOUT",
             Self::TooLarge { .. } => "ROLLOUT_TOO_LARGE",
             Self::NoFastVariant { .. } => "FAST_VARIANT_UNKNOWN",
+            Self::NoPlannersTwin { .. } => "PLANNERS_TWIN_UNKNOWN",
         }
     }
 }

@@ -7,7 +7,7 @@ use std::{
 };
 
 use bendtwin_core::ids::{CaptureId, TwinId};
-use bendtwin_proto::rollout::TwinShape;
+use bendtwin_proto::rollout::{PlannerShape, TwinShape};
 use bendtwin_store::{Store, Twin};
 
 use crate::app::Result;
@@ -65,6 +65,7 @@ impl From<&Twin> for Known {
             rods: None,
             substeps: facts.substeps,
             fast_substeps: fast_substeps(&facts.quality),
+            planner: planner(&facts.quality),
             has_capture: twin.capture.is_some(),
         };
         Self { capture: twin.capture, shape, frame_s: facts.fps.recip() }
@@ -76,4 +77,16 @@ impl From<&Twin> for Known {
 fn fast_substeps(quality: &str) -> Option<u32> {
     let quality: serde_json::Value = serde_json::from_str(quality).ok()?;
     u32::try_from(quality.pointer("/fast/substeps")?.as_u64()?).ok()
+}
+
+/// Size of the planner's twin in a quality table, read as substeps of the fast variant are.
+fn planner(quality: &str) -> Option<PlannerShape> {
+    let quality: serde_json::Value = serde_json::from_str(quality).ok()?;
+    let number = |name: &str| quality.pointer("/planner")?.get(name)?.as_u64();
+    Some(PlannerShape {
+        nodes: number("nodes")?,
+        springs: number("springs")?,
+        triplets: number("triplets")?,
+        substeps: u32::try_from(number("substeps")?).ok()?,
+    })
 }

@@ -31,6 +31,7 @@ const TWIN: TwinShape = TwinShape {
     rods: None,
     substeps: 10,
     fast_substeps: None,
+    planner: None,
     has_capture: false,
 };
 

@@ -42,6 +42,7 @@ pub(crate) fn twin_file(label: &[u8]) -> Vec<u8> {
         control_hands: Vec::new(),
         members: Vec::new(),
         appearance: None,
+        planner: None,
     };
     twin.encode().unwrap()
 }

@@ -41,6 +41,7 @@ pub(crate) fn twin_file() -> Vec<u8> {
         control_hands: Vec::new(),
         members: Vec::new(),
         appearance: None,
+        planner: None,
     };
     twin.encode().unwrap()
 }

@@ -4,8 +4,8 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use bendtwin_core::{
     Appearance, Contact, Environment, FitSettings, Graph, Identifiability, NodeKind, Params, Pin,
-    Quality, Skin, Splats, Timing, Twin, identifiability::Region, settings::ingest::IngestSettings,
-    twin::Member,
+    PlannerQuality, PlannersTwin, Quality, Skin, Splats, Timing, Twin, identifiability::Region,
+    settings::ingest::IngestSettings, twin::Member,
 };
 use serde_json::Value;
 
@@ -108,7 +108,8 @@ fn the_example_configuration_says_what_holds_by_default() {
     }
 }
 
-/// A twin of the newest version: with a rod, a skin, a member, a look and a report of what is open.
+/// A twin of the newest version: with a rod, a skin, a member, a look, a report of what is open and a
+/// planner's twin.
 fn twin() -> Twin {
     let n = Graph::MIN_ROD_NODES;
     let pin = |node| Pin { node, control: 0, offset_m: [0.0; 3] };
@@ -159,8 +160,25 @@ fn twin() -> Twin {
         control_hands: vec![0],
         members: Vec::new(),
         appearance: Some(Appearance { skin_colors: vec![[0; 3]], splats: Some(splats) }),
+        planner: None,
     };
-    Twin { members: Member::of(&twin, &twin).into_iter().collect(), ..twin }
+    let mut small = Twin { appearance: None, quality: Quality::default(), ..twin.clone() };
+    small.skin.append(&Skin::at_nodes(&(0..n as u32).collect::<Vec<_>>()));
+    let planner = PlannersTwin { nodes: (0..n as u32).collect(), twin: Box::new(small) };
+    let figures = PlannerQuality {
+        nodes: n as u32,
+        springs: 0,
+        triplets: 0,
+        substeps: 1,
+        mean_deviation_m: 0.0,
+        max_deviation_m: 0.0,
+        mean_travel_m: 0.1,
+        frames: 30,
+        actions: 8,
+    };
+    let members = Member::of(&twin, &twin).into_iter().collect();
+    let quality = Quality { planner: Some(figures), ..twin.quality.clone() };
+    Twin { members, planner: Some(planner), quality, ..twin }
 }
 
 /// The tensors and the metadata that a twin's file declares.

@@ -24,6 +24,7 @@ pub(crate) const SHAPE: TwinShape = TwinShape {
     rods: Some(0),
     substeps: 50,
     fast_substeps: Some(10),
+    planner: None,
     has_capture: true,
 };
 

@@ -284,6 +284,7 @@ pub fn twin() -> Twin {
         control_hands: Vec::new(),
         members: Vec::new(),
         appearance: None,
+        planner: None,
     }
 }
 

@@ -40,7 +40,7 @@ impl Checked {
         limits: &Limits,
         room: Room,
     ) -> Result<Self, Error> {
-        let twin = shape(&served.warm.twin, !own_capture.is_empty());
+        let twin = shape(served.twin(), !own_capture.is_empty());
         let batch = rollout::check_for(&request, &twin, limits, part_instances)?;
         let mut memory = rollout::memory(&request, &batch, &twin, part_instances);
         let models = rollout::models_bytes(&request, served.distinct_rests() as u64, &twin);

@@ -112,7 +112,7 @@ impl Execution<'_> {
             Some(_) => (&simulated.means, self.plan.ensemble.members),
         };
         let each = (0..).step_by(members).zip(rollouts).map(|(i, rollout): (usize, _)| {
-            let state = Arc::new(rollout.final_state.clone()?);
+            let state = Arc::new(self.plan.carried(rollout.final_state.as_ref()?));
             let controls = Arc::new(simulated.controls.get(i * width..(i + 1) * width)?.to_vec());
             let index = *indices.get(i)?;
             let begun = self.starts.of(self.plan.action(index));

@@ -10,7 +10,7 @@ use bendtwin_engine::{
     backend::{Instance, Rollout},
     model::State,
 };
-use bendtwin_proto::rollout::TwinShape;
+use bendtwin_proto::rollout::{PlannerShape, TwinShape};
 
 use super::{
     actions::{Actions, Floor, Horizon, Stopped, Stops},
@@ -58,11 +58,14 @@ impl Plan {
     pub(super) fn new(
         checked: Checked,
         part_instances: u32,
-        served: Served,
+        mut served: Served,
         backend: &dyn Backend,
         cancel: &CancelToken,
     ) -> Result<(Self, Wanted), Error> {
         let Checked { mut request, batch, prepared, .. } = checked;
+        if let Some(planner) = &served.planner {
+            served.loaded = planner.own.rewrite(&mut request)?;
+        }
         let twin = &served.warm.twin;
         let graph = &twin.graph;
         let (instances, frames) = (batch.instances as usize, batch.frames as usize);
@@ -109,9 +112,36 @@ impl Plan {
         Ok((plan, wanted))
     }
 
-    /// The twin.
+    /// The twin that is simulated.
     pub(super) fn twin(&self) -> &Twin {
         &self.served.warm.twin
+    }
+
+    /// Number of nodes of the twin that the request is about.
+    pub(super) fn nodes(&self) -> usize {
+        self.served.twin().graph.node_count()
+    }
+
+    /// The number of a simulated node in that twin.
+    pub(super) fn node(&self, simulated: usize) -> usize {
+        let planner = self.served.planner.as_ref();
+        planner.map_or(simulated, |planner| planner.own.node(simulated))
+    }
+
+    /// A state of that twin, of a simulated one.
+    pub(super) fn carried(&self, state: &State) -> State {
+        match &self.served.planner {
+            None => state.clone(),
+            Some(planner) => planner.own.carried(state),
+        }
+    }
+
+    /// What nodes of that twin have, of what simulated ones have: zero where nothing is simulated.
+    pub(super) fn spread(&self, simulated: &[Point]) -> Vec<Point> {
+        match &self.served.planner {
+            None => simulated.to_vec(),
+            Some(planner) => planner.own.spread(simulated),
+        }
     }
 
     /// Number of actions B.
@@ -251,6 +281,12 @@ pub(super) fn shape(twin: &Twin, has_capture: bool) -> TwinShape {
         rods: Some(graph.rods.len() as u64),
         substeps: twin.timing.substeps,
         fast_substeps: twin.quality.fast.map(|fast| fast.substeps),
+        planner: twin.quality.planner.map(|planner| PlannerShape {
+            nodes: planner.nodes.into(),
+            springs: planner.springs.into(),
+            triplets: planner.triplets.into(),
+            substeps: planner.substeps,
+        }),
         has_capture,
     }
 }

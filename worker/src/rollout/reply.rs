@@ -56,7 +56,7 @@ pub(super) fn summary(
         indices.iter().zip(rollouts).zip(extremes).flat_map(|((instance, rollout), extremes)| {
             plan.plausibility.judge(*instance, extremes, Some(rollout))
         });
-    let diverged = rollouts.iter().zip(indices).filter_map(|(r, i)| divergence(*i, r));
+    let diverged = rollouts.iter().zip(indices).filter_map(|(r, i)| divergence(plan, *i, r));
     let mut part = RollOutResponse {
         first_instance: indices.first().map_or(0, |first| *first as u32),
         diagnostics: diagnostics.collect(),
@@ -82,21 +82,30 @@ pub(super) fn set_costs(plan: &Plan, rollouts: &[Rollout], part: &mut RollOutRes
 }
 
 /// The divergence of an instance.
-pub(super) fn divergence(instance: usize, rollout: &Rollout) -> Option<Divergence> {
+pub(super) fn divergence(plan: &Plan, instance: usize, rollout: &Rollout) -> Option<Divergence> {
     let at = rollout.diverged?;
-    Some(Divergence { instance: instance as u32, frame: at.frame as u32, node: at.node as u32 })
+    let (instance, node) = (instance as u32, plan.node(at.node) as u32);
+    Some(Divergence { instance, frame: at.frame as u32, node })
 }
 
 /// The part of a reply that is the same for all instances.
 pub(super) fn head(plan: &Plan) -> RollOutResponse {
-    let fast = plan.served.fast;
-    let fidelity = if fast.is_some() { Fidelity::Fast } else { Fidelity::Exact };
-    let deviation = fast.map(|f| Deviation {
+    let fast = plan.served.fast.map(|f| Deviation {
         mean_m: f.mean_deviation_m,
         max_m: f.max_deviation_m,
         mean_travel_m: f.mean_travel_m,
         frames: f.frames,
     });
+    let planners = plan.served.planner.as_ref().and_then(|planner| planner.of.twin.quality.planner);
+    let (fidelity, deviation) = match (planners, fast) {
+        (Some(p), _) => {
+            let (mean_m, max_m) = (p.mean_deviation_m, p.max_deviation_m);
+            let (mean_travel_m, frames) = (p.mean_travel_m, p.frames);
+            (Fidelity::Planner, Some(Deviation { mean_m, max_m, mean_travel_m, frames }))
+        }
+        (None, Some(fast)) => (Fidelity::Fast, Some(fast)),
+        (None, None) => (Fidelity::Exact, None),
+    };
     RollOutResponse {
         cost_names: plan.costs.names.clone(),
         fidelity: fidelity.into(),
@@ -182,12 +191,14 @@ fn add_recordings(plan: &Plan, span: Span, arrays: &Arrays<'_>, part: &mut RollO
         part.frame_costs = Some(Tensor::pack(&[rollouts.len(), rows, width], &values));
     }
     if returns.final_state && span.to == plan.frames {
-        let n = graph.node_count();
+        let n = plan.nodes();
         let nothing = State::default();
+        let ends: Vec<Option<State>> =
+            rollouts.iter().map(|r| Some(plan.carried(r.final_state.as_ref()?))).collect();
         let pack = |of: fn(&State) -> &[Point]| {
             let mut values = Vec::with_capacity(rollouts.len() * n);
-            for rollout in rollouts {
-                extend_padded(&mut values, of(rollout.final_state.as_ref().unwrap_or(&nothing)), n);
+            for end in &ends {
+                extend_padded(&mut values, of(end.as_ref().unwrap_or(&nothing)), n);
             }
             Tensor::pack_points(&[rollouts.len(), n], &values)
         };
@@ -210,7 +221,7 @@ fn add_recordings(plan: &Plan, span: Span, arrays: &Arrays<'_>, part: &mut RollO
         part.final_commanded_controls =
             commanded.map(|rows| Tensor::pack_points(&shape, &rows.concat()));
         if plan.grasps > 0 {
-            let states = rollouts.iter().map(|r| r.final_state.as_ref());
+            let states = ends.iter().map(Option::as_ref);
             part.final_grasping = Some(grasping::pack(states, plan.grasps, n));
         }
     }

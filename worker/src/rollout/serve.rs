@@ -1,16 +1,16 @@
-//! The model of a twin that answers a request: the exact one, or the fast one, which is made when
-//! it is first asked for.
+//! The model of a twin that answers a request: the exact one, the fast one or the planner's twin, which
+//! are made when they are first asked for.
 
 use std::{
     collections::HashSet,
     sync::{Arc, PoisonError},
 };
 
-use bendtwin_core::{FastVariant, Fidelity};
+use bendtwin_core::{FastVariant, Fidelity, Twin};
 use bendtwin_engine::{Backend, Loaded, Model, fidelity::Reduction};
 use bendtwin_proto::rollout;
 
-use super::{error::Error, rest_shape::RestShape, warm::Warm};
+use super::{error::Error, planner::PlannersWarm, rest_shape::RestShape, warm::Warm};
 use crate::device::{Device, Priority};
 
 /// A twin and the model of it that answers.
@@ -20,8 +20,17 @@ pub(super) struct Served {
     pub(super) loaded: Loaded,
     /// The variant, if the fast one answers.
     pub(super) fast: Option<FastVariant>,
+    /// The planner's twin, if it answers; `warm` is its own then.
+    pub(super) planner: Option<Planner>,
     /// Rest shapes that are not the twin's: one for all instances, or one for each; empty: none.
     pub(super) rests: Vec<Option<Arc<RestShape>>>,
+}
+
+/// The planner's twin that answers, and the twin that requests are about.
+#[derive(Clone)]
+pub(super) struct Planner {
+    pub(super) of: Arc<Warm>,
+    pub(super) own: Arc<PlannersWarm>,
 }
 
 impl Served {
@@ -34,13 +43,19 @@ impl Served {
         match fidelity {
             Fidelity::Exact => Ok(Self::exact(warm)),
             Fidelity::Fast => Self::fast(warm, device).await,
+            Fidelity::Planner => Self::planner(warm, device).await,
         }
     }
 
     /// The exact model.
     pub(super) fn exact(warm: Arc<Warm>) -> Self {
         let loaded = warm.loaded.clone();
-        Self { warm, loaded, fast: None, rests: Vec::new() }
+        Self { warm, loaded, fast: None, planner: None, rests: Vec::new() }
+    }
+
+    /// The twin that requests are about.
+    pub(super) fn twin(&self) -> &Twin {
+        self.planner.as_ref().map_or(&self.warm.twin, |planner| &planner.of.twin)
     }
 
     /// Number of rest shapes that are not the twin's.
@@ -50,6 +65,10 @@ impl Served {
 
     /// So many fits: the twin and its members, which are loaded when they are first asked for.
     pub(super) fn fits(&self, count: usize, backend: &dyn Backend) -> Result<Vec<Loaded>, Error> {
+        if self.planner.is_some() {
+            let fault = "is for the exact twin, and the planner's twin has no other fits: ask for EXACT, or leave it out";
+            return Err(Error::field("vary.fits", fault));
+        }
         let twin = &self.warm.twin;
         let there = 1 + twin.members.len();
         if count > there {
@@ -87,6 +106,19 @@ impl Served {
             Ok::<_, Error>(loaded)
         };
         let loaded = warm.fast.get_or_try_init(load).await?.clone();
-        Ok(Self { warm, loaded, fast: Some(fast), rests: Vec::new() })
+        Ok(Self { warm, loaded, fast: Some(fast), planner: None, rests: Vec::new() })
+    }
+
+    async fn planner(of: Arc<Warm>, device: &Device) -> Result<Self, Error> {
+        let load = || async {
+            let (backend, twin) = (device.backend(Priority::Interactive), Arc::clone(&of));
+            let load = move || PlannersWarm::load(&twin, &backend);
+            let own = tokio::task::spawn_blocking(load).await.map_err(|_| Error::Panicked)??;
+            tracing::info!(twin = %of.id, "planner's twin loaded");
+            Ok::<_, Error>(Arc::new(own))
+        };
+        let own = Arc::clone(of.planner.get_or_try_init(load).await?);
+        let (warm, loaded) = (Arc::clone(&own.warm), own.warm.loaded.clone());
+        Ok(Self { warm, loaded, fast: None, planner: Some(Planner { of, own }), rests: Vec::new() })
     }
 }

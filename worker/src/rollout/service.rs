@@ -399,10 +399,16 @@ impl Call {
             let (bytes, advice) = (plan.surroundings.bytes(), "the surroundings: close sessions");
             plan.kept = Some(Arc::new(budget::take(&inner.memory.sessions, bytes, advice).await?));
         }
+        let own = plan.served.planner.as_ref().map(|planner| Arc::clone(&planner.own));
+        // States of sessions and of simulations that come before are the exact twin's.
+        let of_twin = |starts| match &own {
+            None => Ok(starts),
+            Some(own) => own.thinned(starts),
+        };
         let starts = match (starts, wanted, simulated) {
-            (Some(starts), ..) => starts,
+            (Some(starts), ..) => of_twin(starts)?,
             (None, Wanted::Ready(starts), _) => starts,
-            (None, Wanted::Simulated, Some(start)) => Starts::Shared(start),
+            (None, Wanted::Simulated, Some(start)) => of_twin(Starts::Shared(start))?,
             (None, Wanted::Simulated, None) => return Err(Error::field("initial", "has no state")),
         };
         let (cancel, parts, arrived) = (self.cancel.clone(), self.parts.clone(), self.arrived);

@@ -104,7 +104,7 @@ impl Execution<'_> {
             let first = indices.first().map_or(0, |index| plan.action(*index));
             RollOutResponse { first_instance: first as u32, ..reply::head(plan) }
         };
-        let diverged = tracks.iter().filter_map(|t| reply::divergence(t.index, &t.so_far));
+        let diverged = tracks.iter().filter_map(|t| reply::divergence(plan, t.index, &t.so_far));
         part.diverged = diverged.filter(|d| span.has(d.frame as usize)).collect();
         part.window = Some(window);
         Ok(part)

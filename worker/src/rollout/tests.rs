@@ -7,6 +7,7 @@ mod fidelity;
 mod gradients;
 mod limit;
 mod obstacles;
+mod planner;
 mod registration;
 mod skin;
 mod split;
@@ -84,6 +85,7 @@ pub(super) fn twin() -> Twin {
         control_hands: Vec::new(),
         members: Vec::new(),
         appearance: None,
+        planner: None,
     }
 }
 
@@ -114,6 +116,7 @@ impl Bench {
             twin,
             loaded,
             fast,
+            planner: OnceCell::new(),
             members: Default::default(),
             _share: None,
         };

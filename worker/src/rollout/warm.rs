@@ -12,7 +12,7 @@ use bendtwin_engine::{Backend as _, Loaded, Model};
 use bytes::Bytes;
 use tokio::sync::OnceCell;
 
-use super::{error::Error, lru::Lru};
+use super::{error::Error, lru::Lru, planner::PlannersWarm};
 use crate::{
     Limits,
     artifact::{self, FetchError},
@@ -31,6 +31,8 @@ pub(crate) struct Warm {
     pub(super) loaded: Loaded,
     /// The fast variant, once somebody has asked for it.
     pub(super) fast: OnceCell<Loaded>,
+    /// The planner's twin, once somebody has asked for it.
+    pub(super) planner: OnceCell<Arc<PlannersWarm>>,
     /// Its members, as many as somebody has asked for.
     pub(super) members: Mutex<Vec<Loaded>>,
     /// Memory of it all; none in tests.
@@ -127,6 +129,7 @@ impl WarmTwins {
                 twin,
                 loaded,
                 fast: OnceCell::new(),
+                planner: OnceCell::new(),
                 members: Mutex::default(),
                 _share: share,
             }))

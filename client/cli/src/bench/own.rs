@@ -1,6 +1,6 @@
 //! `bendtwin bench --twin FILE`: times batches of one's own twin on this machine, as planners send
-//! them: costs come back, with or without gradients, of the exact twin and of its fast variant. The
-//! wire and the queue of a server are not in it; `bench load` has those.
+//! them: costs come back, with or without gradients, of the exact twin, of its fast variant and of its
+//! planner's twin. The wire and the queue of a server are not in it; `bench load` has those.
 
 use std::{
     path::Path,
@@ -79,6 +79,7 @@ pub(super) fn measure(
     let exact = Model::from(&twin);
     let mut variants = vec![("exact", exact.clone())];
     variants.extend(twin.quality.fast.map(|fast| ("fast", Reduction::from(&fast).apply(&exact))));
+    variants.extend(twin.planner.as_ref().map(|planner| ("planner", Model::from(&*planner.twin))));
     let mut rows = Vec::new();
     for (fidelity, model) in variants {
         let substeps = model.timing.substeps;

@@ -14,7 +14,7 @@ from bendtwin.state import Grasping, State, state_of
 from bendtwin.tensors import pack_indices, unpack
 from bendtwin.v1 import rollout_pb2
 
-Fidelity = Literal["exact", "fast"]
+Fidelity = Literal["exact", "fast", "planner"]
 
 FloatArray = npt.NDArray[np.floating[Any]]
 IndexArray = npt.NDArray[np.uint32]
@@ -28,6 +28,12 @@ _ENCODINGS: dict[str, rollout_pb2.Returns.Encoding] = {
 FIDELITIES: dict[str, rollout_pb2.Fidelity] = {
     "exact": rollout_pb2.EXACT,
     "fast": rollout_pb2.FAST,
+    "planner": rollout_pb2.PLANNER,
+}
+
+_ANSWERED: dict[int, Fidelity] = {
+    rollout_pb2.FAST: "fast",
+    rollout_pb2.PLANNER: "planner",
 }
 
 
@@ -279,7 +285,7 @@ class RolloutResult:
     fidelity: Fidelity = "exact"
     #: Substeps per frame that were simulated.
     substeps: int = 0
-    #: How far the fast variant strays; None unless it answered.
+    #: How far the fast variant or the planner's twin strays; None unless one of them answered.
     deviation: Deviation | None = None
     #: First and last frame that this part covers, 1-based, with `part_frames`. Arrays by frame have
     #: rows of these frames; the start, frame 0, is in the first part.
@@ -356,7 +362,7 @@ class RolloutResult:
             diverged=[Divergence(d.instance, d.frame, d.node) for d in message.diverged],
             timing=Timing(timing.queue_s, timing.compute_s) if message.HasField("timing") else None,
             worker=message.worker,
-            fidelity="fast" if message.fidelity == rollout_pb2.FAST else "exact",
+            fidelity=_ANSWERED.get(message.fidelity, "exact"),
             substeps=message.substeps,
             deviation=(
                 Deviation(

@@ -198,6 +198,7 @@ impl TryFrom<RollOutResponse> for Reply {
         let timing = wire.timing.unwrap_or_default();
         let fidelity = match wire.fidelity() {
             v1::Fidelity::Fast => Fidelity::Fast,
+            v1::Fidelity::Planner => Fidelity::Planner,
             v1::Fidelity::Exact | v1::Fidelity::Unspecified => Fidelity::Exact,
         };
         let worker = match wire.worker.as_str() {

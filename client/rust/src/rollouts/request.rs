@@ -163,8 +163,8 @@ impl Rollout {
         self
     }
 
-    /// Follows the twin exactly, which is the default, or by its fast variant; [`Reply::deviation`]
-    /// says how far that strays.
+    /// Follows the twin exactly, which is the default, by its fast variant or by its planner's twin;
+    /// [`Reply::deviation`] says how far that strays.
     ///
     /// [`Reply::deviation`]: super::Reply::deviation
     #[must_use]
@@ -172,6 +172,7 @@ impl Rollout {
         self.request.fidelity = match fidelity {
             Fidelity::Exact => v1::Fidelity::Exact.into(),
             Fidelity::Fast => v1::Fidelity::Fast.into(),
+            Fidelity::Planner => v1::Fidelity::Planner.into(),
         };
         self
     }

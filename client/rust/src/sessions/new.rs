@@ -65,12 +65,13 @@ impl NewSession {
         self
     }
 
-    /// Follows the twin exactly, which is the default, or by its fast variant.
+    /// Follows the twin exactly, which is the default, by its fast variant or by its planner's twin.
     #[must_use]
     pub fn fidelity(mut self, fidelity: Fidelity) -> Self {
         self.0.fidelity = match fidelity {
             Fidelity::Exact => v1::Fidelity::Exact.into(),
             Fidelity::Fast => v1::Fidelity::Fast.into(),
+            Fidelity::Planner => v1::Fidelity::Planner.into(),
         };
         self
     }

@@ -12,6 +12,10 @@ use crate::capture::Subject;
 
 /// Gaussians of a twin whose fit takes its time.
 const BEST_GAUSSIANS: u32 = 20_000;
+/// Nodes of the planner's twin of a twin whose fit takes its time, and substeps of any: 48 rollouts of
+/// 15 frames take some 40 ms on two cores.
+const PLANNER_NODES: u32 = 80;
+const PLANNER_SUBSTEPS: u32 = 32;
 /// Training sequences per step of a refinement, at least.
 const LEAST_BATCH: usize = 8;
 /// Steps of a pass on a GPU, at most: it computes a quarter of a cable's sequences in hardly more time
@@ -179,6 +183,9 @@ impl FitSettings {
         filled.refine.reach.get_or_insert(reach(conditions));
         let gaussians = if self.effort == Effort::Best { BEST_GAUSSIANS } else { 0 };
         filled.appearance.gaussians.get_or_insert(gaussians);
+        let planner = if self.effort == Effort::Best { PLANNER_NODES } else { 0 };
+        filled.planner.nodes.get_or_insert(planner);
+        filled.planner.substeps.get_or_insert(PLANNER_SUBSTEPS);
         let of_subject = SubjectDefaults::of(conditions.subject);
         filled.search.prior.get_or_insert(of_subject.search_prior);
         filled.refine.prior.get_or_insert(of_subject.refine_prior);

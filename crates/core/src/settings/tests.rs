@@ -52,6 +52,8 @@ fn nothing_is_left_open_for_a_fit() {
                 nodes * f64::from(search.starts.unwrap()) * (candidates + 3.0 * passes)
             };
             assert!(work(&draft) < work(&standard) && work(&standard) < work(&best));
+            let planner = [&draft, &standard, &best].map(|s| s.planner.nodes);
+            assert_eq!(planner, [Some(0), Some(0), Some(80)]);
             // What is given stays.
             let mut given = FitSettings::phystwin();
             given.search.starts = Some(1);
@@ -60,6 +62,7 @@ fn nothing_is_left_open_for_a_fit() {
             given.loss.sequences = Some(SequenceMean::Arithmetic);
             given.refine.batch = Some(0);
             given.appearance.gaussians = Some(7);
+            (given.planner.nodes, given.planner.substeps) = (Some(7), Some(9));
             assert_eq!(given.filled(conditions), given);
         }
     }

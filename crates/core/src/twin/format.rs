@@ -5,6 +5,7 @@
 mod appearance;
 mod identifiability;
 mod members;
+mod planner;
 
 use std::borrow::Cow;
 
@@ -20,7 +21,7 @@ use crate::{
 /// Newest version that this build reads and writes; it reads every earlier one. A twin is written
 /// in the earliest version that can hold it, so that older programs read the twins that they
 /// support and refuse others.
-pub const VERSION: u32 = 6;
+pub const VERSION: u32 = WITH_PLANNER;
 
 /// The version with rods.
 const WITH_RODS: u32 = 2;
@@ -36,6 +37,9 @@ const WITH_APPEARANCE: u32 = 5;
 
 /// The version with contact of the skin.
 const WITH_SKIN_CONTACT: u32 = 6;
+
+/// The version with a planner's twin.
+const WITH_PLANNER: u32 = 7;
 
 /// The tensor that says the hand of each control point; a file of any version may have it.
 const HANDS: &str = "controls.hand";
@@ -178,6 +182,9 @@ impl Twin {
         if let Some(appearance) = &self.appearance {
             tensors.extend(appearance::tensors(appearance));
         }
+        if let Some(planner) = &self.planner {
+            tensors.extend(planner::tensors(planner)?);
+        }
         if !self.control_hands.is_empty() {
             tensors.push((HANDS, raw(Dtype::U32, &[c], &self.control_hands)));
         }
@@ -208,6 +215,11 @@ impl Twin {
     /// # Errors
     /// If the bytes are no twin file, are damaged, or hold a twin that cannot be simulated.
     pub fn decode(bytes: &[u8]) -> Result<Self, FormatError> {
+        Self::decode_before(bytes, VERSION + 1)
+    }
+
+    /// Reads a twin file of a version before this one.
+    fn decode_before(bytes: &[u8], end: u32) -> Result<Self, FormatError> {
         let container = |e: safetensors::SafeTensorError| FormatError::Container(e.to_string());
         let (_, header) = SafeTensors::read_metadata(bytes).map_err(container)?;
         let json = header
@@ -221,7 +233,7 @@ impl Twin {
         }
         let invalid = |e: serde_json::Error| FormatError::Metadata(e.to_string());
         let version = serde_json::from_str::<Version>(json).map_err(invalid)?.version;
-        if version == 0 || version > VERSION {
+        if version == 0 || version >= end {
             return Err(FormatError::Version(version));
         }
         let mut metadata: Metadata = serde_json::from_str(json).map_err(invalid)?;
@@ -308,6 +320,10 @@ impl Twin {
                 true => Some(file.appearance()?),
                 false => None,
             },
+            planner: match version >= WITH_PLANNER {
+                true => Some(file.planner()?),
+                false => None,
+            },
         };
         twin.check()?;
         Ok(twin)
@@ -318,6 +334,7 @@ impl Twin {
         let g = &self.graph;
         let members = self.members.iter().map(|m| &m.params);
         let needs = [
+            (WITH_PLANNER, self.planner.is_some()),
             (WITH_SKIN_CONTACT, members.chain([&self.params]).any(|p| p.contact.skin)),
             (WITH_APPEARANCE, self.appearance.is_some()),
             (WITH_MEMBERS, !self.members.is_empty()),
@@ -371,6 +388,7 @@ impl Twin {
         if let Some(report) = &self.quality.identifiability {
             report.check(self.graph.node_count(), self.skin.len()).or_else(fail)?;
         }
+        self.check_planner()?;
         self.quality.fast.as_ref().map_or(Ok(()), |f| f.check().or_else(fail))
     }
 }

@@ -16,6 +16,7 @@ fn twin(control_rest: Vec<[f32; 3]>) -> Twin {
         control_hands: Vec::new(),
         members: Vec::new(),
         appearance: None,
+        planner: None,
     }
 }
 

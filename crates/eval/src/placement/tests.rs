@@ -82,6 +82,7 @@ fn twin() -> Twin {
         control_hands: vec![0, 0],
         members: Vec::new(),
         appearance: None,
+        planner: None,
     }
 }
 

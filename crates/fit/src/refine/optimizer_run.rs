@@ -6,6 +6,7 @@ use std::sync::Arc;
 use bendtwin_core::{Environment, Graph, Params, Timing, settings::Substeps};
 use bendtwin_engine::{
     Backend, Loaded, Model, enough_substeps,
+    fidelity::Reduction,
     optimizer::{GradientNorm, Optimizer, OptimizerInit, Parameterization, Position},
 };
 use serde::{Deserialize, Serialize};
@@ -294,6 +295,11 @@ impl<'a> OptimizerRun<'a> {
                 self.note(format!("raised to {} substeps a frame", self.state.substeps));
                 Ok(())
             }
+            Err(LoadError::TooStiff(_))
+                if self.task.softens && self.soften(index, optimizer)? =>
+            {
+                Ok(())
+            }
             Err(LoadError::TooStiff(n)) => {
                 let change = self.state.step_control.halve_rate();
                 self.rollback(
@@ -305,6 +311,19 @@ impl<'a> OptimizerRun<'a> {
             }
             Err(error) => Err(error.into()),
         }
+    }
+
+    /// Goes on with stiffness and damping that the most substeps bear, with a margin; false where too
+    /// much would have to give way.
+    fn soften(&mut self, index: usize, optimizer: &mut dyn Optimizer) -> Result<bool, Error> {
+        let (current, most) = (self.loaded.model(), self.task.settings.substeps.most());
+        let with_margin = (f64::from(most) / MIN_MARGIN) as u32;
+        let Some(reduction) = Reduction::to(current, with_margin.max(1)) else { return Ok(false) };
+        let params = reduction.apply(current).params;
+        let theta = parameterization(self.task, params).start();
+        let position = Position { theta, ..self.state.position.clone() };
+        self.move_to(index, position, most, optimizer)?;
+        Ok(true)
     }
 
     /// Records the loss of the current parameters over all training frames: keeps them if they are

@@ -3,7 +3,7 @@ use proptest::prelude::*;
 
 use super::*;
 use crate::{
-    rollout::cases,
+    rollout::{PlannerShape, cases},
     v1::{
         ControlTrajectories, Cost, Cuboid, Ensemble, GripperPoses, InitialState, Plane, PointSet,
         Returns, Tensor, Vary,
@@ -30,6 +30,7 @@ const TWIN: TwinShape = TwinShape {
     rods: Some(0),
     substeps: 10,
     fast_substeps: None,
+    planner: None,
     has_capture: false,
 };
 
@@ -46,7 +47,8 @@ fn each_fault_is_refused_and_named() {
     for case in cases::malformed(&TWIN) {
         let error = refused(&case.request, &TWIN, &Limits::default());
         assert!(error.to_string().contains(case.names), "{}: {error}", case.what);
-        let is_variant = matches!(error, Error::NoFastVariant { .. });
+        let is_variant =
+            matches!(error, Error::NoFastVariant { .. } | Error::NoPlannersTwin { .. });
         assert!(is_variant || error.category() == Category::InvalidArgument, "{}", case.what);
     }
 }
@@ -294,6 +296,18 @@ fn a_fast_rollout_is_counted_with_its_own_substeps() {
     let request = RollOutRequest { fidelity: 2, ..sound() };
     assert!(check_for(&request, &fast, &limits, 0).is_ok());
     assert!(check_for(&sound(), &fast, &limits, 0).is_err());
+}
+
+#[test]
+fn a_rollout_of_a_planners_twin_is_counted_with_its_own_size() {
+    let shape = PlannerShape { nodes: 2, springs: 1, triplets: 0, substeps: 5 };
+    let planner = TwinShape { planner: Some(shape), ..TWIN };
+    let request = RollOutRequest { fidelity: 3, ..sound() };
+    let batch = check_for(&request, &planner, &Limits::default(), 0).unwrap();
+    let work = |request: &RollOutRequest| super::work(request, &batch, &planner);
+    assert!(work(&request) < work(&sound()));
+    let refused = refused(&request, &TWIN, &Limits::default());
+    assert_eq!(refused, Error::NoPlannersTwin { twin: request.twin.clone() });
 }
 
 proptest! {

@@ -59,8 +59,8 @@ pub(super) fn check(request: &RollOutRequest, batch: &Batch, limits: &Limits) ->
         let fault = "is without an `ensemble`, whose members are simulated on the fits";
         return Err(Error::field("vary.fits", fault));
     }
-    if vary.fits && request.fidelity() == Fidelity::Fast {
-        let fault = "is for the exact twin, and the fast variant has no other fits: ask for EXACT";
+    if vary.fits && matches!(request.fidelity(), Fidelity::Fast | Fidelity::Planner) {
+        let fault = "is for the exact twin, and the fast variant and the planner's twin have no other fits: ask for EXACT";
         return Err(Error::field("vary.fits", fault));
     }
     for (name, tensor, [least, most]) in given_by_set(vary) {

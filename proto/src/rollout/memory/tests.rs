@@ -21,6 +21,7 @@ const MANY_CONTROLS: TwinShape = TwinShape {
     rods: Some(0),
     substeps: 1,
     fast_substeps: None,
+    planner: None,
     has_capture: false,
 };
 

@@ -17,6 +17,7 @@ const TWIN: TwinShape = TwinShape {
     rods: Some(1),
     substeps: 10,
     fast_substeps: None,
+    planner: None,
     has_capture: false,
 };
 

@@ -70,6 +70,7 @@ fn twin(n: usize, controls: usize) -> Twin {
         control_hands: Vec::new(),
         members: Vec::new(),
         appearance: None,
+        planner: None,
     }
 }
 

@@ -43,7 +43,7 @@ pub(in crate::rollout) fn add_gradients(
 ) {
     let (returns, graph) = (&plan.returns, &plan.twin().graph);
     let (count, rows) = (gradients.controls.len(), plan.frames + 1);
-    let (width, nodes) = (graph.control_count(), graph.node_count());
+    let (width, nodes) = (graph.control_count(), plan.nodes());
     if returns.control_gradients {
         let values = padded(&gradients.controls, rows * width, [0.0; 3]);
         part.control_gradients = Some(Tensor::pack_points(&[count, rows, width], &values));
@@ -52,7 +52,10 @@ pub(in crate::rollout) fn add_gradients(
         part.action_gradients = Some(plan.actions.pack_gradients(count, &gradients.actions));
     }
     if returns.initial_gradients {
-        let pack = |of| Some(Tensor::pack_points(&[count, nodes], &padded(of, nodes, [0.0; 3])));
+        let pack = |of: &[Vec<Point>]| {
+            let of_twin: Vec<_> = of.iter().map(|own| plan.spread(own)).collect();
+            Some(Tensor::pack_points(&[count, nodes], &padded(&of_twin, nodes, [0.0; 3])))
+        };
         part.initial_position_gradients = pack(&gradients.positions);
         part.initial_velocity_gradients = pack(&gradients.velocities);
     }

@@ -141,7 +141,7 @@ impl Inner {
             capture,
             fidelity: match open.fidelity() {
                 Fidelity::Unspecified | Fidelity::Exact => Fidelity::Exact,
-                Fidelity::Fast => Fidelity::Fast,
+                other @ (Fidelity::Fast | Fidelity::Planner) => other,
             },
             world: open.world,
             grasps: open.grasps,

@@ -19,6 +19,7 @@ fn settled_in(world: Option<World>, twin: Twin, work: u64) -> Result<Start, Erro
         id: TwinId::generate(),
         twin,
         loaded,
+        planner: OnceCell::new(),
         fast: OnceCell::new(),
         members: Default::default(),
         _share: None,

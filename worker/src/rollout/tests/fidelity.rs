@@ -23,6 +23,7 @@ async fn a_fast_rollout_uses_the_variant_and_says_how_far_it_strays() {
         twin,
         loaded,
         fast: OnceCell::new(),
+        planner: OnceCell::new(),
         members: Default::default(),
         _share: None,
     });

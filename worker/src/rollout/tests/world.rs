@@ -46,8 +46,15 @@ fn bench(twin: Twin) -> Bench {
     let model = Arc::new(Model::from(&twin));
     let loaded = bench.device.backend(Priority::Interactive).load(model).unwrap();
     let (id, fast) = (TwinId::generate(), OnceCell::new());
-    bench.warm =
-        Arc::new(Warm { id, twin, loaded, fast, members: Default::default(), _share: None });
+    bench.warm = Arc::new(Warm {
+        id,
+        twin,
+        loaded,
+        fast,
+        planner: OnceCell::new(),
+        members: Default::default(),
+        _share: None,
+    });
     bench
 }
 

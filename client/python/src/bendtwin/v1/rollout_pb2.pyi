@@ -14,6 +14,7 @@ class Fidelity(int, metaclass=_enum_type_wrapper.EnumTypeWrapper):
     FIDELITY_UNSPECIFIED: _ClassVar[Fidelity]
     EXACT: _ClassVar[Fidelity]
     FAST: _ClassVar[Fidelity]
+    PLANNER: _ClassVar[Fidelity]
 
 class PointSet(int, metaclass=_enum_type_wrapper.EnumTypeWrapper):
     __slots__ = ()
@@ -30,6 +31,7 @@ class Interpolation(int, metaclass=_enum_type_wrapper.EnumTypeWrapper):
 FIDELITY_UNSPECIFIED: Fidelity
 EXACT: Fidelity
 FAST: Fidelity
+PLANNER: Fidelity
 POINT_SET_UNSPECIFIED: PointSet
 NODES: PointSet
 SKIN: PointSet

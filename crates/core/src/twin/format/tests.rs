@@ -42,6 +42,7 @@ fn twin() -> Twin {
         control_hands: Vec::new(),
         members: Vec::new(),
         appearance: None,
+        planner: None,
     }
 }
 

@@ -1,0 +1,117 @@
+//! `bendtwin twin planner`: a small twin beside a twin, with which plans are made.
+
+use std::path::{Path, PathBuf};
+
+use anyhow::Context as _;
+use bendtwin_core::{CancelToken, Twin};
+use bendtwin_fit::{Budget, Choice, Distillation};
+use clap::Args;
+use serde_json::json;
+
+use super::source::Source;
+use crate::{
+    backend::BackendArgs,
+    failure::{self, Failed, Usage},
+    global::Global,
+    observation, output, quality, signals,
+};
+
+#[derive(Debug, Args)]
+pub(super) struct Planner {
+    /// twins/{uuid}, which a new twin with a planner's twin is stored beside, or a twin file on this
+    /// machine, which needs no server
+    twin: Source,
+    /// The twin file to write [required for a twin file]
+    #[arg(short, long, value_name = "FILE")]
+    out: Option<PathBuf>,
+    /// Capture that the twin was fitted to: actions are as fast as its hands, not a quarter of a metre
+    /// a second
+    #[arg(long, value_name = "PATH")]
+    capture: Option<PathBuf>,
+    /// Number of nodes
+    #[arg(long, value_name = "N", default_value_t = 80, conflicts_with = "budget",
+          value_parser = clap::value_parser!(u32).range(4..=2000))]
+    nodes: u32,
+    /// Substeps per frame, at most
+    #[arg(long, value_name = "N", default_value_t = 32, conflicts_with = "budget",
+          value_parser = clap::value_parser!(u32).range(1..=1000))]
+    substeps: u32,
+    /// Choose nodes and substeps for plans of so many samples x frames @ plans a second on this machine,
+    /// 48x15@10 say
+    #[arg(long, value_name = "BUDGET")]
+    budget: Option<Budget>,
+    /// Seed of the sampled actions
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    seed: u64,
+    #[command(flatten)]
+    backend: BackendArgs,
+}
+
+pub(super) async fn run(args: Planner, global: &Global) -> anyhow::Result<()> {
+    if args.out.is_none() && matches!(args.twin, Source::File(_)) {
+        return Err(Usage::error("name the twin file to write with --out"));
+    }
+    let (name, content) = args.twin.read(global).await?;
+    let cancel = CancelToken::default();
+    let (shutdown, token) = (signals::shutdown(), cancel.clone());
+    tokio::spawn(async move {
+        shutdown.cancelled().await;
+        token.cancel();
+    });
+    let (out, quiet) = (args.out.clone(), global.json);
+    let (twin, choice) =
+        tokio::task::spawn_blocking(move || make(&args, &content, &cancel, quiet)).await??;
+    let file = twin.encode().map_err(failure::failed)?;
+    let written = match &out {
+        Some(path) => {
+            write(path, &file)?;
+            path.display().to_string()
+        }
+        None => global.connect().await?.twins().import(file, &name).await?.name.to_string(),
+    };
+    let chosen = choice.map(|c| {
+        json!({ "nodes": c.nodes, "substeps": c.substeps, "measured_s": c.measured_s, "fits": c.fits })
+    });
+    let document = json!({ "twin": written, "planner": twin.quality.planner, "budget": chosen });
+    output::print(global, &document, || {
+        let line = quality::planner(&twin.quality).unwrap_or_default();
+        let budget = choice.map_or_else(String::new, |choice| format!("\n{}", told(&choice)));
+        format!("{written}\n{line}{budget}")
+    })
+}
+
+fn write(path: &Path, file: &[u8]) -> anyhow::Result<()> {
+    std::fs::write(path, file).with_context(|| format!("cannot write {}", path.display()))
+}
+
+/// The twin with its planner's twin, and the size that the budget selected.
+fn make(
+    args: &Planner,
+    content: &[u8],
+    cancel: &CancelToken,
+    quiet: bool,
+) -> anyhow::Result<(Twin, Option<Choice>)> {
+    let twin = Twin::decode(content).map_err(failure::failed)?;
+    let backend = args.backend.open()?;
+    let captured = args.capture.as_deref().map(|path| observation::read(path, cancel, quiet));
+    let captured = captured.transpose().map_err(Failed)?;
+    let choice = args.budget.map(|budget| budget.choose(&twin, &*backend, cancel));
+    let choice = choice.transpose().map_err(failure::failed)?;
+    let (nodes, substeps) =
+        choice.map_or((args.nodes as usize, args.substeps), |c| (c.nodes, c.substeps));
+    let wanted = Distillation { nodes, substeps, seed: args.seed };
+    let capture = captured.as_ref().map(|captured| &captured.capture);
+    let twin = wanted.of(&twin, capture, &backend, cancel).map_err(failure::failed)?;
+    Ok((twin, choice))
+}
+
+/// A choice in a line.
+fn told(choice: &Choice) -> String {
+    let ms = 1e3 * choice.measured_s;
+    match choice.fits {
+        true => format!("The rollouts of a plan took {ms:.1} ms here."),
+        false => format!(
+            "The rollouts of a plan took {ms:.1} ms here, which is more than the budget allows: no smaller planner's twin is made."
+        ),
+    }
+}

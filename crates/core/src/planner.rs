@@ -1,0 +1,144 @@
+//! The planner's twin: a small twin beside a twin, with the same skin and the same control points, that
+//! moves nearly as the twin does and takes a fraction of its time.
+//!
+//! It is a model of its own, distilled from the twin's motion under sampled actions. Its nodes are some
+//! of the twin's nodes, so that a state of the twin is one of the planner's twin by leaving out the
+//! others; and each of the twin's nodes is carried by its nodes as a point of a skin is, so that its
+//! motion is one of all of the twin's nodes.
+
+use serde::{Deserialize, Serialize};
+
+use crate::{Point, Skin, Twin, geometry::wide};
+
+/// A small twin beside a twin.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PlannersTwin {
+    /// Its nodes, as numbers of nodes of the twin, ascending, shape [n].
+    pub nodes: Vec<u32>,
+    /// The small twin, without members, appearance and quality of its own. Its skin has the M points of
+    /// the twin's skin, then the twin's N nodes; of these, its own nodes are where they are.
+    pub twin: Box<Twin>,
+}
+
+/// Figures of a planner's twin: its size, and its deviation from the exact twin under actions that it
+/// was not fitted to.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct PlannerQuality {
+    /// Number of nodes.
+    pub nodes: u32,
+    /// Number of springs.
+    pub springs: u32,
+    /// Number of triplets.
+    pub triplets: u32,
+    /// Substeps per frame.
+    pub substeps: u32,
+    /// Distance between a point of the skin here and there, mean over points and frames [m].
+    pub mean_deviation_m: f64,
+    /// The largest such distance [m].
+    pub max_deviation_m: f64,
+    /// Scale to compare with: distance of the exact twin's skin from its initial positions, mean over
+    /// points and frames [m].
+    pub mean_travel_m: f64,
+    /// Frames of each action over which this was measured.
+    pub frames: u32,
+    /// Number of actions over which this was measured.
+    pub actions: u32,
+}
+
+impl PlannersTwin {
+    /// The skin of the twin alone, of so many points.
+    pub fn own_skin(&self, points: usize) -> Skin {
+        let all: Vec<usize> = (0..points).collect();
+        self.twin.skin.select(&all)
+    }
+
+    /// Positions of the twin's nodes [m], shape [N, 3], from those of the planner's nodes, shape [n, 3];
+    /// the twin's skin has so many points.
+    pub fn positions(&self, points: usize, nodes: &[Point]) -> Vec<Point> {
+        let skin = &self.twin.skin;
+        let at = |i: u32| wide(nodes[i as usize]);
+        (points..skin.len()).map(|m| skin.position(m, at).map(|x| x as f32)).collect()
+    }
+
+    /// Velocities of the twin's nodes [m/s], from positions and velocities of the planner's.
+    pub fn velocities(&self, points: usize, nodes: &[Point], velocities: &[Point]) -> Vec<Point> {
+        let skin = &self.twin.skin;
+        let (at, moving) =
+            (|i: u32| wide(nodes[i as usize]), |i: u32| wide(velocities[i as usize]));
+        (points..skin.len()).map(|m| skin.velocity(m, at, moving).map(|x| x as f32)).collect()
+    }
+
+    /// What the planner's nodes have, of what the twin's nodes have.
+    pub fn select<T: Copy>(&self, of_nodes: &[T]) -> Vec<T> {
+        self.nodes.iter().filter_map(|&i| of_nodes.get(i as usize)).copied().collect()
+    }
+
+    /// The node that stands for each node of the twin, which has so many: itself, or the nearest one at
+    /// rest; shape [N].
+    pub fn nearest(&self, rest: &[Point]) -> Vec<u32> {
+        let own: Vec<Point> = self.select(rest);
+        let square = |a: Point, b: Point| -> f32 { (0..3).map(|k| (a[k] - b[k]).powi(2)).sum() };
+        let of = |p: &Point| {
+            let by_distance = |(_, a): &(u32, &Point), (_, b): &(u32, &Point)| {
+                square(**a, *p).total_cmp(&square(**b, *p))
+            };
+            (0..).zip(&own).min_by(by_distance).map_or(0, |(place, _)| place)
+        };
+        rest.iter().map(of).collect()
+    }
+
+    /// Checks that it is a small twin of a twin.
+    ///
+    /// # Errors
+    /// The first contradiction found, as a sentence.
+    pub fn check(&self, of: &Twin) -> Result<(), String> {
+        let Twin { graph, skin, timing, members, appearance, planner, .. } = &*self.twin;
+        let (n, count) = (of.graph.node_count(), self.nodes.len());
+        if count != graph.node_count() {
+            return Err(format!("the planner's twin has {} nodes for {count}", graph.node_count()));
+        }
+        let is_ascending = self.nodes.windows(2).all(|pair| pair[0] < pair[1]);
+        if !is_ascending || self.nodes.last().is_some_and(|&last| last as usize >= n) {
+            return Err(format!("the planner's nodes are not ascending nodes of {n}"));
+        }
+        let there = [of.graph.control_count(), of.graph.rods.len(), of.skin.len() + n];
+        let here = [graph.control_count(), graph.rods.len(), skin.len()];
+        if there != here {
+            return Err(format!(
+                "the planner's twin has {here:?} control points, rods and skin points: it needs {there:?}"
+            ));
+        }
+        if timing.fps.to_bits() != of.timing.fps.to_bits() {
+            return Err(format!("the planner's twin has {} frames per second", timing.fps));
+        }
+        if !members.is_empty() || appearance.is_some() || planner.is_some() {
+            return Err("the planner's twin has members, an appearance or a twin of its own".into());
+        }
+        Ok(())
+    }
+}
+
+impl PlannerQuality {
+    /// Mean deviation over mean travel.
+    pub fn share_of_travel(&self) -> f64 {
+        self.mean_deviation_m / self.mean_travel_m
+    }
+
+    /// Checks that its numbers are possible.
+    ///
+    /// # Errors
+    /// The first contradiction found, as a sentence.
+    pub fn check(&self) -> Result<(), String> {
+        if self.nodes == 0 || self.substeps == 0 {
+            return Err("the planner's twin has no nodes or no substeps".into());
+        }
+        let lengths = [self.mean_deviation_m, self.max_deviation_m, self.mean_travel_m];
+        match lengths.iter().find(|x| !(x.is_finite() && **x >= 0.0)) {
+            Some(x) => Err(format!("the planner's twin deviates by {x}: it must be finite")),
+            None => Ok(()),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;

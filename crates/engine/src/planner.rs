@@ -1,0 +1,42 @@
+//! States of a twin as those of its planner's twin, and back.
+
+use bendtwin_core::PlannersTwin;
+
+use crate::{
+    model::State,
+    world::{Grasping, Hold},
+};
+
+/// The state of a planner's twin in that of its twin: of its own nodes. Holds of other nodes are left
+/// out.
+pub fn thinned(planner: &PlannersTwin, state: &State) -> State {
+    let own = |hold: &Hold| {
+        let place = planner.nodes.binary_search(&hold.node).ok()?;
+        Some(Hold { node: place as u32, ..*hold })
+    };
+    State {
+        positions: planner.select(&state.positions),
+        velocities: planner.select(&state.velocities),
+        twists: state.twists.clone(),
+        grasping: Grasping {
+            phases: state.grasping.phases.clone(),
+            holds: state.grasping.holds.iter().filter_map(own).collect(),
+        },
+    }
+}
+
+/// The state of a twin, whose skin has so many points, in that of its planner's twin: its nodes are
+/// carried. [`thinned`], it is the same state again.
+pub fn carried(planner: &PlannersTwin, skin_points: usize, state: &State) -> State {
+    let of_twin =
+        |hold: &Hold| planner.nodes.get(hold.node as usize).map(|&node| Hold { node, ..*hold });
+    State {
+        positions: planner.positions(skin_points, &state.positions),
+        velocities: planner.velocities(skin_points, &state.positions, &state.velocities),
+        twists: state.twists.clone(),
+        grasping: Grasping {
+            phases: state.grasping.phases.clone(),
+            holds: state.grasping.holds.iter().filter_map(of_twin).collect(),
+        },
+    }
+}

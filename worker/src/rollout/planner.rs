@@ -1,0 +1,230 @@
+//! Rollouts of a planner's twin in the words of its twin. Requests and replies name the twin's nodes;
+//! what is simulated are some of them.
+//!
+//! - A state of the twin is one of the planner's twin by leaving out the other nodes, and back each node
+//!   is carried as a point of the skin is. The way back and forth changes nothing, so a session keeps
+//!   states of the twin, whichever of the two simulates.
+//! - Nodes that are recorded, and keypoints at nodes, are points of the planner's skin, which has the
+//!   twin's nodes behind the points of the twin's own skin.
+//! - Nodes of grasps and of costs of depth and place are the nearest of the planner's nodes. Costs of all
+//!   nodes are of the planner's.
+
+use std::sync::{Arc, Mutex};
+
+use bendtwin_core::PlannersTwin;
+use bendtwin_engine::{
+    Backend, Loaded, Model,
+    model::State,
+    planner::{carried, thinned},
+};
+use bendtwin_proto::{
+    rollout,
+    v1::{self, PointSet, RollOutRequest, Tensor, cost::Kind, grasp::Region, initial_state},
+};
+use tokio::sync::OnceCell;
+
+use super::{
+    error::Error,
+    initial::{Start, Starts},
+    warm::Warm,
+};
+
+/// A planner's twin on the device.
+pub(super) struct PlannersWarm {
+    /// The small twin; its skin has the twin's nodes behind the twin's own points.
+    pub(super) warm: Arc<Warm>,
+    /// Its model with the whole of this skin; that of `warm` has the twin's own points alone.
+    with_nodes: Loaded,
+    planner: PlannersTwin,
+    /// Number of nodes of the twin, and of points of its skin.
+    nodes: usize,
+    skin_points: usize,
+    /// The planner's node for each node of the twin, shape [N].
+    nearest: Vec<u32>,
+}
+
+impl PlannersWarm {
+    /// Loads the planner's twin of a loaded twin.
+    ///
+    /// # Errors
+    /// If the twin has none, or the backend fails.
+    pub(super) fn load(of: &Warm, backend: &dyn Backend) -> Result<Self, Error> {
+        let missing = || rollout::Error::NoPlannersTwin { twin: of.id.to_string() };
+        let planner = of.twin.planner.clone().ok_or_else(missing)?;
+        let (nodes, skin_points) = (of.twin.graph.node_count(), of.twin.skin.len());
+        let whole = Model::from(&*planner.twin);
+        let own = Model { skin: Arc::new(planner.own_skin(skin_points)), ..whole.clone() };
+        let warm = Warm {
+            id: of.id,
+            twin: (*planner.twin).clone(),
+            loaded: backend.load(Arc::new(own))?,
+            fast: OnceCell::new(),
+            planner: OnceCell::new(),
+            members: Mutex::default(),
+            // It is in that of the twin.
+            _share: None,
+        };
+        let nearest = planner.nearest(&of.twin.graph.rest_positions);
+        let with_nodes = backend.load(Arc::new(whole))?;
+        Ok(Self { warm: Arc::new(warm), with_nodes, planner, nodes, skin_points, nearest })
+    }
+
+    /// The twin's number of one of the planner's nodes.
+    pub(super) fn node(&self, own: usize) -> usize {
+        self.planner.nodes.get(own).map_or(own, |&node| node as usize)
+    }
+
+    /// A state of the twin, of one of the planner's.
+    pub(super) fn carried(&self, state: &State) -> State {
+        carried(&self.planner, self.skin_points, state)
+    }
+
+    /// What the twin's nodes have, zero for all but the planner's.
+    pub(super) fn spread(&self, own: &[[f32; 3]]) -> Vec<[f32; 3]> {
+        if own.is_empty() {
+            return Vec::new();
+        }
+        let mut all = vec![[0.0; 3]; self.nodes];
+        for (&node, value) in self.planner.nodes.iter().zip(own) {
+            if let Some(to) = all.get_mut(node as usize) {
+                *to = *value;
+            }
+        }
+        all
+    }
+
+    /// Starts of the planner's twin in those of the twin.
+    ///
+    /// # Errors
+    /// If a correction has changed the rest shape of one.
+    pub(super) fn thinned(&self, starts: Starts) -> Result<Starts, Error> {
+        if starts.rests().iter().any(Option::is_some) {
+            let fault = "is the planner's twin, which has the rest shape that was fitted, and a correction has changed that of the state: begin in another state, or ask for EXACT or FAST";
+            return Err(Error::field("fidelity", fault));
+        }
+        let of =
+            |start: Start| Start { state: Arc::new(thinned(&self.planner, &start.state)), ..start };
+        Ok(match starts {
+            Starts::Shared(start) => Starts::Shared(of(start)),
+            Starts::Each(starts) => Starts::Each(starts.into_iter().map(of).collect()),
+        })
+    }
+
+    /// Rewrites a checked request for the planner's twin. Returns the model that answers it.
+    ///
+    /// # Errors
+    /// If it has keypoints at nodes beside a target cloud for the skin.
+    pub(super) fn rewrite(&self, request: &mut RollOutRequest) -> Result<Loaded, Error> {
+        if let Some(returns) = &mut request.returns {
+            self.rewrite_returns(returns)?;
+        }
+        if let Some(initial_state::State::Given(given)) =
+            request.initial.as_mut().and_then(|initial| initial.state.as_mut())
+        {
+            self.rewrite_state(given)?;
+        }
+        for grasp in &mut request.grasps {
+            if let Some(Region::Nodes(nodes)) = &mut grasp.region {
+                *nodes = self.nearest(nodes, "grasps.nodes")?;
+            }
+        }
+        let mut model = &self.warm.loaded;
+        let mut cloud = None;
+        for (index, cost) in request.costs.iter_mut().enumerate() {
+            match &mut cost.kind {
+                Some(Kind::Keypoints(keypoints)) => {
+                    let given = keypoints.nodes.take().filter(|nodes| !nodes.is_absent());
+                    if let Some(nodes) = given {
+                        keypoints.skin_points = Some(self.points(&nodes, "keypoints.nodes")?);
+                        model = &self.with_nodes;
+                    }
+                }
+                Some(Kind::Height(height)) => self.rewrite_nodes(&mut height.nodes)?,
+                Some(Kind::Within(within)) => self.rewrite_nodes(&mut within.nodes)?,
+                Some(Kind::TargetCloud(of)) if rollout::measured(of) != PointSet::Nodes => {
+                    cloud.get_or_insert(index);
+                }
+                _ => {}
+            }
+        }
+        match cloud {
+            Some(index) if Arc::ptr_eq(model.model(), self.with_nodes.model()) => {
+                let fault = "is beside keypoints at nodes, which the planner's twin does not measure together: name keypoints by `skin_points`";
+                Err(Error::field(format!("costs[{index}].target_cloud"), fault))
+            }
+            _ => Ok(model.clone()),
+        }
+    }
+
+    fn rewrite_returns(&self, returns: &mut v1::Returns) -> Result<(), Error> {
+        let points = match rollout::recorded(returns) {
+            PointSet::Skin => {
+                let given = returns.skin_points.take().filter(|points| !points.is_absent());
+                let all = || (0..self.skin_points as u32).collect::<Vec<u32>>();
+                given.unwrap_or_else(|| Tensor::pack(&[self.skin_points], &all()))
+            }
+            _ => {
+                let given = returns.nodes.take().filter(|nodes| !nodes.is_absent());
+                let all = || (0..self.nodes as u32).collect::<Vec<u32>>();
+                let nodes = given.unwrap_or_else(|| Tensor::pack(&[self.nodes], &all()));
+                self.points(&nodes, "returns.nodes")?
+            }
+        };
+        returns.set_point_set(PointSet::Skin);
+        (returns.nodes, returns.skin_points) = (None, Some(points));
+        Ok(())
+    }
+
+    fn rewrite_state(&self, given: &mut initial_state::GivenState) -> Result<(), Error> {
+        let n = self.nodes.max(1);
+        let points = |tensor: &mut Option<Tensor>, field: &str| -> Result<(), Error> {
+            let Some(of) = tensor.take().filter(|t| !t.is_absent()) else { return Ok(()) };
+            let (mut shape, values) = of.unpack_points(field)?;
+            let own: Vec<_> =
+                values.chunks_exact(n).flat_map(|row| self.planner.select(row)).collect();
+            shape.pop();
+            shape.push(self.planner.nodes.len());
+            *tensor = Some(Tensor::pack_points(&shape, &own));
+            Ok(())
+        };
+        points(&mut given.positions, "initial.given.positions")?;
+        points(&mut given.velocities, "initial.given.velocities")?;
+        if let Some(grasping) = &mut given.grasping {
+            points(&mut grasping.places, "initial.given.grasping.places")?;
+            if let Some(holders) = grasping.holders.take().filter(|t| !t.is_absent()) {
+                let (mut shape, values) =
+                    holders.unpack::<u32>("initial.given.grasping.holders")?;
+                let own: Vec<u32> =
+                    values.chunks_exact(n).flat_map(|row| self.planner.select(row)).collect();
+                shape.pop();
+                shape.push(self.planner.nodes.len());
+                grasping.holders = Some(Tensor::pack(&shape, &own));
+            }
+        }
+        Ok(())
+    }
+
+    fn rewrite_nodes(&self, nodes: &mut Option<Tensor>) -> Result<(), Error> {
+        if let Some(given) = nodes.take().filter(|nodes| !nodes.is_absent()) {
+            *nodes = Some(self.nearest(&given, "costs.nodes")?);
+        }
+        Ok(())
+    }
+
+    /// The points of the skin that are nodes of the twin.
+    fn points(&self, nodes: &Tensor, field: &str) -> Result<Tensor, Error> {
+        let (shape, nodes) = nodes.unpack::<u32>(field)?;
+        let points: Vec<u32> = nodes.iter().map(|&node| self.skin_points as u32 + node).collect();
+        Ok(Tensor::pack(&shape, &points))
+    }
+
+    /// The planner's nodes that stand for nodes of the twin, each once.
+    fn nearest(&self, nodes: &Tensor, field: &str) -> Result<Tensor, Error> {
+        let (_, nodes) = nodes.unpack::<u32>(field)?;
+        let own = |node: &u32| self.nearest.get(*node as usize).copied();
+        let mut own: Vec<u32> = nodes.iter().filter_map(own).collect();
+        own.sort_unstable();
+        own.dedup();
+        Ok(Tensor::pack(&[own.len()], &own))
+    }
+}
