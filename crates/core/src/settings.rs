@@ -241,7 +241,7 @@ pub struct RefineSettings {
     /// Decay of the second moment.
     pub beta2: f64,
     /// Strength of the pull of parameters towards the search's result, which is one material for
-    /// the whole object; 0 for none. If left open, it depends on the kind of object.
+    /// the whole object; 0 for none. If left open, it depends on the object, effort and device.
     pub prior: Option<f64>,
     /// Frames per step, and the reach of its gradients back in time.
     pub window: GradientWindow,

@@ -124,7 +124,7 @@ pub fn film_with(
         options: options.clone(),
     };
     Ok(Recording {
-        name: setup.name.to_owned(),
+        name: setup.name,
         fps: FPS,
         frame_count,
         train_frame_count: (frame_count as f64 * TRAIN_SHARE).round() as usize,

@@ -70,6 +70,40 @@ impl Scene {
     }
 }
 
+/// Material of a body.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Substance {
+    /// Foam, as stiff as suits the scene.
+    #[default]
+    Foam,
+    /// Stuffed cloth: softer, and sooner at rest.
+    Plush,
+    /// Rubber: stiffer, springy, and it holds to the ground.
+    Rubber,
+    /// Twisted fibres: stiffer, with friction between them, and smooth on the ground.
+    Cord,
+}
+
+impl Substance {
+    /// All of them.
+    pub const ALL: [Self; 4] = [Self::Foam, Self::Plush, Self::Rubber, Self::Cord];
+
+    /// Its name, `foam` say.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Foam => "foam",
+            Self::Plush => "plush",
+            Self::Rubber => "rubber",
+            Self::Cord => "cord",
+        }
+    }
+
+    /// The material of a name.
+    pub fn from_name(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|s| s.name() == name)
+    }
+}
+
 /// Options of making a capture.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct MakeOptions {
@@ -82,6 +116,8 @@ pub struct MakeOptions {
     /// Recording of the object: 0 is the scene's own; others hold the same body elsewhere, move it
     /// in other ways and lay it down turned. A cable has only the first.
     pub take: u32,
+    /// Material of the body; a cable has its own.
+    pub material: Substance,
 }
 
 impl MakeOptions {

@@ -87,7 +87,7 @@ pub(super) fn record(
     inner.retain(|i| !body.is_surface[*i as usize]);
     let inner = spread(&body.positions, &inner, setup.interior);
     Ok(Capture {
-        name: setup.name.to_owned(),
+        name: setup.name.clone(),
         fps: FPS,
         environment: Environment::Z_UP,
         source_to_world: IDENTITY,

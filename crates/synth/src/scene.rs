@@ -5,7 +5,7 @@ use std::f32::consts::TAU;
 use bendtwin_core::Point;
 
 use super::{
-    MakeOptions, Scene,
+    MakeOptions, Scene, Substance,
     body::Body,
     hand::Hand,
     pose::{Pose, norm, segment_distance, smoothstep, sub},
@@ -14,7 +14,7 @@ use super::{
 
 /// A body, a hand and what the hand does.
 pub(super) struct Setup {
-    pub(super) name: &'static str,
+    pub(super) name: String,
     pub(super) body: Body,
     /// Zero on the body's surface, negative inside.
     pub(super) distance: fn(Point) -> f32,
@@ -33,14 +33,34 @@ pub(super) struct Setup {
 
 /// Parts of a scene; none where no camera looks at it.
 pub(super) fn setup(scene: Scene, options: &MakeOptions) -> Option<Setup> {
-    match scene {
-        Scene::Rope => Some(rope(options)),
-        Scene::Bar => Some(bar::<25>(options, scene.name())),
-        Scene::ThickBar => Some(bar::<50>(options, scene.name())),
-        Scene::Toy => Some(toy(options)),
-        Scene::Ring => Some(ring(options)),
-        Scene::Cable => None,
+    let mut setup = match scene {
+        Scene::Rope => rope(options),
+        Scene::Bar => bar::<25>(options, scene.name()),
+        Scene::ThickBar => bar::<50>(options, scene.name()),
+        Scene::Toy => toy(options),
+        Scene::Ring => ring(options),
+        Scene::Cable => return None,
+    };
+    turn_into(&mut setup.material, options.material);
+    if options.material != Substance::Foam {
+        setup.name = format!("{}_{}", setup.name, options.material.name());
     }
+    Some(setup)
+}
+
+/// Makes foam another material: by the speed of sound, by the damping of its springs at equal
+/// stiffness, by drag, and by how it meets the ground.
+fn turn_into(material: &mut Material, substance: Substance) {
+    let [sound, damping, drag, restitution, friction] = match substance {
+        Substance::Foam => return,
+        Substance::Plush => [0.7, 3.0, 1.5, 0.0, 0.6],
+        Substance::Rubber => [1.6, 0.5, 0.5, 0.4, 0.9],
+        Substance::Cord => [1.3, 2.0, 0.8, 0.05, 0.35],
+    };
+    material.stiffness.iter_mut().for_each(|k| *k *= sound * sound);
+    material.dashpot.iter_mut().for_each(|c| *c *= sound * damping);
+    material.drag *= drag;
+    (material.ground_restitution, material.ground_friction) = (restitution, friction);
 }
 
 /// Speed of sound that gives a lattice of this spacing its stiffness, unevenly
@@ -79,7 +99,7 @@ fn rope(options: &MakeOptions) -> Setup {
     let material = foam(&body, 55.0, 1.5);
     let pick = |full, tiny| if options.tiny { tiny } else { full };
     Setup {
-        name: "rope",
+        name: "rope".to_owned(),
         hand: Hand {
             grasp: [0.012, 0.0, radius],
             size: [0.032, 0.022, 0.022],
@@ -108,7 +128,7 @@ fn rope_distance(p: Point) -> f32 {
 const BAR_SIZE_M: [f32; 2] = [0.36, 0.05];
 
 /// A bar of foam; bars of any thickness are cut from the same block.
-fn bar<const THICKNESS_MM: u32>(options: &MakeOptions, name: &'static str) -> Setup {
+fn bar<const THICKNESS_MM: u32>(options: &MakeOptions, name: &str) -> Setup {
     let spacing = if options.tiny { 0.01 } else { 0.006 };
     let [length, width] = BAR_SIZE_M;
     let thickness = THICKNESS_MM as f32 * 1e-3;
@@ -117,7 +137,7 @@ fn bar<const THICKNESS_MM: u32>(options: &MakeOptions, name: &'static str) -> Se
     let material = foam(&body, 45.0, 1.5);
     let pick = |full, tiny| if options.tiny { tiny } else { full };
     Setup {
-        name,
+        name: name.to_owned(),
         hand: Hand {
             grasp: [0.012, 0.0, 0.5 * thickness],
             size: [0.032, 0.036, 0.8 * thickness],
@@ -171,7 +191,7 @@ fn ring(options: &MakeOptions) -> Setup {
     let material = foam(&body, 22.0, 1.4);
     let pick = |full, tiny| if options.tiny { tiny } else { full };
     Setup {
-        name: "ring",
+        name: "ring".to_owned(),
         hand: Hand {
             grasp: [section, 0.0, section],
             size: [0.026, 0.034, 0.026],
@@ -202,7 +222,7 @@ fn toy(options: &MakeOptions) -> Setup {
     let material = foam(&body, 12.0, 1.3);
     let pick = |full, tiny| if options.tiny { tiny } else { full };
     Setup {
-        name: "toy",
+        name: "toy".to_owned(),
         hand: Hand {
             grasp: [0.1, 0.0, 0.05],
             size: [0.026, 0.034, 0.034],

@@ -82,8 +82,31 @@ fn takes_are_recordings_of_the_same_body() {
     }
 }
 
+/// A body that is held at one end and lifted hangs the farther down the softer it is.
+#[test]
+fn materials_differ_in_how_they_hang() {
+    let hung = |material| {
+        let options = MakeOptions { material, ..MakeOptions::tiny(3) };
+        let capture = make(Scene::Bar, &options).unwrap();
+        let report = check(&capture);
+        assert!(report.findings.is_empty(), "{material:?}: {:?}", report.findings);
+        let sequence = &capture.sequences[0];
+        let last = sequence.truth_at(sequence.frame_count - 1);
+        let height = last.iter().map(|p| p[2]).sum::<f32>() / last.len() as f32;
+        (capture.name, height)
+    };
+    let [foam, plush, rubber, cord] = Substance::ALL.map(hung);
+    assert_eq!([&foam.0, &plush.0], ["bar", "bar_plush"]);
+    let stiffer = cord.1.min(rubber.1);
+    assert!(plush.1 < foam.1 && foam.1 < stiffer, "{plush:?} {foam:?} {cord:?} {rubber:?}");
+}
+
 #[test]
 fn names_are_stable() {
+    for substance in Substance::ALL {
+        assert_eq!(Substance::from_name(substance.name()), Some(substance));
+    }
+    assert_eq!(Substance::from_name("stone"), None);
     for scene in Scene::ALL {
         assert_eq!(Scene::from_name(scene.name()), Some(scene));
     }

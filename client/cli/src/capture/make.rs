@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use bendtwin_capture::raw;
-use bendtwin_synth::{FilmOptions, MakeOptions, Scene, Shape, film, make};
+use bendtwin_synth::{FilmOptions, MakeOptions, Scene, Shape, Substance, film, make};
 use clap::Args;
 use serde_json::json;
 
@@ -32,6 +32,9 @@ pub(crate) struct Make {
     /// Recording of the scene's body: 0 is the scene's own, others hold and move it elsewhere
     #[arg(long, value_name = "N", default_value_t = 0, conflicts_with = "raw")]
     take: u32,
+    /// Material of the body: foam, plush, rubber or cord
+    #[arg(long, default_value = "foam", value_parser = substance, conflicts_with = "raw")]
+    material: Substance,
     /// Film the scene: images, depth, masks and 2D tracks of three cameras (two small ones with
     /// --tiny). Writes a PhysTwin case, or a BendTwin bundle if the name ends with .zip
     #[arg(long)]
@@ -51,6 +54,13 @@ fn scene(name: &str) -> Result<Scene, String> {
     })
 }
 
+fn substance(name: &str) -> Result<Substance, String> {
+    Substance::from_name(name).ok_or_else(|| {
+        let names = Substance::ALL.map(Substance::name).join(", ");
+        format!("there is no material `{name}`: take one of {names}")
+    })
+}
+
 pub(super) async fn run(args: Make, global: &Global) -> anyhow::Result<()> {
     if args.raw {
         return run_raw(args, global).await;
@@ -58,10 +68,14 @@ pub(super) async fn run(args: Make, global: &Global) -> anyhow::Result<()> {
     if args.take > 0 && args.scene == Scene::Cable {
         return Err(Usage::error("a cable has several sequences in one capture: leave out --take"));
     }
-    let path = args.file.unwrap_or_else(|| format!("{}.zip", args.scene.name()).into());
+    if args.material != Substance::Foam && args.scene == Scene::Cable {
+        return Err(Usage::error("a cable has a material of its own: leave out --material"));
+    }
+    let named = || format!("{}.zip", args.scene.name()).into();
+    let path = args.file.clone().unwrap_or_else(named);
     expect_free(&path, args.force)?;
-    let options =
-        MakeOptions { seed: args.seed, frames: args.frames, tiny: args.tiny, take: args.take };
+    let Make { seed, frames, tiny, take, material, .. } = args;
+    let options = MakeOptions { seed, frames, tiny, take, material };
     let capture = write(args.scene, options, &path).await?;
     let sequence = capture.sequences.first();
     let frames = sequence.map_or(0, |s| s.frame_count);

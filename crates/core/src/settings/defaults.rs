@@ -112,8 +112,6 @@ struct SubjectDefaults {
     searches_gravity: bool,
     /// Pull of the search to where it starts.
     search_prior: f64,
-    /// Pull of the refinement to what the search found.
-    refine_prior: f64,
 }
 
 impl SubjectDefaults {
@@ -123,15 +121,22 @@ impl SubjectDefaults {
                 sequence_mean: SequenceMean::Geometric,
                 searches_gravity: true,
                 search_prior: 0.0,
-                refine_prior: 0.3,
             },
             Subject::Body => Self {
                 sequence_mean: SequenceMean::Arithmetic,
                 searches_gravity: false,
                 search_prior: 0.4,
-                refine_prior: 0.05,
             },
         }
+    }
+}
+
+/// Pull of the refinement to what the search found. A draft of a body on a CPU has few nodes and ends
+/// early: there the stronger pull predicts better.
+fn refine_prior(effort: Effort, conditions: Conditions) -> f64 {
+    match (conditions.subject, conditions.device, effort) {
+        (Subject::Cable, ..) | (Subject::Body, DeviceKind::Cpu, Effort::Draft) => 0.3,
+        (Subject::Body, ..) => 0.05,
     }
 }
 
@@ -188,7 +193,7 @@ impl FitSettings {
         filled.planner.substeps.get_or_insert(PLANNER_SUBSTEPS);
         let of_subject = SubjectDefaults::of(conditions.subject);
         filled.search.prior.get_or_insert(of_subject.search_prior);
-        filled.refine.prior.get_or_insert(of_subject.refine_prior);
+        filled.refine.prior.get_or_insert(refine_prior(self.effort, conditions));
         let searches_gravity = of_subject.searches_gravity && !conditions.is_weighed;
         filled.search.gravity.get_or_insert(searches_gravity);
         filled.loss.sequences.get_or_insert(of_subject.sequence_mean);

@@ -46,6 +46,9 @@ fn nothing_is_left_open_for_a_fit() {
                 assert_eq!(open.filled(weighed).search.gravity, Some(false));
                 assert_eq!(s.search.gravity, Some(is_cable));
                 assert_eq!(s.search.prior, Some(if is_cable { 0.0 } else { 0.4 }));
+                let is_small = device == DeviceKind::Cpu && s.effort == Effort::Draft;
+                let is_held = is_cable || is_small;
+                assert_eq!(s.refine.prior, Some(if is_held { 0.3 } else { 0.05 }));
                 assert!(s.loss.sequences.is_some());
                 let batch = if device == DeviceKind::Gpu { 20 } else { 8 };
                 assert_eq!(s.refine.batch, Some(batch));
