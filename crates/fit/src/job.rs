@@ -68,13 +68,26 @@ impl FitJob<'_> {
         observer: &mut dyn Observer<Progress>,
         cancel: &CancelToken,
     ) -> Result<Outcome, Error> {
-        if let Some(twin) = &self.settings.start_from {
-            let fault = format!("start_from is {twin}: give the twin itself to start from it");
-            return Err(Error::Settings(vec![fault]));
-        }
-        let device = device_kind(&*self.backend);
-        let task = Task::new(self.capture, &self.settings, device, cancel)?;
+        let task = self.task(cancel)?;
         self.complete(&task, None, checkpoint, observer, cancel)
+    }
+
+    /// The twin alone, without quality table, report and look: for those who score it elsewhere.
+    ///
+    /// # Errors
+    /// As [`FitJob::run`].
+    pub fn twin(
+        &self,
+        observer: &mut dyn Observer<Progress>,
+        cancel: &CancelToken,
+    ) -> Result<Twin, Error> {
+        let task = self.task(cancel)?;
+        let validation = Validation::new(&task);
+        let mut run = Run::new(self, &task, validation.as_ref(), observer, cancel);
+        run.search()?;
+        let finished = run.refine()?.into_iter().next();
+        let none = || Error::NothingStable("there is no model".into());
+        finished.map(|f| f.twin).ok_or_else(none)
     }
 
     /// Refines a twin: the fit starts from its graph and its parameters, brought to the capture by
@@ -94,6 +107,16 @@ impl FitJob<'_> {
         let file = twin.encode().map_err(|e| Error::Twin(e.to_string()))?;
         let digest = blake3::hash(&file).to_hex().to_string();
         self.complete(&task, Some(&digest), checkpoint, observer, cancel)
+    }
+
+    /// The task of a fit that begins with a search.
+    fn task(&self, cancel: &CancelToken) -> Result<Task<'_>, Error> {
+        if let Some(twin) = &self.settings.start_from {
+            let fault = format!("start_from is {twin}: give the twin itself to start from it");
+            return Err(Error::Settings(vec![fault]));
+        }
+        let device = device_kind(&*self.backend);
+        Task::new(self.capture, &self.settings, device, cancel)
     }
 
     fn complete(
