@@ -250,7 +250,7 @@ fn attach_hands(
     }
     let n = sample.node_count();
     let mut attached = 0;
-    for hand in hands(sample) {
+    for hand in hands(&sample.control_rest, free_controls(sample)) {
         let mut held: Vec<u32> =
             springs.iter().filter(|s| hand.contains(&(s[1] as usize - n))).map(|s| s[0]).collect();
         tidy(&mut held);
@@ -275,19 +275,17 @@ fn attach_hands(
     attached
 }
 
-/// Free control points by hand: those linked by steps of at most [`HAND_LINK_M`].
-fn hands(sample: &NodeSample) -> Vec<Vec<usize>> {
-    let mut left = free_controls(sample);
+/// Control points by hand: those of `left` that are linked by steps of at most [`HAND_LINK_M`].
+fn hands(controls: &[Point], mut left: Vec<usize>) -> Vec<Vec<usize>> {
     let mut hands = Vec::new();
     while let Some(first) = left.first().copied() {
         left.remove(0);
         let mut hand = vec![first];
         let mut next = 0;
         while next < hand.len() {
-            let at = sample.control_rest[hand[next]];
+            let at = controls[hand[next]];
             let link = HAND_LINK_M * HAND_LINK_M;
-            let is_linked =
-                |c: &usize| spread::distance_squared(at, sample.control_rest[*c]) <= link;
+            let is_linked = |c: &usize| spread::distance_squared(at, controls[*c]) <= link;
             let (linked, rest) = left.iter().copied().partition(is_linked);
             left = rest;
             hand.extend::<Vec<usize>>(linked);
@@ -296,4 +294,13 @@ fn hands(sample: &NodeSample) -> Vec<Vec<usize>> {
         hands.push(hand);
     }
     hands
+}
+
+/// The hand of each control point, from 0: points closer than 8 cm to each other are one hand's.
+pub fn hand_of_each(controls: &[Point]) -> Vec<usize> {
+    let mut of = vec![0; controls.len()];
+    for (number, hand) in hands(controls, (0..controls.len()).collect()).iter().enumerate() {
+        hand.iter().for_each(|&c| of[c] = number);
+    }
+    of
 }
