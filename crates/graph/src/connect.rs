@@ -65,8 +65,9 @@ pub fn connect(sample: &NodeSample, connectivity: &Connectivity) -> Graph {
 /// - Pieces that then do not hang together are joined where they are closest.
 ///   Known edges replace both steps: a cable's topology is taken as given.
 /// - Every control point that pins no node opens springs to its up to
-///   `control_neighbours` nearest nodes within `control_radius_m`, however sparse
-///   the nodes are: a hand holds what it touches.
+///   `control_neighbours` nearest nodes within `control_radius_m`, or within the
+///   spacing of the nodes if that is more: a hand holds what it touches, and nodes
+///   that are farther apart stand for what lies between them.
 ///   Control points closer than 8 cm to each other are one hand; a hand that
 ///   reaches fewer than four nodes is attached to the nodes nearest to it.
 /// - With `rods`, what lies between two clamps of a cable with known edges is a rod.
@@ -120,7 +121,7 @@ pub fn hold(nodes: &[Point], controls: &[Point], connectivity: &Connectivity) ->
         pins: Vec::new(),
         edges: None,
         rest_shape: None,
-        point_spacing_m: 0.0,
+        point_spacing_m: spread::mean_spacing(nodes),
         spacing_scale: 1.0,
         surface: SurfacePoints::default(),
         left_out: LeftOut::default(),
@@ -209,12 +210,17 @@ fn control_springs(
     connectivity: &Connectivity,
     tree: &ImmutableKdTree<f32, 3>,
 ) -> Vec<[u32; 2]> {
-    let radius = connectivity.control_radius_m as f32;
+    let radius = connectivity.control_radius_m.max(node_spacing(sample)) as f32;
     let mut springs = Vec::new();
     for c in free_controls(sample) {
         springs.extend(nearest_nodes(sample, tree, c, connectivity.control_neighbours, radius));
     }
     springs
+}
+
+/// Mean spacing of the nodes [m].
+fn node_spacing(sample: &NodeSample) -> f64 {
+    sample.point_spacing_m * sample.spacing_scale
 }
 
 /// Springs from the up to `count` nodes within `radius` to a control point.

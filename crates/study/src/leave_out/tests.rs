@@ -71,12 +71,19 @@ fn each_recording_is_predicted_from_each_other_one_and_from_all_others() {
 
 #[test]
 fn a_recording_of_something_else_is_refused_with_its_reason() {
-    let bar = Capture { name: "bar".into(), ..make(Scene::Bar, &MakeOptions::tiny(5)).unwrap() };
-    let study = study(vec![take(0), bar]).unwrap();
+    // A toy of thrice the size.
+    let mut large = Capture { name: "large".into(), ..take(1) };
+    let object = &mut large.object;
+    let sequence = &mut large.sequences[0];
+    let parts = [&mut object.completed_surface, &mut object.interior, &mut sequence.points];
+    for points in parts.into_iter().chain([&mut sequence.controls, &mut sequence.truth_tracks]) {
+        points.iter_mut().flatten().for_each(|x| *x *= 3.0);
+    }
+    let study = study(vec![take(0), large]).unwrap();
     let (results, _) = run(&study);
-    let refused = results[0].from_one[0].refused.as_ref().unwrap();
-    assert_eq!((results[0].one_m(), &*refused.reason), (None, "OBSERVATION_NOT_EXPLAINED"));
-    assert!(left_out_table(&results).contains("take 0 from bar: "));
+    let refused = results[1].from_one[0].refused.as_ref().unwrap();
+    assert_eq!((results[1].one_m(), &*refused.reason), (None, "OBSERVATION_NOT_EXPLAINED"));
+    assert!(left_out_table(&results).contains("large from take 0: "));
 }
 
 #[test]
