@@ -286,12 +286,8 @@ pub fn left_out_table(results: &[LeftOut]) -> String {
     );
     let row = |text: &mut String, name: &str, still, first, one, all| {
         let (still, first, change) = (mm(still), mm(first), change(one, all));
-        let _ = writeln!(
-            text,
-            "| {name} | {still} | {first} | {} | {} | {change} |",
-            mm(one),
-            mm(all)
-        );
+        let _ =
+            writeln!(text, "| {name} | {still} | {first} | {} | {} | {change} |", mm(one), mm(all));
     };
     let still = |left: &LeftOut| left.mean_m(|s| s.standing_still);
     let first = |left: &LeftOut| left.mean_m(|s| s.first_frame);
