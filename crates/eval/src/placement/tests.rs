@@ -188,7 +188,7 @@ fn each_of_two_hands_holds_as_firmly_as_those_of_the_twin() {
     let kept = |values: &[f32]| -> Vec<f32> {
         values.iter().zip(&is_inner).filter(|(_, inner)| **inner).map(|(x, _)| *x).collect()
     };
-    let (mut free, mut params) = (twin.graph.clone(), twin.params.clone());
+    let Twin { graph: mut free, mut params, .. } = twin;
     free.springs.retain(|s| (s[1] as usize) < n);
     params.spring_stiffness = kept(&params.spring_stiffness);
     params.spring_dashpot = kept(&params.spring_dashpot);
