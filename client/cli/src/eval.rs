@@ -1,6 +1,7 @@
 //! `bendtwin eval`: fits captures on this machine and scores the twins, without a server.
 
 mod corrections;
+mod leave_out;
 mod local;
 mod video;
 
@@ -51,6 +52,11 @@ pub(crate) struct Eval {
     /// Write the twin, with its quality table, to this file
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
+    /// Take the captures as recordings of one object, leave out each in turn, and say how well twins
+    /// of the others predict it: of one other recording, and of all others together. All frames of
+    /// the others are fitted
+    #[arg(long, conflicts_with_all = ["twin", "from", "axial", "out", "picture", "video", "lpips", "per_frame", "correct_at"])]
+    leave_out: bool,
     /// Draw predicted against observed into this PNG file
     #[arg(long, value_name = "FILE")]
     picture: Option<PathBuf>,
@@ -84,6 +90,9 @@ pub(crate) async fn run(args: Eval, global: &Global) -> anyhow::Result<()> {
     let opening = args.backend.clone();
     let backend = tokio::task::spawn_blocking(move || opening.open()).await??;
     let (args, quiet) = (Arc::new(args), global.json);
+    if args.leave_out {
+        return leave_out::run(args, settings, backend, cancel, global).await;
+    }
     for path in args.paths.clone() {
         let (args, settings, cancel) = (args.clone(), settings.clone(), cancel.clone());
         let backend = Arc::clone(&backend);

@@ -26,6 +26,6 @@ pub use error::Error;
 pub use evaluate::{EvaluateOptions, evaluate, evaluate_with_motion, score};
 pub use fidelity::fast_variant;
 pub use motion::Motion;
-pub use placement::{Placement, in_recording, is_own_capture, typical_hold};
+pub use placement::{Grip, Placement, in_recording, is_own_capture};
 pub use table::{TableStyle, format_table, predictor_name};
 pub use trajectory::{Trajectory, check_capture, initial_state, instance, predict, slice_len};

@@ -9,11 +9,12 @@
 use bendtwin_core::{
     CancelToken, Capture, Environment, Graph, Params, Point, Quality, Sequence, Skin, Timing, Twin,
     geometry::{RigidMotion, point_distance, vector3},
+    params::MAX_SPRING_STIFFNESS,
     quality::RegistrationScore,
     settings::GraphSettings,
 };
 use bendtwin_engine::{Model, enough_substeps};
-use bendtwin_graph::{Connectivity, SurfacePoints, bind_points, hold};
+use bendtwin_graph::{Connectivity, SurfacePoints, bind_points, hand_of_each, hold};
 use bendtwin_register::{MAX_POINTS, Observation, RegisterOptions, place};
 
 use crate::{
@@ -83,8 +84,8 @@ impl Placement {
         Ok(Self { positions, velocities, tracks, rigid, score })
     }
 
-    /// A twin in this recording. Springs of the control points, which are the recording's, have the
-    /// twin's typical control stiffness and dashpot.
+    /// A twin in this recording. Springs of the control points, which are the recording's, hold as
+    /// firmly as those of the twin ([`Grip`]).
     ///
     /// # Errors
     /// If the twin is of a cable, which only motion capture of the same cable can be compared with.
@@ -148,8 +149,9 @@ impl Placement {
             triplets: triplets.iter().map(|&t| old.triplets[t]).collect(),
             ..old.clone()
         };
-        let (stiffness, dashpot) = typical_hold(old, p);
-        for spring in hold(&self.positions, controls, connectivity) {
+        let springs = hold(&self.positions, controls, connectivity);
+        let grips = Grip::of(old, p).by_springs(n, controls, &springs);
+        for (spring, Grip { stiffness, dashpot }) in springs.into_iter().zip(grips) {
             let [node, control] = spring.map(|e| e as usize);
             let length_m = point_distance(self.positions[node], controls[control - n]) as f32;
             graph.springs.push(spring);
@@ -276,19 +278,60 @@ fn is_of_cable(twin: &Twin) -> bool {
     !twin.graph.pins.is_empty() || !twin.graph.rods.is_empty()
 }
 
-/// Median stiffness and dashpot of the springs of control points, of all springs if there are none.
-pub fn typical_hold(graph: &Graph, params: &Params) -> (f32, f32) {
-    let n = graph.node_count();
-    let median = |values: &[f32]| {
-        let of = |held: bool| {
-            let pairs = graph.springs.iter().zip(values);
-            let chosen = pairs.filter(|(s, _)| !held || s[1] as usize >= n);
-            let mut chosen: Vec<f64> = chosen.map(|(_, x)| f64::from(*x)).collect();
-            bendtwin_core::geometry::median(&mut chosen)
+/// Stiffness and dashpot of the springs of a hand, in sum.
+///
+/// A hand holds elsewhere as firmly as it does in the twin's own recording, however many springs it
+/// has there: a place where it reaches half as many nodes is not held half as firmly.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Grip {
+    /// Stiffness [N per unit strain].
+    pub stiffness: f32,
+    /// Dashpot [N s/m].
+    pub dashpot: f32,
+}
+
+impl Grip {
+    /// The mean over the hands of a graph; as if a hand held by a single typical spring if it has
+    /// none.
+    pub fn of(graph: &Graph, params: &Params) -> Self {
+        let n = graph.node_count();
+        let hand = hand_of_each(&graph.control_rest);
+        let (mut holding, mut sums) = (vec![false; graph.control_count()], [0.0; 2]);
+        let values = params.spring_stiffness.iter().zip(&params.spring_dashpot);
+        for (spring, (stiffness, dashpot)) in graph.springs.iter().zip(values) {
+            if let Some(control) = (spring[1] as usize).checked_sub(n) {
+                holding[hand[control]] = true;
+                sums[0] += f64::from(*stiffness);
+                sums[1] += f64::from(*dashpot);
+            }
+        }
+        let hands = holding.iter().filter(|holds| **holds).count();
+        if hands == 0 {
+            let typical = |values: &[f32]| {
+                let mut values: Vec<f64> = values.iter().map(|x| f64::from(*x)).collect();
+                bendtwin_core::geometry::median(&mut values).unwrap_or(0.0) as f32
+            };
+            let stiffness = typical(&params.spring_stiffness);
+            return Self { stiffness, dashpot: typical(&params.spring_dashpot) };
+        }
+        let [stiffness, dashpot] = sums.map(|sum| (sum / hands as f64) as f32);
+        Self { stiffness, dashpot }
+    }
+
+    /// The grip shared out evenly over the springs of each hand: that of each spring. `springs` are
+    /// from nodes, of which there are `nodes`, to control points at `controls` [m].
+    pub fn by_springs(self, nodes: usize, controls: &[Point], springs: &[[u32; 2]]) -> Vec<Self> {
+        let hand = hand_of_each(controls);
+        let of = |spring: &[u32; 2]| hand[spring[1] as usize - nodes];
+        let mut counts = vec![0_u32; controls.len()];
+        springs.iter().for_each(|s| counts[of(s)] += 1);
+        let share = |spring: &[u32; 2]| {
+            let count = counts[of(spring)] as f32;
+            let stiffness = (self.stiffness / count).min(MAX_SPRING_STIFFNESS);
+            Self { stiffness, dashpot: self.dashpot / count }
         };
-        of(true).or_else(|| of(false)).unwrap_or(0.0) as f32
-    };
-    (median(&params.spring_stiffness), median(&params.spring_dashpot))
+        springs.iter().map(share).collect()
+    }
 }
 
 /// The surroundings of another recording with the twin's strength of gravity.

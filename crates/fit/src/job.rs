@@ -69,13 +69,21 @@ impl FitJob<'_> {
         observer: &mut dyn Observer<Progress>,
         cancel: &CancelToken,
     ) -> Result<Outcome, Error> {
-        if let Some(twin) = &self.settings.start_from {
-            let fault = format!("start_from is {twin}: give the twin itself to start from it");
-            return Err(Error::Settings(vec![fault]));
-        }
-        let device = device_kind(&*self.backend);
-        let task = Task::new(self.capture, &self.settings, device, cancel)?;
+        let task = self.task(cancel)?;
         self.complete(&task, None, checkpoint, observer, cancel)
+    }
+
+    /// The twin alone, without quality table, report and look: for those who score it elsewhere.
+    ///
+    /// # Errors
+    /// As [`FitJob::run`].
+    pub fn twin(
+        &self,
+        observer: &mut dyn Observer<Progress>,
+        cancel: &CancelToken,
+    ) -> Result<Twin, Error> {
+        let task = self.task(cancel)?;
+        self.unscored(&task, Validation::new(&task).as_ref(), observer, cancel)
     }
 
     /// Refines a twin: the fit starts from its graph and its parameters, brought to the capture by
@@ -99,11 +107,31 @@ impl FitJob<'_> {
 
     /// The twin that a task's own twin is refined to, without its quality.
     pub(crate) fn refined(&self, task: &Task<'_>, cancel: &CancelToken) -> Result<Twin, Error> {
-        let mut observer = ();
-        let mut run = Run::new(self, task, None, &mut observer, cancel);
+        self.unscored(task, None, &mut (), cancel)
+    }
+
+    /// The twin of a task without its quality.
+    fn unscored(
+        &self,
+        task: &Task<'_>,
+        validation: Option<&Validation<'_>>,
+        observer: &mut dyn Observer<Progress>,
+        cancel: &CancelToken,
+    ) -> Result<Twin, Error> {
+        let mut run = Run::new(self, task, validation, observer, cancel);
         run.search()?;
         let nothing = || Error::NothingStable("there is no model".into());
         Ok(run.refine()?.into_iter().next().ok_or_else(nothing)?.twin)
+    }
+
+    /// The task of a fit that begins with a search.
+    fn task(&self, cancel: &CancelToken) -> Result<Task<'_>, Error> {
+        if let Some(twin) = &self.settings.start_from {
+            let fault = format!("start_from is {twin}: give the twin itself to start from it");
+            return Err(Error::Settings(vec![fault]));
+        }
+        let device = device_kind(&*self.backend);
+        Task::new(self.capture, &self.settings, device, cancel)
     }
 
     fn complete(

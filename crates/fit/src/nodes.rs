@@ -1,7 +1,7 @@
 //! Nodes that a fit has before it begins: sampled from a capture, or those of a twin that is refined.
 
 use bendtwin_core::{Capture, Environment, Graph, Params, Skin, Twin};
-use bendtwin_eval::typical_hold;
+use bendtwin_eval::Grip;
 use bendtwin_graph::{Connectivity, LeftOut, NodeSample, Notes, SurfacePoints, mean_spacing};
 
 use crate::{built_graph::BuiltGraph, task::Task};
@@ -39,15 +39,26 @@ impl Nodes {
 }
 
 /// Graph, parameters and environment of the twin that is refined, with the control points of other
-/// recordings; their springs are like those of the twin's own.
+/// recordings, which hold as firmly as the twin's own.
 pub(crate) fn of_start(task: &Task<'_>, twin: &Twin) -> (BuiltGraph, Params, Environment) {
     let (mut graph, mut params) = (twin.graph.clone(), twin.params.clone());
-    let (stiffness, dashpot) = typical_hold(&graph, &params);
+    let (grip, own) = (Grip::of(&graph, &params), graph.springs.len());
     let connectivity = Connectivity::from_settings(&task.settings.graph, task.settings.bending);
     let lengths = &mut params.rest_lengths_m;
     task.others.attach(&connectivity, task.control_rest(), &mut graph, lengths);
-    params.spring_stiffness.resize(graph.springs.len(), stiffness);
-    params.spring_dashpot.resize(graph.springs.len(), dashpot);
+    // Of each recording by itself: hands of different ones may be where others were.
+    for controls in task.others.ranges(twin.graph.control_count()) {
+        let n = graph.node_count();
+        let is_held = |s: &&[u32; 2]| controls.contains(&(s[1] as usize - n));
+        let first = (n + controls.start) as u32;
+        let springs = graph.springs[own..].iter().filter(is_held);
+        let springs: Vec<_> = springs.map(|[node, end]| [*node, end - first + n as u32]).collect();
+        let at = &graph.control_rest[controls];
+        for Grip { stiffness, dashpot } in grip.by_springs(n, at, &springs) {
+            params.spring_stiffness.push(stiffness);
+            params.spring_dashpot.push(dashpot);
+        }
+    }
     let built = BuiltGraph {
         graph: graph.into(),
         rest_lengths_m: params.rest_lengths_m.clone(),

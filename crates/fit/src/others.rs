@@ -6,7 +6,7 @@
 //! and refinement see sequences of one model; in each sequence a grasp that is open lets go of the
 //! others' control points. The twin keeps those of the reference.
 
-use std::sync::Arc;
+use std::{ops::Range, sync::Arc};
 
 use bendtwin_core::{
     CancelToken, Capture, Category, Environment, Graph, Params, Point, Problem as _, Sequence,
@@ -208,6 +208,15 @@ impl OtherControls {
     /// True if there are none.
     pub(crate) fn is_empty(&self) -> bool {
         self.groups.is_empty()
+    }
+
+    /// Control points of each sequence in the graph, which has so many of the reference.
+    pub(crate) fn ranges(&self, own: usize) -> impl Iterator<Item = Range<usize>> + '_ {
+        self.groups.iter().scan(own, |next, group| {
+            let first = *next;
+            *next += group.controls.len();
+            Some(first..*next)
+        })
     }
 
     /// Attaches the control points to the graph of the reference, in the shapes that its nodes have

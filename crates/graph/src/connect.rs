@@ -65,8 +65,9 @@ pub fn connect(sample: &NodeSample, connectivity: &Connectivity) -> Graph {
 /// - Pieces that then do not hang together are joined where they are closest.
 ///   Known edges replace both steps: a cable's topology is taken as given.
 /// - Every control point that pins no node opens springs to its up to
-///   `control_neighbours` nearest nodes within `control_radius_m`, however sparse
-///   the nodes are: a hand holds what it touches.
+///   `control_neighbours` nearest nodes within `control_radius_m`, or within the
+///   spacing of the nodes if that is more: a hand holds what it touches, and nodes
+///   that are farther apart stand for what lies between them.
 ///   Control points closer than 8 cm to each other are one hand; a hand that
 ///   reaches fewer than four nodes is attached to the nodes nearest to it.
 /// - With `rods`, what lies between two clamps of a cable with known edges is a rod.
@@ -120,7 +121,7 @@ pub fn hold(nodes: &[Point], controls: &[Point], connectivity: &Connectivity) ->
         pins: Vec::new(),
         edges: None,
         rest_shape: None,
-        point_spacing_m: 0.0,
+        point_spacing_m: spread::mean_spacing(nodes),
         spacing_scale: 1.0,
         surface: SurfacePoints::default(),
         left_out: LeftOut::default(),
@@ -209,12 +210,17 @@ fn control_springs(
     connectivity: &Connectivity,
     tree: &ImmutableKdTree<f32, 3>,
 ) -> Vec<[u32; 2]> {
-    let radius = connectivity.control_radius_m as f32;
+    let radius = connectivity.control_radius_m.max(node_spacing(sample)) as f32;
     let mut springs = Vec::new();
     for c in free_controls(sample) {
         springs.extend(nearest_nodes(sample, tree, c, connectivity.control_neighbours, radius));
     }
     springs
+}
+
+/// Mean spacing of the nodes [m].
+fn node_spacing(sample: &NodeSample) -> f64 {
+    sample.point_spacing_m * sample.spacing_scale
 }
 
 /// Springs from the up to `count` nodes within `radius` to a control point.
@@ -250,7 +256,7 @@ fn attach_hands(
     }
     let n = sample.node_count();
     let mut attached = 0;
-    for hand in hands(sample) {
+    for hand in hands(&sample.control_rest, free_controls(sample)) {
         let mut held: Vec<u32> =
             springs.iter().filter(|s| hand.contains(&(s[1] as usize - n))).map(|s| s[0]).collect();
         tidy(&mut held);
@@ -275,19 +281,17 @@ fn attach_hands(
     attached
 }
 
-/// Free control points by hand: those linked by steps of at most [`HAND_LINK_M`].
-fn hands(sample: &NodeSample) -> Vec<Vec<usize>> {
-    let mut left = free_controls(sample);
+/// Control points by hand: those of `left` that are linked by steps of at most [`HAND_LINK_M`].
+fn hands(controls: &[Point], mut left: Vec<usize>) -> Vec<Vec<usize>> {
     let mut hands = Vec::new();
     while let Some(first) = left.first().copied() {
         left.remove(0);
         let mut hand = vec![first];
         let mut next = 0;
         while next < hand.len() {
-            let at = sample.control_rest[hand[next]];
+            let at = controls[hand[next]];
             let link = HAND_LINK_M * HAND_LINK_M;
-            let is_linked =
-                |c: &usize| spread::distance_squared(at, sample.control_rest[*c]) <= link;
+            let is_linked = |c: &usize| spread::distance_squared(at, controls[*c]) <= link;
             let (linked, rest) = left.iter().copied().partition(is_linked);
             left = rest;
             hand.extend::<Vec<usize>>(linked);
@@ -296,4 +300,13 @@ fn hands(sample: &NodeSample) -> Vec<Vec<usize>> {
         hands.push(hand);
     }
     hands
+}
+
+/// The hand of each control point, from 0: points closer than 8 cm to each other are one hand's.
+pub fn hand_of_each(controls: &[Point]) -> Vec<usize> {
+    let mut of = vec![0; controls.len()];
+    for (number, hand) in hands(controls, (0..controls.len()).collect()).iter().enumerate() {
+        hand.iter().for_each(|&c| of[c] = number);
+    }
+    of
 }

@@ -22,7 +22,7 @@ use bendtwin_core::{
 };
 
 pub use self::{
-    connect::{Notes, connect, connect_with_notes, hold},
+    connect::{Notes, connect, connect_with_notes, hand_of_each, hold},
     error::Error,
     rest::rest_geometry,
     sample::sample_nodes,

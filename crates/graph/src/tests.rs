@@ -308,7 +308,7 @@ fn a_hand_out_of_reach_still_holds() {
     assert!(graph.springs.iter().all(|s| s[1] < 60));
 }
 
-/// However sparse the nodes are: what is farther away moves by itself.
+/// What is farther away moves by itself; where nodes are sparse, each stands for what lies around it.
 #[test]
 fn a_hand_holds_what_it_touches() {
     let mut capture = capture(cloud(1, 2000, [0.2; 3]), vec![], vec![]);
@@ -325,10 +325,15 @@ fn a_hand_holds_what_it_touches() {
         reaches.into_iter().fold((0, 0.0_f32), |(n, most), r| (n + 1, most.max(r)))
     };
     let radius_m = GraphSettings::default().control_radius_m as f32;
-    for max_nodes in [2000, 1200] {
-        let (springs, farthest) = held(&settings(max_nodes));
-        assert!(springs >= 4 && farthest <= radius_m, "{springs} up to {farthest} m");
-    }
+    let (springs, farthest) = held(&settings(2000));
+    assert!(springs >= 4 && farthest <= radius_m, "{springs} up to {farthest} m");
+    // Where nodes are farther apart it reaches one of them from everywhere.
+    let (sample, _) = build(&capture, &settings(200));
+    let spacing_m = mean_spacing(&sample.positions) as f32;
+    let (springs, farthest) = held(&settings(200));
+    assert!(spacing_m > 1.5 * radius_m, "{spacing_m} m apart");
+    assert!(springs >= 8 && farthest > radius_m, "{springs} up to {farthest} m");
+    assert!(farthest < 1.1 * spacing_m, "{farthest} m where nodes are {spacing_m} m apart");
     // Too few are within its reach to hold the object: then it holds the nearest.
     let (springs, farthest) = held(&settings(40));
     assert!(springs >= 4 && farthest > radius_m, "{springs} up to {farthest} m");

@@ -25,7 +25,7 @@ pub(super) fn fit(
     cancel: &CancelToken,
     quiet: bool,
 ) -> anyhow::Result<(Fitted, Duration)> {
-    let mut bar = BarObserver(FitBar::new(quiet));
+    let mut bar = BarObserver::new(quiet);
     let job = FitJob {
         capture,
         capture_digest: bendtwin_capture::digest(capture),
@@ -37,12 +37,30 @@ pub(super) fn fit(
         Some(twin) => job.refine(twin, None, &mut bar, cancel),
         None => job.run(None, &mut bar, cancel),
     };
-    let took = bar.0.finish();
+    let took = bar.finish();
     let outcome = outcome.map_err(failure::failed)?;
     Ok((Fitted { twin: outcome.twin, axial: outcome.axial }, took))
 }
 
-struct BarObserver(FitBar);
+/// The progress of a fit as a bar.
+pub(super) struct BarObserver(FitBar);
+
+impl BarObserver {
+    /// `quiet` shows nothing.
+    pub(super) fn new(quiet: bool) -> Self {
+        Self(FitBar::new(quiet))
+    }
+
+    /// Prints a line above the bar.
+    pub(super) fn print(&self, text: &str) {
+        self.0.print(text);
+    }
+
+    /// Removes the bar; returns the time since its start.
+    pub(super) fn finish(self) -> Duration {
+        self.0.finish()
+    }
+}
 
 impl Observer<Progress> for BarObserver {
     fn progress(&mut self, progress: Progress) {

@@ -155,13 +155,46 @@ fn a_twin_elsewhere_keeps_what_is_between_its_nodes() {
     assert_eq!(there.params.bend_stiffness, [0.1]);
     let held = there.graph.springs.len() - inner(&there.graph);
     assert!(held >= 4, "{held} springs hold it");
-    let holds = &there.params.spring_stiffness[inner(&there.graph)..];
-    assert!(holds.iter().all(|k| *k == 700.0), "{holds:?}");
+    // The hand holds as firmly in all, whatever the number of its springs.
+    assert_ne!(held, twin.graph.springs.len() - inner(&twin.graph));
+    let sum = |twin: &Twin, of: fn(&Params) -> &[f32]| {
+        let pairs = twin.graph.springs.iter().zip(of(&twin.params));
+        pairs.filter(|(s, _)| s[1] as usize >= n).map(|(_, x)| x).sum::<f32>()
+    };
+    let fields: [fn(&Params) -> &[f32]; 2] = [|p| &p.spring_stiffness, |p| &p.spring_dashpot];
+    for of in fields {
+        let (here, elsewhere) = (sum(&twin, of), sum(&there, of));
+        assert!((here - elsewhere).abs() < 1e-3 * here, "{here} {elsewhere}");
+    }
     // Twice the frames a second, half the substeps, or as many as are stable.
     assert_eq!(there.timing.fps, 60.0);
     assert!((50..100).contains(&there.timing.substeps), "{:?}", there.timing);
     assert!(is_own_capture(&there, &capture));
     assert_eq!(there.skin.len(), twin.skin.len() + capture.object.point_count);
+}
+
+#[test]
+fn each_of_two_hands_holds_as_firmly_as_those_of_the_twin() {
+    let twin = twin();
+    let grip = Grip::of(&twin.graph, &twin.params);
+    // Two hands far from each other, with three springs and one.
+    let controls = [[0.0; 3], [0.01, 0.0, 0.0], [0.5, 0.0, 0.0], [0.9, 0.0, 0.0]];
+    let springs = [[0, 10], [1, 10], [1, 11], [4, 12]];
+    let shares = grip.by_springs(10, &controls, &springs);
+    let stiffness: Vec<f32> = shares.iter().map(|g| g.stiffness / grip.stiffness).collect();
+    assert!(stiffness.iter().zip([1.0, 1.0, 1.0, 3.0]).all(|(a, b)| (3.0 * a - b).abs() < 1e-5));
+    // A twin that nothing holds is held by a spring like its own.
+    let n = twin.graph.node_count();
+    let is_inner: Vec<bool> = twin.graph.springs.iter().map(|s| (s[1] as usize) < n).collect();
+    let kept = |values: &[f32]| -> Vec<f32> {
+        values.iter().zip(&is_inner).filter(|(_, inner)| **inner).map(|(x, _)| *x).collect()
+    };
+    let Twin { graph: mut free, mut params, .. } = twin;
+    free.springs.retain(|s| (s[1] as usize) < n);
+    params.spring_stiffness = kept(&params.spring_stiffness);
+    params.spring_dashpot = kept(&params.spring_dashpot);
+    let expected = Grip { stiffness: 900.0, dashpot: 9.0 };
+    assert_eq!(Grip::of(&free, &params), expected);
 }
 
 #[test]
