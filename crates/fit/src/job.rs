@@ -4,6 +4,7 @@ mod identifiability;
 mod look;
 mod members;
 mod planner;
+mod unscored;
 
 use std::{sync::Arc, time::Instant};
 
@@ -73,19 +74,6 @@ impl FitJob<'_> {
         self.complete(&task, None, checkpoint, observer, cancel)
     }
 
-    /// The twin alone, without quality table, report and look: for those who score it elsewhere.
-    ///
-    /// # Errors
-    /// As [`FitJob::run`].
-    pub fn twin(
-        &self,
-        observer: &mut dyn Observer<Progress>,
-        cancel: &CancelToken,
-    ) -> Result<Twin, Error> {
-        let task = self.task(cancel)?;
-        self.unscored(&task, Validation::new(&task).as_ref(), observer, cancel)
-    }
-
     /// Refines a twin: the fit starts from its graph and its parameters, brought to the capture by
     /// registration where it is not the twin's own, and makes no search.
     ///
@@ -103,25 +91,6 @@ impl FitJob<'_> {
         let file = twin.encode().map_err(|e| Error::Twin(e.to_string()))?;
         let digest = blake3::hash(&file).to_hex().to_string();
         self.complete(&task, Some(&digest), checkpoint, observer, cancel)
-    }
-
-    /// The twin that a task's own twin is refined to, without its quality.
-    pub(crate) fn refined(&self, task: &Task<'_>, cancel: &CancelToken) -> Result<Twin, Error> {
-        self.unscored(task, None, &mut (), cancel)
-    }
-
-    /// The twin of a task without its quality.
-    fn unscored(
-        &self,
-        task: &Task<'_>,
-        validation: Option<&Validation<'_>>,
-        observer: &mut dyn Observer<Progress>,
-        cancel: &CancelToken,
-    ) -> Result<Twin, Error> {
-        let mut run = Run::new(self, task, validation, observer, cancel);
-        run.search()?;
-        let nothing = || Error::NothingStable("there is no model".into());
-        Ok(run.refine()?.into_iter().next().ok_or_else(nothing)?.twin)
     }
 
     /// The task of a fit that begins with a search.
