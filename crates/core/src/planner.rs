@@ -68,7 +68,7 @@ impl PlannersTwin {
         (points..skin.len()).map(|m| skin.velocity(m, at, moving).map(|x| x as f32)).collect()
     }
 
-    /// What the planner's nodes have, of what the twin's nodes have.
+    /// Values of the planner's nodes, of those of the twin's nodes.
     pub fn select<T: Copy>(&self, of_nodes: &[T]) -> Vec<T> {
         self.nodes.iter().filter_map(|&i| of_nodes.get(i as usize)).copied().collect()
     }

@@ -3,7 +3,7 @@
 //! The twin follows actions that are sampled around its hands ([`actions`]), exactly; its nodes are
 //! thinned ([`thin`]), and what is left is softened until few substeps are stable. Then the stage that
 //! refines every fit refines it, with the twin's motion in the place of a recording: all points seen,
-//! without noise, as many as wanted. What it deviates is measured under actions that it was not
+//! without noise, as many as wanted. Its deviation is measured under actions that it was not
 //! refined on. The same twin, settings, build and device give the same planner's twin.
 
 mod actions;

@@ -136,7 +136,7 @@ impl Plan {
         }
     }
 
-    /// What nodes of that twin have, of what simulated ones have: zero where nothing is simulated.
+    /// Values of the nodes of that twin, of those of simulated ones: zero where nothing is simulated.
     pub(super) fn spread(&self, simulated: &[Point]) -> Vec<Point> {
         match &self.served.planner {
             None => simulated.to_vec(),

@@ -79,7 +79,7 @@ impl PlannersWarm {
         carried(&self.planner, self.skin_points, state)
     }
 
-    /// What the twin's nodes have, zero for all but the planner's.
+    /// Values of the twin's nodes: zero for all but the planner's.
     pub(super) fn spread(&self, own: &[[f32; 3]]) -> Vec<[f32; 3]> {
         if own.is_empty() {
             return Vec::new();

@@ -32,6 +32,14 @@ pub(super) struct Window {
     pub(super) positions: Vec<Point>,
 }
 
+/// A rollout that was made.
+struct Ran {
+    /// Nodes [m], shape [frames + 1, nodes, 3].
+    positions: Vec<Point>,
+    /// State in which it ended; none if it diverged.
+    end: Option<State>,
+}
+
 /// The motion of a twin from its rest shape under actions, window by window; without what diverges.
 pub(super) fn follow(
     backend: &dyn Backend,
@@ -51,7 +59,8 @@ pub(super) fn follow(
             |&a: &usize| Some((states[a].clone()?, actions[a].controls[rows.clone()].to_vec()));
         let begun: Vec<(State, Vec<Point>)> = going.iter().filter_map(begin).collect();
         let ran = run(backend, &loaded, &begun, cancel)?;
-        for ((action, (start, controls)), (positions, end)) in going.into_iter().zip(begun).zip(ran)
+        for ((action, (start, controls)), Ran { positions, end }) in
+            going.into_iter().zip(begun).zip(ran)
         {
             states[action] = end;
             if states[action].is_some() {
@@ -62,14 +71,13 @@ pub(super) fn follow(
     Ok(windows)
 }
 
-/// Nodes in all frames of rollouts from states with control points, and the states in which they end;
-/// no state where one diverged.
+/// Rollouts from states with control points.
 fn run(
     backend: &dyn Backend,
     model: &Loaded,
     begun: &[(State, Vec<Point>)],
     cancel: &CancelToken,
-) -> Result<Vec<(Vec<Point>, Option<State>)>, Error> {
+) -> Result<Vec<Ran>, Error> {
     let instance = |(start, controls): &(State, Vec<Point>)| Instance {
         model: model.clone(),
         initial: Arc::new(start.clone()),
@@ -85,7 +93,7 @@ fn run(
         let batch: Vec<Instance> = slice.iter().map(instance).collect();
         for rollout in backend.roll_out(&batch, &outputs, cancel)? {
             let end = rollout.final_state.filter(|_| rollout.diverged.is_none());
-            ran.push((rollout.positions, end));
+            ran.push(Ran { positions: rollout.positions, end });
         }
     }
     Ok(ran)
@@ -113,7 +121,7 @@ pub(super) fn deviation(
     let (there, here) = (all.select(&points), planner.twin.skin.select(&points));
     let (n, small) = (of.graph.node_count().max(1), planner.nodes.len().max(1));
     let (mut sum, mut most, mut travel, mut count) = (0.0, 0.0_f64, 0.0, 0_usize);
-    for (window, (positions, end)) in windows.iter().zip(ran) {
+    for (window, Ran { positions, end }) in windows.iter().zip(ran) {
         if end.is_none() {
             return Ok([f64::INFINITY; 3]);
         }

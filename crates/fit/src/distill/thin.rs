@@ -6,7 +6,7 @@
 //! **Springs.** An affine strain ε of the object has the energy Σ k ε² l / 2 in springs of stiffness k
 //! and rest length l, and Σ γ ε̇² l² is lost in dashpots γ: local means of k and γ are scaled so that
 //! both sums are kept. A curvature κ has Σ kθ κ² l² / 2 in triplets with arms of mean length l, which is
-//! kept as well. What holds a control point keeps the sums of k / l and of γ there.
+//! kept as well. Springs of a control point keep the sums of k / l and of γ there.
 
 use bendtwin_core::{
     Graph, NodeKind, Params, PlannersTwin, Point, Skin, Twin, geometry::point_distance,
