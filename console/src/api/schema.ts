@@ -1665,7 +1665,7 @@ export interface components {
         };
         OpenSessionRequest: {
             /** @enum {string} */
-            fidelity?: "EXACT" | "FAST";
+            fidelity?: "EXACT" | "FAST" | "PLANNER";
             grasps?: components["schemas"]["Grasp"][];
             /**
              * Format: double
@@ -2111,7 +2111,7 @@ export interface components {
             costs?: components["schemas"]["Cost"][];
             ensemble?: components["schemas"]["Ensemble"];
             /** @enum {string} */
-            fidelity?: "EXACT" | "FAST";
+            fidelity?: "EXACT" | "FAST" | "PLANNER";
             /**
              * Format: int64
              * @description Horizon F in frames, 1..100000; 0 means that of the dense actions.
@@ -2150,15 +2150,15 @@ export interface components {
             cost_terms?: components["schemas"]["Tensor"];
             /** @description FLOAT64 [B']: weighted sums; +inf where an instance diverged. */
             costs?: components["schemas"]["Tensor"];
-            /** @description With FAST only: how far the variant strays where that was measured. */
+            /** @description With FAST or PLANNER only: how far the answer strays where that was measured. */
             deviation?: components["schemas"]["RollOutResponse.Deviation"];
             diagnostics?: components["schemas"]["RollOutResponse.Diagnostics"][];
             diverged?: components["schemas"]["RollOutResponse.Divergence"][];
             /**
-             * @description Fidelity of the answer: EXACT or FAST.
+             * @description Fidelity of the answer: EXACT, FAST or PLANNER.
              * @enum {string}
              */
-            fidelity?: "EXACT" | "FAST";
+            fidelity?: "EXACT" | "FAST" | "PLANNER";
             /** @description FLOAT32 [R, C, 3], metres, with `poses`: InitialState.GivenState.commanded_controls of the final state. */
             final_commanded_controls?: components["schemas"]["Tensor"];
             /** @description FLOAT32 [R, C, 3], metres: the control points of the final state. */
@@ -2217,23 +2217,23 @@ export interface components {
             /** @description workers/{uuid} */
             worker?: string;
         };
-        /** @description Between the fast variant and the exact twin when both follow the twin's own capture from its start. It does not hold for this reply: with faster or larger motions, or other surroundings, 5 to 16 times as much was seen. */
+        /** @description Between the fast variant and the exact twin when both follow the twin's own capture from its start. It does not hold for this reply: with faster or larger motions, or other surroundings, 5 to 16 times as much was seen. With PLANNER between the planner's twin and the exact one under sampled actions that it was not fitted to. */
         "RollOutResponse.Deviation": {
             /**
              * Format: int64
-             * @description Frames of each recording, at most.
+             * @description Frames of each recording or action, at most.
              */
             frames?: number;
             /** Format: double */
             max_m?: number;
             /**
              * Format: double
-             * @description Between a node here and there, over nodes and frames, metres.
+             * @description Between a node here and there, over nodes and frames, metres; of points of the skin with PLANNER.
              */
             mean_m?: number;
             /**
              * Format: double
-             * @description To compare with: of the exact twin's nodes from where they started, metres.
+             * @description To compare with: of the exact twin's nodes or skin from where they started, metres.
              */
             mean_travel_m?: number;
         };
@@ -2331,7 +2331,7 @@ export interface components {
         };
         Session: {
             /** @enum {string} */
-            fidelity?: "EXACT" | "FAST";
+            fidelity?: "EXACT" | "FAST" | "PLANNER";
             /** @description Frames by which each slot has been advanced since its first state, [slots]. */
             frames?: number[];
             /**
