@@ -58,8 +58,8 @@ pub(crate) struct Rollout {
     every: u32,
     #[command(flatten)]
     recording: RecordingOptions,
-    /// Use the twin as fitted (exact) or its fast variant (fast); the fast one also reports its
-    /// deviation
+    /// Use the twin as fitted (exact), its fast variant (fast) or its planner's twin (planner); the
+    /// latter two also report their deviation
     #[arg(long, value_enum, default_value_t = Mode::Exact)]
     fidelity: Mode,
     /// Keep the positions of the best instances only

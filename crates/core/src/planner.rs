@@ -8,7 +8,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::{Point, Skin, Twin, geometry::wide};
+use crate::{Point, Skin, Twin, geometry::wide, settings::MOST_PLANNER_NODES};
 
 /// A small twin beside a twin.
 #[derive(Clone, Debug, PartialEq)]
@@ -16,7 +16,7 @@ pub struct PlannersTwin {
     /// Its nodes, as numbers of nodes of the twin, ascending, shape [n].
     pub nodes: Vec<u32>,
     /// The small twin, without members, appearance and quality of its own. Its skin has the M points of
-    /// the twin's skin, then the twin's N nodes; of these, its own nodes are where they are.
+    /// the twin's skin, then the twin's N nodes; of these, the points of its own nodes lie exactly on them.
     pub twin: Box<Twin>,
 }
 
@@ -39,9 +39,9 @@ pub struct PlannerQuality {
     /// Scale to compare with: distance of the exact twin's skin from its initial positions, mean over
     /// points and frames [m].
     pub mean_travel_m: f64,
-    /// Frames of each action over which this was measured.
+    /// Frames of each window over which this was measured.
     pub frames: u32,
-    /// Number of actions over which this was measured.
+    /// Number of windows of actions over which this was measured.
     pub actions: u32,
 }
 
@@ -97,6 +97,11 @@ impl PlannersTwin {
         if count != graph.node_count() {
             return Err(format!("the planner's twin has {} nodes for {count}", graph.node_count()));
         }
+        if count > MOST_PLANNER_NODES as usize && count < n {
+            return Err(format!(
+                "the planner's twin has {count} nodes, at most {MOST_PLANNER_NODES} are possible"
+            ));
+        }
         let is_ascending = self.nodes.windows(2).all(|pair| pair[0] < pair[1]);
         if !is_ascending || self.nodes.last().is_some_and(|&last| last as usize >= n) {
             return Err(format!("the planner's nodes are not ascending nodes of {n}"));
@@ -119,18 +124,21 @@ impl PlannersTwin {
 }
 
 impl PlannerQuality {
-    /// Mean deviation over mean travel.
+    /// Mean deviation over mean travel; 0 where nothing travels.
     pub fn share_of_travel(&self) -> f64 {
-        self.mean_deviation_m / self.mean_travel_m
+        if self.mean_travel_m > 0.0 { self.mean_deviation_m / self.mean_travel_m } else { 0.0 }
     }
 
-    /// Checks that its numbers are possible.
+    /// Checks that its numbers are possible for a planner's twin.
     ///
     /// # Errors
     /// The first contradiction found, as a sentence.
-    pub fn check(&self) -> Result<(), String> {
-        if self.nodes == 0 || self.substeps == 0 {
-            return Err("the planner's twin has no nodes or no substeps".into());
+    pub fn check(&self, of: &Twin) -> Result<(), String> {
+        let graph = &of.graph;
+        let there = [graph.node_count(), graph.springs.len(), graph.triplets.len()];
+        let here = [self.nodes, self.springs, self.triplets].map(|n| n as usize);
+        if here != there || self.substeps != of.timing.substeps {
+            return Err("the figures of the planner's twin are not those of its file".into());
         }
         let lengths = [self.mean_deviation_m, self.max_deviation_m, self.mean_travel_m];
         match lengths.iter().find(|x| !(x.is_finite() && **x >= 0.0)) {

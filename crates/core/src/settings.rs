@@ -277,7 +277,7 @@ pub struct AppearanceSettings {
 }
 
 /// Most nodes and most substeps of a planner's twin.
-const MOST_PLANNER_NODES: u32 = 2000;
+pub const MOST_PLANNER_NODES: u32 = 2000;
 const MOST_PLANNER_SUBSTEPS: u32 = 1000;
 
 /// A small twin beside the twin, distilled from its motion, that plans are made with.

@@ -4,11 +4,25 @@ use bendtwin_core::PlannersTwin;
 
 use crate::{
     model::State,
-    world::{Grasping, Hold},
+    world::{Grasping, Hold, Phase},
 };
 
+/// The first closed grasp of a state of a twin all of whose holds are of nodes that its planner's twin has
+/// not: [`thinned`], it would let go.
+pub fn lost_grasp(planner: &PlannersTwin, grasping: &Grasping) -> Option<usize> {
+    let is_own = |hold: &Hold| planner.nodes.binary_search(&hold.node).is_ok();
+    let is_lost = |grasp: usize| {
+        let mut holds =
+            grasping.holds.iter().filter(|hold| hold.grasp as usize == grasp).peekable();
+        holds.peek().is_some() && !holds.any(is_own)
+    };
+    let closed = |(_, phase): &(usize, &Phase)| **phase == Phase::Closed;
+    let mut grasps = grasping.phases.iter().enumerate().filter(closed).map(|(grasp, _)| grasp);
+    grasps.find(|&grasp| is_lost(grasp))
+}
+
 /// The state of a planner's twin in that of its twin: of its own nodes. Holds of other nodes are left
-/// out.
+/// out; [`lost_grasp`] says whether that opens a grasp.
 pub fn thinned(planner: &PlannersTwin, state: &State) -> State {
     let own = |hold: &Hold| {
         let place = planner.nodes.binary_search(&hold.node).ok()?;

@@ -83,6 +83,10 @@ impl Distillation {
         let mut planner = self.softened(twin, &training, &**backend, cancel)?;
         refine(&mut planner, twin, &training, self.seed, (backend, cancel))?;
         let [mean_m, max_m, travel_m] = deviation(&**backend, &planner, twin, &held_out, cancel)?;
+        if ![mean_m, max_m, travel_m].iter().all(|x| x.is_finite()) {
+            let why = "it diverges under actions that it was not refined on";
+            return Err(Error::Planner(why.into()));
+        }
         let graph = &planner.twin.graph;
         let figures = PlannerQuality {
             nodes: graph.node_count() as u32,
@@ -104,7 +108,7 @@ impl Distillation {
 
 impl Distillation {
     /// The planner's twin before it is refined: of those with shares of the damping, the one that is
-    /// nearest to the twin. Damping limits the step of most twins, and what it gives way the stiffness
+    /// nearest to the twin. Damping limits the step of most twins; what damping gives up, stiffness
     /// need not.
     fn softened(
         &self,

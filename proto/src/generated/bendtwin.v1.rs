@@ -342,8 +342,8 @@ pub struct Vary {
     #[prost(message, optional, tag = "5")]
     pub mass: ::core::option::Option<Tensor>,
     /// With an ensemble: member e is simulated on fit e of the twin, 0 being the twin itself and the others its
-    /// members; at most as many as TwinGeometry.fits. Not with FAST, nor with rest shapes that corrections have
-    /// changed. Factors apply on top of each fit.
+    /// members; at most as many as TwinGeometry.fits. Not with FAST or PLANNER, nor with rest shapes that
+    /// corrections have changed. Factors apply on top of each fit.
     #[prost(bool, tag = "6")]
     pub fits: bool,
     /// No factors, since captures hardly show them: the restitution of the ground and that between nodes,
@@ -5653,9 +5653,11 @@ pub enum Fidelity {
     /// other nodes left out, nodes that come back are carried by the planner's, keypoints at nodes are measured
     /// there, and nodes of grasps and of `height` and `within` are the nearest of the planner's. Costs of all nodes
     /// and gradients by initial states are of the planner's nodes. Keypoints at nodes are not measured beside a
-    /// target cloud of the skin. Refused with FAILED_PRECONDITION, reason PLANNERS_TWIN_UNKNOWN, if the twin has
-    /// none, and in states of which a correction has changed the rest shape. The state in a capture's frame
-    /// (InitialState.CaptureFrame) is that of the exact twin.
+    /// target cloud of the skin, nor where the twin's skin touches ground and colliders. Refused with
+    /// FAILED_PRECONDITION, reason PLANNERS_TWIN_UNKNOWN, if the twin has none; with INVALID_ARGUMENT, reason
+    /// INVALID_ROLLOUT, in states whose rest shape a correction has changed, and in those with a closed grasp that
+    /// holds none of the planner's nodes. The state in a capture's frame (InitialState.CaptureFrame) is that of the
+    /// exact twin.
     Planner = 3,
 }
 impl Fidelity {

@@ -9,13 +9,13 @@ use super::{
         targets,
     },
     parts::part_frames,
-    points::{is_at_skin, recorded},
+    points::{is_at_skin, measures_nodes, recorded, recorded_count},
     size::reply_bytes,
     surroundings,
     twin::TwinShape,
 };
 use crate::v1::{
-    Cost, PointSet, RollOutRequest,
+    Cost, Fidelity, PointSet, RollOutRequest,
     cost::{Kind, When},
     ensemble::Statistic,
     initial_state::State,
@@ -132,6 +132,8 @@ pub fn memory(
 ) -> Memory {
     let Batch { instances, frames, .. } = *batch;
     let rods = twin.rods.unwrap_or(0);
+    // Its nodes are among the twin's, and are counted as all of them.
+    let of_planner = request.fidelity() == Fidelity::Planner;
     let boundaries = frames.saturating_add(1);
     let returns = request.returns.clone().unwrap_or_default();
     let names = request.costs.iter().map(|cost| cost.name.len() as u64 + NAME);
@@ -173,7 +175,7 @@ pub fn memory(
     ]);
 
     let endpoints = twin.nodes.saturating_add(twin.controls);
-    let elements = sum(&[twin.springs, twin.triplets, rods]);
+    let elements = twin.most_elements(request.fidelity());
     let mut prepared =
         sum(&[mul(&[CONTROL, boundaries, twin.controls]), mul(&[2, names]), INSTANCE]);
     prepared = sum(&[prepared, mul(&[TARGET, own]), frame_costs]);
@@ -195,8 +197,12 @@ pub fn memory(
         targets,
         surroundings::running_bytes(request, batch, twin),
     ]);
-    if request.costs.iter().any(is_at_skin) {
-        running = sum(&[running, mul(&[SKIN_POINT, twin.most_skin_points()])]);
+    // Keypoints at nodes are points of the planner's skin, behind those of the twin's own.
+    let nodes_at_skin = of_planner && request.costs.iter().any(measures_nodes);
+    if nodes_at_skin || request.costs.iter().any(is_at_skin) {
+        let nodes = if nodes_at_skin { twin.nodes } else { 0 };
+        let points = twin.most_skin_points().saturating_add(nodes);
+        running = sum(&[running, mul(&[SKIN_POINT, points])]);
     }
     if has_gradients(&returns) {
         prepared = sum(&[
@@ -214,7 +220,7 @@ pub fn memory(
             mul(&[kept, boundaries]),
             mul(&[ELEMENT_GRADIENT, elements]),
             mul(&[NODE, endpoints]),
-            tape(endpoints, rods, substeps(request, twin.substeps).most),
+            tape(endpoints, rods, substeps(request, twin.substeps(request.fidelity())).most),
         ]);
     }
     // Parts in time: all instances of a part wait at the end of a window, with what is added up.
@@ -241,13 +247,17 @@ pub fn memory(
             fixed = sum(&[fixed, mul(&[members(request), prepared])]);
         }
     }
-    if recorded(&returns) == PointSet::Skin {
-        // Recordings of nodes, until the skin is placed from them.
+    if of_planner || recorded(&returns) == PointSet::Skin {
+        // Recordings of nodes, until the skin is placed from them: the planner's has the twin's nodes, too.
         let rows = part_frames(request, batch).checked_div(returns.every_frames.into());
         let kinds = if returns.velocities { 2 } else { 1 };
         let nodes = mul(&[RECORDED_NODE, kinds, twin.nodes, rows.unwrap_or(0)]);
         prepared = sum(&[prepared, nodes]);
         fixed = sum(&[fixed, mul(&[ROW, twin.nodes])]);
+        if of_planner {
+            // The points that the request becomes.
+            fixed = sum(&[fixed, mul(&[ROW, recorded_count(&returns, twin)])]);
+        }
     }
     Memory { request: request_bytes(request.encoded_len() as u64), fixed, prepared, running }
 }

@@ -42,6 +42,14 @@ pub(super) fn recorded_count(returns: &Returns, twin: &TwinShape) -> u64 {
     given(chosen.as_ref()).map_or(all, |t| t.shape.iter().product())
 }
 
+/// True if a cost measures named nodes, which a planner's twin places as points of its skin.
+pub(super) fn measures_nodes(cost: &Cost) -> bool {
+    match &cost.kind {
+        Some(Kind::Keypoints(keypoints)) => given(keypoints.skin_points.as_ref()).is_none(),
+        Some(_) | None => false,
+    }
+}
+
 /// True if a cost places the skin.
 pub(super) fn is_at_skin(cost: &Cost) -> bool {
     match &cost.kind {

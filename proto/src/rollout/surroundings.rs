@@ -64,11 +64,12 @@ fn implausible(request: &RollOutRequest, batch: &Batch) -> u64 {
 
 /// Memory that all instances share [bytes]: sets of parameters and what they surround.
 pub(super) fn fixed_bytes(request: &RollOutRequest, batch: &Batch, twin: &TwinShape) -> u64 {
-    let each = set_bytes(twin);
+    let each = set_bytes(request, twin);
+    let own_substeps = twin.substeps(request.fidelity());
     let own = if request.world.is_some() { 1 } else { 0 };
     let sets = sets(request, batch);
     // Models with more substeps, from which others are made.
-    let finer = if substeps(request, twin.substeps).most > twin.substeps {
+    let finer = if substeps(request, own_substeps).most > own_substeps {
         sets.min(MOST_FINER.saturating_mul(members(request)))
     } else {
         0
@@ -84,12 +85,12 @@ pub(super) fn fixed_bytes(request: &RollOutRequest, batch: &Batch, twin: &TwinSh
 /// Memory of the models of a request whose instances have so many rest shapes beside the twin's own
 /// [bytes]: each is varied as the request says.
 pub fn models_bytes(request: &RollOutRequest, rests: u64, twin: &TwinShape) -> u64 {
-    set_bytes(twin).saturating_mul(rests).saturating_mul(members(request))
+    set_bytes(request, twin).saturating_mul(rests).saturating_mul(members(request))
 }
 
 /// Memory of a set of parameters.
-fn set_bytes(twin: &TwinShape) -> u64 {
-    let elements = sum(&[twin.springs, twin.triplets, twin.rods.unwrap_or(0)]);
+fn set_bytes(request: &RollOutRequest, twin: &TwinShape) -> u64 {
+    let elements = twin.most_elements(request.fidelity());
     sum(&[elements.saturating_mul(3 * PARAMETER), SET])
 }
 

@@ -65,6 +65,15 @@ impl TwinShape {
         of_planner.map_or(own, |p| [p.nodes, p.springs, p.triplets]).map(u128::from)
     }
 
+    /// Springs, triplets and rods of the model that is simulated, at most: a planner's twin is smaller than
+    /// its twin, but a file's may have more of them.
+    pub(super) fn most_elements(&self, fidelity: Fidelity) -> u64 {
+        let of_planner = self.planner.filter(|_| fidelity == Fidelity::Planner);
+        let (springs, triplets) = of_planner.map_or((0, 0), |p| (p.springs, p.triplets));
+        let all = [self.springs.max(springs), self.triplets.max(triplets), self.rods.unwrap_or(0)];
+        all.into_iter().fold(0, u64::saturating_add)
+    }
+
     /// Number of points of its skin, at most.
     pub(super) fn most_skin_points(&self) -> u64 {
         self.skin_points.unwrap_or(self.nodes)

@@ -15,7 +15,8 @@ use bendtwin_core::PlannersTwin;
 use bendtwin_engine::{
     Backend, Loaded, Model,
     model::State,
-    planner::{carried, thinned},
+    planner::{carried, lost_grasp, thinned},
+    world::Grasping,
 };
 use bendtwin_proto::{
     rollout,
@@ -25,6 +26,7 @@ use tokio::sync::OnceCell;
 
 use super::{
     error::Error,
+    grasping,
     initial::{Start, Starts},
     warm::Warm,
 };
@@ -96,24 +98,34 @@ impl PlannersWarm {
     /// Starts of the planner's twin in those of the twin.
     ///
     /// # Errors
-    /// If a correction has changed the rest shape of one.
+    /// If a grasp of one holds only nodes that the planner's twin has not.
     pub(super) fn thinned(&self, starts: Starts) -> Result<Starts, Error> {
-        if starts.rests().iter().any(Option::is_some) {
-            let fault = "is the planner's twin, which has the rest shape that was fitted, and a correction has changed that of the state: begin in another state, or ask for EXACT or FAST";
-            return Err(Error::field("fidelity", fault));
-        }
-        let of =
-            |start: Start| Start { state: Arc::new(thinned(&self.planner, &start.state)), ..start };
+        let of = |start: Start| {
+            self.keeps_grasps(&start.state.grasping)?;
+            Ok(Start { state: Arc::new(thinned(&self.planner, &start.state)), ..start })
+        };
         Ok(match starts {
-            Starts::Shared(start) => Starts::Shared(of(start)),
-            Starts::Each(starts) => Starts::Each(starts.into_iter().map(of).collect()),
+            Starts::Shared(start) => Starts::Shared(of(start)?),
+            Starts::Each(starts) => {
+                Starts::Each(starts.into_iter().map(of).collect::<Result<_, Error>>()?)
+            }
         })
+    }
+
+    /// Refuses a state whose grasps the planner's twin would open.
+    fn keeps_grasps(&self, grasping: &Grasping) -> Result<(), Error> {
+        let Some(grasp) = lost_grasp(&self.planner, grasping) else { return Ok(()) };
+        let fault = format!(
+            "is PLANNER, but all nodes that grasp {grasp} holds are left out of the planner's twin, so it would let go: ask for EXACT, or grasp more nodes"
+        );
+        Err(Error::field("fidelity", fault))
     }
 
     /// Rewrites a checked request for the planner's twin. Returns the model that answers it.
     ///
     /// # Errors
-    /// If it has keypoints at nodes beside a target cloud for the skin.
+    /// If it has keypoints at nodes beside a target cloud for the skin, or in a twin whose skin touches
+    /// things; or if a grasp of its state holds only nodes that the planner's twin has not.
     pub(super) fn rewrite(&self, request: &mut RollOutRequest) -> Result<Loaded, Error> {
         if let Some(returns) = &mut request.returns {
             self.rewrite_returns(returns)?;
@@ -135,6 +147,13 @@ impl PlannersWarm {
                 Some(Kind::Keypoints(keypoints)) => {
                     let given = keypoints.nodes.take().filter(|nodes| !nodes.is_absent());
                     if let Some(nodes) = given {
+                        if self.warm.twin.params.contact.skin {
+                            // The skin with the nodes would touch things elsewhere: a cost must not
+                            // change the motion that it measures.
+                            let fault = "are keypoints at nodes, and the skin of this twin touches ground and colliders (`skin_contact`), to which the planner's twin cannot add the nodes: name keypoints by `skin_points`, or ask for EXACT or FAST";
+                            let field = format!("costs[{index}].keypoints.nodes");
+                            return Err(Error::field(field, fault));
+                        }
                         keypoints.skin_points = Some(self.points(&nodes, "keypoints.nodes")?);
                         model = &self.with_nodes;
                     }
@@ -177,6 +196,13 @@ impl PlannersWarm {
 
     fn rewrite_state(&self, given: &mut initial_state::GivenState) -> Result<(), Error> {
         let n = self.nodes.max(1);
+        if let Some(grasping) = &given.grasping {
+            let held = grasping.holders.as_ref().filter(|t| !t.is_absent());
+            let numbers = held.map_or(0, |t| t.shape.iter().product::<u64>());
+            for of_state in grasping::read(grasping, numbers as usize / n, n)? {
+                self.keeps_grasps(&of_state)?;
+            }
+        }
         let points = |tensor: &mut Option<Tensor>, field: &str| -> Result<(), Error> {
             let Some(of) = tensor.take().filter(|t| !t.is_absent()) else { return Ok(()) };
             let (mut shape, values) = of.unpack_points(field)?;

@@ -58,6 +58,18 @@ impl Served {
         self.planner.as_ref().map_or(&self.warm.twin, |planner| &planner.of.twin)
     }
 
+    /// The same in states with these rest shapes: one for all instances, or one for each.
+    ///
+    /// # Errors
+    /// If the planner's twin answers and one is not the twin's: it would not fit into the small model.
+    pub(super) fn with_rests(self, rests: Vec<Option<Arc<RestShape>>>) -> Result<Self, Error> {
+        if self.planner.is_some() && rests.iter().any(Option::is_some) {
+            let fault = "is PLANNER, which has the rest shape that was fitted, and a correction has changed that of the state: begin in another state, or ask for EXACT or FAST";
+            return Err(Error::field("fidelity", fault));
+        }
+        Ok(Self { rests, ..self })
+    }
+
     /// Number of rest shapes that are not the twin's.
     pub(super) fn distinct_rests(&self) -> usize {
         self.rests.iter().flatten().map(Arc::as_ptr).collect::<HashSet<_>>().len()

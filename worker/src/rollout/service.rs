@@ -362,7 +362,7 @@ impl Call {
         let starts = begun.as_ref().map(Begun::starts);
         let rests = starts.as_ref().map(Starts::rests).unwrap_or_default();
         let served = Served::choose(Arc::clone(&warm), fidelity, &inner.device).await?;
-        let served = Served { rests, ..served };
+        let served = served.with_rests(rests)?;
         let backend = Arc::new(inner.device.backend(Priority::Interactive));
         let limits = inner.limits();
         let budget = &inner.memory.rollouts;

@@ -51,8 +51,9 @@ class RolloutArguments(TypedDict, total=False):
     costs: Iterable[Cost]
     #: Arrays to return beside the costs; none by default.
     returns: Returns
-    #: "exact" (the default), or "fast": follows the twin by its fast variant, with fewer substeps;
-    #: `RolloutResult.deviation` says how far that strays.
+    #: "exact" (the default); "fast": follows the twin by its fast variant, with fewer substeps; or
+    #: "planner": by its planner's twin, a small model of its own. `RolloutResult.deviation` says how
+    #: far the latter two stray.
     fidelity: Fidelity
     #: Ground, gravity and colliders, where they are not those of the twin.
     world: World | None

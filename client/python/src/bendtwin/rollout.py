@@ -183,13 +183,15 @@ class Timing:
 
 @dataclass(frozen=True)
 class Deviation:
-    """Between a twin's fast variant and the exact twin when both follow the twin's own capture.
+    """Between what answered and the exact twin: a fast variant, when both follow the twin's own
+    capture, or a planner's twin, when both follow the actions that measured it.
 
     It does not hold for the rollout that it comes with: with faster or larger motions, or other
-    surroundings, 5 to 16 times as much was seen.
+    surroundings, 5 to 16 times as much was seen of fast variants.
     """
 
-    #: Between a node here and there, mean over nodes and frames, metres.
+    #: Between a node here and there (a point of the skin, of a planner's twin), mean over these and
+    #: frames, metres.
     mean_m: float
     max_m: float
     #: To compare with: of the exact twin's nodes from where they started, mean, metres.

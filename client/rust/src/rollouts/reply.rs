@@ -87,13 +87,14 @@ pub struct Reply {
     pub fidelity: Fidelity,
     /// Substeps per frame that were simulated.
     pub substeps: u32,
-    /// Deviation of the fast variant, if it answered.
+    /// Deviation of the fast variant or the planner's twin, if one of them answered.
     pub deviation: Option<Deviation>,
 }
 
-/// Distance of the fast variant from the exact twin when both follow the twin's own capture. It does
-/// not hold for the rollout that it comes with: with faster or larger motions, or other surroundings, 5
-/// to 16 times as much was seen.
+/// Distance from the exact twin: of the fast variant, when both follow the twin's own capture, or of the
+/// planner's twin, when both follow the actions that measured it. It does not hold for the rollout that
+/// it comes with: with faster or larger motions, or other surroundings, 5 to 16 times as much was seen
+/// of fast variants.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Deviation {
     /// Between a node here and there, mean over nodes and frames [m].

@@ -78,7 +78,15 @@ fn a_twin_and_its_planners_twin_belong_together() {
     };
     assert!(fault(|t| t.quality.planner = None).contains("no figures"));
     assert!(fault(|t| t.planner = None).contains("no such twin"));
-    assert!(fault(|t| t.quality.planner.as_mut().unwrap().substeps = 0).contains("no substeps"));
+    for change in [
+        (|figures: &mut PlannerQuality| figures.substeps = 8) as fn(&mut PlannerQuality),
+        |figures| figures.nodes = 1,
+        |figures| figures.springs = 1,
+    ] {
+        let mut twin = pair();
+        change(twin.quality.planner.as_mut().unwrap());
+        assert!(twin.encode().unwrap_err().to_string().contains("not those of its file"));
+    }
     for nodes in [vec![0], vec![3, 0], vec![0, 4]] {
         let mut twin = pair();
         twin.planner.as_mut().unwrap().nodes = nodes.clone();

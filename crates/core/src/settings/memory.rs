@@ -42,6 +42,10 @@ const VIEW_PIXEL_BYTES: u64 = 6;
 /// gradients, the list of the tiles that it touches, and a checkpoint beside them.
 const GAUSSIAN_BYTES: u64 = 2_500;
 
+/// A node in the distillation of a planner's twin: 40 windows of 31 frames of its motion, and of that
+/// which is compared with it.
+const DISTILLED_NODE_BYTES: u64 = 2 * 40 * 31 * 12;
+
 /// Size of a capture.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct CaptureSize {
@@ -105,12 +109,14 @@ pub struct Estimate {
     pub views: u64,
     /// The training of Gaussians.
     pub appearance: u64,
+    /// The distillation of a planner's twin.
+    pub planner: u64,
 }
 
 impl Estimate {
     /// All of it.
     pub fn total(&self) -> u64 {
-        let stages = self.search.max(self.refinement).max(self.appearance);
+        let stages = self.search.max(self.refinement).max(self.appearance).max(self.planner);
         let parts = [PROCESS_BYTES, self.capture, self.targets, self.views, stages];
         parts.into_iter().fold(0, u64::saturating_add)
     }
@@ -236,6 +242,11 @@ pub fn estimate(
         refinement: sum([(models, run), (if lanes.on_host { lanes.count } else { 0 }, lane)]),
         views: sum([(VIEW_PIXEL_BYTES, view_pixels)]),
         appearance: if view_pixels > 0 { sum([(GAUSSIAN_BYTES, gaussians)]) } else { 0 },
+        planner: if settings.planner.nodes.unwrap_or_default() > 0 {
+            sum([(DISTILLED_NODE_BYTES, nodes)])
+        } else {
+            0
+        },
     }
 }
 

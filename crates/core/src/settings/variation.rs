@@ -1,4 +1,4 @@
-//! What the starts of a fit differ in beside their seeds.
+//! Differences between the starts of a fit, beside their seeds.
 //!
 //! Starts whose graphs differ err differently where the recording does not decide, so that the lowest
 //! training loss has more to choose from, and the mean of their predictions cancels more.
@@ -51,6 +51,8 @@ impl FitSettings {
                 graph.control_radius_m *= WIDER_REACH;
                 graph.control_neighbours = graph.control_neighbours.saturating_mul(MORE_SPRINGS);
             }
+            // A fit that is compared with an axial one has it already.
+            Variation::Axial if self.compare_axial => {}
             Variation::Axial => varied.to_mut().bending = false,
             Variation::Dense => {
                 let neighbours = &mut varied.to_mut().graph.max_neighbours;
@@ -88,6 +90,8 @@ mod tests {
         assert_eq!(settings.of_start(2).graph.max_neighbours, Some(60));
         assert_eq!(*settings.of_start(3), settings);
         assert_eq!(settings.of_start(5), settings.of_start(1));
+        settings.compare_axial = true;
+        assert!(settings.of_start(1).bending, "the axial fit beside it is one already");
         assert_eq!(settings.of_starts().count(), 4);
     }
 

@@ -62,7 +62,9 @@ impl<'a, T: Real> Surfaces<'a, T> {
         system: &'a System<T>,
         around: Option<(&'a Surroundings<T>, &Around<T>)>,
     ) -> Self {
-        let obstacles = around.map(|(of, around)| around.obstacles_at(of, T::ZERO).collect());
+        // Without contact of the skin nobody asks for them.
+        let asked = around.filter(|_| system.skin_contact);
+        let obstacles = asked.map(|(of, around)| around.obstacles_at(of, T::ZERO).collect());
         Self { system, of: around.map(|(of, _)| of), obstacles: obstacles.unwrap_or_default() }
     }
 

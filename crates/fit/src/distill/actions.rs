@@ -65,8 +65,14 @@ pub(super) struct Hands {
 
 impl Hands {
     pub(super) fn new(twin: &Twin, capture: Option<&Capture>) -> Self {
-        let (rest, of) = (twin.graph.control_rest.clone(), twin.hands());
-        let count = of.iter().max().map_or(0, |last| *last as usize + 1);
+        let rest = twin.graph.control_rest.clone();
+        // Numbered without gaps: a file may number its hands as it likes.
+        let mut numbers = twin.hands();
+        numbers.sort_unstable();
+        numbers.dedup();
+        let place = |hand: &u32| numbers.binary_search(hand).unwrap_or_default() as u32;
+        let of: Vec<u32> = twin.hands().iter().map(place).collect();
+        let count = numbers.len();
         let middle = |hand: u32| {
             let own = || rest.iter().zip(&of).filter(|(_, of)| **of == hand).map(|(p, _)| wide(*p));
             let sum = own().fold([0.0; 3], add);

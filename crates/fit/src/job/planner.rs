@@ -1,11 +1,13 @@
 //! The planner's twin at the end of a fit.
 
+use bendtwin_core::{Category, Problem as _, Stage};
+
 use super::{Outcome, Run};
-use crate::{Error, distill::Distillation};
+use crate::{Error, distill::Distillation, progress::ModelProgress};
 
 impl Run<'_> {
     /// Adds the planner's twin, if the settings ask for one and leave the time.
-    pub(super) fn distill(&self, outcome: &mut Outcome) -> Result<(), Error> {
+    pub(super) fn distill(&mut self, outcome: &mut Outcome) -> Result<(), Error> {
         let settings = &self.task.settings.planner;
         let nodes = settings.nodes.unwrap_or_default();
         if nodes == 0 {
@@ -17,6 +19,14 @@ impl Run<'_> {
             ));
             return Ok(());
         }
+        self.report(ModelProgress {
+            model: self.models[0].name.clone(),
+            stage: Stage::Evaluate,
+            iteration: 1,
+            loss: None,
+            best_loss: None,
+            note: Some("distilling a planner's twin".into()),
+        });
         let substeps = settings.substeps.unwrap_or_default();
         let wanted =
             Distillation { nodes: nodes as usize, substeps, seed: self.task.settings.seed };
@@ -24,7 +34,7 @@ impl Run<'_> {
         match wanted.of(&outcome.twin, capture, &self.job.backend, self.cancel) {
             Ok(twin) => outcome.twin = twin,
             // A twin is worth keeping without one.
-            Err(error @ (Error::Planner(_) | Error::NothingStable(_))) => {
+            Err(error) if is_its_own(&error) => {
                 let note = format!("No planner's twin was made: {error}");
                 outcome.twin.quality.warnings.push(note);
             }
@@ -32,4 +42,10 @@ impl Run<'_> {
         }
         Ok(())
     }
+}
+
+/// True if an error says something about the planner's twin, rather than of the device or of a request to
+/// stop.
+fn is_its_own(error: &Error) -> bool {
+    matches!(error.category(), Category::InvalidArgument | Category::FailedPrecondition)
 }

@@ -1,9 +1,9 @@
 use super::*;
 use crate::{
-    rollout::{Error, Limits, check_for},
+    rollout::{Error, Limits, PlannerShape, check_for},
     v1::{
         ControlTrajectories, Cost, GripperPoses, InitialState, PointSet, Returns, Tensor,
-        cost::{Kind, TargetCloud},
+        cost::{Keypoints, Kind, TargetCloud},
         initial_state::GivenState,
         roll_out_request::Actions,
     },
@@ -138,4 +138,50 @@ fn costs_at_the_skin_place_it() {
     let nodes = running(PointSet::Nodes);
     assert!(running(PointSet::Skin) - nodes >= 32 * 50_000);
     assert_eq!(running(PointSet::Unspecified), running(PointSet::Skin));
+}
+
+/// A request to a planner's twin is counted as what it becomes: records of the skin, keypoints at the
+/// skin, and the larger of both models.
+#[test]
+fn a_planners_twin_counts_what_it_simulates() {
+    let planner = PlannerShape { nodes: 500, springs: 9_000, triplets: 100, substeps: 400 };
+    let twin = TwinShape {
+        nodes: 1_000,
+        springs: 3_000,
+        triplets: 50,
+        controls: 1,
+        skin_points: Some(2_000),
+        substeps: 10,
+        planner: Some(planner),
+        ..MANY_CONTROLS
+    };
+    let one = || Some(Tensor::pack(&[1], &[7_u32]));
+    let both = |asked: RollOutRequest| {
+        let planned = RollOutRequest { fidelity: Fidelity::Planner.into(), ..asked.clone() };
+        (of(&asked, &twin), of(&planned, &twin))
+    };
+    let asked = request(&twin, 1, 20);
+
+    let returns = Returns { every_frames: 2, nodes: one(), velocities: true, ..Returns::default() };
+    let (exact, planned) = both(RollOutRequest { returns: Some(returns), ..asked.clone() });
+    assert!(planned.prepared - exact.prepared >= 2 * 24 * 1_000 * 10);
+    // A set of parameters of the larger model.
+    let factors = Some(Tensor::pack(&[1], &[0.5_f32]));
+    let vary = Some(crate::v1::Vary { friction: factors, ..Default::default() });
+    let (exact, planned) = both(RollOutRequest { vary, ..asked.clone() });
+    assert!(planned.fixed - exact.fixed >= 3 * 16 * (9_000 - 3_000 + 100 - 50));
+
+    let keypoints = Keypoints { nodes: one(), targets: zeros(&[1, 3]), ..Keypoints::default() };
+    let cost = Cost { kind: Some(Kind::Keypoints(keypoints)), ..Cost::default() };
+    let asked = RollOutRequest { costs: vec![cost], ..asked };
+    let (exact, planned) = both(asked.clone());
+    assert!(planned.running - exact.running >= 128 * (2_000 + 1_000));
+
+    let returns = Returns { control_gradients: true, ..Returns::default() };
+    let (exact, planned) = both(RollOutRequest { returns: Some(returns), ..asked });
+    assert!(planned.prepared - exact.prepared >= 16 * (9_000 - 3_000));
+    let skin = 128 * (2_000 + 1_000);
+    let gradients = 64 * (9_000 - 3_000);
+    let tape = 48 * 1_001 * (400 - 10);
+    assert!(planned.running - exact.running >= skin + gradients + tape);
 }

@@ -1,10 +1,11 @@
 //! Rollouts of a planner's twin, in the words of its twin.
 
 use bendtwin_core::{Fidelity, PlannerQuality, PlannersTwin};
+use bendtwin_engine::world::{Grasping, Hold, Phase};
 use bendtwin_proto::v1;
 
 use super::*;
-use crate::rollout::initial::Start;
+use crate::rollout::{initial::Start, rest_shape::RestShape};
 
 /// The chain with a planner's twin of its first, third and last node; the second hangs between two of
 /// these.
@@ -54,7 +55,11 @@ struct Planning {
 
 impl Planning {
     async fn new() -> Self {
-        let (bench, _) = Bench::of(with_planner(), bendtwin_engine::cpu_with_threads(2));
+        Self::of(with_planner()).await
+    }
+
+    async fn of(twin: Twin) -> Self {
+        let (bench, _) = Bench::of(twin, bendtwin_engine::cpu_with_threads(2));
         let chosen = Served::choose(Arc::clone(&bench.warm), Fidelity::Planner, &bench.device);
         let served = chosen.await.unwrap();
         Self { bench, served }
@@ -208,4 +213,82 @@ async fn what_a_planner_does_not_measure_is_refused() {
         (none.category(), none.reason()),
         (Category::FailedPrecondition, "PLANNERS_TWIN_UNKNOWN")
     );
+}
+
+/// The rest lengths of a twin are not those of its small model: such a state never reaches that.
+#[tokio::test]
+async fn states_of_another_rest_shape_are_refused() {
+    let planning = Planning::new().await;
+    let params = planning.bench.warm.twin.params.clone();
+    let rest = Arc::new(RestShape::new(params, None));
+    let state = bendtwin_engine::model::State::rest(&planning.bench.warm.twin.graph);
+    let plain = || Start::new(Arc::new(state.clone()), Arc::new(vec![[0.0, 0.0, 0.6]]));
+    let corrected = Start { rest: Some(rest), ..plain() };
+    let served = |starts: &Starts| planning.served.clone().with_rests(starts.rests());
+    let refused = served(&Starts::Each(vec![plain(), corrected.clone()])).err().unwrap();
+    assert_eq!(refused.reason(), "INVALID_ROLLOUT");
+    assert!(refused.to_string().contains("EXACT or FAST"), "{refused}");
+    assert!(served(&Starts::Each(vec![plain(), plain()])).is_ok());
+    let exact = Served::exact(Arc::clone(&planning.bench.warm));
+    assert!(exact.with_rests(Starts::Shared(corrected).rests()).is_ok());
+}
+
+/// The second node is not the planner's, so a grasp of it alone would open in silence.
+#[tokio::test]
+async fn grasps_that_the_planner_would_open_are_refused() {
+    let planning = Planning::new().await;
+    let own = &planning.served.planner.as_ref().unwrap().own;
+    let held = |phase: Phase, nodes: &[u32]| {
+        let holds = nodes.iter().map(|&node| Hold { node, grasp: 0, place: [0.0; 3] }).collect();
+        let grasping = Grasping { phases: vec![phase], holds };
+        let rest = bendtwin_engine::model::State::rest(&planning.bench.warm.twin.graph);
+        let state = bendtwin_engine::model::State { grasping, ..rest };
+        own.thinned(Starts::Shared(Start::new(Arc::new(state), Arc::new(vec![[0.0, 0.0, 0.6]]))))
+    };
+    let refused = held(Phase::Closed, &[1]).err().unwrap();
+    assert!(refused.to_string().contains("grasp 0"), "{refused}");
+    let kept = held(Phase::Closed, &[1, 2]).unwrap();
+    assert_eq!(kept.of(0).state.grasping.holds.len(), 1);
+    // Nothing was held.
+    assert!(held(Phase::Closed, &[]).is_ok());
+    assert!(held(Phase::Slipped, &[]).is_ok());
+
+    // A state that the request gives.
+    let given = |holders: [u32; 4]| {
+        let rest = twin().graph.rest_positions;
+        let grasping = v1::Grasping {
+            phases: Some(Tensor::pack(&[1], &[1_u32])),
+            holders: Some(Tensor::pack(&[4], &holders)),
+            places: Some(Tensor::pack_points(&[4], &[[0.0; 3]; 4])),
+        };
+        let given = GivenState {
+            positions: Some(Tensor::pack_points(&[4], &rest)),
+            grasping: Some(grasping),
+            ..GivenState::default()
+        };
+        let mut request = asking(Vec::new(), Returns::default());
+        request.initial = Some(InitialState { state: Some(State::Given(given)) });
+        own.rewrite(&mut request)
+    };
+    let refused = given([0, 1, 0, 0]).err().unwrap();
+    assert!(refused.to_string().contains("grasp more nodes"), "{refused}");
+    assert!(given([0, 1, 1, 0]).is_ok());
+}
+
+/// Which costs are asked for must not change where the skin touches.
+#[tokio::test]
+async fn keypoints_at_nodes_add_nothing_to_a_skin_that_touches() {
+    let mut touching = with_planner();
+    touching.params.contact.skin = true;
+    touching.planner.as_mut().unwrap().twin.params.contact.skin = true;
+    let planning = Planning::of(touching).await;
+    let named = |nodes: Option<Tensor>, skin_points: Option<Tensor>| {
+        let targets = Some(Tensor::pack_points(&[1], &[[0.0; 3]]));
+        let keypoints = Keypoints { nodes, targets, skin_points, ..Keypoints::default() };
+        planning.run(asking(vec![cost(Kind::Keypoints(keypoints))], Returns::default()))
+    };
+    let one = || Some(Tensor::pack(&[1], &[1_u32]));
+    let refused = named(one(), None).unwrap_err();
+    assert!(refused.to_string().contains("skin_contact"), "{refused}");
+    named(None, one()).unwrap();
 }

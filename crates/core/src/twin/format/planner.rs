@@ -48,7 +48,7 @@ impl Twin {
             (Some(planner), Some(figures)) => {
                 planner.check(self).or_else(fail)?;
                 planner.twin.check()?;
-                figures.check().or_else(fail)
+                figures.check(&planner.twin).or_else(fail)
             }
         }
     }
