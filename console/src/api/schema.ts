@@ -2606,7 +2606,7 @@ export interface components {
             bending?: components["schemas"]["Tensor"];
             /** @description Of dashpots, drag and damping of bending and twist, 0..100. */
             damping?: components["schemas"]["Tensor"];
-            /** @description With an ensemble: member e is simulated on fit e of the twin, 0 being the twin itself and the others its members; at most as many as TwinGeometry.fits. Not with FAST, nor with rest shapes that corrections have changed. Factors apply on top of each fit. */
+            /** @description With an ensemble: member e is simulated on fit e of the twin, 0 being the twin itself and the others its members; at most as many as TwinGeometry.fits. Not with FAST or PLANNER, nor with rest shapes that corrections have changed. Factors apply on top of each fit. */
             fits?: boolean;
             /** @description Of friction with ground, colliders and other nodes, 0..100; friction is at most 2. */
             friction?: components["schemas"]["Tensor"];
