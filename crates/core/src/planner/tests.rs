@@ -64,7 +64,7 @@ fn a_planners_twin_survives_its_file() {
     let file = twin.encode().unwrap();
     assert_eq!(Twin::decode(&file).unwrap(), twin);
     assert_eq!(file, twin.encode().unwrap());
-    let without = Twin { planner: None, quality: Quality::default(), ..twin.clone() };
+    let without = Twin { planner: None, quality: Quality::default(), ..twin };
     let file = String::from_utf8_lossy(&without.encode().unwrap()).into_owned();
     assert!(file.contains("version\\\":1"), "older programs read it");
 }

@@ -307,7 +307,7 @@ fn a_rollout_of_a_planners_twin_is_counted_with_its_own_size() {
     let work = |request: &RollOutRequest| super::work(request, &batch, &planner);
     assert!(work(&request) < work(&sound()));
     let refused = refused(&request, &TWIN, &Limits::default());
-    assert_eq!(refused, Error::NoPlannersTwin { twin: request.twin.clone() });
+    assert_eq!(refused, Error::NoPlannersTwin { twin: request.twin });
 }
 
 proptest! {
