@@ -1,6 +1,8 @@
-"""Depth of a twin's skin in the ground, with contact of its nodes and with that of its skin: lets go of
-the twin of a file 5 mm above the ground, and prints the deepest point in the last of 200 frames, and
-the farthest that a node moves in it. `python tests/lying.py TWIN...`"""
+"""Depth of a twin's skin in the ground, with contact of its nodes and with that of its skin.
+
+Lets go of the twin of a file 5 mm above the ground, and prints the deepest point in the last of 200
+frames, and the farthest that a node moves in it: `python tests/lying.py TWIN...`
+"""
 
 import sys
 from pathlib import Path

@@ -52,8 +52,8 @@ class RolloutArguments(TypedDict, total=False):
     #: Arrays to return beside the costs; none by default.
     returns: Returns
     #: "exact" (the default); "fast": follows the twin by its fast variant, with fewer substeps; or
-    #: "planner": by its planner's twin, a small model of its own. `RolloutResult.deviation` says how
-    #: far the latter two stray.
+    #: "planner": by its planner's twin, a small model. `RolloutResult.deviation` says how far the
+    #: latter two stray.
     fidelity: Fidelity
     #: Ground, gravity and colliders, where they are not those of the twin.
     world: World | None
