@@ -280,6 +280,8 @@ fn a_time_limit_ends_a_fit_that_would_go_on() {
     let capture = make(Scene::Rope, &MakeOptions::tiny(2)).unwrap();
     let mut endless = settings(GradientWindow::Pass);
     endless.within_s = Some(1.0);
+    // One of two models may gain nothing more some passes before the other.
+    endless.compare_axial = false;
     (endless.search.generations, endless.refine.passes) = (Some(10_000), Some(100_000));
     let mut recorder = Recorder::default();
     let outcome =
