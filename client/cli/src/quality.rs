@@ -41,7 +41,7 @@ pub(crate) fn fast(quality: &Quality, substeps: u32) -> Option<String> {
     ))
 }
 
-/// The planner's twin in a line; none if there is none.
+/// The planner's twin in a line, if there is one.
 pub(crate) fn planner(quality: &Quality) -> Option<String> {
     let planner = quality.planner.as_ref()?;
     Some(format!(

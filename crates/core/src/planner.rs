@@ -1,8 +1,8 @@
 //! The planner's twin: a small twin beside a twin, with the same skin and the same control points, that
 //! moves nearly as the twin does and takes a fraction of its time.
 //!
-//! It is a model of its own, distilled from the twin's motion under sampled actions. Its nodes are some
-//! of the twin's nodes, so that a state of the twin is one of the planner's twin by leaving out the
+//! The small twin is a separate model, distilled from the twin's motion under sampled actions. Its nodes are
+//! some of the twin's nodes, so that a state of the twin is one of the planner's twin by leaving out the
 //! others; and each of the twin's nodes is carried by its nodes as a point of a skin is, so that its
 //! motion is one of all of the twin's nodes.
 
@@ -13,10 +13,10 @@ use crate::{Point, Skin, Twin, geometry::wide, settings::MOST_PLANNER_NODES};
 /// A small twin beside a twin.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PlannersTwin {
-    /// Its nodes, as numbers of nodes of the twin, ascending, shape [n].
+    /// Nodes of the small twin, as numbers of nodes of the twin, ascending, shape [n].
     pub nodes: Vec<u32>,
-    /// The small twin, without members, appearance and quality of its own. Its skin has the M points of
-    /// the twin's skin, then the twin's N nodes; of these, the points of its own nodes lie exactly on them.
+    /// The small twin, without members, appearance and quality. Its skin has the M points of the twin's
+    /// skin, then the twin's N nodes; of these, the points of its own nodes lie exactly on them.
     pub twin: Box<Twin>,
 }
 
@@ -46,14 +46,14 @@ pub struct PlannerQuality {
 }
 
 impl PlannersTwin {
-    /// The skin of the twin alone, of so many points.
+    /// The skin of the twin alone, which has `points` points.
     pub fn own_skin(&self, points: usize) -> Skin {
         let all: Vec<usize> = (0..points).collect();
         self.twin.skin.select(&all)
     }
 
     /// Positions of the twin's nodes [m], shape [N, 3], from those of the planner's nodes, shape [n, 3];
-    /// the twin's skin has so many points.
+    /// the twin's skin has `points` points.
     pub fn positions(&self, points: usize, nodes: &[Point]) -> Vec<Point> {
         let skin = &self.twin.skin;
         let at = |i: u32| wide(nodes[i as usize]);
@@ -73,8 +73,8 @@ impl PlannersTwin {
         self.nodes.iter().filter_map(|&i| of_nodes.get(i as usize)).copied().collect()
     }
 
-    /// The node that stands for each node of the twin, which has so many: itself, or the nearest one at
-    /// rest; shape [N].
+    /// The planner's node that stands for each node of the twin: itself, or the nearest one at rest;
+    /// shape [N]. `rest` has the twin's nodes at rest [m], shape [N, 3].
     pub fn nearest(&self, rest: &[Point]) -> Vec<u32> {
         let own: Vec<Point> = self.select(rest);
         let square = |a: Point, b: Point| -> f32 { (0..3).map(|k| (a[k] - b[k]).powi(2)).sum() };
@@ -117,7 +117,9 @@ impl PlannersTwin {
             return Err(format!("the planner's twin has {} frames per second", timing.fps));
         }
         if !members.is_empty() || appearance.is_some() || planner.is_some() {
-            return Err("the planner's twin has members, an appearance or a twin of its own".into());
+            return Err(
+                "the planner's twin has members, an appearance or its own planner's twin".into()
+            );
         }
         Ok(())
     }

@@ -284,9 +284,9 @@ const MOST_PLANNER_SUBSTEPS: u32 = 1000;
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct PlannerSettings {
-    /// Number of its nodes; 0 makes none. If left open, it depends on effort.
+    /// Number of nodes; 0 makes none. If left open, it depends on effort.
     pub nodes: Option<u32>,
-    /// Its substeps per frame, at most. If left open, 32.
+    /// Largest number of substeps per frame. If left open, 32.
     pub substeps: Option<u32>,
 }
 

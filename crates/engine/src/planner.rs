@@ -21,7 +21,7 @@ pub fn lost_grasp(planner: &PlannersTwin, grasping: &Grasping) -> Option<usize> 
     grasps.find(|&grasp| is_lost(grasp))
 }
 
-/// The state of a planner's twin in that of its twin: of its own nodes. Holds of other nodes are left
+/// The state of a planner's twin, taken from that of its twin: its nodes alone. Holds of other nodes are left
 /// out; [`lost_grasp`] says whether that opens a grasp.
 pub fn thinned(planner: &PlannersTwin, state: &State) -> State {
     let own = |hold: &Hold| {
@@ -39,7 +39,7 @@ pub fn thinned(planner: &PlannersTwin, state: &State) -> State {
     }
 }
 
-/// The state of a twin, whose skin has so many points, in that of its planner's twin: its nodes are
+/// The state of a twin, whose skin has `skin_points` points, from that of its planner's twin: its nodes are
 /// carried. [`thinned`], it is the same state again.
 pub fn carried(planner: &PlannersTwin, skin_points: usize, state: &State) -> State {
     let of_twin =

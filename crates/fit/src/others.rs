@@ -210,7 +210,7 @@ impl OtherControls {
         self.groups.is_empty()
     }
 
-    /// Control points of each sequence in the graph, which has so many of the reference.
+    /// Control points of each sequence in the graph, whose first `own` are the reference's.
     pub(crate) fn ranges(&self, own: usize) -> impl Iterator<Item = Range<usize>> + '_ {
         self.groups.iter().scan(own, |next, group| {
             let first = *next;

@@ -88,7 +88,7 @@ impl Substance {
     /// All of them.
     pub const ALL: [Self; 4] = [Self::Foam, Self::Plush, Self::Rubber, Self::Cord];
 
-    /// Its name, `foam` say.
+    /// Name, such as `foam`.
     pub fn name(self) -> &'static str {
         match self {
             Self::Foam => "foam",

@@ -69,7 +69,7 @@ pub(super) async fn run(args: Make, global: &Global) -> anyhow::Result<()> {
         return Err(Usage::error("a cable has several sequences in one capture: leave out --take"));
     }
     if args.material != Substance::Foam && args.scene == Scene::Cable {
-        return Err(Usage::error("a cable has a material of its own: leave out --material"));
+        return Err(Usage::error("the material of a cable is fixed: leave out --material"));
     }
     let named = || format!("{}.zip", args.scene.name()).into();
     let path = args.file.clone().unwrap_or_else(named);

@@ -36,8 +36,8 @@ pub(super) struct Planner {
     #[arg(long, value_name = "N", default_value_t = 32, conflicts_with = "budget",
           value_parser = clap::value_parser!(u32).range(1..=1000))]
     substeps: u32,
-    /// Choose nodes and substeps for plans of so many samples x frames @ plans a second on this machine,
-    /// 48x15@10 say
+    /// Choose nodes and substeps for plans of SAMPLESxFRAMES@PLANS a second on this machine,
+    /// for example 48x15@10
     #[arg(long, value_name = "BUDGET")]
     budget: Option<Budget>,
     /// Seed of the sampled actions

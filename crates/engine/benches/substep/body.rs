@@ -40,7 +40,7 @@ pub(crate) fn ellipsoid(nodes: usize, bending: bool) -> Model {
     model(positions, surface, springs, triplets)
 }
 
-/// An ellipsoid of so many nodes on the ground, with as few substeps as fits use, and so many skin
+/// An ellipsoid of `nodes` nodes on the ground, with as few substeps as fits use, and `points` skin
 /// points around its surface.
 pub(crate) fn lying(nodes: usize, points: usize) -> Model {
     let mut model = ellipsoid(nodes, false);

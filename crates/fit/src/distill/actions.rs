@@ -84,7 +84,7 @@ impl Hands {
         Self { rest, of, middles, speed_m_s, fps, environment }
     }
 
-    /// So many actions by seed; another stream has others.
+    /// Actions drawn by seed; another stream has others.
     pub(super) fn actions(&self, count: usize, seed: u64, stream: u64) -> Vec<Action> {
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
         rng.set_stream(stream);

@@ -32,7 +32,7 @@ const HOLDS: usize = 3;
 /// Least mass of a node, over the mean.
 const LEAST_MASS: f32 = 0.5;
 
-/// The planner's twin of so many nodes, before it is softened.
+/// The planner's twin with `nodes` nodes, before it is softened.
 pub(super) fn thin(twin: &Twin, nodes: usize) -> PlannersTwin {
     let graph = &twin.graph;
     let nodes = chosen(graph, nodes);
@@ -304,7 +304,7 @@ fn bound(twin: &Twin, graph: &Graph) -> Skin {
     bind_skin(graph, &SurfacePoints { positions, observed_points })
 }
 
-/// A planner's twin that so many substeps are enough for, with a margin: with this share of its damping,
+/// A planner's twin that is stable with these substeps, with a margin: with this share of its damping,
 /// and softened as far as it must be. More substeps where too much would have to give way.
 pub(super) fn softened(planner: &PlannersTwin, damping: f32, substeps: u32) -> PlannersTwin {
     let mut model = Model::from(&*planner.twin);

@@ -313,7 +313,7 @@ impl<'a> OptimizerRun<'a> {
         }
     }
 
-    /// Goes on with stiffness and damping that the most substeps bear, with a margin; false where too
+    /// Continues with stiffness and damping that the most substeps bear, with a margin; false where too
     /// much would have to give way.
     fn soften(&mut self, index: usize, optimizer: &mut dyn Optimizer) -> Result<bool, Error> {
         let (current, most) = (self.loaded.model(), self.task.settings.substeps.most());

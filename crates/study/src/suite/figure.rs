@@ -14,7 +14,7 @@ pub(crate) const MOST_SERIES: usize = 3;
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct FigureEntry {
-    /// Its title; that of the suite if left out.
+    /// Title; that of the suite if left out.
     #[serde(default)]
     pub title: Option<String>,
     /// Mean degrees, ascending: runs count to the one that is nearest to theirs by ratio.
@@ -27,7 +27,7 @@ pub struct FigureEntry {
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Series {
-    /// Its name in the picture.
+    /// Name in the picture.
     pub name: String,
     /// Pairs of configurations; the degree is that of the twin that the other is compared with.
     pub pairs: Vec<Comparison>,

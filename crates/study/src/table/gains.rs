@@ -42,7 +42,7 @@ pub struct Gain {
     /// Errors of the first against those of the second [%]: by the geometric mean over captures of
     /// their ratio, so that no capture counts more than another. Negative is better.
     pub percent: f64,
-    /// Its certainty; none of fewer than three pairs.
+    /// Certainty; none of fewer than three pairs.
     pub certainty: Option<Certainty>,
 }
 
@@ -107,7 +107,7 @@ pub(super) fn of(suite: &Suite, figure: &FigureEntry, samples: &Samples<'_>) -> 
     Gains { title, series: figure.series.iter().map(|s| s.name.clone()).collect(), groups, gains }
 }
 
-/// Of means of logarithms.
+/// Difference [%] between two errors, by their logarithms.
 fn percent([of, against]: [f64; 2]) -> f64 {
     100.0 * ((of - against).exp() - 1.0)
 }

@@ -138,7 +138,7 @@ fn differences(all: &[Difference]) -> String {
     lay_out(&lines, 3)
 }
 
-/// Text in place of a difference that is none.
+/// Text in place of a difference that chance explains.
 const NO_DIFFERENCE: &str = "no difference";
 
 fn interval([low, high]: [f64; 2]) -> String {

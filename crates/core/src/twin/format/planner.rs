@@ -1,5 +1,5 @@
-//! The planner's twin in the twin file: a twin file of its own, as the bytes of a tensor, and the numbers
-//! of its nodes.
+//! The planner's twin in the twin file: a nested twin file, as the bytes of a tensor, and the numbers of
+//! its nodes.
 
 use safetensors::Dtype;
 
@@ -29,7 +29,7 @@ impl Tensors<'_> {
     /// The planner's twin.
     pub(super) fn planner(&self) -> Result<PlannersTwin, FormatError> {
         let file: Vec<u8> = self.read(FILE, Dtype::U8, None)?;
-        // One with a planner's twin of its own would be read without an end.
+        // A nested file with a planner's twin could nest without end.
         let twin = Twin::decode_before(&file, WITH_PLANNER)?;
         Ok(PlannersTwin { nodes: self.read(NODES, Dtype::U32, None)?, twin: Box::new(twin) })
     }
