@@ -218,7 +218,7 @@ async fn a_dropped_stream_stops_the_planning_at_once() {
     let stream = server.planning().plan(request(&twin)).await.unwrap();
     device.begun.notified().await;
     drop(stream);
-    tokio::time::timeout(Duration::from_secs(10), device.given_up.notified()).await.unwrap();
+    tokio::time::timeout(Duration::from_secs(60), device.given_up.notified()).await.unwrap();
 }
 
 #[tokio::test]

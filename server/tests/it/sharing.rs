@@ -57,7 +57,7 @@ async fn in_flight(server: &Server, total: u64) -> Vec<u64> {
             tokio::time::sleep(Duration::from_millis(10)).await;
         }
     };
-    tokio::time::timeout(Duration::from_secs(20), all_there).await.unwrap()
+    tokio::time::timeout(Duration::from_secs(60), all_there).await.unwrap()
 }
 
 #[tokio::test]

@@ -384,7 +384,7 @@ async fn a_client_that_is_back_takes_over_from_its_dead_connection() {
             }
         }
     };
-    tokio::time::timeout(Duration::from_secs(20), arrived).await.unwrap();
+    tokio::time::timeout(Duration::from_secs(60), arrived).await.unwrap();
     let sent = server.patch(&path, 10, &[b'x'; 90]).send().await.unwrap();
     assert!(header(&sent, "bendtwin-capture").is_some());
     let mut answer = vec![0; 12];
@@ -437,7 +437,7 @@ async fn uploads_survive_a_restart_and_expire_in_the_end() {
             tokio::time::sleep(Duration::from_millis(20)).await;
         }
     };
-    tokio::time::timeout(Duration::from_secs(20), gone).await.unwrap();
+    tokio::time::timeout(Duration::from_secs(60), gone).await.unwrap();
 }
 
 #[tokio::test]
@@ -471,7 +471,8 @@ async fn empty_uploads_keep_nobody_out_and_are_soon_given_up() {
     let server = Server::start_with(|o| {
         o.limits.uploads = 3;
         o.limits.uploads_bytes = 100;
-        o.upload_start_s = 1.0;
+        // Long enough for the one that is sent to begin.
+        o.upload_start_s = 5.0;
     })
     .await;
     for _ in 0..10 {
@@ -490,7 +491,7 @@ async fn empty_uploads_keep_nobody_out_and_are_soon_given_up() {
             tokio::time::sleep(Duration::from_millis(50)).await;
         }
     };
-    let stored = tokio::time::timeout(Duration::from_secs(20), given_up).await.unwrap();
+    let stored = tokio::time::timeout(Duration::from_secs(60), given_up).await.unwrap();
     assert_eq!(stored, 1);
 }
 

@@ -264,19 +264,21 @@ async fn watchers_see_the_same_and_move_nothing() {
     watcher.draws = false;
     play.send(json!({"type": "pause", "paused": false})).await;
     let later = play.shown("more frames", |s| s.number > own.number + 60).await;
-    let mut count = 0;
-    let last = until("the last of them", SOON, async || match watcher.next().await {
-        Event::Shown(shown) => {
-            count += 1;
-            (count == 8).then_some(shown)
+    let mut sent = Vec::new();
+    let newest = until("the newest", SOON, async || {
+        if let Event::Shown(shown) = watcher.next().await {
+            sent.push(shown.number);
+            if sent.len() == 8 {
+                watcher.send(json!({"type": "seen", "frame": shown.number})).await;
+            }
+            return (shown.number >= later.number).then_some(shown);
         }
-        _ => None,
+        None
     })
     .await;
-    assert!(last.number < later.number);
-    watcher.send(json!({"type": "seen", "frame": last.number})).await;
-    let newest = watcher.shown("the newest", |_| true).await;
-    assert!(newest.number >= later.number, "{} {}", newest.number, later.number);
+    // A state of the pause may be among the first eight. Those that were on their way come before the newest.
+    assert!(sent.len() <= 17, "{sent:?}");
+    assert!(newest.number >= later.number && sent[7] < later.number, "{sent:?}");
     // With the one that plays the play ends.
     drop(play);
     watcher.closed().await;

@@ -1,6 +1,6 @@
 //! Rollouts as a planner uses them: batches, beside a running fit, repeated bit for bit.
 
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use bendtwin_proto::v1::{
     ControlTrajectories, Cost, Fidelity, GripperPoses, Returns, RollOutRequest, RollOutResponse,
@@ -8,7 +8,7 @@ use bendtwin_proto::v1::{
 };
 
 use crate::harness::{
-    Api, Isolation, Setup, TestCluster,
+    Api, Setup, TestCluster,
     api::{fraction, has_ended},
     reference::{ENDLESS, capture, reference},
 };
@@ -165,44 +165,26 @@ async fn a_gripper_that_does_not_turn_is_a_translation() {
 
 #[tokio::test]
 async fn rollouts_are_answered_while_a_fit_runs() {
-    let server =
-        TestCluster::start(Setup { isolation: Isolation::Exclusive, ..Setup::default() }).await;
+    let server = TestCluster::start(Setup::default()).await;
     let api = server.api();
     let (twin, rest) = imported(&api).await;
     let request = request(&twin, &rest);
     let expected = content(api.roll_out(request.clone()).await.unwrap());
-    let idle = timed(&api, &request, &expected).await;
 
     let capture = api.upload(&capture().await, "").await.unwrap();
     let fit = api.fit(&capture.name, ENDLESS, 0).await.unwrap();
     let running = |f: &_| fraction(f) > 0.0 && f.state() == State::Running;
     let before = api.fit_when(&fit.name, "running", STATE, running).await;
-    let busy = timed(&api, &request, &expected).await;
+    for _ in 0..15 {
+        assert_eq!(content(api.roll_out(request.clone()).await.unwrap()), expected);
+    }
+    // The fit has no end, so none of the rollouts waited for it.
     let after = api.get_fit(&fit.name).await.unwrap();
     assert_eq!(after.state(), State::Running);
     assert_eq!(after.job.as_ref().unwrap().attempts, 1);
     assert!(fraction(&after) >= fraction(&before));
-    println!(
-        "{BATCH} x {FRAMES} frames of {} nodes: {idle:?} idle, {busy:?} beside a fit (medians)",
-        twin.node_count
-    );
-    // Generous, for slow machines: what matters is that no rollout waits for the end of the fit.
-    assert!(busy < Duration::from_secs(5));
     api.cancel(&fit.name).await.unwrap();
     api.fit_when(&fit.name, "cancelled", STATE, has_ended).await;
-}
-
-/// The median time of a response.
-async fn timed(api: &Api, request: &RollOutRequest, expected: &RollOutResponse) -> Duration {
-    let mut times = Vec::new();
-    for _ in 0..15 {
-        let asked = Instant::now();
-        let reply = api.roll_out(request.clone()).await.unwrap();
-        times.push(asked.elapsed());
-        assert_eq!(&content(reply), expected);
-    }
-    times.sort();
-    times[times.len() / 2]
 }
 
 /// The response of any worker: a planner repeats calls that were UNAVAILABLE.
