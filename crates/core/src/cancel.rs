@@ -20,19 +20,19 @@ pub struct CancelToken {
 
 /// Reason for which long work waits between two of its units, because other work goes first.
 pub trait Pause: Send + Sync {
-    /// Returns once the work may go on, or within a second of `is_cancelled` being `true`.
+    /// Blocks until work may resume; returns within a second of `is_cancelled` becoming `true`.
     fn pass(&self, is_cancelled: &dyn Fn() -> bool);
 }
 
 impl CancelToken {
-    /// The same flag; whoever checks this token or a clone of it waits there for as long as `pause`
-    /// says.
+    /// The same flag, with a pause: callers that check this token or a clone of it block for as
+    /// long as `pause` requires.
     #[must_use]
     pub fn with_pause(&self, pause: Arc<dyn Pause>) -> Self {
         Self { pause: Some(pause), ..self.clone() }
     }
 
-    /// The same flag, which whoever checks this token or a clone of it also finds set from a time on.
+    /// The same flag, which this token and its clones also report as set from the given time on.
     #[must_use]
     pub fn until(&self, time: Instant) -> Self {
         Self { until: Some(time), ..self.clone() }

@@ -87,7 +87,7 @@ pub struct HeldPoint {
     pub control: u32,
 }
 
-/// One recording: T frames of P tracked points and C control points.
+/// A recording: T frames of P tracked points and C control points.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Sequence {
     /// Name for people.

@@ -9,7 +9,7 @@
 //! | 1 + n | length and text of the build |
 //! | rest | payload |
 //!
-//! Integers are little-endian. The payload is the business of whoever writes it.
+//! Integers are little-endian. The payload belongs to the crate that writes it.
 
 use crate::BUILD;
 

@@ -19,7 +19,7 @@ pub enum Severity {
     Info,
 }
 
-/// One thing that is wrong with a capture, or worth knowing about it.
+/// A fault of a capture, or a fact about it worth knowing.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Finding {
     /// Severity.
@@ -28,7 +28,7 @@ pub struct Finding {
     pub code: String,
     /// Description of the fault, with numbers, for a person.
     pub message: String,
-    /// Remedy; empty if there is none to name.
+    /// Remedy; empty if no remedy is known.
     #[serde(default)]
     pub advice: String,
     /// Indices of the cameras concerned; empty if it concerns all.

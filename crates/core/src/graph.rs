@@ -56,8 +56,7 @@ pub struct Graph {
     pub masses: Vec<f32>,
     /// Object of each node (contact acts between objects), shape [N].
     pub object_ids: Vec<u32>,
-    /// For each node, the capture's observed point that it is, shape [N];
-    /// `u32::MAX` where it is none.
+    /// The capture's observed point for each node, shape [N]; `u32::MAX` for nodes without one.
     pub observed_points: Vec<u32>,
     /// Control points at rest [m], shape [C, 3].
     pub control_rest: Vec<Point>,

@@ -189,8 +189,8 @@ impl Identifiability {
         }
     }
 
-    /// Checks that lengths fit a twin of so many nodes and skin points, indices exist and numbers are
-    /// finite.
+    /// Checks that lengths match the twin's numbers of nodes and skin points, that indices exist
+    /// and that numbers are finite.
     ///
     /// # Errors
     /// The first contradiction found, as a sentence.

@@ -15,8 +15,9 @@ use crate::{Point, Skin, Twin, geometry::wide, settings::MOST_PLANNER_NODES};
 pub struct PlannersTwin {
     /// Nodes of the small twin, as numbers of nodes of the twin, ascending, shape [n].
     pub nodes: Vec<u32>,
-    /// The small twin, without members, appearance and quality. Its skin has the M points of the twin's
-    /// skin, then the twin's N nodes; of these, the points of its own nodes lie exactly on them.
+    /// The small twin, without members, appearance and quality. The skin has the M points of the
+    /// full twin's skin, then its N nodes; those of them that are also nodes of the small twin
+    /// coincide with these.
     pub twin: Box<Twin>,
 }
 

@@ -19,7 +19,7 @@ pub enum Stage {
 }
 
 impl Stage {
-    /// Its name in documents and lines, for example `search`.
+    /// Name in documents and logs, for example `search`.
     pub fn as_str(self) -> &'static str {
         match self {
             Self::Ingest => "ingest",

@@ -9,7 +9,7 @@ use crate::{FastVariant, Identifiability, PlannerQuality};
 /// Errors over a span of frames, averaged over its frames. All in metres.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct ErrorSummary {
-    /// One-sided Chamfer distance in the L1 norm, observed point to nearest point of the surface.
+    /// Chamfer distance in the L1 norm, from observed points to the nearest points of the surface.
     pub chamfer_l1_m: Option<f64>,
     /// The same with Euclidean distances.
     pub chamfer_l2_m: Option<f64>,
@@ -23,7 +23,7 @@ pub struct ErrorSummary {
     pub padded_rms_m: Option<f64>,
 }
 
-/// One of the errors of a summary [m].
+/// Reads an error from a summary [m].
 pub type Measure = fn(&ErrorSummary) -> Option<f64>;
 
 impl ErrorSummary {
@@ -110,7 +110,7 @@ pub struct RenderedScore {
     pub per_frame: Vec<Likeness>,
 }
 
-/// One predictor's errors, at the twin's skin.
+/// Errors of a predictor, at the twin's skin.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Score {
     /// Predictor of this row.
@@ -134,11 +134,11 @@ pub struct Score {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Level {
-    /// It predicts the motion closely.
+    /// Predicts the motion closely.
     Good,
-    /// It predicts the motion, with an error that planning has to allow for.
+    /// Predicts the motion, with an error that planning has to allow for.
     Fair,
-    /// It does not predict the motion.
+    /// Does not predict the motion.
     Poor,
     /// No frames are left to judge it by.
     Unknown,
@@ -240,7 +240,7 @@ impl SpreadScore {
 /// The quality table of a twin.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Quality {
-    /// One row per predictor, the twin's own first.
+    /// A row per predictor, the twin first.
     pub scores: Vec<Score>,
     /// The twin's errors by recording, where there are several, or the twin was registered to the
     /// only one.

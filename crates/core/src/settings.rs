@@ -1,5 +1,5 @@
 //! Settings of a fit. Every field has a default, unknown fields are refused, and
-//! [`FitSettings::validate`] reports all faults at once.
+//! [`FitSettings::validate`] reports all faults together.
 
 pub mod defaults;
 pub mod ingest;
@@ -159,7 +159,7 @@ fn default_safety() -> f64 {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct LossSettings {
-    /// One-sided Chamfer distance, mean squared.
+    /// Chamfer distance from observed points to the surface, mean squared.
     pub chamfer_weight: f64,
     /// Smooth L1 of tracked points.
     pub track_weight: f64,
@@ -179,9 +179,9 @@ pub const MOST_MEMBERS: usize = 15;
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct SearchSettings {
-    /// Number of searches with different seeds, each with a refinement of its own; the twin is the
-    /// one with the lowest training loss, or the one that predicts frames held back best. If left
-    /// open, it depends on effort, capture and device.
+    /// Number of searches with different seeds, each with its own refinement; the twin is the
+    /// one with the lowest training loss, or the one that best predicts the held-back frames. If
+    /// left open, it depends on effort, capture and device.
     pub starts: Option<u32>,
     /// Several starts that differ in more than their seeds: in turn with hands that reach farther and
     /// hold more firmly, with axial springs alone, with denser springs, and as set. If left open, on
@@ -219,11 +219,11 @@ pub struct SearchSettings {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum GradientWindow {
-    /// One step per frame, gradient cut at each frame's start (PhysTwin).
+    /// A step per frame, gradient cut at each frame's start (PhysTwin).
     Frame,
-    /// A step per window of so many frames, gradient cut at its start.
+    /// A step per window of this many frames, gradient cut at the window's start.
     Frames(u32),
-    /// One step per pass, through all training frames.
+    /// A step per pass through all training frames.
     Pass,
 }
 

@@ -22,8 +22,8 @@ pub const LEAST_SINE: f64 = 1e-4;
 /// Points of a surface that nodes carry. M is their number, K that of all weights.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Skin {
-    /// For each point, the capture's observed point that it is, shape [M]; [`Graph::NOT_OBSERVED`]
-    /// where it is none.
+    /// The capture's observed point for each point, shape [M]; [`Graph::NOT_OBSERVED`] for points
+    /// without one.
     pub observed_points: Vec<u32>,
     /// First weight of each point, and the end of the last, shape [M + 1].
     pub starts: Vec<u32>,
@@ -52,7 +52,7 @@ impl Skin {
     pub const NO_FRAME: u32 = u32::MAX;
     /// Share of a point's largest weight from which on a node bears the point.
     pub const BEARING: f32 = 0.25;
-    /// Most weights of a point: whoever places points knows how much work each is.
+    /// Most weights of a point, which bounds the work of placing it.
     pub const MOST_WEIGHTS: usize = 64;
 
     /// The skin that is the surface nodes of a graph themselves.
@@ -63,7 +63,7 @@ impl Skin {
         Self { observed_points: graph.observed_points[..m].to_vec(), ..Self::at_nodes(&nodes) }
     }
 
-    /// Points that are nodes, in this order; none of them is an observed point.
+    /// Points that coincide with nodes, in this order, none of them observed.
     pub fn at_nodes(nodes: &[u32]) -> Self {
         let m = nodes.len();
         Self {

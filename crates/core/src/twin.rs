@@ -95,7 +95,7 @@ pub const HAND_LINK_M: f32 = 0.08;
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Provenance {
     /// BLAKE3 digest of the content of the capture that was fitted (a raw recording's observation),
-    /// hex; empty if made by hand. The same content has the same digest, whatever file it came in.
+    /// hex; empty if made by hand. Equal content has the same digest in any file.
     pub capture_digest: String,
     /// The capture's name.
     pub capture_name: String,

@@ -40,7 +40,7 @@ fn wrong_overrides_say_what_there_is() {
 }
 
 #[test]
-fn all_faults_are_told_at_once() {
+fn all_faults_are_reported_together() {
     let error = with(&["graph.max_nodes=many", "refine.passes=-2", "graf=1", "seed"]).unwrap_err();
     let message = error.to_string();
     for part in ["graph.max_nodes: ", "refine.passes: ", "no `graf`", "--set seed: write key=value"]

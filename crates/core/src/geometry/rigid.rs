@@ -103,7 +103,7 @@ pub struct Prior {
 /// Options of [`kabsch`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Kabsch {
-    /// A total weight up to this is none.
+    /// Total weights up to this count as zero.
     pub least_weight: f64,
     /// Rotation to stay near.
     pub prior: Option<Prior>,

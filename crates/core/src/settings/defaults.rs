@@ -37,7 +37,7 @@ pub enum Effort {
     /// To work with.
     #[default]
     Standard,
-    /// As good as it gets.
+    /// Highest quality.
     Best,
 }
 

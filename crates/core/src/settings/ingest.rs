@@ -1,5 +1,5 @@
 //! Settings of lifting a raw recording to tracked points. Every field has a default, unknown fields
-//! are refused, and [`IngestSettings::validate`] reports all faults at once.
+//! are refused, and [`IngestSettings::validate`] reports all faults together.
 
 use std::ops::Range;
 
@@ -36,7 +36,7 @@ pub struct MaskSettings {
     pub farthest_m: f64,
     /// Neighbouring pixels whose depths differ by more than this lie on different surfaces [m]...
     pub edge_m: f64,
-    /// ...plus so many times the width of a pixel at that depth, which lets steep surfaces pass.
+    /// ...plus this many times the width of a pixel at that depth, which lets steep surfaces pass.
     pub edge_slope: f64,
     /// Pixels of the mask on the same surface that a pixel needs among the 24 around it; those with
     /// fewer are flying pixels or outliers.
@@ -120,11 +120,11 @@ pub enum Interior {
     /// as well.
     #[default]
     Carved,
-    /// From the mesh, if there is one; otherwise there are none.
+    /// Taken from the mesh, if there is one; otherwise omitted.
     Mesh,
     /// From the mesh, or else from the convex parts of the observed surface, which is a guess.
     Convex,
-    /// There are none.
+    /// Omitted.
     None,
 }
 
@@ -191,9 +191,9 @@ impl ControlSettings {
     /// Least pixels with depth, of all cameras together, by which a hand is seen in a frame.
     pub const MIN_PIXELS: usize = 20;
 
-    /// The first frames without a hand that cannot be filled, given for each frame whether it is
-    /// seen: those at the start, where control points need a place, and those of a gap longer than
-    /// `max_gap_frames`. `None` if there are none, or if there never is a hand.
+    /// The first frames without a visible hand that cannot be filled, given for each frame whether
+    /// it is seen: those at the start, where control points need a place, and those of a gap longer
+    /// than `max_gap_frames`. `None` if there are no such frames, or no hand anywhere.
     pub fn gap(&self, seen: &[bool]) -> Option<Range<usize>> {
         let mut from = 0;
         for hidden in seen.split_inclusive(|seen| *seen) {
@@ -279,7 +279,7 @@ mod tests {
     }
 
     #[test]
-    fn all_faults_are_told_at_once() {
+    fn all_faults_are_reported_together() {
         let settings = IngestSettings {
             spacing_m: f64::NAN,
             lift: LiftSettings { window: 1, min_support: 10 },

@@ -8,7 +8,7 @@ use super::FitSettings;
 /// Fields that are one value although they look like objects: one of several variants.
 const VARIANTS: [&str; 2] = ["substeps", "refine.window"];
 
-/// Takes over the fields of a document; other fields stay as they are.
+/// Merges a document's fields into settings; other fields keep their values.
 pub fn merge(into: &mut Value, from: Value) {
     match (into, from) {
         // An enum with one variant as its only key ({"fixed": 100}) is replaced, not mixed.
@@ -23,7 +23,7 @@ pub fn merge(into: &mut Value, from: Value) {
     }
 }
 
-/// Most faults that are told of one document.
+/// Most faults reported for a document.
 const MOST_FAULTS: usize = 20;
 
 /// Settings of a document.

@@ -23,7 +23,7 @@
 use super::{Conditions, DeviceKind, FitSettings, GradientWindow};
 use crate::capture::Subject;
 
-/// Candidates of a generation that are loaded at once, as far as one slice of them allows [bytes].
+/// Candidates of a generation loaded together, if one slice of them fits [bytes].
 pub const GENERATION_BYTES: u64 = 256 << 20;
 /// A worker before its first fit, and what does not grow with anything.
 const PROCESS_BYTES: u64 = 64 << 20;
@@ -85,13 +85,13 @@ pub struct GraphSize {
 /// The device that a fit computes on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Lanes {
-    /// Instances that are computed at once.
+    /// Instances computed together.
     pub count: u64,
     /// True if they take the worker's own memory, false if the device has its own.
     pub on_host: bool,
 }
 
-/// Threads that build candidates beside a device with memory of its own, at most.
+/// Threads that build candidates for a device with its own memory, at most.
 const HOST_THREADS: u64 = 16;
 
 /// Memory of a fit by its parts [bytes].
@@ -170,7 +170,7 @@ impl GraphSize {
         }
     }
 
-    /// A loaded candidate with a graph of its own [bytes].
+    /// A loaded candidate with its own graph [bytes].
     pub fn candidate_bytes(&self) -> u64 {
         sum([(96, self.springs), (112, self.triplets), (200, self.nodes)])
     }
@@ -209,7 +209,7 @@ pub fn estimate(
         (Some(0), _) => 1,
         (_, starts) => starts.map_or(1, u64::from),
     };
-    // Where frames are held back, they and those before them have targets of their own.
+    // Where frames are held back, these and the frames before them have separate targets.
     let holds_back = starts > 1 && settings.search.held_back > 0.0;
     let windows = if holds_back { 2 * windows } else { windows };
     let targets = sum([(12, points), (16, nodes), (12, controls), (1, 500)]).saturating_mul(frames);
@@ -253,7 +253,8 @@ pub fn estimate(
 /// A value of one setting with which a fit would fit, as `name value`.
 pub type Advice = (&'static str, u64);
 
-/// Values of single settings, the largest ones, with which a fit takes at most so many bytes.
+/// Values of single settings, as large as possible, with which a fit stays within a number of
+/// bytes.
 pub fn what_would_fit(
     settings: &FitSettings,
     capture: &CaptureSize,

@@ -10,7 +10,7 @@ fn defaults_are_valid_and_survive_json() {
 }
 
 #[test]
-fn every_fault_is_reported_at_once() {
+fn all_faults_come_in_one_report() {
     let mut settings = FitSettings::default();
     settings.graph.sampling_ratio = 0.0;
     settings.refine.learning_rate = f64::NAN;

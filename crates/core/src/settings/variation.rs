@@ -24,7 +24,7 @@ enum Variation {
     Axial,
     /// More springs between nodes.
     Dense,
-    /// The settings as they are.
+    /// Settings unchanged.
     None,
 }
 

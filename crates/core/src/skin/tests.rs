@@ -84,7 +84,7 @@ fn a_triangle_that_collapsed_gives_finite_numbers() {
 }
 
 #[test]
-fn nodes_are_a_skin_of_their_own() {
+fn nodes_can_serve_as_the_skin() {
     let graph = Graph {
         rest_positions: vec![[0.0; 3], [1.0, 0.0, 0.0], [2.0, 0.0, 0.0]],
         kinds: vec![NodeKind::Observed, NodeKind::Completed, NodeKind::Interior],

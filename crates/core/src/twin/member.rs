@@ -3,7 +3,7 @@
 use super::{Provenance, Twin};
 use crate::{Environment, Graph, Params, Point, Quality, Timing, geometry::sub};
 
-/// Another fit of a twin's object to the same capture: what it has of its own. It shares the twin's
+/// Another fit of a twin's object to the same capture, as far as it differs: it shares the twin's
 /// nodes, control points, rods and skin.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Member {
@@ -45,7 +45,7 @@ impl Member {
         Graph { springs: self.springs.clone(), triplets: self.triplets.clone(), ..twin.clone() }
     }
 
-    /// This fit of a twin's object, without members and quality of its own.
+    /// This fit as a twin, without members and quality.
     pub fn twin(&self, of: &Twin) -> Twin {
         Twin {
             graph: self.graph(&of.graph),

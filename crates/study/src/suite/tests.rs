@@ -57,7 +57,7 @@ fn runs_go_seed_by_seed() {
 }
 
 #[test]
-fn all_faults_are_told_at_once() {
+fn all_faults_are_reported_together() {
     let mut document = example();
     document["colour"] = json!(1);
     document["version"] = json!(2);

@@ -38,7 +38,7 @@ fn every_unknown_field_is_found() {
 }
 
 #[test]
-fn every_fault_is_told_with_its_path() {
+fn every_fault_is_reported_with_its_path() {
     let document = json!({
         "graph": {"max_nodes": "many", "radius": 0.1},
         "refine": {"passes": -2, "learning_rate": true},

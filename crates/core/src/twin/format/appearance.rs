@@ -1,4 +1,4 @@
-//! Appearance in the twin file: colours of the skin and Gaussians, each left out where there are none.
+//! Appearance in the twin file: colours of the skin, and Gaussians, both optional.
 
 use safetensors::Dtype;
 

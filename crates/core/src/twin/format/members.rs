@@ -56,7 +56,7 @@ pub(super) fn tensors(members: &[Member]) -> [(&'static str, Raw<'static>); 13] 
 }
 
 impl Tensors<'_> {
-    /// The members, of whose twin there are so many rods.
+    /// Members of a twin with this many rods.
     pub(super) fn members(&self, of: &[Numbers], rods: usize) -> Result<Vec<Member>, FormatError> {
         let fail = |m: String| Err(FormatError::Inconsistent(m));
         if !(1..=MOST_MEMBERS).contains(&of.len()) {
@@ -110,7 +110,7 @@ impl Tensors<'_> {
         Ok(members.collect())
     }
 
-    /// A tensor in parts of so many rows each.
+    /// A tensor split into parts of the given numbers of rows.
     fn read_parts<T: ElementType>(
         &self,
         name: &'static str,

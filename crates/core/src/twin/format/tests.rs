@@ -201,7 +201,7 @@ fn tensors_of_members_that_contradict_their_counts_are_refused() {
         let bytes = safetensors::serialize(tensors, header.metadata().clone()).unwrap();
         Twin::decode(&bytes).unwrap_err().to_string()
     };
-    // Counts of more rows than there are, whatever they add up to.
+    // Counts of more rows than there are, with any sum.
     let most = |data: &mut Vec<u8>| data.fill(0xff);
     assert!(changed("members.springs.count", most).contains("members.springs.ends"));
     assert!(changed("members.triplets.count", most).contains("members.triplets.ends"));
