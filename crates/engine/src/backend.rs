@@ -121,7 +121,7 @@ impl std::fmt::Debug for Loaded {
     }
 }
 
-/// One simulation to run.
+/// A simulation to run.
 #[derive(Clone, Debug)]
 pub struct Instance {
     /// The loaded model.
@@ -146,7 +146,7 @@ pub struct Instance {
 /// The outputs that a rollout returns beside its costs.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Outputs {
-    /// Record the positions of every k-th frame (frames k, 2k, ...); 0 records none of them.
+    /// Record the positions of every k-th frame (frames k, 2k, ...); 0 records no frame.
     pub every: usize,
     /// Record frame 0 too.
     pub initial: bool,
@@ -181,7 +181,7 @@ impl Outputs {
 /// The numbers of [`Diagnostics`] that a rollout computes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Diagnose {
-    /// None: it returns no diagnostics.
+    /// No diagnostics are returned.
     #[default]
     Nothing,
     /// Strains and speeds alone; energies are NaN, and no node counts as being on the ground. They
@@ -191,20 +191,23 @@ pub enum Diagnose {
     All,
 }
 
-/// Forces on the object at unit node mass, each the mean over a frame [N], which is its impulse by
-/// the frame's length. Of pinned nodes it is the force that makes them follow, from the velocity
-/// that they have in the initial state on; that they start away from their places is not in it. F is the number of frames that were recorded
-/// with `forces`: all of them, whatever [`Outputs::every`] says.
+/// Forces on the object at unit node mass, each the mean over a frame [N], which is the impulse
+/// divided by the frame's length. For pinned nodes it is the force that makes them follow their
+/// prescribed motion, starting from the velocity in the initial state; an initial offset from their
+/// places is not included. F is the number of frames recorded with `forces`: all of them,
+/// regardless of [`Outputs::every`].
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Forces {
-    /// By control points, shape [F, C, 3].
+    /// Forces from control points, shape [F, C, 3].
     pub controls: Vec<Point>,
-    /// By the grasps of the world, shape [F, G, 6]: force, then torque about the origin of the
-    /// grasp's body in that body's pose at the end of the frame [N m], both along the world's axes.
+    /// Forces from the grasps of the world, shape [F, G, 6]: force, then torque about the origin of
+    /// the grasp's body in that body's pose at the end of the frame [N m], both along the world's
+    /// axes.
     pub grasps: Vec<[f32; 6]>,
-    /// By the ground, shape [F, 3].
+    /// Forces from the ground, shape [F, 3].
     pub ground: Vec<Point>,
-    /// By colliders, shape [F, K, 6], as by grasps; about the world's origin without a body.
+    /// Forces from colliders, shape [F, K, 6], laid out like `grasps`; about the world's origin
+    /// without a body.
     pub colliders: Vec<[f32; 6]>,
 }
 
@@ -276,7 +279,8 @@ pub struct GradientRequest {
     pub controls: bool,
     /// Also return the gradient with respect to the initial state.
     pub initial: bool,
-    /// Also return the state after the last frame (a step per frame goes on from there).
+    /// Also return the state after the last frame (the next frame of a stepwise simulation starts
+    /// there).
     pub final_state: bool,
     /// Also return gradients with respect to the poses and rolls of [`Motion`].
     pub motion: bool,
@@ -317,8 +321,8 @@ pub struct Gradient {
     pub poses: Vec<Pose>,
     /// d loss / d rolls if asked for, shape [F + 1, R, 2]; empty if the motion has none.
     pub rolls: Vec<f32>,
-    /// Norm of d loss / d positions of all nodes at each frame boundary if asked for [loss per m],
-    /// shape [F + 1]; pinned nodes, which have no positions of their own, count as zero. NaN if it
+    /// Norm of d loss / d positions of all nodes at each frame boundary if requested [loss per m],
+    /// shape [F + 1]; pinned nodes, whose positions are prescribed, count as zero. NaN if it
     /// diverged.
     pub norms: Vec<f64>,
     /// d loss / d initial state if asked for; zero for pinned nodes, which start on their control
@@ -336,7 +340,7 @@ pub struct Device {
     pub kind: String,
     /// Name of the device for people.
     pub name: String,
-    /// Number of instances that run at once.
+    /// Number of instances that run concurrently.
     pub lanes: usize,
 }
 

@@ -1,12 +1,12 @@
-//! Conformance suite of backends, as one list of named cases. A backend's crate turns each into a
-//! test of its own:
+//! Conformance suite of backends, as one list of named cases. A backend's crate turns each case
+//! into a separate test:
 //!
 //! ```ignore
 //! bendtwin_engine::conformance_tests!(MyBackend::new());
 //! ```
 //!
 //! A case derives the physics from first principles (closed forms, `f64` energies, conservation
-//! laws) or compares a backend with itself (batches, repeats, finite differences of its own
+//! laws) or compares a backend with itself (batches, repeats, finite differences of its
 //! losses). Every tolerance is stated at its use, with its reason.
 
 mod batches;
@@ -44,7 +44,7 @@ pub use self::{
     skin::in_frames,
 };
 
-/// One named case.
+/// A named case.
 #[derive(Clone, Copy, Debug)]
 pub struct Case {
     /// Name, unique within the suite.

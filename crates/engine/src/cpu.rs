@@ -80,7 +80,7 @@ pub fn cpu() -> Arc<dyn Backend> {
     cpu_with_threads(std::thread::available_parallelism().map_or(1, std::num::NonZero::get))
 }
 
-/// A backend on so many threads (at least one).
+/// A backend on the given number of threads (at least one).
 pub fn cpu_with_threads(threads: usize) -> Arc<dyn Backend> {
     Arc::new(CpuBackend::new(threads))
 }
@@ -92,7 +92,7 @@ struct Resident {
 }
 
 impl CpuBackend {
-    /// On so many threads (at least one).
+    /// A backend on the given number of threads (at least one).
     pub fn new(threads: usize) -> Self {
         let threads = threads.max(1);
         let builder = rayon::ThreadPoolBuilder::new().num_threads(threads);
@@ -275,7 +275,8 @@ impl Backend for CpuBackend {
         Ok(Box::new(HostOptimizer::new(Arc::new(self.clone()), inits, decay)?))
     }
 
-    /// As many threads again: those of this one may all be held at the end of a frame.
+    /// A backend with the same number of other threads: those of this one may all be busy until the
+    /// end of a frame.
     fn urgent(&self) -> Option<Arc<dyn Backend>> {
         self.pool.as_ref()?;
         Some(Arc::new(Self::new(self.threads)))

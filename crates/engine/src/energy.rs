@@ -23,8 +23,8 @@ use crate::{
 pub struct Energy {
     /// Sum of m v²/2.
     pub kinetic: f64,
-    /// Of springs, k (l - l0)² / (2 l0), of triplets, k (theta - theta0)² / 2, and of rods, k
-    /// (twist - rest)² / 2 for as much of them as clamps twist.
+    /// Elastic energy: of springs, k (l - l0)² / (2 l0); of triplets, k (theta - theta0)² / 2; and
+    /// of rods, k (twist - rest)² / 2 for the part between clamps.
     pub elastic: f64,
     /// Sum of -m g . x; zero at the origin.
     pub gravitational: f64,

@@ -7,7 +7,7 @@
 //! its arms at rest; for a rod the same with `w = sum |g|²/m` over its nodes, with the gradient g
 //! of its twist where it is stiff (see `stability.rs`). Pinned nodes and control points weigh
 //! infinitely much. With a rate limit λ, stiffness is scaled so that `dt² κ <= λ` and damping so
-//! that `2 dt ζ <= λ`; most elements stay as they are. A model is stable where the same expressions
+//! that `2 dt ζ <= λ`; most elements are unchanged. A model is stable where the same expressions
 //! of all elements together stay below 4 (see `stability.rs`), so λ lies below 4 too.
 //!
 //! A softened model is another model: its deviation has to be measured.
@@ -31,7 +31,7 @@ const PRECISION: f64 = 1.05;
 pub struct Reduction {
     /// Substeps per frame.
     pub substeps: u32,
-    /// Rate limit λ of every element; none if parameters stay as they are.
+    /// Rate limit λ of every element; `None` leaves parameters unchanged.
     pub rate_limit: Option<f64>,
 }
 

@@ -31,7 +31,7 @@ pub enum PointSet {
     Skin,
 }
 
-/// One term of an objective.
+/// A term of an objective.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Term {
     /// Mean over target points of the squared distance [m²] to the nearest point of the surface
@@ -97,9 +97,9 @@ pub enum Term {
     },
 }
 
-/// The value of [`Term::Acceleration`] [m²] with these positions and those one and two frames earlier
-/// [m], shape [N, 3] each: for the first frame of a rollout that goes on from another's end, which
-/// does not know how it came there.
+/// The value of [`Term::Acceleration`] [m²] with the current positions and those one and two frames
+/// earlier [m], shape [N, 3] each: for the first frame of a rollout that resumes at another's end
+/// and lacks its earlier frames.
 pub fn acceleration(now: &[Point], one: &[Point], two: &[Point]) -> f64 {
     let nodes = |points: &[Point]| -> Vec<Node<f32>> {
         points.iter().map(|&p| Node { x: quad(p), v: [0.0; 4] }).collect()

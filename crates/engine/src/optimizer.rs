@@ -76,7 +76,7 @@ pub struct GradientNorm {
     pub final_state: Option<State>,
 }
 
-/// Several optimizer runs side by side, each over the parameters of its own graph.
+/// Optimizer runs side by side, each over the parameters of its own graph.
 ///
 /// Gradients computed by [`Optimizer::measure`] are kept until [`Optimizer::step`] or
 /// [`Optimizer::discard`] of their run; several calls of `measure` may precede a step. The same
@@ -103,7 +103,7 @@ pub trait Optimizer: Send {
         cancel: &CancelToken,
     ) -> Result<Vec<GradientNorm>, Error>;
 
-    /// One step of Adam down the weighted sum of the run's pending gradients, which are then
+    /// Takes a step of Adam down the weighted sum of the run's pending gradients, which are then
     /// cleared. Coordinates move by at most `rate` times their [`Section::rate`], within their
     /// bounds.
     ///

@@ -7,8 +7,8 @@ use crate::{
     world::{Grasping, Hold, Phase},
 };
 
-/// The first closed grasp of a state of a twin all of whose holds are of nodes that its planner's twin has
-/// not: [`thinned`], it would let go.
+/// The first closed grasp of a twin's state that holds only nodes missing from its planner's twin:
+/// after [`thinned`] it would hold nothing.
 pub fn lost_grasp(planner: &PlannersTwin, grasping: &Grasping) -> Option<usize> {
     let is_own = |hold: &Hold| planner.nodes.binary_search(&hold.node).is_ok();
     let is_lost = |grasp: usize| {

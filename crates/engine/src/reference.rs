@@ -27,8 +27,7 @@ pub type Point64 = [f64; 3];
 /// A [`Pose`](crate::world::Pose) in double precision.
 pub type Pose64 = [[f64; 4]; 3];
 
-/// One simulation in double precision. Fields may be changed at will; lengths must stay as they
-/// are.
+/// A simulation in double precision. Fields may be changed at will; lengths must not change.
 #[derive(Clone, Debug)]
 pub struct Reference {
     model: Model,
@@ -46,9 +45,9 @@ pub struct Reference {
     pub world: World,
     /// Poses of bodies at frame boundaries, shape [F + 1, B].
     pub poses: Vec<Pose64>,
-    /// As in [`crate::Motion::closed`], shape [F, G].
+    /// See [`crate::Motion::closed`], shape [F, G].
     pub closed: Vec<bool>,
-    /// As in [`crate::Motion::rolls`] [rad], shape [F + 1, R, 2], or empty.
+    /// See [`crate::Motion::rolls`] [rad], shape [F + 1, R, 2], or empty.
     pub rolls: Vec<f64>,
     /// Holds of grasps at the start; none at first.
     pub grasping: Grasping,
@@ -73,28 +72,28 @@ pub struct ReferenceState {
 pub struct ReferenceGradient {
     /// The loss.
     pub loss: Loss,
-    /// By parameter.
+    /// Gradient by parameter.
     pub parameters: Parameters<f64>,
-    /// By initial position, shape [N, 3].
+    /// Gradient by initial position, shape [N, 3].
     pub positions: Vec<Point64>,
-    /// By initial velocity, shape [N, 3].
+    /// Gradient by initial velocity, shape [N, 3].
     pub velocities: Vec<Point64>,
-    /// By initial twist, shape [R].
+    /// Gradient by initial twist, shape [R].
     pub twists: Vec<f64>,
-    /// By control position, shape [F + 1, C, 3].
+    /// Gradient by control position, shape [F + 1, C, 3].
     pub controls: Vec<Point64>,
-    /// By pose, shape [F + 1, B].
+    /// Gradient by pose, shape [F + 1, B].
     pub poses: Vec<Pose64>,
-    /// By roll, shape as in [`Reference`].
+    /// Gradient by roll, shape as in [`Reference`].
     pub rolls: Vec<f64>,
-    /// By place of the initial holds.
+    /// Gradient by place of the initial holds.
     pub places: Vec<Point64>,
     /// Norms at frame boundaries, as in [`crate::backend::Gradient`], shape [F + 1].
     pub norms: Vec<f64>,
 }
 
 impl Reference {
-    /// A model at rest, to be run for so many frames.
+    /// A model at rest, with the given number of frames to run.
     ///
     /// # Errors
     /// If the model contradicts itself.

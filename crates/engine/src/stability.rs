@@ -31,7 +31,7 @@ use crate::{Model, cpu::check};
 const MARGIN: f64 = 0.96;
 /// Applications of the operator at one dt, at most: their vectors are kept.
 const STEPS: usize = 16;
-/// So many dts are tried at most.
+/// Most dts that are tried.
 const ROUNDS: usize = 4;
 /// Relative change of dt from one to the next at which it has converged.
 const TOLERANCE: f64 = 1e-3;
@@ -41,7 +41,7 @@ const TOLERANCE: f64 = 1e-3;
 pub struct StableSubsteps {
     /// Fewest stable substeps a frame.
     pub needed: u32,
-    /// Node with the largest share in the stiffest mode; 0 if there is none.
+    /// Node with the largest share in the stiffest mode; 0 without nodes.
     pub stiffest_node: usize,
     /// Largest stable substep [s]; infinite if nothing is stiff.
     pub dt_s: f64,
@@ -70,7 +70,7 @@ pub fn enough_substeps(model: &Model, substeps: u32) -> Result<(), StableSubstep
     let needs = match check::unstepped_model(model) {
         Ok(()) => {
             let system = Linear::new(model);
-            // The step that must be stable for so many substeps to count as enough.
+            // The step that must be stable for this number of substeps to be enough.
             let dt_s = model.timing.frame_s() / (f64::from(substeps) * MARGIN);
             if bound::is_below(&system, dt_s, 4.0) {
                 return Ok(());

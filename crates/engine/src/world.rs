@@ -40,7 +40,7 @@ pub enum Shape {
     /// Points nearer than `radius_m` to the segment from `from` to `to`; a sphere where the two are
     /// equal.
     Capsule {
-        /// One end of the axis [m].
+        /// Start of the axis [m].
         from: Point,
         /// The other end [m].
         to: Point,
@@ -58,7 +58,7 @@ pub enum Shape {
 pub struct Collider {
     /// The body that carries it; `None` stands in the world.
     pub body: Option<u32>,
-    /// The shape, with whatever margin nodes are to keep.
+    /// The shape, including the margin that nodes are to keep.
     pub shape: Shape,
     /// Coulomb friction, 0..=2.
     pub friction: f32,
@@ -119,8 +119,9 @@ pub struct Grasp {
     pub region: Region,
     /// Kind of its holds.
     pub attachment: Attachment,
-    /// Mean force over a frame beyond which it lets go at the end of that frame [N at unit node
-    /// mass]; infinite for never. It stays open until it was told to open and to close again.
+    /// Mean force over a frame beyond which the grasp releases at the end of that frame [N at unit
+    /// node mass]; infinite for never. It stays open until it is commanded to open and to close
+    /// again.
     pub max_force: f32,
 }
 
@@ -129,7 +130,7 @@ pub struct Grasp {
 const SPRING_CRITERION: f64 = 0.08;
 
 /// Share that a spring of a grasp takes of what is allowed at the model's substep; at most 1 is
-/// stable, whatever the model's own springs are.
+/// stable, independent of the model's own springs.
 pub fn spring_share(model: &Model, stiffness: f32, damping: f32) -> f32 {
     let dt = model.timing.dt_s();
     let lightest = model.graph.masses.iter().fold(f32::INFINITY, |m, x| m.min(*x));
@@ -176,13 +177,13 @@ pub struct Motion {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[repr(u8)]
 pub enum Phase {
-    /// It holds nothing. Of [`Region::Controls`]: the default, which stands for a hold that has not
+    /// Holds nothing. The default for [`Region::Controls`], which stand for a hold that has not
     /// been opened yet, is [`Phase::Closed`].
     #[default]
     Open = 0,
-    /// It holds what it took when it closed.
+    /// Holds the nodes that it took when it closed.
     Closed = 1,
-    /// It let go because of a force, and waits to be opened.
+    /// Released because of a force; waits for a command to open.
     Slipped = 2,
 }
 
@@ -193,7 +194,7 @@ pub struct Hold {
     pub node: u32,
     /// The grasp that holds it.
     pub grasp: u32,
-    /// Its place in the coordinates of the grasp's body [m].
+    /// Place in the coordinates of the grasp's body [m].
     pub place: Point,
 }
 

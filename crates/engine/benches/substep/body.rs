@@ -15,7 +15,7 @@ const NEIGHBOURS: usize = 30;
 /// Triplets a surface node.
 const TRIPLETS: usize = 6;
 
-/// An ellipsoid of so many nodes; its outer shell has triplets if asked for.
+/// An ellipsoid of the given number of nodes; the outer shell has triplets if requested.
 pub(crate) fn ellipsoid(nodes: usize, bending: bool) -> Model {
     let mut positions = filled(nodes);
     let (depth, shell) = shell(&positions);

@@ -38,7 +38,7 @@ impl WithSimd for Fused {
     }
 }
 
-/// Bytes a second of `a = b + s c` over arrays of so many bytes together.
+/// Bandwidth of `a = b + s c` over arrays of `bytes` in total [bytes/s].
 pub(crate) fn bytes_per_s(bytes: usize) -> f64 {
     let n = bytes / 12;
     let (mut a, b, c) = (vec![0.0_f32; n], vec![1.0_f32; n], vec![2.0_f32; n]);

@@ -98,9 +98,9 @@ pub(super) fn an_opened_clamp_lets_the_twist_out(backend: &dyn Backend) -> Outco
     ensure(fallen < -0.01, || format!("the free end moved by {fallen} m"))
 }
 
-/// A hand that closes on the middle of a cable as the clamp behind it opens changes nothing of what
-/// lies before it in that moment: twist, positions, velocities and energy between the clamps go on.
-/// It holds the cable's direction there.
+/// A hand that closes on the middle of a cable while the clamp behind it opens leaves everything
+/// before it unchanged at that moment: twist, positions, velocities and energy between the clamps
+/// are continuous. The hand holds the cable's direction there.
 pub(super) fn a_hand_takes_a_cable_anywhere(backend: &dyn Backend) -> Outcome {
     let mut scene = held_cable(30, [|_| true, |f| f < 10]);
     scene.initial.twists = vec![1.5];
@@ -126,9 +126,10 @@ pub(super) fn a_hand_takes_a_cable_anywhere(backend: &dyn Backend) -> Outcome {
     })
 }
 
-/// A hand that turns about the edge that it holds twists the rod by as much, at its far end against
-/// the sense along the rod, at its near end with it; held by springs or by pins alike. A hand in the
-/// middle twists the part between it and the clamp, which is so much shorter.
+/// A hand that turns about the edge that it holds twists the rod by the same angle, at the far end
+/// against the sense along the rod, at the near end with it, whether it holds by springs or by
+/// pins. A hand in the middle twists the part between it and the clamp, which is shorter in
+/// proportion.
 pub(super) fn a_hand_rolls_what_it_holds(backend: &dyn Backend) -> Outcome {
     let (angle, frames) = (1.2, 10);
     let springs = Attachment::Spring { stiffness: 200.0, damping: 1.0 };

@@ -54,8 +54,8 @@ pub(super) fn friction_on_an_inclined_box(backend: &dyn Backend) -> Outcome {
     close("way with little friction", slide(mu)?, expected, 0.01 * expected)
 }
 
-/// A tray that moves to the side takes a node on it along: at once by enough friction, at an
-/// acceleration of mu g by little. To 2 %.
+/// A tray that moves sideways carries a node along: immediately with enough friction, with an
+/// acceleration of mu g if friction is low. To 2 %.
 pub(super) fn a_moving_tray_carries_by_friction(backend: &dyn Backend) -> Outcome {
     let carried = |mu: f64, speed: f64| -> Result<f64, String> {
         let mut scene = Scene::of(&[[0.0, 0.0, 0.05]]);

@@ -23,10 +23,11 @@ fn total(scene: &Scene, state: &crate::model::State) -> f64 {
     energy::elastic(scene, &energy::endpoints(scene, state)) + energy::kinetic(scene, state)
 }
 
-/// Kinetic plus elastic energy of an undamped network, averaged over a second, does not drift
-/// over four: to 2 %. A symplectic integrator's energy swings by w dt / 2 (some 5 % for the
-/// stiffest mode) about a constant, of which the mean over a second sees a tenth; the rest is for
-/// triplets that pass through the straight line, where their force turns at once.
+/// Kinetic plus elastic energy of an undamped network, averaged over a second, does not drift over
+/// four seconds: to 2 %. A symplectic integrator's energy swings by w dt / 2 (about 5 % for the
+/// stiffest mode) about a constant; the mean over a second keeps a tenth of that. The rest of the
+/// tolerance is for triplets that pass through the straight line, where their force reverses
+/// abruptly.
 pub(super) fn energy_of_an_undamped_network(backend: &dyn Backend) -> Outcome {
     for seed in 0..3 {
         let scene = free(seed, 400, false);

@@ -97,9 +97,9 @@ pub(super) fn contact_carries_the_weight(backend: &dyn Backend) -> Outcome {
     close("its friction", f64::from(collider[0]), -3.0, 0.03)
 }
 
-/// In every frame, the change of the object's momentum is the impulse of all forces, gravity's
-/// included, whatever holds and meets it: to 1e-3 of the largest. Without drag, and without contact
-/// between nodes, whose impulses are no force from outside.
+/// In every frame, the change of the object's momentum equals the impulse of all forces, gravity
+/// included, for every kind of hold and contact: to 1e-3 of the largest. Without drag, and without
+/// contact between nodes, whose impulses are internal.
 pub(super) fn forces_balance_momentum(backend: &dyn Backend) -> Outcome {
     for (seed, smoothing_m) in [(0, 0.0), (1, 0.0), (2, 0.0), (2, 2e-3)] {
         let mut scene = grasping(seed, 8);

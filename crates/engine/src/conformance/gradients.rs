@@ -123,7 +123,7 @@ pub(super) fn gradients_of_a_twisting_rod(backend: &dyn Backend) -> Outcome {
     Ok(())
 }
 
-/// By rolls of the clamps of a rod that bends and twists: to 1 %.
+/// Gradients by the rolls of the clamps of a rod that bends and twists: to 1 %.
 pub(super) fn gradients_of_a_rolling_clamp(backend: &dyn Backend) -> Outcome {
     let mut scene = cable();
     scene.params.twist_stiffness[0] = 0.3;

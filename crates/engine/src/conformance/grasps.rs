@@ -1,4 +1,4 @@
-//! Grasps: what they take, how they hold, when they let go; and clamps that roll.
+//! Grasps: what they take, how they hold, when they release; and clamps that roll.
 
 use std::{f64::consts::TAU, sync::Arc};
 
@@ -115,7 +115,7 @@ pub(super) fn a_hand_takes_what_is_inside(backend: &dyn Backend) -> Outcome {
     Ok(())
 }
 
-/// What is let go falls from there with its velocity: a parabola, to 1 %. Another hand that closes at
+/// A released node keeps its velocity and falls: a parabola, to 1 %. Another hand that closes at
 /// the same moment takes over.
 pub(super) fn opening_lets_fall(backend: &dyn Backend) -> Outcome {
     let mut scene = Scene::of(&[[0.0; 3], [0.5, 0.0, 0.0]]);
@@ -163,8 +163,8 @@ pub(super) fn control_points_let_go(backend: &dyn Backend) -> Outcome {
     ensure(end.grasping.phases == [Phase::Open], || format!("{:?}", end.grasping.phases))
 }
 
-/// A hand lets go at the end of the first frame in which it would have to pull harder than it may,
-/// and holds again only after it was told to open and to close.
+/// A hand releases at the end of the first frame in which it would have to pull harder than its
+/// limit, and holds again only after commands to open and to close.
 pub(super) fn a_hand_slips_above_its_force(backend: &dyn Backend) -> Outcome {
     let mut scene = Scene::of(&[[0.0; 3]]);
     scene.graph.masses[0] = 2.0;
@@ -193,8 +193,8 @@ pub(super) fn a_hand_slips_above_its_force(backend: &dyn Backend) -> Outcome {
     ensure(phases == expected, || format!("{phases:?}, expected {expected:?}"))
 }
 
-/// Instances with their own schedules do in a batch what they do alone, and a rollout that is cut
-/// anywhere goes on bit for bit.
+/// Instances with their own schedules behave in a batch as they do alone, and a rollout that is
+/// split at any frame resumes bit for bit.
 pub(super) fn grasps_resume_exactly(backend: &dyn Backend) -> Outcome {
     let mut batch = Vec::new();
     let mut ends = Vec::new();
@@ -243,8 +243,8 @@ pub(super) fn grasping(seed: u64, frames: usize) -> Scene {
     scene
 }
 
-/// A rod between two clamps that roll against one another is twisted by as much, to 1e-4,
-/// and remembers it; a rollout that goes on from there adds to it.
+/// A rod between two clamps that roll against one another is twisted by the same angle, to 1e-4,
+/// and stores it; a rollout that resumes there adds to it.
 pub(super) fn a_rolling_clamp_twists_its_rod(backend: &dyn Backend) -> Outcome {
     let mut scene = cable();
     scene.params.twist_stiffness[0] = 0.05;

@@ -152,7 +152,7 @@ pub(super) fn optimizer_hands_out_its_model(backend: &dyn Backend) -> Outcome {
 }
 
 /// Discarded gradients leave no trace; back at an earlier position, with or without momentum, a run
-/// goes on as it did from there: the same bits.
+/// repeats its steps from there with the same bits.
 pub(super) fn optimizer_goes_back_exactly(backend: &dyn Backend) -> Outcome {
     let pair = Pair::new(backend)?;
     let mut optimizer = pair.optimizer(backend)?;
@@ -182,7 +182,7 @@ pub(super) fn optimizer_goes_back_exactly(backend: &dyn Backend) -> Outcome {
         optimizer.step(0, &[0.5, 0.5], 0.03).map_err(|e| format!("step: {e}"))?;
         let next = optimizer.position(0).map_err(|e| e.to_string())?;
         ensure(next == positions[from + 1], || format!("from {from} it goes elsewhere"))?;
-        // In another process, as it were.
+        // As another process would.
         let start = OptimizerInit { position: positions[from].clone(), ..pair.inits[0].clone() };
         let mut resumed = backend.optimizer(vec![start], pair.decay).map_err(|e| e.to_string())?;
         measure(&mut *resumed, &own)?;
@@ -250,7 +250,7 @@ pub(super) fn optimizer_refuses_nonsense(backend: &dyn Backend) -> Outcome {
         let refused = matches!(error, Some(Error::InvalidInput(_)));
         ensure(refused, || format!("{what}: {error:?}"))?;
     }
-    // A second at once is too long for any of its springs.
+    // A substep of one second is too long for any of its springs.
     let coarse = bendtwin_core::Timing { fps: 1.0, substeps: 1 };
     let error = optimizer.move_to(0, &position, coarse).err();
     ensure(matches!(error, Some(Error::Unstable { .. })), || format!("one substep: {error:?}"))?;

@@ -1,5 +1,5 @@
-//! Contact at rest: what a force presses on the ground, on a collider or on other nodes neither
-//! bounces nor creeps, whatever the restitution.
+//! Contact at rest: nodes that a force presses on the ground, on a collider or on other nodes
+//! neither bounce nor creep, with any restitution.
 
 use std::sync::Arc;
 

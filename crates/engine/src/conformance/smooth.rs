@@ -154,7 +154,7 @@ pub(super) fn gradients_through_smooth_colliders(backend: &dyn Backend) -> Outco
     Ok(())
 }
 
-/// A hand that carries nodes over the ground and past a collider of its own, by the poses of its body
+/// A hand that carries nodes over the ground and past its own collider, by the poses of its body
 /// and by all forces: to 1 %.
 pub(super) fn gradients_of_a_hand_over_the_ground(backend: &dyn Backend) -> Outcome {
     for seed in 0..2 {

@@ -37,7 +37,7 @@ pub(super) fn cable() -> Scene {
 }
 
 /// [`cable`] with one clamp only: at node 8 a branch of two nodes begins, 9 and 10, and the rod
-/// ends in it; the trunk goes on to node 11, which is free as well.
+/// ends in it; the trunk continues to node 11, which is free as well.
 pub(super) fn branched_cable() -> Scene {
     let mut points = cable().graph.rest_positions;
     let [x, y, z] = points[8];
@@ -68,9 +68,9 @@ fn solid_angle([a, b, c]: [[f64; 3]; 3]) -> f64 {
     2.0 * dot(a, cross(b, c)).atan2(1.0 + dot(a, b) + dot(b, c) + dot(c, a))
 }
 
-/// When a clamp's direction comes back after a trip around a solid angle, and everything with it,
-/// its frame has turned by that angle: so much is the rod twisted. To 1 % for the quadrature over
-/// substeps, and with the other sign for the other way around.
+/// When a clamp's direction returns after a trip around a solid angle, and everything with it, its
+/// frame has turned by that angle, and the rod is twisted by the same angle. To 1 % for the
+/// quadrature over substeps, and with the opposite sign in the opposite direction.
 pub(super) fn clamps_twist_by_the_solid_angle(backend: &dyn Backend) -> Outcome {
     let (half_angle, steps) = (0.9, 60);
     for sense in [1.0, -1.0] {
@@ -129,9 +129,9 @@ fn total(scene: &Scene, state: &State) -> f64 {
         + rods.map(of).sum::<f64>()
 }
 
-/// A twisted cable that is let go whips about; kinetic, elastic and twist energy together stay.
-/// Means over a second do not drift over four: to 2 %, as for other networks, with quadrature of
-/// the twist in it.
+/// A twisted cable whips about when released; the sum of kinetic, elastic and twist energy is
+/// conserved. Means over a second do not drift over four seconds: to 2 %, as for other networks,
+/// including the quadrature of the twist.
 pub(super) fn energy_of_a_twisted_rod(backend: &dyn Backend) -> Outcome {
     for scene in [cable(), branched_cable()] {
         energy_stays(backend, scene)?;

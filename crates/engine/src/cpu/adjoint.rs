@@ -1,5 +1,5 @@
-//! One frame backward: the adjoint of [`super::integrate`], substep by substep
-//! from the tape, in exactly the reverse order.
+//! Adjoint of a frame: [`super::integrate`] backward, substep by substep from the tape, in exactly
+//! the reverse order.
 
 use super::{
     bend::{TripletGradient, bend_adjoint},
@@ -30,20 +30,20 @@ const SEGMENT_BYTES: usize = if cfg!(test) { 5_000 } else { 12 << 20 };
 /// d loss / d everything, as far back as the frames gone through.
 #[derive(Debug)]
 pub(crate) struct Adjoint<T> {
-    /// Of the state, shape [N + C]; control points' are zero between substeps.
+    /// Adjoint of the state, shape [N + C]; control points' are zero between substeps.
     pub(crate) bar: Vec<Node<T>>,
     /// Share of contact in d loss / d velocities at a substep's start, shape [N]; zero between
     /// substeps.
     pub(crate) start_bar: Vec<Quad<T>>,
-    /// Of the twists, shape [R].
+    /// Adjoint of the twists, shape [R].
     pub(crate) twist_bar: Vec<T>,
-    /// Of the frame's controls.
+    /// Adjoint of the frame's controls.
     pub(crate) controls: FrameControlsAdjoint<T>,
-    /// Of the frame's clearances.
+    /// Adjoint of the frame's clearances.
     pub(crate) clearance: ClearanceAdjoint<T>,
-    /// Of the frame's surroundings.
+    /// Adjoint of the frame's surroundings.
     pub(crate) around: AroundAdjoint<T>,
-    /// Of the forces, shape [N + C]; zero for control points.
+    /// Adjoint of the forces, shape [N + C]; zero for control points.
     pub(crate) lambda: Vec<Quad<T>>,
     pub(crate) springs: Vec<SpringGradient<T>>,
     pub(crate) triplets: Vec<TripletGradient<T>>,
@@ -55,7 +55,7 @@ pub(crate) struct Adjoint<T> {
 }
 
 impl<T: Real> Adjoint<T> {
-    /// Zero, with so many bodies around.
+    /// Zero, for the given number of bodies.
     pub(crate) fn zero(system: &System<T>, bodies: usize) -> Self {
         let law = Law { restitution: T::ZERO, friction: T::ZERO };
         Self {
@@ -163,9 +163,9 @@ impl<T: Real> Adjoint<T> {
     }
 }
 
-/// Substeps that are on tape at once: a whole frame, unless that takes too much memory. Then a
-/// frame is run once more to mark where its segments start; these are no shorter than the root of
-/// their number, which keeps marks and tape together small.
+/// Substeps on tape together: a whole frame, unless that takes too much memory. Then a frame is run
+/// once more to mark where its segments start; segments are no shorter than the square root of the
+/// number of substeps, which keeps marks and tape together small.
 fn segment_length<T: Real>(system: &System<T>) -> usize {
     let substep = system.endpoints() * size_of::<Node<T>>() + system.nodes * size_of::<Quad<T>>();
     let substep = substep.max(1);

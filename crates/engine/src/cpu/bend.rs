@@ -6,7 +6,7 @@
 //! triplet is nearly straight.
 //!
 //! **Rounded.** `(theta - theta0)²` has an edge where a triplet whose rest angle is not pi passes
-//! through straight: its force turns over at once there, and an adjoint that meets it grows without
+//! through straight: its force reverses abruptly there, and an adjoint that meets it grows without
 //! bound. So the energy is `k (q - q0)² / 2` with `q = -sqrt(beta² + epsilon²)`, beta = pi - theta,
 //! where epsilon is [`ROUNDING`] of the rest angle's beta0: the rest shape is the same, straight
 //! rest angles have q = -beta as before, and beta = 0 is smooth. The force on a is
@@ -25,7 +25,7 @@ use super::{
 };
 use crate::constants::{MIN_ARM_M, MIN_SINE, ROUNDING, STRAIGHT_RAD};
 
-/// One triplet of each centre of a strip; a lane without one has no stiffness and no arms.
+/// A triplet of each centre of a strip; a lane without one has no stiffness and no arms.
 #[derive(Clone, Debug)]
 pub(crate) struct TripletBlock<T> {
     pub(crate) i: Index,

@@ -141,7 +141,8 @@ pub fn instance(index: usize, instance: &Instance) -> Result<(), Error> {
     objective(&instance.objective, instance.frames, [n, skin]).or_else(wrong)
 }
 
-/// Checks an objective of a rollout of so many frames, of so many nodes and skin points.
+/// Checks an objective of a rollout, given its number of frames and the numbers of nodes and skin
+/// points.
 ///
 /// # Errors
 /// The first fault, as a sentence.

@@ -12,7 +12,7 @@
 //! roll = 2 atan(sum over rows k of d . (R'_k x R_k) / (1 + sum over k of R_k . R'_k))
 //! ```
 //!
-//! which is that of the hand's rotation, whatever way it takes, up to half a turn a frame.
+//! which is that of the hand's rotation, along any path, up to half a turn a frame.
 
 use super::{
     body::{BodyFrame, BodyFrameAdjoint},

@@ -11,10 +11,10 @@
 //!
 //! and during the frame it meets that surface where its distance is r, by the same law as with
 //! r = 0. So contact stays one of nodes with their own velocities: what rests does not move, what is
-//! pressed does not creep, and a substep costs what it did. Nodes that bear a point together stop
-//! together, so that none of them carries it on into the surface; what the others do within a frame
-//! moves it by some tenths of a millimetre, which the next frame's r knows. Nothing pushes out what
-//! is nearer than r, so that clearances, which may jump from frame to frame, bring no energy in.
+//! pressed does not creep, and a substep costs no more. Nodes that bear a point together stop
+//! together, so that no node carries it further into the surface; what the others do within a frame
+//! moves it by some tenths of a millimetre, which the next frame's r includes. Nothing pushes out
+//! nodes nearer than r, so that clearances, which may jump from frame to frame, bring no energy in.
 //!
 //! The adjoint has the point that decides as fixed, as it has the nearest point of a target.
 
@@ -49,7 +49,7 @@ pub(crate) struct ClearanceAdjoint<T> {
     bars: Vec<T>,
 }
 
-/// The ground and the obstacles as they are where a frame begins.
+/// The ground and the obstacles at the beginning of a frame.
 pub(crate) struct Surfaces<'a, T> {
     system: &'a System<T>,
     of: Option<&'a Surroundings<T>>,
@@ -57,7 +57,7 @@ pub(crate) struct Surfaces<'a, T> {
 }
 
 impl<'a, T: Real> Surfaces<'a, T> {
-    /// Of an object with its surroundings, if it has any, in the frame.
+    /// Surfaces around an object in a frame; obstacles only if the object has surroundings.
     pub(crate) fn new(
         system: &'a System<T>,
         around: Option<(&'a Surroundings<T>, &Around<T>)>,
@@ -134,7 +134,7 @@ impl<T: Real> Clearance<T> {
         self.distances.is_empty()
     }
 
-    /// Of a node to the ground (`None`) or to an obstacle.
+    /// Clearance of a node to the ground (`None`) or to an obstacle.
     #[inline(always)]
     pub(crate) fn of(&self, with: Option<usize>, node: usize) -> T {
         if self.is_zero() { T::ZERO } else { self.distances[at(self.nodes, with, node)] }
@@ -187,8 +187,8 @@ impl<T: Real> ClearanceAdjoint<T> {
         }
     }
 
-    /// Adjoint of [`Clearance::find`], with nodes as they are where the frame begins: adds to
-    /// d loss / d their positions, and to that of the surroundings.
+    /// Adjoint of [`Clearance::find`], with the nodes' positions at the beginning of the frame:
+    /// adds to d loss / d positions, and to the adjoint of the surroundings.
     pub(crate) fn find(
         &self,
         of: &Clearance<T>,

@@ -50,7 +50,7 @@ impl<T: Real> FrameForces<T> {
         add_wrench(&mut self.grasps[grasp], sub(at, origin(&body.to)), by);
     }
 
-    /// As [`Self::by_grasp`], by a collider.
+    /// Adds a force from a collider, like [`Self::by_grasp`].
     #[inline(always)]
     pub(crate) fn by_collider(&mut self, k: usize, body: &BodyFrame<T>, at: Quad<T>, by: Quad<T>) {
         add_wrench(&mut self.colliders[k], sub(at, origin(&body.to)), by);
@@ -119,7 +119,7 @@ impl<T: Real> ForceSeeds<T> {
         all.chain([&self.ground]).any(|seed| *seed != [T::ZERO; 4])
     }
 
-    /// Of every prescribed node.
+    /// Seeds of all prescribed nodes.
     pub(crate) fn held(
         &self,
         of: &Surroundings<T>,

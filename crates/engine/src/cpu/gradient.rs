@@ -128,7 +128,7 @@ struct Prescribed<T> {
 }
 
 impl<T: Real> Prescribed<T> {
-    /// Of the bodies at a frame's end.
+    /// Adjoint of the bodies' poses at a frame's end.
     fn poses_at(&mut self, frame: usize, simulation: &Simulation<'_, T>) -> &mut [Pose<T>] {
         let bodies = simulation.surroundings.as_ref().map_or(0, |of| of.bodies);
         &mut self.poses[frame * bodies..(frame + 1) * bodies]

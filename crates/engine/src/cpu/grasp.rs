@@ -1,10 +1,12 @@
 //! Grasps of bodies: what they take when they close, and how they hold it.
 //!
-//! At the beginning of a frame all hands that are told to open let go first, then those that are
-//! told to close take, one after the other, the nodes of their region that no control point pins and
-//! nothing holds: so one gripper can hand over to another at one boundary. A place is `Aᵀ (x - p)`
-//! at that boundary's pose. A node that a hand holds by a pin stands at its place with the place's velocity
-//! and has no inverse mass, as a pinned node; a spring acts in every substep where control springs
+//! At the beginning of a frame all hands commanded to open release first; then those commanded to
+//! close take, one after another, the nodes of their region that are neither pinned by a control
+//! point nor held. One gripper can therefore hand over to another at the same boundary. A place is
+//! `Aᵀ (x - p)` at that boundary's pose. A node that a hand holds by a pin stands at its place with
+//! the place's velocity and has no inverse mass, like a pinned node; a spring acts in every
+//! substep, like control springs. Places have no velocity where the model ignores that of control
+//! points.
 //! do. Places have no velocity where the model ignores that of control points.
 
 use std::sync::Arc;
@@ -84,7 +86,7 @@ pub(crate) struct Hold<T> {
 pub(crate) struct Hands<T> {
     /// Shape [G].
     pub(crate) phases: Vec<Phase>,
-    /// By node.
+    /// Hold of each node.
     pub(crate) holds: Vec<Hold<T>>,
 }
 
@@ -108,7 +110,7 @@ impl<T: Real> Hands<T> {
         Self { phases, holds: grasping.holds.iter().map(hold).collect() }
     }
 
-    /// Lets go of everything in a hand.
+    /// Releases everything in a hand.
     pub(crate) fn release(&mut self, grasp: usize, phase: Phase) {
         self.phases[grasp] = phase;
         self.holds.retain(|h| h.grasp != grasp);
@@ -267,11 +269,12 @@ pub(crate) fn place_velocity<T: Real>(
 pub(crate) struct AroundAdjoint<T> {
     /// Shape [B].
     pub(crate) bodies: Vec<BodyFrameAdjoint<T>>,
-    /// Of the rates that clamps impose, shape [R].
+    /// Adjoint of the rates that clamps impose, shape [R].
     pub(crate) roll_rates: Vec<T>,
-    /// Of what control points turn the two clamps of a rod by in the frame, shape [R, 2].
+    /// Adjoint of the angles by which control points turn the two clamps of a rod in the frame,
+    /// shape [R, 2].
     pub(crate) rolls: Vec<T>,
-    /// Of the place of a held node, shape [N], zero for others.
+    /// Adjoint of the place of a held node, shape [N], zero for others.
     pub(crate) places: Vec<Quad<T>>,
 }
 

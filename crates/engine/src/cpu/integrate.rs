@@ -1,5 +1,5 @@
-//! One frame forward: forces, velocities, contact between nodes, ground, pins,
-//! for every substep (semi-implicit Euler, in the order of the model's definition).
+//! A frame forward: forces, velocities, contact between nodes, ground and pins for every substep
+//! (semi-implicit Euler, in the order of the model's definition).
 
 use std::ops::Range;
 
@@ -33,9 +33,9 @@ pub(crate) struct Workspace<T> {
     pub(crate) before: Vec<Quad<T>>,
     /// Velocities after contact between nodes, shape [N].
     pub(crate) after: Vec<Quad<T>>,
-    /// Of the current frame.
+    /// Candidates for contact in the current frame.
     pub(crate) candidates: Candidates,
-    /// Of the current frame.
+    /// Clearances in the current frame.
     pub(crate) clearance: Clearance<T>,
     /// What surrounds the object in the current frame.
     pub(crate) around: Around<T>,
@@ -72,7 +72,7 @@ pub(crate) struct Tape<T> {
 }
 
 impl<T> Tape<T> {
-    /// Makes room for so many substeps.
+    /// Allocates space for the given number of substeps.
     pub(crate) fn clear(&mut self, substeps: usize) {
         self.nodes.clear();
         self.before.clear();

@@ -5,7 +5,7 @@ use super::real::Quad;
 /// Elements a block: one AVX2 register of `f32`.
 pub(crate) const LANES: usize = 8;
 
-/// One number of each element of a block.
+/// A number of each element of a block.
 pub(crate) type Lane<T> = [T; LANES];
 
 /// Endpoint of each element of a block.

@@ -24,7 +24,7 @@ pub(crate) struct Moment<'a, T> {
     pub(crate) frame: usize,
     /// Shape [N].
     pub(crate) now: &'a [Node<T>],
-    /// One and two frames earlier, if there were any.
+    /// Nodes one frame and two frames earlier, if there were such frames.
     pub(crate) earlier: Option<[&'a [Node<T>]; 2]>,
     pub(crate) system: &'a System<T>,
     /// What surrounds the object beside the ground.

@@ -1,7 +1,7 @@
-//! Interface of the kernels to an instruction set: arithmetic on [`LANES`] numbers at once, and
-//! transposition between endpoints' records in memory and coordinates in lanes. A kernel is written
-//! once over this; [`Portable`] runs it in any scalar, [`Avx2`] in `f32` with the shuffles placed
-//! by hand.
+//! Interface of the kernels to an instruction set: arithmetic on [`LANES`] numbers per operation,
+//! and transposition between endpoints' records in memory and coordinates in lanes. A kernel is
+//! written once over this; [`Portable`] runs it in any scalar, [`Avx2`] in `f32` with hand-placed
+//! shuffles.
 
 #[cfg(target_arch = "x86_64")]
 mod avx2;
@@ -19,7 +19,7 @@ use super::{
     real::Quad,
 };
 
-/// One number a lane.
+/// A number per lane.
 pub(crate) trait Pack:
     Copy
     + Add<Output = Self>
@@ -28,7 +28,7 @@ pub(crate) trait Pack:
     + Div<Output = Self>
     + Neg<Output = Self>
 {
-    /// One truth value a lane.
+    /// A truth value per lane.
     type Mask: Copy
         + BitAnd<Output = Self::Mask>
         + BitOr<Output = Self::Mask>
@@ -56,12 +56,12 @@ pub(crate) trait Pack:
     fn only_if(self, condition: Self::Mask) -> Self;
 }
 
-/// One vector a lane, by coordinate.
+/// A vector per lane, by coordinate.
 pub(crate) type Pack3<P> = [P; 3];
 
 /// An instruction set at work in one scalar.
 pub(crate) trait Machine<T>: Copy {
-    /// Its packed numbers.
+    /// Packed numbers.
     type Pack: Pack;
 
     /// The same number in every lane.

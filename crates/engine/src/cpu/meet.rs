@@ -58,7 +58,7 @@ pub(crate) struct Surface<T> {
     length: T,
 }
 
-/// Of the ground.
+/// Surface of the ground.
 #[inline(always)]
 pub(crate) fn on_ground<T: Real>(ground: &Ground<T>, x: Quad<T>) -> Surface<T> {
     let zero = [T::ZERO; 4];
@@ -75,7 +75,7 @@ pub(crate) fn on_ground<T: Real>(ground: &Ground<T>, x: Quad<T>) -> Surface<T> {
 }
 
 impl<T: Real> Obstacle<T> {
-    /// Its surface for a node.
+    /// Surface of an obstacle for a node.
     #[inline(always)]
     pub(crate) fn surface(&self, collider: &Collider<T>, x: Quad<T>) -> Surface<T> {
         let place = into_body(&self.pose, x);

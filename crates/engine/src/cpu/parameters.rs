@@ -7,33 +7,33 @@ use super::real::Real;
 /// [`Params`] over any scalar.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Parameters<T> {
-    /// As in [`Params::spring_stiffness`].
+    /// See [`Params::spring_stiffness`].
     pub spring_stiffness: Vec<T>,
-    /// As in [`Params::spring_dashpot`].
+    /// See [`Params::spring_dashpot`].
     pub spring_dashpot: Vec<T>,
-    /// As in [`Params::rest_lengths_m`].
+    /// See [`Params::rest_lengths_m`].
     pub rest_lengths_m: Vec<T>,
-    /// As in [`Params::bend_stiffness`].
+    /// See [`Params::bend_stiffness`].
     pub bend_stiffness: Vec<T>,
-    /// As in [`Params::bend_damping`].
+    /// See [`Params::bend_damping`].
     pub bend_damping: Vec<T>,
-    /// As in [`Params::rest_angles_rad`].
+    /// See [`Params::rest_angles_rad`].
     pub rest_angles_rad: Vec<T>,
-    /// As in [`Params::twist_stiffness`].
+    /// See [`Params::twist_stiffness`].
     pub twist_stiffness: Vec<T>,
-    /// As in [`Params::twist_damping`].
+    /// See [`Params::twist_damping`].
     pub twist_damping: Vec<T>,
-    /// As in [`Params::rest_twists_rad`].
+    /// See [`Params::rest_twists_rad`].
     pub rest_twists_rad: Vec<T>,
-    /// As in [`Params::drag`].
+    /// See [`Params::drag`].
     pub drag: T,
-    /// As in [`Contact::ground_restitution`].
+    /// See [`Contact::ground_restitution`].
     pub ground_restitution: T,
-    /// As in [`Contact::ground_friction`].
+    /// See [`Contact::ground_friction`].
     pub ground_friction: T,
-    /// As in [`Contact::object_restitution`].
+    /// See [`Contact::object_restitution`].
     pub object_restitution: T,
-    /// As in [`Contact::object_friction`].
+    /// See [`Contact::object_friction`].
     pub object_friction: T,
 }
 
@@ -61,7 +61,7 @@ impl<T: Real> Parameters<T> {
         }
     }
 
-    /// All zero, for so many springs, triplets and rods.
+    /// All zero, for the given numbers of springs, triplets and rods.
     pub(crate) fn zero(springs: usize, triplets: usize, rods: usize) -> Self {
         Self {
             spring_stiffness: vec![T::ZERO; springs],
@@ -102,7 +102,7 @@ impl<T: Real> Parameters<T> {
         arrays.into_iter().flatten().chain(globals).all(fits)
     }
 
-    /// As a client sees a gradient: what has no derivative is zero or off.
+    /// The gradient in its public form: parameters without a derivative are zero or off.
     pub(crate) fn into_gradient(self) -> Params {
         let each = |v: Vec<T>| v.into_iter().map(narrow).collect();
         Params {

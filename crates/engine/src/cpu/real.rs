@@ -166,7 +166,7 @@ impl Real for f32 {
     }
 }
 
-/// Work compiled for whatever instructions the processor has, in plain loops.
+/// Work compiled for the instructions of the processor, in plain loops.
 struct OnPortable<W, T>(W, PhantomData<T>);
 
 impl<T: Real, W: Work<T>> WithSimd for OnPortable<W, T> {

@@ -239,7 +239,7 @@ impl<P: Pack> Turn<P> {
 /// The change of the frame at a block's inner nodes.
 #[derive(Clone, Copy)]
 enum Joint<P: Pack> {
-    /// It is carried on by parallel transport.
+    /// The frame is transported in parallel.
     Turn(Turn<P>),
     /// A branch holds it.
     Arm(Arm<P>),

@@ -1,4 +1,4 @@
-//! One instance through all its frames, in any scalar.
+//! A rollout of an instance through all its frames, in any scalar.
 
 use bendtwin_core::{CancelToken, Graph};
 
@@ -19,7 +19,7 @@ use crate::{
     objective::Objective,
 };
 
-/// One simulation to run.
+/// A simulation to run.
 pub(crate) struct Simulation<'a, T> {
     pub(crate) system: &'a System<T>,
     /// Initial state, shape [N].
@@ -79,7 +79,7 @@ impl<T: Real> Simulation<'_, T> {
             Some(at) => {
                 workspace.around.hands = at.of.start.clone();
                 begin_frame(self.system, self.controls_of(0), Some(at), &mut workspace);
-                // A rollout that goes on from a frame's end measures what the whole one does.
+                // A rollout that resumes at a frame's end measures what the whole one does.
                 if at.of.measured {
                     workspace.around.arrive.extend(self.initial.iter().map(|n| n.v));
                 }
@@ -126,7 +126,7 @@ fn first_diverged<T: Real>(nodes: &[Node<T>]) -> Option<usize> {
 /// Adds up an objective along a rollout.
 pub(crate) struct Scorer<'a, T> {
     terms: Terms<'a>,
-    /// By frame, shape [frames seen, groups].
+    /// Losses by frame, shape [frames seen, groups].
     frames: Vec<f64>,
     groups: usize,
     simulation: &'a Simulation<'a, T>,

@@ -11,7 +11,7 @@ use super::{
 };
 use crate::constants::MIN_LENGTH_M;
 
-/// One spring of each owner of a strip; a lane without one joins its owner with itself and has no
+/// A spring of each owner of a strip; a lane without one joins its owner with itself and has no
 /// stiffness.
 #[derive(Clone, Debug)]
 pub(crate) struct SpringBlock<T> {

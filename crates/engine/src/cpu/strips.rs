@@ -9,8 +9,8 @@ use std::ops::Range;
 
 use super::lanes::{Index, LANES};
 
-/// Rows of like length are put together among so many successive ones: wide enough to find some,
-/// narrow enough to stay near in memory.
+/// Rows of similar length are grouped within a window of this many successive rows: wide enough to
+/// find some, narrow enough to stay close in memory.
 const WINDOW: usize = 8 * LANES;
 /// Number of an owner's remaining elements that are considered for the next step.
 const CHOICE: usize = 32;
@@ -27,7 +27,7 @@ pub(crate) struct Strip {
 }
 
 impl Strip {
-    /// Its blocks.
+    /// Blocks of the strip.
     #[inline(always)]
     pub(crate) fn blocks(&self) -> Range<usize> {
         self.first as usize..self.end as usize
@@ -51,7 +51,7 @@ pub(crate) struct Owned<const OTHERS: usize> {
 }
 
 impl Strips {
-    /// Orders elements over so many endpoints.
+    /// Orders elements by their endpoints.
     pub(crate) fn new<const OTHERS: usize>(
         mut elements: Vec<Owned<OTHERS>>,
         endpoints: usize,

@@ -1,6 +1,6 @@
-//! One frame of an object that something surrounds: that of [`super::integrate`] with grasps,
-//! colliders and measured forces in their places, and its adjoint. Kept apart so that nothing is
-//! asked in the substeps of an object with only the ground around it.
+//! A frame of an object with surroundings: [`super::integrate`] with grasps, colliders and measured
+//! forces in their places, and its adjoint. Kept apart so that substeps of an object with only the
+//! ground around it test for none of these.
 
 mod back;
 
@@ -65,7 +65,7 @@ pub(crate) fn begin_frame<T: Real>(
     clearance.find(&Surfaces::new(system, Some((of, around))), nodes);
 }
 
-/// Work done once a frame is over: its forces are means, and hands that pulled too hard let go.
+/// Work done once a frame is over: its forces are means, and hands that pulled too hard release.
 pub(crate) fn end_frame<T: Real>(of: &Surroundings<T>, frame_s: f64, around: &mut Around<T>) {
     if !of.measured {
         return;

@@ -45,7 +45,7 @@ pub(crate) struct Surroundings<T> {
 }
 
 impl<T: Real> Surroundings<T> {
-    /// Of a checked instance.
+    /// Surroundings of a checked instance.
     pub(crate) fn new(world: &World, motion: &Motion, start: Hands<T>, measured: bool) -> Self {
         let hands: Vec<Hand<T>> = world.grasps.iter().map(Hand::new).collect();
         let mut hand_of: Vec<(usize, usize)> = hands
@@ -116,9 +116,9 @@ pub(crate) struct Around<T> {
     pub(crate) arrive: Vec<Quad<T>>,
     /// The system while hands hold what they do; `None` if that changes nothing.
     pub(crate) system: Option<Arc<System<T>>>,
-    /// Of which hands, nodes and spans of rods `system` is.
+    /// Key of `system`: hands, nodes and spans of rods.
     pub(crate) system_of: (Vec<bool>, Vec<usize>, Vec<Span>),
-    /// Of the frame that ran last.
+    /// Forces of the last frame.
     pub(crate) forces: FrameForces<T>,
 }
 

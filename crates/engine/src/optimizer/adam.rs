@@ -1,9 +1,10 @@
 //! Adam (Kingma and Ba, arXiv 1412.6980) with one second moment for all parameters of a kind (as in
 //! Adam-mini, Zhang et al., arXiv 2406.16793), a rate per coordinate and bounds.
 //!
-//! With a second moment of its own every coordinate moves by the same length, and what the data hardly
-//! say anything about moves as far as what they decide: noise, for most springs of a body. With a
-//! common one a coordinate moves in proportion to its gradient, up to the rate.
+//! With a separate second moment each, all coordinates move by the same length, and coordinates
+//! that the data hardly constrain move as far as those that they determine: noise, for most springs
+//! of a body. With a common second moment a coordinate moves in proportion to its gradient, up to
+//! the rate.
 
 use std::ops::Range;
 
@@ -20,9 +21,9 @@ pub const SLOPE: f64 = 7.0;
 /// Decay rates of Adam's moments, and the pull towards the start.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Decay {
-    /// Of the first moment, 0..1.
+    /// Decay of the first moment, 0..1.
     pub beta1: f64,
-    /// Of the second moment, 0..1.
+    /// Decay of the second moment, 0..1.
     pub beta2: f64,
     /// Decoupled decay towards the start: share of the distance from it that a coordinate loses in
     /// a step, per unit of learning rate (Loshchilov and Hutter, arXiv 1711.05101, around the start
@@ -57,7 +58,7 @@ pub struct Bounds<'a> {
 }
 
 impl Adam {
-    /// Zero moments for this many coordinates of so many kinds.
+    /// Zero moments for the given numbers of coordinates and kinds.
     pub fn new(coordinates: usize, kinds: usize) -> Self {
         Self { steps: 0, first: vec![0.0; coordinates], second: vec![0.0; kinds] }
     }

@@ -75,7 +75,7 @@ impl Parameter {
         }
     }
 
-    /// As [`Parameter::values`], to change them.
+    /// Mutable [`Parameter::values`].
     pub fn values_mut(self, p: &mut Params) -> &mut [f32] {
         let one = std::slice::from_mut;
         match self {

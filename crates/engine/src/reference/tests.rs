@@ -80,7 +80,7 @@ fn body(seed: u64) -> Model {
     }
 }
 
-/// Moving, gliding, falling: everything at once.
+/// A scene that moves, glides and falls.
 fn scene(model: &Model, frames: usize) -> Reference {
     let mut r = Reference::new(model, frames).unwrap();
     for (i, v) in r.velocities.iter_mut().enumerate() {
@@ -130,7 +130,7 @@ fn objective(model: &Model, frames: usize) -> Objective {
     Objective { groups: vec!["even".into(), "odd".into()], terms: Arc::new(terms) }
 }
 
-/// One number of a reference that can be perturbed, and its gradient.
+/// A number of a reference that can be perturbed, and its gradient.
 struct Knob {
     name: &'static str,
     scale: f64,
@@ -215,8 +215,8 @@ fn errors(r: &Reference, objective: &Objective, step: f64) -> Vec<(&'static str,
     least_errors(r, objective, &[step])
 }
 
-/// As [`errors`], each with the step that agrees best: where a loss jumps at impacts, a step may
-/// cross one that a tenth of it does not.
+/// [`errors`] with the step that agrees best, for each: where a loss jumps at impacts, a step may
+/// cross a jump that a tenth of the step does not.
 fn least_errors(
     r: &Reference,
     objective: &Objective,

@@ -124,7 +124,7 @@ fn coarse(system: &Linear, dt: f64) -> f64 {
     rows.into_iter().fold(0.0, larger)
 }
 
-/// As [`coarse`], and nearer to the truth.
+/// A sharper bound than [`coarse`].
 fn fine(system: &Linear, dt: f64) -> f64 {
     let rate = |stiffness: f64, damping: f64| dt * dt * stiffness + 2.0 * dt * damping;
     let root = |e: u32| system.roots[e as usize];

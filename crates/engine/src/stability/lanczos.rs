@@ -8,7 +8,7 @@ use super::linear::{Linear, Vector};
 
 /// Relative growth of the largest eigenvalue in a step, below which it has converged.
 const TOLERANCE: f64 = 1e-3;
-/// For so many steps.
+/// Steps below [`TOLERANCE`] that count as convergence.
 const PATIENCE: usize = 2;
 /// Bisections of the interval in which an eigenvalue lies.
 const BISECTIONS: usize = 40;
@@ -120,7 +120,7 @@ impl Operator {
         }
     }
 
-    /// The best approximation of the stiffest mode after at most so many applications, beginning at
+    /// The best approximation of the stiffest mode after at most `steps` applications, beginning at
     /// `start`.
     pub(super) fn stiffest(&self, start: &[Vector], steps: usize) -> Vec<Vector> {
         let length = start.iter().flatten().map(|x| x * x).sum::<f64>().sqrt();
@@ -205,7 +205,7 @@ fn subtract(from: &mut [Lane], factor: f64, vector: &[Lane]) {
     }
 }
 
-/// Largest eigenvalue of the symmetric tridiagonal matrix with so many rows as the diagonal has.
+/// Largest eigenvalue of the symmetric tridiagonal matrix with the given diagonal and off-diagonal.
 fn largest_eigenvalue(diagonal: &[f64], beside: &[f64]) -> f64 {
     let most = |values: &[f64]| values.iter().fold(f64::NEG_INFINITY, |m, x| m.max(*x));
     let mut low = most(diagonal);

@@ -8,7 +8,7 @@ use crate::{
 
 pub(super) type Vector = [f64; 3];
 
-/// Rods count as twisted by so much from their rest: once around.
+/// Twist from rest assumed for rods: a full turn.
 const TWIST_RAD: f64 = std::f64::consts::TAU;
 
 /// Stiffness and damping of a spring for a relative displacement.
@@ -55,7 +55,7 @@ pub(super) struct Linear {
 }
 
 impl Linear {
-    /// Of a model whose indices exist.
+    /// Linearization of a model whose indices exist.
     pub(super) fn new(model: &Model) -> Self {
         let (graph, params) = (&*model.graph, &model.params);
         let mut roots: Vec<f64> =
@@ -129,9 +129,9 @@ impl Linear {
         alone
     }
 
-    /// An arbitrary but always equal vector with a share in every mode, the larger the stiffer a
-    /// node is by itself, so that a single stiff spot in a large soft body is found at once; and
-    /// the largest stable step of the stiffest such node [s], infinite if nothing is stiff.
+    /// An arbitrary but reproducible vector with a share in every mode, larger where a node is
+    /// stiffer by itself, so that a single stiff spot in a large soft body is found immediately;
+    /// and the largest stable step of the stiffest such node [s], infinite if nothing is stiff.
     pub(super) fn start(&self) -> (Vec<Vector>, f64) {
         let alone = self.alone();
         let rates: Vec<f64> = alone.iter().map(|&(k, c)| largest_dt(k, c).recip()).collect();
@@ -181,7 +181,7 @@ impl Linear {
     }
 }
 
-/// Largest stable step of a single mode of so much stiffness and damping.
+/// Largest stable step of a single mode, given its stiffness and damping.
 pub(super) fn largest_dt(k: f64, c: f64) -> f64 {
     4.0 / (c + (c * c + 4.0 * k).sqrt())
 }

@@ -78,7 +78,7 @@ fn cloud(seed: u64, stiffness: f32, dashpot: f32, bend: f32, bend_damping: f32) 
     model
 }
 
-/// Largest displacement from rest after so many substeps, having started with tiny velocities.
+/// Largest displacement from rest after `substeps`, starting with tiny velocities.
 fn excursion(model: &Model, substeps: u32) -> f64 {
     let mut model = model.clone();
     model.timing.substeps = substeps;
@@ -127,8 +127,7 @@ fn random_graphs_hold_at_the_estimate_and_blow_up_soon_beyond_it() {
             // Rest angles in f32 are not quite at rest: a few micrometres are no instability.
             let held = excursion(&model, found.needed);
             assert!(held < 2e-5, "case {case} {seed}: {held} at {found:?}");
-            // Triplets count as stiff as they are far from straight; at rest they give way by a
-            // fifth.
+            // Triplets count as stiff as they are far from straight; at rest they yield by a fifth.
             let share = if bend > 0.0 { 0.7 } else { 0.85 };
             let beyond = (f64::from(found.needed) * share).floor() as u32;
             let blown = excursion(&model, beyond);

@@ -27,7 +27,7 @@ pub struct WorldOptions {
     pub smoothing_m: f32,
     /// With clamps that turn the model's rods.
     pub rolls: bool,
-    /// Mean force above which grasps let go [N at unit node mass], if they do.
+    /// Mean force above which grasps release [N at unit node mass], if limited.
     pub max_force: Option<f32>,
 }
 

@@ -12,9 +12,9 @@ use crate::cpu::{
     system::System,
 };
 
-/// A spring between two nodes as it is.
+/// The current stretch of a spring between two nodes.
 struct Stretch<T> {
-    /// Its number in the graph.
+    /// Index in the graph.
     spring: usize,
     ends: [usize; 2],
     /// From the first end to the second [m].

@@ -18,11 +18,11 @@ use crate::cpu::{
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Avx2(V3);
 
-/// One number a lane.
+/// A number per lane.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct F32x8(__m256, V3);
 
-/// One truth value a lane: all bits or none.
+/// A truth value per lane: all bits set or clear.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Mask(__m256, V3);
 
@@ -209,7 +209,7 @@ impl Machine<f32> for Avx2 {
     #[inline(always)]
     fn gather(self, nodes: &[Node<f32>], index: &Index) -> (Pack3<F32x8>, Pack3<F32x8>) {
         let avx = self.0.avx;
-        // Lane by lane x | v, so that both are turned at once.
+        // Lane by lane x | v, so that both are transposed together.
         let low = self.columns([
             self.node(nodes, index[0]),
             self.node(nodes, index[1]),

@@ -12,11 +12,11 @@ use crate::cpu::{
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Portable;
 
-/// One number a lane.
+/// A number per lane.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Lanes<T>(Lane<T>);
 
-/// One truth value a lane.
+/// A truth value per lane.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Mask([bool; LANES]);
 

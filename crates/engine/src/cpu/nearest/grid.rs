@@ -89,11 +89,12 @@ impl<T: Real> Grid<T> {
         (x * self.cells[1] + y) * self.cells[2] + z
     }
 
-    /// The nearest node; `None` if there is none in the cells around the target, or only far ones.
+    /// The nearest node; `None` if the cells around the target are empty or hold only distant
+    /// nodes.
     pub(super) fn nearest(&self, target: &Quad<T>) -> Option<u32> {
         let cell = self.cell(target);
         let (square, index) = self.nearest_within(target, cell, 1)?;
-        // A node with so many cells between is as far as so many edges at least.
+        // A node `reach` cells away is at least `reach` cell edges away.
         let reach = square.to_f64().sqrt() / ((1.0 - ROUNDING) * self.size_m);
         if reach < 1.0 {
             return Some(index);
@@ -102,7 +103,7 @@ impl<T: Real> Grid<T> {
         (reach < MOST_CELLS).then(in_reach).flatten().map(|(_, index)| index)
     }
 
-    /// The nearest node in cells up to so many from a cell, and the square of its distance.
+    /// The nearest node in cells up to `reach` from a cell, and the square of its distance.
     fn nearest_within(&self, target: &Quad<T>, cell: [usize; 3], reach: usize) -> Option<(T, u32)> {
         let first: [usize; 3] = std::array::from_fn(|c| cell[c].saturating_sub(reach));
         let last: [usize; 3] = std::array::from_fn(|c| (cell[c] + reach).min(self.cells[c] - 1));

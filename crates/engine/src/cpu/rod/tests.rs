@@ -195,7 +195,7 @@ fn adjoint_is_derivative(has_arm: bool) {
     }
 }
 
-/// No edge, a fold, a straight line: no number that is none, and no force where there is no turn.
+/// No edge, a fold, a straight line: all numbers are finite, and there is no force without a turn.
 #[test]
 fn degenerate_rods_do_nothing() {
     let still = |x: f64| Node { x: [x, 0.0, 0.0, 0.0], v: [0.1, 0.2, 0.3, 0.0] };
