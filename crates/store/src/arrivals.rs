@@ -64,7 +64,7 @@ impl Store {
         self.publish_all(vec![staged]).await
     }
 
-    /// As [`Store::publish`], for several contents that one transaction refers to.
+    /// [`Store::publish`] for several contents that one transaction refers to.
     pub(crate) async fn publish_all(&self, staged: Vec<Staged>) -> Result<Published<'_>> {
         let began = Instant::now();
         let digests: Vec<String> = staged.iter().map(|s| s.digest().to_hex().to_string()).collect();

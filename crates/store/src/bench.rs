@@ -154,7 +154,7 @@ pub async fn pages(store: &Store, captures: usize) -> Result<Vec<PageTime>> {
     Ok(times)
 }
 
-/// Token of the page that has so many rows before it.
+/// Token of the page that follows the first `depth` rows.
 async fn token(store: &Store, list: &ListQuery, depth: usize) -> Result<String> {
     if depth == 0 {
         return Ok(String::new());

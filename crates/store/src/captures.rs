@@ -24,7 +24,7 @@ use crate::{
 /// A stored capture.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Capture {
-    /// Its id.
+    /// Id of the capture.
     pub id: CaptureId,
     /// Display name, note and tags.
     pub labels: Labels,
@@ -45,7 +45,7 @@ pub struct Overview {
     pub capture: Capture,
     /// The job that reads it.
     pub ingest: Job,
-    /// Its report, once an ingest has made one.
+    /// Report, once an ingest has made it.
     pub report: Option<Report>,
 }
 
@@ -197,7 +197,7 @@ impl Captures<'_> {
         row.try_into()
     }
 
-    /// One capture.
+    /// Returns a capture.
     ///
     /// # Errors
     /// [`Error::NotFound`].
@@ -209,7 +209,7 @@ impl Captures<'_> {
         row.ok_or_else(|| Error::NotFound { name: id.to_string() })?.try_into()
     }
 
-    /// One capture with its ingest and report.
+    /// Returns a capture with its ingest and report.
     ///
     /// # Errors
     /// [`Error::NotFound`].

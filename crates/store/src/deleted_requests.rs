@@ -5,9 +5,9 @@
 //! deleted before that attempt ends. Then only the id tells that it has been answered, so it
 //! outlives the row that it was in.
 //!
-//! A resumable upload is another matter: clients derive its id from a file, and send the file again
-//! on purpose. One that is begun after the deletion, by a request without content, is no late
-//! attempt: that request has made nothing yet, and only a client that is there goes on. Its row is
+//! A resumable upload is different: clients derive its id from a file, and send the file again on
+//! purpose. An upload that is begun after the deletion, by a request without content, is no late
+//! attempt: that request has made nothing yet, and only a live client continues it. Its row is
 //! noted beside the id.
 
 use std::time::Duration;
@@ -22,7 +22,7 @@ use crate::{
 /// Time for which an id is kept; an attempt ends within minutes.
 const KEPT: Duration = Duration::from_secs(86_400);
 
-/// Tables whose rows have request ids of their own.
+/// Tables whose rows have request ids.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Kind {
     /// Captures.

@@ -73,7 +73,7 @@ impl Reserve {
         }
     }
 
-    /// Gives the reserve up. Returns false if there was none.
+    /// Releases the reserve. Returns false if there was no reserve.
     pub(crate) fn release(&self) -> bool {
         let released = fs::remove_file(&self.file).is_ok();
         if released {

@@ -8,7 +8,8 @@ pub(crate) const FILE: u32 = 0o600;
 /// Permissions of a folder.
 pub(crate) const FOLDER: u32 = 0o700;
 
-/// Makes a folder for its owner alone, with those above it. One that exists stays as it is.
+/// Creates a folder that only its owner can read, with its parents. An existing folder is left
+/// unchanged.
 pub(crate) fn make(path: &Path) -> io::Result<()> {
     let mut builder = fs::DirBuilder::new();
     builder.recursive(true);

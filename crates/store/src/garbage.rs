@@ -19,10 +19,11 @@ const LEFT_ALONE: Duration = Duration::from_secs(86_400);
 const TURN: i64 = 0x0067_6172_6261_6765;
 
 impl Store {
-    /// Moves blobs that no row refers to into the trash, and removes what has been there for a day;
-    /// removes them from a bucket once they are a day old. They were left by callers that went away
-    /// in the middle of a call. Safe at any time, and whatever other servers do; one of them at a time
-    /// does it. Also forgets the request ids of resources that were deleted long ago.
+    /// Moves blobs that no row refers to into the trash, and removes blobs that have been there for
+    /// a day; in a bucket, removes them once they are a day old. Callers that disconnect in the
+    /// middle of a call leave such blobs behind. Safe at any time, also beside other servers, of
+    /// which one at a time does it. Also forgets the request ids of resources that were deleted
+    /// long ago.
     ///
     /// # Errors
     /// [`crate::Error::StoreMismatch`] if somebody exchanged the database or the blobs; database and

@@ -57,7 +57,7 @@ pub const MAX_INTERRUPTED_ATTEMPTS: u32 = 20;
 /// A job.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Job {
-    /// Its id, which includes its kind.
+    /// Id of the job, which includes the kind.
     pub id: JobId,
     /// The capture to be fitted or read.
     pub capture: CaptureId,
@@ -125,7 +125,7 @@ impl QueueDepth {
         found.map_or(0, |(.., n)| *n)
     }
 
-    /// Waiting time of the oldest queued job of a kind; zero if none is queued.
+    /// Waiting time of the oldest queued job of a kind; zero without queued jobs.
     pub fn oldest(&self, kind: Kind) -> Duration {
         let found = self.oldest_queued.iter().find(|(k, _)| *k == kind);
         found.map_or(Duration::ZERO, |(_, waited)| *waited)
@@ -139,7 +139,7 @@ pub struct Jobs<'a> {
 }
 
 impl Jobs<'_> {
-    /// One job.
+    /// Returns a job.
     ///
     /// # Errors
     /// [`Error::NotFound`].
@@ -153,8 +153,8 @@ impl Jobs<'_> {
         row.ok_or_else(|| Error::NotFound { name: id.to_string() })?.try_into()
     }
 
-    /// Asks a job to stop: a queued one ends at once, a running one when its worker learns of it,
-    /// an ended one stays as it is.
+    /// Asks a job to stop: a queued one ends immediately, a running one when its worker learns of
+    /// it; an ended one does not change.
     ///
     /// # Errors
     /// [`Error::NotFound`].

@@ -15,7 +15,7 @@ use crate::{
 /// A stored key.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Key {
-    /// Its id, which is a part of the key.
+    /// Id, which is a part of the key.
     pub id: KeyId,
     /// Display name.
     pub display_name: String,
@@ -40,7 +40,7 @@ pub struct Key {
 /// A key to be stored.
 #[derive(Clone, Debug)]
 pub struct NewKey {
-    /// Its id.
+    /// Id of the key.
     pub id: KeyId,
     /// Display name.
     pub display_name: String,
@@ -140,7 +140,7 @@ impl Keys<'_> {
         row.try_into()
     }
 
-    /// One key.
+    /// Returns a key.
     ///
     /// # Errors
     /// [`Error::NotFound`].

@@ -206,7 +206,7 @@ impl Store {
     }
 }
 
-/// Error [m] that sorts after all others: there is none.
+/// Error [m] of rows without one, which sorts after all others.
 const NO_ERROR: f64 = 1e300;
 
 /// The error of a quality table as rows have it.
@@ -220,7 +220,7 @@ pub(crate) fn key_of(error_m: Option<f64>) -> f64 {
     error_m.unwrap_or(NO_ERROR)
 }
 
-/// The error of a row; none if there is none.
+/// The error of a row, if it has one.
 pub(crate) fn error_of(key: f64) -> Option<f64> {
     (key < NO_ERROR).then_some(key)
 }

@@ -46,9 +46,8 @@
 //!
 //! # Losses of a fit
 //! The table `losses` has a row for each stage, model and iteration, written with the reports of
-//! its worker, up to 4096 for a fit: then every second iteration is forgotten. Losses of an
-//! attempt replace what an earlier one computed from there on, so the rows are those of the way
-//! to the twin, whatever checkpoint it went on from. They stay until the fit is deleted.
+//! attempt replace those that an earlier one computed from there on, so the rows describe the path
+//! to the twin, from any checkpoint. They stay until the fit is deleted.
 //!
 //! # Content before rows
 //! A blob is written under `incoming/`, synced, and renamed (or sent) to the name that its

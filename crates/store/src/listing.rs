@@ -15,7 +15,7 @@ pub enum OrderKey {
     /// Time of creation.
     #[default]
     CreateTime,
-    /// Display name, whatever its case.
+    /// Display name, ignoring case.
     Name,
     /// Error of a twin; those without one come last in ascending order. Captures have none.
     Error,
@@ -24,7 +24,7 @@ pub enum OrderKey {
 /// Order of a list.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Order {
-    /// Its key; rows of equal keys are in the order of their creation.
+    /// Sort key; rows of equal keys are in the order of their creation.
     pub key: OrderKey,
     /// True if the largest comes first.
     pub descending: bool,
@@ -44,7 +44,7 @@ pub struct ListQuery {
     pub page: PageRequest,
     /// The order.
     pub order: Order,
-    /// Text in display name or note, whatever its case; empty means any.
+    /// Text in display name or note, ignoring case; empty means any.
     pub search: String,
     /// A tag; empty means any.
     pub tag: String,

@@ -3,8 +3,8 @@
 //! SQLite and PostgreSQL have the same ones, in one folder. A migration that was applied anywhere
 //! never changes: databases remember a checksum of its text.
 //!
-//! Older programs go on with a database that newer ones have migrated, as long as these have only
-//! added to it (docs/adr/0034). A migration that does more has a name that begins with
+//! Older programs keep working with a database that newer ones have migrated, as long as these have
+//! only added to it (docs/adr/0034). A migration that does more has a name that begins with
 //! [`BREAKING`], which the database keeps: programs that do not know it refuse that database.
 
 mod compatibility;

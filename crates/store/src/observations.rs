@@ -112,7 +112,8 @@ impl Captures<'_> {
     /// The bundle of a capture's observation.
     ///
     /// # Errors
-    /// [`Error::NotFound`] if there is none, [`Error::ContentLost`], [`Error::ContentDamaged`].
+    /// [`Error::NotFound`] without an observation, [`Error::ContentLost`],
+    /// [`Error::ContentDamaged`].
     pub async fn observation_content(&self, id: CaptureId) -> Result<(Observation, Content)> {
         let name = format!("the observation of {id}");
         let found = self.observation(id).await?;
@@ -145,7 +146,7 @@ impl Captures<'_> {
     /// A capture's report, as a document or as a page.
     ///
     /// # Errors
-    /// [`Error::NotFound`] if there is none, [`Error::ContentLost`], [`Error::ContentDamaged`].
+    /// [`Error::NotFound`] without a report, [`Error::ContentLost`], [`Error::ContentDamaged`].
     pub async fn report_content(&self, id: CaptureId, page: bool) -> Result<Content> {
         let name = format!("the report of {id}");
         let report = self.report(id).await?;

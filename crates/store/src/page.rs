@@ -65,7 +65,7 @@ impl PageRequest {
     }
 }
 
-/// One page, newest first if nothing else was asked for.
+/// A page, newest first unless another order was requested.
 #[derive(Clone, Debug)]
 pub struct Page<T> {
     /// The rows.

@@ -20,7 +20,7 @@ const LINGERING: i64 = 60_000_000;
 /// A server that has the database open, or had it open when it was killed.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Server {
-    /// Its id, new at every start.
+    /// Id, new at every start.
     pub id: ServerId,
     /// The software's version.
     pub build: String,

@@ -108,7 +108,7 @@ impl Query {
         Ok(run!(self, target, query_as_with<T>, fetch_optional, Option::from))
     }
 
-    /// The first row; an error of the database if there is none.
+    /// The first row; without rows, an error of the database.
     pub(crate) async fn fetch_one<'t, T: Record>(self, target: impl Into<Target<'t>>) -> Result<T> {
         Ok(run!(self, target, query_as_with<T>, fetch_one, T::from))
     }
@@ -164,7 +164,7 @@ impl Scalar {
         Ok(self.0.fetch_optional(target).await?.map(|(value,)| value))
     }
 
-    /// The first value; an error of the database if there is none.
+    /// The first value; without rows, an error of the database.
     pub(crate) async fn fetch_one<'t, T>(self, target: impl Into<Target<'t>>) -> Result<T>
     where
         (T,): Record,

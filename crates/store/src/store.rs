@@ -207,9 +207,9 @@ impl Store {
         self.inner.clock.now()
     }
 
-    /// The time by which leases end: that for which this process was seen to run by
-    /// [`Jobs::sweep`], whatever is done to the clock of the day, and hardly any of the time in
-    /// which the process stood still.
+    /// The time by which leases end: the time for which [`Jobs::sweep`] saw this process run,
+    /// unaffected by changes of the time of day, and with hardly any of the time in which the
+    /// process stood still.
     pub fn lease_time(&self) -> Duration {
         self.inner.leases.now(self.inner.clock.monotonic())
     }
@@ -263,8 +263,8 @@ impl Store {
         micros(self.now())
     }
 
-    /// The database's time in a transaction, by which all servers that use it measure leases; none if
-    /// it has no clock of its own [us].
+    /// The database's time in a transaction [us], by which all servers that use it measure leases;
+    /// `None` if the database has no clock.
     pub(crate) fn database_time(&self, tx: &Transaction) -> Option<i64> {
         tx.database_time().filter(|_| !self.inner.clock.is_simulated())
     }

@@ -1,7 +1,7 @@
-//! Databases and buckets for tests: SQLite and content in the folder of a test, a database of its own
+//! Databases and buckets for tests: SQLite and content in the folder of a test, a separate database
 //! on the PostgreSQL server that `BENDTWIN_TEST_POSTGRES` names (`tests/postgres` starts one), or
-//! SQLite with content below a path of its own in a bucket of the S3 server that `BENDTWIN_TEST_S3` names
-//! (`tests/s3` starts one). Without these the tests there say that they are skipped.
+//! SQLite with content below a separate path in a bucket of the S3 server that `BENDTWIN_TEST_S3`
+//! names (`tests/s3` starts one). Without these the tests that need them say that they are skipped.
 
 use std::io::Write as _;
 
@@ -42,7 +42,7 @@ impl On {
     }
 }
 
-/// A path of its own in the bucket of all tests.
+/// A new path in the bucket of all tests.
 pub(crate) fn own_bucket() -> ObjectsUrl {
     let name = uuid::Uuid::new_v4().simple();
     ObjectsUrl::parse(&format!("s3://{BUCKET}/{name}")).unwrap()

@@ -44,7 +44,7 @@ pub struct TwinFacts {
 /// A stored twin.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Twin {
-    /// Its id.
+    /// Id of the twin.
     pub id: TwinId,
     /// Display name, note and tags.
     pub labels: Labels,
@@ -263,7 +263,7 @@ impl Twins<'_> {
         Ok(twin)
     }
 
-    /// One twin.
+    /// Returns a twin.
     ///
     /// # Errors
     /// [`Error::NotFound`].

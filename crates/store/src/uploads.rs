@@ -59,7 +59,7 @@ pub struct UploadUse {
 }
 
 impl Uploads<'_> {
-    /// One upload in its current state.
+    /// Returns an upload in its current state.
     ///
     /// # Errors
     /// [`Error::NotFound`].
@@ -227,7 +227,7 @@ const LEFT_BEHIND: &str = "update uploads set state = 'gone', digest = null, req
 /// Time for which these are remembered.
 const REMEMBERED: Duration = Duration::from_secs(86_400);
 
-/// Room that is kept for an upload of which so many bytes have come [bytes].
+/// Disk space reserved for the rest of an upload, given the bytes that have arrived [bytes].
 fn kept_room(offset_bytes: u64, length_bytes: Option<u64>) -> u64 {
     match length_bytes {
         Some(length) => length.min(FIRST_ROOM.max(offset_bytes.saturating_mul(4))),

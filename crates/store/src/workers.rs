@@ -15,7 +15,7 @@ use crate::{
 /// A worker as it registered.
 #[derive(Clone, Debug, PartialEq)]
 pub struct NewWorker {
-    /// Its id, new at every start.
+    /// Id, new at every start.
     pub id: WorkerId,
     /// Endpoint at which it answers rollouts.
     pub endpoint: String,
@@ -25,7 +25,7 @@ pub struct NewWorker {
     pub device: String,
     /// The software's version.
     pub build: String,
-    /// Number of instances that it runs at once.
+    /// Number of instances that the worker runs concurrently.
     pub lanes: u32,
     /// Words that it was started with, which fits can ask for.
     pub labels: Vec<String>,
@@ -36,7 +36,7 @@ pub struct NewWorker {
 /// A worker that the store knows.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Worker {
-    /// Its registration.
+    /// Registration of the worker.
     pub registration: NewWorker,
     /// Time of registration.
     pub started: Timestamp,
@@ -139,7 +139,7 @@ impl Workers<'_> {
         rows.into_iter().map(Worker::try_from).collect()
     }
 
-    /// One worker, if it is known.
+    /// Returns a worker, if it is known.
     ///
     /// # Errors
     /// Database errors.

@@ -30,7 +30,7 @@ pub(crate) const PART: usize = if cfg!(test) { 256 << 10 } else { 8 << 20 };
 const PATIENCE: Duration = Duration::from_secs(45);
 /// The same for the proof that the bucket answers, and for a deletion.
 const SHORT_PATIENCE: Duration = Duration::from_secs(10);
-/// Objects that are sent at once from local files; each has parts in memory.
+/// Objects sent concurrently from local files; each has parts in memory.
 const SENDERS: usize = 4;
 /// Name of the object with the identity.
 const IDENTITY: &str = "identity";
@@ -145,7 +145,7 @@ impl Bucket {
     }
 }
 
-/// None in place of the error that an object is not there.
+/// `None` in place of the error that an object does not exist.
 fn found<T>(answer: Result<T>) -> Result<Option<T>> {
     match answer {
         Err(Error::Objects(object_store::Error::NotFound { .. })) => Ok(None),

@@ -19,8 +19,8 @@ pub struct Content {
     pub size_bytes: u64,
     /// BLAKE3 of all of it.
     pub digest: Digest,
-    /// Its bytes, in chunks of up to 1 MiB. If they are not those that were stored, an error comes
-    /// in place of the last chunk.
+    /// The bytes, in chunks of up to 1 MiB. If they differ from those that were stored, an error
+    /// comes in place of the last chunk.
     pub chunks: BoxStream<'static, Result<Bytes>>,
     blobs: Blobs,
     name: String,
@@ -33,8 +33,8 @@ impl std::fmt::Debug for Content {
 }
 
 impl Content {
-    /// The bytes of a range in place of all, cut off at the end of the content. A part has no
-    /// digest of its own, so only the size of the whole has been compared.
+    /// Narrows the bytes to a range, cut off at the end of the content. A part has no separate
+    /// digest, so only the size of the whole has been compared.
     ///
     /// # Errors
     /// [`Error::ContentLost`] if it has been deleted since; file errors, for an empty range, too.

@@ -69,7 +69,7 @@ pub(crate) fn any(root: &Path) -> io::Result<bool> {
 pub(crate) fn list(folder: &Path) -> io::Result<Vec<(PathBuf, u64)>> {
     let mut files = Vec::new();
     for entry in entries(folder)? {
-        // One that went in this moment is none.
+        // A file removed in the meantime does not count.
         if let Ok(found) = entry.metadata()
             && found.is_file()
         {

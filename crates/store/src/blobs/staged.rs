@@ -27,7 +27,7 @@ pub(crate) enum At {
     File(Path),
     /// Another object of the bucket.
     Object(Path),
-    /// Its final place.
+    /// At the final path.
     Published,
 }
 

@@ -62,7 +62,7 @@ impl Upload {
             return Err(Error::DigestMismatch { given, actual: digest });
         }
         let Self { blobs, path, mut sink, part, size_bytes, .. } = self;
-        // In a task of its own: whoever waits here may be dropped half way through, when content is
+        // In a separate task: the caller's future may be dropped half way through, when content is
         // no longer the upload's and not yet staged. Then the task drops what it staged.
         let whole = tokio::spawn(async move {
             sink.put_part(part.freeze().into()).await?;

@@ -17,7 +17,7 @@ pub struct ObjectsUrl(String);
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) enum Location {
     Folder(PathBuf),
-    /// Its name, and the path below which its objects are.
+    /// Name of the bucket, and the path below which its objects are.
     Bucket(String, Path),
 }
 

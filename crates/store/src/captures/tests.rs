@@ -64,7 +64,7 @@ async fn pages_newest_first_without_gaps(on: On) {
         let refused = bench.store.captures().list(&page.into()).await;
         assert!(matches!(refused, Err(Error::InvalidPageToken)), "{token}");
     }
-    // A token of one listing is none of another.
+    // A token of one listing is refused by another.
     let refused = bench.store.twins().list(&query).await;
     assert!(matches!(refused, Err(Error::InvalidPageToken)));
 }

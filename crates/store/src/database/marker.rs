@@ -1,5 +1,6 @@
-//! Files in the data folder that say that its database, or its content, is elsewhere. Without them a
-//! server that is started without the URL would begin anew beside it, or go on with old data.
+//! Files in the data folder that say that its database, or its content, is elsewhere. Without them
+//! a server started without the URL would begin with an empty database beside it, or continue with
+//! old data.
 
 use std::{fs, io, path::Path};
 

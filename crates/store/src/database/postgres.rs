@@ -26,7 +26,8 @@ use crate::{
 };
 
 const READERS: u32 = 8;
-/// One at a time gets the lock; the others have begun when it is their turn.
+/// Connections for writing: one at a time holds the lock; the others have begun their transactions
+/// by their turn.
 const WRITERS: u32 = 4;
 const ACQUIRE_TIMEOUT: Duration = Duration::from_secs(5);
 /// Time limits of the server on a statement, on the wait for the lock, and on a transaction whose
@@ -103,7 +104,7 @@ pub(super) async fn open(url: &DatabaseUrl) -> Result<(Server, Readers)> {
     Ok((server, Readers::Postgres(readers)))
 }
 
-/// One connection without time limits.
+/// A connection without time limits.
 pub(crate) async fn connect(options: &PgConnectOptions) -> Result<PgConnection> {
     let connected = tokio::time::timeout(ACQUIRE_TIMEOUT, options.connect()).await;
     Ok(connected.map_err(|_| Error::DatabaseUnavailable)??)
@@ -136,7 +137,7 @@ pub(crate) async fn migrate(connection: &mut PgConnection, migrator: &Migrator) 
         // Its functions do what those of this version do, and more.
         return Ok(());
     }
-    // Two servers that start at once must not replace the same function.
+    // Two servers that start at the same time must not replace the same function.
     let mut tx = connection.begin().await?;
     sqlx::query("select pg_advisory_xact_lock($1)").bind(WRITE_LOCK).execute(&mut *tx).await?;
     sqlx::raw_sql(include_str!("postgres.sql")).execute(&mut *tx).await?;
@@ -152,7 +153,7 @@ impl Server {
         if self.without_lock.load(std::sync::atomic::Ordering::SeqCst) {
             return Ok(Transaction::postgres(open, crate::clock::micros(jiff::Timestamp::now())));
         }
-        // A statement of its own: if it fails, sqlx knows of the transaction and ends it.
+        // A separate statement: if it fails, sqlx knows of the transaction and ends it.
         let (_, time): (Option<String>, i64) =
             sqlx::query_as(TAKE_LOCK).bind(WRITE_LOCK).fetch_one(&mut *open).await?;
         Ok(Transaction::postgres(open, time))

@@ -1,9 +1,9 @@
 //! The parts that are specific to SQLite: the files, the pragmas, and one writer beside many
 //! readers.
 //!
-//! SQLite ends a transaction by itself when a disk is full or fails. The pool would go on counting
-//! it as open, and every later transaction would be refused. So a connection that comes back must
-//! prove that it can begin one, however the last one ended: if not, it is closed, and the next
+//! SQLite ends a transaction by itself when a disk is full or fails. The pool would still count it
+//! as open, and every later transaction would be refused. So a returned connection must prove that
+//! it can begin a transaction, however the last one ended: if it cannot, it is closed, and the next
 //! write opens another.
 
 use std::{fs, path::Path, sync::Arc, time::Duration};

@@ -76,7 +76,7 @@ async fn fill_and_recover(disk: &Path) {
     assert!(is_full(&written), "{written}");
     assert_eq!(store.disk().unwrap().free_bytes, 0);
 
-    // Nothing new comes in, whatever its size.
+    // New content of any size is refused.
     for size in [10, 9 << 20] {
         let refused = create(vec![3; size]).await.unwrap_err();
         assert!(matches!(refused, Error::DiskFull), "{size}: {refused}");
@@ -98,7 +98,7 @@ async fn fill_and_recover(disk: &Path) {
     let store = Store::open(Options::new(&data_dir)).await.unwrap();
     store.captures().content(capture.id).await.unwrap();
 
-    // With room, all is as it was at once.
+    // With free space, everything works again immediately.
     std::fs::remove_file(filler).unwrap();
     store.probe_write().await.unwrap();
     assert!(data_dir.join("reserve").exists());

@@ -39,7 +39,7 @@ async fn content_without_its_database_is_not_touched() {
     assert!(matches!(refused, Error::DatabaseMissing { .. }), "{refused}");
     assert!(refused.to_string().contains("bendtwin store repair"), "{refused}");
     assert!(!data_dir.join(database::FILE).exists(), "it must not stand in the way of the old one");
-    // With the database back, all is as it was.
+    // With the database back, everything works again.
     move_database(away.path(), data_dir);
     let store = open(data_dir).await.unwrap();
     store.captures().content(capture.id).await.unwrap();

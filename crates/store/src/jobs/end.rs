@@ -18,11 +18,11 @@ use crate::{
 /// Reason for the end of an attempt.
 #[derive(Clone, Debug, PartialEq)]
 pub enum AttemptEnd {
-    /// It failed; another attempt may do better.
+    /// Failed; another attempt may succeed.
     Failed(Fault),
-    /// It failed because of its input: every attempt would.
+    /// Failed because of the input: every attempt would.
     FailedForGood(Fault),
-    /// It was asked to stop and did.
+    /// Stopped on request.
     Cancelled,
     /// The worker gave the job back in good order; the attempt does not count.
     Released,
@@ -36,7 +36,7 @@ pub enum AttemptEnd {
 pub enum Loss {
     /// The worker ended or fell silent: the job may be the cause.
     Worker,
-    /// It did while it answered rollouts, which may be the cause just as well.
+    /// Failed while the worker answered rollouts, which may equally be the cause.
     Rollout,
     /// The server ended it, or ended itself: nothing to do with the job.
     Server,
@@ -118,8 +118,8 @@ impl Jobs<'_> {
         Ok(ended)
     }
 
-    /// Ends a running attempt in the way that `end` tells once the write lock is taken, if it tells
-    /// one; it is given the database's time, if the database has a clock of its own [us].
+    /// Ends a running attempt in the way that `end` returns once the write lock is taken, if it
+    /// returns one; `end` receives the database's time [us], if the database has a clock.
     async fn end_if(
         &self,
         id: JobId,

@@ -35,7 +35,7 @@ pub struct NewIngest {
 /// A report to be stored.
 #[derive(Debug)]
 pub struct NewReport {
-    /// Its verdict: one lower-case word.
+    /// Verdict: one lower-case word.
     pub verdict: String,
     /// The report as JSON.
     pub json: Staged,

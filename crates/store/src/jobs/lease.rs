@@ -152,7 +152,7 @@ impl Jobs<'_> {
     /// The newest checkpoint of a job. One whose content is lost is forgotten: the job begins anew.
     ///
     /// # Errors
-    /// [`Error::NotFound`] if there is none, [`Error::ContentLost`], [`Error::ContentDamaged`].
+    /// [`Error::NotFound`] without a checkpoint, [`Error::ContentLost`], [`Error::ContentDamaged`].
     pub async fn checkpoint(&self, id: JobId) -> Result<Content> {
         let digest = self.get(id).await?.checkpoint;
         let digest =

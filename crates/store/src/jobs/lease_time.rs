@@ -1,14 +1,14 @@
 //! The time by which leases end: the time for which this process has run, as its sweeps saw it
 //! pass.
 //!
-//! It is not the time of day, which an administrator or a time server may set back or forward. And
-//! time in which the process stood still (a suspended machine, a stopped container, a disk that
-//! did not answer) counts no more than one step between two sweeps: workers could not renew
-//! anything then, so they keep what was left of their leases.
+//! Lease time is not the time of day, which an administrator or a time server may set back or
+//! forward. Time in which the process stood still (a suspended machine, a stopped container, a disk
+//! that did not answer) counts as at most one step between two sweeps: workers could not renew
+//! anything then, so they keep the rest of their leases.
 //!
 //! The ends of leases are in memory. After a restart every lease that the database knows begins
-//! anew with the first sweep: whoever holds one gets its time to report, and no longer. So does one
-//! that another server has renewed since the last sweep.
+//! again with the first sweep: its holder gets a full lease to report, and no more. The same
+//! applies to leases that another server has renewed since the last sweep.
 
 use std::{
     collections::HashMap,
@@ -42,12 +42,12 @@ struct State {
     ends: HashMap<JobId, End>,
 }
 
-/// A lease, and its end as far as it is known here.
+/// A lease, and its end if it is known here.
 #[derive(Clone, Copy, Debug)]
 struct End {
     epoch: u64,
     at: Duration,
-    /// As the last sweep found it.
+    /// Renewal that the last sweep found.
     renewal: Option<i64>,
 }
 

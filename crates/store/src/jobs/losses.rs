@@ -1,8 +1,8 @@
 //! Losses of a fit by stage, model and iteration, kept as its worker reports them.
 //!
-//! There are few thousand at most: then only every second iteration is kept, every fourth and so
-//! on, and the last of each curve. Losses of an attempt replace what an earlier one computed
-//! from that iteration on, since it went on from a checkpoint before it.
+//! A fit keeps a few thousand rows at most: beyond that only every second iteration is kept, then
+//! every fourth and so on, and the last of each curve. Losses of an attempt replace those that an
+//! earlier one computed from that iteration on, since it resumed from a checkpoint before it.
 
 use std::collections::BTreeMap;
 
@@ -155,7 +155,7 @@ async fn thin_out(tx: &mut Transaction, row: &Row) -> Result<()> {
     let mut stride = row.loss_stride.max(1);
     while query_scalar(count).bind(&row.id).fetch_one::<i64>(&mut *tx).await? > MOST {
         if stride > LARGEST_STRIDE {
-            // No fit has so many models.
+            // No fit has this many models.
             let all = "delete from losses where fit = $1";
             query(all).bind(&row.id).execute(&mut *tx).await?;
             break;

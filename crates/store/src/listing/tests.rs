@@ -100,7 +100,7 @@ async fn lists_have_the_order_that_is_asked_for(on: On) {
     }
 }
 
-/// Every row that is there all the time comes once, whatever comes and goes between two pages.
+/// Every row that exists throughout comes exactly once, while others come and go between two pages.
 async fn pages_stay_right_while_rows_come_and_go(on: On) {
     for (key, descending) in ORDERS {
         let bench = Bench::new(on).await;

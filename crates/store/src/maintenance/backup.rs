@@ -1,8 +1,8 @@
 //! Backup of a store, beside a running server or without one.
 //!
-//! The database is copied first, as it is at one moment, and then the content that its rows refer
-//! to. Content never changes, so the only race is with deletions: if content has gone that the copy
-//! wants, its row has gone as well, and the database is copied once more. Content that is missing
+//! The database is copied first, as a snapshot, and then the content that its rows refer to.
+//! Content never changes, so the only race is with deletions: if content that the copy needs has
+//! gone, its row has gone as well, and the database is copied once more. Content that is missing
 //! from two copies in a row is missing from the store itself.
 
 use std::{

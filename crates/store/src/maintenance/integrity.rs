@@ -17,7 +17,7 @@ pub(super) async fn read_only(data_dir: &Path) -> Result<SqliteConnection> {
     open(&data_dir.join(database::FILE)).await
 }
 
-/// As [`read_only`], for a database of any name.
+/// [`read_only`] for a database of any name.
 pub(super) async fn open(file: &Path) -> Result<SqliteConnection> {
     if !file.try_exists()? {
         return Err(Error::NotFound { name: file.display().to_string() });

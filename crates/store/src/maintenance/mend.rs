@@ -1,6 +1,6 @@
 //! Rows whose content is gone. Results of an ingest are made again from the capture; a checkpoint
-//! is forgotten, so that its job starts anew. Captures and twins stay as they are: uploading the
-//! same content once more completes them.
+//! is forgotten, so that its job starts again. Captures and twins are left unchanged: uploading the
+//! same content again completes them.
 
 use std::collections::BTreeSet;
 

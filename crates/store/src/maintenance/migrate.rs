@@ -1,10 +1,11 @@
 //! The move of a store's rows from SQLite to an empty PostgreSQL database. Content stays where it
 //! is.
 //!
-//! All rows go over in one transaction, and are read back and compared in it: an interruption leaves
-//! the database as empty as it was, and the command is run again. Then the folder says where its
-//! database is, and the SQLite file is kept under another name. After an interruption between these
-//! last steps the command is run again, too: it finds the rows there already.
+//! All rows are copied in one transaction, and read back and compared in it: an interruption leaves
+//! the target database as empty as before, and the command is run again. Then a marker in the
+//! folder names the new database, and the SQLite file is kept under another name. After an
+//! interruption between these last steps the command is run again, too: it finds the rows already
+//! copied.
 
 use std::{fs, path::Path, sync::Arc};
 
@@ -70,7 +71,7 @@ pub struct Migration {
 /// A table that both databases have alike.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct MovedTable {
-    /// Its name.
+    /// Name of the table.
     pub name: String,
     /// Number of rows.
     pub rows: u64,

@@ -17,7 +17,7 @@ use crate::{
     database, folder,
 };
 
-/// Blobs that are moved at once.
+/// Blobs moved concurrently.
 const AT_ONCE: usize = 8;
 /// Name of the old folder.
 const KEPT: &str = "blobs.migrated";

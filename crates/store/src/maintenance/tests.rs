@@ -270,7 +270,7 @@ async fn a_backup_names_what_the_store_lacks() {
 }
 
 #[tokio::test]
-async fn content_moves_to_a_bucket_and_an_interrupted_move_goes_on() {
+async fn content_moves_to_a_bucket_and_an_interrupted_move_resumes() {
     let Some(on) = On::bucket_or_skip() else { return };
     let bench = Bench::new(On::Sqlite).await;
     let capture = observed(&bench, "archive").await;

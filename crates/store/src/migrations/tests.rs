@@ -14,7 +14,7 @@ use crate::{
     test_database::{On, TestDatabase, on_databases},
 };
 
-/// The last migration before programs began to go on with databases of newer ones.
+/// The last migration before programs began to accept databases of newer ones.
 const LAST_OF_ANY_KIND: i64 = 14;
 
 on_databases! {

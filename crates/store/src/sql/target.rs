@@ -15,8 +15,7 @@ pub(crate) enum Readers {
 #[derive(Debug)]
 pub(crate) struct Transaction {
     open: Open,
-    /// Time of the database when it excluded the others, if the database has a clock of its own
-    /// [us].
+    /// Time of the database when it excluded the others, if the database has a clock [us].
     database_time: Option<i64>,
 }
 
@@ -38,7 +37,7 @@ impl Transaction {
         Self { open: Open::Postgres(open), database_time: Some(time) }
     }
 
-    /// Time of the database, if it has a clock of its own [us].
+    /// Time of the database, if it has a clock [us].
     pub(crate) fn database_time(&self) -> Option<i64> {
         self.database_time
     }

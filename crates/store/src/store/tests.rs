@@ -25,12 +25,12 @@ on_both! {
 pub(crate) const LEASE: Duration = Duration::from_secs(30);
 pub(crate) const TERMS: LeaseTerms = LeaseTerms { lease: LEASE, step: Duration::from_secs(2) };
 
-/// A store in a folder of its own, with a stopped clock.
+/// A store in a temporary folder, with a stopped clock.
 pub(crate) struct Bench {
     pub(crate) dir: tempfile::TempDir,
     pub(crate) clock: Arc<ManualClock>,
     pub(crate) store: Store,
-    /// Its database, if that is not in the folder.
+    /// Database, if that is not in the folder.
     pub(crate) postgres: Option<TestDatabase>,
     /// The place of content, if that is not in the folder.
     pub(crate) objects: Option<ObjectsUrl>,
@@ -163,8 +163,7 @@ impl Bench {
         swept
     }
 
-    /// Number of blobs that are stored for good.
-    /// Waits until no publication keeps content: it lets go of it in a task of its own.
+    /// Waits until no publication keeps content: a separate task releases it.
     pub(crate) async fn no_arrivals(&self) {
         loop {
             let left = sql::query_scalar("select count(*) from arrivals");
@@ -188,7 +187,7 @@ impl Bench {
         self.published_count().await
     }
 
-    /// Number of blobs as they are, with those that no row refers to.
+    /// Current number of blobs, including those that no row refers to.
     pub(crate) async fn published_count(&self) -> usize {
         match self.store.blobs().place() {
             Place::Folder(folder) => folder.list().await.unwrap().len(),
@@ -253,8 +252,8 @@ pub(crate) fn new_fit(capture: &Capture) -> NewFit {
     }
 }
 
-/// One server has a folder with SQLite. Several may have one whose rows are in PostgreSQL, and a
-/// repair none of them.
+/// A folder with SQLite belongs to one server. A folder whose rows are in PostgreSQL may have
+/// several, but no repair beside them.
 async fn one_server_per_folder_of_sqlite(on: On) {
     let bench = Bench::new(on).await;
     let upload = bench.store.blobs().upload(1).await.unwrap();

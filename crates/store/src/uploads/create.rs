@@ -64,9 +64,9 @@ impl UploadBounds {
 
 impl Uploads<'_> {
     /// Creates an upload. The same request id with the same length and metadata returns the upload
-    /// created before, however far it is. If a capture of the declared digest exists under that
-    /// request id, the upload is complete at once. Beyond the number of uploads, the oldest of
-    /// those of which nothing has come gives way.
+    /// created before, at any progress. If a capture of the declared digest exists under that
+    /// request id, the upload is complete immediately. Beyond the limit on uploads, the oldest
+    /// upload without any content is dropped.
     ///
     /// If the capture of that request id has been deleted, the upload starts again. A request with
     /// content does not start it: it may be a late attempt at one that has been answered.

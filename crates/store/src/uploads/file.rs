@@ -98,7 +98,7 @@ impl FileSink {
     }
 }
 
-/// Digest and size of a file, in a thread of its own.
+/// Digest and size of a file, computed in a separate thread.
 pub(super) async fn hash(path: PathBuf) -> Result<(Digest, u64)> {
     let hashing = tokio::task::spawn_blocking(move || {
         let mut hasher = blake3::Hasher::new();

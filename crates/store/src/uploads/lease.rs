@@ -1,6 +1,7 @@
-//! One writer per upload among several servers: a lease in its row, which its holder renews for as
-//! long as it runs. Each claim adds 1 to the epoch of the row; a writer whose epoch is past changes
-//! nothing. A waiting server says so in the row, and the holder saves what has arrived and releases it.
+//! One writer per upload among several servers: a lease in its row, which the holder renews while
+//! it runs. Each claim adds 1 to the epoch of the row; a writer with an older epoch changes
+//! nothing. A waiting server says so in the row, and the holder saves what has arrived and releases
+//! it.
 
 use std::{
     sync::{
@@ -180,7 +181,7 @@ async fn is_wanted(store: &Store, id: UploadId, epoch: i64) -> Result<Option<boo
     Ok(wanted.map(|(wanted,)| wanted))
 }
 
-/// As [`is_wanted`], and extends the lease.
+/// [`is_wanted`], and extends the lease.
 async fn extend(store: &Store, id: UploadId, epoch: i64) -> Result<Option<bool>> {
     let mut tx = store.inner.database.write().await?;
     let wanted: Option<(bool,)> = query(

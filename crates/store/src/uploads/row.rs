@@ -20,7 +20,7 @@ pub enum UploadState {
 /// A resumable upload.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ResumableUpload {
-    /// Its id.
+    /// Id of the upload.
     pub id: UploadId,
     /// State of the upload.
     pub state: UploadState,

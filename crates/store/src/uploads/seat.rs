@@ -1,5 +1,5 @@
-//! One writer per upload, and a way to take an upload over. A broken connection may look alive here
-//! for minutes, while its client has returned already and wants to resume. So the writer of an
+//! A single writer per upload, and a way to take an upload over. A broken connection may look alive
+//! here for minutes, while its client has already returned and wants to resume. So the writer of an
 //! upload learns that another waits for it, saves the bytes that have arrived and releases the
 //! upload.
 

@@ -168,9 +168,9 @@ impl UploadWriter {
         }
     }
 
-    /// The complete content, to be given to [`crate::Captures::create`], which ends the upload.
-    /// A file is hashed in a thread of its own unless that was done before a crash; of parts the
-    /// hashes are known.
+    /// The complete content, for [`crate::Captures::create`], which ends the upload. A file is
+    /// hashed in a separate thread unless that was done before a crash; the hashes of parts are
+    /// known.
     ///
     /// # Errors
     /// [`Error::DigestMismatch`], [`Error::ContentLost`], [`Error::ObjectsUnavailable`],

@@ -104,8 +104,8 @@ fn of_keys(error: &object_store::Error) -> Error {
     refused("the keys are wrong or do not allow it".to_owned())
 }
 
-/// True if a server answered that the keys are wrong or may not do this. Not every request turns that
-/// into an error of its own.
+/// True if a server answered that the keys are wrong or lack the permission. Not every request
+/// turns that into a separate error.
 fn is_of_keys(text: &str) -> bool {
     ["401", "403"].iter().any(|code| text.contains(&format!("status code: {code}")))
 }
@@ -126,7 +126,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn refusals_are_told_from_silence() {
+    fn refusals_differ_from_silence() {
         assert!(is_of_keys("Server returned non-2xx status code: 403 Forbidden: wrong signature"));
         assert!(!is_of_keys("Server returned non-2xx status code: 400 Bad Request"));
         assert!(is_refusal("Server returned non-2xx status code: 400 Bad Request: wrong region"));

@@ -12,7 +12,7 @@ use tokio::{fs::File, io::AsyncReadExt as _};
 use super::{Bucket, PART};
 use crate::Result;
 
-/// Parts under way at once.
+/// Parts in flight per object.
 const AT_ONCE: usize = 2;
 /// Most parts that a multipart upload may have, with some to spare.
 const MOST_PARTS: u64 = 9_000;
@@ -100,7 +100,7 @@ impl Bucket {
 }
 
 impl Source<'_> {
-    /// The next bytes, so many or those up to the end.
+    /// The next `length` bytes, or those up to the end.
     async fn next(&mut self, length: usize) -> Result<Bytes> {
         match self {
             Self::Object { bucket, path, at, end } => {

@@ -1,5 +1,5 @@
 //! Behaviour of PostgreSQL that SQLite does not have: rows that change behind a transaction, plans,
-//! connections that break, notifications and a clock of its own.
+//! connections that break, notifications and its own clock.
 
 use std::{
     sync::{Arc, atomic::Ordering},
@@ -23,9 +23,9 @@ on_both! {
     writes_that_are_given_up_half_way_keep_nobody_waiting,
 }
 
-/// Runs the race of a completion with the loss of its lease until it goes wrong, or for so many
-/// rounds. Returns true if it went wrong: the stale worker's completion was accepted, and the job
-/// belongs to another.
+/// Runs the race between a completion and the loss of its lease until it goes wrong, or for
+/// `rounds`. Returns true if it went wrong: the stale worker's completion was accepted although the
+/// job belongs to another.
 async fn race(bench: &Bench, rounds: usize) -> bool {
     let capture = bench.capture("a").await;
     let jobs = bench.store.jobs();
@@ -173,7 +173,7 @@ async fn pages_deep_in_a_list_begin_at_their_place() {
     }
 }
 
-/// As a restart of the server does: all connections break.
+/// Breaks all connections, as a restart of the server does.
 async fn break_connections(database: &TestDatabase) {
     let name = database.url.options().unwrap();
     let mut connection = super::connect(&name).await.unwrap();
@@ -323,7 +323,7 @@ async fn refusals_after_a_migration(bench: &Bench) -> Vec<Error> {
     refused
 }
 
-/// One call fails and may be repeated.
+/// A single call fails and may be repeated.
 #[tokio::test]
 async fn a_column_that_is_added_meanwhile_fails_one_call_at_most() {
     let Some(on) = On::postgres_or_skip() else { return };
@@ -331,7 +331,7 @@ async fn a_column_that_is_added_meanwhile_fails_one_call_at_most() {
     assert!(refused.len() <= 1, "{refused:?}");
 }
 
-/// Each connection has a plan of its own that is refused.
+/// Each connection has a cached plan that is refused.
 #[tokio::test]
 async fn a_column_fails_several_calls_where_connections_are_kept() {
     let Some(on) = On::postgres_or_skip() else { return };

@@ -75,8 +75,8 @@ async fn losses_are_kept_by_stage_and_model_until_the_fit_is_deleted(on: On) {
     assert_eq!(rows, 0);
 }
 
-/// What was computed after the checkpoint that a worker's successor goes on from is not of the way
-/// to the twin.
+/// Losses computed after the checkpoint from which a worker's successor resumes are not part of the
+/// path to the twin.
 async fn a_resumed_attempt_replaces_what_it_computes_anew(on: On) {
     let bench = Bench::new(on).await;
     let (fit, first) = running(&bench).await;

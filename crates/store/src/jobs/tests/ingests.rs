@@ -100,7 +100,7 @@ async fn what_fails_the_ingest_fails_its_fits_and_keeps_the_report(on: On) {
     let none = bench.store.captures().observation_content(capture.id).await;
     assert!(matches!(none, Err(Error::NotFound { .. })));
 
-    // Run again it may do better; its revisions go on from where they were.
+    // A new run may do better; its revisions continue the count.
     let new = jobs.create_ingest(again(&capture)).await.unwrap();
     assert!(new.revision > overview.ingest.revision && new.settings == "{\"a\":1}");
     let early = jobs.create_ingest(again(&capture)).await;
@@ -246,7 +246,7 @@ async fn small_captures_are_read_before_large_ones_that_wait_no_longer_than_they
     bench.clock.advance(Duration::from_secs(101));
     let last = sized("last", 1_000).await;
     assert_eq!(next().await, Some(large));
-    // Ten minutes after the huge one, whatever its size.
+    // Ten minutes after the huge one, regardless of size.
     bench.clock.advance(Duration::from_secs(400));
     let never = sized("never", 1_000).await;
     assert_eq!(next().await, Some(last));

@@ -21,7 +21,7 @@ enum Step {
         priority: i32,
     },
     Claim,
-    /// Of the n-th lease ever given, stale or not.
+    /// Reports with the n-th lease ever given, stale or not.
     Report {
         lease: usize,
         fraction: f64,
@@ -73,7 +73,7 @@ fn steps() -> impl Strategy<Value = Vec<Step>> {
 struct Job {
     state: State,
     priority: i32,
-    /// By the clock of the day, which may be set.
+    /// Time of day, which may be set.
     created: Timestamp,
     epoch: u64,
     stalled: u32,

@@ -55,7 +55,7 @@ async fn shared() -> Option<Bench> {
 }
 
 #[tokio::test]
-async fn any_server_goes_on_with_an_upload() {
+async fn any_server_resumes_an_upload() {
     let Some(bench) = shared().await else { return };
     let other = bench.second().await;
     for declared in [true, false] {
@@ -75,7 +75,7 @@ async fn any_server_goes_on_with_an_upload() {
 
 /// Crashes after the last byte, of content that has parts.
 #[tokio::test]
-async fn parts_become_one_capture_whatever_crashes() {
+async fn parts_become_one_capture_despite_crashes() {
     let Some(on) = On::bucket_or_skip() else { return };
     for (point, declared) in [
         (Failpoint::ContentStaged, true),
