@@ -108,7 +108,7 @@ fn measure_lengths(task: &Task<'_>, graph: &Graph, lengths_m: &mut [f32]) {
 /// The reason why a model cannot be simulated.
 #[derive(Debug)]
 pub(crate) enum LoadError {
-    /// It needs this many substeps, more than the settings allow.
+    /// Needs this many substeps, more than the settings allow.
     TooStiff(u32),
     /// The backend failed.
     Backend(backend::Error),

@@ -30,7 +30,7 @@ pub(crate) struct Checkpoint {
 pub(crate) struct ChosenStart {
     /// Index of the model in the fit.
     pub(crate) model: usize,
-    /// Loss of each start over these frames; infinite where there is none.
+    /// Loss of each start over these frames; infinite for starts without one.
     pub(crate) losses: Vec<f64>,
 }
 

@@ -38,7 +38,7 @@ pub struct CmaEs {
 pub struct Best {
     /// The point, in the unit cube.
     pub point: Vec<f64>,
-    /// Its loss.
+    /// Loss of the candidate.
     pub loss: f64,
     /// The generation that found it.
     pub generation: u64,

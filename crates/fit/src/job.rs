@@ -33,7 +33,7 @@ use crate::{
     warnings,
 };
 
-/// One fit: capture, settings and device.
+/// A fit: capture, settings and device.
 #[derive(Clone)]
 pub struct FitJob<'a> {
     /// The capture to fit to.
@@ -349,8 +349,8 @@ impl<'a> Run<'a> {
     fn limit_passes(&mut self, refinement: &mut Refinement<'_>, took_s: f64) {
         let Some(limit) = &self.limit else { return };
         let Some((done, _)) = refinement.next_pass() else { return };
-        // The rate may fall over all passes, so their number stays once it is known; the first pass
-        // may be slow for reasons of its own.
+        // The rate may fall over all passes, so their number is fixed once it is known; the first
+        // pass may be slow for other reasons.
         let (before, planned) = (self.passes_before(), self.current_task().passes());
         // Those of the stage after this one take their part of the time.
         let is_last = self.is_last_stage();

@@ -48,9 +48,9 @@ pub fn estimate(
     of_sizes(&settings, &size, &GraphSize::largest(&settings, &size), lanes).total()
 }
 
-/// Memory of a fit [bytes] that may take at most so much. Settings may allow far more springs than
-/// there are neighbours within their radius, so where they seem to ask for too much, the graph is
-/// built to see.
+/// Memory of a fit [bytes], checked against a limit. Settings may allow far more springs than there
+/// are neighbours within their radius, so where the bound exceeds the limit, the graph is built and
+/// counted.
 ///
 /// # Errors
 /// [`TooLarge`].
@@ -68,7 +68,7 @@ pub fn check(
     let (size, lanes) = (size_of(capture, views), lanes(backend));
     let settings = &settings.filled(size.conditions(lanes));
     let largest = GraphSize::largest(settings, &size);
-    // Without a single spring it would be too large, or candidates have graphs of their own.
+    // Too large even without springs, or the candidates have separate graphs.
     let is_hopeless = {
         let bare = GraphSize { springs: 0, triplets: 0, ..largest };
         of_sizes(settings, &size, &bare, lanes).total() > most

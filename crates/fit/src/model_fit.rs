@@ -26,7 +26,7 @@ pub(crate) fn model_name(bending: bool) -> &'static str {
     if bending { "bending" } else { "axial" }
 }
 
-/// One start of one model.
+/// A start of a model.
 pub(crate) struct ModelFit {
     /// Name for people: `bending`, or `bending 2/3` where there are several starts.
     pub(crate) name: String,

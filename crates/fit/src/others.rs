@@ -1,9 +1,9 @@
 //! Further recordings of the object in the terms of the reference's graph.
 //!
 //! The nodes are those of the reference. Another recording is moved so that its gravity and ground
-//! are the reference's, the nodes are registered to its start ([`Placement`]), and its control points
-//! are attached to them there. One graph has the control points of all recordings, so that search
-//! and refinement see sequences of one model; in each sequence a grasp that is open lets go of the
+//! are the reference's, the nodes are registered to its start ([`Placement`]), and its control
+//! points are attached to them there. One graph has the control points of all recordings, so that
+//! search and refinement see sequences of one model; in each sequence an open grasp releases the
 //! others' control points. The twin keeps those of the reference.
 
 use std::{ops::Range, sync::Arc};
@@ -142,7 +142,8 @@ fn unplaced(recording: &Capture, error: bendtwin_eval::Error) -> Error {
     }
 }
 
-/// The motion that makes a recording's gravity and ground the reference's; why there is none.
+/// The motion that makes a recording's gravity and ground the reference's, or the reason why no
+/// motion does.
 fn to_reference(reference: &Capture, other: &Capture) -> Result<RigidMotion, String> {
     if (reference.fps - other.fps).abs() > 1e-6 * reference.fps {
         return Err(format!(
@@ -205,7 +206,7 @@ fn across(direction: Vector3<f64>) -> nalgebra::Unit<Vector3<f64>> {
 }
 
 impl OtherControls {
-    /// True if there are none.
+    /// True without other recordings.
     pub(crate) fn is_empty(&self) -> bool {
         self.groups.is_empty()
     }

@@ -1,5 +1,5 @@
-//! The coordinates of the refinement: logarithms of stiffnesses, dashpots, dampings, drag and rest
-//! lengths (positive, of unknown scale); rest angles, rest twists and contact ratios as they are.
+//! Coordinates of the refinement: logarithms of stiffnesses, dashpots, dampings, drag and rest
+//! lengths (positive, of unknown scale); rest angles, rest twists and contact ratios unchanged.
 
 use std::f64::consts::PI;
 

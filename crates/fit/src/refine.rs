@@ -27,7 +27,7 @@ use crate::{Error, submit, task::Task};
 
 /// The refinement of all models.
 pub(crate) struct Refinement<'a> {
-    /// One per model, in the order of the fit.
+    /// A run per model, in the order of the fit.
     pub(crate) runs: Vec<OptimizerRun<'a>>,
     optimizer: Box<dyn Optimizer>,
     windows: Windows,
@@ -63,7 +63,7 @@ impl<'a> Refinement<'a> {
         if first_does { Ok(()) } else { self.score() }
     }
 
-    /// One pass of all models over the training frames.
+    /// Runs a pass of all models over the training frames.
     ///
     /// A model whose simulation or gradient is not finite returns to its best parameters with half
     /// the rate and pauses for the rest of the pass; the others are not affected.

@@ -41,7 +41,7 @@ impl Failures {
     }
 }
 
-/// One model's search strategy, and the space that it searches.
+/// A model's search strategy, and the space that it searches.
 pub(crate) struct Searcher<'m> {
     /// Index of the model in the fit.
     pub(crate) model: usize,
@@ -49,7 +49,7 @@ pub(crate) struct Searcher<'m> {
     pub(crate) strategy: &'m mut CmaEs,
 }
 
-/// One model's part of a generation.
+/// A model's part of a generation.
 pub(crate) struct Generation {
     /// Index of the model in the fit.
     pub(crate) model: usize,
@@ -75,7 +75,7 @@ impl<'a> Search<'a> {
         Self { task, set: task.search_set(), graphs: GraphCache::default(), most_loaded }
     }
 
-    /// With at most so many candidates loaded at a time, unless a slice needs more.
+    /// Limits the candidates loaded at a time to `most_loaded`, unless a slice needs more.
     #[cfg(test)]
     pub(crate) fn with_most_loaded(self, most_loaded: usize) -> Self {
         Self { most_loaded, ..self }
@@ -106,8 +106,8 @@ impl<'a> Search<'a> {
                     count += self.set.len();
                 }
             }
-            // Whole slices, so that instances are simulated together with the same others however
-            // many candidates are loaded at a time. Those that are done are let go of.
+            // Whole slices, so that instances are simulated together with the same others for any
+            // number of candidates loaded at a time. Finished ones are dropped.
             let whole = batch.len() - batch.len() % slice.max(1);
             losses.extend(submit::losses(backend, &batch[..whole], cancel)?);
             batch.drain(..whole);

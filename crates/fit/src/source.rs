@@ -30,11 +30,11 @@ pub(crate) struct Source<'a> {
     pub(crate) pinned: Vec<usize>,
     /// State of the nodes in the start frame.
     pub(crate) initial: Arc<State>,
-    /// Its own control points among those of the graph.
+    /// Range of this source's control points among those of the graph.
     pub(crate) own_controls: Range<usize>,
     /// Control points of the graph at rest [m], shape [C, 3]: where those of other sequences are.
     pub(crate) control_rest: Arc<Vec<Point>>,
-    /// A grasp that is open lets go of the control points of other sequences.
+    /// Surroundings in which an open grasp releases the control points of other sequences.
     pub(crate) world: Arc<World>,
 }
 
@@ -110,7 +110,7 @@ impl Source<'_> {
         self.world = Arc::new(World { bodies: 1, grasps: vec![grasp], ..World::default() });
     }
 
-    /// Motion of the surroundings over so many frames: the grasp is open.
+    /// Motion of the surroundings over `frames`: the grasp is open.
     pub(crate) fn motion_of(&self, frames: usize) -> Motion {
         Motion {
             poses: vec![IDENTITY; (frames + 1) * self.world.bodies],
@@ -128,8 +128,8 @@ pub(crate) struct Measure<'s> {
 impl Measure<'_> {
     /// Mean over frames of Chamfer distance and tracking loss.
     ///
-    /// - Chamfer: visible points against the skin. Left out where every visible point is tracked and
-    ///   has a skin point of its own: then it adds no information.
+    /// - Chamfer: visible points against the skin. Left out where every visible point is tracked
+    ///   and has its own skin point: then it adds no information.
     /// - Track: points whose motion is valid against their own skin points, pinned ones excepted.
     ///   Smooth L1 is scaled by beta (which makes it Huber's loss), so that beta sets where outliers
     ///   begin without changing the weight against the Chamfer distance.

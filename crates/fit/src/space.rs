@@ -1,11 +1,10 @@
 //! The variables of the search: physical constants of the whole object and, if asked for, the
 //! connectivity of its nodes. Every variable is scaled to 0..=1.
 //!
-//! Stiffness, dashpots, drag and bending are searched in logarithms: what matters about them is
-//! their order of magnitude, and the useful part of a linear scale (PhysTwin's 0..1e5, for example)
-//! would be a thin slice at one end. Ratios and lengths are searched as they are. Variables without
-//! effect on the capture (friction of an object in the air) are left out: each costs the search
-//! evaluations.
+//! Stiffness, dashpots, drag and bending are searched in logarithms: what matters is their order of
+//! magnitude, and the useful part of a linear scale (PhysTwin's 0..1e5, for example) would be a
+//! thin slice at one end. Ratios and lengths are searched directly. Variables without effect on the
+//! capture (friction of an object in the air) are left out: each costs the search evaluations.
 
 use std::f64::consts::PI;
 

@@ -25,11 +25,11 @@ use crate::{
 /// The data of a fit that no iteration changes.
 pub(crate) struct Task<'a> {
     pub(crate) capture: &'a Capture,
-    /// Settings in force: none is left open that effort, capture or device decide.
+    /// Settings in force, with all values filled in that effort, capture or device decide.
     pub(crate) settings: FitSettings,
     pub(crate) sample: NodeSample,
-    /// Surface points that the nodes carry, whatever joins them in a candidate: bound along the
-    /// springs of the settings' own connectivity. Those of the reference come first, then the
+    /// Surface points that the nodes carry, the same for every candidate's connectivity: bound
+    /// along the springs of the settings' connectivity. Those of the reference come first, then the
     /// tracked points of other recordings.
     pub(crate) skin: Arc<Skin>,
     /// Number of skin points of the reference.
@@ -99,8 +99,8 @@ impl<'a> Task<'a> {
         Self::of_nodes(capture, settings, Nodes::of_twin(start, capture), cancel)
     }
 
-    /// The task of refining a twin on motion of its own object, in its own frame and from its own rest
-    /// shape: nothing is registered. What becomes too stiff gives way.
+    /// The task of refining a twin on motion of its object, in its frame and from its rest shape:
+    /// nothing is registered. Elements that become too stiff are softened.
     ///
     /// # Errors
     /// As [`Task::new`].

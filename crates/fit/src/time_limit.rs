@@ -8,8 +8,8 @@ const SEARCH_SHARE: f64 = 0.3;
 /// Share of the time until the refinement ends; the evaluation has the rest.
 const REFINE_SHARE: f64 = 0.92;
 
-/// The clock of a fit with a time limit. A fit that is resumed goes on with the time that it has
-/// spent before.
+/// The clock of a fit with a time limit. A resumed fit continues with the time that it has spent
+/// before.
 pub(crate) struct TimeLimit {
     limit_s: f64,
     spent_before_s: f64,
@@ -31,12 +31,12 @@ impl TimeLimit {
         self.spent_before_s + self.began.elapsed().as_secs_f64()
     }
 
-    /// Generations that fit, of at most so many, after `done` of them that took `each_s` each.
+    /// Generations that fit, at most `most`, after `done` that took `each_s` each.
     pub(crate) fn generations(&self, most: u32, done: u32, each_s: f64) -> u32 {
         fitting(SEARCH_SHARE * self.limit_s - self.spent_s(), most, done, each_s)
     }
 
-    /// Passes that fit, of at most so many, after `done` of them that took `each_s` each.
+    /// Passes that fit, at most `most`, after `done` that took `each_s` each.
     pub(crate) fn passes(&self, most: u32, done: u32, each_s: f64) -> u32 {
         fitting(REFINE_SHARE * self.limit_s - self.spent_s(), most, done, each_s)
     }

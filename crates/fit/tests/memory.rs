@@ -1,5 +1,5 @@
-//! The estimate of a fit's memory beside what a fit takes. In a process of its own: the system says
-//! only how much a whole process took at most.
+//! The estimate of a fit's memory beside the memory that a fit takes. In a separate process: the
+//! system reports only the peak of a whole process.
 #![cfg(target_os = "linux")]
 
 use std::sync::Arc;

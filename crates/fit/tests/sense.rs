@@ -13,7 +13,7 @@ use bendtwin_engine::{
 use bendtwin_fit::FitJob;
 use bendtwin_synth::{MakeOptions, Scene, make};
 
-/// Frames after which a bar that was let go hangs nearly still.
+/// Frames after which a released bar hangs nearly still.
 const FRAMES: usize = 90;
 
 fn fit(scene: Scene, bending: bool) -> Twin {

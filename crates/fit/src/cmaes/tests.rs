@@ -74,7 +74,7 @@ fn a_hopeless_generation_keeps_the_strategy_sane() {
 }
 
 #[test]
-fn a_restored_strategy_goes_on_bit_for_bit() {
+fn a_restored_strategy_resumes_bit_for_bit() {
     let run = |store: bool| {
         let mut strategy = CmaEs::new(vec![0.2; 4], 0.2, 0, 9);
         for _ in 0..20 {

@@ -19,7 +19,7 @@ const REPORT_EVERY: u32 = 25;
 
 /// The end of work on a look.
 enum Fault {
-    /// It cannot be made.
+    /// The appearance cannot be made.
     Look(bendtwin_appearance::Error),
     /// The fit must end.
     Fit(Error),

@@ -9,9 +9,9 @@ use crate::{Error, refine::Refinement};
 const WORST: f64 = 3.0;
 
 impl Run<'_> {
-    /// Adds its members to a twin, that of a model: the best of the other starts of its kind by the
-    /// loss that the choice was made by, which is kept of all of them. Where frames were held back, the
-    /// others are as they were refined without them.
+    /// Adds the members to a twin: the best of the other starts of its model, by the loss that the
+    /// choice was made by, which is kept for all of them. Where frames were held back, the members
+    /// were refined without these.
     pub(super) fn add_members(
         &mut self,
         twin: &mut Twin,

@@ -27,7 +27,7 @@ fn job(capture: &Capture, settings: FitSettings) -> FitJob<'_> {
     FitJob { capture, capture_digest: "digest".into(), settings, backend, look: None }
 }
 
-/// Keeps everything, and stops or cancels after so many checkpoints.
+/// Keeps everything, and stops or cancels after a number of checkpoints.
 #[derive(Default)]
 struct Recorder {
     checkpoints: Vec<Vec<u8>>,
@@ -107,7 +107,7 @@ fn refinement_never_makes_the_training_loss_worse() {
     let capture = make(Scene::Rope, &MakeOptions::tiny(4)).unwrap();
     let mut settings = settings(GradientWindow::Pass);
     settings.compare_axial = false;
-    // Steps so long that they cannot go on gaining for as many passes as these.
+    // Steps so long that they cannot gain for this many passes.
     settings.refine.learning_rate = 1.0;
     settings.refine.passes = Some(24);
     let mut recorder = Recorder::default();
@@ -276,7 +276,7 @@ fn gravity_is_searched_if_the_settings_say_so() {
 }
 
 #[test]
-fn a_time_limit_ends_a_fit_that_would_go_on() {
+fn a_time_limit_ends_a_fit_early() {
     let capture = make(Scene::Rope, &MakeOptions::tiny(2)).unwrap();
     let mut endless = settings(GradientWindow::Pass);
     endless.within_s = Some(1.0);
@@ -301,7 +301,7 @@ fn a_time_limit_ends_a_fit_that_would_go_on() {
 }
 
 #[test]
-fn an_object_in_pieces_is_told_before_the_search() {
+fn an_object_in_pieces_is_reported_before_the_search() {
     let capture = make(Scene::Toy, &MakeOptions::tiny(2)).unwrap();
     let first = |radius_m: Option<f64>| {
         let mut settings = settings(GradientWindow::Pass);

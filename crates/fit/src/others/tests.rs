@@ -209,7 +209,7 @@ fn a_recording_is_laid_on_the_ground_of_the_reference() {
 }
 
 #[test]
-fn sequences_of_a_cable_are_joined_as_they_are() {
+fn sequences_of_a_cable_are_joined_unchanged() {
     let capture = make(Scene::Cable, &MakeOptions::tiny(3)).unwrap();
     let other = make(Scene::Cable, &MakeOptions::tiny(4)).unwrap();
     let alone = task(&capture, &FitSettings::default()).training.len();
@@ -268,12 +268,12 @@ fn a_twin_is_refined_in_another_recording() {
     assert_eq!(made.search.generations, Some(0));
     assert!(losses.0.last() < losses.0.first(), "{:?}", losses.0);
     assert_eq!(refined.quality.recordings.len(), 2);
-    // And in its own capture it goes on from where it was.
+    // And in its own capture it resumes where it stopped.
     let mut again = Losses::default();
     let own = job(&first, &settings).refine(&twin, None, &mut again, &cancel).unwrap().twin;
     assert_eq!(own.graph, twin.graph);
     assert!(again.0[0] <= losses.0[0]);
-    // A checkpoint of the one fit is none of another.
+    // A checkpoint of one fit is refused by another.
     let mut kept = Vec::new();
     job(&second, &settings).refine(&twin, None, &mut Keeper(&mut kept), &cancel).unwrap();
     let resumed = job(&second, &settings).refine(&twin, Some(&kept[1]), &mut (), &cancel).unwrap();

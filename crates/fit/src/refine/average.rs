@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 
 /// Weight of the newest position: the mean reaches back about twenty passes.
 const NEWEST: f64 = 0.05;
-/// A mean is scored each time so many passes are done, which costs a rollout.
+/// Passes between two scores of the mean, each of which costs a rollout.
 const EVERY: u32 = 10;
 
 /// The mean of the positions since the start or since the last return to the best parameters.

@@ -224,7 +224,7 @@ impl<'a> OptimizerRun<'a> {
         rate * self.state.step_control.rate(self.schedule(), self.state.pass, steps)
     }
 
-    /// One optimizer step down the mean of the gradients that were just measured.
+    /// Takes an optimizer step down the mean of the gradients that were just measured.
     pub(crate) fn step(
         &mut self,
         index: usize,
@@ -353,8 +353,8 @@ impl<'a> OptimizerRun<'a> {
         Ok(())
     }
 
-    /// The model at the mean of the last positions; none if there is none, or if it would need more
-    /// substeps than the run takes.
+    /// The model at the mean of the last positions; `None` without a mean, or if the model would
+    /// need more substeps than the run takes.
     pub(crate) fn average(&self, backend: &dyn Backend) -> Result<Option<Loaded>, Error> {
         let Some(theta) = self.state.average.theta() else { return Ok(None) };
         let params = self.parameterization.params(theta);
@@ -365,8 +365,8 @@ impl<'a> OptimizerRun<'a> {
         Ok(Some(backend.with_params(&self.loaded, model.params)?))
     }
 
-    /// Records the loss of [`OptimizerRun::average`]: it becomes the best if it is, while steps go on
-    /// from where they are.
+    /// Records the loss of [`OptimizerRun::average`]: the mean becomes the best if its loss is the
+    /// lowest, while steps continue from the current position.
     pub(crate) fn record_average(&mut self, loss: f64) {
         let Some(theta) = self.state.average.theta() else { return };
         if loss < self.state.best.loss {

@@ -10,7 +10,7 @@ use crate::task::Task;
 /// Stream of random numbers for the order of sequences, separate from the search's.
 const STREAM: u64 = 1 << 63;
 
-/// One step of Adam.
+/// A step of Adam.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct Step {
     /// Windows whose gradients it follows.

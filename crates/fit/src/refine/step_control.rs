@@ -19,7 +19,7 @@ const PATIENCE: u32 = 12;
 const PATIENCE_SHARE: f64 = 1.0 / 12.0;
 /// and at least.
 const MIN_PATIENCE: u32 = 6;
-/// A run has ended when so many passes
+/// A run has ended when this many passes
 const IDLE_PASSES: usize = 40;
 /// lower its best loss by less than this share.
 const LEAST_GAIN: f64 = 0.01;

@@ -94,7 +94,7 @@ impl Backend for Counting {
     }
 }
 
-/// Losses of two generations with so many candidates loaded at a time, and what was counted.
+/// Losses of two generations with `most_loaded` candidates loaded at a time, and what was counted.
 fn generations(capture: &Capture, most_loaded: usize) -> (Vec<Vec<f64>>, Vec<usize>, usize) {
     let mut settings = FitSettings { seed: 3, ..FitSettings::default() };
     settings.graph.max_nodes = Some(16);

@@ -64,7 +64,7 @@ fn hands_stay_above_the_ground() {
 }
 
 #[test]
-fn seeds_and_streams_have_actions_of_their_own() {
+fn seeds_and_streams_have_distinct_actions() {
     let hands = Hands::new(&twin(), None);
     let first = |seed, stream| hands.actions(1, seed, stream).remove(0).controls;
     assert_eq!(first(1, 0), first(1, 0));
