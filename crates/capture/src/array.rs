@@ -86,7 +86,7 @@ pub(crate) struct Array<'a> {
 
 /// Bytes that a shape needs; `None` where that overflows.
 pub(crate) fn byte_count(shape: &[usize], dtype: Dtype) -> Option<u64> {
-    // A zero anywhere makes the product zero, whatever overflows beside it.
+    // A zero anywhere makes the product zero, even beside an overflow.
     if shape.contains(&0) {
         return Some(0);
     }

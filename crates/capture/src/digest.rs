@@ -1,5 +1,4 @@
-//! Digest of a capture, 64 letters: equal content, whatever file it came in,
-//! gives the equal digest.
+//! Digest of a capture, 64 letters: equal content from any file gives the same digest.
 
 use bendtwin_core::{Capture, Point};
 

@@ -34,7 +34,7 @@ pub enum Error {
     OtherFormat {
         /// The file.
         at: String,
-        /// Its format.
+        /// Format of the file.
         what: &'static str,
         /// The command that converts it.
         advice: String,
@@ -48,7 +48,7 @@ pub enum Error {
          them if they are recordings of one object"
     )]
     Several(String),
-    /// One of several recordings of an object cannot be read.
+    /// A recording among several of an object cannot be read.
     #[error("recording `{name}`: {error}")]
     InRecording {
         /// Name of the recording.
@@ -102,7 +102,7 @@ pub enum Error {
     ArchiveCompression {
         /// The entry.
         at: String,
-        /// Its compression.
+        /// Compression method.
         method: String,
     },
     /// A compressed tar archive that is larger than what may be held in memory.
@@ -148,7 +148,7 @@ pub enum Error {
     TooLarge {
         /// Thing that is too large.
         what: String,
-        /// Its size.
+        /// Size.
         bytes: u64,
         /// The limit.
         limit: u64,
@@ -260,7 +260,7 @@ pub enum Error {
     Dtype {
         /// The array.
         at: String,
-        /// Its type.
+        /// Element type found.
         found: String,
         /// The types accepted.
         needed: &'static str,
@@ -270,7 +270,7 @@ pub enum Error {
     Shape {
         /// The array.
         at: String,
-        /// Its shape.
+        /// Shape found.
         found: Vec<usize>,
         /// The shape needed, in letters.
         needed: String,
@@ -300,12 +300,12 @@ pub enum Error {
     ImageSize {
         /// The file.
         at: String,
-        /// Its columns and rows.
+        /// Columns and rows of the image.
         found: [usize; 2],
         /// The camera's columns and rows.
         needed: [usize; 2],
     },
-    /// Depth in a frame of its own.
+    /// Depth in a frame other than colour's.
     #[error(
         "camera `{camera}`: no depth images have the frame_id of its colour, `{frame_id}` (there is {found}): \
          record depth aligned to colour, such as aligned_depth_to_color"
@@ -342,9 +342,9 @@ pub enum Error {
     PinRange {
         /// Index of the pin.
         index: usize,
-        /// Its point.
+        /// Index of the point.
         point: i64,
-        /// Its control point.
+        /// Index of the control point.
         control: i64,
         /// Number of points.
         points: usize,
@@ -360,7 +360,7 @@ pub enum Error {
         sequence: String,
         /// Frame at which it is split.
         split: i64,
-        /// Its length.
+        /// Length of the sequence.
         frames: usize,
     },
     /// Readable, but not fit for fitting: the first error of the check.

@@ -146,7 +146,7 @@ impl<'a> Files<'a> {
         Ok(Self { budget, ..files })
     }
 
-    /// Another reader of the same files, with a budget of its own.
+    /// Another reader of the same files, with a separate budget.
     pub(crate) fn fork(&self) -> Self {
         Self {
             name: self.name.clone(),

@@ -66,7 +66,7 @@ pub(crate) fn compose(a: &[[f32; 3]; 3], b: &[[f32; 3]; 3]) -> [[f32; 3]; 3] {
     std::array::from_fn(|i| std::array::from_fn(|j| (0..3).map(|k| a[i][k] * b[k][j]).sum()))
 }
 
-/// `true` for a rotation; a reflection (left-handed frame) is none.
+/// `true` for a rotation, `false` for a reflection (left-handed frame).
 pub(crate) fn is_rotation(m: &[[f32; 3]; 3]) -> bool {
     let dot = |a: &Point, b: &Point| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
     let near = |x: f32, y: f32| (x - y).abs() < 1e-3;

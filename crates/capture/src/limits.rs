@@ -37,12 +37,12 @@ pub struct Limits {
     pub recording_frames: usize,
     /// Pixels of one image of a raw recording.
     pub image_pixels: usize,
-    /// Bytes that all files of an archive may unpack to, whatever its size.
+    /// Bytes that all files of an archive may unpack to, regardless of the archive's size.
     pub unpacked_bytes: u64,
     /// Further such bytes for every byte of the archive.
     pub unpacked_per_byte: u64,
-    /// Pixels that all images of a packed recording may have, whatever its size. Decoding is the
-    /// larger part of the work that a small file can ask for.
+    /// Pixels that all images of a packed recording may have, regardless of its size. Decoding is
+    /// the larger part of the work that a small file can cause.
     pub pixels: u64,
     /// Further pixels for every byte of the file. Images of real scenes have about ten.
     pub pixels_per_byte: u64,

@@ -22,7 +22,7 @@ const ALIGN: usize = 64;
 pub struct Floats {
     /// Extent of each dimension.
     pub shape: Vec<usize>,
-    /// As many values as the shape has elements.
+    /// Values, one per element of the shape.
     pub values: Vec<f32>,
 }
 

@@ -1,9 +1,8 @@
 //! A raw recording: what cameras saw, before anything is lifted to points in space.
 //!
-//! Readers give a [`Recording`] whatever the format was: metres, seconds, a world with z up, OpenCV
-//! cameras, depth on the grid of its colour image. Frames are decoded when they are asked for, so
-//! that memory stays flat; every camera has a reader of its own, so that cameras can be read side
-//! by side.
+//! Readers give a [`Recording`] in one form for all formats: metres, seconds, a world with z up,
+//! OpenCV cameras, depth on the grid of its colour image. Frames are decoded on request, so that
+//! memory stays flat; every camera has a separate reader, so that cameras can be read side by side.
 
 mod bundle;
 mod camera;
@@ -47,7 +46,7 @@ use crate::{
 /// frames. Processed data beside it is passed over.
 ///
 /// # Errors
-/// If there is none, its description is damaged or impossible, or it exceeds the limits.
+/// If there is no recording, its description is damaged or impossible, or it exceeds the limits.
 pub fn open(path: &Path, limits: &Limits) -> Result<Recording, Error> {
     if let Some(file) = mcap::file_at(path)? {
         let mut recording = mcap::read(&file, limits)?;
@@ -123,7 +122,7 @@ pub struct Recording {
 pub struct MeshFile {
     /// File name; its extension tells the format: `glb`, `obj` or `ply`.
     pub name: String,
-    /// Its content.
+    /// Content of the file.
     pub bytes: Vec<u8>,
     /// From the mesh's own axes and units to the world at the first frame. `None`: it has to be
     /// aligned.
@@ -169,8 +168,8 @@ pub trait Source: Send + Sync + std::fmt::Debug {
     /// If its files cannot be opened.
     fn frames(&self, camera: usize) -> Result<Box<dyn Frames + '_>, Error>;
 
-    /// Names of the files that hold frames, from the root of what was opened; none if they do not
-    /// lie in files of their own.
+    /// Names of the files that hold frames, from the root of what was opened; empty if frames are
+    /// not separate files.
     fn files(&self) -> Vec<String> {
         Vec::new()
     }
@@ -190,7 +189,7 @@ pub trait Frames: Send {
     /// # Errors
     /// If it is there but damaged.
     fn depth(&mut self, frame: usize) -> Result<Option<DepthImage>, Error>;
-    /// A mask, or `None` if there is none for this frame.
+    /// A mask, or `None` if this frame has no mask.
     ///
     /// # Errors
     /// If it is there but damaged.

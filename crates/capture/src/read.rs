@@ -46,7 +46,7 @@ pub enum Opened {
     Several(Vec<Part>),
 }
 
-/// Opens whatever lies at a path: as [`read`] and, where there is nothing processed, as
+/// Opens the capture at a path: with [`read`] or, if nothing there is processed, with
 /// [`raw::open`].
 ///
 /// # Errors
@@ -63,7 +63,7 @@ pub fn open(path: &Path, limits: &Limits) -> Result<Opened, Error> {
     open_files(&mut Files::open(path, limits)?)
 }
 
-/// Opens whatever these files are.
+/// Opens the capture in these files.
 pub(crate) fn open_files(files: &mut Files<'static>) -> Result<Opened, Error> {
     if let Some(parts) = several::open(files)? {
         return Ok(Opened::Several(parts));

@@ -27,11 +27,11 @@ const VERSION: u64 = 1;
 /// A recording among several of one object.
 #[derive(Debug)]
 pub struct Part {
-    /// Its name.
+    /// Name of the recording.
     pub name: String,
     /// True if no frame of it is for fitting.
     pub held_out: bool,
-    /// Its content, which is not several recordings in turn.
+    /// Content, which is never several recordings itself.
     pub opened: Opened,
 }
 
@@ -40,7 +40,7 @@ pub struct Part {
 struct Document {
     format: String,
     version: u64,
-    /// The recordings, the reference first; all folders by name if there are none.
+    /// The recordings, the reference first; all folders by name if there are no recordings.
     #[serde(default)]
     recordings: Vec<Entry>,
 }
@@ -94,7 +94,7 @@ pub(crate) fn read(files: &mut Files<'_>, notes: &mut Vec<Note>) -> Result<Optio
     join(whole, captures).map(Some)
 }
 
-/// Reads the points of a recording. All recordings are in memory at once, so they share a budget.
+/// Reads the points of a recording. All recordings are in memory together, so they share a budget.
 fn read_within(
     files: &mut Files<'_>,
     budget: &mut Budget,
@@ -106,10 +106,10 @@ fn read_within(
     read
 }
 
-/// One capture of all recordings of an object, the reference first.
+/// Joins all recordings of an object into a capture, the reference first.
 ///
 /// # Errors
-/// If there is none, or one contradicts itself.
+/// If there are no recordings, or one contradicts itself.
 pub fn join(
     name: String,
     recordings: impl IntoIterator<Item = (String, bool, Capture)>,

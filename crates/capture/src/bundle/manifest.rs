@@ -32,7 +32,7 @@ pub(crate) struct Manifest {
     pub(crate) fps: f64,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub(crate) gravity_m_s2: Option<Point>,
-    /// Declared even where there is none: `null` says so.
+    /// Must be declared: `null` for no ground.
     #[serde(deserialize_with = "Option::deserialize")]
     pub(crate) ground: Option<Ground>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -71,8 +71,8 @@ fn one() -> usize {
 }
 
 impl Manifest {
-    /// Parses the document; the version is looked at first, so that a newer
-    /// bundle is told apart from a wrong one.
+    /// Parses the document; the version is checked first, so that a newer bundle is distinguished
+    /// from a broken one.
     pub(crate) fn parse(bytes: &[u8]) -> Result<Self, Error> {
         let wrong =
             |fault: &str| Error::Document { at: MARKER.to_owned(), fault: fault.to_owned() };
@@ -195,8 +195,8 @@ impl Manifest {
                         "the ground's normal {normal:?} has no direction: give a unit vector away from the ground"
                     )));
                 }
-                // A vector that has unit length already stays as it is, so that what is written is read as the
-                // same.
+                // A vector that already has unit length is left unchanged, so that writing and
+                // reading give the same bits.
                 let length = if (length - 1.0).abs() < UNIT { 1.0 } else { length };
                 let normal = frame.turn(*normal).map(|x| x / length);
                 Some(Plane { normal, offset_m: offset * frame.metres / length })

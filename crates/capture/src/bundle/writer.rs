@@ -27,7 +27,7 @@ pub fn write_bundle<W: Write + Seek>(capture: &Capture, out: W) -> Result<W, Err
     zip.finish().map_err(|e| failed("the archive's directory", e.into()))
 }
 
-/// The same, to an archive that goes on.
+/// [`write_bundle`], to an archive that takes more files.
 pub(crate) fn write_bundle_to<W: Write + Seek>(
     capture: &Capture,
     out: W,

@@ -8,7 +8,7 @@ use super::{Finding, distance, median, percent};
 const MAX_SPEED_M_S: f32 = 15.0;
 /// A jump of all points counts from here [m] ...
 const JUMP_M: f32 = 0.01;
-/// ... if it is so many times the motion before and after.
+/// ... if it is this many times the motion before and after.
 const JUMP_FACTOR: f32 = 3.0;
 /// An object that moves less teaches nothing [m].
 const STILL_M: f32 = 0.005;

@@ -104,7 +104,7 @@ impl Files<'_> {
     /// Moves the root to the one folder that holds a capture.
     ///
     /// # Errors
-    /// If there are several, none of which lies in another.
+    /// If several folders hold captures and no folder contains the others.
     pub(crate) fn settle(&mut self, is_capture: fn(&Contents) -> bool) -> Result<bool, Error> {
         let mut found = Vec::new();
         let mut queue = VecDeque::from([(0, String::new())]);

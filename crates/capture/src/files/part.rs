@@ -1,4 +1,4 @@
-//! Folders among the files of a capture, each with files of its own.
+//! Folders among the files of a capture, each with separate files.
 
 use std::sync::Arc;
 
@@ -6,7 +6,7 @@ use super::{Files, Source};
 use crate::limits::Budget;
 
 impl Files<'_> {
-    /// The files in a folder of the root, or in the root itself for `.`, with a budget of their own.
+    /// The files in a folder of the root, or in the root itself for `.`, with a separate budget.
     pub(crate) fn part(&self, folder: &str) -> Self {
         let (within, name) = match folder {
             "." => (self.prefix.clone(), self.name.as_str()),

@@ -10,7 +10,7 @@ use std::{
     },
 };
 
-/// A file with a position of its own: clones read side by side without disturbing each other.
+/// A file with a separate position: clones read side by side without disturbing each other.
 #[derive(Clone, Debug)]
 pub(crate) struct SharedFile {
     file: Arc<File>,

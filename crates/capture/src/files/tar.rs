@@ -48,7 +48,7 @@ pub(super) fn open(
 ) -> Result<(Vec<Member>, Names), Error> {
     let length = storage.length();
     storage.rewind().map_err(|e| damaged(&e))?;
-    // Long names are read into memory by whoever parses them: they count as the directory.
+    // The parser reads long names into memory: they count as the directory.
     let left = Arc::new(AtomicU64::new(directory_bytes(limits)));
     let mut archive = Archive::new(Metered { inner: storage, left: left.clone() });
     let (mut members, mut names) = (Vec::new(), BTreeMap::new());

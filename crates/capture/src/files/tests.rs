@@ -227,7 +227,7 @@ fn compressed_archives_are_unpacked_within_the_limits() {
 }
 
 #[test]
-fn formats_that_have_to_be_converted_are_told_by_their_content() {
+fn formats_to_convert_are_recognized_by_their_content() {
     let mut bag = b"#ROSBAG V2.0\n".to_vec();
     bag.resize(10_000, b' ');
     let realsense = [bag.clone(), b"topic=/device_0/sensor_0/Depth_0/image/data".to_vec()].concat();

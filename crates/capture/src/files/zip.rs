@@ -22,7 +22,7 @@ use crate::{Error, Limits, limits::Budget};
 pub(super) const DIRECTORY_SEARCH: u64 = 256 << 10;
 pub(super) const DIRECTORY_ENTRY: usize = 256;
 
-/// Window of Zstandard that an entry may have whatever its size is: what every decoder has to
+/// Window of Zstandard allowed for entries of any size: the window that every decoder has to
 /// support (RFC 8878).
 const MOST_WINDOW: u64 = 8 << 20;
 

@@ -7,7 +7,7 @@ const CUT: Fault = Fault::Damaged("it ends before its end");
 pub(super) struct Input<'a>(pub(super) &'a [u8]);
 
 impl<'a> Input<'a> {
-    /// So many bytes.
+    /// The next `n` bytes.
     pub(super) fn take(&mut self, n: u64) -> Result<&'a [u8], Fault> {
         let n = usize::try_from(n).map_err(|_| CUT)?;
         let (taken, rest) = self.0.split_at_checked(n).ok_or(CUT)?;
@@ -15,7 +15,7 @@ impl<'a> Input<'a> {
         Ok(taken)
     }
 
-    /// One byte.
+    /// The next byte.
     pub(super) fn byte(&mut self) -> Result<u8, Fault> {
         let (first, rest) = self.0.split_first().ok_or(CUT)?;
         self.0 = rest;

@@ -58,7 +58,8 @@ impl Descr {
         Self { word: word.to_owned(), big_endian: word.starts_with('>') }
     }
 
-    /// Its state is `(version, order, subdtype, names, fields, size, alignment, flags)`.
+    /// Takes the byte order of a dtype's state `(version, order, subdtype, names, fields, size,
+    /// alignment, flags)`.
     pub(super) fn set_order(&mut self, order: &str) {
         self.big_endian = order == ">";
     }

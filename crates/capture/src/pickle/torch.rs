@@ -76,8 +76,8 @@ impl Global {
     }
 }
 
-/// The storage of a persistent id `("storage", type, key, location, length)`. Its length is that of
-/// the file beside the pickle, whatever is said here.
+/// The storage of a persistent id `("storage", type, key, location, length)`. The length is that of
+/// the file beside the pickle; the value in the id is ignored.
 pub(super) fn storage<'a>(parts: &Parts<'_, 'a>, id: &Value<'a>) -> Result<Storage<'a>, Fault> {
     const UNKNOWN: Fault = Fault::Damaged("it names something that is no storage");
     let Value::Tuple(id) = id else { return Err(UNKNOWN) };

@@ -5,7 +5,7 @@ use bendtwin_core::Point;
 
 use crate::{Error, frame::Frame};
 
-/// One calibrated camera with colour and aligned depth.
+/// A calibrated camera with colour and aligned depth.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Camera {
     /// A person's name for it: a serial number, say.
@@ -41,7 +41,7 @@ pub struct Intrinsics {
 /// Lens distortion, with OpenCV's coefficients.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Distortion {
-    /// None.
+    /// No distortion.
     #[default]
     None,
     /// Radial and tangential, rational: k1, k2, p1, p2, k3, k4, k5, k6.

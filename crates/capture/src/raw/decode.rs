@@ -24,7 +24,7 @@ pub(super) struct Samples {
     pub(super) data: Vec<u8>,
 }
 
-/// Colour from a PNG or JPEG file, whatever its name says.
+/// Colour from a PNG or JPEG file, recognized by its content.
 pub(super) fn color(at: &str, bytes: &[u8], size: Size) -> Result<ColorImage, Error> {
     let samples = samples(at, bytes, false, size)?;
     let pixels = match samples.channels {
@@ -47,7 +47,7 @@ pub(super) fn mask(at: &str, bytes: &[u8], size: Size) -> Result<Mask, Error> {
     Ok(Image { width: size[0], height: size[1], pixels: pixels.collect() })
 }
 
-/// Samples of one byte, or `deep` as they are.
+/// Samples of one byte, or unchanged ones if `deep`.
 fn samples(at: &str, bytes: &[u8], deep: bool, size: Size) -> Result<Samples, Error> {
     let check = |found: Size| same_size(at, found, size);
     if bytes.starts_with(png::MAGIC) {

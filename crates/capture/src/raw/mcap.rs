@@ -1,8 +1,8 @@
 //! MCAP: what robots record. Images, calibrations and transforms of ROS 1, ROS 2 (CDR) and
 //! Foxglove's protobuf messages.
 //!
-//! One pass over the file finds where every image lies; after that images are read one by one, so
-//! that memory stays flat however long the file is. The topics of a camera are found in [`rig`].
+//! A single pass over the file finds where every image lies; after that images are read one by one,
+//! so that memory stays flat for files of any length. The topics of a camera are found in [`rig`].
 
 mod chunk;
 mod frames;

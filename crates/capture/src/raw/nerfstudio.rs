@@ -92,7 +92,7 @@ pub(super) fn read(mut files: Files<'static>) -> Result<Recording, Error> {
     })
 }
 
-/// Refuses a list of images none of which is there.
+/// Refuses a list of images if all are missing.
 fn expect_some(
     files: &Files<'_>,
     camera: &str,
@@ -110,7 +110,7 @@ fn expect_some(
     }
 }
 
-/// One camera and where its frames lie; the depth's unit is still to be filled in.
+/// A camera and where its frames lie; the depth's unit is still to be filled in.
 fn camera(
     document: &Document,
     group: &Group<'_>,

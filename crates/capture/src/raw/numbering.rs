@@ -1,5 +1,5 @@
-//! Numbers in the names of images: which image belongs to which frame, however names are spelled
-//! and whatever number comes first.
+//! Numbers in the names of images: which image belongs to which frame, for any spelling of names
+//! and any first number.
 
 use std::{collections::BTreeMap, sync::Arc};
 
@@ -243,8 +243,8 @@ fn first_number(low: u64, high: u64, count: usize) -> u64 {
     if high < count as u64 { 0 } else { low }
 }
 
-/// Refuses fewer images than the frames that there should be: of all cameras, the last were not
-/// recorded, or there were never so many.
+/// Refuses fewer images than there should be frames: the last of all cameras were not recorded, or
+/// the count is wrong.
 pub(super) fn expect_end(all: &[&Images], at: &str, count: usize) -> Result<(), Error> {
     let last = all.iter().filter_map(|images| images.range()).map(|r| r.1).max();
     match last {

@@ -223,7 +223,7 @@ fn intrinsics(camera: &str, m: &[[f64; 3]; 3]) -> Result<Intrinsics, Error> {
     Ok(Intrinsics { fx: m[0][0], fy: m[1][1], cx: m[0][2], cy: m[1][2] })
 }
 
-/// The completed shape: brought into the case's world already, or as it was generated.
+/// The completed shape: already in the case's world, or as it was generated.
 fn mesh(files: &mut Files<'static>, frame: &Frame) -> Result<Option<MeshFile>, Error> {
     let aligned = Alignment { rotation: frame.rotation, scale: 1.0, translation: [0.0; 3] };
     for (at, to_world) in

@@ -1,4 +1,4 @@
-//! Frames that lie in files of their own, in a folder or a ZIP archive: what PhysTwin, the raw
+//! Frames that are separate files, in a folder or a ZIP archive: what PhysTwin, the raw
 //! bundle and nerfstudio have in common.
 
 use std::{borrow::Cow, collections::BTreeMap, fmt, sync::Arc};

@@ -118,7 +118,7 @@ fn wrong_documents_are_refused() {
         (0..17).map(|i| format!(r#"{{"folder": "a", "name": "{i}"}}"#)).collect();
     let error = refused(&of(&format!("[{}]", many.join(","))), &["a"]);
     assert!(error.contains("recordings") && error.contains("16"), "{error}");
-    // A fault of one recording is told with its name.
+    // A fault of a recording is reported with its name.
     let empty = pack(&FileMap::from([
         ("recordings.json".into(), of(r#"[{"folder": "a"}]"#).into_bytes()),
         ("a/notes.txt".into(), b"nothing".to_vec()),

@@ -46,7 +46,7 @@ fn text(text: &str) -> Vec<u8> {
     [b"X", (text.len() as u32).to_le_bytes().as_slice(), text.as_bytes()].concat()
 }
 
-/// A tensor of so many floats of a storage.
+/// A tensor of floats in a storage, with the given offset, size and stride.
 fn tensor(key: &str, offset: u8, size: u8, stride: u8) -> Vec<u8> {
     let id = [b"(".to_vec(), text("storage"), b"ctorch\nFloatStorage\n".to_vec(), text(key)];
     let id = [id.concat(), text("cpu"), b"K\x00tQ".to_vec()].concat();
@@ -55,7 +55,7 @@ fn tensor(key: &str, offset: u8, size: u8, stride: u8) -> Vec<u8> {
     [b"ctorch._utils\n_rebuild_tensor_v2\n(".to_vec(), id, view.to_vec(), call].concat()
 }
 
-/// The entries of a result, with springs of their own.
+/// The entries of a result, with the given springs.
 fn entries(springs: Vec<u8>) -> Vec<(&'static str, Vec<u8>)> {
     let one = || tensor("1", 0, 1, 1);
     vec![

@@ -10,8 +10,8 @@ use super::record::Fields;
 /// message where that is larger.
 pub(super) const MAX_CHUNK: u64 = 128 << 20;
 
-/// Window of Zstandard that a chunk may have whatever its size is: what every decoder has to
-/// support (RFC 8878).
+/// Window of Zstandard allowed for chunks of any size: the window that every decoder has to support
+/// (RFC 8878).
 const MOST_WINDOW: u64 = 8 << 20;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -64,7 +64,7 @@ impl Chunk {
         Ok(Self { compression, start: at + header, length: packed, unpacked, crc })
     }
 
-    /// Its records, from its compressed bytes.
+    /// Unpacks the chunk's records from its compressed bytes.
     pub(super) fn unpack(&self, packed: &[u8]) -> Result<Vec<u8>, String> {
         let failed = |e: &dyn std::fmt::Display| format!("a chunk does not decompress: {e}");
         let mut bytes = Vec::new();

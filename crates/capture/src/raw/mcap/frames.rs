@@ -16,7 +16,7 @@ use crate::{
 /// Bytes of a message beside those of its pixels.
 const OVERHEAD: u64 = 4 << 20;
 
-/// One kind of image of one camera.
+/// Images of one kind from one camera.
 #[derive(Debug)]
 pub(super) struct Stream {
     pub(super) topic: String,

@@ -27,13 +27,13 @@ pub(super) struct Topic {
     pub(super) name: String,
     pub(super) kind: Kind,
     pub(super) wire: Wire,
-    /// Of its first image.
+    /// Head of the first image.
     pub(super) head: ImageHead,
     /// In the order of the file.
     pub(super) images: Vec<Stamped>,
 }
 
-/// One image.
+/// An image with its time.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Stamped {
     /// When it was taken, nanoseconds.

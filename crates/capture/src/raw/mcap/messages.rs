@@ -47,11 +47,12 @@ pub(super) fn kind_of(schema: &str, encoding: &str) -> Option<(Kind, Wire)> {
 pub(super) struct ImageHead {
     pub(super) stamp_ns: i64,
     pub(super) frame_id: String,
-    /// Of pixels (`rgb8`, `16UC1`), or of a compressed image (`jpeg`, `16UC1; compressedDepth`).
+    /// Encoding of pixels (`rgb8`, `16UC1`), or of a compressed image (`jpeg`, `16UC1;
+    /// compressedDepth`).
     pub(super) encoding: String,
 }
 
-/// An image with its pixels as they were sent.
+/// An image with its pixels as sent.
 #[derive(Debug)]
 pub(super) struct ImageData<'a> {
     pub(super) encoding: String,

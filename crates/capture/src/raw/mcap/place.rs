@@ -8,9 +8,9 @@ use crate::{Error, files::SharedFile};
 pub(super) struct Place {
     /// Number of its chunk, if that is compressed.
     pub(super) chunk: Option<u32>,
-    /// Its start in the file or in the chunk.
+    /// Start in the file or in the chunk.
     pub(super) start: u64,
-    /// Its bytes.
+    /// Length [bytes].
     pub(super) length: u64,
 }
 

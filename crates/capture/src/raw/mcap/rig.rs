@@ -143,7 +143,7 @@ pub(super) fn recording(
     })
 }
 
-/// One colour topic for each camera, by their names.
+/// The colour topic of each camera, by the cameras' names.
 fn color_topics<'a>(index: &'a Index, store: &Store) -> Result<Vec<&'a Topic>, Error> {
     let wrong = |fault: String| Error::Document { at: store.name().to_owned(), fault };
     let mut by_frame: BTreeMap<&str, Vec<&Topic>> = BTreeMap::new();

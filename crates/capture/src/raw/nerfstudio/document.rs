@@ -44,7 +44,7 @@ pub(super) enum Label {
     Number(i64),
 }
 
-/// Intrinsics of a frame or, where it has none of its own, of all.
+/// Intrinsics of a frame or, as a default, of all frames.
 #[derive(Clone, Debug, Default, PartialEq, Deserialize)]
 pub(super) struct Lens {
     camera_model: Option<String>,

@@ -18,7 +18,7 @@ use crate::{
 const LOOKING_DOWN: [[f64; 4]; 4] =
     [[1.0, 0.0, 0.0, 1.0], [0.0, 1.0, 0.0, 2.0], [0.0, 0.0, 1.0, 3.0], [0.0, 0.0, 0.0, 1.0]];
 
-/// A document of two cameras in folders of their own, numbered from 1.
+/// A document of two cameras in separate folders, numbered from 1.
 fn document() -> Value {
     let frames: Vec<Value> =
         (0..2).flat_map(|camera| (0..FRAMES).map(move |frame| entry(camera, frame))).collect();
@@ -112,7 +112,7 @@ fn pixels_are_counted_before_they_are_decoded() {
     // 2 cameras x 3 kinds of images x 4 frames x 25 million pixels, and room for half of it.
     assert!(refused.to_string().contains("600000000 pixels"), "{refused}");
     assert!(refused.to_string().contains("at most 3 of its 4 frames"), "{refused}");
-    // Whoever has the folder may read what they like.
+    // No limit on pixels applies to a folder: its owner may read anything in it.
     raw::open(folder(&files(&document)).path(), &Limits::default()).unwrap();
 }
 

@@ -85,7 +85,7 @@ fn processed_data_is_preferred_where_it_is_there() {
 }
 
 #[test]
-fn frames_that_are_missing_are_none() {
+fn missing_frames_have_no_images() {
     let mut files = case();
     files.remove("color/0/2.png");
     files.remove("depth/0/1.npy");

@@ -55,7 +55,7 @@ fn what_is_unclear_is_refused_with_the_labels_and_the_setting() {
 }
 
 #[test]
-fn chosen_labels_count_whatever_their_words_are() {
+fn chosen_labels_override_known_words() {
     let labels = sorted(&["panda", "hand", "sleeve"], &["Panda "]).unwrap();
     assert_eq!(labels.region("panda"), Region::Object);
     assert_eq!(labels.region("hand"), Region::Manipulator);
@@ -64,7 +64,7 @@ fn chosen_labels_count_whatever_their_words_are() {
 }
 
 #[test]
-fn one_label_is_the_object_and_no_label_is_none() {
+fn a_single_label_is_the_object() {
     let labels = sorted(&["sloth"], &[]).unwrap();
     assert!(labels.note().unwrap().message.contains("`sloth`, and no mask shows what moves it"));
     assert!(sorted(&[], &[]).unwrap().note().is_none());

@@ -332,7 +332,7 @@ fn labels_that_do_not_fit_their_folders_are_named() {
 }
 
 #[test]
-fn labels_are_told_and_decided_by_the_description() {
+fn labels_are_reported_and_the_description_decides() {
     let (_guard, recording) = opened(&case());
     let note = recording.notes.iter().find(|n| n.code == "MASK_LABELS").unwrap();
     assert!(note.message.contains("the object is `handkerchief`, `toy`"), "{}", note.message);
