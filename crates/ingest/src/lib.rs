@@ -25,7 +25,7 @@ pub use views::{views, views_of_frame};
 /// Share of the work on a raw recording that is over when it has been inspected.
 const INSPECTED: f64 = 0.3;
 
-/// A capture as it is fitted, and the report of it.
+/// A capture ready to be fitted, and its report.
 #[derive(Clone, Debug)]
 pub struct Observed {
     /// The capture that is fitted, or the fault for which none can be.
@@ -38,7 +38,7 @@ pub struct Observed {
 }
 
 impl Observed {
-    /// One that no images were lifted for.
+    /// An observation without lifted images.
     fn new(capture: Result<Capture, Fault>, report: Report) -> Self {
         Self { capture, report, recorded: Vec::new() }
     }

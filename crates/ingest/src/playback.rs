@@ -98,7 +98,7 @@ struct Plan {
 }
 
 impl Plan {
-    /// As many points as fit, fewer of all sequences alike; then fewer sequences.
+    /// The selection that fits: fewer points of all sequences alike, then fewer sequences.
     fn new(capture: &Capture) -> Self {
         let sizes = |most: usize| {
             capture.recordings().flat_map(move |r| {

@@ -99,7 +99,7 @@ pub(super) struct ImagesEntry {
     pub(super) size: [usize; 2],
     /// Image k is of frame `k * every`.
     pub(super) every: usize,
-    /// The bytes of each image; 0 where there is none.
+    /// Length of each image [bytes]; 0 for missing ones.
     pub(super) lengths: Vec<usize>,
     /// All of them.
     pub(super) bytes: Range,

@@ -16,7 +16,7 @@ const MAX_PIXELS: usize = 3_000_000_000;
 pub(super) struct Images {
     /// Image k of a camera is of frame `k * every`.
     pub(super) every: usize,
-    /// JPEG files, shape [camera, image]; empty where there is none.
+    /// JPEG files, shape [camera, image]; empty for missing ones.
     pub(super) files: Vec<Vec<Vec<u8>>>,
 }
 

@@ -22,7 +22,7 @@ pub(super) fn bytes(sequence: &Sequence, point_count: usize, most: usize) -> usi
 /// The cube that positions are numbered in.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Grid {
-    /// Its centre [m].
+    /// Centre [m].
     pub(super) origin: [f64; 3],
     /// Length of a step [m].
     pub(super) scale_m: f64,
@@ -72,7 +72,7 @@ impl Grid {
     }
 }
 
-/// The kept flags of `rows` rows as bits, the lowest first; each row begins with a byte of its own.
+/// The kept flags of `rows` rows as bits, the lowest first; each row begins on a byte boundary.
 pub(super) fn bits(flags: &[bool], rows: usize, kept: &[usize]) -> Vec<u8> {
     let width = flags.len().checked_div(rows).unwrap_or(0);
     let mut out = Vec::with_capacity(rows * kept.len().div_ceil(8));

@@ -57,7 +57,7 @@ fn points_and_images_are_recordings_side_by_side() {
     let train = |r: &Capture| r.sequences[0].train_frame_count;
     assert_eq!((train(&capture), train(&capture.others[1])), (20, 0));
     assert!(progress.is_sorted() && progress.iter().all(|f| (0.0..=1.0).contains(f)));
-    // An observation is read as it was stored.
+    // An observation is read back unchanged.
     let stored = root.path().join("observation.zip");
     write_bundle_file(&capture, &stored).unwrap();
     let read = bendtwin_capture::read(&stored, &Limits::default()).unwrap();

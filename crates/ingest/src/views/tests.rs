@@ -43,7 +43,7 @@ fn a_frame_beyond_the_end_has_no_views() {
     assert_eq!(views_of_frame(&recording, recording.frame_count), None);
 }
 
-/// One image for all frames, in which a disc stands for the object.
+/// An image for all frames, in which a disc stands for the object.
 #[derive(Clone, Debug)]
 struct Still {
     size: [usize; 2],
