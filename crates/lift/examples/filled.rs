@@ -1,7 +1,7 @@
 //! Carves a recording that has a mesh as if it had none, and compares:
 //! `cargo run --release -p bendtwin-lift --example filled -- RECORDING...`
 //!
-//! It prints the share of the mesh's inside that is filled, within the spacing of the points; the
+//! Prints the share of the mesh's inside that is filled, within the spacing of the points; the
 //! share of the points that lie farther outside than that; the same share of the inside within 3 cm
 //! of what cameras see of hands; and how many control points hold the object.
 

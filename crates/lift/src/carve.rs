@@ -3,7 +3,7 @@
 //! A cell of space belongs to the object if no camera looks through it (Kutulakos and Seitz 2000, "A
 //! theory of shape by space carving"), two cameras have it behind what their masks show, it lies
 //! above the ground, and the way to the object's surface, through such cells, is shorter than the way
-//! to the hand's. Hands hide what they hold: `grip` goes on into them with the object's section where
+//! to the hand's. Hands hide what they hold: `grip` continues the object's section into them where
 //! it vanishes.
 
 mod grip;
@@ -30,7 +30,7 @@ pub(crate) const LEAST_VIEWS: usize = 2;
 /// Cells that are visited between two looks at whether to stop.
 const CELLS_AT_ONCE: usize = 1 << 14;
 
-/// The first frame as it was seen.
+/// Evidence of the first frame.
 pub(crate) struct Seen<'a> {
     pub(crate) views: &'a [FirstView<'a>],
     /// The object's surface, as all cameras see it [m].
@@ -61,7 +61,7 @@ pub(crate) fn carve(
     let (surface, interior) = (0..volume.count())
         .filter(|i| solid[*i])
         .partition::<Vec<_>, _>(|i| volume.faces(*i).iter().any(|j| j.is_none_or(|j| !solid[j])));
-    // The surface as it was seen, then the walls of what was not.
+    // The visible surface, then the walls of the hidden space.
     let mut grid = Grid::new(spacing_m);
     let observed = spread(&mut grid, seen.object.iter().copied().enumerate(), spacing_m);
     let observed = observed.into_iter().map(|i| seen.object[i]);
@@ -77,7 +77,7 @@ struct Cell {
     open: bool,
     /// Cameras that have it behind what a mask shows.
     views: usize,
-    /// One of them has it behind a hand.
+    /// A camera has it behind a hand.
     behind_hand: bool,
 }
 
@@ -113,7 +113,8 @@ fn cells(volume: &Volume, seen: &Seen<'_>, cancel: &CancelToken) -> Result<Vec<C
     Ok(cells)
 }
 
-/// Of each open cell, whose surface is nearest along open cells; none where no way leads to one.
+/// Owner of each open cell: the label whose surface is nearest along open cells; `Label::None` for
+/// cells that no path reaches.
 fn owners(
     volume: &Volume,
     cells: &[Cell],
@@ -122,7 +123,7 @@ fn owners(
 ) -> Result<Vec<Label>, Error> {
     let mut owner = vec![Label::None; cells.len()];
     let mut ways_m = vec![f64::INFINITY; cells.len()];
-    // Distances are not negative, so their bits are ordered as they are.
+    // Distances are not negative, so their bits have the same order.
     let mut next = BinaryHeap::new();
     for (label, points) in [(Label::Object, seen.object), (Label::Manipulator, seen.hands)] {
         for cell in points.iter().filter_map(|p| volume.cell(*p)) {

@@ -83,7 +83,8 @@ impl Checkpoint {
         Ok(KIND.seal(&identity.0, &content))
     }
 
-    /// Reads a checkpoint of the work `identity`, of a recording with so many cameras and units.
+    /// Reads a checkpoint of the work `identity`, given the recording's numbers of cameras and
+    /// units.
     pub(crate) fn from_bytes(
         bytes: &[u8],
         identity: &Identity,

@@ -183,8 +183,9 @@ impl Cleaner<'_> {
         self.erase(&gone)
     }
 
-    /// Drops pixels that have more neighbours in space of the other label than of their own: where
-    /// masks bleed into each other. Numbers dropped of the object and of the manipulator.
+    /// Drops pixels that have more neighbours in space of the other label than of theirs: where
+    /// masks bleed into each other. Returns the numbers dropped of the object and of the
+    /// manipulator.
     fn drop_contact(&mut self) -> [u64; 2] {
         let (width, height) = (self.depth.width, self.depth.height);
         let mut gone = [Vec::new(), Vec::new()];

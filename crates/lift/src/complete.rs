@@ -1,5 +1,5 @@
-//! Filling in what no camera saw: points of a completed shape, each kind only where there is none
-//! of the kinds before it: observed, surface, interior.
+//! Completion of what no camera saw: points of a completed shape, each kind only where the kinds
+//! before it (observed, surface, interior) have no points.
 
 use bendtwin_core::{Point, settings::ingest::CompletionSettings};
 

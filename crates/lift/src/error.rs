@@ -102,7 +102,7 @@ pub enum Error {
     /// The mesh cannot be read or aligned.
     #[error("the mesh `{name}` cannot be used: {why}; repair it, or set completion.mesh to false")]
     Mesh {
-        /// Its file.
+        /// File name.
         name: String,
         /// The fault.
         why: String,

@@ -19,12 +19,12 @@ pub struct Evidence {
     pub findings: Vec<Finding>,
 }
 
-/// One camera.
+/// Evidence of a camera.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct CameraEvidence {
-    /// Its name.
+    /// Name of the camera.
     pub name: String,
-    /// Its 2D tracks.
+    /// 2D tracks.
     pub tracks: usize,
     /// The built-in tracker's judgement of its tracks; `None` where the recording brought tracks.
     pub tracker: Option<TrackerQuality>,
@@ -34,7 +34,7 @@ pub struct CameraEvidence {
     pub object: MaskCounts,
     /// Manipulator's mask, pixels of all frames.
     pub manipulator: MaskCounts,
-    /// Its tracks, times all frames.
+    /// Tracks, times all frames.
     pub lifts: LiftCounts,
 }
 
@@ -83,9 +83,9 @@ pub struct LiftCounts {
 pub struct TrackEvidence {
     /// Tracks of all cameras that lie on the object in the first frame.
     pub on_object: usize,
-    /// Of those, dropped because a longer one was as near as the spacing.
+    /// Tracks dropped because a longer one was within the spacing.
     pub thinned: usize,
-    /// Of those, dropped because they were at odds with their neighbours most of the time.
+    /// Tracks dropped because they disagreed with their neighbours most of the time.
     pub unreliable: usize,
     /// The capture's points.
     pub kept: usize,
@@ -102,16 +102,16 @@ pub struct TrackEvidence {
     pub motion_residual_m: f64,
 }
 
-/// One hand or gripper.
+/// A hand or gripper.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct HandEvidence {
     /// Tracks on it in the first frame.
     pub tracks: usize,
-    /// Of those, seen in every frame, with short gaps filled.
+    /// Tracks seen in every frame, with short gaps filled.
     pub surviving: usize,
-    /// Its control points.
+    /// Control points on it.
     pub controls: usize,
-    /// Of those, as near to the object in the first frame as control points hold in a fit.
+    /// Control points close enough to the object in the first frame to hold it in a fit.
     pub holding: usize,
     /// Median distance of tracks from a rigid motion [m].
     pub residual_m: f64,
@@ -129,7 +129,7 @@ pub struct HandEvidence {
 /// The completed shape.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct ShapeEvidence {
-    /// Its source: the mesh's file name, `carved` or `convex`.
+    /// Source of the shape: the mesh's file name, `carved` or `convex`.
     pub source: String,
     /// True if it was aligned here.
     pub aligned: bool,
@@ -141,7 +141,7 @@ pub struct ShapeEvidence {
     pub error_p90_m: f64,
     /// Points on its surface that were sampled.
     pub sampled_surface: usize,
-    /// Of a carved shape, cells that hands hide.
+    /// Cells of a carved shape that hands hide.
     pub under_hands: usize,
     /// Points on its surface that became part of the capture: those that no camera saw.
     pub surface: usize,

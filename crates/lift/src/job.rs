@@ -26,14 +26,14 @@ use crate::{
 const TRACKED: f64 = 0.7;
 /// Share of an ingest that is over when all frames are read.
 const LIFTED: f64 = 0.9;
-/// A checkpoint is written at most so many times: it holds all that was done, and grows.
+/// Most checkpoints written: each holds everything done before it, so they grow.
 const CHECKPOINTS: usize = 32;
 
 /// Result of lifting.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Observation {
-    /// The recording, lifted. The same recording, settings and build give the same capture, however
-    /// often lifting was interrupted and whatever the number of threads.
+    /// The lifted recording. The same recording, settings and build give the same capture,
+    /// regardless of interruptions and of the number of threads.
     pub capture: Capture,
     /// Evidence of its quality.
     pub evidence: Evidence,
@@ -138,7 +138,7 @@ impl Run<'_> {
         Ok(tracks.into_iter().map(Option::unwrap_or_default).collect())
     }
 
-    /// Reads all frames, as many units at once as there are threads.
+    /// Reads all frames, in parallel batches of one unit per thread.
     fn survey(
         &mut self,
         tracks: &[Tracks],

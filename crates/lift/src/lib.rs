@@ -1,7 +1,7 @@
 //! Lifting: a raw recording (`bendtwin_capture::raw`) becomes a capture of tracked points that a
 //! fit can use.
 //!
-//! [`lift()`] goes through these steps, each in a file of its own:
+//! [`lift()`] runs these steps, each in a separate file:
 //!
 //! 1. `clean`: masks lose flying pixels, specks, and pixels that belong to the hand rather than the
 //!    object.

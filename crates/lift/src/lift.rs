@@ -15,9 +15,9 @@ use crate::clean::{Label, edge_m};
 /// Why a track was not lifted in a frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Miss {
-    /// It lies outside the image.
+    /// Outside the image.
     Outside,
-    /// It lies on neither cleaned mask.
+    /// On neither cleaned mask.
     OffMask,
     /// Too few pixels of one surface around it.
     Unsupported,

@@ -32,7 +32,7 @@ pub(crate) enum Sight {
     Unknown,
     /// The camera looks through it.
     Empty,
-    /// It lies behind what a mask shows, or on it.
+    /// Behind what a mask shows, or on it.
     Behind(Label),
 }
 

@@ -40,7 +40,7 @@ pub(crate) struct TestScene {
     pub(crate) masks: bool,
     /// True if the cameras move.
     pub(crate) moving: bool,
-    /// Tracks of the ball that slip from frame 5 on: every n-th, by so many pixels a frame.
+    /// Tracks of the ball that slip from frame 5 on: every n-th, by this many pixels a frame.
     pub(crate) slipping: Option<(usize, f64)>,
 }
 

@@ -21,8 +21,8 @@ pub(crate) fn spread(
     kept
 }
 
-/// One track for each spot of the first frame: those with the highest priority go first. In the
-/// order of the tracks.
+/// Keeps a track for each spot of the first frame, by highest priority. Returns them in the order
+/// of the tracks.
 pub(crate) fn one_per_spot(tracks: &Tracks, priority: &[usize], spacing_m: f64) -> Vec<usize> {
     let mut order: Vec<usize> = (0..tracks.count).collect();
     order.sort_by_key(|i| (std::cmp::Reverse(priority[*i]), *i));

@@ -1,8 +1,8 @@
 //! The part of the object that the hand which holds it hides.
 //!
-//! The last cells before the object vanishes into a hand are a section of it. The section goes on
-//! towards the middle of the hand around it, through cells that nobody saw to be empty: as a rope's
-//! end does in a fist, and what comes out on the other side meets it halfway.
+//! The last cells before the object vanishes into a hand are a section of it. The section is
+//! continued towards the middle of the hand around it, through cells that no camera saw to be
+//! empty: like a rope's end in a fist. What comes out on the other side meets it halfway.
 
 use bendtwin_core::{CancelToken, Point};
 use nalgebra::Vector3;

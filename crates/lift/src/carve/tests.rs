@@ -10,7 +10,7 @@ use crate::{
 
 const SPACING_M: f64 = 0.006;
 
-/// The ball and its hand, carved by so many cameras; with the points that they give.
+/// The ball and its hand, carved by a number of cameras, and the number of points.
 fn carved(cameras: usize, ground: Option<Plane>) -> Option<(Shape, usize)> {
     let recording = TestScene { cameras, ..TestScene::default() }.recording();
     let settings = IngestSettings::default();

@@ -20,7 +20,7 @@ fn a_checkpoint_is_read_back() {
 }
 
 #[test]
-fn whatever_changes_the_result_changes_the_identity() {
+fn inputs_that_change_the_result_change_the_identity() {
     let scene = || TestScene { frames: 2, ..TestScene::default() }.recording();
     let settings = IngestSettings::default();
     let mut other = scene();

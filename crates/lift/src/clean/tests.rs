@@ -30,7 +30,7 @@ fn is_object(cleaned: &Cleaned, x: usize, y: usize) -> bool {
 }
 
 #[test]
-fn a_clean_mask_stays_as_it_is() {
+fn a_clean_mask_does_not_change() {
     let result = cleaned(&image(wall), &image(patch), None);
     assert_eq!(result.object.kept, 20 * 14);
     assert_eq!(result.object.pixels, 20 * 14);

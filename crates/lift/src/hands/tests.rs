@@ -29,7 +29,7 @@ fn pair(apart_m: f64, frames: usize) -> Tracks {
 }
 
 #[test]
-fn two_hands_are_told_apart_even_where_they_touch() {
+fn two_hands_are_separated_even_where_they_touch() {
     for apart_m in [0.2, 0.045] {
         let controls =
             controls(&pair(apart_m, 30), &unknown(), &ControlSettings::default()).unwrap();

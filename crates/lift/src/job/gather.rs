@@ -17,7 +17,7 @@ use crate::{
 pub(super) struct Assembly<'a> {
     pub(super) recording: &'a Recording,
     pub(super) settings: &'a IngestSettings,
-    /// Of every camera.
+    /// Tracks of every camera.
     pub(super) tracks: &'a [raw::Tracks],
     /// True if the built-in tracker made them, by camera.
     pub(super) made_here: &'a [bool],

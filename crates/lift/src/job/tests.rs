@@ -13,7 +13,7 @@ fn run(scene: TestScene) -> Result<Observation, Error> {
     lift(&recording, &IngestSettings::default(), None, &mut (), &CancelToken::default())
 }
 
-/// An observer that keeps checkpoints, and fails after so many.
+/// An observer that keeps checkpoints, and fails after a given number.
 struct CheckpointRecorder {
     kept: Vec<Vec<u8>>,
     most: usize,
@@ -121,7 +121,7 @@ fn a_track_that_slips_is_found_out() {
 }
 
 #[test]
-fn it_goes_on_from_any_checkpoint_to_the_same_observation() {
+fn lifting_resumes_from_any_checkpoint_to_the_same_observation() {
     let scene = || TestScene { frames: 40, ..TestScene::default() }.recording();
     let settings = IngestSettings::default();
     let cancel = CancelToken::default();

@@ -42,7 +42,7 @@ fn slices(filled: &[Point], range: std::ops::Range<f32>) -> usize {
 }
 
 #[test]
-fn the_end_of_a_rope_goes_on_to_the_middle_of_the_fist() {
+fn the_end_of_a_rope_continues_to_the_middle_of_the_fist() {
     let cells = filled(0.0..0.06, 0.0..0.2);
     assert!(slices(&cells, 0.0..0.06) >= 4, "{} cells", cells.len());
     assert!(cells.iter().all(|p| p[0] > 0.02), "what lies beyond the middle is not known");

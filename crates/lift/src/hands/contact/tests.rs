@@ -15,7 +15,7 @@ fn control_points_lie_where_the_hand_meets_the_object() {
     let (picked, distances) = contact().choose(&places, 30);
     // Within the reach there are 10 places, all of which hold.
     assert_eq!((picked.len(), holding(&distances)), (10, 10));
-    // More than enough are near: they are spread over those, and none is farther.
+    // More than enough are near: the choice is spread over them, and no distant point is chosen.
     let (picked, distances) = contact().choose(&places, 3);
     assert_eq!(picked.len(), 3);
     assert!(distances.iter().all(|d| *d <= NEAR_M + 1e-6), "{distances:?}");
