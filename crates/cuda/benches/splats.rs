@@ -59,7 +59,7 @@ fn row(device: &mut CudaRasteriser, gaussians: &Gaussians, camera: &Camera) {
     println!("| {count} | {w} x {h} | {draw:.2} | {copied:.2} | {gradients:.2} | {both:.2} |");
 }
 
-/// Median time [ms] of work that is told the number of its call.
+/// Median time [ms] of work, which receives the index of its call.
 fn median(mut work: impl FnMut(usize)) -> f64 {
     (0..4).for_each(&mut work);
     let mut times: Vec<f64> = (0..CALLS)

@@ -69,7 +69,7 @@ DEVICE BendState bend_state(float3 u, float3 w, float rest_bend) {
     return t;
 }
 
-// True if an end is a control point that its grasp has let go of.
+// True if an end is a control point that its grasp has released.
 DEVICE bool is_far(float3 u, float3 w) {
 #if GRASPS
     return dot(u, u) > FAR_SQUARED_M2 || dot(w, w) > FAR_SQUARED_M2;

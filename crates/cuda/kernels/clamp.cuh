@@ -153,7 +153,7 @@ DEVICE float roll_rate_of(const InstanceArgs& instance, u32 frame, u32 r, const 
     return roll / instance.step.frame_s;
 }
 
-// The part of a rod with so many inner nodes that is twisted in a frame.
+// The twisted part in a frame of a rod with `inner` inner nodes.
 DEVICE RodSpan rod_span_of(const InstanceArgs& instance, u32 frame, u32 r, u32 inner) {
 #if GRASPS
     const WorldArgs& w = instance.world;

@@ -1,6 +1,6 @@
-// Grasps at frame boundaries: what they let go of and what they take. All that are told to open, or
-// that were pulled too hard in the frame before, let go first; then those that are told to close
-// take, one after the other, the nodes of their region that nothing holds.
+// Grasps at frame boundaries: what they release and what they take. All that are commanded to open,
+// or that were pulled too hard in the frame before, release first; then those that are commanded to
+// close take, one after another, the nodes of their region that nothing holds.
 
 #define MAX_GRASPS 32
 
@@ -99,7 +99,7 @@ DEVICE void change_grasps_of(const InstanceArgs& instance, u32 boundary, u32 end
         }
         for (u32 k = 0; k < used; k++) w.holds[(u64)((first + k) % w.slot_count) * n + node] = hold;
         if (boundary > 0 || hold.grasp < 0 || pin >= 0) continue;
-        // What is held at the start stands at its place, as it is measured there.
+        // Nodes held at the start stand at the places measured there.
         const Grasp& grasp = w.grasps[hold.grasp];
         if (grasp.attachment != HOLD_PIN) continue;
         BodyFrame body = body_of(instance, 0, grasp.body);

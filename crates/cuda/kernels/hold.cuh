@@ -40,7 +40,7 @@ DEVICE Hold load_hold(const Hold* from) {
     return h;
 }
 
-// True for a control point that its grasp has let go of.
+// True for a control point that its grasp has released.
 DEVICE bool is_released(const InstanceArgs& instance, u32 frame, u32 control) {
     const WorldArgs& w = instance.world;
     if (!w.grasp_of) return false;

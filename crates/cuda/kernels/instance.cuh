@@ -9,14 +9,14 @@ struct Share {
     u32 own;             // nodes that it owns
     u32 local;           // own nodes and halo
     u32 nodes;           // first of its local nodes in `TopologyArgs::nodes`
-    u32 rows;            // rows of half-springs of its own nodes
+    u32 rows;            // rows of half-springs of the block's nodes
     u32 control_rows;    // rows of half-springs of control points on its nodes
     u32 row;             // first of its rows + control_rows + 1 row starts in `TopologyArgs::rows`
     u32 triplets;        // triplets with an end among its own nodes
     u32 triplet;         // first of them in `TopologyArgs::triplets`
     u32 pins;            // pinned nodes among its local ones
     u32 pin;             // first of them in `TopologyArgs::local_pins`
-    u32 export_start;    // first of its own + 1 export starts in `TopologyArgs::exports`
+    u32 export_start;    // first of the block's own + 1 export starts in `TopologyArgs::exports`
     u32 slot;            // where its own nodes begin on a tape that this cut writes
 };
 
@@ -98,7 +98,7 @@ struct StateArgs {
     u64* divergence;        // smallest frame << 32 | node
     u32 slot_count;
     u32 first_frame;        // frame that the launch's frame 0 is
-    u32 frame_count;        // frames to run; in the rest of a launch the instance stays as it is
+    u32 frame_count;        // frames to run; in the rest of a launch the instance does not change
     u32 unused;
 };
 

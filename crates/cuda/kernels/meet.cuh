@@ -237,7 +237,7 @@ DEVICE float3 curvature(const Collider& c, float3 q, float3 by) {
 // Sums of d loss / d poses at both ends of a frame, of one body and node: rows of the first, then
 // of the second.
 struct BodySums {
-    float* to;  // null where there are none
+    float* to;  // null if not requested
     u64 stride;
 };
 

@@ -195,8 +195,8 @@ struct AddSeedsArgs {
     u32 unused;
 };
 
-// Starts or goes on with a window: d loss / d state at the end of frame `StateArgs::first_frame` -
-// 1 is what came back so far (nothing if `begins`) plus the seed of that frame's own terms.
+// Starts or resumes a window: d loss / d state at the end of frame `StateArgs::first_frame` - 1 is
+// the adjoint so far (nothing if `begins`) plus the seed of that frame's terms.
 extern "C" __global__ void add_seeds(const __grid_constant__ AddSeedsArgs args) {
     const InstanceArgs& instance = args.instances[blockIdx.y];
     const u32 begins = args.begins;

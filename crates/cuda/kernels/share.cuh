@@ -60,7 +60,7 @@ struct BlockState {
         xs(buffer, m)[local] = with_w(x, v.x);
         vs(buffer, m)[local] = make_float2(v.y, v.z);
     }
-    // Shared memory behind the states, from so many float4s on.
+    // Shared memory behind the states, from `offset` float4s on.
     DEVICE_MEMBER float4* after_states(u32 offset) const {
         return shared_memory + 3 * INSTANCES * stride + offset;
     }
@@ -72,8 +72,8 @@ struct BlockState {
     }
 };
 
-// An array of shared memory that indices will be added to: its address is a number of its own, or
-// the compiler would work it out anew for every index.
+// An array of shared memory that indices will be added to: its address is kept in a register, or
+// the compiler would compute it again for every index.
 template <class T>
 DEVICE const T* opaque_shared(const T* p) {
     u32 address = shared_address(p);
@@ -166,7 +166,7 @@ struct ThreadNode {
     float inverse_mass;
     u32 first, pairs;     // its half-springs: every 32nd pair from `first` on
     u32 summed, sums;     // how many of them, from the first on, have sums, and where
-    u32 arm, arms;        // its references to triplets: every 32nd from `arm` on, so many slots
+    u32 arm, arms;        // references to triplets: every 32nd from `arm` on, `arms` slots
     u32 held_arms[HELD_ARMS];
     u32 export_from, exports; // its export references; the first of them:
     u32 refs[HELD_EXPORTS];

@@ -50,7 +50,7 @@ struct Projection {
     float tangents[2];
     bool is_free[2];        // a tangent is not clamped
     float4 unit;            // quaternion
-    float length;           // of the quaternion as it was
+    float length;           // of the quaternion before normalisation
     float3 rotation[3];     // its matrix
     float3 rows[2];         // W_1 - t_x W_3, W_2 - t_y W_3
     float3 turned[2];
@@ -109,7 +109,7 @@ struct Extent {
     float half_width;   // in the row of the centre
 };
 
-// First and last whole number of an interval within 0 and `last`; false if there is none.
+// First and last whole number of an interval within 0 and `last`; false if the interval has none.
 DEVICE bool whole(float from, float to, float last, u32& first, u32& end) {
     from = fmaxf(ceilf(from), 0.0f);
     to = fminf(floorf(to), last);

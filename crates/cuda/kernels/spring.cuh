@@ -12,7 +12,7 @@ struct HalfSpring {
     u32 other;
 };
 
-// Two of them, as they are stored: 20 bytes where all dashpots are alike, 28 where they are not.
+// A pair of half-springs in memory: 20 bytes where all dashpots are equal, 28 where they differ.
 struct Pair {
     float4 rates;
     u32 others;

@@ -2,10 +2,10 @@
 // how its blocks synchronize and how a node's new values reach the blocks that have it in their
 // halo:
 //
-// - SHAPE_BLOCK: one block; its barrier is all there is.
+// - SHAPE_BLOCK: one block; its barrier suffices.
 // - SHAPE_CLUSTER: owners write into the halos through distributed shared memory. A block waits for
-//   the bytes of its own halo, not for the others: a barrier of the cluster that also orders memory
-//   would wait for all that has been written anywhere, tapes included. Contact needs such a
+//   the bytes of its halo, not for the others: a barrier of the cluster that also orders memory
+//   would wait for all writes anywhere, tapes included. Contact needs such a
 //   barrier, since it goes through global memory.
 // - SHAPE_GRID: owners write to global memory, a barrier of the grid, then halos are read from
 //   there.

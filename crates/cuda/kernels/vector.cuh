@@ -11,7 +11,7 @@ typedef unsigned long long u64;
 // front end.
 #define OFFSET_OF(type, field) __INTADDR__(&((type*)0)->field)
 
-// Control points that a grasp has let go of stand so far away, out of reach of what they hold.
+// Control points that a grasp has released stand this far away, out of reach of what they held.
 #define FAR_M 1e18f
 #define FAR_SQUARED_M2 1e30f
 

@@ -69,7 +69,7 @@ pub(crate) struct Device {
     pub(crate) capabilities: Capabilities,
     /// Bytes that this process may have.
     pub(crate) budget: u64,
-    /// The one kind of team that is used, whatever would be best.
+    /// Forces this kind of team, in place of the best.
     pub(crate) team: Option<Team>,
     /// Serves requests that must not wait.
     pub(crate) urgent: Arc<CudaStream>,
@@ -189,7 +189,7 @@ impl Device {
         Ok(function.resident_teams(shared, self.capabilities.processors)? > 0)
     }
 
-    /// Memory of the device, whoever uses it.
+    /// Memory of the device, including that of other processes.
     pub(crate) fn memory(&self) -> Option<Memory> {
         let (free, total) = self.context.mem_get_info().ok()?;
         Some(Memory { used: total.saturating_sub(free) as u64, total: total as u64 })

@@ -41,8 +41,8 @@ pub struct Prepared {
     pub kernel: u64,
 }
 
-/// Cuts a checked model's graph for a batch of so many instances, each with a graph of its own, and
-/// chooses its launch forward.
+/// Cuts a checked model's graph for a batch of instances with separate graphs, and chooses its
+/// forward launch.
 ///
 /// # Errors
 /// If no team can hold the model.

@@ -57,7 +57,7 @@ fn failed(error: bendtwin_engine::Error) -> Error {
     }
 }
 
-/// Blocks that have a thread for each of so many elements.
+/// Blocks with a thread for each of `count` elements.
 fn blocks(count: usize) -> u32 {
     count.div_ceil(THREADS as usize) as u32
 }
@@ -93,7 +93,7 @@ impl CudaRasteriser {
 
     /// The rendering of these Gaussians, which may be the last one.
     fn drawn(&mut self, gaussians: &Gaussians, camera: &Camera) -> Result<Drawn, Error> {
-        // Taken: after a failure there is none.
+        // Taken, so that a failure leaves no stale rendering.
         let kept = self.last.take().filter(|d| d.camera == *camera && self.memory.holds(gaussians));
         match kept {
             Some(drawn) => Ok(drawn),
@@ -232,7 +232,7 @@ impl CudaRasteriser {
         unsafe { kernels::splat_forward(&self.queue.grid(camera.tiles, 1, 1), &args) }
     }
 
-    /// Launches the adjoint of a rendering of so many Gaussians.
+    /// Launches the adjoint of a rendering of `count` Gaussians.
     fn backward(
         &mut self,
         drawn: &Drawn,

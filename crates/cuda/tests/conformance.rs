@@ -5,7 +5,7 @@ use std::sync::{Arc, OnceLock};
 use bendtwin_cuda::{Options, cuda};
 use bendtwin_engine::Backend;
 
-/// One backend for all cases, as a worker has it.
+/// The backend of all cases, opened as a worker does.
 fn backend() -> Arc<dyn Backend> {
     static BACKEND: OnceLock<Arc<dyn Backend>> = OnceLock::new();
     BACKEND.get_or_init(|| cuda(&Options::default()).expect("a CUDA device")).clone()

@@ -138,7 +138,7 @@ macro_rules! device_struct {
 }
 use device_struct;
 
-/// Numbers need no check of their own.
+/// Numbers have no layout to check.
 macro_rules! numbers {
     ($($type:ty),*) => {
         $(impl DeviceType for $type {

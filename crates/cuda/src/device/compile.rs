@@ -24,7 +24,7 @@ pub(crate) fn compile(source: &str, options: &[String]) -> Result<Vec<u8>, Error
     let program = Program::new(source)?;
     let options: Vec<CString> = options.iter().map(|o| text(o)).collect::<Result<_, _>>()?;
     let pointers: Vec<*const c_char> = options.iter().map(|o| o.as_ptr()).collect();
-    // SAFETY: the program is alive, and there are so many options, which outlive the call.
+    // SAFETY: the program is alive, and the count matches the options, which outlive the call.
     let compiled =
         unsafe { sys::nvrtcCompileProgram(program.0, pointers.len() as i32, pointers.as_ptr()) };
     if compiled != sys::nvrtcResult::NVRTC_SUCCESS {

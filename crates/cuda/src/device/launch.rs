@@ -29,7 +29,7 @@ impl<'a> Launch<'a> {
         Self { device, stream, grid, specialized: None }
     }
 
-    /// The same for a specialized kernel with so much dynamic shared memory a block [bytes].
+    /// A launch of a specialized kernel with the given dynamic shared memory a block [bytes].
     pub(crate) fn specialized(self, to: &'a Specialization, shared_bytes: u32) -> Self {
         Self { specialized: Some((to, shared_bytes)), ..self }
     }
@@ -120,7 +120,7 @@ impl Function {
             .map_err(|e| fault(&format!("setting up {}", self.kernel), e))
     }
 
-    /// Lets blocks have so much dynamic shared memory. Once for all launches: they share the
+    /// Allows blocks this much dynamic shared memory. Once for all launches: they share the
     /// function.
     pub(crate) fn allow_shared(&self, bytes: u32) -> Result<(), Error> {
         let attribute = sys::CUfunction_attribute::CU_FUNC_ATTRIBUTE_MAX_DYNAMIC_SHARED_SIZE_BYTES;

@@ -1,4 +1,4 @@
-//! Things that are made once, whoever asks first.
+//! Values made once, by the first caller that asks.
 
 use std::{
     collections::HashMap,

@@ -20,12 +20,12 @@ use super::{
 const STRETCH_US: f64 = 1_000.0;
 const URGENT_STRETCH_US: f64 = 10_000.0;
 
-/// One of a device's two queues.
+/// A queue of a device, of which there are two.
 pub(crate) struct Queue {
     pub(crate) device: Arc<Device>,
     pub(crate) stream: Arc<CudaStream>,
     pub(crate) staging: Staging,
-    /// Its callers wait for nobody else's work, on the host neither.
+    /// Callers wait for no work of others, on the host neither.
     pub(crate) is_urgent: bool,
     concurrent: Vec<Arc<CudaStream>>,
 }
@@ -72,8 +72,8 @@ impl Queue {
         }
     }
 
-    /// Launches so many kernels on concurrent streams: after all that has been launched, and before
-    /// all that will be.
+    /// Launches `count` kernels on concurrent streams: after everything launched before, and before
+    /// everything launched later.
     pub(crate) fn launch_concurrently(
         &self,
         kernels: usize,

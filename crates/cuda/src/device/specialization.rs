@@ -79,7 +79,7 @@ impl Source {
         matches!(self, Self::Integrate | Self::Adjoint)
     }
 
-    /// Its files, headers before kernels.
+    /// Source files, headers before kernels.
     fn files(self) -> &'static [(&'static str, &'static str)] {
         match self {
             Self::Start => &[("start.cu", include_str!("../../kernels/start.cu"))],
@@ -153,7 +153,7 @@ pub(crate) struct Specialization {
     /// Pairs of half-springs of a lane in registers (forward); whether their sums are there
     /// (backward).
     pub(crate) held: u32,
-    /// Of these, how many every row has.
+    /// Pairs of `held` that every row has.
     pub(crate) held_always: u32,
     /// Pairs that have their sums in registers.
     pub(crate) held_sums: u32,
@@ -174,7 +174,7 @@ pub(crate) struct Specialization {
 }
 
 impl Specialization {
-    /// Of a source without specialization.
+    /// A source without specialization.
     pub(crate) fn small(source: Source) -> Self {
         Self {
             source,

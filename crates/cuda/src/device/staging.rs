@@ -146,7 +146,7 @@ impl Queue {
         Ok(())
     }
 
-    /// Page-locked memory for so many values, that the host writes before it reads.
+    /// Page-locked memory for `len` values, which the host writes before it reads.
     fn pinned<T: DeviceRepr>(&self, len: usize) -> Result<PinnedHostSlice<T>, Error> {
         let context = &self.device.context;
         // SAFETY: no bits are invalid values. Flags 0: cached, for the host reads it.

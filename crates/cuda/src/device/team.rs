@@ -2,14 +2,14 @@
 
 use super::Capabilities;
 
-/// Threads of a block that is a team of its own, and of one among several.
+/// Threads of a block that is a team by itself, and of one among several.
 pub(crate) const BLOCK_THREADS: u32 = 1024;
 pub(crate) const TEAM_THREADS: u32 = 512;
 
 /// Shape of a team: the way in which its blocks exchange state.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) enum TeamShape {
-    /// One block.
+    /// A single block.
     Block = 0,
     /// A cluster of blocks through distributed shared memory.
     Cluster = 1,

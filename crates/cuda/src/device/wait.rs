@@ -1,10 +1,10 @@
 //! Waiting for the device without keeping a processor busy.
 //!
-//! The driver waits by asking again and again, which takes a whole core for as long as a kernel
-//! runs. Here a wait asks so for a short time only and then sleeps between two looks, each time for
-//! an eighth of the time that it has lasted so far: it ends late by an eighth at most, and takes
-//! hardly any processor time if it is long. An urgent queue's callers wait for small work, and
-//! their waits are answered at once for much longer.
+//! The driver waits by polling, which takes a whole core for as long as a kernel runs. Here a wait
+//! polls for a short time only and then sleeps between two polls, each time for an eighth of the
+//! time that it has lasted so far: it ends late by an eighth at most, and takes hardly any
+//! processor time if it is long. Callers of an urgent queue wait for small work, and poll for much
+//! longer before they sleep.
 
 use std::{thread, time::Duration, time::Instant};
 

@@ -1,5 +1,5 @@
-//! Choice of the team that simulates an instance: its blocks, their shape, instances at once. Made
-//! by a model of the time of a substep, and reported.
+//! Choice of the team that simulates an instance: its blocks, their shape, and the instances run
+//! concurrently. Made by a model of the time of a substep, and reported.
 
 use bendtwin_core::Graph;
 use bendtwin_engine::{Error, Model};
@@ -41,11 +41,11 @@ impl Purpose {
 /// What the choice of a team looks at beside the model and its surroundings.
 #[derive(Clone, Copy)]
 pub(crate) struct Shapes<'a> {
-    /// Of the model's graph.
+    /// Layouts of the model's graph.
     pub(crate) layouts: &'a Layouts,
     /// All springs have the same dashpot.
     pub(crate) uniform_dashpot: bool,
-    /// The one kind of team that is used, whatever would be best.
+    /// Forces this kind of team, in place of the best.
     pub(crate) team: Option<Team>,
 }
 
@@ -78,12 +78,12 @@ const BLOCK_US: f64 = 0.1;
 const CLUSTER_US: f64 = 0.62;
 const GRID_US: f64 = 2.2;
 const GRID_BACK_US: f64 = 3.3;
-/// Of a half-spring on one multiprocessor, forward and backward.
+/// Time of a half-spring on one multiprocessor, forward and backward.
 const HALF_SPRING_US: f64 = 0.265e-3;
 const HALF_SPRING_BACK_US: f64 = 0.64e-3;
 /// Extra time of a backward pass whose sums are all in memory, as a share.
 const SUMS_IN_MEMORY: f64 = 0.3;
-/// Of one end of a triplet, in half-springs.
+/// Time of an end of a triplet, in half-springs.
 const TRIPLET_END: f64 = 1.5;
 /// Float4s of a local node forward.
 const STATES: u64 = 3;
@@ -94,8 +94,8 @@ const WORKING_REGISTERS_BACKWARD: u32 = 86;
 /// And those for what surrounds the object.
 const WORLD_REGISTERS: u32 = 32;
 
-/// The best team for a batch of so many instances of one graph, of those that fit the device.
-/// `alike` says how many of them share their parameters.
+/// The best team, among those that fit the device, for a batch of instances of one graph, `alike`
+/// of which share their parameters.
 pub(crate) fn choose(
     capabilities: &Capabilities,
     shapes: &Shapes<'_>,
@@ -147,8 +147,8 @@ pub(crate) fn choose(
     })
 }
 
-/// True if it is certain that a team exists that simulates a model: a single block has room for the
-/// states of all nodes, whatever its graph is like.
+/// True if some team is certain to fit a model: a single block can hold the states of all nodes,
+/// for any graph.
 pub(crate) fn fits_one_block(
     capabilities: &Capabilities,
     shapes: &Shapes<'_>,

@@ -106,8 +106,8 @@ impl Layout {
         let mut parts = partition(graph, blocks);
         let largest = parts.iter().map(Vec::len).max().unwrap_or(0);
         let lanes = lanes_for(largest, incidence, threads);
-        // Nodes of like valence share a row, so that few of its slots stay empty; among them
-        // neighbours in space, which reach for the same nodes at once.
+        // Nodes of similar valence share a row, so that few of its slots stay empty; among them
+        // neighbours in space, which read the same nodes at the same time.
         let pairs = |i: u32| incidence.springs_of(i).len().div_ceil(2 * lanes as usize);
         for part in &mut parts {
             part.sort_by_key(|&i| (std::cmp::Reverse(pairs(i)), i));
@@ -372,7 +372,7 @@ fn encode(local: u32) -> u16 {
 }
 
 impl Incidence {
-    /// Of a checked graph.
+    /// Incidence of a checked graph.
     pub(crate) fn new(graph: &Graph) -> Self {
         let ends = graph.node_count() + graph.control_count();
         let mut starts = vec![0_u32; ends + 1];

@@ -11,7 +11,7 @@ use crate::{
     plan::layout::{Incidence, Layout},
 };
 
-/// Cut of a graph: into so many blocks for about so many threads each.
+/// Cut of a graph into a number of blocks, for about this many threads each.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) struct Cut {
     pub(crate) blocks: u32,
@@ -34,7 +34,7 @@ pub(crate) struct Layouts {
 }
 
 impl Layouts {
-    /// Of a checked graph.
+    /// Layouts of a checked graph.
     pub(crate) fn new(graph: Arc<Graph>) -> Self {
         Self { graph, incidence: Memo::default(), made: Memo::default() }
     }

@@ -76,7 +76,7 @@ impl Resident {
         Self::new(&self.device, self.graph.clone(), self.skin.clone(), params)
     }
 
-    /// One whose parameters on the device will change.
+    /// The same, prepared for parameters that change on the device.
     pub(crate) fn varying(self) -> Self {
         Self { dashpot: None, ..self }
     }
@@ -126,7 +126,8 @@ impl Resident {
             spring_count,
         };
         let launch = Launch::new(device, &device.normal, [pairs.div_ceil(THREADS), 1, 1]);
-        // SAFETY: outputs and indices are of so many pairs, parameters are laid out for E springs.
+        // SAFETY: outputs and indices have the launched number of pairs, parameters are laid out
+        // for E springs.
         unsafe { kernels::pack_half_springs(&launch, &args)? };
         let args = PackBendsArgs {
             out: packed.bends.address(),

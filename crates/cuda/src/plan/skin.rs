@@ -15,7 +15,7 @@ pub(crate) struct DeviceSkin {
     weights: Buffer<f32>,
     frames: Buffer<[u32; 3]>,
     offsets: Buffer<Point>,
-    /// By the number of nodes; made when a gradient first asks for it.
+    /// Skins by number of nodes; made when a gradient first asks for one.
     by_node: Memo<usize, Arc<DeviceSkinByNode>>,
 }
 
@@ -82,7 +82,7 @@ impl DeviceSkin {
         }
     }
 
-    /// The skin as so many nodes see it; kept as long as the skin.
+    /// The skin from the view of `nodes`; kept as long as the skin.
     pub(crate) fn by_node(
         &self,
         device: &Device,
@@ -124,7 +124,7 @@ impl DeviceSkinByNode {
 }
 
 impl SkinByNode {
-    /// Of a checked skin of so many nodes.
+    /// The skin by node, of a checked skin.
     fn new(skin: &Skin, nodes: usize) -> Self {
         let weights = (0..skin.len()).flat_map(|m| {
             let own = skin.weights_of(m);

@@ -35,7 +35,7 @@ pub(crate) struct Entries {
 }
 
 impl Entries {
-    /// Of so many substeps of a graph.
+    /// Entries of `substeps` of a graph.
     pub(crate) fn of(graph: &Graph, substeps: usize) -> Self {
         Self { nodes: substeps * graph.node_count(), rods: substeps * graph.rods.len() }
     }
@@ -53,12 +53,12 @@ impl Entries {
 pub(crate) struct RolloutTapes {
     tape: Tape,
     starts: Vec<Entries>,
-    /// By instance, where each node is on tape.
+    /// Slot of each node on tape, by instance.
     slots: Vec<Pointer<u32>>,
 }
 
 impl Tape {
-    /// With room for so many entries.
+    /// A tape with space for `entries`.
     pub(crate) fn new(stream: &Arc<CudaStream>, entries: Entries) -> Result<Self, Error> {
         Ok(Self {
             x: Buffer::empty(stream, entries.nodes)?,
@@ -112,7 +112,7 @@ impl RolloutTapes {
     }
 }
 
-/// Entries of so many frames.
+/// Entries of `frames`.
 fn entries(instance: &Instance, frames: usize) -> Entries {
     let model = instance.model.model();
     Entries::of(&model.graph, frames * model.timing.substeps as usize)

@@ -41,7 +41,7 @@ const MAX_RODS: usize = 16;
 /// A queue with the objectives that have been sent through it.
 type Channel = (Arc<Queue>, Arc<Objectives>);
 
-/// One queue of a device.
+/// Backend on a queue of a device.
 #[derive(Clone)]
 pub(crate) struct CudaBackend {
     device: Arc<Device>,
@@ -406,8 +406,9 @@ impl Backend for CudaBackend {
         let new_skin = || DeviceSkin::new(&self.device, &model.skin);
         let skin = self.skins.get_or_make(&model.skin, new_skin)?;
         let resident = Resident::new(&self.device, graph, skin, &model.params)?;
-        // What cannot run is refused here. Where that takes no cut of the graph, none is made but for
-        // rollouts, which begin with few instances: a batch of candidates takes another.
+        // Models that cannot run are refused here. Where that needs no cut of the graph, a cut is
+        // made only for rollouts, which begin with few instances: a batch of candidates uses
+        // another.
         let (device, world) = (&self.device.capabilities, WorldParts::default());
         let shapes = resident.shapes();
         if self.queue.is_urgent || !fits_one_block(device, &shapes, &model) {

@@ -64,7 +64,8 @@ pub(crate) fn bytes_of(simulated: &bendtwin_engine::backend::Instance) -> u64 {
     24 * elements + seeds + 48 * n + motion as u64 + 8 * (simulated.frames as u64 + 1)
 }
 
-/// Triplets and rods: elements with three parameters each whose gradients are summed as they are.
+/// Number of triplets and rods: elements with three parameters each, whose gradients are summed
+/// directly.
 fn hinges(graph: &Graph) -> usize {
     graph.triplets.len() + graph.rods.len()
 }

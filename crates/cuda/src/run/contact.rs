@@ -24,7 +24,7 @@ pub(crate) struct Contact {
 }
 
 impl Contact {
-    /// For simulations with contact of so many nodes each.
+    /// Contact of simulations with the given numbers of nodes.
     pub(crate) fn new(queue: &Queue, nodes: impl Iterator<Item = usize>) -> Result<Self, Error> {
         let mut starts = vec![0];
         for nodes in nodes {

@@ -168,7 +168,7 @@ impl Group {
         &self.instances
     }
 
-    /// Estimated time in which a frame of so many substeps runs [us].
+    /// Estimated time of a frame with this many substeps [us].
     pub(crate) fn frame_us(&self, substeps: u32) -> f64 {
         self.plan.substep_us * f64::from(substeps)
     }
@@ -218,7 +218,8 @@ impl Group {
     }
 
     /// Calls `run` with a launch for all teams of these instances, and the first of them; several
-    /// times where not all teams can run at once though their blocks wait for each other. The
+    /// times where not all teams can be resident together though their blocks wait for each other.
+    /// The
     /// instances' arguments are complete for the specialization, and what they point to lives until
     /// the queue has been waited for.
     fn for_teams(

@@ -52,7 +52,7 @@ pub(crate) struct DeviceObjective {
 pub(crate) struct Objectives(Mutex<HashMap<(usize, usize), Arc<DeviceObjective>>>);
 
 impl Objectives {
-    /// The device's copy of a checked objective of a rollout of so many frames.
+    /// The device's copy of a checked objective of a rollout with the given number of frames.
     pub(crate) fn get(
         &self,
         stream: &Arc<CudaStream>,

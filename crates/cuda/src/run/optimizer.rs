@@ -42,7 +42,7 @@ struct DeviceRun {
     /// current ones are on the device, and the laws here as well.
     model: Arc<Model>,
     resident: Arc<Resident>,
-    /// A model of its own at the current point, made when first needed.
+    /// Separate model at the current point, made when first needed.
     current: Option<Loaded>,
     parameterization: Parameterization,
     indices: Buffer<u32>,
@@ -163,7 +163,7 @@ impl Optimizer for DeviceOptimizer {
             for (run, &before) in self.runs.iter_mut().zip(&before) {
                 run.waiting.truncate(before);
             }
-            // Nothing of what failed may go on behind our back.
+            // Failed work must not continue unseen.
             let _ = self.backend.queue.synchronize();
         }
         outcome.map(|()| norms)
@@ -246,7 +246,7 @@ impl DeviceRun {
         })
     }
 
-    /// The model at the current point, to be simulated at once.
+    /// A separate model at the current point, ready to be simulated.
     fn own(&self) -> Loaded {
         Loaded::new(self.model.clone(), self.resident.clone())
     }

@@ -28,7 +28,7 @@ const KNOWN_MODELS: usize = 32;
 pub(crate) struct RecordedOutputs {
     frames: Vec<Vec<u32>>,
     positions: Buffer<[f32; 3]>,
-    /// As `positions`; empty if not asked for.
+    /// Velocities, laid out like `positions`; empty if not requested.
     velocities: Buffer<[f32; 3]>,
     starts: Vec<usize>,
     /// Largest strain, that of springs to control points, and speed, by frame.

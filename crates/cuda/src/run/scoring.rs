@@ -53,7 +53,7 @@ pub(crate) fn seed_bytes(instance: &Instance) -> u64 {
     12 * (instance.frames as u64 + 1) * nodes + skin::bytes_of(instance)
 }
 
-/// Refuses gradients of more frames than are seeded at once, before anything is simulated.
+/// Refuses gradients of more frames than can be seeded in one launch, before anything is simulated.
 pub(crate) fn refuse_too_long(instances: &[Instance]) -> Result<(), Error> {
     let most = MOST_BLOCKS - 1;
     match instances.iter().map(|i| i.frames).find(|&frames| frames > most) {
@@ -81,9 +81,9 @@ fn force_bars(
 }
 
 impl Scores {
-    /// Scores all instances, whose frames have been run and kept. With `cut_every` also finds
-    /// what seeds their adjoints, cut at every so many frames; see [`refuse_too_long`]. `known` has
-    /// the objectives that are on the device already.
+    /// Scores all instances, whose frames have been run and kept. With `cut_every` also computes
+    /// the seeds of their adjoints, cut each `cut_every` frames; see [`refuse_too_long`]. `known`
+    /// has the objectives that are on the device already.
     pub(crate) fn new(
         simulation: &Simulation<'_>,
         known: &Objectives,

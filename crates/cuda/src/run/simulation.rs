@@ -231,8 +231,8 @@ impl<'a> Simulation<'a> {
             }
             let end = self.worlds.end_of_launch(first, (first + step).min(longest));
             let range = FrameRange::frames(first, end);
-            // Different graphs take different kernels, none of which fills the device: they run
-            // concurrently.
+            // Different graphs take different kernels, no single one of which fills the device:
+            // they run concurrently.
             self.queue.launch_concurrently(groups.len(), |k, streams| {
                 let (group, span) = (&groups[k], InstanceSpan::all(&uploaded[k]));
                 let stream = streams.of(k, &group.plan.team);
@@ -265,7 +265,7 @@ impl<'a> Simulation<'a> {
         (boundary, end): (usize, usize),
     ) -> Result<(), Error> {
         let has_grasps = group.plan.specialization.world.grasps;
-        // Holds of frames are written for all of them at once, launch by launch.
+        // Holds of frames are written for all of them together, launch by launch.
         if !has_grasps {
             return Ok(());
         }
@@ -313,7 +313,7 @@ impl<'a> Simulation<'a> {
     }
 
     /// Some instances in groups that one launch serves; an instance may have several. Groups'
-    /// members are indices in `of`. So many others share the device with them.
+    /// members are indices in `of`. `others` instances share the device with them.
     pub(crate) fn groups(
         &self,
         of: &[usize],

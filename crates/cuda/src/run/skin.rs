@@ -18,7 +18,7 @@ use crate::{
 
 /// Skins of instances whose objectives have terms there.
 pub(crate) struct Skins {
-    /// Of each instance, empty without such terms.
+    /// Arguments by instance, empty without such terms.
     args: Vec<SkinArgs>,
     /// d loss / d skin of each instance, shape [frames with terms at the skin, 3, M]; empty without
     /// gradients.
@@ -74,7 +74,7 @@ impl Skins {
         (self.args[index], self.bars.at(self.bar_starts[index]))
     }
 
-    /// Finds d loss / d skin of so many instances, which have been scored.
+    /// Computes d loss / d skin of instances that have been scored.
     pub(crate) fn seed(
         &self,
         queue: &Queue,

@@ -62,7 +62,7 @@ pub(crate) fn parts_of(instance: &Instance, measured: bool) -> WorldParts {
     }
 }
 
-/// True if a grasp of an instance lets go where it is pulled too hard.
+/// True if a grasp of an instance releases when it is pulled too hard.
 fn can_slip(instance: &Instance) -> bool {
     instance.world.grasps.iter().any(|g| g.max_force.is_finite())
 }
@@ -98,13 +98,13 @@ fn impulse_count(instance: &Instance) -> usize {
     (IMPULSES + 6 * instance.world.colliders.len()) * instance.model.model().graph.node_count()
 }
 
-/// Slots of what grasps hold, for so many of states: one more, since there is something before the
-/// first frame and behind the last.
+/// Slots of holds, for a number of slots of states: one more, since there are holds before the
+/// first frame and after the last.
 fn hold_slots(state_slots: usize, keeps_all: bool) -> usize {
     if keeps_all { state_slots + 1 } else { 2 }
 }
 
-/// Bytes that an instance's surroundings take, with so many slots of states.
+/// Bytes that an instance's surroundings take, given its slots of states.
 pub(crate) fn bytes_of(instance: &Instance, state_slots: usize, measured: bool) -> u64 {
     let parts = parts_of(instance, measured);
     if parts == WorldParts::default() {
@@ -129,7 +129,7 @@ pub(crate) fn bytes_of(instance: &Instance, state_slots: usize, measured: bool) 
 }
 
 impl Worlds {
-    /// Of instances with so many slots of states each, all of which are kept or the last one.
+    /// Worlds of instances with `slots` of states each, keeping all or only the last.
     pub(crate) fn new(
         queue: &Queue,
         instances: &[Instance],
@@ -242,7 +242,7 @@ impl Worlds {
         }
     }
 
-    /// End of a launch that begins with a frame and would go on to `end`.
+    /// Boundary at which a launch from frame `first` has to end, at most `end`.
     pub(crate) fn end_of_launch(&self, first: usize, end: usize) -> usize {
         self.boundaries.range(first + 1..).next().map_or(end, |&b| b.min(end))
     }

@@ -137,7 +137,7 @@ impl Memory {
             + bytes(&self.color)
     }
 
-    /// Room for so many Gaussians.
+    /// Allocates space for `count` Gaussians.
     pub(super) fn hold_set(&mut self, count: usize) -> Result<(), Error> {
         let limit = self.limit.saturating_sub(self.bytes());
         let Self { stream, .. } = self;
@@ -162,7 +162,7 @@ impl Memory {
         room.fit(&mut self.depth, pixels)
     }
 
-    /// Room for so many intersections.
+    /// Allocates space for `count` intersections.
     pub(super) fn hold_intersections(&mut self, count: usize) -> Result<(), Error> {
         let limit = self.limit.saturating_sub(self.bytes());
         let Self { stream, .. } = self;

@@ -23,7 +23,7 @@ pub(super) struct Pairs {
     pub(super) values: [Buffer<u32>; 2],
 }
 
-/// Length of the histograms that a sort of so many pairs needs.
+/// Length of the histograms of a sort of `count` pairs.
 pub(super) fn histogram_len(count: usize) -> usize {
     RADIX * count.div_ceil(BLOCK)
 }

@@ -289,7 +289,7 @@ device_struct! {
 }
 
 device_struct! {
-    /// One instance to simulate.
+    /// An instance to simulate.
     InstanceArgs {
         topology: TopologyArgs,
         parameters: ParameterArgs,

@@ -32,7 +32,7 @@ fn a_long_wait_looks_seldom() {
 }
 
 #[test]
-fn urgent_work_of_a_few_milliseconds_is_answered_at_once() {
+fn urgent_work_of_a_few_milliseconds_never_sleeps() {
     let (sleeps, late) = looks(Duration::from_millis(15), URGENT_LOOK);
     assert_eq!((sleeps, late), (0, Duration::ZERO));
 }

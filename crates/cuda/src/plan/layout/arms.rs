@@ -23,7 +23,7 @@ pub(super) fn reference(t: u32, role: u32) -> Reference {
     (t / warp * ROLES + role) * COMPONENTS * warp + t % warp
 }
 
-/// References of one slot by lane, [`NO_ARM`] where there is none.
+/// References of a slot by lane, [`NO_ARM`] for lanes without one.
 pub(super) type Slot = [Reference; WARP];
 
 fn bank_of(reference: Reference) -> usize {
@@ -56,7 +56,7 @@ pub(super) fn arrange(lanes: usize, mut ends: Vec<Vec<Reference>>) -> Vec<Slot> 
                     take(&mut ends, lane, at);
                 }
             }
-            // What would not fit into the slots that are left comes now, whatever its bank.
+            // References that would not fit into the remaining slots are placed now, in any bank.
             let room = (slots - slot - 1) * lanes;
             for lane in (0..ends.len() * lanes).filter(|&lane| seated >> lane & 1 == 0) {
                 if ends[lane / lanes].len() > room {

@@ -1,6 +1,6 @@
 //! Assignment of half-springs to slots and lanes. A quarter of a warp reads eight float4s of shared
-//! memory at once, and in one go only if they lie in different banks: indices that differ modulo 8.
-//! Half a warp reads sixteen float2s at once: indices that differ modulo 16.
+//! memory per access, without conflicts only if they lie in different banks: indices that differ
+//! modulo 8. Half a warp reads sixteen float2s per access: indices that differ modulo 16.
 
 use super::{
     NONE,
@@ -12,7 +12,7 @@ const TOGETHER: usize = 8;
 /// Groups of banks of 16 bytes.
 const BANKS: usize = 8;
 
-/// One slot: what each lane of the warp takes.
+/// A slot: what each lane of the warp takes.
 pub(super) type Slot = [Option<Half>; WARP];
 
 /// Deals the half-springs of a row's nodes to at least `slots` slots of `lanes` lanes a node:
@@ -57,8 +57,8 @@ impl Undealt {
         Self { halves, in_bank }
     }
 
-    /// Takes a half-spring that is read along with another lane's, or else one whose banks are free,
-    /// from the bank that has most of them left; any if none is. The first of several.
+    /// Takes a half-spring that is read along with another lane's, or else one with free banks,
+    /// from the bank that has most of them left; any if no bank is free. The first of several.
     fn take(&mut self, reads: &mut Reads) -> Option<Half> {
         let (mut best, mut most) = (0, 0);
         for (i, half) in self.halves.iter().enumerate() {
@@ -81,7 +81,7 @@ impl Undealt {
 /// States that the lanes of a warp read together, by bank.
 #[derive(Clone, Copy)]
 pub(super) struct Reads {
-    /// Local index that is read, [`NONE`] where none is.
+    /// Local index that is read, [`NONE`] for unread banks.
     by_quarter: [u32; BANKS],
     by_half: [u32; 2 * BANKS],
 }
@@ -93,7 +93,7 @@ impl Default for Reads {
 }
 
 impl Reads {
-    /// Goes on to a lane: the first of a quarter or half of a warp reads alone.
+    /// Moves to a lane: the first of a quarter or half of a warp reads alone.
     pub(super) fn next_lane(&mut self, lane: usize) {
         if lane.is_multiple_of(TOGETHER) {
             self.by_quarter = [NONE; BANKS];

@@ -1,5 +1,5 @@
-//! Order of a block's triplets. A warp works on 32 of them at once and reads the states of their
-//! ends from shared memory: in few goes only if those lie in different banks, as those of
+//! Order of a block's triplets. A warp works on 32 of them together and reads the states of their
+//! ends from shared memory: in few accesses only if those lie in different banks, as those of
 //! half-springs do ([`banks`](super::banks)).
 
 use super::banks::Reads;

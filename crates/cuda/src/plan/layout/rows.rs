@@ -1,4 +1,4 @@
-//! Half-springs in rows: a warp works on 32 / lanes nodes at once, each lane on every lanes-th
+//! Half-springs in rows: a warp works on 32 / lanes nodes together, each lane on every lanes-th
 //! half-spring of its node. A slot is one half-spring for each of the 32 lanes; slots come in
 //! pairs.
 
@@ -6,7 +6,7 @@ use super::{Incidence, Layout, NONE, PAIR_SUMS, SUMS_APART, banks};
 
 /// Lanes of a warp.
 pub(super) const WARP: usize = 32;
-/// A block of so many threads keeps its multiprocessor busy.
+/// Threads of a block that keep its multiprocessor busy.
 const BUSY_THREADS: usize = 512;
 /// Fewer half-springs than this a lane are not worth a shuffle more, in a block that is busy and in
 /// one that is not.
@@ -16,7 +16,7 @@ const FEWEST_SLOTS: usize = 3;
 /// A half-spring: spring, other end by local index, whether it reports the gradient.
 pub(super) type Half = (u32, u32, bool);
 
-/// Lanes that share a node in a part of so many nodes: as many as the threads allow.
+/// Lanes that share a node in a part of `nodes`: as many as the threads allow.
 pub(super) fn lanes_for(nodes: usize, incidence: &Incidence, threads: u32) -> u32 {
     let ends = incidence.starts.len().saturating_sub(1).max(1);
     let valence = incidence.springs.len() / ends;

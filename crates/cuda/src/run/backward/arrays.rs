@@ -34,14 +34,14 @@ pub(super) struct WindowArrays {
     pub(super) frames: usize,
     /// Substeps of a frame that are on tape at a time: all of them, unless not even one frame fits.
     segment: usize,
-    /// Of a frame.
+    /// Substeps of a frame.
     pub(super) substeps: usize,
     pub(super) nodes: usize,
     pub(super) rods: usize,
     pub(super) bar_x: Buffer<[f32; 4]>,
     pub(super) bar_v: Buffer<[f32; 4]>,
     pub(super) twist_bars: Buffer<f32>,
-    /// None if the forward pass wrote all tapes.
+    /// `None` if the forward pass wrote all tapes.
     tape: Option<Tape>,
     contact: Option<Contact>,
     clearances: Option<Clearances>,
@@ -49,11 +49,11 @@ pub(super) struct WindowArrays {
 
 /// Bytes of a window.
 struct Bytes {
-    /// Whatever is on tape.
+    /// Bytes independent of the frames on tape.
     fixed: u64,
-    /// Of each frame on tape.
+    /// Bytes of each frame on tape.
     frame: u64,
-    /// Of each substep of it.
+    /// Bytes of each substep of it.
     substep: u64,
 }
 
@@ -103,7 +103,8 @@ impl WindowArrays {
         let rods = model.graph.rods.len();
         let Sizes { windows: count, frames, segment } = *sizes;
         let has_tapes = backward.forward.tapes.is_some();
-        // With tapes of their own the windows need none here, and one frame's candidates each.
+        // If the forward pass has tapes, the windows need none here, and one frame's candidates
+        // each.
         let (on_tape, contacts) =
             if has_tapes { (0, count) } else { (count * frames, count * frames) };
         let contact = contact_nodes(model);

@@ -82,7 +82,7 @@ pub(super) struct MotionOuts {
 }
 
 impl MotionOuts {
-    /// Of windows of these instances.
+    /// Outputs of the windows of these instances.
     pub(super) fn new(backward: &Backward<'_>, instances: &[usize]) -> Result<Self, Error> {
         if !backward.request.motion {
             return Ok(Self { poses: None, rolls: None });

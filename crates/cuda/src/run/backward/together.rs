@@ -1,5 +1,5 @@
-//! Instances of several graphs backward: their kernels differ and none of them fills the device, so
-//! they run side by side, frame by frame.
+//! Instances of several graphs backward: their kernels differ and no single one fills the device,
+//! so they run side by side, frame by frame.
 
 use std::slice;
 
@@ -21,7 +21,7 @@ struct Part<'a> {
 }
 
 /// Takes the instances of graphs backward, with `room` bytes for windows: side by side where the
-/// forward pass wrote all tapes and all windows fit at once, else graph by graph.
+/// forward pass wrote all tapes and all windows fit together, else graph by graph.
 pub(super) fn run(graphs: &[Backward<'_>], room: u64) -> Result<(), Error> {
     let share = room / graphs.len().max(1) as u64;
     let fits =

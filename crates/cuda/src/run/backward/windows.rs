@@ -48,7 +48,7 @@ impl Window {
         self.end - self.first
     }
 
-    /// The frame that goes backward after so many others.
+    /// The frame at a depth, counted backward.
     fn frame(&self, depth: usize) -> usize {
         self.end - 1 - depth
     }
@@ -97,7 +97,7 @@ struct BatchArgs {
 }
 
 impl<'a> ConcurrentWindows<'a> {
-    /// Windows beside which so many others go backward.
+    /// Windows that run backward beside `others`.
     pub(super) fn new(
         backward: &'a Backward<'a>,
         windows: &'a [Window],
@@ -344,8 +344,8 @@ impl<'a> ConcurrentWindows<'a> {
         Ok(())
     }
 
-    /// Runs frames again, all at once, with these substeps on tape; returns where nodes are on it,
-    /// by window.
+    /// Runs frames again, all concurrently, with these substeps on tape; returns where nodes are on
+    /// it, by window.
     fn again(&self, depths: Range<usize>, taped: Range<u32>) -> Result<Vec<Pointer<u32>>, Error> {
         let (simulation, from) = (self.simulation(), depths.start);
         let queue = simulation.queue;
@@ -421,8 +421,8 @@ impl<'a> ConcurrentWindows<'a> {
         unsafe { kernels::collect_controls(&launch, &args) }
     }
 
-    /// Keeps what came back to the starts of instances, with the seeds of the starts themselves, of
-    /// windows with so many frames.
+    /// Stores the adjoints of instances' initial states, with the seeds of the starts themselves,
+    /// for windows of `frames`.
     pub(super) fn store_initials(&self, frames: usize) -> Result<(), Error> {
         let request = self.backward.request;
         if !(request.initial || request.controls || request.motion || request.norms) {
@@ -525,8 +525,8 @@ impl<'a> ConcurrentWindows<'a> {
             };
             at += own.len();
             let launch = self.simulation().queue.grid((e + others).div_ceil(THREADS), 1, 1);
-            // SAFETY: sums are rows of `stride` numbers, so many of them, and the total has a place
-            // for each kind.
+            // SAFETY: sums are the launched number of rows of `stride` numbers, and the total has a
+            // place for each kind.
             unsafe { kernels::gather_sums(&launch, &args)? };
         }
         Ok(())

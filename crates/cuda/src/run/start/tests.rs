@@ -13,7 +13,7 @@ fn state(twists: &[f32]) -> State {
 /// A fit compares a model with rods and one without from the same state, and leaves its twists
 /// open.
 #[test]
-fn models_that_share_a_state_have_twists_of_their_own() {
+fn models_that_share_a_state_have_separate_twists() {
     let (untwisted, twisted) = (state(&[]), state(&[0.5, -0.5]));
     let shared = [(&untwisted, 0), (&untwisted, 2), (&twisted, 2), (&untwisted, 2)];
     let (planes, places) = initial_planes(shared.into_iter());

@@ -45,7 +45,7 @@ struct Place {
 struct WorldPlace {
     colliders: usize,
     grasps: usize,
-    /// None where all control points hold always.
+    /// `None` if all control points always hold.
     grasp_of: Option<usize>,
 }
 

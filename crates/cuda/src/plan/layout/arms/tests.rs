@@ -2,7 +2,7 @@ use proptest::prelude::*;
 
 use super::*;
 
-/// Slots of references of triplets below so many, a few an endpoint.
+/// Slots of references to triplets below a number of them, a few an endpoint.
 fn rows() -> impl Strategy<Value = (usize, Vec<Vec<Reference>>)> {
     (0_u32..4).prop_flat_map(|log| {
         let lanes = 1_usize << log;

@@ -1,6 +1,6 @@
 //! Properties that `team.cuh` relies on where blocks wait for bytes alone: a block writes into
-//! another's halo once it has received from it, so whoever reads what it wrote before must have
-//! been received.
+//! another's halo once it has received from it, so readers of its earlier writes must have
+//! been received from as well.
 
 use super::*;
 
@@ -108,7 +108,7 @@ fn a_halo_receives_as_often_as_it_has_nodes() {
     }
 }
 
-/// Such a node is sent to whoever owns what was read, after it was read.
+/// A node that reads the halo is sent to the owner of what was read, after the read.
 #[test]
 fn only_elements_of_own_nodes_read_the_halo() {
     for (_, layout) in cut() {
