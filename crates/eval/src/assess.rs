@@ -29,15 +29,15 @@ pub struct Scale {
 /// A comparison of the twin's error.
 struct Comparison {
     level: Level,
-    /// As it follows "off by 3.1 mm: ".
+    /// Text after "off by 3.1 mm: ".
     text: String,
     /// Advice if it is the worst.
     next: &'static str,
 }
 
 impl Scale {
-    /// Of the nodes of a twin at rest [m], shape [N, 3], and its rods, as in
-    /// [`Graph::rods`](bendtwin_core::Graph::rods); rods of nodes that do not exist are passed over.
+    /// Size of the nodes of a twin at rest [m], shape [N, 3], and its rods, as in
+    /// [`Graph::rods`](bendtwin_core::Graph::rods); rods of nodes that do not exist are skipped.
     pub fn of_nodes(nodes: &[Point], rods: &[Vec<u32>]) -> Self {
         let side = |axis: usize| {
             let along = || nodes.iter().map(|p| f64::from(p[axis]));

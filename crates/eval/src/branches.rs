@@ -1,10 +1,10 @@
 //! A cable with branches, as in DEFT's metric.
 //!
-//! There every branch is an array of its own, from the point in which it begins to its tip, filled
-//! up with zeros to the length of the longest branch; the error is taken over the whole block. A
-//! point in which branches begin therefore counts once for each branch that it belongs to, and the
-//! zeros count as points without an error: the result is smaller than the true root mean square by
-//! a factor that depends on the cable alone (1.33 on BDLO1).
+//! There every branch is a separate array, from the point where it begins to its tip, padded with
+//! zeros to the length of the longest branch; the error is taken over the whole block. A point in
+//! which branches begin therefore counts once for each branch that it belongs to, and the zeros
+//! count as points without an error: the result is smaller than the true root mean square by a
+//! factor that depends on the cable alone (1.33 on BDLO1).
 
 /// Multiplicity of each point of a branched cable, and the number of places in all.
 #[derive(Clone, Debug, PartialEq)]
@@ -19,9 +19,8 @@ impl Branches {
     /// The branches of edges between this many points; `None` unless they form one tree with at
     /// least one junction.
     ///
-    /// Branches follow from the edges: as many as there are tips but one, of which the longest is
-    /// the longest path there is, and at a junction of d edges d - 1 of them meet, however they are
-    /// told apart.
+    /// Branches follow from the edges: one fewer than there are tips; the longest branch is the
+    /// longest path, and at a junction of d edges d - 1 branches meet, in any decomposition.
     pub(crate) fn new(edges: &[[u32; 2]], point_count: usize) -> Option<Self> {
         if edges.len().checked_add(1)? != point_count {
             return None;

@@ -1,6 +1,6 @@
-//! Predictions from corrected states: the running simulation is corrected by what is seen in a frame,
-//! and perhaps in frames before it, and the frames after it are predicted from there, beside the
-//! prediction that goes on uncorrected. No later frame is looked at.
+//! Predictions from corrected states: the running simulation is corrected by the observation of a
+//! frame, and perhaps of frames before it, and the frames after it are predicted from there, beside
+//! the prediction that continues uncorrected. No later frame is used.
 
 mod follow;
 mod run;
@@ -21,7 +21,7 @@ pub struct CorrectionPlan {
     pub frames: Vec<usize>,
     /// Number of frames predicted from each.
     pub horizon: usize,
-    /// Shares of the visible points that are observed, each a comparison of its own, 0..=1.
+    /// Shares of the visible points that are observed, each a separate comparison, 0..=1.
     pub shares: Vec<f64>,
     /// Frames between corrections: in the frame predicted from, and in frames before it at this
     /// distance, from the start on; 0 corrects in the one frame alone.
@@ -29,7 +29,7 @@ pub struct CorrectionPlan {
     /// Frames back to which the velocities of points are measured; 0 observes none.
     pub velocity_frames: usize,
     /// Share of each correction that the rest shape takes, 0..=1, where the points are far beyond
-    /// their noise ([`bendtwin_register::Corrected::beyond_noise`]); 0 leaves the twin as it is.
+    /// their noise ([`bendtwin_register::Corrected::beyond_noise`]); 0 leaves the twin unchanged.
     pub carry: f64,
     /// Options of the corrections.
     pub options: CorrectOptions,
@@ -46,7 +46,7 @@ pub struct CorrectionScore {
     pub points: f64,
     /// Sequences that were compared.
     pub sequences: usize,
-    /// Corrections that were refused; the simulation goes on uncorrected there.
+    /// Corrections that were refused; the simulation continues uncorrected there.
     pub refused: usize,
     /// Median distance of the observed points before and after the correction in that frame [mm],
     /// mean over sequences.

@@ -12,7 +12,7 @@ pub(crate) struct MeanDistances {
     pub(crate) l2_m: f64,
 }
 
-/// One-sided Chamfer distances from `points` to `nodes`; `None` if either is empty.
+/// Chamfer distances from `points` to `nodes`, one-sided; `None` if either is empty.
 pub(crate) fn chamfer(points: &[Point], nodes: &[Point]) -> Option<MeanDistances> {
     if points.is_empty() || nodes.is_empty() {
         return None;
@@ -28,7 +28,7 @@ pub(crate) fn chamfer(points: &[Point], nodes: &[Point]) -> Option<MeanDistances
     Some(MeanDistances { l1_m: l1 / n, l2_m: l2 / n })
 }
 
-/// Index of the nearest of `nodes`, ties to the first; `None` if there are none.
+/// Index of the nearest of `nodes`, ties to the first; `None` without nodes.
 pub(crate) fn nearest(point: Point, nodes: &[Point]) -> Option<usize> {
     let distances = nodes.iter().map(|n| euclidean(*n, point)).enumerate();
     distances.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(i, _)| i)

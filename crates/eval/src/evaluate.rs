@@ -55,8 +55,9 @@ pub fn evaluate(
     Ok(fill(Table::new(twin, options), backend, twin, capture, options, cancel)?.quality())
 }
 
-/// The same with the predicted motion of one sequence, by its index among those of all recordings. There
-/// is none if the twin could not be registered to its recording, or there is no such sequence.
+/// [`evaluate`] with the predicted motion of a sequence, by its index among those of all
+/// recordings. The motion is missing if the twin could not be registered to its recording, or the
+/// sequence does not exist.
 ///
 /// # Errors
 /// As [`evaluate`].
@@ -234,7 +235,7 @@ fn fits(twin: &Twin) -> impl Iterator<Item = Twin> + '_ {
 /// A quality table in the making.
 struct Table {
     own: Predictor,
-    /// One for each predictor that may be measured, the twin's own first.
+    /// A row for each predictor that may be measured, the twin first.
     rows: Vec<Row>,
     per_frame: bool,
     recordings: Vec<(RecordingScore, PredictorErrors)>,

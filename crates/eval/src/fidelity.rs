@@ -1,6 +1,6 @@
 //! Finds a twin's fast variant: as few substeps as leave its motion nearly what it was.
 //!
-//! The twin follows the controls of its own capture, exactly and by each variant under comparison,
+//! The twin follows the controls of its capture, exactly and by each variant under comparison,
 //! over at most [`FRAMES`] frames of at most [`SEQUENCES`] recordings from their start; nodes are
 //! compared one by one. A variant will do if its mean deviation is within [`TOLERANCE_M`] and
 //! within [`TOLERANCE_OF_TRAVEL`] of how far nodes move on average (a capture in which little moves

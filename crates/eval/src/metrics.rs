@@ -56,7 +56,7 @@ impl<'a> Reference<'a> {
         Self { sequence, train_frame_count, surface_count, tracks, coordinates, branches }
     }
 
-    /// The same with all frames as future ones: the twin was fitted to none of them.
+    /// The errors with all frames as future ones: the twin was fitted without them.
     pub(crate) fn unseen(self) -> Self {
         Self { train_frame_count: 0, ..self }
     }
@@ -104,7 +104,7 @@ impl<'a> Reference<'a> {
     }
 }
 
-/// Every observed point with the predicted one that is it; `None` if there is none for some.
+/// Every observed point with its predicted point; `None` if some point has no counterpart.
 fn own_points(observed_points: &[u32], point_count: usize) -> Option<Vec<(usize, usize)>> {
     let mut own = vec![None; point_count];
     for (own_point, &p) in observed_points.iter().enumerate() {
@@ -133,7 +133,7 @@ pub(crate) struct ErrorSums {
     chamfer_l2: (f64, f64),
     track: (f64, f64),
     coordinate: (f64, f64),
-    /// Of squares.
+    /// Sums of squares.
     padded: (f64, f64),
 }
 

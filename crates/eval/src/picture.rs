@@ -17,9 +17,9 @@ const PANEL_WIDTH: f32 = 330.0;
 const CHART_HEIGHT: f32 = 250.0;
 const HEADER: f32 = 64.0;
 const ROW_TITLE: f32 = 34.0;
-/// From so many points of the skin on they are drawn finer.
+/// Number of skin points from which they are drawn finer.
 const DENSE_POINTS: f32 = 300.0;
-/// Of more springs than this, only so many are drawn.
+/// Most springs drawn.
 const MOST_SPRINGS: usize = 4000;
 const BACKGROUND: Color = Color(255, 255, 255);
 const PANEL: Color = Color(246, 248, 250);
@@ -33,14 +33,14 @@ const CONTROL: Color = Color(204, 51, 63);
 /// A colour for each model; safe for most colour-blind readers.
 const MODELS: [Color; 3] = [Color(0, 114, 178), Color(213, 94, 0), Color(0, 158, 115)];
 
-/// One model in the picture.
+/// A model in the picture.
 #[derive(Clone, Copy, Debug)]
 pub struct Model<'a> {
     /// Name of the predictor, which titles the row.
     pub name: &'a str,
     /// The twin.
     pub twin: &'a Twin,
-    /// Its prediction of the sequence that is shown.
+    /// Prediction of the sequence that is shown.
     pub trajectory: &'a Trajectory,
 }
 

@@ -1,9 +1,10 @@
 //! The nodes of a twin in another recording of its object.
 //!
-//! A recording of the same object has tracked points, control points and a start of its own. The
-//! nodes are registered to what was seen at that start ([`bendtwin_register::place`]); the
-//! recording's tracked points are bound to the nodes there, and its control points attached to them
-//! by the rules of graph building. The result is the twin in this recording: a twin like one that
+//! A recording of the same object has separate tracked points, control points and start. The nodes
+//! are registered to the observation at that start ([`bendtwin_register::place`]); the recording's
+//! tracked points are bound to the nodes there, and its control points attached to them by the
+//! rules of graph building. The result is the twin in this recording: a twin like one that was
+//! fitted to it, except for the parameters.
 //! was fitted to it, except for the parameters.
 
 use bendtwin_core::{
@@ -25,7 +26,8 @@ use crate::{
 
 /// Weight of a point of the completed surface beside one that was seen.
 const COMPLETED_WEIGHT: f32 = 0.5;
-/// Farthest that a node of a twin is from its tracked point in the first frame of its own capture
+/// Farthest distance of a twin's node from its tracked point in the first frame of the twin's
+/// capture
 /// [m], and the share of nodes for which that holds.
 const SAME_M: f64 = 1e-3;
 const SAME_SHARE: f64 = 0.9;
@@ -164,7 +166,7 @@ impl Placement {
 }
 
 /// A twin in the first sequence of another recording, and that recording with this sequence alone;
-/// `None` if it is the twin's own capture, in which it is as it is.
+/// `None` if it is the twin's capture, where the twin needs no placement.
 ///
 /// # Errors
 /// As [`Placement::new`] and [`Placement::twin`].

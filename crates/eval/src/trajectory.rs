@@ -94,7 +94,7 @@ pub(crate) fn predict_from(
     Ok(trajectories)
 }
 
-/// Number of instances to submit at once: enough to fill the device, few enough that others who
+/// Number of instances to submit together: enough to fill the device, few enough that others who
 /// share it are served in between.
 pub fn slice_len(backend: &dyn Backend) -> usize {
     2 * backend.device().lanes.max(1)

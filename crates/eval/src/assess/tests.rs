@@ -114,7 +114,7 @@ fn baselines_are_compared_by_the_same_measure() {
 }
 
 #[test]
-fn the_axial_fit_is_told_without_deciding() {
+fn the_axial_fit_is_mentioned_without_deciding() {
     let mut quality = table(4.0, 100.0, 5.0);
     quality.scores.insert(1, score(Predictor::Axial, tracks(2.0)));
     is(&quality, SCALE, Level::Good, "2.00 times farther than without bending", "Use it");

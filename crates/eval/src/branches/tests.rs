@@ -1,7 +1,7 @@
 use super::*;
 
-/// A trunk of points `0..trunk`, and branches of so many points of their own that begin at points
-/// of it.
+/// A trunk of points `0..trunk`, and branches, each given by the trunk point where it begins and
+/// its number of points.
 fn cable(trunk: u32, branches: &[(u32, u32)]) -> (Vec<[u32; 2]>, usize) {
     let mut edges: Vec<[u32; 2]> = (1..trunk).map(|p| [p - 1, p]).collect();
     let mut next = trunk;

@@ -83,7 +83,7 @@ pub(super) fn follow(
 }
 
 impl Running {
-    /// Goes on from a corrected state, with the part of the correction that lasts.
+    /// Continues from a corrected state, with the part of the correction that lasts.
     fn take(
         &mut self,
         backend: &dyn Backend,

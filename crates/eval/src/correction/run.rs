@@ -28,7 +28,7 @@ pub(super) struct Run<'a> {
     /// Observed points that have a place on the twin, and their places.
     observed: Vec<usize>,
     places: Skin,
-    /// Clean tracks with places, and their places; observed points where there are none.
+    /// Clean tracks with places, and their places; observed points if there are no tracks.
     tracks: Vec<usize>,
     truth: Skin,
     reference: Reference<'a>,
@@ -126,8 +126,8 @@ impl<'a> Run<'a> {
                 let p = self.observed[i];
                 let now = observation.points[k];
                 let known = visible[p] && is_finite(&points[p]);
-                // The velocity at the end, from the difference over some frames: what the prediction
-                // had over the same frames is the same mean of its own velocity.
+                // The velocity at the end, from the difference over some frames: the prediction's
+                // velocity is the same mean over the same frames.
                 observation.velocities.push(std::array::from_fn(|a| {
                     let own = (moving[k][a] - is[k][a]) * self.fps as f32;
                     let change = (now[a] - points[p][a]) - (is[k][a] - was[k][a]);

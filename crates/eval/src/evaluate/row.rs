@@ -18,7 +18,7 @@ pub(super) struct Measured<'a> {
     sequence: &'a Sequence,
     points: Surface,
     pub(super) at_skin: Reference<'a>,
-    /// None where the skin is the nodes.
+    /// `None` if the skin is the nodes.
     at_nodes: Option<(Surface, Reference<'a>)>,
 }
 

@@ -7,15 +7,15 @@ use super::{FAINT, FUTURE, FUTURE_EDGE, INK, PANEL};
 const LEFT: f32 = 56.0;
 const BOTTOM: f32 = 26.0;
 const TOP: f32 = 34.0;
-/// The axis ends at so many times the largest error of a model; reference lines may leave the
+/// The axis ends at this multiple of the largest error of a model; reference lines may leave the
 /// chart.
 const HEADROOM: f64 = 1.25;
 
-/// One line of a chart.
+/// A line of a chart.
 pub(super) struct Line<'a> {
     pub(super) name: &'a str,
     pub(super) color: Color,
-    /// A value per frame; NaN where there is none.
+    /// Values by frame; NaN for frames without one.
     pub(super) values: Vec<f64>,
     /// Shown for comparison only: the axis does not stretch for it.
     pub(super) is_reference: bool,

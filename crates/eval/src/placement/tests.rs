@@ -86,7 +86,7 @@ fn twin() -> Twin {
     }
 }
 
-/// The L elsewhere, with points and control points of its own, all of which move along.
+/// The L elsewhere, with its own points and control points, all of which move along.
 fn other(fps: f64) -> Capture {
     let points: Vec<Point> = shape(0.015).into_iter().map(turned).collect();
     let hand = [[0.01, 0.12, 0.03], [0.03, 0.12, 0.03], [0.02, 0.1, 0.03]].map(turned);
@@ -155,7 +155,7 @@ fn a_twin_elsewhere_keeps_what_is_between_its_nodes() {
     assert_eq!(there.params.bend_stiffness, [0.1]);
     let held = there.graph.springs.len() - inner(&there.graph);
     assert!(held >= 4, "{held} springs hold it");
-    // The hand holds as firmly in all, whatever the number of its springs.
+    // The hand holds equally firmly in all, with any number of springs.
     assert_ne!(held, twin.graph.springs.len() - inner(&twin.graph));
     let sum = |twin: &Twin, of: fn(&Params) -> &[f32]| {
         let pairs = twin.graph.springs.iter().zip(of(&twin.params));

@@ -58,7 +58,7 @@ fn a_mean_of_fits_says_of_how_many() {
 }
 
 #[test]
-fn the_choice_of_a_start_is_told() {
+fn the_choice_of_a_start_is_explained() {
     let losses = vec![Some(3.2e-5), None, Some(1.5e-5)];
     let choice = Choice { start: 2, held_back_frames: 14, losses };
     let quality = Quality { choice: Some(choice), ..quality() };
@@ -69,7 +69,7 @@ fn the_choice_of_a_start_is_told() {
 }
 
 #[test]
-fn errors_at_nodes_have_columns_of_their_own() {
+fn errors_at_nodes_have_separate_columns() {
     let mut quality = quality();
     quality.warnings.clear();
     let future =
@@ -89,7 +89,7 @@ fn nothing_is_an_empty_table() {
 }
 
 #[test]
-fn several_recordings_have_a_table_of_their_own() {
+fn several_recordings_have_a_separate_table() {
     let error = |cd: f64| ErrorSummary { chamfer_l1_m: Some(cd), ..ErrorSummary::default() };
     let registered = RegistrationScore { median_mm: 1.25, p95_mm: 3.0, explained: 0.9 };
     let recording = |name: &str, registered, train, future| RecordingScore {
@@ -116,7 +116,7 @@ warning: the rope is short
 }
 
 #[test]
-fn renderings_have_a_table_of_their_own() {
+fn renderings_have_a_separate_table() {
     let likeness =
         |iou: f64| Likeness { iou: Some(iou), psnr_db: Some(30.0), ..Likeness::default() };
     let camera = |name: &str, held_out| CameraScore {
