@@ -1,5 +1,5 @@
 //! Findings that merely follow from another finding: they are left out, so that a capture with one
-//! fault has one finding, whoever found what. The cause names their codes.
+//! fault has one finding, whichever judge found it. The cause names their codes.
 
 use bendtwin_core::Finding;
 
@@ -8,9 +8,9 @@ use Strength::{Certain, Likely};
 /// Certainty with which one finding explains another.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Strength {
-    /// It explains a worse finding too, and takes over its severity.
+    /// Explains a worse finding too, and takes over its severity.
     Certain,
-    /// It explains no worse finding than itself.
+    /// Explains no finding worse than itself.
     Likely,
 }
 

@@ -26,7 +26,7 @@ use crate::{
     thresholds::ConsistencyThresholds,
 };
 
-/// One camera of a [`ViewSet`], with what it saw in the frames of which crops were kept.
+/// A camera of a [`ViewSet`], with what it saw in the frames whose crops were kept.
 #[derive(Debug)]
 pub(crate) struct View<'a> {
     /// Index into the recording's cameras.
@@ -35,7 +35,7 @@ pub(crate) struct View<'a> {
     pub(crate) crops: Vec<SampledCrop<'a>>,
 }
 
-/// One crop and surfels of its surface.
+/// A crop and surfels of its surface.
 #[derive(Debug)]
 pub(crate) struct SampledCrop<'a> {
     pub(crate) crop: &'a Crop,

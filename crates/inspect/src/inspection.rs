@@ -64,7 +64,7 @@ pub struct Scene {
     pub gap_m: Vec<Option<f64>>,
 }
 
-/// One camera.
+/// Report of a camera.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct CameraReport {
     /// A person's name for it.
@@ -100,9 +100,9 @@ pub struct CameraReport {
     pub skew_by_times_ms: Option<f64>,
     /// Growth of the skew from the first half to the second [ms].
     pub drift_ms: Option<f64>,
-    /// Its 2D tracks.
+    /// 2D tracks of the camera.
     pub tracks: Option<TrackReport>,
-    /// Its agreement with the others.
+    /// Agreement with the other cameras.
     pub agreement: Option<Agreement>,
 }
 

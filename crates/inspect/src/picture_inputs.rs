@@ -15,7 +15,7 @@ pub(crate) struct PictureInputs {
     pub(crate) capture: Option<Capture>,
 }
 
-/// One camera's crops and first image.
+/// A camera's crops and first image.
 #[derive(Clone, Debug)]
 pub(crate) struct CameraPictures {
     pub(crate) camera: Camera,

@@ -9,7 +9,7 @@ use crate::{Error, Finding, Inspection, observed, page};
 
 /// Name of the format.
 pub const FORMAT: &str = bendtwin_core::capture_files::REPORT_FORMAT;
-/// Its version.
+/// Version of the report's format.
 pub const VERSION: u32 = 1;
 
 /// The result of lifting a recording.
@@ -113,7 +113,7 @@ impl Report {
     /// Reads a document. Pictures are not part of it.
     ///
     /// # Errors
-    /// If it is none, or of a newer version.
+    /// If it is not a report, or one of a newer version.
     pub fn from_json(text: &str) -> Result<Self, Error> {
         let read: ReadDocument =
             serde_json::from_str(text).map_err(|e| Error::Document(e.to_string()))?;

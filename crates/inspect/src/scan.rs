@@ -23,7 +23,7 @@ use crate::{
 pub(crate) const COMPARED_CAMERAS: usize = 16;
 /// Frames of which crops are kept.
 const CROP_FRAMES: usize = 13;
-/// Of those, every so many are compared with depth and colour at their outlines.
+/// Interval of the crops that are compared with depth and colour at their outlines.
 const OUTLINE_EVERY: usize = 3;
 /// Frames that a camera reads before progress is reported.
 const BATCH_FRAMES: usize = 4;

@@ -9,7 +9,7 @@ use crate::vector::{Vector, add, turn};
 /// A change of one camera's calibration.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum PoseChange {
-    /// As declared.
+    /// The calibration as declared.
     None,
     /// World-to-camera was written for camera-to-world.
     Inverse,
@@ -21,7 +21,7 @@ pub(crate) enum PoseChange {
     InverseOpenGl,
     /// The world was mirrored along an axis, and the camera's x with it.
     Mirrored(usize),
-    /// One coordinate of the translation has the wrong sign.
+    /// A coordinate of the translation has the wrong sign.
     MirroredPlace(usize),
     /// Translations are in other units.
     Units(f64),

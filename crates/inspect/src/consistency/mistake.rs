@@ -9,7 +9,7 @@ use crate::thresholds::ConsistencyThresholds;
 
 /// Units of translations that people mix up.
 const UNITS: [f64; 8] = [0.001, 0.01, 0.0254, 0.1, 10.0, 39.37, 100.0, 1000.0];
-/// With more cameras, only pairs are exchanged; with so many or fewer, all permutations are tried.
+/// Cameras up to which all permutations are tried; with more, only pairs are exchanged.
 const MAX_PERMUTED_CAMERAS: usize = 4;
 
 /// A mistake that may have been made.

@@ -1,4 +1,4 @@
-//! One camera's surfels, reprojected into another camera.
+//! Reprojection of a camera's surfels into another camera.
 
 use super::hypothesis::PosedCamera;
 use crate::{
@@ -15,7 +15,7 @@ pub(crate) struct Reprojection {
     pub(crate) inside_image: usize,
     /// Surfels that should not: behind the other camera, or beside its image.
     pub(crate) outside_image: usize,
-    /// Of the first, those that appear outside the masks.
+    /// Surfels inside the image that appear outside the masks.
     pub(crate) outside_masks: usize,
     /// Those that lie in front of what the other camera measured.
     pub(crate) in_front: usize,

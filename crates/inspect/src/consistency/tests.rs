@@ -28,7 +28,7 @@ fn a_disturbed_camera_is_put_back() {
     let moved = declared.with(2, |s| s.moved = Some(found.motion));
     let (before, after) = (set.misfit(&declared).unwrap(), set.misfit(&moved).unwrap());
     assert!(after < 0.6 * before, "{before} {after}");
-    // The surface in the middle lands where it was, whatever the rest of the motion is.
+    // The surface in the middle lands where it was, independent of the rest of the motion.
     let middle = [0.0, 0.0, 0.6];
     let put_back = moved.posed(&set.views, 2, 0).unwrap().pose;
     let place = |pose| crate::vector::to_world(pose, middle);

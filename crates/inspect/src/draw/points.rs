@@ -1,4 +1,4 @@
-//! Pictures of points over time, from one viewpoint: as cameras saw them, and as they were lifted.
+//! Pictures of points over time, from one viewpoint: as seen by cameras, and as lifted.
 
 use bendtwin_core::{Environment, Point, Sequence};
 use bendtwin_picture::{Canvas, Color, Error, Rect, View};

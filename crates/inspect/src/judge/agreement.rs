@@ -19,7 +19,7 @@ use crate::{
     thresholds::AgreementThresholds,
 };
 
-/// Findings with which the cameras cannot agree, whatever their calibration is.
+/// Findings with which cameras cannot agree under any calibration.
 const NOT_COMPARABLE: [&str; 3] = ["DEPTH_INVERTED", "DEPTH_MISALIGNED", "MASKS_MISALIGNED"];
 
 pub(super) fn judge(context: &Context<'_>, assessment: &mut Assessment) {
@@ -68,7 +68,7 @@ pub(super) fn judge(context: &Context<'_>, assessment: &mut Assessment) {
     }
 }
 
-/// True if the cameras agree under a hypothesis: a gain alone is none, since anything that changes
+/// True if the cameras agree under a hypothesis: a gain alone is not enough, since any change of
 /// what is compared may gain something.
 fn agrees(set: &ViewSet<'_>, hypothesis: &Hypothesis, limits: &AgreementThresholds) -> bool {
     set.disagreement_m(hypothesis).is_some_and(|m| m < limits.max_disagreement_m)

@@ -22,7 +22,7 @@ enum Image {
     Color,
 }
 
-/// One camera's image on another grid.
+/// A camera's image on another grid.
 #[derive(Clone, Copy, Debug)]
 struct Misaligned {
     camera: usize,

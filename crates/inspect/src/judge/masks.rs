@@ -165,7 +165,7 @@ fn jumps(context: &Context<'_>, index: usize, scan: &CameraScan, assessment: &mu
     let pairs = areas.iter().zip(areas.iter().skip(1)).enumerate();
     for (frame, (before, now)) in pairs {
         let (Some(before), Some(now)) = (before, now) else { continue };
-        // Empty masks have a finding of their own.
+        // Empty masks have a separate finding.
         if before.min(*now) <= 0.0 || before.max(*now) < small {
             continue;
         }

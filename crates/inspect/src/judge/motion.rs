@@ -119,7 +119,7 @@ fn skips(context: &Context<'_>, index: usize, path: &Path, assessment: &mut Asse
         let Some(usual) = median(around.into_iter().filter_map(|f| step(path, f))) else {
             continue;
         };
-        // An object that stuck to the ground and lets go jumps, too, after steps that were shorter.
+        // An object that stuck to the ground jumps, too, when it comes loose, after shorter steps.
         let beside = [frame - 1, frame + 1].into_iter().filter_map(|f| step(path, f));
         let is_steady = beside.fold(f64::INFINITY, f64::min) > limits.steady_ratio * usual;
         if usual > limits.moving_ratio * limits.skip_m {

@@ -31,7 +31,7 @@ fn train_frames(context: &Context<'_>) -> usize {
 fn object(context: &Context<'_>, assessment: &mut Assessment) {
     let object_px = by_frame(context, |g| g.object.map_or(0, |o| o.depth_px));
     if object_px.iter().all(|px| *px == 0) {
-        // That has findings of its own.
+        // That case has separate findings.
         return;
     }
     if object_px.first() == Some(&0) {

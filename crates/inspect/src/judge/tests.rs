@@ -155,7 +155,7 @@ fn everything_in_centimetres_is_too_large() {
 }
 
 #[test]
-fn mistakes_with_poses_are_told_apart() {
+fn mistakes_with_poses_are_distinguished() {
     let all = |change: PoseChange| {
         declared(|r| r.cameras.iter_mut().for_each(|c| c.poses[0] = change.apply(&c.poses[0])))
     };
@@ -300,7 +300,7 @@ fn thresholds_decide() {
 }
 
 #[test]
-fn gaps_of_the_hand_are_told_as_lifting_would() {
+fn gaps_of_the_hand_are_reported_as_in_lifting() {
     use bendtwin_core::settings::ingest::{ControlSettings, IngestSettings};
     let (mut scene, recording) = healthy();
     // A frame that no camera has is a gap of the hand, too.

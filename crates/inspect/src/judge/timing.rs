@@ -28,7 +28,7 @@ fn missing(context: &Context<'_>, index: usize, scan: &CameraScan, assessment: &
     let lacks = |g: &FrameStats| g.color.is_none() || g.depth.is_none();
     let missing: Vec<usize> =
         scan.frames.iter().enumerate().filter(|(_, g)| lacks(g)).map(|(f, _)| f).collect();
-    // Files that are there but damaged have a finding of their own.
+    // Files that exist but are damaged have a separate finding.
     let damaged = |frame: &usize| scan.damaged_frames.contains(frame);
     let frames: Vec<usize> = missing.iter().copied().filter(|f| !damaged(f)).collect();
     let all = scan.frames.len();
@@ -78,8 +78,8 @@ fn repeats(scans: &[CameraScan]) -> Vec<Vec<bool>> {
     scans.iter().map(one).collect()
 }
 
-/// A still scene without noise looks like repeated frames in all cameras; it is none if it lasts or
-/// if it is the beginning or the end.
+/// True for a pause: a still scene without noise looks like repeated frames in all cameras, but
+/// counts as a pause if it lasts or if it is the beginning or the end.
 fn is_pause(same: &[Vec<bool>], frame: usize, min_pause_frames: usize) -> bool {
     let frames = same.iter().map(Vec::len).max().unwrap_or(0);
     let all = |f: usize| same.iter().all(|camera| camera.get(f) == Some(&true));

@@ -12,7 +12,7 @@ const MAX_POINTS: usize = 500;
 const COLORS: [&str; 6] = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#8a6d00", "#56708a"];
 pub(super) const RULE: &str = "#c4cad1";
 
-/// One line; gaps where there is no value.
+/// A line; gaps for missing values.
 pub(super) struct Line {
     pub(super) name: String,
     pub(super) values: Vec<Option<f64>>,

@@ -1,4 +1,4 @@
-//! The evidence of lifting: its own counts, as tables. Whatever it writes is shown; nothing is
+//! The evidence of lifting: its counts, as tables. Every field present is shown; nothing is
 //! required.
 
 use serde_json::{Map, Value};

@@ -146,7 +146,7 @@ impl Crop {
         Some(seen_at(camera, self.pixel(cell), depth))
     }
 
-    /// At most so many surfels, evenly taken.
+    /// At most `most` surfels, evenly taken.
     pub(crate) fn surfels(&self, camera: &Camera, most: usize) -> Vec<Surfel> {
         let known: Vec<usize> =
             (0..self.labels.len()).filter(|&c| self.surface(c).is_some()).collect();

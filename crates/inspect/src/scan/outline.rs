@@ -184,7 +184,7 @@ fn settle(
 ) -> (Warp, f64) {
     let mut found = refine(start, width, pairs, &agreement);
     for _ in 0..2 {
-        // What lies near the end of the reach may go on beyond it.
+        // A shift near the end of the reach may continue beyond it.
         let [x, y] = [0, 1].map(|a| found.0.shift_px[a] - start.shift_px[a]);
         if x.hypot(y) < 2.0 {
             break;
@@ -271,8 +271,8 @@ fn pairs(camera: &Camera, masks: [Option<&Mask>; 2], thresholds: &OutlineThresho
     found.into_iter().step_by(step).collect()
 }
 
-/// The nearest depth in the three by three pixels around a place [m], 0 if there is none; `None`
-/// outside the image.
+/// The nearest depth in the three by three pixels around a place [m], 0 if no pixel has depth;
+/// `None` outside the image.
 fn nearest_depth(depth: &DepthImage, [x, y]: [f64; 2]) -> Option<f32> {
     let (x, y) = (x.round(), y.round());
     let inside = x >= 1.0 && y >= 1.0;

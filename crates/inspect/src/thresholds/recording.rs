@@ -11,7 +11,8 @@ pub(crate) struct RecordingThresholds {
     /// Frame rates that cameras have [1/s]. Chosen by hand, so that the time of a frame in seconds
     /// or milliseconds, given by mistake, lies outside.
     pub(crate) usual_fps: RangeInclusive<f64>,
-    /// More damaged files than one in so many frames are an error, fewer a warning. Chosen by hand.
+    /// More damaged files than one in this many frames are an error, fewer a warning. Chosen by
+    /// hand.
     pub(crate) max_damaged_one_in: usize,
 }
 

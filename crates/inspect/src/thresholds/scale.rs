@@ -13,7 +13,7 @@ pub(crate) struct ScaleThresholds {
     pub(crate) usual_object_m: f64,
     /// Size from which there is a warning [m]: five times as large as usual. Chosen by hand.
     pub(crate) large_object_m: f64,
-    /// Size of a hand or gripper, as far as it is seen, from which units are doubted too [m]. Chosen
+    /// Size of the visible part of a hand or gripper from which units are doubted too [m]. Chosen
     /// by hand: of a person, more than a forearm is rarely masked.
     pub(crate) large_manipulator_m: f64,
     /// Depth below the ground from which the object lies there not by noise alone [m]. Chosen by
