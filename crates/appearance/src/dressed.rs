@@ -83,7 +83,7 @@ impl Dressed {
     }
 }
 
-/// One round Gaussian for each point of a twin's skin, in its colour; grey where there are none.
+/// A round Gaussian for each point of a twin's skin, in its colour; grey without colours.
 pub(crate) fn of_skin(twin: &Twin, colors: &[[u8; 3]]) -> Splats {
     let means = twin.skin.positions(&twin.graph.rest_positions);
     let color = |p: usize| colors.get(p).map_or([0.5; 3], |c| c.map(|x| f32::from(x) / 255.0));

@@ -28,7 +28,7 @@ impl<'a> Motion<'a> {
         self.start_frame..self.start_frame + rows
     }
 
-    /// Its training frames, from the first, so many of them at most (0: all).
+    /// Training frames from the first, at most `most` (0: all).
     pub fn training_frames(&self, most: usize) -> std::ops::Range<usize> {
         let frames = self.frames();
         let most = if most == 0 { usize::MAX } else { frames.start.saturating_add(most) };

@@ -24,7 +24,8 @@ const NOT_COMPARED: [u8; 3] = [70, 70, 78];
 const DIMMED: f32 = 0.4;
 
 /// Writes the frames of a camera, counted from 0, that have a view and a prediction, as an animated
-/// PNG. False if there are none, or `go_on`, which is asked before each frame, says no.
+/// PNG. Returns false without such frames, or if `go_on`, which is asked before each frame, returns
+/// false.
 ///
 /// # Errors
 /// If the rasteriser or writing fails.

@@ -132,7 +132,7 @@ impl<'a> Training<'a> {
         Ok(Self { twin, motion, views, options, samples, extent_m, state, carrier })
     }
 
-    /// Goes on from a checkpoint of the same training.
+    /// Resumes from a checkpoint of the same training.
     ///
     /// # Errors
     /// [`Error::Checkpoint`] if it is damaged or of another one.
@@ -154,7 +154,7 @@ impl<'a> Training<'a> {
         Ok(())
     }
 
-    /// Everything that is needed to go on.
+    /// State from which training can resume.
     ///
     /// # Errors
     /// [`Error::Checkpoint`] if it cannot be written down.
@@ -167,7 +167,7 @@ impl<'a> Training<'a> {
         self.state.done >= self.options.steps
     }
 
-    /// One step.
+    /// Runs a training step.
     ///
     /// # Errors
     /// If the rasteriser fails.
@@ -201,7 +201,7 @@ impl<'a> Training<'a> {
         Ok(Step { done: self.state.done, loss, gaussians, settled })
     }
 
-    /// The camera and view of the step: all of them in an order of their own, again and again.
+    /// The camera and view of the step: all of them in a shuffled order, repeatedly.
     fn sample(&self) -> [usize; 2] {
         let count = self.samples.len();
         let (round, place) = (self.state.done as usize / count, self.state.done as usize % count);
@@ -233,7 +233,7 @@ impl<'a> Training<'a> {
         Ok(())
     }
 
-    /// The Gaussians as they are now.
+    /// The current Gaussians.
     pub fn splats(&self) -> Splats {
         let gaussians = self.state.parameters.gaussians();
         Splats {

@@ -27,7 +27,7 @@ pub(super) struct Layout {
 }
 
 impl Layout {
-    /// Panels of images of so many columns and rows: large ones reduced, small ones enlarged by whole
+    /// Panels for images of the given size: large images reduced, small ones enlarged by whole
     /// numbers.
     pub(super) fn new(size: [u32; 2]) -> Self {
         let longest = size[0].max(size[1]).max(1) as f32;

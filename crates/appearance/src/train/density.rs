@@ -11,7 +11,7 @@ use super::{
 
 /// Opacity below which a Gaussian is removed.
 const LEAST_OPACITY: f32 = 0.03;
-/// Largest share of the Gaussians that are split at once.
+/// Largest share of the Gaussians that are split in one step.
 const SPLIT_SHARE: f64 = 0.2;
 /// Pull of a Gaussian that is split over the mean of those that were seen.
 const PULLED: f32 = 1.0;

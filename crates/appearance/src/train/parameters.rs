@@ -1,5 +1,5 @@
-//! Parameters of Gaussians as they are trained: scales as logarithms, opacities as logits, in one
-//! row for each Gaussian.
+//! Trained parameters of Gaussians: scales as logarithms, opacities as logits, in one row for each
+//! Gaussian.
 
 use bendtwin_core::{Point, Splats};
 use bendtwin_splat::{Gaussians, GaussiansBar};
