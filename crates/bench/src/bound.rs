@@ -19,9 +19,9 @@ use crate::scene::Scene;
 /// Lane-wide instructions that a piece of work takes, per element.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Instructions {
-    /// A spring seen from one of its ends, or from both at once (see [`IssueBound::both_ends`]).
+    /// A spring seen from one of its ends, or from both together (see [`IssueBound::both_ends`]).
     pub spring: f64,
-    /// A triplet, all three ends at once.
+    /// A triplet, all three ends together.
     pub triplet: f64,
     /// A node's gravity, drag, step and ground.
     pub node: f64,

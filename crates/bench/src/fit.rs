@@ -40,7 +40,7 @@ pub enum Scheme {
 const CUT_RATE: f64 = 0.2;
 
 impl Scheme {
-    /// The name as it is typed.
+    /// Name on the command line.
     pub fn as_str(self) -> &'static str {
         match self {
             Self::Frame => "frame",

@@ -1,9 +1,9 @@
 //! Times of rollouts and gradients of one scene.
 //!
-//! Rollouts are timed through [`Backend::losses`] with an empty objective, the call that brings
-//! least back: one number an instance. Gradients are those of windows of one frame with a Chamfer
-//! and a track term, as in a step a frame. All instances of a batch share one loaded model, each
-//! has controls of its own.
+//! Rollouts are timed through [`Backend::losses`] with an empty objective, the call that returns
+//! least: one number an instance. Gradients are those of windows of one frame with a Chamfer and a
+//! track term, as in a step a frame. All instances of a batch share one loaded model; each has
+//! different controls.
 
 use std::{sync::Arc, time::Duration};
 
@@ -59,7 +59,7 @@ impl Bench<'_> {
         self.each(batches, self.budget.horizon, Objective::default(), bound_s, work)
     }
 
-    /// Gradients of so many windows of one frame each.
+    /// Gradients of `windows` windows of one frame each.
     pub(crate) fn gradient(
         &self,
         batches: &[usize],

@@ -27,14 +27,14 @@ pub struct DeviceName {
     pub kind: String,
     /// Name for people.
     pub name: String,
-    /// Instances that run at once.
+    /// Instances that run concurrently.
     pub lanes: usize,
 }
 
 /// Results of one scene.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct SceneReport {
-    /// Its name.
+    /// Name of the scene.
     pub name: &'static str,
     /// True if it has triplets.
     pub bending: bool,
@@ -66,7 +66,7 @@ pub struct SceneReport {
     pub fits: Vec<FitRun>,
 }
 
-/// One measurement of a batch.
+/// Measurement of a batch.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Measured {
     /// Instances.

@@ -66,7 +66,7 @@ impl SceneName {
     /// All scenes, the smallest first.
     pub const ALL: [Self; 5] = [Self::Rope, Self::N500, Self::N2000, Self::N5000, Self::N10000];
 
-    /// The name as it is typed.
+    /// Name on the command line.
     pub fn as_str(self) -> &'static str {
         match self {
             Self::Rope => "rope",
@@ -118,7 +118,7 @@ impl FromStr for SceneName {
 /// A body, its material and its motion.
 #[derive(Clone, Debug)]
 pub struct Scene {
-    /// Its name.
+    /// Name of the scene.
     pub name: SceneName,
     /// True if it has triplets.
     pub bending: bool,

@@ -38,7 +38,7 @@ enum Kind {
 /// Time of calls, and the number of rollouts.
 #[derive(Debug, Default)]
 struct CallTimes {
-    /// By [`Kind`].
+    /// Stopwatches by [`Kind`].
     watches: [Stopwatch; 5],
     /// Instances that were rolled out without a gradient.
     rollouts: AtomicU64,

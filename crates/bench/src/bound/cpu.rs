@@ -39,7 +39,7 @@ const NODE: f64 = 8.0 * 8.0;
 /// Eight nodes of the adjoint: each of those lines backward.
 const NODE_ADJOINT: f64 = 8.0 * 10.0;
 
-/// The bound of this machine with so many threads at work; `None` without 8 lanes.
+/// The bound of this machine with the given number of working threads; `None` without 8 lanes.
 pub(super) fn bound(threads: usize) -> Option<IssueBound> {
     let per_second = rate(threads.max(1))?;
     let instructions = |spring, node| Instructions { spring, triplet: TRIPLET, node };
@@ -59,7 +59,7 @@ pub(super) fn bound(threads: usize) -> Option<IssueBound> {
     })
 }
 
-/// Arithmetic instructions on 8 lanes a second, on all threads at once.
+/// Arithmetic instructions on 8 lanes a second, on all threads together.
 fn rate(threads: usize) -> Option<f64> {
     let measure = || Arch::new().dispatch(MultiplyAdds);
     thread::scope(|scope| {

@@ -2,7 +2,7 @@
 
 use super::{Instructions, IssueBound};
 
-/// One half-spring: a spring seen from one node. Position and velocity of the node itself stay in
+/// A half-spring: a spring seen from one node. Position and velocity of the node itself stay in
 /// registers.
 ///
 /// 3 loads of 128 bit (the spring's record; position and velocity of the other end), 1 to turn the
@@ -11,15 +11,15 @@ use super::{Instructions, IssueBound};
 /// magnitude, 3 sums of force: 26.
 const HALF_SPRING: f64 = 26.0;
 
-/// One half-spring of the adjoint, beside which the forward substep runs once more.
+/// A half-spring of the adjoint, beside which the forward substep runs once more.
 ///
-/// One load (the other end's adjoint of force) and 3 differences on top of forward's 3 loads,
+/// A load (the other end's adjoint of force) and 3 differences on top of forward's 3 loads,
 /// address and 6 differences: 14. Length again 5. Direction 3, p 3, q 3, stretch and force 3,
 /// damped 1, along 4, r_bar 3 x 3, w_bar 3, sums of the adjoint of position and velocity 6, three
 /// parameter gradients 6: 41.
 const HALF_SPRING_ADJOINT: f64 = 14.0 + 5.0 + 41.0;
 
-/// One triplet, evaluated once.
+/// A triplet, evaluated once.
 ///
 /// 1 record and 6 loads of 128 bit, 3 addresses, 12 differences, 9 for the squares and the cosine,
 /// 2 reciprocals, 6 for u x w, 3 for its square, 2 for the sine and its inverse, 4 to tell
@@ -27,12 +27,12 @@ const HALF_SPRING_ADJOINT: f64 = 14.0 + 5.0 + 41.0;
 /// magnitude, 6 products, 9 sums of force and 3 stores: 114.
 const TRIPLET: f64 = 114.0;
 
-/// One node: 2 loads, 4 for force into velocity with gravity, 3 for drag, 4 for the height above
-/// ground and its rate, 6 to tell whether it is reached within the substep, 3 for the step, 2
+/// A node: 2 loads, 4 for force into velocity with gravity, 3 for drag, 4 for the height above
+/// ground and its rate, 6 to decide whether it is reached within the substep, 3 for the step, 2
 /// stores: 24.
 const NODE: f64 = 24.0;
 
-/// One node of the adjoint: as many again for each line of [`NODE`], and the sums into drag.
+/// A node of the adjoint: the counts of [`NODE`] again, and the sums into drag.
 const NODE_ADJOINT: f64 = 30.0;
 
 /// Threads a warp.
