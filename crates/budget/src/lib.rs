@@ -1,8 +1,8 @@
-//! Memory of a process as a budget: whatever grows with a request is counted here before it is
-//! allocated, and refused with the size that would fit.
+//! Memory of a process as a budget: allocations that grow with a request are counted here before
+//! they are made, and refused with the size that would fit.
 //!
 //! Callers take a [`Share`] and hold it for as long as the memory. Small and large shares have
-//! pools of their own, so that a large request that waits never bars small ones.
+//! separate pools, so that a large request that waits never blocks small ones.
 
 mod held;
 mod machine;
@@ -20,13 +20,13 @@ pub use share::Share;
 pub(crate) const PAGE: u64 = 4 << 10;
 /// Largest share that counts as small [bytes].
 pub const SMALL_BYTES: u64 = 1 << 20;
-/// Part of the whole that only small shares may take: one in so many.
+/// Divisor of the whole for the part that only small shares may take.
 const SMALL_PART: u64 = 8;
 
 /// A share that cannot be had.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum Exhausted {
-    /// It would not fit if nothing else were there.
+    /// Larger than the whole budget.
     #[error("{asked} bytes of memory are needed, and at most {most} are given to one request")]
     TooLarge {
         /// Bytes asked for.
@@ -56,7 +56,7 @@ pub struct Budget {
 }
 
 impl Budget {
-    /// A budget of so many bytes, at least 16 MiB.
+    /// A budget of `bytes`, at least 16 MiB.
     pub fn new(bytes: u64) -> Self {
         let pages = (bytes.max(16 << 20) / PAGE).min(Semaphore::MAX_PERMITS as u64);
         let small = pages / SMALL_PART;
@@ -81,7 +81,7 @@ impl Budget {
         self.total.saturating_sub(free as u64 * PAGE)
     }
 
-    /// Takes a share at once.
+    /// Takes a share without waiting.
     ///
     /// # Errors
     /// [`Exhausted`].

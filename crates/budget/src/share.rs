@@ -17,7 +17,7 @@ impl Share {
         Arc::clone(pool).try_acquire_many_owned(pages).ok().map(|permit| Self { permit })
     }
 
-    /// None if the pool was closed, which none is.
+    /// `None` if the pool was closed, which never happens.
     pub(crate) async fn wait(pool: &Arc<Semaphore>, pages: u32) -> Option<Self> {
         Arc::clone(pool).acquire_many_owned(pages).await.ok().map(|permit| Self { permit })
     }
