@@ -53,10 +53,10 @@ pub enum Error {
         /// Common name of that authority.
         issuer: String,
     },
-    /// The host is none.
+    /// Not a host name or address.
     #[error("`{0}` is neither a host name nor an address: give it without scheme and port")]
     Host(String),
-    /// The validity is none.
+    /// The validity is out of range.
     #[error("{0} days are no validity: give 1 to {AUTHORITY_DAYS}")]
     Days(i64),
     /// The certificate would hold longer than that of the authority.

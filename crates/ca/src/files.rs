@@ -8,7 +8,7 @@ use std::{
 
 use crate::Error;
 
-/// Makes a folder that only this user can enter; one that is there stays as it is.
+/// Creates a folder that only this user can enter; an existing folder is left unchanged.
 pub(crate) fn make_folder(folder: &Path) -> Result<(), Error> {
     let mut builder = DirBuilder::new();
     builder.recursive(true);
@@ -17,7 +17,7 @@ pub(crate) fn make_folder(folder: &Path) -> Result<(), Error> {
     builder.create(folder).map_err(|source| Error::Unwritable { path: folder.to_owned(), source })
 }
 
-/// Refuses to go on where one of these files is there.
+/// Fails if one of these files exists.
 pub(crate) fn refuse_present(paths: &[&Path]) -> Result<(), Error> {
     match paths.iter().find(|path| path.exists()) {
         Some(path) => Err(Error::Exists { path: (*path).to_owned() }),
@@ -25,7 +25,7 @@ pub(crate) fn refuse_present(paths: &[&Path]) -> Result<(), Error> {
     }
 }
 
-/// Writes a certificate and its key. Files that are there are replaced each at once.
+/// Writes a certificate and its key. Each existing file is replaced atomically.
 pub(crate) fn write_pair(
     certificate: &Path,
     certificate_pem: &str,
@@ -36,7 +36,7 @@ pub(crate) fn write_pair(
     write(certificate, certificate_pem, 0o644)
 }
 
-/// Writes a file, which is replaced at once if it is there.
+/// Writes a file, atomically if it replaces one.
 pub(crate) fn write(path: &Path, text: &str, mode: u32) -> Result<(), Error> {
     let unwritable = |source| Error::Unwritable { path: path.to_owned(), source };
     let mut partial = path.as_os_str().to_owned();

@@ -30,7 +30,7 @@ pub const DAYS: u32 = 365;
 /// Time before now at which a certificate begins to hold: clocks differ.
 const EARLIER: SignedDuration = SignedDuration::from_hours(1);
 const DAY: SignedDuration = SignedDuration::from_hours(24);
-/// Hosts of a server whose certificate names none: those of its own machine.
+/// Hosts of a server for which none are given: those of this machine.
 const OWN_HOSTS: [&str; 3] = ["localhost", "127.0.0.1", "::1"];
 
 /// An authority with its key.
@@ -45,7 +45,7 @@ pub struct Authority {
 pub struct Order {
     /// Name of the holder, which is that of the files, and the first host of the certificate.
     pub name: String,
-    /// Further hosts and addresses. Without any a server gets those of its own machine.
+    /// Further hosts and addresses. Without any, a server gets those of this machine.
     pub hosts: Vec<String>,
     /// Role of the holder.
     pub role: Role,
@@ -107,7 +107,7 @@ impl Authority {
     /// Opens the authority of a folder.
     ///
     /// # Errors
-    /// If there is none, or its files cannot be used.
+    /// If there is no authority, or its files cannot be used.
     pub fn open(folder: &Path) -> Result<Self, Error> {
         let (certificate, key) = Self::paths(folder);
         if !certificate.exists() {

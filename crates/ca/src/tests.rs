@@ -27,7 +27,7 @@ fn nothing_is_overwritten_and_keys_are_private() {
     assert_eq!(std::fs::read(&issued.certificate).unwrap(), before);
     authority.issue(&Order { renew: true, ..order("gpu1", Role::Worker) }).unwrap();
     assert_ne!(std::fs::read(&issued.certificate).unwrap(), before);
-    // A key that others can use is none any more.
+    // A key that others can read is refused.
     std::fs::set_permissions(&written.key, std::fs::Permissions::from_mode(0o644)).unwrap();
     assert_eq!(Authority::open(&folder).err().unwrap().reason(), "KEY_FILE_OPEN");
 }
