@@ -97,7 +97,7 @@ pub enum Error {
         "point {point} of the case has no position in its first frame: fill it in, or leave it out"
     )]
     PointMissing {
-        /// Its index among observed, completed and interior points and control points.
+        /// Index among observed, completed and interior points and control points.
         point: usize,
     },
     /// More than one case for one result.

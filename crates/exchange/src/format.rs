@@ -11,7 +11,7 @@ pub enum Format {
     Twin,
     /// Gaussians of the appearance at rest, as PLY of Gaussian splatting.
     Splats,
-    /// One state as binary PLY.
+    /// A state as binary PLY.
     Ply,
     /// A binary PLY for each frame, in a ZIP archive or a folder.
     PlySequence,
@@ -31,7 +31,7 @@ impl Format {
     /// All of them.
     pub const ALL: [Self; 9] = [
         Self::Twin,
-        // Before the format whose extension is the end of its own.
+        // Before the format whose extension is the end of this one's.
         Self::Splats,
         Self::Ply,
         Self::PlySequence,
@@ -42,7 +42,7 @@ impl Format {
         Self::Mcap,
     ];
 
-    /// Its name, as `--format` takes it.
+    /// Name that `--format` takes.
     pub fn name(self) -> &'static str {
         match self {
             Self::Twin => "twin",

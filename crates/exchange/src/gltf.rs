@@ -142,7 +142,7 @@ impl Document {
         this
     }
 
-    /// Adds an accessor with a view of its own; returns its index.
+    /// Adds an accessor with a separate view; returns its index.
     fn add(&mut self, kind: u32, count: usize, shape: &str, size: u64, about: &Value) -> usize {
         let bytes = count as u64 * size;
         let mut accessor = json!({
@@ -214,7 +214,7 @@ impl Document {
     }
 }
 
-/// Lowest and highest coordinates; the format asks for them as they are stored.
+/// Lowest and highest coordinates; the format requires their stored values.
 fn bounds(points: &[Point]) -> [Point; 2] {
     let first = points.first().copied().unwrap_or_default();
     points.iter().fold([first; 2], |[low, high], p| {

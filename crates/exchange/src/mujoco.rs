@@ -26,7 +26,7 @@ const LOST: [&str; 6] = [
 
 /// Radius of a node's ball where nodes of different objects do not collide [m].
 const BALL_M: f32 = 0.005;
-/// Objects that can be told apart by the bits that MuJoCo has for it, the ground's apart.
+/// Objects that MuJoCo's bits can distinguish, without the ground's.
 const MAX_OBJECTS: usize = 30;
 
 /// Writes the model; a motion becomes its keyframes.

@@ -14,7 +14,7 @@ use crate::Error;
 /// Points of a twin that are written.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum PointSet<'a> {
-    /// Its nodes, and the springs between them as lines.
+    /// Nodes, and the springs between them as lines.
     Nodes,
     /// The points of its skin.
     Skin,
@@ -89,7 +89,7 @@ impl<'a> Scene<'a> {
         Ok(Self { name: name.to_owned(), twin, points, motion, carried, lines })
     }
 
-    /// Its name, for people.
+    /// Name for people.
     pub(crate) fn name(&self) -> &str {
         &self.name
     }

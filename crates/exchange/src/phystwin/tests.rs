@@ -104,7 +104,7 @@ fn the_model_is_phystwins() {
     assert_eq!(twin.environment.gravity, [0.0, 0.0, -9.8]);
     assert_eq!(twin.control_velocity, ControlVelocity::Ignored);
     assert!(twin.params.spring_stiffness.iter().all(|k| *k == 3000.0));
-    // The search takes what it found as it is.
+    // Results of the search are taken over unchanged.
     assert_eq!((twin.params.drag, twin.params.spring_dashpot[0]), (2.75, 87.5));
     assert_eq!(Twin::decode(&twin.encode().unwrap()).unwrap(), twin);
 }

@@ -66,7 +66,7 @@ pub(super) fn read(content: &[u8]) -> Result<Loaded, Error> {
     Ok(Loaded { gaussians, left_out_harmonics: layout.rest / 3 })
 }
 
-/// Quaternion of length 1, or as it is where it has no direction.
+/// Quaternion of length 1, or unchanged if it has no direction.
 fn unit(q: [f32; 4]) -> [f32; 4] {
     let length = q.iter().map(|v| v * v).sum::<f32>().sqrt();
     if length > 0.0 { q.map(|v| v / length) } else { q }

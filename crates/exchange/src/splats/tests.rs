@@ -80,7 +80,7 @@ fn a_spz_is_decoded() {
     }
 }
 
-/// One Gaussian, or a header that claims more.
+/// A Gaussian, or a header that claims more.
 fn spz(version: u32, count: u32, extra: &[u8]) -> Vec<u8> {
     let mut bytes = Vec::new();
     for word in [0x5053_474e, version, count] {
