@@ -1,6 +1,6 @@
-//! One alignment of a patch with an image: Lucas and Kanade's Gauss-Newton steps, inverse
-//! compositional in that gradients are the patch's own, with a robust weight for every pixel, and
-//! indifferent to a gain and to an offset of each channel.
+//! Alignment of a patch with an image: Lucas and Kanade's Gauss-Newton steps, inverse compositional
+//! in that gradients are those of the patch, with a robust weight for every pixel, and indifferent
+//! to a gain and to an offset of each channel.
 
 use crate::{
     layer::Level,

@@ -12,7 +12,7 @@ use crate::{
     view::View,
 };
 
-/// One camera's view of one frame, with the camera and so its pose.
+/// A camera's view of a frame, with the camera and so its pose.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct PosedView<'a> {
     pub(crate) view: &'a View,

@@ -41,7 +41,7 @@ const MIN_LEVER_M: f64 = 0.003;
 const PRIOR_WEIGHT: f64 = 1e-3;
 
 impl Body {
-    /// A body as it was first seen; `None` if too little was.
+    /// A body as first seen; `None` if too little of it was visible.
     pub(crate) fn new(model: Vec<Surfel>) -> Option<Self> {
         if model.len() < MIN_POINTS {
             return None;

@@ -1,4 +1,4 @@
-//! One step: all tracks from their cameras' last views into a new frame.
+//! A tracking step: all tracks from their cameras' last views into a new frame.
 
 use bendtwin_capture::raw::Region;
 use bendtwin_core::Point;
@@ -17,14 +17,14 @@ use crate::{
 /// The update of a track in a frame.
 #[derive(Clone, Debug)]
 pub(crate) enum TrackUpdate {
-    /// Its camera has no such frame.
+    /// The camera has no such frame.
     Unknown,
-    /// It was not found, or not accepted.
+    /// Not found, or not accepted.
     Hidden {
-        /// Its expected place by the motion of its neighbours, if that is known.
+        /// Expected place by the motion of the neighbours, if that is known.
         at: Option<[f64; 2]>,
     },
-    /// It was found.
+    /// Found.
     Seen(Box<Sighting>),
 }
 
@@ -35,7 +35,7 @@ pub(crate) struct Sighting {
     pub(crate) point: Point,
     /// Rotation of its surroundings since seeding.
     pub(crate) rotation: Matrix3<f64>,
-    /// Its present appearance, if it can no longer be recognised by the known ones.
+    /// Present appearance, if the known ones no longer match.
     pub(crate) renewed: Option<Appearance>,
     /// Distance to its start after tracking there and back [px], if it was followed from the frame
     /// before.

@@ -1,4 +1,4 @@
-//! One region of an image as a pyramid, free of everything around the region.
+//! A region of an image as a pyramid, without its surroundings.
 //!
 //! Pixels are kept as colour times coverage and coverage, so that every blur, decimation and
 //! interpolation is a normalised convolution: what lies outside the mask has no weight, at any
@@ -16,7 +16,7 @@ pub(crate) struct Layer {
     pub(crate) levels: Vec<Level>,
 }
 
-/// One level.
+/// A level of the pyramid.
 #[derive(Debug)]
 pub(crate) struct Level {
     /// Pixels of the image per pixel of this level.
@@ -33,8 +33,8 @@ pub(crate) struct Level {
 const MIN_COVERAGE: f32 = 0.1;
 
 impl Layer {
-    /// The part of `color` where `inside` is true, blurred by `smoothing` pixels; `None` if there
-    /// is none.
+    /// The part of `color` where `inside` is true, blurred by `smoothing` pixels; `None` if no
+    /// pixel is inside.
     pub(crate) fn new(
         color: &ColorImage,
         inside: &[bool],

@@ -20,13 +20,13 @@ pub struct CameraTracks {
 /// Everything found in one camera, frame after frame.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct CameraLog {
-    /// Of each track.
+    /// Region of each track.
     pub(crate) regions: Vec<Region>,
     /// Median texture of the object and of the manipulator.
     pub(crate) textures: [Option<f64>; 2],
     pub(crate) guide: Option<Guide>,
     pub(crate) contradicted_by: Vec<usize>,
-    /// Of each frame since the tracks were seeded, of each track.
+    /// Places by frame since the tracks were seeded, then by track.
     points: Vec<[f32; 2]>,
     visible: Vec<bool>,
     pub(crate) forward_backward: Vec<f64>,

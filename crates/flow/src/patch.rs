@@ -11,7 +11,7 @@ pub(crate) struct Patch {
     pub(crate) support: f32,
 }
 
-/// One pixel of a patch.
+/// A pixel of a patch.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Sample {
     /// From the point to the pixel, in pixels of the full image.
@@ -86,7 +86,7 @@ impl Patch {
     }
 }
 
-/// Of the symmetric matrix [[xx, xy], [xy, yy]].
+/// Smallest eigenvalue of the symmetric matrix [[xx, xy], [xy, yy]].
 pub(crate) fn smallest_eigenvalue(xx: f32, xy: f32, yy: f32) -> f32 {
     0.5 * (xx + yy) - (0.25 * (xx - yy) * (xx - yy) + xy * xy).sqrt()
 }

@@ -13,7 +13,7 @@ pub struct TrackerQuality {
     pub object_survivors: Vec<usize>,
     /// Points of the manipulator that are tracked in each frame, shape [T].
     pub manipulator_survivors: Vec<usize>,
-    /// The cue by which the manipulator's points are followed; `None` if there are none.
+    /// The cue by which the manipulator's points are followed; `None` without such points.
     pub manipulator_guide: Option<Guide>,
     /// Median over all tracked points and frames of the distance to its start of a point that is
     /// tracked to the next frame and back [px].
@@ -66,8 +66,8 @@ pub enum Texture {
 const GOOD_TEXTURE: f64 = 6.0;
 
 impl Texture {
-    /// Of a surface with a median texture, of whose seeds a share is tracked on average over the
-    /// frames.
+    /// Judges a surface by its median texture and the share of its seeds that is tracked, averaged
+    /// over the frames.
     pub(crate) fn judge(texture: Option<f64>, seeded: usize, kept: f64, min_texture: f64) -> Self {
         match texture {
             _ if seeded == 0 => Self::None,

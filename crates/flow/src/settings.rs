@@ -63,7 +63,7 @@ impl Default for FlowSettings {
 }
 
 impl FlowSettings {
-    /// All faults at once, in words.
+    /// All faults together, in words.
     ///
     /// # Errors
     /// One text for each setting that is out of range.

@@ -27,7 +27,7 @@ pub(crate) struct ShapeTracker {
 pub(crate) struct BodyPoint {
     pub(crate) camera: usize,
     body: usize,
-    /// Place on the body as it was first seen [m].
+    /// Place on the body when first seen [m].
     seed_point: Vector3<f64>,
     /// Column and row in its camera's last frame.
     pub(crate) at: [f64; 2],

@@ -1,4 +1,4 @@
-//! One point as it is followed, and its neighbours.
+//! A tracked point, and its neighbours.
 
 use bendtwin_capture::raw::Region;
 use bendtwin_core::Point;
@@ -22,9 +22,9 @@ pub(crate) struct Track {
     pub(crate) seed_point: Point,
     /// Other tracks seeded near it in the same frame, by any camera.
     pub(crate) neighbours: Vec<u32>,
-    /// Its appearance when it was seeded.
+    /// Appearance when the track was seeded.
     pub(crate) first: Appearance,
-    /// Its appearance when it could no longer be recognised by that.
+    /// Appearance when the first one no longer matched.
     pub(crate) recent: Option<Appearance>,
     /// Rotation of its surroundings since it was seeded.
     pub(crate) rotation: Matrix3<f64>,
@@ -39,7 +39,7 @@ pub(crate) struct Track {
 }
 
 /// Joins each of the tracks from `first` on, all seeded in one frame, with neighbours among them:
-/// of those of its region within the radius a subset that is as spread as they are.
+/// of those of the same region within the radius, a subset with the same spread.
 pub(crate) fn join(tracks: &mut [Track], first: usize, settings: &FlowSettings) {
     let radius = settings.neighbour_radius_m;
     let joined: Vec<Vec<u32>> = (first..tracks.len())

@@ -1,4 +1,4 @@
-//! One camera's images of one frame, prepared for tracking: layers of colour, smoothed depth, and
+//! A camera's images of a frame, prepared for tracking: layers of colour, smoothed depth, and
 //! the distance of each pixel from the outline of its region.
 
 use std::ops::Range;
@@ -10,7 +10,7 @@ use crate::{Error, FlowSettings, layer::Layer};
 #[cfg(test)]
 mod tests;
 
-/// One camera at one frame.
+/// A camera at a frame.
 #[derive(Debug)]
 pub(crate) struct View {
     /// The object's colours; `None` if it is not in the image.
@@ -168,8 +168,8 @@ impl View {
         })
     }
 
-    /// The smallest depth of whatever is seen within `radius` pixels of a place [m], `None` where
-    /// nothing was measured.
+    /// Smallest depth measured within `radius` pixels of a place [m], `None` where nothing was
+    /// measured.
     pub(crate) fn nearest_depth_near(&self, at: [f64; 2], radius: usize) -> Option<f32> {
         let [rows, columns] = self.square(at, radius)?;
         rows.flat_map(|row| self.depth.row(row)[columns.clone()].iter().copied())

@@ -79,7 +79,7 @@ fn what_is_not_seen_does_not_move() {
 }
 
 #[test]
-fn two_hands_are_two_parts_and_specks_are_none() {
+fn two_hands_are_two_parts_and_specks_are_ignored() {
     let mut both = ball();
     let other = |s: Surfel| Surfel { at: s.at + Vector3::new(0.3, 0.0, 0.0), ..s };
     both.extend(ball().into_iter().take(400).map(other));

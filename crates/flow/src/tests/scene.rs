@@ -146,7 +146,7 @@ impl Scene {
 
 impl Scene {
     fn hand_color(&self, [column, row]: [usize; 2]) -> [u8; 3] {
-        // Each block has cosines of its own, with the phases that JPEG's have.
+        // Each block has separate cosines, with the phases that JPEG's have.
         let wave =
             |at: usize, k: usize| ((at % 8) as f64 + 0.5) * k as f64 * std::f64::consts::PI / 8.0;
         let block = column / 8 * 3 + row / 8 * 5;
