@@ -15,7 +15,8 @@ const HAND_LINK_M: f32 = 0.08;
 /// Number of nodes that a hand reaches at least, and that a control point is attached to if its hand
 /// does not.
 const FALLBACK_NODES: usize = 4;
-/// Of such a hand, control points up to this times as far as the nearest one are attached.
+/// Distance from such a hand within which control points are attached, as a multiple of the nearest
+/// one's.
 const FALLBACK_REACH: f32 = 1.5;
 
 /// Changes beyond what a [`Connectivity`] asks for; worth a warning to the user.

@@ -13,7 +13,7 @@
 //! If all branches at a junction lead to clamps, it turns until the torques of what meets there add
 //! up to zero: a star of torsion springs about one free angle. Eliminating that angle leaves one
 //! spring for every pair of clamps (as a star of resistors is a mesh of them): one rod for every
-//! pair, each with a stiffness of its own.
+//! pair, each with its own stiffness.
 //!
 //! A third clamp on the way ends the rod, as it holds the frame. In a piece with a loop a torque
 //! has two ways around, which no set of rods describes: it gets none.
@@ -22,7 +22,7 @@ use bendtwin_core::Point;
 
 use super::NodeSample;
 
-/// Rods grow with the square of clamps; a piece with more than so many gets none.
+/// Clamps of a piece up to which it gets rods, whose number grows with the square of clamps.
 const MAX_CLAMPS: usize = 16;
 
 /// The rods of a cable, ordered by their ends; none without known edges.
@@ -144,7 +144,7 @@ impl Cable<'_> {
         false
     }
 
-    /// Of the angle between two edges in a row; 0 where one has no length.
+    /// Squared sine of the angle between two successive edges; 0 where one has no length.
     fn sine_squared(&self, before: u32, at: u32, after: u32) -> f64 {
         let offset = |from: u32, to: u32| -> [f64; 3] {
             let (a, b) = (self.points[from as usize], self.points[to as usize]);

@@ -110,7 +110,7 @@ impl<'a> Neighbours<'a> {
     fn around(&self, from: u32) -> Vec<u32> {
         let at = |i: u32| wide(self.nodes[i as usize]);
         let mut found: Vec<u32> = Vec::with_capacity(AROUND);
-        // Distances are not negative, so their bits are ordered as they are.
+        // Distances are not negative, so their bits have the same order.
         let mut open = BinaryHeap::from([Reverse((0_u64, from))]);
         while let Some(Reverse((bits, node))) = open.pop() {
             if found.contains(&node) {

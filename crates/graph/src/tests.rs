@@ -42,7 +42,7 @@ fn cloud(seed: u64, n: usize, size: [f32; 3]) -> Vec<Point> {
 }
 
 fn settings(max_nodes: usize) -> GraphSettings {
-    // All kinds of nodes, whatever the default is.
+    // All kinds of nodes, independent of the default.
     GraphSettings { max_nodes: Some(max_nodes), interior: Some(true), ..GraphSettings::default() }
 }
 

@@ -4,8 +4,7 @@ use bendtwin_core::{Point, settings::TripletReference};
 
 use super::{NodeSample, Triplets};
 
-/// Of a centre with many neighbours only the nearest so many are considered:
-/// pairs grow with their square.
+/// Nearest neighbours of a centre that are considered: pairs grow with their square.
 const MAX_ARMS: usize = 16;
 /// Up to this degree, a branch of a cable bends between all pairs of its edges.
 const MAX_BRANCH_DEGREE: usize = 8;

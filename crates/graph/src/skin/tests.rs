@@ -27,7 +27,7 @@ fn surface(positions: Vec<Point>) -> SurfacePoints {
     SurfacePoints { observed_points: (0..positions.len() as u32).collect(), positions }
 }
 
-/// A grid of so many nodes along each axis, 2 cm apart.
+/// A grid of nodes, 2 cm apart, with the given counts along each axis.
 fn grid(counts: [u32; 3]) -> Vec<Point> {
     let at = |i: u32| 0.02 * i as f32;
     let [nx, ny, nz] = counts;
@@ -43,7 +43,7 @@ fn bound(nodes: Vec<Point>, points: Vec<Point>) -> (Graph, Skin) {
     (graph, skin)
 }
 
-/// Points are where they were bound, whatever lies around them.
+/// Points are where they were bound, in any surroundings.
 #[track_caller]
 fn is_at(skin: &Skin, nodes: &[Point], expected: &[Point]) {
     for (m, (found, expected)) in skin.positions(nodes).iter().zip(expected).enumerate() {
