@@ -45,7 +45,7 @@ pub fn prior_sd(quantity: Quantity) -> f64 {
 }
 
 /// The directions of a twin that is cut into regions: those of each region, then those of the whole.
-/// Friction on the ground is left out where there is none.
+/// Friction on the ground is left out without ground.
 pub fn directions(twin: &Twin, regions: &Regions) -> Vec<Direction> {
     use Quantity::*;
     let graph = &twin.graph;

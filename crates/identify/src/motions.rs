@@ -44,9 +44,9 @@ pub(crate) enum Hold {
 /// The action on the object.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Act {
-    /// It is held still and hangs.
+    /// The object is held still and hangs.
     Hang,
-    /// Its hold shakes.
+    /// The hold shakes.
     Shake,
     /// A region is moved sideways.
     Push(usize),
@@ -142,7 +142,7 @@ pub(crate) fn scene(
     }
 }
 
-/// A grasp by a body that holds exactly and never lets go.
+/// A grasp by a body that holds exactly and never releases.
 fn grasp(body: u32, region: Region) -> Grasp {
     Grasp { body, region, attachment: Attachment::Pin, max_force: f32::INFINITY }
 }

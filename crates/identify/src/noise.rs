@@ -34,7 +34,7 @@ pub(crate) fn residual(predicted: Point, observed: Point) -> [f64; 3] {
 }
 
 impl Noise {
-    /// Of residuals frame by frame, of the same points in each; none without any.
+    /// Noise of residuals frame by frame, of the same points in each; `None` without residuals.
     pub(crate) fn of(frames: &[Residuals]) -> Option<Self> {
         let all = || frames.iter().flatten().flatten().flatten();
         let count = all().count();
@@ -59,7 +59,7 @@ impl Noise {
         in_time * in_space / (self.sd_m * self.sd_m)
     }
 
-    /// Independent observations of a recording of so many frames.
+    /// Independent observations of a recording of `frames` frames.
     pub(crate) fn observations(&self, frames: usize) -> f64 {
         3.0 * self.points * (frames as f64 / self.frames).max(1.0)
     }

@@ -51,7 +51,7 @@ pub(crate) fn covariance(information: &DMatrix<f64>) -> DMatrix<f64> {
 
 /// The answer of points to all directions in a motion.
 pub(crate) struct Query {
-    /// One coordinate a row, points in threes; all samples of a point set follow one another.
+    /// Rows of coordinates, points in threes; all samples of a point set follow one another.
     rows: DMatrix<f64>,
     /// Sum of the outer products of the rows.
     moment: DMatrix<f64>,

@@ -22,7 +22,7 @@ const MOST_SEQUENCES: usize = 2;
 const MOST_OTHERS: usize = 3;
 /// Tracked points that are observed, spread evenly.
 const MOST_TRACKED: usize = 150;
-/// Frames between two records are so many that a sequence has about this number of records.
+/// Approximate number of records of a sequence, from which the frames between two records follow.
 const RECORDS: usize = 24;
 /// Records of the frames after the training frames, at most.
 const FUTURE_RECORDS: usize = 5;

@@ -75,7 +75,7 @@ pub fn identify_by_motion(
 /// Points of a skin that are asked about.
 struct Points {
     skin: Arc<Skin>,
-    /// Of each point of the skin the nearest one that is asked about.
+    /// Nearest evaluated point for each point of the skin.
     nearest: Vec<usize>,
 }
 
@@ -320,7 +320,7 @@ fn mean_root(variances: &[f64]) -> f64 {
     variances.iter().map(|v| v.max(0.0).sqrt()).sum::<f64>() / variances.len().max(1) as f64
 }
 
-/// Mean over samples of the variance of each of so many points, whose samples follow one another.
+/// Mean over samples of the variance of each of `points` points, whose samples follow one another.
 fn mean_by_point(variances: &[f64], points: usize) -> Vec<f64> {
     let mut means = vec![0.0; points];
     let samples = (variances.len() / points.max(1)).max(1) as f64;

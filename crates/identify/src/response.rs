@@ -62,7 +62,7 @@ pub(crate) struct Response {
 }
 
 impl Variation {
-    /// Its standard deviation.
+    /// Standard deviation of the prior.
     fn prior_sd(&self) -> f64 {
         match self {
             Self::Along(direction) => prior_sd(direction.quantity),

@@ -3,7 +3,7 @@ use bendtwin_core::identifiability::{Group, NextRecording, Quantity, Region};
 use super::*;
 
 #[test]
-fn a_report_is_told_in_sentences() {
+fn a_report_reads_as_sentences() {
     let group = |quantity, region, relative_sd| Group {
         quantity,
         region,
