@@ -16,7 +16,7 @@ pub enum Error {
     Length {
         /// The array.
         what: &'static str,
-        /// Its entries.
+        /// Number of entries found.
         found: usize,
         /// Columns.
         width: u32,

@@ -1,4 +1,4 @@
-//! Channels of an image as arrays of their own, which filters run over.
+//! Channels of an image as separate arrays, which filters run over.
 
 use rayon::prelude::*;
 
@@ -7,7 +7,7 @@ use crate::{Image, Pair};
 /// Pixels that a thread takes at a time.
 pub(crate) const PIECE: usize = 1 << 12;
 
-/// One channel, row by row.
+/// A channel, row by row.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Plane {
     pub(crate) width: usize,

@@ -26,7 +26,7 @@ pub enum Error {
          with torch.onnx.export(…, dynamo=False, opset_version=13)"
     )]
     Operator {
-        /// Its name.
+        /// Name of the operator.
         operator: String,
         /// The attribute that is not read; empty if it is the operator itself.
         detail: String,

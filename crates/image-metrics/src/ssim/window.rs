@@ -17,9 +17,9 @@ static KERNEL: LazyLock<Vec<f32>> = LazyLock::new(|| gaussian(1.5, 5));
 
 /// Windowed means of one channel.
 pub(super) struct Moments {
-    /// Of the values.
+    /// Windowed mean of the values.
     pub(super) mean: Plane,
-    /// Of their squares.
+    /// Windowed mean of their squares.
     pub(super) square: Plane,
 }
 
