@@ -4,8 +4,8 @@
 //! cargo run --release -p bendtwin-mesh --example mesh -- FILE [SPACING_M]
 //! ```
 //!
-//! It samples the mesh, then hides what three cameras would not see, moves the rest, and prints how
-//! well alignment finds the way back.
+//! Samples the mesh, then hides what three cameras would not see, moves the rest, and prints how
+//! well alignment recovers the pose.
 
 use std::time::Instant;
 

@@ -2,7 +2,7 @@
 //!
 //! Iterative closest points with scale, from many starts: rotations that bring principal axes
 //! together and rotations spread over all others, each at a few sizes, tried on few points; the
-//! best go on with all points and with the distance along the surface's normal. Observation is
+//! best continue with all points and with the distance along the surface's normal. Observation is
 //! partial, so every observed point should lie on the mesh, but only the nearest half of the mesh
 //! has to have been observed: without that half, a mesh much too large would explain a flat patch.
 
@@ -38,7 +38,7 @@ const MIN_INLIER_SHARE: f64 = 0.75;
 const MAX_OBSERVED: f64 = 1000.0;
 /// Samples of the mesh's surface.
 const SURFACE_SAMPLES: f64 = 1200.0;
-/// Starts that go on to the fine stage.
+/// Starts that reach the fine stage.
 const FINALISTS: usize = 8;
 
 /// Finds rotation, uniform scale and translation that bring `mesh` onto `observed` [m], points of

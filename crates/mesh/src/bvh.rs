@@ -30,9 +30,9 @@ pub(crate) struct Node {
 /// The nearest point of a surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Closest {
-    /// Its place.
+    /// Nearest point.
     pub point: Point,
-    /// Its distance.
+    /// Distance to it.
     pub distance: f64,
     /// Unit normal of its triangle by the order of the corners; zero for a triangle without area.
     pub normal: [f64; 3],

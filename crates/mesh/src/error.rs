@@ -43,7 +43,7 @@ pub enum Error {
     TooLarge {
         /// The file.
         at: String,
-        /// Its size.
+        /// Size of the file.
         bytes: u64,
         /// The limit.
         limit: u64,

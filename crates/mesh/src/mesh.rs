@@ -44,8 +44,8 @@ impl Mesh {
         })
     }
 
-    /// Refuses what no later step could use: no triangles, numbers that are none, corners that are
-    /// not there.
+    /// Refuses what no later step could use: no triangles, coordinates that are not finite, missing
+    /// corners.
     pub(crate) fn check(&self, at: &str, limits: &Limits) -> Result<(), Error> {
         limits.allow_vertices(self.vertices.len())?;
         limits.allow_triangles(self.triangles.len())?;

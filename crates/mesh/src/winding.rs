@@ -17,7 +17,7 @@ const DIPOLE_DISTANCE: f64 = 2.3;
 #[derive(Clone, Debug)]
 pub struct Solid {
     bvh: Bvh,
-    /// One for each node of the tree.
+    /// A dipole for each node of the tree.
     dipoles: Vec<Dipole>,
 }
 

@@ -2,7 +2,7 @@ use super::*;
 use crate::shapes::{cuboid, merged, sphere};
 
 #[test]
-fn the_upper_half_of_a_ball_is_filled_as_far_as_it_was_seen() {
+fn the_visible_upper_half_of_a_ball_is_filled() {
     let mut shell = sphere(5).vertices;
     shell.retain(|p| p[2] > -0.1);
     let filled = convex_interior(&shell, 0.1).unwrap();

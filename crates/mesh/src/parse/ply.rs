@@ -96,7 +96,7 @@ struct Values<'a> {
 }
 
 impl Values<'_> {
-    /// Refuses an element that needs more bytes than are left, whatever its lists hold.
+    /// Refuses an element that needs more bytes than are left, for any content of its lists.
     fn check_size(&self, element: &Element) -> Result<(), Error> {
         let least: usize = element
             .properties

@@ -18,7 +18,7 @@ pub(super) fn visit(
     if document.nodes.is_empty() {
         return (0..document.meshes.len()).try_for_each(|m| show(m, &Matrix4::identity()));
     }
-    // Nodes form trees: whoever is met twice would be met for ever, or exponentially often.
+    // Nodes must form trees: a node met twice could be met for ever, or exponentially often.
     let mut met = vec![false; document.nodes.len()];
     let mut left: Vec<(usize, Matrix4<f64>)> = Vec::new();
     left.extend(roots(document).into_iter().rev().map(|root| (root, Matrix4::identity())));
