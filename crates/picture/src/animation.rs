@@ -16,7 +16,7 @@ pub struct Animation<W: Write> {
 }
 
 impl<W: Write> Animation<W> {
-    /// An animation of `frame_count` canvases of so many columns and rows.
+    /// An animation of `frame_count` canvases of the given size.
     ///
     /// # Errors
     /// If there are no frames, or writing fails.
@@ -29,7 +29,7 @@ impl<W: Write> Animation<W> {
         Ok(Self { writer: encoder.write_header().map_err(failed)?, size, fps })
     }
 
-    /// Adds a canvas, which is shown for so many frames of the frame rate.
+    /// Adds a canvas, which is shown for `frames` frames of the frame rate.
     ///
     /// # Errors
     /// If it has another size, there are more than announced, or writing fails.

@@ -35,9 +35,9 @@ pub struct Rect {
 /// The end of a text that lies at its x.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Align {
-    /// Its left end.
+    /// Left end.
     Left,
-    /// Its right end.
+    /// Right end.
     Right,
 }
 

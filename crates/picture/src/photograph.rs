@@ -9,7 +9,8 @@ pub struct Photograph {
 }
 
 impl Photograph {
-    /// Of red, green, blue; `None` if there are not `width * height` of them, or none at all.
+    /// A photograph of red, green, blue; `None` if there are not `width * height` pixels, or no
+    /// pixels.
     pub fn new(width: usize, height: usize, pixels: Vec<[u8; 3]>) -> Option<Self> {
         let whole = width > 0 && height > 0 && width.checked_mul(height) == Some(pixels.len());
         whole.then_some(Self { width, height, pixels })

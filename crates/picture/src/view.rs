@@ -26,7 +26,7 @@ pub struct View {
 }
 
 impl View {
-    /// A view of all the points; `None` if there are none.
+    /// A view of all the points; `None` without points.
     pub fn of(points: Vec<Point>, gravity: Point) -> Option<Self> {
         Self::from_side(points, gravity, None)
     }
@@ -56,7 +56,7 @@ impl View {
     }
 
     /// A view of all the points from straight above, with the widest direction across; `None` if
-    /// there are none, or no up.
+    /// there are no points, or no up direction.
     pub fn from_above(points: &[Point], gravity: Point) -> Option<Self> {
         let up = unit(gravity.map(|g| -g))?;
         let right = widest(&mean_and_spread(points).1, &[up]);

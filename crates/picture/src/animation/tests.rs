@@ -6,7 +6,7 @@ fn canvas(color: Color) -> Canvas {
 }
 
 #[test]
-fn frames_come_back_as_they_were_drawn_with_their_times() {
+fn frames_come_back_unchanged_with_their_times() {
     let mut bytes = Vec::new();
     let mut animation = Animation::new(&mut bytes, [6, 4], 2, 29.97).unwrap();
     animation.push(&canvas(Color(200, 10, 30)), 1).unwrap();
