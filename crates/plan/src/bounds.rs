@@ -22,7 +22,7 @@ pub enum Limit {
     None,
     /// The same for all coordinates.
     All(f64),
-    /// One for each, shape [D].
+    /// A bound for each, shape [D].
     Each(Vec<f64>),
 }
 
@@ -68,9 +68,9 @@ impl Bounds {
         Ok(())
     }
 
-    /// The plan within the limits, with knots at times `at` [s]. Knots are moved one after the
-    /// other: the speed limit holds even where it keeps a plan that begins outside of the others
-    /// from coming back at once.
+    /// The plan within the limits, with knots at times `at` [s]. Knots are moved one after another:
+    /// the speed limit holds even where it prevents a plan that begins outside the other limits
+    /// from returning to them immediately.
     pub(crate) fn project(&self, plan: &mut Knots, dims: usize, at: &[f64]) {
         for i in dims..plan.len() {
             let (k, d, last) = (i / dims, i % dims, plan[i - dims]);

@@ -1,4 +1,4 @@
-//! The curve between knots, which are spread evenly or at times of their own. It is linear in the
+//! The curve between knots, which are spread evenly or at given times. The curve is linear in the
 //! knots, so a gradient by the curve becomes one by the knots through the transpose.
 
 use crate::Knots;

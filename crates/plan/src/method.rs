@@ -14,7 +14,8 @@ use crate::error::Invalid;
 pub enum Method {
     /// Model-predictive path integral control: the mean of all samples, weighted by their costs.
     Mppi {
-        /// As a share of the costs' spread: small ones follow the best sample, large ones average.
+        /// Temperature as a share of the costs' spread: small ones follow the best sample, large
+        /// ones average.
         temperature: f64,
     },
     /// Cross-entropy: mean and spread of the best samples, iteration by iteration.

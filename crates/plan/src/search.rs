@@ -1,6 +1,6 @@
-//! One plan being made: batches to simulate one after the other, and the best so far. Whoever
-//! simulates calls [`Search::propose`] and [`Search::learn`] in turn, so this works with any clock
-//! and any way to wait.
+//! A plan in the making: batches to simulate one after another, and the best so far. The simulating
+//! caller calls [`Search::propose`] and [`Search::learn`] in turn, so this works with any clock and
+//! any way to wait.
 
 use std::{borrow::BorrowMut, time::Duration};
 
@@ -17,8 +17,8 @@ pub struct Evaluation {
     pub costs: Vec<f64>,
     /// d cost / d knots of each plan, shape [K, D]; only [`Method::Gradient`] needs them.
     pub gradients: Vec<Knots>,
-    /// Excess of each plan over a limit, 0 for one that keeps it: those beyond are worse than all
-    /// that keep it, whatever they cost. Empty: all keep it.
+    /// Excess of each plan over a limit, 0 for one that keeps it: plans beyond the limit are worse
+    /// than all that keep it, at any cost. Empty: all keep it.
     pub excess: Vec<f64>,
 }
 
@@ -57,11 +57,11 @@ pub enum Origin {
 /// The best of all plans that were simulated.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Plan {
-    /// Its knots, shape [K, D].
+    /// Knots of the plan, shape [K, D].
     pub knots: Knots,
     /// Cost of exactly these knots, as simulated.
     pub cost: f64,
-    /// Its source.
+    /// Source of the plan.
     pub origin: Origin,
     /// Excess over the limit: 0 unless every plan was beyond.
     pub excess: f64,
@@ -82,11 +82,11 @@ pub struct Plan {
 /// The best so far, while a plan is being made.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Progress<'s> {
-    /// Its knots, shape [K, D].
+    /// Knots of the plan, shape [K, D].
     pub knots: &'s Knots,
     /// Cost of exactly these knots, as simulated.
     pub cost: f64,
-    /// Its source.
+    /// Source of the plan.
     pub origin: Origin,
     /// Cost of the nominal plan.
     pub nominal_cost: f64,

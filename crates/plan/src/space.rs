@@ -30,7 +30,7 @@ pub struct Space {
     /// Control points, shape [C, 3], or poses, shape [G, 7].
     start: Vec<f64>,
     has_poses: bool,
-    /// The coordinate that moves each displacement; none moves it if there is none.
+    /// The coordinate that moves each displacement; `None` for displacements that nothing moves.
     owners: Vec<Option<usize>>,
     dims: usize,
     /// Displacements of the nominal plan beyond its coordinates, shape [K, W].
@@ -70,8 +70,8 @@ impl Space {
         self.owners.len()
     }
 
-    /// Displacements from the start, shape [K, W], of actions, shape [K, C, 3] or [K, G, 7]. Rotations
-    /// go on from knot to knot, so that they may be more than half a turn.
+    /// Displacements from the start, shape [K, W], of actions, shape [K, C, 3] or [K, G, 7].
+    /// Rotations continue from knot to knot, so that they may exceed half a turn.
     pub fn displacements(&self, actions: &[f64]) -> Knots {
         if !self.has_poses {
             return actions.iter().zip(self.start.iter().cycle()).map(|(x, s)| x - s).collect();

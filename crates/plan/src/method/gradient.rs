@@ -1,4 +1,4 @@
-//! Adam along the gradient of the cost, from several plans at once.
+//! Adam along the gradient of the cost, from several plans in parallel.
 
 use rand_chacha::ChaCha12Rng;
 
@@ -50,9 +50,10 @@ impl Descent {
         self.plans.clone()
     }
 
-    /// Steps down; a plan that diverged goes on from the best one. One beyond the limit, where the
-    /// gradient of the cost says nothing of how to keep it, goes half the way back to where it kept
-    /// it last, to the best one if that keeps it, or to staying still, and begins anew there.
+    /// Steps down; a plan that diverged restarts from the best one. A plan beyond the limit, where
+    /// the gradient of the cost gives no direction back, moves halfway back to its last position
+    /// within the limit, to the best plan if that is within the limit, or to staying still, and
+    /// restarts there.
     pub(crate) fn learn(
         &mut self,
         settings: &Settings,

@@ -29,7 +29,7 @@ impl Sampling {
     }
 
     /// The mean if it is new, and samples around it. At first the mean is the nominal plan, which
-    /// whoever calls adds; one that leads astray competes with one that ends the motion.
+    /// the caller adds; a misleading one competes with a plan that ends the motion.
     pub(crate) fn propose(&mut self, settings: &Settings, random: &mut ChaCha12Rng) -> Vec<Knots> {
         let mut plans: Vec<Knots> = self.mean().into_iter().collect();
         self.is_new = false;

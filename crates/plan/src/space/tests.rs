@@ -56,7 +56,7 @@ fn a_nominal_plan_comes_back_and_its_coordinates_are_means() {
 }
 
 #[test]
-fn rotations_go_on_beyond_half_a_turn() {
+fn rotations_may_exceed_half_a_turn() {
     let (mut space, actions) = spaces().remove(4);
     let knots = space.around(space.displacements(&actions));
     for (k, turn) in [0.0, 1.5, 3.0, 4.5].into_iter().enumerate() {
