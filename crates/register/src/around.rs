@@ -19,7 +19,7 @@ pub struct Around {
 /// A collider at one moment.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Obstacle {
-    /// It stands in the world, where its body is.
+    /// The collider in world coordinates, at its body's pose.
     pub collider: Collider,
     /// Velocity of its points: that of a point at `x` is `R x + p` [m/s] with the rows [R | p].
     pub motion: Pose,
@@ -28,7 +28,7 @@ pub struct Obstacle {
 /// A body at one moment.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Placed {
-    /// Its pose.
+    /// Pose of the body.
     pub pose: Pose,
     /// Change of the pose [1/s].
     pub rate: Pose,

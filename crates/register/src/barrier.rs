@@ -3,8 +3,8 @@
 //!
 //! Obstacles are convex. Between a node outside and an obstacle is a plane, that of the obstacle's
 //! surface which is nearest to the node. A deformation that would cross the obstacle on the straight
-//! way from there ends on the node's side of that plane, so that whatever the points say, a node stays
-//! on the side where it was before.
+//! way from there ends on the node's side of that plane, so that a node, against any pull of the
+//! points, stays on the side where it was before.
 
 mod solid;
 

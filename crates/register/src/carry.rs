@@ -12,8 +12,8 @@ use crate::Corrected;
 
 /// Greatest factor by which rest lengths grow beyond the twin's own.
 const LONGEST: f64 = 2.0;
-/// Least factor: a spring is as much stiffer as it is shorter, and substeps have a margin of 1.3 in
-/// frequency, 1.69 in stiffness.
+/// Least factor: a spring's stiffness grows in inverse proportion to its length, and substeps have
+/// a margin of 1.3 in frequency, 1.69 in stiffness.
 const SHORTEST: f64 = 1.0 / 1.5;
 /// Largest turn of a rest angle away from the twin's own [rad].
 const FARTHEST_TURN: f64 = 1.0;

@@ -56,7 +56,7 @@ impl Default for CorrectOptions {
 /// A corrected state.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Corrected {
-    /// The state; twists and what grasps hold are as they were.
+    /// Corrected state; twists and holds of grasps are unchanged.
     pub state: State,
     /// Distances before.
     pub before: Residual,

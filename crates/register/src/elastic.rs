@@ -185,8 +185,9 @@ impl Elastic {
         covariance.into_iter().map(nearest_rotation).collect()
     }
 
-    /// Conjugate gradients for the positions of endpoints that are not fixed, from where they are, those
-    /// in contact on their planes; the pull on the latter, empty if there are none.
+    /// Conjugate gradients for the positions of endpoints that are not fixed, starting at the
+    /// current ones, those in contact on their planes. Returns the pull on the latter, empty
+    /// without contacts.
     fn solve(
         &self,
         x: &mut [Vector3<f64>],

@@ -30,7 +30,7 @@ pub struct Explained {
 }
 
 impl Residual {
-    /// Of distances [m]; zeros of none.
+    /// Residual of distances [m]; zeros without distances.
     pub(crate) fn of(distances_m: &[f64]) -> Self {
         let mut sorted = distances_m.to_vec();
         let n = sorted.len();

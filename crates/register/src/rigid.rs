@@ -21,14 +21,14 @@ const TURNS: usize = 12;
 const AGREEING: f64 = 0.85;
 /// Motions that are handed on.
 const KEPT: usize = 4;
-/// Deviation of points below which a rotation that they leave open stays as it is [m].
+/// Deviation of points below which a rotation that they leave open is kept [m].
 const OPEN_M: f64 = 1e-3;
 
 /// A shape and the points that it is brought to.
 pub(crate) struct Target<'a> {
     /// The shape's surface.
     pub(crate) surface: &'a Surface,
-    /// Its points [m].
+    /// Points of the shape [m].
     pub(crate) skin: &'a [Vector3<f64>],
     /// Observed points [m].
     pub(crate) points: &'a [Point],
@@ -83,8 +83,8 @@ impl Target<'_> {
         Ok(kept.into_iter().map(|(_, motion)| motion).collect())
     }
 
-    /// Rotations to start from: as it is, turned about the vertical, upside down, and principal
-    /// axes onto principal axes.
+    /// Rotations to start from: none, a turn about the vertical, upside down, and principal axes
+    /// onto principal axes.
     fn starts(&self, from: Vector3<f64>, to: Vector3<f64>) -> Vec<Matrix3<f64>> {
         let any = if self.up.x.abs() < 0.9 { Vector3::x() } else { Vector3::y() };
         let side = nalgebra::Unit::new_normalize(self.up.cross(&any));
@@ -179,7 +179,7 @@ fn axes(points: &mut dyn Iterator<Item = Vector3<f64>>) -> Option<Matrix3<f64>> 
     u.iter().all(|x| x.is_finite()).then_some(u)
 }
 
-/// At most so many of the points, evenly chosen.
+/// At most `most` of the points, evenly chosen.
 pub(crate) fn thinned<T: Copy>(points: &[T], most: usize) -> Vec<T> {
     let stride = points.len().div_ceil(most).max(1);
     points.iter().copied().step_by(stride).collect()

@@ -29,7 +29,7 @@ pub(crate) struct MatchedSkin {
 }
 
 impl MatchedSkin {
-    /// Of the skin of a graph.
+    /// The skin of a graph, matched with at most [`MOST`] points.
     pub(crate) fn new(graph: &Graph, skin: &Skin) -> Self {
         let all: Vec<usize> = (0..skin.len()).collect();
         let skin = skin.select(&thinned(&all, MOST));
@@ -42,7 +42,7 @@ impl MatchedSkin {
         (0..self.skin.len()).map(|p| position(&self.skin, p, x)).collect()
     }
 
-    /// Its surface with points at these positions [m].
+    /// Surface with points at these positions [m].
     pub(crate) fn surface(&self, positions: &[Vector3<f64>]) -> Result<Surface, Error> {
         Surface::new(positions, self.spacing_m)
             .ok_or_else(|| Error::Invalid("the twin has no skin, or it is not finite".into()))
@@ -59,7 +59,7 @@ pub(crate) fn position(skin: &Skin, p: usize, x: &[Vector3<f64>]) -> Vector3<f64
     skin.position(p, |n| x[n as usize].into()).into()
 }
 
-/// Offset of a point from the combination of its nodes, as it is turned now [m].
+/// Offset of a point from the combination of its nodes, turned as in the current state [m].
 fn offset(skin: &Skin, p: usize, x: &[Vector3<f64>]) -> Vector3<f64> {
     skin.offset(p, |n| x[n as usize].into()).into()
 }

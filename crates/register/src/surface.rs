@@ -40,7 +40,7 @@ impl Foot {
 }
 
 impl Surface {
-    /// The surface of points that are so far apart [m]; `None` if there are none, or one is not
+    /// The surface of points with the given spacing [m]; `None` without points, or if one is not
     /// finite.
     pub(crate) fn new(points: &[Vector3<f64>], spacing_m: f64) -> Option<Self> {
         let places: Vec<Point> = points.iter().map(|p| point(*p)).collect();

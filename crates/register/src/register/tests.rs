@@ -47,8 +47,8 @@ fn a_cloud_with_noise_gaps_and_strangers_becomes_a_state() {
     assert!(mean < 0.015, "{mean}");
 }
 
-/// A coarse bar that is bent and carried elsewhere, registered to a cloud of its own skin; the
-/// state's nodes and where they should be.
+/// A coarse bar that is bent and carried elsewhere, registered to a cloud of its skin; the state's
+/// nodes and where they should be.
 fn bent_bar(skin: Option<Skin>) -> (Registered, Vec<Point>) {
     let mut model = scene::coarse();
     let bent = |p: &Point| [p[0], p[1], p[2] + 0.8 * p[0] * p[0]];
@@ -147,7 +147,7 @@ fn degenerate_points_panic_nowhere() {
     let any =
         RegisterOptions { max_residual_m: Some(1.0), least_explained: 0.0, ..Default::default() };
     let found = run(&one, &any).unwrap();
-    // It comes as it is: nothing says that it turned.
+    // It comes without a turn: nothing says that it turned.
     assert!(found.residual.median_mm < 50.0, "{:?}", found.residual);
 }
 

@@ -36,7 +36,7 @@ fn any_turn_is_found_half_turns_too() {
 }
 
 #[test]
-fn two_tracks_leave_the_turn_about_their_line_as_it_is() {
+fn two_tracks_do_not_change_the_turn_about_their_line() {
     let pair = |before: Point, after: Point| Pair { before, after, weight: 1.0 };
     let one = of_tracks(&[pair([0.0; 3], [1.0, 2.0, 3.0])], 0.001).unwrap();
     assert!((one.rotation - Matrix3::identity()).norm() < 1e-9);

@@ -7,7 +7,7 @@ fn sheet() -> Vec<Vector3<f64>> {
 }
 
 #[test]
-fn a_point_above_a_sheet_is_as_far_from_it_as_it_is_high() {
+fn the_distance_above_a_sheet_is_the_height() {
     let surface = Surface::new(&sheet(), 0.02).unwrap();
     for p in [[0.05, 0.05, 0.007], [0.033, 0.071, 0.007], [0.09, 0.09, -0.007]] {
         let foot = surface.foot(p);

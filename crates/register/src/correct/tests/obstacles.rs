@@ -59,7 +59,7 @@ fn nodes_stay_above_the_ground_and_do_not_move_into_it() {
         let least = corrected.positions.iter().map(|p| p[2]).fold(f32::MAX, f32::min);
         assert!((0.0..1e-4).contains(&least), "{least}");
         for (x, v) in corrected.positions.iter().zip(&corrected.velocities) {
-            // What touches the ground does not fall; all else goes on.
+            // What touches the ground does not fall; all other nodes continue.
             let falls = if x[2] < 1.9e-5 { 0.0 } else { -0.3 };
             assert!((v[2] - falls).abs() < 1e-6 && v[0] == 0.1, "{x:?} {v:?}");
         }
