@@ -1,5 +1,5 @@
 //! Conformance suite of rasterisers, as one list of named cases. The crate of a rasteriser turns
-//! each into a test of its own:
+//! each case into a separate test:
 //!
 //! ```ignore
 //! bendtwin_splat::conformance_tests!(MyRasteriser::new());
@@ -21,7 +21,7 @@ use crate::Rasteriser;
 
 pub use self::scene::{SceneOptions, random_bar, random_camera, random_gaussians};
 
-/// One named case.
+/// A named case.
 #[derive(Clone, Copy, Debug)]
 pub struct Case {
     /// Name, unique within the suite.

@@ -1,6 +1,6 @@
 //! The CPU rasteriser: it defines the correct result. Threads take whole tiles; a tile's pixels are
-//! computed in chunks of lanes. Sums have a fixed order, whatever the number of threads: a Gaussian
-//! has a place of its own for each tile that it touches, and these are added in the order of tiles.
+//! computed in chunks of lanes. Sums have a fixed order for any number of threads: a Gaussian
+//! has a separate place for each tile that it touches, and these are added in the order of tiles.
 
 // Lanes are one index over several arrays.
 #![allow(clippy::needless_range_loop)]
@@ -109,8 +109,8 @@ impl Frame {
     }
 }
 
-/// Work on a tile, compiled for whatever vector instructions the processor has. A closure would not
-/// be: it is compiled by itself.
+/// Work on a tile, compiled for the vector instructions of the processor. A closure would not be:
+/// it is compiled by itself.
 struct RenderTile<'a> {
     bins: &'a Bins,
     tile: &'a Tile,

@@ -29,7 +29,7 @@ pub enum Error {
         /// Their name.
         what: &'static str,
     },
-    /// The camera is none.
+    /// A parameter of the camera is out of range.
     #[error("the camera's {what} is {value}: {rule}")]
     Camera {
         /// Name of the parameter.
@@ -62,7 +62,7 @@ pub enum Error {
     /// The graph and what it carries do not fit each other.
     #[error("{0}")]
     Carrier(String),
-    /// A device failed, or there is none.
+    /// A device failed or is missing.
     #[error("the compute device failed: {0}")]
     Device(String),
     /// A device has too little memory.

@@ -25,16 +25,16 @@ pub struct Gaussians {
 /// d loss / d Gaussians. G is their number.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct GaussiansBar {
-    /// By means [1/m], shape [G, 3].
+    /// Gradient by means [1/m], shape [G, 3].
     pub means_m: Vec<[f32; 3]>,
-    /// By scales [1/m], shape [G, 3].
+    /// Gradient by scales [1/m], shape [G, 3].
     pub scales_m: Vec<[f32; 3]>,
-    /// By the numbers of the quaternions, shape [G, 4]; orthogonal to the quaternions, since their
-    /// lengths do not count.
+    /// Gradient by the components of the quaternions, shape [G, 4]; orthogonal to the quaternions,
+    /// since their lengths do not matter.
     pub rotations: Vec<[f32; 4]>,
-    /// By opacities, shape [G].
+    /// Gradient by opacities, shape [G].
     pub opacities: Vec<f32>,
-    /// By colours, shape [G, 3].
+    /// Gradient by colours, shape [G, 3].
     pub colors: Vec<[f32; 3]>,
     /// Lengths of the derivative by the projected centre [1/px], shape [G]: densification looks at
     /// them.
@@ -140,7 +140,7 @@ fn each<const N: usize>(
 }
 
 impl GaussiansBar {
-    /// Zeros for so many Gaussians.
+    /// Zeros for `count` Gaussians.
     pub fn zeros(count: usize) -> Self {
         Self {
             means_m: vec![[0.0; 3]; count],

@@ -20,11 +20,11 @@ pub struct Image {
 /// d loss / d image. Arrays are row-major, shape [height, width].
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ImageBar {
-    /// By colours.
+    /// Gradient by colours.
     pub color: Vec<[f32; 3]>,
-    /// By coverage.
+    /// Gradient by coverage.
     pub alpha: Vec<f32>,
-    /// By the sum of weighted depths [1/m].
+    /// Gradient by the sum of weighted depths [1/m].
     pub depth_m: Vec<f32>,
 }
 
@@ -43,7 +43,7 @@ impl Image {
 }
 
 impl ImageBar {
-    /// Zeros for so many pixels.
+    /// Zeros for `pixels` pixels.
     pub fn zeros(pixels: usize) -> Self {
         Self { color: vec![[0.0; 3]; pixels], alpha: vec![0.0; pixels], depth_m: vec![0.0; pixels] }
     }

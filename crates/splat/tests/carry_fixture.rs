@@ -1,5 +1,5 @@
-//! `console/src/view3d/carry.fixture.json`: Gaussians on a bent and turned sheet, which the console's
-//! code carries in a test of its own. `BENDTWIN_BLESS=1` writes it anew.
+//! `console/src/view3d/carry.fixture.json`: Gaussians on a bent and turned sheet, which a test of
+//! the console carries, too. `BENDTWIN_BLESS=1` rewrites it.
 
 use std::path::Path;
 

@@ -19,7 +19,7 @@ pub(super) fn camera(width: u32, height: u32) -> Camera {
     }
 }
 
-/// So many Gaussians, about as large as their distances.
+/// A body of `count` Gaussians, about as large as their distances.
 pub(super) fn body(count: usize, seed: u64) -> Gaussians {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let radii = [0.14_f32, 0.167, 0.1];

@@ -41,7 +41,7 @@ struct Flat {
 #[derive(Clone, Copy)]
 struct Step {
     gaussian: usize,
-    /// Its opacity there is the largest there is.
+    /// True if the opacity is at its upper limit there.
     is_limited: bool,
 }
 
@@ -134,7 +134,7 @@ impl Reference {
         (0..self.steps.len()).map(|pixel| self.pixel(pixel, &self.flat)).collect()
     }
 
-    /// A pixel with its decisions as they were.
+    /// A pixel, with the same decisions.
     fn pixel(&self, pixel: usize, flat: &[Option<Flat>]) -> [f64; 5] {
         let mut left = 1.0;
         let mut sums = [0.0; 5];

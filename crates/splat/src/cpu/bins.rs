@@ -19,7 +19,7 @@ const PIECE: usize = 256;
 pub(super) struct Tile {
     /// First column and row [px].
     pub(super) origin: [u32; 2],
-    /// Its first intersection, and the first of the next tile.
+    /// First intersection of the tile, and of the next tile.
     pub(super) first: u32,
     pub(super) end: u32,
 }
@@ -121,7 +121,7 @@ impl Bins {
     }
 }
 
-/// Projects a piece of the Gaussians, compiled for whatever instructions the processor has.
+/// Projects a piece of the Gaussians, compiled for the instructions of the processor.
 struct ProjectPiece<'a> {
     gaussians: &'a Gaussians,
     camera: &'a Camera,
@@ -169,7 +169,7 @@ struct Spans {
     tiles: usize,
 }
 
-/// Finds them, compiled for whatever instructions the processor has.
+/// Finds the spans, compiled for the instructions of the processor.
 struct FindSpans<'a> {
     grid: &'a Grid,
     splats: &'a [Splat],

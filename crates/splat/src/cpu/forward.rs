@@ -29,7 +29,7 @@ pub(super) struct Transmittance {
 }
 
 impl Transmittance {
-    /// Ones in the image; a tile at its border goes on beyond it.
+    /// Ones inside the image; a tile at its border extends beyond it.
     pub(super) fn of(tile: &Tile, camera: &Camera) -> Self {
         let mut plane = [[0.0; LANES]; CHUNKS];
         let columns = (camera.width - tile.origin[0]).min(SIDE as u32) as usize;

@@ -110,7 +110,7 @@ pub(super) fn opacities(splat: &Splat, dx: &Chunk, dy: f32) -> Chunk {
     out
 }
 
-/// Opacity as it is used.
+/// Opacity after the limit.
 #[inline(always)]
 pub(super) fn limited(alpha: f32) -> f32 {
     if alpha < MOST_ALPHA { alpha } else { MOST_ALPHA }

@@ -65,7 +65,7 @@ pub(super) struct GaussianBar {
 struct Projection {
     /// Mean in the camera's frame [m].
     mean: [f32; 3],
-    /// Tangents, and whether each is as it is or clamped.
+    /// Tangents, and whether each is unclamped.
     tangents: [f32; 2],
     is_free: [bool; 2],
     /// Unit quaternion, its matrix R, and the length before.
