@@ -156,7 +156,7 @@ mod tests {
         assert_eq!(verdict, Verdict::NoDifference);
     }
 
-    /// One capture whose runs all gain, but by less than seeds differ by.
+    /// A capture whose runs all gain, but by less than seeds differ by.
     #[test]
     fn what_seeds_differ_by_is_no_difference() {
         let found = captures(1, |_, seed| [10.0 - [0.1, 0.1, 0.1, 0.1, 4.0][seed as usize], 10.0]);

@@ -8,11 +8,11 @@ use serde_json::Value;
 /// The command that started a suite.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Invocation {
-    /// The suite's file, as it was given.
+    /// Path of the suite, as typed.
     pub suite: PathBuf,
-    /// The data folder, as it was given.
+    /// Path of the data folder, as typed.
     pub data: Option<PathBuf>,
-    /// The folder that is filled, as it was given.
+    /// Path of the output folder, as typed.
     pub out: PathBuf,
 }
 
@@ -52,7 +52,7 @@ fn path(path: &Path) -> String {
     quoted(&path.display().to_string())
 }
 
-/// A word that a shell takes as it is.
+/// A word quoted for a shell, if it needs quotes.
 fn quoted(word: &str) -> String {
     let plain = |c: char| c.is_ascii_alphanumeric() || "_-./=,:+@%".contains(c);
     if !word.is_empty() && word.chars().all(plain) {
@@ -82,7 +82,7 @@ mod tests {
     }
 
     #[test]
-    fn an_invocation_is_told_as_it_was() {
+    fn an_invocation_is_recorded_verbatim() {
         let mut invocation =
             Invocation { suite: "studies/a.json".into(), data: None, out: "it's".into() };
         assert_eq!(invocation.command(), r"bendtwin suite studies/a.json --out 'it'\''s'");

@@ -72,7 +72,7 @@ enum Message {
 }
 
 impl Plan<'_> {
-    /// Executes the pending runs, on every backend at once, and takes over the results. Calls
+    /// Executes the pending runs, on all backends in parallel, and takes over the results. Calls
     /// `tell` with every event.
     ///
     /// # Errors

@@ -28,7 +28,7 @@ pub(crate) struct Resumption {
 }
 
 impl Resumption {
-    /// The last checkpoint of a run in the folder; the default if there is none.
+    /// The last checkpoint of a run in the folder; the default without one.
     pub(crate) fn find(folder: &Folder, id: &RunId, digest: &str) -> Self {
         let read = || {
             let mut bytes = folder.checkpoint(id)?;

@@ -23,7 +23,7 @@ use crate::{
 #[derive(Debug)]
 pub struct Folder {
     root: PathBuf,
-    /// Locked as long as it is open.
+    /// Lock, held while the folder is open.
     _lock: File,
 }
 
@@ -48,7 +48,7 @@ impl Folder {
         &self.root
     }
 
-    /// The record of a run; none if there is none that this build can read.
+    /// The record of a run; `None` without one that this build can read.
     pub fn record(&self, id: &RunId) -> Option<Record> {
         let bytes = fs::read(self.root.join(record_path(id))).ok()?;
         let record: Record = serde_json::from_slice(&bytes).ok()?;

@@ -25,7 +25,7 @@ pub struct LeaveOneOut {
     backend: Arc<dyn Backend>,
 }
 
-/// One recording, predicted by twins that never saw it.
+/// A recording, predicted by twins fitted without it.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct LeftOut {
     /// Name of the recording.
@@ -43,7 +43,7 @@ pub struct Prediction {
     pub fitted_to: Vec<String>,
     /// Errors; none if there is no such twin, or it could not be registered.
     pub scores: Option<Scores>,
-    /// The reason why there are none.
+    /// The reason for missing predictions.
     pub refused: Option<Fault>,
 }
 
@@ -62,7 +62,7 @@ pub struct Scores {
     pub registered: RegistrationScore,
 }
 
-/// A twin, or the reason why there is none.
+/// A twin, or the reason why it is missing.
 struct Fitted {
     to: Vec<String>,
     twin: Result<Twin, Fault>,
@@ -212,7 +212,7 @@ fn is_fitted(recording: &Capture) -> bool {
     recording.sequences.iter().any(|s| s.train_frame_count > 0)
 }
 
-/// True if there is no point in going on after an error.
+/// True if the remaining runs would fail in the same way.
 fn ends_all(category: Category) -> bool {
     matches!(category, Category::Cancelled | Category::Internal | Category::Unavailable)
 }

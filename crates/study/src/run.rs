@@ -1,4 +1,4 @@
-//! One run: a fit with its evaluation, and the record of it.
+//! A run: a fit with its evaluation, and the record of it.
 
 use std::{
     panic::{AssertUnwindSafe, catch_unwind},

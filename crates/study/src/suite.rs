@@ -49,7 +49,7 @@ pub struct Suite {
 /// A capture of a suite.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 pub struct CaptureEntry {
-    /// Its name in tables and files.
+    /// Name in tables and files.
     pub name: String,
     /// Path, relative to the suite's folder or to the data folder.
     pub path: PathBuf,
@@ -64,7 +64,7 @@ pub struct CaptureEntry {
 /// A way to fit.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 pub struct Configuration {
-    /// Its name in tables and files.
+    /// Name in tables and files.
     pub name: String,
     /// Groups of the captures that it is for; all captures if empty.
     #[serde(default)]
@@ -106,7 +106,7 @@ pub struct Reference {
     pub future: ErrorSummary,
 }
 
-/// One fit of a suite, written `capture/configuration/seed`.
+/// A fit of a suite, written `capture/configuration/seed`.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 pub struct RunId {
     /// Name of the capture.

@@ -79,9 +79,9 @@ pub type Figures = BTreeMap<&'static str, Figure>;
 /// A row of the table.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Row {
-    /// Its name, as comparisons use it.
+    /// Name in comparisons.
     pub row: String,
-    /// Its name for people.
+    /// Name for people.
     pub label: String,
     /// Kind of the row.
     pub kind: Kind,

@@ -12,9 +12,9 @@ use crate::{
 
 /// A metric over a span of frames.
 pub(crate) struct Column {
-    /// Its name in JSON.
+    /// Name in JSON.
     pub(crate) key: &'static str,
-    /// Its name for people.
+    /// Name for people.
     pub(crate) heading: &'static str,
     error: fn(&ErrorSummary) -> Option<f64>,
     is_future: bool,
@@ -55,14 +55,14 @@ pub(crate) const COLUMNS: [Column; 14] = [
     column!("padded_rms_future_mm", "padded RMS future", padded_rms_m, true),
 ];
 
-/// One value a column [mm].
+/// A value per column [mm].
 pub(crate) type Values = [Option<f64>; COLUMNS.len()];
 
 /// The values of one run for a row.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Sample {
     pub(crate) values: Values,
-    /// Of a configuration's own row.
+    /// Size of a configuration's own graph.
     pub(crate) size: Option<Size>,
     pub(crate) fit_s: Option<f64>,
     nodes_digest: Option<String>,
@@ -81,7 +81,7 @@ pub(crate) type Seeds = BTreeMap<u64, Sample>;
 /// All samples.
 #[derive(Debug, Default)]
 pub(crate) struct Samples<'a> {
-    /// By row and capture.
+    /// Samples by row and capture.
     rows: BTreeMap<String, BTreeMap<&'a str, Seeds>>,
     /// Published means over captures, by row.
     published_means: BTreeMap<&'a str, Values>,

@@ -91,7 +91,7 @@ fn table(results: &[(&str, Outcome)]) -> Table {
     table_of(&document, "a/axial/1", results)
 }
 
-/// One run without a result is selected, so that nothing but its capture is looked for.
+/// The table with one run without a result selected, so that only its capture is looked for.
 fn table_of(document: &Value, selected: &str, results: &[(&str, Outcome)]) -> Table {
     let place = tempfile::tempdir().unwrap();
     let file = place.path().join("suite.json");
@@ -260,7 +260,7 @@ fn of_gains() -> Vec<(&'static str, Outcome)> {
 }
 
 #[test]
-fn gains_are_told_by_degree() {
+fn gains_are_graded() {
     let table = gains(&of_gains());
     let gains = table.gains.as_ref().unwrap();
     assert_eq!(gains.groups, [Some("ropes".to_owned())]);
@@ -287,7 +287,7 @@ fn gains_are_told_by_degree() {
 }
 
 #[test]
-fn a_difference_of_means_that_is_none_is_told_so() {
+fn an_insignificant_difference_of_means_is_named() {
     let table = gains(&of_gains());
     let mean = |of: &str| {
         let found = table.differences.iter().find(|d| d.of == of && d.capture.is_none());
