@@ -19,7 +19,7 @@ pub(super) struct Body {
     pub(super) spacing_m: f32,
 }
 
-/// One of each pair of opposite directions: three axes, six face diagonals.
+/// Directions, one of each opposite pair: three axes, six face diagonals.
 const DIRECTIONS: [[i32; 3]; 9] = [
     [1, 0, 0],
     [0, 1, 0],

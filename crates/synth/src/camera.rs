@@ -35,7 +35,7 @@ impl Camera {
         Self { position, right, down, forward }
     }
 
-    /// Its place in the world, as OpenCV has it: x right, y down, z into the scene.
+    /// Pose in the world, by OpenCV's convention: x right, y down, z into the scene.
     pub(super) fn pose(&self) -> bendtwin_capture::raw::Pose {
         let [right, down, forward] =
             [self.right, self.down, self.forward].map(|v| v.map(f64::from));

@@ -50,7 +50,7 @@ pub struct FilmOptions {
 /// The mesh that lies beside a recording.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Shape {
-    /// None.
+    /// No such images.
     Absent,
     /// The body in frame 0, in the world.
     Aligned,
@@ -221,7 +221,7 @@ fn shape(shape: Shape, skin: &Skin, body: Option<&Vec<Point>>) -> Option<MeshFil
             (mesh, Some(Alignment { rotation: IDENTITY, scale: 1.0, translation: [0.0; 3] }))
         }
         Shape::Unaligned => {
-            // Lying on another side, in a unit of its own.
+            // Lying on another side, in another unit.
             let moved = Similarity {
                 rotation: [[0.0, 0.0, -1.0], [0.8, 0.6, 0.0], [0.6, -0.8, 0.0]],
                 scale: 4.2,

@@ -37,7 +37,7 @@ pub enum Scene {
     Rope,
     /// A bar of foam, twice as wide as thick, that one hand holds at its end and waves.
     Bar,
-    /// The same bar cut twice as thick: at least as stiff, whatever model is fitted.
+    /// The same bar cut twice as thick: at least as stiff under any fitted model.
     ThickBar,
     /// A toy-like body with four limbs, lifted by its head and shaken.
     Toy,
@@ -52,7 +52,7 @@ impl Scene {
     pub const ALL: [Self; 6] =
         [Self::Rope, Self::Bar, Self::ThickBar, Self::Toy, Self::Ring, Self::Cable];
 
-    /// Its name, `rope` say.
+    /// Name, for example `rope`.
     pub fn name(self) -> &'static str {
         match self {
             Self::Rope => "rope",

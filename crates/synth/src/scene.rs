@@ -164,8 +164,7 @@ fn bar_distance<const THICKNESS_MM: u32>(p: Point) -> f32 {
     (0..3).map(|a| (p[a] - centre[a]).abs() - half[a]).fold(f32::MIN, f32::max)
 }
 
-/// Lifts, waves up and down and sideways, then shakes; it goes on in the frames
-/// that are held back.
+/// Lifts, waves up and down and sideways, then shakes; continues in the frames that are held back.
 fn wave(t: f32) -> Pose {
     let after = |start: f32, ramp: f32| smoothstep((t - start) / ramp);
     let swing = |start: f32, hz: f32| (TAU * hz * (t - start)).sin() * after(start, 0.4);

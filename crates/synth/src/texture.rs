@@ -1,5 +1,5 @@
 //! Noise that depends on where one looks and on nothing else: colours that stick to a material, and
-//! the randomness of sensors, the same in whatever order frames are read.
+//! the randomness of sensors, the same for any order of reading frames.
 
 use bendtwin_core::Point;
 

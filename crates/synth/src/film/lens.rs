@@ -31,7 +31,7 @@ const EDGE_M: f32 = 0.015;
 const RIM: f32 = 0.3;
 /// Deviation of colour, of 255.
 const COLOR_NOISE: f32 = 2.0;
-/// Colours vary over at least this [m], and over so many pixels.
+/// Length [m] over which colours vary at least, and the same in pixels.
 const PATCH_M: f64 = 0.012;
 const PATCH_PIXELS: f64 = 5.0;
 
