@@ -41,7 +41,7 @@ pub enum Error {
     Authority(#[from] FileError),
 }
 
-/// Sender of spans. They are sent in batches by a thread of its own.
+/// Sender of spans. A separate thread sends them in batches.
 #[derive(Debug)]
 pub struct Exporter(SdkTracerProvider);
 
