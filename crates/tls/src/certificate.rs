@@ -14,7 +14,7 @@ const SOON: SignedDuration = SignedDuration::from_hours(14 * 24);
 /// Facts that a certificate states.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Certificate {
-    /// Its number at its issuer, in hexadecimal digits.
+    /// Serial number at the issuer, in hexadecimal digits.
     pub serial: String,
     /// Common name of its subject, perhaps empty.
     pub common_name: String,
@@ -33,11 +33,11 @@ pub struct Certificate {
 /// State of a certificate at a time.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Validity {
-    /// It does not hold yet.
+    /// Not valid yet.
     NotYet,
-    /// It holds.
+    /// Valid.
     Valid,
-    /// It does not hold any more.
+    /// No longer valid.
     Expired,
 }
 
@@ -105,7 +105,7 @@ pub(crate) fn serial_text(bytes: &[u8]) -> String {
     bytes.iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
-/// The time of a second; the last one for what is none.
+/// The time of a second; the last representable one if out of range.
 pub(crate) fn time(seconds: i64) -> Timestamp {
     Timestamp::from_second(seconds).unwrap_or(Timestamp::MAX)
 }

@@ -27,14 +27,14 @@ const PROTOCOLS: [&[u8]; 2] = [b"h2", b"http/1.1"];
 pub struct PairPaths {
     /// The certificate, and after it those that issued it.
     pub certificate: PathBuf,
-    /// Its key.
+    /// Private key.
     pub key: PathBuf,
 }
 
 /// Files of a peer among those of one private authority.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct MutualPaths {
-    /// Its certificate and key.
+    /// Certificate and key.
     pub pair: PairPaths,
     /// The certificates of the authority.
     pub ca: PathBuf,
@@ -47,21 +47,21 @@ pub struct MutualPaths {
 pub struct Public {
     /// For its connections.
     pub server: Arc<ServerConfig>,
-    /// Its certificate.
+    /// Certificate shown to peers.
     pub certificate: Option<Certificate>,
 }
 
-/// Settings of a peer that shows its certificate, whoever began the connection, and demands one of
-/// the private authority of the other side. It speaks TLS 1.3 alone: both ends are of BendTwin.
+/// Settings of a peer that shows its certificate, on connections begun by either side, and demands
+/// one of the private authority of the other side. TLS 1.3 only: both ends are BendTwin.
 #[derive(Debug)]
 pub struct Mutual {
     /// For connections that others begin.
     pub server: Arc<ServerConfig>,
     /// For connections that it begins, over HTTP/2.
     pub client: Arc<ClientConfig>,
-    /// Its own certificate.
+    /// Certificate shown to the other side.
     pub certificate: Option<Certificate>,
-    /// Lists of revoked certificates, which are refused whoever began the connection.
+    /// Lists of revoked certificates, which are refused on connections begun by either side.
     pub lists: Vec<RevocationList>,
     pub(crate) clients: Arc<dyn ClientCertVerifier>,
     pub(crate) servers: Arc<WebPkiServerVerifier>,
@@ -140,7 +140,7 @@ impl Mutual {
             (_, fault) => of_ca(&fault),
         };
 
-        // Authorities sign what they issue themselves: whatever is below them is named as one, too.
+        // Authorities sign their own issues: certificates below them are named the same way.
         let clients = WebPkiClientVerifier::builder_with_provider(roots.clone(), provider())
             .with_crls(crls.clone())
             .only_check_end_entity_revocation()

@@ -18,7 +18,7 @@ const MAX_BYTES: u64 = 4 << 20;
 /// Reason for which a file of certificates or a key cannot be used.
 #[derive(Debug, thiserror::Error)]
 pub enum FileError {
-    /// It cannot be read.
+    /// The file cannot be read.
     #[error("cannot read {}: {source}: name a PEM file that this user may read", path.display())]
     Unreadable {
         /// The file.
@@ -26,7 +26,7 @@ pub enum FileError {
         /// The system's error.
         source: io::Error,
     },
-    /// It has no certificate.
+    /// The file has no certificate.
     #[error(
         "there is no certificate in {}: it must be a PEM file with `-----BEGIN CERTIFICATE-----`, \
          the own certificate first and those that issued it after it", path.display()
@@ -35,7 +35,7 @@ pub enum FileError {
         /// The file.
         path: PathBuf,
     },
-    /// It has no key.
+    /// The file has no key.
     #[error(
         "there is no key in {}: it must be a PEM file with `-----BEGIN PRIVATE KEY-----` and \
          without a passphrase", path.display()
@@ -44,7 +44,7 @@ pub enum FileError {
         /// The file.
         path: PathBuf,
     },
-    /// It has no revocation list.
+    /// The file has no revocation list.
     #[error(
         "there is no revocation list in {}: it must be a PEM file with `-----BEGIN X509 CRL-----` \
          (`bendtwin ca revoke` writes crl.pem)", path.display()
@@ -61,7 +61,7 @@ pub enum FileError {
     KeyOpen {
         /// The file.
         path: PathBuf,
-        /// Its permissions.
+        /// Permissions of the file.
         mode: u32,
     },
     /// The key is that of another certificate.

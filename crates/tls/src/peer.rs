@@ -18,7 +18,7 @@ use crate::{Mutual, Reloaded, TlsError};
 /// Certificates that the other side of a connection showed.
 #[derive(Clone, Debug)]
 pub struct Peer {
-    /// Its own first.
+    /// Certificates, the peer's first.
     chain: Vec<CertificateDer<'static>>,
     /// The name under which it was called; none if it called.
     name: Option<ServerName<'static>>,

@@ -16,7 +16,7 @@ use crate::FileError;
 /// modification is too coarse, and does not tell of a link that points elsewhere now.
 const INTERVAL: Duration = Duration::from_secs(2);
 
-/// Settings of files, as they were when these could be used last. Clones share them.
+/// Settings read from files, in the last usable version. Clones share them.
 #[derive(Debug)]
 pub struct Reloaded<T>(Arc<Shared<T>>);
 
@@ -90,7 +90,7 @@ impl<T: Send + Sync + 'static> Reloaded<T> {
         }
     }
 
-    /// Looks at the files at an interval, and at once when the process gets SIGHUP, until `stop`.
+    /// Checks the files at an interval, and immediately when the process gets SIGHUP, until `stop`.
     pub async fn watch(self, stop: CancellationToken) {
         let mut hangup = Hangup::new();
         loop {

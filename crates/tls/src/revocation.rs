@@ -24,7 +24,7 @@ const SOON: SignedDuration = SignedDuration::from_hours(14 * 24);
 pub struct RevocationList {
     /// Common name of the authority that signed it, perhaps empty.
     pub issuer: String,
-    /// Its number, which grows from list to list; 0 if it states none.
+    /// Number of the list, which grows from list to list; 0 if it states none.
     pub number: u64,
     /// Time from which a later list is to be had.
     pub next_update: Option<Timestamp>,

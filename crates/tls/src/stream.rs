@@ -1,4 +1,4 @@
-//! An open connection, with or without TLS, whoever began it.
+//! An open connection begun by either side, with or without TLS.
 
 use std::{
     io,

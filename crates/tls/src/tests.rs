@@ -1,4 +1,4 @@
-//! Authorities for tests, each in a folder of its own.
+//! Authorities for tests, each in a temporary folder.
 
 use std::{
     path::{Path, PathBuf},

@@ -42,7 +42,7 @@ async fn what_is_wrong_with_a_server_is_said() {
 }
 
 #[tokio::test]
-async fn servers_without_tls_are_told() {
+async fn servers_without_tls_are_named() {
     for answer in [&b"HTTP/1.1 400 Bad Request\r\n\r\n"[..], b""] {
         let listener = TcpListener::bind("127.0.0.1:0").await.unwrap();
         let address = listener.local_addr().unwrap();

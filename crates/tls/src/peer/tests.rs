@@ -43,7 +43,7 @@ async fn end(stream: &mut Stream) -> TlsError {
 }
 
 #[tokio::test]
-async fn a_revoked_peer_is_cut_off_whoever_began() {
+async fn a_revoked_peer_is_cut_off_on_either_side() {
     let folder = Folder::new();
     let (server, worker) = (load(&folder.peer("twin")), load(&folder.peer("gpu1")));
     // The server alone reads the list again.
