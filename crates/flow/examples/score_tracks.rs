@@ -8,7 +8,7 @@
 //! A track's error in a frame: the track is lifted through that frame's measured depth.
 //! Of the clean tracks the one nearest to it in the first frame is taken, if it lies within 10 mm
 //! (in the last columns within 20 mm). The rigid motion of that clean track and its six nearest
-//! then gives the place of the tracked point should be: `clean(t) + rotation · (tracked(0) -
+//! then gives the place of the tracked point: `clean(t) + rotation · (tracked(0) -
 //! clean(0))`. *Plain* errors leave the rotation out.
 
 use std::{error::Error, path::Path, time::Instant};

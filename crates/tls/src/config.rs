@@ -140,7 +140,8 @@ impl Mutual {
             (_, fault) => of_ca(&fault),
         };
 
-        // Authorities sign their own issues: certificates below them are named the same way.
+        // Checking end entities suffices: authorities sign them directly, and intermediates are listed as
+        // authorities, too.
         let clients = WebPkiClientVerifier::builder_with_provider(roots.clone(), provider())
             .with_crls(crls.clone())
             .only_check_end_entity_revocation()
