@@ -138,7 +138,7 @@ pub(crate) fn digest(text: &str) -> Result<Option<bendtwin_store::Digest>> {
         .map_err(|_| Error::invalid("digest", "is not 64 hexadecimal digits of a BLAKE3 digest"))
 }
 
-/// Settings of a request; the defaults if there are none.
+/// Settings of a request; the defaults if the document is empty.
 fn read_settings<T: DeserializeOwned + Default>(json: &str, limit: usize) -> Result<T> {
     if json.len() > limit {
         return Err(Error::invalid("settings_json", format!("is longer than {limit} bytes")));

@@ -1,7 +1,7 @@
 //! The audit: one line in the log for each change that a client asks for, under the target `audit`,
 //! with who asked, what for, and what came of it. Both transports have the names of RPCs.
-//! Calls that were refused for a scope are told as well, by the route of HTTP or the path of gRPC, and
-//! so are tokens and keys that were refused, by the address that they came from.
+//! Calls that were refused for a scope are recorded as well, by the route of HTTP or the path of
+//! gRPC, and so are refused tokens and keys, by the address that they came from.
 
 use std::fmt::Display;
 
@@ -26,7 +26,7 @@ pub(crate) fn changed<T>(method: &'static str, resource: impl Display, done: &Re
     );
 }
 
-/// Notes a call that was refused, so many times since this was last noted.
+/// Records a refused call, and the number of refusals since the last record.
 pub(crate) fn refused(caller: &Caller, call: &str, reason: &str, times: u64) {
     tracing::info!(
         target: "audit",
@@ -41,7 +41,7 @@ pub(crate) fn refused(caller: &Caller, call: &str, reason: &str, times: u64) {
     );
 }
 
-/// Notes a token or a key that was refused, so many times since this was last noted. The caller has
+/// Records a refused token or key, and the number of refusals since the last record. The caller has
 /// the key, if it was one of this server's, and nothing else.
 pub(crate) fn not_admitted(caller: &Caller, reason: &str, times: u64) {
     let Context { request_id, network, .. } = Context::current();

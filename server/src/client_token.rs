@@ -23,7 +23,7 @@ const BEARER: HeaderValue = HeaderValue::from_static("Bearer realm=\"BendTwin\""
 const BASIC: HeaderValue = HeaderValue::from_static("Basic realm=\"BendTwin\", charset=\"UTF-8\"");
 
 /// Challenges of a refusal. That of `Basic` makes a browser ask for a password, which is the token;
-/// a script that showed one of its own asks its user itself.
+/// a script that sent a token asks its user itself.
 pub(crate) fn challenges(request: &HeaderMap) -> impl Iterator<Item = HeaderValue> {
     let shown = request.get(header::AUTHORIZATION).map(HeaderValue::as_bytes).unwrap_or_default();
     let is_bearer = shown.len() >= 6 && shown[..6].eq_ignore_ascii_case(b"bearer");

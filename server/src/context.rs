@@ -86,8 +86,8 @@ fn client(peer: Option<SocketAddr>, id: Option<&str>) -> Arc<str> {
     }
 }
 
-/// One client: an address of IPv4, or a network of 64 bits of IPv6, of which a client has many
-/// addresses.
+/// The network that counts as one client: an address of IPv4, or a network of 64 bits of IPv6, of
+/// which a client has many addresses.
 pub(crate) fn network_of(peer: IpAddr) -> IpAddr {
     match peer.to_canonical() {
         IpAddr::V6(v6) => IpAddr::V6(Ipv6Addr::from_bits(v6.to_bits() & !u128::from(u64::MAX))),
@@ -141,7 +141,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn clients_are_told_apart() {
+    fn clients_are_distinguished() {
         let peer = |text: &str| Some(text.parse().unwrap());
         // On this machine by connection.
         assert_ne!(client(peer("127.0.0.1:1"), None), client(peer("127.0.0.1:2"), None));

@@ -10,7 +10,7 @@ use tonic::metadata::MetadataMap;
 
 use crate::{context::Context, error::Refusal, failure};
 
-/// Time past its deadline that a call is left for an answer of its own, which says more.
+/// Time past its deadline in which a call may still answer by itself, which says more.
 const GRACE: Duration = Duration::from_millis(250);
 
 /// Facts about a request that its response needs until its end.

@@ -93,7 +93,7 @@ impl Dispatch {
     }
 
     /// Adds a worker of the fleet that has registered at another server, unless it is known. False
-    /// if it is none of those that this server may use.
+    /// if this server may not use it.
     pub(crate) fn learn(&self, worker: Worker) -> Result<bool> {
         let Some(token) = self.worker_token.as_deref().filter(|_| !worker.is_supervised) else {
             return Ok(false);
@@ -231,7 +231,7 @@ impl Dispatch {
         Size::ALL.map(|size| lines.iter().map(|waiting| waiting[size as usize]).sum())
     }
 
-    /// Memory of all workers' devices together, as far as it is known.
+    /// Memory of all workers' devices together, where it is known.
     pub(crate) fn memory(&self) -> Memory {
         let workers = self.lock();
         workers.values().filter_map(|e| e.view().memory).fold(Memory::default(), |sum, m| Memory {

@@ -131,7 +131,7 @@ pub(crate) async fn router(app: &App) -> Result<axum::Router, StartError> {
                 .max_decoding_message_size(bytes(limits.request_bytes))
                 .max_encoding_message_size(bytes(limits.reply_bytes)),
         });
-    // Workers that are to show a certificate do not go where none is demanded.
+    // Workers that have to show a certificate do not connect where none is demanded.
     if app.options.worker_tls.is_none() {
         routes.add_service(worker_link(app));
     }

@@ -30,7 +30,7 @@ const DESCRIPTORS_EACH: u64 = 2;
 /// Bounds of a listener.
 #[derive(Clone, Debug)]
 pub(crate) struct Bounds {
-    /// Its name in metrics.
+    /// Name in metrics.
     name: &'static str,
     connections: usize,
     per_peer: usize,
@@ -69,8 +69,8 @@ fn descriptors() -> usize {
         .unwrap_or(usize::MAX)
 }
 
-/// Accepts connections until `stop`; then lets the requests under way finish, until `cut`, and
-/// returns when none is left.
+/// Accepts connections until `stop`; then lets requests under way finish, until `cut`, and returns
+/// when all have ended.
 pub(crate) async fn serve(
     listener: TcpListener,
     root_service: RootService,
@@ -90,7 +90,7 @@ pub(crate) async fn serve(
         };
         match accepted {
             Ok((stream, peer)) => {
-                // Closed at once where there is no place: in the system's backlog it would wait
+                // Closed immediately if there is no place: in the system's backlog it would wait
                 // without end.
                 let Some(place) = places.take(peer.ip()) else { continue };
                 let (service, stop, cut) = (root_service.clone(), stop.clone(), cut.clone());
@@ -145,7 +145,7 @@ async fn serve_one(
                 }
             }
         }
-        // Served as it came, so that whoever sent it can read the refusal.
+        // Served without TLS, so that the sender can read the refusal.
         Some(Opened::Plain(stream)) => {
             let service = service.refusing_without_tls();
             connection::serve(stream, peer, service, timeouts, place, stop).await;

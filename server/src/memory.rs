@@ -1,7 +1,7 @@
 //! The memory of this process, which requests take shares of before anything is allocated for them.
 //!
-//! Bodies, replies and uploads have budgets of their own: a rollout that holds its body waits for nothing
-//! but a reply to end, and a reply waits for no other memory. So they cannot wait for each other.
+//! Bodies, replies and uploads have separate budgets: a rollout that holds its body waits only for
+//! a reply to end, and a reply waits for no other memory. So there are no deadlocks between them.
 
 mod receive;
 
@@ -47,7 +47,7 @@ impl Shares {
         self.lock().push(share);
     }
 
-    /// Keeps what a decoded message of so many bytes takes, and gives back the rest.
+    /// Keeps the memory of a decoded message of `message_bytes`, and gives back the rest.
     pub(crate) fn decoded(&self, message_bytes: usize) {
         let mut left = (message_bytes as u64).saturating_mul(receive::PROTOBUF);
         for share in self.lock().iter_mut() {
@@ -62,7 +62,8 @@ impl Shares {
 }
 
 impl Memory {
-    /// So many bytes in all: three eighths for bodies, half for replies, an eighth for uploads.
+    /// A memory of `bytes` in all: three eighths for bodies, half for replies, an eighth for
+    /// uploads.
     pub(crate) fn new(bytes: u64) -> Self {
         let part = |eighths: u64| Budget::new(bytes / 8 * eighths);
         let [bodies, replies, uploads] = [3, 4, 1].map(part);
@@ -75,14 +76,14 @@ impl Memory {
         (all.map(Budget::used).iter().sum(), all.map(Budget::total).iter().sum())
     }
 
-    /// Memory for a reply whose messages have at most so many bytes.
+    /// Memory for a reply whose messages have at most `bytes`.
     pub(crate) async fn reply(&self, bytes: u64) -> Result<Share> {
         let bytes = bytes.saturating_mul(REPLY).saturating_add(REPLY_REST);
         self.take(&self.replies, bytes, "the reply: ask for fewer frames, nodes or instances").await
     }
 
-    /// Memory of the plans that are simulated for one, of so many bytes: at once or not at all, as who
-    /// asks for it holds a body already.
+    /// Memory for the plans simulated in a batch, of `bytes`: taken immediately or not at all,
+    /// since the caller already holds a body.
     pub(crate) fn plan(&self, bytes: u64) -> Result<Share> {
         let purpose = "the plans of a batch: use fewer samples or knots";
         self.bodies.try_take(bytes).map_err(|exhausted| Error::Memory { purpose, exhausted })
@@ -99,13 +100,13 @@ impl Memory {
         self.take(&self.uploads, bytes, "the upload: send fewer at once").await
     }
 
-    /// Memory to read a twin file of so many bytes.
+    /// Memory to read a twin file of `bytes`.
     pub(crate) async fn twin_file(&self, bytes: u64) -> Result<Share> {
         let advice = "reading the twin: raise memory_mib of the server";
         self.take(&self.bodies, bytes.saturating_mul(TWIN_FILE), advice).await
     }
 
-    /// Memory to read the head of a report of so many bytes.
+    /// Memory to read the head of a report of `bytes`.
     pub(crate) async fn report(&self, bytes: u64) -> Result<Share> {
         self.take(&self.bodies, bytes, "reading the report: raise memory_mib of the server").await
     }

@@ -51,7 +51,7 @@ impl Metrics {
         Self { handle: recorder.handle(), recorder: Arc::new(recorder) }
     }
 
-    /// One request answered. `route` is the pattern, never the path: its values are few.
+    /// Counts an answered request. `route` is the pattern, never the path: it has few values.
     pub(crate) fn request(&self, transport: &'static str, route: &str, code: &str, took: Duration) {
         let labels =
             || vec![Label::new("transport", transport), Label::new("route", route.to_owned())];
@@ -61,7 +61,7 @@ impl Metrics {
         self.seconds("bendtwin_request_seconds", labels(), took.as_secs_f64());
     }
 
-    /// Counts a job that was leased after so many seconds in the queue.
+    /// Counts a job leased after `queued_s` in the queue.
     pub(crate) fn job_leased(&self, kind: Kind, queued_s: f64) {
         let name = match kind {
             Kind::Ingest => "bendtwin_ingest_queue_seconds",

@@ -1,5 +1,5 @@
 //! Options of a server. Every field has a default, unknown fields are refused, and
-//! [`Options::validate`] reports all faults at once.
+//! [`Options::validate`] reports all faults together.
 
 mod tls;
 
@@ -82,7 +82,7 @@ pub struct Options {
 pub enum ClientTokenPolicy {
     /// The one in the file `client-token` of the data folder, made at the first start.
     Required,
-    /// None: everyone who reaches the server may use it.
+    /// No token: everyone who reaches the server may use it.
     None,
 }
 
@@ -94,7 +94,7 @@ pub struct WorkerPolicy {
     pub count: u32,
     /// The program; this very program if none.
     pub program: Option<PathBuf>,
-    /// Its arguments.
+    /// Arguments of the program.
     pub args: Vec<String>,
     /// Memory of the workers together [MiB]; without it half of the machine's (or the container's).
     /// Passed in their environment, so that `args` take precedence.
@@ -135,7 +135,7 @@ pub struct Limits {
     /// Open connections of clients; further ones take the place of the longest idle, or are
     /// closed. Fewer where the process may open few files.
     pub connections: usize,
-    /// Of these, connections of one peer.
+    /// Connections of one peer, among them.
     pub connections_per_peer: usize,
     /// Longest time for the head of a request on a connection without another one [s].
     pub head_timeout_s: f64,
@@ -365,7 +365,7 @@ impl Options {
     pub(crate) fn timeouts(&self) -> Timeouts {
         Timeouts {
             head: Duration::from_secs_f64(self.limits.head_timeout_s),
-            // Uploads end first, with an error of their own.
+            // Uploads end first, with a specific error.
             body: self.limits.upload_idle() + Duration::from_secs(1),
             unread: Duration::from_secs_f64(self.limits.stream_idle_s),
             age: Duration::from_secs_f64(self.limits.connection_age_s),

@@ -192,7 +192,7 @@ impl Play {
 }
 
 impl Player {
-    /// Its states and facts.
+    /// States and facts of the play.
     pub(crate) fn view(&self) -> View {
         View::of(Arc::clone(&self.play), false)
     }

@@ -1,6 +1,6 @@
-//! Readiness: whether a request that comes now can be served. Changes are made to last for a
-//! proof, which may take long on a bad disk, so the checks run beside requests, and whoever asks
-//! gets the newest report within a bounded time.
+//! Readiness: whether a request that comes now can be served. Changes are made durable as a proof,
+//! which may take long on a bad disk, so the checks run beside requests, and callers get the newest
+//! report within a bounded time.
 
 use std::{
     sync::atomic::{AtomicBool, Ordering},
@@ -20,7 +20,7 @@ const PATIENCE: Duration = Duration::from_secs(2);
 /// Age up to which an old report stands in for one that is slow to come.
 const STALE: Duration = Duration::from_secs(10);
 
-/// One condition of readiness.
+/// A condition of readiness.
 #[derive(Clone, Debug, Serialize, ToSchema)]
 pub(crate) struct Check {
     /// running, writes, disk or workers
@@ -74,7 +74,7 @@ impl App {
         checks
     }
 
-    /// Makes a report in a task of its own, unless one is being made.
+    /// Makes a report in a separate task, unless one is being made.
     fn renew_readiness(&self) {
         if self.readiness.under_way.swap(true, Ordering::SeqCst) {
             return;

@@ -1,9 +1,9 @@
 //! The server's own worker processes: started, restarted when they end, and
 //! ended with the server.
 //!
-//! A child gets the server's address and a token of its own in its environment. Its standard input
+//! A child gets the server's address and a separate token in its environment. Its standard input
 //! is a pipe that the server holds open; the child exits when that ends, by a shutdown or because
-//! the server died. When a child ends, its jobs go back to the queue at once.
+//! the server died. When a child ends, its jobs are requeued immediately.
 
 mod program;
 
@@ -135,7 +135,7 @@ impl Supervisor {
     }
 }
 
-/// Supervisor of one slot: starts a child whenever there is none.
+/// Supervisor of a slot: starts a child whenever the slot is empty.
 struct SlotSupervisor {
     app: App,
     spawn_options: SpawnOptions,

@@ -69,7 +69,7 @@ async fn garbage(app: App) {
     }
 }
 
-/// Finishes uploads that a crash left complete, and ends expired ones, at once and then at
+/// Finishes uploads that a crash left complete, and ends expired ones, immediately and then at
 /// intervals.
 async fn uploads(app: App) {
     let mut tick = ticks(upload_interval(&app.options));
@@ -107,7 +107,7 @@ fn upload_interval(options: &Options) -> Duration {
     UPLOAD_INTERVAL.min(options.upload_expiry()).min(options.upload_start())
 }
 
-/// Ticks at once and then at this interval.
+/// Ticks immediately and then at this interval.
 fn ticks(every: Duration) -> Interval {
     let mut ticks = tokio::time::interval(every);
     ticks.set_missed_tick_behavior(MissedTickBehavior::Delay);

@@ -6,7 +6,7 @@ use bendtwin_store::Error as StoreError;
 use super::{App, Error, Result};
 
 impl App {
-    /// Refuses new content of at least so many bytes that would leave less than the floor free.
+    /// Refuses new content of at least `bytes` that would leave less than the floor free.
     pub(crate) fn require_room(&self, bytes: u64) -> Result<()> {
         let disk = match self.store.disk() {
             Ok(disk) => disk,

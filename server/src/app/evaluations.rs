@@ -16,7 +16,7 @@ impl App {
     ) -> Result<Evaluation> {
         let twin: TwinId = super::name(&request.twin)?;
         let capture: CaptureId = super::name(&request.capture)?;
-        // A name of nothing is told before a worker is asked.
+        // Unknown names are reported before a worker is asked.
         self.store.captures().get(capture).await?;
         self.dispatch.evaluate_twin(twin, request, timeout).await
     }

@@ -55,7 +55,7 @@ impl App {
             let capture = super::name(&capture)?;
             let settings = settings(&settings_json, self.options.limits.json_bytes)?;
             if let Some(twin) = &settings.start_from {
-                // A name of nothing is told before the fit waits.
+                // Unknown names are reported before the fit waits.
                 self.store.twins().get(super::name(twin)?).await?;
             }
             self.check_memory(capture, &settings).await?;
@@ -101,7 +101,7 @@ impl App {
         Err(Error::FitTooLarge(memory::refusal(needed(largest), bytes, &advice)))
     }
 
-    /// The size of a capture by its report; none if there is no report, or none that says it.
+    /// The size of a capture by its report; `None` without a report, or if the report lacks it.
     async fn capture_size(&self, capture: CaptureId) -> Option<CaptureSize> {
         let mut content = self.store.captures().report_content(capture, false).await.ok()?;
         if content.size_bytes > LARGEST_REPORT {

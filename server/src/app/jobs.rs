@@ -13,7 +13,7 @@ use bendtwin_store::{
 
 use super::{App, Body, Error, Result, results};
 
-/// One attempt at a job, as a worker names it in every call.
+/// An attempt at a job, as a worker names it in every call.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Attempt {
     pub(crate) worker: WorkerId,
@@ -77,9 +77,9 @@ pub(crate) struct Leased {
 pub(crate) enum Offer {
     /// A job, which is leased to it.
     Job(Box<Leased>),
-    /// There was none in time.
+    /// No job within the wait.
     Nothing,
-    /// It is to end.
+    /// The worker is to drain and exit.
     Drain,
 }
 
@@ -227,8 +227,8 @@ impl App {
         Ok(())
     }
 
-    /// Ends the attempts of a worker process that has ended: its jobs go back at once. If the
-    /// server itself ended it, the attempts do not count.
+    /// Ends the attempts of a worker process that has ended: its jobs are requeued immediately. If
+    /// the server itself ended it, the attempts do not count.
     pub(crate) async fn worker_gone(&self, worker: WorkerId) -> Result<()> {
         let loss =
             if self.stopping.is_cancelled() { Loss::Server } else { self.dispatch.loss(worker) };

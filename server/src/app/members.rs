@@ -21,7 +21,7 @@ pub(crate) struct Members(Mutex<State>);
 #[derive(Debug, Default)]
 struct State {
     signs: HashMap<Uuid, (i64, Duration)>,
-    /// When this server told of itself, or of a worker, last.
+    /// Last time at which this server notified the others of itself, or of a worker.
     told: HashMap<Uuid, Duration>,
 }
 
@@ -36,7 +36,7 @@ impl Members {
         now.saturating_sub(seen.1)
     }
 
-    /// True if it is time to tell again of a member, which then counts as told.
+    /// True if the next notification about a member is due, which then counts as sent.
     fn is_due(&self, member: Uuid, every: Duration, now: Duration) -> bool {
         let mut state = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         let due = state.told.get(&member).is_none_or(|told| now.saturating_sub(*told) >= every);
@@ -55,11 +55,11 @@ impl Members {
 }
 
 impl App {
-    /// Takes up the state that servers before this one left. Alone in its database, it gives the jobs
-    /// of their processes back at once: those ended with their server, and fencing keeps stragglers
-    /// off. Workers started by others are expected to be alive still, and get the time of a lease to
-    /// report. Beside other servers it takes nothing from anyone: [`App::sweep`] does, once a server
-    /// has been silent.
+    /// Takes up the state that previous servers left. If this server is alone in its database, it
+    /// requeues the jobs of their worker processes immediately: those ended with their server, and
+    /// fencing rejects stragglers. Workers started by others are expected to be alive still, and
+    /// get a full lease to report. Beside other servers it takes nothing from anyone:
+    /// [`App::sweep`] does, once a server has been silent.
     pub(crate) async fn recover(&self) -> Result<()> {
         self.store.servers().seen(self.id, bendtwin_core::BUILD).await?;
         if self.store.is_shared() {

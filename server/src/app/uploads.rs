@@ -261,8 +261,8 @@ impl App {
         writer.commit(keep).await.inspect_err(|error| self.write_failed(error))
     }
 
-    /// Time for which an upload of so many bytes is kept without further ones. To send a few again
-    /// costs little, and uploads of which only a few come cost their sender little.
+    /// Time for which an upload with `bytes` received is kept without further ones. To send a few
+    /// bytes again costs little, and uploads of only a few bytes cost their sender little.
     fn keep(&self, bytes: u64, length_bytes: Option<u64>) -> Duration {
         if bytes < FEW_BYTES && length_bytes != Some(bytes) {
             self.options.upload_start()

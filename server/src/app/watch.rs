@@ -9,8 +9,8 @@ use tokio::sync::broadcast::{Receiver, error::RecvError};
 
 use super::{App, Error, Result};
 
-/// Time after which a job is read again although nothing told of a change, where other servers may
-/// have changed it and their notifications come over a connection.
+/// Time after which a job is read again without a notification, where other servers may have
+/// changed it and their notifications come over a connection.
 const LOOK_AGAIN: Duration = Duration::from_secs(5);
 
 struct Watch {
@@ -23,7 +23,7 @@ struct Watch {
 }
 
 impl App {
-    /// The revisions of a fit above `after`; only the newest where several come at once. Ends after
+    /// The revisions of a fit above `after`; only the newest if several arrive together. Ends after
     /// the terminal state, or with [`Error::Stopping`].
     pub(crate) async fn watch_fit(
         &self,

@@ -25,7 +25,7 @@ fn the_token_is_made_once_and_is_for_the_owner_alone() {
         assert_eq!(mode & 0o777, 0o600);
     }
     assert_eq!(load(folder.path()).unwrap(), token);
-    // Half a file is none.
+    // Half a file is no token.
     std::fs::write(path(folder.path()), "abc\n").unwrap();
     let new = load(folder.path()).unwrap();
     assert!(is_token(&new) && new != token);

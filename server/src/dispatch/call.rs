@@ -1,6 +1,6 @@
-//! A call from the server to a worker, whatever it asks for: with the worker's token, its length, for
-//! which the worker takes memory before it reads it, and the time that is left; and what its failure
-//! means.
+//! A call from the server to a worker, for any method: with the worker's token, the length of the
+//! body, for which the worker takes memory before it reads it, and the time that is left; and the
+//! meaning of its failure.
 
 use std::{sync::Arc, time::Duration};
 

@@ -16,7 +16,7 @@ use crate::{
     failure::{Error, Result},
 };
 
-/// Longest that an evaluation without a deadline of its own may take.
+/// Longest time of an evaluation without a deadline.
 const LONGEST: Duration = Duration::from_secs(600);
 
 impl Dispatch {
@@ -43,7 +43,7 @@ impl Dispatch {
     }
 }
 
-/// None if the worker cannot be reached, so that it has not taken the evaluation.
+/// `None` if the worker cannot be reached, so that it has not taken the evaluation.
 async fn evaluate_at(
     entry: &Arc<Entry>,
     ask: &Ask,

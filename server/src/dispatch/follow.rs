@@ -48,7 +48,7 @@ impl Dispatch {
         });
     }
 
-    /// Passes on what a worker tells until the stream ends. An error if it told nothing.
+    /// Passes on a worker's messages until the stream ends. An error if there were no messages.
     async fn watch(&self, entry: &Weak<Entry>) -> Result<(), Status> {
         let Some(known) = entry.upgrade() else { return Ok(()) };
         let mut messages = self.begin_to_watch(&known).await?;
@@ -64,7 +64,7 @@ impl Dispatch {
         }
     }
 
-    /// Asks a worker what it has now. Whoever asks need not hear that it does not answer.
+    /// Asks a worker what it has now. A missing answer is no error for the caller.
     pub(super) async fn ask(&self, entry: &Arc<Entry>) {
         let asked = self.begin_to_watch(entry);
         if let Ok(Err(status)) = tokio::time::timeout(FIRST_WORD, asked).await {

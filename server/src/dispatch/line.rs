@@ -32,7 +32,7 @@ const MOST_PASSED: u64 = 4;
 pub(super) struct Ask {
     /// The client that sent it.
     pub(super) client: Arc<str>,
-    /// Its work, in element substeps.
+    /// Work of the rollout, in element substeps.
     pub(super) work: f64,
 }
 
@@ -50,7 +50,7 @@ pub(super) struct Line(Arc<Mutex<State>>);
 #[derive(Debug)]
 struct State {
     bounds: Bounds,
-    /// By [`Size`].
+    /// Waiting rollouts by [`Size`].
     waiting: [Order; 3],
     running: HashMap<u64, Running>,
     rate: Rate,
@@ -85,7 +85,7 @@ impl Place {
         }
     }
 
-    /// Notes that the worker computed this rollout in so many seconds.
+    /// Notes that the worker computed this rollout in `seconds`.
     pub(super) fn computed(&self, seconds: f64) {
         self.line.lock().rate.measured(self.work, seconds);
     }
@@ -102,7 +102,7 @@ impl Drop for Place {
 }
 
 impl Line {
-    /// A line with so many slots and so many places to wait.
+    /// A line with the given numbers of slots and of places to wait.
     pub(super) fn new(slots: usize, places: usize) -> Self {
         Self(Arc::new(Mutex::new(State {
             bounds: Bounds { slots: slots.max(1), places },

@@ -94,7 +94,7 @@ impl Dispatch {
     }
 }
 
-/// Size of the reply to the rollout of the best plan; 0 if there is none.
+/// Size of the reply to the rollout of the best plan; 0 without such a rollout.
 fn last_reply_bytes(checked: &Checked, twin: &TwinShape) -> u64 {
     let Some(request) = checked.template.last(&checked.nominal) else { return 0 };
     let (knots, frames) = (checked.settings.knots as u64, checked.settings.frames as u64);

@@ -19,7 +19,7 @@ use crate::{
     memory::Shares,
 };
 
-/// Longest that a registration without a deadline of its own may take.
+/// Longest time of a registration without a deadline.
 const LONGEST: Duration = Duration::from_secs(600);
 
 /// A registration to be routed.
@@ -85,7 +85,7 @@ impl Dispatch {
     }
 }
 
-/// None if the worker cannot be reached, so that it has not taken the registration.
+/// `None` if the worker cannot be reached, so that it has not taken the registration.
 async fn register_at(
     entry: &Arc<Entry>,
     ask: &Ask,

@@ -1,5 +1,4 @@
-//! One worker in the routing table: what it said of itself, what it is at, and
-//! the connection to it.
+//! A worker in the routing table: its registration, its current work, and the connection to it.
 
 use std::{
     collections::HashMap,
@@ -73,7 +72,7 @@ pub(super) enum Heard {
 /// Facts that change while a worker lives.
 #[derive(Debug)]
 pub(super) struct Live {
-    /// Last sign of life, by the time of leases; none if there was none here.
+    /// Last sign of life, by the time of leases; `None` without one at this server.
     last_sign: Option<Duration>,
     last_seen: Timestamp,
     warm: Vec<TwinId>,
@@ -152,7 +151,7 @@ pub(crate) struct Heartbeat {
 pub(crate) struct HeldSession {
     pub(crate) twin: TwinId,
     pub(crate) slots: u32,
-    /// Of its surroundings, which rollouts have that name none themselves.
+    /// Surroundings of the session, for rollouts that name none themselves.
     pub(crate) parts: SessionParts,
 }
 
@@ -167,14 +166,14 @@ pub(crate) struct FitRoom {
 /// Memory of a worker's device [bytes].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Memory {
-    /// In use, by whomever.
+    /// In use, by all processes.
     pub(crate) used: u64,
     pub(crate) total: u64,
 }
 
 impl Live {
-    /// Takes over the sessions that a heartbeat tells of. It may have been sent before a session was
-    /// opened, so that a new one stays whatever it says.
+    /// Takes over the sessions in a heartbeat. The heartbeat may have been sent before a session
+    /// was opened, so a new session stays even if it is missing there.
     fn told(&mut self, mut sessions: HashMap<SessionId, HeldSession>) {
         self.opened.retain(|_, opened| opened.elapsed() < UNDER_WAY);
         let new = self.sessions.iter().filter(|(id, _)| self.opened.contains_key(id));
@@ -256,7 +255,7 @@ impl Entry {
         self.worker.registration.id
     }
 
-    /// Instances that it simulates at once.
+    /// Instances that the worker simulates concurrently.
     pub(super) fn lanes(&self) -> u32 {
         self.worker.registration.lanes
     }

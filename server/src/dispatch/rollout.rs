@@ -35,7 +35,7 @@ use crate::{
 const LARGE: usize = 1 << 20;
 /// Cost of a gradient beside that of a rollout.
 const GRADIENT_COST: f64 = 3.0;
-/// Longest that a rollout without a deadline of its own may take.
+/// Longest time of a rollout without a deadline.
 pub(super) const LONGEST: Duration = Duration::from_secs(3600);
 
 /// A rollout to be routed.
@@ -104,9 +104,8 @@ impl Held {
         Self { place: None, ..self }
     }
 
-    /// The memory, to be held by the bytes for as long as they are anywhere, and the place, to be
-    /// held by the body: what a connection has buffered and nobody reads must not keep a worker
-    /// from others.
+    /// The memory, to be held with the bytes wherever they are, and the place, to be held by the
+    /// body: what a connection has buffered and nobody reads must not keep a worker from others.
     pub(crate) fn apart(self) -> (Arc<Share>, impl Send + Sync + 'static) {
         (self.share, self.place)
     }
@@ -324,7 +323,7 @@ impl Dispatch {
         }
     }
 
-    /// None if the worker cannot be reached, so that it has not taken the rollout.
+    /// `None` if the worker cannot be reached, so that it has not taken the rollout.
     pub(super) async fn start_at(
         &self,
         entry: &Arc<Entry>,

@@ -1,9 +1,9 @@
-//! The choice of the worker that answers: a calm one if there is any, first those that have the twin
-//! loaded, then in the twin's own order of workers (rendezvous hashing), so that a twin is loaded in
-//! few places and a lost worker moves only its own. A worker is calm if it runs no fit and is at so
-//! few rollouts that one more need not wait. If none is, the one with the fewest rollouts is
-//! asked; a fit counts for some.
-//! The work ahead is bounded by the average of all workers, so that one popular twin spreads.
+//! The choice of the worker that answers: a calm one if possible, first those that have the twin
+//! loaded, then in the order of workers that the twin's hash gives (rendezvous hashing), so that a
+//! twin is loaded in few places and a lost worker moves only its own twins. A worker is calm if it
+//! runs no fit and few enough rollouts that one more need not wait. Without a calm worker, the one
+//! with the fewest rollouts is asked; a fit counts as several. The work ahead is bounded by the
+//! average of all workers, so that one popular twin spreads.
 
 use bendtwin_core::ids::{TwinId, WorkerId};
 

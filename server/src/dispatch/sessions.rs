@@ -34,7 +34,7 @@ use crate::{
     memory::Shares,
 };
 
-/// Longest that a call without a deadline of its own may take: the way to a first state may be long.
+/// Longest time of a call without a deadline: a first state may take long.
 const LONGEST: Duration = Duration::from_secs(600);
 
 impl Dispatch {
@@ -111,7 +111,7 @@ impl Dispatch {
                 entry.broke();
                 Err(Error::WorkerLost)
             }
-            // Whatever the worker had in memory went with it.
+            // All that the worker had in memory is lost with it.
             Err(Error::WorkerEnded) => {
                 entry.closed(*session);
                 Err(Error::SessionLost(session.to_string()))
@@ -271,7 +271,7 @@ impl Dispatch {
         let reply = self.manage(entry, call, capture, timeout).await;
         let is_lost = match &reply {
             Err(Error::Worker(fault)) => fault.reason == "SESSION_LOST",
-            // Whatever the worker had in memory went with it.
+            // All that the worker had in memory is lost with it.
             Err(Error::WorkerEnded) => true,
             _ => false,
         };
@@ -296,7 +296,7 @@ impl Dispatch {
         })
     }
 
-    /// None if the worker cannot be reached, so that it has not taken the call.
+    /// `None` if the worker cannot be reached, so that it has not taken the call.
     async fn manage_at(
         &self,
         entry: &Arc<Entry>,

@@ -1,7 +1,7 @@
-//! One batch on several workers. A batch that takes a while is cut into contiguous parts by
-//! instance, one for each worker that has nothing else to do, and the reply is put together from
-//! theirs. The bits are those of one worker: on the CPU wherever it is cut; on a GPU, where the last
-//! bits depend on how many instances are simulated together, it is cut where a worker would cut it.
+//! A batch on several workers. A batch that takes a while is cut into contiguous parts by instance,
+//! one for each idle worker, and the reply is put together from theirs. The bits are those of one
+//! worker: on the CPU for any cut; on a GPU, where the last bits depend on how many instances are
+//! simulated together, it is cut where a worker would cut it.
 
 use std::sync::Arc;
 
@@ -24,7 +24,7 @@ use crate::failure::{Error, Result};
 /// Least time of a part at a worker that has the twin loaded, and at one that has to load it [s].
 const WARM_PART_S: f64 = 0.05;
 const COLD_PART_S: f64 = 0.25;
-/// Largest reply that is put together here [bytes]: its parts and the whole are in memory at once.
+/// Largest reply that is put together here [bytes]: its parts and the whole are in memory together.
 const MOST_JOINED: u64 = 64 << 20;
 /// Memory of prepared instances up to which a GPU's worker cuts a batch by work alone [bytes].
 const MOST_PREPARED: u64 = 128 << 20;

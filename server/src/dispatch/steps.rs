@@ -208,7 +208,7 @@ impl Dispatch {
     async fn best_plan(&self, plan: Ready) -> Result<PlanUpdate> {
         let dispatch = self.clone();
         let (mut sender, best) = oneshot::channel();
-        // On a task of its own, as its future is large and this one is part of others.
+        // In a separate task, since its future is large and this one is part of others.
         tokio::spawn(Context::current().scope(async move {
             tokio::select! {
                 () = sender.closed() => {}

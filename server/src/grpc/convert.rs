@@ -129,7 +129,7 @@ fn job(job: Job) -> v1::Job {
     }
 }
 
-/// The state that a list is filtered by; none if there is none to filter by.
+/// The state that a list is filtered by; `None` without a filter.
 pub(super) fn read_state(number: i32) -> Result<Option<State>> {
     use v1::job::State as Wire;
     let state = Wire::try_from(number)
@@ -198,7 +198,7 @@ pub(super) fn losses(losses: Vec<ModelLoss>) -> v1::FitLosses {
     v1::FitLosses { curves }
 }
 
-/// Progress as a worker reports it. Numbers that are none are left out.
+/// Progress as a worker reports it. Invalid numbers are left out.
 pub(super) fn read_progress(message: v1::Progress) -> Result<Progress> {
     const LONGEST_NOTE: usize = 2000;
     // One for each start of each model.

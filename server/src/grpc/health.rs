@@ -23,7 +23,7 @@ pub(super) struct ServerHealth {
 }
 
 impl ServerHealth {
-    /// Of the server as a whole, which has an empty name.
+    /// Health of the server as a whole, which has an empty name.
     pub(super) fn new(app: &App) -> Self {
         Self { app: app.clone(), services: HashSet::from([""]) }
     }

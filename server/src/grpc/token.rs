@@ -26,7 +26,7 @@ impl Shown {
     /// The worker of this name, if it is the one that calls.
     ///
     /// # Errors
-    /// If the name is none, or the key is not that worker's.
+    /// If the name is invalid, or the key belongs to another worker.
     pub(super) fn worker(&self, name: &str) -> app::Result<WorkerId> {
         let worker = app::name(name)?;
         if worker_key::proves(&self.key, worker) {

@@ -1,5 +1,5 @@
-//! The requests of one connection, and whose turn it is: the server's, or the client's. A
-//! connection on which only the client could go on may be closed, for its silence or for others.
+//! Requests of one connection, and whose turn it is: the server's, or the client's. A connection
+//! that waits for its client may be closed, for its silence or to make place for others.
 
 use std::{
     sync::{Arc, Mutex, MutexGuard, PoisonError},
@@ -43,7 +43,7 @@ pub(super) enum Turn {
     Server,
     /// The client is to send more of the body.
     Body,
-    /// Its response was cut off, and the client has not noticed yet.
+    /// The response was cut off, and the client has not noticed yet.
     Cut,
 }
 

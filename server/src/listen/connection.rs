@@ -1,4 +1,4 @@
-//! One connection: either protocol, under time limits.
+//! A connection of either protocol, under time limits.
 
 use std::{convert::Infallible, net::SocketAddr, sync::Arc, time::Duration};
 

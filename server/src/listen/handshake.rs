@@ -13,7 +13,7 @@ use crate::tls::Handshakes;
 /// A connection that can be served.
 pub(super) enum Opened {
     Tls(Box<Accepted>),
-    /// It began without TLS.
+    /// Begun without TLS.
     Plain(TcpStream),
 }
 

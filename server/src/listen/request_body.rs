@@ -36,7 +36,7 @@ pub(crate) fn is_too_slow(error: &(dyn std::error::Error + 'static)) -> bool {
 
 /// A body being received.
 struct RequestBody {
-    /// None once it has been given up.
+    /// `None` once the body has been given up.
     inner: Option<Incoming>,
     exchange: Arc<Exchange>,
     /// Longest silence.

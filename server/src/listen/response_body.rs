@@ -1,7 +1,7 @@
-//! Bodies of responses, pumped by a task of their own. A body is asked for its next part only when
-//! the connection has room for it, so a client that reads nothing would hold whatever makes the
-//! body, a slot at a worker for example, for ever. The task lets go of that when the deadline of
-//! the call passes or when nothing was read for too long.
+//! Bodies of responses, each pumped by a separate task. A body is asked for its next part only when
+//! the connection can take it, so a client that reads nothing would hold the producer of the body,
+//! a slot at a worker for example, for ever. The task drops the producer when the deadline of the
+//! call passes or when nothing was read for too long.
 
 use std::{
     pin::Pin,

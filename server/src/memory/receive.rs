@@ -40,13 +40,13 @@ pub(crate) enum Kind {
 /// A body that was not received.
 #[derive(Debug)]
 pub(crate) enum ReceiveError {
-    /// It is longer than the limit.
+    /// Longer than the limit.
     TooLong,
     /// There is no memory for it.
     Memory(Error),
-    /// It broke off.
+    /// Broken off.
     Broken(axum::Error),
-    /// Its beginning is refused.
+    /// The beginning is refused.
     Refused(rollout::Error),
 }
 

@@ -8,7 +8,7 @@ fn defaults_are_valid() {
 }
 
 #[test]
-fn all_faults_are_reported_at_once() {
+fn faults_are_reported_together() {
     let mut options = Options { lease_s: f64::NAN, ..Options::default() };
     options.workers.count = 1000;
     options.workers.backend = "gpu".to_owned();

@@ -1,7 +1,6 @@
 //! The time of a play: a frame of the twin for each frame of real time, over the speed. A frame may
-//! begin up to half a frame early if there is input for it, so that a hand is followed at once; the
-//! mean rate stays. Frames that cannot be made up for are skipped and
-//! counted.
+//! begin up to half a frame early if there is input for it, so that a hand is followed immediately;
+//! the mean rate stays. Frames that cannot be made up for are skipped and counted.
 
 use std::time::Duration;
 
@@ -76,7 +75,7 @@ impl Clock {
         }
     }
 
-    /// Goes on from now, as after a pause.
+    /// Restarts from now, as after a pause.
     pub(super) fn restart(&mut self, now: Instant) {
         self.due = now;
     }

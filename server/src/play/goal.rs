@@ -34,7 +34,7 @@ const DEADLINE_S: f64 = 4.0;
 const SIGMA_M: f32 = 0.08;
 const SPEED_M_S: f32 = 1.0;
 
-/// The way to a goal, as it is shown.
+/// Progress towards a goal, as shown to the user.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub(super) struct Progress {
     pub(super) state: Stage,

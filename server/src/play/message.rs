@@ -31,7 +31,7 @@ pub(crate) struct Begin {
     /// Always `begin`.
     #[serde(rename = "type")]
     pub(crate) kind: BeginType,
-    /// As that of a rollout; default: the rest shape.
+    /// Initial state, like that of a rollout; default: the rest shape.
     pub(crate) initial: Option<Read<InitialState>>,
     pub(crate) world: Option<Read<v1::World>>,
     pub(crate) vary: Factors,
@@ -70,11 +70,11 @@ pub(crate) enum Message {
         node: u32,
         #[serde(default)]
         radius_m: f32,
-        /// By springs instead of exactly.
+        /// Hold by springs instead of exactly.
         #[serde(default)]
         springs: bool,
     },
-    /// A gripper lets go.
+    /// Releases everything in a gripper.
     Release {
         #[serde(default)]
         input: u32,
@@ -124,7 +124,7 @@ pub(crate) struct Target {
     pub(crate) index: u32,
     /// [m]
     pub(crate) position: [f32; 3],
-    /// Quaternion x, y, z, w; default: as it is.
+    /// Quaternion x, y, z, w; default: unchanged.
     #[serde(default)]
     pub(crate) orientation: Option<[f32; 4]>,
 }
@@ -170,7 +170,7 @@ pub(crate) struct GoalTarget {
 /// Reads a message.
 ///
 /// # Errors
-/// If it is none, or has numbers beyond their bounds.
+/// If the text is no message, or has numbers beyond their bounds.
 pub(crate) fn read(text: &str) -> Result<Message> {
     let fault = |e: serde_json::Error| Error::invalid("message", format!("is not understood: {e}"));
     let message: Message = serde_json::from_str(text).map_err(fault)?;
@@ -273,7 +273,7 @@ impl Inbox {
     }
 }
 
-/// Targets with newer ones in place of older; bounded, as there are only so many numbers that count.
+/// Replaces older targets by newer ones; bounded, since only limited indices count.
 fn replace(targets: &mut Vec<Target>, newer: Vec<Target>) {
     for target in newer {
         if let Some(old) = targets.iter_mut().find(|old| old.index == target.index) {

@@ -79,7 +79,7 @@ impl Recording {
         true
     }
 
-    /// The next frame begins another segment, whatever the surroundings are.
+    /// Makes the next frame begin another segment, even in equal surroundings.
     pub(super) fn part(&mut self) {
         if let Some(last) = self.segments.last_mut() {
             last.generation = u64::MAX;
@@ -165,7 +165,7 @@ impl Segment {
         self.template.grasps.iter().map(|grasp| grasp.gripper).collect()
     }
 
-    /// One of its frames, from where a session is.
+    /// A frame of the recording, from a session's current state.
     pub(super) fn frame(&self, index: usize) -> (RollOutRequest, Rows) {
         let template = RollOutRequest {
             initial: None,

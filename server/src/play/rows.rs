@@ -207,7 +207,7 @@ mod tests {
         for (k, frame) in frames.iter().enumerate() {
             assert_eq!(rows.request(&template, k..k + 2), frame.request(&template, 0..2));
         }
-        // As a document it comes back as it was.
+        // A document reads back unchanged.
         let (read, again) = Rows::read(whole).unwrap();
         assert_eq!(again, rows);
         let bare = RollOutRequest { frames: 4, ..template };

@@ -1,5 +1,5 @@
-//! The surroundings of a play and what is done in it: grippers, what they hold, colliders, the world.
-//! Each hand of the twin is a gripper, which holds as it was fitted until it is dropped; further
+//! The surroundings of a play and what is done in it: grippers, what they hold, colliders, the
+//! world. Each hand of the twin is a gripper, which holds as fitted until it is dropped; further
 //! grippers are pointers, which take hold of any node.
 
 mod grips;
@@ -66,7 +66,7 @@ pub(super) struct Scene {
     around: Around,
     /// The last surroundings in which a frame was simulated, and where its colliders were.
     known_good: Option<(Around, Vec<Body>)>,
-    /// Changes with whatever must not change within a rollout.
+    /// Incremented by changes of anything that must be constant within a rollout.
     generation: u64,
     /// Nodes [m], shape [N, 3].
     positions: Vec<[f32; 3]>,
@@ -143,7 +143,7 @@ impl Scene {
         Ok(())
     }
 
-    /// Lets a gripper let go of whatever it holds.
+    /// Releases everything in a gripper.
     pub(super) fn release(&mut self, gripper: u32) -> Result<()> {
         self.gripper(gripper)?;
         self.grips.release(gripper);
@@ -169,7 +169,7 @@ impl Scene {
                 [x, y, z, a, b, c, d] => [x, y, z, a, b, c, d],
                 _ => return Err(Error::invalid("colliders", "have a pose without 7 numbers")),
             };
-            // One that was there goes on from where it is.
+            // An existing collider continues from its pose.
             let now = self.colliders.get(c).map_or(target, |body| body.now);
             bodies.push(Body { now, target });
         }
@@ -217,7 +217,7 @@ impl Scene {
             let given = on_path.and_then(|poses| poses.get(g)).copied();
             let reached = self.grips.reaches_for(g as u32).filter(|_| g >= self.hand_count);
             match reached.and_then(|node| self.positions.get(node as usize)) {
-                // It holds nothing, so it may be there at once.
+                // An empty gripper may move there immediately.
                 Some(at) => motion::at(body.now, *at),
                 None => motion::toward(body.now, given.unwrap_or(body.target), self.frame_s),
             }
@@ -260,13 +260,13 @@ impl Scene {
         grippers.chain(colliders).for_each(|(body, pose)| body.now = *pose);
     }
 
-    /// Takes over what hands hold at the end of a replay; everything else has let go.
+    /// Takes over what hands hold at the end of a replay; everything else has been released.
     pub(super) fn hold_as(&mut self, closed: &[u32]) {
         self.grips.hold_as(closed);
         self.generation += 1;
     }
 
-    /// All grippers let go of nodes, and dropped hands hold as they were fitted.
+    /// Makes all grippers release nodes, and dropped hands hold as fitted.
     pub(super) fn begin_again(&mut self, poses: &[Pose]) {
         self.grips = Grips::new(self.hand_count, self.grippers.len());
         self.generation += 1;
@@ -322,7 +322,7 @@ impl Scene {
         self.grips.wire().iter().map(|grasp| grasp.gripper).collect()
     }
 
-    /// World and parameters as they are wanted.
+    /// World and parameters as requested.
     pub(super) fn around(&self) -> (World, Factors) {
         let mut world = self.around.world.clone();
         for (collider, body) in world.colliders.iter_mut().zip(&self.colliders) {

@@ -1,4 +1,4 @@
-//! States of a play as they are seen: after every frame a message of a few bytes a node. Little-endian:
+//! States of a play as shown: after every frame a message of a few bytes a node. Little-endian:
 //!
 //! | bytes | content |
 //! |---|---|

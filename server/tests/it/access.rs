@@ -12,7 +12,7 @@ use crate::{
 };
 
 #[tokio::test]
-async fn without_the_token_only_health_and_the_description_are_told() {
+async fn without_the_token_only_health_and_the_description_are_served() {
     let server = Server::start_with(|o| o.client_token = ClientTokenPolicy::Required).await;
     let token = server.handle.client_token().unwrap().to_owned();
     let file = server.dir.path().join("data/client-token");
@@ -58,7 +58,7 @@ async fn grpc_needs_the_token_and_workers_have_their_own() {
     HealthClient::new(server.channel.clone()).check(health).await.unwrap();
     let mut worker = Worker::register(&server).await;
     worker.heartbeat().await.unwrap();
-    // By whatever name a worker on another machine calls the server.
+    // By any name by which a worker on another machine calls the server.
     let url = format!("http://{}", server.handle.local_addr());
     let named = tonic::transport::Endpoint::from_shared(url).unwrap();
     let named = named.origin("http://twin-server:7070".parse().unwrap()).connect_lazy();
@@ -127,7 +127,7 @@ async fn two_hosts_are_refused() {
     }
 }
 
-/// A stranger must not fill the metrics with names of its own.
+/// A stranger must not fill the metrics with made-up names.
 #[tokio::test]
 async fn metrics_have_the_names_of_methods_that_exist() {
     let server = Server::start().await;

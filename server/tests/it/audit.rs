@@ -53,7 +53,7 @@ impl Log {
 }
 
 #[tokio::test]
-async fn changes_are_told_and_keys_are_not() {
+async fn changes_are_recorded_and_keys_are_not() {
     let log = Log::default();
     let writer = log.clone();
     // Of all threads, or callsites that another test reaches first would be off; the server runs on

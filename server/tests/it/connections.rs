@@ -193,7 +193,7 @@ async fn bodies_that_do_not_come_make_room_and_end() {
 }
 
 #[tokio::test]
-async fn workers_have_a_door_of_their_own() {
+async fn workers_have_a_separate_port() {
     let server = Server::start_with(|o| {
         o.limits.connections = 1;
         o.limits.connections_per_peer = 1;

@@ -39,7 +39,7 @@ async fn an_evaluation_goes_to_a_worker_and_names_it() {
     let (_, reply) = server.post(&format!("{path}?tensors=base64"), asked).await;
     assert_eq!(reply["motion"]["positions"]["shape"], json!([1, 1, 3]), "{reply}");
 
-    // What does not exist is told before a worker is asked.
+    // Unknown names are reported before a worker is asked.
     let nowhere = CaptureId::generate().to_string();
     let missing = client.evaluate_twin(request(&nowhere)).await.unwrap_err();
     assert_eq!(missing.code(), Code::NotFound);

@@ -1,4 +1,4 @@
-//! A server on a free port with a folder of its own, and calls to it.
+//! A server on a free port with a temporary folder, and calls to it.
 
 use bendtwin_proto::v1::{
     capture_service_client::CaptureServiceClient, fit_service_client::FitServiceClient,
@@ -107,7 +107,7 @@ impl Server {
         PlanningServiceClient::new(self.channel.clone())
     }
 
-    /// Removes the file of a blob behind the server's back. False if there is none.
+    /// Removes the file of a blob behind the server's back. False if there is no such file.
     pub(crate) fn lose_blob(&self, digest: &str) -> bool {
         fn find(folder: &std::path::Path, digest: &str) -> Option<std::path::PathBuf> {
             let paths = std::fs::read_dir(folder).ok()?.flatten().map(|entry| entry.path());

@@ -39,8 +39,7 @@ fn words(scopes: impl IntoIterator<Item = Scope>) -> Vec<&'static str> {
     scopes.into_iter().map(Scope::as_str).collect()
 }
 
-/// Calls a route or an RPC. Returns the reason for which it was refused at once, if it was, with
-/// the message.
+/// Calls a route or an RPC. Returns the reason and the message of an immediate refusal, if any.
 async fn call(server: &Server, name: &str, key: Option<&str>) -> Option<(String, String)> {
     const ID: &str = "0197f2a0-0000-7000-8000-000000000000";
     let request = match name.split_once(' ') {

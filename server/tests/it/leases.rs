@@ -21,8 +21,8 @@ fn reason(status: &tonic::Status) -> String {
     bendtwin_proto::fault::fault(status).reason
 }
 
-/// The whole protocol: lease, download, report, checkpoint, hand back, lease
-/// again elsewhere, go on from the checkpoint, complete, complete again.
+/// The whole protocol: lease, download, report, checkpoint, hand back, lease again elsewhere,
+/// resume from the checkpoint, complete, complete again.
 #[tokio::test]
 async fn a_job_goes_from_worker_to_worker_until_it_is_a_twin() {
     let server = Server::start().await;
@@ -153,7 +153,7 @@ async fn a_standstill_ends_no_lease_and_forgets_no_worker() {
 
 /// The worker asks for a checkpoint that is gone: the job has none any more.
 #[tokio::test]
-async fn a_lost_checkpoint_is_told_and_forgotten() {
+async fn a_lost_checkpoint_is_reported_and_forgotten() {
     let server = Server::start().await;
     let fit = server.fit().await;
     let mut worker = Worker::register(&server).await;

@@ -240,7 +240,7 @@ async fn grpc_requests_get_their_codes() {
             RollOutRequest { twin: name(), actions: Some(actions), ..RollOutRequest::default() };
         is(server.rollouts().roll_out(request).await.unwrap_err(), code, "rollout");
     }
-    // A name of another collection is none of this one.
+    // Names of another collection do not belong to this one.
     let name = none("twins");
     is(
         server.fits().get_fit(v1::GetFitRequest { name }).await.unwrap_err(),
@@ -276,7 +276,7 @@ async fn grpc_requests_get_their_codes() {
         let request = v1::ListTwinsRequest { page_token, ..v1::ListTwinsRequest::default() };
         is(server.twins().list_twins(request).await.unwrap_err(), Code::InvalidArgument, "token");
     }
-    // Uploads that begin wrongly or go on wrongly.
+    // Uploads that begin or continue wrongly.
     use create_capture_request::Part;
     let chunk = || Part::Chunk(Bytes::from_static(b"x"));
     let metadata = || Part::Metadata(v1::CaptureMetadata::default());

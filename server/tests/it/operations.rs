@@ -8,7 +8,7 @@ use crate::{
     worker::Worker,
 };
 
-/// The routes as they are mounted, by method.
+/// The mounted routes, by method.
 const ROUTES: [(&str, &str); 22] = [
     ("get", "/v1/captures"),
     ("post", "/v1/captures"),

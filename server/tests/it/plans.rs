@@ -212,7 +212,7 @@ async fn at_the_deadline_the_best_so_far_comes_back() {
 }
 
 #[tokio::test]
-async fn a_dropped_stream_stops_the_planning_at_once() {
+async fn a_dropped_stream_stops_the_planning() {
     let device = Device { hold: Some(Arc::new(Notify::new())), ..Device::default() };
     let (server, _worker, twin) = started(device.clone()).await;
     let stream = server.planning().plan(request(&twin)).await.unwrap();

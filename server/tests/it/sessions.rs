@@ -8,7 +8,7 @@ use serde_json::{Value, json};
 use crate::{harness::Server, rollouts::twin, worker::Worker};
 
 #[tokio::test]
-async fn a_session_is_found_whatever_an_older_heartbeat_says() {
+async fn a_session_is_found_despite_an_older_heartbeat() {
     let server = Server::start().await;
     let mut worker = Worker::register(&server).await;
     let fit = server.fit().await;

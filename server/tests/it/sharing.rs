@@ -44,7 +44,7 @@ async fn two(server: &Server, device: &Device) -> [Worker; 2] {
     [first, Worker::register_with(server, device).await]
 }
 
-/// The rollouts at each worker, once they are so many together.
+/// The rollouts at each worker, once they add up to `total`.
 async fn in_flight(server: &Server, total: u64) -> Vec<u64> {
     let all_there = async {
         loop {

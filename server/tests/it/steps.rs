@@ -191,7 +191,7 @@ async fn the_same_over_http() {
 }
 
 #[tokio::test]
-async fn after_a_refused_correction_the_step_goes_on_from_the_prediction() {
+async fn after_a_refused_correction_the_step_continues_from_the_prediction() {
     let looped = Loop::start(Device::default()).await;
     for (far, reason) in [(850.0, "OBSERVATION_NOT_EXPLAINED"), (950.0, "OBJECT_LOST")] {
         let request = StepSessionRequest { correction: Some(seen([far; 3])), ..looped.request() };
@@ -304,7 +304,7 @@ async fn what_is_wrong_is_refused_over_both_transports_before_anything_changes()
 }
 
 #[tokio::test]
-async fn an_ensemble_and_knots_at_their_own_times_are_executed_as_they_were_planned() {
+async fn an_ensemble_and_knots_at_their_own_times_are_executed_as_planned() {
     let looped = Loop::start(Device::default()).await;
     let mut request = looped.request();
     let rollout = request.search.as_mut().unwrap().rollout.as_mut().unwrap();

@@ -85,7 +85,7 @@ async fn parts_in_time_belong_to_streams() {
 }
 
 #[tokio::test]
-async fn a_worker_is_told_what_is_left_of_a_time_limit() {
+async fn a_worker_learns_what_is_left_of_a_time_limit() {
     let server = Server::start().await;
     let device = Device::default();
     let (_worker, twin) = twin(&server, device.clone()).await;

@@ -32,7 +32,7 @@ use crate::harness::{Server, TOKEN};
 /// Ample time for anything that has to happen.
 const SOON: Duration = Duration::from_secs(30);
 
-/// An authority in a folder of its own.
+/// An authority in a temporary folder.
 struct Ca(tempfile::TempDir);
 
 impl Ca {
@@ -280,7 +280,7 @@ async fn a_revoked_worker_is_cut_off_and_refused() {
     register_over(&mut leaving, TOKEN, endpoint).await.unwrap();
 
     ca.revoke("gpu1");
-    // Over the same connection, as long as it is open.
+    // Over the same connection, until it ends.
     let cut_off = async {
         while register_over(&mut leaving, TOKEN, endpoint).await.is_ok() {
             tokio::time::sleep(Duration::from_millis(50)).await;

@@ -282,7 +282,7 @@ async fn content_may_come_with_the_creation() {
         (created.status().as_u16(), header(&created, "upload-offset").unwrap().as_str()),
         (201, "3")
     );
-    // The same again goes on where the first one stopped.
+    // The same again resumes where the first one stopped.
     let again = create("abc", TYPE).send().await.unwrap();
     assert_eq!(header(&again, "location"), header(&created, "location"));
     assert_eq!(header(&again, "upload-offset").unwrap(), "3");
@@ -365,7 +365,7 @@ async fn a_client_that_is_back_takes_over_from_its_dead_connection() {
     let path = server.begin(100, "").await;
     let mut dead = tokio::net::TcpStream::connect(server.handle.local_addr()).await.unwrap();
     dead.write_all(half_a_patch(&path, "0123456789").as_bytes()).await.unwrap();
-    // The bytes are on their way: ask until they are there. Whoever looks on disturbs nobody.
+    // The bytes are on their way: ask until they are there. Asking disturbs no upload.
     let refused = async |stream: &tokio::net::TcpStream| {
         tokio::time::timeout(Duration::from_millis(100), stream.peek(&mut [0])).await.is_ok()
     };
@@ -460,7 +460,7 @@ async fn uploads_under_way_are_bounded() {
     {
         assert!(metrics.contains(line), "{line} is not in\n{metrics}");
     }
-    // Whoever looks after a server needs no tus for it.
+    // An administrator of the server needs no tus for it.
     assert_eq!(server.delete(&path).await.0, 204);
     server.begin(41, "").await;
 }
@@ -526,7 +526,7 @@ async fn uploads_are_listed_with_what_has_come() {
 /// A file to which nothing can be appended stands in for a full disk.
 #[cfg(target_os = "linux")]
 #[tokio::test]
-async fn a_full_disk_is_told_and_costs_nothing_that_was_there() {
+async fn a_full_disk_is_reported_and_destroys_nothing() {
     let server = Server::start().await;
     let path = server.begin(10, "").await;
     let folder = server.dir.path().join("data/blobs/partial");

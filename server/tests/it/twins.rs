@@ -83,7 +83,7 @@ async fn a_twin_file_is_imported_listed_exported_and_deleted() {
 }
 
 #[tokio::test]
-async fn the_geometry_of_a_twin_is_told_over_both_transports() {
+async fn the_geometry_of_a_twin_is_served_over_both_transports() {
     let server = Server::start().await;
     let mut twin = Twin::decode(&twin_file()).unwrap();
     twin.graph.control_rest = vec![[0.0, 0.0, 0.1], [0.5, 0.0, 0.1], [0.0, 0.05, 0.1]];

@@ -103,7 +103,7 @@ pub(crate) struct Device {
     pub(crate) bowl: bool,
     /// Costs of every part, where it is to be large.
     pub(crate) part_costs: usize,
-    /// Fail after so many parts.
+    /// Number of parts after which the worker fails.
     pub(crate) ends_after: Option<usize>,
     /// The strain of an instance is four times the farthest that its actions get from 0.5 in x.
     pub(crate) strains: bool,
@@ -112,7 +112,7 @@ pub(crate) struct Device {
     /// Calls about sessions, and the rollouts that advanced one, as they came.
     pub(crate) sessions: Arc<Mutex<Vec<Call>>>,
     pub(crate) advances: Arc<Mutex<Vec<ExecuteRollOutRequest>>>,
-    /// Time limits of the rollouts that came, as they were passed on [s].
+    /// Time limits passed on with the rollouts that came [s].
     pub(crate) time_left_s: Arc<Mutex<Vec<f64>>>,
 }
 
@@ -207,7 +207,7 @@ impl Worker {
         self.link.heartbeat(request).await.map(Response::into_inner)
     }
 
-    /// Leases a fit, after ingesting whatever there is to ingest.
+    /// Leases a fit, after ingesting everything that waits for it.
     pub(crate) async fn lease(&mut self, wait: Duration) -> Option<Lease> {
         while let Some(lease) = self.lease_a(Kind::Ingest, Duration::ZERO).await {
             self.observe(&lease).await.unwrap();
@@ -419,7 +419,7 @@ fn corrected(correct: CorrectSessionRequest) -> ManageSessionResponse {
 impl WorkerRollouts for Device {
     type WatchStream = Pin<Box<dyn Stream<Item = Result<WatchResponse, Status>> + Send>>;
 
-    /// It tells nothing beside its heartbeats.
+    /// The stream has nothing beside the heartbeats.
     async fn watch(&self, _: Request<WatchRequest>) -> Result<Response<Self::WatchStream>, Status> {
         Err(Status::unimplemented("an older worker"))
     }

@@ -48,7 +48,7 @@ async fn children_are_restarted_with_fresh_tokens() {
 }
 
 #[tokio::test]
-async fn children_are_told_what_to_compute_on() {
+async fn children_learn_what_to_compute_on() {
     let dir = tempfile::tempdir().unwrap();
     let log = dir.path().join("log");
     let script = format!("echo $BENDTWIN_BACKEND $BENDTWIN_DEVICE >> {}; cat", log.display());
@@ -88,7 +88,7 @@ async fn children_end_with_the_server_or_are_killed() {
     assert!(!PathBuf::from(format!("/proc/{pid}")).exists());
 }
 
-/// Without the program no worker would ever come: the server says so at once.
+/// Without the program no worker would ever come: the server says so immediately.
 #[tokio::test]
 async fn a_server_does_not_start_without_the_program_of_its_workers() {
     use bendtwin_core::Problem as _;
@@ -130,10 +130,10 @@ async fn workers_are_listed() {
     assert_eq!((&ready["workers"], &ready["rollouts"]), (&json!(1), &json!(0)));
 }
 
-/// It gets no job and no rollout any more, whoever asks again changes nothing, and its last word takes
-/// it off the list with its job.
+/// A drained worker gets no more jobs or rollouts, repeated requests change nothing, and its last
+/// message removes it from the list with its job.
 #[tokio::test]
-async fn a_drained_worker_is_told_and_gets_no_more_work() {
+async fn a_drained_worker_learns_of_it_and_gets_no_more_work() {
     let server = Server::start().await;
     let mut worker = Worker::register(&server).await;
     let fit = server.fit().await;

@@ -43,8 +43,8 @@ mod tests {
 
     use super::*;
 
-    /// Settings of the first release. Until that is out a new one is added here; afterwards the file
-    /// stays as it is.
+    /// Settings of the first release. Before it is out, new settings are added here; afterwards the
+    /// file must not change.
     const FIRST_RELEASE: &str = include_str!("since/first_release.txt");
 
     /// Pointers of all settings that have no settings inside.

@@ -10,7 +10,7 @@ use tokio::sync::oneshot;
 pub(super) struct Waiting {
     pub(super) id: u64,
     pub(super) work: f64,
-    /// Told when its turn has come.
+    /// Signalled when its turn has come.
     pub(super) wake: oneshot::Sender<()>,
 }
 

@@ -1,6 +1,6 @@
 use super::*;
 
-/// Work of a rollout that takes a worker of the assumed speed so many seconds.
+/// A rollout that takes a worker of the assumed speed this many seconds.
 fn ask(client: &str, seconds: f64) -> Ask {
     Ask { client: client.into(), work: 4e7 * seconds }
 }
@@ -93,7 +93,7 @@ fn no_client_and_no_size_takes_all_places() {
 }
 
 #[test]
-fn whoever_leaves_gives_the_place_back() {
+fn a_client_that_leaves_frees_its_place() {
     let line = Line::new(1, 2);
     let first = join(&line, "a", 0.1);
     let (second, mut third) = (join(&line, "a", 0.1), join(&line, "a", 0.1));
@@ -121,7 +121,7 @@ fn the_wait_is_the_work_ahead_at_the_measured_speed() {
     // It turns out to be ten times as fast.
     under_way.computed(4.0);
     assert!((9.0..13.0).contains(&wait(1e3)), "{}", wait(1e3));
-    // Bounded, whatever the numbers.
+    // Bounded for any numbers.
     under_way.computed(1e9);
     assert_eq!(wait(1e12), 600.0);
     under_way.computed(f64::NAN);

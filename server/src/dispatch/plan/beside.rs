@@ -2,10 +2,10 @@
 
 use crate::failure::{Error, Result};
 
-/// Bytes of data whose work is done at once.
+/// Bytes of data up to which work is done in place.
 const SMALL: u64 = 1 << 18;
 
-/// Does work on so many bytes of data, on a thread of its own if they are many.
+/// Does work on `bytes` of data, on a separate thread if they are many.
 pub(super) async fn beside<T: Send + 'static>(
     bytes: u64,
     work: impl FnOnce() -> T + Send + 'static,

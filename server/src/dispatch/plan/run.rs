@@ -42,7 +42,7 @@ pub(super) struct Run {
     has_ended: bool,
 }
 
-/// An update, and the plan if it goes on.
+/// An update, and the plan unless it has ended.
 type Step = (Result<PlanUpdate>, Option<Box<Run>>);
 
 impl Run {

@@ -167,7 +167,7 @@ impl Run {
             stopping: self.app.stopping.clone(),
         };
         let mut updates = Box::pin(self.app.dispatch.plan(plan)).await?;
-        // On a task of its own, as its future is large and this one is part of others.
+        // In a separate task, since its future is large and this one is part of others.
         let (sender, plan) = mpsc::channel(1);
         tokio::spawn(Context::current().scope(async move {
             loop {

@@ -1,5 +1,5 @@
-//! The session of a play: how it begins, how it goes on when its worker is lost, and how a recording
-//! is shown again, each segment in a session of its own.
+//! The session of a play: how it begins, how it resumes when its worker is lost, and how a
+//! recording is replayed, each segment in a separate session.
 
 use std::{
     sync::{Arc, Mutex, atomic::AtomicUsize},
@@ -180,7 +180,7 @@ pub(super) fn wrenches(reply: &RollOutResponse) -> Vec<[f32; 6]> {
 }
 
 impl Run {
-    /// Goes on from the last state at another worker, or the same one.
+    /// Resumes from the last state at another worker, or the same one.
     pub(super) async fn reopen(&mut self, error: Error) -> Result<()> {
         tracing::warn!(play = %self.play.id, %error, "the session of a play is lost");
         self.notice("reopening", "the worker was lost: looking for another one");
@@ -309,7 +309,7 @@ impl Run {
         Ok(())
     }
 
-    /// Lets the play go on from where the replay is, with nothing but hands holding the object.
+    /// Lets the play continue from the state of the replay, with only hands holding the object.
     pub(super) async fn end_replay(&mut self) -> Result<()> {
         self.leave_replay();
         if let Err(error) = self.open_from(self.known.clone()).await {
@@ -322,7 +322,7 @@ impl Run {
 }
 
 impl Run {
-    /// Lets go of what the replay held, as its list of grasps is another one.
+    /// Releases what the replay held, since its list of grasps is different.
     fn leave_replay(&mut self) {
         let Some(replay) = self.replay.take() else { return };
         let rows = &replay.recording.segments[replay.segment].rows;

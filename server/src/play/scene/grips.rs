@@ -1,7 +1,6 @@
-//! The grasps of a play, in a list of fixed length: the state of a session counts on their places.
-//! Hands come first. A place in the list whose nodes change is one that holds nothing; while a
-//! recording goes on, one that was not used in its segment, so that the list stays that of a single
-//! request.
+//! The grasps of a play, in a list of fixed length: the state of a session relies on their places.
+//! Hands come first. Only an empty place in the list gets other nodes; during a recording, only one
+//! unused in the current segment, so that the list stays that of a single request.
 
 use bendtwin_proto::v1::{
     Grasp, Tensor,
@@ -26,7 +25,7 @@ struct Grip {
     gripper: u32,
     /// The node that was pointed at.
     node: u32,
-    /// None for what a hand of the capture holds.
+    /// `None` for what a hand of the capture holds.
     nodes: Option<Vec<u32>>,
     springs: bool,
     hold: Hold,
@@ -117,7 +116,7 @@ impl Grips {
         }
     }
 
-    /// As a request has them, without when they are closed.
+    /// Grasps as a request has them, without the times at which they are closed.
     pub(super) fn wire(&self) -> Vec<Grasp> {
         let wire = |grip: &Grip| {
             let region = match &grip.nodes {

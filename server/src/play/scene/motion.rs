@@ -33,7 +33,7 @@ fn quaternion([_, _, _, a, b, c, d]: Pose) -> [f32; 4] {
     [a, b, c, d]
 }
 
-/// A rotation on the arc to another, by at most so much [rad].
+/// A rotation on the arc to another, by at most `most` [rad].
 fn turned(from: [f32; 4], to: [f32; 4], most: f64) -> [f32; 4] {
     if from == to {
         return to;
