@@ -22,7 +22,7 @@ pub(crate) enum FetchError {
     /// Another worker has the job.
     #[error("another worker has the job")]
     Stale,
-    /// It is larger than this worker takes.
+    /// Larger than this worker accepts.
     #[error(
         "{name} is larger than {limit} bytes, the most that this worker takes: raise its limit"
     )]

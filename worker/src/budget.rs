@@ -8,8 +8,8 @@
 //! | sessions | 1/32 | states and rest shapes of sessions |
 //! | fits | 1/2 | the fit under way: [`Limits::fit_bytes`](crate::Limits), which may be set apart |
 //!
-//! Whoever waits for a part holds none that comes after it in this table, so nobody waits in a
-//! circle. The process that reads a capture has a limit of its own.
+//! A request that waits for a part holds no part that comes after it in this table, so there are no
+//! deadlocks. The process that reads a capture has a separate limit.
 
 use std::time::Duration;
 
@@ -34,7 +34,7 @@ pub(crate) struct Memory {
 }
 
 impl Memory {
-    /// So many bytes in all.
+    /// A memory of `bytes` in all.
     pub(crate) fn new(bytes: u64) -> Self {
         let eighth = bytes / 8;
         Self {

@@ -4,7 +4,7 @@
 //! | cut | bound | order |
 //! |---|---|---|
 //! | parts, the messages of a reply | the number of instances that the server asks for | the request's |
-//! | batches, which are prepared at once | memory of their dense controls and gradients | the request's |
+//! | batches, prepared together | memory of their dense controls and gradients | the request's |
 //! | slices, the tasks of the device | estimated work (a fit's have no bound where it pauses by itself); a round has an instance for each of the device's lanes | by work, largest first |
 //!
 //! A backend may cut a slice once more, by what fits its memory.
@@ -19,7 +19,7 @@
 
 use std::ops::Range;
 
-/// Dense controls and gradients of the instances that are prepared at once, at most [bytes].
+/// Dense controls and gradients of the instances prepared together, at most [bytes].
 const PREPARED_BYTES: u64 = 512 << 20;
 
 /// Number of items that the next run takes of those that are left: whole rounds while `fits` says
@@ -54,7 +54,7 @@ pub(crate) fn runs(of: Range<usize>, most: usize) -> impl Iterator<Item = Range<
     })
 }
 
-/// Number of instances that may be prepared at once, with so many bytes each.
+/// Number of instances that may be prepared together, given the bytes of each.
 pub(crate) fn prepared(bytes: u64) -> usize {
     usize::try_from(PREPARED_BYTES / bytes.max(1)).unwrap_or(usize::MAX).max(1)
 }

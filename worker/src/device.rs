@@ -2,8 +2,8 @@
 //! a [`QueuedBackend`], which cuts their batches into slices.
 //!
 //! If [`Backend::urgent`] gives a second queue, as those of the CPU and of CUDA do, rollouts have a
-//! thread of their own, and fits pause for them between two frames: [`alternation`]. On a device
-//! with one queue one thread does everything, slice by slice. Either way the slices of a queue take
+//! separate thread, and fits pause for them between two frames: [`alternation`]. On a device with
+//! one queue one thread does everything, slice by slice. Either way the slices of a queue take
 //! [`turns`].
 
 mod alternation;
@@ -37,9 +37,10 @@ use self::{
 };
 use crate::Error;
 
-/// Target time of a slice for which another rollout waits: one of a rollout on the CPU, and any on a
-/// device with one queue. Rollouts should be answered within 50 ms of their own time; estimates of a
-/// slice's time may be off by half. A single instance that takes longer cannot be cut.
+/// Target time of a slice for which another rollout waits: one of a rollout on the CPU, and any on
+/// a device with one queue. Rollouts should wait at most 50 ms beyond their computing time;
+/// estimates of a slice's time may be off by half. A single instance that takes longer cannot be
+/// cut.
 const SHARED_SLICE: Duration = Duration::from_millis(30);
 /// Work of a rollout's slice on a GPU with a second queue, in element substeps. By work and not by
 /// time, because the last bits of a GPU's results depend on the number of instances in a batch: the
@@ -54,7 +55,7 @@ const CPU: &str = "cpu";
 pub(crate) struct Device {
     threads: Arc<Threads>,
     description: Description,
-    /// Pauses of fits and rollouts, if rollouts have a thread of their own.
+    /// Pauses of fits and rollouts, if rollouts have a separate thread.
     alternation: Option<Alternation>,
     blame: Blame,
 }
@@ -99,7 +100,7 @@ impl Device {
         self.threads.memory()
     }
 
-    /// Samples the memory at once.
+    /// Samples the memory immediately.
     #[cfg(test)]
     pub(crate) fn sample_memory_now(&self) {
         let memory = self.backend(Priority::Interactive).memory();
@@ -111,8 +112,8 @@ impl Device {
         QueuedBackend::new(self.clone(), priority)
     }
 
-    /// Sets how memory is freed on a shortage. `reclaim` frees about so many bytes, or returns
-    /// false if there is nothing to free. Only the first call has an effect.
+    /// Sets how memory is freed on a shortage. `reclaim` frees about the given number of bytes, or
+    /// returns false if there is nothing to free. Only the first call has an effect.
     pub(crate) fn on_shortage(&self, reclaim: impl Fn(u64) -> bool + Send + Sync + 'static) {
         self.threads.on_shortage(Box::new(reclaim));
     }

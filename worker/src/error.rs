@@ -2,7 +2,7 @@
 
 use bendtwin_core::{Category, Problem};
 
-/// Reason for which a worker could not start or go on.
+/// Reason why a worker could not start or had to stop.
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
     /// An option cannot work.

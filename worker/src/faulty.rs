@@ -25,7 +25,7 @@ pub(crate) enum Injected {
 /// State shared with the test.
 #[derive(Default)]
 pub(crate) struct Script {
-    /// Number of models that have room at once, one byte each.
+    /// Number of models that fit in memory together, one byte each.
     pub(crate) room: AtomicUsize,
     resident: AtomicUsize,
     /// Faults of the next rollouts, in order.
@@ -59,7 +59,7 @@ impl Drop for Held {
 }
 
 impl Faulty {
-    /// With room for so many models.
+    /// A device with memory for `room` models.
     pub(crate) fn new(room: usize) -> (Self, Arc<Script>) {
         let script = Arc::new(Script { room: room.into(), ..Script::default() });
         (Self { cpu: bendtwin_engine::cpu_with_threads(1), script: Arc::clone(&script) }, script)

@@ -1,4 +1,4 @@
-//! One fit job from lease to twin: fetches the observation and computes on a thread of its own.
+//! A fit job from lease to twin: fetches the observation and computes in a separate thread.
 
 mod compute;
 mod twin;
@@ -43,7 +43,7 @@ pub(crate) struct Fits {
     pub(crate) fatal: mpsc::UnboundedSender<Error>,
 }
 
-/// Time for which a stopped fit may go on before it is abandoned. Reading a capture does not check
+/// Time that a stopped fit may still take before it is abandoned. Reading a capture does not check
 /// for cancellation.
 const CANCEL_GRACE: Duration = Duration::from_millis(500);
 

@@ -1,6 +1,6 @@
-//! One ingest job from lease to observation, playback and report. Captures are untrusted files, so each is
-//! read in a process of its own, confined and under limits of memory and time: whatever happens to
-//! that process, worker and server are unharmed.
+//! An ingest job from lease to observation, playback and report. Captures are untrusted files, so
+//! each is read in a separate process, confined and under limits of memory and time: a crash of
+//! that process harms neither worker nor server.
 //!
 //! ```text
 //!   server ◄── lease, progress, checkpoints, result ──► worker ◄── lines, files ──► child

@@ -1,5 +1,5 @@
-//! A leased job of either kind. Its lease is renewed, progress reported, checkpoints saved and the
-//! result delivered by tasks of their own, which no computation can hold up.
+//! A leased job of either kind. Separate tasks renew its lease, report progress, save checkpoints
+//! and deliver the result, so that no computation can delay these.
 
 pub(crate) mod checkpoints;
 pub(crate) mod deliver;

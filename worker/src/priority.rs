@@ -1,7 +1,7 @@
 //! Priority of threads with the operating system. A closed loop of small rollouts passes a dozen
 //! threads of clients, server and worker on its way; beside a fit that keeps all cores busy each of
 //! them would wait for a core as long as the fit's threads have a turn. So these have a low priority:
-//! whoever wakes up takes their core at once.
+//! a thread that wakes up takes their core immediately.
 
 /// Niceness of a fit's threads. One that competes with an ordinary thread still gets a tenth of its
 /// core.
@@ -23,7 +23,7 @@ pub(crate) fn as_fit() {
         if IS_SET.replace(true) {
             return;
         }
-        // On Linux that of the calling thread, whatever the names say.
+        // On Linux this is the priority of the calling thread, despite the names.
         let set = getpriority_process(None)
             .and_then(|own| setpriority_process(None, own.max(FIT_NICENESS)));
         if let Err(error) = set {

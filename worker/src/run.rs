@@ -1,5 +1,5 @@
 //! The life of a worker: open the device, register, lease jobs and answer
-//! rollouts until told to end, then hand back what is unfinished.
+//! rollouts until asked to end, then hand back what is unfinished.
 
 use std::{
     future::pending,
@@ -149,7 +149,7 @@ async fn run_on(
         tracing::warn!("the jobs under way did not end in time: their leases will run out");
     }
     leasing.abort();
-    // Rollouts under way are finished, and heartbeats go on until then.
+    // Rollouts under way are finished, and heartbeats continue until then.
     serving.stop(if stop.is_asked() { DRAIN_GRACE } else { SHUTDOWN_GRACE }).await;
     heartbeat.abort();
     let left = tokio::time::timeout(LEAVE_TIMEOUT, server.leave(id.to_string())).await;

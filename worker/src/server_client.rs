@@ -35,7 +35,7 @@ const UPLOAD_TIMEOUT: Duration = Duration::from_secs(300);
 /// Failure of a call about a job.
 #[derive(Debug)]
 pub(crate) enum CallError {
-    /// Another worker has the job by now: stop at once, write nothing more.
+    /// Another worker has the job by now: stop immediately, write nothing more.
     Stale,
     /// The server cannot be reached or asks to try again.
     Unavailable(Fault),
@@ -123,7 +123,7 @@ impl ServerClient {
             .await
     }
 
-    /// Waits for a job of a kind; none if there was none in time, or if the worker is to end.
+    /// Waits for a job of a kind; `None` without a job in time, or if the worker is to end.
     pub(crate) async fn lease_job(
         &self,
         kind: Kind,

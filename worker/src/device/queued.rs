@@ -61,8 +61,8 @@ impl QueuedBackend {
         lock(&self.0.forward).compute + lock(&self.0.backward).compute
     }
 
-    /// As [`Backend::roll_out`], but with none for instances that are not done by the time of the
-    /// token. Slices are those of the whole batch, and so are the bits of what is done.
+    /// [`Backend::roll_out`], but with `None` for instances that are not done when the token is
+    /// cancelled. Slices are those of the whole batch, so finished instances have the same bits.
     pub(crate) fn roll_out_in_time(
         &self,
         batch: &[Instance],
@@ -259,8 +259,8 @@ fn all<R>(results: Vec<Option<R>>) -> Result<Vec<R>, Error> {
     results.into_iter().collect::<Option<_>>().ok_or(Error::Cancelled)
 }
 
-/// Number of instances in `rest` that the next slice takes: whole rounds of SIMD lanes while they
-/// fit the budget, and at least one round. The first round measures the speed where none is known.
+/// Number of instances in `rest` that the next slice takes: whole rounds of SIMD lanes that fit the
+/// budget, and at least one round. The first round measures the speed if it is unknown.
 fn slice_len(rest: &[usize], work: &[f64], budget: f64, lanes: usize) -> usize {
     let mut sum = 0.0;
     next_run(rest.len(), lanes, |round| {

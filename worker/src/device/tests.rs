@@ -129,7 +129,7 @@ fn instances(backend: &QueuedBackend, frames: impl IntoIterator<Item = usize>) -
 }
 
 #[test]
-fn results_come_back_in_order_whatever_the_slices() {
+fn results_come_back_in_order_for_any_slices() {
     let (device, _died) = device(Slow::default());
     let backend = device.backend(Priority::Background);
     let frames: Vec<usize> = (1..=23).map(|i| i * 7 % 11 + 1).collect();
@@ -197,7 +197,7 @@ fn cancellation_ends_a_batch_between_slices() {
 }
 
 #[test]
-fn a_panic_is_caught_and_told() {
+fn a_panic_is_caught_and_reported() {
     let (device, mut died) = device(Slow { panics: true, ..Slow::default() });
     let backend = device.backend(Priority::Interactive);
     let batch = instances(&backend, [1]);
@@ -261,7 +261,7 @@ fn an_optimizer_is_dropped_on_the_device_thread() {
     );
 }
 
-/// A device with two queues; the second answers at once.
+/// A device with two queues; the second takes no time.
 fn two_queues(urgent: Slow) -> (Device, mpsc::UnboundedReceiver<Error>) {
     let each = Duration::from_millis(400);
     device(Slow { kind: "cuda", each, urgent: Some(Arc::new(urgent)), ..Slow::default() })
@@ -352,7 +352,7 @@ fn greedy(device: &Device, stop: &CancelToken) -> std::thread::JoinHandle<usize>
 }
 
 #[test]
-fn a_fit_goes_on_beside_greedy_rollouts() {
+fn a_fit_advances_beside_greedy_rollouts() {
     // A round of lanes fills a slice, for rollouts and fit alike.
     let (device, _died) = device(Slow { each: Duration::from_millis(15), ..Slow::default() });
     let stop = CancelToken::default();
@@ -395,7 +395,7 @@ fn a_small_rollout_passes_between_the_slices_of_large_ones() {
     assert!(after - before <= 4, "{} slices", after - before);
 }
 
-/// A model whose nodes fall, for so many instances and frames of the CPU backend.
+/// Instances of a model whose nodes fall, for the CPU backend.
 fn falling(backend: &QueuedBackend, instances: usize, frames: usize) -> Vec<Instance> {
     let mut made = self::instances(backend, std::iter::repeat_n(frames, instances));
     let still = State { velocities: vec![[0.0; 3]], positions: vec![[0.0; 3]], ..State::default() };

@@ -17,7 +17,7 @@ use crate::{Error, priority};
 /// Time between two samples of the device's memory; a sample may wait for the driver.
 const MEMORY_SAMPLE_INTERVAL: Duration = Duration::from_secs(1);
 
-/// Frees about so many bytes of the device's memory; false if there is nothing to free.
+/// Frees about the given number of bytes of the device's memory; false if there is nothing to free.
 type Reclaim = Box<dyn Fn(u64) -> bool + Send + Sync>;
 
 /// Properties of an opened backend.

@@ -3,9 +3,9 @@
 //! - Fits have a least share of the time of a device with one queue while rollouts want all of it.
 //!   Time that they are short of it is owed to them; otherwise rollouts go first. With two queues
 //!   [`alternation`](super::alternation) sees to that.
-//! - Requests of one priority get equal parts of its time, whatever their sizes: next is the one
-//!   that was served least. For its first slice a request goes ahead of those that were served, so
-//!   a small one runs between two slices of large ones.
+//! - Requests of one priority get equal parts of its time, regardless of their sizes: next is the
+//!   one that was served least. For its first slice a request goes ahead of those already served,
+//!   so a small one runs between two slices of large ones.
 //!
 //! Turns decide when a slice runs, never what is in it: results do not depend on them.
 

@@ -1,4 +1,4 @@
-//! The part of a fit that computes, on a thread of its own.
+//! The computing part of a fit, in a separate thread.
 
 use std::sync::Arc;
 

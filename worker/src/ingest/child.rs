@@ -28,8 +28,7 @@ use crate::job::{
 const MAX_LINE: u64 = 1 << 20;
 /// Size of the tail of its standard error that is kept [bytes].
 const TAIL_BYTES: usize = 4 << 10;
-/// Most threads of the child. Each has a stack and an arena of its own, which count as the child's
-/// memory.
+/// Most threads of the child. Each has a stack and an arena, which count as the child's memory.
 const MOST_THREADS: usize = 8;
 
 /// Words for lack of memory in messages of Rust's runtime, which then aborts, and of the system.

@@ -125,7 +125,7 @@ pub(super) fn write_report(folder: &Path, report: &Report) -> io::Result<()> {
     write_new(&folder.join(PAGE), &report.to_html())
 }
 
-/// Writes a file in place of whatever stands there: the worker writes, too, where a child ended.
+/// Writes a file in place of anything at the path: the worker writes, too, where a child ended.
 fn write_new(path: &Path, text: &str) -> io::Result<()> {
     match std::fs::remove_file(path) {
         Err(error) if error.kind() != io::ErrorKind::NotFound => return Err(error),

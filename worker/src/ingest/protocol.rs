@@ -15,7 +15,7 @@ use super::sandbox::{Enforced, Resources, Sandbox};
 
 /// File with the request.
 const REQUEST: &str = "request.json";
-/// File with the capture as it was uploaded.
+/// File with the uploaded capture.
 pub(super) const ARCHIVE: &str = "capture.zip";
 /// File with the checkpoint to resume from, replaced as a whole by the child's own.
 pub(super) const CHECKPOINT: &str = "checkpoint";
@@ -28,8 +28,8 @@ pub(super) const REPORT: &str = "report.json";
 /// File with the report as HTML.
 pub(super) const PAGE: &str = "report.html";
 
-/// Opens a file that the child wrote. Whatever stands there instead of one is refused: a link would
-/// lead the worker to files of its own, a pipe would hold it up.
+/// Opens a file that the child wrote. Anything but a regular file is refused: a link would lead the
+/// worker to its own files, a pipe would block it.
 pub(super) fn open_result(path: &Path) -> io::Result<File> {
     let mut options = OpenOptions::new();
     options.read(true);

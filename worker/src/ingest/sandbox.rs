@@ -30,7 +30,7 @@ use serde::{Deserialize, Serialize};
 pub enum Sandbox {
     /// All of it, or nothing is read.
     Required,
-    /// As much as the system has; what lacks is logged.
+    /// As much as the system supports; missing layers are logged.
     #[default]
     BestEffort,
 }
@@ -114,7 +114,7 @@ fn confine_on_system(_: &Path) -> io::Result<Enforced> {
     Ok(Enforced { files: Layer::Missing, calls: Layer::Missing })
 }
 
-/// Layers that this system has, as far as can be told without confining anything.
+/// Layers of this system, as far as they can be detected without confining anything.
 pub fn available() -> Enforced {
     #[cfg(target_os = "linux")]
     return Enforced { files: files::available(), calls: calls::available() };

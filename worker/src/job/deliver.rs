@@ -11,8 +11,8 @@ use crate::server_client::{Backoff, CallError};
 
 /// Time for which a worker that has to end still tries.
 const DRAIN_TIMEOUT: Duration = Duration::from_secs(10);
-/// Time for which an attempt that lacked disk or memory keeps its job: three attempts at once would
-/// find the same shortage three times.
+/// Time for which an attempt that lacked disk or memory keeps its job: three immediate attempts
+/// would find the same shortage three times.
 const SHORTAGE_PAUSE: Duration = Duration::from_secs(20);
 
 /// Kind of a job's end without a result.

@@ -1,5 +1,5 @@
-//! Renews a job's lease, reports progress and losses and learns of cancellation, in a task of its own and
-//! often enough that a cancelled job ends within a second.
+//! Renews a job's lease, reports progress and losses and learns of cancellation, in a separate task
+//! and often enough that a cancelled job ends within a second.
 
 use std::{
     sync::{Arc, Mutex, MutexGuard, PoisonError},
@@ -17,7 +17,7 @@ use super::{
 };
 use crate::server_client::CallError;
 
-/// Time between two reports. A lease lasts tens of seconds, so many may be missed.
+/// Time between two reports. A lease lasts tens of seconds, so several may be missed.
 const REPORT_INTERVAL: Duration = Duration::from_millis(500);
 /// Longest time for the last losses of a fit.
 const FLUSH_TIMEOUT: Duration = Duration::from_secs(5);
@@ -125,7 +125,7 @@ pub(crate) async fn flush(job: &Job, latest: &LatestProgress) {
     let _ = tokio::time::timeout(FLUSH_TIMEOUT, reports).await;
 }
 
-/// Starts reporting, which goes on until the task is aborted.
+/// Starts reporting, which continues until the task is aborted.
 pub(crate) fn start(job: Job, stop: Stop) -> (LatestProgress, JoinHandle<()>) {
     let latest = LatestProgress::default();
     let task = tokio::spawn(run(job, stop, latest.clone()).in_current_span());

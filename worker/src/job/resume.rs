@@ -1,5 +1,5 @@
-//! The checkpoint from which a job goes on. It saves work, it is not needed: one that is lost or
-//! damaged is left aside, and the job begins anew.
+//! The checkpoint from which a job resumes. It only saves work: a lost or damaged one is ignored,
+//! and the job starts again.
 
 use bendtwin_core::Category;
 use bendtwin_proto::worker::v1::Lease;
@@ -11,7 +11,7 @@ use crate::{
     server_client::ServerClient,
 };
 
-/// Fetches the checkpoint of a leased job; none if there is none that is of use.
+/// Fetches the checkpoint of a leased job; `None` without a usable one.
 ///
 /// # Errors
 /// If the server cannot be reached or another worker has the job: the checkpoint may be there.

@@ -8,7 +8,7 @@ use bendtwin_proto::{
 use super::{error::Error, plan::shape, serve::Served};
 use crate::cut;
 
-/// Part of the memory that one rollout takes if it can do with that: one in so many.
+/// Divisor of the memory for the part that one rollout takes if that is enough.
 const PART: u64 = 4;
 
 /// Room of a rollout at this worker.
@@ -16,7 +16,7 @@ const PART: u64 = 4;
 pub(super) struct Room {
     /// Most bytes that one rollout is given.
     pub(super) bytes: u64,
-    /// Instances that the device runs at once.
+    /// Instances that the device runs concurrently.
     pub(super) lanes: usize,
 }
 
@@ -24,7 +24,7 @@ pub(super) struct Room {
 pub(super) struct Checked {
     pub(super) request: RollOutRequest,
     pub(super) batch: Batch,
-    /// Instances that are prepared at once.
+    /// Instances prepared together.
     pub(super) prepared: usize,
     /// Memory beside the request [bytes].
     pub(super) bytes: u64,

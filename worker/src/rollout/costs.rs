@@ -42,9 +42,8 @@ struct Cost {
 }
 
 impl Costs {
-    /// Reads the costs of a checked request for rollouts of `frames` frames, in which a force of 1
-    /// at unit node mass is so many newtons. A cost of weight 0 has a group, in which nothing is
-    /// added up.
+    /// Reads the costs of a checked request for rollouts of `frames` frames, given the newtons of a
+    /// force of 1 at unit node mass. A cost of weight 0 has a group, in which nothing is summed.
     pub(super) fn read(
         wire: Vec<v1::Cost>,
         frames: usize,
@@ -77,7 +76,7 @@ impl Costs {
         self.shared.clone().unwrap_or_else(|| self.objective_over(action, self.whole()))
     }
 
-    /// True if actions have objectives of their own.
+    /// True if actions have different objectives.
     pub(super) fn are_by_instance(&self) -> bool {
         self.costs.iter().any(|cost| cost.measure.is_by_instance())
     }
@@ -99,8 +98,8 @@ impl Costs {
         self.costs.iter().filter(of_nodes).any(in_every)
     }
 
-    /// The objective whose gradient is that of the costs, at a rollout of an action. There is none
-    /// where it diverged, which the engine finds again.
+    /// The objective whose gradient is that of the costs, at a rollout of an action; the plain
+    /// objective if it diverged, which the engine finds again.
     pub(super) fn tangent(&self, action: usize, at: &Rollout) -> Objective {
         if at.diverged.is_some() {
             return self.objective(action);

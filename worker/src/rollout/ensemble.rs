@@ -32,7 +32,7 @@ impl Ensemble {
             | wire::Statistic::Mean
             | wire::Statistic::MeanPrediction => members,
             wire::Statistic::Worst => 1,
-            // A share of a third of three members is one of them, whatever rounding makes of it.
+            // A share of a third of three members is one of them, despite rounding.
             wire::Statistic::Cvar => (wire.share * members as f64 - 1e-9).ceil() as usize,
         };
         Self { members, worst: worst.clamp(1, members), is_asked_for: true, weights }

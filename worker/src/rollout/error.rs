@@ -37,12 +37,12 @@ pub(crate) enum Error {
     Lost {
         /// The slot.
         slot: usize,
-        /// Its record.
+        /// Tracking record of the slot.
         tracking: register::Tracking,
         /// The refusal.
         error: register::Error,
     },
-    /// As many rollouts as this worker takes are in flight.
+    /// The limit of rollouts in flight on this worker is reached.
     #[error("{limit} rollouts are in flight on this worker: try again in a moment")]
     Busy {
         /// Number of rollouts that it takes.

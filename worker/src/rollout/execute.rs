@@ -84,7 +84,7 @@ impl Execution<'_> {
         }
     }
 
-    /// Every part has the arrays of its own instances.
+    /// Splits arrays so that every part has those of its instances.
     fn each_part(
         &self,
         emit: &mut impl FnMut(RollOutResponse) -> Result<(), Error>,
@@ -355,7 +355,7 @@ impl Execution<'_> {
                     // What the engine has is that of its terms alone.
                     result.loss.total = reply::cost(rollout);
                 }
-                // Per-spring gradients are not returned: let go of them at once.
+                // Per-spring gradients are not returned: drop them immediately.
                 members.push(Gradient { params: Params::default(), ..result });
                 if members.len() < plan.ensemble.members {
                     continue;

@@ -70,20 +70,20 @@ impl Start {
 
 /// The starts of a batch.
 pub(super) enum Starts {
-    /// One for all instances.
+    /// A start for all instances.
     Shared(Start),
-    /// One for each.
+    /// A start for each instance.
     Each(Vec<Start>),
 }
 
 /// Initial state as the request asks for it, before captures are read.
 pub(super) enum Wanted {
     Ready(Starts),
-    /// That of a simulation of its own, or of a session: [`Simulated::wanted`].
+    /// The result of a separate simulation, or the state of a session: [`Simulated::wanted`].
     Simulated,
 }
 
-/// An initial state that a simulation of its own leads to.
+/// An initial state that a separate simulation leads to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Simulated {
     /// The capture is replayed.

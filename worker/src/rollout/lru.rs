@@ -41,8 +41,8 @@ impl<K: Copy + Eq + Hash, V: Clone> Lru<K, V> {
         }
     }
 
-    /// Takes out the longest unused values of those that may go, until `size` is reached or none is
-    /// left.
+    /// Takes out the longest unused values for which `may_go` is true, until `size` is reached or
+    /// no such value is left.
     pub(super) fn evict(&mut self, size: u64, may_go: impl Fn(&V) -> bool) -> Vec<V> {
         let (mut gone, mut freed) = (Vec::new(), 0u64);
         // At least one: sizes are estimates.

@@ -45,7 +45,7 @@ struct Members {
     end: Option<End>,
 }
 
-/// Final states as they are added up.
+/// Sum of the final states.
 #[derive(Default)]
 struct End {
     positions: Mean,
@@ -158,8 +158,8 @@ impl Members {
         }
     }
 
-    /// The mean of those that came through, without costs; none if there are none, or it is not known
-    /// which they are.
+    /// The mean of the instances that came through, without costs; `None` without any, or if it is
+    /// unknown which they are.
     fn mean(self) -> Option<Rollout> {
         (self.whole > 0 && !self.is_unfinished).then(|| Rollout {
             frames: self.frames,

@@ -46,7 +46,7 @@ pub(super) struct Plan {
     pub(super) reach: usize,
     /// Instances of one part of the reply.
     pub(super) part: usize,
-    /// Instances that are prepared at once.
+    /// Instances prepared together.
     pub(super) prepared: usize,
     /// Memory of the surroundings, if a session keeps them.
     pub(super) kept: Option<Arc<Share>>,

@@ -35,7 +35,7 @@ use super::{
 pub(super) struct PlannersWarm {
     /// The small twin; its skin has the twin's nodes behind the twin's own points.
     pub(super) warm: Arc<Warm>,
-    /// Its model with the whole of this skin; that of `warm` has the twin's own points alone.
+    /// The model with the whole of this skin; that of `warm` has only the twin's points.
     with_nodes: Loaded,
     planner: PlannersTwin,
     /// Number of nodes of the twin, and of points of its skin.

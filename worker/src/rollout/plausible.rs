@@ -22,18 +22,18 @@ pub(super) struct Plausibility(Wire);
 pub(super) struct Extremes {
     /// Between the initial state's control points and row 0 of the actions [m].
     pub(super) start_gap_m: f32,
-    /// Of the fastest control point [m/s], and its frame.
+    /// Speed of the fastest control point [m/s], and its frame.
     speed: (f32, usize),
-    /// Of what is prescribed and gets deepest in an obstacle [m], and its frame; of control points
-    /// beyond the depth that they have in the initial state.
+    /// Greatest depth of a prescribed point in an obstacle [m], and its frame; for control points,
+    /// beyond their depth in the initial state.
     pub(super) depth: (f32, usize),
     /// The most that a hand was held back at the ground [m].
     pub(super) stopped_m: f32,
 }
 
 impl Extremes {
-    /// Those of actions that would have had a hand deeper in the ground than `allowed_m`, by as much
-    /// as it was held back.
+    /// The extremes with a hand that would have been deeper in the ground than `allowed_m`, by the
+    /// distance that it was held back.
     pub(super) fn with(mut self, stopped: Stopped, allowed_m: f32) -> Self {
         let asked = stopped.shift_m + allowed_m;
         self.stopped_m = stopped.shift_m;
@@ -82,7 +82,7 @@ impl Plausibility {
         self.0.refuse
     }
 
-    /// What an instance does that is not plausible, as far as it is known.
+    /// Implausible motion of an instance, as far as it is known.
     pub(super) fn judge(
         &self,
         instance: usize,

@@ -23,7 +23,7 @@ pub(super) enum Recorded {
 /// Points of a skin, and the nodes that they are placed from.
 #[derive(Debug)]
 pub(super) struct Placed {
-    /// None means all.
+    /// `None` means all.
     points: Option<Vec<u32>>,
     /// Nodes that the engine records, ascending.
     nodes: Arc<Vec<u32>>,
@@ -38,7 +38,7 @@ impl Default for Recorded {
 }
 
 impl Recorded {
-    /// Reads what is recorded from the returns of a checked request to a twin of so many nodes.
+    /// Reads what is recorded from the returns of a checked request to a twin with `nodes` nodes.
     pub(super) fn read(wire: &mut Returns, skin: &Skin, nodes: usize) -> Result<Self, Error> {
         let listed = |tensor: &mut Option<Tensor>, field| {
             let given = tensor.take().filter(|t| !t.is_absent());
@@ -59,7 +59,7 @@ impl Recorded {
         }
     }
 
-    /// Number of points K of a twin with this skin and so many nodes.
+    /// Number of points K of a twin with this skin and number of nodes.
     pub(super) fn count(&self, skin: &Skin, nodes: usize) -> usize {
         match self {
             Self::Nodes(some) => some.as_ref().map_or(nodes, |some| some.len()),

@@ -51,7 +51,7 @@ impl Inner {
         let warm = self.twins.get(twin).await?;
         let shape = shape(&warm.twin, !request.capture.is_empty());
         registration::check_registration(&wire, &shape, &self.limits())?;
-        // A simulation that comes before takes memory of its own, so it comes before this takes any.
+        // A preceding simulation takes its memory first.
         let begun = registration::begun(&wire);
         let starts = self.first_states(&warm, &begun, &request.capture, call.cancel()).await?;
         let start = starts.into_iter().next();

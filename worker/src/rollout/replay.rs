@@ -42,7 +42,7 @@ const KEPT_MOTIONS: usize = 8;
 const KEPT_STARTS: usize = 64;
 /// Memory of either, at most [bytes].
 const KEPT_BYTES: u64 = 128 << 20;
-/// Memory of a control point in a frame of a replay: as it is kept, and as the engine reads it.
+/// Memory of a control point in a frame of a replay: as stored, and as the engine reads it.
 const REPLAYED: u64 = 40;
 
 /// The part of a capture's sequence that a twin needs.
@@ -65,7 +65,7 @@ pub(crate) struct Replays {
     memory: Memory,
     motions: Mutex<Lru<(TwinId, CaptureId), Motions>>,
     starts: Mutex<Lru<(TwinId, CaptureFrame), Start>>,
-    /// By twin and world.
+    /// Settled states by twin and world.
     settled: Mutex<Lru<(TwinId, [u8; 32]), Start>>,
     /// Held while a twin comes to rest, so that a hundred calls for it simulate that once.
     settling: tokio::sync::Mutex<()>,

@@ -18,7 +18,7 @@ pub(super) use self::{
 };
 use super::{grasping, initial::Starts, plan::Plan, plausible::Extremes};
 
-/// The cost of an instance as it is reported: never NaN.
+/// Reported cost of an instance: never NaN.
 pub(super) fn cost(rollout: &Rollout) -> f64 {
     if rollout.diverged.is_some() { f64::INFINITY } else { never_nan(rollout.cost) }
 }

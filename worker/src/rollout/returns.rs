@@ -17,7 +17,7 @@ pub(super) struct Returns {
     pub(super) int16: bool,
     /// Frames of a part of the reply, if it is divided in time.
     pub(super) part_frames: Option<usize>,
-    /// Arrays of only so many instances, the best by cost.
+    /// Number of instances whose arrays are returned, the best by cost.
     pub(super) best: Option<usize>,
     pub(super) final_state: bool,
     pub(super) diagnostics: bool,
@@ -59,7 +59,7 @@ impl Returns {
         })
     }
 
-    /// Number of recorded frames T' among so many.
+    /// Number of recorded frames T' among `frames`.
     pub(super) fn recorded_frames(&self, frames: usize) -> usize {
         frames.checked_div(self.every).unwrap_or(0)
     }

@@ -75,7 +75,7 @@ impl Served {
         self.rests.iter().flatten().map(Arc::as_ptr).collect::<HashSet<_>>().len()
     }
 
-    /// So many fits: the twin and its members, which are loaded when they are first asked for.
+    /// The first `count` fits: the twin and its members, which are loaded on first use.
     pub(super) fn fits(&self, count: usize, backend: &dyn Backend) -> Result<Vec<Loaded>, Error> {
         if self.planner.is_some() {
             let fault = "is for the exact twin, and the planner's twin has no other fits: ask for EXACT, or leave it out";

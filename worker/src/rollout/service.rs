@@ -80,7 +80,7 @@ pub(super) struct Inner {
     /// Bounds on requests, as the server set them last.
     limits: RwLock<Limits>,
     pub(super) told: Told,
-    /// Rollouts that are answered at once.
+    /// Rollouts answered concurrently.
     most: usize,
     slots: Arc<Semaphore>,
 }
@@ -313,7 +313,7 @@ fn refused(what: &str, request_id: &str, error: &Error) -> Status {
     fault::status(&fault)
 }
 
-/// One call under way.
+/// A call under way.
 struct Call {
     /// Held until the work has ended, also when nobody listens any more.
     slot: Arc<OwnedSemaphorePermit>,
@@ -374,7 +374,7 @@ impl Call {
             Checked::new(wire, &own, part_instances, &to, &limits, room)
         })
         .await?;
-        // A simulation that comes before takes memory of its own, so it comes before this takes any.
+        // A preceding simulation takes its memory first.
         let wanted = Simulated::wanted(checked.request.initial.as_ref(), &capture)?;
         let (replays, cancel) = (&inner.replays, &self.cancel);
         let simulated = match wanted {

@@ -1,7 +1,7 @@
 //! The settled state of a twin: its rest shape come to rest in a world, held by its control points
 //! where they are at rest.
 //!
-//! It is simulated with more drag, which changes the way there but not where forces balance. Nodes in
+//! The simulation has more drag, which changes the way there but not where forces balance. Nodes in
 //! the world's ground or colliders start on their surfaces, since they push nothing out.
 
 use std::sync::Arc;

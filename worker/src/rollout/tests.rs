@@ -104,7 +104,7 @@ impl Bench {
         Self::of(twin(), backend)
     }
 
-    /// Of a twin.
+    /// A bench with a twin.
     fn of(twin: Twin, backend: Arc<dyn Backend>) -> (Self, mpsc::UnboundedReceiver<crate::Error>) {
         let (fatal, died) = mpsc::unbounded_channel();
         let device = Device::spawn(move || Ok(backend), fatal, 0.25).unwrap();
@@ -468,7 +468,7 @@ fn too_much_work_or_reply_is_refused_with_advice() {
 
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(200))]
-    /// Whatever a request says: an answer or a refusal, never a panic.
+    /// Any request: an answer or a refusal, never a panic.
     #[test]
     fn no_request_panics(
         frames in prop_oneof![0u32..12, Just(u32::MAX)],

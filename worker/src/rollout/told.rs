@@ -40,9 +40,9 @@ pub(super) struct Told {
 #[derive(Debug, Default)]
 struct Facts {
     warm: Vec<TwinId>,
-    /// fits/{uuid} under way; empty if there is none.
+    /// fits/{uuid} under way; empty without a fit.
     fit: String,
-    /// captures/{uuid} whose ingest is under way; empty if there is none.
+    /// captures/{uuid} whose ingest is under way; empty without an ingest.
     ingest: String,
 }
 
@@ -53,12 +53,12 @@ impl Facts {
 }
 
 impl Told {
-    /// Tells whoever watches.
+    /// Notifies the watching servers.
     pub(super) fn changed(&self) {
         self.changes.send_replace(());
     }
 
-    /// Tells whoever watches if other twins are loaded than before.
+    /// Notifies the watching servers if other twins are loaded than before.
     pub(super) fn has_warm(&self, mut twins: Vec<TwinId>) {
         twins.sort_unstable();
         let mut facts = self.facts();
@@ -68,7 +68,7 @@ impl Told {
         }
     }
 
-    /// Ends what is told with this token.
+    /// Ends the notifications with this token.
     pub(super) fn end_with(&self, token: CancellationToken) {
         // It is set once, by the one service.
         let _ = self.ended.set(token);
@@ -79,7 +79,7 @@ impl Told {
     }
 }
 
-/// A job that servers are told of; dropped, they are told of its end.
+/// A job in the heartbeats; dropping it reports the job's end.
 pub(crate) struct AtWork {
     rollouts: Rollouts,
     kind: Kind,
@@ -110,7 +110,7 @@ impl Rollouts {
         told.changed();
     }
 
-    /// What is told now.
+    /// The current heartbeat.
     pub(crate) fn heartbeat(&self) -> HeartbeatRequest {
         let inner = self.inner();
         let memory = inner.device.memory();
@@ -131,7 +131,8 @@ impl Rollouts {
         }
     }
 
-    /// What is told a server that watches: at once, with every change, and at this interval [s].
+    /// Heartbeats sent to a watching server: immediately, with every change, and at this interval
+    /// [s].
     pub(super) fn words(&self, interval_s: f64) -> Words {
         let [least, most] = INTERVAL_S;
         let asked = interval_s.is_finite() && interval_s > 0.0;

@@ -1,4 +1,4 @@
-//! Models that the instances of a batch run on: the twin's own, or with parameters of their own and
+//! Models that the instances of a batch run on: the twin's, or variants with other parameters and
 //! in other surroundings. Factors apply on top of a rest shape that corrections have changed.
 //!
 //! A mass factor m divides what exerts forces (stiffness, damping, drag, holds) by m, which changes
@@ -6,7 +6,7 @@
 //! times as large.
 //!
 //! A variant that is too stiff for the twin's substeps gets more, by the stability estimate that fits use:
-//! those that it needs itself, whatever else is in its batch, so that an instance moves in the same
+//! those that it needs itself, independent of its batch, so that an instance moves in the same
 //! bits alone and beside others.
 
 use std::{collections::HashMap, sync::Arc};
@@ -67,7 +67,7 @@ pub(super) struct Variants {
 }
 
 impl Factors {
-    /// The twin as it is.
+    /// The unchanged twin.
     #[cfg(test)]
     pub(super) const ONE: Self = Self {
         stiffness: 1.0,
@@ -184,7 +184,7 @@ impl<'a> Base<'a> {
         if self.fits.is_empty() { std::slice::from_ref(self.loaded) } else { self.fits }
     }
 
-    /// Number of instances after which fits, rest shapes and so many sets of factors repeat.
+    /// Number of instances after which fits, rest shapes and `sets` sets of factors repeat.
     fn count(&self, sets: usize) -> usize {
         match (self.rests.len(), self.fits.len()) {
             (2.., _) => self.rests.len() * self.members,
@@ -202,8 +202,8 @@ impl<'a> Base<'a> {
 }
 
 impl Variant {
-    /// An objective whose forces are those of this variant, from one for the twin as it is: at unit
-    /// node mass a limit is smaller by the mass, and a squared force by its square.
+    /// An objective whose forces are those of this variant, from one for the unchanged twin: at
+    /// unit node mass a limit is smaller by the mass, and a squared force by its square.
     pub(super) fn objective(&self, of: &Objective) -> Objective {
         let is_force = |term: &WeightedTerm| matches!(term.term, Term::Force { .. });
         if self.mass == 1.0 || !of.terms.iter().any(is_force) {
@@ -220,7 +220,7 @@ impl Variant {
     }
 }
 
-/// What a variant has of its own.
+/// The differences of a variant from the twin.
 struct Changed<'a> {
     factors: Factors,
     /// Number of the set of factors.

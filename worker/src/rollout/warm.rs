@@ -1,4 +1,4 @@
-//! Twins that are loaded and answer at once. They are kept while there is room: beyond a number,
+//! Loaded twins, which answer immediately. They are kept while there is memory: beyond a number,
 //! beyond an amount of memory, or when the device has none left for others, the longest unused go.
 
 use std::{
@@ -33,7 +33,7 @@ pub(crate) struct Warm {
     pub(super) fast: OnceCell<Loaded>,
     /// The planner's twin, once somebody has asked for it.
     pub(super) planner: OnceCell<Arc<PlannersWarm>>,
-    /// Its members, as many as somebody has asked for.
+    /// Members of the twin, as many as requests have asked for.
     pub(super) members: Mutex<Vec<Loaded>>,
     /// Memory of it all; none in tests.
     pub(super) _share: Option<Share>,
@@ -150,7 +150,7 @@ fn lock(twins: &Shared) -> MutexGuard<'_, Lru<TwinId, Arc<Warm>>> {
     twins.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Gives up twins for about so many bytes; false if none can be spared.
+/// Unloads twins for about `bytes`; false if none can be spared.
 fn spare(twins: &Shared, bytes: u64) -> bool {
     // Those that a request is using would free nothing.
     let gone = lock(twins).evict(bytes, |warm| Arc::strong_count(warm) == 1);

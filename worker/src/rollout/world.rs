@@ -1,7 +1,7 @@
 //! Surroundings of a request as the engine's world: bodies, colliders, grasps, and how they move.
 //!
-//! Bodies are the grippers, by their numbers, and then the paths of colliders, in their order; there
-//! are none if nothing is carried.
+//! Bodies are the grippers, by their numbers, and then the paths of colliders, in their order;
+//! there are no bodies if nothing is carried.
 
 mod ended;
 mod grasps;
@@ -47,7 +47,7 @@ pub(super) struct Surroundings {
     grippers: usize,
     /// Poses along the paths P at frame boundaries, shape [F + 1, P].
     paths: Vec<Pose>,
-    /// True for grasps whose springs are as stiff as the substeps allow, whatever the mass.
+    /// True for grasps whose springs are as stiff as the substeps allow, for any mass.
     chosen: Vec<bool>,
     /// When grasps are closed.
     closed: Vec<Closed>,

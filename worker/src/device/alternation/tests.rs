@@ -66,7 +66,7 @@ fn a_turn_of_the_fit_is_short_and_a_long_frame_of_it_is_made_up_for() {
 }
 
 #[test]
-fn a_fit_pauses_while_there_is_a_rollout_and_goes_on_after_it() {
+fn a_fit_pauses_for_a_rollout_and_resumes_after_it() {
     let alternation = Alternation::new(0.0);
     let cancel = CancelToken::default();
     let fit = alternation.token(Priority::Background, &cancel);

@@ -91,7 +91,7 @@ impl Optimizer for QueuedOptimizer {
                 // Never twice: after an error some of the slice's gradients may wait.
                 let result = self.shared.call_once(task);
                 if let Err(Error::OutOfMemory { .. }) = result {
-                    // The next attempt at the fit goes on from its checkpoint, and finds room.
+                    // The next attempt at the fit resumes from its checkpoint, and finds memory.
                     self.shared.device.reclaim(u64::MAX);
                 }
                 result

@@ -1,7 +1,7 @@
 use super::*;
 
-/// Flows that always have work, served for so many milliseconds a slice; returns the device time of
-/// each [ms] after `total` of them.
+/// Flows that always have work, served for a number of milliseconds a slice; returns the device
+/// time of each [ms] after `total` of them.
 fn busy(fit_share: f64, flows: &[(Priority, u64)], total: u64) -> Vec<u64> {
     let mut turns = Turns::new(fit_share);
     let made: Vec<_> = flows.iter().map(|(priority, _)| Flow::new(*priority)).collect();
@@ -38,7 +38,7 @@ fn requests_share_by_time_and_not_by_slices() {
 }
 
 #[test]
-fn a_new_request_is_next_but_one_whatever_waits() {
+fn a_new_request_is_next_but_one_in_any_line() {
     let mut turns = Turns::new(0.25);
     let large: Vec<_> = (0..8).map(|_| Flow::new(Priority::Interactive)).collect();
     large.iter().for_each(|flow| turns.push(flow, "large"));
@@ -97,7 +97,7 @@ fn rollouts_go_first_where_they_are_few() {
 }
 
 #[test]
-fn a_slice_that_cannot_be_cut_is_not_repaid_at_once() {
+fn a_slice_that_cannot_be_cut_is_repaid_over_time() {
     let mut turns = Turns::new(0.25);
     let (fit, rollout) = (Flow::new(Priority::Background), Flow::new(Priority::Interactive));
     turns.push(&fit, ());

@@ -11,7 +11,7 @@ use seccompiler::{
 
 use super::Layer;
 
-/// Denied with EPERM, whatever their arguments.
+/// Denied with EPERM, with any arguments.
 const DENIED: &[libc::c_long] = &[
     // The network, and sockets of this machine.
     libc::SYS_socket,
@@ -197,7 +197,7 @@ fn rules() -> Result<BTreeMap<i64, Vec<SeccompRule>>, seccompiler::BackendError>
     let conditional = [
         // Threads, but no processes.
         (libc::SYS_clone, first(SeccompCmpArgLen::Qword, SeccompCmpOp::MaskedEq(thread), 0)?),
-        // Limits of its own, but of no other process.
+        // Limits of this process, but of no other.
         (libc::SYS_prlimit64, other_than(0)?),
         // Signals to itself: an abort is one.
         (libc::SYS_kill, other_than(this)?),
@@ -209,8 +209,8 @@ fn rules() -> Result<BTreeMap<i64, Vec<SeccompRule>>, seccompiler::BackendError>
     Ok(rules)
 }
 
-/// On x86-64 every call has a second number, for programs with short pointers, and some have a
-/// number of their own there.
+/// Denies the calls' second numbers on x86-64, which exist for programs with short pointers; some
+/// calls have another number there.
 #[cfg(target_arch = "x86_64")]
 fn deny_x32(rules: &mut BTreeMap<i64, Vec<SeccompRule>>) {
     const X32: i64 = 0x4000_0000;

@@ -13,7 +13,8 @@ use super::Layer;
 /// signals and abstract sockets since 6.12.
 const WANTED: ABI = ABI::V6;
 
-/// Leaves this thread, and all that it starts, the files below `folder`, none of them as programs.
+/// Restricts this thread, and everything that it starts, to the files below `folder`, without
+/// executing them.
 pub(super) fn restrict_to(folder: &Path) -> io::Result<Layer> {
     let folder = PathFd::new(folder).map_err(io::Error::other)?;
     let status = restrict(folder).map_err(io::Error::other)?;
@@ -26,7 +27,7 @@ pub(super) fn restrict_to(folder: &Path) -> io::Result<Layer> {
 
 fn restrict(folder: PathFd) -> Result<RulesetStatus, RulesetError> {
     // Regular files only: the worker opens what it finds there afterwards, and a link would lead it
-    // to a file of its own.
+    // to its own files.
     let within = make_bitflags!(AccessFs::{
         ReadFile | ReadDir | WriteFile | Truncate | MakeReg | RemoveFile
     });

@@ -32,7 +32,7 @@ fn models_that_are_fitted_side_by_side_are_reported_together() {
     assert_eq!(models(&latest), [("bending".to_owned(), 3), ("axial".to_owned(), 3)]);
     latest.set(progress(Stage::Refine, "axial", 1));
     assert_eq!(models(&latest), [("axial".to_owned(), 1)]);
-    // Of several starts one goes on.
+    // Of several starts one continues.
     latest.set(progress(Stage::Refine, "axial 2", 1));
     latest.set(progress(Stage::Refine, "axial", 2));
     assert_eq!(models(&latest), [("axial".to_owned(), 2), ("axial 2".to_owned(), 1)]);

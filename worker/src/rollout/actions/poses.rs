@@ -1,9 +1,9 @@
 //! Poses of rigid grippers. A control point that is at c while its gripper is at (p, R) is at
 //! p' + R' R⁻¹ (c - p) when the gripper is at (p', R').
 //!
-//! This is applied from frame to frame, so that a rollout that goes on from the state of any frame
-//! moves the control points by the same bits as one that never stopped. Rounding makes them stray
-//! from their gripper by about the root of the number of frames times 3e-8 m.
+//! Poses are applied from frame to frame, so that a rollout that resumes from the state of any
+//! frame moves the control points by the same bits as one that never stopped. Rounding makes them
+//! stray from their gripper by about the root of the number of frames times 3e-8 m.
 
 use bendtwin_core::Point;
 use bendtwin_engine::world::Pose;

@@ -10,8 +10,8 @@
 //! nodes tell (docs/twin-format.md): when grippers turn a bent cable as one body, the two undo one
 //! another. Rolls of other edges that grasps hold are the engine's.
 //!
-//! Rolls are multiples of [`QUANTUM`], so that their differences from frame to frame are exact up to
-//! two and a half turns, and a rollout that goes on from a state repeats them bit for bit.
+//! Rolls are multiples of [`QUANTUM`], so that their differences from frame to frame are exact up
+//! to two and a half turns, and a rollout that resumes from a state repeats them bit for bit.
 
 use bendtwin_core::{Graph, Point};
 
@@ -24,7 +24,7 @@ const QUANTUM: f64 = 1.0 / 1_048_576.0;
 /// An end of a rod in a gripper.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Clamp {
-    /// Of the ends of all rods, two each: the near one first.
+    /// Index among the ends of all rods, two each: the near one first.
     end: usize,
     gripper: usize,
     /// Control points of both nodes, along the rod, and where the nodes are beside them [m].
@@ -68,7 +68,7 @@ impl Clamp {
 /// directions of the clamp at both [rad].
 fn roll(from: &Quaternion, to: &Quaternion, before: Vector, after: Vector) -> f64 {
     let turn = to.times(from.inverse());
-    // Opposite directions have no smallest rotation between them: none is taken.
+    // Opposite directions have no unique smallest rotation between them: no rotation is used.
     let [x, y, z] = cross(before, after);
     let transport = Quaternion::new([x, y, z, 1.0 + dot(before, after)]);
     let rest = transport.map_or(turn, |m| m.inverse().times(turn));

@@ -8,8 +8,9 @@
 //! shift = max(0, max over points p of (depth(p) - limit(p)))
 //! ```
 //!
-//! A recorded hand may seem to be in the table. So control points and what is pinned to them may also be
-//! as deep as the twin has them at rest below its own ground, and as deep as they were a frame earlier.
+//! A recorded hand may seem to be in the table. So control points and what is pinned to them may
+//! also be as deep as the twin at rest has them below the twin's ground, and as deep as they were a
+//! frame earlier.
 //!
 //! Nothing older than a frame counts, so frames that are executed one after the other stop as those of
 //! one rollout do. Poses carry control points from where a gripper would have them, not from where it is
@@ -47,7 +48,7 @@ pub(in crate::rollout) struct Floor<'a> {
 struct Probe {
     hand: usize,
     place: Place,
-    /// Depth that it may have whatever it had before [m].
+    /// Depth that is always allowed, independent of earlier ones [m].
     limit_m: f32,
 }
 

@@ -23,7 +23,8 @@ fn poses(shape: [usize; 3], values: &[f32]) -> GripperPoses {
     }
 }
 
-/// The actions and the horizon of a request to a twin with so many control points, if it is sound.
+/// The actions and the horizon of a request to a twin with `controls` control points, if it is
+/// valid.
 fn read(wire: Option<Wire>, controls: usize, frames: u32) -> Result<(Actions, usize), Error> {
     let controls_only = TwinShape { controls: controls as u64, ..TwinShape::default() };
     let request = RollOutRequest { actions: wire, frames, ..RollOutRequest::default() };
@@ -97,7 +98,7 @@ fn refusals_name_the_field_and_the_fix() {
 
 #[test]
 fn too_many_instances_are_refused_before_they_are_counted_out() {
-    // A tensor with a zero in its shape has no bytes, whatever else it claims.
+    // A tensor with a zero in its shape has no bytes, with any other dimensions.
     let tensor = Tensor { dtype: 1, shape: vec![1 << 60, 2, 0, 3], ..Tensor::default() };
     let wire = ControlTrajectories { positions: Some(tensor), interpolation: 0 };
     let error = read(Some(Wire::Trajectories(wire)), 0, 0).err().unwrap();
@@ -247,7 +248,7 @@ fn a_body_is_where_its_gripper_is() {
 }
 
 proptest! {
-    /// Whatever bytes and shapes arrive: an answer or a refusal, never a panic.
+    /// Any bytes and shapes: an answer or a refusal, never a panic.
     #[test]
     fn no_tensor_panics(
         dtype in -1i32..8,

@@ -1,4 +1,4 @@
-//! One cost of a request, as terms of the engine or as a measure of the controls.
+//! A cost of a request, as terms of the engine or as a measure of the controls.
 
 use std::sync::Arc;
 
@@ -40,14 +40,14 @@ pub(super) struct Targets {
     points: Vec<Point>,
     /// Points of a list.
     count: usize,
-    /// Number of instances with lists of their own; 1 if they are for all.
+    /// Number of instances with separate lists; 1 if all share a list.
     instances: usize,
-    /// Number of frames with lists of their own; 1 if they are for all.
+    /// Number of frames with separate lists; 1 if all share a list.
     frames: usize,
 }
 
 impl Targets {
-    /// Of a checked tensor, [M, 3], [F, M, 3], [B, 1, M, 3] or [B, F, M, 3].
+    /// Targets of a checked tensor, [M, 3], [F, M, 3], [B, 1, M, 3] or [B, F, M, 3].
     fn read(tensor: Option<Tensor>, field: &str) -> Result<Self, Error> {
         let (shape, points) = tensor.unwrap_or_default().unpack_points(field)?;
         let (instances, frames, count) = match shape[..] {
@@ -69,8 +69,8 @@ impl Targets {
 }
 
 impl Measure {
-    /// Reads a kind of cost of a checked request, in which a force of 1 at unit node mass is so many
-    /// newtons. Also returns the factor from the engine's value to the cost's.
+    /// Reads a kind of cost of a checked request, given the newtons of a force of 1 at unit node
+    /// mass. Also returns the factor from the engine's value to the cost's.
     pub(super) fn read(
         kind: Option<Kind>,
         newtons: f64,

@@ -11,7 +11,7 @@ pub(super) fn value(costs: &[f64], temperature: f64) -> f64 {
     least - temperature * (sum / costs.len() as f64).ln()
 }
 
-/// Its derivatives by the values.
+/// Derivatives of the soft minimum by the values.
 pub(super) fn shares(costs: &[f64], temperature: f64) -> Vec<f64> {
     let least = least(costs);
     let powers: Vec<f64> = costs.iter().map(|c| (-(c - least) / temperature).exp()).collect();

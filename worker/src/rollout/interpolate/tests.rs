@@ -12,7 +12,7 @@ fn values(schedule: &Schedule, knots: &[f32]) -> Vec<f32> {
 }
 
 #[test]
-fn dense_actions_are_taken_as_they_are() {
+fn dense_actions_are_taken_unchanged() {
     for curve in [Curve::Linear, Curve::Cubic, Curve::Hold] {
         let schedule = Schedule::new(curve, 8, 7, None, 30.0).unwrap();
         for (frame, place) in schedule.places().iter().enumerate() {

@@ -32,7 +32,7 @@ impl Execution<'_> {
         let members = self.plan.ensemble.members;
         let mut gradients = Gradients::default();
         let mut gauges = Gauges::default();
-        // All members of an action at once.
+        // All members of an action together.
         let at_once = (self.plan.prepared / members).max(1) * members;
         for run in cut::runs(0..indices.len(), at_once) {
             let means = means.get(run.start / members..).unwrap_or_default();

@@ -7,7 +7,7 @@ use super::*;
 
 const UP: Plane = Plane { normal: [0.0, 0.0, 1.0], offset_m: 0.0 };
 
-/// One control point that falls by 0.2 m a frame from a height of 0.3 m, at 30 frames a second.
+/// A control point that falls by 0.2 m a frame from a height of 0.3 m, at 30 frames a second.
 fn falling() -> Vec<Point> {
     (0..4).map(|f| [0.0, 0.0, 0.3 - 0.2 * f as f32]).collect()
 }

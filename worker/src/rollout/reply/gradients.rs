@@ -13,14 +13,14 @@ const EXPLODED: f64 = 20.0;
 /// on it.
 #[derive(Default)]
 pub(in crate::rollout) struct Gradients {
-    /// By control positions, shape [F + 1, C, 3] each.
+    /// Gradients by control positions, shape [F + 1, C, 3] each.
     controls: Vec<Vec<Point>>,
-    /// By initial positions and velocities, shape [N, 3] each.
+    /// Gradients by initial positions and velocities, shape [N, 3] each.
     positions: Vec<Vec<Point>>,
     velocities: Vec<Vec<Point>>,
-    /// By frame, shape [F + 1] each.
+    /// Norms by frame, shape [F + 1] each.
     norms: Vec<Vec<f64>>,
-    /// By the actions, one instance after another.
+    /// Gradients by the actions, one instance after another.
     pub(in crate::rollout) actions: Vec<f32>,
 }
 

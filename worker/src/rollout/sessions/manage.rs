@@ -180,7 +180,7 @@ impl Inner {
         })
     }
 
-    /// The state that a simulation of its own leads to, if the initial state is such a one.
+    /// The state that a separate simulation leads to, if the initial state requires one.
     async fn simulated(
         &self,
         warm: &Arc<Warm>,
@@ -223,7 +223,7 @@ fn pack(session: &Session, warm: &Warm, slots: &[usize]) -> SessionStates {
     SessionStates { states, slots, frames }
 }
 
-/// States with so many grasps as an initial state takes them.
+/// States in the form that an initial state with `grasps` grasps takes.
 fn given(starts: &[Start], graph: &Graph, grasps: usize) -> GivenState {
     let (n, r, c) = (graph.node_count(), graph.rods.len(), graph.control_count());
     let points = |of: fn(&State) -> &Vec<Point>| {
@@ -252,7 +252,7 @@ fn given(starts: &[Start], graph: &Graph, grasps: usize) -> GivenState {
     }
 }
 
-/// One state with so many grasps as an initial state takes it, without a batch in front.
+/// A single state in the form that an initial state takes, without the batch dimension.
 pub(in crate::rollout) fn given_one(start: &Start, graph: &Graph, grasps: usize) -> GivenState {
     let mut state = given(std::slice::from_ref(start), graph, grasps);
     let GivenState { positions, velocities, twists, controls, grasping, commanded_controls } =

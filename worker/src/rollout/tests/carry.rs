@@ -233,7 +233,7 @@ async fn windows_and_gradients_are_of_the_same_rest_shape() {
     assert_ne!(carried.control_gradients, own.control_gradients);
 }
 
-/// A slot of a twin with members that is advanced by the mean of the fits goes on from there.
+/// A slot of a twin with members, advanced by the mean of the fits, continues from the mean.
 #[tokio::test]
 async fn an_advance_by_the_mean_of_the_fits_leaves_their_mean_in_the_slot() {
     let mut softer = twin();
@@ -262,7 +262,7 @@ async fn an_advance_by_the_mean_of_the_fits_leaves_their_mean_in_the_slot() {
     assert!(mean_apart(&stiff, &soft) > 1e-4);
     let between = stiff.iter().zip(&soft).map(|(a, b)| [0, 1, 2].map(|i| 0.5 * (a[i] + b[i])));
     assert!(mean_apart(&predicted, &between.collect::<Vec<_>>()) < 1e-6);
-    // Both go on from their mean.
+    // Both continue from their mean.
     let after = running.predict(&[0], of_mean()).await;
     assert!(mean_apart(&after, &predicted) > 1e-4);
 

@@ -136,7 +136,7 @@ fn gradients_of_all_costs_agree_with_differences() {
 }
 
 #[test]
-fn targets_by_instance_and_frame_are_those_of_requests_of_their_own() {
+fn targets_by_instance_and_frame_are_those_of_separate_requests() {
     let bench = Bench::new();
     let x = |i: usize| 0.013 * i as f32;
     let mut together = request(2);

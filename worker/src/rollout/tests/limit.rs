@@ -14,7 +14,7 @@ use super::*;
 /// Longer than a slice takes: there is one for each instance.
 const SLOW: Duration = Duration::from_millis(50);
 
-/// The CPU, one instance at a time, which stands still for once when it has simulated so many.
+/// The CPU, one instance at a time, which stalls once after a number of instances.
 struct Stopping {
     cpu: Arc<dyn Backend>,
     left: Mutex<usize>,
@@ -71,7 +71,7 @@ impl Backend for Stopping {
     }
 }
 
-/// Rolls out on a device that simulates so many instances before the time is over.
+/// Rolls out on a device that simulates `instances` before the time is over.
 fn limited(request: RollOutRequest, instances: usize) -> RollOutResponse {
     let cpu = bendtwin_engine::cpu_with_threads(1);
     let (bench, _died) = Bench::on(Arc::new(Stopping { cpu, left: Mutex::new(instances) }));

@@ -69,7 +69,7 @@ fn nodes_stay_out_of_the_colliders_of_the_session() {
         assert!(x[0] <= 0.002, "{x:?}");
         assert!(i == 0 || x[0] > 0.0015, "{x:?}");
     }
-    // The reply has the state as it is now.
+    // The reply has the current state.
     let state = done.state.unwrap();
     let positions = state.positions.unwrap().unpack_points("positions").unwrap();
     assert_eq!(positions, (vec![4], nodes(&session)));
@@ -290,7 +290,7 @@ fn a_healthy_loop_is_not_lost() {
     assert!(worst < 0.9, "{worst}");
 }
 
-/// Three frames in which the hand goes on along a circle.
+/// Three frames in which the hand continues along a circle.
 fn swing(bench: &Bench, session: &Session, step: usize) {
     let at = |step: usize| {
         let t = step as f32 * 0.15;

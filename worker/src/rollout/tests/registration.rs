@@ -35,7 +35,7 @@ pub(super) fn tracked(points: &[Point]) -> Option<Observation> {
     })
 }
 
-/// A registration of the nodes to these points, with so many frames of physics.
+/// A registration of the nodes to these points, with `frames` frames of physics.
 fn request(points: &[Point], frames: u32) -> RegisterStateRequest {
     let options = RegisterOptions { settle_frames: Some(frames), ..RegisterOptions::default() };
     let observation = tracked(points);

@@ -26,7 +26,7 @@ fn a_batch_that_workers_share_has_the_bits_of_the_whole() {
     assert_eq!(expected.diverged.iter().map(|d| d.instance).collect::<Vec<_>>(), [5]);
     let batch = Batch { instances: 7, knots: 2, frames: 6 };
     for count in 1..=7 {
-        // Each worker has a device of its own.
+        // Each worker has a separate device.
         let replies = split::runs(7, count, 1).map(|run| {
             let part = split::part(&whole, &batch, run);
             Bench::new().run(part, 0).unwrap().remove(0)

@@ -44,7 +44,7 @@ fn going_on(part: RollOutResponse) -> Option<InitialState> {
 
 /// The twin's control point pins no node, as all of a recording with depth.
 #[test]
-fn poses_go_on_from_a_state_bit_for_bit() {
+fn poses_resume_from_a_state_bit_for_bit() {
     let bench = Bench::new();
     assert!(bench.warm.twin.graph.pins.is_empty());
     let whole = bench.run(carried(3, 0..=12), 0).unwrap().remove(0);
@@ -64,7 +64,7 @@ fn poses_go_on_from_a_state_bit_for_bit() {
 
 /// A gripper dives into the ground, turns there and comes up again.
 #[test]
-fn grippers_that_stop_go_on_from_a_state_bit_for_bit() {
+fn stopped_grippers_resume_from_a_state_bit_for_bit() {
     let bench = Bench::new();
     let dive = |frame: usize| {
         let (t, turn) = (frame as f32 / 12.0, 0.04 * frame as f32);
@@ -144,7 +144,7 @@ fn control_points_that_are_not_given_are_assumed_at_rest_and_the_gap_is_known() 
 }
 
 #[test]
-fn knots_have_times_of_their_own() {
+fn knots_have_separate_times() {
     let bench = Bench::new();
     let with = |at: &[f32], interpolation: i32| {
         let mut request = request(1);

@@ -58,7 +58,7 @@ fn bench(twin: Twin) -> Bench {
     bench
 }
 
-/// One gripper at these heights over x = 0, in knots spread over 60 frames.
+/// A gripper at these heights over x = 0, in knots spread over 60 frames.
 fn carried(heights: &[f32]) -> RollOutRequest {
     let rows: Vec<[f32; 7]> = heights.iter().map(|z| [0.0, 0.0, *z, 0.0, 0.0, 0.0, 1.0]).collect();
     let poses = Some(Tensor::pack(&[1, heights.len(), 1, 7], rows.as_flattened()));
@@ -78,7 +78,7 @@ fn lowered(heights: &[f32]) -> RollOutRequest {
     RollOutRequest { actions, frames: 60, ..RollOutRequest::default() }
 }
 
-/// The control point stands still for so many frames.
+/// A control point that stands still for `frames` frames.
 fn still(at: [f32; 3], frames: u32) -> RollOutRequest {
     let positions = Some(Tensor::pack_points(&[1, 2, 1], &[at; 2]));
     let trajectories = ControlTrajectories { positions, interpolation: 0 };
@@ -146,10 +146,10 @@ fn a_gripper_lifts_a_chain_from_the_ground_and_sets_it_down() {
         let positions = points(&part.positions);
         let held = |row: usize| positions[row * N][2];
         let heights: Vec<f32> = (0..6).map(held).collect();
-        // Where it lay, lifted by 0.19 m, held, set down, let go of, left behind.
+        // Where it lay, lifted by 0.19 m, held, set down, released, left behind.
         let expected = [0.0, 0.19, 0.19, 0.0, 0.0, 0.0];
         for (row, (height, expected)) in heights.iter().zip(expected).enumerate() {
-            // The chain that was pulled in bends up as it is set down, against springs too.
+            // The chain that was pulled in bends up while it is set down, against springs too.
             let slack = if row == 3 { 2.0 * slack } else { slack };
             assert!((height - expected).abs() < slack, "{attachment:?} {heights:?}");
         }
@@ -499,7 +499,7 @@ fn held_nodes_do_not_pass_through_a_table_unnoticed() {
 }
 
 #[test]
-fn a_gradient_reaches_as_far_as_it_is_told() {
+fn a_gradient_reaches_the_requested_frames() {
     let bench = Bench::new();
     let mut asking = request(1);
     asking.returns = Some(Returns { control_gradients: true, ..Returns::default() });

@@ -7,7 +7,7 @@ use crate::{
     rollout::tests::twin,
 };
 
-/// Twins on a device with room for so many.
+/// Twins on a device with memory for `room` models.
 fn warm(room: usize) -> (WarmTwins, Arc<Script>) {
     let (backend, script) = Faulty::new(room);
     let (fatal, _) = mpsc::unbounded_channel();

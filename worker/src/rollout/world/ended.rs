@@ -33,7 +33,7 @@ pub(in crate::rollout) struct Ended {
 }
 
 impl Ended {
-    /// Where so many seconds a frame of a motion have ended.
+    /// The surroundings where a motion with `frame_s` a frame has ended.
     pub(in crate::rollout) fn new(
         world: Arc<World>,
         environment: Environment,

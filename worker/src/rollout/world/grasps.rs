@@ -74,8 +74,8 @@ fn controls(
     }
 }
 
-/// A hold's springs. Without numbers, the stiffest with critical damping that is stable whatever the
-/// twin's own springs are.
+/// Springs of a hold. Without numbers, the stiffest with critical damping that is stable,
+/// independent of the twin's springs.
 fn attachment(
     wire: &v1::Grasp,
     held: &Held<'_>,

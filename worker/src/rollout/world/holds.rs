@@ -1,7 +1,7 @@
-//! Paths of the nodes that grasps hold exactly, as far as they are known without what a simulation
-//! does in between: of the nodes that are held at the start, or taken there, until their grasp opens,
-//! and of those that are held at the end, from when it closed. Such nodes pass through whatever is in
-//! their way, so the paths say whether they are carried into an obstacle.
+//! Paths of the nodes that grasps hold exactly, as far as they are known without simulating: of the
+//! nodes that are held at the start, or taken there, until their grasp opens, and of those that are
+//! held at the end, from when it closed. Such nodes pass through anything in their way, so the
+//! paths show whether they are carried into an obstacle.
 
 use bendtwin_core::{Graph, Point};
 use bendtwin_engine::{
@@ -51,7 +51,7 @@ impl Surroundings {
             }
         };
         if frames > 0 {
-            // Nobody knows when one that may slip has let go.
+            // It is unknown when a grasp that may slip has released.
             let graph = &instance.model.model().graph;
             let start = held_at_start(world, graph, instance);
             for hold in start.iter().filter(|h| !may_slip(world, h)) {

@@ -3,9 +3,9 @@
 //! A face that is known is a plane that all points lie on or below. Turned about one of its edges
 //! until it meets the next point, it becomes the neighbouring face; all points in that plane belong
 //! to it, and the convex polygon around them gives its edges in turn. Points in one plane are
-//! therefore one face, however many triangles a mesh makes of them, and the work is bounded by edges
-//! times points. Tolerances are relative to the extent; whatever is left out of a face because of
-//! them is outside it by no more than that.
+//! therefore one face, for any triangulation of them, and the work is bounded by edges
+//! times points. Tolerances are relative to the extent; points left out of a face because of
+//! them are outside it by no more than that.
 
 use std::collections::VecDeque;
 

@@ -76,7 +76,7 @@ impl Still {
         self.key
     }
 
-    /// A model in this gravity and on this ground, with at least so much drag [1/s].
+    /// A model in this gravity and on this ground, with at least `drag` [1/s].
     pub(in crate::rollout) fn load(
         &self,
         model: &Loaded,
@@ -106,7 +106,7 @@ impl Still {
         Around::new(&self.surroundings.world, &bodies, &State::default())
     }
 
-    /// The colliders, and their poses during so many frames.
+    /// The colliders, and their poses during `frames` frames.
     pub(in crate::rollout) fn around(&self, frames: usize) -> (Arc<World>, Arc<Motion>) {
         let motion = Motion { poses: self.poses.repeat(frames + 1), ..Motion::default() };
         (Arc::new(self.surroundings.world.clone()), Arc::new(motion))

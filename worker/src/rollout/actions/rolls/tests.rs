@@ -63,7 +63,7 @@ fn a_gripper_that_turns_about_the_cable_rolls_its_end() {
         let expected = 0.1 * std::f32::consts::PI * frame as f32;
         assert!((roll - expected).abs() < 1e-4, "{frame}: {roll}, not {expected}");
     }
-    // Where nothing turns there are none.
+    // Without turns there are no rolls.
     let (_, rolls) = rolled(&actions(&[still, still].repeat(5)));
     assert!(rolls.is_empty());
 }

@@ -85,7 +85,7 @@ fn a_hand_stops_at_the_ground_as_a_whole() {
     assert!(close(controls[last][0], asked[last][0]));
     let most = stops.most();
     assert!(close(most.shift_m, 0.075) && most.frame == FRAMES, "{most:?}");
-    // Whatever is above the table stays as it was.
+    // Everything above the table is unchanged.
     assert_eq!(controls[..3], asked[..3]);
     let mut gently = lowered(0.001).controls(0, &START);
     let stops = actions.stop(&mut gently, &mut [], &floor(&graph, &start));
@@ -119,7 +119,7 @@ fn a_gripper_stops_with_all_that_it_carries() {
 }
 
 #[test]
-fn a_hand_may_stay_as_deep_as_it_is_and_as_the_twin_has_it_at_rest() {
+fn a_hand_may_keep_its_depth_and_that_of_the_twin_at_rest() {
     let graph = graph();
     let deep = START.map(|[x, y, z]| [x, y, z - 0.08]);
     let heights = [0.0, 0.0, 0.03, 0.0];

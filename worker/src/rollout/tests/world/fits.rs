@@ -25,7 +25,7 @@ pub(super) fn twin_with_members() -> Twin {
     Twin { members: members.into(), ..twin }
 }
 
-/// Two actions, each simulated on so many fits.
+/// Two actions, each simulated on `members` fits.
 pub(super) fn on_fits(members: u32) -> RollOutRequest {
     RollOutRequest {
         vary: Some(Vary { fits: true, ..Vary::default() }),

@@ -26,7 +26,7 @@ fn with_a_lost_member() -> Twin {
     twin
 }
 
-/// Of the mean motion, without forces, which it has none of.
+/// A request for the mean motion, without forces, which a mean does not have.
 fn of_mean(request: &RollOutRequest) -> RollOutRequest {
     let mut request = request.clone();
     request.ensemble.iter_mut().for_each(|e| e.set_statistic(Statistic::MeanPrediction));
@@ -243,7 +243,7 @@ fn gradients_of_a_mean_agree_with_differences_of_its_costs() {
     }
 }
 
-/// Of a cost that counts a gripper's distance, the gradient by its poses is not in the motion alone.
+/// The gradient by a gripper's poses of a cost that counts its distance is not in the motion alone.
 #[test]
 fn gradients_of_a_mean_reach_the_colliders_in_its_costs() {
     let bench = bench(twin());
