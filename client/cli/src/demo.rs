@@ -70,7 +70,7 @@ pub(crate) async fn run(args: Demo, global: &Global) -> anyhow::Result<()> {
         outcome = steps => outcome,
         fault = server.ended() => Err(fault),
     };
-    // In good order whatever happened: no process and no half-written folder stays behind.
+    // An orderly end in every case: no process and no half-written folder stays behind.
     server.stop().await;
     outcome?;
     demo.conclude(folder.is_kept())

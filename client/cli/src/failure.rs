@@ -12,7 +12,7 @@ use serde_json::json;
 pub(crate) struct Usage(pub(crate) String);
 
 impl Usage {
-    /// As an error of a command.
+    /// The usage error as an error of a command.
     pub(crate) fn error(message: impl Into<String>) -> anyhow::Error {
         Self(message.into()).into()
     }
@@ -23,7 +23,7 @@ impl Usage {
 #[error("{0}")]
 pub(crate) struct Failed(pub(crate) Fault);
 
-/// A fault that a report on the terminal has told already; only scripts are told again.
+/// A fault that a report on the terminal has already shown; only scripts see it again.
 #[derive(Debug, thiserror::Error)]
 #[error("{0}")]
 pub(crate) struct Shown(pub(crate) Fault);

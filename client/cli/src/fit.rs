@@ -173,7 +173,7 @@ async fn print_ended(
     let mut text = shown(fit, None);
     if let Some(name) = fit.twin.filter(|_| !global.json) {
         text += &format!("\nnext: bendtwin twin show {name}");
-        // The fit has ended well, whatever became of its twin since.
+        // The fit has ended well, even if its twin has been deleted since.
         match quality::of_stored(client, name).await {
             Ok(assessment) => text += &format!("\n{assessment}"),
             Err(error) => text += &format!("\nits twin cannot be assessed: {error}"),

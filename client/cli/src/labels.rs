@@ -70,7 +70,7 @@ enum Sort {
 }
 
 impl Choice {
-    /// As a request has it.
+    /// The order in a request.
     pub(crate) fn query(self) -> ListQuery {
         let order = match self.sort {
             Sort::Newest => Order::Newest,
@@ -83,7 +83,7 @@ impl Choice {
     }
 }
 
-/// Note and tags as lines of what `show` prints; empty where there are none.
+/// Note and tags as lines of what `show` prints; empty without any.
 pub(crate) fn lines(note: &str, tags: &[String], width: usize) -> String {
     let mut lines = String::new();
     if !note.is_empty() {

@@ -24,7 +24,7 @@ pub(crate) async fn of_stored(
     Ok(assess(&twin.quality, Scale::of_nodes(&geometry.rest_positions, &geometry.rods)))
 }
 
-/// The fast variant in a line; none if there is none. `substeps` are those of the twin.
+/// The fast variant in a line; `None` without one. `substeps` are those of the twin.
 pub(crate) fn fast(quality: &Quality, substeps: u32) -> Option<String> {
     let fast = quality.fast.as_ref()?;
     if fast.substeps >= substeps {
@@ -63,7 +63,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_fast_variant_is_told_in_a_line() {
+    fn the_fast_variant_takes_a_line() {
         let fast = FastVariant {
             substeps: 20,
             rate_limit: None,
@@ -80,7 +80,7 @@ mod tests {
     }
 
     #[test]
-    fn the_planners_twin_is_told_in_a_line() {
+    fn the_planners_twin_takes_a_line() {
         let planner = PlannerQuality {
             nodes: 80,
             springs: 500,

@@ -7,7 +7,7 @@ use tokio_util::sync::CancellationToken;
 /// Time within which a second signal counts as the same one.
 const SIGNAL_DEBOUNCE: Duration = Duration::from_secs(1);
 
-/// A token that the first Ctrl-C or SIGTERM cancels; the second one ends the process at once.
+/// A token that the first Ctrl-C or SIGTERM cancels; the second one ends the process immediately.
 pub(crate) fn shutdown() -> CancellationToken {
     let token = CancellationToken::new();
     let cancel = token.clone();

@@ -20,7 +20,7 @@ use self::spread::Spread;
 use super::size::Size;
 use crate::{global::Global, output, rollout::Mode, signals, table::Table};
 
-/// Pause of a client that was refused. Greedy ones do not wait as long as they are told to.
+/// Pause of a client that was refused. Greedy ones do not wait for the advised time.
 const PAUSE: Duration = Duration::from_secs(1);
 /// Longest wait for the first generation of the fit.
 const FIT_START: Duration = Duration::from_secs(300);
@@ -327,7 +327,7 @@ async fn generations(client: &Client, fit: Option<FitId>) -> anyhow::Result<Opti
     Ok(Some(generation(&now)?))
 }
 
-/// The value below which this share of sorted values lies; 0 if there are none.
+/// The value below which this share of sorted values lies; 0 without values.
 fn percentile(sorted: &[f64], share: f64) -> f64 {
     let rank = (sorted.len() as f64 * share).ceil() as usize;
     sorted.get(rank.saturating_sub(1)).copied().unwrap_or(0.0)

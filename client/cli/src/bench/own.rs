@@ -1,6 +1,6 @@
-//! `bendtwin bench --twin FILE`: times batches of one's own twin on this machine, as planners send
-//! them: costs come back, with or without gradients, of the exact twin, of its fast variant and of its
-//! planner's twin. The wire and the queue of a server are not in it; `bench load` has those.
+//! `bendtwin bench --twin FILE`: times batches of a user's twin on this machine, as planners send
+//! them: costs come back, with or without gradients, of the exact twin, of its fast variant and of
+//! its planner's twin. The wire and the queue of a server are not included; `bench load` has those.
 
 use std::{
     path::Path,
@@ -50,7 +50,7 @@ struct Row {
     substeps: u32,
     size: Size,
     gradients: bool,
-    /// None if a call would take longer than the patience.
+    /// `None` if a call would take longer than the patience.
     time: Option<Time>,
 }
 

@@ -262,7 +262,7 @@ mod tests {
         }
     }
 
-    /// Of a case that is processed already, images are not read.
+    /// Images of a processed case are not read.
     #[test]
     fn a_processed_case_is_sent_without_its_images() {
         let root = tempfile::tempdir().unwrap();

@@ -149,7 +149,7 @@ fn selection(listing: &Listing, read: &FilesRead, all: &Listing) -> String {
 }
 
 fn display_name(path: &Path) -> String {
-    // `.` has no name of its own.
+    // `.` has no name.
     let absolute = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
     let name = absolute.file_stem().unwrap_or(absolute.as_os_str()).to_string_lossy();
     // Of a .tar.gz one extension is left.

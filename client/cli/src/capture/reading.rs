@@ -63,7 +63,7 @@ fn write(path: &Path, content: &[u8]) -> anyhow::Result<()> {
 fn text(report: &Value) -> String {
     match Summary::deserialize(report) {
         Ok(Summary { verdict, findings }) => check::lines(&findings) + &sentence(&verdict),
-        // Of a newer server: better as it is than not at all.
+        // From a newer server: unformatted is better than nothing.
         Err(_) => report.to_string(),
     }
 }
@@ -138,7 +138,7 @@ pub(super) async fn follow(
                 reason: "INGEST_DID_NOT_SUCCEED".to_owned(),
                 message: format!("the ingest is {}", state.as_str()),
             });
-            // A report has told the fault among its findings.
+            // The report has already named the fault among its findings.
             Err(if report.is_some() { Shown(fault).into() } else { Failed(fault).into() })
         }
     }

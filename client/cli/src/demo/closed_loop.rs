@@ -143,7 +143,7 @@ impl DemoRun {
     }
 }
 
-/// One plan: batch by batch to the server and back.
+/// Makes a plan: batch by batch to the server and back.
 async fn planned(
     planner: &mut Planner,
     connection: &Connection,

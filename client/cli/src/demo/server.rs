@@ -53,7 +53,7 @@ impl DemoServer {
             .arg(folder.join("data"))
             .arg("--port-file")
             .arg(&port_file)
-            // The demo is the same whatever the user's own server is set to.
+            // The demo is independent of the settings of the user's server.
             .env_remove("BENDTWIN_CONFIG")
             .env_remove("BENDTWIN_CLIENT_TOKEN")
             .env_remove("BENDTWIN_ALLOWED_HOSTS")
@@ -96,7 +96,7 @@ impl DemoServer {
             tokio::time::sleep(POLL_INTERVAL).await;
         };
         let url = format!("http://127.0.0.1:{port}");
-        // Whatever token the user's own server has.
+        // Independent of any token of the user's server.
         let token = std::fs::read_to_string(folder.join("data/client-token"))
             .context("cannot read the token of the server")?;
         let token = token.trim().to_owned();

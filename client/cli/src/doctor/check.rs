@@ -1,4 +1,4 @@
-//! One thing that was looked at.
+//! A check of `doctor` and its outcome.
 
 use std::fmt;
 
@@ -8,7 +8,7 @@ use serde::Serialize;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub(super) enum State {
-    /// As it should be.
+    /// In order.
     Ok,
     /// Worth knowing; everything works.
     Note,

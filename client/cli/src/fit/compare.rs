@@ -14,7 +14,7 @@ use crate::{failure::Usage, global::Global, output, table::Table};
 #[derive(Debug, PartialEq, Serialize)]
 struct Measure {
     name: String,
-    /// One for each fit; none where there is none.
+    /// Values by fit; `None` for fits without one.
     values: Vec<Option<f64>>,
     /// The fit with the lowest, from 0; none where they tie or cannot be compared.
     best: Option<usize>,
@@ -124,7 +124,7 @@ impl Comparison {
         text + &self.verdict(&letters)
     }
 
-    /// Measures on which each fit is the best, a line each, and those on which none is.
+    /// Measures on which each fit is the best, a line each, and those without a best fit.
     fn verdict(&self, letters: &[String]) -> String {
         let named = |of: &dyn Fn(&Measure) -> bool| -> String {
             let names = self.errors.iter().filter(|m| m.best.is_some() && of(m));

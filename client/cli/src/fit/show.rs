@@ -65,7 +65,7 @@ pub(super) async fn run(name: FitId, global: &Global) -> anyhow::Result<()> {
     output::print(global, &details, || details.text(in_force.as_ref()))
 }
 
-/// None of what has been deleted since.
+/// `None` for a resource that has been deleted since.
 fn unless_gone<T>(
     found: Result<T, bendtwin_client::Error>,
 ) -> Result<Option<T>, bendtwin_client::Error> {

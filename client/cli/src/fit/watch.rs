@@ -31,7 +31,7 @@ pub(crate) async fn watch(client: &Client, name: FitId, quiet: bool) -> anyhow::
     last.context("the server sent no state of the fit")
 }
 
-/// As [`watch`], until a person interrupts it: the fit goes on at the server, which is said.
+/// [`watch`] until a person interrupts it: the fit continues at the server, which a message says.
 pub(super) async fn watch_here(client: &Client, name: FitId, quiet: bool) -> anyhow::Result<Fit> {
     tokio::select! {
         fit = watch(client, name, quiet) => fit,

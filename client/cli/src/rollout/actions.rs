@@ -47,7 +47,7 @@ impl Actions {
         Self::moved(rest, frames, |t| by_m.map(|d| d * t * t * (3.0 - 2.0 * t)))
     }
 
-    /// One instance. `offset` is a function of the time as a fraction of the horizon.
+    /// Actions of one instance. `offset` is a function of the time as a fraction of the horizon.
     fn moved(rest: &[Point], frames: usize, offset: impl Fn(f32) -> Point) -> Self {
         let rows = (0..=frames).map(|f| offset(f as f32 / frames as f32));
         let positions = rows

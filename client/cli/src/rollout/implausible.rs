@@ -5,7 +5,7 @@ use bendtwin_client::Implausible;
 /// Most instances that are named.
 const SHOWN: usize = 5;
 
-/// Lines that warn of motion that no real object would make; empty if there is none.
+/// Lines that warn of motion that no real object would make; empty without such motion.
 pub(super) fn warnings(found: &[Implausible]) -> String {
     let mut text: String = found.iter().take(SHOWN).map(line).collect();
     if found.len() > SHOWN {

@@ -40,7 +40,7 @@ pub(super) struct RecordingOptions {
 enum Wanted {
     /// All instances as one array.
     Npy,
-    /// One instance.
+    /// A single instance.
     Of(Format),
 }
 

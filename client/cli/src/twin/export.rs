@@ -39,7 +39,7 @@ pub(super) async fn run(args: Export, global: &Global) -> anyhow::Result<()> {
         Format::Twin if points.skin || points.mesh.is_some() => {
             return Err(failure::failed(Error::NodesOnly { format }));
         }
-        // As it is: a twin of a newer version than this build reads can be fetched nevertheless.
+        // Unread: a twin of a newer version than this build reads can be fetched nevertheless.
         Format::Twin if matches!(source, Source::Server(_)) => std::fs::write(&file, &content)
             .with_context(|| format!("cannot write {}", file.display()))?,
         _ => {

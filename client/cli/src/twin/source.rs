@@ -18,7 +18,7 @@ pub(super) enum Source {
 }
 
 impl Source {
-    /// Its name and its content.
+    /// Name and content of the twin.
     pub(super) async fn read(&self, global: &Global) -> anyhow::Result<(String, Vec<u8>)> {
         match self {
             Self::Server(id) => {

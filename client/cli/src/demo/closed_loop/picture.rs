@@ -67,7 +67,7 @@ impl Scene {
         let above = View::from_above(&points, self.gravity);
         let side = View::of(points, self.gravity).ok_or_else(empty)?;
         let (mut views, mut y) = (Vec::new(), HEADER);
-        // Either view alone hides a distance; from above there is none without gravity.
+        // Either view alone hides a distance; without gravity there is no view from above.
         let both = [Some(("from the side", side)), above.map(|view| ("from above", view))];
         for (from, view) in both.into_iter().flatten() {
             let width = WIDTH - 2.0 * MARGIN;

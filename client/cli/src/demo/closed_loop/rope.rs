@@ -57,7 +57,7 @@ impl Rope {
         Ok(rope)
     }
 
-    /// Place at which the end of the rope rests after the hands have moved by so much [m].
+    /// Place at which the end of the rope rests after the hands have moved by `moved` [m].
     pub(super) async fn after(&self, moved: Point) -> anyhow::Result<Point> {
         let [x, y, z] = moved.map(f64::from);
         let there = vec![0.0, 0.0, 0.0, x, y, z, x, y, z];
