@@ -69,7 +69,7 @@ impl Captures {
         self.upload_with(file, display_name, |_| ()).await
     }
 
-    /// As [`Captures::upload`]; `sent` gets the number of bytes sent so far.
+    /// [`Captures::upload`] with progress; `sent` gets the number of bytes sent so far.
     ///
     /// # Errors
     /// As [`Captures::upload`].
@@ -204,10 +204,10 @@ impl Captures {
         self.service.clone().ingest_capture(request).await?.into_inner().try_into()
     }
 
-    /// Asks the ingest of a capture to stop; one that has ended is returned as it is.
+    /// Asks the ingest of a capture to stop; one that has ended is returned unchanged.
     ///
     /// # Errors
-    /// If there is none of that name, or the server cannot be asked.
+    /// If the capture does not exist, or the server cannot be asked.
     pub async fn cancel_ingest(&self, name: CaptureId) -> Result<Capture, Error> {
         let request = CancelIngestRequest { name: name.to_string() };
         self.service.clone().cancel_ingest(request).await?.into_inner().try_into()
@@ -244,7 +244,7 @@ impl Captures {
     /// fits.
     ///
     /// # Errors
-    /// If there is none yet, the file cannot be written, or the server cannot be asked.
+    /// If there is no observation yet, the file cannot be written, or the server cannot be asked.
     pub async fn export_observation(&self, name: CaptureId, file: &Path) -> Result<(), Error> {
         let unwritable = |e: std::io::Error| Error::file(file, &e);
         let request = ExportObservationRequest { name: name.to_string() };
@@ -256,10 +256,10 @@ impl Captures {
         out.flush().await.map_err(unwritable)
     }
 
-    /// One capture.
+    /// Returns a capture.
     ///
     /// # Errors
-    /// If there is none of that name, or the server cannot be asked.
+    /// If the capture does not exist, or the server cannot be asked.
     pub async fn get(&self, name: CaptureId) -> Result<Capture, Error> {
         let request = GetCaptureRequest { name: name.to_string() };
         self.service.clone().get_capture(request).await?.into_inner().try_into()
@@ -293,7 +293,7 @@ impl Captures {
     /// Changes name, note and tags.
     ///
     /// # Errors
-    /// If one of them is not allowed, there is none of that name, or the server cannot be asked.
+    /// If a change is not allowed, the capture does not exist, or the server cannot be asked.
     pub async fn update(&self, name: CaptureId, update: &Update) -> Result<Capture, Error> {
         let change = update.clone();
         let capture = v1::Capture {

@@ -59,7 +59,7 @@ impl Client {
     /// certificate is in the file that `BENDTWIN_CA` names, or else among those of the system.
     ///
     /// # Errors
-    /// As [`Client::connect`]; or if the token is none that can be sent.
+    /// Those of [`Client::connect`]; or if the token cannot be sent in a header.
     pub async fn connect_with_token(url: &str, token: Option<&str>) -> Result<Self, Error> {
         let ca = std::env::var_os(CA_VARIABLE).filter(|path| !path.is_empty()).map(PathBuf::from);
         Self::connect_with(url, token, ca.as_deref()).await
@@ -227,7 +227,7 @@ mod tests {
     }
 
     #[tokio::test]
-    async fn what_is_no_address_is_named_as_it_was_given() {
+    async fn an_invalid_address_is_quoted_in_the_error() {
         for given in ["ftp://twin.example", "a b", ""] {
             let error = Client::connect_with_token(given, None).await.unwrap_err();
             assert!(

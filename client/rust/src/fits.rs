@@ -54,7 +54,7 @@ impl Fits {
         self.create_as(capture, settings, FitOrder { priority, ..FitOrder::default() }).await
     }
 
-    /// As [`Fits::create`], but calling it again with the same `request_id` gives the same job.
+    /// [`Fits::create`], where calls with the same `request_id` give the same job.
     ///
     /// # Errors
     /// As [`Fits::create`].
@@ -70,7 +70,7 @@ impl Fits {
         self.create_as(capture, settings, order).await
     }
 
-    /// As [`Fits::create`], with everything that can be said of a fit beside its settings.
+    /// [`Fits::create`] with all options of a fit beside its settings.
     ///
     /// # Errors
     /// As [`Fits::create`].
@@ -93,10 +93,10 @@ impl Fits {
         self.service.clone().create_fit(request).await?.into_inner().try_into()
     }
 
-    /// One job.
+    /// Returns a fit.
     ///
     /// # Errors
-    /// If there is none of that name, or the server cannot be asked.
+    /// If the fit does not exist, or the server cannot be asked.
     pub async fn get(&self, name: FitId) -> Result<Fit, Error> {
         let request = GetFitRequest { name: name.to_string() };
         self.service.clone().get_fit(request).await?.into_inner().try_into()
@@ -132,7 +132,7 @@ impl Fits {
     /// The losses of all iterations so far, by stage and model. They stay until the fit is deleted.
     ///
     /// # Errors
-    /// If there is none of that name, or the server cannot be asked.
+    /// If the fit does not exist, or the server cannot be asked.
     pub async fn losses(&self, name: FitId) -> Result<Vec<LossCurve>, Error> {
         let request = GetFitLossesRequest { name: name.to_string() };
         let losses = self.service.clone().get_fit_losses(request).await?.into_inner();
@@ -142,7 +142,7 @@ impl Fits {
     /// Changes name, note and tags.
     ///
     /// # Errors
-    /// If one of them is not allowed, there is none of that name, or the server cannot be asked.
+    /// If a change is not allowed, the fit does not exist, or the server cannot be asked.
     pub async fn update(&self, name: FitId, update: &Update) -> Result<Fit, Error> {
         let change = update.clone();
         let fit = v1::Fit {
@@ -161,10 +161,10 @@ impl Fits {
         self.service.clone().update_fit(request).await?.into_inner().try_into()
     }
 
-    /// Asks a job to stop; one that has ended is returned as it is.
+    /// Asks a fit to stop; one that has ended is returned unchanged.
     ///
     /// # Errors
-    /// If there is none of that name, or the server cannot be asked.
+    /// If the fit does not exist, or the server cannot be asked.
     pub async fn cancel(&self, name: FitId) -> Result<Fit, Error> {
         let request = CancelFitRequest { name: name.to_string() };
         self.service.clone().cancel_fit(request).await?.into_inner().try_into()

@@ -19,7 +19,7 @@ use crate::{
 /// A key as the server knows it; the key itself is not among it.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Key {
-    /// Its name.
+    /// Name of the key.
     pub name: KeyId,
     /// Display name.
     pub display_name: String,
@@ -66,7 +66,7 @@ pub struct NewKey {
     pub quotas: KeyQuotas,
 }
 
-/// A key that was made. [`MadeKey::secret_key`] is told here and nowhere else.
+/// A newly made key. [`MadeKey::secret_key`] is returned only here.
 #[derive(Clone, PartialEq, Serialize)]
 pub struct MadeKey {
     /// The key as the server knows it.
@@ -129,10 +129,10 @@ impl Keys {
         Ok(MadeKey { key: key.try_into()?, secret_key: reply.secret_key })
     }
 
-    /// One key.
+    /// Returns a key.
     ///
     /// # Errors
-    /// If there is none of that name, or the server cannot be asked.
+    /// If the key does not exist, or the server cannot be asked.
     pub async fn get(&self, name: KeyId) -> Result<Key, Error> {
         let request = GetKeyRequest { name: name.to_string() };
         self.service.clone().get_key(request).await?.into_inner().try_into()
@@ -159,7 +159,7 @@ impl Keys {
     /// Revokes a key: no server accepts it 30 s later.
     ///
     /// # Errors
-    /// If there is none of that name, or the server cannot be asked.
+    /// If the key does not exist, or the server cannot be asked.
     pub async fn revoke(&self, name: KeyId) -> Result<(), Error> {
         self.service.clone().delete_key(DeleteKeyRequest { name: name.to_string() }).await?;
         Ok(())

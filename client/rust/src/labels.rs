@@ -40,13 +40,13 @@ impl Update {
         self
     }
 
-    /// One more tag.
+    /// Adds a tag.
     pub fn add_tag(mut self, tag: impl Into<String>) -> Self {
         self.add_tags.push(tag.into());
         self
     }
 
-    /// One tag less.
+    /// Removes a tag.
     pub fn remove_tag(mut self, tag: impl Into<String>) -> Self {
         self.remove_tags.push(tag.into());
         self
@@ -72,14 +72,14 @@ pub enum Order {
     Newest,
     /// Oldest first.
     Oldest,
-    /// By display name.
+    /// Display name.
     Name,
-    /// By the error of the twin, the smallest first; captures have none.
+    /// Error of the twin, the smallest first; captures have no error.
     Error,
 }
 
 impl Order {
-    /// Its form in a request.
+    /// The order in a request.
     pub(crate) fn order_by(self) -> String {
         match self {
             Self::Newest => "create_time desc",
@@ -94,7 +94,7 @@ impl Order {
 /// Selection of a list; the default is everything, newest first.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct ListQuery {
-    /// Text in display name or note, whatever its case; empty means any.
+    /// Text in display name or note, ignoring case; empty means any.
     pub search: String,
     /// A tag; empty means any.
     pub tag: String,
@@ -111,7 +111,7 @@ pub struct ListQuery {
 }
 
 impl ListQuery {
-    /// The fits and twins of a capture; of all, if none is given.
+    /// The fits and twins of a capture; without a capture, of all.
     pub fn of_capture(capture: Option<CaptureId>) -> Self {
         Self { capture, ..Self::default() }
     }

@@ -41,7 +41,7 @@
 //! // What the robot did: two knots of one control point. The session stays where it ends.
 //! let moved = Rollout::of(twin).trajectories([1, 2, 1], done).frames(3).final_state();
 //! let reply = sessions.advance(session.name, &[], moved).await?;
-//! // From here a lost session goes on: `NewSession::of(twin).going_on(&state)`.
+//! // From here a lost session resumes: `NewSession::of(twin).going_on(&state)`.
 //! let state = reply.state(0);
 //!
 //! // 64 plans from there, which leave the session where it is.

@@ -28,7 +28,7 @@ pub struct Planning {
 /// The best plan so far.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PlanUpdate {
-    /// Its knots: control points or poses one after the other, shape [K, C, 3] or [K, G, 7].
+    /// Knots: control points or poses one after another, shape [K, C, 3] or [K, G, 7].
     pub knots: Vec<f32>,
     /// The same in the coordinates of the action space, shape [K, D].
     pub coordinates: Vec<f64>,
@@ -36,7 +36,7 @@ pub struct PlanUpdate {
     pub cost: f64,
     /// Weighted terms of the cost by name.
     pub cost_terms: Vec<(String, f64)>,
-    /// Its source.
+    /// Source of the plan.
     pub origin: Origin,
     /// Cost of the nominal plan; infinite if it diverges.
     pub nominal_cost: f64,
@@ -56,8 +56,7 @@ pub struct PlanUpdate {
     pub rollout: Option<Reply>,
     /// Largest strain of the material in the plan's motion.
     pub strain: f64,
-    /// Limit of the strain: a plan beyond it is worse than every plan that keeps it, whatever its
-    /// cost.
+    /// Limit of the strain: a plan beyond it is worse than every plan that keeps it, at any cost.
     pub strain_limit: f64,
     /// Plans that did not diverge and were beyond the limit.
     pub overstrained: usize,

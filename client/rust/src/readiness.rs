@@ -22,7 +22,7 @@ pub struct Readiness {
     pub build: String,
 }
 
-/// One condition.
+/// A condition of readiness.
 #[derive(Clone, Debug, PartialEq, Eq, Deserialize)]
 pub struct ReadinessCheck {
     /// `running`, `writes`, `disk` or `workers`.
@@ -38,7 +38,7 @@ impl Readiness {
         let request = http.request(Method::GET, &format!("{url}/readyz")).send();
         let reply = tokio::time::timeout(TIMEOUT, request).await;
         let reply = reply.map_err(|_| Error::unreachable(url, "it does not answer in time"))??;
-        // 503 has the same document as 200; others have an error, of whatever stands there.
+        // 503 has the same document as 200; any other status is an error.
         if !reply.status.is_success() && reply.status != StatusCode::SERVICE_UNAVAILABLE {
             return Err(problem::success(reply).await.err().unwrap_or_else(|| not_bendtwin(url)));
         }

@@ -38,7 +38,7 @@ pub struct Sessions {
 /// A session.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Session {
-    /// Its name.
+    /// Name of the session.
     pub name: SessionId,
     /// The twin that is simulated.
     pub twin: TwinId,
@@ -69,7 +69,7 @@ impl Sessions {
         self.service.clone().open_session(new.0).await?.into_inner().try_into()
     }
 
-    /// The session as it is now.
+    /// Returns the current session.
     ///
     /// # Errors
     /// If it is lost, or the server cannot be asked.

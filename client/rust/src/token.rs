@@ -99,7 +99,8 @@ pub fn publish(port: u16, token: &str) -> io::Result<()> {
     #[cfg(unix)]
     std::os::unix::fs::DirBuilderExt::mode(&mut folders, 0o700);
     folders.create(folder)?;
-    // Anew, so that the file has these permissions whatever was there, and whole or not at all.
+    // As a new file, so that it has these permissions in any case, and is written whole or not at
+    // all.
     let partial = path.with_extension(format!("{}.partial", std::process::id()));
     match std::fs::remove_file(&partial) {
         Err(error) if error.kind() != io::ErrorKind::NotFound => return Err(error),

@@ -29,10 +29,10 @@ impl Twins {
         Self { service }
     }
 
-    /// One twin's entry.
+    /// Returns a twin's entry.
     ///
     /// # Errors
-    /// If there is none of that name, or the server cannot be asked.
+    /// If the twin does not exist, or the server cannot be asked.
     pub async fn get(&self, name: TwinId) -> Result<Twin, Error> {
         let request = GetTwinRequest { name: name.to_string() };
         self.service.clone().get_twin(request).await?.into_inner().try_into()
@@ -67,7 +67,7 @@ impl Twins {
     /// Changes name, note and tags.
     ///
     /// # Errors
-    /// If one of them is not allowed, there is none of that name, or the server cannot be asked.
+    /// If a change is not allowed, the twin does not exist, or the server cannot be asked.
     pub async fn update(&self, name: TwinId, update: &Update) -> Result<Twin, Error> {
         let change = update.clone();
         let twin = v1::Twin {
@@ -89,7 +89,7 @@ impl Twins {
     /// Nodes, springs and control points of a twin.
     ///
     /// # Errors
-    /// If there is none of that name, or the server cannot be asked.
+    /// If the twin does not exist, or the server cannot be asked.
     pub async fn geometry(&self, name: TwinId) -> Result<Geometry, Error> {
         let request = GetTwinGeometryRequest { name: name.to_string() };
         self.service.clone().get_twin_geometry(request).await?.into_inner().try_into()
@@ -98,7 +98,7 @@ impl Twins {
     /// Deletes a twin.
     ///
     /// # Errors
-    /// If there is none of that name, or the server cannot be asked.
+    /// If the twin does not exist, or the server cannot be asked.
     pub async fn delete(&self, name: TwinId) -> Result<(), Error> {
         let request = DeleteTwinRequest { name: name.to_string() };
         self.service.clone().delete_twin(request).await?;
@@ -108,7 +108,7 @@ impl Twins {
     /// The twin file, checked against its digest.
     ///
     /// # Errors
-    /// If there is none of that name, it arrives damaged, or the server cannot be asked.
+    /// If the twin does not exist, it arrives damaged, or the server cannot be asked.
     pub async fn export(&self, name: TwinId) -> Result<Vec<u8>, Error> {
         let digest = self.get(name).await?.digest;
         let request = ExportTwinRequest { name: name.to_string() };

@@ -1,5 +1,5 @@
-//! Uploads over tus 1.0.0 that survive broken connections, restarts of the server
-//! and restarts of their own process.
+//! Uploads over tus 1.0.0 that survive broken connections, restarts of the server and restarts of
+//! the uploading process.
 //!
 //! There is no state file: the upload is found again by its request id, which is derived from the
 //! content's digest and the metadata. So the same file under the same name is resumed from any
@@ -45,7 +45,7 @@ const STALL_TIMEOUT: Duration = Duration::from_secs(300);
 /// Upload of one file.
 pub(crate) struct Sender<'a> {
     http: &'a Http,
-    /// Of the server, without a slash at the end.
+    /// Address of the server, without a slash at the end.
     server: &'a str,
     path: &'a Path,
     length: u64,
@@ -310,7 +310,7 @@ impl RetryBudget {
         if Instant::now() + self.pause >= self.ends {
             return Err(error.clone());
         }
-        // Clients that lost the same server should not all come back at once.
+        // Clients that lost the same server should not all come back at the same time.
         let jitter = f64::from(uuid::Uuid::new_v4().as_bytes()[0]) / 255.0;
         tokio::time::sleep(self.pause.mul_f64(0.5 + 0.5 * jitter)).await;
         self.pause = (2 * self.pause).min(LONGEST_WAIT);

@@ -23,7 +23,7 @@ impl Workers {
         Self { service }
     }
 
-    /// One worker.
+    /// Returns a worker.
     ///
     /// # Errors
     /// If it is not known, or the server cannot be asked.

@@ -63,7 +63,7 @@ pub struct Reply {
     pub frame_costs: Vec<f64>,
     /// Control positions that were simulated [m], shape [R, F + 1, C].
     pub controls: Vec<Point>,
-    /// One for each instance covered, if asked for.
+    /// Diagnostics of each instance covered, if requested.
     pub diagnostics: Vec<Diagnostics>,
     /// Costs of the members of an ensemble, of which `costs` are a statistic or beside those of their mean
     /// motion, shape [B', E].
@@ -130,14 +130,14 @@ pub struct Diagnostics {
 /// Mean forces on the object over each frame [N]; per unit mass if its mass is not known.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Forces {
-    /// By control points, shape [R, F, C, 3].
+    /// Forces from control points, shape [R, F, C, 3].
     pub controls: Vec<Point>,
-    /// By grasps, shape [R, F, G, 6]: force, then torque about the gripper's origin at the end of the
-    /// frame [N m], along the world's axes.
+    /// Forces from grasps, shape [R, F, G, 6]: force, then torque about the gripper's origin at the
+    /// end of the frame [N m], along the world's axes.
     pub grasps: Vec<f32>,
-    /// By the ground, shape [R, F, 3].
+    /// Forces from the ground, shape [R, F, 3].
     pub ground: Vec<Point>,
-    /// By colliders, shape [R, F, K, 6], about what carries them.
+    /// Forces from colliders, shape [R, F, K, 6], about the origin of what carries them.
     pub colliders: Vec<f32>,
 }
 

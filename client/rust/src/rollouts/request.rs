@@ -105,8 +105,8 @@ impl Rollout {
         self
     }
 
-    /// Seconds from knot to knot, whatever the twin's frame rate; the horizon is that of
-    /// [`Rollout::frames`].
+    /// Sets the seconds from knot to knot, independent of the twin's frame rate; the horizon is
+    /// that of [`Rollout::frames`].
     #[must_use]
     pub fn period_s(mut self, period: f64) -> Self {
         self.request.knot_times = Some(KnotTimes { times: Some(Times::PeriodS(period)) });
@@ -125,8 +125,8 @@ impl Rollout {
         self.start(Initial::Given(state.into()))
     }
 
-    /// Starts where the twin is after following the controls of a capture (its own, if none is
-    /// given) up to a frame.
+    /// Starts where the twin is after following the controls of a capture (by default the twin's
+    /// own) up to a frame.
     #[must_use]
     pub fn from_capture_frame(self, capture: Option<CaptureId>, sequence: u32, frame: u32) -> Self {
         let capture = capture.map(|c| c.to_string()).unwrap_or_default();
@@ -152,8 +152,8 @@ impl Rollout {
         }))
     }
 
-    /// Twists all instances' rods by so much [rad], shape [rods], where they start from a given
-    /// state.
+    /// Twists all instances' rods by these angles [rad], shape [rods], where they start from a
+    /// given state.
     #[must_use]
     pub fn twisted(mut self, twists: &[f32]) -> Self {
         let state = self.request.initial.as_mut().and_then(|i| i.state.as_mut());
@@ -233,8 +233,8 @@ impl Rollout {
         self
     }
 
-    /// Asks for parts of at most so many frames, each as soon as it is simulated: of
-    /// [`Rollouts::stream`] alone.
+    /// Asks for parts of at most `frames` frames, each as soon as it is simulated; only for
+    /// [`Rollouts::stream`].
     ///
     /// [`Rollouts::stream`]: super::Rollouts::stream
     #[must_use]
@@ -243,7 +243,7 @@ impl Rollout {
         self
     }
 
-    /// Simulates for so many seconds from when the server has the request; instances that are not
+    /// Limits the time to `seconds` from when the server has the request; instances that are not
     /// done by then are in [`Reply::unfinished`].
     ///
     /// [`Reply::unfinished`]: super::Reply::unfinished
@@ -330,9 +330,9 @@ impl Rollout {
         self
     }
 
-    /// Simulates every action on so many fits of the twin, the first being the twin itself: at most
-    /// [`Geometry::fits`](crate::Geometry::fits). Its cost is a statistic of theirs, or that of their
-    /// mean motion.
+    /// Simulates every action on `count` fits of the twin, the first being the twin itself: at most
+    /// [`Geometry::fits`](crate::Geometry::fits). The cost is a statistic over these fits, or that
+    /// of their mean motion.
     #[must_use]
     pub fn on_fits(mut self, count: u32, statistic: Statistic) -> Self {
         self.request.vary.get_or_insert_default().fits = true;
@@ -347,16 +347,16 @@ impl Rollout {
         self
     }
 
-    /// Simulates every action under the sets of parameters of [`Rollout::vary`], so many; its cost is
-    /// a statistic of theirs.
+    /// Simulates every action under the `members` sets of parameters of [`Rollout::vary`]; the cost
+    /// is a statistic over these.
     #[must_use]
     pub fn ensemble(mut self, members: u32, statistic: Statistic) -> Self {
         self.request.ensemble = Some(statistic.of(members));
         self
     }
 
-    /// Lets gradients reach back through so many frames (0: all), and smooths the contact that they
-    /// go through over a layer of this width [m].
+    /// Lets gradients reach back through `reach_frames` frames (0: all), and smooths the contact
+    /// that they go through over a layer of this width [m].
     #[must_use]
     pub fn gradient(mut self, reach_frames: u32, smoothing_m: f64) -> Self {
         self.request.gradient = Some(v1::GradientOptions { reach_frames, smoothing_m });
@@ -372,7 +372,7 @@ impl Rollout {
         self
     }
 
-    /// Holds any motion to be possible: none is in [`Reply::implausible`], and none is refused.
+    /// Accepts any motion as plausible: [`Reply::implausible`] stays empty, and nothing is refused.
     ///
     /// [`Reply::implausible`]: super::Reply::implausible
     #[must_use]
@@ -403,7 +403,7 @@ impl Rollout {
         self
     }
 
-    /// The request as it is sent.
+    /// The message of the request.
     ///
     /// # Errors
     /// If an array does not have its shape.

@@ -9,15 +9,15 @@ use super::{
 };
 use crate::Error;
 
-/// A state of a twin with N nodes and C control points. A rollout that starts from the state in
-/// which another one ended goes on exactly as if that had not stopped.
+/// A state of a twin with N nodes and C control points. A rollout that starts from the final state
+/// of another continues exactly as if the other had not stopped.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct State {
     /// Positions [m], shape [N].
     pub positions: Vec<Point>,
     /// Velocities [m/s], shape [N]; empty means at rest.
     pub velocities: Vec<Point>,
-    /// Twists of rods [rad]; empty means that none is twisted.
+    /// Twists of rods [rad]; empty means zero.
     pub twists: Vec<f32>,
     /// Control points [m], shape [C]; empty: where pins say, others at rest.
     pub controls: Vec<Point>,
@@ -76,7 +76,7 @@ impl TryFrom<GivenState> for State {
 }
 
 impl State {
-    /// One of `rows` states whose arrays stand one after another here.
+    /// A single state of `rows` states whose arrays are stored one after another here.
     pub(crate) fn row(&self, rows: usize, row: usize) -> Self {
         Self {
             positions: one(&self.positions, rows, row),
@@ -119,7 +119,7 @@ impl Reply {
     }
 }
 
-/// One of `rows` equal parts.
+/// Part `row` of `rows` equal parts.
 fn one<T: Clone>(all: &[T], rows: usize, row: usize) -> Vec<T> {
     let width = all.len() / rows;
     all[row * width..(row + 1) * width].to_vec()

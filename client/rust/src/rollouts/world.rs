@@ -175,7 +175,7 @@ impl Grasp {
         self
     }
 
-    /// Lets go above this force, mean over a frame [N].
+    /// Releases above this force, mean over a frame [N].
     #[must_use]
     pub fn max_force(mut self, newtons: f64) -> Self {
         self.0.max_force_n = Some(newtons);

@@ -23,7 +23,7 @@ impl NewSession {
         Self(OpenSessionRequest { twin: twin.to_string(), ..OpenSessionRequest::default() })
     }
 
-    /// So many simulations.
+    /// Sets the number of simulations.
     #[must_use]
     pub fn slots(mut self, slots: u32) -> Self {
         self.0.slots = slots;
@@ -36,15 +36,15 @@ impl NewSession {
         self.start(Initial::Settled(Settled {}))
     }
 
-    /// Begins in a whole state, such as [`Reply::state`](crate::Reply::state): the way to go on
+    /// Begins in a whole state, such as [`Reply::state`](crate::Reply::state): the way to resume
     /// after a session was lost.
     #[must_use]
     pub fn going_on(self, state: &State) -> Self {
         self.start(Initial::Given(state.into()))
     }
 
-    /// Begins where the twin is after following the controls of a capture (its own, if none is
-    /// given) up to a frame.
+    /// Begins where the twin is after following the controls of a capture (by default the twin's
+    /// own) up to a frame.
     #[must_use]
     pub fn from_capture_frame(self, capture: Option<CaptureId>, sequence: u32, frame: u32) -> Self {
         let capture = capture.map(|c| c.to_string()).unwrap_or_default();

@@ -15,7 +15,7 @@ use super::*;
 
 const NAME: &str = "captures/0190a000-0000-7000-8000-000000000001";
 
-/// One expected request, by method and offset, and the response to it. An empty response closes the
+/// An expected request, by method and offset, and the response to it. An empty response closes the
 /// connection.
 type Exchange = (&'static str, Option<u64>, String);
 
@@ -85,7 +85,7 @@ fn at(offset: u64) -> Exchange {
 }
 
 #[tokio::test]
-async fn goes_on_where_the_server_is_after_every_kind_of_failure() {
+async fn resumes_at_the_server_offset_after_every_kind_of_failure() {
     let name = push(vec![
         ("POST", None, String::new()),
         created(),
@@ -128,7 +128,7 @@ async fn does_not_send_what_is_there() {
 }
 
 #[tokio::test]
-async fn what_will_not_get_better_is_an_error_at_once() {
+async fn permanent_failures_are_not_retried() {
     let refused = push(vec![created(), ("PATCH", Some(0), answer("400 Bad Request", ""))]).await;
     assert_eq!(refused.unwrap_err().category(), Category::InvalidArgument);
     let malformed = push(vec![("POST", None, answer("201 Created", ""))]).await;
