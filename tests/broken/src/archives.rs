@@ -112,7 +112,7 @@ fn faults() -> Vec<Broken> {
     ]
 }
 
-/// Recordings in archives of other kinds than the usual, and in files that are none.
+/// Recordings in other kinds of archives than the usual, and in files that are no archives.
 fn kinds() -> Vec<Broken> {
     let archive = |name, expected: Expected, pack| broken(name, expected, Make::Archive(pack));
     vec![

@@ -56,7 +56,7 @@ fn exported(recording: &Recording) -> FileMap {
     files
 }
 
-/// Writes the changed description of a case; frames stay as they are.
+/// Writes the changed description of a case; frames are unchanged.
 pub(crate) fn redescribe(files: &mut FileMap, change: impl Fn(&mut Recording)) {
     let mut about = healthy().about;
     change(&mut about);

@@ -176,7 +176,7 @@ fn warped<P: Copy>(image: &Image<P>, blank: P, from: impl Fn([f64; 2]) -> [f64; 
     out
 }
 
-/// A field of view so many times as wide.
+/// A field of view `times` times as wide.
 fn zoomed<P: Copy>(image: &Image<P>, blank: P, times: f64) -> Image<P> {
     let center = [image.width, image.height].map(|n| (n as f64 - 1.0) / 2.0);
     warped(image, blank, |at| std::array::from_fn(|a| center[a] + times * (at[a] - center[a])))

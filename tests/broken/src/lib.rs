@@ -36,7 +36,7 @@ pub struct Broken {
 /// A diagnosis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Expected {
-    /// It cannot be opened: reason of the error.
+    /// Cannot be opened: reason of the error.
     Refused(&'static str),
     /// Some of its files cannot be decoded: the reader's reason for the first.
     Damaged(&'static str),

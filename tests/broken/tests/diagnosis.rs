@@ -11,7 +11,7 @@ use bendtwin_lift::lift;
 
 const MAX_BYTES: u64 = 1_000_000_000;
 
-/// The recording, or the reason for which there is none.
+/// The recording, or the reason why it cannot be opened.
 fn opened(sample: &Sample) -> Result<Recording, Fault> {
     match sample {
         Sample::Opened(recording) => Ok(recording.as_ref().clone()),

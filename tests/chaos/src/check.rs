@@ -1,5 +1,5 @@
-//! The check at the end, when all faults are over: everything that was acknowledged is as it was
-//! acknowledged, once, and nothing else is there.
+//! The check at the end, when all faults are over: everything acknowledged exists unchanged, once,
+//! and nothing else.
 
 mod content;
 mod jobs;

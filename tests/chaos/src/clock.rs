@@ -1,5 +1,5 @@
-//! A wall clock of its own for the server and its workers, which steps while they run. The library
-//! that is preloaded is `clock.c`.
+//! A separate wall clock for the server and its workers, which steps while they run. The preloaded
+//! library is `clock.c`.
 
 use std::{path::PathBuf, process::Command};
 
@@ -25,10 +25,10 @@ impl Clock {
         command.env("LD_PRELOAD", &self.library).env("CHAOS_CLOCK", &self.file);
     }
 
-    /// Steps the clock to so many seconds from the true time.
+    /// Steps the clock to `step_s` seconds from the true time.
     pub(crate) fn set(&self, step_s: i64) -> anyhow::Result<()> {
         use std::os::unix::fs::FileExt as _;
-        // Eight aligned bytes at once, in place: the file is mapped.
+        // Eight aligned bytes in one write, in place: the file is mapped.
         let file = std::fs::OpenOptions::new().write(true).open(&self.file);
         file.and_then(|file| file.write_all_at(&step_s.to_ne_bytes(), 0)).context("set the clock")
     }

@@ -74,8 +74,8 @@ pub(crate) async fn happen(run: &Arc<Run>, events: Vec<Event>) {
     }
 }
 
-/// Lets a fault happen. One that does not come about, because another one is in its way, is none of
-/// the server's; a fleet, which is to have a number of them, gets it later.
+/// Injects a fault. A fault that another one prevents does not count; a fleet, which needs a
+/// certain number of faults, gets it later.
 async fn one(run: &Run, event: Event, files: &hostile::Files) {
     loop {
         let Err(error) = attempt(run, event, files).await else { return run.fault_happened() };
@@ -110,13 +110,13 @@ fn step(run: &Run, chance: u64, step_s: i64) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// A client of rollouts with an address of its own.
+/// A client of rollouts with a separate address.
 async fn rollouts(run: &Run, from: IpAddr) -> anyhow::Result<RolloutServiceClient<Channel>> {
     let client = RolloutServiceClient::new(channel(run, from).await?);
     Ok(client.max_decoding_message_size(1 << 30))
 }
 
-/// A client of sessions with an address of its own.
+/// A client of sessions with a separate address.
 async fn sessions(run: &Run, from: IpAddr) -> anyhow::Result<SessionServiceClient<Channel>> {
     Ok(SessionServiceClient::new(channel(run, from).await?))
 }
@@ -126,7 +126,7 @@ async fn channel(run: &Run, from: IpAddr) -> anyhow::Result<Channel> {
     Ok(endpoint.connect_timeout(Duration::from_secs(10)).connect().await?)
 }
 
-/// An HTTP client with an address of its own.
+/// An HTTP client with a separate address.
 fn http(from: IpAddr) -> anyhow::Result<reqwest::Client> {
     let builder = reqwest::Client::builder().local_address(from).pool_max_idle_per_host(0);
     Ok(builder.timeout(Duration::from_secs(60)).build()?)

@@ -22,9 +22,9 @@ const GIVE_UP: Duration = Duration::from_secs(180);
 /// An answer that is not the wanted one.
 #[derive(Debug)]
 pub(crate) enum Refusal {
-    /// It may be another one later.
+    /// A later answer may differ.
     Later(String),
-    /// It will stay so: the reason, and all of it.
+    /// Permanent: the reason, and the whole answer.
     Final(String, String),
     /// The server failed, and says so.
     Defect(String),

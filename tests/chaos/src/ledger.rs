@@ -13,11 +13,11 @@ use std::{
 /// Fate of a thing.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Fate {
-    /// It has to be there.
+    /// Must exist.
     Kept,
-    /// Its deletion was asked for and not acknowledged: it may be there.
+    /// The deletion was requested and not acknowledged: may exist.
     Leaving,
-    /// It must not be there.
+    /// Must not exist.
     Deleted,
 }
 
@@ -55,7 +55,7 @@ pub(crate) struct Things {
     pub(crate) captures: BTreeMap<String, Stored>,
     pub(crate) twins: BTreeMap<String, Stored>,
     pub(crate) fits: BTreeMap<String, Ordered>,
-    /// By path.
+    /// Uploads by path.
     pub(crate) uploads: BTreeMap<String, Begun>,
 }
 

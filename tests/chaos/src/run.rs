@@ -34,7 +34,7 @@ pub(crate) struct Wanted {
 /// A run.
 pub(crate) struct Run {
     pub(crate) seed: u64,
-    /// Its time with faults.
+    /// Duration of the faults.
     pub(crate) length: Duration,
     /// Fits that have to be ordered before the load ends.
     wanted_fits: usize,

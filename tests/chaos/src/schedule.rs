@@ -1,5 +1,5 @@
-//! The schedule of faults: what happens when, drawn from the seed before anything starts. Each class
-//! has a stream of chance of its own, so that leaving classes out changes nothing about the others.
+//! The schedule of faults: what happens when, drawn from the seed before anything starts. Each
+//! class has a separate random stream, so that leaving out classes does not change the others.
 
 use std::{fmt, time::Duration};
 
@@ -20,7 +20,7 @@ pub(crate) enum Class {
     Disk,
     /// Hostile captures, twins and rollout requests.
     Hostile,
-    /// Clients that begin and do not go on.
+    /// Clients that begin and then stall.
     Silent,
     /// Clients that ask for as much as they may, and more.
     Greedy,
@@ -28,7 +28,7 @@ pub(crate) enum Class {
     Partitions,
     /// Ends and pauses of the database and the bucket of a fleet.
     Outages,
-    /// Workers that stand still until another has their job, and go on.
+    /// Workers that stand still until another has their job, and then resume.
     Zombies,
 }
 
@@ -77,7 +77,7 @@ pub(crate) trait Counts {
     fn count(&self, class: Class) -> u32;
 }
 
-/// Faults of one server: so many in a minute.
+/// Faults of one server, at a rate per minute.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Paced {
     pub(crate) length: Duration,
@@ -91,7 +91,7 @@ impl Counts for Paced {
     }
 }
 
-/// Faults of a fleet: so many.
+/// Faults of a fleet, by number.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Counted {
     pub(crate) faults: u32,
@@ -141,7 +141,7 @@ pub(crate) enum Silence {
     NoBodies,
     /// Streams of rollouts that are not read.
     UnreadStreams,
-    /// Streams of controls of a session that say nothing, or send what is none.
+    /// Streams of controls of a session that send nothing, or invalid messages.
     Controls,
 }
 
@@ -195,10 +195,10 @@ pub(crate) enum Fault {
     /// SIGTERM for the server, and a new start.
     Restart,
     Pause(Victim, Duration),
-    /// Step of the clock to so many seconds from the true time.
+    /// Step of the clock to this many seconds from the true time.
     Clock(i64),
     /// A full disk for this time. If fresh, right after an orderly restart, when the database has
-    /// to make the file of its log. If pressed, what becomes free is taken at once.
+    /// to make the file of its log. If pressed, space that becomes free is taken immediately.
     FullDisk {
         held: Duration,
         fresh: bool,

@@ -1,4 +1,4 @@
-//! One server with its own workers, over one folder.
+//! A server with its own workers, over one folder.
 
 use std::{
     path::{Path, PathBuf},

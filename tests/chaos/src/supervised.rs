@@ -230,7 +230,7 @@ impl Supervised {
 
     /// SIGTERM, and a start by the supervisor.
     pub(crate) async fn restart(&self) -> anyhow::Result<()> {
-        // A second signal would end it at once.
+        // A second signal would end it immediately.
         let _one = self.ending.lock().await;
         let pid = self.pid().with_context(|| format!("the {} does not run", self.plan.name))?;
         self.end_in_order(pid).await;

@@ -27,7 +27,7 @@ pub(crate) enum System {
 /// A process that a fault is about.
 pub(crate) struct Target {
     pub(crate) pid: u32,
-    /// Its supervisor, if that is ours.
+    /// Supervisor of the server, if the suite started it.
     pub(crate) supervised: Option<Arc<Supervised>>,
 }
 

@@ -7,7 +7,7 @@ pub(crate) struct DocComment {
     pub(crate) line: usize,
     /// True for docs of the public API: of modules, of `pub` items, of messages, Python docstrings.
     pub(crate) is_public: bool,
-    /// Its lines without markers.
+    /// Lines without comment markers.
     pub(crate) lines: Vec<String>,
 }
 
@@ -56,7 +56,7 @@ fn item<'a>(lines: &[&'a str]) -> &'a str {
     ""
 }
 
-/// Comments that begin with `//`, on lines of their own or at the end of a line.
+/// Comments that begin with `//`, on separate lines or at the end of a line.
 fn slashes(text: &str, is_public: bool) -> Vec<DocComment> {
     let mut comments: Vec<DocComment> = Vec::new();
     let mut continues = false;

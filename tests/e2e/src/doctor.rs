@@ -45,7 +45,7 @@ async fn a_healthy_server_is_healthy_and_what_is_amiss_is_named() {
 }
 
 #[tokio::test]
-async fn a_taken_port_is_told_and_leaves_no_folder() {
+async fn a_taken_port_is_reported_and_leaves_no_folder() {
     let other = TcpListener::bind("127.0.0.1:0").unwrap();
     let address = other.local_addr().unwrap().to_string();
     let folder = tempfile::tempdir().unwrap();

@@ -1,5 +1,5 @@
-//! The life of fit jobs as their owner sees it: created once, ordered by
-//! priority, cancelled at once, taken over when a worker dies, watched.
+//! The life of fit jobs for their owner: created once, ordered by priority, cancelled immediately,
+//! taken over when a worker dies, watched.
 
 use std::time::Duration;
 
@@ -96,7 +96,7 @@ async fn a_running_fit_is_cancelled() {
 }
 
 #[tokio::test]
-async fn a_queued_fit_is_cancelled_at_once() {
+async fn a_queued_fit_is_cancelled_immediately() {
     let server = TestCluster::start(Setup { own_workers: 0, ..Setup::default() }).await;
     let api = server.api();
     let capture = api.upload(&capture().await, "").await.unwrap();

@@ -187,7 +187,7 @@ async fn a_fleet_fits_and_plans_through_tls_while_a_server_dies() {
     first.kill().unwrap();
     first.wait().unwrap();
 
-    // At the other one it goes on, and its twin answers a planner.
+    // At the other server it continues, and its twin answers a planner.
     let ended = fleet.json(1, &["fit", "watch", fit]);
     assert_eq!(
         (&ended["job"]["state"], &ended["job"]["attempts"]),

@@ -1,4 +1,4 @@
-//! Ingests of captures, each in a process of its own, which may die, be killed or run out of memory
+//! Ingests of captures, each in a separate process, which may die, be killed or run out of memory
 //! without harm to anything else.
 
 use std::time::Duration;

@@ -1,5 +1,5 @@
 //! A lab that keeps order: names, notes and tags, lists that are searched and sorted, fits that are
-//! compared, and a fit that goes on when nobody watches it any more.
+//! compared, and a fit that continues when its client is gone.
 
 use std::{
     io::{BufRead as _, BufReader, Read as _},
@@ -99,7 +99,7 @@ async fn fits_are_named_tagged_searched_and_compared() {
 }
 
 #[tokio::test]
-async fn a_fit_that_is_no_longer_watched_goes_on() {
+async fn a_fit_continues_without_watchers() {
     let server = TestCluster::ordinary().await;
     let (url, archive, settings) =
         (server.url(), server.path("rope.zip"), server.path("endless.json"));

@@ -1,5 +1,5 @@
 //! Server and worker under a limit of the system a little above their budgets of memory: the
-//! largest requests that are accepted, all at once, end neither.
+//! largest accepted requests, all together, end neither.
 //!
 //! The limit is `RLIMIT_DATA`, what a process may write. `RLIMIT_AS` would count what threads and
 //! the allocator only reserve, gigabytes for a handful of threads.
@@ -20,7 +20,7 @@ use self::requests::{Twins, gradients, long_reply, many_controls, many_frames, m
 /// allocator keeps of freed memory.
 const MEMORY: Memory = Memory { server_mib: 256, worker_mib: 512, base_mib: 320 };
 const DEADLINE: Duration = Duration::from_secs(120);
-/// Requests of those at once that are answered on the slowest machine.
+/// Requests of those that are answered on the slowest machine.
 const LEAST_ANSWERED: usize = 5;
 const PROTOBUF: &str = "application/x-protobuf";
 /// Reasons to refuse a request that are no failures.
@@ -70,7 +70,7 @@ async fn http(url: String, kind: &'static str, body: Vec<u8>) -> Outcome {
 }
 
 #[tokio::test(flavor = "multi_thread")]
-async fn the_largest_requests_at_once_end_no_process() {
+async fn the_largest_requests_together_end_no_process() {
     let isolation = Isolation::Exclusive;
     let setup = Setup { own_workers: 0, isolation, memory: Some(MEMORY), ..Setup::default() };
     let mut cluster = TestCluster::start(setup).await;

@@ -1,5 +1,5 @@
-//! Two servers with their rows in PostgreSQL and all content in one bucket: an upload that one of them
-//! begins, and dies over, goes on at the other, and its capture becomes a twin there.
+//! Two servers with their rows in PostgreSQL and all content in one bucket: an upload that begins
+//! at one, which dies during it, resumes at the other, and its capture becomes a twin there.
 
 use std::time::Duration;
 
@@ -154,7 +154,7 @@ async fn a_capture_pushed_through_two_servers_becomes_a_twin() {
 }
 
 #[tokio::test]
-async fn a_bucket_that_is_away_is_told_at_once() {
+async fn an_unreachable_bucket_is_reported_without_delay() {
     let Some(endpoint) = endpoint_or_skip() else { return };
     let proxy = crate::harness::stalling_proxy::StallingProxy::to(&endpoint, u64::MAX).await;
     let environment = environment(proxy.url(), &format!("away-{}", std::process::id()));
@@ -163,7 +163,7 @@ async fn a_bucket_that_is_away_is_told_at_once() {
     let stored = server.api().upload(&Bytes::from_static(b"content"), "kept").await.unwrap();
     let path = format!("/v1/{}/content", stored.name);
     assert_eq!(server.http().get(&path).await.bytes().await.unwrap(), b"content"[..]);
-    // Connections end with each request there, so there are none left.
+    // Connections end with each request there, so no connection is left.
     drop(proxy);
     let refused = server.http().get(&path).await;
     assert_eq!(refused.status(), StatusCode::SERVICE_UNAVAILABLE);
@@ -173,7 +173,7 @@ async fn a_bucket_that_is_away_is_told_at_once() {
 }
 
 #[tokio::test]
-async fn a_wrong_secret_is_told_and_not_shown() {
+async fn a_wrong_secret_is_reported_and_not_shown() {
     let Some(endpoint) = endpoint_or_skip() else { return };
     if std::env::var_os(KEY).is_none() {
         return eprintln!("SKIPPED: {KEY} has no key of an S3 server that checks signatures");
@@ -193,7 +193,7 @@ async fn a_wrong_secret_is_told_and_not_shown() {
     assert!(!said.contains(WRONG) && !said.contains(&secret), "{said}");
 }
 
-/// Over TLS of a private authority, which the server is told of.
+/// Over TLS of a private authority, which the server is configured with.
 #[tokio::test]
 async fn a_bucket_has_a_certificate_of_a_private_authority() {
     let Some(endpoint) = endpoint_or_skip() else { return };

@@ -16,7 +16,7 @@ use crate::harness::{
     until, within,
 };
 
-/// One server-sent event: its id and its data.
+/// A server-sent event: its id and its data.
 type Event = (u64, Value);
 
 #[tokio::test]

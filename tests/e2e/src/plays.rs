@@ -229,7 +229,7 @@ async fn the_planner_brings_a_point_to_its_goal() {
 }
 
 #[tokio::test]
-async fn a_play_goes_on_from_its_last_state_when_its_worker_is_lost() {
+async fn a_play_resumes_from_its_last_state_when_its_worker_is_lost() {
     let story = Story::begin().await;
     let mut play = story.play(begin()).await;
     let first = play.shown("a state", |s| s.number > 3).await;

@@ -99,7 +99,7 @@ async fn any_server_answers_and_a_fit_survives_the_loss_of_the_one_it_reported_t
     let get = GetSessionRequest { name: session };
     assert_eq!(second.sessions().get_session(get).await.unwrap().into_inner().worker, name);
 
-    // It comes back and finds everything as it is. The worker is drained at one, and gone at both.
+    // It comes back and finds everything unchanged. The worker is drained at one, and gone at both.
     fleet.start_again(0).await;
     assert_eq!(fleet.names(0).await, std::slice::from_ref(&name));
     let fit = second.fit(&stored.name, ENDLESS, 0).await.unwrap();

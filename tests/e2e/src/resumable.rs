@@ -85,7 +85,7 @@ impl Drop for Killed {
 }
 
 #[tokio::test]
-async fn a_push_goes_on_over_deaths_of_server_and_client() {
+async fn a_push_survives_deaths_of_server_and_client() {
     let mut server = TestCluster::start(no_workers()).await;
     let size = 40 * MIB;
     let file = server.path("rope.zip");

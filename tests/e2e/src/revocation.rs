@@ -27,7 +27,7 @@ const SETTINGS: [&str; 8] = [
     "search.population=8",
 ];
 
-/// Workers with certificates, each with a log of its own.
+/// Workers with certificates, each with a separate log.
 struct Workers {
     processes: Processes,
     children: Vec<Child>,
@@ -61,7 +61,7 @@ fn issue(ca: &str, role: &str, name: &str, more: &[&str]) {
     run_ok(&[&order[..], more].concat());
 }
 
-/// The label of the one worker that has a fit; none while there is none.
+/// The label of the worker that has a fit; `None` while no worker has one.
 fn fitting(workers: &Value) -> Option<String> {
     let mut all = workers.as_array().unwrap().iter();
     let worker = all.find(|worker| worker["fit"].is_string())?;

@@ -49,7 +49,7 @@ fn is_character(text: &str) -> bool {
     after.next() == Some('\\') || after.next() == Some('\'')
 }
 
-/// Length of the raw string at the start [bytes]; 0 if there is none.
+/// Length of the raw string at the start [bytes]; 0 without one.
 fn raw(text: &str) -> usize {
     let hashes = text[1..].bytes().take_while(|b| *b == b'#').count();
     let Some(inside) = text[1 + hashes..].strip_prefix('"') else { return 0 };

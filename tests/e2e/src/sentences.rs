@@ -21,7 +21,7 @@ fn tables_lists_and_code_are_no_sentences() {
     assert_eq!(wrapped(text).collect::<Vec<_>>(), [2]);
 }
 
-/// Numbers of the lines that go on in the next one.
+/// Numbers of the lines that continue in the next one.
 fn wrapped(text: &str) -> impl Iterator<Item = usize> {
     let mut in_code = false;
     let prose: Vec<_> = text

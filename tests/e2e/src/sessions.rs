@@ -136,7 +136,7 @@ async fn a_session_over_http_goes_where_one_rollout_goes() {
 }
 
 #[tokio::test]
-async fn a_lost_session_goes_on_from_the_last_state_of_a_reply() {
+async fn a_lost_session_resumes_from_the_last_state_of_a_reply() {
     let story = Story::begin().await;
     let client = story.client().await;
     let (sessions, twin) = (client.sessions(), story.twin.name.parse().unwrap());
@@ -223,7 +223,7 @@ async fn clients_that_never_close_shut_nobody_out() {
     };
     assert_eq!(refused.category(), Category::ResourceExhausted, "{refused}");
     assert_eq!(refused.reason(), "TOO_MANY_SESSIONS");
-    // Rollouts go on, and there is room again when a session is closed, or nobody has used it.
+    // Rollouts continue, and sessions fit again once one is closed, or has been unused for long.
     story.whole(&client, 3).await;
     sessions.close(opened.pop().unwrap()).await.unwrap();
     let short = NewSession::of(twin).idle_timeout(Duration::from_secs(1));
@@ -235,7 +235,7 @@ async fn clients_that_never_close_shut_nobody_out() {
 }
 
 #[tokio::test]
-async fn states_that_the_worker_has_no_memory_for_are_refused_at_once() {
+async fn states_beyond_the_memory_of_the_worker_are_refused() {
     let memory = Memory { server_mib: 256, worker_mib: 128, base_mib: 320 };
     let setup = Setup { own_workers: 0, memory: Some(memory), ..Setup::default() };
     let mut story = Story::with(setup).await;

@@ -9,7 +9,7 @@ use tokio_rustls::TlsAcceptor;
 
 use crate::harness::command::run_ok;
 
-/// It ends when it is dropped.
+/// A proxy that terminates TLS, until it is dropped.
 pub(crate) struct TlsTerminator {
     url: String,
     folder: tempfile::TempDir,
@@ -54,7 +54,7 @@ impl TlsTerminator {
         Self { url, folder, accepting }
     }
 
-    /// Its address, for clients.
+    /// Address for clients.
     pub(crate) fn url(&self) -> &str {
         &self.url
     }

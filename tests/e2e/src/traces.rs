@@ -109,7 +109,7 @@ async fn a_fit_and_its_capture_are_one_trace_over_all_processes() {
     ]);
     until("all spans", Duration::from_secs(60), async || {
         let spans = collector.0.lock().unwrap();
-        // The steps of the process that reads the capture have names of their own.
+        // The steps of the process that reads the capture have distinct names.
         let reads = spans.iter().any(|(_, name, stage)| {
             name == "stage" && !["search", "refine", "evaluate"].contains(&stage.as_str())
         });

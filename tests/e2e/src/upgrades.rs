@@ -30,7 +30,7 @@ fn is_under_way(fit: &Fit) -> bool {
 }
 
 #[tokio::test]
-async fn servers_and_a_fit_go_on_beside_a_newer_version_and_a_breaking_one_is_refused() {
+async fn servers_and_a_fit_keep_running_beside_a_newer_version_and_a_breaking_one_is_refused() {
     let Some(mut fleet) = Fleet::start_or_skip(&[0, 0]).await else { return };
     fleet.start_worker(0).await;
     let (first, second) = (fleet.api(0), fleet.api(1));

@@ -19,7 +19,7 @@ async fn acknowledged_uploads_survive_kill_9() {
     let archive = capture().await;
     let mut names = Vec::new();
     for round in 0..5 {
-        // Other bytes each time, so that each upload is a blob of its own.
+        // Other bytes each time, so that each upload is a separate blob.
         let content = Bytes::from([&archive[..], &[round; 64]].concat());
         let stored = api.upload(&content, &format!("upload-{round}")).await.unwrap();
         server.kill();

@@ -186,7 +186,7 @@ impl Api {
         .await
     }
 
-    /// Waits until a fit has succeeded; fails the test at once if it ends otherwise.
+    /// Waits until a fit has succeeded; fails the test as soon as it ends otherwise.
     pub async fn succeeded(&self, name: &str, deadline: Duration) -> Fit {
         let fit = self.fit_when(name, "over", deadline, has_ended).await;
         assert_eq!(fit.state(), State::Succeeded, "{:?}", fit.job);

@@ -75,9 +75,9 @@ impl Default for Setup {
 /// Other clusters that may run at the same time.
 #[derive(Clone, Copy, Debug)]
 pub enum Isolation {
-    /// As many as the machine can take.
+    /// Number that the machine can take.
     Shared,
-    /// None, because time is measured.
+    /// No other cluster, because time is measured.
     Exclusive,
     /// Any number: the caller holds a slot already.
     Nested,

@@ -38,8 +38,8 @@ pub fn bendtwin() -> Command {
     command
 }
 
-/// The command with so much memory that it may write [MiB]. An allocation beyond that fails, and the
-/// process aborts.
+/// The command with a limit on the memory that it may write [MiB]. An allocation beyond that fails,
+/// and the process aborts.
 pub fn bendtwin_within(data_mib: u64) -> Command {
     let mut command = Command::new("sh");
     let limit = format!("ulimit -d {}; exec \"$0\" \"$@\"", data_mib << 10);

@@ -33,8 +33,8 @@ struct Server {
 }
 
 impl Fleet {
-    /// Starts as many servers as there are numbers, each with so many workers of its own; none if
-    /// there is no PostgreSQL.
+    /// Starts a server for each number, with that number of its own workers; `None` without
+    /// PostgreSQL.
     pub async fn start_or_skip(own_workers: &[u32]) -> Option<Self> {
         let postgres = Postgres::start_or_skip().await?;
         let slot = waiting::shared_slot().await;
@@ -110,7 +110,7 @@ impl Fleet {
     /// server knows it.
     pub async fn start_worker(&mut self, first: usize) -> String {
         let known = self.names(first).await;
-        // With one server it has no choice; the others are told to it as the ways around that one.
+        // With one server there is no choice; the other servers are given as alternatives to it.
         let mut urls: Vec<String> = vec![self.url(first)];
         urls.extend((0..self.servers.len()).filter(|s| *s != first).map(|s| self.url(s)));
         loop {

@@ -23,8 +23,8 @@ pub struct Http {
 impl Http {
     /// The server at `http://host:port`.
     pub fn new(url: &str) -> Self {
-        // A connection a request: the server closes one whose body it refused to read, and whoever
-        // takes that one next loses the race.
+        // A connection a request: the server closes one whose body it refused to read, and the next
+        // request on that connection would lose the race.
         let client = Client::builder().pool_max_idle_per_host(0).build().unwrap();
         Self { url: url.to_owned(), client }
     }
@@ -64,7 +64,7 @@ impl Http {
         reply.json().await.unwrap()
     }
 
-    /// Sends bytes as they are and returns the status of the first reply, if there was one.
+    /// Sends raw bytes and returns the status of the first reply, if there was one.
     pub async fn send_raw(&self, bytes: &[u8]) -> Option<u16> {
         let address = self.url.strip_prefix("http://").unwrap();
         let mut stream = TcpStream::connect(address).await.unwrap();

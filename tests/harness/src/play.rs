@@ -28,12 +28,12 @@ pub struct Play {
     pub draws: bool,
 }
 
-/// A state as it was shown.
+/// A state as shown to a browser.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Shown {
     /// Bits: paused, recording, replaying, goal.
     pub flags: u8,
-    /// Its number.
+    /// Number of the state.
     pub number: u32,
     /// Number of the last input in it.
     pub input: u32,

@@ -11,7 +11,7 @@ pub struct Postgres {
 }
 
 impl Postgres {
-    /// Starts one, or says that there is none to start.
+    /// Starts a server, or says that there is none to start.
     pub async fn start_or_skip() -> Option<Self> {
         if !script().arg("available").status().is_ok_and(|status| status.success()) {
             eprintln!("SKIPPED: PostgreSQL is missing");

@@ -91,8 +91,8 @@ fn parent(pid: u32) -> Option<u32> {
 
 impl Drop for Processes {
     fn drop(&mut self) {
-        // A process that is just being started may be missed once, so this repeats until none is
-        // left.
+        // A process that is just being started may be missed once, so this repeats until no process
+        // is left.
         for _ in 0..10 {
             let all = self.all();
             if all.is_empty() {

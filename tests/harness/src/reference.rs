@@ -1,4 +1,4 @@
-//! One small capture, and its twin by an undisturbed fit, made once for all tests.
+//! A small capture, and its twin by an undisturbed fit, made once for all tests.
 
 use std::time::{Duration, Instant};
 

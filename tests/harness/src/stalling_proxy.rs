@@ -20,7 +20,7 @@ pub struct StallingProxy {
 }
 
 impl StallingProxy {
-    /// A proxy of `server` (`http://host:port`) that passes on so many bytes from all clients
+    /// A proxy of `server` (`http://host:port`) that passes on `bytes` bytes from all clients
     /// together.
     pub async fn to(server: &str, bytes: u64) -> Self {
         let server = server.strip_prefix("http://").unwrap().to_owned();

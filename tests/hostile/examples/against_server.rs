@@ -1,8 +1,8 @@
 //! Sends hostile files to a real server and prints what became of it: deaths of processes, peak of
 //! its memory, the slowest file. `tests/hostile/run` builds and runs it.
 //!
-//! One file at a time, so that the time of each is its own: of ten files seven are captures, which
-//! are waited for until their ingest has ended, two are twins and one is a rollout request.
+//! One file at a time, so that each time belongs to one file: of ten files, seven are captures,
+//! which are waited for until their ingest has ended, two are twins and one is a rollout request.
 
 use std::{
     collections::{BTreeMap, BTreeSet},

@@ -164,7 +164,7 @@ fn deflate(content: &[u8]) -> Vec<u8> {
     packed
 }
 
-/// One of the four kinds of capture.
+/// Files of a capture of any of the four kinds.
 pub fn any_files(rng: &mut Rng) -> FileMap {
     match rng.random_range(0..4) {
         0 => samples::observation(),
@@ -183,7 +183,7 @@ fn valid(rng: &mut Rng) -> Vec<u8> {
     pack(&any_files(rng))
 }
 
-/// One of the entries is changed.
+/// An archive with a changed entry.
 fn changed(rng: &mut Rng, change: impl FnOnce(&mut Entry)) -> Vec<u8> {
     let mut entries = entries(&any_files(rng));
     let index = rng.random_range(0..entries.len());

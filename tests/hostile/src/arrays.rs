@@ -1,4 +1,4 @@
-//! Arrays of numpy: headers that claim what is not there, and numbers that are none.
+//! Arrays of numpy: headers that claim missing data, and numbers that are not finite.
 
 use rand::RngExt as _;
 
@@ -59,7 +59,7 @@ const HUGE: &[&str] = &[
     "(4294967296, 4294967296, 0)",
 ];
 
-/// An .npy file with this header and so many bytes of zeros.
+/// An .npy file with this header and `bytes` zero bytes.
 pub fn array(descr: &str, shape: &str, bytes: usize) -> Vec<u8> {
     let header = format!("{{'descr': '{descr}', 'fortran_order': False, 'shape': {shape}, }}\n");
     file(&header, &vec![0; bytes])

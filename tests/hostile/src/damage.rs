@@ -76,7 +76,8 @@ pub fn any(rng: &mut Rng, bytes: &[u8]) -> Vec<u8> {
     }
 }
 
-/// One of the words in `from` becomes one of those in `to`; the text stays as it is without them.
+/// Replaces one of the words in `from` by one of those in `to`; a text without such words is
+/// unchanged.
 pub fn reword(rng: &mut Rng, text: &[u8], from: &[&str], to: &[&str]) -> Vec<u8> {
     let text = String::from_utf8_lossy(text);
     let present: Vec<&&str> = from.iter().filter(|word| text.contains(**word)).collect();

@@ -146,7 +146,7 @@ fn huge(rng: &mut Rng) -> Vec<u8> {
     dictionary(&[(key, value)])
 }
 
-/// One array under many keys.
+/// An array under many keys.
 fn shared(rng: &mut Rng) -> Vec<u8> {
     let mut out = b"\x80\x03}(".to_vec();
     out.extend(text("object_points"));

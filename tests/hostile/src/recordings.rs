@@ -130,7 +130,7 @@ fn damaged(rng: &mut Rng, damage: fn(&mut Rng, &[u8]) -> Vec<u8>) -> Vec<u8> {
     damage(rng, &bytes)
 }
 
-/// The valid recording, its chunks as they are or dissolved.
+/// The valid recording, with its chunks or with these dissolved.
 fn whole(rng: &mut Rng) -> Vec<u8> {
     let [lz4, zstd] = samples::mcap();
     match rng.random_range(0..3) {
@@ -208,7 +208,7 @@ fn noisy_chunk(rng: &mut Rng) -> Vec<u8> {
     of_chunk(chunk(rng.random_range(0..10_000), 0, compression, &packed))
 }
 
-/// One record of a kind that nobody knows, of zeros.
+/// A record of an unknown kind, of zeros.
 fn zeros(mib: usize) -> Vec<u8> {
     plain(&[(0x80, vec![0; mib << 20])])
 }

@@ -65,7 +65,7 @@ pub fn ply() -> Vec<u8> {
     out
 }
 
-/// An SPZ of a version with so many Gaussians in its header and this body.
+/// An SPZ of a version with `count` Gaussians in its header and this body.
 pub fn spz(version: u32, count: u32, body: &[u8]) -> Vec<u8> {
     packed(&unpacked(version, count, 0, body))
 }

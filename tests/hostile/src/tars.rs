@@ -96,7 +96,7 @@ fn members(files: &FileMap) -> Vec<Member> {
     files.iter().map(|(name, content)| Member::file(name, content)).collect()
 }
 
-/// As it is, or compressed.
+/// The bytes, raw or compressed.
 fn either(rng: &mut Rng, bytes: Vec<u8>) -> Vec<u8> {
     if rng.random() { gzip(&bytes) } else { bytes }
 }
@@ -119,7 +119,7 @@ fn bomb(rng: &mut Rng) -> Vec<u8> {
     gzip(&write(&members))
 }
 
-/// One of the members is changed.
+/// A tar with a changed member.
 fn changed(rng: &mut Rng, change: impl FnOnce(&mut Member)) -> Vec<u8> {
     let mut members = members(&any_files(rng));
     let index = rng.random_range(0..members.len());

@@ -16,7 +16,7 @@ use crate::{honest::send, ledger::Fate, run::Run};
 const RECOVERY: Duration = Duration::from_secs(20);
 const INTERVAL: Duration = Duration::from_millis(100);
 
-/// One disk is full at a time.
+/// Held while a disk is full: one at a time.
 static FULL: Mutex<()> = Mutex::const_new(());
 
 pub(super) async fn fill(
@@ -42,7 +42,7 @@ pub(super) async fn fill(
     run.tally.count("faults: full disks");
     let mut deleted = false;
     while began.elapsed() < held {
-        // What a deletion frees is gone at once where somebody presses: no deletion then.
+        // Under pressure, space that a deletion frees is gone immediately: no deletion then.
         if pressed {
             fill().await??;
         } else if !deleted {
@@ -83,7 +83,7 @@ async fn store(run: &Run) -> Option<String> {
     Some(name)
 }
 
-/// One attempt to delete a capture.
+/// Attempts to delete a capture.
 async fn delete(run: &Run, name: &str) -> bool {
     run.ledger.fate(name, Fate::Leaving);
     let request = run.http().request(Method::DELETE, &format!("/v1/{name}"));

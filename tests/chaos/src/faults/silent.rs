@@ -1,4 +1,4 @@
-//! Clients that begin and do not go on.
+//! Clients that begin and then stall.
 
 use std::time::Duration;
 

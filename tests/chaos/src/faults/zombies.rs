@@ -20,7 +20,7 @@ const TAKEN: Duration = Duration::from_secs(60);
 const INTERVAL: Duration = Duration::from_millis(100);
 const CALL: Duration = Duration::from_secs(3);
 
-/// One at a time: the others are there to take the job over.
+/// Held while a worker stands still: the other workers have to take the job over.
 static TURN: Mutex<()> = Mutex::const_new(());
 
 pub(super) async fn make(run: &Run, chance: u64, beyond: Duration) -> anyhow::Result<()> {

@@ -1,7 +1,7 @@
-//! Writes of workers, told by both sides: the database notes each checkpoint and each change of state
-//! with the epoch of the lease that is in force, and workers log what was accepted of them, with the
-//! epoch of theirs. A write that was accepted of a worker whose lease was over shows as one that the
-//! database noted under another epoch.
+//! Writes of workers, recorded by both sides: the database notes each checkpoint and each change of
+//! state with the epoch of the current lease, and workers log their accepted writes with the epoch
+//! of theirs. A write accepted from a worker whose lease was over shows as one that the database
+//! noted under another epoch.
 
 use std::{collections::BTreeMap, sync::Arc};
 

@@ -1,6 +1,6 @@
-//! The network of a fleet: its machines are network namespaces with addresses of their own, joined by
-//! veth pairs to the namespace of the suite, which routes between them. A partition is a rule there by
-//! which packets vanish, as they do in a real one: nobody gets an error.
+//! The network of a fleet: its machines are network namespaces with separate addresses, joined by
+//! veth pairs to the namespace of the suite, which routes between them. A partition is a rule there
+//! by which packets vanish, as in a real one: neither side gets an error.
 
 use std::{
     net::{Ipv4Addr, TcpListener},
@@ -178,7 +178,7 @@ fn with_environment(mut command: Command, like: &Command) -> Command {
     command
 }
 
-/// Waits until a process has a network namespace of its own.
+/// Waits until a process has a separate network namespace.
 fn is_apart(pid: u32) -> anyhow::Result<()> {
     let namespace = |process: &str| std::fs::read_link(format!("/proc/{process}/ns/net"));
     let (ours, began) = (namespace("self")?, Instant::now());

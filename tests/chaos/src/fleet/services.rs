@@ -1,4 +1,4 @@
-//! PostgreSQL (`tests/postgres`) and a server of S3's protocol (`tests/s3`), on a machine of their own.
+//! PostgreSQL (`tests/postgres`) and a server of S3's protocol (`tests/s3`), on a separate machine.
 //!
 //! The second keeps everything in memory, so it is stopped and cut off, but not ended.
 

@@ -1,5 +1,6 @@
-//! A client that advances a session step by step, and opens it again from the last state that it was
-//! told whenever it is lost: the end has to be that of one undisturbed rollout, to the bit.
+//! A client that advances a session step by step, and whenever the session is lost opens it again
+//! from the last state that it received: the end has to be that of one undisturbed rollout, to the
+//! bit.
 
 use std::{sync::Arc, time::Duration};
 
@@ -62,8 +63,8 @@ struct Walker {
 }
 
 impl Walker {
-    /// Advances by a step. Whatever fails may have been carried out, so that the session is not
-    /// used again.
+    /// Advances by a step. A failed step may have been carried out, so the session is not used
+    /// again.
     async fn step(&mut self, step: &RollOutRequest) -> Answer<RollOutResponse> {
         let name = match self.session.take() {
             Some(name) => name,

@@ -21,7 +21,7 @@ const ANSWER: std::time::Duration = std::time::Duration::from_secs(60);
 /// Description of calls whose bytes are no message.
 const UNREADABLE: &str = "bytes that are no message:";
 
-/// One call: its fault, the method, the messages.
+/// A malformed call: its fault, the method, the messages.
 type Call = (String, &'static str, Vec<Bytes>);
 
 #[tokio::test]

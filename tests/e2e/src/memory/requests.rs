@@ -74,7 +74,7 @@ fn twin(n: usize, controls: usize) -> Twin {
     }
 }
 
-/// Control points that rest for so many knots; the horizon is short.
+/// Control points that rest for `knots` knots; the horizon is short.
 fn resting(twin: &str, instances: usize, knots: usize, controls: usize) -> RollOutRequest {
     // Whole numbers, which are short in JSON: the control points stand apart, but none moves.
     let points = vec![[0.0f32; 3]; instances * knots * controls];

@@ -28,7 +28,7 @@ async fn other_sites_cannot_open_sockets() {
 }
 
 #[tokio::test]
-async fn first_messages_that_are_none_end_the_socket_with_what_is_wrong() {
+async fn invalid_first_messages_end_the_socket_with_the_fault() {
     let story = Story::begin().await;
     let (url, path) = (story.server.url(), format!("/v1/{}/play", story.twin.name));
     let firsts = [

@@ -63,9 +63,9 @@ pub(super) struct Reason {
 /// Everything that was found.
 #[derive(Debug, Default)]
 pub(super) struct Words {
-    /// By reason.
+    /// Sources by reason.
     pub(super) reasons: BTreeMap<String, Reason>,
-    /// By code: meaning and advice where a table of the sources has them.
+    /// Sources by code: meaning and advice where a table of the sources has them.
     pub(super) codes: BTreeMap<String, Option<[String; 2]>>,
     /// Words in capitals that are neither, with their file.
     pub(super) unknown: BTreeSet<(String, String)>,
