@@ -44,7 +44,7 @@ export class Api {
     const headers = new Headers(options.headers);
     const shown = token();
     if (shown !== null) headers.set('authorization', `Bearer ${shown}`);
-    // Without credentials of its own the browser does not ask for a password at a 401.
+    // Without the browser's credentials there is no password prompt at a 401.
     const request = fetch(path, { ...options, headers, credentials: 'omit' });
     const answer = await this.answered(request, options.signal);
     if (answer.ok) return answer;

@@ -1,7 +1,7 @@
 /** Values of `/metrics`, by `name{label="value",…}`. */
 export type Metrics = ReadonlyMap<string, number>;
 
-/** Reads the text format of Prometheus; lines that are none are left out. */
+/** Reads the text format of Prometheus; invalid lines are left out. */
 export function parseMetrics(text: string): Metrics {
   const metrics = new Map<string, number>();
   for (const line of text.split('\n')) {

@@ -30,7 +30,7 @@ export class Tabs {
     this.say({ says: 'forget' });
   }
 
-  /** Takes the token of another tab; false if there is none, or none but the one that this tab has. */
+  /** Takes the token of another tab; false without another tab that has a different token. */
   take(): Promise<boolean> {
     return new Promise((resolve) => {
       const end = (taken: boolean): void => {

@@ -37,7 +37,7 @@ export const open: OpenPage = (context) => {
   return { element: form };
 };
 
-/** Tries a token and goes on with it; else the box that says what is wrong. */
+/** Tries a token and continues with it; otherwise returns the box that shows the fault. */
 async function faults(context: PageContext, shown: string): Promise<HTMLElement[]> {
   // Headers carry no other characters, and no token has any.
   if (!/^[\x21-\x7e]+$/.test(shown)) return [wrong()];

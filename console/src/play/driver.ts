@@ -133,7 +133,7 @@ export class Driver {
     }
   }
 
-  /** Lets a gripper let go. */
+  /** Makes a gripper release what it holds. */
   release(gripper: number, time = performance.now()): void {
     this.flush();
     this.send({ type: 'release', input: this.#next(time), gripper });
@@ -169,7 +169,7 @@ export class Driver {
     return this.#input;
   }
 
-  /** Sends at once, or with the next frame if something was sent just now. */
+  /** Sends immediately, or with the next frame if something was sent just now. */
   #flushAt(time: number): void {
     if (this.#changed.grippers.size + this.#changed.colliders.size === 1) this.#movedAt = time;
     if (performance.now() - this.#sent >= MOVE_MS) this.flush();

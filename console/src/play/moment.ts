@@ -41,7 +41,7 @@ export function writeMoment(moment: Moment): URLSearchParams {
   return query;
 }
 
-/** What an address has of a moment of a twin with so many nodes and control points; what is damaged is left out. */
+/** The moment in an address, for a twin with these numbers of nodes and control points; damaged parts are left out. */
 export function readMoment(query: URLSearchParams, nodes: number, controls: number): Partial<Moment> {
   const [first, second] = (query.get('points') ?? '').split('~');
   const points = [decoded(first, nodes), decoded(second, controls)] as const;

@@ -175,7 +175,7 @@ export class PlayPage implements Page, SocketListener {
   }
 
   #know(facts: Facts): void {
-    // A replay has a world of its own, after which that of the play is back.
+    // A replay has a separate world, after which that of the play is back.
     const isOther = facts.replay !== null || (this.#facts !== null && this.#facts.replay !== null);
     this.#facts = facts;
     this.#scene.surround(facts);
@@ -211,7 +211,7 @@ export class PlayPage implements Page, SocketListener {
     return this.#socket?.send(message) ?? false;
   }
 
-  /** Sends the world, and of several changes at once the last. */
+  /** Sends the world; only the last of several successive changes. */
   #sendWorld(): void {
     this.#world ??= setTimeout(() => {
       this.#world = null;

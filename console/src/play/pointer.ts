@@ -20,7 +20,7 @@ export interface DragMode {
   isWatching(): boolean;
   /** True if dragging a node sets a goal for it instead of grasping it. */
   setsGoal(): boolean;
-  /** True if what was grasped is held on to when the button is let go. */
+  /** True if the grasp is kept when the button is released. */
   keepsHold(): boolean;
   goalSet(node: number): void;
   colliderMoved(collider: number, to: Vector3): void;
@@ -138,7 +138,7 @@ export class PointerDrag {
     else this.driver.move(drag.gripper, to, time);
   }
 
-  /** Begins to drag what was hit; the gripper that does it, -1 for what needs none, null if there is none. */
+  /** Begins to drag what was hit; returns the gripper, -1 for what needs none, null without a free one. */
   #take(hit: Hit, time: number): number | null {
     if (hit.kind === 'goal') return -1;
     if (hit.kind === 'collider') {

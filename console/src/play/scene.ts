@@ -58,7 +58,7 @@ export class PlayScene {
     this.#lie({});
   }
 
-  /** Control points as they are shown [m], shape [C, 3]. */
+  /** Displayed control points [m], shape [C, 3]. */
   get controls(): Float32Array {
     return this.#controls;
   }

@@ -32,7 +32,7 @@ const HEAD = 36;
 const GRIPPER = 44;
 const COLLIDER = 28;
 
-/** Reads a state; throws if the message is none. */
+/** Reads a state; throws if the message is invalid. */
 export function decodeState(message: ArrayBuffer): PlayState {
   if (message.byteLength < HEAD) throw new Error('a state is cut off');
   const view = new DataView(message);

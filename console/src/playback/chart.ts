@@ -55,7 +55,7 @@ export class ErrorChart {
   /** Mean errors over frames in words, for those who do not see the curves. */
   summary(): string {
     const { trainFrameCount, startFrame } = this.prediction;
-    // The frame that a prediction begins in is none.
+    // The frame in which a prediction begins is not predicted.
     const first = startFrame + 1;
     const mean = (of: keyof FrameErrors, from: number, to: number): number | null => {
       const values = this.#all(of).slice(from, to).filter((value) => value !== null);

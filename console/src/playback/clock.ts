@@ -1,7 +1,7 @@
 /** Speeds of playing, as factors of the recording's. */
 export const SPEEDS = [0.1, 0.25, 0.5, 1, 2, 4] as const;
 
-/** The frame that is shown, and how it goes on. */
+/** The displayed frame, and how it advances. */
 export class Clock {
   #frame: number;
   /** Part of a frame that has passed since the shown one began. */

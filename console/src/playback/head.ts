@@ -9,7 +9,7 @@ export interface MotionHead {
   readonly scale_m: number;
   /** int16 [T, P, 3] */
   readonly points: Range;
-  /** Bits [T, P]; each frame begins with a byte of its own. */
+  /** Bits [T, P]; each frame begins on a byte boundary. */
   readonly visible: Range;
   /** int16 [T, C, 3] */
   readonly controls: Range;

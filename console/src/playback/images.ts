@@ -7,7 +7,7 @@ const TOGETHER = 8;
 /** Blocks of images that are kept decoded: 96 images of 424 x 240 pixels take 39 MB. */
 const KEPT = 12;
 
-/** The images of a camera, fetched as they are needed. */
+/** Images of a camera, fetched on demand. */
 export class Images {
   readonly #starts: readonly number[];
   readonly #blocks: Blocks<(ImageBitmap | null)[]>;
@@ -43,7 +43,7 @@ export class Images {
     );
   }
 
-  /** Number of the image that is shown in a frame, its own or the last one before it; null if there is none. */
+  /** Number of the image shown in a frame, its own or the last one before it; null without any. */
   indexAt(frame: number): number | null {
     const { every, lengths } = this.camera.images;
     const index = Math.min(Math.floor(frame / every), lengths.length - 1);

@@ -25,7 +25,7 @@ interface Block {
   readonly controls: Uint8Array;
 }
 
-/** The motion of a sequence, loaded as it is played. */
+/** Motion of a sequence, loaded while it is played. */
 export class Motion {
   readonly #blocks: Blocks<Block>;
   readonly #rows: { points: number; visible: number; controls: number };

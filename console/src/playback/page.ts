@@ -48,7 +48,7 @@ export const open: OpenPage = async (context) => {
   return { element: page.element, dispose: () => page.dispose() };
 };
 
-/** What stands in the place of a playback that there is none of. */
+/** Replacement for a missing playback. */
 function missing(id: string, error: Problem): HTMLElement {
   const link = h('a', { class: 'button', href: `#/captures/${id}` }, 'To the capture');
   return h('div', {}, problemBox(error), h('p', {}, link));

@@ -36,7 +36,7 @@ export class Player {
     await Promise.all([this.motion.load(frame), this.camera?.load(frame)]);
   }
 
-  /** Draws a frame as far as it is here. */
+  /** Draws the loaded part of a frame. */
   draw(frame: number): void {
     const { look, scene } = this;
     const here = this.motion.frame(frame);
@@ -47,7 +47,7 @@ export class Player {
     const shown = { points: seen.points, colours, controls: here.controls, nodes };
     scene.show(shown, look);
     const layers: Dots[] = [];
-    // In colours of their own they would not be seen on the image.
+    // In their own colours they would be invisible on the image.
     const colour = look.colour === 'own' ? css(COLOURS.observed) : colours;
     if (look.observed) layers.push({ points: seen.points, colour, radius: 1.25 });
     if (look.controls) layers.push({ points: here.controls, colour: css(COLOURS.controls), radius: 2.5 });

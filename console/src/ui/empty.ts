@@ -6,7 +6,7 @@ export function empty(text: Child, ...commands: string[]): HTMLElement {
   return h('div', { class: 'empty' }, h('p', {}, text), ...commands.map(command));
 }
 
-/** The port that clients look at without being told. */
+/** The default port of clients. */
 const DEFAULT_PORT = '7070';
 
 /** A command of the command line for this server: its address is in it unless it is the default. */

@@ -66,7 +66,7 @@ export function time(text: string | null | undefined): HTMLElement {
   return h('time', { datetime: text, title: text }, moment(text));
 }
 
-/** Name that people gave, in whatever script, or what stands for it where there is none. */
+/** A name given by a person, in any script, or a replacement for an empty one. */
 export function name(text: string, otherwise = 'without a name'): HTMLElement {
   return text.trim() === '' ? h('i', { class: 'muted' }, otherwise) : h('bdi', {}, text);
 }

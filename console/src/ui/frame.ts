@@ -59,7 +59,7 @@ export function frame(app: HTMLElement, api: Api, logOut: () => void): Frame {
   return { heading, place, status, mark };
 }
 
-/** Told while the server does not answer. */
+/** Banner shown while the server does not answer. */
 function lostBanner(api: Api): HTMLElement {
   const banner = h('div', { class: 'lost', role: 'status' });
   api.connection.addEventListener('lost', () => {

@@ -31,7 +31,7 @@ export interface List {
   restart(): Promise<void>;
 }
 
-/** A table of a list of the API, page by page, sorted by the server. It is loaded at once. */
+/** A table of a list of the API, page by page, sorted by the server. Loading begins immediately. */
 export function list<Row>(context: PageContext, options: ListOptions<Row>): List {
   /** Tokens of the pages up to the one that is shown. */
   let tokens: string[] = [''];

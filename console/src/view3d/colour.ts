@@ -48,7 +48,7 @@ export function rangeOf(values: ArrayLike<number>): Range {
   return { low: at(0.01), high: at(0.99) };
 }
 
-/** Bytes of a texture of so many colours of a map, shape [count, 4]. */
+/** Bytes of a texture of `count` colours of a map, shape [count, 4]. */
 export function texels(map: ColourMap, count: number): Uint8Array<ArrayBuffer> {
   const bytes = new Uint8Array(4 * count);
   for (let i = 0; i < count; i += 1) {

@@ -21,11 +21,11 @@ export interface TwinShape {
   readonly springs: Uint32Array;
   /** Lengths of springs at rest [m], shape [E]. */
   readonly restLengths: Float32Array;
-  /** [N per unit strain], or per unit mass where the mass is not known, shape [E]. Empty if it was not told. */
+  /** Stiffness [N per unit strain], or per unit mass where the mass is unknown, shape [E]; may be empty. */
   readonly springStiffness: Float32Array;
   /** Endpoints of bending triplets, the centre in the middle, shape [T, 3]. */
   readonly triplets: Uint32Array;
-  /** [N m/rad], or per unit mass, shape [T]. Empty if it was not told. */
+  /** Stiffness [N m/rad], or per unit mass, shape [T]; may be empty. */
   readonly bendStiffness: Float32Array;
   /** Standard deviation of each skin point that the recordings leave [m], shape [M]. Empty if it is not known. */
   readonly skinSd: Float32Array;

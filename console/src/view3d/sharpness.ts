@@ -19,7 +19,7 @@ export class Sharpness {
     return this.#share === 1;
   }
 
-  /** Pixels of the canvas for one of the page, of a screen with so many of its own. */
+  /** Pixels of the canvas per pixel of the page, for a screen with this ratio. */
   ratio(screen: number): number {
     return Math.min(Math.max(screen, 0.5), MOST_RATIO) * this.#share;
   }

@@ -1,4 +1,4 @@
-/** Depths that are told apart by the sort. */
+/** Depths that the sort distinguishes. */
 const BUCKETS = 1 << 14;
 
 /** Indices of splats from the farthest to the nearest, by a counting sort of their depths. */

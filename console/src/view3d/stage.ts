@@ -51,7 +51,7 @@ export class Stage {
   #request = 0;
   #disposed = false;
 
-  /** `role` is `application` where the canvas takes keys of its own. */
+  /** `role` is `application` where the canvas handles keys. */
   constructor(label: string, role: 'img' | 'application' = 'img') {
     this.canvas = h('canvas', { tabindex: 0, role, 'aria-label': label });
     this.overlay = h('div', { class: 'stage-overlay' });
@@ -130,7 +130,7 @@ export class Stage {
     return [...position.toArray(), ...this.controls.target.toArray()].map((x) => x.toFixed(4)).join(',');
   }
 
-  /** Takes over a place of the camera; false if the text is none. */
+  /** Sets the place of the camera from a text; false if the text is invalid. */
   setView(text: string): boolean {
     const numbers = text.split(',').map(Number);
     if (numbers.length !== 6 || !numbers.every((x) => Number.isFinite(x) && Math.abs(x) < 1000)) return false;

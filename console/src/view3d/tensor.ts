@@ -25,12 +25,12 @@ export function packed(values: Float32Array, shape: readonly number[]): PackedTe
 /** Bytes as base64. */
 export function base64(bytes: Uint8Array): string {
   let text = '';
-  // In parts, as a call has room for so many arguments only.
+  // In parts, since the number of arguments of a call is limited.
   for (let at = 0; at < bytes.length; at += 0x8000) text += String.fromCharCode(...bytes.subarray(at, at + 0x8000));
   return btoa(text);
 }
 
-/** Bytes of base64; throws if it is none. */
+/** Decodes base64; throws if the text is invalid. */
 export function bytesOfBase64(text: string): Uint8Array<ArrayBuffer> {
   return Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0));
 }

@@ -19,7 +19,7 @@ export function picturesView(context: PageContext, id: string): HTMLElement {
       element.append(h('div', { class: 'pictures' }, ...figures));
       element.hidden = figures.length === 0;
     } catch {
-      // There is no page without a report; what is wrong then is told above.
+      // Without a report there is no page; the fault is shown above.
       element.hidden = true;
     }
   };

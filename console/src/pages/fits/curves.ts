@@ -36,7 +36,7 @@ export class LossView {
       });
       if (!this.context.signal.aborted) this.show(curves);
     } catch {
-      // The next event asks again; what is wrong with the server is told by the page.
+      // The next event asks again; the page shows faults of the server.
     }
     this.#isAsking = false;
   }

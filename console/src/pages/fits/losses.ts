@@ -14,7 +14,7 @@ export interface Line {
   readonly isBest: boolean;
   /** Which of the models it is of, for its colour. */
   readonly model: number;
-  /** One for each iteration of the chart; null where there is none that a logarithm has. */
+  /** Losses by iteration of the chart; null for those without a logarithm. */
   readonly values: readonly (number | null)[];
 }
 

@@ -117,7 +117,7 @@ class NewFit {
     this.#submit.disabled = false;
   }
 
-  /** Shows faults at their fields, others below; false if there are none. */
+  /** Shows faults at their fields, others below; false without faults. */
   private tell(faults: ReadonlyMap<string, string>): boolean {
     const rest = this.#settings.show(faults);
     this.#faults.replaceChildren(...(rest.length > 0 ? [problemBox(new Error(rest.join('; ')))] : []));

@@ -1,7 +1,7 @@
 import { flat, put, readValue, type Settings } from '../parts/settings';
 import { KNOWN_SETTINGS } from './known';
 
-/** What the form of a new fit has, as it was typed. */
+/** Fields of the form of a new fit, as typed. */
 export interface FitForm {
   readonly effort: string;
   readonly within_s: string;
@@ -13,7 +13,7 @@ export interface FitForm {
   readonly others: readonly (readonly [name: string, value: string])[];
 }
 
-/** Settings with fields of their own in the form. */
+/** Settings with separate fields in the form. */
 const OWN = ['effort', 'within_s', 'seed', 'search.starts', 'bending', 'compare_axial'];
 
 /**

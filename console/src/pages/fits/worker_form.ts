@@ -57,7 +57,7 @@ export class WorkerForm {
     this.tell();
   }
 
-  /** What was chosen; null if that is none, which is shown then. */
+  /** The chosen requirements; null if they are invalid, which is shown then. */
   get value(): Requirements | null {
     const text = this.#memory.value.trim();
     const memory = Math.ceil(Number(text) * GIB);

@@ -28,7 +28,7 @@ export interface Numbers {
   readonly newestTwins: readonly Twin[];
 }
 
-/** Asks the server, for everything at once. */
+/** Asks the server for all numbers in parallel. */
 export async function ask({ api, signal }: PageContext): Promise<Numbers> {
   const [text, captures, fits, twins, workers] = await Promise.all([
     api.fetch('/metrics', { signal }).then((answer) => answer.text()),

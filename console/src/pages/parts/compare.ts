@@ -71,7 +71,7 @@ export function differingSettings(all: readonly unknown[]): Line[] {
   });
 }
 
-/** Names that can be told apart: those that several have are followed by a number. */
+/** Distinct names: those that several have are followed by a number. */
 export function distinctNames(names: readonly string[]): string[] {
   const isTwice = (name: string): boolean => names.filter((other) => other === name).length > 1;
   return names.map((name, index) =>

@@ -27,7 +27,7 @@ export class LabelEditor<T extends Labelled> {
     /** `/v1/twins/{uuid}`. */
     private readonly path: string,
     resource: T,
-    /** Told of the resource after a change. */
+    /** Called with the resource after a change. */
     private readonly onChange: (resource: T) => void,
   ) {
     this.#shown = resource;

@@ -26,7 +26,7 @@ export function readSettings(text: string): { value: Settings; isEmpty: boolean;
   return { value, isEmpty: Object.keys(value).length === 0, faults };
 }
 
-/** A value as JSON, or as text where it is none. */
+/** A value as JSON, or as text if it is not JSON. */
 export function readValue(text: string): unknown {
   try {
     return JSON.parse(text);
@@ -42,7 +42,7 @@ export function put(into: Settings, path: readonly string[], value: unknown): bo
   const own = Object.hasOwn(into, first) ? into[first] : undefined;
   if (rest.length === 0) {
     if (own !== undefined) return false;
-    // An own property whatever its name, `__proto__` too.
+    // An own property for any name, including `__proto__`.
     Object.defineProperty(into, first, { value, enumerable: true, writable: true, configurable: true });
     return true;
   }

@@ -6,7 +6,7 @@ const MOST_BYTES = 16 * 2 ** 20;
 /** What is read of a twin's file (docs/twin-format.md) without loading all of it. */
 export interface TwinFile {
   readonly document: TwinDocument;
-  /** Values of a tensor of 32-bit floats; empty if there is none. */
+  /** Values of a tensor of 32-bit floats; empty if the file has no such tensor. */
   readonly floats: (name: string) => Promise<Float32Array>;
 }
 

@@ -97,7 +97,7 @@ export interface Spread {
   readonly error_m: number;
   /** Share of the points whose error is at most twice what the spread lets expect. */
   readonly within: number;
-  /** Of spread and error, -1 to 1. */
+  /** Rank correlation of spread and error, -1 to 1. */
   readonly rank_correlation?: number | null;
 }
 
@@ -148,8 +148,8 @@ const PREDICTORS: Record<string, string> = {
 };
 
 /**
- * A predictor in words; of the mean of so many fits, if that is known. A twin that was fitted without
- * bending has its own table's first score as axial.
+ * A predictor in words; with the number of fits in the mean, if that is known. A twin that was
+ * fitted without bending has its first score as axial.
  */
 export function predictorText(predictor: string, isFirst: boolean, fits?: number): string {
   if (isFirst && predictor === 'axial') return 'This twin, axial springs alone';

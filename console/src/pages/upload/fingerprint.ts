@@ -4,8 +4,8 @@ const MULTIPLIERS = [0x9e3779b1, 0x85ebca6b, 0xc2b2ae35, 0x27d4eb2f] as const;
 /**
  * A word of 32 hexadecimal digits for a text: by it an upload that was begun before is found again.
  *
- * It tells files of one person apart and keeps nobody from making two alike on purpose; the
- * browser's digests exist on pages over TLS and on this machine only.
+ * Distinguishes the files of one person, and does not prevent deliberate collisions; the browser's
+ * digests exist on pages over TLS and on this machine only.
  */
 export function fingerprint(text: string): string {
   const lanes = Uint32Array.from(MULTIPLIERS);

@@ -7,7 +7,7 @@ export interface Labels {
   readonly tags: readonly string[];
 }
 
-/** An upload that was begun and did not end: enough to go on once its files are chosen again. */
+/** An upload that was begun and did not end: enough to resume once its files are chosen again. */
 export interface Kept extends Labels {
   /** Fingerprint of the files. */
   readonly files: string;
@@ -49,7 +49,8 @@ function store(all: readonly Kept[], storage: Storage): void {
   try {
     storage.setItem(KEY, JSON.stringify(all));
   } catch {
-    // A browser that keeps nothing: the upload goes on, and after a reload the same files find it.
+    // A browser that keeps nothing: the upload continues, and after a reload the same files find
+    // it.
   }
 }
 

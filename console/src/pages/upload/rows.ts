@@ -40,7 +40,7 @@ export function transferList(transfers: Transfers, signal: AbortSignal, announce
   return element;
 }
 
-/** One upload. Its elements stay while it changes, so that the focus does. */
+/** A row of an upload. Its elements stay while it changes, so that the focus does. */
 class Row {
   readonly element: HTMLElement;
   readonly #state = h('span');
@@ -65,7 +65,7 @@ class Row {
     );
   }
 
-  /** Shows the upload as it is now; true if its state is another one. */
+  /** Shows the current upload; true if its state has changed. */
   update(shown: Transfer): boolean {
     this.#bar.value = shown.sizeBytes > 0 ? shown.offset / shown.sizeBytes : shown.state === 'stored' ? 1 : 0;
     this.#bar.hidden = !isUnderWay(shown);

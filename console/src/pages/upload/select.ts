@@ -4,7 +4,7 @@ export interface FolderFile {
   readonly file: File;
 }
 
-/** What is sent as one capture: a file as it is, or the files of a folder that are read. */
+/** What is sent as one capture: a single file, or the files of a folder that are read. */
 export type Package =
   | { readonly kind: 'file'; readonly name: string; readonly file: File }
   | {
@@ -35,10 +35,10 @@ function asName(text: string): string {
 }
 
 /**
- * The captures in a folder, `root` being its name: each with the files that the server's reader reads of it,
- * as docs/capture-format.md has them. Archives in it are captures of their own. Of a folder in
- * which no capture is recognised all files are sent, for the server to say what is missing, unless
- * no file in it is of a kind that captures have.
+ * The captures in a folder, `root` being its name: each with the files that the server's reader
+ * reads of it, as docs/capture-format.md lists them. Archives in it are separate captures. Of a
+ * folder in which no capture is recognised all files are sent, for the server to say what is
+ * missing, unless no file in it is of a kind that captures have.
  */
 export async function packagesOf(root: string, given: readonly FolderFile[]): Promise<Package[]> {
   const files = given.filter(
@@ -149,7 +149,7 @@ async function severalRead(files: readonly FolderFile[]): Promise<FolderFile[]> 
   return read;
 }
 
-/** Files of a pattern, and those that a document names: as they are, or by `{frame}` or `{frame:06}`. */
+/** Files of a pattern, and those that a document names, literally or by `{frame}` or `{frame:06}`. */
 async function named(files: readonly FolderFile[], document: string, always: RegExp): Promise<FolderFile[]> {
   const file = files.find(({ path }) => path === document)?.file;
   const texts = file === undefined || file.size > DOCUMENT_BYTES ? null : textsOf(await file.text());
@@ -165,7 +165,7 @@ function patternOf(text: string): RegExp {
   return new RegExp(`^${parts.join('\\d+')}$`);
 }
 
-/** All texts in a JSON document, as paths; null if it is none. */
+/** All texts in a JSON document, as paths; null if the text is not JSON. */
 function textsOf(json: string): string[] | null {
   const texts: string[] = [];
   try {

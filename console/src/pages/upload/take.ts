@@ -37,7 +37,7 @@ class Intake extends EventTarget {
   }
 }
 
-/** Where files are taken in, whatever page is shown. */
+/** Where files are taken in, on any page. */
 export const intake = new Intake();
 
 const ALL = new WeakMap<Api, Transfers>();

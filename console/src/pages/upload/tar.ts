@@ -12,7 +12,7 @@ export interface NamedFile {
 /**
  * A tar archive of files, in their order, without compression.
  *
- * It is put together of headers and of the files themselves, so that bytes are read only when a
+ * Composed of headers and of the files themselves, so that bytes are read only when a
  * part of it is sent. The same names and contents give the same bytes: there are no times, owners
  * or rights in it.
  */

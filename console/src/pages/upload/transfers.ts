@@ -6,7 +6,7 @@ import type { Package } from './select';
 import { tar } from './tar';
 import { send, terminate, type Sent } from './tus';
 
-/** Uploads that are sent at once; others wait for their turn. */
+/** Uploads sent concurrently; others wait for their turn. */
 const AT_ONCE = 2;
 
 export type TransferState = 'queued' | 'sending' | 'waiting' | 'stored' | 'known' | 'failed' | 'cancelled';
@@ -20,7 +20,7 @@ export interface Transfer {
   readonly state: TransferState;
   /** What the server has on disk [bytes]. */
   readonly offset: number;
-  /** Of what was sent since it last began or went on [bytes/s]; null until that is known. */
+  /** Rate since the upload last began or resumed [bytes/s]; null until that is known. */
   readonly rate: number | null;
   /** `captures/{uuid}` once it is stored. */
   readonly capture: string | null;
@@ -37,8 +37,8 @@ interface Job {
 }
 
 /**
- * Uploads of this page, which go on while people look at other pages of the console. Event `change`
- * after every change of any of them.
+ * Uploads of this page, which continue while people look at other pages of the console. Event
+ * `change` after every change of any of them.
  */
 export class Transfers extends EventTarget {
   #jobs: Job[] = [];
@@ -57,12 +57,12 @@ export class Transfers extends EventTarget {
     return this.#jobs.some(({ shown }) => isUnderWay(shown));
   }
 
-  /** Uploads that did not end before the page was left, without those that go on already. */
+  /** Uploads that did not end before the page was left, without those that have already resumed. */
   get interrupted(): readonly Kept[] {
     return kept().filter(({ files }) => !this.#jobs.some((job) => job.kept.files === files && isUnderWay(job.shown)));
   }
 
-  /** Begins an upload; one of the same files that was interrupted goes on as what it was. */
+  /** Begins an upload, or resumes an interrupted one of the same files. */
   add(source: Package, labels: Labels, ingest: string): void {
     const files = fingerprintOfPackage(source);
     if (this.#jobs.some((job) => job.kept.files === files && isUnderWay(job.shown))) return;
@@ -178,7 +178,7 @@ export class Transfers extends EventTarget {
   }
 
   private change(job: Job, changes: Partial<Transfer>): void {
-    // One that was cancelled stays so, whatever its last request still answers.
+    // A cancelled upload stays so, despite answers to its last request.
     if (job.shown.state === 'cancelled') return;
     job.shown = { ...job.shown, ...changes };
     this.dispatchEvent(new Event('change'));

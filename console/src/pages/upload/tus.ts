@@ -3,7 +3,7 @@ import type { Api } from '../../api/client';
 import { ServerLost } from '../../api/connection';
 import { Problem } from '../../api/problem';
 
-/** What is sent at once, at first and at most [bytes]. */
+/** Bytes per request, at first and at most. */
 const FIRST_BYTES = 2 ** 20;
 const MOST_BYTES = 32 * 2 ** 20;
 /** Time that sending a part should take, so that progress is seen and little is lost [ms]. */
@@ -20,11 +20,11 @@ export interface Upload {
   /** `request_id` among it finds an upload again that was begun before. */
   readonly metadata: Readonly<Record<string, string>>;
   readonly signal: AbortSignal;
-  /** Told of every offset that the server has on disk [bytes]. */
+  /** Called with every offset that the server has on disk [bytes]. */
   readonly onOffset: (offset: number) => void;
-  /** Told of the upload's address. */
+  /** Called with the upload's address. */
   readonly onAddress: (address: string) => void;
-  /** Told when the server cannot be reached or is busy, and with null when it goes on. */
+  /** Called when the server cannot be reached or is busy, and with null when the upload resumes. */
   readonly onWaiting: (why: Error | null) => void;
 }
 
@@ -44,8 +44,8 @@ export interface Sent {
 }
 
 /**
- * Sends all of an upload, from where the server has it, and gives the capture. Goes on
- * after interruptions until the signal is aborted; throws what the server refuses for good.
+ * Sends all of an upload, from the server's offset on, and returns the capture. Resumes after
+ * interruptions until the signal is aborted; throws permanent refusals of the server.
  */
 export async function send(api: Api, upload: Upload): Promise<Sent> {
   const { signal, onWaiting } = upload;

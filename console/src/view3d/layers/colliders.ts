@@ -14,7 +14,7 @@ export interface Collider {
   readonly pose?: readonly number[];
 }
 
-/** Obstacles: spheres, capsules and boxes. A convex mesh is told of in words only. */
+/** Obstacles: spheres, capsules and boxes. Convex meshes are described in words only. */
 export class CollidersLayer implements Layer {
   readonly object = new Group();
   readonly #plain = new MeshLambertMaterial({ color: 0x2f9e8f, transparent: true, opacity: 0.8 });

@@ -1,7 +1,7 @@
 import { Group, Mesh, MeshBasicMaterial, MeshLambertMaterial, SphereGeometry, TorusGeometry, Vector3 } from 'three';
 import type { Layer } from '../stage';
 
-/** A hand or gripper as it is shown. */
+/** A displayed hand or gripper. */
 export interface ShownHand {
   readonly position: Vector3;
   readonly holds: boolean;

@@ -46,7 +46,7 @@ const FRAGMENT = /* glsl */ `
   }
 `;
 
-/** Points as small balls: of one colour, coloured by a value each, or in colours of their own. */
+/** Points as small balls: of one colour, coloured by a value each, or in separate colours. */
 export class PointsLayer implements Layer {
   readonly object: Points<BufferGeometry, ShaderMaterial>;
   readonly #uniforms;
@@ -99,7 +99,7 @@ export class PointsLayer implements Layer {
     this.#set('value', values, 1);
   }
 
-  /** Gives points colours of their own, red, green, blue as bytes, shape [M, 3]. */
+  /** Sets separate colours, red, green, blue as bytes, shape [M, 3]. */
   tint(colours: Uint8Array): void {
     this.#uniforms.mode.value = 2;
     this.#set('tint', colours, 3);
