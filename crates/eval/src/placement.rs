@@ -5,7 +5,6 @@
 //! tracked points are bound to the nodes there, and its control points attached to them by the
 //! rules of graph building. The result is the twin in this recording: a twin like one that was
 //! fitted to it, except for the parameters.
-//! was fitted to it, except for the parameters.
 
 use bendtwin_core::{
     CancelToken, Capture, Environment, Graph, Params, Point, Quality, Sequence, Skin, Timing, Twin,

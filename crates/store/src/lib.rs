@@ -46,6 +46,7 @@
 //!
 //! # Losses of a fit
 //! The table `losses` has a row for each stage, model and iteration, written with the reports of
+//! its worker, up to 4096 for a fit: then every second iteration is forgotten. Losses of an
 //! attempt replace those that an earlier one computed from there on, so the rows describe the path
 //! to the twin, from any checkpoint. They stay until the fit is deleted.
 //!

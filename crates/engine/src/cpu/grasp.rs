@@ -7,7 +7,6 @@
 //! the place's velocity and has no inverse mass, like a pinned node; a spring acts in every
 //! substep, like control springs. Places have no velocity where the model ignores that of control
 //! points.
-//! do. Places have no velocity where the model ignores that of control points.
 
 use std::sync::Arc;
 
