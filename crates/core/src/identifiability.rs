@@ -1,6 +1,6 @@
 //! Identifiability of a twin: the groups of its parameters that the recordings determine, what the
-//! others mean in millimetres for motions of the object, and the recording that would tell most.
-//! `crates/identify` computes it, and its documentation has the method.
+//! others mean in millimetres for motions of the object, and the most informative recording to make
+//! next. `crates/identify` computes it, and its documentation has the method.
 
 use serde::{Deserialize, Serialize};
 
@@ -20,7 +20,7 @@ pub enum Certainty {
 }
 
 impl Certainty {
-    /// That of a standard deviation, relative to the one before anything was recorded.
+    /// Certainty for a standard deviation, relative to the one before anything was recorded.
     pub fn of(relative_sd: f64) -> Self {
         match relative_sd {
             r if r < 1.0 / 3.0 => Self::Determined,
@@ -109,7 +109,7 @@ pub struct Group {
     pub prior_sd: f64,
     /// Standard deviation that the recordings leave, over `prior_sd`; 0..=1.
     pub relative_sd: f64,
-    /// The same in a word.
+    /// Certainty of the group in a word.
     pub certainty: Certainty,
 }
 
@@ -121,7 +121,7 @@ pub struct MotionUncertainty {
     /// Standard deviation of a point of the skin that the recordings leave, mean over points and
     /// frames [m].
     pub sd_m: f64,
-    /// The same before anything was recorded [m].
+    /// Standard deviation before anything was recorded [m].
     pub prior_sd_m: f64,
     /// Part of the variance that would go if a group were known, shape [groups], 0..=1. Groups that
     /// the recordings confuse share the same part.
@@ -150,7 +150,7 @@ pub struct Identifiability {
     pub groups: Vec<Group>,
     /// Motions, the frames after the training frames first.
     pub motions: Vec<MotionUncertainty>,
-    /// Recordings that could be made next, the most telling first.
+    /// Recordings that could be made next, the most informative first.
     pub next: Vec<NextRecording>,
     /// Standard deviation of a coordinate of a tracked point from the twin in the training frames [m].
     pub noise_m: f64,

@@ -80,7 +80,7 @@ pub struct Progress {
 }
 
 impl Progress {
-    /// The loss that this report tells; none of a stage without losses.
+    /// Loss in this report; `None` for a stage without losses.
     pub fn model_loss(&self) -> Option<ModelLoss> {
         let has_losses = matches!(self.stage, Stage::Search | Stage::Refine | Stage::Appearance);
         has_losses.then(|| ModelLoss {

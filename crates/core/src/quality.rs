@@ -11,7 +11,7 @@ use crate::{FastVariant, Identifiability, PlannerQuality};
 pub struct ErrorSummary {
     /// Chamfer distance in the L1 norm, from observed points to the nearest points of the surface.
     pub chamfer_l1_m: Option<f64>,
-    /// The same with Euclidean distances.
+    /// Chamfer distance with Euclidean distances.
     pub chamfer_l2_m: Option<f64>,
     /// Mean Euclidean distance between ground-truth tracks and their surface points.
     pub track_m: Option<f64>,
@@ -103,7 +103,7 @@ pub struct RenderedScore {
     pub train: Likeness,
     /// Over the frames after them.
     pub future: Likeness,
-    /// The same of each camera.
+    /// Likeness of each camera.
     pub cameras: Vec<CameraScore>,
     /// Per frame, over these cameras; empty if not asked for.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
@@ -122,7 +122,7 @@ pub struct Score {
     /// Per frame over all sequences' frames, NaN-free; empty if not asked for.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub per_frame: Vec<ErrorSummary>,
-    /// The same at the nodes; none where they are the skin.
+    /// Errors at the nodes; `None` where these are the skin.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub at_nodes: Option<NodeErrors>,
     /// Likeness of its renderings; none if no images are at hand.

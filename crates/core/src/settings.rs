@@ -190,8 +190,9 @@ pub struct SearchSettings {
     /// Share of each sequence's training frames, the last ones, that are held back from several
     /// starts to choose one of them, which is then refined on all; 0: the training loss chooses.
     pub held_back: f64,
-    /// Largest number of other starts that the twin keeps as members, of those that fit about as well:
-    /// their predictions differ as far as the capture leaves open. 0 keeps none.
+    /// Largest number of other starts that the twin keeps as members, of those that fit nearly
+    /// equally well: the spread of their predictions shows what the capture leaves open. 0 keeps
+    /// none.
     pub members: u32,
     /// Number of generations; 0 skips the stage. If left open, it depends on effort, capture and
     /// device.
@@ -248,8 +249,8 @@ pub struct RefineSettings {
     /// Largest reach of gradients within a window [frames] (0: the whole window); a fit that makes
     /// no gain shortens it further. If left open, it depends on the device.
     pub reach: Option<u32>,
-    /// Training sequences per step (0: all); each pass shuffles them anew. Left open, their number
-    /// follows the device.
+    /// Training sequences per step (0: all); each pass shuffles them again. If left open, their
+    /// number follows the device.
     pub batch: Option<usize>,
     /// Fit rest lengths and rest angles too.
     pub rest_shape: bool,

@@ -72,7 +72,7 @@ impl Alignment {
         point(self.rotation * (vector3(p) - self.from) + self.to)
     }
 
-    /// The same motion about the origin.
+    /// The motion with the origin as its centre.
     pub fn motion(&self) -> RigidMotion {
         let translation = self.to - self.rotation * self.from;
         RigidMotion { rotation: self.rotation, translation }

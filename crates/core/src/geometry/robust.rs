@@ -1,5 +1,5 @@
-//! The rigid motion on which most pairs agree: Kabsch's, with weights after Tukey that are computed
-//! anew a few times from the distances' own spread.
+//! The rigid motion on which most pairs agree: Kabsch's, with weights after Tukey that are
+//! recomputed a few times from the spread of the distances.
 
 use super::{Alignment, Kabsch, Pair, kabsch, median, vector3};
 
@@ -8,15 +8,15 @@ use super::{Alignment, Kabsch, Pair, kabsch, median, vector3};
 pub struct RobustRule {
     /// Rounds of reweighting.
     pub rounds: usize,
-    /// Distances up to a third of this are noise: nothing is gained by telling them apart [m].
+    /// Distances up to a third of this are noise, and not worth distinguishing [m].
     pub least_width_m: f64,
     /// Factor of the width in the first round: a start that outliers have pulled away can come
     /// back.
     pub first_width: f64,
     /// Fewest pairs that have to keep a weight in every round.
     pub least_agreeing: usize,
-    /// True if the motion is fitted to the weights of the last round as well, false if it is only
-    /// judged by them.
+    /// True if the motion is also fitted to the weights of the last round, false if these only
+    /// judge it.
     pub fits_last: bool,
     /// True if distances are those of the motion about the origin in double precision, false if
     /// they are those of points that the motion about its middles takes to positions in single

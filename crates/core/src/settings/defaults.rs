@@ -32,9 +32,9 @@ const GPU_REACH: u32 = 16;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Effort {
-    /// To see within seconds whether a capture is worth a fit.
+    /// For a decision within seconds whether a capture is worth a fit.
     Draft,
-    /// To work with.
+    /// For everyday work.
     #[default]
     Standard,
     /// Highest quality.

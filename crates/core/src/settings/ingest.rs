@@ -116,8 +116,8 @@ pub struct CompletionSettings {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Interior {
-    /// From the mesh, or else from the space that no camera sees through, which completes the surface
-    /// as well.
+    /// Taken from the mesh, or else from the space that no camera sees through, which also
+    /// completes the surface.
     #[default]
     Carved,
     /// Taken from the mesh, if there is one; otherwise omitted.

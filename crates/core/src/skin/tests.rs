@@ -77,7 +77,7 @@ fn a_triangle_that_collapsed_gives_finite_numbers() {
     let line = |i: u32| [f64::from(i), 0.0, 0.0];
     assert!(skin.position(0, line).iter().all(|x| x.is_finite()));
     assert_eq!(offset_in_frame([line(0), line(1), line(2)], [0.0, 0.0, 1.0]), None);
-    // Single precision cannot tell this from a line.
+    // In single precision this is a line.
     assert_eq!(offset_in_frame([line(0), line(1), [2.0, 1e-4, 0.0]], [0.0, 0.0, 1.0]), None);
     assert!(offset_in_frame([line(0), line(1), [2.0, 1e-3, 0.0]], [0.0, 0.0, 1.0]).is_some());
     skin.add_gradient(0, line, [1.0; 3], |_, b| assert!(b.iter().all(|x| x.is_finite())));

@@ -36,7 +36,7 @@ impl Tensors<'_> {
 }
 
 impl Twin {
-    /// Checks the planner's twin, and that its figures are there exactly if it is.
+    /// Checks the planner's twin, and that its figures exist if and only if it does.
     pub(super) fn check_planner(&self) -> Result<(), FormatError> {
         let fail = |m: String| Err(FormatError::Inconsistent(m));
         match (&self.planner, &self.quality.planner) {
