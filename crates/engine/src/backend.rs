@@ -216,7 +216,8 @@ pub struct Forces {
 pub struct Diagnostics {
     /// Largest |l/l0 - 1| of any spring between two nodes at any frame end.
     pub max_strain: f32,
-    /// The same of springs to control points; their rest lengths are short, so it may be large.
+    /// Largest strain of springs to control points; their rest lengths are short, so it may be
+    /// large.
     pub max_control_strain: f32,
     /// Largest speed of a node at any frame end [m/s]; of the initial state if there is no frame.
     pub max_speed_m_s: f32,
@@ -365,7 +366,7 @@ pub trait Backend: Send + Sync {
     /// If the model is inconsistent, unstable, or does not fit the device.
     fn load(&self, model: Arc<Model>) -> Result<Loaded, Error>;
 
-    /// The same graph with other parameters: cheaper than loading anew.
+    /// The same graph with other parameters: cheaper than loading it again.
     ///
     /// # Errors
     /// As [`Backend::load`], except that stability is not checked again.

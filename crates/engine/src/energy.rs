@@ -58,7 +58,7 @@ impl Energies {
         Some(Self { system, graph: model.graph.clone() })
     }
 
-    /// Those of a state, as [`energy`].
+    /// Energies of a state; see [`energy`].
     pub fn of(&self, state: &State, controls: &[Point]) -> Option<Energy> {
         let n = self.graph.node_count();
         let fits = state.positions.len() == n

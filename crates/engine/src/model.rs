@@ -64,7 +64,7 @@ pub struct State {
     pub velocities: Vec<Point>,
     /// Twist of each rod relative to an earlier state without twist [rad], shape [R], turns of its
     /// clamps included. A rod that is twisted only in part, since its clamps are not at its ends,
-    /// counts as if all of it were twisted by as much a length. It may be empty at the start of a
+    /// counts as if the same twist per length applied to all of it. May be empty at the start of a
     /// rollout: no rod is twisted. States that a backend returns have all of them.
     pub twists: Vec<f32>,
     /// Phases and holds of grasps. It belongs to the [`World`](crate::World) of the rollout that it came from.

@@ -1,4 +1,4 @@
-//! Objectives of rollouts: a fit's loss and a planner's cost alike are weighted terms, each on the
+//! Objectives of rollouts: both a fit's loss and a planner's cost are weighted terms, each on the
 //! node positions at the end of one frame.
 
 use std::sync::Arc;
@@ -90,7 +90,7 @@ pub enum Term {
     /// max(0, |f| - limit)² of the mean force f over the frame that ends here [N² at unit node
     /// mass]; zero in frame 0.
     Force {
-        /// What exerts it.
+        /// Source of the force.
         by: ForceBy,
         /// Force up to which it is zero [N at unit node mass].
         limit: f32,

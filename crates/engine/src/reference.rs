@@ -1,5 +1,5 @@
-//! The same simulation in `f64`, with parameters in `f64`: what other results are
-//! compared with, and what finite differences perturb.
+//! The simulation in `f64`, with parameters in `f64`: the standard for other results, and the
+//! function that finite differences perturb.
 
 use bendtwin_core::CancelToken;
 
@@ -51,7 +51,7 @@ pub struct Reference {
     pub rolls: Vec<f64>,
     /// Holds of grasps at the start; none at first.
     pub grasping: Grasping,
-    /// Places of the holds of `grasping` [m], in place of theirs.
+    /// Places of the holds of `grasping` [m], which replace theirs.
     pub places: Vec<Point64>,
     frames: usize,
 }
@@ -173,7 +173,7 @@ impl Reference {
         })
     }
 
-    /// What surrounds the object, if anything does.
+    /// Surroundings of the object, if any.
     fn surroundings(&self, objective: &Objective) -> Option<Surroundings<f64>> {
         let in_cost = |t: &WeightedTerm| matches!(t.term, Term::Force { .. });
         let measured = objective.terms.iter().any(in_cost);

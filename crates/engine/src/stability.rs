@@ -51,9 +51,8 @@ pub struct StableSubsteps {
 const NOT_STIFF: StableSubsteps =
     StableSubsteps { needed: 1, stiffest_node: 0, dt_s: f64::INFINITY };
 
-/// Estimates the substeps that a model needs; its own substeps are not looked at. Costs about as
-/// much as some tens of substeps. A model that contradicts itself, which loading refuses, needs
-/// one.
+/// Estimates the substeps that a model needs; its current number is ignored. Costs about as much as
+/// some tens of substeps. A model that contradicts itself, which loading refuses, needs one.
 pub fn stable_substeps(model: &Model) -> StableSubsteps {
     match check::unstepped_model(model) {
         Ok(()) => estimate(model, &Linear::new(model)),

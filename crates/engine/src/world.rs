@@ -83,7 +83,7 @@ pub enum Region {
         /// Greatest corner [m].
         high: Point,
     },
-    /// These nodes, wherever they are.
+    /// These nodes, at any place.
     Nodes(Arc<Vec<u32>>),
     /// The twin's own control points with these numbers, by the springs and pins that the twin has
     /// for them. While the grasp is open these springs exert no force and these pins hold nothing.

@@ -68,7 +68,7 @@ const TRIPLET_BACK: f64 = 2.0 * (TURN_NODES + TURN_QUADS + ADD_NODES)
 /// Five operations a node, row by row (40); for the ground eight nodes' x and v turned (14), the
 /// next position (3), two components along the normal (6), tests (4).
 const NODE: f64 = 67.0;
-/// The same count backward: five a node, and the ground's test.
+/// Instructions a node backward: five more, and the ground's test.
 const NODE_BACK: f64 = 67.0;
 /// Eight nodes on tape are 12 stores of 256 bits at one a cycle.
 const TAPE: f64 = 12.0 * PIPES;

@@ -90,7 +90,7 @@ pub(super) fn batch_equals_one_by_one(backend: &dyn Backend) -> Outcome {
     ensure(everything(backend, &[])?.is_empty(), || "results for an empty batch".into())
 }
 
-/// The same batch again, loaded anew: identical.
+/// The same batch again, newly loaded: identical.
 pub(super) fn repeats_are_identical(backend: &dyn Backend) -> Outcome {
     let first = everything(backend, &instances(backend)?)?;
     for _ in 0..3 {

@@ -138,7 +138,7 @@ pub(super) fn a_hand_rolls_what_it_holds(backend: &dyn Backend) -> Outcome {
         ([8, 9], 1, -angle, Attachment::Pin),
         ([8, 9], 1, -angle, springs),
         ([0, 1], 0, angle, Attachment::Pin),
-        // Edges are alike, so 4 of 8 inner nodes are half of the rod.
+        // Edges have equal lengths, so 4 of 8 inner nodes are half of the rod.
         ([4, 5], 1, -2.0 * angle, Attachment::Pin),
     ];
     for (held, opens, expected, attachment) in cases {
@@ -164,8 +164,8 @@ pub(super) fn a_hand_rolls_what_it_holds(backend: &dyn Backend) -> Outcome {
     Ok(())
 }
 
-/// If two hands turn a whole cable as one body about any axis, it is not twisted: their rolls undo
-/// what the nodes tell.
+/// If two hands turn a whole cable as one body about any axis, it is not twisted: their rolls
+/// cancel the turns of the nodes.
 pub(super) fn hands_that_turn_a_cable_do_not_twist_it(backend: &dyn Backend) -> Outcome {
     let mut scene = cable();
     scene.last(20);
@@ -183,8 +183,8 @@ pub(super) fn hands_that_turn_a_cable_do_not_twist_it(backend: &dyn Backend) -> 
     close("twist", twist(&end), 0.5, 2e-3)
 }
 
-/// Where the span of a twisted rod grows, its twist spreads over it and loses energy, and nothing
-/// moves at that moment; where all hands open, it is gone.
+/// Where the span of a twisted rod grows, the twist spreads over it and loses energy, and nothing
+/// moves at that moment; where all hands open, the twist is lost.
 pub(super) fn twist_spreads_over_a_longer_span(backend: &dyn Backend) -> Outcome {
     let mut scene = cable();
     scene.params.bend_stiffness.fill(0.0);

@@ -117,8 +117,8 @@ pub(super) fn capsules_reflect_along_their_normals(backend: &dyn Backend) -> Out
     Ok(())
 }
 
-/// What a body sweeps over faster than it can dodge is pushed out within some hundredths of a second,
-/// and a prescribed node inside a collider stays where it is held.
+/// A node that a body overtakes is pushed out within some hundredths of a second, and a prescribed
+/// node inside a collider stays where it is held.
 pub(super) fn colliders_push_out(backend: &dyn Backend) -> Outcome {
     let mut scene = Scene::of(&[[0.045, 0.0, 0.0], [0.0, 0.0, 0.02]]);
     scene.fix(1);

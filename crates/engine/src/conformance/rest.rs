@@ -20,7 +20,7 @@ use crate::{
 const G: f64 = 9.81;
 const BOUNCY: f32 = 0.8;
 
-/// What lies under a scene's nodes.
+/// Support of a scene's nodes.
 #[derive(Clone, Copy, Debug)]
 enum Under {
     Ground,

@@ -167,7 +167,7 @@ impl Scene {
             Arc::new(vec![WeightedTerm { frame: self.frames, weight: 1.0, group: 0, term }]);
     }
 
-    /// The same with all nodes, which are to get along x and down.
+    /// [`Scene::track`] for all nodes, with targets along x and down.
     pub(super) fn track_all(&mut self) {
         let rest = self.graph.rest_positions.iter();
         let targets = rest.map(|p| [p[0] + 0.08, p[1], p[2] - 0.05]).collect();

@@ -24,7 +24,7 @@ const SHELL_M: f32 = 0.008;
 const POINTS: u32 = 7;
 const NODES: u32 = 4;
 
-/// What lies under a block.
+/// Support of a block.
 #[derive(Clone, Copy, Debug)]
 enum Under {
     Ground,
@@ -175,7 +175,7 @@ pub(super) fn the_ground_bears_what_lies_on_its_skin(backend: &dyn Backend) -> O
     close("force of the ground", f64::from(last[2]), weight, 0.01 * weight)
 }
 
-/// Where the skin is at the nodes, contact of the skin is that of nodes, bit for bit.
+/// Where the skin is at the nodes, contact of the skin equals that of the nodes, bit for bit.
 pub(super) fn a_skin_at_its_nodes_touches_as_they_do(backend: &dyn Backend) -> Outcome {
     let mut scene = block(Under::Ground, 0.1);
     scene.skin = Skin::of_nodes(&scene.graph);

@@ -37,7 +37,7 @@ pub(super) fn cable() -> Scene {
 }
 
 /// [`cable`] with one clamp only: at node 8 a branch of two nodes begins, 9 and 10, and the rod
-/// ends in it; the trunk continues to node 11, which is free as well.
+/// ends in it; the trunk continues to node 11, which is also free.
 pub(super) fn branched_cable() -> Scene {
     let mut points = cable().graph.rest_positions;
     let [x, y, z] = points[8];

@@ -76,10 +76,10 @@ impl<T: Real> Adjoint<T> {
         }
     }
 
-    /// Runs a frame again from the workspace's state, which starts it, and then backward: turns the
-    /// adjoint of the state at its end into that at its start. `around` is what surrounds the object,
-    /// if anything does, and d loss / d the frame's forces, if there are any; what comes of them for
-    /// the velocities with which held nodes arrive is returned, by node.
+    /// Runs a frame again from the workspace's state, and then backward: turns the adjoint of the
+    /// state at its end into that at its start. `around` is the surroundings of the object, if any,
+    /// and d loss / d the frame's forces, if requested. Returns the adjoint by the velocities with
+    /// which held nodes arrive, by node.
     pub(crate) fn back_frame(
         &mut self,
         system: &System<T>,

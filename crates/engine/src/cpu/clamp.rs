@@ -28,7 +28,7 @@ const MIN_TURN: f64 = 1e-3;
 /// Distance of two places that give a direction [m].
 const MIN_EDGE_M: f64 = 1e-9;
 
-/// How a rod's twist is held in a frame.
+/// Hold of a rod's twist in a frame.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct HeldRod<T> {
     pub(crate) span: Span,
@@ -110,7 +110,7 @@ impl<T: Real> Hands<T> {
         Some(&self.holds[at])
     }
 
-    /// What holds each node that is held; `open` has an entry for every control point.
+    /// Holder of each held node; `open` has an entry for every control point.
     fn spans(&self, open: &[bool], system: &System<T>) -> Vec<Span> {
         let mut pinned = vec![false; system.nodes];
         system.pins.iter().filter(|p| !open[p.control]).for_each(|p| pinned[p.node] = true);

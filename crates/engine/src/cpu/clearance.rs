@@ -36,7 +36,7 @@ const NONE: u32 = u32::MAX;
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Clearance<T> {
     nodes: usize,
-    /// To the ground, then to the obstacles in their order [m], shape [1 + obstacles, N].
+    /// Distances to the ground, then to the obstacles in their order [m], shape [1 + obstacles, N].
     distances: Vec<T>,
     /// Point of the skin that decides, of the same shape.
     points: Vec<u32>,
@@ -62,7 +62,7 @@ impl<'a, T: Real> Surfaces<'a, T> {
         system: &'a System<T>,
         around: Option<(&'a Surroundings<T>, &Around<T>)>,
     ) -> Self {
-        // Without contact of the skin nobody asks for them.
+        // Without contact of the skin the obstacles are not needed.
         let asked = around.filter(|_| system.skin_contact);
         let obstacles = asked.map(|(of, around)| around.obstacles_at(of, T::ZERO).collect());
         Self { system, of: around.map(|(of, _)| of), obstacles: obstacles.unwrap_or_default() }
@@ -140,7 +140,7 @@ impl<T: Real> Clearance<T> {
         if self.is_zero() { T::ZERO } else { self.distances[at(self.nodes, with, node)] }
     }
 
-    /// Finds them anew where a frame begins.
+    /// Recomputes the clearances at the beginning of a frame.
     pub(crate) fn find(&mut self, surfaces: &Surfaces<'_, T>, nodes: &[Node<T>]) {
         let system = surfaces.system;
         self.distances.clear();

@@ -15,7 +15,7 @@ use super::{
 };
 use crate::constants::MAX_PARTNERS;
 
-/// For each node, the nodes that it may touch during a frame.
+/// Nodes that each node may touch during a frame.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Candidates {
     starts: Vec<u32>,
@@ -33,8 +33,8 @@ impl Candidates {
         &self.partners[self.starts[node] as usize..self.starts[node + 1] as usize]
     }
 
-    /// Finds them anew: nodes nearer than the collision distance plus what the fastest two can
-    /// close within the frame (at least once, at most four times the collision distance).
+    /// Recomputes the candidates: nodes nearer than the collision distance plus what the fastest
+    /// two can close within the frame (at least once, at most four times the collision distance).
     pub(crate) fn find<T: Real>(&mut self, system: &System<T>, nodes: &[Node<T>]) {
         self.starts.clear();
         self.partners.clear();

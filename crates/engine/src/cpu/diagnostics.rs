@@ -133,12 +133,12 @@ impl<'a, T: Real> Observer<'a, T> {
     }
 }
 
-/// To a client's point.
+/// Converts a point to the client's type.
 pub(crate) fn point<T: Real>(x: [T; 4]) -> [f32; 3] {
     [narrow(x[0]), narrow(x[1]), narrow(x[2])]
 }
 
-/// To a client's hold.
+/// Converts a hold to the client's type.
 pub(crate) fn hold_of<T: Real>(h: &Hold<T>) -> world::Hold {
     world::Hold { node: h.node as u32, grasp: h.grasp as u32, place: point(h.place) }
 }

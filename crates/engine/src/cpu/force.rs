@@ -133,7 +133,7 @@ impl<T: Real> ForceSeeds<T> {
 }
 
 impl<T: Real> Around<T> {
-    /// Starts a frame's sums anew.
+    /// Resets the sums of a frame.
     pub(crate) fn start_measuring(&mut self, of: &Surroundings<T>, system: &System<T>) {
         let (hands, colliders) = (of.hands.len(), of.colliders.len());
         self.forces = FrameForces::zero(system.controls, hands, colliders);

@@ -15,9 +15,8 @@ use super::{
 };
 use crate::{Model, backend::Instance, world::Pose};
 
-/// Measures terms along given positions, as the CPU backend measures them along those that it
-/// simulates: of the same positions it makes the same numbers, bit by bit. Of forces, which positions
-/// do not tell, terms count as zero.
+/// Measures terms along given positions, with the same bits as the CPU backend does along the same
+/// simulated positions. Terms of forces, which do not follow from positions, count as zero.
 pub struct Gauge {
     system: System<f32>,
 }

@@ -40,7 +40,7 @@ pub(crate) struct LossGradient<T> {
     pub(crate) last: Vec<Node<T>>,
     /// Twists after the last frame, shape [R].
     pub(crate) last_twists: Vec<T>,
-    /// What hands hold after the last frame.
+    /// Holds of the hands after the last frame.
     pub(crate) last_hands: Hands<T>,
     /// Norm of d loss / d positions of the nodes that nothing pins, shape [F + 1]; NaN if it
     /// diverged.
@@ -163,7 +163,7 @@ struct Backward<'a, T> {
     states: &'a [Vec<Node<T>>],
     /// Frame-end twists, shape [F + 1, R].
     twists: &'a [Vec<T>],
-    /// What hands hold at frames' ends, shape [F + 1].
+    /// Holds of the hands at frames' ends, shape [F + 1].
     hands: &'a [Hands<T>],
     /// Frames' forces, shape [F + 1], or empty.
     forces: &'a [FrameForces<T>],

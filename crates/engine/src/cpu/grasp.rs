@@ -80,7 +80,7 @@ pub(crate) struct Hold<T> {
     pub(crate) place: Quad<T>,
 }
 
-/// What all hands hold between two frames.
+/// Holds of all hands between two frames.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Hands<T> {
     /// Shape [G].

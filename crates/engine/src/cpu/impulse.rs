@@ -28,7 +28,7 @@ pub(crate) struct Law<T> {
 }
 
 impl<T: Real> Law<T> {
-    /// Adds what a contact's adjoint says of the law.
+    /// Adds the gradients in a contact's adjoint.
     #[inline(always)]
     pub(crate) fn add(&mut self, by: &ContactAdjoint<T>) {
         self.restitution += by.restitution;
@@ -39,7 +39,7 @@ impl<T: Real> Law<T> {
 /// Relative velocity of two bodies [m/s].
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Approach<T> {
-    /// At the start of the substep.
+    /// Relative velocity at the start of the substep.
     pub(crate) start: Quad<T>,
     /// Just before contact.
     pub(crate) now: Quad<T>,
@@ -141,8 +141,8 @@ pub(crate) fn impact_adjoint<T: Real>(
     ContactAdjoint { start, v, normal, distance: T::ZERO, restitution, friction }
 }
 
-/// What a surface does to a relative velocity within a substep: an impact if that hits, then a push
-/// out of it if that is inside and leaves too slowly.
+/// Effect of a surface on a relative velocity within a substep: an impact on contact, then a push
+/// out of the surface if the node is inside and leaves too slowly.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Contact<T> {
     pub(crate) hits: bool,

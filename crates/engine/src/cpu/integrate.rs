@@ -37,7 +37,7 @@ pub(crate) struct Workspace<T> {
     pub(crate) candidates: Candidates,
     /// Clearances in the current frame.
     pub(crate) clearance: Clearance<T>,
-    /// What surrounds the object in the current frame.
+    /// Surroundings of the object in the current frame.
     pub(crate) around: Around<T>,
 }
 

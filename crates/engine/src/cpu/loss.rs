@@ -27,7 +27,7 @@ pub(crate) struct Moment<'a, T> {
     /// Nodes one frame and two frames earlier, if there were such frames.
     pub(crate) earlier: Option<[&'a [Node<T>]; 2]>,
     pub(crate) system: &'a System<T>,
-    /// What surrounds the object beside the ground.
+    /// Surroundings of the object beside the ground.
     pub(crate) around: Option<&'a Surroundings<T>>,
     /// Mean forces of the frame that ends here, if they were measured.
     pub(crate) forces: Option<&'a FrameForces<T>>,

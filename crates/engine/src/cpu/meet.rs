@@ -38,7 +38,7 @@ pub(crate) struct Obstacle<T> {
     /// Number among the colliders.
     pub(crate) collider: usize,
     pub(crate) body: BodyFrame<T>,
-    /// Where the substep starts, as a fraction of the frame.
+    /// Start of the substep, as a fraction of the frame.
     pub(crate) t: T,
     pub(crate) pose: Pose<T>,
 }

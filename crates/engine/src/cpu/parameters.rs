@@ -128,14 +128,14 @@ impl<T: Real> Parameters<T> {
     }
 }
 
-/// To `f32`; a gradient that exploded beyond it saturates instead of becoming infinite, NaN becomes
-/// zero.
+/// Converts to `f32`; a gradient beyond its range saturates instead of becoming infinite, NaN
+/// becomes zero.
 pub(crate) fn narrow<T: Real>(x: T) -> f32 {
     let x = saturate(x);
     if x.is_nan() { 0.0 } else { x }
 }
 
-/// To `f32`; what is beyond it saturates instead of becoming infinite, NaN stays NaN.
+/// Converts to `f32`; values beyond its range saturate instead of becoming infinite, NaN stays NaN.
 #[allow(clippy::cast_possible_truncation)]
 pub(crate) fn saturate<T: Real>(x: T) -> f32 {
     (x.to_f64() as f32).clamp(-f32::MAX, f32::MAX)

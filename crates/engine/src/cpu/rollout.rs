@@ -31,7 +31,7 @@ pub(crate) struct Simulation<'a, T> {
     /// Frames F.
     pub(crate) frames: usize,
     pub(crate) objective: &'a Objective,
-    /// What surrounds the object beside the ground.
+    /// Surroundings of the object beside the ground.
     pub(crate) surroundings: Option<Surroundings<T>>,
 }
 
@@ -58,7 +58,7 @@ impl<T: Real> Simulation<'_, T> {
         FrameControls { from: row(frame), to: row((frame + 1).min(self.frames)) }
     }
 
-    /// What surrounds the object during a frame, 0-based.
+    /// Surroundings of the object during a frame, 0-based.
     pub(crate) fn around(&self, frame: usize) -> Option<Frame<'_, T>> {
         self.surroundings.as_ref().map(|of| Frame { of, frame, frames: self.frames })
     }

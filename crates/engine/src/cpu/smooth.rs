@@ -38,7 +38,7 @@ pub(crate) struct Layer<T> {
     dt: T,
 }
 
-/// What the layer makes of a distance and a normal velocity.
+/// Response of the layer to a distance and a normal velocity.
 struct Normal<T> {
     /// d share / d h.
     share_slope: T,

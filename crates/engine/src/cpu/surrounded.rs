@@ -131,7 +131,7 @@ impl<T: Real> Work<T> for SurroundedSubsteps<'_, T> {
     }
 }
 
-/// x <- x + v dt, or the way along what is there; prescribed nodes are put in their places later.
+/// Moves nodes: x <- x + v dt, or along obstacles; prescribed nodes are put in their places later.
 #[inline(always)]
 fn travel<T: Real>(
     of: &Surroundings<T>,
@@ -160,7 +160,7 @@ fn travel<T: Real>(
     }
 }
 
-/// What free nodes may meet in a substep.
+/// Obstacles that free nodes may meet in a substep.
 #[inline(always)]
 fn scene<'a, T: Real>(
     of: &'a Surroundings<T>,

@@ -21,7 +21,7 @@ use crate::world::{Motion, World};
 /// missed.
 const REACH_M: f64 = 0.25;
 
-/// What surrounds an object during a rollout.
+/// Surroundings of an object during a rollout.
 #[derive(Clone, Debug)]
 pub(crate) struct Surroundings<T> {
     /// Bodies B.
@@ -36,7 +36,7 @@ pub(crate) struct Surroundings<T> {
     pub(crate) closed: Vec<bool>,
     /// Shape [F + 1, R, 2], or empty.
     pub(crate) rolls: Vec<T>,
-    /// What the hands hold at the start.
+    /// Holds of the hands at the start.
     pub(crate) start: Hands<T>,
     /// Someone asks for forces.
     pub(crate) measured: bool,
@@ -98,18 +98,18 @@ impl<T: Real> Surroundings<T> {
 /// The changing part of the surroundings; empty where nothing surrounds the object.
 #[derive(Debug)]
 pub(crate) struct Around<T> {
-    /// What the hands hold.
+    /// Holds of the hands.
     pub(crate) hands: Hands<T>,
     /// Nodes that they took at the beginning of this frame, with where these were.
     pub(crate) taken: Vec<(usize, Quad<T>)>,
     pub(crate) bodies: Vec<BodyFrame<T>>,
-    /// How rods are held, shape [R]; empty without hands.
+    /// Holds of rods, shape [R]; empty without hands.
     pub(crate) rods: Vec<HeldRod<T>>,
     /// Rate of each rod's twist that its clamps impose [rad/s], shape [R], or empty.
     pub(crate) roll_rates: Vec<T>,
     /// Colliders that a node may reach in this frame.
     pub(crate) near: Vec<usize>,
-    /// Those, in a substep.
+    /// Obstacles among them in a substep.
     pub(crate) obstacles: Vec<Obstacle<T>>,
     /// Velocities with which nodes arrive at a frame's beginning, shape [N]; empty where they are
     /// those of the nodes.

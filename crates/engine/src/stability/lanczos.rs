@@ -233,7 +233,7 @@ fn is_above(diagonal: &[f64], beside: &[f64], x: f64) -> bool {
 
 /// The eigenvector of the largest eigenvalue, by two inverse iterations from just above it, where
 /// the matrix is definite and elimination needs no pivoting. The off-diagonal entries are positive,
-/// so that vector is as well, and ones are a valid start.
+/// so that vector is positive, too, and ones are a valid start.
 fn eigenvector(diagonal: &[f64], beside: &[f64], largest: f64) -> Vec<f64> {
     let shift = largest + (1e-9 * largest.abs()).max(f64::MIN_POSITIVE);
     let n = diagonal.len();

@@ -14,7 +14,7 @@ const TWIST_RAD: f64 = std::f64::consts::TAU;
 /// Stiffness and damping of a spring for a relative displacement.
 pub(super) struct Bar {
     pub(super) ends: [u32; 2],
-    /// Zero if all directions are alike.
+    /// Zero if all directions are equally stiff.
     pub(super) direction: Vector,
     pub(super) along: f64,
     pub(super) across: f64,

@@ -17,7 +17,7 @@ use std::sync::Arc;
 use super::Rods;
 use crate::cpu::real::Real;
 
-/// What holds an edge of a rod.
+/// Holder of an edge of a rod.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Holder {
     /// Control points.
@@ -32,7 +32,7 @@ pub(crate) enum Holder {
 pub(crate) struct Span {
     pub(crate) first: usize,
     pub(crate) end: usize,
-    /// What holds the edges `first` and `end`; an arm is held by nothing.
+    /// Holders of the edges `first` and `end`; an arm has none.
     pub(crate) near: Option<Holder>,
     pub(crate) far: Option<Holder>,
 }
@@ -99,7 +99,7 @@ impl<T: Real> Rods<T> {
         [self.paths[rod].nodes[edge], self.paths[rod].nodes[edge + 1]]
     }
 
-    /// These rods, twisted between the clamps of `spans` alone.
+    /// The rods, twisted between the clamps of `spans` alone.
     pub(crate) fn within(&self, spans: &[Span]) -> Self {
         let mut this = Self { paths: self.paths.clone(), ..Self::default() };
         for ((span, path), rod) in spans.iter().zip(&*self.paths).zip(&self.rods) {

@@ -47,8 +47,8 @@ fn the_adjoint_matches_differences() {
     }
 }
 
-/// A node under gravity comes to rest about half the width deep, however it arrives, and an impact
-/// gives back no energy.
+/// A node under gravity comes to rest about half the width deep, on any path, and an impact returns
+/// no energy.
 #[test]
 fn a_node_settles_half_the_width_deep() {
     for (speed, dt) in [(0.0, 1e-3), (-1.0, 1e-3), (-1.0, 5e-5), (0.5, 1e-4)] {
@@ -68,7 +68,7 @@ fn a_node_settles_half_the_width_deep() {
     }
 }
 
-/// Nothing outside the layer, and the change has no jump at its edges.
+/// No force outside the layer, and no jump of the change at its edges.
 #[test]
 fn the_layer_ends_smoothly() {
     assert!(!layer().reaches(1.0001e-3));

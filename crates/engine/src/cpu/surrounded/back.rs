@@ -136,7 +136,7 @@ fn seed_held<T: Real, M: Machine<T>>(
     drag
 }
 
-/// What nodes meet in a substep, backward.
+/// Adjoint of what nodes meet in a substep.
 struct Travel<'a, T> {
     of: &'a Surroundings<T>,
     system: &'a System<T>,
@@ -182,7 +182,7 @@ impl<T: Real> Travel<'_, T> {
 
 /// Adjoint of the beginning of a frame; `nodes` that were taken are where they are then.
 ///
-/// What d loss / d forces adds to the velocities with which held nodes arrive is returned, by node.
+/// Returns, by node, what d loss / d forces adds to the velocities with which held nodes arrive.
 pub(crate) fn begin_adjoint<T: Real>(
     at: Frame<'_, T>,
     system: &System<T>,

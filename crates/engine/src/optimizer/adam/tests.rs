@@ -47,8 +47,8 @@ fn descends_a_badly_scaled_bowl_of_two_kinds_and_respects_bounds() {
     assert_eq!(theta[1], -1.0);
 }
 
-/// A gradient that keeps its sign holds a coordinate `1 / prior` times its relative rate from the
-/// start; one that is gone lets it come back.
+/// A gradient that keeps its sign holds a coordinate at `1 / prior` times its relative rate from
+/// the start; when it vanishes, the coordinate returns.
 #[test]
 fn the_start_draws_coordinates_back() {
     let decay = Decay { prior: 0.5, ..DECAY };
