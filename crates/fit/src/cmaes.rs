@@ -103,7 +103,7 @@ impl CmaEs {
         self.best.as_ref()
     }
 
-    /// The samples of the current generation; the same ones until the next [`CmaEs::tell`].
+    /// The samples of the current generation, unchanged until the next [`CmaEs::tell`].
     pub fn ask(&self) -> Vec<Sample> {
         let n = self.mean.len();
         let mut rng = ChaCha8Rng::seed_from_u64(self.seed);

@@ -107,9 +107,9 @@ impl Distillation {
 }
 
 impl Distillation {
-    /// The planner's twin before it is refined: of those with shares of the damping, the one that is
-    /// nearest to the twin. Damping limits the step of most twins; what damping gives up, stiffness
-    /// need not.
+    /// The planner's twin before it is refined: the one nearest to the twin among those with shares
+    /// of the damping. Damping limits the step of most twins; stiffness need not give up what
+    /// damping does.
     fn softened(
         &self,
         twin: &Twin,

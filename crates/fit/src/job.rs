@@ -151,7 +151,7 @@ struct Run<'a> {
     cancel: &'a CancelToken,
 }
 
-/// Pass whose time tells how many fit into a time limit.
+/// Pass whose duration determines how many fit into a time limit.
 const MEASURED_PASS: u32 = 2;
 
 /// The kind of a backend's device.
@@ -305,8 +305,8 @@ impl<'a> Run<'a> {
         }
     }
 
-    /// Says before a search begins that the graph is in pieces, so that nobody waits for the fit of an
-    /// object that is held together by joints.
+    /// Reports before a search begins that the graph is in pieces, so that no time is wasted on the
+    /// fit of an object held together by joints.
     fn report_pieces(&mut self) {
         let Some(model) = self.models.first() else { return };
         if !matches!(&model.state, ModelFitState::Search(strategy) if strategy.generation() == 0) {

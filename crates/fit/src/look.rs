@@ -33,7 +33,7 @@ pub struct Look<'a> {
 pub struct Drawn<'a> {
     /// The twin with its appearance.
     pub twin: &'a Twin,
-    /// The same nodes as they move in the recording: the twin itself in its own one.
+    /// The twin with its nodes as they move in the recording: the twin itself in its own recording.
     pub moved: &'a Twin,
     /// The recording.
     pub capture: &'a Capture,

@@ -46,7 +46,8 @@ pub(crate) struct Task<'a> {
     pub(crate) spacing_m: f64,
     /// True if an object comes near the ground in the training frames.
     pub(crate) nears_ground: bool,
-    /// True if what becomes too stiff for the most substeps gives way, and is not taken back.
+    /// True if elements that become too stiff for the most substeps are softened, instead of being
+    /// taken back.
     pub(crate) softens: bool,
 }
 
@@ -116,7 +117,7 @@ impl<'a> Task<'a> {
         Ok(Self { softens: true, ..Self::of_nodes(capture, settings, nodes, cancel)? })
     }
 
-    /// The same task with training sequences that begin in these states.
+    /// The task with training sequences that begin in these states.
     pub(crate) fn starting_in(mut self, states: Vec<Arc<State>>) -> Self {
         for (training, state) in self.training.iter_mut().zip(states) {
             Arc::make_mut(&mut training.source).initial = state;
@@ -166,8 +167,8 @@ impl<'a> Task<'a> {
         })
     }
 
-    /// The same task without the last frames of the training sequences, of each this share of its
-    /// frames; `None` if that would leave one without anything to train on.
+    /// The task without the last frames of the training sequences, this share of the frames of
+    /// each; `None` if that would leave one without anything to train on.
     pub(crate) fn without_last(&self, share: f64) -> Option<Self> {
         let measure = Measure { loss: &self.settings.loss };
         let shorter = |t: &Training<'a>| {

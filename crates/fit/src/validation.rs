@@ -1,9 +1,10 @@
 //! Frames that are held back from several starts, to choose the one that predicts them best.
 //!
-//! The training loss does not tell which of two starts predicts: each meets the frames that it was
-//! fitted to, and they part after them. So all starts are searched and refined without the last
-//! training frames, and what the search found for the one that predicts these best is then refined
-//! anew on all of them: parameters that were refined without them would keep the marks of that.
+//! The training loss does not show which of two starts predicts better: each matches the frames
+//! that it was fitted to, and they diverge after these. So all starts are searched and refined
+//! without the last training frames, and the search result of the start that predicts these best is
+//! then refined again on all of them: parameters refined without them would keep the traces of
+//! that.
 
 use std::sync::Arc;
 

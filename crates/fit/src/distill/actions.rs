@@ -44,7 +44,7 @@ enum Kind {
     Lift,
     /// Level, in one direction.
     Drag,
-    /// To and fro.
+    /// Back and forth.
     Shake,
 }
 

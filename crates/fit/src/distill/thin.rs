@@ -1,12 +1,12 @@
-//! Thins a twin: some of its nodes, joined anew, with parameters that keep the energies of what they
-//! stand for, and softened until few substeps are stable.
+//! Thins a twin: keeps some of its nodes, connects them again, with parameters that preserve the
+//! energies of the elements that they replace, and softens them until few substeps are stable.
 //!
 //! **Nodes** are spread over the surface and the interior. Each stands for the nodes that are nearest to
 //! it and has their mass, but not less than half of the mean, which would need finer substeps.
 //! **Springs.** An affine strain ε of the object has the energy Σ k ε² l / 2 in springs of stiffness k
 //! and rest length l, and Σ γ ε̇² l² is lost in dashpots γ: local means of k and γ are scaled so that
 //! both sums are kept. A curvature κ has Σ kθ κ² l² / 2 in triplets with arms of mean length l, which is
-//! kept as well. Springs of a control point keep the sums of k / l and of γ there.
+//! kept, too. Springs of a control point keep the sums of k / l and of γ there.
 
 use bendtwin_core::{
     Graph, NodeKind, Params, PlannersTwin, Point, Skin, Twin, geometry::point_distance,
@@ -304,8 +304,9 @@ fn bound(twin: &Twin, graph: &Graph) -> Skin {
     bind_skin(graph, &SurfacePoints { positions, observed_points })
 }
 
-/// A planner's twin that is stable with these substeps, with a margin: with this share of its damping,
-/// and softened as far as it must be. More substeps where too much would have to give way.
+/// A planner's twin that is stable with these substeps, with a margin: with this share of its
+/// damping, and softened as far as necessary. More substeps where it would have to be softened too
+/// much.
 pub(super) fn softened(planner: &PlannersTwin, damping: f32, substeps: u32) -> PlannersTwin {
     let mut model = Model::from(&*planner.twin);
     let params = &mut model.params;

@@ -1,6 +1,6 @@
 //! The stage after the fit: colours and Gaussians of its twins from the views of the recording, and
-//! how their renderings look beside it. A twin without them predicts as well, so a fault here is a
-//! warning.
+//! the likeness of their renderings. A twin without them predicts equally well, so a fault here is
+//! a warning.
 
 use bendtwin_appearance::{Dressed, Motion, Scene, Training, TrainingOptions, score, skin_colors};
 use bendtwin_core::{Appearance, Splats, Stage, Twin, quality::RenderedScore};

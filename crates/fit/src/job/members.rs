@@ -1,4 +1,4 @@
-//! Other starts of a fit that fit about as well as the one that is kept: the twin's members.
+//! Other starts of a fit that fit nearly as well as the chosen one: the twin's members.
 
 use bendtwin_core::{Twin, twin::Member};
 

@@ -208,7 +208,7 @@ impl<'a> OptimizerRun<'a> {
         Ok(())
     }
 
-    /// What the steps of this run depend on.
+    /// Schedule of the steps of this run.
     fn schedule(&self) -> Schedule {
         if schedule::is_single_step(self.task) {
             Schedule::Whole
@@ -313,8 +313,8 @@ impl<'a> OptimizerRun<'a> {
         }
     }
 
-    /// Continues with stiffness and damping that the most substeps bear, with a margin; false where too
-    /// much would have to give way.
+    /// Continues with stiffness and damping that the most substeps allow, with a margin; false if
+    /// they would have to be reduced too much.
     fn soften(&mut self, index: usize, optimizer: &mut dyn Optimizer) -> Result<bool, Error> {
         let (current, most) = (self.loaded.model(), self.task.settings.substeps.most());
         let with_margin = (f64::from(most) / MIN_MARGIN) as u32;

@@ -24,7 +24,7 @@ pub(crate) fn is_single_step(task: &Task<'_>) -> bool {
     steps(task, 0).len() == 1
 }
 
-/// The steps of a pass. Sequences are assigned to mini-batches anew in every pass, by seed and
+/// The steps of a pass. Sequences are assigned to mini-batches again in every pass, by seed and
 /// pass.
 pub(crate) fn steps(task: &Task<'_>, pass: u32) -> Vec<Step> {
     let refine = &task.settings.refine;

@@ -26,7 +26,7 @@ const LEAST_GAIN: f64 = 0.01;
 /// Largest reach of gradients [frames] after the first cut; each further cut leaves a quarter.
 const FIRST_CUT_REACH: u32 = 16;
 
-/// What the steps of a run depend on.
+/// Schedule of the steps of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Schedule {
     /// A pass is one step along the gradient of the whole loss. Neither the rate nor when it ends

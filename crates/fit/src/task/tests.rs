@@ -23,7 +23,7 @@ fn a_tracked_cable_needs_no_chamfer_distance() {
 }
 
 #[test]
-fn the_future_is_never_looked_at() {
+fn the_future_is_never_read() {
     let capture = make(Scene::Rope, &MakeOptions::tiny(3)).unwrap();
     let mut blind = capture.clone();
     let train_frames = blind.sequences[0].train_frame_count;
