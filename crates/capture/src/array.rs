@@ -115,7 +115,7 @@ impl<'a> Array<'a> {
         Ok(Self { at: at.to_owned(), dtype, shape, fortran, data })
     }
 
-    /// The same array under another name.
+    /// The array under another name.
     pub(crate) fn named(mut self, at: &str) -> Self {
         at.clone_into(&mut self.at);
         self

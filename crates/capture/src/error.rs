@@ -1,12 +1,12 @@
-//! Why a capture cannot be read, in words that tell its owner what to do. The
-//! reasons double as codes of [`crate::check`] findings.
+//! Reasons why a capture cannot be read, with what its owner should do. The reasons double as codes
+//! of [`crate::check`] findings.
 
 use bendtwin_core::{Category, Problem};
 
 /// Reason for which a capture cannot be read or written.
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
-    /// Nothing there.
+    /// No file or folder at the path.
     #[error("there is no capture at `{0}`: check the path")]
     NotFound(String),
     /// The operating system failed.
@@ -191,7 +191,7 @@ pub enum Error {
     /// Images whose numbers contradict each other or the description.
     #[error("{0}")]
     FrameNumbers(String),
-    /// Labels of masks that do not tell the object from the manipulator.
+    /// Labels of masks that do not distinguish the object from the manipulator.
     #[error("{0}")]
     MaskLabels(String),
     /// A JSON document that is wrong.
@@ -233,7 +233,7 @@ pub enum Error {
         at: String,
         /// Bytes that its header claims, saturated.
         claimed: u64,
-        /// Bytes that are there.
+        /// Bytes present.
         present: u64,
     },
     /// A pickle that names something outside the allow-list.

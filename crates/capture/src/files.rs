@@ -33,7 +33,7 @@ enum Source<'a> {
     Tar(Storage<'a>, Arc<Vec<tar::Member>>),
 }
 
-/// Bytes that tell an archive's format.
+/// Bytes by which an archive's format is recognized.
 const MAGIC: u64 = 512;
 
 /// `true` if an entry's name stays inside the archive on every system.

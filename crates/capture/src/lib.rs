@@ -1,10 +1,9 @@
 //! Capture bundles, PhysTwin cases and motion capture: read, check, write.
 //!
-//! [`read()`] accepts what people have and gives a [`bendtwin_core::Capture`] in
-//! metres with z up. Everything that comes in is treated as hostile: sizes are
-//! checked before allocation, archives are never extracted, pickles go through an
-//! allow-list. [`open()`] also accepts [`raw`] recordings of colour and depth. [`check()`] says in
-//! plain words why a capture will not fit.
+//! [`read()`] accepts the formats that people have and gives a [`bendtwin_core::Capture`] in metres
+//! with z up. All input is treated as hostile: sizes are checked before allocation, archives are
+//! never extracted, pickles go through an allow-list. [`open()`] also accepts [`raw`] recordings of
+//! colour and depth. [`check()`] says in plain words why a capture will not fit.
 
 pub mod bundle;
 pub mod check;

@@ -19,9 +19,9 @@ type Id = u32;
 /// The globals that a pickle may name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Dialect {
-    /// Those of numpy's arrays.
+    /// Classes of numpy's arrays.
     Numpy,
-    /// Those of torch's tensors, too.
+    /// Classes of torch's tensors as well.
     Torch,
 }
 

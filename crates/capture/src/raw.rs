@@ -104,7 +104,7 @@ pub struct Recording {
     pub source_to_world: [[f32; 3]; 3],
     /// The cameras; at least one.
     pub cameras: Vec<Camera>,
-    /// The object's shape, if somebody modelled or completed it.
+    /// Shape of the object, if it was modelled or completed.
     pub mesh: Option<MeshFile>,
     /// Clean tracks for metrics only [m], shape [T, K, 3]; NaN where unknown; empty if none.
     pub truth_tracks: Vec<Point>,
@@ -120,7 +120,7 @@ pub struct Recording {
 /// A mesh as it lies in a recording, not parsed.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MeshFile {
-    /// File name; its extension tells the format: `glb`, `obj` or `ply`.
+    /// File name; the extension gives the format: `glb`, `obj` or `ply`.
     pub name: String,
     /// Content of the file.
     pub bytes: Vec<u8>,
@@ -181,22 +181,22 @@ pub trait Frames: Send {
     /// Colour, or `None` if this frame was not recorded.
     ///
     /// # Errors
-    /// If it is there but damaged.
+    /// If the image exists but is damaged.
     fn color(&mut self, frame: usize) -> Result<Option<ColorImage>, Error>;
     /// Depth along the optical axis [m], 0 where nothing was measured; `None` if this frame was not
     /// recorded.
     ///
     /// # Errors
-    /// If it is there but damaged.
+    /// If the image exists but is damaged.
     fn depth(&mut self, frame: usize) -> Result<Option<DepthImage>, Error>;
     /// A mask, or `None` if this frame has no mask.
     ///
     /// # Errors
-    /// If it is there but damaged.
+    /// If the mask exists but is damaged.
     fn mask(&mut self, frame: usize, region: Region) -> Result<Option<Mask>, Error>;
     /// 2D tracks, or `None` if no tracker ran.
     ///
     /// # Errors
-    /// If they are there but damaged.
+    /// If the tracks exist but are damaged.
     fn tracks(&mut self) -> Result<Option<Tracks>, Error>;
 }

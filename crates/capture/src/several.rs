@@ -49,7 +49,7 @@ struct Document {
 #[serde(deny_unknown_fields)]
 struct Entry {
     folder: String,
-    /// For people; the folder's if it is empty.
+    /// Name for people; the folder's if it is empty.
     #[serde(default, skip_serializing_if = "String::is_empty")]
     name: String,
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]

@@ -6,7 +6,7 @@ use super::{Finding, distance, visible_points};
 
 /// A hand that never comes nearer does not touch the object [m].
 const FAR_M: f32 = 0.1;
-/// Pairs of points that are compared; longer recordings are looked at in fewer frames.
+/// Pairs of points that are compared; longer recordings are checked in fewer frames.
 const MAX_PAIRS: usize = 500_000_000;
 /// A hand that moves less holds still [m].
 const STILL_M: f32 = 0.005;

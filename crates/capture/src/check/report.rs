@@ -41,7 +41,7 @@ impl CheckReport {
     /// Turns errors into one failure that names them all.
     ///
     /// # Errors
-    /// [`Error::Unusable`] if there is any error.
+    /// [`Error::Unusable`] if the report has an error.
     pub fn require(&self) -> Result<(), Error> {
         let Some(first) = self.of(Severity::Error).next() else { return Ok(()) };
         let all: Vec<String> = self.of(Severity::Error).map(Finding::sentence).collect();
@@ -53,7 +53,7 @@ impl CheckReport {
 /// fault should not say it 70 times.
 const PER_CODE: usize = 3;
 
-/// Sorts by severity, shortens repetitions and tells messages from advice.
+/// Sorts by severity, shortens repetitions and separates messages from advice.
 pub(super) fn merge(findings: Vec<Finding>) -> Vec<Finding> {
     let mut kept: Vec<Finding> = Vec::new();
     let mut dropped: Vec<(String, Severity, usize)> = Vec::new();

@@ -4,7 +4,7 @@
 use super::storage::Storage;
 use crate::Error;
 
-/// Bytes at the start and at the end of a file that tell its format.
+/// Bytes at the start and at the end of a file by which its format is recognized.
 const LOOKED_AT: u64 = 64 << 10;
 
 /// Topics of a RealSense recording in a ROS bag begin so.

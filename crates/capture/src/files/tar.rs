@@ -23,7 +23,7 @@ use crate::{Error, Limits, limits::Budget};
 /// Bytes of a header; files are padded to a multiple of them.
 const BLOCK: u64 = 512;
 
-/// Bytes that are unpacked between two looks at how many there are.
+/// Bytes unpacked between two checks of the total.
 const STEP: u64 = 1 << 20;
 
 /// Place of a file in the archive.

@@ -71,7 +71,7 @@ fn both_files_may_lie_in_an_archive_or_a_folder() {
     // What is unpacked is bounded as in any archive.
     let little = Limits { total_bytes: 1_000, ..Limits::default() };
     assert!(crate::read_bytes("DLO4", &archive, &little).is_err());
-    // Which of two it is to be, nobody says; and arrays alone are no capture.
+    // The choice between two is left open; and arrays alone are no capture.
     let (_, bytes) = of("C1.npz");
     let two = [of("C1.npz"), of("C1.json"), ("C2.npz".to_owned(), bytes.clone())];
     assert!(crate::read_bytes("two", &pack(&two.into()), &Limits::default()).is_err());

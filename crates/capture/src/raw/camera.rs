@@ -177,7 +177,7 @@ impl Pose {
         })
     }
 
-    /// The same place after the world's axes and units have changed.
+    /// The camera at the same place after a change of the world's axes and units.
     pub(super) fn turned(&self, frame: &Frame) -> Self {
         let turn = frame.rotation.map(|row| row.map(f64::from));
         let times = |column: [f64; 3]| {

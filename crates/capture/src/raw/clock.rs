@@ -21,7 +21,7 @@ const REACH: f64 = 0.6;
 /// shape [camera, images].
 ///
 /// # Errors
-/// If there are too many frames, or too few to tell how fast they follow each other.
+/// If there are too many frames, or too few to determine their rate.
 pub(super) fn align(times: &[Vec<f64>], limit: usize) -> Result<Aligned, Error> {
     let reference = times.iter().max_by_key(|t| t.len()).map_or(&[][..], Vec::as_slice);
     // The first among equals, not the last.

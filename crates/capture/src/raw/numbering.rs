@@ -189,8 +189,8 @@ fn number(stem: &str) -> Option<u64> {
     run?.parse().ok()
 }
 
-/// Numbers of frames of images that are numbered alike. A declared number of frames counts;
-/// `declared` is it with the place where it stands.
+/// Numbers of frames of images whose numbering agrees. A declared number of frames takes
+/// precedence; `declared` is that number with the place where it stands.
 pub(super) fn align(
     all: &[&Images],
     declared: Option<(&str, usize)>,

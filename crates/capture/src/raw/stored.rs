@@ -26,7 +26,7 @@ pub(super) enum Names {
     Numbered { before: String, digits: usize, after: String },
     /// A name for each frame that was recorded.
     Listed(Vec<Option<String>>),
-    /// Names that are there, by their frames.
+    /// Names that exist, by their frames.
     Found(Arc<BTreeMap<usize, String>>),
 }
 

@@ -164,8 +164,8 @@ pub(super) fn archive(files: &FileMap) -> (TempDir, PathBuf) {
     (folder, path)
 }
 
-/// Opens files as a recording; what lies in memory is read from a folder that is gone when this
-/// returns, so only descriptions can be looked at.
+/// Opens files as a recording; in-memory files are read from a folder that is removed when this
+/// returns, so only descriptions can be checked.
 pub(super) fn describe(files: &FileMap) -> Result<Recording, Error> {
     let folder = folder(files);
     super::open(folder.path(), &Limits::default())

@@ -1,6 +1,6 @@
 //! The part of a recording that can be used: a damaged file counts as not recorded, and a number that
-//! stands for no depth as 0. A report says how much that is; one damaged file among thousands is no
-//! reason to give up.
+//! stands for no depth as 0. The report gives their number; one damaged file among thousands is no
+//! reason to stop.
 
 use std::sync::Arc;
 
@@ -17,7 +17,7 @@ const MIN_FILLED_SHARE: f64 = 0.002;
 const FILLED_RATIO: f32 = 2.0;
 
 impl Recording {
-    /// The same recording, of which damaged files read as not recorded and pixels with
+    /// The recording with damaged files read as not recorded, and pixels with
     /// [`DepthImage::fill_value`] as 0.
     #[must_use]
     pub fn usable(&self) -> Self {
@@ -55,7 +55,7 @@ impl Source for Usable {
 
 struct UsableFrames<'a>(Box<dyn Frames + 'a>);
 
-/// Nothing for a damaged file; what the system could not do stays an error.
+/// `None` for a damaged file; failures of the system stay errors.
 fn unless_damaged<T>(read: Result<Option<T>, Error>) -> Result<Option<T>, Error> {
     match read {
         Err(error) if error.category() != Category::Internal => Ok(None),

@@ -13,7 +13,7 @@ use crate::{
     },
 };
 
-/// Nothing is as a default would have it.
+/// A recording in which no field has its default.
 fn rich() -> (tempfile::TempDir, Recording) {
     let mut files = case();
     files.remove("color/0/2.png");

@@ -64,7 +64,7 @@ fn are_metres(numbers: &[f32]) -> bool {
     measured().all(|x| *x < FARTHEST_METRES) && measured().any(|x| x.fract() != 0.0)
 }
 
-/// Depth from a 16-bit PNG image; `metres` tells what its numbers mean.
+/// Depth from a 16-bit PNG image; `metres` converts its numbers.
 pub(in crate::raw) fn from_png(
     at: &str,
     bytes: &[u8],

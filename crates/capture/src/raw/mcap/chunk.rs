@@ -68,7 +68,7 @@ impl Chunk {
     pub(super) fn unpack(&self, packed: &[u8]) -> Result<Vec<u8>, String> {
         let failed = |e: &dyn std::fmt::Display| format!("a chunk does not decompress: {e}");
         let mut bytes = Vec::new();
-        // One byte more than announced tells that there is more.
+        // One byte more than announced shows that there is more.
         let limit = self.unpacked.saturating_add(1);
         match self.compression {
             Compression::None => bytes.extend_from_slice(packed),
@@ -80,7 +80,7 @@ impl Chunk {
             }
             Compression::Zstd => {
                 let mut rest = packed;
-                // A chunk may be several frames, one after the other.
+                // A chunk may be several frames, one after another.
                 while !rest.is_empty() && (bytes.len() as u64) < limit {
                     // A decoder fills its window before it gives the first byte.
                     let window = self.unpacked.max(MOST_WINDOW);

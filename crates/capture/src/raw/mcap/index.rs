@@ -18,7 +18,7 @@ use crate::{Error, Limits, files::at_most, raw::stored::MAX_MESH};
 const MAX_MESSAGE: u64 = 4 << 20;
 /// Bytes of a message before its content: channel, number, two times.
 const MESSAGE_HEAD: u64 = 22;
-/// Channels that are looked at.
+/// Channels that are read.
 const MAX_CHANNELS: usize = 4096;
 
 /// A topic of images.

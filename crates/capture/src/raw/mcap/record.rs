@@ -103,7 +103,7 @@ impl<'a> Region<'a> {
     }
 }
 
-/// Fields of a record, little-endian, one after the other.
+/// Fields of a record, little-endian, one after another.
 pub(super) struct Fields<'a>(pub(super) &'a [u8]);
 
 impl<'a> Fields<'a> {

@@ -76,7 +76,7 @@ pub(super) const KEY: &str = "object_labels";
 /// Kind of thing that a label names by its words alone.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Meaning {
-    /// Any word that is not known is what somebody wants a twin of.
+    /// Any unknown word: the object that a twin is wanted of.
     Object,
     Manipulator,
     Unclear,

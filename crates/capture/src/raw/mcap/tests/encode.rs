@@ -270,7 +270,7 @@ pub(super) fn compressed_depth(camera: usize, frame: usize) -> Vec<u8> {
     bytes
 }
 
-/// The same file with its chunks compressed.
+/// The file with its chunks compressed.
 pub(super) fn repack(file: &[u8], compression: &str) -> Vec<u8> {
     let mut out = file[..8].to_vec();
     let mut at = 8;

@@ -97,7 +97,7 @@ fn lengths_are_not_believed() {
 
 #[test]
 fn many_small_bombs_are_one_bomb() {
-    // One record of a kind that nobody knows, of zeros.
+    // A record of an unknown kind, of zeros.
     let mut records = vec![0; 48 << 20];
     records[0] = 0x80;
     let length = records.len() as u64 - 9;
