@@ -51,7 +51,7 @@ pub(crate) struct Database {
     lock: File,
 }
 
-/// Whom the notifications of a database wake that several servers may have open.
+/// Tasks woken by the notifications of a database that several servers may have open.
 #[derive(Clone, Debug)]
 pub(crate) struct Wakes {
     /// Notified when a job enters the queue.
@@ -101,7 +101,7 @@ impl Database {
         matches!(self.engine, Engine::Postgres(_))
     }
 
-    /// For single statements that only read.
+    /// Connection for single statements that only read.
     pub(crate) fn read(&self) -> &Readers {
         &self.readers
     }
@@ -123,7 +123,7 @@ impl Database {
         }
     }
 
-    /// Lets other servers have the folder as well, if their rows are in the same database.
+    /// Allows other servers to use the folder, too, if their rows are in the same database.
     pub(crate) fn share_folder(&self) -> Result<()> {
         if self.is_remote() { share(&self.lock) } else { Ok(()) }
     }
@@ -199,7 +199,7 @@ pub(crate) async fn lock_shared(data_dir: &Path) -> Result<File> {
     }
 }
 
-/// Lets other servers have the folder as well.
+/// Allows other servers to use the folder, too.
 pub(crate) fn share(lock: &File) -> Result<()> {
     lock.try_lock_shared().map_err(refused)
 }

@@ -1,9 +1,9 @@
 //! Request ids of resources that have been deleted.
 //!
 //! A request may be under way more than once: its client gave it up and repeated it elsewhere, and
-//! the first attempt runs on in its server, or in the network. The resource of the repetition may be
-//! deleted before that attempt ends. Then only the id tells that it has been answered, so it
-//! outlives the row that it was in.
+//! the first attempt continues in its server, or in the network. The resource of the repetition may
+//! be deleted before that attempt ends. Then only the id shows that the request has been answered,
+//! so the id outlives the row that it was in.
 //!
 //! A resumable upload is different: clients derive its id from a file, and send the file again on
 //! purpose. An upload that is begun after the deletion, by a request without content, is no late

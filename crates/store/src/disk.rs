@@ -87,7 +87,7 @@ impl Reserve {
         if self.refill() { Ok(()) } else { Err(Error::DiskFull) }
     }
 
-    /// Makes the reserve if there is room for it and more. Returns true if it is there.
+    /// Makes the reserve if there is more free space than it needs. Returns true if it exists.
     fn refill(&self) -> bool {
         let _making = self.making.lock().unwrap_or_else(PoisonError::into_inner);
         if self.is_held() {
@@ -97,7 +97,7 @@ impl Reserve {
         if !Disk::of(&self.folder).is_ok_and(has_room) {
             return false;
         }
-        // Under another name until all of it is there.
+        // Under another name until it is complete.
         let partial = self.file.with_extension("partial");
         let made = allocate(&partial).and_then(|()| fs::rename(&partial, &self.file));
         if let Err(error) = &made {

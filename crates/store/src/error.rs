@@ -350,7 +350,7 @@ fn sql_state(error: &sqlx::Error) -> Option<String> {
     Some(found.code().to_owned())
 }
 
-/// What a code of PostgreSQL means here, if it is anything but a fault of this program.
+/// Meaning of a code of PostgreSQL, unless it is a fault of this program.
 fn of_state(state: &str) -> Option<Error> {
     const NUL_IN_TEXT: &str = "22021";
     /// A prepared statement whose table has another form by now.

@@ -26,8 +26,8 @@ impl Store {
     /// long ago.
     ///
     /// # Errors
-    /// [`crate::Error::StoreMismatch`] if somebody exchanged the database or the blobs; database and
-    /// file errors.
+    /// [`crate::Error::StoreMismatch`] if the database or the blobs have been replaced; database
+    /// and file errors.
     pub async fn collect_garbage(&self) -> Result<()> {
         let blobs = self.blobs();
         let Some(_turn) = self.inner.database.turn(TURN).await? else { return Ok(()) };

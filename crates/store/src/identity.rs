@@ -109,7 +109,7 @@ pub(crate) async fn of_database(readers: &Readers) -> Result<Option<String>> {
     identity.fetch_optional(readers).await
 }
 
-/// True if any row refers to any blob that is there.
+/// True if any row refers to an existing blob.
 async fn any_referred(readers: &Readers, place: &Place) -> Result<bool> {
     if !place.any().await? {
         return Ok(false);

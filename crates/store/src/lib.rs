@@ -24,11 +24,11 @@
 //!   get the same job.
 //! * **Fencing**: every write of a worker names its epoch and applies only
 //!   `where lease_epoch = $mine and state = 'running'`; else [`Error::StaleLease`]
-//!   and nothing changes. A lease that has run out but that nobody took still
+//!   and nothing changes. A lease that has run out but was not taken over still
 //!   writes: expiry by itself changes nothing, the sweeper does.
 //! * **Leases** end by the time for which this process has run ([`Store::lease_time`]), so that
 //!   neither a clock that is set nor a process that stood still ends one. After a
-//!   restart those that run begin anew. `lease_until` is for people in SQLite; in
+//!   restart the leases of running jobs begin again. `lease_until` is for people in SQLite; in
 //!   PostgreSQL it follows the database's clock, by which a lease must have ended, too,
 //!   since another server may have renewed it.
 //! * **Attempts**: a claim adds 1 to `stalled`; a checkpoint with new content or a

@@ -2,7 +2,7 @@
 //!
 //! A page begins after the last row of the page before, by its place in the order, so rows that come
 //! and go in between neither repeat nor hide others. Every order is that of an index: a page deep in
-//! a list costs what the first one does. A search for text looks at the rows in that order until the
+//! a list costs what the first one does. A search for text reads the rows in that order until the
 //! page is full.
 
 use bendtwin_core::ids::CaptureId;

@@ -101,8 +101,8 @@ impl Servers<'_> {
 }
 
 impl Store {
-    /// The time by which servers tell each other of themselves: the database's if it has a clock,
-    /// else this machine's [us].
+    /// The time of the servers' signs of life [us]: the database's if it has a clock, else this
+    /// machine's.
     pub(crate) fn server_time(&self, tx: &Transaction) -> i64 {
         self.database_time(tx).unwrap_or_else(|| self.now_micros())
     }

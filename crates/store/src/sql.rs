@@ -20,7 +20,7 @@ pub(crate) use target::{Readers, Target, Transaction};
 pub(crate) use value::Value;
 use value::arguments;
 
-/// What can be read from a row of either database.
+/// A value that can be read from a row of either database.
 pub(crate) trait Record:
     Send + Unpin + for<'r> FromRow<'r, SqliteRow> + for<'r> FromRow<'r, PgRow>
 {

@@ -89,7 +89,7 @@ impl Store {
         folder::make(&data_dir)?;
         let lock = match url {
             None => database::lock(&data_dir)?,
-            // The rows of several servers are there, and their content may be in one folder.
+            // Rows are shared with other servers, and their content may be in one folder.
             Some(_) => database::lock_shared(&data_dir).await?,
         };
         database::require_objects(&data_dir, objects.as_ref())?;
@@ -181,7 +181,7 @@ impl Store {
         Servers { store: self }
     }
 
-    /// True if other servers may have the database open as well.
+    /// True if other servers may have the database open, too.
     pub fn is_shared(&self) -> bool {
         self.inner.database.is_remote()
     }
@@ -244,7 +244,7 @@ impl Store {
     /// Space of the disk that has the data folder.
     ///
     /// # Errors
-    /// If the system does not tell.
+    /// If the system does not report it.
     pub fn disk(&self) -> Result<Disk> {
         Disk::of(&self.inner.data_dir)
     }

@@ -1,9 +1,10 @@
 //! Uploads that survive broken connections and failures of client and server.
 //!
 //! An upload is a row and a file under `blobs/partial/`. Bytes are appended to the file and synced,
-//! then the row's offset moves. The row tells which bytes are acknowledged; the next writer cuts
-//! off anything beyond them. There is one writer at a time ([`UploadWriter`]), among the requests of
-//! a server by `seat`, among servers by `lease`. In a bucket the bytes are in `parts` in place of a file.
+//! then the row's offset moves. The row gives the acknowledged bytes; the next writer cuts off
+//! anything beyond them. There is one writer at a time ([`UploadWriter`]), among the requests of a
+//! server by `seat`, among servers by `lease`. In a bucket the bytes are in `parts` in place of a
+//! file.
 //!
 //! Complete content becomes a blob without being copied:
 //!
@@ -53,8 +54,8 @@ pub struct Uploads<'a> {
 pub struct UploadUse {
     /// Uploads that are neither stored nor gone.
     pub count: u64,
-    /// Room that is kept for them. None for those of which nothing has come; then for four times
-    /// what has come, at least [`FIRST_ROOM`] and at most the declared size [bytes].
+    /// Disk space reserved for them [bytes]: none for uploads without any bytes; then four times
+    /// what has arrived, at least [`FIRST_ROOM`] and at most the declared size.
     pub bytes: u64,
 }
 

@@ -95,8 +95,8 @@ async fn a_deletion_of_a_dead_server_is_taken_over_and_comes_to_nothing_there() 
     assert!(is_there(&other.store).await);
 }
 
-/// Two servers create and delete captures of the same content, while both search for garbage: of
-/// every capture that is left, the content is there.
+/// Two servers create and delete captures of the same content, while both search for garbage: the
+/// content of every remaining capture exists.
 #[tokio::test(flavor = "multi_thread", worker_threads = 4)]
 async fn servers_that_share_content_never_lose_it() {
     let Some((bench, _folder)) = shared().await else { return };

@@ -1,9 +1,9 @@
 //! Content in a bucket of S3, or of a server that speaks its protocol.
 //!
-//! Every request is tried again for some seconds and then given up ([`Error::ObjectsUnavailable`]), so
-//! a bucket that is away keeps nobody waiting for longer than [`PATIENCE`]. Nothing here relies on
-//! conditional requests, which not every such server has: objects are named by their digest, so that
-//! two writers of one name write the same.
+//! Every request is retried for some seconds and then given up ([`Error::ObjectsUnavailable`]), so
+//! an unreachable bucket delays callers by at most [`PATIENCE`]. Nothing here relies on conditional
+//! requests, which not every such server has: objects are named by their digest, so that two
+//! writers of one name write the same.
 
 mod connect;
 mod http;
@@ -28,7 +28,7 @@ pub(crate) use multipart::Multipart;
 pub(crate) const PART: usize = if cfg!(test) { 256 << 10 } else { 8 << 20 };
 /// Longest wait for an answer, all attempts together.
 const PATIENCE: Duration = Duration::from_secs(45);
-/// The same for the proof that the bucket answers, and for a deletion.
+/// Patience for the proof that the bucket answers, and for a deletion.
 const SHORT_PATIENCE: Duration = Duration::from_secs(10);
 /// Objects sent concurrently from local files; each has parts in memory.
 const SENDERS: usize = 4;
@@ -92,7 +92,7 @@ impl Bucket {
         Ok(meta.map(|meta| meta.size))
     }
 
-    /// Removes an object, if it is there.
+    /// Removes an object, if it exists.
     pub(crate) async fn delete(&self, path: &Path) -> Result<()> {
         let path = self.full(path);
         found(self.ask_within(SHORT_PATIENCE, self.store.delete(&path)).await).map(drop)

@@ -81,7 +81,7 @@ impl Blobs {
         Ok(Content { size_bytes: found, digest, chunks, blobs: self.clone(), name })
     }
 
-    /// Checks that a published blob is there, and takes it back from the trash if need be.
+    /// Checks that a published blob exists, and restores it from the trash if necessary.
     pub(super) async fn require(&self, digest: &str) -> Result<()> {
         if self.place.has(digest).await? || self.place.take_back(digest).await? {
             return Ok(());

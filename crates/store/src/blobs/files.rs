@@ -55,7 +55,7 @@ pub(crate) fn all(root: &Path) -> io::Result<Vec<(String, u64)>> {
     Ok(blobs)
 }
 
-/// True if there is any published blob.
+/// True if there is a published blob.
 pub(crate) fn any(root: &Path) -> io::Result<bool> {
     for folder in folders(root)? {
         if !list(&folder)?.is_empty() {

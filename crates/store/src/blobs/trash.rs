@@ -1,5 +1,5 @@
-//! Content that no row refers to is set aside for a day before it is removed. It should be what a
-//! crash left over; but if it is not, somebody has a day to notice.
+//! Content that no row refers to is set aside for a day before it is removed. It should be left
+//! over from a crash; if it is not, there is a day to notice.
 
 use std::{fs, io, time::Duration};
 

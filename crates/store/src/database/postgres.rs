@@ -199,7 +199,7 @@ pub(crate) struct Turn {
 }
 
 impl Turn {
-    /// That of the only server.
+    /// Notifications of a single server.
     pub(super) fn alone() -> Self {
         Self { _session: None }
     }
@@ -232,7 +232,7 @@ async fn listen(options: &PgConnectOptions, wakes: &Wakes) -> Result<()> {
         .connect_lazy_with(options.clone());
     let mut listener = PgListener::connect_with(&pool).await?;
     listener.listen_all([QUEUE, JOBS, WORKERS]).await?;
-    // What was changed while nobody listened is found now.
+    // Changes made while this server was not listening are found now.
     wakes.queued.notify_waiters();
     wakes.members.notify_one();
     while let Some(notification) = listener.try_recv().await? {

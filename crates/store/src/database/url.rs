@@ -32,7 +32,7 @@ impl DatabaseUrl {
         if !known.iter().any(|scheme| self.0.starts_with(scheme)) {
             return Err(Error::InvalidDatabaseUrl);
         }
-        // What sqlx says of it may repeat parts of it.
+        // The message of sqlx may repeat parts of it.
         PgConnectOptions::from_str(&self.0).map_err(|_| Error::InvalidDatabaseUrl)
     }
 

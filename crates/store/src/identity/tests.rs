@@ -103,7 +103,7 @@ async fn content_without_a_row_stays_in_the_trash_for_a_day(on: On) {
     let trashed = bench.dir.path().join("blobs/trash").join(digest.as_str());
     forget("update captures set digest = replace(digest, 'a', 'A')").await;
     assert_eq!((bench.published_count().await, trashed.exists()), (0, true));
-    // Wanted again, it comes back.
+    // When a row refers to it again, it is restored.
     forget("update captures set digest = lower(digest)").await;
     let (_, content) = bench.store.captures().content(capture.id).await.unwrap();
     assert_eq!(content.size_bytes, 6);

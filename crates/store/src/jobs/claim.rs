@@ -57,7 +57,7 @@ const OF_QUEUES: &str = "),
          limit 1)
      returning *";
 
-/// Time after which a claimant looks at the queue although nothing has woken it.
+/// Time after which a claimant checks the queue without a notification.
 const LOOK_AGAIN: Duration = Duration::from_secs(10);
 
 /// A worker that asks for jobs.

@@ -59,10 +59,10 @@ impl Jobs<'_> {
         Ok(job)
     }
 
-    /// Lets lease time pass up to now ([`Store::lease_time`](crate::Store::lease_time)) and ends
-    /// all attempts whose leases have run out, by the database's clock as well if it has one: another
-    /// server may have renewed them. `loss` tells what became of a worker; where it tells nothing, the
-    /// attempt is another server's to end.
+    /// Advances lease time to now ([`Store::lease_time`](crate::Store::lease_time)) and ends all
+    /// attempts whose leases have run out, also by the database's clock if it has one: another
+    /// server may have renewed them. `loss` returns what became of a worker; `None` leaves the
+    /// attempt to another server.
     ///
     /// # Errors
     /// Database errors.
@@ -218,7 +218,7 @@ impl Jobs<'_> {
     }
 }
 
-/// The end of an attempt whose worker is gone, if `loss` tells what became of that.
+/// The end of an attempt whose worker is gone, if `loss` knows the cause.
 fn lost(row: &Row, loss: impl Fn(WorkerId) -> Option<Loss>) -> Option<AttemptEnd> {
     let worker = row.worker.as_deref().unwrap_or("unknown");
     let fault = |what: &str| Fault {

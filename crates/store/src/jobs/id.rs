@@ -1,4 +1,4 @@
-//! Names of jobs. The collection tells the kind.
+//! Names of jobs. The collection gives the kind.
 
 use std::{fmt, str::FromStr};
 
@@ -97,7 +97,7 @@ impl fmt::Display for JobId {
     }
 }
 
-/// Parses full names only: a bare UUID does not tell the kind.
+/// Parses full names only: a bare UUID does not give the kind.
 impl FromStr for JobId {
     type Err = InvalidName;
     fn from_str(name: &str) -> Result<Self, InvalidName> {

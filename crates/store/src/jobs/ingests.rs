@@ -50,7 +50,7 @@ pub enum IngestResult {
     Observed {
         /// The bundle that fits read.
         observation: Staged,
-        /// What a player shows of it.
+        /// Playback for the player.
         playback: Option<Box<Staged>>,
         /// The report of the capture.
         report: NewReport,
@@ -72,7 +72,7 @@ pub(crate) struct Asked<'a> {
     pub(crate) requirements: &'a str,
 }
 
-/// Refuses an ingest with requirements that would be one kind more than a claim is to look at.
+/// Refuses an ingest whose requirements would exceed the number of kinds that a claim checks.
 pub(crate) async fn admit_ingest(tx: &mut Transaction, requirements: &str) -> Result<()> {
     requirements::admit(tx, Kind::Ingest, requirements).await
 }
@@ -302,7 +302,7 @@ impl Jobs<'_> {
             self.changed(&fit);
             obsolete.extend(checkpoint);
         }
-        // What the job still refers to is not released: that is looked at there.
+        // The content to which the job still refers is not released: the caller checks that.
         Ok((job, obsolete))
     }
 }

@@ -22,7 +22,7 @@ pub struct Lease {
 /// News of a worker about its job.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct JobReport<'a> {
-    /// Progress, if there is any to store.
+    /// Progress to store, if any.
     pub progress: Option<&'a Progress>,
     /// Losses since the last report, of a fit.
     pub losses: &'a [ModelLoss],
@@ -54,7 +54,7 @@ impl Jobs<'_> {
         rows.into_iter().map(Job::try_from).collect()
     }
 
-    /// Renews the lease and stores progress and losses, if there are any to store.
+    /// Renews the lease and stores progress and losses, if any.
     ///
     /// # Errors
     /// [`Error::StaleLease`].
@@ -139,7 +139,7 @@ impl Jobs<'_> {
         let obsolete = match &stored {
             Ok(before) => before.as_deref(),
             Err(Error::Failpoint(_)) => None,
-            // Refused: nobody refers to the new content, unless by chance.
+            // Refused: no row refers to the new content, except by chance.
             Err(_) => Some(digest.as_str()),
         };
         self.store.pass(Failpoint::BeforeRelease)?;
@@ -149,7 +149,8 @@ impl Jobs<'_> {
         stored.map(drop)
     }
 
-    /// The newest checkpoint of a job. One whose content is lost is forgotten: the job begins anew.
+    /// The newest checkpoint of a job. A checkpoint whose content is lost is forgotten: the job
+    /// starts again.
     ///
     /// # Errors
     /// [`Error::NotFound`] without a checkpoint, [`Error::ContentLost`], [`Error::ContentDamaged`].

@@ -9,7 +9,7 @@ use crate::{
     sql::{Transaction, query_scalar},
 };
 
-/// Most different requirements in the queue: a claim looks at each.
+/// Most different requirements in the queue: a claim checks each.
 pub(super) const MAX_DIFFERENT: usize = 256;
 
 /// Different requirements of queued jobs of a kind, each found in an index after the one before.
@@ -39,7 +39,7 @@ pub struct Requirements {
 }
 
 impl Requirements {
-    /// The same text for the same requirements; empty for none.
+    /// Canonical text of the requirements; empty for none.
     pub(crate) fn to_text(&self) -> Result<String> {
         let mut sorted = self.clone();
         sorted.labels.sort();
@@ -91,7 +91,7 @@ pub(super) async fn queued(tx: &mut Transaction, kind: Kind) -> Result<Vec<Strin
     query_scalar(DIFFERENT).bind(kind.as_str()).fetch_all(tx).await
 }
 
-/// Refuses requirements that would be one kind more than a claim is to look at.
+/// Refuses requirements that would exceed the number of kinds that a claim checks.
 pub(super) async fn admit(tx: &mut Transaction, kind: Kind, text: &str) -> Result<()> {
     if text.is_empty() {
         return Ok(());

@@ -211,7 +211,7 @@ async fn interrupted_attempts_do_not_count_up_to_a_bound(on: On) {
     }
     let states = [interrupt().await, interrupt().await].map(|fit| fit.state);
     assert_eq!(states, [State::Queued, State::Queued]);
-    // Progress begins the count anew.
+    // Progress restarts the count.
     let lease = lease_of(&claim(&bench).await.unwrap());
     jobs.report(lease, Some(&progress(0.5)), LEASE).await.unwrap();
     jobs.end_attempt(lease, AttemptEnd::Released).await.unwrap();

@@ -68,7 +68,7 @@ pub struct Migration {
     pub tables: Vec<MovedTable>,
 }
 
-/// A table that both databases have alike.
+/// A table of both databases.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct MovedTable {
     /// Name of the table.

@@ -1,9 +1,9 @@
 //! The move of a store's content from its folder to a bucket, or to another folder. Rows stay where they
 //! are.
 //!
-//! Every blob is compared with its digest and copied; what is there of an earlier run that was
-//! interrupted stays. Then the folder says where its content is, and the old folder is kept under
-//! another name. Uploads under way are not moved: they begin anew.
+//! Every blob is compared with its digest and copied; copies of an earlier, interrupted run are
+//! kept. Then a marker in the folder says where its content is, and the old folder is kept under
+//! another name. Uploads under way are not moved: they begin again.
 
 use std::{collections::BTreeMap, fs, io, path::Path, sync::Arc};
 
@@ -100,7 +100,7 @@ async fn of_bucket(bucket: &Arc<Bucket>) -> Result<BTreeMap<String, u64>> {
     Ok(sizes)
 }
 
-/// Copies a blob unless it is there. Returns false if it is damaged.
+/// Copies a blob unless it exists. Returns false if it is damaged.
 async fn bring(
     from: &Path,
     place: &Place,
@@ -128,7 +128,7 @@ async fn bring(
     Ok(true)
 }
 
-/// Copies a file: whole or not at all, and for good.
+/// Copies a file, atomically and durably.
 fn copy(from: &Path, to: &Path) -> io::Result<()> {
     let parent = to.parent().unwrap_or(to);
     folder::make(parent)?;

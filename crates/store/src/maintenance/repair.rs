@@ -1,5 +1,6 @@
-//! Repair of a store. It never deletes what somebody may want: a damaged database stays beside the
-//! rebuilt one, damaged content goes to `blobs/damaged`, content without a row to `blobs/found`.
+//! Repair of a store. It never deletes anything of possible value: a damaged database stays beside
+//! the rebuilt one, damaged content goes to `blobs/damaged`, content without a row to
+//! `blobs/found`.
 
 use std::{fs, path::Path, sync::Arc};
 

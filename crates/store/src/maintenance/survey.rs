@@ -1,4 +1,4 @@
-//! The content that rows refer to, compared with the files that are there.
+//! The content that rows refer to, compared with the existing files.
 
 use std::{fs, io, path::Path};
 

@@ -119,7 +119,7 @@ async fn a_repair_makes_again_what_it_can_and_deletes_nothing() {
     assert!(fits[0].capture == capture.id);
     assert_eq!(fits[0].checkpoint, None);
     assert!(matches!(content(&store, other.id).await, Err(Error::ContentLost { .. })));
-    // The same archive once more completes the old capture as well.
+    // The same archive also completes the old capture.
     let mut upload = store.blobs().upload(1 << 20).await.unwrap();
     upload.write(Bytes::from_static(b"another")).await.unwrap();
     let again = new_capture("again", upload.finish(None).await.unwrap());

@@ -52,7 +52,7 @@ impl Transaction {
     }
 }
 
-/// Where a statement runs.
+/// Connection or transaction on which a statement runs.
 #[derive(Debug)]
 pub(crate) enum Target<'t> {
     SqliteReaders(&'t SqlitePool),

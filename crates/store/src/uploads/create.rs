@@ -92,8 +92,7 @@ impl Uploads<'_> {
         }
     }
 
-    /// Ends the oldest upload of which nothing has come and that nobody writes to. Returns true if
-    /// there was one.
+    /// Ends the oldest upload that is empty and has no writer. Returns true if there was one.
     async fn end_an_empty_one(&self, remember: Duration) -> Result<bool> {
         let empty = "select id from uploads where state = 'receiving' and offset_bytes = 0
                      order by created_at, id";

@@ -57,7 +57,7 @@ impl FileSink {
         Ok(())
     }
 
-    /// Closes the file. Returns its path, if it is there.
+    /// Closes the file. Returns its path, if it exists.
     pub(super) async fn close(&mut self, upload: &ResumableUpload) -> Result<Option<PathBuf>> {
         self.file = None;
         let path = self.folder.partial(upload.id);

@@ -138,7 +138,7 @@ async fn claim(store: &Store, id: UploadId) -> Result<Option<i64>> {
     Ok(epoch.map(|(epoch,)| epoch))
 }
 
-/// Renews a lease until it is lost, and tells its holder when another waits.
+/// Renews a lease until it is lost, and notifies its holder when another waits.
 async fn renew(
     store: Store,
     id: UploadId,

@@ -1,8 +1,8 @@
 //! The bytes of an upload in a bucket: whole parts of a multipart upload, and an object with the bytes
 //! after them. Any server continues it, from the rows.
 //!
-//! A part is sent as soon as more bytes have come, so there are always some after the last part.
-//! They are written anew with every commit, under another name: what was acknowledged is never
+//! A part is sent as soon as more bytes have arrived, so there are always some after the last part.
+//! They are rewritten with every commit, under another name: acknowledged bytes are never
 //! overwritten. The multipart upload becomes the blob itself if the client has declared a digest,
 //! else an object that is copied there.
 

@@ -147,7 +147,7 @@ async fn the_holder_is_asked_to_make_room(on: On) {
     let (second, ()) = tokio::join!(uploads.claim(id, PATIENCE), yields);
     let second = second.unwrap();
     assert_eq!(second.upload().offset_bytes, 5);
-    // Nobody waits any more.
+    // Another writer no longer waits.
     let undisturbed = tokio::time::timeout(Duration::from_millis(20), second.wanted()).await;
     assert!(undisturbed.is_err());
 }
@@ -174,7 +174,7 @@ async fn a_request_id_finds_the_upload_that_was_begun(on: On) {
     assert_eq!((anew.state, anew.offset_bytes), (UploadState::Receiving, 0));
 }
 
-/// The same content comes by an upload, and in one piece.
+/// The same content arrives by an upload, and in one piece.
 async fn an_upload_from_before_a_deletion_makes_no_capture(on: On) {
     let bench = Bench::new(on).await;
     let (captures, uploads) = (bench.store.captures(), bench.store.uploads());
@@ -265,7 +265,7 @@ async fn uploads_under_way_are_bounded_together(on: On) {
     assert!(matches!(refused, Err(Error::UploadsFull { count: 2, .. })));
 }
 
-/// Creations cost their sender next to nothing, so they keep nobody out.
+/// Creations cost their sender next to nothing, so they must not lock others out.
 async fn uploads_of_which_nothing_has_come_give_way(on: On) {
     let bench = Bench::new(on).await;
     let uploads = bench.store.uploads();

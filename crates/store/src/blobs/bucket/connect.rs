@@ -39,7 +39,7 @@ impl Bucket {
         let builder = environment().with_http_connector(connector).with_retry(retry);
         let keys = [AmazonS3ConfigKey::S3Endpoint, AmazonS3ConfigKey::Endpoint];
         let endpoint = keys.iter().find_map(|key| builder.get_config_value(key));
-        // Unencrypted only where somebody wrote it.
+        // Unencrypted only if the address says so explicitly.
         let is_plain = endpoint.is_some_and(|endpoint| endpoint.starts_with("http://"));
         let store = builder
             .with_allow_http(is_plain)

@@ -359,7 +359,7 @@ async fn content_that_another_server_has_just_put_in_place_stays() {
     assert!(other.blobs().place().has(&digest).await.unwrap());
     drop(published);
 
-    // Once the row is there, it keeps the content.
+    // Once the row exists, it keeps the content.
     let capture = bench.capture("kept").await;
     other.release(&capture.digest.to_hex()).await.unwrap();
     bench.store.captures().content(capture.id).await.unwrap();

@@ -24,7 +24,7 @@ async fn fill(bench: &Bench) {
     sqlx::query(limit).execute(bench.store.inner.database.writer()).await.unwrap();
 }
 
-/// A row that does not fit on the pages that are there: SQLite ends the transaction by itself.
+/// Writes a row that does not fit on the existing pages: SQLite ends the transaction by itself.
 async fn overflow(bench: &Bench) -> Error {
     let mut tx = bench.store.inner.database.write().await.unwrap();
     let large =

@@ -221,7 +221,7 @@ async fn an_ingests_end_survives_crashes(on: On) {
     }
 }
 
-/// A capture of gigabytes does not hold up the report of a small one, nor is it held up for ever.
+/// A capture of gigabytes does not delay the report of a small one, nor is it delayed for ever.
 async fn small_captures_are_read_before_large_ones_that_wait_no_longer_than_they_take(on: On) {
     let bench = Bench::new(on).await;
     let sized = async |content: &'static str, bytes: i64| {
