@@ -16,7 +16,7 @@ use rayon::prelude::*;
 
 use crate::{Error, Motion, dressed::spacings};
 
-/// Most frames that are looked at.
+/// Most frames that are used.
 const FRAMES: usize = 12;
 /// Distance along the optical axis up to which a point is what the camera sees [m].
 const DEPTH_TOLERANCE_M: f64 = 0.008;

@@ -11,7 +11,7 @@ pub enum Error {
     /// A picture cannot be drawn or written.
     #[error(transparent)]
     Picture(#[from] bendtwin_picture::Error),
-    /// There is nothing to draw with.
+    /// No device to draw with.
     #[error("{0}")]
     Device(String),
     /// Images cannot be compared.

@@ -1,11 +1,11 @@
 //! Training of Gaussians on the views of a recording, carried by the twin's predicted motion.
 //!
-//! They begin as the coloured points of the skin. Each step draws one view of one training frame and
-//! moves all parameters by Adam along the gradient; now and then those whose projections the
+//! They begin as the coloured points of the skin. Each step draws one view of one training frame
+//! and moves all parameters by Adam along the gradient; at intervals those whose projections the
 //! gradients pull hardest are split and transparent ones removed. Then all are bound to the nodes
-//! anew, where they are at rest: between two bindings a mean moves in the frame of its nodes.
+//! again, at rest: between two bindings a mean moves in the frame of its nodes.
 //!
-//! The same input gives the same Gaussians, however often the training is interrupted.
+//! The same input gives the same Gaussians, regardless of interruptions.
 
 mod adam;
 mod density;
@@ -46,7 +46,7 @@ pub struct TrainingOptions {
     pub isotropic: bool,
     /// Training frames used, from the first (0: all).
     pub max_frames: usize,
-    /// Cameras, counted from 0, that are not looked at.
+    /// Cameras, counted from 0, that are not used.
     pub held_out: Vec<u32>,
     /// Seed of the order of views.
     pub seed: u64,

@@ -122,7 +122,7 @@ pub struct RefineTime {
     pub forward_s: f64,
     /// Steps of Adam, and what it takes to simulate with the new parameters.
     pub step_s: f64,
-    /// Transfers of parameters, and loading anew where substeps change.
+    /// Transfers of parameters, and new loading where substeps change.
     pub params_s: f64,
     /// Everything else: estimating stability, checkpoints.
     pub host_s: f64,
@@ -251,7 +251,7 @@ impl Observer<Progress> for StageTimer<'_> {
             Stage::Ingest | Stage::Evaluate | Stage::Appearance => {}
         }
         self.initial_loss = self.initial_loss.or(progress.loss);
-        // Asked while all that the fit needs is there, and after the clock.
+        // Asked while everything that the fit needs is in memory, and after the clock.
         self.memory_bytes = self.memory_bytes.max(self.memory.used_bytes());
     }
 }

@@ -20,7 +20,7 @@ pub enum Error {
         /// The file.
         path: PathBuf,
     },
-    /// There is no authority in the folder.
+    /// The folder has no authority.
     #[error("there is no authority in {}: make one with `bendtwin ca init`", folder.display())]
     Missing {
         /// The folder.
@@ -84,7 +84,7 @@ pub enum Error {
     /// A certificate cannot be made.
     #[error("no certificate can be made: {0}")]
     Generation(#[from] rcgen::Error),
-    /// A certificate cannot be read, or the clock tells a time that none can have.
+    /// A certificate cannot be read, or the clock is out of range.
     #[error("the certificate cannot be read: is the clock of this machine right?")]
     Unreadable,
 }

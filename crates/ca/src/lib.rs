@@ -1,6 +1,7 @@
-//! A private certification authority in a folder: `ca.pem`, which everyone may have, `ca.key`, which
-//! nobody else may, the certificates that it issued, and `crl.pem`, the list of those that it has
-//! revoked. It is for the servers and the workers of one installation; nobody else trusts it.
+//! A private certification authority in a folder: `ca.pem`, which may be given to everyone,
+//! `ca.key`, which must stay secret, the certificates that it issued, and `crl.pem`, the list of
+//! those that it has revoked. It is for the servers and the workers of one installation; others
+//! have no reason to trust it.
 
 mod error;
 mod files;

@@ -1,6 +1,6 @@
 //! Certificates that an authority has issued, and the list of those that it has revoked (`crl.pem`).
-//! Each certificate is kept in `issued/` under its serial number as well, because a renewal replaces
-//! the file of its name, and the one before holds until its end.
+//! Each certificate is also kept in `issued/` under its serial number, because a renewal replaces
+//! the file of its name, and the previous one stays valid until its end.
 
 use std::{
     collections::BTreeMap,

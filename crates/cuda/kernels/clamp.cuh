@@ -43,7 +43,7 @@ DEVICE float share_of(const RodPath& p, u32 first, u32 end) {
     return sum;
 }
 
-// What holds a node: control points, a grasp, or nothing. `closed` tells grasps that hold.
+// Holder of a node: control points, a grasp, or nothing. `closed` has the grasps that hold.
 template <class Closed>
 DEVICE int holder_of(const InstanceArgs& instance, const Hold* holds, u32 node, Closed closed) {
     int pin = instance.topology.pin_of[node];

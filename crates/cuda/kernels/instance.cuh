@@ -75,7 +75,7 @@ struct ParameterArgs {
     const float4* bends;     // per triplet of a share, as in `BendParams`
     const float* rods;       // [3][R]: stiffness, damping, rest twist
     Law ground_law, object_law;
-    float dashpot;           // of all springs where they are alike [N s/m]
+    float dashpot;           // of all springs if it is the same [N s/m]
     float decay;             // exp(-dt drag)
 };
 

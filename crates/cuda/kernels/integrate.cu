@@ -35,7 +35,7 @@ DEVICE void finish_substep(
         u64 at = (u64)tape * instance.topology.node_count + l.share.slot + p.node;
         instance.tape.x[at] = with_w(s.x, s.v.x);
         instance.tape.v[at] = make_float2(s.v.y, s.v.z);
-        // With contact and forces it is there already.
+        // With contact and forces it has been applied already.
         if (!(CONTACT && FORCES) || inverse_mass_of(p, holds, m) != 0.0f)
             record_velocity(l, p, tape, before);
     }

@@ -354,7 +354,7 @@ DEVICE void for_control_arms(const BlockState& l, u32 row, const u32* refs, Add 
 DEVICE u32 first_triplet() { return THREADS - 1 - threadIdx.x; }
 
 // Barrier after the forces of triplets are written. With one row a thread it comes when the row's
-// half-springs are done, so that nobody waits for a triplet with nothing else to do.
+// half-springs are done, so that no thread waits idly for a triplet.
 DEVICE void synchronize_bends() {
 #if BENDING
     __syncthreads();

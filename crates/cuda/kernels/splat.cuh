@@ -8,7 +8,7 @@
 #define SORT_BLOCK (THREADS * SORT_ROUNDS)
 // Floats of a projected Gaussian's derivatives from a tile.
 #define MOMENTS 10u
-// Key of a Gaussian that nobody sees: behind all others.
+// Key of an invisible Gaussian: behind all others.
 #define UNSEEN 0xffffffffu
 
 struct SplatCamera {

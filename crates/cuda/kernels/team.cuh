@@ -118,7 +118,7 @@ DEVICE void synchronize_team(u32* counter, u32& round) {
 #endif
 }
 
-// Barrier of the block; what the others have sent to a buffer is there after it.
+// Barrier of the block; after it, what the other blocks have sent to a buffer has arrived.
 DEVICE void synchronize_halo(Arrivals& a, u32 buffer, u32* counter, u32& round) {
 #if COUNTS_BYTES
     __syncthreads();

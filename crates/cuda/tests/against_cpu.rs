@@ -64,7 +64,7 @@ fn models() -> Vec<(String, Model)> {
             let seed = seed() + (k as u64) * 100 + nodes as u64;
             let mut model = random_model(seed, &options);
             in_frames(Arc::make_mut(&mut model.skin));
-            // Where all dashpots are alike the kernels are others.
+            // With equal dashpots other kernels run.
             if (k + nodes).is_multiple_of(2) {
                 model.params.spring_dashpot.fill(0.4);
             }

@@ -10,7 +10,7 @@ use bendtwin_graph::mean_spacing;
 
 /// Largest error of a good twin, and of a fair one, by the object's size.
 const OF_SIZE: [f64; 2] = [0.03, 0.06];
-/// The same by the error of standing still.
+/// Bounds of the error relative to the error of standing still.
 const OF_STANDING_STILL: [f64; 2] = [0.2, 0.33];
 /// Share by which errors of two fits of one capture differ although only their seeds do
 /// (docs/accuracy.md, a twin in words): a smaller difference between two fits says nothing.
@@ -170,8 +170,8 @@ pub fn differ(errors: [f64; 2]) -> bool {
     errors.iter().any(|e| e.is_nan()) || high > (1.0 + SEEDS_DIFFER) * low
 }
 
-/// The error on the frames of the fit, which says by itself whether the model can move as the object
-/// did; beside it, the error on other frames tells how far what was found carries.
+/// The error on the frames of the fit, which shows whether the model can move as the object did;
+/// beside it, the error on other frames shows how well the result generalises.
 fn of_training(error_m: f64, train_m: f64, scale: Scale) -> Comparison {
     let share = if scale.size_m > 0.0 { train_m / scale.size_m } else { 0.0 };
     let text = format!(

@@ -29,7 +29,7 @@ const FRAMES: usize = 30;
 const SEQUENCES: usize = 8;
 /// Mean deviation that a fast variant may have [m].
 const TOLERANCE_M: f64 = 1e-3;
-/// The same as a share of the mean travel.
+/// Tolerance as a share of the mean travel.
 const TOLERANCE_OF_TRAVEL: f64 = 0.02;
 /// Largest deviation of any node in any frame, as a multiple of the tolerance of the mean.
 const WORST: f64 = 10.0;

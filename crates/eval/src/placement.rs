@@ -259,7 +259,7 @@ pub fn is_own_capture(twin: &Twin, capture: &Capture) -> bool {
             same += f64::from(u8::from(point_distance(*at, points[p as usize]) <= SAME_M));
         }
     }
-    // Nodes that no tracked point is tell nothing.
+    // Nodes without a tracked point give no evidence.
     known == 0.0 || same >= SAME_SHARE * known
 }
 

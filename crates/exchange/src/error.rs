@@ -1,4 +1,4 @@
-//! Why something cannot be exchanged, in words that tell what to do.
+//! Reasons why something cannot be exchanged, with what to do.
 
 use std::path::Path;
 
@@ -9,7 +9,7 @@ use crate::Format;
 /// Reason for which a twin or its motion cannot be written, or made of results.
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
-    /// A name that tells no format.
+    /// A name without a known extension.
     #[error("`{name}` names no known format: {}, or say it with --format", Format::list())]
     UnknownFormat {
         /// The file's name.
@@ -129,7 +129,7 @@ pub enum Error {
 }
 
 impl Error {
-    /// The same with the file's name, where it was not known.
+    /// The error with the file's name, if it had none.
     pub(crate) fn of_file(self, path: &Path) -> Self {
         match self {
             Self::Io { source, .. } => Self::Io { at: path.display().to_string(), source },

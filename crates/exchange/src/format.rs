@@ -1,4 +1,4 @@
-//! The formats, and how a file's name tells them.
+//! The formats, and how a file's name selects them.
 
 use std::{fmt, path::Path, str::FromStr};
 
@@ -57,7 +57,7 @@ impl Format {
         }
     }
 
-    /// Ends of names that tell it, the usual one first.
+    /// Ends of names by which the format is recognized, the usual one first.
     pub fn extensions(self) -> &'static [&'static str] {
         match self {
             Self::Twin => &["safetensors", "twin"],
@@ -75,7 +75,7 @@ impl Format {
     /// The format of a file by its name's end, in any case; a folder is a PLY sequence.
     ///
     /// # Errors
-    /// If the name tells none.
+    /// If the name has no known extension.
     pub fn of_path(path: &Path) -> Result<Self, Error> {
         let name = path.to_string_lossy();
         if name.ends_with(std::path::is_separator) || path.is_dir() {
@@ -100,7 +100,7 @@ impl Format {
         Self::named(|_| true)
     }
 
-    /// Those that hold motion, for messages.
+    /// Formats that hold motion, for messages.
     pub(crate) fn list_of_motion() -> String {
         Self::named(Self::holds_motion)
     }

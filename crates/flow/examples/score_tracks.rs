@@ -140,7 +140,7 @@ fn point(camera: &Camera, depth: &DepthImage, [x, y]: [f32; 2], frame: usize) ->
 struct Truth {
     /// Shape [K][T].
     clean: Vec<Vec<Vector3<f64>>>,
-    /// For each clean track itself and its nearest.
+    /// Each clean track and its nearest ones.
     nearest: Vec<Vec<usize>>,
 }
 

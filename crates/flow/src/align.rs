@@ -60,7 +60,7 @@ pub(crate) fn align(
     for _ in 0..MAX_STEPS {
         let fit = Fit::new(patch, warp, level, at)?;
         let [dx, dy] = fit.step(level.step)?;
-        // A step of more than two pixels is outside of what gradients can tell.
+        // A step of more than two pixels is beyond the validity of gradients.
         let length = dx.hypot(dy) / level.step;
         let shorter = (2.0 / length).min(1.0);
         at = [at[0] + f64::from(dx * shorter), at[1] + f64::from(dy * shorter)];

@@ -20,8 +20,8 @@ pub(crate) struct FlowMatch {
 const MAX_SHIFT: f32 = 6.0;
 
 /// Follows the point at `at` of `before` into `after`. Each of `guesses`, pixels of the new frame,
-/// is tried on the two finest levels and then through the whole pyramid, until one comes back to
-/// its start.
+/// is tried on the two finest levels and then through the whole pyramid, until one returns to its
+/// start.
 pub(crate) fn follow(
     before: &Layer,
     after: &Layer,

@@ -9,7 +9,7 @@ use nalgebra::Matrix3;
 
 /// Rounds of reweighting.
 const ROUNDS: usize = 6;
-/// Distances below this are noise of depth [m]: nothing is gained by telling them apart.
+/// Distances below this are noise of depth, and not worth distinguishing [m].
 const NOISE_M: f64 = 0.002;
 
 /// The motion on which most of the weight agrees (iteratively reweighted Kabsch with Tukey's
@@ -25,7 +25,7 @@ pub(crate) fn rigid(pairs: &[Pair], likely: &Matrix3<f64>) -> Option<Motion> {
     let rule = RobustRule {
         rounds: ROUNDS,
         least_width_m: NOISE_M,
-        // Wide at first, so that a start that outliers have pulled away can come back.
+        // Wide at first, so that a start that outliers have pulled away can recover.
         first_width: 2.0,
         least_agreeing: least,
         fits_last: false,

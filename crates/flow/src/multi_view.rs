@@ -12,7 +12,7 @@ const MASK_MARGIN_PX: usize = 3;
 /// two stands elsewhere than its calibration says, or shows another moment.
 const MAX_CONTRADICTED_SHARE: f64 = 0.3;
 
-/// For each camera, the others that its points are checked against.
+/// Cameras against which each camera's points are checked.
 #[derive(Clone, Debug)]
 pub(crate) struct CrossChecks {
     /// Pairs of a camera and another that is that its points are not checked against.

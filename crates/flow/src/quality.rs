@@ -24,7 +24,7 @@ pub struct TrackerQuality {
     /// Median over all places of the object where seeds could lie: root mean square of the gradient
     /// in the direction in which it is weakest [grey levels of 255 per px].
     pub object_texture: Option<f64>,
-    /// The same for the manipulator.
+    /// Texture of the manipulator.
     pub manipulator_texture: Option<f64>,
     /// Cameras in which background, or something farther away, is seen where more than three of ten
     /// of this camera's points are in the first frame. Its points were not checked against them any
@@ -57,7 +57,7 @@ pub enum Texture {
     Fair,
     /// Most of the surface cannot be followed.
     Poor,
-    /// Nothing could be seeded.
+    /// No points could be seeded.
     None,
 }
 

@@ -51,8 +51,8 @@ pub fn track(
     Ok(state.finish())
 }
 
-/// The same settings with no more points than a usual machine can follow in as many cameras and
-/// keep over as many frames.
+/// The settings with no more points than a usual machine can follow in this number of cameras and
+/// keep over this number of frames.
 fn affordable(settings: &FlowSettings, cameras: usize, frames: usize) -> FlowSettings {
     /// Points in all cameras together; each keeps about 25 kB.
     const MAX_POINTS: usize = 6_000;

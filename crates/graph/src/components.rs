@@ -8,7 +8,7 @@ use super::{MIN_REST_LENGTH_M, NodeSample, spread::distance_squared};
 
 /// Springs from each side of a joint: fewer would leave a hinge.
 const JOINT_SPRINGS: usize = 3;
-/// Nearest nodes that are looked at before all are.
+/// Nearest nodes that are searched before all nodes are.
 const FEW: NonZero<usize> = NonZero::new(24).unwrap();
 
 /// Disjoint sets of nodes.
@@ -76,7 +76,7 @@ struct Pieces<'a> {
 }
 
 impl Pieces<'_> {
-    /// For each piece but the first of its object, its closest pair with another piece.
+    /// Closest pair with another piece, for each piece but the first of its object.
     fn closest_approaches(&self) -> Vec<[u32; 2]> {
         let objects = &self.sample.object_ids;
         let mut first = HashMap::new();
@@ -128,8 +128,8 @@ impl Pieces<'_> {
         }
     }
 
-    /// Nodes of some kind among the few nearest to node `i`, as squared distance and node,
-    /// and the squared distance up to which all were looked at.
+    /// Nodes of some kind among the few nearest to node `i`, as squared distance and node, and the
+    /// squared distance up to which all were searched.
     fn few(&self, i: usize, wanted: impl Fn(usize) -> bool) -> (Vec<(f32, u32)>, f32) {
         let at = self.sample.positions[i];
         let found = self.tree.query(&at).nearest_n::<SquaredEuclidean<f32>>(FEW).execute();
@@ -141,7 +141,7 @@ impl Pieces<'_> {
         (found.filter(|f| apart(f) && wanted(f.1 as usize)).collect(), seen_to)
     }
 
-    /// The same among all nodes.
+    /// Nodes of some kind among all nodes.
     fn all(&self, i: usize, wanted: impl Fn(usize) -> bool) -> Vec<(f32, u32)> {
         let at = self.sample.positions[i];
         let all = self.sample.positions.iter().zip(0..);

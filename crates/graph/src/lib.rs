@@ -1,6 +1,6 @@
 //! Graph building, from a capture to a graph: nodes are sampled once, springs and triplets are
-//! found anew for every candidate of a search. Everything here is deterministic:
-//! the same capture, settings and seed give the same graph. No physics.
+//! built again for every candidate of a search. Everything here is deterministic: the same capture,
+//! settings and seed give the same graph. No physics.
 //!
 //! [`sample_nodes`] decides which points become nodes, [`connect`] joins them,
 //! [`rest_geometry`] measures their undeformed geometry.

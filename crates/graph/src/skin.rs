@@ -132,7 +132,7 @@ impl<'a> Neighbours<'a> {
     }
 }
 
-/// Those of some nodes that are nearest to a point, the nearest first.
+/// The nodes of `of` nearest to a point, the nearest first.
 fn carriers(of: &[u32], at: impl Fn(u32) -> Vector, p: Vector) -> Vec<u32> {
     let mut by_distance: Vec<(f64, u32)> = of.iter().map(|&i| (distance(at(i), p), i)).collect();
     by_distance.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));

@@ -234,7 +234,7 @@ fn a_fixed_radius_thins_the_graph() {
     assert!(degree(0.05, true) > 5.0 * twentieth);
 }
 
-/// At random, points lie closer together than where they are spread; the same seed draws the same.
+/// Random nodes lie closer together than spread ones; the same seed draws the same nodes.
 #[test]
 fn random_nodes_have_clusters() {
     let mut capture = capture(cloud(7, 2000, [0.2; 3]), cloud(8, 1000, [0.2; 3]), vec![]);
@@ -308,7 +308,7 @@ fn a_hand_out_of_reach_still_holds() {
     assert!(graph.springs.iter().all(|s| s[1] < 60));
 }
 
-/// What is farther away moves by itself; where nodes are sparse, each stands for what lies around it.
+/// Distant nodes move by themselves; where nodes are sparse, each stands for its surroundings.
 #[test]
 fn a_hand_holds_what_it_touches() {
     let mut capture = capture(cloud(1, 2000, [0.2; 3]), vec![], vec![]);

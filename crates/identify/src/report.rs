@@ -46,8 +46,8 @@ pub fn identify(
 /// [motions, M].
 pub type ByMotion = (Identifiability, Vec<Vec<f32>>);
 
-/// The same with the standard deviation of each skin point in each of the report's motions [m], shape
-/// [motions, M].
+/// [`identify`] with the standard deviation of each skin point in each of the report's motions [m],
+/// shape [motions, M].
 ///
 /// # Errors
 /// As [`identify`].
@@ -286,7 +286,7 @@ impl Asking<'_> {
         Ok(Some(columns))
     }
 
-    /// Recordings by what they would leave, the most telling first.
+    /// Recordings by the uncertainty that they would leave, the most informative first.
     fn next(
         &self,
         learnt: &Learnt,

@@ -56,8 +56,8 @@ pub(crate) struct Sample {
 
 /// Coordinates of samples and their derivatives.
 pub(crate) struct Response {
-    /// For each variation the change of each coordinate by a standard deviation of it [m], shape
-    /// [variations, points of all samples, 3]; zero where no step could be simulated.
+    /// Change of each coordinate by a standard deviation of each variation [m], shape [variations,
+    /// points of all samples, 3]; zero where no step could be simulated.
     pub(crate) columns: Vec<Vec<f32>>,
 }
 

@@ -165,8 +165,8 @@ fn error_of(fault: &Fault) -> Finding {
     Finding::from_sentence(Severity::Error, &fault.reason, fault.message.clone())
 }
 
-/// Errors call the capture by its name: its path here is a temporary file's, which tells nobody
-/// anything.
+/// Errors call the capture by its name: its path here is that of a temporary file, which means
+/// nothing to the user.
 fn called(error: capture::Error, path: &Path, name: &str) -> capture::Error {
     use capture::Error::{OtherFormat, RawOnly, UnknownKind};
     let uploaded = path.file_name().and_then(|name| name.to_str()).unwrap_or_default();

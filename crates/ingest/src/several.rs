@@ -1,4 +1,4 @@
-//! Several recordings of one object, one after the other. The report is that of the reference with
+//! Several recordings of one object, one after another. The report is that of the reference with
 //! the findings of all.
 
 use bendtwin_capture::{Opened, Part, several::join};

@@ -9,7 +9,7 @@ use crate::{Finding, codes};
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Verdict {
-    /// Nothing holds the twin back.
+    /// Nothing limits the twin.
     Good,
     /// A fit will run; the warnings say what makes the twin worse than it could be.
     Usable,

@@ -30,7 +30,7 @@ pub fn inspect(
     inspect_with(recording, settings, &Thresholds::default(), cancel, progress)
 }
 
-/// The same with other thresholds.
+/// [`inspect`] with other thresholds.
 pub(crate) fn inspect_with(
     recording: &Recording,
     settings: &IngestSettings,

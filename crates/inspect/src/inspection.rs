@@ -96,7 +96,7 @@ pub struct CameraReport {
     /// Skew by motion [ms]: positive if this camera shows things later than the median of the
     /// cameras.
     pub skew_ms: Option<f64>,
-    /// The same by the frames' times [ms].
+    /// Skew by the frames' times [ms].
     pub skew_by_times_ms: Option<f64>,
     /// Growth of the skew from the first half to the second [ms].
     pub drift_ms: Option<f64>,
@@ -124,7 +124,7 @@ pub struct TrackReport {
 pub struct Agreement {
     /// Median distance along the view between its surface and the others' [mm].
     pub disagreement_mm: Option<f64>,
-    /// The same among the others, without this camera [mm].
+    /// Disagreement among the others, without this camera [mm].
     pub others_mm: Option<f64>,
     /// The rotation that would fit it to the others [degrees]; absent if nothing would be gained.
     pub correction_deg: Option<f64>,
@@ -194,8 +194,8 @@ impl Inspection {
         }
     }
 
-    /// Adds findings that are not known yet, leaves out what merely follows from others, gives each
-    /// the advice of its code, sorts them and judges anew.
+    /// Adds findings that are not known yet, leaves out those that merely follow from others, gives
+    /// each the advice of its code, sorts them and judges again.
     pub fn add(&mut self, findings: impl IntoIterator<Item = Finding>) {
         for finding in findings {
             let known = |f: &Finding| f.code == finding.code && f.message == finding.message;

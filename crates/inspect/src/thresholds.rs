@@ -54,7 +54,7 @@ pub(crate) struct Thresholds {
     pub(crate) outline: OutlineThresholds,
     /// Depth, colour and masks on one grid.
     pub(crate) alignment: AlignmentThresholds,
-    /// What lifting needs.
+    /// Requirements of lifting.
     pub(crate) start: StartThresholds,
     /// Skew by motion.
     pub(crate) skew: SkewThresholds,

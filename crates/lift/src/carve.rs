@@ -27,7 +27,7 @@ use crate::{
 
 /// Cameras that must have a cell behind what they see. One alone sees a silhouette without an end.
 pub(crate) const LEAST_VIEWS: usize = 2;
-/// Cells that are visited between two looks at whether to stop.
+/// Cells visited between two checks for cancellation.
 const CELLS_AT_ONCE: usize = 1 << 14;
 
 /// Evidence of the first frame.

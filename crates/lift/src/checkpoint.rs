@@ -42,7 +42,7 @@ impl Identity {
         settings: &IngestSettings,
     ) -> Self {
         let mut digest = blake3::Hasher::new();
-        // `Debug` writes every digit of a number, and lengths and names as well.
+        // `Debug` writes every digit of a number, and also lengths and names.
         let text = format!(
             "{:?}",
             (

@@ -12,7 +12,7 @@ const MAX_MEASURED_PIXELS: usize = 1500;
 /// Label of a pixel after cleaning.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Label {
-    /// Nothing that can be used.
+    /// No usable depth.
     None,
     /// The object.
     Object,

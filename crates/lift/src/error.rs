@@ -1,4 +1,4 @@
-//! Why a recording cannot become a capture, in words that tell its owner what to do.
+//! Reasons why a recording cannot become a capture, with what its owner should do.
 
 use bendtwin_core::{CancelToken, Category, ObserverError, Problem, checkpoint::Refusal};
 
@@ -31,7 +31,7 @@ pub enum Error {
          images, and that depth was recorded there ({0})"
     )]
     NoObject(String),
-    /// Nobody tracked anything on the object.
+    /// No track on the object.
     #[error(
         "none of {tracks} tracks lies on the object in the first frame ({detail}): check that the tracks' columns and \
          rows are in order, and that the first frame shows the object"
@@ -121,12 +121,12 @@ pub enum Error {
     /// The observer could not keep a checkpoint (a lost lease, say).
     #[error("the ingest's checkpoint could not be kept: {0}")]
     Observer(#[source] ObserverError),
-    /// Somebody asked to stop.
+    /// Cancelled on request.
     #[error("the ingest was cancelled")]
     Cancelled,
 }
 
-/// Ends the ingest if somebody asked for that.
+/// Ends the ingest if cancellation was requested.
 pub(crate) fn check(cancel: &CancelToken) -> Result<(), Error> {
     if cancel.is_cancelled() { Err(Error::Cancelled) } else { Ok(()) }
 }

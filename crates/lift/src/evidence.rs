@@ -43,7 +43,7 @@ pub struct CameraEvidence {
 pub struct MaskCounts {
     /// Frames with a mask.
     pub frames: u64,
-    /// Frames whose mask is there and empty.
+    /// Frames whose mask exists and is empty.
     pub empty_frames: u64,
     /// Pixels of the mask.
     pub pixels: u64,

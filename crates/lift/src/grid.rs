@@ -63,7 +63,7 @@ impl Grid {
         near.min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1))).map(|(_, i)| i)
     }
 
-    /// True if there is any point within `radius_m`.
+    /// True if a point is within `radius_m`.
     pub(crate) fn any_within(&self, at: Point, radius_m: f64) -> bool {
         !self.within(at, radius_m).is_empty()
     }

@@ -4,7 +4,7 @@
 //! the track should be. From the first frame on, a track that is far off has slipped to another
 //! spot and does not count as seen. From one frame to the next, one that is off has a motion that
 //! is not valid. PhysTwin compares a motion with the mean of its neighbours'; a rigid fit also
-//! gives turns their due.
+//! handles turns.
 
 use bendtwin_core::{CancelToken, Point, settings::ingest::MotionSettings};
 use rayon::prelude::*;

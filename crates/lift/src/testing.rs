@@ -137,7 +137,7 @@ pub(crate) fn point(v: Vec3) -> Point {
     [v.x as f32, v.y as f32, v.z as f32]
 }
 
-/// The pose of a camera at a place that looks at where the ball starts.
+/// The pose of a camera at a place, directed at the start of the ball.
 fn look_at(eye: Vec3) -> Pose {
     let z = (Vec3::new(0.0, 0.0, 0.2) - eye).normalize();
     let x = z.cross(&Vec3::z()).normalize();

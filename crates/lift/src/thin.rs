@@ -4,8 +4,8 @@ use bendtwin_core::Point;
 
 use crate::{grid::Grid, tracks::Tracks};
 
-/// Those of `candidates` that keep `spacing_m` from each other and from what `grid` holds, to which
-/// they are added. Earlier ones go first.
+/// The `candidates` that keep `spacing_m` from each other and from the points of `grid`, to which
+/// they are added. Earlier ones take precedence.
 pub(crate) fn spread(
     grid: &mut Grid,
     candidates: impl IntoIterator<Item = (usize, Point)>,

@@ -1,4 +1,4 @@
-//! Why a mesh cannot be read or used, in words that tell its owner what to do.
+//! Reasons why a mesh cannot be read or used, with what its owner should do.
 
 use bendtwin_core::{Category, Problem};
 
@@ -25,7 +25,7 @@ pub enum Error {
         at: String,
         /// Bytes that its header claims, saturated.
         claimed: u64,
-        /// Bytes that are there.
+        /// Bytes present.
         present: u64,
     },
     /// Beyond [`crate::Limits`].
@@ -48,7 +48,7 @@ pub enum Error {
         /// The limit.
         limit: u64,
     },
-    /// Draco, meshopt and the like.
+    /// A compressed mesh: Draco, meshopt and similar.
     #[error(
         "the mesh `{at}` is compressed with {extension}: export it without compression \
          (`gltf-transform copy in.glb out.glb` decodes it)"
@@ -73,7 +73,7 @@ pub enum Error {
         /// The feature.
         what: String,
     },
-    /// Nothing to sample.
+    /// Without surface to sample.
     #[error("the mesh `{0}` has no triangles: export the surface, not points or lines")]
     Empty(String),
     /// NaN or infinity.

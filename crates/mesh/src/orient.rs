@@ -45,7 +45,7 @@ pub(crate) fn oriented(mesh: &Mesh) -> Vec<[Vec3; 3]> {
     triangles
 }
 
-/// The same number for corners at the same place: formats split vertices where normals or textures
+/// Gives corners at the same place the same index: formats split vertices where normals or textures
 /// have seams.
 fn weld(triangles: &[[Vec3; 3]]) -> Vec<[u32; 3]> {
     let mut numbers: HashMap<[u64; 3], u32> = HashMap::with_capacity(triangles.len() / 2);
@@ -57,8 +57,8 @@ fn weld(triangles: &[[Vec3; 3]]) -> Vec<[u32; 3]> {
     triangles.iter().map(|[a, b, c]| [number(a), number(b), number(c)]).collect()
 }
 
-/// For each triangle those across its edges, and whether both run along the edge in the same
-/// direction. Edges of more than two triangles join nothing: they do not tell which triangles
+/// The triangles across the edges of each triangle, and whether both run along the edge in the same
+/// direction. Edges of more than two triangles join nothing: they do not show which triangles
 /// belong together.
 fn neighbours(triangles: &[[u32; 3]]) -> Vec<Vec<(usize, bool)>> {
     let mut edges: Vec<([u32; 2], usize, bool)> = Vec::with_capacity(triangles.len() * 3);

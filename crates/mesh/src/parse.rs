@@ -7,7 +7,7 @@ mod ply;
 
 use crate::{Error, Limits, Mesh};
 
-/// Reads a mesh; the extension of `name` tells the format: `glb`, `obj` or `ply`.
+/// Reads a mesh; the extension of `name` selects the format: `glb`, `obj` or `ply`.
 ///
 /// All parts are merged, polygons become fans of triangles, a scene's transforms are applied;
 /// materials, textures, bones and animations are left out. Axes and unit stay those of the file.

@@ -31,7 +31,7 @@ impl View {
         Self::from_side(points, gravity, None)
     }
 
-    /// The same from the side on which `eye` is, if there is an up.
+    /// [`View::of`] from the side of `eye`, if there is an up direction.
     pub fn from_side(points: Vec<Point>, gravity: Point, eye: Option<Point>) -> Option<Self> {
         let (mean, spread) = mean_and_spread(&points);
         let (right, up) = match unit(gravity.map(|g| -g)) {

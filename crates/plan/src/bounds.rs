@@ -2,8 +2,8 @@
 
 use crate::{Knots, error::Invalid};
 
-/// Limits by coordinate. They hold at the knots, and between them as well along straight lines. Row 0
-/// is where things are, and stays.
+/// Limits by coordinate. They hold at the knots, and also between them along straight lines. Row 0
+/// is the current state, and is not changed.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Bounds {
     /// Smallest value of a coordinate.
@@ -20,7 +20,7 @@ pub enum Limit {
     /// No limit.
     #[default]
     None,
-    /// The same for all coordinates.
+    /// A bound for all coordinates.
     All(f64),
     /// A bound for each, shape [D].
     Each(Vec<f64>),
@@ -93,7 +93,7 @@ mod tests {
             speed: Limit::Each(vec![0.5, f64::INFINITY]),
         };
         bounds.check(2).unwrap();
-        // x begins beyond its bound and comes back no faster than it may.
+        // x begins beyond its bound and returns no faster than it may.
         let mut plan = vec![3.0, 0.5, 0.0, -2.0, 0.0, 2.0];
         bounds.project(&mut plan, 2, &[0.0, 2.0, 4.0]);
         assert_eq!(plan, [3.0, 0.5, 2.0, 0.0, 1.0, 1.0]);

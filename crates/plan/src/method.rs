@@ -20,7 +20,7 @@ pub enum Method {
     },
     /// Cross-entropy: mean and spread of the best samples, iteration by iteration.
     Cem {
-        /// How many of the best samples the next iteration is made from.
+        /// Number of the best samples from which the next iteration is made.
         elites: usize,
         /// Share of the old mean and spread in the new ones.
         memory: f64,

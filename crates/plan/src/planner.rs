@@ -83,7 +83,7 @@ impl Planner {
         Search::begin(self)
     }
 
-    /// The same, with the planner inside of it.
+    /// The search that owns the planner.
     pub fn into_search(self) -> Search<Self> {
         Search::begin(self)
     }

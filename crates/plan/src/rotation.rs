@@ -62,7 +62,7 @@ pub(crate) fn inverse([x, y, z, w]: [f64; 4]) -> [f64; 4] {
     [-x, -y, -z, w]
 }
 
-/// The same with unit length; no rotation if there is no direction.
+/// A quaternion of unit length; no rotation if it has no direction.
 pub(crate) fn unit(quaternion: [f64; 4]) -> [f64; 4] {
     let length = length(&quaternion);
     if length > 0.0 { quaternion.map(|v| v / length) } else { [0.0, 0.0, 0.0, 1.0] }

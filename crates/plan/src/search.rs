@@ -31,7 +31,7 @@ struct Rank {
 }
 
 impl Rank {
-    /// That of a plan; what is no number is as bad as can be.
+    /// Rank of a plan; NaN is worst.
     fn new(cost: f64, excess: f64) -> Self {
         let cost = if cost.is_nan() { f64::INFINITY } else { cost };
         let is_known = cost.is_finite() && !excess.is_nan();
@@ -94,9 +94,9 @@ pub struct Progress<'s> {
     pub iterations: usize,
     /// Plans that were simulated.
     pub simulated: usize,
-    /// Those of them that diverged.
+    /// Plans among them that diverged.
     pub diverged: usize,
-    /// Those that did not, and were beyond the limit.
+    /// Plans among them that did not, and were beyond the limit.
     pub beyond_limit: usize,
 }
 
@@ -182,8 +182,8 @@ impl<P: BorrowMut<Planner>> Search<P> {
         Some(&self.batch)
     }
 
-    /// Takes in what the simulation of the last batch says, `elapsed` after the search began. Returns
-    /// the place in the batch of the best so far, if it is there.
+    /// Takes in the results of the last batch, `elapsed` after the search began. Returns the place
+    /// in the batch of the best plan so far, if it is in this batch.
     ///
     /// # Errors
     /// If the evaluation is not one of the batch, or all plans so far diverged.

@@ -22,7 +22,7 @@ use crate::{Around, correct::fixed};
 pub(crate) const CLEARANCE_M: f64 = 1e-5;
 /// Sweeps over planes, and over obstacles, that are in each other's way.
 const SWEEPS: usize = 20;
-/// Part of a normal that another plane has to leave so that it bounds a node as well.
+/// Part of a normal that another plane has to leave so that it also bounds a node.
 const LEAST_NEW: f64 = 1e-2;
 
 /// Takes the nodes of a state out of the ground and of what is around it, along the normal; pinned
@@ -154,7 +154,7 @@ impl Barrier {
 }
 
 impl Outside<'_> {
-    /// Adds the planes of what nodes meet on their way; true if there are any.
+    /// Adds the planes of what nodes meet on their way; true if there were such planes.
     pub(crate) fn meet(&mut self, to: &[Vector3<f64>]) -> bool {
         let mut found = false;
         for e in self.barrier.nodes() {
@@ -227,7 +227,7 @@ impl Contacts {
         }
     }
 
-    /// Drops the planes that nodes are pulled away from; true if there are any.
+    /// Drops the planes that nodes are pulled away from; true if there were such planes.
     pub(crate) fn release(&mut self, pull: &[Vector3<f64>]) -> bool {
         let mut released = false;
         for contact in &mut self.0 {

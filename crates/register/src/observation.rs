@@ -24,8 +24,8 @@ pub struct Observation {
     /// Velocities of the points [m/s], shape [M, 3]; empty if unknown. Only a correction uses them,
     /// and only with tracks.
     pub velocities: Vec<Point>,
-    /// Positions of the cameras that saw the points [m]. They tell which parts of the surface could
-    /// have been seen; without them all parts could.
+    /// Positions of the cameras that saw the points [m]. They determine which parts of the surface
+    /// could have been seen; without them all parts could.
     pub cameras: Vec<Point>,
 }
 

@@ -54,9 +54,8 @@ pub(crate) fn expected_m(spacing_m: f64, noise_m: f64) -> f64 {
     (0.5 * spacing_m).max(LEAST_EXPECTED_M).max(noise_m)
 }
 
-/// How far distances [m] are from being explained, which they are up to 1: the median by what is
-/// expected, or the share beyond that and beyond three deviations by half of the points, if that is
-/// more.
+/// Misfit of distances [m], which are explained up to 1: the median by the expected one, or the
+/// share beyond that and beyond three deviations by half of the points, if that is more.
 pub(crate) fn misfit(distances_m: &[f64], spacing_m: f64, noise_m: f64) -> f64 {
     let expected_m = expected_m(spacing_m, noise_m);
     let median_m = median(&mut distances_m.to_vec()).unwrap_or(f64::INFINITY);

@@ -5,11 +5,12 @@
 //! twin's resolution let expect, and of the share of points out of reach by the half that a
 //! registration tolerates. Up to 1 the observation is explained.
 //!
-//! A state is *lost* if three observations in a row are not explained, or if the mean of the misfits,
-//! each weighted by 3/4 of the one after it, is above 1. So a single frame that shows something else
-//! loses nothing (a misfit counts at most 1.5, and moves a healthy mean, of some 0.5, to 0.75); an
-//! object that is elsewhere is noticed at the third observation; one that is explained every other
-//! time is noticed as well; and a state is found again only after a few observations that it explains.
+//! A state is *lost* if three observations in a row are not explained, or if the mean of the
+//! misfits, each weighted by 3/4 of the one after it, is above 1. So a single frame that shows
+//! something else loses nothing (a misfit counts at most 1.5, and moves a healthy mean, of some
+//! 0.5, to 0.75); an object that is elsewhere is noticed at the third observation; so is one that
+//! is explained every other time; and a state is found again only after a few observations that it
+//! explains.
 
 /// Weight of the newest misfit in the mean: a memory of about four observations.
 const NEWEST: f64 = 0.25;

@@ -5,7 +5,7 @@ use nalgebra::Vector3;
 
 use crate::{rigid::thinned, surface::spacing};
 
-/// Points that are looked at, at most; of more, evenly chosen ones stand for the whole.
+/// Points used at most; of more, evenly chosen ones stand for the whole.
 const MOST: usize = 2000;
 /// A point hides what is this near to the ray through it, in spacings, and at least a spacing
 /// farther.

@@ -36,8 +36,7 @@ pub struct GaussiansBar {
     pub opacities: Vec<f32>,
     /// Gradient by colours, shape [G, 3].
     pub colors: Vec<[f32; 3]>,
-    /// Lengths of the derivative by the projected centre [1/px], shape [G]: densification looks at
-    /// them.
+    /// Lengths of the derivative by the projected centre [1/px], shape [G]: used by densification.
     pub screen: Vec<f32>,
 }
 

@@ -17,8 +17,8 @@ pub trait Rasteriser: Send {
     /// The image that a camera takes of Gaussians.
     ///
     /// # Errors
-    /// [`Error::Gaussian`], [`Error::Camera`] and the like for wrong input, [`Error::TooMany`]
-    /// where memory would not do, [`Error::Device`] if a device fails.
+    /// [`Error::Gaussian`], [`Error::Camera`] and similar for wrong input, [`Error::TooMany`] where
+    /// memory would not suffice, [`Error::Device`] if a device fails.
     fn render(&mut self, gaussians: &Gaussians, camera: &Camera) -> Result<Image, Error>;
 
     /// d loss / d Gaussians, from d loss / d image. After a rendering of the same Gaussians by the

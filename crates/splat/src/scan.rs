@@ -2,13 +2,13 @@
 
 use rayon::prelude::*;
 
-/// Values that a thread looks at at a time.
+/// Values that a thread checks at a time.
 const PIECE: usize = 1 << 13;
 
 /// Index of the first value that does not keep the rule.
 ///
-/// Nearly all that is checked is right: a piece is first looked at without a branch, which compilers
-/// make vector instructions of.
+/// Nearly all input is correct: a piece is first checked without a branch, which compilers turn
+/// into vector instructions.
 pub(crate) fn first_wrong<T: Copy + Sync>(
     values: &[T],
     keeps: impl Fn(T) -> bool + Sync,

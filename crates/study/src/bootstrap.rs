@@ -26,7 +26,7 @@ pub enum Verdict {
     Lower,
     /// The first is higher.
     Higher,
-    /// Neither: the interval contains zero, or seeds alone differ by as much.
+    /// Neither: the interval contains zero, or seeds alone differ by that.
     NoDifference,
 }
 

@@ -21,7 +21,7 @@ struct Header {
 /// The point from which an interrupted fit continues.
 #[derive(Debug, Default)]
 pub(crate) struct Resumption {
-    /// The fit's checkpoint; none if it starts anew.
+    /// Checkpoint of the fit; `None` if it starts from the beginning.
     pub(crate) checkpoint: Option<Vec<u8>>,
     spent_s: f64,
     losses: Losses,

@@ -54,9 +54,9 @@ pub struct Scores {
     pub twin: ErrorSummary,
     /// The twin's in the first frame after the start: what the registration leaves.
     pub first_frame: ErrorSummary,
-    /// Those of the mean prediction of the twin and its members; none without members.
+    /// Errors of the mean prediction of the twin and its members; `None` without members.
     pub mean_of_fits: Option<ErrorSummary>,
-    /// Those of an object that does not move.
+    /// Errors of an object that does not move.
     pub standing_still: ErrorSummary,
     /// Distances of the first frame from the registered twin.
     pub registered: RegistrationScore,

@@ -72,7 +72,7 @@ pub struct GraphCounts {
     pub surface_nodes: usize,
     /// Axial springs, those to control points among them.
     pub springs: usize,
-    /// Those between nodes; none in records of earlier versions.
+    /// Springs between nodes; `None` in records of earlier versions.
     #[serde(default)]
     pub node_springs: Option<usize>,
     /// Bending triplets.

@@ -116,7 +116,7 @@ impl PendingRun {
             }));
             let fault = match result {
                 Ok(Ok(fitted)) => return self.finish(&fitted, &observer, context).map(Some),
-                // A checkpoint of another backend, for example: the fit starts anew.
+                // A checkpoint of another backend, for example: the fit starts from the beginning.
                 Ok(Err(FitError::OtherCheckpoint | FitError::Checkpoint(_)))
                     if from.checkpoint.is_some() =>
                 {

@@ -53,7 +53,7 @@ pub struct CaptureEntry {
     pub name: String,
     /// Path, relative to the suite's folder or to the data folder.
     pub path: PathBuf,
-    /// Kind of object, as configurations and the suite's picture tell captures apart.
+    /// Kind of object, by which configurations and the suite's picture group captures.
     #[serde(default)]
     pub group: Option<String>,
     /// Settings for this capture alone; they go over those of the configuration.

@@ -40,7 +40,7 @@ pub struct Table {
     pub missing: usize,
     /// Rows of each capture, in the suite's order.
     pub rows: Vec<Row>,
-    /// The same as means over captures; empty if there is one capture.
+    /// Means over captures; empty if there is one capture.
     pub means: Vec<Row>,
     /// Differences between rows that the suite compares.
     pub differences: Vec<Difference>,
@@ -196,12 +196,12 @@ impl Table {
         }
     }
 
-    /// For people.
+    /// The table for people.
     pub fn to_markdown(&self) -> String {
         markdown::write(self)
     }
 
-    /// For programs: `table.json`.
+    /// The table for programs: `table.json`.
     ///
     /// # Errors
     /// If a figure cannot be written.

@@ -23,7 +23,7 @@ const TOLERANCE_M: f32 = 0.012;
 const MIN_FACING: f32 = 0.15;
 
 impl Camera {
-    /// A camera at `position` that looks at `target`, z up.
+    /// A camera at `position`, directed at `target`, z up.
     pub(super) fn looking_at(position: Point, target: Point) -> Self {
         let forward = unit(sub(target, position));
         let right = unit([forward[1], -forward[0], 0.0]);

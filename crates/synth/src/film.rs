@@ -2,7 +2,7 @@
 //! with the truth beside it.
 //!
 //! Body, hand and table are triangles with colours that stick to them. Images are computed when
-//! they are asked for, and each comes out the same whenever that is.
+//! they are requested, and each is always the same.
 
 mod lens;
 mod props;
@@ -164,7 +164,7 @@ impl Source for Stage {
 /// Point that cameras look at [m].
 const TARGET: Point = [0.15, 0.0, 0.2];
 /// Offset of each camera from its even place: azimuth [degrees], distance as a share, height [m].
-/// Nobody's rig is symmetric, and in one that is, exchanged calibrations would go unnoticed.
+/// Real rigs are not symmetric, and in a symmetric one, exchanged calibrations would go unnoticed.
 const OFFSETS: [[f32; 3]; 8] = [
     [0.0, 1.0, 0.0],
     [14.0, 0.92, 0.13],

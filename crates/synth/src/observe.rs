@@ -31,7 +31,7 @@ const DRIFT_M: f32 = 0.001_5;
 /// Chance a frame that a track jumps to another spot, and how far [m].
 const JUMP: f64 = 0.001;
 const JUMP_M: f32 = 0.012;
-/// Chance a frame that a track is lost for good.
+/// Chance a frame that a track is lost permanently.
 const LOSS: f64 = 0.001_5;
 /// Noise of shape prior and hand points [m].
 const PRIOR_NOISE_M: f32 = 0.001_5;
@@ -214,7 +214,7 @@ impl Tracks<'_> {
         out
     }
 
-    /// A motion is valid if its neighbours at the start move alike.
+    /// Judges a motion: valid if neighbours at the start move in the same way.
     fn judge_motion(&self, out: &mut Sequence) {
         let points = self.slots.len();
         let start: Vec<Point> =

@@ -31,7 +31,7 @@ pub(super) struct Setup {
     pub(super) controls: usize,
 }
 
-/// Parts of a scene; none where no camera looks at it.
+/// Parts of a scene; `None` if no camera sees it.
 pub(super) fn setup(scene: Scene, options: &MakeOptions) -> Option<Setup> {
     let mut setup = match scene {
         Scene::Rope => rope(options),

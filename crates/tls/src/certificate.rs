@@ -76,7 +76,7 @@ impl Certificate {
     }
 }
 
-/// Says in the log which certificate is shown from now on, by whom and until when.
+/// Logs which certificate is shown from now on, by whom and until when.
 pub fn tell(shown_by: &'static str, certificate: Option<&Certificate>) {
     let Some(certificate) = certificate else {
         tracing::warn!(shown_by, "the certificate cannot be read: others may refuse it");

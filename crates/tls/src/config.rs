@@ -45,7 +45,7 @@ pub struct MutualPaths {
 /// Settings of a listener that shows a certificate and demands none.
 #[derive(Debug)]
 pub struct Public {
-    /// For its connections.
+    /// Settings of the server's connections.
     pub server: Arc<ServerConfig>,
     /// Certificate shown to peers.
     pub certificate: Option<Certificate>,
@@ -55,9 +55,9 @@ pub struct Public {
 /// one of the private authority of the other side. TLS 1.3 only: both ends are BendTwin.
 #[derive(Debug)]
 pub struct Mutual {
-    /// For connections that others begin.
+    /// Settings of connections that others begin.
     pub server: Arc<ServerConfig>,
-    /// For connections that it begins, over HTTP/2.
+    /// Settings of connections that this side begins, over HTTP/2.
     pub client: Arc<ClientConfig>,
     /// Certificate shown to the other side.
     pub certificate: Option<Certificate>,
@@ -178,7 +178,7 @@ impl Mutual {
     }
 }
 
-/// The one implementation of cryptography, which the database driver has as well.
+/// The single implementation of cryptography, shared with the database driver.
 fn provider() -> Arc<CryptoProvider> {
     Arc::new(ring::default_provider())
 }

@@ -32,7 +32,7 @@ pub struct Connector {
 #[derive(Clone)]
 enum Settings {
     Of(Arc<dyn Fn() -> Arc<ClientConfig> + Send + Sync>),
-    /// Those of a peer, whose connections end when the other side is refused later.
+    /// Connections of a peer, which end when the other side is refused later.
     Peer(Reloaded<Mutual>),
 }
 

@@ -75,7 +75,7 @@ pub enum FileError {
         /// The file of the key.
         key: PathBuf,
     },
-    /// What is in it cannot be used.
+    /// The content cannot be used.
     #[error("{} cannot be used: {fault}", path.display())]
     Unusable {
         /// The file.

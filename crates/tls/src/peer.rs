@@ -49,8 +49,8 @@ impl Mutual {
 }
 
 impl Reloaded<Mutual> {
-    /// Waits until the settings in force refuse a peer. Those that were loaded since the handshake
-    /// count as well.
+    /// Waits until the settings in force refuse a peer, including those that were loaded since the
+    /// handshake.
     pub async fn refused(self, peer: Peer) -> rustls::Error {
         let mut settings = self.changes();
         loop {

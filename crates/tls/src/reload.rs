@@ -12,8 +12,8 @@ use tokio_util::sync::CancellationToken;
 
 use crate::FileError;
 
-/// Interval at which the files are looked at. They are small, and compared by content: a time of
-/// modification is too coarse, and does not tell of a link that points elsewhere now.
+/// Interval at which the files are checked. They are small, and compared by content: a modification
+/// time is too coarse, and does not reveal a link that points elsewhere now.
 const INTERVAL: Duration = Duration::from_secs(2);
 
 /// Settings read from files, in the last usable version. Clones share them.

@@ -27,7 +27,7 @@ const SPRING_ADJOINT: f64 = 115.0;
 /// Eight triplets, each once.
 ///
 /// 16 differences, 6 for the squares, 4 comparisons, 20 for their inverses, 6 for u x w, 3 for its
-/// square, 3 for the cosine, 3 to tell collinear ones, 12 for the root, 18 for the two scaled
+/// square, 3 for the cosine, 3 to detect collinear ones, 12 for the root, 18 for the two scaled
 /// crosses, 10 for 1/m, 30 for the angle, 6 for the rate, 12 for the collinear case, 6 for the
 /// magnitude, 6 products, 27 sums: 188.
 const TRIPLET: f64 = 188.0;

@@ -22,7 +22,7 @@ const HALF_SPRING_ADJOINT: f64 = 14.0 + 5.0 + 41.0;
 /// A triplet, evaluated once.
 ///
 /// 1 record and 6 loads of 128 bit, 3 addresses, 12 differences, 9 for the squares and the cosine,
-/// 2 reciprocals, 6 for u x w, 3 for its square, 2 for the sine and its inverse, 4 to tell
+/// 2 reciprocals, 6 for u x w, 3 for its square, 2 for the sine and its inverse, 4 to detect
 /// collinear ones, 12 for the two crosses, 6 scalings, 18 for the angle, 6 for the rate, 6 for the
 /// magnitude, 6 products, 9 sums of force and 3 stores: 114.
 const TRIPLET: f64 = 114.0;

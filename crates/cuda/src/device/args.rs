@@ -33,7 +33,7 @@ impl<T> Pointer<T> {
         self.address == 0
     }
 
-    /// The same address of values of another type.
+    /// The address with another type of values.
     pub(crate) fn cast<U>(self) -> Pointer<U> {
         Pointer::new(self.address)
     }
@@ -83,7 +83,7 @@ pub(crate) struct Checks {
 }
 
 impl Checks {
-    /// Begins a struct of this name and size, unless it is there already.
+    /// Begins a struct of this name and size, unless it is known already.
     pub(crate) fn begin(&mut self, name: &'static str, bytes: usize) -> bool {
         let is_new = self.known.insert(name);
         if is_new {

@@ -13,7 +13,7 @@ use super::{
     specialization::{Specialization, options},
 };
 
-/// Store of compiled kernels; without a folder everything is compiled anew.
+/// Store of compiled kernels; without a folder everything is compiled again.
 #[derive(Debug)]
 pub(crate) struct Cache {
     folder: Option<PathBuf>,
@@ -22,7 +22,7 @@ pub(crate) struct Cache {
 }
 
 impl Cache {
-    /// For an architecture; in `folder`, or in the user's cache directory.
+    /// The store for an architecture; in `folder`, or in the user's cache directory.
     pub(crate) fn new(folder: Option<&Path>, architecture: u32) -> Result<Self, Error> {
         let folder = folder.map(Path::to_path_buf).or_else(user_folder);
         Ok(Self { folder, architecture, version: compile::version()? })

@@ -1,4 +1,4 @@
-//! A stream with what its work shares: launches in order, staging memory for what comes back.
+//! A stream with what its work shares: launches in order, staging memory for results.
 
 use std::sync::Arc;
 

@@ -150,7 +150,7 @@ pub(crate) struct Specialization {
     pub(crate) threads: u32,
     /// Every warp has one row of nodes at most.
     pub(crate) one_row: bool,
-    /// Pairs of half-springs of a lane in registers (forward); whether their sums are there
+    /// Pairs of half-springs of a lane in registers (forward); whether their sums are in registers
     /// (backward).
     pub(crate) held: u32,
     /// Pairs of `held` that every row has.

@@ -1,5 +1,6 @@
-//! Page-locked host memory: large results come back through two halves, of which the device fills one
-//! while the host empties the other, and large input goes to the device without the driver's copy.
+//! Page-locked host memory: large results are copied through two halves, of which the device fills
+//! one while the host empties the other, and large input goes to the device without the driver's
+//! copy.
 
 use std::sync::{Mutex, PoisonError};
 
@@ -12,7 +13,7 @@ use super::{fault, memory::Buffer, queue::Queue};
 
 /// Bytes of each half.
 const HALF_BYTES: usize = 8 << 20;
-/// Smaller results come back directly.
+/// Smaller results are copied directly.
 const DIRECT_BYTES: usize = 64 << 10;
 
 /// Numbers of input that a thread copies or compares at a time.

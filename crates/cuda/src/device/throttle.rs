@@ -20,7 +20,7 @@ impl LaunchThrottle {
     /// for the stretch before.
     pub(crate) fn launched(&mut self, queue: &Queue, us: f64) -> Result<(), Error> {
         self.since_us += us;
-        // Half a stretch more would be too long: estimates may be off by as much.
+        // Half a stretch more would be too long: estimates may be off by that.
         if self.since_us < 0.5 * queue.stretch_us() {
             return Ok(());
         }

@@ -14,7 +14,7 @@ use super::URGENT;
 
 /// Time for which a wait looks without a break: a sleep takes no less.
 const LOOK: Duration = Duration::from_micros(50);
-/// The same of urgent work.
+/// Time of polling for urgent work.
 const URGENT_LOOK: Duration = Duration::from_millis(20);
 /// A sleep as a share of the wait so far, and its bounds.
 const SHARE: u32 = 8;

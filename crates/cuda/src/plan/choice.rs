@@ -38,7 +38,7 @@ impl Purpose {
     }
 }
 
-/// What the choice of a team looks at beside the model and its surroundings.
+/// Inputs to the choice of a team beside the model and its surroundings.
 #[derive(Clone, Copy)]
 pub(crate) struct Shapes<'a> {
     /// Layouts of the model's graph.
@@ -159,7 +159,7 @@ pub(crate) fn fits_one_block(
     shapes.team.is_none() && states <= u64::from(capabilities.dynamic_shared())
 }
 
-/// The same team for another purpose.
+/// The team for another purpose.
 fn for_purpose(team: Team, purpose: Purpose) -> Team {
     let instances = if purpose == Purpose::Forward { team.instances } else { 1 };
     Team { instances, ..team }

@@ -36,7 +36,7 @@ pub(crate) struct DeviceGraph {
     /// Made when a strain first asks for it.
     node_springs: Memo<(), Arc<NodeSprings>>,
     pub(crate) layouts: Layouts,
-    /// Those of its layouts that are on the device.
+    /// Layouts that are on the device.
     cuts: Memo<Cut, Arc<CutGraph>>,
 }
 

@@ -289,7 +289,7 @@ impl Layout {
         pairs.min().unwrap_or(0)
     }
 
-    /// Control points stand behind the largest block's nodes, in all blocks alike.
+    /// Places control points behind the largest block's nodes, at the same index in all blocks.
     fn place_controls(&mut self) -> Result<(), Error> {
         self.control_base = self.shares.iter().map(|s| s.local).max().unwrap_or(0);
         let stride = self.stride() as usize;

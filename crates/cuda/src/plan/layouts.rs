@@ -28,7 +28,7 @@ impl Cut {
 /// Layouts of a graph, each made at first use.
 pub(crate) struct Layouts {
     graph: Arc<Graph>,
-    /// The same for every cut.
+    /// Incidence, the same for every cut.
     incidence: Memo<(), Arc<Incidence>>,
     made: Memo<Cut, Arc<Layout>>,
 }

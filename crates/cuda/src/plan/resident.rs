@@ -38,7 +38,7 @@ pub(crate) struct Resident {
     /// Stiffness, dashpot, rest length [E each]; bend stiffness, bend damping, rest angle [T each];
     /// twist stiffness, twist damping, rest twist [R each]; [`LAWS`] more.
     pub(crate) params: Buffer<f32>,
-    /// The dashpot of all springs, if they are alike: then it need not be loaded again and again.
+    /// The dashpot of all springs, if it is the same: then it is not loaded per spring.
     pub(crate) dashpot: Option<f32>,
     packed: Memo<Cut, Arc<Packed>>,
 }
@@ -71,17 +71,17 @@ impl Resident {
         })
     }
 
-    /// The same with other parameters.
+    /// The model with other parameters.
     pub(crate) fn with_params(&self, params: &Params) -> Result<Self, Error> {
         Self::new(&self.device, self.graph.clone(), self.skin.clone(), params)
     }
 
-    /// The same, prepared for parameters that change on the device.
+    /// The model, prepared for parameters that change on the device.
     pub(crate) fn varying(self) -> Self {
         Self { dashpot: None, ..self }
     }
 
-    /// What the choice of a team looks at.
+    /// Inputs to the choice of a team.
     pub(crate) fn shapes(&self) -> Shapes<'_> {
         Shapes {
             layouts: &self.graph.layouts,

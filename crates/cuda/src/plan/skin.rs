@@ -46,7 +46,7 @@ struct SkinByNode {
     corners: Vec<[u32; 2]>,
     /// First of the points that each node bears, and the end of the last, shape [N + 1].
     borne_starts: Vec<u32>,
-    /// Those points, ascending for each node.
+    /// Points that each node bears, ascending.
     borne: Vec<u32>,
 }
 

@@ -46,7 +46,7 @@ type Channel = (Arc<Queue>, Arc<Objectives>);
 pub(crate) struct CudaBackend {
     device: Arc<Device>,
     pub(crate) queue: Arc<Queue>,
-    /// On the device through this queue.
+    /// Objectives on the device through this queue.
     objectives: Arc<Objectives>,
     normal: Channel,
     urgent: Channel,
@@ -70,7 +70,7 @@ impl CudaBackend {
         Self { device, queue, objectives, normal, urgent, graphs, skins }
     }
 
-    /// The same backend on another queue.
+    /// The backend on another queue.
     fn on(&self, (queue, objectives): &Channel) -> Self {
         Self { queue: queue.clone(), objectives: objectives.clone(), ..self.clone() }
     }

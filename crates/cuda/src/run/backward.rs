@@ -196,7 +196,7 @@ impl Backward<'_> {
         self.forward.simulation.queue.device.capabilities.processors as usize
     }
 
-    /// Writes the gradients of its instances from their sums, one after the other.
+    /// Writes the gradients of its instances from their sums, one after another.
     fn finish_all(&self, total: &Buffer<f32>) -> Result<(), Error> {
         let (stride, blocks) = (self.stride(), self.most_blocks());
         let mut members = self.members.iter().enumerate();

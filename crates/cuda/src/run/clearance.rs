@@ -55,7 +55,7 @@ pub(crate) struct Clearances {
 }
 
 impl Clearances {
-    /// For simulations of these sizes.
+    /// Clearances of simulations of these sizes.
     pub(crate) fn new(
         queue: &Queue,
         sizes: impl Iterator<Item = ClearanceSize>,

@@ -1,4 +1,4 @@
-//! Instances that one launch serves: alike enough for one kernel, and the memory that their teams
+//! Instances that one launch serves: similar enough for one kernel, and the memory that their teams
 //! share.
 
 use std::sync::Arc;
@@ -21,7 +21,7 @@ use crate::{
     },
 };
 
-/// Arguments of instances on the device, one after the other.
+/// Arguments of instances on the device, one after another.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct InstanceSpan {
     pub(crate) address: Pointer<InstanceArgs>,

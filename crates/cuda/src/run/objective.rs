@@ -197,7 +197,7 @@ impl DeviceObjective {
         sums
     }
 
-    /// The same by frame, shape [F + 1, groups].
+    /// Groups by frame, shape [F + 1, groups].
     pub(crate) fn frame_groups(&self, values: &[f64], groups: usize) -> Vec<f64> {
         let mut sums = vec![0.0; (self.frames + 1) * groups];
         for (&t, value) in self.order.iter().zip(values) {

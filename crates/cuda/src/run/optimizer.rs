@@ -1,5 +1,5 @@
-//! Optimizer runs on the device: parameters, coordinates, moments and gradients stay there;
-//! a few numbers per instance and step come back.
+//! Optimizer runs on the device: parameters, coordinates, moments and gradients stay there; a few
+//! numbers per instance and step are copied back.
 
 use std::sync::Arc;
 
@@ -39,7 +39,7 @@ pub(crate) struct DeviceOptimizer {
 
 struct DeviceRun {
     /// Owned by the run alone. Its element parameters are those that it was loaded with; the
-    /// current ones are on the device, and the laws here as well.
+    /// current ones are on the device; the current laws are also here.
     model: Arc<Model>,
     resident: Arc<Resident>,
     /// Separate model at the current point, made when first needed.

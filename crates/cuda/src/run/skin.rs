@@ -37,7 +37,7 @@ pub(crate) fn bytes_of(instance: &Instance) -> u64 {
 }
 
 impl Skins {
-    /// For these instances with their objectives, and for gradients if they are `seeded`.
+    /// Skins of these instances with their objectives, and for gradients if they are `seeded`.
     pub(crate) fn new(
         queue: &Queue,
         instances: &[Instance],

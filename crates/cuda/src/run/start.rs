@@ -81,8 +81,8 @@ pub(super) fn start(this: &Simulation<'_>) -> Result<(), Error> {
 }
 
 /// States as planes, each state followed by its twists, and where both of each instance's begin.
-/// Instances may share a state though their models have different numbers of rods: it is there once
-/// for each number.
+/// Instances may share a state though their models have different numbers of rods: it is stored
+/// once for each number.
 fn initial_planes<'a>(
     initial: impl Iterator<Item = (&'a State, usize)>,
 ) -> (Vec<f32>, Vec<(usize, usize)>) {

@@ -53,7 +53,7 @@ fn points_that_are_not_seen_and_fits_that_diverged_say_nothing() {
     sequence.visible.fill(true);
     errors.add(&twin, sequence, &own, &[&lost], 0);
     assert_eq!(errors.score(), None);
-    // Fits that agree let nobody expect an error from their spread.
+    // Fits that agree predict no error from their spread.
     errors.add(&twin, sequence, &own, &[&own], 0);
     let score = errors.score().unwrap();
     assert_eq!((score.factor(), score.rank_correlation), (None, None));

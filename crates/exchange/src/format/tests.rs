@@ -1,7 +1,7 @@
 use super::*;
 
 #[test]
-fn names_tell_formats_in_any_case() {
+fn names_select_formats_in_any_case() {
     for format in Format::ALL {
         for extension in format.extensions() {
             for name in [format!("a.b.{extension}"), format!("A.{}", extension.to_uppercase())] {

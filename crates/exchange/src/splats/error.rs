@@ -1,4 +1,4 @@
-//! Why Gaussians cannot be read or placed, in words that tell what to do.
+//! Reasons why Gaussians cannot be read or placed, with what to do.
 
 use bendtwin_core::{Category, Problem};
 
@@ -18,7 +18,7 @@ pub enum Error {
         "the file of Gaussians has {0}, which is not read: export it as binary little-endian .ply with x, f_dc, opacity, scale and rot, or as .spz of version 2 or 3"
     )]
     Unsupported(String),
-    /// Nothing in it.
+    /// An empty file.
     #[error("the file has no Gaussians: look at what was exported")]
     Empty,
     /// More Gaussians than are read or kept.

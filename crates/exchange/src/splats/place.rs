@@ -106,7 +106,7 @@ fn patches(gaussians: &Gaussians) -> Mesh {
         (0..gaussians.len()).filter(|g| gaussians.opacities[*g] >= SEEN_OPACITY).collect();
     let step = seen.len().div_ceil(MOST_ALIGNED).max(1);
     let chosen: Vec<usize> = seen.into_iter().step_by(step).collect();
-    // All of one size: a large Gaussian tells no more about a place than a small one.
+    // All of one size: a large Gaussian says no more about a place than a small one.
     let mut sizes: Vec<f32> =
         chosen.iter().map(|g| gaussians.scales_m[*g].iter().copied().fold(0.0, f32::max)).collect();
     sizes.sort_by(f32::total_cmp);

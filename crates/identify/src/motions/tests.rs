@@ -5,7 +5,7 @@ use crate::strip::strip;
 
 use super::*;
 
-/// How far the middle of the far region and of the near one are from where they started at the end of a
+/// Distances of the middle of the far region and of the near one from their starts at the end of a
 /// motion [m].
 fn travelled(hold: Hold, act: Act) -> [f64; 2] {
     let twin = strip(true);

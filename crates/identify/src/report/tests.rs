@@ -41,7 +41,7 @@ fn only_the_part_that_moves_is_determined() {
     };
     assert!(largest(&report.point_sd_m) >= 72, "the tip: {:?}", report.point_sd_m);
     assert!(report.summary.iter().any(|s| s.starts_with("Record next")), "{:?}", report.summary);
-    // Shaking the part that moved already would tell less than moving the other.
+    // Shaking the part that moved already would be less informative than moving the other.
     assert!(report.next[0].sd_m < 0.5 * report.sd_m(), "{:?}", report.next);
     report.check(80, 80).unwrap();
     assert_eq!((report.node_regions.len(), report.point_sd_m.len()), (80, 80));

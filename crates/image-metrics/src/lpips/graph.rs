@@ -87,7 +87,7 @@ impl Graph {
         for (index, node) in self.nodes.iter().enumerate() {
             let output = self.compute(node, &values)?;
             values.insert(&node.output, output);
-            // What nobody reads later need not stay in memory.
+            // Values that no later node reads need not stay in memory.
             let rest = &self.nodes[index + 1..];
             let needed: HashSet<&str> = rest
                 .iter()

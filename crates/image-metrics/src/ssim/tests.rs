@@ -104,7 +104,7 @@ fn gradient_of_each_pixel_is_the_slope() {
 }
 
 #[test]
-fn a_crop_tells_the_score_of_its_image() {
+fn a_crop_predicts_the_score_of_its_image() {
     // The tiles have 6 black pixels on each side; here are 20 more.
     let small = tiles();
     let (width, height) = (small.width + 40, small.height + 40);

@@ -77,14 +77,14 @@ impl Hypothesis {
         Self((0..count).map(one).collect())
     }
 
-    /// The same with the calibration of one view changed.
+    /// The hypothesis with the calibration of one view changed.
     pub(crate) fn with(&self, view: usize, change: impl FnOnce(&mut CameraHypothesis)) -> Self {
         let mut other = self.clone();
         other.0.get_mut(view).into_iter().for_each(change_once(change));
         other
     }
 
-    /// The same with every calibration changed.
+    /// The hypothesis with every calibration changed.
     pub(crate) fn with_all(&self, change: impl Fn(&mut CameraHypothesis)) -> Self {
         let mut other = self.clone();
         other.0.iter_mut().for_each(change);

@@ -1,5 +1,5 @@
-//! Frequent mistakes with calibrations, tried one after the other. The one that explains the misfit
-//! is the one whose undoing leaves least of it.
+//! Frequent mistakes with calibrations, tried one after another. The one that explains the misfit
+//! is the one whose reversal leaves the smallest misfit.
 
 use super::{
     ViewSet,

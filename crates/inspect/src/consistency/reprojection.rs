@@ -17,7 +17,7 @@ pub(crate) struct Reprojection {
     pub(crate) outside_image: usize,
     /// Surfels inside the image that appear outside the masks.
     pub(crate) outside_masks: usize,
-    /// Those that lie in front of what the other camera measured.
+    /// Surfels in front of what the other camera measured.
     pub(crate) in_front: usize,
     /// Depth of the surfel less depth of the other's surface, where both face it [m].
     pub(crate) differences: Vec<f64>,

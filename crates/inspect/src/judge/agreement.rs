@@ -226,7 +226,7 @@ fn judge_depth_scale(
     true
 }
 
-/// Findings of the cameras that are off, one after the other, or of the pairs that disagree.
+/// Findings of the cameras that are off, one after another, or of the pairs that disagree.
 fn misplaced_cameras(
     context: &Context<'_>,
     set: &ViewSet<'_>,

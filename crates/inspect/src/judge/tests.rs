@@ -87,7 +87,7 @@ fn dropped_repeated_and_damaged_frames_are_counted() {
 
 #[test]
 fn frames_that_were_dropped_and_closed_up_are_noticed() {
-    // Every third moment is missing, in all cameras alike, and nothing says so.
+    // Every third moment is missing in all cameras, without a trace in the description.
     let seen = shown(|s| {
         for camera in &mut s.moments {
             *camera = (0..FRAMES).map(|f| Some((f + f / 3) as f64)).collect();

@@ -4,7 +4,7 @@
 //!
 //! Pairs of spots are taken across the outline of both masks together. Under a [`Warp`], a pair
 //! agrees with the depth image if its outer spot is farther away than its inner one; the share of
-//! pairs that agree tells how well a warp fits.
+//! pairs that agree measures how well a warp fits.
 
 use std::ops::RangeInclusive;
 
@@ -216,7 +216,7 @@ fn refine(
         }
     }
     let best = tried.iter().map(|t| t.1).fold(0.0, f64::max);
-    // Spots lie a few pixels beside the outline, so that many warps agree alike.
+    // Spots lie a few pixels beside the outline, so that many warps agree equally well.
     let good: Vec<Warp> = tried.into_iter().filter(|t| t.1 > best - 0.02).map(|t| t.0).collect();
     let middle = |of: &dyn Fn(&Warp) -> f64| mean(good.iter().map(of)).unwrap_or(0.0);
     let shift_px = [middle(&|w| w.shift_px[0]), middle(&|w| w.shift_px[1])];

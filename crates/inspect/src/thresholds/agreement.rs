@@ -29,7 +29,7 @@ pub(crate) struct AgreementThresholds {
     pub(crate) max_corrected_ratio: f64,
     /// Shift from which a camera spoils a fit [m]. Chosen by hand.
     pub(crate) bad_off_m: f64,
-    /// Cameras that are flagged one after the other; if there were more, none could be trusted.
+    /// Cameras that are flagged one after another; if there were more, none could be trusted.
     /// Chosen by hand.
     pub(crate) max_flagged: usize,
     /// Misfit of a pair that is too much even if no correction is found, 0..=1. Chosen by hand;

@@ -16,10 +16,10 @@ pub(crate) struct AlignmentThresholds {
     /// Distance by which the warp moves what the masks show from which depth is off [px]. Twice what
     /// is measured where nothing is off.
     pub(crate) min_moved_px: f64,
-    /// The same where depth of the object is sparse.
+    /// Smallest shift where depth of the object is sparse.
     pub(crate) min_moved_sparse_px: f64,
-    /// The same from which a fit is meaningless [widths of the image]: 8 of 424 pixels, 1 cm and
-    /// more at 0.6 m. Chosen by hand.
+    /// Shift from which a fit is meaningless [widths of the image]: 8 of 424 pixels, 1 cm and more
+    /// at 0.6 m. Chosen by hand.
     pub(crate) bad_moved_widths: f64,
     /// Error of the scale from which a fit is meaningless: another field of view. Chosen by hand.
     pub(crate) bad_scale_error: f64,
@@ -37,7 +37,7 @@ pub(crate) struct AlignmentThresholds {
     pub(crate) same_scale: f64,
     /// Distance of two shifts that are one [px], with a share of the width of the image.
     pub(crate) same_shift_px: f64,
-    /// That share [widths of the image].
+    /// Shift of that share [widths of the image].
     pub(crate) same_shift_widths: f64,
 }
 

@@ -7,7 +7,7 @@ use std::ops::Range;
 pub(crate) struct ConsistencyThresholds {
     /// Surfels of each crop that are compared. Chosen by hand, to save time.
     pub(crate) max_surfels: usize,
-    /// The same where there are many cameras, whose pairs grow with the square.
+    /// Most surfels where there are many cameras, whose pairs grow with the square.
     pub(crate) max_surfels_many_cameras: usize,
     /// With more cameras than this, fewer surfels are compared.
     pub(crate) many_cameras: usize,

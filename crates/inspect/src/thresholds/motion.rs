@@ -18,7 +18,7 @@ pub(crate) struct MotionThresholds {
     /// Motion from frame to frame that blurs images and loses tracks [m]: 2.4 m/s at 30 frames a
     /// second. Chosen by hand; healthy recordings reach 14 mm.
     pub(crate) fast_m: f64,
-    /// The same in the image [widths of the image]: 50 of 848 pixels. Chosen by hand.
+    /// Fast motion in the image [widths of the image]: 50 of 848 pixels. Chosen by hand.
     pub(crate) fast_widths: f64,
     /// Fast frames that are no chance. Chosen by hand.
     pub(crate) min_fast_frames: usize,

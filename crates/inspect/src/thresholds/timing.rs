@@ -11,7 +11,7 @@ pub(crate) struct TimingThresholds {
     pub(crate) min_cut_frames: usize,
     /// Repeated frames that are no finding. Chosen by hand: a single one is harmless.
     pub(crate) max_repeats: usize,
-    /// Frames for which all cameras stand still alike in a scene that pauses; fewer are repeated
+    /// Frames for which all cameras stand still together in a scene that pauses; fewer are repeated
     /// frames. Chosen by hand.
     pub(crate) min_pause_frames: usize,
     /// Share of frames whose depth may repeat while colour changes, 0..=1. Chosen by hand.

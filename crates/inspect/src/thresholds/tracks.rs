@@ -24,7 +24,8 @@ pub(crate) struct TrackThresholds {
     pub(crate) min_travel_m: f64,
     /// Reach of tracks that is no motion but jitter [px]. Chosen by hand.
     pub(crate) still_px: f64,
-    /// The same in large images [widths of the image]: 3.4 of 848 pixels. Chosen by hand.
+    /// Motion that counts as still in large images [widths of the image]: 3.4 of 848 pixels. Chosen
+    /// by hand.
     pub(crate) still_widths: f64,
 }
 

@@ -72,7 +72,8 @@ pub(super) fn refuse_nothing(
     Ok(())
 }
 
-/// Fails if the object is gone from the masks, or lost, for good before the training frames end.
+/// Fails if the object disappears from the masks, or is lost, before the training frames end and
+/// does not return.
 pub(super) fn refuse_lost(
     recording: &Recording,
     shown: &[bool],

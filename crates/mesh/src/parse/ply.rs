@@ -88,7 +88,7 @@ fn read_faces(
     Ok(())
 }
 
-/// The numbers after the header, one after the other.
+/// The numbers after the header, one after another.
 struct Values<'a> {
     at: &'a str,
     encoding: Encoding,

@@ -18,7 +18,7 @@ const ASCII_PLY: &str = "ply\nformat ascii 1.0\ncomment made by hand\nelement ve
     property float y\nproperty float z\nproperty uchar red\nelement face 2\nproperty list uchar int vertex_indices\n\
     end_header\n0 0 0 9\n1 0 0 9\n1 1 0 9\n0 1 0 9\n4 0 1 2 3\n3 0 1 2\n";
 
-/// The same mesh in binary.
+/// The mesh in binary.
 fn binary_ply(big: bool) -> Vec<u8> {
     let name = if big { "binary_big_endian" } else { "binary_little_endian" };
     let mut out = format!(

@@ -12,7 +12,7 @@ const SECOND: f64 = 0.99;
 #[derive(Clone, Debug)]
 pub(crate) struct Descent {
     plans: Vec<Knots>,
-    /// What each was when it kept the limit last; none if it never did.
+    /// Last state of each plan within the limit; `None` if it never was.
     kept: Vec<Option<Knots>>,
     first: Vec<Knots>,
     second: Vec<Knots>,

@@ -1,4 +1,4 @@
-//! Samples around a mean, which is simulated as well, and at first the plan to stay still.
+//! Samples around a mean, which is also simulated, and at first the plan to stay still.
 
 use rand_chacha::ChaCha12Rng;
 

@@ -25,7 +25,7 @@ impl Bowl {
         (2..plan.len()).map(|i| (plan[i] - GOAL[i % 2]).powi(2)).sum()
     }
 
-    /// How far a plan is beyond the limit.
+    /// Excess of a plan over the limit.
     fn excess(&self, plan: &[f64]) -> f64 {
         plan.iter().step_by(2).map(|x| (x - self.limit).max(0.0)).fold(0.0, f64::max)
     }

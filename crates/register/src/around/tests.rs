@@ -63,6 +63,6 @@ fn control_points_of_an_open_hand_are_loose() {
         Around::new(&world, &[], &State { grasping, ..State::default() }).loose
     };
     assert_eq!(loose(vec![Phase::Open, Phase::Open, Phase::Closed]), [0, 2]);
-    // A hold that nobody has opened.
+    // A hold that has never been opened.
     assert!(loose(Vec::new()).is_empty());
 }

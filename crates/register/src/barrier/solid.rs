@@ -35,7 +35,7 @@ enum Form {
 }
 
 impl Solid {
-    /// What lies below a plane.
+    /// The half-space below a plane.
     pub(super) fn ground(plane: Plane) -> Self {
         let form = Form::Convex(vec![(vector3(plane.normal), f64::from(plane.offset_m))]);
         Self { form, obstacle: None }

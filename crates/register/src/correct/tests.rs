@@ -95,7 +95,7 @@ fn velocities_are_corrected_where_they_are_observed() {
 fn a_cloud_without_tracks_pulls_the_surface_to_it() {
     let backend = bendtwin_engine::cpu();
     let (truth, mut state, controls) = astray(&*backend);
-    // Half as far: the two sides of the object are 2 cm apart, and nothing tells them apart.
+    // Half as far: the two sides of the object are 2 cm apart, and indistinguishable.
     for (x, truth) in state.positions.iter_mut().zip(&truth.positions) {
         *x = std::array::from_fn(|a| 0.5 * (x[a] + truth[a]));
     }

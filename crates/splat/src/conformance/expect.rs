@@ -24,7 +24,7 @@ pub(super) fn finite_bar(what: &str, bar: &GaussiansBar) -> Outcome {
 }
 
 /// Fails unless the image is the reference's within `tolerance` at the pixels that are decided.
-/// Depths may be off by as much times the largest depth.
+/// Depths may be off by `tolerance` times the largest depth.
 pub(super) fn is_image(what: &str, got: &Image, reference: &Reference, tolerance: f64) -> Outcome {
     let expected = reference.image();
     let far = expected.iter().map(|p| p[4]).fold(1.0, f64::max);

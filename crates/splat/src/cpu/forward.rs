@@ -9,7 +9,7 @@ use crate::{
     constants::{LEAST_ALPHA, LEAST_TRANSMITTANCE},
 };
 
-/// Intersections between two looks at what is still transparent.
+/// Intersections between two checks for transparent pixels.
 const LOOK_EVERY: usize = 16;
 
 /// A tile of an image.

@@ -45,7 +45,7 @@ const MASK: i64 = 6;
 pub(super) struct Reader<'a> {
     stage: &'a Stage,
     camera: usize,
-    /// The frame that was drawn last: colour, depth and masks are asked for one after the other.
+    /// The frame drawn last: colour, depth and masks are requested one after another.
     last: Option<(usize, View)>,
 }
 

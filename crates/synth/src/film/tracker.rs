@@ -19,7 +19,7 @@ const WALK: f32 = 0.04;
 /// Share of tracks that start to slide at some frame, and how fast [pixels a frame].
 const DRIFTING: f32 = 0.05;
 const DRIFT: f32 = 0.4;
-/// Chance a frame that a track is lost for good, and that it is overlooked once.
+/// Chance a frame that a track is lost permanently, and that it is overlooked once.
 const LOSS: f32 = 0.002;
 const DROPOUT: f32 = 0.01;
 /// Farther behind what is in its pixel a point is hidden [m].
@@ -28,7 +28,7 @@ const HIDDEN_M: f64 = 0.008;
 /// A spot on a thing.
 struct Spot {
     hit: Hit,
-    /// The same for every frame: where the query was, in the first frame.
+    /// Pixel of the query in the first frame, the same for every frame.
     pixel: [i64; 2],
 }
 

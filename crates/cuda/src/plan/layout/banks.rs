@@ -46,7 +46,7 @@ pub(super) fn arrange(
 /// Half-springs of a node that are to be dealt.
 struct Undealt {
     halves: Vec<Half>,
-    /// How many of them are in each bank.
+    /// Number of them in each bank.
     in_bank: [u32; BANKS],
 }
 

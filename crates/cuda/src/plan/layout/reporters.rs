@@ -4,13 +4,12 @@
 
 use bendtwin_core::Graph;
 
-/// For each spring, whether its first end reports it. A node reports at most half of the springs
-/// that join it to other nodes, rounded up, and all that join it to control points, which report
-/// none.
+/// True for each spring that its first end reports. A node reports at most half of the springs that
+/// join it to other nodes, rounded up, and all that join it to control points, which report none.
 pub(super) fn first_ends(graph: &Graph) -> Vec<bool> {
     let n = graph.node_count();
     let between = |s: &[u32; 2]| s.iter().all(|&e| (e as usize) < n);
-    // Springs of each node, one after the other: where those of each end, and of each its index, its
+    // Springs of each node, one after another: where those of each end, and of each its index, its
     // other end, and whether the node is its first end.
     let mut ends = vec![0_usize; n + 1];
     for &e in graph.springs.iter().filter(|s| between(s)).flatten() {

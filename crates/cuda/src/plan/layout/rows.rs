@@ -52,7 +52,7 @@ impl Rows<'_> {
         for row in 0..rows {
             let ends: Vec<Vec<Half>> =
                 (row * a_row..((row + 1) * a_row).min(count)).map(&halves).collect();
-            // A lane without an endpoint looks at the first.
+            // A lane without an endpoint uses the first.
             let selves = (0..a_row).map(|k| row * a_row + k);
             let selves: Vec<u32> = selves.map(|i| local(if i < count { i } else { 0 })).collect();
             self.add_row(&ends, &selves);

@@ -177,7 +177,7 @@ fn sums_are_apart() {
 }
 
 #[test]
-fn owners_tell_exactly_those_who_have_a_node_in_their_halo() {
+fn owners_send_a_node_exactly_to_the_halos_that_have_it() {
     for (_, layout) in layouts() {
         let mut expected = BTreeSet::new();
         for (block, share) in layout.shares.iter().enumerate() {

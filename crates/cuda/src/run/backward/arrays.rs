@@ -68,7 +68,7 @@ pub(super) struct Sizes {
 }
 
 impl Sizes {
-    /// For the windows of a graph in `room` bytes.
+    /// Sizes for the windows of a graph in `room` bytes.
     pub(super) fn new(backward: &Backward<'_>, room: u64) -> Self {
         let (all, deepest) = backward.shape();
         let (simulation, instance) = (backward.forward.simulation, backward.members[0]);
@@ -140,8 +140,7 @@ impl WindowArrays {
         })
     }
 
-    /// The parts of a frame that go onto tape one after the other: one, unless not even a frame
-    /// fits.
+    /// The parts of a frame that go onto tape one after another: one, unless not even a frame fits.
     pub(super) fn segments(&self) -> impl DoubleEndedIterator<Item = Range<u32>> + use<> {
         let (segment, substeps) = (self.segment.max(1), self.substeps);
         let part = move |s: usize| (s * segment) as u32..((s + 1) * segment).min(substeps) as u32;

@@ -37,7 +37,7 @@ pub(super) fn bytes_of(nodes: usize, bodies: usize, rods: usize) -> usize {
 }
 
 impl WorldBars {
-    /// For a group's windows, which get their addresses; `None` if nothing surrounds them.
+    /// Motion of a group's windows, which get their addresses; `None` without surroundings.
     pub(super) fn new(stream: &Arc<CudaStream>, group: &mut Group) -> Result<Option<Self>, Error> {
         let world = group.plan.specialization.world;
         let still = WorldParts { smooth: world.smooth, ..WorldParts::default() };

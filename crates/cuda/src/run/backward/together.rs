@@ -65,7 +65,7 @@ impl<'a> Part<'a> {
         self.windows.chunks(self.arrays.windows).nth(turn).unwrap_or_default()
     }
 
-    /// The same, ready to go backward; `count` is their number with those of other graphs.
+    /// Windows ready to run backward; `count` is their number with those of other graphs.
     fn some_windows(
         &self,
         turn: usize,

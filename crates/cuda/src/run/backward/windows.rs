@@ -305,8 +305,7 @@ impl<'a> ConcurrentWindows<'a> {
     /// The substeps of a frame's n-th last segment, which are on tape then.
     pub(super) fn on_tape(&self, depth: usize, nth_last: usize) -> Result<Range<u32>, Error> {
         let taped = self.arrays.segments().nth_back(nth_last).unwrap_or(0..0);
-        // The last is there. The others take its place, in its order: they are written by the same
-        // span.
+        // The last is present. The others take its place, in its order: the same span writes them.
         if nth_last > 0 {
             self.again(depth..depth + 1, taped.clone())?;
         }
@@ -333,7 +332,7 @@ impl<'a> ConcurrentWindows<'a> {
         if self.backward.request.controls {
             for (batch, args) in self.batches.iter().zip(&self.ready) {
                 let (start, span) = self.part(args, depth);
-                // Windows of one instance share frame boundaries: one after the other.
+                // Windows of one instance share frame boundaries: one after another.
                 let at_once = if args.shared { 1 } else { span.count.max(1) };
                 for k in (0..span.count).step_by(at_once) {
                     let some = InstanceSpan::part(&args.instances, start + k, at_once);

@@ -20,7 +20,7 @@ use crate::device::{
 /// No body: the world itself.
 const NO_BODY: u32 = u32::MAX;
 
-/// What surrounds the instances of a batch, and how it moves.
+/// Surroundings of the instances of a batch, and their motion.
 pub(super) struct Parts {
     poses: Buffer<[f32; 4]>,
     closed: Buffer<u32>,
@@ -33,7 +33,7 @@ pub(super) struct Parts {
     places: Vec<Place>,
 }
 
-/// Where the parts of an instance begin.
+/// Starts of the parts of an instance.
 #[derive(Clone, Copy, Debug, Default)]
 struct Place {
     world: WorldPlace,
@@ -56,7 +56,7 @@ struct MotionPlace {
     rolls: usize,
 }
 
-/// The same on the host.
+/// The parts on the host.
 #[derive(Default)]
 struct Collected {
     poses: Vec<[f32; 4]>,
@@ -237,7 +237,7 @@ pub(super) fn initial_phases(instance: &Instance) -> Vec<u32> {
     grasps.map(|(g, grasp)| encode_phase(given.get(g).copied().unwrap_or(default(grasp)))).collect()
 }
 
-/// What holds each node of an instance at its start.
+/// Holder of each node of an instance at its start.
 pub(super) fn initial_holds(instance: &Instance) -> Vec<args::Hold> {
     let nothing = args::Hold { place: [0.0; 3], grasp: -1 };
     let mut holds = vec![nothing; instance.model.model().graph.node_count()];

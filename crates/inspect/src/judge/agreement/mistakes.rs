@@ -78,8 +78,8 @@ fn is_unit(factor: f64, limits: &AgreementThresholds) -> bool {
 }
 
 /// The finding of units that differ between depth and poses: depth times `factor` would suit the
-/// poses. The size of the object, which follows from depth alone, tells which of the two is wrong: the
-/// one without which it would be less usual.
+/// poses. The size of the object, which follows from depth alone, decides which of the two is
+/// wrong: the one without which it would be less usual.
 fn units(context: &Context<'_>, factor: f64, object_size_m: Option<f64>) -> Finding {
     let times = if factor < 1.0 { 1.0 / factor } else { factor };
     let round = if times > 2.0 { format!("{times:.0}") } else { format!("{times:.2}") };

@@ -1,6 +1,6 @@
 //! Properties that `team.cuh` relies on where blocks wait for bytes alone: a block writes into
-//! another's halo once it has received from it, so readers of its earlier writes must have
-//! been received from as well.
+//! another's halo once it has received from it, so it must also have received from all readers of
+//! its earlier writes.
 
 use super::*;
 
