@@ -1,7 +1,7 @@
-//! The audit: one line in the log for each change that a client asks for, under the target `audit`,
-//! with who asked, what for, and what came of it. Both transports have the names of RPCs.
-//! Calls that were refused for a scope are recorded as well, by the route of HTTP or the path of
-//! gRPC, and so are refused tokens and keys, by the address that they came from.
+//! The audit: one line in the log for each change that a client requests, under the target `audit`,
+//! with the caller, the request and its outcome. Both transports use the names of RPCs. Calls
+//! refused for a scope are recorded, too, by the route of HTTP or the path of gRPC, and so are
+//! refused tokens and keys, by the address that they came from.
 
 use std::fmt::Display;
 

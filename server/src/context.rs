@@ -95,7 +95,7 @@ pub(crate) fn network_of(peer: IpAddr) -> IpAddr {
     }
 }
 
-/// Up to 128 characters that are safe in headers, logs and JSON alike.
+/// True for up to 128 characters that are safe in headers, logs and JSON.
 pub(crate) fn is_sane_id(id: &str) -> bool {
     (1..=128).contains(&id.len())
         && id.bytes().all(|b| b.is_ascii_alphanumeric() || b"-_.:/+=@".contains(&b))

@@ -51,7 +51,7 @@ impl Call {
         }
     }
 
-    /// The trailers that tell a gRPC client why its response was cut off.
+    /// The trailers that give a gRPC client the reason why its response was cut off.
     pub(crate) fn trailers(&self, cut: Cut) -> HeaderMap {
         let status = cut.refusal().into_status(&self.context);
         let mut trailers = status.into_http::<axum::body::Body>().into_parts().0.headers;

@@ -1,6 +1,6 @@
-//! The workers that are there, and the routing of rollouts to them. All of it
-//! is in memory: a worker that the server forgot registers again. Workers of a fleet are followed
-//! (`follow.rs`), so that every server knows what is loaded where, whichever it was that they called.
+//! The known workers, and the routing of rollouts to them. All of it is in memory: a worker that
+//! the server forgot registers again. Workers of a fleet are followed (`follow.rs`), so that every
+//! server knows what is loaded where, regardless of the server that they called.
 
 mod call;
 mod channel;
@@ -143,7 +143,7 @@ impl Dispatch {
         self.lock().get(&worker).map(|e| e.draining.clone()).unwrap_or_default()
     }
 
-    /// The worker of whom this holds.
+    /// The worker that satisfies `holds`.
     pub(crate) fn find(&self, holds: impl Fn(WorkerId) -> bool) -> Option<WorkerId> {
         self.lock().keys().copied().find(|id| holds(*id))
     }

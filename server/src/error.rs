@@ -76,7 +76,7 @@ pub(crate) struct ProblemDocument {
     pub(crate) detail: String,
     /// A stable word for programs.
     pub(crate) reason: String,
-    /// To be quoted when reporting the problem.
+    /// Id to quote when reporting the problem.
     pub(crate) request_id: String,
 }
 

@@ -68,7 +68,7 @@ pub struct Options {
     /// Time for which a resumable upload is kept without further bytes, and remembered after its
     /// end [s].
     pub upload_expiry_s: f64,
-    /// The same while hardly anything of it has come: less than a megabyte [s].
+    /// Time limit while hardly anything has arrived: less than a megabyte [s].
     pub upload_start_s: f64,
     /// Free space of the disk below which new captures, twins and fits are refused [MiB].
     pub disk_floor_mib: u64,
@@ -156,7 +156,7 @@ pub struct Limits {
     pub plays: usize,
     /// Browsers that watch one play.
     pub play_watchers: usize,
-    /// Time after which a play ends that nobody touches [s].
+    /// Time after which an unused play ends [s].
     pub play_idle_s: f64,
 }
 

@@ -71,7 +71,7 @@ pub(crate) struct Play {
     facts: watch::Sender<Arc<str>>,
     watchers: AtomicUsize,
     recording: Mutex<Option<Arc<Recording>>>,
-    /// Cancelled when nobody plays any more.
+    /// Cancelled when the play has no more players.
     over: CancellationToken,
     /// The last message, once it has ended.
     farewell: watch::Sender<Option<Arc<str>>>,

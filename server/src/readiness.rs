@@ -13,7 +13,7 @@ use utoipa::ToSchema;
 
 use crate::app::App;
 
-/// Age up to which a report is not made anew.
+/// Age up to which a report is reused.
 const FRESH: Duration = Duration::from_secs(1);
 /// Longest wait for a new report.
 const PATIENCE: Duration = Duration::from_secs(2);

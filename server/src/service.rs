@@ -279,7 +279,7 @@ impl Handle {
         tracing::info!("stopping");
         self.app.stopping.cancel();
         let ends = Instant::now() + self.grace;
-        // Nobody waits for silent connections, but workers need their socket to give jobs back.
+        // Silent connections are not waited for, but workers need their socket to hand jobs back.
         self.close.cancel();
         // Plays end their sessions while there are workers to hear it.
         let _ = tokio::time::timeout(self.grace.min(LAST_WORDS), self.app.plays.ended()).await;

@@ -38,7 +38,7 @@ pub const DEVICE_VARIABLE: &str = "BENDTWIN_DEVICE";
 /// The environment variable with the folder for captures while they are read. Workers inherit it
 /// from a server that has it.
 pub const SCRATCH_VARIABLE: &str = "BENDTWIN_SCRATCH_DIR";
-/// That folder in the data folder.
+/// Scratch folder inside the data folder.
 const SCRATCH_FOLDER: &str = "scratch";
 
 /// The environment variable with the memory of the worker [MiB].

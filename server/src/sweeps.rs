@@ -11,7 +11,7 @@ use tokio::{
 
 use crate::{app::App, options::Options};
 
-/// Longest interval at which leases are looked at.
+/// Longest interval between checks of leases.
 const LEASE_INTERVAL: Duration = Duration::from_secs(1);
 /// Longest interval at which expired uploads, and those that a crash left complete, are searched
 /// for.

@@ -11,7 +11,7 @@ impl App {
         let disk = match self.store.disk() {
             Ok(disk) => disk,
             Err(error) => {
-                // The write itself will tell.
+                // The write itself will show.
                 tracing::warn!(%error, "the free space of the disk is not known");
                 return Ok(());
             }

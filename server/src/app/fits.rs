@@ -159,7 +159,7 @@ impl App {
     }
 }
 
-/// The part of a capture's report that tells its size.
+/// The part of a capture's report that gives its size.
 #[derive(Deserialize)]
 struct Report {
     #[serde(default)]

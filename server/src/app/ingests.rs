@@ -175,8 +175,7 @@ impl App {
         Ok(())
     }
 
-    /// Receives observation and playback, if there are any, and the report as a document and as a
-    /// page.
+    /// Receives observation and playback, if any, and the report as a document and as a page.
     async fn receive_parts(&self, upload: IngestUpload) -> Result<Received> {
         let IngestUpload { report_digest, page_digest, mut body, .. } = upload;
         let limits = &self.options.limits;

@@ -247,7 +247,7 @@ impl App {
             true => self.sweep_members(terms.lease).await?,
             false => HashSet::new(),
         };
-        // Renewals of leases are signs of life, so the leases of these have run out as well.
+        // Renewals of leases are signs of life, so the leases of these workers have also run out.
         for worker in self.dispatch.silent(terms.lease) {
             tracing::warn!(%worker, "worker fell silent");
             self.worker_gone(worker).await?;

@@ -114,9 +114,9 @@ impl App {
         Ok(workers)
     }
 
-    /// Tells the other servers that this one runs, takes over what they know, and takes the jobs of
-    /// servers and workers back that have been silent for a lease. Returns the processes of other
-    /// servers that live: these alone end the attempts of theirs.
+    /// Shows the other servers that this one runs, takes over what they know, and requeues the jobs
+    /// of servers and workers that have been silent for a lease. Returns the processes of other
+    /// living servers: these alone end the attempts of theirs.
     pub(super) async fn sweep_members(&self, lease: Duration) -> Result<HashSet<WorkerId>> {
         let now = self.store.lease_time();
         if self.members.is_due(self.id.uuid(), lease / 3, now) {
@@ -184,7 +184,7 @@ impl App {
         Err(Error::WorkerUnknown(worker.to_string()))
     }
 
-    /// The worker of whom this holds, at whichever server it registered.
+    /// The worker that satisfies `holds`, registered at any server.
     pub(crate) async fn find_worker(
         &self,
         holds: impl Fn(WorkerId) -> bool,

@@ -82,7 +82,7 @@ impl Taken {
     }
 }
 
-/// True if the deadline is over, give or take the clocks of two timers. Both ends of the call to the
+/// True if the deadline is over, within the precision of two timers. Both ends of the call to the
 /// worker give up then, with various codes.
 fn is_late(deadline: Instant) -> bool {
     const SLACK: Duration = Duration::from_millis(2);

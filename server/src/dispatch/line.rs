@@ -1,7 +1,7 @@
 //! The line of rollouts in front of a worker. A rollout is small, medium or large by the time that
 //! the worker should need for it. Slots are kept for small ones, few large ones are under way at a
 //! time, and within a size the clients take turns: a small rollout never waits for a large one, and
-//! nobody's for all of somebody else's.
+//! no client's rollout for all of another client's.
 
 mod order;
 mod rate;

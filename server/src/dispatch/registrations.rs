@@ -70,7 +70,7 @@ impl Dispatch {
         Ok(Registered { state, held: Held::of(share) })
     }
 
-    /// The request, if it is sound. Many points are looked at beside other work.
+    /// The request, if it is valid. Many points are checked in a separate thread.
     async fn checked_registration(
         &self,
         request: RegisterStateRequest,

@@ -65,7 +65,7 @@ pub(super) struct Now {
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Heard {
     At(Now),
-    /// Nothing here: another server knows it. It is not used until it answers.
+    /// Never seen here: another server knows it. It is not used until it answers.
     Never,
 }
 
@@ -78,7 +78,7 @@ pub(super) struct Live {
     warm: Vec<TwinId>,
     /// Sessions that live there.
     sessions: HashMap<SessionId, HeldSession>,
-    /// When those were opened that a heartbeat may not tell of yet.
+    /// Opening times of sessions that a heartbeat may not list yet.
     opened: HashMap<SessionId, Instant>,
     in_flight: u32,
     memory: Option<Memory>,
@@ -115,7 +115,7 @@ pub(crate) struct WorkerView {
 }
 
 impl From<Worker> for WorkerView {
-    /// A worker of whom this server knows no more than its registration.
+    /// A worker known only by its registration.
     fn from(worker: Worker) -> Self {
         let last_seen = worker.started;
         Self {
@@ -181,7 +181,7 @@ impl Live {
         self.sessions = sessions;
     }
 
-    /// Takes over the jobs that a heartbeat tells of. It may have been sent before a job was leased
+    /// Takes over the jobs in a heartbeat. The heartbeat may have been sent before a job was leased
     /// here, and a job that was leased here may have ended at another server.
     fn told_jobs(&mut self, fit: Option<FitId>, ingest: Option<CaptureId>) {
         self.fit = fit.map(Told::now).or(self.fit.filter(|f| f.at.elapsed() < UNDER_WAY));

@@ -1,7 +1,7 @@
-//! The steps of a rollout: check it, choose a worker, wait for a slot, pass the parts
-//! on. A worker that cannot be reached is replaced once. One that took the rollout and
-//! broke down is not: the rollout may be the cause, and would end the next worker as well.
-//! A caller that goes away drops the stream, and with it the worker's work.
+//! The steps of a rollout: check it, choose a worker, wait for a slot, pass the parts on. A worker
+//! that cannot be reached is replaced once. A worker that took the rollout and broke down is not:
+//! the rollout may be the cause, and would end the next worker, too. A disconnected caller drops
+//! the stream, and with it the worker's work.
 
 use std::{pin::Pin, sync::Arc, time::Duration};
 
@@ -72,7 +72,7 @@ pub(super) struct Prepared {
 /// Ends of a rollout's time.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Ends {
-    /// Nobody waits for a reply any more.
+    /// Time after which no caller waits for the reply.
     pub(super) deadline: Instant,
     /// No more instances are simulated, if the request has a time limit.
     pub(super) limit: Option<Instant>,
@@ -140,7 +140,7 @@ pub(super) struct Running {
     outcome: &'static str,
 }
 
-/// Also counts those that nobody waited for.
+/// Also counts the rollouts whose callers are gone.
 impl Drop for Running {
     fn drop(&mut self) {
         self.metrics.rollout(self.outcome, self.queued, self.started.elapsed());
@@ -283,9 +283,9 @@ impl Dispatch {
         .await
     }
 
-    /// What an attempt at a worker brings, this one if it is given: at a second one if the first
-    /// cannot be reached, as an attempt says by bringing nothing, and at all others in turn while
-    /// workers say that they are at as much as they take, for other servers too.
+    /// The result of an attempt at a worker, this one if it is given: at a second worker if the
+    /// first cannot be reached (the attempt returns `None`), and at all others in turn while
+    /// workers are busy, also with the work of other servers.
     pub(super) async fn at_a_worker<T, F>(
         &self,
         twin: TwinId,
@@ -393,8 +393,8 @@ impl Running {
     }
 }
 
-/// The error to tell if no other worker takes a call that this one is too busy for; else the error
-/// with which the call ends.
+/// The error to return if no other worker takes a call that this one is too busy for; otherwise the
+/// error that ends the call.
 fn refusal(error: Error, entry: &Entry, ask: &Ask) -> Result<Error> {
     let Error::Worker(fault) = &error else { return Err(error) };
     match fault.reason.as_str() {

@@ -171,7 +171,7 @@ impl Dispatch {
         Ok(session)
     }
 
-    /// Passes a call that tells how the session is on to its worker.
+    /// Passes a call on to the worker of its session.
     pub(crate) async fn session_call(
         &self,
         session: &str,

@@ -30,8 +30,8 @@ const MOST_JOINED: u64 = 64 << 20;
 const MOST_PREPARED: u64 = 128 << 20;
 
 impl Dispatch {
-    /// The workers to share a batch: none or one if it is not to be split. All are alike, so that it
-    /// does not matter who simulates what.
+    /// The workers to share a batch: none or one if it is not to be split. All of them are
+    /// equivalent, so that any worker may simulate any part.
     pub(super) fn sharers(&self, prepared: &Prepared) -> Vec<Arc<Entry>> {
         let Some(request) = &prepared.execute.request else { return Vec::new() };
         if prepared.session.is_some()

@@ -162,7 +162,7 @@ impl Dispatch {
         });
         let correction = correction.transpose()?;
         let request = search_from(search, &name, slot)?;
-        // Nobody sees its updates but the last one, which is written with the rest.
+        // Of its updates only the last is used, which is written with the rest.
         let plan = Plan { request, timeout, as_lists, memory, stopping };
         let plan = self.ready(plan).await?;
         let horizon = plan.checked.settings.frames;
@@ -204,7 +204,7 @@ impl Dispatch {
         Ok(advance)
     }
 
-    /// The last update of a search, which ends when nobody waits for it any more.
+    /// The last update of a search, which ends when its caller is gone.
     async fn best_plan(&self, plan: Ready) -> Result<PlanUpdate> {
         let dispatch = self.clone();
         let (mut sender, best) = oneshot::channel();

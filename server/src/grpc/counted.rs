@@ -1,5 +1,5 @@
-//! The rollout service behind the memory of the server: a message is received in memory that was
-//! taken before, looked at before it is decoded, and its reply holds memory until it has been sent.
+//! The rollout service behind the memory of the server: a message is received in memory taken
+//! before, checked before it is decoded, and its reply holds memory until it has been sent.
 
 use std::{
     convert::Infallible,

@@ -1,4 +1,4 @@
-//! `grpc.health.v1.Health`: serving means ready, as `/readyz` has it, for all services alike.
+//! `grpc.health.v1.Health`: serving means ready in the sense of `/readyz`, for all services.
 
 use std::{collections::HashSet, time::Duration};
 
@@ -12,7 +12,7 @@ use tonic_health::pb::{
 use super::Reply;
 use crate::app::App;
 
-/// Interval at which watchers' states are looked at again.
+/// Interval at which watchers' states are checked again.
 const WATCH_INTERVAL: Duration = Duration::from_secs(5);
 
 /// The health of the server's services.

@@ -1,4 +1,4 @@
-//! A stream of messages, each of which is looked at before it is decoded.
+//! A stream of messages, each of which is checked before it is decoded.
 
 use std::{
     pin::Pin,

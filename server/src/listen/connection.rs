@@ -32,7 +32,7 @@ const FAREWELL: Duration = Duration::from_millis(500);
 /// Time limits of a connection.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Timeouts {
-    /// For the head of a request, on a connection without another one.
+    /// Time for the head of a request, on a connection without another one.
     pub(crate) head: Duration,
     /// Longest silence within the body of a request.
     pub(crate) body: Duration,

@@ -56,7 +56,8 @@ pub(super) async fn open(
     }
 }
 
-/// Counts it. Anyone may send anything to the address of clients, so the log tells of workers alone.
+/// Counts a failure. Anyone may send anything to the clients' address, so only failures of workers
+/// are logged.
 fn failed(place: &Place, peer: SocketAddr, why: &dyn std::fmt::Display) {
     place.ended("handshake");
     match place.listener() {

@@ -1,6 +1,6 @@
-//! Bodies of requests under time limits: a client that declares a body has to send it. A body
-//! that nobody reads to its end is read for a while, because a client that is still sending would
-//! see a broken connection in place of the response.
+//! Bodies of requests under time limits: a client that declares a body has to send it. A body with
+//! an unread rest is read for a while, because a client that is still sending would see a broken
+//! connection in place of the response.
 
 use std::{
     pin::Pin,
@@ -24,7 +24,7 @@ const LEAST_RATE: u64 = 1024;
 const DRAIN_BYTES: u64 = 16 << 20;
 const DRAIN_TIME: Duration = Duration::from_secs(5);
 
-/// A body that did not come in time.
+/// A body that did not arrive in time.
 #[derive(Debug, thiserror::Error)]
 #[error("the body came too slowly")]
 pub(crate) struct TooSlow;
@@ -46,7 +46,7 @@ struct RequestBody {
     /// Time spent waiting before that.
     waited: Duration,
     received: u64,
-    /// True if what is left is to be read where nobody wants it.
+    /// True if an unread rest is to be drained.
     drains: bool,
 }
 

@@ -15,7 +15,7 @@ use crate::failure::Error;
 const FIRST_STEP: u64 = 64 << 10;
 /// Bytes before a message of gRPC: a flag and the length.
 const GRPC_PREFIX: usize = 5;
-/// The beginning of a message, which is looked at while the rest is on its way [bytes].
+/// The beginning of a message, which is checked while the rest is arriving [bytes].
 const BEGINNING: usize = 64 << 10;
 /// Memory of a body and of what is decoded from it, in times its length: a text of JSON becomes
 /// tensors of twice its length, whose buffers grow by doubling.
@@ -42,7 +42,7 @@ pub(crate) enum Kind {
 pub(crate) enum ReceiveError {
     /// Longer than the limit.
     TooLong,
-    /// There is no memory for it.
+    /// Not enough memory.
     Memory(Error),
     /// Broken off.
     Broken(axum::Error),
@@ -149,7 +149,7 @@ impl<'m> Buffer<'m> {
         Ok(())
     }
 
-    /// Reads a body to its end, or to the length that `whole` tells from its beginning, unless `look`
+    /// Reads a body to its end, or to the length that `whole` finds in its beginning, unless `look`
     /// refuses that.
     async fn fill<B>(
         &mut self,
@@ -166,7 +166,7 @@ impl<'m> Buffer<'m> {
             let Ok(mut chunk) = frame.into_data() else { continue };
             let seen = self.bytes.len();
             while !chunk.is_empty() {
-                // The length is known once its first bytes are there.
+                // The length is known from the first bytes.
                 let ahead = if self.bytes.len() < GRPC_PREFIX {
                     GRPC_PREFIX - self.bytes.len()
                 } else {

@@ -68,7 +68,7 @@ async fn a_grpc_message_takes_its_memory_when_its_length_is_known() {
         let received = memory.receive_message(chunked(chunks), MIB, unseen).await.unwrap();
         assert_eq!(received.bytes, bytes[..15], "{size}");
     }
-    // The whole is taken as soon as the first bytes are there.
+    // Memory for the whole is taken as soon as the first bytes have arrived.
     let body = stuck(message(1 << 20));
     let waiting = memory.receive_message(body, MIB, unseen);
     assert!(tokio::time::timeout(Duration::from_millis(50), waiting).await.is_err());
@@ -81,7 +81,7 @@ async fn a_grpc_message_takes_its_memory_when_its_length_is_known() {
     assert_eq!(received.bytes, message(u32::MAX));
 }
 
-/// What its beginning tells is not waited for.
+/// A fault in the beginning is reported without waiting for the rest.
 #[tokio::test]
 async fn a_body_is_refused_before_it_has_come() {
     let memory = Memory::new(64 * MIB);

@@ -134,7 +134,7 @@ mod tests {
         clock.stepped(at(1));
         clock.input(at(0));
         clock.input(at(40));
-        // One comes about 80, and takes this one along.
+        // An input arrives at about 80, and takes this one along.
         assert_eq!(clock.begins(), at(90));
         clock.input(at(80));
         assert!(clock.begins() <= at(80));

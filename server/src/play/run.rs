@@ -131,7 +131,7 @@ impl Run {
         &self.play
     }
 
-    /// Plays until nobody does any more.
+    /// Plays until the last player has left.
     pub(super) async fn play_out(mut self) {
         self.show(None);
         let ended = self.go_on().await;

@@ -1,5 +1,5 @@
-//! The program of the workers, looked for before anything else is done: a server that can never
-//! start one would accept work that nobody does.
+//! The program of the workers, searched before anything else: a server that can never start one
+//! would accept work that is never done.
 
 use std::{
     env, fs, io,

@@ -1,4 +1,4 @@
-//! Callers that are let in: the token, the host, and what metrics tell of strangers.
+//! Callers that are let in: the token, the host, and what metrics reveal to strangers.
 
 use bendtwin_proto::worker::v1::{HeartbeatRequest, worker_link_client::WorkerLinkClient};
 use bendtwin_server::ClientTokenPolicy;

@@ -17,7 +17,7 @@ use crate::{
 };
 
 thread_local! {
-    /// True on the thread of a test that looks at the log.
+    /// True on the thread of a test that reads the log.
     static IS_LOGGED: Cell<bool> = const { Cell::new(false) };
 }
 
@@ -78,8 +78,8 @@ async fn changes_are_recorded_and_keys_are_not() {
         let delete = server.http.delete(server.url(&format!("/v1/{capture}"))).bearer_auth(&key);
         assert_eq!(delete.send().await.unwrap().status(), status);
     }
-    // Refused in every way that there is, over both transports; again and again at one of them, which
-    // the audit tells once.
+    // Refused in every possible way, over both transports; repeatedly at one of them, which the
+    // audit records once.
     for _ in 0..20 {
         let fit = server.http.post(server.url("/v1/fits")).bearer_auth(&key).json(&json!({}));
         assert_eq!(fit.send().await.unwrap().status(), 403);
@@ -99,7 +99,7 @@ async fn changes_are_recorded_and_keys_are_not() {
         twins.list_twins(ListTwinsRequest::default()).await.unwrap_err();
     }
 
-    // A key that does not hold any more, shown again and again.
+    // A revoked key, shown repeatedly.
     assert_eq!(revoke(&server, &name).await, 204);
     for _ in 0..3 {
         let twins = server.http.get(server.url("/v1/twins")).bearer_auth(&key);

@@ -79,7 +79,7 @@ async fn a_deleted_capture_does_not_come_back() {
     assert_eq!(server.blob_files(), 0);
 }
 
-/// What an archive is, its content tells the worker.
+/// The worker recognizes an archive by its content.
 #[tokio::test]
 async fn archives_of_every_kind_are_taken() {
     let server = Server::start().await;

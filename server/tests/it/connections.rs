@@ -58,7 +58,7 @@ async fn one_slot(stream_idle_s: f64) -> (Server, Worker, String) {
 }
 
 #[tokio::test]
-async fn a_stream_that_nobody_reads_gives_its_slot_back() {
+async fn an_unread_stream_frees_its_slot() {
     let (server, _worker, twin) = one_slot(0.3).await;
     let mut rollouts = server.rollouts();
     let unread = rollouts.stream_roll_out(request(&twin, 640)).await.unwrap();
@@ -78,7 +78,7 @@ async fn a_stream_that_nobody_reads_gives_its_slot_back() {
 }
 
 #[tokio::test]
-async fn a_stream_that_nobody_reads_ends_with_its_deadline() {
+async fn an_unread_stream_ends_at_its_deadline() {
     let (server, _worker, twin) = one_slot(3600.0).await;
     let mut rollouts = server.rollouts();
     let mut call = tonic::Request::new(request(&twin, 640));
@@ -89,7 +89,7 @@ async fn a_stream_that_nobody_reads_ends_with_its_deadline() {
 }
 
 #[tokio::test]
-async fn a_download_that_nobody_reads_is_closed() {
+async fn an_unread_download_is_closed() {
     let server = Server::start_with(|o| {
         o.limits.stream_idle_s = 0.2;
         o.limits.head_timeout_s = 0.2;
@@ -260,7 +260,7 @@ async fn a_shutdown_does_not_wait_for_silent_connections() {
     let mut asked = connect(&server).await;
     asked.write_all(b"GET /healthz HTTP/1.1\r\nhost: localhost\r\n\r\n").await.unwrap();
     asked.read_exact(&mut [0; 12]).await.unwrap();
-    // HTTP/2, idle as well.
+    // HTTP/2, also idle.
     server
         .captures()
         .list_captures(bendtwin_proto::v1::ListCapturesRequest::default())

@@ -124,7 +124,7 @@ async fn events(server: &Server, fit: &str, last: Option<&str>) -> Vec<(u64, Val
 }
 
 #[tokio::test]
-async fn events_tell_every_change_and_resume() {
+async fn events_report_every_change_and_resume() {
     let server = Server::start().await;
     let fit = server.fit().await;
     let mut worker = Worker::register(&server).await;

@@ -62,7 +62,7 @@ async fn call(server: &Server, name: &str, key: Option<&str>) -> Option<(String,
     }
     let status = response.status().as_u16();
     if name.starts_with("HEAD") {
-        // Without a body, only the status tells.
+        // Without a body, only the status is known.
         let reason = match status {
             401 => "401",
             403 => "SCOPE_MISSING",

@@ -291,7 +291,7 @@ async fn junk_does_not_become_a_twin() {
         let seen = (status.code(), reason(&status));
         assert_eq!(seen, (Code::InvalidArgument, "INVALID_TWIN_FILE".to_owned()));
     }
-    // Sound, but not what the worker says of it.
+    // Valid, but different from the worker's description.
     let other = crate::twins::twin_file();
     let status = worker.send_twin(&lease, other).await.unwrap_err();
     assert_eq!(reason(&status), "RESULT_UNSOUND");

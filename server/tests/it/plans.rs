@@ -145,7 +145,7 @@ async fn plans_keep_the_limit_of_the_strain_unless_it_is_lifted() {
         let narrow = last(planned(&server, request(0.5)).await.unwrap());
         assert!(narrow.strain <= 0.5 && narrow.strain_limit == 0.5, "{method:?}: {narrow:?}");
     }
-    // One that begins beyond comes back within.
+    // A plan that begins beyond the limit returns within it.
     let mut beyond = request(&twin);
     let positions = Tensor::pack_points(&[1, 3, 1], &[[0.5; 3], [1.5; 3], [1.5; 3]]);
     beyond.rollout.as_mut().unwrap().actions = Some(Actions::Trajectories(ControlTrajectories {

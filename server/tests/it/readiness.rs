@@ -1,4 +1,4 @@
-//! `/readyz` tells whether a request that comes now can be served, and why not.
+//! `/readyz` shows whether a request that comes now can be served, and why not.
 
 use std::time::Duration;
 
@@ -49,7 +49,7 @@ async fn a_server_without_a_worker_that_answers_is_not_ready() {
     }
 }
 
-/// Below the floor new content is refused, while what is there can be read and deleted.
+/// Below the floor new content is refused, while stored content can be read and deleted.
 #[tokio::test]
 async fn new_content_is_refused_before_the_disk_is_full() {
     let server = Server::start().await;

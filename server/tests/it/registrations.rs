@@ -60,7 +60,7 @@ async fn a_malformed_observation_gets_the_fault_of_the_check() {
         let status = client.register_state(request).await.unwrap_err();
         assert_eq!(fault(&status), expected.fault(), "{}", case.what);
     }
-    // Looked at before it is decoded: two bytes of a shape would become eight each.
+    // Checked before it is decoded: two bytes of a shape would become eight each.
     let endless = Tensor { shape: vec![1; 5000], ..Tensor::default() };
     let observation = Some(Observation { points: Some(endless), ..Observation::default() });
     let endless = RegisterStateRequest { observation, ..request(&twin) };

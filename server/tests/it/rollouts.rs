@@ -165,7 +165,7 @@ async fn a_worker_that_cannot_be_reached_is_replaced_once() {
     assert_eq!(reply.worker, there.id.to_string());
 }
 
-/// The rollout may be the reason why the worker ended: it must not end the next one as well.
+/// The rollout may be the reason why the worker ended: it must not end the next one, too.
 #[tokio::test]
 async fn a_rollout_that_a_worker_took_is_not_sent_to_another() {
     let server = Server::start().await;
@@ -239,7 +239,7 @@ async fn without_workers_and_without_twins() {
         (status.code(), bendtwin_proto::fault::fault(&status).reason.as_str()),
         (Code::Unavailable, "WORKER_LOST")
     );
-    // It is left alone for a while: nobody is there.
+    // It is left alone for a while: no worker is available.
     let status = rollouts.roll_out(request(&twin, 1)).await.unwrap_err();
     assert_eq!(bendtwin_proto::fault::fault(&status).reason, "NO_WORKER");
     use tonic_types::StatusExt;
@@ -395,7 +395,7 @@ async fn a_body_that_never_fits_is_refused_with_what_would() {
 }
 
 #[tokio::test]
-async fn requests_are_looked_at_before_they_are_decoded() {
+async fn requests_are_checked_before_they_are_decoded() {
     let server = Server::start().await;
     let mut worker = Worker::register(&server).await;
     let twin = twin(&server, &mut worker).await;

@@ -1,4 +1,4 @@
-//! The way to sessions, which live at workers and which heartbeats tell of.
+//! The routing to sessions, which live at workers and are listed in heartbeats.
 
 use std::time::Duration;
 
@@ -75,7 +75,7 @@ async fn costs_in_a_session_see_its_world_and_grasps() {
         assert_eq!(status, 400, "{problem}");
         assert!(detail.contains("`costs[0].clearance.collider` names collider 0"), "{detail}");
     }
-    // A server that learns of the session by a heartbeat knows them as well.
+    // A server that learns of the session by a heartbeat knows them, too.
     let held = HeldSession {
         session: "sessions/0190a000-0000-7000-8000-00000000beef".to_owned(),
         twin: twin.clone(),

@@ -151,7 +151,7 @@ async fn a_step_corrects_plans_and_advances() {
     let times = stepped.times.unwrap();
     assert!(times.plan_s > 0.0 && times.advance_s > 0.0 && times.correct_s > 0.0);
     assert!(times.total_s >= times.correct_s + times.plan_s + times.advance_s);
-    // Asked for, the final state is in the rollout as well.
+    // If requested, the final state is also in the rollout.
     let returns = Some(Returns { final_state: true, ..Returns::default() });
     let request = StepSessionRequest { returns, correction: None, ..looped.request() };
     let stepped = looped.step(request).await.unwrap();

@@ -263,7 +263,7 @@ async fn workers_show_a_certificate_of_the_authority() {
     let counted = r#"bendtwin_connections_ended_total{listener="workers_tls",why="handshake"} 3"#;
     assert!(metrics(&server).await.contains(counted));
 
-    // Nobody gets around it by the address for clients.
+    // The clients' address is no way around it.
     let around = register(server.url(""), None, TOKEN, "http://127.0.0.1:1").await.unwrap_err();
     assert_eq!(around.code(), Code::Unimplemented, "{around:?}");
 }

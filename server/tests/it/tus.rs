@@ -291,7 +291,7 @@ async fn content_may_come_with_the_creation() {
     let name = header(&sent, "bendtwin-capture").unwrap();
     let known = create("abcdef", TYPE).send().await.unwrap();
     assert_eq!(header(&known, "bendtwin-capture").unwrap(), name);
-    // The key is that of captures as well.
+    // Captures use the same key.
     let request = server.http.post(server.url("/v1/captures")).header("idempotency-key", "key");
     let (status, plain) = read(request.body("abcdef").send().await.unwrap()).await;
     assert_eq!((status, plain["name"].as_str().unwrap()), (201, name.as_str()));
@@ -465,9 +465,9 @@ async fn uploads_under_way_are_bounded() {
     server.begin(41, "").await;
 }
 
-/// Creations alone hold neither places nor room, so they keep nobody out.
+/// Creations alone hold neither places nor disk space, so they lock nobody out.
 #[tokio::test]
-async fn empty_uploads_keep_nobody_out_and_are_soon_given_up() {
+async fn empty_uploads_lock_no_client_out_and_soon_expire() {
     let server = Server::start_with(|o| {
         o.limits.uploads = 3;
         o.limits.uploads_bytes = 100;

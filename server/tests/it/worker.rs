@@ -127,7 +127,7 @@ impl Worker {
         Self::register_with(server, Device::default()).await
     }
 
-    /// A worker at this endpoint, where nobody answers rollouts.
+    /// A worker at this endpoint, where no process answers rollouts.
     pub(crate) async fn register_at(server: &Server, endpoint: &str) -> Self {
         Self::register_as(server, endpoint.to_owned(), Arc::default(), &[]).await
     }
@@ -144,7 +144,7 @@ impl Worker {
         Self::register_as(server, endpoint, breaks, &[]).await
     }
 
-    /// A worker that was started with labels, where nobody answers rollouts.
+    /// A worker that was started with labels, without a process that answers rollouts.
     pub(crate) async fn register_labelled(server: &Server, labels: &[&str]) -> Self {
         Self::register_as(server, "http://127.0.0.1:1".to_owned(), Arc::default(), labels).await
     }
@@ -424,7 +424,7 @@ impl WorkerRollouts for Device {
         Err(Status::unimplemented("an older worker"))
     }
 
-    /// Every session is there.
+    /// Every session exists.
     async fn manage_session(
         &self,
         request: Request<ManageSessionRequest>,
@@ -465,7 +465,7 @@ impl WorkerRollouts for Device {
         Ok(Response::new(ManageSessionResponse { session, ..ManageSessionResponse::default() }))
     }
 
-    /// The points come back as the state.
+    /// The points are returned as the state.
     async fn register_state(
         &self,
         request: Request<ExecuteRegisterStateRequest>,

@@ -1,5 +1,5 @@
-//! Settings of fits that came after the first version. A worker of an older version does not know
-//! them, and would fail a fit that has one for good: such a fit waits for a newer worker.
+//! Settings of fits introduced after the first version. A worker of an older version does not know
+//! them, and would fail such a fit permanently: it waits for a newer worker.
 
 use bendtwin_core::FitSettings;
 use semver::Version;
@@ -81,7 +81,7 @@ mod tests {
             let default = settings.pointer(pointer);
             assert_eq!(default, Some(&Value::Null), "{pointer} is to be left open by default");
         }
-        // One that nobody listed is found, wherever it is.
+        // An unlisted setting is found at any depth.
         settings["refine"]["momentum"] = Value::Null;
         settings["layers"] = json!({"count": null});
         assert_eq!(unlisted(&settings, SINCE), ["/layers/count", "/refine/momentum"]);

@@ -21,8 +21,8 @@ pub(super) struct Costs {
 }
 
 impl Costs {
-    /// Those of a reply to plans of a template in a space, which names every strain. What the template
-    /// refuses counts as diverged.
+    /// Evaluations from a reply to plans of a template in a space, which names every strain. Plans
+    /// that the template refuses count as diverged.
     pub(super) fn read(
         reply: RollOutResponse,
         plans: &[Knots],

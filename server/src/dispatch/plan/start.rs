@@ -26,7 +26,7 @@ pub(super) struct Parts {
 }
 
 impl Dispatch {
-    /// Control points where a rollout by trajectories begins, if its initial state tells them.
+    /// Control points where a rollout by trajectories begins, if its initial state determines them.
     pub(super) async fn controls(
         &self,
         request: &RollOutRequest,

@@ -95,7 +95,7 @@ impl Run {
             }
             Message::Seen { .. } => return Ok(()),
         }
-        // Flags of a state that stands still change as well.
+        // Flags of a state that stands still change, too.
         self.show(None);
         self.tell();
         Ok(())

@@ -70,7 +70,7 @@ struct Facts<'a> {
 }
 
 impl Run {
-    /// Tells what is new.
+    /// Sends changed facts.
     pub(super) fn tell(&mut self) {
         let now = Instant::now();
         let (fps, frame_ms) = self.rate.measure(now);

@@ -38,7 +38,7 @@ fn hands_hold_until_they_are_dropped_and_pointers_close_where_a_node_is() {
     let holding = advance(&mut scene);
     assert_eq!((holding.closed(0).iter().sum::<u32>(), holding.grippers(1)[2][0]), (1, 3.05));
     assert_eq!(scene.holding(), [false, false, true, false, false]);
-    // Nodes around it as well.
+    // Also the nodes around it.
     scene.grasp(2, 3, 1.0, false).unwrap();
     let nodes: Vec<usize> = scene
         .grips
@@ -77,7 +77,7 @@ fn what_is_not_there_is_refused() {
 }
 
 #[test]
-fn a_world_that_is_refused_gives_way_to_the_one_before() {
+fn a_refused_world_is_replaced_by_the_previous_one() {
     let mut scene = scene();
     let shape = Some(Shape::Sphere(Sphere { center: Vec::new(), radius_m: 0.1 }));
     let ball =
