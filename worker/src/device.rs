@@ -44,8 +44,8 @@ use crate::Error;
 const SHARED_SLICE: Duration = Duration::from_millis(30);
 /// Work of a rollout's slice on a GPU with a second queue, in element substeps. By work and not by
 /// time, because the last bits of a GPU's results depend on the number of instances in a batch: the
-/// same request must be cut alike, and a server that shares a batch among workers cuts it at the
-/// ends of slices.
+/// same request must always be cut in the same way, and a server that shares a batch among workers
+/// cuts it at the ends of slices.
 const URGENT_WORK: f64 = split::SLICE_WORK;
 /// Kind of the device whose results do not depend on how a batch is cut.
 const CPU: &str = "cpu";
@@ -66,7 +66,7 @@ impl Device {
     ///
     /// A panic in a task is caught: its caller gets an error, the device takes no more work, and
     /// the error is sent to `fatal`, because the state of the device is unknown then.
-    /// [`backend::Error::Device`] ends the device alike: a CUDA context does not recover from a
+    /// [`backend::Error::Device`] ends the device, too: a CUDA context does not recover from a
     /// failed launch.
     pub(crate) fn spawn<F>(
         open: F,

@@ -217,8 +217,8 @@ impl Fits {
     }
 }
 
-/// Waits for the thread's outcome. If the job is stopped, the wait is short, and the thread that
-/// still runs is returned as well.
+/// Waits for the thread's outcome. If the job is stopped, the wait is short, and a thread that
+/// still runs is returned, too.
 async fn finish(mut thread: Thread, stop: &Stop) -> (Outcome, Option<Thread>) {
     let abandoned = async {
         stop.stopped().await;

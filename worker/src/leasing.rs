@@ -59,7 +59,7 @@ pub(crate) trait Execute: Send + Sync {
 /// Leases and executes jobs.
 ///
 /// # Errors
-/// If the server refuses this worker for good.
+/// If the server refuses this worker permanently.
 pub(crate) async fn lease<E: Execute>(
     executor: &E,
     registration: &Registration,

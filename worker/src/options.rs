@@ -31,7 +31,7 @@ pub struct Options {
     pub backend: backends::Options,
     /// Address at which rollouts are answered; port 0 takes a free one.
     pub listen: SocketAddr,
-    /// Files of its certificate, for a server that it reaches over TLS. It serves with them as well.
+    /// Files of its certificate, for a server that it reaches over TLS and for its own port.
     pub tls: Option<MutualPaths>,
     /// URL `http://host:port` (`https://` with a certificate) at which the server reaches `listen`, where that differs (in a
     /// container, for example).

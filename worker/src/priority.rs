@@ -8,8 +8,8 @@
 #[cfg(target_os = "linux")]
 const FIT_NICENESS: i32 = 10;
 
-/// Gives this thread the priority of fits, for good: raising it again takes a privilege. Threads that
-/// it starts have it too. Nothing happens where the system has no priorities of single threads.
+/// Gives this thread the priority of fits permanently: raising it again takes a privilege. Threads
+/// that it starts have it too. Does nothing where the system has no priorities of single threads.
 pub(crate) fn as_fit() {
     #[cfg(target_os = "linux")]
     {

@@ -78,7 +78,7 @@ impl Registration {
         }
     }
 
-    /// Tells servers of a job, until it ends.
+    /// Reports a job to servers, until it ends.
     pub(crate) fn at_work(&self, kind: Kind, lease: &Lease) -> AtWork {
         self.rollouts.at_work(kind, lease)
     }

@@ -31,7 +31,7 @@ use crate::{
 /// Longest time for rollouts and final reports once the worker has to end.
 const SHUTDOWN_GRACE: Duration = Duration::from_secs(15);
 
-/// Longest time for rollouts if a server asked the worker to end: nobody waits for its process.
+/// Longest time for rollouts if a server asked the worker to end: no supervisor waits for it.
 const DRAIN_GRACE: Duration = Duration::from_secs(600);
 /// Longest time for the last word to a server.
 const LEAVE_TIMEOUT: Duration = Duration::from_secs(2);
@@ -160,8 +160,8 @@ async fn run_on(
     result
 }
 
-/// This very program, even if its file has been replaced since the start: worker and child are of
-/// one build.
+/// The program of this process, even if its file has been replaced since the start: worker and
+/// child are of one build.
 fn this_program() -> PathBuf {
     let running = Path::new("/proc/self/exe");
     if cfg!(target_os = "linux") && running.exists() {

@@ -118,7 +118,7 @@ mod tests {
     }
 
     #[test]
-    fn pipes_and_links_under_a_workers_name_hold_nobody_up() {
+    fn pipes_and_links_under_a_workers_name_block_nothing() {
         let base = tempfile::tempdir().unwrap();
         let pipe = base.path().join("bendtwin-worker-pipe");
         std::fs::create_dir(&pipe).unwrap();

@@ -1,4 +1,4 @@
-//! Client of the servers: typed calls, and errors that tell whether another attempt makes sense. Of
+//! Client of the servers: typed calls, and errors that say whether another attempt makes sense. Of
 //! several servers one is called until it is gone, then the next.
 
 mod channel;

@@ -11,7 +11,7 @@ use std::{
 
 use bendtwin_worker::{Layer, Resources, available, confine};
 
-/// Variable with the folder of the child. Its presence tells the two processes apart.
+/// Variable with the folder of the child. Its presence distinguishes the two processes.
 const FOLDER: &str = "BENDTWIN_TEST_FOLDER";
 /// Variable with the descriptor that the child inherits.
 const DESCRIPTOR: &str = "BENDTWIN_TEST_DESCRIPTOR";

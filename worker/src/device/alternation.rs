@@ -27,7 +27,7 @@ const TURN_S: f64 = 0.004;
 /// Most time that a fit may be owed, and be ahead by [s]: a frame may take long, and neither side
 /// should have the device for itself for long because of that.
 const MOST_S: f64 = 0.25;
-/// Longest time without a look at the token, while a fit waits.
+/// Longest time between checks of the token while a fit waits.
 const LOOK: Duration = Duration::from_millis(100);
 
 /// Turns of fits and rollouts. Clones share them.
@@ -37,7 +37,7 @@ pub(super) struct Alternation(Arc<Shared>);
 struct Shared {
     state: Mutex<State>,
     changed: Condvar,
-    /// True while there are rollouts: fits then have to look at the state.
+    /// True while there are rollouts: fits then have to check the state.
     has_rollouts: AtomicBool,
 }
 
@@ -86,7 +86,7 @@ impl Drop for UnderWay {
 }
 
 impl Shared {
-    /// What runs inside the lock cannot panic half way.
+    /// Locks the state; code inside the lock cannot panic half way.
     fn lock(&self) -> MutexGuard<'_, State> {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
@@ -195,7 +195,7 @@ impl State {
     }
 }
 
-/// At least a moment, so that a wait of so long changes something.
+/// Converts a time, at least to a moment, so that a wait of it changes something.
 fn seconds(time_s: f64) -> Duration {
     const LEAST: Duration = Duration::from_micros(50);
     Duration::try_from_secs_f64(time_s).unwrap_or(LOOK).max(LEAST)

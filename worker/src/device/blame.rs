@@ -19,7 +19,7 @@ impl Blame {
         self.0.get().copied()
     }
 
-    /// For a task that is about to run.
+    /// Marks the task that is about to run.
     pub(super) fn running(&self, priority: Priority) -> Running {
         Running { blame: self.clone(), priority }
     }

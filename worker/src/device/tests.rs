@@ -322,7 +322,7 @@ fn what_breaks_in_one_queue_ends_both() {
 }
 
 #[test]
-fn with_a_second_queue_a_batch_is_cut_alike_every_time() {
+fn with_a_second_queue_a_batch_is_always_cut_in_the_same_way() {
     let urgent = Slow { each: Duration::from_millis(1), ..Slow::default() };
     let batches = urgent.batches.clone();
     let (device, _died) = two_queues(urgent);
@@ -353,7 +353,7 @@ fn greedy(device: &Device, stop: &CancelToken) -> std::thread::JoinHandle<usize>
 
 #[test]
 fn a_fit_advances_beside_greedy_rollouts() {
-    // A round of lanes fills a slice, for rollouts and fit alike.
+    // A round of lanes fills a slice, both for rollouts and for the fit.
     let (device, _died) = device(Slow { each: Duration::from_millis(15), ..Slow::default() });
     let stop = CancelToken::default();
     let clients: Vec<_> = (0..4).map(|_| greedy(&device, &stop)).collect();

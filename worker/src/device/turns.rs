@@ -16,7 +16,7 @@ use std::{
 
 use super::Priority;
 
-/// Device time, about a slice, within which a request goes ahead of others by as much.
+/// Device time, about a slice, of the head start of a new request.
 const HEAD_START: Duration = Duration::from_millis(30);
 /// Most device time by which a request that was away may be behind the others: longer absences are
 /// not made up for.
@@ -132,9 +132,9 @@ impl<T> Turns<T> {
         self.settle(flow.priority, took.as_secs_f64());
     }
 
-    /// Shares are counted while both priorities have work; otherwise what one is ahead by is worked
-    /// off. Between two slices a fit or a rollout is away for a moment: a fit that comes back during
-    /// a rollout's slice has waited for it, a slice of a fit that nothing waited for is no debt.
+    /// Shares are counted while both priorities have work; otherwise a lead is worked off. Between
+    /// two slices a fit or a rollout is away for a moment: a fit that returns during a rollout's
+    /// slice has waited for it, a slice of a fit that nothing waited for is no debt.
     fn settle(&mut self, served: Priority, took_s: f64) {
         let is_shared = match served {
             Priority::Interactive => {

@@ -10,8 +10,8 @@
 //! ```
 //!
 //! The process confines itself before it has read a byte of the file and before it has a second
-//! thread. Nothing of it can be undone, and nothing needs privileges. Landlock and seccomp are
-//! Linux's; [`Enforced`] tells what the system had.
+//! thread. The confinement cannot be undone, and needs no privileges. Landlock and seccomp are
+//! Linux's; [`Enforced`] says what the system supports.
 
 #[cfg(target_os = "linux")]
 mod calls;
@@ -81,13 +81,13 @@ impl Enforced {
         (!lacking.is_empty()).then(|| lacking.join(", "))
     }
 
-    /// True if both layers are there, if only in the form of an older kernel.
+    /// True if both layers are in force, if only in the form of an older kernel.
     pub fn suffices(&self) -> bool {
         self.files != Layer::Missing && self.calls != Layer::Missing
     }
 }
 
-/// Confines this process for good: from here on it can read and write files below `folder`, and
+/// Confines this process irrevocably: from here on it can read and write files below `folder`, and
 /// standard input, output and error.
 ///
 /// # Errors

@@ -1,4 +1,4 @@
-//! Durable checkpoints that do not hold up the work. The latest one wins; one is saved every few
+//! Durable checkpoints that do not delay the work. The latest one wins; one is saved every few
 //! seconds, and always at the end of a stage.
 
 use std::{
@@ -36,7 +36,7 @@ struct Slot {
 
 struct Waiting {
     content: Bytes,
-    /// Not to be delayed: a stage ends, or the worker does.
+    /// Must not be delayed: a stage ends, or the worker does.
     urgent: bool,
 }
 
@@ -128,7 +128,7 @@ async fn run(slot: Arc<Slot>, job: Job, stop: Stop) {
             }
         }
         let mut backoff = Backoff::default();
-        // Taken again for each attempt: a newer one may have come in the meantime.
+        // Taken again for each attempt: a newer one may have arrived in the meantime.
         while let Some(content) = slot.take() {
             let bytes = content.len();
             match job.save_checkpoint(content).await {

@@ -18,7 +18,7 @@ const SHORTAGE_PAUSE: Duration = Duration::from_secs(20);
 /// Kind of a job's end without a result.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Failure {
-    /// The input's fault: another attempt would fail alike.
+    /// A fault of the input: every attempt would fail.
     Permanent,
     /// Another attempt may succeed.
     Passing,

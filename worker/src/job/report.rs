@@ -63,7 +63,7 @@ impl LatestProgress {
         waiting.progress = Some(progress);
     }
 
-    /// What there is to report.
+    /// Progress and losses to report.
     fn news(&self) -> News {
         let waiting = self.lock();
         let losses = waiting.losses.iter().take(MOST_LOSSES).cloned().collect();

@@ -19,7 +19,7 @@ impl Default for StageSpans {
 }
 
 impl StageSpans {
-    /// Ends the span of a stage and begins that of the next when progress tells of another.
+    /// Ends the span of a stage and begins that of the next when the progress names another stage.
     pub(super) fn follow(&mut self, progress: &Progress) {
         let name = match progress.stage {
             Stage::Ingest => progress.variant.as_str(),

@@ -17,7 +17,7 @@ pub(crate) enum Reason {
     Drained,
 }
 
-/// Stop signal of a job, for the engine's computation and for waiting tasks alike.
+/// Stop signal of a job, both for the engine's computation and for waiting tasks.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Stop {
     reason: Arc<OnceLock<Reason>>,

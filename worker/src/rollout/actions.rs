@@ -25,7 +25,7 @@ pub(super) struct Actions {
     shape: Shape,
     schedule: Schedule,
     kind: Kind,
-    /// What moves as one body, of each control point: a gripper, or a hand; shape [C].
+    /// Rigid body of each control point: a gripper, or a hand; shape [C].
     hands: Vec<usize>,
 }
 

@@ -23,7 +23,7 @@ use super::{error::Error, reply::Span};
 pub(super) struct Costs {
     /// Names, by group.
     pub(super) names: Vec<String>,
-    /// Those that are not switched off.
+    /// Costs that are not switched off.
     costs: Vec<Cost>,
     frames: usize,
     fps: f64,

@@ -18,8 +18,8 @@ pub(super) struct Ensemble {
 }
 
 impl Ensemble {
-    /// That of a checked request: one member, if none are asked for. In their mean motion members on
-    /// the fits of a twin have the weights of `fits`, any others the same.
+    /// The ensemble of a checked request: one member by default. In their mean motion members on
+    /// the fits of a twin have the weights of `fits`, any others equal ones.
     pub(super) fn read(wire: Option<Wire>, fits: Option<Vec<f64>>) -> Self {
         let Some(wire) = wire else {
             return Self { members: 1, worst: 1, is_asked_for: false, weights: None };

@@ -56,7 +56,7 @@ pub(crate) enum Error {
         /// Name of the session.
         name: String,
     },
-    /// This worker has as many sessions as it takes.
+    /// The limit of open sessions on this worker is reached.
     #[error(
         "{limit} sessions are open on this worker: close one, or wait until one has been idle for its time-out"
     )]
@@ -64,7 +64,7 @@ pub(crate) enum Error {
         /// Number of sessions that it takes.
         limit: usize,
     },
-    /// There is no memory for it.
+    /// Not enough memory.
     #[error("{exhausted}, for {purpose}{}", if is_passing(.exhausted) { ", or retry" } else { "" })]
     Memory {
         /// Purpose of the memory, and advice.
@@ -95,7 +95,7 @@ pub(crate) enum Error {
     /// The motion is not plausible, and the request wants that refused.
     #[error("the motion is not plausible: {what}")]
     Implausible {
-        /// What was found, and what to do.
+        /// Finding and advice.
         what: String,
     },
     /// The twin left the finite numbers while it was to come to rest.

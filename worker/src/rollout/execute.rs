@@ -302,7 +302,7 @@ impl Execution<'_> {
         Ok(simulated)
     }
 
-    /// What stands for a rollout that was not simulated.
+    /// Placeholder for a rollout that was not simulated.
     fn unfinished(&self) -> Rollout {
         let groups = self.plan.costs.names.len();
         let unknown = Diagnostics {
@@ -331,7 +331,7 @@ impl Execution<'_> {
         let plan = self.plan;
         let soft = plan.costs.have_soft_minima();
         let mut gradients = Gradients::default();
-        // Those of the members of an action, until all of them are there.
+        // Gradients of the members of an action, until all of them are known.
         let mut members = Vec::new();
         for run in cut::runs(0..indices.len(), plan.prepared) {
             let indices = &indices[run.clone()];

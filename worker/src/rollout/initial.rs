@@ -24,8 +24,8 @@ pub(super) struct Start {
     pub(super) state: Arc<State>,
     /// Control points [m], shape [C, 3].
     pub(super) controls: Arc<Vec<Point>>,
-    /// Where grippers would have them, had the ground not held them back [m], shape [C]; if that is
-    /// elsewhere.
+    /// Places where grippers would have them, had the ground not held them back [m], shape [C];
+    /// `None` if they are the same.
     pub(super) commanded: Option<Arc<Vec<Point>>>,
     /// If some of them are not known but assumed to be at rest: where the nodes say that they may
     /// be [m], shape [C, 3].

@@ -57,7 +57,7 @@ struct End {
 }
 
 impl<'a> MeanMotions<'a> {
-    /// Those of a plan, if it asks for them.
+    /// Means of a plan, if it asks for them.
     pub(super) fn new(plan: &'a Plan) -> Option<Self> {
         let weights = plan.ensemble.weights.as_deref()?;
         let (gauges, members) = Default::default();
@@ -112,7 +112,7 @@ impl<'a> MeanMotions<'a> {
         }
     }
 
-    /// The mean with its costs, and without what nobody asks for.
+    /// The mean with its costs, and without unrequested arrays.
     fn measured(&mut self, first: &Instance, mut mean: Rollout) -> Rollout {
         let (costs, returns) = (&self.plan.costs, &self.plan.returns);
         let groups = costs.names.len();
@@ -133,7 +133,7 @@ impl<'a> MeanMotions<'a> {
 }
 
 impl Gauges {
-    /// That of an instance's model.
+    /// Gauge of an instance's model.
     fn of(&mut self, instance: &Instance) -> &Gauge {
         let model = instance.model.model();
         self.0.entry(Arc::as_ptr(model)).or_insert_with(|| Gauge::new(model))

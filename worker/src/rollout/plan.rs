@@ -213,8 +213,8 @@ impl Plan {
         self.variants.of(index)
     }
 
-    /// Where grippers would have the control points at the end of an instance, did the ground not hold
-    /// them back [m], shape [C]; none without grippers.
+    /// Places where grippers would have the control points at the end of an instance, did the
+    /// ground not hold them back [m], shape [C]; `None` without grippers.
     pub(super) fn commanded(&self, index: usize, starts: &Starts) -> Option<Vec<Point>> {
         if self.actions.grippers() == 0 {
             return None;

@@ -23,7 +23,7 @@ impl Quaternion {
         (length.is_finite() && length >= SHORTEST).then(|| Self(xyzw.map(|c| c / length)))
     }
 
-    /// That of a checked request.
+    /// The quaternion of a checked request.
     pub(super) fn of(xyzw: [f32; 4]) -> Self {
         Self::new(xyzw.map(f64::from)).unwrap_or(Self::IDENTITY)
     }

@@ -119,7 +119,7 @@ impl Returns {
         }
     }
 
-    /// Extremes, which tell how plausible a rollout is, in any case.
+    /// Extremes, which are always computed to judge the plausibility of a rollout.
     fn diagnose(&self) -> Diagnose {
         if self.diagnostics { Diagnose::All } else { Diagnose::Extremes }
     }

@@ -58,7 +58,7 @@ impl Served {
         self.planner.as_ref().map_or(&self.warm.twin, |planner| &planner.of.twin)
     }
 
-    /// The same in states with these rest shapes: one for all instances, or one for each.
+    /// The twin in states with these rest shapes: one for all instances, or one for each.
     ///
     /// # Errors
     /// If the planner's twin answers and one is not the twin's: it would not fit into the small model.

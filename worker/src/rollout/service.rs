@@ -315,7 +315,7 @@ fn refused(what: &str, request_id: &str, error: &Error) -> Status {
 
 /// A call under way.
 struct Call {
-    /// Held until the work has ended, also when nobody listens any more.
+    /// Held until the work has ended, also when the caller is gone.
     slot: Arc<OwnedSemaphorePermit>,
     arrived: Instant,
     cancel: CancelToken,
@@ -450,7 +450,7 @@ fn seconds(seconds: f64) -> Duration {
     Duration::try_from_secs_f64(seconds).unwrap_or_default()
 }
 
-/// Sends a part, if somebody listens still.
+/// Sends a part, if the caller still listens.
 fn send(
     parts: &mpsc::Sender<Result<ExecuteRollOutResponse, Status>>,
     response: RollOutResponse,
@@ -459,8 +459,8 @@ fn send(
     parts.blocking_send(Ok(message)).map_err(|_| Error::Engine(backend::Error::Cancelled))
 }
 
-/// Runs work beside the tasks of the runtime, which holds the memory of its call even when nobody
-/// waits for it any more.
+/// Runs work beside the tasks of the runtime, which holds the memory of its call even when the
+/// caller is gone.
 async fn blocking<T: Send + 'static>(
     held: &Held,
     work: impl FnOnce() -> Result<T, Error> + Send + 'static,

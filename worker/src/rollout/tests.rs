@@ -99,7 +99,7 @@ impl Bench {
         Self::on(bendtwin_engine::cpu_with_threads(2)).0
     }
 
-    /// On a backend; also says where the end of the worker is announced.
+    /// A bench on a backend; also returns where the end of the worker is announced.
     fn on(backend: Arc<dyn Backend>) -> (Self, mpsc::UnboundedReceiver<crate::Error>) {
         Self::of(twin(), backend)
     }

@@ -1,4 +1,4 @@
-//! Heartbeats of this worker: what it tells of itself to one server, and to every server that watches.
+//! Heartbeats of this worker, to one server and to every server that watches.
 
 use std::{
     pin::Pin,
@@ -97,7 +97,7 @@ impl Rollouts {
         self.inner().told.fit_bytes.store(bytes, Ordering::Relaxed);
     }
 
-    /// Tells servers of a job, until what is returned is dropped.
+    /// Reports a job to servers, until the returned value is dropped.
     pub(crate) fn at_work(&self, kind: Kind, lease: &Lease) -> AtWork {
         let job = if kind == Kind::Fit { &lease.job } else { &lease.capture };
         self.set_job(kind, job.clone());

@@ -47,7 +47,7 @@ pub(super) struct Variant {
     pub(super) mass: f32,
 }
 
-/// What variants are made from.
+/// Inputs from which variants are made.
 pub(super) struct Base<'a> {
     /// The twin.
     pub(super) loaded: &'a Loaded,

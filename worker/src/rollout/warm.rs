@@ -29,9 +29,9 @@ pub(crate) struct Warm {
     pub(super) id: TwinId,
     pub(super) twin: Twin,
     pub(super) loaded: Loaded,
-    /// The fast variant, once somebody has asked for it.
+    /// The fast variant, once a request has asked for it.
     pub(super) fast: OnceCell<Loaded>,
-    /// The planner's twin, once somebody has asked for it.
+    /// The planner's twin, once a request has asked for it.
     pub(super) planner: OnceCell<Arc<PlannersWarm>>,
     /// Members of the twin, as many as requests have asked for.
     pub(super) members: Mutex<Vec<Loaded>>,

@@ -32,7 +32,7 @@ const FRICTION: f32 = 0.5;
 const RESTITUTION: f32 = 0.0;
 const UP: Point = [0.0, 0.0, 1.0];
 
-/// What surrounds the object in the rollouts of a request.
+/// Surroundings of the object in the rollouts of a request.
 #[derive(Debug, Default)]
 pub(super) struct Surroundings {
     gravity: Option<Point>,
@@ -59,7 +59,7 @@ pub(super) struct Surroundings {
 #[derive(Debug)]
 enum Closed {
     Always,
-    /// For all instances, shape [K], or [1] for all knots.
+    /// Closings for all instances, shape [K], or [1] for all knots.
     Shared(Vec<u32>),
     /// Shape [B, K].
     Each(Vec<u32>),
@@ -225,7 +225,7 @@ impl Surroundings {
         grasps.filter_map(|g| Some((g.body as usize, middle(&g.region)?))).collect()
     }
 
-    /// These middles at frame boundaries [m], frame by frame.
+    /// Middles of the grippers at frame boundaries [m], frame by frame.
     pub(super) fn middles(&self, motion: &Motion) -> Vec<Point> {
         let middles = self.places();
         if middles.is_empty() {

@@ -1,6 +1,6 @@
 use super::*;
 
-/// The share of `total_ms` in which it is the fit's turn, looked at every 100 µs.
+/// The share of `total_ms` in which it is the fit's turn, sampled every 100 µs.
 fn share_of_fit(state: &mut State, from: Instant, total_ms: u32) -> f64 {
     let steps = total_ms * 10;
     let mut of_fit = 0;

@@ -56,8 +56,7 @@ fn on<R, J: FnOnce(&mut dyn Optimizer) -> Result<R, Error> + Send>(
 }
 
 impl Drop for QueuedOptimizer {
-    /// The optimizer is freed on the device's thread, for it belongs to the device; nobody waits
-    /// for it.
+    /// Frees the optimizer on the device's thread, to which it belongs, without waiting.
     fn drop(&mut self) {
         let slot = self.slot.clone();
         let free = move |_: &dyn Backend| {

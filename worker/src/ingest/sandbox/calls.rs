@@ -158,7 +158,7 @@ const DENIED_HERE: &[libc::c_long] = &[
 #[cfg(not(target_arch = "x86_64"))]
 const DENIED_HERE: &[libc::c_long] = &[];
 
-/// Denies them to this process for good.
+/// Denies the calls to this process irrevocably.
 pub(super) fn deny() -> io::Result<Layer> {
     let Ok(arch) = TargetArch::try_from(std::env::consts::ARCH) else { return Ok(Layer::Missing) };
     if available() == Layer::Missing {

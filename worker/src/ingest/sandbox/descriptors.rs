@@ -1,7 +1,7 @@
 //! Descriptors that came from the parent. Rust opens its own so that programs do not inherit them,
 //! but the worker's parent may have left others to it, and those pass on.
 
-/// Descriptors that are looked at where the system does not list them.
+/// Descriptors that are checked where the system does not list them.
 const MOST_DESCRIPTORS: i32 = 1024;
 
 /// Closes all descriptors but standard input, output and error.

@@ -1,5 +1,5 @@
-//! Rolls of a cable's clamps: how far grippers turn the ends of rods about the rods themselves,
-//! which positions of nodes cannot tell.
+//! Rolls of a cable's clamps: angles by which grippers turn the ends of rods about the rods
+//! themselves, which do not follow from positions of nodes.
 //!
 //! A clamp is a pair of neighbouring pinned nodes at an end of a rod, both held by control points of
 //! one gripper, with the direction d from the first to the second along the rod. From one frame to

@@ -12,10 +12,10 @@
 //! also be as deep as the twin at rest has them below the twin's ground, and as deep as they were a
 //! frame earlier.
 //!
-//! Nothing older than a frame counts, so frames that are executed one after the other stop as those of
-//! one rollout do. Poses carry control points from where a gripper would have them, not from where it is
-//! held back; a state has both ([`Start::commanded`]). Nodes that grasps take do not stop a gripper, as
-//! which they are is not known before a simulation.
+//! Nothing older than a frame counts, so frames that are executed one after another stop like those
+//! of one rollout. Poses carry control points from where a gripper would have them, not from where
+//! it is held back; a state has both ([`Start::commanded`]). Nodes that grasps take do not stop a
+//! gripper, since they are unknown before a simulation.
 //!
 //! The motion of a hand along the normal does nothing while the hand is held back, and its gradient is
 //! zero: the deepest point gets the negative of d loss / d shift, which is the sum over the hand of
@@ -60,7 +60,7 @@ enum Place {
     Gripper(Point),
 }
 
-/// How far a hand is held back at a frame boundary.
+/// Shift of a hand at a frame boundary.
 #[derive(Clone, Copy, Debug, Default)]
 struct Shift {
     /// [m]
@@ -78,7 +78,7 @@ pub(in crate::rollout) struct Stopped {
     pub(in crate::rollout) frame: usize,
 }
 
-/// How far hands are held back in a rollout.
+/// Shifts of hands in a rollout.
 #[derive(Debug, Default)]
 pub(in crate::rollout) struct Stops {
     normal: Point,
@@ -115,7 +115,7 @@ impl Floor<'_> {
 }
 
 impl Probe {
-    /// Where it is in a frame with these control points and grippers.
+    /// Place in a frame with these control points and grippers.
     fn at(&self, controls: &[Point], grippers: &[Pose]) -> Point {
         match self.place {
             Place::Control(c, offset) => moved(controls[c], 1.0, offset),
@@ -124,7 +124,7 @@ impl Probe {
         }
     }
 
-    /// Whether it may be as deep as a frame earlier.
+    /// True if the probe may be as deep as a frame earlier.
     fn remembers(&self) -> bool {
         matches!(self.place, Place::Control(..))
     }

@@ -15,7 +15,7 @@ use bendtwin_proto::{
 use super::controls::Motion;
 use crate::rollout::error::Error;
 
-/// What a cost measures.
+/// Quantity that a cost measures.
 #[derive(Debug)]
 pub(super) enum Measure {
     Cloud {

@@ -14,8 +14,8 @@ pub(super) fn pinned(graph: &Graph, positions: &[Point]) -> Vec<Point> {
     controls
 }
 
-/// Where control points may be, if [`pinned`] leaves one at rest: one that holds no node has moved
-/// as the nodes at its springs have in the mean.
+/// Likely control points, if [`pinned`] leaves some at rest: a control point that holds no node has
+/// moved like the mean of the nodes at its springs.
 pub(super) fn likely(graph: &Graph, positions: &[Point]) -> Option<Vec<Point>> {
     let n = graph.node_count();
     let mut moved = vec![([0.0f32; 3], 0.0f32); graph.control_count()];

@@ -13,7 +13,7 @@ use crate::rollout::error::Error;
 /// the work.
 pub(in crate::rollout) struct Unary {
     pub(super) held: Held,
-    /// Given back when the work has ended, also when nobody waits for it any more.
+    /// Released when the work has ended, also when the caller is gone.
     pub(super) slot: Arc<OwnedSemaphorePermit>,
     pub(super) cancel: CancelToken,
 }

@@ -82,7 +82,7 @@ impl Inner {
     }
 }
 
-/// What slots are corrected by.
+/// Observations and settings by which slots are corrected.
 pub(in crate::rollout) struct Seen<'w> {
     warm: &'w Warm,
     backend: &'w dyn Backend,
@@ -277,7 +277,7 @@ pub(in crate::rollout) fn corrected(
         }
     }
     if cancel.is_cancelled() {
-        // Nobody would hear of it.
+        // The caller is gone.
         return Err(backend::Error::Cancelled.into());
     }
     if !refused.is_empty() {

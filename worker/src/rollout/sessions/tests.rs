@@ -53,7 +53,7 @@ fn slots_that_are_not_there_are_refused() {
 }
 
 #[test]
-fn a_session_that_nobody_uses_ends_and_says_so() {
+fn an_unused_session_ends_and_says_so() {
     use bendtwin_core::Problem as _;
 
     let sessions = Sessions::default();

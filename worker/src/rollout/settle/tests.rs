@@ -96,13 +96,13 @@ fn it_rests_on_the_ground_and_the_colliders_of_the_world() {
     let path = Tensor::pack(&[1, 7], poses.as_flattened());
     let lifted = on_table(Some(collider::Carrier::Path(path)));
     assert!(lowest(&lifted) > 0.3 - 2e-3, "{lifted:?}");
-    // Nobody knows where the gripper is.
+    // The place of the gripper is unknown.
     let carried = on_table(Some(collider::Carrier::Gripper(0)));
     assert_eq!(carried.state, settled(twin(), WORK).unwrap().state);
 }
 
 #[test]
-fn worlds_in_which_a_twin_settles_alike_have_one_key() {
+fn worlds_in_which_a_twin_settles_equally_have_one_key() {
     let key = |world: &World| Still::read(Some(world)).unwrap().key();
     let collider = |name: &str, carrier| Collider {
         name: name.to_owned(),

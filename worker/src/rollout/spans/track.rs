@@ -24,7 +24,7 @@ pub(super) struct Track {
     before: Option<Vec<Point>>,
     pub(super) extremes: Extremes,
     stopped: Stopped,
-    /// What is reported of whole rollouts, as far as it has come.
+    /// Reported values of whole rollouts, up to the current frame.
     pub(super) so_far: Rollout,
 }
 

@@ -61,7 +61,7 @@ impl Running {
         self.bench.execute(&plan, &starts, &backend).unwrap()
     }
 
-    /// Where the nodes of slots are at the end of a rollout.
+    /// Nodes of slots at the end of a rollout.
     async fn predict(&self, slots: &[u32], request: RollOutRequest) -> Vec<Point> {
         let parts = self.roll_out(slots, request).await;
         let last = parts.last().unwrap().final_positions.as_ref().unwrap();

@@ -1,4 +1,4 @@
-//! Costs and what comes back of them: by frame, by instance, soft minima, controls, gradients.
+//! Returned costs: by frame, by instance, soft minima, controls, gradients.
 
 use bendtwin_proto::v1::cost::{ControlPath, ControlSpeed, Height, Strain, Within};
 use bendtwin_proto::v1::{Cuboid, Plane};

@@ -27,7 +27,7 @@ fn world(colliders: Vec<Collider>) -> World {
     World { colliders, ..World::default() }
 }
 
-/// Corrects slot 0 by nodes that are there.
+/// Corrects slot 0 by observed nodes.
 fn correct(
     bench: &Bench,
     session: &Session,
@@ -135,7 +135,7 @@ async fn what_a_gripper_carries_is_where_the_last_advance_left_it() {
     let told = CorrectOptions { grippers, ..CorrectOptions::default() };
     correct(&bench, &session, &there(), told).unwrap();
     assert!((0.024..=0.03).contains(&right(&session)), "{:?}", nodes(&session));
-    // After a reset nobody knows where the gripper is.
+    // After a reset the place of the gripper is unknown.
     session.reset(&[0], None);
     correct(&bench, &session, &there(), CorrectOptions::default()).unwrap();
     correct(&bench, &session, &there(), CorrectOptions::default()).unwrap();

@@ -25,7 +25,7 @@ pub(super) fn at_rest(bench: &Bench) -> Start {
     Start::new(Arc::new(State::rest(graph)), controls)
 }
 
-/// What is seen if the nodes are there.
+/// Observation of these node positions.
 pub(super) fn tracked(points: &[Point]) -> Option<Observation> {
     let nodes: Vec<u32> = (0..points.len() as u32).collect();
     Some(Observation {

@@ -42,7 +42,7 @@ fn bench() -> Bench {
     Bench::of(clothed(), bendtwin_engine::cpu_with_threads(2)).0
 }
 
-/// Instances of which positions and velocities of every second frame come back.
+/// Instances that return positions and velocities of every second frame.
 fn recording(point_set: PointSet) -> RollOutRequest {
     let returns = Returns {
         every_frames: 2,

@@ -1,4 +1,4 @@
-//! Whole states: what comes out of a rollout goes into the next, bit for bit.
+//! Whole states: the final state of a rollout starts the next, bit for bit.
 
 use bendtwin_proto::v1::{self, GripperPoses};
 

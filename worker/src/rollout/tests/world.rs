@@ -130,7 +130,7 @@ fn one_value_is_that_of_all_knots() {
 #[test]
 fn a_gripper_lifts_a_chain_from_the_ground_and_sets_it_down() {
     let bench = bench(chain(0.0));
-    // Springs give way under the weight that they carry.
+    // Springs yield under the weight that they carry.
     let attachments = [(grasp::Attachment::Pin, 0.01), (grasp::Attachment::Springs, 0.04)];
     for (attachment, slack) in attachments {
         let mut request = carried(&[0.01, 0.01, 0.2, 0.2, 0.01, 0.01, 0.2]);

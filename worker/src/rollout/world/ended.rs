@@ -50,7 +50,8 @@ impl Ended {
         Self { world, environment, bodies, grippers, _share: share }
     }
 
-    /// What is around a state that the simulation has left, with the first grippers at other poses.
+    /// Surroundings of a state that the simulation has left, with the first grippers at other
+    /// poses.
     pub(in crate::rollout) fn around(&self, state: &State, grippers: &[Pose]) -> Around {
         let mut bodies = self.bodies.clone();
         for (body, pose) in bodies.iter_mut().take(self.grippers).zip(grippers) {

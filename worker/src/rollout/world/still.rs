@@ -38,7 +38,7 @@ impl Still {
         Self::among(wire, &[])
     }
 
-    /// The world with what the first grippers carry, which are there.
+    /// The world with what the first grippers carry, at their poses.
     pub(in crate::rollout) fn among(
         wire: Option<&v1::World>,
         grippers: &[Pose],
@@ -71,7 +71,7 @@ impl Still {
         Ok(Self { surroundings, poses, key })
     }
 
-    /// Digest, the same for worlds in which a twin settles alike.
+    /// Digest, the same for worlds in which a twin settles in the same way.
     pub(in crate::rollout) fn key(&self) -> [u8; 32] {
         self.key
     }
@@ -99,7 +99,7 @@ impl Still {
         self.surroundings.environment(own)
     }
 
-    /// What is around an object in it.
+    /// Surroundings of an object in this world.
     pub(in crate::rollout) fn around_now(&self) -> Around {
         let still = |pose: &Pose| Some(Placed { pose: *pose, rate: Pose::default() });
         let bodies: Vec<Option<Placed>> = self.poses.iter().map(still).collect();
@@ -122,7 +122,7 @@ impl Still {
     }
 }
 
-/// The part of a world that is there before anything moves, without names: paths have their first
+/// The part of a world that exists before anything moves, without names: paths have their first
 /// pose alone.
 fn at_rest(wire: &v1::World) -> v1::World {
     let mut world = wire.clone();

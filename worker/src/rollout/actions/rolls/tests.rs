@@ -68,8 +68,8 @@ fn a_gripper_that_turns_about_the_cable_rolls_its_end() {
     assert!(rolls.is_empty());
 }
 
-/// Change of the part of the twist that nodes tell, of nodes that move from one place to another
-/// (docs/twin-format.md), at the middle of the way.
+/// Change of the part of the twist that follows from nodes, of nodes that move from one place to
+/// another (docs/twin-format.md), half way between them.
 fn geometric(from: &[Vector], to: &[Vector]) -> f64 {
     let sub = |a: Vector, b: Vector| -> Vector { std::array::from_fn(|i| a[i] - b[i]) };
     let middle: Vec<Vector> =
@@ -88,8 +88,8 @@ fn geometric(from: &[Vector], to: &[Vector]) -> f64 {
         .sum()
 }
 
-/// If grippers turn the whole cable as one body, it is not twisted: the rolls undo what the nodes
-/// seem to tell.
+/// If grippers turn the whole cable as one body, it is not twisted: the rolls cancel the twist that
+/// the nodes alone suggest.
 #[test]
 fn turning_all_of_a_bent_cable_does_not_twist_it() {
     let frames = 400;

@@ -56,7 +56,7 @@ fn poses(rows: &[[f32; 7]]) -> Actions {
     Actions::read(Some(Wire::Poses(wire)), 3, horizon(frames)).unwrap()
 }
 
-/// All control points go down by as much in every frame, along a slope.
+/// Actions that lower all control points by the same distance in every frame, along a slope.
 fn lowered(by: f32) -> Actions {
     let at = |f: usize| START.map(|[x, y, z]| [x + 0.001 * f as f32, y, z - by * f as f32]);
     trajectories(&(0..=FRAMES).flat_map(at).collect::<Vec<_>>())

@@ -1,4 +1,4 @@
-//! The mean motion of the fits of a twin: what comes back of it, its costs and their gradients.
+//! The mean motion of the fits of a twin: its arrays, its costs and their gradients.
 
 use bendtwin_core::{Point, geometry::point_distance};
 use bendtwin_proto::v1::cost::Clearance;
@@ -19,7 +19,7 @@ fn twin() -> Twin {
     twin
 }
 
-/// The same twin with a member that flies away.
+/// The twin with a member that flies away.
 fn with_a_lost_member() -> Twin {
     let mut twin = twin();
     twin.members[0].environment.gravity = [0.0, 0.0, 1e8];
@@ -105,7 +105,7 @@ fn the_mean_of_one_fit_is_that_fit_bit_by_bit() {
 }
 
 #[test]
-fn members_that_differ_by_factors_weigh_alike() {
+fn members_that_differ_by_factors_have_equal_weights() {
     let bench = bench(twin());
     let mut request = on_fits(2);
     request.vary = Some(Vary { stiffness: factors(&[0.5, 2.0]), ..Vary::default() });
@@ -289,7 +289,7 @@ fn gradients_of_a_mean_reach_the_colliders_in_its_costs() {
 }
 
 #[test]
-fn what_a_mean_of_positions_does_not_tell_is_refused() {
+fn quantities_without_a_mean_are_refused() {
     let mut request = of_mean(&on_fits(FITS as u32));
     request.returns.iter_mut().for_each(|returns| returns.forces = true);
     let error = bench(twin()).run(request, 0).unwrap_err().to_string();
