@@ -52,8 +52,8 @@ impl Captures {
         Self { service, http, url, requirements: Requirements::default() }
     }
 
-    /// The same, with ingests that ask for a worker: those of uploads, and those that are run again.
-    /// An upload that was begun before keeps what was asked for then.
+    /// The options with requirements on the worker of ingests: those of uploads, and those that are
+    /// run again. An upload that was begun before keeps its requirements.
     #[must_use]
     pub fn read_by(self, requirements: Requirements) -> Self {
         Self { requirements, ..self }
@@ -99,8 +99,8 @@ impl Captures {
     /// process, the same call resumes. `sent` gets the number of bytes on the server, which may
     /// decrease a little.
     ///
-    /// The same content under the same name is one capture, however often it is uploaded, and is
-    /// not sent again.
+    /// The same content under the same name is one capture, even if it is uploaded repeatedly, and
+    /// is not sent again.
     ///
     /// # Errors
     /// As [`Captures::upload`].

@@ -109,7 +109,7 @@ impl Client {
         &self.url
     }
 
-    /// State of the server, which it tells without a token.
+    /// State of the server, which needs no token.
     ///
     /// # Errors
     /// If nothing answers, or what answers is no server of BendTwin.

@@ -30,7 +30,7 @@ pub struct Planning {
 pub struct PlanUpdate {
     /// Knots: control points or poses one after another, shape [K, C, 3] or [K, G, 7].
     pub knots: Vec<f32>,
-    /// The same in the coordinates of the action space, shape [K, D].
+    /// Knots in the coordinates of the action space, shape [K, D].
     pub coordinates: Vec<f64>,
     /// Cost of exactly these knots, as simulated.
     pub cost: f64,
@@ -44,7 +44,7 @@ pub struct PlanUpdate {
     pub iterations: usize,
     /// Plans that were simulated.
     pub simulated: usize,
-    /// Those of them that diverged.
+    /// Plans among them that diverged.
     pub diverged: usize,
     /// True if the deadline ended the search before all iterations were done.
     pub stopped_by_deadline: bool,
@@ -207,7 +207,7 @@ impl Planning {
         self
     }
 
-    /// Time for the iterations, after which the best so far comes back.
+    /// Time for the iterations, after which the best plan so far is returned.
     #[must_use]
     pub fn deadline(mut self, deadline: Duration) -> Self {
         self.request.deadline_s = deadline.as_secs_f64();

@@ -1,4 +1,4 @@
-//! The state of a server, as `/readyz` tells it to everyone.
+//! The state of a server, from `/readyz`.
 
 use std::time::Duration;
 

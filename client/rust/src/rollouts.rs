@@ -38,8 +38,8 @@ impl Rollouts {
         self.service.clone().roll_out(request).await?.into_inner().try_into()
     }
 
-    /// Simulates a batch; the reply comes in parts, as instances finish. Dropping the stream stops
-    /// the work at the server.
+    /// Simulates a batch; the reply is sent in parts, as instances finish. Dropping the stream
+    /// stops the work at the server.
     ///
     /// # Errors
     /// As [`Rollouts::run`].

@@ -28,8 +28,8 @@ pub use self::{
 };
 use crate::{Error, Reply, Rollout, State, channel::Channel};
 
-/// Calls about sessions. If the worker of one is lost, or nobody has used it for a while, they fail
-/// with the reason `SESSION_LOST`: open another from the last [`State`] that a reply brought.
+/// Calls about sessions. If the worker of a session is lost, or the session was unused for a while,
+/// they fail with the reason `SESSION_LOST`: open another from the last [`State`] in a reply.
 #[derive(Clone, Debug)]
 pub struct Sessions {
     service: SessionServiceClient<Channel>,
@@ -46,7 +46,7 @@ pub struct Session {
     pub slots: u32,
     /// Frames by which each slot has been advanced since its first state, shape [slots].
     pub frames: Vec<u64>,
-    /// Time after which it ends when nobody uses it.
+    /// Time after which the session ends if it is unused.
     pub idle_timeout: Duration,
     /// The worker where it is.
     pub worker: WorkerId,

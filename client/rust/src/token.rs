@@ -1,6 +1,6 @@
 //! The token or key that is shown to a server: in the environment, in a file that is named there,
-//! or, for servers of this user on this machine, in a file that the server leaves by its port.
-//! Nobody has to know of it then.
+//! or, for servers of this user on this machine, in a file that the server leaves by its port,
+//! which needs no configuration.
 
 use std::{
     io::{self, Write as _},

@@ -3,7 +3,7 @@
 //!
 //! There is no state file: the upload is found again by its request id, which is derived from the
 //! content's digest and the metadata. So the same file under the same name is resumed from any
-//! process or folder, and a file that is on the server already is not sent again.
+//! process or folder, and a file that the server already has is not sent again.
 
 use std::{
     io::SeekFrom,
@@ -77,7 +77,7 @@ impl<'a> Sender<'a> {
         Ok(Self { http, server, path, length, metadata: pairs.join(",") })
     }
 
-    /// The same upload, whose ingest asks for a worker.
+    /// The upload, with requirements on the worker of its ingest.
     pub(crate) fn asking(mut self, requirements: &Requirements) -> Result<Self, Error> {
         if let Some(json) = requirements.json()? {
             let pair = format!(",ingest_requirements {}", BASE64_STANDARD.encode(json));
@@ -300,7 +300,7 @@ impl RetryBudget {
         Self { ends: Instant::now() + RETRY_TIMEOUT, pause: FIRST_WAIT }
     }
 
-    /// Starts anew after progress.
+    /// Restarts the backoff after progress.
     fn reset(&mut self) {
         *self = Self::new();
     }

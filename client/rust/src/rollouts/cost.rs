@@ -126,7 +126,7 @@ impl Cost {
         self
     }
 
-    /// To the nearest surface node instead of the skin, of a target cloud; nothing changes for other
+    /// Measures a target cloud to the nearest surface node instead of the skin; no effect on other
     /// costs.
     #[must_use]
     pub fn at_nodes(mut self) -> Self {

@@ -38,7 +38,8 @@ pub struct Reply {
     pub final_twists: Vec<f32>,
     /// Final control points [m], shape [R, C].
     pub final_controls: Vec<Point>,
-    /// Those as grippers would have them if the ground did not hold them back [m], shape [R, C]; with poses.
+    /// Control points as grippers would have them if the ground did not hold them back [m], shape
+    /// [R, C]; with poses.
     pub final_commanded_controls: Vec<Point>,
     /// Holds of grasps in the final states, one after another; none without grasps.
     pub final_grasping: Option<Grasping>,
@@ -91,17 +92,17 @@ pub struct Reply {
     pub deviation: Option<Deviation>,
 }
 
-/// Distance from the exact twin: of the fast variant, when both follow the twin's own capture, or of the
-/// planner's twin, when both follow the actions that measured it. It does not hold for the rollout that
-/// it comes with: with faster or larger motions, or other surroundings, 5 to 16 times as much was seen
-/// of fast variants.
+/// Distance from the exact twin: of the fast variant, when both follow the twin's own capture, or
+/// of the planner's twin, when both follow the actions that measured it. It is not a bound for this
+/// rollout: with faster or larger motions, or other surroundings, 5 to 16 times as much was
+/// observed for fast variants.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Deviation {
     /// Between a node here and there, mean over nodes and frames [m].
     pub mean_m: f64,
     /// The largest [m].
     pub max_m: f64,
-    /// To compare with: of the exact twin's nodes from where they started, mean [m].
+    /// For comparison: mean distance of the exact twin's nodes from their starts [m].
     pub mean_travel_m: f64,
     /// Frames of each recording, at most.
     pub frames: u32,
@@ -112,14 +113,14 @@ pub struct Deviation {
 pub struct Diagnostics {
     /// Largest |l/l0 - 1| of any spring between nodes.
     pub max_strain: f32,
-    /// The same of springs to control points.
+    /// Largest strain of springs to control points.
     pub max_control_strain: f32,
     /// Largest mean speed of a node over a frame [m/s].
     pub max_speed_m_s: f32,
-    /// At the end [J]; without a mass of the object as if a node of the twin weighed 1 kg, and NaN
-    /// where it diverged.
+    /// Kinetic energy at the end [J]; without a mass of the object as if a node of the twin weighed
+    /// 1 kg, and NaN where it diverged.
     pub kinetic_energy: f32,
-    /// The same.
+    /// Elastic energy at the end [J], likewise.
     pub elastic_energy: f32,
     /// Nodes on the ground at the end.
     pub ground_contacts: u32,

@@ -37,7 +37,7 @@ pub struct GripperPoses {
 }
 
 impl Rollout {
-    /// A rollout of a twin from its rest shape; costs and diagnostics come back.
+    /// A rollout of a twin from its rest shape, which returns costs and diagnostics.
     pub fn of(twin: TwinId) -> Self {
         let request = RollOutRequest { twin: twin.to_string(), ..RollOutRequest::default() };
         Self { request, returns: Returns::default(), fault: None }

@@ -232,8 +232,8 @@ pub enum Statistic {
     Worst,
     /// The mean of a share of the worst, above 0 and at most 1.
     Cvar(f64),
-    /// The mean motion of the members, which arrays are of then, and its costs: fits of a twin weigh one over
-    /// the square of their loss, any others alike.
+    /// The mean motion of the members, to which arrays then belong, and its costs: fits of a twin
+    /// have weights of one over the square of their loss, any others equal ones.
     MeanPrediction,
 }
 

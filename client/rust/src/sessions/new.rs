@@ -76,7 +76,8 @@ impl NewSession {
         self
     }
 
-    /// Ends when nobody has used it for so long, a second to an hour; without this, five minutes.
+    /// Sets the time after which the unused session ends, a second to an hour; without this, five
+    /// minutes.
     #[must_use]
     pub fn idle_timeout(mut self, time: Duration) -> Self {
         self.0.idle_timeout_s = time.as_secs_f64();

@@ -105,7 +105,7 @@ async fn resumes_at_the_server_offset_after_every_kind_of_failure() {
 }
 
 #[tokio::test]
-async fn begins_anew_where_the_upload_is_gone() {
+async fn starts_over_where_the_upload_is_gone() {
     let name = push(vec![
         created(),
         ("PATCH", Some(0), String::new()),
@@ -117,7 +117,7 @@ async fn begins_anew_where_the_upload_is_gone() {
 }
 
 #[tokio::test]
-async fn does_not_send_what_is_there() {
+async fn does_not_send_stored_content() {
     let known =
         format!("location: /v1/uploads/a\r\nupload-offset: 10\r\nbendtwin-capture: {NAME}\r\n");
     push(vec![("POST", None, answer("201 Created", &known))]).await.unwrap();
