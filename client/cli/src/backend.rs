@@ -77,7 +77,7 @@ impl BackendArgs {
         Arc::new(move || backends::rasteriser(&options).map_err(|e| e.to_string()))
     }
 
-    /// The same choice as environment variables, for a server's workers.
+    /// The choice as environment variables, for a server's workers.
     pub(crate) fn variables(&self) -> Vec<(&'static str, String)> {
         let mut variables = vec![
             ("BENDTWIN_BACKEND", self.backend.to_string()),

@@ -61,7 +61,7 @@ pub(crate) async fn run(args: Demo, global: &Global) -> anyhow::Result<()> {
         }
     };
     let outcome = tokio::select! {
-        // Ctrl-C reaches the server as well: its end is no fault then.
+        // Ctrl-C also reaches the server: its end is no fault then.
         biased;
         () = shutdown.cancelled() => match is_open.load(Ordering::SeqCst) {
             true => Ok(()),

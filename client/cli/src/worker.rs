@@ -16,7 +16,7 @@ use crate::{
     table::Table,
 };
 
-/// Time between two looks at whether a worker has ended.
+/// Time between two checks whether a worker has ended.
 const ASK_AGAIN: Duration = Duration::from_millis(200);
 
 /// Options of a worker. The address of the server is `--server`; several, with commas between them,

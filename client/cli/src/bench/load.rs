@@ -76,8 +76,7 @@ struct Measured {
     /// Their median and 99th percentile [s].
     p50_s: f64,
     p99_s: f64,
-    /// The same of the time that they waited in line and that they were computed for, as replies
-    /// say [s].
+    /// Times in the queue and of computing, as in the replies [s].
     queue_p50_s: f64,
     queue_p99_s: f64,
     compute_p50_s: f64,
@@ -108,7 +107,7 @@ struct Report {
 struct Still {
     twin: TwinId,
     fidelity: Fidelity,
-    /// True if a cost comes back instead of positions.
+    /// True if costs are returned instead of positions.
     costs: bool,
     controls: Vec<Point>,
 }
@@ -169,7 +168,7 @@ async fn subject(
 }
 
 /// A fit of short generations that does not end by itself in the time of a measurement; `made` is
-/// set once it is there.
+/// set once it exists.
 async fn start_fit(
     client: &Client,
     capture: CaptureId,

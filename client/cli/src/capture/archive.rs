@@ -221,7 +221,7 @@ mod tests {
         assert_eq!(zip::ZipArchive::new(Cursor::new(bytes)).unwrap().len(), 4);
     }
 
-    /// Files that nobody reads are most of the folder of a PhysTwin case: here 8 MiB of 8.
+    /// Unread files are most of the folder of a PhysTwin case: here 8 MiB of 8.
     #[test]
     fn only_the_files_that_are_read_are_packed() {
         let root = tempfile::tempdir().unwrap();

@@ -23,7 +23,7 @@ pub(super) async fn check_locally(path: &Path) -> anyhow::Result<CheckReport> {
     let path = path.to_owned();
     let checked = tokio::task::spawn_blocking(move || {
         let mut report = check_path(&path, &Limits::default());
-        // A raw recording has no points to check yet: what the cameras saw is looked at.
+        // A raw recording has no points to check yet: its images are checked.
         if report.has(RAW_CAPTURE) {
             report.findings = match bendtwin_capture::open(&path, &Limits::default()) {
                 Ok(Opened::Raw(recording)) => look(&recording),

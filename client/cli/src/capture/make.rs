@@ -98,7 +98,7 @@ pub(super) async fn run(args: Make, global: &Global) -> anyhow::Result<()> {
     })
 }
 
-/// Refuses to write over what is there, unless that is wanted.
+/// Refuses to overwrite an existing file, unless forced.
 fn expect_free(path: &Path, force: bool) -> anyhow::Result<()> {
     let is_free = match std::fs::read_dir(path) {
         Ok(mut entries) => entries.next().is_none(),

@@ -120,7 +120,7 @@ fn archive(folder: &Path, into: &Path, quiet: bool) -> anyhow::Result<()> {
             }
             listing
         }
-        // Nobody but the server is to judge a capture that was not to be checked.
+        // Without a check only the server judges the capture.
         Err(_) => Listing::of(folder)?,
     };
     if listing.skipped > 0 {

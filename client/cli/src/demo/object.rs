@@ -43,7 +43,7 @@ impl Object {
         settings
     }
 
-    /// The same settings as flags of the command line.
+    /// The settings as flags of the command line.
     pub(super) fn flags(self) -> String {
         match self {
             Self::Rope => format!("--set graph.max_nodes={ROPE_NODES}"),

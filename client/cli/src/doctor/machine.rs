@@ -13,7 +13,7 @@ const MAX_DEVICES: usize = 16;
 /// Memory below which a fit of default size may be refused [bytes].
 const LITTLE_MEMORY: u64 = 4 << 30;
 
-/// All checks of the machine. Devices are opened for it, one after the other.
+/// All checks of the machine. Devices are opened for them, one after another.
 pub(super) fn checks() -> Vec<Check> {
     let mut checks = vec![Check::ok("program", format!("{BUILD} for {OS} on {ARCH}")), processor()];
     checks.push(memory());

@@ -39,8 +39,8 @@ pub(super) fn value<'s>(settings: &'s [(String, Value)], name: &str) -> Option<&
     settings.iter().find(|(other, _)| other == name).map(|(_, value)| value)
 }
 
-/// All settings of a fit, those that are not the defaults marked; of those that were left open the
-/// value that was chosen, if there is a twin that tells it.
+/// All settings of a fit, with the changed ones marked; for settings left open the chosen value, if
+/// there is a twin that records it.
 pub(super) fn table(settings: &Value, in_force: Option<&Value>) -> String {
     let in_force = in_force.map(flat).unwrap_or_default();
     let defaults = serde_json::to_value(FitSettings::default()).map(|v| flat(&v));

@@ -54,7 +54,7 @@ impl Fits {
         }
     }
 
-    /// Makes what is said of the members of each action what is said of the twin.
+    /// Reduces the values of the members of each action to those of the twin.
     pub(super) fn fold(&mut self, reply: &mut Reply) {
         let count = self.count;
         if self.of_mean {

@@ -65,7 +65,7 @@ pub(super) struct Recording {
 }
 
 impl Recording {
-    /// The file that was asked for; `best` instances at most come back. What cannot be written is
+    /// The requested file; at most `best` instances are returned. A file that cannot be written is
     /// refused before anything is computed.
     pub(super) fn of(
         options: RecordingOptions,
