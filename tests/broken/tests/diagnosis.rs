@@ -115,7 +115,7 @@ fn each_gets_its_diagnosis_which_nothing_contradicts_and_none_costs_a_gigabyte()
     }
 }
 
-/// Everything that is wrong with what is said of a recording.
+/// All faults in the judgement of a recording.
 fn faults(broken: &Broken) -> Vec<String> {
     let sample = broken.make();
     let (found, contradiction) = match opened(&sample) {

@@ -16,7 +16,7 @@ use bendtwin_proto::v1::{
 
 use crate::{honest::Answer, load, run::Run, schedule::Victim, watch};
 
-/// Most descriptors of a server that nobody asks anything.
+/// Most descriptors of an idle server.
 const DESCRIPTORS: u64 = 160;
 /// Time for connections to be given up.
 const QUIET: Duration = Duration::from_secs(90);

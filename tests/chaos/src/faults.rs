@@ -27,7 +27,7 @@ use crate::{
 
 /// Time for the faults that are under way at the end.
 const END: Duration = Duration::from_secs(90);
-/// Pause before a fault that did not come about is tried again.
+/// Pause before a fault that was prevented is tried again.
 const RETRY: Duration = Duration::from_secs(1);
 /// Address of hostile and silent clients, another one than that of honest clients.
 const STRANGER: IpAddr = IpAddr::V4(std::net::Ipv4Addr::new(127, 0, 0, 2));

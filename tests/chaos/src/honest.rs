@@ -14,7 +14,7 @@ use crate::run::Run;
 
 /// Time for one attempt: longer than the longest pause of a process.
 const ATTEMPT: Duration = Duration::from_secs(15);
-/// Time after which somebody has to restart the server by hand.
+/// Time after which the server has to be restarted by hand.
 const PATIENCE: Duration = Duration::from_secs(60);
 /// Time after which a call is given up.
 const GIVE_UP: Duration = Duration::from_secs(180);
@@ -112,7 +112,7 @@ impl Run {
             };
             match refusal {
                 Refusal::Final(reason, text) => return Some(Err(Refusal::Final(reason, text))),
-                // Tried again as well: once is a broken promise, for ever another one.
+                // Tried again, too: once is a broken promise, for ever another one.
                 Refusal::Defect(text) => {
                     let case = format_args!("{what}: {text}");
                     self.tally.broken("no honest call is answered with a defect", case);

@@ -40,8 +40,8 @@ impl Run {
         Ok(())
     }
 
-    /// Uploads an archive and tells the ledger. A second answer to the same request has to name the
-    /// same capture.
+    /// Uploads an archive and records it in the ledger. A second answer to the same request has to
+    /// name the same capture.
     pub(crate) async fn upload(
         &self,
         over_http: bool,

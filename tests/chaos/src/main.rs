@@ -128,7 +128,7 @@ fn main() -> anyhow::Result<ExitCode> {
     if matches!(result, Ok(false)) {
         return Ok(ExitCode::SUCCESS);
     }
-    // Kept, for somebody has to look at it.
+    // Kept for inspection.
     let _ = temporary.keep();
     println!("seed {}: look into {}", args.seed, folder.display());
     result.map(|_| ExitCode::FAILURE)

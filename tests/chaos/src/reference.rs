@@ -251,7 +251,7 @@ pub(crate) fn lasting(reply: RollOutResponse) -> RollOutResponse {
     RollOutResponse { timing: None, worker: String::new(), ..reply }
 }
 
-/// The same of a reply as JSON.
+/// The lasting part of a reply as JSON.
 pub(crate) fn lasting_document(mut reply: Value) -> Value {
     if let Some(fields) = reply.as_object_mut() {
         fields.remove("timing");

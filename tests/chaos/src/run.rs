@@ -27,7 +27,7 @@ pub(crate) struct Wanted {
     pub(crate) length: Duration,
     /// Fits that are ordered.
     pub(crate) fits: usize,
-    /// Faults that come about; 0 where as many are made as the time has room for.
+    /// Number of faults; 0 for as many as the time allows.
     pub(crate) faults: usize,
 }
 

@@ -278,7 +278,7 @@ fn fault(class: Class, number: u32, random: &mut ChaCha8Rng) -> Fault {
         },
         Class::Hostile => Fault::Hostile(u64::from(number)),
         Class::Silent => {
-            // Longer than an honest client waits: whom the silent shut out is found.
+            // Longer than an honest client waits: clients that the silent lock out are found.
             let held = seconds(70.0, 100.0);
             let kinds = [
                 Silence::UnreadStreams,

@@ -48,7 +48,7 @@ pub(crate) struct Supervised {
     tally: Arc<Tally>,
     excuses: Excuses,
     child: Mutex<Option<Child>>,
-    /// True if somebody killed it: its end is no surprise.
+    /// True if the suite killed it: its end is no surprise.
     doomed: AtomicBool,
     /// True if it was asked to end, and not killed since.
     orderly: AtomicBool,
@@ -144,7 +144,7 @@ impl Supervised {
         }
     }
 
-    /// A restart by hand, because something does not come back by itself; at most one a minute.
+    /// Restarts by hand what does not recover by itself; at most once a minute.
     pub(crate) fn restart_by_hand(&self, why: &str) {
         let mut last = self.by_hand.lock().unwrap_or_else(PoisonError::into_inner);
         if last.is_some_and(|at| at.elapsed() < START) || self.stopping.load(Ordering::SeqCst) {
@@ -248,7 +248,7 @@ impl Supervised {
         Ok(())
     }
 
-    /// SIGTERM, for good.
+    /// Sends SIGTERM and does not restart.
     pub(crate) async fn stop(&self) -> anyhow::Result<()> {
         self.stopping.store(true, Ordering::SeqCst);
         let _one = self.ending.lock().await;

@@ -103,7 +103,7 @@ impl System {
         }
     }
 
-    /// A restart by hand of everything: somebody waits for too long.
+    /// Restarts everything by hand: a client waits for too long.
     pub(crate) fn restart_by_hand(&self, why: &str) {
         self.servers().iter().for_each(|server| server.restart_by_hand(why));
     }
@@ -150,9 +150,9 @@ impl System {
         }
     }
 
-    /// Ends everything in order, for good.
+    /// Ends everything in order, without a restart.
     pub(crate) async fn stop(&self) -> anyhow::Result<()> {
-        // Workers first, which tell servers that they end.
+        // Workers first, which report their end to servers.
         for one in self.supervised().iter().rev() {
             one.stop().await?;
         }

@@ -10,7 +10,7 @@ use crate::harness::{
     command::{bendtwin, run},
 };
 
-/// What the command found, as names, states and messages.
+/// Findings of the command, as names, states and messages.
 async fn doctor(arguments: &[&str]) -> Vec<[String; 3]> {
     let mut command = bendtwin();
     command.args(["--json", "doctor"]).args(arguments);

@@ -124,7 +124,7 @@ async fn start(postgres: Postgres, endpoint: &str) -> Fleet {
             .envs(on_s3::environment(endpoint, &format!("fleet-{}", std::process::id())));
         let child = processes.start(&mut command, &log);
         servers.push((child, clients, workers));
-        // Its token is there once it has opened the store.
+        // The token exists once it has opened the store.
         let token = folder.path().join(format!("server-{number}/client-token"));
         until("the server's token", SOON, async || token.exists().then_some(())).await;
     }

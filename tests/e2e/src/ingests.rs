@@ -85,8 +85,8 @@ async fn it_can_be_played(server: &TestCluster, capture: &str, twin: &str) {
     assert_eq!(refused.status(), StatusCode::BAD_REQUEST);
 }
 
-/// What an archive is, its content tells, whichever way it came; of a folder the command sends what
-/// is read.
+/// An archive is recognized by its content, in any way of sending it; of a folder the command sends
+/// the files that are read.
 #[tokio::test]
 async fn tar_archives_and_folders_are_read_as_zip_is() {
     let server = TestCluster::ordinary().await;

@@ -1,5 +1,5 @@
-//! A server whose rows are in PostgreSQL, which crashes and comes back in the middle of a fit: nothing
-//! that was acknowledged is lost, and nobody restarts the server. And its backup.
+//! A server whose rows are in PostgreSQL, which crashes and restarts in the middle of a fit:
+//! nothing acknowledged is lost, and the server recovers by itself. Also its backup.
 
 use std::{path::Path, process::Command, time::Duration};
 

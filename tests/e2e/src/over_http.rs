@@ -46,7 +46,7 @@ async fn a_capture_becomes_a_twin_over_http_and_events_resume_where_they_stopped
     assert_eq!(accepted.status(), StatusCode::ACCEPTED);
     let fit = accepted.headers()["location"].to_str().unwrap().to_owned();
 
-    // Leaves after a few events, comes back and misses nothing.
+    // Leaves after a few events, reconnects and misses nothing.
     let events = format!("{fit}/events");
     let first = watch(&http, &events, None, 3).await;
     let seen = first.last().unwrap().0;

@@ -107,8 +107,8 @@ async fn what_was_done_is_recorded_and_repeats_what_was_shown() {
         last = shown;
     }
     assert!(apart(place(&seen[6], 0), place(&first, 0)) > 0.01, "the hand follows");
-    // Grasped where the node is, and gone on for thirteen frames, in eight of which the whole rope hangs
-    // on it: the grip gives way as far as the twin is soft.
+    // Grasped at the node, and moved for thirteen frames, in eight of which the whole rope hangs on
+    // it: the grip yields as far as the twin is soft.
     let (stretch, way) = (
         apart(seen[23].nodes[end], place(&seen[23], grasped)),
         apart(place(&seen[23], grasped), place(&seen[9], grasped)),
@@ -119,7 +119,7 @@ async fn what_was_done_is_recorded_and_repeats_what_was_shown() {
     play.send(json!({"type": "record", "on": false})).await;
     play.told("a recording", |t| t["recorded"] == 24).await;
 
-    // Each segment is a rollout; one after the other they give what was shown.
+    // Each segment is a rollout; one after another they give the displayed states.
     let path = play.ready["recording"].as_str().unwrap().to_owned();
     let recording = story.server.http().get_json(&path).await;
     let segments = recording["segments"].as_array().unwrap();

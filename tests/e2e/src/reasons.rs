@@ -1,9 +1,9 @@
 //! docs/errors.md lists every reason of an error and every code of a finding, once, with what a
 //! client sees of it.
 //!
-//! `BENDTWIN_BLESS=1 cargo test -p bendtwin-e2e reasons` writes the tables anew: names, categories
-//! and statuses come from the sources, the last column stays. A new row has an empty one, which
-//! this test refuses until it is filled in.
+//! `BENDTWIN_BLESS=1 cargo test -p bendtwin-e2e reasons` rewrites the tables: names, categories and
+//! statuses come from the sources, the last column stays. A new row has an empty one, which this
+//! test refuses until it is filled in.
 
 mod sources;
 
@@ -58,7 +58,7 @@ fn page() -> PathBuf {
     workspace::root().join("docs/errors.md")
 }
 
-/// The page with both tables anew.
+/// The page with both tables rewritten.
 fn written(old: &str, words: &sources::Words) -> String {
     let (before, rest) = old.split_once(REASONS).expect("the table of reasons");
     let (reasons, rest) = table(rest);

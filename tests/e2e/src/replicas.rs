@@ -129,7 +129,7 @@ async fn servers_leave_each_others_processes_alone_until_one_is_gone() {
     let fit = second.fit(&stored.name, ENDLESS, 0).await.unwrap();
     second.fit_when(&fit.name, "under way", STATE, is_under_way).await;
 
-    // The other one is killed and comes back: nothing changes for the fit.
+    // The other server is killed and restarts: nothing changes for the fit.
     fleet.kill(1);
     fleet.start_again(1).await;
     let second = fleet.api(1);

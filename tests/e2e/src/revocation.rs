@@ -1,5 +1,5 @@
-//! A worker whose certificate is revoked: by commands alone, it loses its connections and its fit, and
-//! a certificate that is issued anew lets it in again.
+//! A worker whose certificate is revoked: by commands alone, it loses its connections and its fit,
+//! and a newly issued certificate lets it in again.
 
 use std::{path::Path, process::Child, time::Duration};
 

@@ -61,7 +61,7 @@ impl Story {
         Client::connect_with_token(&self.server.url(), None).await.unwrap()
     }
 
-    /// Where one rollout of all these frames ends.
+    /// State at the end of one rollout of all these frames.
     async fn whole(&self, client: &Client, frames: usize) -> State {
         let reply = client.rollouts().run(self.rollout(0..=frames)).await.unwrap();
         reply.state(0).unwrap()

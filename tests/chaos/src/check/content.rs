@@ -20,7 +20,7 @@ pub(super) async fn captures(run: &Run, listed: &Listed) {
         compare(run, name, stored, digest).await;
     }
     for (name, capture) in &listed.captures {
-        // Of a hostile capture the answer may have been lost; nobody asks for it again.
+        // Of a hostile capture the answer may have been lost; it is not asked for again.
         if !known.contains_key(name) && capture.display_name != "hostile" {
             run.tally.broken(DOUBLE, format_args!("{name}, {}", capture.display_name));
         }

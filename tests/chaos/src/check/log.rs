@@ -1,4 +1,4 @@
-//! The logs of servers and workers: ends that nobody caused.
+//! The logs of servers and workers: ends without a cause.
 
 use crate::run::Run;
 

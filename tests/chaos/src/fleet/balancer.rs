@@ -14,7 +14,7 @@ use tokio::{
     time::{sleep, timeout},
 };
 
-/// Interval between looks at a server, and the longest time for its answer.
+/// Interval between checks of a server, and the longest time for its answer.
 const INTERVAL: Duration = Duration::from_millis(300);
 const ANSWER: Duration = Duration::from_millis(1500);
 /// Longest time for a connection to a server.

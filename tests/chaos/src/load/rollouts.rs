@@ -44,7 +44,7 @@ pub(crate) async fn over_grpc(run: &Run, number: usize) {
     }
 }
 
-/// The same as JSON.
+/// A rollout as JSON.
 pub(crate) async fn as_json(run: &Run, number: usize) {
     let (http, rollout) = (run.http(), &run.references.rollouts[number]);
     let path = format!("/v1/{}/rollouts", run.twin());

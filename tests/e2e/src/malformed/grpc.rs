@@ -51,7 +51,7 @@ async fn malformed_calls_are_refused_with_their_code() {
         let code = within(&format!("{method}, {what}"), ANSWER, answer).await;
         // For bytes that are no message gRPC itself prescribes INTERNAL, which its library answers.
         let unreadable = what.starts_with(UNREADABLE) && code == Code::Internal;
-        // Nobody can tell a session that was lost from one that never was.
+        // A session that was lost and one that never existed cannot be distinguished.
         let lost = method.starts_with("SessionService") && code == Code::Aborted;
         if !is_the_clients(code) && !unreadable && !lost {
             let what: String = what.chars().take(100).collect();
