@@ -9,8 +9,8 @@ const ONCE_IN_MS = 15_000;
 
 /**
  * The page of a route, whose file may have to be fetched. If it cannot be, the server does not answer,
- * or it is a newer one with other files: once it answers, the console is loaded anew, as browsers do
- * not fetch a module again that they did not get.
+ * or it is a newer one with other files: once it answers, the console is reloaded, since browsers
+ * do not fetch a module again that they did not get.
  */
 export async function load(route: Route, api: Api): Promise<OpenPage> {
   try {

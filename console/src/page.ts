@@ -1,6 +1,6 @@
 import type { Api } from './api/client';
 
-/** What a page is given when it is opened. */
+/** Context in which a page is opened. */
 export interface PageContext {
   /** Parts of the address that the route names, as `id` in `#/twins/:id`. */
   readonly parameters: Readonly<Record<string, string>>;

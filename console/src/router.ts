@@ -96,7 +96,7 @@ class Router {
     if (movesFocus) this.frame.heading.focus();
   }
 
-  /** What a page may do. One that was left, but has still to notice, changes nothing of the next one. */
+  /** Context of a page. A page that was left, but has not noticed yet, changes nothing of the next one. */
   private context(
     path: string,
     search: string,

@@ -57,7 +57,7 @@ export class Api {
     throw problem;
   }
 
-  /** What a request or a body gives, with the one error that browsers have for a lost connection. */
+  /** Result of a request or a body, with the one error that browsers have for a lost connection. */
   private async answered<T>(request: Promise<T>, signal: AbortSignal | null | undefined): Promise<T> {
     try {
       return await request;

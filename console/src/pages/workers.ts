@@ -73,7 +73,7 @@ function one(worker: Worker): HTMLElement {
   );
 }
 
-/** What it does now, with ways to it. */
+/** Current tasks of a worker, with links to them. */
 function tasks(worker: Worker): Child[] {
   const { fit, ingest, rollouts_in_flight: rollouts } = worker;
   return [

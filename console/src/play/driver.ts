@@ -6,15 +6,15 @@ import type { PlayState } from './state';
 const MOVE_MS = 10;
 /** Inputs whose time is remembered. */
 const MOST_INPUTS = 512;
-/** States in which a gripper reaches for what it takes, and does not hold it yet. */
+/** States in which a gripper reaches for an object and does not hold it yet. */
 const REACHING = 4;
 
 /** Sends messages; false if there is no play. */
 export type Send = (message: Message) => boolean;
 
 /**
- * What one does in a play: moves grippers and colliders, grasps, releases. Hands come first, then
- * pointers. Each input has a number; the states say which of them they have.
+ * Actions in a play: moves grippers and colliders, grasps, releases. Hands come first, then
+ * pointers. Each input has a number; the states say which of them they include.
  */
 export class Driver {
   /** The gripper that keys move. */
@@ -93,13 +93,13 @@ export class Driver {
     return null;
   }
 
-  /** Where a gripper goes to: its target, or where it is. */
+  /** Target of a gripper, or its place without one. */
   targetOf(gripper: number): Vector3 {
     const position = this.#state?.grippers[gripper]?.position ?? [0, 0, 0];
     return this.#targets.get(gripper)?.clone() ?? new Vector3(...position);
   }
 
-  /** Where a gripper is. */
+  /** Place of a gripper. */
   placeOf(gripper: number): Vector3 {
     return new Vector3(...(this.#state?.grippers[gripper]?.position ?? [0, 0, 0]));
   }

@@ -22,7 +22,7 @@ export class GamepadDrive {
     addEventListener('gamepadconnected', () => scene.stage.invalidate(), { signal });
   }
 
-  /** Looks at the gamepad; true while there is one. */
+  /** Reads the gamepad; true while there is one. */
   frame(now: number): boolean {
     const elapsed = Math.min(now - this.#last, 50) / 1000;
     this.#last = now;

@@ -12,7 +12,7 @@ import {
 import type { Layer } from '../view3d/stage';
 import type { GoalTarget } from './messages';
 
-/** Where nodes are to come to: a ball for each target, and a line from its node. */
+/** Goals of nodes: a ball for each target, and a line from its node. */
 export class GoalLayer implements Layer {
   readonly object = new Group();
   /** Targets by node [m]. */

@@ -4,7 +4,7 @@ import type { PlayState } from './state';
 const LEAST_MS = 8;
 const MOST_MS = 120;
 
-/** Where everything is that a picture shows. */
+/** Places of everything in a picture. */
 export interface Shown {
   /** Nodes [m], shape [N, 3]. */
   positions: Float32Array;

@@ -26,7 +26,7 @@ export interface Panels {
   refresh(): void;
   /** Takes away what moves something. */
   watchOnly(): void;
-  /** What is seen, in words. */
+  /** The picture in words. */
   describe(ready: Ready): string;
 }
 
@@ -58,7 +58,7 @@ export function panelsOf(
   };
 }
 
-/** What is shown of the twin. */
+/** Panel of how the twin is shown. */
 function picturePanel({ scene, context }: Playing, shape: TwinShape): HTMLElement {
   const [none, ...others] = coloursOf(shape);
   const colours: ColourBy[] = [none ?? 'none', 'strain', ...others];

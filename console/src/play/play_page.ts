@@ -222,7 +222,7 @@ export class PlayPage implements Page, SocketListener {
   #selected(): void {
     const { selected } = this.#driver;
     const isFree = !this.#driver.isHolding(selected) && !this.#driver.held.has(selected);
-    // A pointer that was never used is where nobody looks.
+    // A pointer that was never used is out of sight.
     if (isFree && selected >= this.#driver.hands && this.#driver.placeOf(selected).lengthSq() === 0) {
       const near = this.#scene.controls.length > 2 ? new Vector3().fromArray(this.#scene.controls) : new Vector3();
       this.#driver.move(selected, this.#scene.node(this.#scene.nearest(near) ?? 0));
@@ -231,7 +231,7 @@ export class PlayPage implements Page, SocketListener {
     this.#scene.stage.invalidate();
   }
 
-  /** What is shown now, as another play can begin with it. */
+  /** The current moment, from which another play can begin. */
   #moment(): Moment {
     const { positions } = this.#scene.motion.shown;
     const hands = Array.from({ length: this.#driver.hands }, (_, g) => g);

@@ -2,7 +2,7 @@ import { Plane, Raycaster, Vector2, Vector3 } from 'three';
 import type { Driver } from './driver';
 import type { PlayScene } from './scene';
 
-/** What is under the mouse or a finger. */
+/** Object under the mouse or a finger. */
 export type Hit =
   | { readonly kind: 'hand'; readonly gripper: number }
   | { readonly kind: 'node'; readonly node: number }
@@ -34,7 +34,7 @@ interface Drag {
   readonly hit: Hit;
   /** The gripper that goes along, or -1. */
   readonly gripper: number;
-  /** Where it is dragged: across the camera's view. */
+  /** Plane of dragging: across the camera's view. */
   readonly plane: Plane;
   /** From what is pointed at on the plane to what is dragged. */
   offset: Vector3;

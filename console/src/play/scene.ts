@@ -17,7 +17,7 @@ import type { PlayState } from './state';
 /** The least force that is shown [N]. */
 const LEAST_FORCE = 0.02;
 
-/** What a play looks like: the twin, hands, forces, obstacles, the ground, a goal. */
+/** Picture of a play: the twin, hands, forces, obstacles, the ground, a goal. */
 export class PlayScene {
   readonly stage: Stage;
   readonly twin: TwinView;
@@ -107,12 +107,12 @@ export class PlayScene {
     return moves;
   }
 
-  /** Where a gripper is shown [m]. */
+  /** Displayed place of a gripper [m]. */
   gripper(index: number): Vector3 {
     return new Vector3().fromArray(this.motion.shown.grippers, 7 * index);
   }
 
-  /** Where a node is shown [m]. */
+  /** Displayed place of a node [m]. */
   node(index: number): Vector3 {
     return new Vector3().fromArray(this.motion.shown.positions, 3 * index);
   }

@@ -3,9 +3,9 @@ import { token } from '../api/token';
 import type { Message, ProblemText, Text } from './messages';
 import { decodeState, type PlayState } from './state';
 
-/** What a play's socket tells. */
+/** Events of a play's socket. */
 export interface SocketListener {
-  /** The first message of a play, anew for each connection; null to watch. */
+  /** The first message of a play, made again for each connection; null to watch. */
   begin(): object | null;
   text(text: Exclude<Text, { type: 'ended' }>): void;
   state(state: PlayState): void;
@@ -15,7 +15,7 @@ export interface SocketListener {
   ended(problem: ProblemText | null): void;
 }
 
-/** Whether the server answers, as `Api.connection` says it. */
+/** Reachability of the server, from `Api.connection`. */
 export interface ServerWatch {
   lost(): void;
   back(signal: AbortSignal): Promise<void>;

@@ -13,12 +13,12 @@ import { coloursOf, pictureControls, readLook, writeLook, type Look } from './pa
 import { shareMenu } from './share';
 import './play.css';
 
-/** What can be read of a twin. */
+/** Fields of a twin that are read. */
 interface TwinReply {
   readonly display_name: string;
 }
 
-/** A twin at rest, to be looked at from all sides. */
+/** A twin at rest, viewed from any side. */
 export const open: OpenPage = async (context) => {
   const id = encodeURIComponent(context.parameters['id'] ?? '');
   const [shape, twin] = await Promise.all([
@@ -50,7 +50,7 @@ function placed(stage: Stage, shape: TwinShape): TwinView {
   return view;
 }
 
-/** A twin that is looked at. */
+/** A displayed twin. */
 interface Viewed {
   readonly id: string;
   readonly name: string;

@@ -16,7 +16,7 @@ export interface Dots {
   readonly lines?: Uint32Array;
 }
 
-/** What a camera saw, with points drawn into it. */
+/** Images of a camera, with points drawn into them. */
 export class CameraView {
   readonly element: HTMLElement;
   readonly #canvas = h('canvas', { role: 'img' });
@@ -26,7 +26,7 @@ export class CameraView {
   readonly #resize = new ResizeObserver(() => this.changed());
   #known: Projection | null = null;
 
-  /** `changed` is called when the view has to be drawn anew. */
+  /** `changed` is called when the view has to be redrawn. */
   constructor(
     private readonly camera: CameraHead,
     read: Read,

@@ -1,7 +1,7 @@
 /** Ways to colour the observed points. */
 export type ColourBy = 'own' | 'plain' | 'error';
 
-/** What is seen of a sequence, and how. */
+/** Settings of the picture of a sequence. */
 export interface Look {
   colour: ColourBy;
   observed: boolean;
@@ -16,7 +16,7 @@ export interface Look {
 
 const FLAGS = ['observed', 'controls', 'prediction', 'springs', 'appearance', 'beside'] as const;
 
-/** What is seen if nothing was said. */
+/** Default settings. */
 export function usual(hasColours: boolean): Look {
   return {
     colour: hasColours ? 'own' : 'plain',

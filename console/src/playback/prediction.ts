@@ -37,7 +37,7 @@ export class Prediction {
 
   constructor(
     reply: MotionReply,
-    /** What is to be known of it. */
+    /** Warnings about the prediction. */
     readonly warnings: readonly string[] = [],
   ) {
     this.startFrame = reply.start_frame ?? 0;

@@ -72,7 +72,7 @@ export class Scene {
     this.#lookAtAll();
   }
 
-  /** Looks at the way of all points, and at the place beside them if the prediction stands there. */
+  /** Frames the path of all points, and the place beside them if the prediction stands there. */
   #lookAtAll(): void {
     const points = this.ends.flatMap((end) => [...end.points]);
     const other = this.#beside.x === 0 ? [] : moved(this.#first, this.#beside);
@@ -83,7 +83,7 @@ export class Scene {
     return this.ends[0]?.points ?? new Float32Array(0);
   }
 
-  /** What colours mean, if they mean a number. */
+  /** Legend of colours that mean a number. */
   explain(range: Range | null): void {
     if (range === null) this.legend.hide();
     else this.legend.show('Distance to the prediction', 'mm', scaled(range), SEQUENTIAL);

@@ -10,7 +10,7 @@ export interface Question {
   readonly isDangerous?: boolean;
 }
 
-/** Asks before something is done; false if it was not agreed to, by Escape as well. */
+/** Asks before something is done; false if it was declined, also by Escape. */
 export function confirm({ title, text, action, isDangerous = false }: Question): Promise<boolean> {
   return new Promise((resolve) => {
     let agreed = false;

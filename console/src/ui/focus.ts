@@ -1,4 +1,4 @@
-/** Draws something anew; the control that had the focus, known by its address or its text, has it again. */
+/** Redraws something; the control that had the focus, known by its address or its text, gets it again. */
 export function keepingFocus(content: HTMLElement, draw: () => void): void {
   const focused = document.activeElement;
   const wanted = focused instanceof HTMLElement && content.contains(focused) ? labelOf(focused) : null;

@@ -11,7 +11,7 @@ const ENTRIES: readonly (readonly [string, string])[] = [
   ['Upload', 'upload'],
 ];
 
-/** What stands around every page. */
+/** Frame around every page. */
 export interface Frame {
   readonly heading: HTMLElement;
   /** Place of the page. */

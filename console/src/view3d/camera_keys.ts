@@ -6,8 +6,8 @@ const TURN = Math.PI / 24;
 const ZOOM = 1.1;
 
 /**
- * Keys of the camera: arrows turn it around what it looks at, with Control they move both, plus and
- * minus come closer and go away. Where arrows do something else, these need Shift.
+ * Keys of the camera: arrows turn it around its target, with Control they move both, plus and minus
+ * zoom. Where arrows have another meaning, these need Shift.
  */
 export class CameraKeys {
   readonly #stage: Stage;

@@ -14,7 +14,7 @@ export const SEQUENTIAL: ColourMap = {
   stops: ['440154', '482878', '3e4a89', '31688e', '26828e', '1f9e89', '35b779', '6ece58', 'b5de2b', 'fde725'],
 };
 
-/** From negative over nothing to positive: blue, grey, orange, which all kinds of colour vision tell apart. */
+/** From negative over zero to positive: blue, grey, orange, distinct for all kinds of colour vision. */
 export const DIVERGING: ColourMap = {
   name: 'blue over grey to orange',
   stops: ['0a58a8', '3b87c8', '7fb0d6', 'a9b1b8', 'e0a878', 'e07b26', 'b34700'],

@@ -3,7 +3,7 @@ import { colourAt, type ColourMap, type Range } from './colour';
 
 const STEPS = 32;
 
-/** What colours mean: a quantity with its unit, and the values at both ends, in text beside the colours. */
+/** Meaning of colours: a quantity with its unit, and the values at both ends, in text beside the colours. */
 export class Legend {
   readonly element = h('div', { class: 'legend', hidden: true });
 
@@ -22,7 +22,7 @@ export class Legend {
     this.element.hidden = false;
   }
 
-  /** Nothing is coloured by a value. */
+  /** Hides the legend: no value is shown by colour. */
   hide(): void {
     this.element.hidden = true;
   }

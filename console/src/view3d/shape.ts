@@ -9,7 +9,7 @@ export interface Plane {
   readonly offset_m: number;
 }
 
-/** What a twin consists of: N nodes, C control points, E springs, T triplets. */
+/** Parts of a twin: N nodes, C control points, E springs, T triplets. */
 export interface TwinShape {
   /** Nodes at rest [m], shape [N, 3]. */
   readonly rest: Float32Array;

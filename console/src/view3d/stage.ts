@@ -29,7 +29,7 @@ export class Stage {
   /** The canvas, what is laid over it, and a description for those who do not see it. */
   readonly element: HTMLElement;
   readonly canvas: HTMLCanvasElement;
-  /** For elements that are placed over the picture. */
+  /** Container of elements placed over the picture. */
   readonly overlay: HTMLElement;
   readonly scene = new Scene();
   readonly camera = new PerspectiveCamera(45, 1, 0.005, 200);
@@ -46,7 +46,7 @@ export class Stage {
   readonly #layers = new Set<Layer>();
   readonly #listeners = new Set<(now: number) => boolean>();
   readonly #sharpness = new Sharpness();
-  /** What the camera looks at until someone moves it. */
+  /** Area that the camera frames until the user moves it. */
   #framed: { readonly middle: Vector3; readonly size: number } | null = null;
   #request = 0;
   #disposed = false;
@@ -111,7 +111,7 @@ export class Stage {
     if (this.#description.textContent !== text) this.#description.textContent = text;
   }
 
-  /** Looks at points [M, 3] from the front and from above. */
+  /** Frames points [M, 3] from the front and from above. */
   lookAt(points: Float32Array): void {
     const box = new Box3();
     const point = new Vector3();
@@ -124,7 +124,7 @@ export class Stage {
     this.#look();
   }
 
-  /** Place of the camera and what it looks at, as an address has it. */
+  /** Place and target of the camera, for an address. */
   get view(): string {
     const { position } = this.camera;
     return [...position.toArray(), ...this.controls.target.toArray()].map((x) => x.toFixed(4)).join(',');
@@ -142,7 +142,7 @@ export class Stage {
     return true;
   }
 
-  /** What is seen as a PNG. */
+  /** The current picture as a PNG. */
   picture(): Promise<Blob> {
     this.#sharpness.restore();
     this.#resizeCanvas();
@@ -239,7 +239,7 @@ export class Stage {
   };
 }
 
-/** What draws on a canvas; throws, in words for people, where nothing can. */
+/** Renderer of a canvas; throws, in words for people, if there is none. */
 function rendererOf(canvas: HTMLCanvasElement): WebGLRenderer {
   try {
     return new WebGLRenderer({ canvas, antialias: !drawsInSoftware() });

@@ -33,7 +33,7 @@ class CapturePage {
   readonly #actions = h('div', { class: 'buttons' });
   readonly #faults = faultPlace();
   readonly #settings = h('div');
-  /** State that is shown: what depends on it is drawn anew only when it changes. */
+  /** Displayed state: what depends on it is redrawn only when it changes. */
   #state = '';
 
   constructor(

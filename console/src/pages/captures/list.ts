@@ -9,7 +9,7 @@ import { list } from '../../ui/list';
 import { tagLinks } from '../parts/labels';
 import { filters, refresh } from '../parts/query';
 
-/** Time between two looks at captures that are being read [ms]. */
+/** Interval at which captures that are being read are refreshed [ms]. */
 const REFRESH_MS = 2000;
 
 /** The list of captures. */

@@ -4,7 +4,7 @@ import { count, counted, duration, millimetres, percent } from '../../ui/format'
 import { table } from '../../ui/table';
 import type { CameraReport, Report } from './report';
 
-/** What the report measured of the recording, as facts. */
+/** Measurements of the recording in the report, as facts. */
 export function factsView({
   fps,
   frame_count,
@@ -37,7 +37,7 @@ export function factsView({
   return facts(pairs);
 }
 
-/** What was found of each camera. */
+/** Findings about each camera. */
 export function camerasView(cameras: readonly CameraReport[]): HTMLElement | null {
   if (cameras.length === 0) return null;
   const optional = (value: number | null | undefined, text: (value: number) => string): string =>

@@ -44,7 +44,7 @@ export class LossCharts {
     for (const { plot } of this.#charts.values()) plot.destroy();
   }
 
-  /** Draws a chart, in the place of what was there of its stage. */
+  /** Draws a chart, in place of the previous one of its stage. */
   private draw(chart: StageChart, lines: string): void {
     const known = this.#charts.get(chart.stage);
     known?.plot.destroy();
@@ -68,7 +68,7 @@ export class LossCharts {
   }
 }
 
-/** Tells the last values, unless others are pointed at. */
+/** Shows the last values, unless others are pointed at. */
 function tellLast(plot: uPlot): void {
   if (plot.cursor.idx === null || plot.cursor.idx === undefined) plot.setLegend({ idx: plot.data[0].length - 1 }, false);
 }

@@ -34,7 +34,7 @@ class FitPage {
   readonly #actions = h('div', { class: 'buttons' });
   readonly #faults = faultPlace();
   readonly #result = h('div');
-  /** State that is shown: what depends on it is drawn anew only when it changes. */
+  /** Displayed state: what depends on it is redrawn only when it changes. */
   #state = '';
 
   constructor(

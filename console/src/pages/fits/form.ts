@@ -54,7 +54,7 @@ export class SettingsForm {
     for (const [name, value] of form.others) this.addRow(name, value);
   }
 
-  /** What was typed. */
+  /** The fields as typed. */
   get value(): FitForm {
     return {
       effort: this.#efforts.find(({ checked }) => checked)?.value ?? 'standard',
@@ -67,7 +67,7 @@ export class SettingsForm {
     };
   }
 
-  /** Shows faults at their fields, and gives back those that have none. */
+  /** Shows faults at their fields, and returns those without a field. */
   show(faults: ReadonlyMap<string, string>): string[] {
     const places = new Map(this.#faults);
     for (const { name, fault } of this.rows()) places.set(name.value.trim(), fault);
@@ -157,7 +157,7 @@ export class SettingsForm {
   }
 }
 
-/** Shows what is wrong at a place, and tells it to screen readers at the field beside it. */
+/** Shows a fault at a place, and announces it to screen readers at the field beside it. */
 function mark(place: HTMLElement, text: string): void {
   place.replaceChildren(...(text === '' ? [] : [prose(text)]));
   place.setAttribute('role', 'alert');
@@ -167,7 +167,7 @@ function mark(place: HTMLElement, text: string): void {
   }
 }
 
-/** What a setting means and takes. */
+/** Meaning and values of a setting. */
 function explanation(wanted: string): string {
   const known = KNOWN_SETTINGS.find(([name]) => name === wanted);
   if (known === undefined) return '';

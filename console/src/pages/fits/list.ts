@@ -10,7 +10,7 @@ import { Selection } from '../parts/compare';
 import { tagLinks } from '../parts/labels';
 import { filters, refresh } from '../parts/query';
 
-/** Time between two looks at fits that run [ms]. */
+/** Interval at which running fits are refreshed [ms]. */
 const REFRESH_MS = 2000;
 
 const STATES = {

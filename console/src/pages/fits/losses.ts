@@ -18,7 +18,7 @@ export interface Line {
   readonly values: readonly (number | null)[];
 }
 
-/** What a chart of one stage shows. */
+/** Data of the chart of one stage. */
 export interface StageChart {
   readonly stage: string;
   /** Ascending. */
@@ -58,7 +58,7 @@ function spread(
   });
 }
 
-/** Where a model is: its last iteration, its last loss and its lowest. */
+/** Progress of a model: its last iteration, its last loss and its lowest. */
 export interface LastLoss {
   readonly stage: string;
   readonly variant: string;

@@ -3,7 +3,7 @@ import { h } from '../../ui/dom';
 import { cli, command } from '../../ui/empty';
 import type { Numbers } from './numbers';
 
-/** What to do next, where the way from a recording to a twin that can be moved has not been gone yet. */
+/** Next steps from a recording to a twin that can be moved, while some of them are still to be done. */
 export function nextSteps(numbers: Numbers): HTMLElement {
   const steps = [...stepsOf(numbers)];
   if (steps.length === 0) return h('div');

@@ -16,7 +16,7 @@ export const open: OpenPage = async (context) => {
   const element = h('div');
   let shown = '';
   const draw = (numbers: Numbers): void => {
-    // What has not changed is not drawn anew, for those who select or read it.
+    // Unchanged content is not redrawn, for those who select or read it.
     const text = JSON.stringify(numbers);
     if (text === shown) return;
     shown = text;

@@ -21,7 +21,7 @@ export function captureText(capture: Capture | null): HTMLElement {
   return h('a', { href: `#/captures/${idOf(capture.name)}` }, name(capture.display_name));
 }
 
-/** The same, once it is known. */
+/** A link to a capture, with its name once that is known. */
 export function captureLink(context: PageContext, resource: string): HTMLElement {
   const place = h('span', {}, h('a', { href: `#/${resource}` }, idOf(resource)));
   findCapture(context, resource).then(

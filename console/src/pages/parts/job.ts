@@ -13,7 +13,7 @@ const STAGES: Record<string, string> = {
   evaluate: 'Evaluating',
 };
 
-/** What a job does at this moment, in a sentence; empty when it has ended. */
+/** Current activity of a job, in a sentence; empty when it has ended. */
 export function stageText({ state, progress: at, cancel_requested, attempts }: Job): string {
   if (state === 'QUEUED') return attempts > 0 ? 'Waits for a worker, to go on where it was.' : 'Waits for a worker.';
   if (state !== 'RUNNING') return '';
@@ -26,7 +26,7 @@ export function stageText({ state, progress: at, cancel_requested, attempts }: J
   return `${stage}${variant}${step}${left}.`;
 }
 
-/** How far a job is, live. Its elements stay while it changes. */
+/** Progress of a job, live. Its elements stay while it changes. */
 export class JobView {
   readonly element: HTMLElement;
   readonly #head = h('p', { class: 'job-head' });

@@ -4,7 +4,7 @@ import { field } from '../../ui/form';
 import { problemBox } from '../../ui/problem';
 import { readTags } from './tags';
 
-/** What people say about a capture, a fit or a twin. */
+/** A resource with labels: a capture, a fit or a twin. */
 export interface Labelled {
   readonly display_name: string;
   readonly note: string;

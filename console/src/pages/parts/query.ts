@@ -56,7 +56,7 @@ export function filters(context: PageContext, choices: readonly Choice[], onChan
   return { element, query };
 }
 
-/** Loads something again at intervals while it may change and the window is looked at. */
+/** Reloads something at intervals while it may change and the window is visible. */
 export function refresh(
   context: PageContext,
   ms: number,

@@ -1,7 +1,7 @@
 import type { Fit, Worker } from '../../api/types';
 import { size } from '../../ui/format';
 
-/** What a fit asks of its worker. */
+/** Requirements of a fit on its worker. */
 export type Requirements = Fit['requirements'];
 
 export const ANY_WORKER: Requirements = { backend: '', memory_bytes: 0, labels: [] };
@@ -16,7 +16,7 @@ export function wanted({ backend, memory_bytes: memory, labels }: Requirements):
   return words.length > 0 ? words.join(', ') : 'any';
 }
 
-/** True if a worker is one that is asked for. Where it does not tell its memory, that is left out. */
+/** True if a worker satisfies requirements. An unknown memory counts as enough. */
 export function satisfies(worker: Worker, { backend, memory_bytes: memory, labels }: Requirements): boolean {
   return (
     (backend === '' || backend === worker.backend) &&

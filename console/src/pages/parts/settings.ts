@@ -1,7 +1,7 @@
 /** A JSON object of settings. */
 export type Settings = Record<string, unknown>;
 
-/** What is wrong at a line of settings: its number from 0, or null where it is about all of them. */
+/** A fault in a line of settings: its number from 0, or null if it is about all of them. */
 export interface SettingsFault {
   readonly line: number | null;
   readonly text: string;
@@ -64,8 +64,8 @@ function isGroup(value: unknown): value is Settings {
 }
 
 /**
- * What the server says of settings, by the name of the setting: its messages are `name: text` or
- * `name is 0: text`, with semicolons between them. What has no name stands under the empty one.
+ * Faults in the server's message about settings, by the name of the setting: messages are `name:
+ * text` or `name is 0: text`, separated by semicolons. Faults without a name have the empty one.
  */
 export function faultsByName(detail: string): Map<string, string> {
   const text = detail.replace(/^[^:]*settings are not accepted: /, '');

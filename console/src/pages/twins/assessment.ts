@@ -30,7 +30,7 @@ export function assessmentTone(level: string): Parameters<typeof badge>[1] {
   return TONES[level] ?? 'neutral';
 }
 
-/** Whether a twin is to be trusted, why, and what to do next. */
+/** Assessment of a twin: its level, the reasons, and what to do next. */
 export function assessmentView({ assessment, warnings = [] }: Quality): HTMLElement | null {
   if (assessment === undefined && warnings.length === 0) return null;
   return h(

@@ -37,7 +37,7 @@ export function groupsByShare({ groups, motions }: Identifiability): { group: Op
   return groups.map((group, index) => ({ group, share: share(index) })).sort((a, b) => b.share - a.share);
 }
 
-/** What the recordings leave open, and what to record next; `view` is where the object is coloured by it. */
+/** What the recordings leave open, and what to record next; `view` shows the object coloured by it. */
 export function identifiabilityView({ identifiability: report }: Quality, view: string): HTMLElement | null {
   if (report === undefined) return null;
   return h(

@@ -16,7 +16,7 @@ const TENSORS: readonly (readonly [string, string, string])[] = [
   ['rods.twist_damping', 'Damping of twist', 'N m s/rad'],
 ];
 
-/** What the fit found and with which settings, from the twin's file; `own` are the settings that were asked for. */
+/** Parameters and settings of the fit, from the twin's file; `own` are the settings of the request. */
 export function parametersView(context: PageContext, path: string, own: () => Promise<unknown>): HTMLElement {
   const element = h('section', {}, h('h2', {}, 'Parameters'));
   const load = async (): Promise<void> => {

@@ -89,7 +89,7 @@ export interface Quality {
   };
 }
 
-/** How far the predictions of several fits of one capture are apart, beside the twin's error. */
+/** Distances between the predictions of several fits of one capture, beside the twin's error. */
 export interface Spread {
   /** The twin and its members. */
   readonly fits: number;
@@ -182,14 +182,14 @@ export function measuresOf(rows: readonly Row[]): (readonly [Measure, string])[]
   );
 }
 
-/** A twin's error as the server tells it: in future frames, of tracks, else of coordinates, else of surfaces. */
+/** A twin's error, by the server's rule: in future frames, of tracks, else of coordinates, else of surfaces. */
 export function errorOf({ scores }: Quality): number | null {
   const future = scores?.[0]?.future;
   const found = [future?.track_m, future?.coordinate_m, future?.chamfer_l2_m].find(isNumber);
   return found ?? null;
 }
 
-/** How the fit chose among its starts, in a sentence; null where there was one. */
+/** The choice of the fit among its starts, in a sentence; null for a single start. */
 export function choiceText({ choice }: Quality): string | null {
   if (choice === undefined || choice.losses.length < 2) return null;
   const by =
@@ -199,7 +199,7 @@ export function choiceText({ choice }: Quality): string | null {
   return `Of ${choice.losses.length} starts number ${choice.start + 1} was chosen: it ${by}.`;
 }
 
-/** What the spread of several fits says, in sentences; null where there is one. */
+/** The spread of several fits in sentences; null for a single fit. */
 export function spreadText({ spread }: Quality): string | null {
   if (spread === undefined) return null;
   const { fits, mean_m, error_m, within, rank_correlation } = spread;

@@ -4,7 +4,7 @@ import { counted, percent } from '../../ui/format';
 import { isUnderWay } from './transfers';
 import { take, transfersOf } from './take';
 
-/** Takes files and folders that are dropped anywhere in the window, and tells how far uploads are. */
+/** Takes files and folders that are dropped anywhere in the window, and shows the progress of uploads. */
 export function acceptDrops(api: Api): void {
   const veil = h('div', { class: 'drop-veil', hidden: true, 'aria-hidden': 'true' }, h('p', {}, 'Drop to upload'));
   let depth = 0;

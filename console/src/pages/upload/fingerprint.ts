@@ -25,7 +25,7 @@ function step(lanes: Uint32Array, lane: number, value: number): void {
   lanes[lane] = mixed ^ (mixed >>> 15);
 }
 
-/** What identifies a file without reading it. */
+/** Facts that identify a file without reading it. */
 export interface FileFacts {
   readonly path: string;
   readonly size: number;

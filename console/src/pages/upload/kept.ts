@@ -1,6 +1,6 @@
 const KEY = 'bendtwin.uploads';
 
-/** What people say about a capture when they send it. */
+/** Labels of a capture, given when it is sent. */
 export interface Labels {
   readonly name: string;
   readonly note: string;
@@ -54,7 +54,7 @@ function store(all: readonly Kept[], storage: Storage): void {
   }
 }
 
-/** What stands in the storage may be of another version of this page. */
+/** Checks an entry of the storage, which may be of another version of this page. */
 function isKept(value: unknown): value is Kept {
   if (typeof value !== 'object' || value === null) return false;
   const upload = value as Record<string, unknown>;

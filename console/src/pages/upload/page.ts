@@ -79,7 +79,7 @@ function chooser(text: string, api: PageContext['api'], isFolder: boolean): HTML
   return [button, input];
 }
 
-/** What goes with the files that are taken next. */
+/** Fields of the labels for the next files. */
 function labels(): HTMLElement {
   const given = intake.options;
   const named = h('input', { maxlength: '200', value: given.labels.name });

@@ -13,7 +13,7 @@ export type Package =
       readonly files: readonly FolderFile[];
       /** Files that are not read. */
       readonly left: number;
-      /** What should be known of the files that are left out, in a sentence. */
+      /** Note about the files that are left out, in a sentence. */
       readonly note: string | null;
     };
 

@@ -1,7 +1,7 @@
-/** What a file is, by its content; `motion` is motion capture, which has to be converted first. */
+/** Kind of a file, by its content; `motion` is motion capture, which has to be converted first. */
 export type Content = 'capture' | 'twin' | 'motion' | 'other';
 
-/** Looks at the first bytes of a file. */
+/** Reads the first bytes of a file. */
 export async function contentOf(file: File): Promise<Content> {
   if (/\.npz$/i.test(file.name)) return 'motion';
   const bytes = new Uint8Array(await file.slice(0, 512).arrayBuffer());
@@ -24,7 +24,7 @@ function isTwin(bytes: Uint8Array<ArrayBuffer>, size: number): boolean {
   return length > 1n && length < BigInt(size);
 }
 
-/** What to do with files that are neither a capture nor a twin, or null. */
+/** Advice for files that are neither a capture nor a twin, or null. */
 export function refusal(name: string, content: Content): string | null {
   if (content === 'motion') {
     return `${name} is motion capture, which the command bendtwin capture push converts and sends.`;

@@ -8,7 +8,7 @@ import { contentOf, refusal } from './sniff';
 import { Transfers } from './transfers';
 import { packagesOfDrop, packagesOfFiles } from './tree';
 
-/** What goes with files that are taken next. */
+/** Options for the next files. */
 export interface Options {
   readonly labels: Labels;
   /** Settings of the ingest as JSON, or empty. */

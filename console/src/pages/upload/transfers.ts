@@ -18,7 +18,7 @@ export interface Transfer {
   readonly source: Package;
   readonly sizeBytes: number;
   readonly state: TransferState;
-  /** What the server has on disk [bytes]. */
+  /** Bytes that the server has on disk. */
   readonly offset: number;
   /** Rate since the upload last began or resumed [bytes/s]; null until that is known. */
   readonly rate: number | null;
@@ -28,7 +28,7 @@ export interface Transfer {
   readonly error: unknown;
 }
 
-/** What the manager itself knows of one. */
+/** State of an upload that only the manager knows. */
 interface Job {
   shown: Transfer;
   readonly kept: Kept;

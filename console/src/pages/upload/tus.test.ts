@@ -67,7 +67,7 @@ describe('an upload', () => {
     const server = new Server(BYTES);
     let lost = 0;
     server.trouble = (method) => {
-      // The bytes are stored, but nobody hears of it.
+      // The bytes are stored, but the reply is lost.
       if (method === 'PATCH' && (lost += 1) === 1) throw new ServerLost();
     };
     const { capture, waits } = run(server);

@@ -11,7 +11,7 @@ const PART_MS = 1000;
 /** Statuses that pass: no token yet, timeouts, a wrong offset, a sender that is still being ended, full queues. */
 const PASSING = [401, 408, 409, 423, 429, 503, 504];
 
-/** Statuses of an upload that is there no more. */
+/** Statuses of an upload that no longer exists. */
 const GONE = [404, 410];
 
 /** A resumable upload by the tus protocol. */
@@ -35,7 +35,7 @@ export class FilesChanged extends Error {
   }
 }
 
-/** What came of an upload. */
+/** Outcome of an upload. */
 export interface Sent {
   /** `captures/{uuid}` */
   readonly capture: string;

@@ -13,7 +13,7 @@ const KEYS: readonly (readonly [string, string])[] = [
   ['Gamepad', 'left stick along the ground, right stick up and down, A grasps and lets go, shoulder buttons select'],
 ];
 
-/** What mouse, keys and gamepad do. */
+/** Help for mouse, keys and gamepad. */
 export function helpPanel(): HTMLElement {
   return panel('Mouse, keys and gamepad', false,
     h('dl', { class: 'keys' }, ...KEYS.flatMap(([key, effect]) => [h('dt', {}, key), h('dd', {}, effect)])));

@@ -19,7 +19,7 @@ const COLOURS: Readonly<Record<ColourBy, string>> = {
   uncertainty: 'uncertainty (the skin)',
 };
 
-/** What is shown of a twin. */
+/** Settings of the picture of a twin. */
 export interface Look {
   readonly layers: Set<TwinLayer>;
   colour: ColourBy;
@@ -42,7 +42,7 @@ export function writeLook(look: Look, query: URLSearchParams): void {
   if (look.colour !== 'none') query.set('colour', look.colour);
 }
 
-/** What a twin at rest can be coloured by, from what is known of it. */
+/** Values by which a twin at rest can be coloured, as far as they are available. */
 export function coloursOf({ springStiffness, skinSd }: Pick<TwinShape, 'springStiffness' | 'skinSd'>): ColourBy[] {
   const known: readonly (readonly [ColourBy, boolean])[] = [
     ['none', true],

@@ -26,7 +26,7 @@ export class CollidersLayer implements Layer {
     return this.object.children.flatMap((child) => child.children) as Mesh[];
   }
 
-  /** Shows obstacles; their memory is made anew only if they have other shapes. */
+  /** Shows obstacles; their memory is reallocated only if they have other shapes. */
   set(colliders: readonly Collider[]): void {
     const shape = JSON.stringify(colliders.map(({ sphere, capsule, cuboid }) => [sphere, capsule, cuboid]));
     if (shape === this.#shape) return;

@@ -3,7 +3,7 @@ import { SEQUENTIAL, type ColourMap, type Range } from '../colour';
 import type { Layer } from '../stage';
 import { mapTexture } from './map_texture';
 
-/** How points look. */
+/** Style of points. */
 export interface PointStyle {
   /** Diameter [m]. */
   readonly size: number;

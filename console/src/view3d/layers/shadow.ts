@@ -26,7 +26,7 @@ const FRAGMENT = /* glsl */ `
   }
 `;
 
-/** Spots below points on the ground, which tell how high they are. It shares the points' memory. */
+/** Spots below points on the ground, which show their height. They share the points' memory. */
 export class ShadowLayer implements Layer {
   readonly object: Points<BufferGeometry, ShaderMaterial>;
   readonly #uniforms = { plane: { value: [0, 0, 1, 0] }, size: { value: 0.01 }, height: { value: 1 } };
