@@ -1,5 +1,5 @@
-//! The life of a worker: open the device, register, lease jobs and answer
-//! rollouts until asked to end, then hand back what is unfinished.
+//! The life of a worker: open the device, register, lease jobs and answer rollouts until asked to
+//! end, then hand back what is unfinished.
 
 use std::{
     future::pending,

@@ -26,8 +26,7 @@ use crate::{
 /// Weight of a point of the completed surface beside one that was seen.
 const COMPLETED_WEIGHT: f32 = 0.5;
 /// Farthest distance of a twin's node from its tracked point in the first frame of the twin's
-/// capture
-/// [m], and the share of nodes for which that holds.
+/// capture [m], and the share of nodes for which that holds.
 const SAME_M: f64 = 1e-3;
 const SAME_SHARE: f64 = 0.9;
 

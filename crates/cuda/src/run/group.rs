@@ -219,9 +219,8 @@ impl Group {
 
     /// Calls `run` with a launch for all teams of these instances, and the first of them; several
     /// times where not all teams can be resident together though their blocks wait for each other.
-    /// The
-    /// instances' arguments are complete for the specialization, and what they point to lives until
-    /// the queue has been waited for.
+    /// The instances' arguments are complete for the specialization, and what they point to lives
+    /// until the queue has been waited for.
     fn for_teams(
         &self,
         queue: &Queue,
