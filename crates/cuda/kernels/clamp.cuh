@@ -166,7 +166,7 @@ DEVICE RodSpan rod_span_of(const InstanceArgs& instance, u32 frame, u32 r, u32 i
         s.inverse_share = __ldcg(&from->inverse_share);
         s.kept = __ldcg(&from->kept);
         s.roll_rate = __ldcg(&from->roll_rate);
-        s.unused = 0;
+        s.pad = 0;
         return s;
     }
 #endif

@@ -49,7 +49,7 @@ DEVICE float3 distance_bar(const FrameStart& s, u32 row, u32 node, float3 x, flo
 struct FindClearancesArgs {
     const InstanceArgs* instances;
     u32 frame;
-    u32 unused;
+    u32 pad;
 };
 
 extern "C" __global__ void __launch_bounds__(THREADS)

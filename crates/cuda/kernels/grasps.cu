@@ -17,7 +17,7 @@ struct CollectMotionArgs {
     float* const* poses;  // by instance: d loss / d poses, [frames + 1][B][3][4]; null if not wanted
     float* const* rolls;  // by instance: d loss / d rolls, [frames + 1][R][2]
     u32 starts;           // whether it is the adjoint of how the rollout starts
-    u32 unused;
+    u32 pad;
 };
 
 // Adds `from` and `to` times [o, 1] transposed to those of a node by the poses of a body.

@@ -87,7 +87,7 @@ struct StepArgs {
     float frame_s;
     u32 substeps;   // of a frame
     u32 controls_move;
-    u32 unused;
+    u32 pad;
 };
 
 // States that frames begin and end in.
@@ -99,7 +99,7 @@ struct StateArgs {
     u32 slot_count;
     u32 first_frame;        // frame that the launch's frame 0 is
     u32 frame_count;        // frames to run; in the rest of a launch the instance does not change
-    u32 unused;
+    u32 pad;
 };
 
 // Records of substeps for the backward pass.
@@ -147,7 +147,7 @@ struct TeamArgs {
     u32* barrier;        // counts a grid's blocks
     float4* spill;       // per block: what shared memory has no room for
     u32 spill_stride;    // float4s of a block's spill
-    u32 unused;
+    u32 pad;
 };
 
 // A rigid obstacle: a capsule, or where it has faces the part of space behind all of them.
@@ -187,7 +187,7 @@ struct RodSpan {
     float inverse_share;  // of the rod's length
     float kept;           // share of the twist beyond its rest that the frame begins with
     float roll_rate;      // rate of the twist that clamps impose [rad/s]
-    u32 unused;
+    u32 pad;
 };
 
 // What surrounds the object, and the memory that goes with it. A boundary `f` is the start of frame
@@ -219,7 +219,7 @@ struct WorldArgs {
     u32 grasp_count;           // G
     u32 slot_count;
     float smoothing;           // width of the layer in which ground and colliders act [m]
-    u32 unused;
+    u32 pad;
 };
 
 // The skin of a model: points of its surface that nodes carry.
@@ -239,7 +239,7 @@ struct SkinArgs {
     const u32* borne_starts;    // [N + 1]: first of the points that each node bears
     const u32* borne;           // ascending for each node
     u32 point_count;            // M
-    u32 unused;
+    u32 pad;
 };
 
 // Contact of the skin: distances at which nodes touch the ground (row 0) and colliders (1 + k).

@@ -305,7 +305,7 @@ struct AdvanceFramesArgs {
     u32 first, end;  // frames
     u32 from, to;    // substeps that go onto tape
     u32 keep;        // whether frames store the states that they end in
-    u32 unused;
+    u32 pad;
 };
 
 // Runs frames `first..end` of each instance. With TAPE, each only as far as substep `to`, and what

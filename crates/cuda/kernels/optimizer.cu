@@ -16,7 +16,7 @@ struct SquareLengthsArgs {
     const float* params;
     const u32* indices;             // [count]
     u32 count;                      // coordinates
-    u32 unused;
+    u32 pad;
 };
 
 // Sums of squares of d loss / d theta, one number a block, of gradient `blockIdx.y`.
@@ -102,7 +102,7 @@ struct StepAdamArgs {
     double epsilon;
     u32 count;              // coordinates
     u32 angles, angles_end; // parameters that are rest angles
-    u32 unused;
+    u32 pad;
 };
 
 // One step of Adam down that sum, and back to the start by a share of the distance; parameters

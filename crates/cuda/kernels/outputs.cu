@@ -13,7 +13,7 @@ struct OutputArgs {
     float* extremes;        // [all frames][3]: largest strain, that to a control point, speed
     u32 node_count, recorded_nodes, recorded_frames, slot_count;
     u32 spring_count, control_count, frame_count;
-    u32 unused;
+    u32 pad;
 };
 
 struct RecordArgs {

@@ -44,7 +44,7 @@ struct PackBendsArgs {
     u32 count;
     u32 spring_count;       // E
     u32 triplet_count;      // T
-    u32 unused;
+    u32 pad;
 };
 
 // Triplets as one shape of launch wants them.
@@ -102,7 +102,7 @@ struct FinishGradientArgs {
     u32 spring_count;      // E
     u32 hinge_count;       // triplets and rods
     u32 block_count;
-    u32 unused;
+    u32 pad;
 };
 
 // d loss / d parameters from the spring sums [3][E], the bend sums [3][T], those of rods [3][R] and
@@ -135,7 +135,7 @@ struct CollectControlsArgs {
     const InstanceArgs* instances;
     float* const* outs;    // by instance: [frames + 1][C][3]
     u32 block_count;
-    u32 unused;
+    u32 pad;
 };
 
 // Adds a frame's d loss / d (from, to, velocity) of control points and pins to d loss / d controls,
@@ -192,7 +192,7 @@ struct AddSeedsArgs {
     const InstanceArgs* instances;
     const float* const* seeds;  // by instance: d loss / d positions, [3][N]
     u32 begins;                 // whether the backward pass begins here
-    u32 unused;
+    u32 pad;
 };
 
 // Starts or resumes a window: d loss / d state at the end of frame `StateArgs::first_frame` - 1 is

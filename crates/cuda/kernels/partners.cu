@@ -114,7 +114,7 @@ DEVICE u32 collect_near(const Search& s, const u32* starts, u32 node, float limi
 struct FindPartnersArgs {
     const InstanceArgs* instances;
     u32 frame;
-    u32 unused;
+    u32 pad;
 };
 
 extern "C" __global__ void __launch_bounds__(THREADS)

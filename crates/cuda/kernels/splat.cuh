@@ -25,7 +25,7 @@ struct SplatSet {
     const float* colors;        // [count][3]
     const float* opacities;     // [count]
     u32 count;
-    u32 unused;
+    u32 pad;
 };
 
 DEVICE float4 row(const SplatCamera& camera, int r) {

@@ -72,7 +72,7 @@ struct SplatScanArgs {
     u32* values;    // [count]: become sums of those before
     u64* total;
     u32 count;
-    u32 unused;
+    u32 pad;
 };
 
 // Sums of all before, by one block.
@@ -169,7 +169,7 @@ struct SplatCountsArgs {
     const u32* order;   // [count]: indices by depth
     u32* offsets;       // [count] by depth
     u32 count;
-    u32 unused;
+    u32 pad;
 };
 
 // Counts of tiles in the order of depths.
@@ -189,7 +189,7 @@ struct SplatExpandArgs {
     u32* values;            // [intersections]: intersection
     u32* owners;            // [intersections]: index of the Gaussian
     u32 count;
-    u32 unused;
+    u32 pad;
 };
 
 // Intersections of Gaussians with tiles, by depth and then by tile, a thread for a Gaussian.
@@ -215,7 +215,7 @@ struct SplatRangesArgs {
     u32* entries;       // [count]: Gaussians in this order
     uint2* ranges;      // [tiles]: first entry and end; zeros before
     u32 count;
-    u32 unused;
+    u32 pad;
 };
 
 // Entries of each tile.

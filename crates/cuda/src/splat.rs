@@ -154,13 +154,13 @@ impl CudaRasteriser {
             order: m.depths.values[0].address(),
             offsets: m.offsets.address(),
             count: count as u32,
-            unused: 0,
+            pad: 0,
         };
         let scan = SplatScanArgs {
             values: m.offsets.address(),
             total: m.total.address(),
             count: count as u32,
-            unused: 0,
+            pad: 0,
         };
         // SAFETY: as above; the order has indices below `count` only.
         unsafe {
@@ -195,7 +195,7 @@ impl CudaRasteriser {
             values: m.tiles.values[0].address(),
             owners: m.owners.address(),
             count: count as u32,
-            unused: 0,
+            pad: 0,
         };
         // SAFETY: the arrays of intersections have as many entries as the counts add up to.
         unsafe { kernels::splat_expand(&self.queue.grid(blocks(count), 1, 1), &expand)? };
@@ -208,7 +208,7 @@ impl CudaRasteriser {
             entries: m.entries.address(),
             ranges: m.ranges.address(),
             count: intersections as u32,
-            unused: 0,
+            pad: 0,
         };
         let grid = self.queue.grid(blocks(intersections), 1, 1);
         // SAFETY: keys are tiles of the camera, for each of which there is a range.

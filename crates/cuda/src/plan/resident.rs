@@ -136,7 +136,7 @@ impl Resident {
             count: triplets,
             spring_count,
             triplet_count,
-            unused: 0,
+            pad: 0,
         };
         let launch = Launch::new(device, &device.normal, [triplets.div_ceil(THREADS), 1, 1]);
         // SAFETY: as above, for T triplets.
@@ -184,7 +184,7 @@ impl Packed {
                 frame_s: model.timing.frame_s() as f32,
                 substeps: model.timing.substeps,
                 controls_move: u32::from(model.control_velocity == ControlVelocity::True),
-                unused: 0,
+                pad: 0,
             },
             tape: TapeArgs { slot_of: self.cut.tape_slots.address(), ..TapeArgs::default() },
             contact: ContactArgs {

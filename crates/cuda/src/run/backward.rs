@@ -231,7 +231,7 @@ impl Backward<'_> {
             spring_count: e as u32,
             hinge_count: t as u32,
             block_count: blocks as u32,
-            unused: 0,
+            pad: 0,
         };
         let length = 3 * (e + t) + LAWS;
         let launch = simulation.queue.grid((length as u32).div_ceil(THREADS), 1, 1);

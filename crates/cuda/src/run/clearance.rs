@@ -99,7 +99,7 @@ pub(crate) fn find_clearances(
     of: InstanceSpan,
     frame: u32,
 ) -> Result<(), Error> {
-    let args = FindClearancesArgs { instances: of.address, frame, unused: 0 };
+    let args = FindClearancesArgs { instances: of.address, frame, pad: 0 };
     let launch = Launch::new(&queue.device, stream, [of.count as u32, 1, 1]);
     // SAFETY: the instances have arrays for all nodes, surfaces and points, and the skin by node; the
     // kernel reads frames that exist.

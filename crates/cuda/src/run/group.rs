@@ -195,7 +195,7 @@ impl Group {
                 from: taped.start,
                 to: taped.end,
                 keep: u32::from(*keep),
-                unused: 0,
+                pad: 0,
             };
             // SAFETY: as `for_teams` says; frames and substeps are the instances'.
             unsafe { kernels::advance_frames(launch, &args) }

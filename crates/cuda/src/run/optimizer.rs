@@ -275,7 +275,7 @@ impl DeviceRun {
             params: self.resident.params.address(),
             indices: self.indices.address(),
             count: self.indices.len() as u32,
-            unused: 0,
+            pad: 0,
         };
         let launch = queue.grid(NORM_BLOCKS, ended.len() as u32, 1);
         // SAFETY: the gradients are of this run's parameters, which the indices count.
@@ -355,7 +355,7 @@ impl DeviceRun {
             count,
             angles: 3 * e + 2 * t,
             angles_end: 3 * e + 3 * t,
-            unused: 0,
+            pad: 0,
         };
         // SAFETY: all arrays have a value for every coordinate, and indices are those of
         // parameters.

@@ -105,7 +105,7 @@ impl RecordedOutputs {
                 spring_count: graph.springs.len() as u32,
                 control_count: graph.control_count() as u32,
                 frame_count: instance.frames as u32,
-                unused: 0,
+                pad: 0,
             });
         }
         let output_args = Buffer::of(stream, &output_args)?;

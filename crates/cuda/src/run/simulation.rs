@@ -306,7 +306,7 @@ impl<'a> Simulation<'a> {
         of: InstanceSpan,
         frame: u32,
     ) -> Result<(), Error> {
-        let args = FindPartnersArgs { instances: of.address, frame, unused: 0 };
+        let args = FindPartnersArgs { instances: of.address, frame, pad: 0 };
         let launch = Launch::new(&self.queue.device, stream, [of.count as u32, 1, 1]);
         // SAFETY: instances with contact have its arrays; the kernel reads frames that exist.
         unsafe { kernels::find_partners(&launch, &args) }

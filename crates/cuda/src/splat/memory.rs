@@ -214,7 +214,7 @@ impl Memory {
             colors: self.numbers.at(layout.colors),
             opacities: self.numbers.at(layout.opacities),
             count: count as u32,
-            unused: 0,
+            pad: 0,
         }
     }
 

@@ -57,7 +57,7 @@ pub(super) fn sort(
             values: histograms.address(),
             total: total.address(),
             count: histogram_len(count) as u32,
-            unused: 0,
+            pad: 0,
         };
         let scatter = SplatScatterArgs {
             keys: pairs.keys[from].address(),

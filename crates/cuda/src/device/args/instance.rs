@@ -118,7 +118,7 @@ device_struct! {
         frame_s: f32,
         substeps: u32,
         controls_move: u32,
-        unused: u32,
+        pad: u32,
     }
 }
 
@@ -132,7 +132,7 @@ device_struct! {
         slot_count: u32,
         first_frame: u32,
         frame_count: u32,
-        unused: u32,
+        pad: u32,
     }
 }
 
@@ -189,7 +189,7 @@ device_struct! {
         barrier: Pointer<u32>,
         spill: Pointer<[f32; 4]>,
         spill_stride: u32,
-        unused: u32,
+        pad: u32,
     }
 }
 
@@ -239,7 +239,7 @@ device_struct! {
         inverse_share: f32,
         kept: f32,
         roll_rate: f32,
-        unused: u32,
+        pad: u32,
     }
 }
 
@@ -272,7 +272,7 @@ device_struct! {
         grasp_count: u32,
         slot_count: u32,
         smoothing: f32,
-        unused: u32,
+        pad: u32,
     }
 }
 

@@ -19,7 +19,7 @@ device_struct! {
         from: u32,
         to: u32,
         keep: u32,
-        unused: u32,
+        pad: u32,
     }
 }
 
@@ -37,7 +37,7 @@ device_struct! {
     FindPartnersArgs {
         instances: Pointer<InstanceArgs>,
         frame: u32,
-        unused: u32,
+        pad: u32,
     }
 }
 
@@ -46,7 +46,7 @@ device_struct! {
     FindClearancesArgs {
         instances: Pointer<InstanceArgs>,
         frame: u32,
-        unused: u32,
+        pad: u32,
     }
 }
 
@@ -73,7 +73,7 @@ device_struct! {
         poses: Pointer<Pointer<f32>>,
         rolls: Pointer<Pointer<f32>>,
         starts: u32,
-        unused: u32,
+        pad: u32,
     }
 }
 
@@ -152,7 +152,7 @@ device_struct! {
         count: u32,
         spring_count: u32,
         triplet_count: u32,
-        unused: u32,
+        pad: u32,
     }
 }
 
@@ -179,7 +179,7 @@ device_struct! {
         spring_count: u32,
         hinge_count: u32,
         block_count: u32,
-        unused: u32,
+        pad: u32,
     }
 }
 
@@ -189,7 +189,7 @@ device_struct! {
         instances: Pointer<InstanceArgs>,
         outs: Pointer<Pointer<[f32; 3]>>,
         block_count: u32,
-        unused: u32,
+        pad: u32,
     }
 }
 
@@ -199,7 +199,7 @@ device_struct! {
         instances: Pointer<InstanceArgs>,
         seeds: Pointer<Pointer<f32>>,
         begins: u32,
-        unused: u32,
+        pad: u32,
     }
 }
 
@@ -211,7 +211,7 @@ device_struct! {
         params: Pointer<f32>,
         indices: Pointer<u32>,
         count: u32,
-        unused: u32,
+        pad: u32,
     }
 }
 
@@ -262,7 +262,7 @@ device_struct! {
         count: u32,
         angles: u32,
         angles_end: u32,
-        unused: u32,
+        pad: u32,
     }
 }
 

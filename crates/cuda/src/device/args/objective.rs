@@ -63,7 +63,7 @@ device_struct! {
         borne_starts: Pointer<u32>,
         borne: Pointer<u32>,
         point_count: u32,
-        unused: u32,
+        pad: u32,
     }
 }
 
@@ -118,6 +118,6 @@ device_struct! {
         spring_count: u32,
         control_count: u32,
         frame_count: u32,
-        unused: u32,
+        pad: u32,
     }
 }

@@ -26,7 +26,7 @@ device_struct! {
         colors: Pointer<f32>,
         opacities: Pointer<f32>,
         count: u32,
-        unused: u32,
+        pad: u32,
     }
 }
 
@@ -78,7 +78,7 @@ device_struct! {
         values: Pointer<u32>,
         total: Pointer<u64>,
         count: u32,
-        unused: u32,
+        pad: u32,
     }
 }
 
@@ -102,7 +102,7 @@ device_struct! {
         order: Pointer<u32>,
         offsets: Pointer<u32>,
         count: u32,
-        unused: u32,
+        pad: u32,
     }
 }
 
@@ -119,7 +119,7 @@ device_struct! {
         values: Pointer<u32>,
         owners: Pointer<u32>,
         count: u32,
-        unused: u32,
+        pad: u32,
     }
 }
 
@@ -132,7 +132,7 @@ device_struct! {
         entries: Pointer<u32>,
         ranges: Pointer<[u32; 2]>,
         count: u32,
-        unused: u32,
+        pad: u32,
     }
 }
 

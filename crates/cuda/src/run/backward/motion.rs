@@ -114,7 +114,7 @@ impl MotionOuts {
             poses: at(&self.poses),
             rolls: at(&self.rolls),
             starts: u32::from(starts),
-            unused: 0,
+            pad: 0,
         };
         // SAFETY: the instances have their sums and the outputs a row for every boundary.
         unsafe { kernels::collect_motion(&queue.grid(of.count as u32, 1, 1), &args) }

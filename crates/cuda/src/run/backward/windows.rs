@@ -384,7 +384,7 @@ impl<'a> ConcurrentWindows<'a> {
         begins: bool,
     ) -> Result<(), Error> {
         let begins = u32::from(begins);
-        let args = AddSeedsArgs { instances: of.address, seeds, begins, unused: 0 };
+        let args = AddSeedsArgs { instances: of.address, seeds, begins, pad: 0 };
         let blocks = (self.arrays.nodes as u32).div_ceil(THREADS);
         let launch = self.simulation().queue.grid(blocks, of.count as u32, 1);
         // SAFETY: every instance has its derivatives and a seed of as many nodes.
@@ -413,7 +413,7 @@ impl<'a> ConcurrentWindows<'a> {
         let controls =
             batch.group.instances().first().map_or(0, |args| args.topology.control_count);
         let block_count = batch.group.plan.team.blocks;
-        let args = CollectControlsArgs { instances: of.address, outs, block_count, unused: 0 };
+        let args = CollectControlsArgs { instances: of.address, outs, block_count, pad: 0 };
         let queue = self.simulation().queue;
         let launch = queue.grid(controls.div_ceil(THREADS), of.count as u32, 1);
         // SAFETY: an instance has its sums, and the output the frames `first_frame` and the next.
