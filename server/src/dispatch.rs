@@ -27,7 +27,7 @@ use std::{
 };
 
 use bendtwin_core::ids::{TwinId, WorkerId};
-use bendtwin_store::{Capabilities, Job, Kind, Loss, Store, Worker};
+use bendtwin_store::{Capabilities, Job, Kind, WorkerEnd, Store, Worker};
 use bendtwin_tls::Connector;
 use tokio_util::sync::CancellationToken;
 
@@ -197,13 +197,13 @@ impl Dispatch {
     }
 
     /// Reason for the loss of a worker's attempts, if it is gone.
-    pub(crate) fn loss(&self, worker: WorkerId) -> Loss {
+    pub(crate) fn worker_end(&self, worker: WorkerId) -> WorkerEnd {
         let shared = self.store.is_shared();
         let was_at_rollouts =
             |e: &Arc<Entry>| e.executing.was_under_way() || shared && e.has_others_rollouts();
         match self.lock().get(&worker).is_some_and(was_at_rollouts) {
-            true => Loss::Rollout,
-            false => Loss::Worker,
+            true => WorkerEnd::DuringRollout,
+            false => WorkerEnd::Lost,
         }
     }
 

@@ -38,7 +38,7 @@ pub(crate) use bucket::{Bucket, Multipart, PART};
 pub use content::Content;
 pub(crate) use folder::Folder;
 pub(crate) use partial::object as partial_objects;
-use place::Opened;
+use place::ObjectReader;
 pub(crate) use place::{Place, own};
 pub(crate) use staged::At;
 pub use staged::Staged;

@@ -12,7 +12,7 @@ use crate::{
     clock::from_micros,
     deleted_requests::{self, Kind},
     failpoint::Failpoint,
-    jobs::{self, Asked},
+    jobs::{self, JobOrigin},
     labels::{self, Collection},
     observations,
     quotas::{self, More},
@@ -182,7 +182,7 @@ impl Captures<'_> {
         if let Some(upload) = upload {
             uploads::stored(&mut tx, upload, id).await?;
         }
-        let asked = Asked {
+        let asked = JobOrigin {
             owner: &creator.owner,
             trace_parent: new.trace_parent.as_deref(),
             requirements: &requirements,
@@ -339,7 +339,7 @@ impl Captures<'_> {
         .fetch_all(&mut tx)
         .await?;
         for capture in &old {
-            jobs::enqueue(&mut tx, capture, "{}", Asked::default(), self.store.now_micros())
+            jobs::enqueue(&mut tx, capture, "{}", JobOrigin::default(), self.store.now_micros())
                 .await?;
         }
         tx.commit().await?;

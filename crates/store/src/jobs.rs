@@ -32,10 +32,10 @@ use crate::{
 pub use claim::Claimant;
 #[cfg(test)]
 pub(crate) use claim::statement as claim_statement;
-pub use end::{AttemptEnd, Loss};
+pub use end::{AttemptEnd, WorkerEnd};
 pub use fits::NewFit;
 pub use id::{JobId, Kind};
-pub(crate) use ingests::{Asked, admit_ingest, dequeue, enqueue};
+pub(crate) use ingests::{JobOrigin, admit_ingest, dequeue, enqueue};
 pub use ingests::{IngestResult, NewIngest, NewReport};
 pub use lease::{JobReport, Lease, Reported};
 pub use lease_time::LeaseTerms;

@@ -136,7 +136,7 @@ pub use disk::Disk;
 pub use error::{Error, Result};
 pub use jobs::{
     AttemptEnd, Capabilities, Claimant, IngestResult, Job, JobId, JobReport, Jobs, Kind, Lease,
-    LeaseTerms, Loss, MAX_INTERRUPTED_ATTEMPTS, MAX_STALLED_ATTEMPTS, NewFit, NewIngest, NewReport,
+    LeaseTerms, WorkerEnd, MAX_INTERRUPTED_ATTEMPTS, MAX_STALLED_ATTEMPTS, NewFit, NewIngest, NewReport,
     QueueDepth, Reported, Requirements, State,
 };
 pub use keys::{Key, Keys, NewKey};

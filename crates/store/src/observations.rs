@@ -37,7 +37,7 @@ pub struct Report {
 }
 
 /// Results to be stored.
-pub(crate) struct Made {
+pub(crate) struct NewResults {
     /// Digest and size.
     pub(crate) observation: Option<(Digest, u64)>,
     /// Digest and size; only beside an observation.
@@ -169,7 +169,7 @@ pub(crate) async fn digest_of(tx: &mut Transaction, capture: &str) -> Result<Opt
 pub(crate) async fn replace(
     tx: &mut Transaction,
     capture: &str,
-    made: &Made,
+    made: &NewResults,
     now: i64,
 ) -> Result<Vec<String>> {
     let mut obsolete = forget_report(tx, capture).await?;

@@ -35,7 +35,7 @@ use crate::{
     clock::micros_after,
     sql::{Transaction, query, query_scalar},
 };
-use lease::{Held, locked};
+use lease::{WriteLease, locked};
 use row::Row;
 
 pub use create::{NewResumableUpload, UploadBounds};
@@ -100,7 +100,7 @@ impl Uploads<'_> {
         let sitting = self.store.inner.seats.take(id, patience).await;
         let sitting = sitting.ok_or_else(|| locked(id))?;
         let left = patience.saturating_sub(began.elapsed());
-        let held = Held::among_servers(self.store, id, sitting, left).await?;
+        let held = WriteLease::among_servers(self.store, id, sitting, left).await?;
         let held = held.ok_or_else(|| locked(id))?;
         // Read again: it is ours only now.
         let upload = self.get(id).await?;
@@ -113,7 +113,7 @@ impl Uploads<'_> {
     /// Claims an upload that has no writer.
     async fn claim_idle(&self, id: UploadId) -> Result<Option<UploadWriter>> {
         let Some(sitting) = self.store.inner.seats.take_idle(id) else { return Ok(None) };
-        let held = Held::among_servers(self.store, id, sitting, Duration::ZERO).await?;
+        let held = WriteLease::among_servers(self.store, id, sitting, Duration::ZERO).await?;
         let Some(held) = held else { return Ok(None) };
         let upload = self.get(id).await?;
         Ok(Some(UploadWriter::new(self.store.clone(), held, upload)))

@@ -7,7 +7,7 @@ use bendtwin_core::{
     ids::{CaptureId, TwinId, WorkerId},
 };
 use bendtwin_store::{
-    AttemptEnd, Capture, Claimant, Content, Job, JobId, JobReport, Kind, Lease, LeaseTerms, Loss,
+    AttemptEnd, Capture, Claimant, Content, Job, JobId, JobReport, Kind, Lease, LeaseTerms, WorkerEnd,
     Observation, State, TwinFacts,
 };
 
@@ -230,10 +230,10 @@ impl App {
     /// Ends the attempts of a worker process that has ended: its jobs are requeued immediately. If
     /// the server itself ended it, the attempts do not count.
     pub(crate) async fn worker_gone(&self, worker: WorkerId) -> Result<()> {
-        let loss =
-            if self.stopping.is_cancelled() { Loss::Server } else { self.dispatch.loss(worker) };
+        let end =
+            if self.stopping.is_cancelled() { WorkerEnd::ByServer } else { self.dispatch.worker_end(worker) };
         self.dispatch.remove(worker);
-        for job in self.store.jobs().forfeit(worker, loss).await? {
+        for job in self.store.jobs().forfeit(worker, end).await? {
             self.note_end(&job);
         }
         self.store.workers().forget(worker).await?;
@@ -254,8 +254,8 @@ impl App {
         }
         // The lease of a job may run out here a moment before its server has been silent for one:
         // that is judged by its server, or when that is found gone.
-        let loss = |worker| (!elsewhere.contains(&worker)).then(|| self.dispatch.loss(worker));
-        for job in self.store.jobs().sweep(terms, loss).await? {
+        let worker_end = |worker| (!elsewhere.contains(&worker)).then(|| self.dispatch.worker_end(worker));
+        for job in self.store.jobs().sweep(terms, worker_end).await? {
             self.note_end(&job);
         }
         Ok(())

@@ -9,7 +9,7 @@ use std::{
 };
 
 use bendtwin_core::ids::{ServerId, WorkerId};
-use bendtwin_store::{Loss, Server, Worker};
+use bendtwin_store::{WorkerEnd, Server, Worker};
 use uuid::Uuid;
 
 use super::{App, Error, Result};
@@ -207,7 +207,7 @@ impl App {
     /// Forgets a worker that ended with its server, or in good order: its attempts do not count.
     pub(super) async fn forfeit(&self, worker: WorkerId) -> Result<()> {
         self.dispatch.remove(worker);
-        for job in self.store.jobs().forfeit(worker, Loss::Server).await? {
+        for job in self.store.jobs().forfeit(worker, WorkerEnd::ByServer).await? {
             self.note_end(&job);
         }
         self.store.workers().forget(worker).await?;

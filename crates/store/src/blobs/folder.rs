@@ -16,7 +16,7 @@ use object_store::{
 use tokio::io::{AsyncReadExt as _, AsyncSeekExt as _, SeekFrom};
 use tokio_util::io::ReaderStream;
 
-use super::{CHUNK, INCOMING, Opened, PUBLISHED, files, published};
+use super::{CHUNK, INCOMING, ObjectReader, PUBLISHED, files, published};
 use crate::{Error, Result, folder};
 
 /// Age from which a file in a shared `incoming` is of a server that is gone.
@@ -109,13 +109,13 @@ impl Folder {
         &self,
         path: &Path,
         range: Option<Range<u64>>,
-    ) -> Result<Option<Opened>> {
+    ) -> Result<Option<ObjectReader>> {
         let options = GetOptions { range: range.map(GetRange::Bounded), ..GetOptions::default() };
         match self.objects.get_opts(path, options).await {
             Err(object_store::Error::NotFound { .. }) => Ok(None),
             got => {
                 let got = got?;
-                Ok(Some(Opened { size_bytes: got.meta.size, chunks: chunks(got).await? }))
+                Ok(Some(ObjectReader { size_bytes: got.meta.size, chunks: chunks(got).await? }))
             }
         }
     }

@@ -10,7 +10,7 @@ use super::{Bucket, Folder, Location, ObjectsUrl, files, published};
 use crate::Result;
 
 /// An object that is being read.
-pub(super) struct Opened {
+pub(super) struct ObjectReader {
     /// Size of all of it [bytes].
     pub(super) size_bytes: u64,
     /// The bytes asked for, in chunks of up to 1 MiB.
@@ -96,7 +96,7 @@ impl Place {
         &self,
         path: &Path,
         range: Option<Range<u64>>,
-    ) -> Result<Option<Opened>> {
+    ) -> Result<Option<ObjectReader>> {
         match self {
             Self::Folder(folder) => folder.read(path, range).await,
             Self::Bucket(bucket) => bucket.read(path, range).await,

@@ -6,7 +6,7 @@ use uuid::Uuid;
 
 use super::{
     Job, JobId, Jobs, Lease, LeaseTerms, MAX_INTERRUPTED_ATTEMPTS, MAX_STALLED_ATTEMPTS,
-    lease_time::Running,
+    lease_time::RunningJob,
     row::{self, Row, State, to_json},
 };
 use crate::{
@@ -33,13 +33,13 @@ pub enum AttemptEnd {
 
 /// Reason for which a worker lost its attempts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Loss {
+pub enum WorkerEnd {
     /// The worker ended or fell silent: the job may be the cause.
-    Worker,
-    /// Failed while the worker answered rollouts, which may equally be the cause.
-    Rollout,
-    /// The server ended it, or ended itself: nothing to do with the job.
-    Server,
+    Lost,
+    /// The worker ended while it answered rollouts, which may equally be the cause.
+    DuringRollout,
+    /// The server ended the worker, or ended itself: the job is not the cause.
+    ByServer,
 }
 
 impl Jobs<'_> {
@@ -61,7 +61,7 @@ impl Jobs<'_> {
 
     /// Advances lease time to now ([`Store::lease_time`](crate::Store::lease_time)) and ends all
     /// attempts whose leases have run out, also by the database's clock if it has one: another
-    /// server may have renewed them. `loss` returns what became of a worker; `None` leaves the
+    /// server may have renewed them. `worker_end` returns what became of a worker; `None` leaves the
     /// attempt to another server.
     ///
     /// # Errors
@@ -69,7 +69,7 @@ impl Jobs<'_> {
     pub async fn sweep(
         &self,
         terms: LeaseTerms,
-        loss: impl Fn(WorkerId) -> Option<Loss>,
+        worker_end: impl Fn(WorkerId) -> Option<WorkerEnd>,
     ) -> Result<Vec<Job>> {
         let running: Vec<(String, String, i64, Option<i64>)> =
             query("select kind, id, lease_epoch, lease_until from jobs where state = 'running'")
@@ -79,9 +79,9 @@ impl Jobs<'_> {
         let shared = self.store.is_shared() && !self.store.inner.clock.is_simulated();
         let lease = |(kind, id, epoch, until): &(String, String, i64, Option<i64>)| {
             let renewal = until.filter(|_| shared);
-            Some(Running { job: JobId::stored(kind, id)?, epoch: (*epoch).max(0) as u64, renewal })
+            Some(RunningJob { job: JobId::stored(kind, id)?, epoch: (*epoch).max(0) as u64, renewal })
         };
-        let running: Vec<Running> = running.iter().filter_map(lease).collect();
+        let running: Vec<RunningJob> = running.iter().filter_map(lease).collect();
         let leases = &self.store.inner.leases;
         let expired = leases.sweep(&running, self.store.inner.clock.monotonic(), terms);
         let mut swept = Vec::new();
@@ -89,7 +89,7 @@ impl Jobs<'_> {
             let end = |row: &Row, database_time: Option<i64>| {
                 let renewed = database_time.is_some_and(|time| row.lease_until > Some(time));
                 let has_run_out = leases.has_run_out(id, row.epoch()) && !renewed;
-                if has_run_out { lost(row, &loss) } else { None }
+                if has_run_out { lost(row, &worker_end) } else { None }
             };
             swept.extend(self.end_if(id, end).await?);
         }
@@ -100,7 +100,7 @@ impl Jobs<'_> {
     ///
     /// # Errors
     /// Database errors.
-    pub async fn forfeit(&self, worker: WorkerId, loss: Loss) -> Result<Vec<Job>> {
+    pub async fn forfeit(&self, worker: WorkerId, worker_end: WorkerEnd) -> Result<Vec<Job>> {
         let worker = worker.uuid().to_string();
         let held: Vec<(String, String)> =
             query("select kind, id from jobs where state = 'running' and worker = $1")
@@ -110,7 +110,7 @@ impl Jobs<'_> {
         let mut ended = Vec::new();
         for id in held.iter().filter_map(|(kind, id)| JobId::stored(kind, id)) {
             let end = |row: &Row, _| match row.worker.as_ref() == Some(&worker) {
-                true => lost(row, |_| Some(loss)),
+                true => lost(row, |_| Some(worker_end)),
                 false => None,
             };
             ended.extend(self.end_if(id, end).await?);
@@ -218,8 +218,8 @@ impl Jobs<'_> {
     }
 }
 
-/// The end of an attempt whose worker is gone, if `loss` knows the cause.
-fn lost(row: &Row, loss: impl Fn(WorkerId) -> Option<Loss>) -> Option<AttemptEnd> {
+/// The end of an attempt whose worker is gone, if `worker_end` knows the cause.
+fn lost(row: &Row, worker_end: impl Fn(WorkerId) -> Option<WorkerEnd>) -> Option<AttemptEnd> {
     let worker = row.worker.as_deref().unwrap_or("unknown");
     let fault = |what: &str| Fault {
         category: Category::Unavailable,
@@ -227,9 +227,9 @@ fn lost(row: &Row, loss: impl Fn(WorkerId) -> Option<Loss>) -> Option<AttemptEnd
         message: format!("workers/{worker} {what} in attempt {}", row.attempts),
     };
     let id = Uuid::try_parse(worker).ok().map(WorkerId::from);
-    Some(match id.map_or(Some(Loss::Worker), loss)? {
-        Loss::Worker => AttemptEnd::Failed(fault("stopped answering")),
-        Loss::Rollout => AttemptEnd::Interrupted(fault("ended while it answered rollouts")),
-        Loss::Server => AttemptEnd::Released,
+    Some(match id.map_or(Some(WorkerEnd::Lost), worker_end)? {
+        WorkerEnd::Lost => AttemptEnd::Failed(fault("stopped answering")),
+        WorkerEnd::DuringRollout => AttemptEnd::Interrupted(fault("ended while it answered rollouts")),
+        WorkerEnd::ByServer => AttemptEnd::Released,
     })
 }

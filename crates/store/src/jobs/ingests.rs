@@ -66,7 +66,7 @@ pub enum IngestResult {
 
 /// Origin of a job: its owner, the W3C traceparent of the call, and the worker that it asks for.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Asked<'a> {
+pub(crate) struct JobOrigin<'a> {
     pub(crate) owner: &'a str,
     pub(crate) trace_parent: Option<&'a str>,
     pub(crate) requirements: &'a str,
@@ -82,7 +82,7 @@ pub(crate) async fn enqueue(
     tx: &mut Transaction,
     capture: &str,
     settings: &str,
-    asked: Asked<'_>,
+    asked: JobOrigin<'_>,
     now: i64,
 ) -> Result<Job> {
     let due = due(tx, capture, now).await?;
@@ -228,7 +228,7 @@ impl Jobs<'_> {
         };
         let NewReport { verdict, json, html } = report;
         let of = |content: &Staged| (content.digest(), content.size_bytes());
-        let made = observations::Made {
+        let made = observations::NewResults {
             observation: observation.as_ref().map(of),
             playback: playback.as_deref().map(of),
             verdict,
@@ -261,7 +261,7 @@ impl Jobs<'_> {
     async fn end_published(
         &self,
         lease: Lease,
-        made: &observations::Made,
+        made: &observations::NewResults,
         end: Option<AttemptEnd>,
     ) -> Result<(Job, Vec<String>)> {
         let mut tx = self.store.inner.database.write().await?;

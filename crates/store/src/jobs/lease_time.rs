@@ -53,7 +53,7 @@ struct End {
 
 /// A running job, as a sweep finds it in the database.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Running {
+pub(super) struct RunningJob {
     pub(super) job: JobId,
     pub(super) epoch: u64,
     /// Changes with each renewal, where other servers may renew it.
@@ -86,7 +86,7 @@ impl LeaseTimes {
     /// forgotten. Returns those that have run out.
     pub(super) fn sweep(
         &self,
-        running: &[Running],
+        running: &[RunningJob],
         monotonic: Duration,
         terms: LeaseTerms,
     ) -> Vec<JobId> {
@@ -95,7 +95,7 @@ impl LeaseTimes {
         (state.passed, state.swept, state.step) = (now, Some(monotonic), terms.step);
         let mut before = std::mem::take(&mut state.ends);
         let mut expired = Vec::new();
-        for &Running { job, epoch, renewal } in running {
+        for &RunningJob { job, epoch, renewal } in running {
             let known = before.remove(&job).filter(|end| end.epoch == epoch);
             let renewed = now.saturating_add(terms.lease);
             let at = match known {

@@ -7,7 +7,7 @@ use std::time::Duration;
 
 use bendtwin_core::{Category, Fault, Progress, Stage, ids::WorkerId};
 
-use super::{AttemptEnd, Job, Kind, Loss, MAX_INTERRUPTED_ATTEMPTS, State};
+use super::{AttemptEnd, Job, Kind, WorkerEnd, MAX_INTERRUPTED_ATTEMPTS, State};
 use crate::{
     Error, NewFit, TwinFacts,
     store::tests::{Bench, LEASE, lease_of, new_fit},
@@ -177,7 +177,7 @@ async fn a_checkpoint_is_progress_if_its_content_is_new(on: On) {
         let fit = claim(&bench).await.unwrap();
         let checkpoint = bench.stage(content).await;
         bench.store.jobs().save_checkpoint(lease_of(&fit), checkpoint, LEASE).await.unwrap();
-        let lost = bench.store.jobs().forfeit(fit.worker.unwrap(), Loss::Worker).await.unwrap();
+        let lost = bench.store.jobs().forfeit(fit.worker.unwrap(), WorkerEnd::Lost).await.unwrap();
         states.push(lost[0].state);
     }
     use State::{Failed, Queued};
@@ -203,7 +203,7 @@ async fn interrupted_attempts_do_not_count_up_to_a_bound(on: On) {
     jobs.create_fit(new_fit(&capture)).await.unwrap();
     let interrupt = async || {
         let worker = claim(&bench).await.unwrap().worker.unwrap();
-        jobs.forfeit(worker, Loss::Rollout).await.unwrap().remove(0)
+        jobs.forfeit(worker, WorkerEnd::DuringRollout).await.unwrap().remove(0)
     };
     for _ in 0..MAX_INTERRUPTED_ATTEMPTS {
         let fit = interrupt().await;

@@ -209,7 +209,7 @@ async fn insert(
 
 /// Number and digest of the rows of a table.
 async fn of_sqlite(source: &SqlitePool, table: Table, columns: &[Column]) -> Result<(u64, Digest)> {
-    let mut seen = Seen::default();
+    let mut seen = RowDigest::default();
     let mut rows = sqlx::query(select(table, columns)).fetch(source);
     while let Some(row) = rows.try_next().await? {
         seen.add(&values(&row, columns)?);
@@ -222,7 +222,7 @@ async fn of_postgres(
     table: Table,
     columns: &[Column],
 ) -> Result<(u64, Digest)> {
-    let mut seen = Seen::default();
+    let mut seen = RowDigest::default();
     let mut rows = sqlx::query(select(table, columns)).fetch(tx);
     while let Some(row) = rows.try_next().await? {
         seen.add(&values(&row, columns)?);
@@ -253,12 +253,12 @@ where
 /// Rows that have been seen: their number, and a hash of their values, each with its type and
 /// length.
 #[derive(Default)]
-struct Seen {
+struct RowDigest {
     rows: u64,
     hash: blake3::Hasher,
 }
 
-impl Seen {
+impl RowDigest {
     fn add(&mut self, row: &[Value]) {
         self.rows += 1;
         for value in row {

@@ -7,7 +7,7 @@ use bytes::Bytes;
 use futures::TryStreamExt as _;
 
 use crate::{
-    Capture, Creator, DatabaseUrl, Digest, Error, Job, Kind, Lease, LeaseTerms, Loss, ManualClock,
+    Capture, Creator, DatabaseUrl, Digest, Error, Job, Kind, Lease, LeaseTerms, WorkerEnd, ManualClock,
     NewCapture, NewFit, ObjectsUrl, Options, Requirements, Staged, State, Store, TwinFacts,
     blobs::{Place, published},
     failpoint::Failpoint,
@@ -150,7 +150,7 @@ impl Bench {
 
     /// Ends the leases that have run out by now.
     pub(crate) async fn sweep(&self) -> Vec<Job> {
-        self.store.jobs().sweep(TERMS, |_| Some(Loss::Worker)).await.unwrap()
+        self.store.jobs().sweep(TERMS, |_| Some(WorkerEnd::Lost)).await.unwrap()
     }
 
     /// Lets time pass in the steps of a server that runs; returns the jobs whose leases ran out.

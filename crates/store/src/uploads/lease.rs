@@ -28,7 +28,7 @@ const TRY_AGAIN: Duration = Duration::from_millis(150);
 
 /// The right to write to an upload; dropping it admits the next writer, wherever it is.
 #[derive(Debug)]
-pub(crate) struct Held {
+pub(crate) struct WriteLease {
     lease: Option<Lease>,
     sitting: Sitting,
 }
@@ -43,7 +43,7 @@ struct Lease {
     renewing: AbortHandle,
 }
 
-impl Held {
+impl WriteLease {
     /// Waits up to that long for other servers. None if it is not free in time.
     pub(super) async fn among_servers(
         store: &Store,

@@ -5,7 +5,7 @@ use std::time::Duration;
 use bytes::Bytes;
 
 use super::{
-    Held, ResumableUpload, UploadBounds, UploadState, file, file::FileSink, kept_room, parts,
+    WriteLease, ResumableUpload, UploadBounds, UploadState, file, file::FileSink, kept_room, parts,
     parts::PartSink, row::Row,
 };
 use crate::{
@@ -19,7 +19,7 @@ use crate::{
 #[derive(Debug)]
 pub struct UploadWriter {
     store: Store,
-    held: Held,
+    held: WriteLease,
     upload: ResumableUpload,
     sink: Sink,
     /// Bytes written or buffered since the last commit.
@@ -34,7 +34,7 @@ enum Sink {
 }
 
 impl UploadWriter {
-    pub(super) fn new(store: Store, held: Held, upload: ResumableUpload) -> Self {
+    pub(super) fn new(store: Store, held: WriteLease, upload: ResumableUpload) -> Self {
         let sink = match store.blobs().place() {
             Place::Folder(folder) => Sink::File(FileSink::new(folder.clone())),
             Place::Bucket(bucket) => Sink::Parts(PartSink::new(bucket.clone())),

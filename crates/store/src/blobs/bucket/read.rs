@@ -10,7 +10,7 @@ use object_store::{ObjectStoreExt as _, path::Path};
 use super::{Bucket, found};
 use crate::{
     Error, Result,
-    blobs::{CHUNK, place::Opened},
+    blobs::{CHUNK, place::ObjectReader},
 };
 
 /// Bytes of one request.
@@ -24,7 +24,7 @@ impl Bucket {
         self: &Arc<Self>,
         path: &Path,
         range: Option<Range<u64>>,
-    ) -> Result<Option<Opened>> {
+    ) -> Result<Option<ObjectReader>> {
         let Some(size_bytes) = self.size(path).await? else { return Ok(None) };
         let Range { start, end } = range.unwrap_or(0..size_bytes);
         if start >= size_bytes && start < end {
@@ -39,7 +39,7 @@ impl Bucket {
             async move { bucket.range(&path, from..end.min(from + RANGE)).await }
         });
         let chunks = pieces.buffered(AHEAD).map_ok(|piece| stream::iter(split(piece)).map(Ok));
-        Ok(Some(Opened { size_bytes, chunks: chunks.try_flatten().boxed() }))
+        Ok(Some(ObjectReader { size_bytes, chunks: chunks.try_flatten().boxed() }))
     }
 
     /// Bytes of an object.

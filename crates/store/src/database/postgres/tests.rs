@@ -10,7 +10,7 @@ use bendtwin_core::{Category, Problem as _, ids::WorkerId};
 use jiff::Timestamp;
 
 use crate::{
-    Clock, Error, Kind, LeaseTerms, Loss, NewFit, Options, State, Store, SystemClock, TwinFacts,
+    Clock, Error, Kind, LeaseTerms, WorkerEnd, NewFit, Options, State, Store, SystemClock, TwinFacts,
     clock::micros,
     sql::{Query, query, query_scalar},
     store::tests::{Bench, LEASE, lease_of, new_fit},
@@ -39,7 +39,7 @@ async fn race(bench: &Bench, rounds: usize) -> bool {
         let take_over = async {
             // Either may come first.
             tokio::time::sleep(Duration::from_micros(100 * (round as u64 % 30))).await;
-            jobs.forfeit(worker, Loss::Server).await.unwrap();
+            jobs.forfeit(worker, WorkerEnd::ByServer).await.unwrap();
             jobs.claim(Kind::Fit, WorkerId::generate(), LEASE).await.unwrap()
         };
         let (completed, second) =
@@ -283,7 +283,7 @@ async fn leases_are_measured_by_the_clock_of_the_database() {
     let until = micros(job.lease_until.unwrap());
     let left = until - micros(Timestamp::now());
     assert!((0..=1_500_000).contains(&left), "the lease ends in {left} us");
-    let sweep = async || bench.store.jobs().sweep(terms, |_| Some(Loss::Worker)).await.unwrap();
+    let sweep = async || bench.store.jobs().sweep(terms, |_| Some(WorkerEnd::Lost)).await.unwrap();
     assert!(sweep().await.is_empty());
     // Renewed by another server, which this one has not heard of.
     let id = job.id.uuid().to_string();

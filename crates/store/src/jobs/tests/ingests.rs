@@ -4,7 +4,7 @@ use bendtwin_core::{Category, Problem as _};
 
 use super::{fault, progress};
 use crate::{
-    AttemptEnd, Capture, Error, IngestResult, Job, Kind, Lease, Loss, NewIngest, NewReport,
+    AttemptEnd, Capture, Error, IngestResult, Job, Kind, Lease, WorkerEnd, NewIngest, NewReport,
     Requirements, State,
     failpoint::Failpoint,
     sql::query,
@@ -141,7 +141,7 @@ async fn stalled_ingests_fail_and_checkpoints_go_with_them(on: On) {
             jobs.save_checkpoint(lease_of(&ingest), checkpoint, LEASE).await.unwrap();
         }
         assert_eq!(ingest.checkpoint.is_some(), attempt > 0);
-        bench.store.jobs().forfeit(ingest.worker.unwrap(), Loss::Worker).await.unwrap();
+        bench.store.jobs().forfeit(ingest.worker.unwrap(), WorkerEnd::Lost).await.unwrap();
     }
     assert!(bench.claim(Kind::Ingest).await.is_none());
     let fit = bench.store.jobs().get(fit.id).await.unwrap();

@@ -9,7 +9,7 @@ use proptest::prelude::*;
 use super::{fault, progress};
 use crate::{
     Kind, Lease, NewFit,
-    jobs::{AttemptEnd, Loss, State},
+    jobs::{AttemptEnd, WorkerEnd, State},
     store::tests::{Bench, LEASE, TERMS, new_fit},
     test_database::On,
 };
@@ -36,7 +36,7 @@ enum Step {
     /// The worker of the n-th lease ever given is gone.
     Lose {
         lease: usize,
-        loss: Loss,
+        loss: WorkerEnd,
     },
     /// Time passes in a process that runs.
     Pass {
@@ -60,7 +60,7 @@ fn steps() -> impl Strategy<Value = Vec<Step>> {
             .prop_map(|(lease, fraction)| Step::Report { lease, fraction }),
         3 => (0..8usize, 0..4u8).prop_map(|(lease, how)| Step::End { lease, how }),
         1 => (0..6usize).prop_map(|job| Step::Cancel { job }),
-        1 => (0..8usize, prop_oneof![Just(Loss::Worker), Just(Loss::Rollout), Just(Loss::Server)])
+        1 => (0..8usize, prop_oneof![Just(WorkerEnd::Lost), Just(WorkerEnd::DuringRollout), Just(WorkerEnd::ByServer)])
             .prop_map(|(lease, loss)| Step::Lose { lease, loss }),
         3 => (1..40u64).prop_map(|seconds| Step::Pass { seconds }),
         1 => (1..100_000u64).prop_map(|seconds| Step::Freeze { seconds }),
@@ -212,8 +212,8 @@ async fn run(on: On, steps: Vec<Step>) {
                 assert_eq!(ended.len(), usize::from(live));
                 match loss {
                     _ if !live => {}
-                    Loss::Worker => job.lost(),
-                    Loss::Rollout | Loss::Server => job.released(),
+                    WorkerEnd::Lost => job.lost(),
+                    WorkerEnd::DuringRollout | WorkerEnd::ByServer => job.released(),
                 }
             }
             Step::Pass { seconds } => {
