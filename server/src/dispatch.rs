@@ -42,7 +42,7 @@ use line::Ask;
 pub(crate) use line::Size;
 pub(crate) use plan::Plan;
 pub(crate) use registrations::{Register, Registered};
-use registry::{Entry, Heard, Now};
+use registry::{Entry, LastSign, Now};
 pub(crate) use registry::{FitRoom, Heartbeat, HeldSession, Memory, WorkerView};
 pub(crate) use rollout::{Held, InParts, Parts, RollOut, Whole};
 pub(crate) use steps::Step;
@@ -87,7 +87,7 @@ impl Dispatch {
     /// Adds a worker that has registered here; `token` is what it expects to be shown.
     pub(crate) fn add(&self, worker: Worker, child: Option<Child>, token: &str) -> Result<()> {
         let channel = channel::open(&worker.registration.endpoint, &self.dialer)?;
-        let heard = Heard::At(self.now());
+        let heard = LastSign::At(self.now());
         self.enter(Entry::new(worker, child, token, &self.limits, heard, channel)?);
         Ok(())
     }
@@ -103,7 +103,7 @@ impl Dispatch {
             |e: Arc<Entry>| e.worker().registration.endpoint == worker.registration.endpoint;
         if !known.is_some_and(is_same) {
             let channel = channel::open(&worker.registration.endpoint, &self.dialer)?;
-            let heard = Heard::Never;
+            let heard = LastSign::Never;
             self.enter(Entry::new(worker, None, token, &self.limits, heard, channel)?);
         }
         Ok(true)

@@ -16,7 +16,7 @@ use tokio_util::{sync::CancellationToken, task::TaskTracker};
 
 use crate::{http::root_service::RootService, metrics::Metrics, options::Options, tls::Handshakes};
 
-use handshake::Opened;
+use handshake::NewConnection;
 use places::Place;
 
 pub(crate) use connection::Timeouts;
@@ -133,7 +133,7 @@ async fn serve_one(
     };
     match handshake::open(stream, peer, &tls, timeouts.head, place, &stop).await {
         None => {}
-        Some(Opened::Tls(accepted)) => {
+        Some(NewConnection::Tls(accepted)) => {
             let refused = tls.refused(&accepted);
             let worker = accepted.peer.as_ref().map(|shown| shown.name().to_owned());
             let service = service.with_certificate(accepted.peer);
@@ -146,7 +146,7 @@ async fn serve_one(
             }
         }
         // Served without TLS, so that the sender can read the refusal.
-        Some(Opened::Plain(stream)) => {
+        Some(NewConnection::Plain(stream)) => {
             let service = service.refusing_without_tls();
             connection::serve(stream, peer, service, timeouts, place, stop).await;
         }

@@ -5,15 +5,15 @@ use bytes::Bytes;
 /// Bytes that hold a share (or anything that has one) until the last reference to them is gone: on
 /// their way through the buffers of a connection, say.
 pub fn held(bytes: Bytes, share: impl Send + Sync + 'static) -> Bytes {
-    Bytes::from_owner(Held { bytes, _share: share })
+    Bytes::from_owner(OwnedBytes { bytes, _share: share })
 }
 
-struct Held<S> {
+struct OwnedBytes<S> {
     bytes: Bytes,
     _share: S,
 }
 
-impl<S> AsRef<[u8]> for Held<S> {
+impl<S> AsRef<[u8]> for OwnedBytes<S> {
     fn as_ref(&self) -> &[u8] {
         &self.bytes
     }

@@ -17,17 +17,17 @@ pub(crate) fn read(json: &str) -> Result<Requirements> {
     if json.is_empty() {
         return Ok(Requirements::default());
     }
-    let given: Given = serde_json::from_str(json).map_err(|error| {
+    let given: Document = serde_json::from_str(json).map_err(|error| {
         Error::invalid("ingest_requirements", format!("is not readable: {error}"))
     })?;
-    let Given { backend, memory_bytes, labels } = given;
+    let Document { backend, memory_bytes, labels } = given;
     Ok(Requirements { backend, memory_bytes, labels, version: None })
 }
 
 /// Requirements as clients write them.
 #[derive(Default, Deserialize)]
 #[serde(default, deny_unknown_fields)]
-struct Given {
+struct Document {
     backend: String,
     memory_bytes: u64,
     labels: Vec<String>,

@@ -52,7 +52,7 @@ struct State {
     bounds: Bounds,
     /// Waiting rollouts by [`Size`].
     waiting: [Order; 3],
-    running: HashMap<u64, Running>,
+    running: HashMap<u64, ActiveRollout>,
     rate: Rate,
     has_fit: bool,
     next_id: u64,
@@ -62,7 +62,7 @@ struct State {
 }
 
 #[derive(Clone, Copy, Debug)]
-struct Running {
+struct ActiveRollout {
     size: Size,
     work: f64,
 }
@@ -204,7 +204,7 @@ impl State {
     fn advance(&mut self) {
         while let Some(size) = self.next_size() {
             let Some(next) = self.waiting[size as usize].pop() else { return };
-            self.running.insert(next.id, Running { size, work: next.work });
+            self.running.insert(next.id, ActiveRollout { size, work: next.work });
             self.starts += 1;
             self.last_start[size as usize] = self.starts;
             // A caller that has gone gives the place back.

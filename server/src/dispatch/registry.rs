@@ -61,9 +61,9 @@ pub(super) struct Now {
     pub(super) lease: Duration,
 }
 
-/// The last that was heard of a worker when its entry is made.
+/// Last sign of life of a worker when its entry is made.
 #[derive(Clone, Copy, Debug)]
-pub(super) enum Heard {
+pub(super) enum LastSign {
     At(Now),
     /// Never seen here: another server knows it. It is not used until it answers.
     Never,
@@ -83,20 +83,20 @@ pub(super) struct Live {
     in_flight: u32,
     memory: Option<Memory>,
     fit_bytes: u64,
-    fit: Option<Told<FitId>>,
+    fit: Option<ReportedJob<FitId>>,
     /// The capture whose ingest it is at.
-    ingest: Option<Told<CaptureId>>,
+    ingest: Option<ReportedJob<CaptureId>>,
     broken_until: Option<Instant>,
 }
 
 /// A job, and when it was heard of.
 #[derive(Clone, Copy, Debug)]
-struct Told<T> {
+struct ReportedJob<T> {
     id: T,
     at: Instant,
 }
 
-impl<T> Told<T> {
+impl<T> ReportedJob<T> {
     fn now(id: T) -> Self {
         Self { id, at: Instant::now() }
     }
@@ -184,8 +184,8 @@ impl Live {
     /// Takes over the jobs in a heartbeat. The heartbeat may have been sent before a job was leased
     /// here, and a job that was leased here may have ended at another server.
     fn told_jobs(&mut self, fit: Option<FitId>, ingest: Option<CaptureId>) {
-        self.fit = fit.map(Told::now).or(self.fit.filter(|f| f.at.elapsed() < UNDER_WAY));
-        self.ingest = ingest.map(Told::now).or(self.ingest.filter(|i| i.at.elapsed() < UNDER_WAY));
+        self.fit = fit.map(ReportedJob::now).or(self.fit.filter(|f| f.at.elapsed() < UNDER_WAY));
+        self.ingest = ingest.map(ReportedJob::now).or(self.ingest.filter(|i| i.at.elapsed() < UNDER_WAY));
     }
 }
 
@@ -201,7 +201,7 @@ impl Entry {
         child: Option<Child>,
         token: &str,
         limits: &Limits,
-        heard: Heard,
+        heard: LastSign,
         channel: Channel,
     ) -> Result<Self> {
         let client = WorkerRolloutsClient::new(channel)
@@ -212,12 +212,12 @@ impl Entry {
         token.set_sensitive(true);
         let live = Live {
             last_sign: match heard {
-                Heard::At(now) => Some(now.lease),
-                Heard::Never => None,
+                LastSign::At(now) => Some(now.lease),
+                LastSign::Never => None,
             },
             last_seen: match heard {
-                Heard::At(now) => now.day,
-                Heard::Never => worker.started,
+                LastSign::At(now) => now.day,
+                LastSign::Never => worker.started,
             },
             warm: Vec::new(),
             sessions: HashMap::new(),
@@ -300,9 +300,9 @@ impl Entry {
     pub(super) fn set_job(&self, kind: Kind, job: Option<&Job>) {
         let mut live = self.live();
         match kind {
-            Kind::Ingest => live.ingest = job.map(|j| Told::now(j.capture)),
+            Kind::Ingest => live.ingest = job.map(|j| ReportedJob::now(j.capture)),
             Kind::Fit => {
-                live.fit = job.and_then(|j| j.id.fit()).map(Told::now);
+                live.fit = job.and_then(|j| j.id.fit()).map(ReportedJob::now);
                 self.line.set_fit(live.fit.is_some());
             }
         }

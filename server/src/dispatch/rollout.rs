@@ -127,7 +127,7 @@ pub(crate) struct InParts {
 pub(crate) type Parts = Pin<Box<dyn Stream<Item = Result<RollOutResponse>> + Send>>;
 
 /// A reply under way at a worker.
-pub(super) struct Running {
+pub(super) struct ReplyStream {
     replies: Streaming<ExecuteRollOutResponse>,
     taken: Taken,
     /// Held until the last part has come.
@@ -141,7 +141,7 @@ pub(super) struct Running {
 }
 
 /// Also counts the rollouts whose callers are gone.
-impl Drop for Running {
+impl Drop for ReplyStream {
     fn drop(&mut self) {
         self.metrics.rollout(self.outcome, self.queued, self.started.elapsed());
     }
@@ -275,7 +275,7 @@ impl Dispatch {
         execute: ExecuteRollOutRequest,
         ends: Ends,
         given: Option<Arc<Entry>>,
-    ) -> Result<(RollOutResponse, Running)> {
+    ) -> Result<(RollOutResponse, ReplyStream)> {
         self.at_a_worker(twin, ask, given, |entry| {
             let execute = execute.clone();
             async move { self.start_at(&entry, ask, execute, ends).await }
@@ -330,7 +330,7 @@ impl Dispatch {
         ask: &Ask,
         mut execute: ExecuteRollOutRequest,
         ends: Ends,
-    ) -> Result<Option<(RollOutResponse, Running)>> {
+    ) -> Result<Option<(RollOutResponse, ReplyStream)>> {
         let (started, deadline) = (Instant::now(), ends.deadline);
         // Others may have joined since the worker was chosen.
         let joined = entry.line.join(ask);
@@ -346,7 +346,7 @@ impl Dispatch {
         let metrics = self.metrics.clone();
         let (computed_s, outcome) = (0.0, "abandoned");
         let mut running =
-            Running { replies, taken, place, started, queued, computed_s, metrics, outcome };
+            ReplyStream { replies, taken, place, started, queued, computed_s, metrics, outcome };
         match running.receive().await {
             Ok(Some(mut first)) => {
                 let timing = first.timing.get_or_insert_with(Default::default);
@@ -362,7 +362,7 @@ impl Dispatch {
     }
 }
 
-impl Running {
+impl ReplyStream {
     /// The next part, within the deadline.
     pub(super) async fn next(&mut self) -> Result<Option<RollOutResponse>> {
         let received = tokio::time::timeout_at(self.taken.deadline, self.receive()).await;

@@ -26,7 +26,7 @@ use super::{
     Dispatch, call,
     line::Ask,
     registry::{Entry, HeldSession},
-    rollout::{Ends, Held, RollOut, Running, Whole},
+    rollout::{Ends, Held, RollOut, ReplyStream, Whole},
 };
 use crate::{
     context::Context,
@@ -104,7 +104,7 @@ impl Dispatch {
         ask: &Ask,
         execute: ExecuteRollOutRequest,
         ends: Ends,
-    ) -> Result<(RollOutResponse, Running)> {
+    ) -> Result<(RollOutResponse, ReplyStream)> {
         match self.start_at(entry, ask, execute, ends).await {
             Ok(Some(started)) => Ok(started),
             Ok(None) => {

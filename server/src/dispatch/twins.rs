@@ -17,7 +17,7 @@ const REMEMBERED: usize = 1024;
 
 /// Facts of a twin.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Known {
+pub(super) struct TwinSummary {
     /// The capture that it was fitted to, unless it was imported.
     pub(super) capture: Option<CaptureId>,
     pub(super) shape: TwinShape,
@@ -27,15 +27,15 @@ pub(super) struct Known {
 
 /// The twins that were asked for lately. Clones share them.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Twins(Arc<Mutex<HashMap<TwinId, Known>>>);
+pub(super) struct Twins(Arc<Mutex<HashMap<TwinId, TwinSummary>>>);
 
 impl Twins {
     /// The facts of a twin, from the database if need be.
-    pub(super) async fn get(&self, store: &Store, id: TwinId) -> Result<Known> {
+    pub(super) async fn get(&self, store: &Store, id: TwinId) -> Result<TwinSummary> {
         if let Some(known) = self.lock().get(&id) {
             return Ok(*known);
         }
-        let known = Known::from(&store.twins().get(id).await?);
+        let known = TwinSummary::from(&store.twins().get(id).await?);
         let mut twins = self.lock();
         if twins.len() >= REMEMBERED {
             twins.clear();
@@ -48,12 +48,12 @@ impl Twins {
         self.lock().remove(&id);
     }
 
-    fn lock(&self) -> MutexGuard<'_, HashMap<TwinId, Known>> {
+    fn lock(&self) -> MutexGuard<'_, HashMap<TwinId, TwinSummary>> {
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
 
-impl From<&Twin> for Known {
+impl From<&Twin> for TwinSummary {
     fn from(twin: &Twin) -> Self {
         let facts = &twin.facts;
         let shape = TwinShape {

@@ -20,7 +20,7 @@ use tonic::{Request, Response, Status, Streaming};
 
 use super::{
     Api, Reply, chunks, convert,
-    token::{self, Shown},
+    token::{self, Credentials},
     upload,
 };
 use crate::{
@@ -29,12 +29,12 @@ use crate::{
     tokens::Bearer,
 };
 
-fn attempt(shown: &Shown, worker: &str, job: &str, epoch: u64) -> app::Result<Attempt> {
+fn attempt(shown: &Credentials, worker: &str, job: &str, epoch: u64) -> app::Result<Attempt> {
     let lease = Lease { job: app::name(job)?, epoch };
     Ok(Attempt { worker: shown.worker(worker)?, lease })
 }
 
-fn attempt_of(shown: &Shown, job: &JobWrite) -> app::Result<Attempt> {
+fn attempt_of(shown: &Credentials, job: &JobWrite) -> app::Result<Attempt> {
     attempt(shown, &job.worker, &job.job, job.epoch)
 }
 

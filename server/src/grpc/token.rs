@@ -16,13 +16,13 @@ pub(super) struct TokenCheck(pub(super) App);
 
 /// A valid token, as a call showed it, and the key of the worker that calls.
 #[derive(Clone)]
-pub(super) struct Shown {
+pub(super) struct Credentials {
     pub(super) bearer: Bearer,
     pub(super) token: String,
     key: String,
 }
 
-impl Shown {
+impl Credentials {
     /// The worker of this name, if it is the one that calls.
     ///
     /// # Errors
@@ -49,13 +49,13 @@ impl Interceptor for TokenCheck {
             .ok_or(Error::BadToken)?;
         let bearer = self.0.tokens.bearer(token).ok_or(Error::BadToken)?;
         let key = entry(worker_key::METADATA).unwrap_or_default().to_owned();
-        let shown = Shown { bearer, token: token.to_owned(), key };
+        let shown = Credentials { bearer, token: token.to_owned(), key };
         request.extensions_mut().insert(shown);
         Ok(request)
     }
 }
 
 /// The token that a call showed.
-pub(super) fn shown<T>(request: &Request<T>) -> app::Result<Shown> {
+pub(super) fn shown<T>(request: &Request<T>) -> app::Result<Credentials> {
     request.extensions().get().cloned().ok_or(Error::BadToken)
 }

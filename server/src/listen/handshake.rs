@@ -11,7 +11,7 @@ use super::places::Place;
 use crate::tls::Handshakes;
 
 /// A connection that can be served.
-pub(super) enum Opened {
+pub(super) enum NewConnection {
     Tls(Box<Accepted>),
     /// Begun without TLS.
     Plain(TcpStream),
@@ -25,13 +25,13 @@ pub(super) async fn open(
     limit: Duration,
     place: &Place,
     stop: &CancellationToken,
-) -> Option<Opened> {
+) -> Option<NewConnection> {
     let opening = async {
         if !is_client_hello(&stream).await? {
-            return Ok(Opened::Plain(stream));
+            return Ok(NewConnection::Plain(stream));
         }
         let accepted = Accepted::shake_hands(tls.settings(), stream).await?;
-        Ok::<_, std::io::Error>(Opened::Tls(Box::new(accepted)))
+        Ok::<_, std::io::Error>(NewConnection::Tls(Box::new(accepted)))
     };
     let opened = tokio::select! {
         opened = tokio::time::timeout(limit, opening) => opened,

@@ -16,7 +16,7 @@ use tokio::{
     time::{Instant, Interval, MissedTickBehavior},
 };
 
-use self::{facts::Rate, session::Opened};
+use self::{facts::Rate, session::NewPlay};
 use super::{
     Play,
     clock::Clock,
@@ -25,7 +25,7 @@ use super::{
     recording::Recording,
     rows::{Pose, Rows},
     scene::Scene,
-    shown::{Moved, Shown},
+    shown::{Bodies, StateMessage},
 };
 use crate::{
     app::App,
@@ -71,7 +71,7 @@ pub(super) struct Run {
 }
 
 /// A frame that was simulated.
-struct Simulated<'a> {
+struct FrameResult<'a> {
     frame: &'a Rows,
     reply: &'a RollOutResponse,
     /// The gripper of each grasp.
@@ -95,7 +95,7 @@ impl Run {
         replies: mpsc::Sender<Arc<str>>,
         idle: Duration,
     ) -> Result<Self> {
-        let Opened { play, session, scene, first } = session::open(app, twin, begin).await?;
+        let NewPlay { play, session, scene, first } = session::open(app, twin, begin).await?;
         let now = Instant::now();
         let mut tick = tokio::time::interval(FACTS_INTERVAL);
         tick.set_missed_tick_behavior(MissedTickBehavior::Delay);
@@ -220,7 +220,7 @@ impl Run {
             Some(replay) => replay.recording.segments[replay.segment].gripper_of_grasp(),
             None => self.scene.gripper_of_grasp(),
         };
-        self.show(Some(&Simulated { frame, reply: &reply, gripper_of_grasp }));
+        self.show(Some(&FrameResult { frame, reply: &reply, gripper_of_grasp }));
         self.rate.frame(reply.timing.map_or(0.0, |timing| timing.compute_s));
         self.clock.stepped(Instant::now());
         if self.replay.is_some() {
@@ -296,17 +296,17 @@ impl Run {
     }
 
     /// Shows where everything is.
-    fn show(&mut self, simulated: Option<&Simulated<'_>>) {
+    fn show(&mut self, simulated: Option<&FrameResult<'_>>) {
         let moved = match simulated {
             Some(simulated) => simulated.moved(),
-            None => Moved {
+            None => Bodies {
                 grippers: self.scene.poses(),
                 colliders: self.scene.collider_poses(),
                 holding: self.scene.holding(),
-                ..Moved::default()
+                ..Bodies::default()
             },
         };
-        let shown = Shown {
+        let shown = StateMessage {
             flags: self.flags(),
             number: self.number,
             input: self.input,
@@ -353,9 +353,9 @@ impl Run {
     }
 }
 
-impl Simulated<'_> {
+impl FrameResult<'_> {
     /// Everything that moves, at the end of the frame.
-    fn moved(&self) -> Moved {
+    fn moved(&self) -> Bodies {
         let count = self.frame.grippers(1).len();
         let (mut forces, mut holding) = (vec![[0.0f32; 3]; count], vec![false; count]);
         let wrenches = session::wrenches(self.reply);
@@ -368,7 +368,7 @@ impl Simulated<'_> {
                 *holds |= self.frame.closed(0).get(e) == Some(&1);
             }
         }
-        Moved {
+        Bodies {
             grippers: self.frame.grippers(1).to_vec(),
             forces,
             holding,

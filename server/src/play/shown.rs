@@ -21,20 +21,20 @@ use super::rows::Pose;
 /// The kind of these messages.
 const KIND: u8 = 1;
 
-/// A state.
+/// State of a play as a message to its page.
 #[derive(Clone, Debug)]
-pub(super) struct Shown<'a> {
+pub(super) struct StateMessage<'a> {
     pub(super) flags: u8,
     pub(super) number: u32,
     pub(super) input: u32,
-    pub(super) moved: &'a Moved,
+    pub(super) moved: &'a Bodies,
     /// Nodes [m], shape [N, 3].
     pub(super) positions: &'a [[f32; 3]],
 }
 
 /// Grippers and colliders of a state.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Moved {
+pub(super) struct Bodies {
     pub(super) grippers: Vec<Pose>,
     /// Forces of the grippers on the object [N], shape [G, 3].
     pub(super) forces: Vec<[f32; 3]>,
@@ -43,11 +43,11 @@ pub(super) struct Moved {
     pub(super) strain: f32,
 }
 
-impl Shown<'_> {
+impl StateMessage<'_> {
     /// The message.
     pub(super) fn encode(&self) -> Bytes {
         let (origin, scale) = frame_of(self.positions);
-        let Moved { grippers, forces, holding, colliders, strain } = self.moved;
+        let Bodies { grippers, forces, holding, colliders, strain } = self.moved;
         let size = 36 + 44 * grippers.len() + 28 * colliders.len() + 6 * self.positions.len();
         let mut out = BytesMut::with_capacity(size);
         out.put_u8(KIND);
@@ -103,7 +103,7 @@ mod tests {
             .map(|i| [f32::from(i) * 0.01, 2.0 - f32::from(i), (f32::from(i)).sin()])
             .collect();
         let pose = [0.5, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0];
-        let moved = Moved {
+        let moved = Bodies {
             grippers: vec![pose, pose],
             forces: vec![[1.0, 2.0, 3.0], [0.0; 3]],
             holding: vec![false, true],
@@ -111,7 +111,7 @@ mod tests {
             colliders: vec![pose],
         };
         let (moved, positions) = (&moved, &positions[..]);
-        let bytes = Shown { flags: 5, number: 7, input: 9, moved, positions }.encode();
+        let bytes = StateMessage { flags: 5, number: 7, input: 9, moved, positions }.encode();
         assert_eq!(bytes.len(), 36 + 88 + 28 + 600);
         assert_eq!(
             (bytes[..4].to_vec(), bytes[4], bytes[8], bytes[12]),
@@ -133,8 +133,8 @@ mod tests {
     #[test]
     fn nothing_and_a_single_point_are_sound() {
         let of = |positions: &[[f32; 3]]| {
-            let moved = &Moved::default();
-            Shown { flags: 0, number: 0, input: 0, moved, positions }.encode()
+            let moved = &Bodies::default();
+            StateMessage { flags: 0, number: 0, input: 0, moved, positions }.encode()
         };
         assert_eq!(of(&[]).len(), 36);
         let bytes = of(&[[3.0, f32::NAN, 1.0], [3.0; 3]]);

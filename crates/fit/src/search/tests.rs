@@ -32,12 +32,12 @@ struct Counting {
 }
 
 /// A model that counts until it is dropped.
-struct Held {
+struct CountedModel {
     inner: Loaded,
     counts: Arc<Counts>,
 }
 
-impl Drop for Held {
+impl Drop for CountedModel {
     fn drop(&mut self) {
         self.counts.loaded.fetch_sub(1, Ordering::SeqCst);
     }
@@ -52,7 +52,7 @@ impl Backend for Counting {
         let now = self.counts.loaded.fetch_add(1, Ordering::SeqCst) + 1;
         self.counts.most.fetch_max(now, Ordering::SeqCst);
         let (model, counts) = (inner.model().clone(), self.counts.clone());
-        Ok(Loaded::new(model, Arc::new(Held { inner, counts })))
+        Ok(Loaded::new(model, Arc::new(CountedModel { inner, counts })))
     }
     fn with_params(&self, _: &Loaded, _: Params) -> Result<Loaded, EngineError> {
         panic!("a search loads")
@@ -71,7 +71,7 @@ impl Backend for Counting {
     fn losses(&self, batch: &[Instance], cancel: &CancelToken) -> Result<Vec<Loss>, EngineError> {
         self.counts.batches.lock().unwrap().push(batch.len());
         let inner = |i: &Instance| {
-            let model = i.model.resident::<Held>().unwrap().inner.clone();
+            let model = i.model.resident::<CountedModel>().unwrap().inner.clone();
             Instance { model, ..i.clone() }
         };
         let batch: Vec<Instance> = batch.iter().map(inner).collect();

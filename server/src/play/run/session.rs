@@ -40,7 +40,7 @@ const REOPEN_INTERVAL: Duration = Duration::from_millis(200);
 const SESSION_IDLE_S: f64 = 900.0;
 
 /// A play that can begin.
-pub(super) struct Opened {
+pub(super) struct NewPlay {
     pub(super) play: Arc<Play>,
     pub(super) session: String,
     pub(super) scene: Scene,
@@ -48,7 +48,7 @@ pub(super) struct Opened {
 }
 
 /// Opens a session for a play of a twin.
-pub(super) async fn open(app: &App, twin: TwinId, begin: Begin) -> Result<Opened> {
+pub(super) async fn open(app: &App, twin: TwinId, begin: Begin) -> Result<NewPlay> {
     let geometry = app.twin_geometry(&twin.to_string(), false).await?.message;
     let hands = match geometry.hands.as_ref().filter(|hands| !hands.is_absent()) {
         None => Vec::new(),
@@ -85,7 +85,7 @@ pub(super) async fn open(app: &App, twin: TwinId, begin: Begin) -> Result<Opened
     // A state of a session says nothing of grasps until its first frame.
     let first = GivenState { grasping: None, ..first };
     let play = Arc::new(play(twin, frame_s, &geometry, &scene, &first)?);
-    Ok(Opened { play, session, scene, first })
+    Ok(NewPlay { play, session, scene, first })
 }
 
 fn play(
