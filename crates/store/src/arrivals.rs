@@ -37,7 +37,7 @@ const LOOK_AGAIN: Duration = Duration::from_millis(50);
 /// Content that is in its place and stays there while this lives: until the row that refers to it is
 /// committed.
 #[derive(Debug)]
-pub(crate) struct Published<'a> {
+pub(crate) struct ContentGuard<'a> {
     _gate: RwLockReadGuard<'a, ()>,
     _arrival: Option<Arrival>,
 }
@@ -60,12 +60,12 @@ pub(crate) struct Deletion {
 impl Store {
     /// Puts staged content in its place. The guard is held until the row that refers to it is
     /// committed.
-    pub(crate) async fn publish(&self, staged: Staged) -> Result<Published<'_>> {
+    pub(crate) async fn publish(&self, staged: Staged) -> Result<ContentGuard<'_>> {
         self.publish_all(vec![staged]).await
     }
 
     /// [`Store::publish`] for several contents that one transaction refers to.
-    pub(crate) async fn publish_all(&self, staged: Vec<Staged>) -> Result<Published<'_>> {
+    pub(crate) async fn publish_all(&self, staged: Vec<Staged>) -> Result<ContentGuard<'_>> {
         let began = Instant::now();
         let digests: Vec<String> = staged.iter().map(|s| s.digest().to_hex().to_string()).collect();
         let arrival = match self.blobs().place().is_shared() {
@@ -76,7 +76,7 @@ impl Store {
         if arrival.is_some() && began.elapsed() > LONGEST {
             return Err(Error::ContentBusy);
         }
-        Ok(Published { _gate: gate, _arrival: arrival })
+        Ok(ContentGuard { _gate: gate, _arrival: arrival })
     }
 
     async fn announce(&self, digests: &[String]) -> Result<Arrival> {

@@ -53,7 +53,7 @@ pub struct PageTime {
 /// Opens a store to be filled: in a folder, with SQLite in it unless a database is named.
 ///
 /// # Errors
-/// As [`Store::open`].
+/// Those of [`Store::open`].
 pub async fn open(folder: &Path, database: Option<DatabaseUrl>) -> Result<Store> {
     Store::open(Options { database, ..Options::new(folder) }).await
 }

@@ -136,8 +136,8 @@ pub use disk::Disk;
 pub use error::{Error, Result};
 pub use jobs::{
     AttemptEnd, Capabilities, Claimant, IngestResult, Job, JobId, JobReport, Jobs, Kind, Lease,
-    LeaseTerms, WorkerEnd, MAX_INTERRUPTED_ATTEMPTS, MAX_STALLED_ATTEMPTS, NewFit, NewIngest, NewReport,
-    QueueDepth, Reported, Requirements, State,
+    LeaseTerms, MAX_INTERRUPTED_ATTEMPTS, MAX_STALLED_ATTEMPTS, NewFit, NewIngest, NewReport,
+    QueueDepth, Reported, Requirements, State, WorkerEnd,
 };
 pub use keys::{Key, Keys, NewKey};
 pub use labels::{LabelChange, Labels, MAX_TAGS};

@@ -99,7 +99,7 @@ impl ListQuery {
             sql.push(" and t.search_text like ").push_bind(pattern(&self.search));
             sql.push(" escape '\\'");
         }
-        self.go_on(&mut sql, id, place)?;
+        self.resume_after(&mut sql, id, place)?;
         let (direction, key) = (if self.order.descending { "desc" } else { "asc" }, self.column());
         sql.push(" order by ");
         if let Some(key) = key {
@@ -110,7 +110,7 @@ impl ListQuery {
     }
 
     /// Leaves out what comes before a place in the order.
-    fn go_on(&self, sql: &mut Builder, id: &str, place: Option<Place>) -> Result<()> {
+    fn resume_after(&self, sql: &mut Builder, id: &str, place: Option<Place>) -> Result<()> {
         let Some(Place { id: last, key }) = place else { return Ok(()) };
         let than = if self.order.descending { '<' } else { '>' };
         match self.column() {

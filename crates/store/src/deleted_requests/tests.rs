@@ -37,8 +37,8 @@ fn twin_of(content: Staged) -> NewTwin {
 fn assert_deleted<T: std::fmt::Debug>(late: Result<T>, of: &str) {
     let error = late.unwrap_err();
     assert_eq!((error.category(), error.reason()), (Category::AlreadyExists, "DELETED_SINCE"));
-    let told = error.to_string();
-    assert!(told.contains(of) && told.contains("choose a new request id"), "{told}");
+    let reported = error.to_string();
+    assert!(reported.contains(of) && reported.contains("choose a new request id"), "{reported}");
 }
 
 /// The first attempt has its content, and stands still; the second is answered.

@@ -79,7 +79,11 @@ impl Jobs<'_> {
         let shared = self.store.is_shared() && !self.store.inner.clock.is_simulated();
         let lease = |(kind, id, epoch, until): &(String, String, i64, Option<i64>)| {
             let renewal = until.filter(|_| shared);
-            Some(RunningJob { job: JobId::stored(kind, id)?, epoch: (*epoch).max(0) as u64, renewal })
+            Some(RunningJob {
+                job: JobId::stored(kind, id)?,
+                epoch: (*epoch).max(0) as u64,
+                renewal,
+            })
         };
         let running: Vec<RunningJob> = running.iter().filter_map(lease).collect();
         let leases = &self.store.inner.leases;
@@ -229,7 +233,9 @@ fn lost(row: &Row, worker_end: impl Fn(WorkerId) -> Option<WorkerEnd>) -> Option
     let id = Uuid::try_parse(worker).ok().map(WorkerId::from);
     Some(match id.map_or(Some(WorkerEnd::Lost), worker_end)? {
         WorkerEnd::Lost => AttemptEnd::Failed(fault("stopped answering")),
-        WorkerEnd::DuringRollout => AttemptEnd::Interrupted(fault("ended while it answered rollouts")),
+        WorkerEnd::DuringRollout => {
+            AttemptEnd::Interrupted(fault("ended while it answered rollouts"))
+        }
         WorkerEnd::ByServer => AttemptEnd::Released,
     })
 }

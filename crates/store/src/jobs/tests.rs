@@ -7,7 +7,7 @@ use std::time::Duration;
 
 use bendtwin_core::{Category, Fault, Progress, Stage, ids::WorkerId};
 
-use super::{AttemptEnd, Job, Kind, WorkerEnd, MAX_INTERRUPTED_ATTEMPTS, State};
+use super::{AttemptEnd, Job, Kind, MAX_INTERRUPTED_ATTEMPTS, State, WorkerEnd};
 use crate::{
     Error, NewFit, TwinFacts,
     store::tests::{Bench, LEASE, lease_of, new_fit},
@@ -26,7 +26,7 @@ on_both! {
     interrupted_attempts_do_not_count_up_to_a_bound,
     a_checkpoint_whose_content_is_lost_is_forgotten,
     cancellation_reaches_every_state,
-    every_change_is_told_with_a_higher_revision,
+    every_change_has_a_higher_revision,
 }
 
 async fn claim(bench: &Bench) -> Option<Job> {
@@ -268,7 +268,7 @@ async fn cancellation_reaches_every_state(on: On) {
     fits.delete(dying.id.fit().unwrap()).await.unwrap();
 }
 
-async fn every_change_is_told_with_a_higher_revision(on: On) {
+async fn every_change_has_a_higher_revision(on: On) {
     let bench = Bench::new(on).await;
     let capture = bench.capture("a").await;
     let mut changes = bench.store.jobs().changes();

@@ -10,7 +10,7 @@ on_both! {
     what_a_change_does_not_name_stays,
     tags_are_bounded_and_go_with_their_resource,
     a_creation_is_repeatable_after_a_change_of_name,
-    a_fit_that_is_renamed_is_told_and_names_its_twin,
+    a_renamed_fit_is_announced_and_names_its_twin,
     rows_from_before_are_filled_in_when_the_store_opens,
 }
 
@@ -102,7 +102,7 @@ async fn a_creation_is_repeatable_after_a_change_of_name(on: On) {
     assert_eq!(store.twins().create(twin().await).await.unwrap().id, first.id);
 }
 
-async fn a_fit_that_is_renamed_is_told_and_names_its_twin(on: On) {
+async fn a_renamed_fit_is_announced_and_names_its_twin(on: On) {
     let bench = Bench::new(on).await;
     let capture = bench.capture("a").await;
     let jobs = bench.store.jobs();

@@ -63,7 +63,7 @@ fn a_migration_only_adds_or_is_called_breaking() {
         let breaks = that_break(sql);
         assert!(
             may || breaks.is_empty(),
-            "{version:04}_{name}.sql: servers of the version before cannot go on beside {breaks:?}: \
+            "{version:04}_{name}.sql: servers of the version before cannot run beside {breaks:?}: \
              add columns and tables alone, or begin its name with {BREAKING}"
         );
     }

@@ -14,13 +14,13 @@ pub(crate) enum Readers {
 /// A transaction that excludes every other that writes, until it ends. Dropped, it changes nothing.
 #[derive(Debug)]
 pub(crate) struct Transaction {
-    open: Open,
+    open: Inner,
     /// Time of the database when it excluded the others, if the database has a clock [us].
     database_time: Option<i64>,
 }
 
 #[derive(Debug)]
-enum Open {
+enum Inner {
     Sqlite(sqlx::Transaction<'static, Sqlite>),
     Postgres(sqlx::Transaction<'static, Postgres>),
 }
@@ -28,13 +28,13 @@ enum Open {
 impl Transaction {
     /// A transaction of SQLite, which holds the lock on writing.
     pub(crate) fn sqlite(open: sqlx::Transaction<'static, Sqlite>) -> Self {
-        Self { open: Open::Sqlite(open), database_time: None }
+        Self { open: Inner::Sqlite(open), database_time: None }
     }
 
     /// A transaction of PostgreSQL, which holds the lock on writing, with the database's time then
     /// [us].
     pub(crate) fn postgres(open: sqlx::Transaction<'static, Postgres>, time: i64) -> Self {
-        Self { open: Open::Postgres(open), database_time: Some(time) }
+        Self { open: Inner::Postgres(open), database_time: Some(time) }
     }
 
     /// Time of the database, if it has a clock [us].
@@ -45,8 +45,8 @@ impl Transaction {
     /// Makes its changes last.
     pub(crate) async fn commit(self) -> Result<()> {
         match self.open {
-            Open::Sqlite(open) => open.commit().await?,
-            Open::Postgres(open) => open.commit().await?,
+            Inner::Sqlite(open) => open.commit().await?,
+            Inner::Postgres(open) => open.commit().await?,
         }
         Ok(())
     }
@@ -73,8 +73,8 @@ impl<'t> From<&'t Readers> for Target<'t> {
 impl<'t> From<&'t mut Transaction> for Target<'t> {
     fn from(transaction: &'t mut Transaction) -> Self {
         match &mut transaction.open {
-            Open::Sqlite(open) => Self::Sqlite(open),
-            Open::Postgres(open) => Self::Postgres(open),
+            Inner::Sqlite(open) => Self::Sqlite(open),
+            Inner::Postgres(open) => Self::Postgres(open),
         }
     }
 }

@@ -7,8 +7,9 @@ use bytes::Bytes;
 use futures::TryStreamExt as _;
 
 use crate::{
-    Capture, Creator, DatabaseUrl, Digest, Error, Job, Kind, Lease, LeaseTerms, WorkerEnd, ManualClock,
+    Capture, Creator, DatabaseUrl, Digest, Error, Job, Kind, Lease, LeaseTerms, ManualClock,
     NewCapture, NewFit, ObjectsUrl, Options, Requirements, Staged, State, Store, TwinFacts,
+    WorkerEnd,
     blobs::{Place, published},
     failpoint::Failpoint,
     sql,

@@ -15,7 +15,7 @@ use bendtwin_core::ids::UploadId;
 use futures::future::{Either, select};
 use tokio::{sync::watch, task::AbortHandle};
 
-use super::seat::Sitting;
+use super::seat::SeatGuard;
 use crate::{Error, Result, Store, sql::query};
 
 /// Time for which a server holds an upload without renewing it.
@@ -30,7 +30,7 @@ const TRY_AGAIN: Duration = Duration::from_millis(150);
 #[derive(Debug)]
 pub(crate) struct WriteLease {
     lease: Option<Lease>,
-    sitting: Sitting,
+    sitting: SeatGuard,
 }
 
 #[derive(Debug)]
@@ -48,7 +48,7 @@ impl WriteLease {
     pub(super) async fn among_servers(
         store: &Store,
         id: UploadId,
-        sitting: Sitting,
+        sitting: SeatGuard,
         patience: Duration,
     ) -> Result<Option<Self>> {
         if !store.inner.database.is_remote() {

@@ -27,11 +27,11 @@ const WHOLE: &str = "whole";
 pub(super) struct PartSink {
     bucket: Arc<Bucket>,
     /// Read from the rows by the first write.
-    open: Option<Open>,
+    open: Option<PartsState>,
 }
 
 #[derive(Debug)]
-struct Open {
+struct PartsState {
     multipart: Option<Multipart>,
     parts: Vec<Part>,
     /// Number of parts that have rows.
@@ -194,7 +194,7 @@ impl PartSink {
         }
     }
 
-    async fn open(&mut self, store: &Store, upload: &ResumableUpload) -> Result<&mut Open> {
+    async fn open(&mut self, store: &Store, upload: &ResumableUpload) -> Result<&mut PartsState> {
         if self.open.is_none() {
             self.open = Some(read(&self.bucket, store, upload).await?);
         }
@@ -257,7 +257,7 @@ async fn stored_names(
 }
 
 /// Parts and tail of an upload, by its rows.
-async fn read(bucket: &Bucket, store: &Store, upload: &ResumableUpload) -> Result<Open> {
+async fn read(bucket: &Bucket, store: &Store, upload: &ResumableUpload) -> Result<PartsState> {
     let (multipart, tail) = stored_names(store, upload).await?;
     let rows: Vec<(String, String)> =
         query("select tag, chaining from upload_parts where upload = $1 order by number")
@@ -276,5 +276,5 @@ async fn read(bucket: &Bucket, store: &Store, upload: &ResumableUpload) -> Resul
     if (parts.len() * PART + rest.len()) as u64 != upload.offset_bytes || rest.len() > PART {
         return Err(upload.lost());
     }
-    Ok(Open { multipart, committed: parts.len(), parts, rest, tail })
+    Ok(PartsState { multipart, committed: parts.len(), parts, rest, tail })
 }

@@ -28,30 +28,30 @@ struct Seat {
 /// The right to write to an upload among the requests of this server; dropping it admits the next
 /// writer.
 #[derive(Debug)]
-pub(crate) struct Sitting {
+pub(crate) struct SeatGuard {
     _guard: OwnedMutexGuard<()>,
     seat: Arc<Seat>,
 }
 
 /// Counts as waiting while it lives.
-struct Waiting<'a>(&'a Seat);
+struct WaitGuard<'a>(&'a Seat);
 
 impl Seats {
     /// Asks the writer to release the upload, and waits up to that long for it.
-    pub(crate) async fn take(&self, id: UploadId, patience: Duration) -> Option<Sitting> {
+    pub(crate) async fn take(&self, id: UploadId, patience: Duration) -> Option<SeatGuard> {
         let seat = self.seat(id);
         let guard = {
-            let _waiting = Waiting::at(&seat);
+            let _waiting = WaitGuard::at(&seat);
             tokio::time::timeout(patience, seat.taken.clone().lock_owned()).await.ok()?
         };
-        Some(Sitting { _guard: guard, seat })
+        Some(SeatGuard { _guard: guard, seat })
     }
 
     /// Takes the upload if it has no writer.
-    pub(crate) fn take_idle(&self, id: UploadId) -> Option<Sitting> {
+    pub(crate) fn take_idle(&self, id: UploadId) -> Option<SeatGuard> {
         let seat = self.seat(id);
         let guard = seat.taken.clone().try_lock_owned().ok()?;
-        Some(Sitting { _guard: guard, seat })
+        Some(SeatGuard { _guard: guard, seat })
     }
 
     fn seat(&self, id: UploadId) -> Arc<Seat> {
@@ -66,7 +66,7 @@ impl Seats {
     }
 }
 
-impl Sitting {
+impl SeatGuard {
     /// Waits until another writer waits for the upload.
     pub(crate) fn wanted(&self) -> impl Future<Output = ()> + Send + use<> {
         let mut waiting = self.seat.waiting.subscribe();
@@ -80,14 +80,14 @@ impl Sitting {
     }
 }
 
-impl<'a> Waiting<'a> {
+impl<'a> WaitGuard<'a> {
     fn at(seat: &'a Seat) -> Self {
         seat.waiting.send_modify(|n| *n += 1);
         Self(seat)
     }
 }
 
-impl Drop for Waiting<'_> {
+impl Drop for WaitGuard<'_> {
     fn drop(&mut self) {
         self.0.waiting.send_modify(|n| *n = n.saturating_sub(1));
     }

@@ -16,7 +16,7 @@ mod shared;
 
 on_both! {
     what_is_committed_survives_and_what_is_not_is_cut_off,
-    whole_content_becomes_one_capture_whatever_crashes,
+    whole_content_becomes_one_capture_despite_crashes,
     the_holder_is_asked_to_make_room,
     a_request_id_finds_the_upload_that_was_begun,
     an_upload_from_before_a_deletion_makes_no_capture,
@@ -103,7 +103,7 @@ async fn what_is_committed_survives_and_what_is_not_is_cut_off(on: On) {
 }
 
 /// A crash at any point between the last byte and the capture: the remaining steps run again, once.
-async fn whole_content_becomes_one_capture_whatever_crashes(on: On) {
+async fn whole_content_becomes_one_capture_despite_crashes(on: On) {
     for point in Failpoint::ALL {
         let bench = Bench::new(on).await;
         let id = begin(&bench, "whole").await;

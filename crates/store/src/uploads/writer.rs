@@ -5,7 +5,7 @@ use std::time::Duration;
 use bytes::Bytes;
 
 use super::{
-    WriteLease, ResumableUpload, UploadBounds, UploadState, file, file::FileSink, kept_room, parts,
+    ResumableUpload, UploadBounds, UploadState, WriteLease, file, file::FileSink, kept_room, parts,
     parts::PartSink, row::Row,
 };
 use crate::{

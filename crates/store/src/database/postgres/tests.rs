@@ -10,7 +10,8 @@ use bendtwin_core::{Category, Problem as _, ids::WorkerId};
 use jiff::Timestamp;
 
 use crate::{
-    Clock, Error, Kind, LeaseTerms, WorkerEnd, NewFit, Options, State, Store, SystemClock, TwinFacts,
+    Clock, Error, Kind, LeaseTerms, NewFit, Options, State, Store, SystemClock, TwinFacts,
+    WorkerEnd,
     clock::micros,
     sql::{Query, query, query_scalar},
     store::tests::{Bench, LEASE, lease_of, new_fit},

@@ -4,8 +4,8 @@ use bendtwin_core::{Category, Problem as _};
 
 use super::{fault, progress};
 use crate::{
-    AttemptEnd, Capture, Error, IngestResult, Job, Kind, Lease, WorkerEnd, NewIngest, NewReport,
-    Requirements, State,
+    AttemptEnd, Capture, Error, IngestResult, Job, Kind, Lease, NewIngest, NewReport, Requirements,
+    State, WorkerEnd,
     failpoint::Failpoint,
     sql::query,
     store::tests::{Bench, LEASE, lease_of, new_fit},

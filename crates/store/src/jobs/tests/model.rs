@@ -9,7 +9,7 @@ use proptest::prelude::*;
 use super::{fault, progress};
 use crate::{
     Kind, Lease, NewFit,
-    jobs::{AttemptEnd, WorkerEnd, State},
+    jobs::{AttemptEnd, State, WorkerEnd},
     store::tests::{Bench, LEASE, TERMS, new_fit},
     test_database::On,
 };
