@@ -34,11 +34,11 @@ use crate::{
 pub struct CudaRasteriser {
     queue: Queue,
     memory: Memory,
-    last: Option<Drawn>,
+    last: Option<Rendering>,
 }
 
 /// A rendering that is on the device, with what its adjoint needs.
-struct Drawn {
+struct Rendering {
     camera: Camera,
     /// Intersections of Gaussians and tiles.
     intersections: usize,
@@ -82,7 +82,7 @@ impl CudaRasteriser {
     /// when it is done.
     ///
     /// # Errors
-    /// As [`Rasteriser::render`].
+    /// Those of [`Rasteriser::render`].
     pub fn draw(&mut self, gaussians: &Gaussians, camera: &Camera) -> Result<(), Error> {
         check_input(gaussians, camera, None)?;
         let drawn = self.drawn(gaussians, camera)?;
@@ -92,7 +92,7 @@ impl CudaRasteriser {
     }
 
     /// The rendering of these Gaussians, which may be the last one.
-    fn drawn(&mut self, gaussians: &Gaussians, camera: &Camera) -> Result<Drawn, Error> {
+    fn drawn(&mut self, gaussians: &Gaussians, camera: &Camera) -> Result<Rendering, Error> {
         // Taken, so that a failure leaves no stale rendering.
         let kept = self.last.take().filter(|d| d.camera == *camera && self.memory.holds(gaussians));
         match kept {
@@ -102,7 +102,7 @@ impl CudaRasteriser {
     }
 
     /// Launches a rendering.
-    fn start(&mut self, gaussians: &Gaussians, camera: &Camera) -> Result<Drawn, Error> {
+    fn start(&mut self, gaussians: &Gaussians, camera: &Camera) -> Result<Rendering, Error> {
         let count = gaussians.len();
         let own = device_camera(camera);
         let tiles = own.tiles as usize;
@@ -121,7 +121,7 @@ impl CudaRasteriser {
         let intersections = intersections as usize;
         let is_swapped = self.order_by_tile(count, intersections, &own).map_err(failed)?;
         self.forward(&own).map_err(failed)?;
-        Ok(Drawn { camera: *camera, intersections, is_swapped })
+        Ok(Rendering { camera: *camera, intersections, is_swapped })
     }
 
     /// Projects Gaussians and sorts them by depth; gives the number of intersections.
@@ -235,7 +235,7 @@ impl CudaRasteriser {
     /// Launches the adjoint of a rendering of `count` Gaussians.
     fn backward(
         &mut self,
-        drawn: &Drawn,
+        drawn: &Rendering,
         count: usize,
         bar: &ImageBar,
     ) -> Result<(), bendtwin_engine::Error> {

@@ -34,7 +34,7 @@ macro_rules! kernels {
             $(#[$doc])*
             ///
             /// # Safety
-            /// As [`Launch::run`].
+            /// Those of [`Launch::run`].
             pub(crate) unsafe fn $kernel(launch: &Launch<'_>, args: &$args) -> Result<(), Error> {
                 // SAFETY: the struct is the kernel's; the rest is the caller's promise.
                 unsafe { launch.run(Source::$source, stringify!($kernel), args) }

@@ -158,7 +158,7 @@ impl Function {
     /// Launches a grid of blocks.
     ///
     /// # Safety
-    /// As [`Launch::run`].
+    /// Those of [`Launch::run`].
     unsafe fn launch<A: Pod>(
         &self,
         stream: &CudaStream,

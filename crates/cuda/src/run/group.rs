@@ -232,7 +232,7 @@ impl Group {
         let LaunchPlan { team, specialization, shared_bytes, .. } = &self.plan;
         let instances = team.instances as usize;
         let teams = of.count / instances;
-        let at_once = match team.shape {
+        let batch = match team.shape {
             TeamShape::Grid => {
                 let function = queue.device.function(specialization, purpose.kernel())?;
                 let processors = queue.device.capabilities.processors;
@@ -240,11 +240,11 @@ impl Group {
             }
             _ => teams.max(1),
         };
-        for begin in (0..teams).step_by(at_once) {
+        for begin in (0..teams).step_by(batch) {
             if let Some(barriers) = &self.barriers {
                 barriers.clear()?;
             }
-            let count = at_once.min(teams - begin) as u32;
+            let count = batch.min(teams - begin) as u32;
             let launch = Launch::new(&queue.device, stream, [count * team.blocks, 1, 1])
                 .specialized(specialization, *shared_bytes);
             run(&launch, of.at(begin * instances))?;

@@ -323,9 +323,9 @@ impl<'a> ConcurrentWindows<'a> {
         for args in &self.ready {
             let (start, span) = self.part(args, depth);
             let Some(motion) = &args.motion else { continue };
-            let at_once = if args.shared { 1 } else { span.count.max(1) };
-            for k in (0..span.count).step_by(at_once) {
-                let some = InstanceSpan::part(&args.instances, start + k, at_once);
+            let step = if args.shared { 1 } else { span.count.max(1) };
+            for k in (0..span.count).step_by(step) {
+                let some = InstanceSpan::part(&args.instances, start + k, step);
                 motion.collect(queue, some, start + k, false)?;
             }
         }
@@ -333,9 +333,9 @@ impl<'a> ConcurrentWindows<'a> {
             for (batch, args) in self.batches.iter().zip(&self.ready) {
                 let (start, span) = self.part(args, depth);
                 // Windows of one instance share frame boundaries: one after another.
-                let at_once = if args.shared { 1 } else { span.count.max(1) };
-                for k in (0..span.count).step_by(at_once) {
-                    let some = InstanceSpan::part(&args.instances, start + k, at_once);
+                let step = if args.shared { 1 } else { span.count.max(1) };
+                for k in (0..span.count).step_by(step) {
+                    let some = InstanceSpan::part(&args.instances, start + k, step);
                     self.collect_controls(batch, some, args.outs.at(start + k))?;
                 }
             }

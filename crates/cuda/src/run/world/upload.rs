@@ -58,7 +58,7 @@ struct MotionPlace {
 
 /// The parts on the host.
 #[derive(Default)]
-struct Collected {
+struct HostParts {
     poses: Vec<[f32; 4]>,
     closed: Vec<u32>,
     rolls: Vec<f32>,
@@ -75,7 +75,7 @@ impl Parts {
         instances: &[Instance],
         parts: &[WorldParts],
     ) -> Result<Self, Error> {
-        let mut all = Collected::default();
+        let mut all = HostParts::default();
         let mut worlds: HashMap<(*const World, usize), WorldPlace> = HashMap::new();
         let mut motions: HashMap<*const Motion, MotionPlace> = HashMap::new();
         let mut places = Vec::with_capacity(instances.len());
@@ -128,7 +128,7 @@ impl Parts {
     }
 }
 
-impl Collected {
+impl HostParts {
     fn add_world(&mut self, world: &World, controls: usize) -> WorldPlace {
         let mut place = WorldPlace {
             colliders: self.colliders.len(),
