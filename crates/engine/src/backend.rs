@@ -369,7 +369,7 @@ pub trait Backend: Send + Sync {
     /// The same graph with other parameters: cheaper than loading it again.
     ///
     /// # Errors
-    /// As [`Backend::load`], except that stability is not checked again.
+    /// Those of [`Backend::load`], except that stability is not checked again.
     fn with_params(&self, loaded: &Loaded, params: Params) -> Result<Loaded, Error>;
 
     /// The same graph and parameters in another environment.
@@ -392,13 +392,13 @@ pub trait Backend: Send + Sync {
     /// Losses of a batch.
     ///
     /// # Errors
-    /// As [`Backend::roll_out`].
+    /// Those of [`Backend::roll_out`].
     fn losses(&self, batch: &[Instance], cancel: &CancelToken) -> Result<Vec<Loss>, Error>;
 
     /// Losses and gradients of a batch.
     ///
     /// # Errors
-    /// As [`Backend::roll_out`].
+    /// Those of [`Backend::roll_out`].
     fn gradients(
         &self,
         batch: &[Instance],
@@ -413,7 +413,7 @@ pub trait Backend: Send + Sync {
     /// [`crate::optimizer::HostOptimizer`] over itself.
     ///
     /// # Errors
-    /// As [`OptimizerInit::check`] and [`Backend::with_params`].
+    /// Those of [`OptimizerInit::check`] and [`Backend::with_params`].
     fn optimizer(
         &self,
         inits: Vec<OptimizerInit>,

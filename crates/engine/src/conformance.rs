@@ -175,7 +175,7 @@ suite! { ($)
         a_spring_hold_has_its_frequency,
         a_hand_takes_what_is_inside,
         opening_lets_fall,
-        control_points_let_go,
+        control_points_release,
         a_hand_slips_above_its_force,
         grasps_resume_exactly,
         a_rolling_clamp_twists_its_rod;

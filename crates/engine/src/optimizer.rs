@@ -95,7 +95,7 @@ pub trait Optimizer: Send {
     /// the call's gradients may be pending: discard them before continuing.
     ///
     /// # Errors
-    /// As [`crate::Backend::gradients`].
+    /// Those of [`crate::Backend::gradients`].
     fn measure(
         &mut self,
         batch: &[GradientSample],
@@ -129,7 +129,7 @@ pub trait Optimizer: Send {
     /// Moves a run to a position, sets its timing, and drops its pending gradients.
     ///
     /// # Errors
-    /// As [`crate::Backend::load`] (stability is checked), or if the position does not fit the
+    /// Those of [`crate::Backend::load`] (stability is checked), or if the position does not fit the
     /// parameterization.
     fn move_to(&mut self, run: usize, position: &Position, timing: Timing) -> Result<(), Error>;
 }

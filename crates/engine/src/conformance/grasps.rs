@@ -134,7 +134,7 @@ pub(super) fn opening_lets_fall(backend: &dyn Backend) -> Outcome {
 }
 
 /// A control point's springs and pins hold until its hand opens, and never again after that.
-pub(super) fn control_points_let_go(backend: &dyn Backend) -> Outcome {
+pub(super) fn control_points_release(backend: &dyn Backend) -> Outcome {
     let mut scene = Scene::of(&[[0.0; 3], [0.1, 0.0, 0.0], [0.2, 0.0, 0.0], [0.3, 0.0, 0.0]]);
     scene.environment.gravity = [0.0, 0.0, -9.81];
     scene.timing.substeps = 100;

@@ -44,7 +44,7 @@ pub(crate) struct Strips {
 
 /// An element as the order sees it.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Owned<const OTHERS: usize> {
+pub(crate) struct OwnedElement<const OTHERS: usize> {
     pub(crate) owner: u32,
     pub(crate) others: [u32; OTHERS],
     pub(crate) element: u32,
@@ -53,7 +53,7 @@ pub(crate) struct Owned<const OTHERS: usize> {
 impl Strips {
     /// Orders elements by their endpoints.
     pub(crate) fn new<const OTHERS: usize>(
-        mut elements: Vec<Owned<OTHERS>>,
+        mut elements: Vec<OwnedElement<OTHERS>>,
         endpoints: usize,
     ) -> Self {
         elements.sort_unstable_by_key(|e| (e.owner, e.others, e.element));
@@ -82,10 +82,11 @@ impl Strips {
 
     /// Adds a strip. In each step every owner takes the element whose others were added to the
     /// longest ago, so that no sum waits for the one before it.
-    fn push<const OTHERS: usize>(&mut self, rows: &[&[Owned<OTHERS>]], used: &mut [u32]) {
+    fn push<const OTHERS: usize>(&mut self, rows: &[&[OwnedElement<OTHERS>]], used: &mut [u32]) {
         let first = self.slots.len();
         let mut owners = [0; LANES];
-        let mut waiting: Vec<Vec<Owned<OTHERS>>> = rows.iter().map(|row| row.to_vec()).collect();
+        let mut waiting: Vec<Vec<OwnedElement<OTHERS>>> =
+            rows.iter().map(|row| row.to_vec()).collect();
         for (owner, row) in owners.iter_mut().zip(&waiting) {
             *owner = row.first().map_or(0, |e| e.owner);
         }
@@ -93,7 +94,7 @@ impl Strips {
             let mut block = [EMPTY; LANES];
             let now = self.slots.len() as u32 + 1;
             for (slot, row) in block.iter_mut().zip(&mut waiting) {
-                let last_use = |e: &Owned<OTHERS>| e.others.map(|o| used[o as usize]);
+                let last_use = |e: &OwnedElement<OTHERS>| e.others.map(|o| used[o as usize]);
                 let near = row.iter().take(CHOICE).enumerate();
                 let best = near.min_by_key(|(_, e)| last_use(e).into_iter().max());
                 let Some((at, _)) = best else { continue };
@@ -108,27 +109,27 @@ impl Strips {
 }
 
 /// Each owner's elements; an owner with far more than others has several rows of them.
-fn rows<const OTHERS: usize>(elements: &[Owned<OTHERS>]) -> Vec<&[Owned<OTHERS>]> {
+fn rows<const OTHERS: usize>(elements: &[OwnedElement<OTHERS>]) -> Vec<&[OwnedElement<OTHERS>]> {
     let owners: Vec<_> = elements.chunk_by(|a, b| a.owner == b.owner).collect();
     let mean = elements.len().div_ceil(owners.len().max(1));
     let most = (2 * mean).min(elements.len().div_ceil(LANES)).max(1);
-    let split = |all: &'_ [Owned<OTHERS>]| all.len().div_ceil(all.len().div_ceil(most));
+    let split = |all: &'_ [OwnedElement<OTHERS>]| all.len().div_ceil(all.len().div_ceil(most));
     owners.iter().flat_map(|all| all.chunks(split(all))).collect()
 }
 
 /// Gives every spring to one of its ends such that neighbours own about equally many.
-pub(crate) fn share(springs: &[[u32; 2]], endpoints: usize) -> Vec<Owned<1>> {
+pub(crate) fn share(springs: &[[u32; 2]], endpoints: usize) -> Vec<OwnedElement<1>> {
     let mut order: Vec<u32> = (0..springs.len() as u32).collect();
     order.sort_unstable_by_key(|&s| (springs[s as usize], s));
     let mut owned = vec![0_u32; endpoints];
-    let mut shared: Vec<Owned<1>> = order
+    let mut shared: Vec<OwnedElement<1>> = order
         .into_iter()
         .map(|element| {
             let [a, b] = springs[element as usize];
             let (owner, other) =
                 if owned[a as usize] <= owned[b as usize] { (a, b) } else { (b, a) };
             owned[owner as usize] += 1;
-            Owned { owner, others: [other], element }
+            OwnedElement { owner, others: [other], element }
         })
         .collect();
     for _ in 0..PASSES {
@@ -137,7 +138,7 @@ pub(crate) fn share(springs: &[[u32; 2]], endpoints: usize) -> Vec<Owned<1>> {
             if owned[owner as usize] > owned[other as usize] + 1 {
                 owned[owner as usize] -= 1;
                 owned[other as usize] += 1;
-                *spring = Owned { owner: other, others: [owner], ..*spring };
+                *spring = OwnedElement { owner: other, others: [owner], ..*spring };
             }
         }
     }

@@ -12,7 +12,7 @@ use super::{
     real::{Quad, Real, quad},
     rod::{Rods, Span},
     spring::{Spring, Springs},
-    strips::{self, Owned, Strips},
+    strips::{self, OwnedElement, Strips},
 };
 use crate::Model;
 
@@ -30,7 +30,7 @@ impl Layout {
     pub(crate) fn new(graph: &Graph) -> Self {
         let endpoints = graph.node_count() + graph.control_count();
         let springs = strips::share(&graph.springs, endpoints);
-        let centred = |(element, &[i, j, k]): (usize, &[u32; 3])| Owned {
+        let centred = |(element, &[i, j, k]): (usize, &[u32; 3])| OwnedElement {
             owner: j,
             others: [i, k],
             element: element as u32,

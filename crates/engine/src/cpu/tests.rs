@@ -219,7 +219,7 @@ fn a_rollout_may_be_cut_at_any_frame() {
     let mut whole = instance(&*backend, chain(7), 6);
     let moving = (0..7).map(|f| [0.01 * f as f32, 0.003 * (f * f) as f32, 0.1]).collect();
     whole.controls = Arc::new(moving);
-    let at_once = backend.roll_out(&[whole.clone()], &outputs, &cancel).unwrap().remove(0);
+    let undivided = backend.roll_out(&[whole.clone()], &outputs, &cancel).unwrap().remove(0);
     let part = |initial: Arc<State>, rows: std::ops::Range<usize>| {
         let frames = rows.len() - 1;
         let controls = Arc::new(whole.controls[rows].to_vec());
@@ -228,7 +228,7 @@ fn a_rollout_may_be_cut_at_any_frame() {
         backend.roll_out(&[part], &outputs, &cancel).unwrap().remove(0).final_state.unwrap()
     };
     let middle = part(whole.initial.clone(), 0..3);
-    assert_eq!(at_once.final_state.unwrap(), part(Arc::new(middle), 2..7));
+    assert_eq!(undivided.final_state.unwrap(), part(Arc::new(middle), 2..7));
 }
 
 #[test]

@@ -1,10 +1,10 @@
 use std::f64::consts::PI;
 
 use super::*;
-use crate::cpu::{jacobian::assert_adjoint, real::dot, strips::Owned};
+use crate::cpu::{jacobian::assert_adjoint, real::dot, strips::OwnedElement};
 
 fn block(stiffness: f64, damping: f64, rest_angle: f64) -> Triplets<f64> {
-    let owned = Owned { owner: 1, others: [0, 2], element: 0 };
+    let owned = OwnedElement { owner: 1, others: [0, 2], element: 0 };
     let triplet = Triplet { ends: [0, 1, 2], stiffness, damping, rest_angle };
     Triplets::new(&Strips::new(vec![owned], 3), |_| triplet)
 }

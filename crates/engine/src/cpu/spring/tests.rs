@@ -1,5 +1,5 @@
 use super::*;
-use crate::cpu::{jacobian::assert_adjoint, machine::Portable, real::dot, strips::Owned};
+use crate::cpu::{jacobian::assert_adjoint, machine::Portable, real::dot, strips::OwnedElement};
 
 type Scene = (Springs<f64>, Vec<Node<f64>>, Vec<Quad<f64>>);
 
@@ -9,7 +9,7 @@ const ENDS: [[u32; 2]; 2] = [[0, 1], [2, 1]];
 fn springs(parameters: [[f64; 3]; 2]) -> Springs<f64> {
     let owned = |element: u32| {
         let [owner, other] = ENDS[element as usize];
-        Owned { owner, others: [other], element }
+        OwnedElement { owner, others: [other], element }
     };
     Springs::new(&Strips::new(vec![owned(0), owned(1)], 3), |s| {
         let [stiffness, rest, dashpot] = parameters[s];

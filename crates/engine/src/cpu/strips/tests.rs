@@ -41,7 +41,7 @@ fn few_lanes_stay_empty() {
     let filled = springs.len() as f64 / (order.blocks() * LANES) as f64;
     assert!(filled > 0.9, "{filled}");
     // One centre of many: its elements are spread over lanes.
-    let star = |element: u32| Owned { owner: 0, others: [1 + element], element };
+    let star = |element: u32| OwnedElement { owner: 0, others: [1 + element], element };
     let order = Strips::new((0..100).map(star).collect(), 101);
     assert_eq!((elements(&order).len(), order.blocks()), (100, 13));
 }
