@@ -31,7 +31,7 @@ pub(crate) const LEAST_VIEWS: usize = 2;
 const CELLS_AT_ONCE: usize = 1 << 14;
 
 /// Evidence of the first frame.
-pub(crate) struct Seen<'a> {
+pub(crate) struct FirstFrame<'a> {
     pub(crate) views: &'a [FirstView<'a>],
     /// The object's surface, as all cameras see it [m].
     pub(crate) object: &'a [Point],
@@ -42,7 +42,7 @@ pub(crate) struct Seen<'a> {
 
 /// The object's shape, and the number of its cells that hands hide. `None` if too few cameras saw it.
 pub(crate) fn carve(
-    seen: &Seen<'_>,
+    seen: &FirstFrame<'_>,
     spacing_m: f64,
     cancel: &CancelToken,
 ) -> Result<Option<(Shape, usize)>, Error> {
@@ -81,7 +81,7 @@ struct Cell {
     behind_hand: bool,
 }
 
-fn cells(volume: &Volume, seen: &Seen<'_>, cancel: &CancelToken) -> Result<Vec<Cell>, Error> {
+fn cells(volume: &Volume, seen: &FirstFrame<'_>, cancel: &CancelToken) -> Result<Vec<Cell>, Error> {
     let know = |i: usize| {
         let centre = volume.centre(i);
         let above = |g: &Plane| {
@@ -118,7 +118,7 @@ fn cells(volume: &Volume, seen: &Seen<'_>, cancel: &CancelToken) -> Result<Vec<C
 fn owners(
     volume: &Volume,
     cells: &[Cell],
-    seen: &Seen<'_>,
+    seen: &FirstFrame<'_>,
     cancel: &CancelToken,
 ) -> Result<Vec<Label>, Error> {
     let mut owner = vec![Label::None; cells.len()];

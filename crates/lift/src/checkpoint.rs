@@ -6,7 +6,7 @@ use bendtwin_core::{checkpoint::Kind, settings::ingest::IngestSettings};
 use bendtwin_flow::{CameraTracks, TrackerQuality};
 use serde::{Deserialize, Serialize};
 
-use crate::{Error, survey::Surveyed};
+use crate::{Error, survey::UnitSurvey};
 
 /// Checkpoints of lifting. The version rises with every change of [`Checkpoint`] or of what a unit
 /// computes.
@@ -16,9 +16,9 @@ const KIND: Kind = Kind { name: "ingest", magic: *b"BTIC", version: 3 };
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Checkpoint {
     /// Tracks of the built-in tracker, by camera; empty before, or if it is not needed.
-    pub(crate) tracked: Vec<Tracked>,
+    pub(crate) tracked: Vec<TrackerResult>,
     /// Units that are done, in the order of [`crate::survey::units`].
-    pub(crate) units: Vec<Surveyed>,
+    pub(crate) units: Vec<UnitSurvey>,
 }
 
 /// The work that a checkpoint belongs to: a digest of recording and settings.
@@ -27,7 +27,7 @@ pub(crate) struct Identity([u8; 32]);
 
 /// Tracks of a camera that the built-in tracker made.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub(crate) struct Tracked {
+pub(crate) struct TrackerResult {
     count: usize,
     points: Vec<[f32; 2]>,
     visible: Vec<bool>,
@@ -101,14 +101,14 @@ impl Checkpoint {
     }
 }
 
-impl From<CameraTracks> for Tracked {
+impl From<CameraTracks> for TrackerResult {
     fn from(found: CameraTracks) -> Self {
         let raw::Tracks { count, points, visible } = found.tracks;
         Self { count, points, visible, quality: found.quality }
     }
 }
 
-impl Tracked {
+impl TrackerResult {
     pub(crate) fn tracks(&self) -> raw::Tracks {
         raw::Tracks {
             count: self.count,

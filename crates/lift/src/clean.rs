@@ -21,7 +21,7 @@ pub(crate) enum Label {
 }
 
 /// Cleaned masks of a frame, and where the pixels went.
-pub(crate) struct Cleaned {
+pub(crate) struct CleanMasks {
     /// A label for every pixel.
     pub(crate) labels: Image<Label>,
     pub(crate) object: MaskCounts,
@@ -42,7 +42,7 @@ pub(crate) fn clean(
     manipulator: Option<&Mask>,
     intrinsics: &Intrinsics,
     settings: &MaskSettings,
-) -> Cleaned {
+) -> CleanMasks {
     let mut cleaner = Cleaner {
         depth,
         intrinsics,
@@ -78,7 +78,7 @@ pub(crate) fn clean(
             .saturating_sub(counts.flying + counts.specks + counts.contact + counts.kept);
     }
     let [object, manipulator] = counts;
-    Cleaned { labels: cleaner.labels, object, manipulator }
+    CleanMasks { labels: cleaner.labels, object, manipulator }
 }
 
 struct Cleaner<'a> {

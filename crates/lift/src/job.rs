@@ -17,7 +17,7 @@ use self::{
 };
 use crate::{
     Error, Evidence, Progress, Step,
-    checkpoint::{Checkpoint, Identity, Tracked},
+    checkpoint::{Checkpoint, Identity, TrackerResult},
     error::check,
     survey::{Unit, survey, units},
 };
@@ -125,10 +125,10 @@ impl Run<'_> {
             };
             let settings = FlowSettings::default();
             let found = bendtwin_flow::track(self.recording, &settings, &mut tell, self.cancel)?;
-            done.tracked = found.into_iter().map(Tracked::from).collect();
+            done.tracked = found.into_iter().map(TrackerResult::from).collect();
             self.keep(done)?;
         }
-        let made = |camera| done.tracked.get(camera).map(Tracked::tracks).unwrap_or_default();
+        let made = |camera| done.tracked.get(camera).map(TrackerResult::tracks).unwrap_or_default();
         let tracks: Vec<Option<Tracks>> = supplied
             .into_iter()
             .enumerate()
@@ -147,9 +147,9 @@ impl Run<'_> {
     ) -> Result<(), Error> {
         let before = if done.tracked.is_empty() { 0.0 } else { TRACKED };
         let started_with = done.units.len();
-        let at_once = rayon::current_num_threads().max(1);
+        let batch = rayon::current_num_threads().max(1);
         let mut kept = started_with;
-        for wave in all[started_with..].chunks(at_once) {
+        for wave in all[started_with..].chunks(batch) {
             check(self.cancel)?;
             let surveyed: Vec<_> = wave
                 .par_iter()

@@ -13,14 +13,14 @@ use nalgebra::{Matrix3, Vector3};
 const ROUNDS: usize = 4;
 
 /// A fitted motion with the median distance that it leaves [m].
-pub(crate) struct Fitted {
+pub(crate) struct RigidFit {
     pub(crate) motion: Rigid,
     pub(crate) residual_m: f64,
 }
 
 /// Takes `from` to `to`; `None` with fewer than three pairs. Residuals below `least_m` count as
 /// noise.
-pub(crate) fn fit(pairs: &[(Point, Point)], least_m: f64) -> Option<Fitted> {
+pub(crate) fn fit(pairs: &[(Point, Point)], least_m: f64) -> Option<RigidFit> {
     if pairs.len() < 3 {
         return None;
     }
@@ -36,7 +36,7 @@ pub(crate) fn fit(pairs: &[(Point, Point)], least_m: f64) -> Option<Fitted> {
         kabsch: Kabsch::default(),
     };
     let fit = rule.fit(&weighted, start(pairs))?;
-    Some(Fitted { motion: fit.motion.motion(), residual_m: fit.residual_m })
+    Some(RigidFit { motion: fit.motion.motion(), residual_m: fit.residual_m })
 }
 
 /// A first guess that outliers cannot pull far: the median translation.

@@ -11,7 +11,7 @@ use bendtwin_mesh::{Bvh, Limits, Mesh, Similarity, align, convex_interior, parse
 
 use crate::{
     Error,
-    carve::{Seen, carve},
+    carve::{FirstFrame, carve},
     complete::Shape,
     evidence::ShapeEvidence,
     sight::first_views,
@@ -46,7 +46,7 @@ pub(crate) fn shape(
         Interior::Carved => {
             let views = first_views(recording, settings, cancel)?;
             let ground = recording.environment.ground;
-            let seen = Seen { views: &views, object: observed, hands, ground };
+            let seen = FirstFrame { views: &views, object: observed, hands, ground };
             let carved = carve(&seen, settings.completion.spacing_m, cancel)?;
             Ok(carved.map(|(shape, under_hands)| {
                 let sampled_surface = shape.surface.len();

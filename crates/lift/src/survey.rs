@@ -41,7 +41,7 @@ pub(crate) enum TrackLabel {
 
 /// The result of a unit. F frames, N tracks of the camera.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub(crate) struct Surveyed {
+pub(crate) struct UnitSurvey {
     /// Shape [F, N]; zero where missed.
     pub(crate) points: Vec<Point>,
     /// Shape [F, N].
@@ -81,13 +81,13 @@ pub(crate) fn survey(
     tracks: &raw::Tracks,
     settings: &IngestSettings,
     cancel: &CancelToken,
-) -> Result<Surveyed, Error> {
+) -> Result<UnitSurvey, Error> {
     let camera = recording
         .cameras
         .get(unit.camera)
         .ok_or_else(|| Error::Inconsistent(format!("there is no camera {}", unit.camera)))?;
     let mut frames = recording.source.frames(unit.camera)?;
-    let mut result = Surveyed::default();
+    let mut result = UnitSurvey::default();
     for frame in unit.first..unit.end {
         check(cancel)?;
         let mut reader = FrameReader { camera, frame, tracks, settings, result: &mut result };
@@ -108,7 +108,7 @@ struct FrameReader<'a> {
     frame: usize,
     tracks: &'a raw::Tracks,
     settings: &'a IngestSettings,
-    result: &'a mut Surveyed,
+    result: &'a mut UnitSurvey,
 }
 
 impl FrameReader<'_> {

@@ -42,7 +42,7 @@ pub(super) fn fill(
         let mut is_section = vec![false; solid.len()];
         section.iter().for_each(|i| is_section[*i] = true);
         // True if the way back from a cell, through hidden ones, ends in the section.
-        let goes_on = |cell: &usize| {
+        let continues = |cell: &usize| {
             let from = vector(volume.centre(*cell));
             for step in 1..=steps {
                 let at = from - way * (step as f64 / steps as f64);
@@ -54,7 +54,7 @@ pub(super) fn fill(
             }
             false
         };
-        filled.par_extend(unseen.par_iter().copied().filter(goes_on));
+        filled.par_extend(unseen.par_iter().copied().filter(continues));
     }
     filled.sort_unstable();
     filled.dedup();

@@ -19,7 +19,7 @@ fn carved(cameras: usize, ground: Option<Plane>) -> Option<(Shape, usize)> {
     let surface = |label| views.iter().flat_map(|v| v.surface(label)).collect::<Vec<_>>();
     let (object, hands) = (surface(Label::Object), surface(Label::Manipulator));
     assert!(object.len() > 1000 && hands.len() > 100);
-    let seen = Seen { views: &views, object: &object, hands: &hands, ground };
+    let seen = FirstFrame { views: &views, object: &object, hands: &hands, ground };
     carve(&seen, SPACING_M, &CancelToken::default()).unwrap()
 }
 

@@ -9,7 +9,7 @@ fn identity() -> Identity {
 #[test]
 fn a_checkpoint_is_read_back() {
     let mut checkpoint = Checkpoint::default();
-    checkpoint.units.push(Surveyed { missing_frames: 3, ..Surveyed::default() });
+    checkpoint.units.push(UnitSurvey { missing_frames: 3, ..UnitSurvey::default() });
     let bytes = checkpoint.to_bytes(&identity()).unwrap();
     assert_eq!(Checkpoint::from_bytes(&bytes, &identity(), 2, 4).unwrap(), checkpoint);
     for wrong in [&bytes[..bytes.len() - 1], &bytes[..3], &bytes[..6], b"other"] {

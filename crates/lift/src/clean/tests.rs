@@ -21,11 +21,11 @@ fn wall(x: usize, y: usize) -> f32 {
     if patch(x, y) { 1.0 } else { 2.0 }
 }
 
-fn cleaned(depth: &DepthImage, object: &Mask, manipulator: Option<&Mask>) -> Cleaned {
+fn cleaned(depth: &DepthImage, object: &Mask, manipulator: Option<&Mask>) -> CleanMasks {
     clean(depth, Some(object), manipulator, &CAMERA, &MaskSettings::default())
 }
 
-fn is_object(cleaned: &Cleaned, x: usize, y: usize) -> bool {
+fn is_object(cleaned: &CleanMasks, x: usize, y: usize) -> bool {
     cleaned.labels.get(x, y) == Some(Label::Object)
 }
 

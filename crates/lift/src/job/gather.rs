@@ -9,7 +9,7 @@ use bendtwin_core::{
 use crate::{
     checkpoint::Checkpoint,
     evidence::CameraEvidence,
-    survey::{Surveyed, TrackLabel, Unit},
+    survey::{TrackLabel, Unit, UnitSurvey},
     tracks::Tracks,
 };
 
@@ -26,7 +26,7 @@ pub(super) struct Assembly<'a> {
 }
 
 impl Assembly<'_> {
-    fn surveyed(&self) -> impl Iterator<Item = (&Unit, &Surveyed)> {
+    fn surveyed(&self) -> impl Iterator<Item = (&Unit, &UnitSurvey)> {
         self.units.iter().zip(&self.done.units)
     }
 
@@ -108,7 +108,7 @@ impl Assembly<'_> {
     }
 
     /// Sums over all cameras, by frame.
-    fn pixels(&self, of: fn(&Surveyed) -> &[u32]) -> Vec<u64> {
+    fn pixels(&self, of: fn(&UnitSurvey) -> &[u32]) -> Vec<u64> {
         let mut sums = vec![0; self.recording.frame_count];
         for (unit, surveyed) in self.surveyed() {
             for (sum, px) in sums[unit.first..unit.end].iter_mut().zip(of(surveyed)) {
