@@ -78,7 +78,7 @@ impl FitJob<'_> {
     /// registration where it is not the twin's own, and makes no search.
     ///
     /// # Errors
-    /// As [`FitJob::run`], and if the twin cannot be brought to the capture.
+    /// Those of [`FitJob::run`], and if the twin cannot be brought to the capture.
     pub fn refine(
         &self,
         twin: &Twin,
@@ -160,7 +160,7 @@ pub(crate) fn device_kind(backend: &dyn Backend) -> DeviceKind {
 }
 
 /// A model whose refinement is done.
-struct Finished {
+struct RefinedModel {
     twin: Twin,
     warnings: Vec<String>,
     choice: Option<Choice>,
@@ -373,7 +373,7 @@ impl<'a> Run<'a> {
 
     /// Runs passes until all models are refined; returns the start of each kind of model that is
     /// kept. Where frames are held back, all starts are refined without them first.
-    fn refine(&mut self) -> Result<Vec<Finished>, Error> {
+    fn refine(&mut self) -> Result<Vec<RefinedModel>, Error> {
         let mut refinement = self.begin_refinement()?;
         self.pass(&mut refinement)?;
         if let Some(validation) = self.validation.filter(|_| self.chosen.is_empty()) {
@@ -395,7 +395,7 @@ impl<'a> Run<'a> {
             let is_cut = !best.state.has_ended && best.state.passes < self.task.passes();
             let warnings = warnings::of_fit(self.task, model);
             self.add_members(&mut twin, best.model, &refinement)?;
-            finished.push(Finished { twin, warnings, choice, is_cut });
+            finished.push(RefinedModel { twin, warnings, choice, is_cut });
         }
         Ok(finished)
     }
@@ -539,7 +539,7 @@ impl<'a> Run<'a> {
     }
 
     /// Evaluates the twin and adds its fast variant.
-    fn evaluate(&mut self, finished: Vec<Finished>) -> Result<Outcome, Error> {
+    fn evaluate(&mut self, finished: Vec<RefinedModel>) -> Result<Outcome, Error> {
         self.check_cancelled()?;
         let model = model_name(self.models[0].bending);
         let progress = |iteration: u32| ModelProgress {
@@ -552,7 +552,7 @@ impl<'a> Run<'a> {
         };
         self.report(progress(0));
         let mut finished = finished.into_iter();
-        let Some(Finished { mut twin, warnings, choice, is_cut }) = finished.next() else {
+        let Some(RefinedModel { mut twin, warnings, choice, is_cut }) = finished.next() else {
             return Err(Error::NothingStable("there is no model".into()));
         };
         let mut axial = finished.next().map(|f| f.twin);

@@ -35,4 +35,4 @@ mod warnings;
 pub use distill::{Budget, Choice, Distillation};
 pub use error::Error;
 pub use job::{FitJob, Outcome};
-pub use look::{Drawn, Look, OpenRasteriser, OpenVideo};
+pub use look::{Look, LookInput, OpenRasteriser, OpenVideo};

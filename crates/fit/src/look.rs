@@ -30,7 +30,7 @@ pub struct Look<'a> {
 
 /// A twin that is drawn into the views of a recording.
 #[derive(Clone, Copy)]
-pub struct Drawn<'a> {
+pub struct LookInput<'a> {
     /// The twin with its appearance.
     pub twin: &'a Twin,
     /// The twin with its nodes as they move in the recording: the twin itself in its own recording.
@@ -49,7 +49,7 @@ impl Look<'_> {
     /// If the twin does not fit the capture, on cancellation, or if backend or rasteriser fail.
     pub fn score(
         &self,
-        drawn: Drawn<'_>,
+        drawn: LookInput<'_>,
         per_frame: bool,
         cancel: &CancelToken,
     ) -> Result<Option<RenderedScore>, Error> {
@@ -63,14 +63,14 @@ impl Look<'_> {
     /// the twin has neither Gaussians nor a coloured skin.
     ///
     /// # Errors
-    /// As [`Look::score`], and if a file cannot be written.
+    /// Those of [`Look::score`], and if a file cannot be written.
     pub fn videos(
         &self,
-        drawn: Drawn<'_>,
+        drawn: LookInput<'_>,
         open: OpenVideo<'_>,
         cancel: &CancelToken,
     ) -> Result<Option<Vec<usize>>, Error> {
-        let mut go_on = || !cancel.is_cancelled();
+        let mut keep_going = || !cancel.is_cancelled();
         self.in_scene(drawn, cancel, &mut |scene, rasteriser| {
             let mut written = Vec::new();
             for (index, camera) in self.views.cameras.iter().enumerate() {
@@ -80,7 +80,7 @@ impl Look<'_> {
                 let failed = |e: std::io::Error| bendtwin_picture::Error::Encoding(e.to_string());
                 let mut out = open(index).map_err(failed)?;
                 let fps = drawn.capture.fps;
-                if side_by_side(scene, index, fps, rasteriser, &mut out, &mut go_on)? {
+                if side_by_side(scene, index, fps, rasteriser, &mut out, &mut keep_going)? {
                     written.push(index);
                 }
                 out.flush().map_err(failed)?;
@@ -92,7 +92,7 @@ impl Look<'_> {
     /// Calls `work` with the twin's Gaussians and its predicted motion.
     fn in_scene<T>(
         &self,
-        drawn: Drawn<'_>,
+        drawn: LookInput<'_>,
         cancel: &CancelToken,
         work: &mut dyn FnMut(
             &Scene<'_>,

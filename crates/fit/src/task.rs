@@ -86,7 +86,7 @@ impl<'a> Task<'a> {
     /// from, in place of what a search finds.
     ///
     /// # Errors
-    /// As [`Task::new`], and if the twin cannot be brought to the capture.
+    /// Those of [`Task::new`], and if the twin cannot be brought to the capture.
     pub(crate) fn from_twin(
         capture: &'a Capture,
         settings: &FitSettings,
@@ -104,7 +104,7 @@ impl<'a> Task<'a> {
     /// nothing is registered. Elements that become too stiff are softened.
     ///
     /// # Errors
-    /// As [`Task::new`].
+    /// Those of [`Task::new`].
     pub(crate) fn of_motion(
         capture: &'a Capture,
         settings: &FitSettings,

@@ -312,8 +312,8 @@ fn an_object_in_pieces_is_reported_before_the_search() {
         assert!(matches!(stopped, Err(Error::Observer(_))), "{stopped:?}");
         recorder.progress.into_iter().next()
     };
-    let told = first(Some(1e-3)).unwrap();
-    assert_eq!((told.stage, told.iteration), (Stage::Search, 0));
-    assert!(told.note.unwrap().contains("falls into 24 pieces"));
+    let reported = first(Some(1e-3)).unwrap();
+    assert_eq!((reported.stage, reported.iteration), (Stage::Search, 0));
+    assert!(reported.note.unwrap().contains("falls into 24 pieces"));
     assert_eq!(first(None), None);
 }

@@ -9,7 +9,7 @@ impl FitJob<'_> {
     /// The twin alone, without quality table, report and look: for those who score it elsewhere.
     ///
     /// # Errors
-    /// As [`FitJob::run`].
+    /// Those of [`FitJob::run`].
     pub fn twin(
         &self,
         observer: &mut dyn Observer<Progress>,

@@ -20,12 +20,12 @@ pub(crate) struct Window {
 }
 
 /// Controls, objective and surroundings of a window.
-type Made = (Arc<Vec<Point>>, Objective, Arc<Motion>);
+type WindowData = (Arc<Vec<Point>>, Objective, Arc<Motion>);
 
 /// Cache of the controls, objectives and surroundings of windows.
 #[derive(Default)]
 pub(crate) struct Windows {
-    made: HashMap<Window, Made>,
+    made: HashMap<Window, WindowData>,
 }
 
 impl Windows {
