@@ -27,7 +27,7 @@ pub struct Obstacle {
 
 /// A body at one moment.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Placed {
+pub struct PlacedBody {
     /// Pose of the body.
     pub pose: Pose,
     /// Change of the pose [1/s].
@@ -37,7 +37,7 @@ pub struct Placed {
 impl Around {
     /// A world with its bodies where they are, shape [B]; what is carried by one that is not known is
     /// left out. `state` says which hands are open.
-    pub fn new(world: &World, bodies: &[Option<Placed>], state: &State) -> Self {
+    pub fn new(world: &World, bodies: &[Option<PlacedBody>], state: &State) -> Self {
         let obstacle = |collider: &Collider| match collider.body {
             None => Some(Obstacle { collider: collider.clone(), motion: Pose::default() }),
             Some(body) => Some(Obstacle::carried(collider, bodies.get(body as usize)?.as_ref()?)),
@@ -63,8 +63,8 @@ impl Around {
 
 impl Obstacle {
     /// A collider that a body carries.
-    fn carried(collider: &Collider, body: &Placed) -> Self {
-        let Placed { pose, rate } = body;
+    fn carried(collider: &Collider, body: &PlacedBody) -> Self {
+        let PlacedBody { pose, rate } = body;
         let at = |p: [f32; 3]| pose.map(|[x, y, z, at]| x * p[0] + y * p[1] + z * p[2] + at);
         let turned = |d: [f32; 3]| pose.map(|[x, y, z, _]| x * d[0] + y * d[1] + z * d[2]);
         let position = pose.map(|row| row[3]);

@@ -15,7 +15,7 @@ use crate::{
     elastic::Elastic,
     observation::is_place,
     residual::{misfit, share_within},
-    seen::{MatchedSkin, Seen, node_spacing},
+    seen::{MatchedSkin, Matcher, node_spacing},
 };
 
 /// Options of [`correct`].
@@ -109,7 +109,7 @@ pub fn correct(
 
     // Tracks say where they are: no skin is matched.
     let skin = observation.tracks.is_none().then(|| MatchedSkin::new(graph, &model.skin));
-    let seen = Seen { graph, skin: skin.as_ref(), observation };
+    let seen = Matcher { graph, skin: skin.as_ref(), observation };
     let before = seen.distances(&start)?;
     let mut x = start.clone();
     let mut outside = barrier.leave(&mut x);
@@ -176,7 +176,7 @@ pub fn residual(
     let x: Vec<Vector3<f64>> =
         state.positions.iter().chain(controls).map(|p| vector3(*p)).collect();
     let skin = observation.tracks.is_none().then(|| MatchedSkin::new(graph, &model.skin));
-    let seen = Seen { graph, skin: skin.as_ref(), observation };
+    let seen = Matcher { graph, skin: skin.as_ref(), observation };
     Ok(Residual::of(&seen.distances(&x)?))
 }
 

@@ -31,13 +31,13 @@ mod tracking;
 mod tracks;
 mod visible;
 
-pub use around::{Around, Obstacle, Placed as PlacedBody};
+pub use around::{Around, Obstacle, PlacedBody};
 pub use barrier::leave_obstacles;
 pub use carry::carried;
 pub use correct::{CorrectOptions, Corrected, correct, residual};
 pub use error::Error;
 pub use observation::{MAX_CAMERAS, MAX_POINTS, Observation};
-pub use place::{Placed, place};
+pub use place::{Placement, place};
 pub use register::{RegisterOptions, Registered, register};
 pub use residual::{Explained, Residual};
 pub use tracking::Tracking;

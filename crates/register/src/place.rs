@@ -13,7 +13,7 @@ use crate::{
 
 /// A graph in the shape of observed points.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Placed {
+pub struct Placement {
     /// Positions of the nodes [m], shape [N, 3].
     pub positions: Vec<Point>,
     /// Distances of the observed points.
@@ -36,7 +36,7 @@ pub fn place(
     observation: &Observation,
     options: &RegisterOptions,
     cancel: &CancelToken,
-) -> Result<Placed, Error> {
+) -> Result<Placement, Error> {
     observation.check(graph)?;
     let options = RegisterOptions {
         initial: None,
@@ -55,7 +55,7 @@ pub fn place(
     let job = Job::new(&nodes, None, skin, shape, observation, &options, cancel);
     let (rigid, x) = job.best()?;
     let (residual, explained) = job.explain(&x)?;
-    Ok(Placed { positions: x.into_iter().map(point).collect(), residual, explained, rigid })
+    Ok(Placement { positions: x.into_iter().map(point).collect(), residual, explained, rigid })
 }
 
 /// The nodes of a graph and the springs between them.

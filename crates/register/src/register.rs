@@ -21,7 +21,7 @@ use crate::{
     observation::is_place,
     residual::{misfit, share_within},
     rigid::{Target, of_tracks, thinned},
-    seen::{MatchedSkin, Seen, node_spacing, position},
+    seen::{MatchedSkin, Matcher, node_spacing, position},
     surface::Surface,
     visible::visible,
 };
@@ -226,8 +226,8 @@ impl<'a> Job<'a> {
         Self { graph, skin, shape, observation, options, spacing_m, barrier, cancel }
     }
 
-    fn seen<'b>(&'b self, observation: &'b Observation) -> Seen<'b> {
-        Seen { graph: self.graph, skin: Some(&self.skin), observation }
+    fn seen<'b>(&'b self, observation: &'b Observation) -> Matcher<'b> {
+        Matcher { graph: self.graph, skin: Some(&self.skin), observation }
     }
 
     /// The best of the deformations that follow the best rigid motions.

@@ -65,14 +65,14 @@ fn offset(skin: &Skin, p: usize, x: &[Vector3<f64>]) -> Vector3<f64> {
 }
 
 /// An observation beside a graph.
-pub(crate) struct Seen<'a> {
+pub(crate) struct Matcher<'a> {
     pub(crate) graph: &'a Graph,
     /// Skin that a cloud is matched with; tracks do without.
     pub(crate) skin: Option<&'a MatchedSkin>,
     pub(crate) observation: &'a Observation,
 }
 
-impl<'a> Seen<'a> {
+impl<'a> Matcher<'a> {
     /// The observed points with what they should be on, now that endpoints are at `x`: the places
     /// of tracks, or the nearest points of the skin. Weighted so that points astray of the others
     /// count little.

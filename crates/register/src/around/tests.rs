@@ -18,7 +18,7 @@ fn world() -> World {
 
 #[test]
 fn colliders_are_where_their_bodies_are_and_unknown_bodies_carry_nothing() {
-    let at = Placed { pose: TURNED, rate: Pose::default() };
+    let at = PlacedBody { pose: TURNED, rate: Pose::default() };
     let around = Around::new(&world(), &[Some(at), None], &State::default());
     assert_eq!(around.obstacles.len(), 1);
     let Shape::Convex(faces) = &around.obstacles[0].collider.shape else { panic!("a wall") };
@@ -41,7 +41,7 @@ fn points_of_a_moving_body_have_its_velocity() {
         }
     }
     rate[2][3] = 3.0;
-    let at = Placed { pose: TURNED, rate };
+    let at = PlacedBody { pose: TURNED, rate };
     let around = Around::new(&world(), &[Some(at), Some(at)], &State::default());
     let velocity = around.obstacles[0].velocity([1.5, 0.0, 0.0]);
     for (is, should) in velocity.iter().zip([0.0, 1.0, 3.0]) {

@@ -22,7 +22,7 @@ fn dense_points_share_what_they_know() {
         let points: Vec<Point> =
             model.skin.positions(&model.graph.rest_positions)[..1].repeat(count);
         let observation = Observation { points, ..Observation::default() };
-        let seen = Seen { graph: &model.graph, skin: Some(&skin), observation: &observation };
+        let seen = Matcher { graph: &model.graph, skin: Some(&skin), observation: &observation };
         let matches = seen.matches(&x, 0.001).unwrap();
         matches.list.iter().map(|m| m.precision).sum::<f64>()
     };
