@@ -60,7 +60,7 @@ pub fn evaluate(
 /// sequence does not exist.
 ///
 /// # Errors
-/// As [`evaluate`].
+/// Those of [`evaluate`].
 pub fn evaluate_with_motion(
     backend: &dyn Backend,
     twin: &Twin,

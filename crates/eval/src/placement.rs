@@ -62,7 +62,7 @@ impl Placement {
         if start >= sequence.frame_count {
             return Err(Error::Inconsistent(format!("sequence `{}` has no start", sequence.name)));
         }
-        let seen = Seen::at(sequence, start);
+        let seen = VisiblePoints::at(sequence, start);
         // The shape prior is of the first frame of the capture.
         let is_first = capture.sequences.first().is_some_and(|s| std::ptr::eq(s, sequence));
         let completed = match is_first {
@@ -167,7 +167,7 @@ impl Placement {
 /// `None` if it is the twin's capture, where the twin needs no placement.
 ///
 /// # Errors
-/// As [`Placement::new`] and [`Placement::twin`].
+/// Those of [`Placement::new`] and [`Placement::twin`].
 pub fn in_recording(
     twin: &Twin,
     capture: &Capture,
@@ -193,14 +193,14 @@ pub fn in_recording(
 }
 
 /// Points of a sequence that were seen in a frame.
-struct Seen {
+struct VisiblePoints {
     /// Their indices.
     indices: Vec<u32>,
     /// Their positions [m].
     points: Vec<Point>,
 }
 
-impl Seen {
+impl VisiblePoints {
     fn at(sequence: &Sequence, frame: usize) -> Self {
         let rows = sequence.points_at(frame).iter().zip(sequence.visible_at(frame));
         let seen = (0..).zip(rows).filter(|(_, (p, visible))| **visible && is_finite(p));

@@ -14,7 +14,7 @@ use crate::Error;
 
 /// A prediction from a corrected state.
 #[derive(Debug, Default)]
-pub(super) struct Followed {
+pub(super) struct Prediction {
     /// Node positions of the predicted frames.
     pub(super) predicted: Vec<Vec<Point>>,
     /// Points observed in the last corrected frame.
@@ -26,7 +26,7 @@ pub(super) struct Followed {
 }
 
 /// The running simulation, and where its nodes were.
-struct Running {
+struct Simulation {
     loaded: Loaded,
     state: Arc<State>,
     frame: usize,
@@ -41,14 +41,14 @@ pub(super) fn follow(
     plan: &CorrectionPlan,
     share: f64,
     cancel: &CancelToken,
-) -> Result<Followed, Error> {
-    let mut running = Running {
+) -> Result<Prediction, Error> {
+    let mut running = Simulation {
         loaded: run.loaded.clone(),
         state: Arc::clone(&run.start),
         frame: run.sequence.start_frame(),
         rows: vec![run.start.positions.clone()],
     };
-    let mut followed = Followed::default();
+    let mut followed = Prediction::default();
     for frame in frames(running.frame, run.frame, plan.every) {
         let span = [running.frame, frame];
         let from = &running.state;
@@ -82,7 +82,7 @@ pub(super) fn follow(
     Ok(followed)
 }
 
-impl Running {
+impl Simulation {
     /// Continues from a corrected state, with the part of the correction that lasts.
     fn take(
         &mut self,
