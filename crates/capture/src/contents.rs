@@ -22,7 +22,7 @@ pub struct FilesRead {
 /// recording are not read for that.
 ///
 /// # Errors
-/// As [`crate::open`].
+/// Those of [`crate::open`].
 pub fn files_read(path: &Path, limits: &Limits) -> Result<FilesRead, Error> {
     let path = read::root(path);
     if let Some(file) = raw::mcap_at(path)? {

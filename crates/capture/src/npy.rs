@@ -116,7 +116,7 @@ struct Header<'a> {
 impl<'a> Header<'a> {
     /// Parses `{'descr': '<f4', 'fortran_order': False, 'shape': (3, 4), }`.
     fn parse(text: &'a str) -> Result<Self, String> {
-        let mut words = Words(text);
+        let mut words = Tokens(text);
         let (mut descr, mut fortran, mut shape) = (None, None, None);
         words.expect('{')?;
         while !words.accept('}') {
@@ -140,9 +140,9 @@ impl<'a> Header<'a> {
 }
 
 /// Remainder of a header's text.
-struct Words<'a>(&'a str);
+struct Tokens<'a>(&'a str);
 
-impl<'a> Words<'a> {
+impl<'a> Tokens<'a> {
     fn accept(&mut self, c: char) -> bool {
         match self.0.trim_start().strip_prefix(c) {
             Some(rest) => {

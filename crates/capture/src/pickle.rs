@@ -73,7 +73,7 @@ pub(crate) fn read<'a>(
 /// Reads a pickle of a dialect.
 ///
 /// # Errors
-/// As [`read`].
+/// Those of [`read`].
 pub(crate) fn read_dialect<'a>(
     at: &str,
     bytes: &'a [u8],

@@ -29,7 +29,7 @@ pub fn read(path: &Path, limits: &Limits) -> Result<Capture, Error> {
 /// Reads a capture from the bytes of an archive; `name` stands in for its file name.
 ///
 /// # Errors
-/// As [`read`].
+/// Those of [`read`].
 pub fn read_bytes(name: &str, bytes: &[u8], limits: &Limits) -> Result<Capture, Error> {
     let mut files = Files::from_bytes(name, bytes, limits)?;
     read_files(&mut files, &mut Vec::new())

@@ -127,7 +127,7 @@ fn write_recording<W: Write + Seek>(
 /// Writes a capture as a bundle ZIP at a path.
 ///
 /// # Errors
-/// As [`write_bundle`].
+/// Those of [`write_bundle`].
 pub fn write_bundle_file(capture: &Capture, path: &Path) -> Result<(), Error> {
     let at = path.display().to_string();
     let file = std::fs::File::create(path).map_err(|e| failed(&at, e))?;

@@ -47,7 +47,7 @@ pub fn write_bundle(recording: &Recording, path: &Path) -> Result<(), Error> {
 /// Writes a recording as a raw bundle ZIP. Equal recordings give equal bytes.
 ///
 /// # Errors
-/// As [`write_bundle`].
+/// Those of [`write_bundle`].
 pub fn write_bundle_to<W: Write + Seek>(
     recording: &Recording,
     writer: W,

@@ -51,7 +51,7 @@ pub(super) fn group<'a>(document: &'a Document, limits: &Limits) -> Result<Group
         return Err(wrong(
             "its images lie in one folder and say neither which camera took them nor when, as photographs of a thing at rest \
              do: give every frame `camera_label` and `frame_index` (or `time` in seconds), or put the images of each camera \
-             into a folder of its own with the frame's number as their name"
+             into a separate folder with the frame's number as their name"
                 .into(),
         ));
     }

@@ -128,7 +128,7 @@ impl Labels {
         let chosen: BTreeSet<String> = chosen.iter().map(|label| folded(label)).collect();
         let known: BTreeSet<String> = all.iter().map(|label| folded(label)).collect();
         if let Some(label) = chosen.difference(&known).next().filter(|_| !all.is_empty()) {
-            let fault = format!("`{KEY}` names `{label}`, which is none of them");
+            let fault = format!("`{KEY}` names `{label}`, which is not one of them");
             return Err(refused(all, &fault));
         }
         let (object, manipulator) =

@@ -39,7 +39,7 @@ pub fn write_case(recording: &Recording, folder: &Path) -> Result<(), Error> {
 /// memory stays flat.
 ///
 /// # Errors
-/// As [`write_case`], and what `put` returns.
+/// Those of [`write_case`], and what `put` returns.
 pub fn export_case(
     recording: &Recording,
     mut put: impl FnMut(&str, Vec<u8>) -> Result<(), Error>,

@@ -13,7 +13,7 @@ pub(in crate::raw) enum Encoding {
 }
 
 /// Stamp, parent, child, translation and quaternion of a frame.
-type Placed<'a> = (i64, &'a str, &'a str, [f64; 3], [f64; 4]);
+type Transform<'a> = (i64, &'a str, &'a str, [f64; 3], [f64; 4]);
 
 /// Content of a calibration.
 pub(super) struct Info<'a> {
@@ -143,7 +143,7 @@ impl Encoding {
         m.bytes
     }
 
-    pub(super) fn transforms(self, all: &[Placed<'_>]) -> Vec<u8> {
+    pub(super) fn transforms(self, all: &[Transform<'_>]) -> Vec<u8> {
         if self == Self::Protobuf {
             let mut message = Proto::default();
             for (ns, parent, child, translation, rotation) in all {

@@ -60,7 +60,9 @@ fn chosen_labels_override_known_words() {
     assert_eq!(labels.region("panda"), Region::Object);
     assert_eq!(labels.region("hand"), Region::Manipulator);
     assert_eq!(labels.region("sleeve"), Region::Manipulator);
-    assert!(sorted(&["panda"], &["bear"]).unwrap_err().contains("`bear`, which is none of them"));
+    assert!(
+        sorted(&["panda"], &["bear"]).unwrap_err().contains("`bear`, which is not one of them")
+    );
 }
 
 #[test]

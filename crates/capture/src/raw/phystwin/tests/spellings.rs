@@ -347,7 +347,7 @@ fn labels_are_reported_and_the_description_decides() {
     metadata(&mut files, "\"fps\"", "\"object_labels\": [\"panda bear\"], \"fps\"");
     expect_whole(&opened(&files).1);
     metadata(&mut files, "panda bear", "zebra");
-    assert!(message(&files).contains("`zebra`, which is none of them"));
+    assert!(message(&files).contains("`zebra`, which is not one of them"));
 }
 
 #[test]
