@@ -25,7 +25,7 @@ pub trait Rasteriser: Send {
     /// same camera it costs less.
     ///
     /// # Errors
-    /// As [`Rasteriser::render`].
+    /// Those of [`Rasteriser::render`].
     fn gradients(
         &mut self,
         gaussians: &Gaussians,

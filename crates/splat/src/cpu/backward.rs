@@ -154,17 +154,17 @@ fn back_chunk(
         let clear = 1.0 - alpha;
         let next = left[l] * clear;
         let is_seen = alpha >= LEAST_ALPHA;
-        let goes_on = next >= LEAST_TRANSMITTANCE;
-        let weight = if is_seen & goes_on { alpha * left[l] } else { 0.0 };
+        let continues = next >= LEAST_TRANSMITTANCE;
+        let weight = if is_seen & continues { alpha * left[l] } else { 0.0 };
         let q = red[l] * splat.color[0]
             + green[l] * splat.color[1]
             + blue[l] * splat.color[2]
             + (coverage[l] + depth[l] * splat.depth_m);
         rest[l] -= weight * q;
         let alpha_bar = left[l] * q - rest[l] / clear;
-        let counts = is_seen & goes_on & (alphas[l] < MOST_ALPHA);
+        let counts = is_seen & continues & (alphas[l] < MOST_ALPHA);
         let s = if counts { alpha_bar * alpha } else { 0.0 };
-        let after = if goes_on { next } else { 0.0 };
+        let after = if continues { next } else { 0.0 };
         left[l] = if is_seen { after } else { left[l] };
         let (sx, sy) = (s * dx[l], s * dy);
         m[0][l] += s;

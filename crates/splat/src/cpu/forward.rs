@@ -97,9 +97,9 @@ pub(super) fn render_tile(bins: &Bins, tile: &Tile, camera: &Camera) -> TileImag
                     let alpha = limited(alphas[l]);
                     let next = left[l] * (1.0 - alpha);
                     let is_seen = alpha >= LEAST_ALPHA;
-                    let goes_on = next >= LEAST_TRANSMITTANCE;
-                    weights[l] = if is_seen & goes_on { alpha * left[l] } else { 0.0 };
-                    let after = if goes_on { next } else { 0.0 };
+                    let continues = next >= LEAST_TRANSMITTANCE;
+                    weights[l] = if is_seen & continues { alpha * left[l] } else { 0.0 };
+                    let after = if continues { next } else { 0.0 };
                     left[l] = if is_seen { after } else { left[l] };
                 }
                 for l in 0..LANES {
