@@ -58,7 +58,7 @@ pub fn skin_colors(
             if held_out.iter().any(|h| *h as usize == index) {
                 continue;
             }
-            let seen = Seen::new(camera, view, &points, &spacings);
+            let seen = SkinView::new(camera, view, &points, &spacings);
             for (p, own) in samples.iter_mut().enumerate() {
                 own.extend(seen.sample(points[p], normals[p]).map(|s| s.weighed(first)));
             }
@@ -82,14 +82,14 @@ impl Sample {
 }
 
 /// The skin in one view.
-struct Seen<'a> {
+struct SkinView<'a> {
     camera: &'a ViewCamera,
     view: &'a View,
     /// Least depth of a skin point around each pixel [m].
     nearest: Vec<f64>,
 }
 
-impl<'a> Seen<'a> {
+impl<'a> SkinView<'a> {
     fn new(camera: &'a ViewCamera, view: &'a View, points: &[Point], spacings: &[f32]) -> Self {
         let mut nearest = vec![f64::INFINITY; view.labels.len()];
         let [least, most] = HIDES_PIXELS;

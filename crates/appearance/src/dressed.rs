@@ -77,7 +77,7 @@ impl Dressed {
     /// The Gaussians with nodes at these places [m], shape [N, 3].
     ///
     /// # Errors
-    /// As [`Dressed::carried`].
+    /// Those of [`Dressed::carried`].
     pub fn at(&self, nodes: &[Point]) -> Result<Gaussians, Error> {
         Ok(self.carried(nodes)?.place(&self.rest)?)
     }

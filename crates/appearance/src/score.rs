@@ -37,7 +37,7 @@ pub struct Scene<'a> {
 }
 
 /// Renders every frame of the motion into every camera that has a view of it and compares the images.
-/// `go_on` is asked before each frame; `None` if it says no.
+/// `keep_going` is asked before each frame; `None` if it says no.
 ///
 /// # Errors
 /// If the rasteriser fails.
@@ -45,7 +45,7 @@ pub fn score(
     scene: &Scene<'_>,
     rasteriser: &mut dyn Rasteriser,
     per_frame: bool,
-    go_on: &mut dyn FnMut() -> bool,
+    keep_going: &mut dyn FnMut() -> bool,
 ) -> Result<Option<RenderedScore>, Error> {
     let cameras = &scene.views.cameras;
     let mut sums = vec![[Sum::default(); 2]; cameras.len()];
@@ -53,7 +53,7 @@ pub fn score(
     let mut frames = Vec::new();
     let is_held_out = |camera: usize| scene.held_out.iter().any(|h| *h as usize == camera);
     for frame in scene.motion.frames() {
-        if !go_on() {
+        if !keep_going() {
             return Ok(None);
         }
         let Some(nodes) = scene.motion.at(frame) else { continue };

@@ -24,7 +24,7 @@ const NOT_COMPARED: [u8; 3] = [70, 70, 78];
 const DIMMED: f32 = 0.4;
 
 /// Writes the frames of a camera, counted from 0, that have a view and a prediction, as an animated
-/// PNG. Returns false without such frames, or if `go_on`, which is asked before each frame, returns
+/// PNG. Returns false without such frames, or if `keep_going`, which is asked before each frame, returns
 /// false.
 ///
 /// # Errors
@@ -35,7 +35,7 @@ pub fn side_by_side(
     fps: f64,
     rasteriser: &mut dyn Rasteriser,
     out: &mut dyn Write,
-    go_on: &mut dyn FnMut() -> bool,
+    keep_going: &mut dyn FnMut() -> bool,
 ) -> Result<bool, Error> {
     let Some(camera) = scene.views.cameras.get(camera) else { return Ok(false) };
     let predicted = |view: &&View| scene.motion.at(view.frame as usize).is_some();
@@ -55,7 +55,7 @@ pub fn side_by_side(
     let mut video = Animation::new(out, layout.size(), frame_count, fps)?;
     let last = scene.motion.frames().end.saturating_sub(1);
     for (index, view) in shown.iter().enumerate() {
-        if !go_on() {
+        if !keep_going() {
             return Ok(false);
         }
         let whole = camera::whole(camera, view.frame);

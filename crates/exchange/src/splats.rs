@@ -15,7 +15,7 @@ use bendtwin_splat::Gaussians;
 
 pub use self::{
     error::Error,
-    place::{Placed, place, similarity_of},
+    place::{Placement, place, similarity_of},
     ply::write_ply,
 };
 

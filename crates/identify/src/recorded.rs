@@ -28,7 +28,7 @@ const RECORDS: usize = 24;
 const FUTURE_RECORDS: usize = 5;
 
 /// Training frames of a sequence, and the frames after them.
-pub(crate) struct Recorded {
+pub(crate) struct SequenceRecords {
     pub(crate) scene: Scene,
     /// True for a sequence of the twin's own capture.
     pub(crate) is_own: bool,
@@ -55,7 +55,7 @@ pub(crate) fn recorded(
     twin: &Twin,
     capture: &Capture,
     cancel: &CancelToken,
-) -> Result<Vec<Recorded>, Error> {
+) -> Result<Vec<SequenceRecords>, Error> {
     let mut all = Vec::new();
     let own = |r: &&Capture| is_own_capture(twin, r);
     for recording in capture.recordings().filter(own) {
@@ -117,7 +117,7 @@ impl Place<'_> {
         backend: &dyn Backend,
         sequence: &Sequence,
         cancel: &CancelToken,
-    ) -> Result<Option<Recorded>, Error> {
+    ) -> Result<Option<SequenceRecords>, Error> {
         let Self { twin, initial, is_own, stands_for } = self;
         let start = sequence.start_frame();
         let after_start = |end: usize| end.saturating_sub(start + 1);
@@ -179,7 +179,7 @@ impl Place<'_> {
             records.clone().filter(|f| *f <= training_frames).filter_map(sample).collect();
         let after: Vec<usize> = records.filter(|f| *f > training_frames).collect();
         let stride = after.len().div_ceil(FUTURE_RECORDS).max(1);
-        Ok(Some(Recorded {
+        Ok(Some(SequenceRecords {
             scene,
             is_own,
             every,
@@ -193,7 +193,7 @@ impl Place<'_> {
     }
 }
 
-impl Recorded {
+impl SequenceRecords {
     /// The directions that the recording has no part in: grips of hands that were not there.
     pub(crate) fn has(&self, direction: &Direction) -> bool {
         self.is_own || direction.quantity != Quantity::Grip

@@ -18,7 +18,7 @@ use crate::{
     motions::{Hold, scene},
     noise::Noise,
     posterior::{Query, covariance, information},
-    recorded::{Recorded, failed, recorded},
+    recorded::{SequenceRecords, failed, recorded},
     response::{Sample, Variation},
     words,
 };
@@ -50,7 +50,7 @@ pub type ByMotion = (Identifiability, Vec<Vec<f32>>);
 /// shape [motions, M].
 ///
 /// # Errors
-/// As [`identify`].
+/// Those of [`identify`].
 pub fn identify_by_motion(
     backend: &dyn Backend,
     twin: &Twin,
@@ -61,7 +61,7 @@ pub fn identify_by_motion(
         return Ok(None);
     }
     let regions = Regions::of(twin);
-    let asking = Asking {
+    let asking = Question {
         backend,
         twin,
         directions: directions(twin, &regions),
@@ -103,7 +103,7 @@ impl Points {
 }
 
 /// A twin that is asked about.
-struct Asking<'a> {
+struct Question<'a> {
     backend: &'a dyn Backend,
     twin: &'a Twin,
     regions: Regions,
@@ -122,7 +122,7 @@ struct Learnt {
     observations: f64,
 }
 
-impl Asking<'_> {
+impl Question<'_> {
     fn report(mut self, capture: &Capture) -> Result<Option<ByMotion>, Error> {
         let recordings = recorded(self.backend, self.twin, capture, self.cancel)?;
         let Some(learnt) = self.learn(&recordings)? else { return Ok(None) };
@@ -203,7 +203,7 @@ impl Asking<'_> {
     }
 
     /// Information of the recordings about the directions; none without training frames.
-    fn learn(&self, recordings: &[Recorded]) -> Result<Option<Learnt>, Error> {
+    fn learn(&self, recordings: &[SequenceRecords]) -> Result<Option<Learnt>, Error> {
         let count = self.directions.len();
         let mut learnt = Learnt {
             information: DMatrix::zeros(count, count),

@@ -38,9 +38,9 @@ pub fn flip(pair: &Pair<'_>) -> f64 {
 
 /// FLIP of each pixel, shape [height, width].
 fn flip_map(pair: &Pair<'_>) -> Vec<f32> {
-    let seen: Vec<Seen> = [pair.image(), pair.reference()]
+    let seen: Vec<Perceived> = [pair.image(), pair.reference()]
         .into_par_iter()
-        .map(|image| Seen::new(&channels(pair, image)))
+        .map(|image| Perceived::new(&channels(pair, image)))
         .collect();
     let [a, b] = seen.as_slice() else { return Vec::new() };
     let largest = largest_color_difference();
@@ -55,7 +55,7 @@ fn flip_map(pair: &Pair<'_>) -> Vec<f32> {
 }
 
 /// An image as an eye has it.
-struct Seen {
+struct Perceived {
     /// Filtered colours.
     colors: Vec<Lab>,
     /// Strength of edges at each pixel.
@@ -64,7 +64,7 @@ struct Seen {
     points: Plane,
 }
 
-impl Seen {
+impl Perceived {
     fn new(srgb: &[Plane; 3]) -> Self {
         let opponent = Opponent::of(srgb);
         let (edges, points) = detail::strengths(&opponent.achromatic, PIXELS_PER_DEGREE);

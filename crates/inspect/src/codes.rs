@@ -59,7 +59,7 @@ pub const CODES: &[Code] = &[
     ),
     code(
         "EXTRINSICS_INVALID",
-        "a pose is not finite or its rotation is none",
+        "a pose is not finite or has no valid rotation",
         "export the poses again as rigid camera-to-world transforms",
     ),
     code(

@@ -93,10 +93,10 @@ fn draw(
 ) -> Result<Vec<u8>, String> {
     let capture = source.capture.as_ref().map_err(|fault| fault.message.clone())?;
     let capture = shown(capture).ok_or("the capture has no sequence")?;
-    let told = |e: bendtwin_eval::Error| e.fault().message;
+    let failed = |e: bendtwin_eval::Error| e.fault().message;
     let mut predictions = Vec::with_capacity(twins.len());
     for twin in twins {
-        predictions.extend(predict(backend, twin, &capture, cancel).map_err(told)?);
+        predictions.extend(predict(backend, twin, &capture, cancel).map_err(failed)?);
     }
     let models: Vec<Model<'_>> = names
         .iter()
@@ -106,7 +106,7 @@ fn draw(
         .collect();
     Picture { capture: &capture, sequence: 0, models: &models, columns: COLUMNS }
         .to_png()
-        .map_err(told)
+        .map_err(failed)
 }
 
 /// The capture with one sequence alone: one that fits did not see, if there is one.

@@ -41,7 +41,7 @@ fn what_lies_behind_gets_nothing_from_the_camera_in_front() {
     }
     let rest = ball.twin.skin.positions(&ball.twin.graph.rest_positions);
     let camera = &ball.views.cameras[0];
-    let seen = Seen::new(camera, &camera.views[0], &rest, &spacings(&rest));
+    let seen = SkinView::new(camera, &camera.views[0], &rest, &spacings(&rest));
     for p in rest.iter().filter(|p| p[1] > 0.02) {
         assert!(seen.sample(*p, [0.0, 1.0, 0.0]).is_none(), "{p:?} is at the back");
     }

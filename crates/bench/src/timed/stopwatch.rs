@@ -21,8 +21,8 @@ impl Stopwatch {
     /// Runs a call and counts its time.
     pub(super) fn time<R>(&self, work: impl FnOnce() -> R) -> R {
         /// Ends the call, also if it panics.
-        struct Running<'a>(&'a Stopwatch);
-        impl Drop for Running<'_> {
+        struct RunGuard<'a>(&'a Stopwatch);
+        impl Drop for RunGuard<'_> {
             fn drop(&mut self) {
                 self.0.change(|calls| {
                     calls.running -= 1;
@@ -38,7 +38,7 @@ impl Stopwatch {
             calls.running += 1;
             calls.since.get_or_insert_with(Instant::now);
         });
-        let _running = Running(self);
+        let _running = RunGuard(self);
         work()
     }
 

@@ -56,11 +56,11 @@ fn contradictions_are_found() {
             "shares",
         ),
     ];
-    for (spoil, told) in breaks {
+    for (spoil, reported) in breaks {
         let mut of = report();
         spoil(&mut of);
         let fault = of.check(2, 3).unwrap_err();
-        assert!(fault.contains(told), "{fault}");
+        assert!(fault.contains(reported), "{fault}");
     }
 }
 

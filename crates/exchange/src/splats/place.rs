@@ -24,7 +24,7 @@ const MOST_ALIGNED: usize = 20_000;
 
 /// Gaussians on a twin.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Placed {
+pub struct Placement {
     /// Splats of the twin.
     pub splats: Splats,
     /// Gaussians that were too far from the skin.
@@ -38,7 +38,11 @@ pub struct Placed {
 ///
 /// # Errors
 /// If no alignment is found, nothing is near the twin or too much is.
-pub fn place(gaussians: &Gaussians, twin: &Twin, by: Option<Similarity>) -> Result<Placed, Error> {
+pub fn place(
+    gaussians: &Gaussians,
+    twin: &Twin,
+    by: Option<Similarity>,
+) -> Result<Placement, Error> {
     let nodes = &twin.graph.rest_positions;
     let skin = if twin.skin.is_empty() { nodes.clone() } else { twin.skin.positions(nodes) };
     let similarity = match by {
@@ -76,7 +80,7 @@ pub fn place(gaussians: &Gaussians, twin: &Twin, by: Option<Similarity>) -> Resu
         opacities: kept.opacities,
         colors: kept.colors,
     };
-    Ok(Placed { splats, dropped: gaussians.len() - near.len(), similarity })
+    Ok(Placement { splats, dropped: gaussians.len() - near.len(), similarity })
 }
 
 /// Similarity of a matrix, row-major; its last row is 0, 0, 0, 1.

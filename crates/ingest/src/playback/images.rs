@@ -136,13 +136,13 @@ mod tests {
     #[test]
     fn frames_are_left_out_until_the_rest_fits() {
         let recording = film(Scene::Toy, &FilmOptions::tiny(1)).unwrap();
-        let mut told = Vec::new();
-        let all = collect(&recording, usize::MAX, 1, &mut |done| told.push(done));
+        let mut reported = Vec::new();
+        let all = collect(&recording, usize::MAX, 1, &mut |done| reported.push(done));
         let count = |images: &Images| images.files.iter().map(Vec::len).collect::<Vec<_>>();
         let size = |images: &Images| images.files.iter().flatten().map(Vec::len).sum::<usize>();
         assert_eq!(all.every, 1);
         assert_eq!(count(&all), vec![recording.frame_count; recording.cameras.len()]);
-        assert!(told.is_sorted() && told.last() == Some(&1.0));
+        assert!(reported.is_sorted() && reported.last() == Some(&1.0));
         let budget = size(&all) / 3;
         let some = collect(&recording, budget, 1, &mut |_| {});
         assert!(some.every == 4 && size(&some) <= budget);

@@ -14,9 +14,9 @@ impl Parsed {
     fn of(capture: &Capture, recorded: &[Option<Recording>]) -> Self {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("playback");
-        let mut told = Vec::new();
-        write_playback(capture, recorded, &path, &mut |share| told.push(share)).unwrap();
-        assert!(told.is_sorted() && told.last() == Some(&1.0), "{told:?}");
+        let mut reported = Vec::new();
+        write_playback(capture, recorded, &path, &mut |share| reported.push(share)).unwrap();
+        assert!(reported.is_sorted() && reported.last() == Some(&1.0), "{reported:?}");
         let bytes = std::fs::read(&path).unwrap();
         assert_eq!(&bytes[..8], PLAYBACK_MAGIC);
         let number = |at: usize| u32::from_le_bytes(bytes[at..at + 4].try_into().unwrap()) as usize;

@@ -8,9 +8,9 @@ use crate::{Observed, Progress, ingest};
 
 /// Progress that was reported.
 #[derive(Default)]
-struct Seen(Vec<f64>);
+struct Shares(Vec<f64>);
 
-impl bendtwin_core::Observer<Progress> for Seen {
+impl bendtwin_core::Observer<Progress> for Shares {
     fn progress(&mut self, progress: Progress) {
         self.0.push(progress.fraction);
     }
@@ -21,7 +21,7 @@ impl bendtwin_core::Observer<Progress> for Seen {
 }
 
 fn ingested(path: &Path) -> (Observed, Vec<f64>) {
-    let mut seen = Seen::default();
+    let mut seen = Shares::default();
     let (settings, limits) = (Default::default(), Limits::default());
     let observed =
         ingest(path, "the toy", &settings, &limits, None, &mut seen, &Default::default()).unwrap();

@@ -7,9 +7,9 @@ use super::*;
 #[test]
 fn views_hold_what_masks_show_in_its_place() {
     let recording = film(Scene::Toy, &FilmOptions::tiny(1)).unwrap();
-    let mut told = Vec::new();
-    let views = views(&recording, &mut |share| told.push(share)).unwrap();
-    assert!(told.is_sorted() && told.last() == Some(&1.0));
+    let mut reported = Vec::new();
+    let views = views(&recording, &mut |share| reported.push(share)).unwrap();
+    assert!(reported.is_sorted() && reported.last() == Some(&1.0));
     assert_eq!(views.check(), Ok(()));
     for (index, camera) in views.cameras.iter().enumerate() {
         let recorded = &recording.cameras[index];

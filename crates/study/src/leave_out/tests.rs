@@ -21,11 +21,11 @@ fn study(captures: Vec<Capture>) -> Result<LeaveOneOut, Fault> {
 }
 
 fn run(study: &LeaveOneOut) -> (Vec<LeftOut>, Vec<usize>) {
-    let mut told = Vec::new();
-    let mut tell = |fit, _| told.push(fit);
+    let mut reported = Vec::new();
+    let mut tell = |fit, _| reported.push(fit);
     let results = study.run(&mut tell, &CancelToken::default()).unwrap();
-    told.dedup();
-    (results, told)
+    reported.dedup();
+    (results, reported)
 }
 
 #[test]
@@ -36,8 +36,8 @@ fn each_recording_is_predicted_from_each_other_one_and_from_all_others() {
     let several = Capture { others: vec![take(1)], ..take(0) };
     let study = study(vec![several, held_out]).unwrap();
     assert_eq!(study.fits(), 3);
-    let (results, told) = run(&study);
-    assert_eq!(told, [0, 1, 2]);
+    let (results, reported) = run(&study);
+    assert_eq!(reported, [0, 1, 2]);
     let fitted_to = |p: &Prediction| p.fitted_to.join("+");
     let rows: Vec<String> = results
         .iter()

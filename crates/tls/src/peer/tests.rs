@@ -78,8 +78,8 @@ async fn a_revoked_peer_is_refused_at_the_handshake() {
     });
     let mut connector = Connector::new(LIMIT).with_peer(worker.clone());
     let mut begun = connector.call(url.parse().unwrap()).await.unwrap().into_inner();
-    let told = end(&mut begun).await;
-    assert!(told.to_string().contains("which was revoked"), "{told}");
+    let reported = end(&mut begun).await;
+    assert!(reported.to_string().contains("which was revoked"), "{reported}");
     assert!(accepting.await.unwrap().unwrap_err().to_string().contains("Revoked"));
 
     // And so it is when it is called.
