@@ -39,7 +39,7 @@ pub(crate) use captures::CaptureUpload;
 pub(crate) use fits::FitOrder;
 pub(crate) use geometry::Geometry;
 pub(crate) use ingests::{IngestPart, IngestUpload};
-pub(crate) use jobs::{Attempt, Leased, News, Offer};
+pub(crate) use jobs::{Attempt, LeasedJob, News, Offer};
 pub(crate) use keys::KeyOrder;
 pub(crate) use labels::{Change, Listing};
 use members::Members;

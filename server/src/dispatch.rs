@@ -27,7 +27,7 @@ use std::{
 };
 
 use bendtwin_core::ids::{TwinId, WorkerId};
-use bendtwin_store::{Capabilities, Job, Kind, WorkerEnd, Store, Worker};
+use bendtwin_store::{Capabilities, Job, Kind, Store, Worker, WorkerEnd};
 use bendtwin_tls::Connector;
 use tokio_util::sync::CancellationToken;
 

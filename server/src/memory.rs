@@ -91,13 +91,13 @@ impl Memory {
 
     /// Memory of an upload that streams to disk.
     pub(crate) async fn upload(&self) -> Result<Share> {
-        self.take(&self.uploads, UPLOAD, "the upload: send fewer at once").await
+        self.take(&self.uploads, UPLOAD, "the upload: send fewer at a time").await
     }
 
     /// Memory of a resumable upload whose buffers are so large, or all that uploads have.
     pub(crate) async fn resumable_upload(&self, bytes: u64) -> Result<Share> {
         let bytes = bytes.clamp(UPLOAD, self.uploads.total().max(UPLOAD));
-        self.take(&self.uploads, bytes, "the upload: send fewer at once").await
+        self.take(&self.uploads, bytes, "the upload: send fewer at a time").await
     }
 
     /// Memory to read a twin file of `bytes`.

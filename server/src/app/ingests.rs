@@ -49,7 +49,7 @@ pub(crate) struct IngestUpload {
 }
 
 /// The files of a result.
-struct Received {
+struct ResultFiles {
     observation: Option<Staged>,
     playback: Option<Staged>,
     json: Staged,
@@ -140,7 +140,7 @@ impl App {
         }
         let fault = upload.fault.clone();
         self.require_lease(attempt).await?;
-        let Received { observation, playback, json, html } = self.receive_parts(upload).await?;
+        let ResultFiles { observation, playback, json, html } = self.receive_parts(upload).await?;
         self.check_report(&json, &verdict).await?;
         if let Some(observation) = &observation {
             results::check_observation(observation).await?;
@@ -176,7 +176,7 @@ impl App {
     }
 
     /// Receives observation and playback, if any, and the report as a document and as a page.
-    async fn receive_parts(&self, upload: IngestUpload) -> Result<Received> {
+    async fn receive_parts(&self, upload: IngestUpload) -> Result<ResultFiles> {
         let IngestUpload { report_digest, page_digest, mut body, .. } = upload;
         let limits = &self.options.limits;
         let blobs = self.store.blobs();
@@ -207,7 +207,7 @@ impl App {
             Some(upload) => Ok::<_, Error>(Some(upload.finish(expected(hex)?).await?)),
             None => Ok(None),
         };
-        Ok(Received {
+        Ok(ResultFiles {
             observation: finish(observation, &upload.observation_digest).await?,
             playback: finish(playback, &upload.playback_digest).await?,
             json: report.finish(expected(&report_digest)?).await?,

@@ -7,8 +7,8 @@ use bendtwin_core::{
     ids::{CaptureId, TwinId, WorkerId},
 };
 use bendtwin_store::{
-    AttemptEnd, Capture, Claimant, Content, Job, JobId, JobReport, Kind, Lease, LeaseTerms, WorkerEnd,
-    Observation, State, TwinFacts,
+    AttemptEnd, Capture, Claimant, Content, Job, JobId, JobReport, Kind, Lease, LeaseTerms,
+    Observation, State, TwinFacts, WorkerEnd,
 };
 
 use super::{App, Body, Error, Result, results};
@@ -66,7 +66,7 @@ impl std::fmt::Display for Downloadable {
 
 /// A job that was leased to a worker, with its capture and observation.
 #[derive(Clone, Debug)]
-pub(crate) struct Leased {
+pub(crate) struct LeasedJob {
     pub(crate) job: Job,
     pub(crate) capture: Capture,
     pub(crate) observation: Option<Observation>,
@@ -76,7 +76,7 @@ pub(crate) struct Leased {
 #[derive(Clone, Debug)]
 pub(crate) enum Offer {
     /// A job, which is leased to it.
-    Job(Box<Leased>),
+    Job(Box<LeasedJob>),
     /// No job within the wait.
     Nothing,
     /// The worker is to drain and exit.
@@ -120,7 +120,7 @@ impl App {
         self.dispatch.set_job(worker, kind, Some(&job));
         self.dispatch.seen(worker);
         tracing::info!(job = %job.id, %worker, epoch = job.lease_epoch, "job leased");
-        Ok(Offer::Job(Box::new(Leased { job, capture, observation })))
+        Ok(Offer::Job(Box::new(LeasedJob { job, capture, observation })))
     }
 
     /// Renews a lease and keeps what is new. Returns true if the job has been asked to stop.
@@ -230,8 +230,11 @@ impl App {
     /// Ends the attempts of a worker process that has ended: its jobs are requeued immediately. If
     /// the server itself ended it, the attempts do not count.
     pub(crate) async fn worker_gone(&self, worker: WorkerId) -> Result<()> {
-        let end =
-            if self.stopping.is_cancelled() { WorkerEnd::ByServer } else { self.dispatch.worker_end(worker) };
+        let end = if self.stopping.is_cancelled() {
+            WorkerEnd::ByServer
+        } else {
+            self.dispatch.worker_end(worker)
+        };
         self.dispatch.remove(worker);
         for job in self.store.jobs().forfeit(worker, end).await? {
             self.note_end(&job);
@@ -254,7 +257,8 @@ impl App {
         }
         // The lease of a job may run out here a moment before its server has been silent for one:
         // that is judged by its server, or when that is found gone.
-        let worker_end = |worker| (!elsewhere.contains(&worker)).then(|| self.dispatch.worker_end(worker));
+        let worker_end =
+            |worker| (!elsewhere.contains(&worker)).then(|| self.dispatch.worker_end(worker));
         for job in self.store.jobs().sweep(terms, worker_end).await? {
             self.note_end(&job);
         }

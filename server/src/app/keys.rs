@@ -89,7 +89,7 @@ fn check_scopes(scopes: &[String]) -> Result<()> {
         None => Ok(()),
         Some(word) => {
             let word: String = word.chars().take(40).collect();
-            Err(Error::invalid("scopes", format!("has `{word}`, which is none of {}", words())))
+            Err(Error::invalid("scopes", format!("has `{word}`, which is not one of {}", words())))
         }
     }
 }

@@ -92,7 +92,8 @@ fn order(text: &str, keys: &[(&str, OrderKey)]) -> Result<Order> {
         (Some(key), Some(descending)) => Ok(Order { key, descending }),
         _ => {
             let names: Vec<&str> = keys.iter().map(|(name, _)| *name).collect();
-            let fault = format!("is none of {}, alone or followed by ` desc`", names.join(", "));
+            let fault =
+                format!("must be one of {}, alone or followed by ` desc`", names.join(", "));
             Err(Error::invalid("order_by", fault))
         }
     }

@@ -9,7 +9,7 @@ use std::{
 };
 
 use bendtwin_core::ids::{ServerId, WorkerId};
-use bendtwin_store::{WorkerEnd, Server, Worker};
+use bendtwin_store::{Server, Worker, WorkerEnd};
 use uuid::Uuid;
 
 use super::{App, Error, Result};
@@ -22,7 +22,7 @@ pub(crate) struct Members(Mutex<State>);
 struct State {
     signs: HashMap<Uuid, (i64, Duration)>,
     /// Last time at which this server notified the others of itself, or of a worker.
-    told: HashMap<Uuid, Duration>,
+    announced: HashMap<Uuid, Duration>,
 }
 
 impl Members {
@@ -39,9 +39,12 @@ impl Members {
     /// True if the next notification about a member is due, which then counts as sent.
     fn is_due(&self, member: Uuid, every: Duration, now: Duration) -> bool {
         let mut state = self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        let due = state.told.get(&member).is_none_or(|told| now.saturating_sub(*told) >= every);
+        let due = state
+            .announced
+            .get(&member)
+            .is_none_or(|announced| now.saturating_sub(*announced) >= every);
         if due {
-            state.told.insert(member, now);
+            state.announced.insert(member, now);
         }
         due
     }
@@ -50,7 +53,7 @@ impl Members {
     fn keep(&self, there: &HashSet<Uuid>) {
         let mut state = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         state.signs.retain(|member, _| there.contains(member));
-        state.told.retain(|member, _| there.contains(member));
+        state.announced.retain(|member, _| there.contains(member));
     }
 }
 

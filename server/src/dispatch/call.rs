@@ -12,16 +12,16 @@ use tokio::time::Instant;
 use tonic::{Code, Request, Response, Status, transport::Channel};
 use tonic_types::StatusExt as _;
 
-use super::{executing::Sent, registry::Entry, untaken::was_not_taken};
+use super::{executing::SentCall, registry::Entry, untaken::was_not_taken};
 use crate::{
     context::Context,
     failure::{Error, Result},
 };
 
 /// A call that a worker has taken.
-pub(super) struct Taken {
+pub(super) struct TakenCall {
     pub(super) entry: Arc<Entry>,
-    sent: Sent,
+    sent: SentCall,
     pub(super) deadline: Instant,
 }
 
@@ -32,7 +32,7 @@ pub(super) async fn send<M, T, F>(
     message: M,
     deadline: Instant,
     method: impl FnOnce(WorkerRolloutsClient<Channel>, Request<M>) -> F,
-) -> Result<Option<(T, Taken)>>
+) -> Result<Option<(T, TakenCall)>>
 where
     M: Message,
     F: Future<Output = Result<Response<T>, Status>>,
@@ -47,7 +47,7 @@ where
     }
     request.set_timeout(deadline.saturating_duration_since(Instant::now()));
     let sent = entry.executing.send();
-    let mut taken = Taken { entry: Arc::clone(entry), sent, deadline };
+    let mut taken = TakenCall { entry: Arc::clone(entry), sent, deadline };
     match method(client, request).await {
         Ok(reply) => Ok(Some((reply.into_inner(), taken))),
         Err(status) if was_not_taken(&status) => {
@@ -58,7 +58,7 @@ where
     }
 }
 
-impl Taken {
+impl TakenCall {
     /// The worker has answered it in full.
     pub(super) fn answered(&mut self) {
         self.sent.answered();

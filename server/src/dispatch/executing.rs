@@ -16,16 +16,16 @@ pub(super) struct Executing {
 
 /// A call that was sent to the worker; cut off if it is dropped without an answer.
 #[derive(Debug)]
-pub(super) struct Sent {
+pub(super) struct SentCall {
     executing: Executing,
     answered: bool,
 }
 
 impl Executing {
     /// Counts a call that is about to be sent.
-    pub(super) fn send(&self) -> Sent {
+    pub(super) fn send(&self) -> SentCall {
         self.under_way.fetch_add(1, Ordering::SeqCst);
-        Sent { executing: self.clone(), answered: false }
+        SentCall { executing: self.clone(), answered: false }
     }
 
     /// The worker is alive, and says how many calls it is at.
@@ -41,14 +41,14 @@ impl Executing {
     }
 }
 
-impl Sent {
+impl SentCall {
     /// The worker has answered, or never took it.
     pub(super) fn answered(&mut self) {
         self.answered = true;
     }
 }
 
-impl Drop for Sent {
+impl Drop for SentCall {
     fn drop(&mut self) {
         if !self.answered {
             self.executing.cut_off.store(true, Ordering::SeqCst);

@@ -174,7 +174,7 @@ pub(crate) struct Memory {
 impl Live {
     /// Takes over the sessions in a heartbeat. The heartbeat may have been sent before a session
     /// was opened, so a new session stays even if it is missing there.
-    fn told(&mut self, mut sessions: HashMap<SessionId, HeldSession>) {
+    fn take_sessions(&mut self, mut sessions: HashMap<SessionId, HeldSession>) {
         self.opened.retain(|_, opened| opened.elapsed() < UNDER_WAY);
         let new = self.sessions.iter().filter(|(id, _)| self.opened.contains_key(id));
         sessions.extend(new.map(|(id, held)| (*id, *held)));
@@ -183,9 +183,10 @@ impl Live {
 
     /// Takes over the jobs in a heartbeat. The heartbeat may have been sent before a job was leased
     /// here, and a job that was leased here may have ended at another server.
-    fn told_jobs(&mut self, fit: Option<FitId>, ingest: Option<CaptureId>) {
+    fn take_jobs(&mut self, fit: Option<FitId>, ingest: Option<CaptureId>) {
         self.fit = fit.map(ReportedJob::now).or(self.fit.filter(|f| f.at.elapsed() < UNDER_WAY));
-        self.ingest = ingest.map(ReportedJob::now).or(self.ingest.filter(|i| i.at.elapsed() < UNDER_WAY));
+        self.ingest =
+            ingest.map(ReportedJob::now).or(self.ingest.filter(|i| i.at.elapsed() < UNDER_WAY));
     }
 }
 
@@ -288,11 +289,11 @@ impl Entry {
         self.seen(now);
         let mut live = self.live();
         live.warm = heartbeat.warm;
-        live.told(heartbeat.sessions);
+        live.take_sessions(heartbeat.sessions);
         live.in_flight = heartbeat.in_flight;
         live.memory = heartbeat.memory;
         live.fit_bytes = heartbeat.fit_bytes;
-        live.told_jobs(heartbeat.fit, heartbeat.ingest);
+        live.take_jobs(heartbeat.fit, heartbeat.ingest);
         self.line.set_fit(live.fit.is_some());
     }
 
@@ -399,8 +400,8 @@ impl Entry {
             warm: live.warm.clone(),
             in_flight: live.in_flight.max(u32::try_from(self.line.len()).unwrap_or(u32::MAX)),
             memory: live.memory,
-            fit: live.fit.map(|told| told.id),
-            ingest: live.ingest.map(|told| told.id),
+            fit: live.fit.map(|job| job.id),
+            ingest: live.ingest.map(|job| job.id),
         }
     }
 }

@@ -19,7 +19,7 @@ use tonic::{Status, Streaming};
 
 use super::{
     Dispatch,
-    call::{self, Taken},
+    call::{self, TakenCall},
     line::{Ask, Place},
     registry::Entry,
 };
@@ -129,7 +129,7 @@ pub(crate) type Parts = Pin<Box<dyn Stream<Item = Result<RollOutResponse>> + Sen
 /// A reply under way at a worker.
 pub(super) struct ReplyStream {
     replies: Streaming<ExecuteRollOutResponse>,
-    taken: Taken,
+    taken: TakenCall,
     /// Held until the last part has come.
     place: Arc<Place>,
     started: Instant,

@@ -26,7 +26,7 @@ use super::{
     Dispatch, call,
     line::Ask,
     registry::{Entry, HeldSession},
-    rollout::{Ends, Held, RollOut, ReplyStream, Whole},
+    rollout::{Ends, Held, ReplyStream, RollOut, Whole},
 };
 use crate::{
     context::Context,

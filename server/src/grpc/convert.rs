@@ -52,7 +52,7 @@ pub(super) fn change(
             .collect(),
     };
     if !paths.iter().all(|path| FIELDS.contains(&path.as_str())) {
-        let fault = "has a path that is none of display_name, note, tags";
+        let fault = "has a path other than display_name, note, tags";
         return Err(Error::invalid("update_mask", fault));
     }
     let has = |field: &str| paths.iter().any(|path| path == field);
@@ -132,8 +132,8 @@ fn job(job: Job) -> v1::Job {
 /// The state that a list is filtered by; `None` without a filter.
 pub(super) fn read_state(number: i32) -> Result<Option<State>> {
     use v1::job::State as Wire;
-    let state = Wire::try_from(number)
-        .map_err(|_| Error::invalid("state", "is none that this server knows"))?;
+    let state =
+        Wire::try_from(number).map_err(|_| Error::invalid("state", "is unknown to this server"))?;
     Ok(match state {
         Wire::Unspecified => None,
         Wire::Queued => Some(State::Queued),
@@ -207,7 +207,7 @@ pub(super) fn read_progress(message: v1::Progress) -> Result<Progress> {
     let models = message.models.into_iter().take(MOST_MODELS).map(read_loss);
     Ok(Progress {
         stage: stage.ok_or_else(|| {
-            Error::invalid("progress.stage", "is none of ingest, search, refine, evaluate")
+            Error::invalid("progress.stage", "must be one of ingest, search, refine, evaluate")
         })?,
         variant: short(&message.variant),
         iteration: message.iteration,

@@ -24,7 +24,7 @@ use super::{
     upload,
 };
 use crate::{
-    app::{self, Attempt, Error, IngestPart, IngestUpload, Leased, News, Offer},
+    app::{self, Attempt, Error, IngestPart, IngestUpload, LeasedJob, News, Offer},
     http::root_service::PeerCertificate,
     tokens::Bearer,
 };
@@ -38,8 +38,8 @@ fn attempt_of(shown: &Credentials, job: &JobWrite) -> app::Result<Attempt> {
     attempt(shown, &job.worker, &job.job, job.epoch)
 }
 
-fn lease_of(leased: Leased) -> LeaseMessage {
-    let Leased { job, capture, observation } = leased;
+fn lease_of(leased: LeasedJob) -> LeaseMessage {
+    let LeasedJob { job, capture, observation } = leased;
     LeaseMessage {
         job: job.id.to_string(),
         epoch: job.lease_epoch,
@@ -119,7 +119,7 @@ impl WorkerLink for Api {
             lease_job_request::Kind::Ingest => Kind::Ingest,
             lease_job_request::Kind::Fit => Kind::Fit,
             lease_job_request::Kind::Unspecified => {
-                return Err(Error::invalid("kind", "is none that this server knows").into());
+                return Err(Error::invalid("kind", "is unknown to this server").into());
             }
         };
         Ok(Response::new(match self.app.lease_job(kind, worker, wait).await? {
@@ -242,7 +242,7 @@ impl WorkerLink for Api {
             End::Failed => AttemptEnd::Failed(fault),
             End::Interrupted => AttemptEnd::Interrupted(fault),
             End::Unspecified => {
-                return Err(Error::invalid("end", "is none that this server knows").into());
+                return Err(Error::invalid("end", "is unknown to this server").into());
             }
         };
         self.app.end_attempt(attempt, end).await?;

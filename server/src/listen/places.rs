@@ -25,11 +25,11 @@ struct Shared {
     total: usize,
     per_peer: usize,
     metrics: Metrics,
-    taken: Mutex<Taken>,
+    taken: Mutex<Occupancy>,
 }
 
 #[derive(Debug, Default)]
-struct Taken {
+struct Occupancy {
     next_id: u64,
     by_id: HashMap<u64, Holder>,
     by_peer: HashMap<IpAddr, usize>,
@@ -103,7 +103,7 @@ impl Drop for Place {
     }
 }
 
-impl Taken {
+impl Occupancy {
     fn remove(&mut self, id: u64) -> Option<Holder> {
         let holder = self.by_id.remove(&id)?;
         if let Some(held) = self.by_peer.get_mut(&holder.peer) {
@@ -117,12 +117,12 @@ impl Taken {
 }
 
 impl Shared {
-    fn taken(&self) -> MutexGuard<'_, Taken> {
+    fn taken(&self) -> MutexGuard<'_, Occupancy> {
         self.taken.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     /// Closes the connection that has been quiet longest, of that peer if one is given.
-    fn evict(&self, taken: &mut Taken, peer: Option<IpAddr>) -> Option<()> {
+    fn evict(&self, taken: &mut Occupancy, peer: Option<IpAddr>) -> Option<()> {
         let of_peer = taken.by_id.iter().filter(|(_, h)| peer.is_none_or(|peer| h.peer == peer));
         let quiet = of_peer.filter_map(|(id, h)| Some((h.activity.quiet_since()?, *id)));
         let longest = quiet.min().map(|(_, id)| id);
@@ -135,7 +135,7 @@ impl Shared {
         Some(())
     }
 
-    fn show(&self, taken: &Taken) {
+    fn show(&self, taken: &Occupancy) {
         self.metrics.connections(self.listener, taken.by_id.len());
     }
 }

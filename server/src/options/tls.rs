@@ -82,7 +82,7 @@ impl Options {
 fn without_tls(name: &str, address: SocketAddr) -> String {
     let own = match name {
         "listen" => "give a certificate and its key (--tls-certificate, --tls-key)",
-        _ => "give workers on other hosts a listener of their own (worker_tls)",
+        _ => "give workers on other hosts a separate listener (worker_tls)",
     };
     format!(
         "{name} is {address}, which others can reach, and there is no TLS: listen on 127.0.0.1, \

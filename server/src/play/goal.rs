@@ -191,7 +191,7 @@ impl Pursuit {
     }
 
     /// After the plan was followed: true if it is worth another one.
-    pub(super) fn goes_on(&mut self, scene: &Scene) -> bool {
+    pub(super) fn continues(&mut self, scene: &Scene) -> bool {
         self.see(scene);
         let tolerance = self.goal.tolerance_m.unwrap_or(TOLERANCE_M);
         if self.progress.distance_m <= tolerance {

@@ -227,7 +227,7 @@ impl Run {
             return self.next_of_replay().await;
         }
         if let Some(pursuit) = self.pursuit.as_mut().filter(|_| !self.scene.follows()) {
-            if pursuit.goes_on(&self.scene) {
+            if pursuit.continues(&self.scene) {
                 return self.ask_for_a_plan().await;
             }
             self.end_pursuit(None);
@@ -256,7 +256,7 @@ impl Run {
         self.clock.stepped(Instant::now());
         self.notice(
             "diverged",
-            "the simulation diverged and is paused where it was: soften what was changed, go on \
+            "the simulation diverged and is paused where it was: soften what was changed, continue \
              more slowly, or reset",
         );
         if self.replay.is_some() {

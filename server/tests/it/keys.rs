@@ -129,9 +129,9 @@ async fn every_route_and_rpc_takes_what_the_table_says() {
                 Access::Anyone if case == "wrong scope" => "",
                 _ => refusal,
             };
-            let told = call(&server, name, key.map(String::as_str)).await;
+            let refused = call(&server, name, key.map(String::as_str)).await;
             let (reason, message) =
-                told.filter(|(r, _)| REFUSALS.contains(&r.as_str())).unwrap_or_default();
+                refused.filter(|(r, _)| REFUSALS.contains(&r.as_str())).unwrap_or_default();
             let is_head =
                 name.starts_with("HEAD") && reason == "401" && expected != "SCOPE_MISSING";
             assert!(

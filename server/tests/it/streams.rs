@@ -93,7 +93,7 @@ async fn a_worker_learns_what_is_left_of_a_time_limit() {
     server.post(&format!("/v1/{twin}/rollouts"), body.clone()).await;
     body["time_limit_s"] = json!(1000.0);
     server.post(&format!("/v1/{twin}/rollouts"), body).await;
-    let told = device.time_left_s.lock().unwrap().clone();
-    assert_eq!(told[0], 0.0);
-    assert!(told[1] > 900.0 && told[1] < 1000.0, "{told:?}");
+    let limits = device.time_left_s.lock().unwrap().clone();
+    assert_eq!(limits[0], 0.0);
+    assert!(limits[1] > 900.0 && limits[1] < 1000.0, "{limits:?}");
 }

@@ -250,19 +250,19 @@ async fn the_length_may_come_later_but_once() {
     let request = server.tus("POST", "/v1/uploads").header("upload-defer-length", 1);
     let path = header(&request.send().await.unwrap(), "location").unwrap();
     server.patch(&path, 0, b"abc").send().await.unwrap();
-    let told = server.tus("HEAD", &path).send().await.unwrap();
-    assert_eq!(header(&told, "upload-defer-length").unwrap(), "1");
+    let head = server.tus("HEAD", &path).send().await.unwrap();
+    assert_eq!(header(&head, "upload-defer-length").unwrap(), "1");
     assert_eq!(
-        (header(&told, "upload-length"), header(&told, "upload-offset")),
+        (header(&head, "upload-length"), header(&head, "upload-offset")),
         (None, Some("3".into()))
     );
     let length = |n: u32, body: &[u8]| server.patch(&path, 3, body).header("upload-length", n);
     expect(refusal(length(2, b"")).await, 400, "UPLOAD_LENGTH");
     assert_eq!(length(6, b"").send().await.unwrap().status(), 204);
     expect(refusal(length(7, b"")).await, 400, "UPLOAD_LENGTH");
-    let told = server.tus("HEAD", &path).send().await.unwrap();
+    let head = server.tus("HEAD", &path).send().await.unwrap();
     assert_eq!(
-        (header(&told, "upload-defer-length"), header(&told, "upload-length")),
+        (header(&head, "upload-defer-length"), header(&head, "upload-length")),
         (None, Some("6".into()))
     );
     let sent = length(6, b"def").send().await.unwrap();

@@ -120,9 +120,9 @@ async fn workers_are_listed() {
     // Memory is known once the worker has said so.
     assert_eq!(list["workers"][0]["memory_total_bytes"], json!(null));
     worker.heartbeat().await.unwrap();
-    let (_, told) = server.get(&format!("/v1/{}", worker.id)).await;
-    assert_eq!(told["memory_used_bytes"], json!(3u64 << 30));
-    assert_eq!(told["memory_total_bytes"], json!(80u64 << 30));
+    let (_, listed) = server.get(&format!("/v1/{}", worker.id)).await;
+    assert_eq!(listed["memory_used_bytes"], json!(3u64 << 30));
+    assert_eq!(listed["memory_total_bytes"], json!(80u64 << 30));
     let text = server.http.get(server.url("/metrics")).send().await.unwrap().text().await.unwrap();
     let gauge = format!("bendtwin_device_memory_bytes{{state=\"total\"}} {}", 80u64 << 30);
     assert!(text.contains(&gauge), "{gauge} is not in\n{text}");

@@ -195,7 +195,7 @@ impl Run {
                 () = stopping.cancelled() => return Err(Error::Stopping),
                 opened = self.open_from(self.known.clone()) => match opened {
                     Ok(()) => {
-                        let text = format!("it goes on from state {}", self.number);
+                        let text = format!("it resumes at state {}", self.number);
                         self.notice("reopened", &text);
                         self.clock.restart(Instant::now());
                         self.show(None);
@@ -305,7 +305,7 @@ impl Run {
             };
         }
         self.end_replay().await?;
-        self.notice("replayed", "the replay has ended: it goes on from here");
+        self.notice("replayed", "the replay has ended: the play continues from here");
         Ok(())
     }
 
