@@ -31,8 +31,8 @@ pub(crate) use self::queued::QueuedBackend;
 use self::{
     alternation::Alternation,
     blame::Blame,
-    queue::{Broken, Queue},
-    thread::{Opened, Threads},
+    queue::{BrokenDevice, Queue},
+    thread::{BackendInfo, Threads},
     turns::Flow,
 };
 use crate::Error;
@@ -77,7 +77,7 @@ impl Device {
         F: FnOnce() -> Result<Arc<dyn Backend>, Error> + Send + 'static,
     {
         let threads = Arc::new(Threads::new(fatal, fit_share));
-        let Opened { description, urgent } = threads.start(open)?;
+        let BackendInfo { description, urgent } = threads.start(open)?;
         let alternation = urgent.is_some().then(|| Alternation::new(fit_share));
         if let Some(urgent) = urgent {
             threads.start_urgent(urgent)?;
@@ -160,20 +160,20 @@ impl Device {
         task: impl FnOnce(&dyn Backend) -> Result<R, backend::Error> + Send + 'static,
     ) -> Result<(R, Duration), backend::Error> {
         let (reply, result) = std::sync::mpsc::sync_channel(1);
-        let running = self.blame.running(flow.priority);
+        let watch = self.blame.watch(flow.priority);
         let rollouts = self.alternation.as_ref().filter(|_| flow.priority == Priority::Interactive);
         let under_way = rollouts.map(Alternation::begin);
         let task = move |backend: &dyn Backend| {
             // Also ends where the task is dropped before its turn.
             let _under_way = under_way;
-            let running = running;
+            let watch = watch;
             let started = Instant::now();
             let value = task(backend);
             let took = started.elapsed();
             let broken = match &value {
                 Err(backend::Error::Device(why)) => {
-                    running.broke();
-                    Err(Broken(why.clone()))
+                    watch.broke();
+                    Err(BrokenDevice(why.clone()))
                 }
                 _ => Ok(()),
             };

@@ -16,7 +16,7 @@ use bendtwin_engine::{
 
 /// A fault injected into a rollout.
 #[derive(Clone, Debug)]
-pub(crate) enum Injected {
+pub(crate) enum InjectedFault {
     Fails(Error),
     /// Every instance leaves the finite numbers.
     Diverges,
@@ -29,7 +29,7 @@ pub(crate) struct Script {
     pub(crate) room: AtomicUsize,
     resident: AtomicUsize,
     /// Faults of the next rollouts, in order.
-    pub(crate) rollouts: Mutex<Vec<Injected>>,
+    pub(crate) rollouts: Mutex<Vec<InjectedFault>>,
 }
 
 impl Script {
@@ -47,12 +47,12 @@ pub(crate) struct Faulty {
 }
 
 /// A model that takes room until it is dropped.
-struct Held {
+struct CountedModel {
     inner: Loaded,
     script: Arc<Script>,
 }
 
-impl Drop for Held {
+impl Drop for CountedModel {
     fn drop(&mut self) {
         self.script.resident.fetch_sub(1, Ordering::SeqCst);
     }
@@ -73,11 +73,11 @@ impl Faulty {
         let inner = load()?;
         self.script.resident.fetch_add(1, Ordering::SeqCst);
         let model = Arc::clone(inner.model());
-        Ok(Loaded::new(model, Arc::new(Held { inner, script: Arc::clone(&self.script) })))
+        Ok(Loaded::new(model, Arc::new(CountedModel { inner, script: Arc::clone(&self.script) })))
     }
 
     fn inner(loaded: &Loaded) -> Loaded {
-        loaded.resident::<Held>().unwrap().inner.clone()
+        loaded.resident::<CountedModel>().unwrap().inner.clone()
     }
 
     fn batch(batch: &[Instance]) -> Vec<Instance> {
@@ -109,8 +109,8 @@ impl Backend for Faulty {
         let injected = (!script.is_empty()).then(|| script.remove(0));
         drop(script);
         match injected {
-            Some(Injected::Fails(error)) => Err(error),
-            Some(Injected::Diverges) => {
+            Some(InjectedFault::Fails(error)) => Err(error),
+            Some(InjectedFault::Diverges) => {
                 let nan = Rollout {
                     cost: f64::NAN,
                     diverged: Some(Divergence { frame: 1, node: 0 }),

@@ -27,7 +27,7 @@ pub(crate) fn as_fit() {
         let set = getpriority_process(None)
             .and_then(|own| setpriority_process(None, own.max(FIT_NICENESS)));
         if let Err(error) = set {
-            tracing::debug!(%error, "the priority of a fit's thread stays as it is");
+            tracing::debug!(%error, "the priority of a fit's thread is unchanged");
         }
     }
 }

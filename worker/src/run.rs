@@ -154,7 +154,7 @@ async fn run_on(
     heartbeat.abort();
     let left = tokio::time::timeout(LEAVE_TIMEOUT, server.leave(id.to_string())).await;
     if !matches!(left, Ok(Ok(()))) {
-        tracing::info!("no server was told that this worker ends: it will notice");
+        tracing::info!("no server heard that this worker ends: one will notice");
     }
     tracing::info!("worker ended");
     result

@@ -8,8 +8,8 @@ use super::queue::Priority;
 #[derive(Clone, Debug, Default)]
 pub(super) struct Blame(Arc<OnceLock<Priority>>);
 
-/// A task that runs; it is to blame if it panics.
-pub(super) struct Running {
+/// Watch over a running task, which is to blame if it panics.
+pub(super) struct Watch {
     blame: Blame,
     priority: Priority,
 }
@@ -19,13 +19,13 @@ impl Blame {
         self.0.get().copied()
     }
 
-    /// Marks the task that is about to run.
-    pub(super) fn running(&self, priority: Priority) -> Running {
-        Running { blame: self.clone(), priority }
+    /// Watches the task that is about to run.
+    pub(super) fn watch(&self, priority: Priority) -> Watch {
+        Watch { blame: self.clone(), priority }
     }
 }
 
-impl Running {
+impl Watch {
     /// The task has broken the device.
     pub(super) fn broke(&self) {
         // Later ones met a device that was broken already.
@@ -33,7 +33,7 @@ impl Running {
     }
 }
 
-impl Drop for Running {
+impl Drop for Watch {
     fn drop(&mut self) {
         if std::thread::panicking() {
             self.broke();

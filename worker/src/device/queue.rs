@@ -10,10 +10,10 @@ use bendtwin_engine::Backend;
 use super::turns::{Flow, Turns};
 
 /// Work for a device thread.
-pub(super) type Task = Box<dyn FnOnce(&dyn Backend) -> Result<(), Broken> + Send>;
+pub(super) type Task = Box<dyn FnOnce(&dyn Backend) -> Result<(), BrokenDevice> + Send>;
 
 /// Reason for which a device cannot be used any more.
-pub(super) struct Broken(pub(super) String);
+pub(super) struct BrokenDevice(pub(super) String);
 
 /// Priority of a task.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

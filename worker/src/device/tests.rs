@@ -204,8 +204,8 @@ fn a_panic_is_caught_and_reported() {
     let result = backend.losses(&batch, &CancelToken::default());
     assert!(matches!(result, Err(EngineError::Device(_))), "{result:?}");
     assert_eq!(device.broken_by(), Some(Priority::Interactive));
-    let told = died.blocking_recv();
-    assert!(matches!(told, Some(Error::Panicked(text)) if text.contains("broken")));
+    let fatal = died.blocking_recv();
+    assert!(matches!(fatal, Some(Error::Panicked(text)) if text.contains("broken")));
     // Later callers do not wait for a thread that is gone.
     assert!(backend.losses(&batch, &CancelToken::default()).is_err());
 }

@@ -11,7 +11,7 @@ use bendtwin_core::error::panic_text;
 use bendtwin_engine::{Backend, Device as Description, backend::Memory};
 use tokio::sync::mpsc;
 
-use super::queue::{Broken, Queue};
+use super::queue::{BrokenDevice, Queue};
 use crate::{Error, priority};
 
 /// Time between two samples of the device's memory; a sample may wait for the driver.
@@ -21,7 +21,7 @@ const MEMORY_SAMPLE_INTERVAL: Duration = Duration::from_secs(1);
 type Reclaim = Box<dyn Fn(u64) -> bool + Send + Sync>;
 
 /// Properties of an opened backend.
-pub(super) struct Opened {
+pub(super) struct BackendInfo {
     pub(super) description: Description,
     /// The second queue of the backend.
     pub(super) urgent: Option<Arc<dyn Backend>>,
@@ -50,7 +50,7 @@ impl Threads {
 
     /// Starts the main thread, which opens the backend and so owns what the backend binds to a
     /// thread.
-    pub(super) fn start<F>(self: &Arc<Self>, open: F) -> Result<Opened, Error>
+    pub(super) fn start<F>(self: &Arc<Self>, open: F) -> Result<BackendInfo, Error>
     where
         F: FnOnce() -> Result<Arc<dyn Backend>, Error> + Send + 'static,
     {
@@ -62,7 +62,7 @@ impl Threads {
                 Err(e) => return drop(sender.send(Err(e))),
             };
             shared.sample_memory(&*backend);
-            let opened = Opened { description: backend.device(), urgent: backend.urgent() };
+            let opened = BackendInfo { description: backend.device(), urgent: backend.urgent() };
             let is_for_fits = opened.urgent.is_some();
             let _ = sender.send(Ok(opened));
             if is_for_fits {
@@ -111,7 +111,7 @@ impl Threads {
             let started = Instant::now();
             let error = match catch_unwind(AssertUnwindSafe(|| task(backend))) {
                 Ok(Ok(())) => None,
-                Ok(Err(Broken(why))) => Some(Error::DeviceFailed(why)),
+                Ok(Err(BrokenDevice(why))) => Some(Error::DeviceFailed(why)),
                 Err(panic) => Some(Error::Panicked(panic_text(&*panic).to_owned())),
             };
             if let Some(error) = error {

@@ -49,7 +49,7 @@ const PASSED_VARIABLES: [&str; 3] = ["BENDTWIN_LOG", "BENDTWIN_LOG_FORMAT", "RUS
 
 /// Outcome of the child's work.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) enum Ended {
+pub(super) enum ChildOutcome {
     /// Observation, playback and report lie in the folder.
     Observed { verdict: Verdict },
     /// The report lies in the folder.
@@ -68,10 +68,10 @@ impl Child<'_> {
         &self,
         progress: &LatestProgress,
         checkpoints: &Checkpoints,
-    ) -> Result<Ended, Fault> {
+    ) -> Result<ChildOutcome, Fault> {
         match tokio::time::timeout(self.time, self.run_without_end(progress, checkpoints)).await {
             Ok(ended) => ended,
-            Err(_) => Ok(Ended::Exceeded { fault: timed_out(self.time) }),
+            Err(_) => Ok(ChildOutcome::Exceeded { fault: timed_out(self.time) }),
         }
     }
 
@@ -79,7 +79,7 @@ impl Child<'_> {
         &self,
         progress: &LatestProgress,
         checkpoints: &Checkpoints,
-    ) -> Result<Ended, Fault> {
+    ) -> Result<ChildOutcome, Fault> {
         let passed =
             PASSED_VARIABLES.iter().filter_map(|name| Some((name, std::env::var_os(name)?)));
         let mut child = Command::new(self.program)
@@ -104,15 +104,19 @@ impl Child<'_> {
         let (last, tail) = tokio::join!(reading, copy_log(stderr));
         let status = child.wait().await.map_err(|e| crashed(&e.to_string()))?;
         match last {
-            Some(Message::Observed { verdict }) => Ok(Ended::Observed { verdict }),
+            Some(Message::Observed { verdict }) => Ok(ChildOutcome::Observed { verdict }),
             // A file that cannot be read for lack of memory is not the file's fault.
             Some(Message::Refused { fault, .. }) if is_out_of_memory(&fault.message) => {
-                Ok(Ended::Exceeded { fault: out_of_memory() })
+                Ok(ChildOutcome::Exceeded { fault: out_of_memory() })
             }
-            Some(Message::Refused { verdict, fault }) => Ok(Ended::Refused { verdict, fault }),
+            Some(Message::Refused { verdict, fault }) => {
+                Ok(ChildOutcome::Refused { verdict, fault })
+            }
             Some(Message::Failed(fault)) => Err(fault),
-            _ if is_out_of_memory(&tail) => Ok(Ended::Exceeded { fault: out_of_memory() }),
-            _ if is_out_of_time(status) => Ok(Ended::Exceeded { fault: timed_out(self.time) }),
+            _ if is_out_of_memory(&tail) => Ok(ChildOutcome::Exceeded { fault: out_of_memory() }),
+            _ if is_out_of_time(status) => {
+                Ok(ChildOutcome::Exceeded { fault: timed_out(self.time) })
+            }
             _ => Err(crashed(&describe_exit(status))),
         }
     }

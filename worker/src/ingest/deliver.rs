@@ -12,7 +12,7 @@ use futures::{Stream, StreamExt as _, stream};
 use tokio_util::io::ReaderStream;
 
 use super::{
-    child::Ended,
+    child::ChildOutcome,
     process::write_report,
     protocol::{OBSERVATION, PAGE, PLAYBACK, REPORT, open_result},
 };
@@ -28,11 +28,16 @@ use crate::{
 const CHUNK: usize = 256 << 10;
 
 /// Sends the results in the folder, which ends the job.
-pub(super) async fn deliver(delivery: &Delivery<'_>, folder: &Path, ended: Ended, lease: &Lease) {
+pub(super) async fn deliver(
+    delivery: &Delivery<'_>,
+    folder: &Path,
+    ended: ChildOutcome,
+    lease: &Lease,
+) {
     let (verdict, fault) = match ended {
-        Ended::Observed { verdict } => (verdict, None),
-        Ended::Refused { verdict, fault } => (verdict, Some(fault)),
-        Ended::Exceeded { fault } => {
+        ChildOutcome::Observed { verdict } => (verdict, None),
+        ChildOutcome::Refused { verdict, fault } => (verdict, Some(fault)),
+        ChildOutcome::Exceeded { fault } => {
             // The child could not write a report.
             let report = unread(&lease.capture_display_name, &fault).report;
             if let Err(error) = write_report(folder, &report) {

@@ -30,7 +30,7 @@ use serde::{Deserialize, Serialize};
 pub enum Sandbox {
     /// All of it, or nothing is read.
     Required,
-    /// As much as the system supports; missing layers are logged.
+    /// All layers that the system supports; missing ones are logged.
     #[default]
     BestEffort,
 }

@@ -28,13 +28,13 @@ const FLUSH_TIMEOUT: Duration = Duration::from_secs(10);
 pub(crate) struct Checkpoints(Arc<Slot>);
 
 struct Slot {
-    waiting: Mutex<Option<Waiting>>,
+    waiting: Mutex<Option<PendingCheckpoint>>,
     /// Taken from `waiting` and not acknowledged yet.
     sending: Mutex<Option<Bytes>>,
     changed: Notify,
 }
 
-struct Waiting {
+struct PendingCheckpoint {
     content: Bytes,
     /// Must not be delayed: a stage ends, or the worker does.
     urgent: bool,
@@ -50,15 +50,15 @@ pub(crate) struct Saver {
 impl Checkpoints {
     /// Leaves a checkpoint to be saved in place of any that still waits.
     pub(crate) fn submit(&self, content: Vec<u8>, stage_ended: bool) {
-        self.0.put(Waiting { content: content.into(), urgent: stage_ended });
+        self.0.put(PendingCheckpoint { content: content.into(), urgent: stage_ended });
     }
 }
 
 impl Slot {
-    fn put(&self, new: Waiting) {
+    fn put(&self, new: PendingCheckpoint) {
         let mut waiting = self.waiting.lock().unwrap_or_else(PoisonError::into_inner);
         let urgent = new.urgent || waiting.as_ref().is_some_and(|w| w.urgent);
-        *waiting = Some(Waiting { urgent, ..new });
+        *waiting = Some(PendingCheckpoint { urgent, ..new });
         drop(waiting);
         self.changed.notify_one();
     }

@@ -30,10 +30,10 @@ const MOST_WAITING: usize = 16 * MOST_LOSSES;
 /// The latest progress and the losses since the last report, set by the work and read by the
 /// reporting task.
 #[derive(Clone, Default)]
-pub(crate) struct LatestProgress(Arc<Mutex<Waiting>>);
+pub(crate) struct LatestProgress(Arc<Mutex<PendingReport>>);
 
 #[derive(Default)]
-struct Waiting {
+struct PendingReport {
     progress: Option<Progress>,
     /// In the order in which they were computed.
     losses: Vec<ModelLoss>,
@@ -78,12 +78,12 @@ impl LatestProgress {
         waiting.losses.drain(..same);
     }
 
-    fn lock(&self) -> MutexGuard<'_, Waiting> {
+    fn lock(&self) -> MutexGuard<'_, PendingReport> {
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
 
-impl Waiting {
+impl PendingReport {
     fn thin_out(&mut self) {
         while self.losses.len() > MOST_WAITING {
             self.stride = self.stride.max(1).saturating_mul(2);

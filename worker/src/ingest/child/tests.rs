@@ -10,11 +10,11 @@ use crate::{
 use bendtwin_proto::worker::v1::Lease;
 
 /// Runs a script as if it were the child; its argument, the folder, is in `$2`.
-async fn run(script: &str) -> Result<Ended, Fault> {
+async fn run(script: &str) -> Result<ChildOutcome, Fault> {
     run_within(script, Duration::from_secs(60)).await
 }
 
-async fn run_within(script: &str, time: Duration) -> Result<Ended, Fault> {
+async fn run_within(script: &str, time: Duration) -> Result<ChildOutcome, Fault> {
     use std::os::unix::fs::PermissionsExt as _;
     let folder = tempfile::tempdir().unwrap();
     let program: PathBuf = folder.path().join("child");
@@ -38,7 +38,7 @@ async fn run_within(script: &str, time: Duration) -> Result<Ended, Fault> {
 async fn the_last_word_counts_and_noise_does_not() {
     let ended =
         run(r#"echo noise; echo '{"checkpoint":1}'; echo '{"observed":{"verdict":"good"}}'"#).await;
-    assert_eq!(ended, Ok(Ended::Observed { verdict: Verdict::Good }));
+    assert_eq!(ended, Ok(ChildOutcome::Observed { verdict: Verdict::Good }));
     let ended =
         run(r#"echo '{"failed":{"category":"ABORTED","reason":"X","message":"m"}}'; exit 1"#).await;
     assert_eq!(ended.unwrap_err().reason, "X");
@@ -51,9 +51,9 @@ async fn an_end_without_a_last_word_is_explained() {
         assert_eq!((fault.category, fault.reason.as_str()), (Category::Internal, "INGEST_CRASHED"));
     }
     let ended = run("echo memory allocation of 9 bytes failed >&2; kill -ABRT $$").await.unwrap();
-    let Ended::Exceeded { fault } = ended else { panic!("{ended:?}") };
+    let ChildOutcome::Exceeded { fault } = ended else { panic!("{ended:?}") };
     let refused = r#"echo '{"refused":{"verdict":"unusable","fault":{"category":"INVALID_ARGUMENT","reason":"X","message":"a: out of memory"}}}'"#;
-    assert_eq!(run(refused).await, Ok(Ended::Exceeded { fault: fault.clone() }));
+    assert_eq!(run(refused).await, Ok(ChildOutcome::Exceeded { fault: fault.clone() }));
     assert_eq!(fault.reason, "INGEST_OUT_OF_MEMORY");
     assert!(fault.message.contains("--ingest-memory-mib"));
 }
@@ -68,7 +68,7 @@ async fn an_end_that_does_not_come_in_time_is_made() {
         ("kill -XCPU $$".to_owned(), Duration::from_secs(60)),
     ];
     for (script, time) in scripts {
-        let Ended::Exceeded { fault } = run_within(&script, time).await.unwrap() else {
+        let ChildOutcome::Exceeded { fault } = run_within(&script, time).await.unwrap() else {
             panic!("{script} was not ended")
         };
         assert_eq!(
