@@ -84,7 +84,7 @@ enum RoleArg {
 
 /// Facts of a certificate, for people and scripts.
 #[derive(Serialize)]
-struct Shown {
+struct CertificateFacts {
     name: String,
     serial: String,
     issuer: String,
@@ -249,7 +249,7 @@ fn show(file: &Path, global: &Global) -> anyhow::Result<()> {
     let found = files::certificates(file).map_err(failed)?;
     let found = found.iter().map(|der| Certificate::of(der).context("a certificate is damaged"));
     let found = found.collect::<anyhow::Result<Vec<_>>>()?;
-    let shown = found.iter().map(|certificate| Shown {
+    let shown = found.iter().map(|certificate| CertificateFacts {
         name: certificate.name().to_owned(),
         serial: certificate.serial.clone(),
         issuer: certificate.issuer.clone(),

@@ -13,7 +13,7 @@ use bendtwin_eval::{
     CorrectionScore, EvaluateOptions, TableStyle, evaluate, fast_variant, format_table,
     in_recording,
 };
-use bendtwin_fit::{Drawn, Look};
+use bendtwin_fit::{Look, LookInput};
 use bendtwin_image_metrics::Lpips;
 use bendtwin_study::Captured;
 use clap::Args;
@@ -157,7 +157,7 @@ fn score(
         there.as_ref().map_or((&fitted.twin, &capture), |(twin, recording)| (twin, recording));
     let drawn = |twin| {
         let moved = if there.is_some() { shown } else { twin };
-        Drawn { twin, moved, capture: recording, backend: &**backend }
+        LookInput { twin, moved, capture: recording, backend: &**backend }
     };
     let again = || {
         let options = EvaluateOptions { axial: fitted.axial.as_ref(), per_frame: args.per_frame };

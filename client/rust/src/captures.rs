@@ -72,7 +72,7 @@ impl Captures {
     /// [`Captures::upload`] with progress; `sent` gets the number of bytes sent so far.
     ///
     /// # Errors
-    /// As [`Captures::upload`].
+    /// Those of [`Captures::upload`].
     pub async fn upload_with(
         &self,
         file: &Path,
@@ -103,7 +103,7 @@ impl Captures {
     /// is not sent again.
     ///
     /// # Errors
-    /// As [`Captures::upload`].
+    /// Those of [`Captures::upload`].
     pub async fn upload_resumable(
         &self,
         file: &Path,
@@ -176,7 +176,7 @@ impl Captures {
     /// Waits until a capture has been read, however that ends.
     ///
     /// # Errors
-    /// As [`Captures::watch`].
+    /// Those of [`Captures::watch`].
     pub async fn wait(&self, name: CaptureId) -> Result<Capture, Error> {
         self.watch(name).last().await
     }
@@ -225,7 +225,7 @@ impl Captures {
     /// The report as an HTML page with pictures, in one file.
     ///
     /// # Errors
-    /// As [`Captures::report`].
+    /// Those of [`Captures::report`].
     pub async fn report_page(&self, name: CaptureId) -> Result<Vec<u8>, Error> {
         self.fetch_report(name, Format::Html).await
     }
@@ -285,7 +285,7 @@ impl Captures {
     /// All captures of a query, page by page.
     ///
     /// # Errors
-    /// As [`Captures::list`].
+    /// Those of [`Captures::list`].
     pub async fn all(&self, query: &ListQuery) -> Result<Vec<Capture>, Error> {
         page::all(|page| self.list(ListQuery { page, ..query.clone() })).await
     }

@@ -69,7 +69,7 @@ impl Client {
     /// certificate is in that file (PEM), or else among those of the system.
     ///
     /// # Errors
-    /// As [`Client::connect_with_token`]; or if the file cannot be used, or the certificate of the
+    /// Those of [`Client::connect_with_token`]; or if the file cannot be used, or the certificate of the
     /// server is not accepted.
     pub async fn connect_with(
         url: &str,

@@ -57,7 +57,7 @@ impl Fits {
     /// [`Fits::create`], where calls with the same `request_id` give the same job.
     ///
     /// # Errors
-    /// As [`Fits::create`].
+    /// Those of [`Fits::create`].
     pub async fn create_once(
         &self,
         capture: CaptureId,
@@ -73,7 +73,7 @@ impl Fits {
     /// [`Fits::create`] with all options of a fit beside its settings.
     ///
     /// # Errors
-    /// As [`Fits::create`].
+    /// Those of [`Fits::create`].
     pub async fn create_as(
         &self,
         capture: CaptureId,
@@ -124,7 +124,7 @@ impl Fits {
     /// All fits of a query, page by page.
     ///
     /// # Errors
-    /// As [`Fits::list`].
+    /// Those of [`Fits::list`].
     pub async fn all(&self, query: &ListQuery) -> Result<Vec<Fit>, Error> {
         page::all(|page| self.list(ListQuery { page, ..query.clone() })).await
     }
@@ -194,7 +194,7 @@ impl Fits {
     /// Waits until a job has ended, however it ends.
     ///
     /// # Errors
-    /// As [`Fits::watch`].
+    /// Those of [`Fits::watch`].
     pub async fn wait(&self, name: FitId) -> Result<Fit, Error> {
         self.watch(name).last().await
     }

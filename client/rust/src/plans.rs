@@ -85,7 +85,7 @@ impl Plans {
     /// The best so far after each iteration. Dropping the stream stops the work.
     ///
     /// # Errors
-    /// As [`Plans::run`].
+    /// Those of [`Plans::run`].
     pub async fn stream(
         &self,
         planning: Planning,

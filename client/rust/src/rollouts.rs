@@ -42,7 +42,7 @@ impl Rollouts {
     /// stops the work at the server.
     ///
     /// # Errors
-    /// As [`Rollouts::run`].
+    /// Those of [`Rollouts::run`].
     pub async fn stream(
         &self,
         rollout: Rollout,

@@ -59,7 +59,7 @@ impl Twins {
     /// All twins of a query, page by page.
     ///
     /// # Errors
-    /// As [`Twins::list`].
+    /// Those of [`Twins::list`].
     pub async fn all(&self, query: &ListQuery) -> Result<Vec<Twin>, Error> {
         page::all(|page| self.list(ListQuery { page, ..query.clone() })).await
     }
@@ -127,7 +127,7 @@ impl Twins {
     /// The twin itself, ready to be inspected or simulated.
     ///
     /// # Errors
-    /// As [`Twins::export`], and if this build cannot read the file.
+    /// Those of [`Twins::export`], and if this build cannot read the file.
     pub async fn download(&self, name: TwinId) -> Result<TwinModel, Error> {
         let file = self.export(name).await?;
         TwinModel::decode(&file).map_err(Error::malformed)

@@ -8,7 +8,7 @@ use std::{
 
 use anyhow::Context as _;
 use bendtwin_core::CancelToken;
-use bendtwin_fit::{Drawn, Look};
+use bendtwin_fit::{Look, LookInput};
 
 use crate::failure::{self, Usage};
 
@@ -38,7 +38,7 @@ impl Videos<'_> {
     pub(super) fn write(
         &self,
         kind: &str,
-        drawn: Drawn<'_>,
+        drawn: LookInput<'_>,
         cancel: &CancelToken,
     ) -> anyhow::Result<Vec<PathBuf>> {
         let path = |camera: usize| self.folder.join(format!("camera{camera}{kind}.png"));

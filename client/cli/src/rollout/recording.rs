@@ -27,7 +27,7 @@ pub(super) struct RecordingOptions {
     /// Write this format, whatever the file's name: npy, ply-sequence, glb, npz, usda, mujoco or
     /// mcap
     #[arg(long, requires = "out")]
-    format: Option<Wanted>,
+    format: Option<RecordingFormat>,
     /// Of several instances, write this one; formats but npy hold one [default: the only one]
     #[arg(long, value_name = "I", requires = "out")]
     instance: Option<usize>,
@@ -37,14 +37,14 @@ pub(super) struct RecordingOptions {
 
 /// A format of recorded positions.
 #[derive(Clone, Copy, Debug)]
-enum Wanted {
+enum RecordingFormat {
     /// All instances as one array.
     Npy,
     /// A single instance.
     Of(Format),
 }
 
-impl FromStr for Wanted {
+impl FromStr for RecordingFormat {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
@@ -59,7 +59,7 @@ impl FromStr for Wanted {
 #[derive(Debug)]
 pub(super) struct Recording {
     path: PathBuf,
-    format: Wanted,
+    format: RecordingFormat,
     instance: Option<usize>,
     points: Points,
 }
@@ -83,24 +83,28 @@ impl Recording {
         let is_npy = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("npy"));
         let format = match format {
             Some(format) => format,
-            None if is_npy => Wanted::Npy,
-            None => Wanted::Of(exchange::format_of(&path, None)?),
+            None if is_npy => RecordingFormat::Npy,
+            None => RecordingFormat::Of(exchange::format_of(&path, None)?),
         };
         match format {
-            Wanted::Npy if instance.is_some() || points.mesh.is_some() => {
+            RecordingFormat::Npy if instance.is_some() || points.mesh.is_some() => {
                 let fault = "npy holds the nodes or the skin of all instances: leave --instance and --mesh away";
                 return Err(Usage::error(fault));
             }
-            Wanted::Of(format) if !format.holds_motion() => {
+            RecordingFormat::Of(format) if !format.holds_motion() => {
                 return Err(failure::failed(Error::NoMotion { format }));
             }
-            Wanted::Of(format) if instance.is_none() && instances > 1 && best != Some(1) => {
+            RecordingFormat::Of(format)
+                if instance.is_none() && instances > 1 && best != Some(1) =>
+            {
                 return Err(Usage::error(format!(
                     "there are {instances} instances, and {format} holds one: choose it with \
                      --instance, take --best 1, or write all of them as .npy"
                 )));
             }
-            Wanted::Of(format) if format == Format::Mujoco && points != Points::default() => {
+            RecordingFormat::Of(format)
+                if format == Format::Mujoco && points != Points::default() =>
+            {
                 return Err(failure::failed(Error::NodesOnly { format }));
             }
             _ => {}
@@ -119,10 +123,10 @@ impl Recording {
     /// Asks for what the file needs of a rollout whose positions are recorded.
     pub(super) fn ask(&self, request: Rollout) -> Rollout {
         match self.format {
-            Wanted::Npy if self.points.skin => request.record_skin(),
-            Wanted::Npy => request,
+            RecordingFormat::Npy if self.points.skin => request.record_skin(),
+            RecordingFormat::Npy => request,
             // A skin or a mesh is made of the nodes here.
-            Wanted::Of(_) => request.executed_controls(),
+            RecordingFormat::Of(_) => request.executed_controls(),
         }
     }
 
@@ -133,7 +137,7 @@ impl Recording {
         twin: TwinId,
         reply: &Reply,
     ) -> anyhow::Result<()> {
-        let Wanted::Of(format) = self.format else {
+        let RecordingFormat::Of(format) = self.format else {
             return npy::write(&self.path, &all(reply));
         };
         let row = match self.instance {
@@ -203,7 +207,8 @@ mod tests {
         {
             assert!(Recording::of(options(out), instances, best).unwrap().is_some(), "{out}");
         }
-        let said = RecordingOptions { format: Some(Wanted::Of(Format::Npz)), ..options("a.b") };
+        let said =
+            RecordingOptions { format: Some(RecordingFormat::Of(Format::Npz)), ..options("a.b") };
         assert!(Recording::of(said, 1, None).unwrap().is_some());
     }
 

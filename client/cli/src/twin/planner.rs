@@ -75,7 +75,7 @@ pub(super) async fn run(args: Planner, global: &Global) -> anyhow::Result<()> {
     let document = json!({ "twin": written, "planner": twin.quality.planner, "budget": chosen });
     output::print(global, &document, || {
         let line = quality::planner(&twin.quality).unwrap_or_default();
-        let budget = choice.map_or_else(String::new, |choice| format!("\n{}", told(&choice)));
+        let budget = choice.map_or_else(String::new, |choice| format!("\n{}", described(&choice)));
         format!("{written}\n{line}{budget}")
     })
 }
@@ -106,7 +106,7 @@ fn make(
 }
 
 /// A choice in a line.
-fn told(choice: &Choice) -> String {
+fn described(choice: &Choice) -> String {
     let ms = 1e3 * choice.measured_s;
     match choice.fits {
         true => format!("The rollouts of a plan took {ms:.1} ms here."),
