@@ -46,7 +46,7 @@ pub(crate) async fn happen(run: &Arc<Run>, events: Vec<Event>) {
     }
     // Those that wait for a chance have it as long as there is a load.
     let over = async {
-        while run.goes_on() {
+        while run.is_under_load() {
             sleep(RETRY).await;
         }
         sleep(END).await;
@@ -80,7 +80,7 @@ async fn one(run: &Run, event: Event, files: &hostile::Files) {
     loop {
         let Err(error) = attempt(run, event, files).await else { return run.fault_happened() };
         run.tally.log(format_args!("{event} did not come about: {error:#}"));
-        if run.faults_to_come() == 0 || !run.goes_on() {
+        if run.faults_to_come() == 0 || !run.is_under_load() {
             return;
         }
         sleep(RETRY).await;

@@ -86,7 +86,7 @@ impl Run {
     }
 
     /// True until the load ends.
-    pub(crate) fn goes_on(&self) -> bool {
+    pub(crate) fn is_under_load(&self) -> bool {
         let elapsed = self.started.elapsed();
         let lacks_fits = self.ledger.things().fits.len() < self.wanted_fits;
         let lacks = lacks_fits || self.faults_to_come() > 0;

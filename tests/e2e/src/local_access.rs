@@ -48,8 +48,8 @@ async fn commands_of_the_user_need_no_setting_and_others_are_refused() {
     let own = push("state", &|_| {});
     assert!(own.status.success(), "{}", String::from_utf8_lossy(&own.stderr));
     let other = push("nothing", &|_| {});
-    let told = String::from_utf8_lossy(&other.stderr).into_owned();
-    assert!(!other.status.success() && told.contains("BENDTWIN_TOKEN"), "{told}");
+    let stderr = String::from_utf8_lossy(&other.stderr).into_owned();
+    assert!(!other.status.success() && stderr.contains("BENDTWIN_TOKEN"), "{stderr}");
     let mut doctor = bendtwin();
     doctor.args(["doctor", "--server", &format!("127.0.0.1:{port}"), "--listen", "127.0.0.1:0"]);
     let doctor = doctor.env("XDG_STATE_HOME", path("nothing")).output().unwrap();

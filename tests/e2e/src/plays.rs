@@ -12,7 +12,7 @@ use serde_json::{Value, json};
 
 use crate::harness::{
     Setup, TestCluster,
-    play::{Event, Play, Shown},
+    play::{Event, Play, ShownState},
     reference::reference,
     until,
 };
@@ -47,7 +47,7 @@ fn begin() -> Value {
     json!({"type": "begin"})
 }
 
-fn place(shown: &Shown, gripper: usize) -> [f32; 3] {
+fn place(shown: &ShownState, gripper: usize) -> [f32; 3] {
     std::array::from_fn(|i| shown.grippers[gripper][i])
 }
 
@@ -72,7 +72,7 @@ async fn what_was_done_is_recorded_and_repeats_what_was_shown() {
     play.send(json!({"type": "pause", "paused": true})).await;
     let first = play.shown("a pause", |s| s.flags & 1 == 1).await;
     play.send(json!({"type": "record", "on": true})).await;
-    let mut seen: Vec<Shown> = Vec::new();
+    let mut seen: Vec<ShownState> = Vec::new();
     let mut last = first.clone();
     // Paused, so that every state is one of these frames.
     let grasped = hands;
@@ -117,7 +117,7 @@ async fn what_was_done_is_recorded_and_repeats_what_was_shown() {
     assert_eq!((seen[23].grippers[0][10], seen[23].grippers[grasped][10]), (0.0, 1.0));
     assert!(seen[23].colliders[0][2] > -0.5 && seen[5].colliders.is_empty());
     play.send(json!({"type": "record", "on": false})).await;
-    play.told("a recording", |t| t["recorded"] == 24).await;
+    play.message("a recording", |t| t["recorded"] == 24).await;
 
     // Each segment is a rollout; one after another they give the displayed states.
     let path = play.ready["recording"].as_str().unwrap().to_owned();
@@ -152,7 +152,7 @@ async fn what_was_done_is_recorded_and_repeats_what_was_shown() {
             "frame {k}"
         );
     }
-    play.told("the end of the replay", |t| t["event"] == "replayed").await;
+    play.message("the end of the replay", |t| t["event"] == "replayed").await;
 
     // As a document it can be put into another play.
     drop(play);
@@ -185,7 +185,7 @@ async fn it_runs_in_real_time_goes_back_and_refuses_worlds_that_cannot_be() {
         play.shown("a force", |s| s.grippers[0][7..10].iter().any(|f| f.abs() > 1e-6)).await;
     assert!(force.grippers[0][7..10].iter().all(|f| f.is_finite()));
     play.send(json!({"type": "world", "world": {"ground_friction": 7}})).await;
-    let refused = play.told("a refusal", |t| t["type"] == "refused").await;
+    let refused = play.message("a refusal", |t| t["type"] == "refused").await;
     assert!(
         refused["problem"]["detail"].as_str().unwrap().contains("ground_friction"),
         "{refused}"
@@ -193,12 +193,12 @@ async fn it_runs_in_real_time_goes_back_and_refuses_worlds_that_cannot_be() {
     let frame = play.shown("a frame", |_| true).await.number;
     play.shown("that it goes on", |s| s.number > frame + 3).await;
     play.send(json!({"type": "speed", "factor": 0.25})).await;
-    play.told("the speed", |t| t["speed"] == 0.25).await;
+    play.message("the speed", |t| t["speed"] == 0.25).await;
     play.send(json!({"type": "pause", "paused": true})).await;
     play.send(json!({"type": "reset"})).await;
     let back = play.shown("the first state", |s| apart(place(s, 0), place(&first, 0)) < 1e-6).await;
     assert_eq!(back.nodes.len(), first.nodes.len());
-    play.told("a pause", |t| t["paused"] == true && t["speed"] == 0.25).await;
+    play.message("a pause", |t| t["paused"] == true && t["speed"] == 0.25).await;
     // From a state that another play has shown, with a hand that holds no more.
     let nodes = json!(there.nodes);
     let mut again = story
@@ -218,14 +218,14 @@ async fn the_planner_brings_a_point_to_its_goal() {
     let near = first.nodes[end];
     let goal = json!([{"node": end, "position": [near[0], near[1] + 0.05, near[2] + 0.05]}]);
     play.send(json!({"type": "goal", "targets": goal, "tolerance_m": 0.03, "frames": 15})).await;
-    let planning = play.told("a plan", |t| t["goal"]["state"] == "planning").await;
+    let planning = play.message("a plan", |t| t["goal"]["state"] == "planning").await;
     let begun = planning["goal"]["distance_m"].as_f64().unwrap();
     let done = |t: &Value| t["goal"]["state"] == "reached" || t["goal"]["state"] == "not_reached";
-    let ended = play.told("the end of the way", done).await;
+    let ended = play.message("the end of the way", done).await;
     let distance = ended["goal"]["distance_m"].as_f64().unwrap();
     assert!(distance < 0.8 * begun && ended["goal"]["simulated"].as_u64().unwrap() > 0, "{ended}");
     play.send(json!({"type": "goal", "targets": [{"node": 9999, "position": [0, 0, 0]}]})).await;
-    play.told("a refusal", |t| t["type"] == "refused").await;
+    play.message("a refusal", |t| t["type"] == "refused").await;
 }
 
 #[tokio::test]
@@ -238,7 +238,7 @@ async fn a_play_resumes_from_its_last_state_when_its_worker_is_lost() {
     play.aim(1, 0, target).await;
     let before = play.shown("the hand at its target", |s| apart(place(s, 0), target) < 1e-4).await;
     story.server.kill_workers();
-    play.told("another worker", |t| t["event"] == "reopened").await;
+    play.message("another worker", |t| t["event"] == "reopened").await;
     assert!(play.replies.iter().any(|t| t["event"] == "reopening"));
     let after = play.shown("a state", |s| s.number > before.number + 10).await;
     assert!(apart(place(&after, 0), target) < 1e-4);
@@ -253,9 +253,9 @@ async fn watchers_see_the_same_and_move_nothing() {
     let path = play.ready["watch"].as_str().unwrap().to_owned();
     let mut watcher = Play::watch(&story.server.url(), &path).await;
     assert_eq!(watcher.ready, play.ready);
-    play.told("a watcher", |t| t["watchers"] == 1).await;
+    play.message("a watcher", |t| t["watchers"] == 1).await;
     watcher.aim(1, 0, [0.0; 3]).await;
-    watcher.told("a refusal", |t| t["type"] == "refused").await;
+    watcher.message("a refusal", |t| t["type"] == "refused").await;
     play.send(json!({"type": "pause", "paused": true})).await;
     let own = play.shown("a pause", |s| s.flags & 1 == 1).await;
     let seen = watcher.shown("a pause", |s| s.flags & 1 == 1).await;

@@ -59,7 +59,7 @@ fn page() -> PathBuf {
 }
 
 /// The page with both tables rewritten.
-fn written(old: &str, words: &sources::Words) -> String {
+fn written(old: &str, words: &sources::Catalogue) -> String {
     let (before, rest) = old.split_once(REASONS).expect("the table of reasons");
     let (reasons, rest) = table(rest);
     let (between, rest) = rest.split_once(CODES).expect("the table of codes");

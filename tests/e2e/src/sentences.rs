@@ -34,12 +34,12 @@ fn wrapped(text: &str) -> impl Iterator<Item = usize> {
             (!fence && !in_code && !other).then(|| line.trim().to_owned())
         })
         .collect();
-    let goes_on = move |pair: &[Option<String>]| match pair {
+    let is_under_load = move |pair: &[Option<String>]| match pair {
         [Some(line), Some(next)] => !ends(line) && !is_item(next),
         _ => false,
     };
-    let numbers: Vec<_> = prose.windows(2).map(goes_on).collect();
-    (1..).zip(numbers).filter(|(_, goes_on)| *goes_on).map(|(number, _)| number)
+    let numbers: Vec<_> = prose.windows(2).map(is_under_load).collect();
+    (1..).zip(numbers).filter(|(_, is_under_load)| *is_under_load).map(|(number, _)| number)
 }
 
 fn ends(line: &str) -> bool {

@@ -30,7 +30,7 @@ pub struct Play {
 
 /// A state as shown to a browser.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Shown {
+pub struct ShownState {
     /// Bits: paused, recording, replaying, goal.
     pub flags: u8,
     /// Number of the state.
@@ -53,9 +53,9 @@ pub struct Shown {
 #[derive(Clone, Debug)]
 pub enum Event {
     /// A state.
-    Shown(Shown),
+    Shown(ShownState),
     /// Anything else.
-    Told(Value),
+    Message(Value),
     /// The end.
     Closed,
 }
@@ -110,7 +110,7 @@ impl Play {
 
     async fn expect_ready(&mut self) {
         match self.next().await {
-            Event::Told(told) if told["type"] == "ready" => self.ready = told,
+            Event::Message(message) if message["type"] == "ready" => self.ready = message,
             other => panic!("{other:?}"),
         }
     }
@@ -142,12 +142,12 @@ impl Play {
             let message = within("a message of a play", SOON, self.socket.next()).await;
             match message {
                 Some(Ok(Message::Text(text))) => {
-                    let told: Value = serde_json::from_str(&text).unwrap();
-                    match told["type"].as_str().unwrap() {
-                        "facts" => self.facts = told.clone(),
-                        _ => self.replies.push(told.clone()),
+                    let message: Value = serde_json::from_str(&text).unwrap();
+                    match message["type"].as_str().unwrap() {
+                        "facts" => self.facts = message.clone(),
+                        _ => self.replies.push(message.clone()),
                     }
-                    return Event::Told(told);
+                    return Event::Message(message);
                 }
                 Some(Ok(Message::Binary(bytes))) => {
                     let shown = decode(&bytes);
@@ -163,7 +163,7 @@ impl Play {
     }
 
     /// The next state of which something holds.
-    pub async fn shown(&mut self, what: &str, holds: impl Fn(&Shown) -> bool) -> Shown {
+    pub async fn shown(&mut self, what: &str, holds: impl Fn(&ShownState) -> bool) -> ShownState {
         let found = async {
             loop {
                 match self.next().await {
@@ -177,11 +177,11 @@ impl Play {
     }
 
     /// The next text of which something holds.
-    pub async fn told(&mut self, what: &str, holds: impl Fn(&Value) -> bool) -> Value {
+    pub async fn message(&mut self, what: &str, holds: impl Fn(&Value) -> bool) -> Value {
         let found = async {
             loop {
                 match self.next().await {
-                    Event::Told(told) if holds(&told) => return told,
+                    Event::Message(message) if holds(&message) => return message,
                     Event::Closed => panic!("closed before {what}: {:?}", self.replies.last()),
                     _ => {}
                 }
@@ -208,7 +208,7 @@ fn floats<const N: usize>(bytes: &[u8]) -> [f32; N] {
 }
 
 /// Reads a state as docs/play.md has it.
-pub fn decode(bytes: &[u8]) -> Shown {
+pub fn decode(bytes: &[u8]) -> ShownState {
     let word = |at: usize| u32::from_le_bytes(bytes[at..at + 4].try_into().unwrap());
     assert_eq!(bytes[0], 1, "the kind of message");
     let (grippers, colliders) = (usize::from(bytes[2]), usize::from(bytes[3]));
@@ -221,7 +221,7 @@ pub fn decode(bytes: &[u8]) -> Shown {
         let code = |i: usize| f32::from(i16::from_le_bytes([six[2 * i], six[2 * i + 1]]));
         std::array::from_fn(|i| origin[i] + scale * code(i))
     };
-    Shown {
+    ShownState {
         flags: bytes[1],
         number: word(4),
         input: word(8),

@@ -25,7 +25,7 @@ static TURN: Mutex<()> = Mutex::const_new(());
 
 pub(super) async fn make(run: &Run, chance: u64, beyond: Duration) -> anyhow::Result<()> {
     let _turn = TURN.lock().await;
-    anyhow::ensure!(run.goes_on(), "the load has ended");
+    anyhow::ensure!(run.is_under_load(), "the load has ended");
     let fleet = run.system.fleet().context("there is one server")?;
     let (worker, supervised) = {
         let began = Instant::now();

@@ -13,7 +13,7 @@ const KEPT: usize = 40;
 pub(super) async fn client(run: Arc<Run>, number: u64) {
     let mut random = run.chance(number);
     let mut mine: VecDeque<(String, usize)> = VecDeque::new();
-    while run.goes_on() {
+    while run.is_under_load() {
         let archive = random.random_range(0..run.references.archives.len());
         let (display_name, request_id) = (run.fresh("capture"), run.fresh("request"));
         let over_http = random.random();

@@ -16,7 +16,7 @@ pub(super) async fn client(run: Arc<Run>, number: u64) {
     let mut random = run.chance(number);
     let mut captures: Vec<(String, usize)> = Vec::new();
     let mut under_way: Vec<(String, usize)> = Vec::new();
-    while run.goes_on() {
+    while run.is_under_load() {
         sleep(Duration::from_millis(random.random_range(100..500))).await;
         let mut waiting = Vec::new();
         for (name, work) in under_way {

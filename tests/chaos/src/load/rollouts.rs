@@ -18,7 +18,7 @@ const PROMISE: &str = "a rollout repeats bit for bit";
 
 pub(super) async fn grpc_client(run: Arc<Run>, number: u64) {
     let mut random = run.chance(number);
-    while run.goes_on() {
+    while run.is_under_load() {
         over_grpc(&run, random.random_range(0..run.references.rollouts.len())).await;
         sleep(Duration::from_millis(random.random_range(50..400))).await;
     }
@@ -26,7 +26,7 @@ pub(super) async fn grpc_client(run: Arc<Run>, number: u64) {
 
 pub(super) async fn json_client(run: Arc<Run>, number: u64) {
     let mut random = run.chance(number);
-    while run.goes_on() {
+    while run.is_under_load() {
         as_json(&run, random.random_range(0..run.references.rollouts.len())).await;
         sleep(Duration::from_millis(random.random_range(50..400))).await;
     }

@@ -19,7 +19,7 @@ const PROMISE: &str = "a session goes on bit for bit from its last state";
 
 pub(super) async fn client(run: Arc<Run>, number: u64) {
     let mut random = run.chance(number);
-    while run.goes_on() {
+    while run.is_under_load() {
         walk(&run).await;
         sleep(Duration::from_millis(random.random_range(50..400))).await;
     }

@@ -18,7 +18,7 @@ const LEFT: usize = 20;
 
 pub(super) async fn client(run: Arc<Run>, number: u64) {
     let mut random = run.chance(number);
-    while run.goes_on() {
+    while run.is_under_load() {
         let archive = random.random_range(0..run.references.archives.len());
         let Some(path) = begin(&run, archive).await else { continue };
         let length = run.references.archives[archive].content.len() as u64;

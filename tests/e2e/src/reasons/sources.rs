@@ -62,7 +62,7 @@ pub(super) struct Reason {
 
 /// Everything that was found.
 #[derive(Debug, Default)]
-pub(super) struct Words {
+pub(super) struct Catalogue {
     /// Sources by reason.
     pub(super) reasons: BTreeMap<String, Reason>,
     /// Sources by code: meaning and advice where a table of the sources has them.
@@ -72,8 +72,8 @@ pub(super) struct Words {
 }
 
 /// Reads all sources but those of tests.
-pub(super) fn read() -> Words {
-    let mut words = Words::default();
+pub(super) fn read() -> Catalogue {
+    let mut words = Catalogue::default();
     let mut loose = Vec::new();
     for (name, path) in workspace::files() {
         let tests = name.starts_with("tests/") || name.ends_with("tests.rs");
@@ -117,7 +117,7 @@ fn in_capitals(text: &str) -> bool {
 }
 
 struct Visitor<'a> {
-    words: &'a mut Words,
+    words: &'a mut Catalogue,
     /// Words in capitals that were not recognised by their place.
     loose: Vec<String>,
     /// True if the first text of a call is the code of a finding.
