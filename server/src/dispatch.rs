@@ -240,7 +240,7 @@ impl Dispatch {
         })
     }
 
-    /// Room for a fit at each worker that has said so.
+    /// Capacity for a fit of each worker that has reported it.
     pub(crate) fn fit_rooms(&self) -> Vec<FitRoom> {
         self.lock().values().filter_map(|e| e.fit_room()).collect()
     }

@@ -150,7 +150,8 @@ pub struct Limits {
     pub upload_idle_s: f64,
     /// Uploads under way that can be resumed.
     pub uploads: u64,
-    /// The room that is kept for them together, which grows with what has come of each [bytes].
+    /// Disk space reserved for them together, which grows with the bytes of each that have arrived
+    /// [bytes].
     pub uploads_bytes: u64,
     /// Plays under way, each a session at a worker that is advanced in real time.
     pub plays: usize,

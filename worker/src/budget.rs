@@ -29,7 +29,7 @@ pub(crate) struct Memory {
     pub(crate) rollouts: Budget,
     pub(crate) twins: Budget,
     pub(crate) sessions: Budget,
-    /// Memory of what is kept of replayed captures, for each of the two kinds [bytes].
+    /// Memory of the data kept of replayed captures, for each of the two kinds [bytes].
     pub(crate) kept_bytes: u64,
 }
 

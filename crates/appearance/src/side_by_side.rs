@@ -16,7 +16,7 @@ use crate::{
     target::{Rectangle, Target},
 };
 
-/// Colour of what is not known: beyond the view, and behind the object.
+/// Colour of unknown pixels: beyond the view, and behind the object.
 const UNKNOWN: [u8; 3] = [28, 28, 32];
 /// Colour of hands among differences, which are not compared there.
 const NOT_COMPARED: [u8; 3] = [70, 70, 78];

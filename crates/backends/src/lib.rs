@@ -53,7 +53,7 @@ pub struct Options {
     pub choice: Choice,
     /// Index of the CUDA device, as CUDA counts them.
     pub device: usize,
-    /// CUDA memory that may be used [bytes]; nine tenths of what is free if none.
+    /// CUDA memory that may be used [bytes]; `None` for nine tenths of the free memory.
     pub device_memory: Option<u64>,
     /// Folder in which compiled kernels are kept between runs; the user's cache folder if none.
     pub kernel_dir: Option<PathBuf>,

@@ -1,4 +1,4 @@
-//! Reasons for which an authority cannot do what it is asked for.
+//! Errors of an authority.
 
 use std::path::PathBuf;
 
@@ -8,7 +8,7 @@ use jiff::Timestamp;
 
 use crate::AUTHORITY_DAYS;
 
-/// Reason for which an authority cannot do what it is asked for.
+/// An error of an authority.
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
     /// A file would be overwritten.

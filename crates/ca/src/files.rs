@@ -1,4 +1,4 @@
-//! Files of an authority, of which keys are for this user alone.
+//! Files of an authority; only this user can read the keys.
 
 use std::{
     fs::{DirBuilder, File, OpenOptions},

@@ -174,7 +174,7 @@ pub enum Error {
         /// The array.
         array: String,
     },
-    /// A kind of image of which a camera has none.
+    /// A kind of image that a camera lacks.
     #[error(
         "camera `{camera}` has no {what}, looked for as {wanted}, but {there}: add them, or name them so"
     )]

@@ -73,7 +73,7 @@ pub(crate) fn read_packed(files: &mut Files<'_>, npz: &str) -> Result<Capture, E
     let description: Description = json(&files.read_document(&name)?, &name)?;
     let bytes = files.read(npz)?;
     let mut arrays = Files::from_bytes(stem(npz).unwrap_or(npz), &bytes, &files.limits)?;
-    // What is unpacked counts beside what was read.
+    // Unpacked bytes count beside the bytes read.
     std::mem::swap(&mut arrays.budget, &mut files.budget);
     let capture = read(&mut arrays, &description);
     std::mem::swap(&mut arrays.budget, &mut files.budget);

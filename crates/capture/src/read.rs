@@ -147,7 +147,7 @@ pub(crate) fn is_capture(contents: &Contents) -> bool {
 const SEVERAL: &str = "several recordings (`recordings.json`)";
 const MOTION_CAPTURE: &str = "motion capture (`.npz` with its `.json`)";
 
-/// `true` if motion capture is what is read of a folder.
+/// `true` if a folder is read as motion capture.
 fn is_motion_capture(contents: &Contents) -> bool {
     formats(contents).next() == Some(MOTION_CAPTURE)
 }

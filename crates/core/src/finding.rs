@@ -1,4 +1,4 @@
-//! Findings: what is wrong with a capture, and what to do about it.
+//! Findings: faults of a capture, and their remedies.
 
 use std::collections::BTreeMap;
 

@@ -246,7 +246,7 @@ pub struct Quality {
     /// only one.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub recordings: Vec<RecordingScore>,
-    /// Warnings for the user: what is suspicious about the fit or the data.
+    /// Warnings for the user about the fit or the data.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub warnings: Vec<String>,
     /// The choice of the start that was kept; none if there was a single one.

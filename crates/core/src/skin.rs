@@ -197,7 +197,7 @@ impl Skin {
     }
 
     /// Passes d loss / d position of a point on to its nodes: `add_to` is called with a node and
-    /// what it gets, more than once for some.
+    /// its share, more than once for some.
     pub fn add_gradient(
         &self,
         point: usize,

@@ -11,7 +11,7 @@ use std::{hint::black_box, time::Instant};
 use bendtwin_cuda::{CudaRasteriser, Options};
 use bendtwin_splat::{Camera, Gaussians, Rasteriser};
 
-/// Calls of which the median counts.
+/// Calls over which the median is taken.
 const CALLS: usize = 200;
 
 fn main() {

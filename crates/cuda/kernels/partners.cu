@@ -103,7 +103,7 @@ DEVICE u32 collect_near(const Search& s, const u32* starts, u32 node, float limi
                 other != node && dot(r, r) <= limit && can_collide(*s.instance, node, other);
             u32 hits = __ballot_sync(0xffffffffu, near);
             u32 slot = found + __popc(hits & ((1u << lane) - 1));
-            // More nodes in one place than there is room for stay out, however near.
+            // Nodes beyond the capacity of a place are left out, however near.
             if (near && to && slot < s.instance->contact.max_partners) to[slot] = other;
             found += __popc(hits);
         }
@@ -182,7 +182,7 @@ find_partners(const __grid_constant__ FindPartnersArgs args) {
         float high = s.radius * s.radius;
         u32 found = collect_near(s, starts, node, high, 0);
         if (found > instance.contact.max_partners) {
-            // An object has collapsed: as many of the nearest as there is room for.
+            // An object has collapsed: keep as many of the nearest as fit.
             float low = 0.0f;
             for (u32 step = 0; step < 24; step++) {
                 float middle = 0.5f * (low + high);

@@ -94,7 +94,7 @@ DEVICE void expect_halo(const Arrivals& a, u32 buffer) {
 #endif
 }
 
-// Barrier of all threads of the team; what they wrote before, to shared and to global memory, is
+// Barrier of all threads of the team; their earlier writes to shared and global memory are
 // visible after (global memory through `__ldcg`). `round` counts the arrivals of a grid's blocks.
 DEVICE void synchronize_team(u32* counter, u32& round) {
 #if SHAPE == SHAPE_BLOCK

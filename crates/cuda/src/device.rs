@@ -83,7 +83,7 @@ pub(crate) struct Device {
 }
 
 impl Device {
-    /// Opens a device, or says in one line what is missing.
+    /// Opens a device, or reports in one line what is missing.
     pub(crate) fn open(options: &Options) -> Result<Arc<Self>, Error> {
         // SAFETY: loads a library by its well-known name and unloads it again.
         if !unsafe { sys::is_culib_present() } {
@@ -226,7 +226,7 @@ impl Device {
     }
 }
 
-/// Allocations come from the device's pool; what is freed stays there for the next.
+/// Allocations come from the device's pool; freed memory stays there for the next.
 fn keep_freed_memory(context: &CudaContext, bytes: u64) -> Result<(), Error> {
     context.bind_to_thread().map_err(|e| fault("the CUDA context", e))?;
     let mut pool = std::ptr::null_mut();
@@ -241,7 +241,7 @@ fn keep_freed_memory(context: &CudaContext, bytes: u64) -> Result<(), Error> {
     .map_err(|e| fault("the memory pool", e))
 }
 
-/// Driver error, with what was being done.
+/// Driver error, with the failed operation.
 pub(crate) fn fault(what: &str, error: DriverError) -> Error {
     Error::Device(format!("{what}: {error}"))
 }

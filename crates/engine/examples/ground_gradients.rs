@@ -38,7 +38,7 @@ type Failure = Box<dyn std::error::Error>;
 const WIDTHS_M: [f32; 4] = [0.0, 1e-3, 2e-3, 5e-3];
 /// Steps of a coordinate of a knot [m].
 const STEPS_M: [f64; 2] = [1e-4, 1e-3];
-/// Frames in which a twin settles on the ground, once its hands have come down.
+/// Frames in which a twin settles on the ground after its hands have come down.
 const SETTLING: usize = 20;
 /// Most frames in which they do, and their way in each [m].
 const COMING_DOWN: (usize, f64) = (100, 0.005);
@@ -50,7 +50,7 @@ const FRICTION: f32 = 0.5;
 const WAY_M: f64 = 0.002;
 /// Way from the start to the target [m].
 const TARGET_M: f64 = 0.05;
-/// Knots, the first of which stays where it is.
+/// Knots, the first of which does not move.
 const KNOTS: usize = 4;
 
 fn main() -> Result<(), Failure> {

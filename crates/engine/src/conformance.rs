@@ -58,7 +58,7 @@ pub struct Case {
 pub struct Report {
     /// Cases that passed.
     pub passed: Vec<&'static str>,
-    /// Cases that failed, with what was expected and what came.
+    /// Failed cases, with the expected and the actual result.
     pub failed: Vec<(&'static str, String)>,
 }
 
@@ -91,7 +91,7 @@ pub fn run(backend: &dyn Backend) -> Report {
 /// Runs one case; a panic becomes an error.
 ///
 /// # Errors
-/// The message says what was expected and what came.
+/// The message gives the expected and the actual result.
 pub fn run_case(case: &Case, backend: &dyn Backend) -> Result<(), String> {
     let check = std::panic::AssertUnwindSafe(|| (case.check)(backend));
     std::panic::catch_unwind(check).unwrap_or_else(|_| Err("the backend panicked".into()))

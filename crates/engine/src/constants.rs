@@ -27,7 +27,7 @@ pub const MAX_PARTNERS: usize = 512;
 pub const MAX_COORDINATE_M: f64 = 1000.0;
 /// Height above the ground [m] below which a node stands on it.
 pub const ON_GROUND_M: f64 = 1e-3;
-/// Time [s] in which a collider, or another node, pushes out what is inside its surface.
+/// Time [s] in which a collider, or another node, pushes out a node inside its surface.
 pub const PUSH_S: f64 = 0.01;
 /// Depth [m] inside a surface beyond which it pushes no faster.
 pub const MAX_PUSH_M: f64 = 0.005;

@@ -115,7 +115,7 @@ pub enum Attachment {
 pub struct Grasp {
     /// The body that carries it.
     pub body: u32,
-    /// Region of which it takes hold.
+    /// Region that it takes hold of.
     pub region: Region,
     /// Kind of its holds.
     pub attachment: Attachment,
@@ -144,7 +144,7 @@ pub fn largest_stiffness(model: &Model) -> f32 {
     spring_share(model, 1.0, 0.0).recip()
 }
 
-/// The surroundings of an object: what is constant during a rollout.
+/// The surroundings of an object that are constant during a rollout.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct World {
     /// Number of bodies B.

@@ -9,7 +9,7 @@ use crate::{
     trajectory::difference,
 };
 
-/// The object at rest except for what is held: pinned nodes follow their control points.
+/// The object at rest except for its pinned nodes, which follow their control points.
 pub(crate) fn standing_still(graph: &Graph, sequence: &Sequence, start: &[Point]) -> Trajectory {
     predicted(graph, sequence, |_, positions| positions.copy_from_slice(start))
 }

@@ -54,7 +54,7 @@ pub struct CorrectionScore {
     /// Errors without correction. Tracks are measured against the place between nodes that they had
     /// in the start frame.
     pub open_loop: ErrorSummary,
-    /// Errors without correction, less what they were in the corrected frame; tracks alone.
+    /// Errors without correction, less those in the corrected frame; tracks alone.
     pub last_residual: ErrorSummary,
     /// Errors from the corrected state.
     pub corrected: ErrorSummary,

@@ -1,4 +1,4 @@
-//! Finds a twin's fast variant: as few substeps as leave its motion nearly what it was.
+//! Finds a twin's fast variant: the fewest substeps that hardly change its motion.
 //!
 //! The twin follows the controls of its capture, exactly and by each variant under comparison,
 //! over at most [`FRAMES`] frames of at most [`SEQUENCES`] recordings from their start; nodes are

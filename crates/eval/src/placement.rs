@@ -41,7 +41,7 @@ pub struct Placement {
     pub tracks: Skin,
     /// The rigid part of the motion from the rest shape of the graph.
     pub rigid: RigidMotion,
-    /// Distances of what was seen from the nodes' surface.
+    /// Distances of the observed points from the nodes' surface.
     pub score: RegistrationScore,
 }
 

@@ -55,7 +55,7 @@ const AT_NODES: [Column; 2] =
 
 type LikenessColumn = (&'static str, usize, fn(&Likeness) -> Option<f64>);
 
-/// Names of likenesses, their decimals, and what they are.
+/// Names of likenesses, their decimals, and their meanings.
 const LIKENESSES: [LikenessColumn; 5] = [
     ("IoU", 3, |l| l.iou),
     ("PSNR [dB]", 2, |l| l.psnr_db),

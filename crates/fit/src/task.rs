@@ -58,7 +58,7 @@ pub(crate) struct Training<'a> {
     pub(crate) frames: usize,
     /// The loss, a mean over these frames.
     pub(crate) objective: Objective,
-    /// Motion of what is around the object over these frames.
+    /// Motion of the object's surroundings over these frames.
     pub(crate) motion: Arc<Motion>,
     /// Control positions over these frames, shape [frames + 1, C, 3].
     pub(crate) controls: Arc<Vec<Point>>,

@@ -19,7 +19,7 @@ const FRAMES: usize = 90;
 fn fit(scene: Scene, bending: bool) -> Twin {
     let capture = make(scene, &MakeOptions::full(3)).unwrap();
     let mut settings = FitSettings { seed: 1, bending, ..FitSettings::default() };
-    // Not the best twin, but long past what it began with.
+    // Not the best twin, but far better than the initial one.
     settings.graph.max_nodes = Some(100);
     settings.search.generations = Some(12);
     settings.refine.passes = Some(12);

@@ -63,7 +63,7 @@ impl Body {
         self.rotation * (point - self.center) + self.center + self.translation
     }
 
-    /// The point of the model that is at a place now.
+    /// The point of the model that is currently at a place.
     pub(crate) fn to_model(&self, place: Vector3<f64>) -> Vector3<f64> {
         self.rotation.inverse() * (place - self.center - self.translation) + self.center
     }

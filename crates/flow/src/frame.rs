@@ -163,7 +163,7 @@ impl Step<'_> {
         let (at, renewed) = match (known, hit) {
             (Some(found), _) => (found.at, None),
             // Followed as its neighbours were, but too changed to be recognised: from now on by
-            // what it looks like now.
+            // its current look.
             (None, Some((hit, _))) if expected.is_some() => {
                 let window = self.settings.window_px;
                 let renewed =

@@ -26,7 +26,7 @@ const SHAKE_M: f64 = 0.04;
 const SHAKE_HZ: [f64; 2] = [2.0, 3.0];
 /// Distance of a push [m].
 const PUSH_M: f64 = 0.05;
-/// Time in which a hand reaches what it moves to [s].
+/// Time in which a hand reaches its target [s].
 const MOVE_S: f64 = 0.5;
 /// Share of the distance between two hands by which they come nearer, and by which they pull.
 const BEND: f64 = 0.3;

@@ -48,7 +48,7 @@ impl Observed {
 /// what people call it; messages name it so.
 ///
 /// # Errors
-/// Only what is no finding about the capture: that `observer` or `cancel` asked to stop.
+/// Only errors that are no findings about the capture: `observer` or `cancel` asked to stop.
 pub fn ingest(
     path: &Path,
     name: &str,
@@ -154,7 +154,7 @@ fn lift_sound(
     }
 }
 
-/// A capture of which nothing is known but the fault that kept it from being read.
+/// A capture known only by the fault that kept it from being read.
 pub fn unread(name: &str, fault: &Fault) -> Observed {
     let mut seen = Inspection::unread(name);
     seen.add([error_of(fault)]);

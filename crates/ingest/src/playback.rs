@@ -90,7 +90,7 @@ fn write(head: &Head, data: Data, path: &Path) -> io::Result<()> {
     file.flush()
 }
 
-/// Which sequences there is room for, and how many points of each.
+/// The sequences that fit, and the number of points of each.
 #[derive(Debug, PartialEq)]
 struct Plan {
     sequences: usize,

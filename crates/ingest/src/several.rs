@@ -54,7 +54,7 @@ pub(super) fn ingest(
     }
 }
 
-/// True for points of which no frame is for fitting. They are judged as if all were.
+/// True for points without frames for fitting. They are judged as if all frames were.
 fn is_held_out(opened: &mut Opened) -> bool {
     let Opened::Observed(capture, _) = opened else { return false };
     let all = capture.sequences.iter().all(Sequence::is_held_out);

@@ -21,13 +21,13 @@ use crate::{
 
 /// Cameras that are compared with each other; the others are measured alone.
 pub(crate) const COMPARED_CAMERAS: usize = 16;
-/// Frames of which crops are kept.
+/// Frames whose crops are kept.
 const CROP_FRAMES: usize = 13;
 /// Interval of the crops that are compared with depth and colour at their outlines.
 const OUTLINE_EVERY: usize = 3;
 /// Frames that a camera reads before progress is reported.
 const BATCH_FRAMES: usize = 4;
-/// Cameras of which the first image is kept.
+/// Cameras whose first image is kept.
 const MAX_FIRST_IMAGES: usize = 8;
 /// Damaged files of a camera that are named.
 const MAX_DAMAGED_FILES: usize = 5;
@@ -74,7 +74,7 @@ pub(crate) struct CameraScan {
     pub(crate) outlines: Vec<OutlineFit>,
     /// The first files that could not be decoded.
     pub(crate) damaged_files: Vec<DamagedFile>,
-    /// Frames of which a file could not be decoded.
+    /// Frames with a file that could not be decoded.
     pub(crate) damaged_frames: Vec<usize>,
     /// Number of files that could not be decoded.
     pub(crate) damaged_file_count: usize,

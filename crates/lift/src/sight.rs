@@ -12,7 +12,7 @@ use crate::{
 
 /// Pixels beyond a mask that may still be what it shows: segmenters leave out rims.
 const RIM_PX: i64 = 1;
-/// A place this far in front of what was measured may still lie on it [m].
+/// A place this far in front of the measured surface may still lie on it [m].
 const SLACK_M: f64 = 0.004;
 
 /// A camera's first frame.

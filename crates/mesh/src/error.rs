@@ -120,7 +120,7 @@ pub enum Error {
         /// Finite points found.
         found: usize,
     },
-    /// No pose of the mesh explains what was observed.
+    /// No pose of the mesh explains the observation.
     #[error(
         "the mesh fits only {share:.0} % of the observed points within {within_mm:.1} mm in its best pose: it shows \
          another object or another shape of it; align it by hand, or leave it out",

@@ -41,7 +41,7 @@ pub(crate) struct Barrier {
     solids: Vec<Solid>,
     /// Upwards, for nodes that no single surface is the way out for.
     up: Vector3<f64>,
-    /// Endpoints that pass, shape [N + C]: what is held, and control points.
+    /// Endpoints that may pass, shape [N + C]: held nodes and control points.
     passes: Vec<bool>,
 }
 

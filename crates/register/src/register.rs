@@ -319,7 +319,7 @@ impl<'a> Job<'a> {
         Ok((x, depth_m))
     }
 
-    /// Endpoints that stay, with given control points and what they pin in place.
+    /// Endpoints that stay, with given control points and the nodes that they pin.
     fn held(&self, mut x: Vec<Vector3<f64>>) -> (Vec<bool>, Vec<Vector3<f64>>) {
         let n = self.graph.node_count();
         let mut fixed = vec![false; x.len()];

@@ -2,7 +2,7 @@
 
 use bendtwin_core::geometry::median;
 
-/// Median distance that every twin may have from what is seen [m].
+/// Median distance from the observation that every twin may have [m].
 const LEAST_EXPECTED_M: f64 = 0.005;
 
 /// Distances between observed points and the twin: of tracks to their places, of a cloud to the
@@ -54,8 +54,8 @@ pub(crate) fn expected_m(spacing_m: f64, noise_m: f64) -> f64 {
     (0.5 * spacing_m).max(LEAST_EXPECTED_M).max(noise_m)
 }
 
-/// Misfit of distances [m], which are explained up to 1: the median by the expected one, or the
-/// share beyond that and beyond three deviations by half of the points, if that is more.
+/// Misfit of distances [m], at most 1 if they are explained: the median over the expected distance
+/// or, if larger, the share of points beyond that and beyond three deviations over [`TOLERATED`].
 pub(crate) fn misfit(distances_m: &[f64], spacing_m: f64, noise_m: f64) -> f64 {
     let expected_m = expected_m(spacing_m, noise_m);
     let median_m = median(&mut distances_m.to_vec()).unwrap_or(f64::INFINITY);

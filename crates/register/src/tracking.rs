@@ -19,7 +19,7 @@ const MOST: f64 = 1.5;
 /// Observations in a row that are not explained, from which a state is lost.
 const IN_A_ROW: u32 = 3;
 
-/// Record of how well a state explains what is seen of its object.
+/// Record of how well a state explains the observations of its object.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Tracking {
     /// Mean of the misfits; above 1 the state is lost.

@@ -12,7 +12,7 @@ use std::{hint::black_box, time::Instant};
 
 use bendtwin_splat::{Camera, Cpu, Gaussians, Rasteriser};
 
-/// Calls of which the median counts.
+/// Calls over which the median is taken.
 const CALLS: usize = 25;
 
 fn main() {

@@ -52,14 +52,14 @@ pub enum Error {
     /// More Gaussians, or more tiles under them, than memory is given for.
     #[error("{count} {what}, at most {most}: use fewer or smaller Gaussians, or a smaller image")]
     TooMany {
-        /// Name of what is counted.
+        /// Name of the counted things.
         what: &'static str,
         /// Number of them.
         count: usize,
         /// Most that may be.
         most: usize,
     },
-    /// The graph and what it carries do not fit each other.
+    /// The graph and the Gaussians that it carries do not fit each other.
     #[error("{0}")]
     Carrier(String),
     /// A device failed or is missing.

@@ -1,7 +1,7 @@
 //! The disk of the data folder, and a reserve on it. On a full disk nothing could be deleted, as
-//! the database grows a little before it shrinks. So a file of some MiB holds room free: it is
+//! the database grows a little before it shrinks. So a file of some MiB reserves space: it is
 //! removed when the database meets a full disk, which lets deletions and the ends of jobs through,
-//! and made again once there is room. Until then new content is refused.
+//! and made again once there is space. Until then new content is refused.
 
 use std::{
     fs::{self, File},
@@ -49,7 +49,7 @@ pub(crate) struct Reserve {
 }
 
 impl Reserve {
-    /// The reserve of a folder, made if there is room for it.
+    /// The reserve of a folder, made if there is space for it.
     pub(crate) fn open(data_dir: &Path) -> Self {
         let (folder, file) = (data_dir.to_owned(), data_dir.join("reserve"));
         let reserve = Self { folder, file, making: Mutex::default() };
@@ -108,7 +108,7 @@ impl Reserve {
     }
 }
 
-/// Makes a file of the size of the reserve, with room on the disk for all of it.
+/// Makes a file of the size of the reserve, with all of its space allocated on the disk.
 fn allocate(path: &Path) -> io::Result<()> {
     let mut file = File::create(path)?;
     if fallocate(&file, FallocateFlags::empty(), 0, RESERVE).is_err() {

@@ -19,11 +19,11 @@ pub struct Key {
     pub id: KeyId,
     /// Display name.
     pub display_name: String,
-    /// Name that is recorded with what is made with the key.
+    /// Name recorded with resources made with the key.
     pub owner: String,
     /// BLAKE3 of the whole key.
     pub hash: Digest,
-    /// Words that say what it may be used for, sorted.
+    /// Scopes of the key, sorted.
     pub scopes: Vec<String>,
     /// Bounds on what its owner may have.
     pub quotas: Quotas,
@@ -44,11 +44,11 @@ pub struct NewKey {
     pub id: KeyId,
     /// Display name.
     pub display_name: String,
-    /// Name that is recorded with what is made with the key.
+    /// Name recorded with resources made with the key.
     pub owner: String,
     /// BLAKE3 of the whole key.
     pub hash: Digest,
-    /// Words that say what it may be used for.
+    /// Scopes of the key.
     pub scopes: Vec<String>,
     /// Bounds on what its owner may have.
     pub quotas: Quotas,

@@ -22,7 +22,7 @@ pub struct Labels {
     pub tags: Vec<String>,
 }
 
-/// A change of labels; what is `None` stays.
+/// A change of labels; `None` keeps a value.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct LabelChange {
     /// New display name.

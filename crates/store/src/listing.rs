@@ -109,7 +109,7 @@ impl ListQuery {
         Ok(sql)
     }
 
-    /// Leaves out what comes before a place in the order.
+    /// Leaves out the rows up to a place in the order.
     fn resume_after(&self, sql: &mut Builder, id: &str, place: Option<Place>) -> Result<()> {
         let Some(Place { id: last, key }) = place else { return Ok(()) };
         let than = if self.order.descending { '<' } else { '>' };

@@ -8,7 +8,7 @@ use crate::{
     sql::{Transaction, query_scalar},
 };
 
-/// Bounds on what one owner may have; none where it is `None`.
+/// Bounds for one owner; `None` for no bound.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Quotas {
     /// Jobs that wait for a worker.

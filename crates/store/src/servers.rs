@@ -108,7 +108,7 @@ impl Store {
     }
 }
 
-/// Number of servers that were heard of lately, of which none can be this one yet.
+/// Number of servers with recent signs of life; this one cannot be among them yet.
 pub(crate) async fn count_lately(connection: &mut PgConnection) -> Result<i64> {
     let count = "select count(*) from servers
          where seen_at > (extract(epoch from clock_timestamp()) * 1000000)::bigint - $1";

@@ -224,7 +224,7 @@ impl Store {
     }
 
     /// Proves that a change can be made to last, by making one in the database and one among the
-    /// blobs. Also makes room again for the reserve of a disk that was full.
+    /// blobs. Also restores the reserve of a disk that was full.
     ///
     /// # Errors
     /// [`Error::DiskFull`] while new content is refused; [`Error::DatabaseNewer`]; database and file

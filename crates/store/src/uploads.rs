@@ -208,11 +208,11 @@ impl Uploads<'_> {
     }
 }
 
-/// Room that is kept for an upload with its first byte, if its declared size is not less [bytes].
+/// Disk space reserved for an upload with its first byte, if its declared size is not less [bytes].
 pub const FIRST_ROOM: u64 = 64 << 20;
 
-/// Count of uploads under way other than $1, and the room that is kept for them: [`kept_room`] in
-/// SQL. A declared size alone keeps none, or a few requests could take it all.
+/// Count of uploads under way other than $1, and the disk space reserved for them: [`kept_room`] in
+/// SQL. A declared size alone reserves none, or a few requests could take it all.
 const IN_USE: &str = "select count(*), cast(coalesce(sum(case
         when offset_bytes = 0 then 0
         when length_bytes is null then offset_bytes

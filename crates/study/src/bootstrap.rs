@@ -126,7 +126,7 @@ mod tests {
         100.0 * (of - against) / against
     }
 
-    /// Captures of which each has the seeds 0 to 4.
+    /// Captures that each have the seeds 0 to 4.
     fn captures(count: usize, pair: impl Fn(usize, u64) -> [f64; 2]) -> Vec<Pairs<'static>> {
         (0..count).map(|c| (0..5).map(|seed| ((seed, ""), pair(c, seed))).collect()).collect()
     }

@@ -12,7 +12,7 @@ const PANEL_WIDTH: f32 = 380.0;
 const PANEL_HEIGHT: f32 = 340.0;
 const GAP: f32 = 24.0;
 const AXIS_WIDTH: f32 = 64.0;
-/// Room for the texts around a single panel.
+/// Space for the texts around a single panel.
 const LEAST_WIDTH: f32 = 760.0;
 const BACKGROUND: Color = Color(255, 255, 255);
 const PANEL: Color = Color(246, 248, 250);

@@ -79,7 +79,7 @@ impl Folder {
         self.write(&checkpoint_name(id), bytes)
     }
 
-    /// Takes away what is no longer of use; what cannot be taken away does no harm.
+    /// Removes files that are no longer of use; a failure to remove them does no harm.
     pub(crate) fn remove_checkpoint(&self, id: &RunId) {
         let _ = fs::remove_file(self.root.join(checkpoint_name(id)));
     }

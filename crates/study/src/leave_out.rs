@@ -69,7 +69,7 @@ struct Fitted {
 }
 
 impl LeaveOneOut {
-    /// The recordings of captures, all of which are of one object.
+    /// The recordings of captures, all of one object.
     ///
     /// # Errors
     /// If fewer than two of them may be fitted, or there are too many.
@@ -156,7 +156,7 @@ impl LeaveOneOut {
         (left + 1..left + n).map(move |i| i % n).filter(|&i| is_fitted(&self.recordings[i]))
     }
 
-    /// A twin of these recordings, the first of which is the reference.
+    /// A twin of these recordings; the first is the reference.
     fn fit(
         &self,
         of: &[usize],

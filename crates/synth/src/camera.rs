@@ -1,4 +1,4 @@
-//! Depth cameras around the scene: what is nearest in a pixel hides what is behind it.
+//! Depth cameras around the scene: the nearest surface in a pixel hides those behind it.
 
 use std::collections::HashMap;
 

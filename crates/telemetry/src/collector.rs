@@ -7,9 +7,9 @@ use tonic::transport::{Channel, Endpoint};
 
 use crate::Error;
 
-/// Variables of which one names the collector, the first that is set.
+/// Variables that name the collector; the first that is set counts.
 const ENDPOINTS: [&str; 2] = ["OTEL_EXPORTER_OTLP_TRACES_ENDPOINT", "OTEL_EXPORTER_OTLP_ENDPOINT"];
-/// Variables of which one names a file with its authority, if that is not one of the system's.
+/// Variables that name a file with its authority, if that is not one of the system's.
 const AUTHORITIES: [&str; 2] =
     ["OTEL_EXPORTER_OTLP_TRACES_CERTIFICATE", "OTEL_EXPORTER_OTLP_CERTIFICATE"];
 /// Longest time for connecting, and for an answer.

@@ -1,5 +1,5 @@
-//! Room on the disk. New content is refused before the disk is full, so that what is under way can
-//! end, and what is not needed can be deleted.
+//! Free space of the disk. New content is refused before the disk is full, so that work under way
+//! can end, and content that is not needed can be deleted.
 
 use bendtwin_store::Error as StoreError;
 

@@ -17,7 +17,7 @@ const TAG_LENGTH: usize = 50;
 /// Longest text to search for [characters].
 const SEARCH_LENGTH: usize = 200;
 
-/// A requested change of name, note and tags; what is `None` stays.
+/// A requested change of name, note and tags; `None` keeps a value.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Change {
     pub(crate) display_name: Option<String>,

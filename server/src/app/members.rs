@@ -117,7 +117,7 @@ impl App {
         Ok(workers)
     }
 
-    /// Shows the other servers that this one runs, takes over what they know, and requeues the jobs
+    /// Signals to the other servers that this one runs, takes over what they know, and requeues the jobs
     /// of servers and workers that have been silent for a lease. Returns the processes of other
     /// living servers: these alone end the attempts of theirs.
     pub(super) async fn sweep_members(&self, lease: Duration) -> Result<HashSet<WorkerId>> {

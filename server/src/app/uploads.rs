@@ -247,7 +247,7 @@ impl App {
         }
     }
 
-    /// Room on the disk and among all uploads for those bytes of an upload that are missing.
+    /// Free space on the disk and among all uploads for the missing bytes of an upload.
     async fn has_room(&self, writer: &UploadWriter) -> Result<u64> {
         self.require_room(0)?;
         let limit = self.options.limits.capture_bytes;

@@ -56,7 +56,7 @@ pub(super) struct Ready {
 pub(super) type Updates = BoxStream<'static, Result<PlanUpdate>>;
 
 impl Dispatch {
-    /// Checks a request and gets ready; what is wrong with it is refused before the first update.
+    /// Checks a request and prepares it; faults are refused before the first update.
     pub(crate) async fn plan(&self, plan: Plan) -> Result<Updates> {
         let ready = self.ready(plan).await?;
         self.search(ready).await

@@ -155,7 +155,7 @@ pub(crate) struct HeldSession {
     pub(crate) parts: SessionParts,
 }
 
-/// Room for a fit at a worker.
+/// Capacity of a worker for a fit.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct FitRoom {
     /// Memory that a fit may take [bytes].
@@ -352,7 +352,7 @@ impl Entry {
         self.live().broken_until = Some(Instant::now() + BROKEN_FOR);
     }
 
-    /// Room for a fit; none if it takes no fits or has not said yet.
+    /// Capacity for a fit; `None` if the worker takes no fits or has not reported yet.
     pub(super) fn fit_room(&self) -> Option<FitRoom> {
         let bytes = self.live().fit_bytes;
         let worker = &self.worker.registration;

@@ -130,7 +130,7 @@ pub(crate) type Parts = Pin<Box<dyn Stream<Item = Result<RollOutResponse>> + Sen
 pub(super) struct ReplyStream {
     replies: Streaming<ExecuteRollOutResponse>,
     taken: TakenCall,
-    /// Held until the last part has come.
+    /// Held until the last part has arrived.
     place: Arc<Place>,
     started: Instant,
     queued: Duration,
@@ -166,7 +166,7 @@ impl Dispatch {
         }
     }
 
-    /// The reply in the parts that the worker sends. The first has come when this returns.
+    /// The reply in the parts that the worker sends. The first has arrived when this returns.
     pub(crate) async fn parts(&self, rollout: RollOut) -> Result<InParts> {
         let prepared = Box::pin(self.prepared(rollout)).await?;
         Box::pin(self.by_one(prepared)).await

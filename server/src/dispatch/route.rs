@@ -16,7 +16,7 @@ pub(super) struct Candidate {
     pub(super) warm: bool,
     /// True if its line takes the rollout.
     pub(super) has_room: bool,
-    /// Time that it needs for what is under way or waits [s].
+    /// Time that it needs for rollouts under way or waiting [s].
     pub(super) ahead_s: f64,
     /// Rollouts that are under way or wait.
     pub(super) calls: usize,

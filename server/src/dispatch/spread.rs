@@ -84,7 +84,7 @@ impl Dispatch {
         let (Some(request), Some(unit)) = (&execute.request, unit) else {
             return Err(Error::Internal("a rollout that cannot be shared".to_owned()));
         };
-        // The parts, and what is made of them.
+        // The parts, and the whole made of them.
         let share = self.memory.reply(reply_bytes.saturating_mul(2));
         let share =
             tokio::time::timeout_at(deadline, share).await.map_err(|_| Error::Deadline)??;

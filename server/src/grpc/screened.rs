@@ -33,7 +33,7 @@ impl Screened {
         Self { body, encoded, limits, waiting: BytesMut::new() }
     }
 
-    /// The next whole message with its prefix, if it has come.
+    /// The next whole message with its prefix, if it has arrived.
     fn message(&mut self) -> Result<Option<Bytes>, Status> {
         let Some(mut prefix) = self.waiting.get(..PREFIX) else { return Ok(None) };
         let is_compressed = prefix.get_u8() != 0;

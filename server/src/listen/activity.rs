@@ -21,7 +21,7 @@ struct Counts {
     server: usize,
     body: usize,
     cut: usize,
-    /// True once the head of a request has come.
+    /// True once the head of a request has arrived.
     has_asked: bool,
     changed: Instant,
 }

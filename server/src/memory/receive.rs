@@ -128,7 +128,7 @@ impl<'m> Buffer<'m> {
         Self { memory, kind, limit, shares: Shares::default(), bytes: BytesMut::new(), room: 0 }
     }
 
-    /// Makes room for a length: exactly that if it is the whole, else some more.
+    /// Reserves memory for a length: exactly that if it is the whole, else some more.
     async fn reserve(&mut self, length: u64, is_whole: bool) -> Result<(), ReceiveError> {
         if length > self.limit {
             return Err(ReceiveError::TooLong);

@@ -53,7 +53,7 @@ impl Clock {
         (at + gap.mul_f64(PATIENCE)).clamp(earliest, self.due)
     }
 
-    /// Input has come.
+    /// Input has arrived.
     pub(super) fn input(&mut self, now: Instant) {
         let gap = self.last.map_or(Duration::MAX, |last| now.saturating_duration_since(last));
         (self.last, self.waiting) = (Some(now), Some(Arrival { at: now, gap }));

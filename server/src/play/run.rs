@@ -36,7 +36,7 @@ use crate::{
 const FRAME_TIMEOUT: Duration = Duration::from_secs(10);
 /// Time between two messages with facts.
 const FACTS_INTERVAL: Duration = Duration::from_secs(1);
-/// Wait before a frame is tried again for which there was no room.
+/// Wait before a frame that found no memory is tried again.
 const RETRY: Duration = Duration::from_millis(50);
 
 /// A play under way.

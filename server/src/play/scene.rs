@@ -253,7 +253,7 @@ impl Scene {
         self.known_good = Some((self.around.clone(), self.colliders.clone()));
     }
 
-    /// Puts everything that moves where it is at a boundary.
+    /// Puts all moving bodies where they are at a boundary.
     pub(super) fn place(&mut self, rows: &Rows, row: usize) {
         let grippers = self.grippers.iter_mut().zip(rows.grippers(row));
         let colliders = self.colliders.iter_mut().zip(rows.colliders(row));

@@ -115,7 +115,7 @@ impl Threads {
                 Err(panic) => Some(Error::Panicked(panic_text(&*panic).to_owned())),
             };
             if let Some(error) = error {
-                // Both queues: what one thread broke, the other must not use.
+                // Both queues: a device that one thread broke must not be used by the other.
                 self.close();
                 let _ = self.fatal.send(error);
                 return;

@@ -82,7 +82,8 @@ impl Compute {
         tracing::info!(mib = needed >> 20, "memory of the fit, estimated");
         let job = FitJob {
             capture: &capture,
-            // Of what is fitted, not of the upload: an ingest may run again with other settings.
+            // Of the fitted observation, not of the upload: an ingest may run again with other
+            // settings.
             capture_digest: bendtwin_capture::digest(&capture),
             settings,
             backend,

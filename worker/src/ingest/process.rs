@@ -200,7 +200,7 @@ impl Observer<bendtwin_ingest::Progress> for StdoutReporter {
             .and_then(|()| std::fs::rename(&new, &self.checkpoint))
         {
             Ok(()) => Ok(write_message(&Message::Checkpoint)?),
-            // A checkpoint saves work; the lack of one costs none. Its room may save the result.
+            // A checkpoint saves work, but is not necessary. Its space may save the result.
             Err(error) if error.kind() == io::ErrorKind::StorageFull => {
                 eprintln!("no room for a checkpoint: {error}");
                 let _ = std::fs::remove_file(&new);

@@ -52,7 +52,7 @@ pub struct Resources {
 pub enum Layer {
     /// All of it.
     Full,
-    /// A part: the kernel is older than what was asked for.
+    /// In part: the kernel is older than the requested features.
     Partial,
     /// The system lacks it.
     Missing,
@@ -104,7 +104,7 @@ fn confine_on_system(folder: &Path) -> io::Result<Enforced> {
     if std::fs::read_dir("/proc/self/task").is_ok_and(|tasks| tasks.count() > 1) {
         return Err(io::Error::other("the process has other threads already"));
     }
-    // Files last: before that the kernel can be asked for what it has.
+    // Files last: before that the kernel can be asked for its features.
     let calls = calls::deny()?;
     Ok(Enforced { files: files::restrict_to(folder)?, calls })
 }

@@ -101,7 +101,7 @@ pub(super) fn sum(gradients: Vec<Gradient>, shares: &[f64]) -> Gradient {
     sum.unwrap_or_default()
 }
 
-/// Sum of what counts; what has no share may be infinite.
+/// Sum of the values with a share; others may be infinite.
 fn weighted(shares: &[f64], value: impl Fn(usize) -> f64) -> f64 {
     let counted = shares.iter().enumerate().filter(|(_, share)| **share > 0.0);
     counted.map(|(i, share)| share * value(i)).sum::<f64>() + 0.0

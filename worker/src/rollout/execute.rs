@@ -41,7 +41,7 @@ pub(super) struct Execution<'a> {
 #[derive(Default)]
 pub(super) struct Simulated {
     rollouts: Vec<Rollout>,
-    /// Extremes of what was prescribed to them.
+    /// Extremes of their prescribed motion.
     extremes: Vec<Extremes>,
     /// Mean motions of the members of each action, if these are asked for.
     means: Vec<Rollout>,
@@ -54,7 +54,7 @@ pub(super) struct Simulated {
 }
 
 impl Simulated {
-    /// Instances of which nothing else is kept.
+    /// Instances whose other results are not kept.
     pub(super) fn of(rollouts: Vec<Rollout>, extremes: Vec<Extremes>) -> Self {
         Self { rollouts, extremes, ..Self::default() }
     }

@@ -13,7 +13,7 @@ use bendtwin_proto::{
 
 use super::{actions::Stopped, error::Error, world::Path};
 
-/// Limits of what is plausible.
+/// Limits of plausible motion.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Plausibility(Wire);
 

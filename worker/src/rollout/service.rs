@@ -445,7 +445,7 @@ impl Call {
     }
 }
 
-/// A span of time; none at all for what is no number.
+/// A span of time; `None` for an invalid number.
 fn seconds(seconds: f64) -> Duration {
     Duration::try_from_secs_f64(seconds).unwrap_or_default()
 }

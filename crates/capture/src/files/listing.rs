@@ -64,7 +64,7 @@ impl Files<'_> {
                 for entry in entries.take(self.limits.archive_entries).flatten() {
                     let Ok(name) = entry.file_name().into_string() else { continue };
                     let kind = entry.file_type().ok();
-                    // A link counts as what it leads to.
+                    // A link counts as its target.
                     let is_link = kind.is_some_and(|kind| kind.is_symlink());
                     let is_folder = if is_link {
                         entry.path().is_dir()

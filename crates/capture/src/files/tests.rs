@@ -104,7 +104,7 @@ fn entries_in_other_compressions_are_read() {
         let text = error.to_string();
         assert!(text.contains(&format!("compressed with {name}")), "{text}");
     }
-    // Zstandard of what is no Zstandard.
+    // Marked as Zstandard, but not Zstandard.
     assert_eq!(reason(&patched(93, &same)), "FILE_DAMAGED");
 }
 

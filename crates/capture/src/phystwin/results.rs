@@ -41,7 +41,7 @@ pub struct SearchResult {
     pub dashpot: f64,
 }
 
-/// Restitution and friction as a result has them, not yet clamped to what they may be.
+/// Restitution and friction in a result, not yet clamped to their ranges.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ContactResult {
     /// Against the ground (`collide_elas`, `collide_fric`).

@@ -3,7 +3,7 @@
 use super::Twin;
 use crate::Point;
 
-/// Least weight of a fit, over that of the one with the lowest loss.
+/// Least weight of a fit, relative to the fit with the lowest loss.
 const LEAST_SHARE: f64 = 1e-12;
 
 impl Twin {

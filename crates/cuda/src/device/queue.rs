@@ -25,7 +25,7 @@ pub(crate) struct Queue {
     pub(crate) device: Arc<Device>,
     pub(crate) stream: Arc<CudaStream>,
     pub(crate) staging: Staging,
-    /// Callers wait for no work of others, on the host neither.
+    /// Callers never wait for others' work, not even on the host.
     pub(crate) is_urgent: bool,
     concurrent: Vec<Arc<CudaStream>>,
 }
@@ -123,7 +123,7 @@ impl Queue {
         wait::for_event(mark, &self.stream).map_err(|e| fault("the device's work", e))
     }
 
-    /// Marks what has been launched so far.
+    /// Marks the launches so far.
     pub(crate) fn mark(&self) -> Result<CudaEvent, Error> {
         self.stream.record_event(None).map_err(|e| fault("recording an event", e))
     }

@@ -70,7 +70,7 @@ impl Queue {
         if len > buffer.len() {
             return Err(Error::Device("a write behind the end of a buffer".into()));
         }
-        // The device may still read what was sent before.
+        // The device may still be reading the previous data.
         if let Some(copied) = upload.copied.take() {
             self.wait_for(&copied)?;
         }
@@ -87,7 +87,7 @@ impl Queue {
             pieces.for_each(|(to, from)| to.copy_from_slice(from));
         }
         let sent = &memory.as_slice().map_err(|e| fault("pinned memory", e))?[..len];
-        // SAFETY: the range is the buffer's; the memory is not touched until its event has come.
+        // SAFETY: the range is the buffer's; the memory is not touched until its event has completed.
         let result = unsafe {
             result::memcpy_htod_async(buffer.address().address(), sent, self.stream.cu_stream())
         };
@@ -115,7 +115,7 @@ impl Queue {
         for (k, &start) in starts.iter().enumerate() {
             let length = HALF_BYTES.min(bytes - start);
             let half = halves[k % 2].as_mut_slice().map_err(|e| fault("pinned memory", e))?;
-            // SAFETY: the range is the buffer's; the half is not touched until its event has come.
+            // SAFETY: the range is the buffer's; the half is not touched until its event has completed.
             unsafe {
                 result::memcpy_dtoh_async(
                     &mut half[..length],

@@ -66,7 +66,7 @@ impl Team {
         }
     }
 
-    /// Checks that a device has room for such a team; the error says why it has not.
+    /// Checks that such a team fits a device; the error says why it does not.
     pub(crate) fn check(&self, capabilities: &Capabilities) -> Result<(), String> {
         let most = match self.shape {
             TeamShape::Block => 1,

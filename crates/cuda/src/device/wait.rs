@@ -21,7 +21,7 @@ const SHARE: u32 = 8;
 const SHORTEST_SLEEP: Duration = Duration::from_micros(20);
 const LONGEST_SLEEP: Duration = Duration::from_micros(500);
 
-/// Waits for what has been launched on a stream so far.
+/// Waits for all launches on a stream so far.
 pub(crate) fn for_stream(stream: &CudaStream) -> Result<(), DriverError> {
     let mark = stream.record_event(None)?;
     for_event(&mark, stream)

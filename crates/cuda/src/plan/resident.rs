@@ -143,7 +143,7 @@ impl Resident {
         unsafe { kernels::pack_bends(&launch, &args) }
     }
 
-    /// Packs again what has been packed, after the parameters on the device have changed.
+    /// Packs the half-springs again, after the parameters on the device have changed.
     pub(crate) fn repack(&self) -> Result<(), Error> {
         self.packed.values().iter().try_for_each(|p| self.fill(p))
     }
@@ -239,7 +239,7 @@ pub(crate) fn resident(loaded: &Loaded) -> Result<&Resident, Error> {
     })
 }
 
-/// Parameters from the kernels' order; what is no number there is as in `base`.
+/// Parameters from the kernels' order; NaN is replaced by the value in `base`.
 pub(crate) fn unflatten(base: &Params, flat: &[f32]) -> Params {
     let mut rest = flat;
     let mut take = |count: usize| {

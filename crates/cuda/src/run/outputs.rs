@@ -57,7 +57,7 @@ fn frames(instance: &Instance, outputs: &Outputs) -> Vec<u32> {
 }
 
 impl RecordedOutputs {
-    /// Gathers what is to be recorded of instances that have been run.
+    /// Gathers the recorded values of instances that have been run.
     pub(crate) fn new(simulation: &Simulation<'_>, outputs: &Outputs) -> Result<Self, Error> {
         let (queue, instances) = (simulation.queue, simulation.instances);
         let stream = &queue.stream;

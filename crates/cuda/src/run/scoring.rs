@@ -64,7 +64,7 @@ pub(crate) fn refuse_too_long(instances: &[Instance]) -> Result<(), Error> {
     }
 }
 
-/// Room for d loss / d forces of instances that have them in their objectives, and where each
+/// Memory for d loss / d forces of instances that have them in their objectives, and where each
 /// begins.
 fn force_bars(
     stream: &Arc<CudaStream>,

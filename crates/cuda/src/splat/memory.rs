@@ -151,7 +151,7 @@ impl Memory {
         room.grow(&mut self.histograms, histogram_len(count))
     }
 
-    /// Room for an image.
+    /// Allocates memory for an image.
     pub(super) fn hold_image(&mut self, pixels: usize, tiles: usize) -> Result<(), Error> {
         let limit = self.limit.saturating_sub(self.bytes());
         let Self { stream, .. } = self;
@@ -173,7 +173,7 @@ impl Memory {
         room.grow(&mut self.histograms, histogram_len(count))
     }
 
-    /// Room for derivatives.
+    /// Allocates memory for derivatives.
     pub(super) fn hold_bars(
         &mut self,
         gaussians: usize,

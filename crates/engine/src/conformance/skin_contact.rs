@@ -135,7 +135,7 @@ pub(super) fn what_rests_on_its_skin_does_not_creep(backend: &dyn Backend) -> Ou
     {
         let what = format!("the {under:?} with slope {slope}");
         let mut scene = block(under, slope);
-        // So that it has come to rest soon.
+        // So that it comes to rest soon.
         scene.params.drag = 2.0;
         if pressed {
             for i in NODES * NODES..2 * NODES * NODES {

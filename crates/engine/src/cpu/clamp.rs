@@ -210,7 +210,7 @@ impl<T: Real> Around<T> {
 }
 
 impl<T: Real> AroundAdjoint<T> {
-    /// Adjoint of [`Around::roll_rates_in`]: from what has come together for the rates in the frame.
+    /// Adjoint of [`Around::roll_rates_in`]: from the sums for the rates in the frame.
     pub(crate) fn roll_rates(
         &mut self,
         of: &Surroundings<T>,

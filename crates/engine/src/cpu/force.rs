@@ -87,7 +87,7 @@ fn add_wrench<T: Real>(wrench: &mut Wrench<T>, arm: Quad<T>, by: Quad<T>) {
 /// d loss / d mean forces of a frame. Torques are in no loss.
 #[derive(Clone, Debug)]
 pub(crate) struct ForceSeeds<T> {
-    /// Shape [C], what comes through the grasps of these control points included.
+    /// Seeds of control points, shape [C], including those through their grasps.
     pub(crate) controls: Vec<Quad<T>>,
     /// Shape [G].
     pub(crate) grasps: Vec<Quad<T>>,

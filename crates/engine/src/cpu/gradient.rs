@@ -263,7 +263,7 @@ fn add_velocities<T: Real>(bar: &mut [Node<T>], velocities: &[(usize, Quad<T>)])
     }
 }
 
-/// Norm of d loss / d positions; what is pinned does not move by itself.
+/// Norm of d loss / d positions; pinned nodes, which do not move by themselves, count as zero.
 fn norm<T: Real>(system: &System<T>, bar: &[Node<T>]) -> f64 {
     let free = bar.iter().zip(&system.inverse_mass).filter(|(_, m)| **m > T::ZERO);
     let square = |x: Quad<T>| x[..3].iter().map(|x| x.to_f64().powi(2)).sum::<f64>();

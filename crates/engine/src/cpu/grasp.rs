@@ -167,7 +167,7 @@ impl<T: Real> Around<T> {
         self.find_system(of, opens, system);
     }
 
-    /// The system without what is open, and with what is pinned.
+    /// The system without open grasps, and with the pinned nodes.
     fn find_system(&mut self, of: &Surroundings<T>, opens: Vec<bool>, system: &System<T>) {
         let is_pinned = |h: &&Hold<T>| of.hands[h.grasp].spring.is_none();
         let pinned: Vec<usize> =

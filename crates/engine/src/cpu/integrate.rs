@@ -42,7 +42,7 @@ pub(crate) struct Workspace<T> {
 }
 
 impl<T: Real> Workspace<T> {
-    /// Room for a system; all nodes in the origin.
+    /// A workspace for a system; all nodes at the origin.
     pub(crate) fn new(system: &System<T>) -> Self {
         let zero = [T::ZERO; 4];
         Self {

@@ -86,7 +86,7 @@ impl Operator {
         Self { roots, starts, bars, hinges, twists }
     }
 
-    /// Writes the operator times `v` into `out`; `moved` is room to work in.
+    /// Writes the operator times `v` into `out`; `moved` is scratch space.
     fn apply(&self, v: &[Lane], moved: &mut [Lane], out: &mut [Lane]) {
         for ((m, o), (v, root)) in moved.iter_mut().zip(&mut *out).zip(v.iter().zip(&self.roots)) {
             (*m, *o) = (v.map(|x| root * x), [0.0; 4]);

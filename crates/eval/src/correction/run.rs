@@ -1,4 +1,4 @@
-//! The uncorrected prediction of a sequence, and what is observed beside it.
+//! The uncorrected prediction of a sequence, and the observations beside it.
 
 use std::sync::Arc;
 

@@ -50,7 +50,7 @@ pub(super) fn follow(
     let loaded = backend.load(Arc::new(Model::from(twin)))?;
     let width = twin.graph.control_count();
     let mut windows = Vec::with_capacity(actions.len() * WINDOWS);
-    // The state that each action has come to, as long as it has not diverged.
+    // The last state of each action, as long as it has not diverged.
     let mut states = vec![Some(State::rest(&twin.graph)); actions.len()];
     for part in 0..WINDOWS {
         let rows = part * FRAMES * width..((part + 1) * FRAMES + 1) * width;

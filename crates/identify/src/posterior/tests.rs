@@ -1,6 +1,6 @@
 use super::*;
 
-/// A column of points of which only the first moves, along x.
+/// A column of points; only the first moves, along x.
 fn alone(rows: usize, by: f32) -> Vec<f32> {
     (0..rows).map(|r| if r == 0 { by } else { 0.0 }).collect()
 }

@@ -16,7 +16,7 @@ fn stiffness(report: &Identifiability, region: usize) -> f64 {
     report.groups.iter().find(is_it).unwrap().relative_sd
 }
 
-/// A strip of which only the half between two hands moves.
+/// A strip that moves only between its two hands.
 #[test]
 fn only_the_part_that_moves_is_determined() {
     let twin = held_in_the_middle();
@@ -33,7 +33,7 @@ fn only_the_part_that_moves_is_determined() {
     for region in (0..report.regions.len()).filter(is_moved) {
         assert!(stiffness(&report, region) < 1.0 / 3.0, "{}", names[region]);
     }
-    // What swings when both hands shake is what is open.
+    // The part that swings when both hands shake is the uncertain one.
     let shake = report.motions.iter().find(|m| m.motion == "shake").unwrap();
     assert!(shake.sd_m > 0.2 * shake.prior_sd_m, "{shake:?}");
     let largest = |values: &[f32]| {

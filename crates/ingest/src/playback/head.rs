@@ -20,7 +20,7 @@ pub(super) struct Head {
     pub(super) version: u32,
     pub(super) name: String,
     pub(super) sequences: Vec<SequenceEntry>,
-    /// Sequences for which there was no room, the last ones.
+    /// Sequences that did not fit, the last ones.
     pub(super) left_out: usize,
 }
 

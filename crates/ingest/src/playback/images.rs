@@ -1,4 +1,4 @@
-//! Small JPEGs of what the cameras of a recording saw, at as many frames as there is room for.
+//! Small JPEGs of what the cameras of a recording saw, at as many frames as fit.
 
 use bendtwin_capture::raw::{ColorImage, Frames, Recording};
 use jpeg_encoder::{ColorType, Encoder};

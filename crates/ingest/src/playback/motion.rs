@@ -2,7 +2,7 @@
 
 use bendtwin_core::{Point, Sequence};
 
-/// Number in place of each coordinate of a point of which nothing is known.
+/// Number in place of each coordinate of an unknown point.
 pub(super) const UNKNOWN: i16 = i16::MIN;
 
 /// Indices of at most `most` of `count` points, evenly taken.

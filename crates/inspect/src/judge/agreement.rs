@@ -121,7 +121,7 @@ fn pairs(set: &ViewSet<'_>, hypothesis: &Hypothesis, assessment: &mut Assessment
 }
 
 impl PairReport {
-    /// A pair of which nothing is known yet.
+    /// A pair without known facts yet.
     pub(super) fn of(a: usize, b: usize) -> Self {
         Self {
             a,

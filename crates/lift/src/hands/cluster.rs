@@ -38,7 +38,7 @@ fn root(parent: &mut [usize], mut i: usize) -> usize {
     i
 }
 
-/// True if the distance of two tracks stays what it was, except in a tenth of the frames.
+/// True if the distance of two tracks is constant, except in a tenth of the frames.
 fn stay_together(tracks: &Tracks, i: usize, j: usize, max_stretch_m: f64) -> bool {
     let start = distance(tracks.at(0, i), tracks.at(0, j));
     let both = (0..tracks.frames).filter(|f| tracks.is_seen(*f, i) && tracks.is_seen(*f, j));

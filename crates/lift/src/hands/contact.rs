@@ -19,7 +19,7 @@ const MOST_MEASURED: usize = 2000;
 
 /// Object and hands in the first frame.
 pub(crate) struct Contact {
-    /// Points of the object: its surface, and what was completed [m].
+    /// Points of the object: its surface, and the completed ones [m].
     object: Vec<Point>,
     grid: Grid,
     /// The hands' surface, as all cameras see it [m].

@@ -3,7 +3,7 @@ use nalgebra::{Rotation3, Vector3};
 use super::*;
 use crate::testing::{point, sphere};
 
-/// A contact of which nothing is known.
+/// A contact without known facts.
 fn unknown() -> Contact {
     Contact::new(Vec::new(), Vec::new())
 }

@@ -8,7 +8,7 @@ use crate::{Bvh, Similarity, Vec3, cloud::Cloud};
 
 /// Most Gauss-Newton steps.
 const MAX_STEPS: usize = 30;
-/// Samples of the mesh, of which the nearest half is taken to have been observed.
+/// Samples of the mesh; the nearest half is taken to have been observed.
 const MAX_SAMPLES: usize = 300;
 /// Weight of these samples beside the observed points.
 const SAMPLE_WEIGHT: f64 = 0.1;

@@ -265,7 +265,7 @@ fn a_search_that_begins_beyond_the_limit_comes_back() {
         assert_eq!(plan.excess, 0.0, "{method:?}");
         assert!(plan.cost < 0.2, "{method:?}: {}", plan.cost);
     }
-    // If nothing keeps it, the best is what is least beyond.
+    // If no plan keeps it, the best is the one with the least excess.
     let mut bowl = Bowl { limit: -1.0, ..Bowl::new() };
     let plan = Planner::new(settings(Method::MPPI)).unwrap().plan(&mut bowl).unwrap();
     let least = bowl.seen.iter().map(|p| bowl.excess(p)).fold(f64::INFINITY, f64::min);

@@ -1,4 +1,4 @@
-//! Wrong input: an error that says what is wrong, in good time.
+//! Wrong input: an immediate error that names the fault.
 
 use super::{
     expect::{Outcome, ensure},

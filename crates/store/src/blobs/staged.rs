@@ -16,7 +16,7 @@ pub struct Staged {
     at: At,
     digest: Digest,
     size_bytes: u64,
-    /// The resumable upload of this content: what it stored stays until the upload has ended.
+    /// The resumable upload of this content: its stored bytes stay until the upload has ended.
     upload: Option<UploadId>,
 }
 

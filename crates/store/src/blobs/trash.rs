@@ -28,7 +28,7 @@ impl Folder {
         Ok(())
     }
 
-    /// Removes what has been in the trash for a day.
+    /// Removes content that has been in the trash for a day.
     pub(crate) async fn empty_trash(&self, now: Timestamp) -> Result<()> {
         let folder = self.root().join(TRASH);
         let emptied = tokio::task::spawn_blocking(move || {

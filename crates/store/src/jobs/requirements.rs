@@ -31,7 +31,7 @@ pub struct Requirements {
     pub backend: String,
     /// Memory of the device at least [bytes]; on a CPU, that which a fit may take.
     pub memory_bytes: u64,
-    /// Labels of which the worker has each.
+    /// Labels that the worker must have.
     pub labels: Vec<String>,
     /// Version of the worker's program at least.
     #[serde(skip_serializing_if = "Option::is_none")]

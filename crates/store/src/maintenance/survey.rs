@@ -18,7 +18,7 @@ pub enum Depth {
     Digests,
 }
 
-/// Content of a row that is missing, or is not what was stored.
+/// Content of a row that is missing or damaged.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 pub struct Damage {
     /// Resource name.

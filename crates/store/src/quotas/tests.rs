@@ -80,7 +80,7 @@ async fn an_owner_has_no_more_stored_than_its_key_allows(on: On) {
         creator: creator("ada", quotas),
     };
     assert!(matches!(store.twins().create(twin().await).await, Err(Error::QuotaBytes { .. })));
-    // Nothing is left of what was refused.
+    // Refused content leaves nothing behind.
     assert_eq!(bench.blob_count().await, 1);
     store.captures().delete(first.id).await.unwrap();
     store.twins().create(twin().await).await.unwrap();

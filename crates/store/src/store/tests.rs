@@ -213,7 +213,7 @@ impl Bench {
         }
     }
 
-    /// Uploads of which something is stored.
+    /// Uploads with stored content.
     pub(crate) async fn partials(&self) -> Vec<UploadId> {
         match self.store.blobs().place() {
             Place::Folder(folder) => folder.partials().await.unwrap(),

@@ -39,12 +39,12 @@ pub struct NewResumableUpload {
 pub struct UploadBounds {
     /// Number of uploads.
     pub count: u64,
-    /// The room that is kept for them together ([`UploadUse::bytes`](super::UploadUse)) [bytes].
+    /// Disk space reserved for them together ([`UploadUse::bytes`](super::UploadUse)) [bytes].
     pub bytes: u64,
 }
 
 impl UploadBounds {
-    /// Room for one upload of at least `length_bytes` beside all others [bytes].
+    /// Disk space for an upload of at least `length_bytes` beside all others [bytes].
     pub(super) async fn room(
         &self,
         tx: &mut Transaction,

@@ -38,7 +38,7 @@ impl FileSink {
         if self.buffer.len() >= BUFFER { self.flush(store, upload).await } else { Ok(()) }
     }
 
-    /// Makes what was written durable.
+    /// Makes the written bytes durable.
     pub(super) async fn sync(&mut self, store: &Store, upload: &ResumableUpload) -> Result<()> {
         self.flush(store, upload).await?;
         if let Some(file) = &mut self.file {

@@ -73,7 +73,7 @@ impl PartSink {
         Ok(())
     }
 
-    /// Sends the bytes that have come as the next part.
+    /// Sends the received bytes as the next part.
     async fn send_part(&mut self, store: &Store, upload: &ResumableUpload) -> Result<()> {
         let bucket = self.bucket.clone();
         let open = self.open(store, upload).await?;
@@ -93,7 +93,7 @@ impl PartSink {
         Ok(())
     }
 
-    /// Makes what was written durable, under names that no row has yet.
+    /// Makes the written bytes durable, under names that no row has yet.
     pub(super) async fn sync(&mut self, store: &Store, upload: &ResumableUpload) -> Result<Path> {
         let bucket = self.bucket.clone();
         let open = self.open(store, upload).await?;
@@ -147,7 +147,7 @@ impl PartSink {
         self.open = None;
     }
 
-    /// Hash of all that has come.
+    /// Hash of all received bytes.
     pub(super) async fn hash(&mut self, store: &Store, upload: &ResumableUpload) -> Result<Digest> {
         let open = self.open(store, upload).await?;
         let parts: Vec<_> = open.parts.iter().map(|part| part.chaining).collect();

@@ -250,7 +250,7 @@ async fn uploads_under_way_are_bounded_together(on: On) {
     assert!(matches!(refused, Err(Error::UploadsFull { count: 1, bytes: 6 })));
     let open = uploads.create(sized(None), bounds).await.unwrap();
     let mut writer = claim(&bench, open.id).await;
-    // Its writer keeps the place of one of which nothing has come.
+    // Its writer keeps the place of an empty upload.
     let refused = uploads.create(sized(Some(1)), bounds).await;
     assert!(matches!(refused, Err(Error::UploadsFull { count: 2, .. })));
     assert_eq!(writer.room(100, bounds).await.unwrap(), 4);
@@ -282,7 +282,7 @@ async fn uploads_of_which_nothing_has_come_give_way(on: On) {
     assert_eq!(state(begun.id).await, UploadState::Receiving);
     assert!(matches!(state(empty[7]).await, UploadState::Gone(_)));
     assert_eq!(state(empty[8]).await, UploadState::Receiving);
-    // Room for the bytes is kept when they come.
+    // Space for the bytes is reserved when they arrive.
     let second = claim(&bench, empty[9]).await;
     assert_eq!(second.room(100, bounds).await.unwrap(), 6);
     drop(second);
@@ -292,7 +292,7 @@ async fn uploads_of_which_nothing_has_come_give_way(on: On) {
     assert!(matches!(full, Err(Error::UploadsFull { bytes: 10, .. })));
 }
 
-/// The room that is kept is one and the same in SQL and here.
+/// The reserved space is computed in the same way in SQL and here.
 async fn the_room_that_is_kept_grows_with_what_has_come(on: On) {
     let bench = Bench::new(on).await;
     let uploads = bench.store.uploads();

@@ -84,7 +84,7 @@ impl UploadWriter {
     }
 
     /// Number of bytes that may still be appended: the missing ones, or, while the size is unknown,
-    /// the room up to `limit`. To be asked again as bytes come, since the room that is kept for an
+    /// the space up to `limit`. To be asked again as bytes arrive, since the space reserved for an
     /// upload grows with them.
     ///
     /// # Errors
@@ -291,7 +291,7 @@ impl UploadWriter {
 }
 
 impl Store {
-    /// Removes what has arrived of an upload.
+    /// Removes the received bytes of an upload.
     pub(crate) async fn remove_arrived(&self, upload: &ResumableUpload) -> Result<()> {
         match self.blobs().place() {
             Place::Folder(folder) => folder.remove_partial(upload.id).await?,

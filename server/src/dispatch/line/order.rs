@@ -1,5 +1,5 @@
 //! The order of the rollouts of one size that wait: deficit round robin. In every round a client
-//! may start as much work as every other; what it does not use it keeps while it waits.
+//! may start as much work as every other; an unused share is kept while it waits.
 
 use std::{collections::VecDeque, sync::Arc};
 
@@ -10,7 +10,7 @@ use tokio::sync::oneshot;
 pub(super) struct Waiting {
     pub(super) id: u64,
     pub(super) work: f64,
-    /// Signalled when its turn has come.
+    /// Signalled at its turn.
     pub(super) wake: oneshot::Sender<()>,
 }
 

@@ -1,4 +1,4 @@
-//! The speed of a worker, measured by what it has done lately.
+//! The speed of a worker, measured by its recent work.
 
 /// Assumed until there are measurements: a core of a CPU [element substeps a second].
 const ASSUMED: f64 = 4e7;

@@ -24,7 +24,7 @@ use crate::{
 const MOST_STEPS: u32 = 1000;
 
 impl Run {
-    /// Does what has come; what is wrong with it is answered, and changes nothing.
+    /// Executes a command; a wrong one is answered with its fault, and changes nothing.
     pub(super) async fn take_messages(&mut self) -> Result<()> {
         self.last_message = Instant::now();
         for message in self.inbox.take() {

@@ -51,7 +51,7 @@ fn every_loss_is_reported_though_progress_is_not() {
     let news = latest.news();
     assert_eq!(news.losses.iter().map(|l| l.iteration).collect::<Vec<_>>(), [1, 2, 3, 4, 5]);
     latest.set(progress(Stage::Search, "bending", 6));
-    // A report that failed is sent again, with what has come since.
+    // A report that failed is sent again, with later losses.
     assert_eq!(latest.news().losses.len(), 6);
     latest.acknowledge(&news.losses);
     assert_eq!(latest.news().losses.iter().map(|l| l.iteration).collect::<Vec<_>>(), [6]);

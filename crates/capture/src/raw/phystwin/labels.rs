@@ -141,7 +141,7 @@ impl Labels {
         if self.object.contains(label) { Region::Object } else { Region::Manipulator }
     }
 
-    /// The finding that says what was taken as what.
+    /// The finding that lists how labels were understood.
     pub(super) fn note(&self) -> Option<Finding> {
         if self.object.is_empty() {
             return None;

@@ -16,7 +16,7 @@ const BANKS: usize = 8;
 pub(super) type Slot = [Option<Half>; WARP];
 
 /// Deals the half-springs of a row's nodes to at least `slots` slots of `lanes` lanes a node:
-/// `first` fill the first ones, `then` what is left.
+/// `first` fill the first ones, `then` the rest.
 pub(super) fn arrange(
     lanes: usize,
     first: Vec<Vec<Half>>,

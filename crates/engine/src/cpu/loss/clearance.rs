@@ -19,7 +19,7 @@ fn placed<'a, T: Real>(at: &Moment<'a, T>, collider: usize) -> Option<(&'a Colli
     Some((collider, pose))
 }
 
-/// Mean over nodes of the square of what is missing.
+/// Mean over nodes of the squared lack of clearance.
 pub(super) fn value<T: Real>(at: Moment<'_, T>, collider: usize, margin_m: f32) -> f64 {
     let Some((collider, pose)) = placed(&at, collider) else { return 0.0 };
     let lacks = at.now.iter().map(|n| {

@@ -19,7 +19,7 @@ fn force<T: Real>(forces: &FrameForces<T>, by: ForceBy) -> Quad<T> {
     }
 }
 
-/// The square of what is beyond the limit.
+/// Square of the excess over the limit.
 pub(super) fn value<T: Real>(forces: &FrameForces<T>, by: ForceBy, limit: f32) -> f64 {
     let f = force(forces, by);
     (dot(f, f).to_f64().sqrt() - f64::from(limit)).max(0.0).powi(2)

@@ -4,7 +4,7 @@ use crate::{
     testing::{point, sphere},
 };
 
-/// A contact of which nothing is known.
+/// A contact without known facts.
 fn unknown() -> Contact {
     Contact::new(Vec::new(), Vec::new())
 }

@@ -75,7 +75,7 @@ fn environment() -> AmazonS3Builder {
         .with_secret_access_key(secret)
 }
 
-/// The error of the store for one of a request. An object that is not there stays what it is.
+/// The store's error for an error of a request. A missing object stays as such.
 pub(super) fn failed(error: object_store::Error) -> Error {
     let text = error.to_string();
     if let Some(fault) = TlsError::find(&error, "the object storage") {
