@@ -257,8 +257,6 @@ impl<'ast> Visit<'ast> for Visitor<'_> {
                 self.reason(reason, Some("InvalidArgument".to_owned()));
                 self.words.reasons.entry(reason.clone()).or_default().statuses.insert(status);
             }
-        } else if path == "code" && self.finds {
-            self.code(&texts);
         }
     }
 
@@ -273,6 +271,15 @@ impl<'ast> Visit<'ast> for Visitor<'_> {
     }
 
     fn visit_macro(&mut self, mac: &'ast Macro) {
+        if mac.path.is_ident("codes") {
+            let tokens = mac.tokens.clone().into_iter();
+            let texts: Vec<_> = tokens
+                .filter_map(|token| syn::parse2::<LitStr>(token.into()).ok())
+                .map(|text| text.value())
+                .collect();
+            texts.chunks(3).for_each(|about| self.code(about));
+            return;
+        }
         for word in mac.tokens.to_string().split('"').skip(1).step_by(2) {
             if in_capitals(word) {
                 self.loose.push(word.to_owned());
