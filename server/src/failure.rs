@@ -6,19 +6,24 @@ use std::time::Duration;
 use bendtwin_budget::Exhausted;
 use bendtwin_core::{Category, Fault, Problem, ids::InvalidName};
 
-use crate::memory::is_passing;
+/// Delay before another attempt where something else has to happen first.
+const SOON: Duration = Duration::from_secs(1);
+/// Delay before another attempt at another worker, or at one whose queue moves.
+const MOMENT: Duration = Duration::from_millis(250);
 
 /// Result with this module's [`Error`].
 pub(crate) type Result<T, E = Error> = std::result::Result<T, E>;
 
 /// An error of a use case, or of the routing below it.
-#[derive(Debug, thiserror::Error)]
+#[derive(Debug, thiserror::Error, Problem)]
 pub(crate) enum Error {
     #[error(transparent)]
     Store(#[from] bendtwin_store::Error),
     #[error("{0}")]
+    #[problem(InvalidArgument, "INVALID_NAME")]
     Name(InvalidName),
     #[error("`{field}` {fault}")]
+    #[problem(InvalidArgument, "INVALID_FIELD")]
     Invalid { field: &'static str, fault: String },
     #[error(transparent)]
     Rollout(#[from] bendtwin_proto::rollout::Error),
@@ -30,88 +35,120 @@ pub(crate) enum Error {
         "every plan diverged, the nominal one too: lower sigma, bound the speed or shorten the \
          horizon, and see that row 0 is where the control points are"
     )]
+    #[problem(FailedPrecondition, "EVERY_PLAN_DIVERGED")]
     EveryPlanDiverged,
     #[error("the settings are not accepted: {}", .0.join("; "))]
+    #[problem(InvalidArgument, "INVALID_SETTINGS")]
     Settings(Vec<String>),
     /// No worker has the memory for a fit.
     #[error("{0}")]
+    #[problem(InvalidArgument, "FIT_OUT_OF_MEMORY")]
     FitTooLarge(String),
     #[error(transparent)]
     TwinFile(#[from] bendtwin_core::twin::format::FormatError),
     #[error("the upload was interrupted: {0}")]
+    #[problem(InvalidArgument, "UPLOAD_BROKEN")]
     UploadBroken(String),
     #[error("the upload was silent for {} s: send it again", .0.as_secs())]
+    #[problem(InvalidArgument, "UPLOAD_IDLE")]
     UploadIdle(Duration),
     #[error("the body of the request came too slowly: send it again, over a better connection")]
+    #[problem(InvalidArgument, "BODY_TOO_SLOW")]
     BodyTooSlow,
     #[error(
         "the upload continues at byte {offset}, not at {given}: query its offset and send from there"
     )]
+    #[problem(Aborted, "UPLOAD_OFFSET")]
     UploadOffset { given: u64, offset: u64 },
     #[error("the upload would be longer than {limit} bytes, which is its length or the limit")]
+    #[problem(InvalidArgument, "CONTENT_TOO_LARGE")]
     UploadTooLong { limit: u64 },
     #[error("another request has taken over the upload: wait for its end, then resume")]
+    #[problem(Aborted, "UPLOAD_TAKEN_OVER", retry = SOON)]
     UploadTakenOver,
     #[error("the checksum does not match the bytes received: send them again")]
+    #[problem(InvalidArgument, "CHECKSUM_MISMATCH")]
     ChecksumMismatch,
     #[error("the worker token is missing or unknown")]
+    #[problem(Unauthenticated, "BAD_WORKER_TOKEN")]
     BadToken,
     #[error("{0} is not registered: register it first")]
+    #[problem(NotFound, "WORKER_UNKNOWN")]
     WorkerUnknown(String),
     #[error("the call does not show the key of {0}: a worker acts for itself alone")]
+    #[problem(PermissionDenied, "WORKER_KEY_MISMATCH")]
     WorkerKeyMismatch(String),
     #[error("{0} is no content of a job that this worker has")]
+    #[problem(PermissionDenied, "CONTENT_NOT_LEASED")]
     NotLeased(String),
     #[error("the worker sent {what} that is not what it should be: {fault}")]
+    #[problem(InvalidArgument, "RESULT_UNSOUND")]
     Unsound { what: &'static str, fault: String },
     #[error("no worker is ready for rollouts: retry, or start one")]
+    #[problem(Unavailable, "NO_WORKER", retry = SOON)]
     NoWorker,
     #[error("the workers that were chosen for the rollout cannot be reached: retry")]
+    #[problem(Unavailable, "WORKER_LOST", retry = MOMENT)]
     WorkerLost,
     #[error(
         "{0} is not there: its worker was lost, or nobody used it for a while. Open another from the \
          last state that a reply brought"
     )]
+    #[problem(Aborted, "SESSION_LOST")]
     SessionLost(String),
     #[error(
         "{0} is at a worker that answers only the server which started it: send the call to that \
          server, or start workers by themselves (workers.count = 0), which answer every server"
     )]
+    #[problem(Aborted, "SESSION_ELSEWHERE")]
     SessionElsewhere(String),
     #[error(
         "the worker ended, or the connection to it broke, while it computed this rollout: it was \
          not sent to another worker, which it might end as well. Send it again with fewer \
          instances or frames, or once more as it is if the worker was stopped"
     )]
+    #[problem(Unavailable, "WORKER_LOST")]
     WorkerEnded,
     #[error(
         "too many rollouts wait for the workers already: retry in {} s, or start more workers",
         .retry_after.as_secs_f64().ceil()
     )]
+    #[problem(ResourceExhausted, "WORKERS_BUSY", retry = *retry_after)]
     Busy { retry_after: Duration },
     #[error("the deadline passed before the answer was there: ask for less or allow more time")]
+    #[problem(DeadlineExceeded, "DEADLINE_EXCEEDED")]
     Deadline,
-    #[error("{exhausted}, for {purpose}{}", if is_passing(.exhausted) { ", or retry" } else { "" })]
+    #[error("{exhausted}, for {purpose}{}", if .exhausted.is_passing() { ", or retry" } else { "" })]
+    #[problem(ResourceExhausted, "MEMORY_IN_USE", retry = SOON, if exhausted.is_passing())]
+    #[problem(InvalidArgument, "MEMORY_TOO_SMALL")]
     Memory { purpose: &'static str, exhausted: Exhausted },
     #[error("the server is stopping: retry")]
+    #[problem(Unavailable, "STOPPING", retry = SOON)]
     Stopping,
     #[error("{most} {what} already: close one, or raise {option}")]
+    #[problem(ResourceExhausted, "PLAYS_FULL")]
     PlayFull { what: &'static str, most: usize, option: &'static str },
     #[error(
         "{0} is not there: the page that played it was closed, or it is at another server. Plays live \
          at the server that began them: call that one, or begin another"
     )]
+    #[problem(NotFound, "PLAY_NOT_FOUND")]
     PlayEnded(String),
     #[error("nobody has touched the play for {} s: open it again", .0.as_secs())]
+    #[problem(Aborted, "PLAY_IDLE")]
     PlayIdle(Duration),
     #[error("messages come faster than they can be taken in: send at most 200 a second")]
+    #[problem(ResourceExhausted, "PLAY_TOO_FAST")]
     PlayTooFast,
     #[error("nothing was recorded in this play: record something, or put a recording")]
+    #[problem(FailedPrecondition, "NOTHING_RECORDED")]
     NothingRecorded,
     /// The answer of a worker, unchanged.
     #[error("{0}")]
+    #[problem(_0.category, "WORKER_FAULT", retry = until_free(_0), fault = _0.clone())]
     Worker(Fault),
     #[error("{0}")]
+    #[problem(Internal, "INTERNAL")]
     Internal(String),
 }
 
@@ -119,125 +156,9 @@ impl Error {
     pub(crate) fn invalid(field: &'static str, fault: impl Into<String>) -> Self {
         Self::Invalid { field, fault: fault.into() }
     }
-
-    /// Delay after which another attempt makes sense, if it does.
-    pub(crate) fn retry_after(&self) -> Option<Duration> {
-        match self {
-            Self::Busy { retry_after } => Some(*retry_after),
-            Self::WorkerLost => Some(Duration::from_millis(250)),
-            Self::Store(
-                bendtwin_store::Error::UploadLocked { .. }
-                | bendtwin_store::Error::DatabaseBusy
-                | bendtwin_store::Error::DatabaseUnavailable,
-            )
-            | Self::UploadTakenOver
-            | Self::NoWorker
-            | Self::Stopping => Some(Duration::from_secs(1)),
-            Self::Memory { exhausted, .. } => {
-                is_passing(exhausted).then_some(Duration::from_secs(1))
-            }
-            Self::Worker(fault) if fault.category == Category::ResourceExhausted => {
-                Some(Duration::from_millis(250))
-            }
-            _ => None,
-        }
-    }
 }
 
-impl Problem for Error {
-    fn category(&self) -> Category {
-        match self {
-            Self::Store(error) => error.category(),
-            Self::TwinFile(error) => error.category(),
-            Self::Rollout(error) => error.category(),
-            Self::Registration(error) => error.category(),
-            Self::Plan(error) => error.category(),
-            Self::EveryPlanDiverged => Category::FailedPrecondition,
-            Self::Worker(fault) => fault.category,
-            Self::Name(_)
-            | Self::Invalid { .. }
-            | Self::Settings(_)
-            | Self::FitTooLarge(_)
-            | Self::UploadBroken(_)
-            | Self::UploadIdle(_)
-            | Self::BodyTooSlow
-            | Self::UploadTooLong { .. }
-            | Self::ChecksumMismatch
-            | Self::Unsound { .. } => Category::InvalidArgument,
-            Self::UploadOffset { .. }
-            | Self::UploadTakenOver
-            | Self::SessionLost(_)
-            | Self::SessionElsewhere(_)
-            | Self::PlayIdle(_) => Category::Aborted,
-            Self::BadToken => Category::Unauthenticated,
-            Self::WorkerKeyMismatch(_) | Self::NotLeased(_) => Category::PermissionDenied,
-            Self::WorkerUnknown(_) | Self::PlayEnded(_) => Category::NotFound,
-            Self::NoWorker | Self::WorkerLost | Self::WorkerEnded | Self::Stopping => {
-                Category::Unavailable
-            }
-            Self::Busy { .. } | Self::PlayFull { .. } | Self::PlayTooFast => {
-                Category::ResourceExhausted
-            }
-            Self::NothingRecorded => Category::FailedPrecondition,
-            // Sent again, it would be refused again.
-            Self::Memory { exhausted: Exhausted::TooLarge { .. }, .. } => Category::InvalidArgument,
-            Self::Memory { .. } => Category::ResourceExhausted,
-            Self::Deadline => Category::DeadlineExceeded,
-            Self::Internal(_) => Category::Internal,
-        }
-    }
-
-    fn reason(&self) -> &'static str {
-        match self {
-            Self::Store(error) => error.reason(),
-            Self::TwinFile(error) => error.reason(),
-            Self::Rollout(error) => error.reason(),
-            Self::Registration(error) => error.reason(),
-            Self::Plan(error) => error.reason(),
-            Self::EveryPlanDiverged => "EVERY_PLAN_DIVERGED",
-            Self::Name(_) => "INVALID_NAME",
-            Self::Invalid { .. } => "INVALID_FIELD",
-            Self::Settings(_) => "INVALID_SETTINGS",
-            Self::FitTooLarge(_) => "FIT_OUT_OF_MEMORY",
-            Self::UploadBroken(_) => "UPLOAD_BROKEN",
-            Self::UploadIdle(_) => "UPLOAD_IDLE",
-            Self::BodyTooSlow => "BODY_TOO_SLOW",
-            Self::UploadOffset { .. } => "UPLOAD_OFFSET",
-            Self::UploadTooLong { .. } => "CONTENT_TOO_LARGE",
-            Self::UploadTakenOver => "UPLOAD_TAKEN_OVER",
-            Self::ChecksumMismatch => "CHECKSUM_MISMATCH",
-            Self::BadToken => "BAD_WORKER_TOKEN",
-            Self::WorkerKeyMismatch(_) => "WORKER_KEY_MISMATCH",
-            Self::NotLeased(_) => "CONTENT_NOT_LEASED",
-            Self::Unsound { .. } => "RESULT_UNSOUND",
-            Self::WorkerUnknown(_) => "WORKER_UNKNOWN",
-            Self::NoWorker => "NO_WORKER",
-            Self::SessionLost(_) => "SESSION_LOST",
-            Self::SessionElsewhere(_) => "SESSION_ELSEWHERE",
-            Self::WorkerLost | Self::WorkerEnded => "WORKER_LOST",
-            Self::Busy { .. } => "WORKERS_BUSY",
-            Self::PlayFull { .. } => "PLAYS_FULL",
-            Self::PlayEnded(_) => "PLAY_NOT_FOUND",
-            Self::PlayTooFast => "PLAY_TOO_FAST",
-            Self::PlayIdle(_) => "PLAY_IDLE",
-            Self::NothingRecorded => "NOTHING_RECORDED",
-            Self::Memory { exhausted: Exhausted::TooLarge { .. }, .. } => "MEMORY_TOO_SMALL",
-            Self::Memory { .. } => "MEMORY_IN_USE",
-            Self::Deadline => "DEADLINE_EXCEEDED",
-            Self::Stopping => "STOPPING",
-            Self::Worker(_) => "WORKER_FAULT",
-            Self::Internal(_) => "INTERNAL",
-        }
-    }
-
-    fn fault(&self) -> Fault {
-        match self {
-            Self::Worker(fault) => fault.clone(),
-            _ => Fault {
-                category: self.category(),
-                reason: self.reason().to_owned(),
-                message: self.to_string(),
-            },
-        }
-    }
+/// Delay after which a worker that refused for its load may be free.
+fn until_free(fault: &Fault) -> Option<Duration> {
+    (fault.category == Category::ResourceExhausted).then_some(MOMENT)
 }

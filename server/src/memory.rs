@@ -10,7 +10,7 @@ use std::{
     time::Duration,
 };
 
-use bendtwin_budget::{Budget, Exhausted, Share};
+use bendtwin_budget::{Budget, Share};
 use bytes::Bytes;
 
 use crate::failure::{Error, Result};
@@ -118,11 +118,6 @@ impl Memory {
         let taken = taken.unwrap_or_else(|_| budget.try_take(bytes));
         taken.map_err(|exhausted| Error::Memory { purpose, exhausted })
     }
-}
-
-/// True if waiting may help.
-pub(crate) fn is_passing(exhausted: &Exhausted) -> bool {
-    matches!(exhausted, Exhausted::InUse { .. })
 }
 
 /// A body and its memory.

@@ -2,7 +2,7 @@
 
 use std::{net::SocketAddr, path::PathBuf, time::Duration};
 
-use bendtwin_core::{Category, Problem};
+use bendtwin_core::Problem;
 use bendtwin_store::Store;
 use bendtwin_tls::FileError;
 use tokio::{net::TcpListener, task::JoinHandle, time::Instant};
@@ -25,16 +25,18 @@ use crate::{
 };
 
 /// Reason for which a server did not start.
-#[derive(Debug, thiserror::Error)]
+#[derive(Debug, thiserror::Error, Problem)]
 pub enum StartError {
     /// Some options are not valid.
     #[error("the options are not accepted: {}", .0.join("; "))]
+    #[problem(InvalidArgument, "INVALID_OPTIONS")]
     Options(Vec<String>),
     /// The address is in use, or not an address of this machine.
     #[error(
         "cannot listen on {address}: {source}: choose another address with --listen, or stop the \
          program that listens there"
     )]
+    #[problem(FailedPrecondition, "CANNOT_LISTEN")]
     Listen {
         /// The address.
         address: SocketAddr,
@@ -43,6 +45,7 @@ pub enum StartError {
     },
     /// The data folder cannot be opened.
     #[error("cannot open the data folder {}: {source}", folder.display())]
+    #[problem(transparent)]
     Store {
         /// The folder.
         folder: PathBuf,
@@ -51,6 +54,7 @@ pub enum StartError {
     },
     /// The file of the client token cannot be read or written.
     #[error("cannot keep the client token in {path}: {source}: give the file to this user")]
+    #[problem(FailedPrecondition, "CLIENT_TOKEN_FILE")]
     ClientToken {
         /// The file.
         path: PathBuf,
@@ -59,9 +63,11 @@ pub enum StartError {
     },
     /// The files of a certificate or its key cannot be used.
     #[error("no TLS: {0}")]
+    #[problem(transparent)]
     Certificate(#[from] FileError),
     /// The program of the workers cannot be started.
     #[error("cannot start workers with {program}: {fault}: name their program in workers.program")]
+    #[problem(FailedPrecondition, "NO_WORKER_PROGRAM")]
     Program {
         /// The program.
         program: String,
@@ -70,37 +76,12 @@ pub enum StartError {
     },
     /// The descriptors that are compiled in are damaged.
     #[error("descriptors of the API: {0}")]
+    #[problem(Internal, "DESCRIPTORS")]
     Descriptors(String),
     /// The state that the last run left cannot be taken up.
     #[error("cannot recover the state of the last run: {0}")]
+    #[problem(Internal, "RECOVERY")]
     Recovery(String),
-}
-
-impl Problem for StartError {
-    fn category(&self) -> Category {
-        match self {
-            Self::Options(_) => Category::InvalidArgument,
-            Self::Listen { .. } | Self::ClientToken { .. } | Self::Program { .. } => {
-                Category::FailedPrecondition
-            }
-            Self::Store { source, .. } => source.category(),
-            Self::Certificate(error) => error.category(),
-            Self::Descriptors(_) | Self::Recovery(_) => Category::Internal,
-        }
-    }
-
-    fn reason(&self) -> &'static str {
-        match self {
-            Self::Options(_) => "INVALID_OPTIONS",
-            Self::Listen { .. } => "CANNOT_LISTEN",
-            Self::Store { source, .. } => source.reason(),
-            Self::Certificate(error) => error.reason(),
-            Self::ClientToken { .. } => "CLIENT_TOKEN_FILE",
-            Self::Program { .. } => "NO_WORKER_PROGRAM",
-            Self::Descriptors(_) => "DESCRIPTORS",
-            Self::Recovery(_) => "RECOVERY",
-        }
-    }
 }
 
 /// Time for answers under way after the workers have ended, even if those took the whole grace

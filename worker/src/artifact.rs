@@ -9,10 +9,11 @@ use tempfile::NamedTempFile;
 use crate::server_client::{CallError, ServerClient};
 
 /// Reason for which content could not be fetched.
-#[derive(Debug, thiserror::Error)]
+#[derive(Debug, thiserror::Error, Problem)]
 pub(crate) enum FetchError {
     /// The server did not give it.
     #[error("cannot fetch {name}: {}", fault.message)]
+    #[problem(fault.category, "CONTENT_UNAVAILABLE")]
     Server {
         /// Name of the content.
         name: String,
@@ -21,11 +22,13 @@ pub(crate) enum FetchError {
     },
     /// Another worker has the job.
     #[error("another worker has the job")]
+    #[problem(Aborted, "STALE_LEASE")]
     Stale,
     /// Larger than this worker accepts.
     #[error(
         "{name} is larger than {limit} bytes, the most that this worker takes: raise its limit"
     )]
+    #[problem(ResourceExhausted, "CONTENT_TOO_LARGE")]
     TooLarge {
         /// Name of the content.
         name: String,
@@ -34,6 +37,7 @@ pub(crate) enum FetchError {
     },
     /// The content has another digest than the stored one.
     #[error("{name} has digest {found} where {expected} was stored: the stored file is damaged")]
+    #[problem(DataLoss, "CONTENT_DAMAGED")]
     Digest {
         /// Name of the content.
         name: String,
@@ -46,32 +50,13 @@ pub(crate) enum FetchError {
     #[error(
         "cannot keep {name} in a temporary file: {source}; free disk space or set --scratch-dir"
     )]
+    #[problem(ResourceExhausted, "NO_DISK_SPACE")]
     Disk {
         /// Name of the content.
         name: String,
         /// The system's error.
         source: std::io::Error,
     },
-}
-
-impl Problem for FetchError {
-    fn category(&self) -> Category {
-        match self {
-            Self::Server { fault, .. } => fault.category,
-            Self::Stale => Category::Aborted,
-            Self::TooLarge { .. } | Self::Disk { .. } => Category::ResourceExhausted,
-            Self::Digest { .. } => Category::DataLoss,
-        }
-    }
-    fn reason(&self) -> &'static str {
-        match self {
-            Self::Server { .. } => "CONTENT_UNAVAILABLE",
-            Self::Stale => "STALE_LEASE",
-            Self::TooLarge { .. } => "CONTENT_TOO_LARGE",
-            Self::Digest { .. } => "CONTENT_DAMAGED",
-            Self::Disk { .. } => "NO_DISK_SPACE",
-        }
-    }
 }
 
 fn server_error(name: &str, error: CallError) -> FetchError {

@@ -64,8 +64,3 @@ pub(crate) async fn take(
     let taken = taken.unwrap_or_else(|_| budget.try_take(bytes));
     taken.map_err(|exhausted| Error::Memory { purpose, exhausted })
 }
-
-/// True if waiting may help.
-pub(crate) fn is_passing(exhausted: &Exhausted) -> bool {
-    matches!(exhausted, Exhausted::InUse { .. })
-}

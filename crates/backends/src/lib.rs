@@ -8,7 +8,7 @@ use std::{
     sync::Arc,
 };
 
-use bendtwin_core::{Category, Problem, error::panic_text};
+use bendtwin_core::{Problem, error::panic_text};
 use bendtwin_engine::{self as engine, Backend};
 use bendtwin_splat::{self as splat, Rasteriser};
 
@@ -60,22 +60,13 @@ pub struct Options {
 }
 
 /// CUDA was asked for and cannot be used.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error, Problem)]
 #[error("CUDA cannot be used: {0}")]
+#[problem(FailedPrecondition, "NO_CUDA")]
 pub struct Error(
     /// Message of the driver or of the CUDA backend.
     pub String,
 );
-
-impl Problem for Error {
-    fn category(&self) -> Category {
-        Category::FailedPrecondition
-    }
-
-    fn reason(&self) -> &'static str {
-        "NO_CUDA"
-    }
-}
 
 /// Opens the backend that was chosen. With [`Choice::Auto`] a machine without CUDA computes on
 /// its CPU, and one line of the log says why.

@@ -1,10 +1,10 @@
 //! Errors of benchmarks.
 
-use bendtwin_core::{Category, Problem};
+use bendtwin_core::Problem;
 use bendtwin_engine::backend;
 
 /// An error that ends a benchmark.
-#[derive(Debug, thiserror::Error)]
+#[derive(Debug, thiserror::Error, Problem)]
 pub enum Error {
     /// The scene's points could not be joined.
     #[error(transparent)]
@@ -19,6 +19,7 @@ pub enum Error {
     #[error(
         "scene {scene} diverged in frame {frame} at node {node}: the backend computes something else"
     )]
+    #[problem(Internal, "SCENE_DIVERGED")]
     Diverged {
         /// Name of the scene.
         scene: &'static str,
@@ -29,26 +30,6 @@ pub enum Error {
     },
     /// Even the softest material needs more substeps than a scene has.
     #[error("scene {0} is unstable with every stiffness on the list")]
+    #[problem(Internal, "SCENE_UNSTABLE")]
     Unstable(&'static str),
-}
-
-impl Problem for Error {
-    fn category(&self) -> Category {
-        match self {
-            Self::Graph(e) => e.category(),
-            Self::Backend(e) => e.category(),
-            Self::Fit(e) => e.category(),
-            Self::Diverged { .. } | Self::Unstable(_) => Category::Internal,
-        }
-    }
-
-    fn reason(&self) -> &'static str {
-        match self {
-            Self::Graph(e) => e.reason(),
-            Self::Backend(e) => e.reason(),
-            Self::Fit(e) => e.reason(),
-            Self::Diverged { .. } => "SCENE_DIVERGED",
-            Self::Unstable(_) => "SCENE_UNSTABLE",
-        }
-    }
 }

@@ -46,6 +46,13 @@ pub enum Exhausted {
     },
 }
 
+impl Exhausted {
+    /// True if waiting may help.
+    pub fn is_passing(&self) -> bool {
+        matches!(self, Self::InUse { .. })
+    }
+}
+
 /// A budget of memory. Clones share it.
 #[derive(Clone, Debug)]
 pub struct Budget {

@@ -1,16 +1,18 @@
 //! Reasons why a capture cannot be read, with what its owner should do. The reasons double as codes
 //! of [`crate::check`] findings.
 
-use bendtwin_core::{Category, Problem};
+use bendtwin_core::Problem;
 
 /// Reason for which a capture cannot be read or written.
-#[derive(Debug, thiserror::Error)]
+#[derive(Debug, thiserror::Error, Problem)]
 pub enum Error {
     /// No file or folder at the path.
     #[error("there is no capture at `{0}`: check the path")]
+    #[problem(NotFound, "CAPTURE_NOT_FOUND")]
     NotFound(String),
     /// The operating system failed.
     #[error("`{at}` cannot be read or written: {source}")]
+    #[problem(Internal, "CAPTURE_IO")]
     Io {
         /// The file concerned.
         at: String,
@@ -23,6 +25,7 @@ pub enum Error {
          with `color` (a PhysTwin case) or `transforms.json` (nerfstudio), unless it is an MCAP file or an .npz with its .json \
          beside it (motion capture)"
     )]
+    #[problem(InvalidArgument, "UNKNOWN_CAPTURE_KIND")]
     UnknownKind {
         /// Name of the folder or file.
         name: String,
@@ -31,6 +34,7 @@ pub enum Error {
     },
     /// A format that has to be converted first.
     #[error("`{at}` is {what}: {advice}")]
+    #[problem(InvalidArgument, "FORMAT_NOT_READ")]
     OtherFormat {
         /// The file.
         at: String,
@@ -41,15 +45,18 @@ pub enum Error {
     },
     /// A recorded but unprocessed case.
     #[error("`{0}` is a raw recording: colour and depth, not yet points. Ingest it first")]
+    #[problem(InvalidArgument, "RAW_CAPTURE")]
     RawOnly(String),
     /// More than one capture in one archive or folder.
     #[error(
         "there are several captures ({0}): send one capture at a time, or put a recordings.json beside \
          them if they are recordings of one object"
     )]
+    #[problem(InvalidArgument, "SEVERAL_CAPTURES")]
     Several(String),
     /// A recording among several of an object cannot be read.
     #[error("recording `{name}`: {error}")]
+    #[problem(transparent)]
     InRecording {
         /// Name of the recording.
         name: String,
@@ -58,11 +65,13 @@ pub enum Error {
     },
     /// An archive that is cut off or corrupted.
     #[error("the archive is damaged or cut off ({0}): upload or copy it again")]
+    #[problem(InvalidArgument, "ARCHIVE_DAMAGED")]
     ArchiveDamaged(String),
     /// Too many entries.
     #[error(
         "the archive has {entries} entries, the limit is {limit}: pack only the capture's files"
     )]
+    #[problem(ResourceExhausted, "ARCHIVE_TOO_MANY_ENTRIES")]
     ArchiveEntries {
         /// Entries found.
         entries: usize,
@@ -74,6 +83,7 @@ pub enum Error {
         "`{at}` unpacks to {ratio} times its size (limit {limit}), as only a decompression bomb does: \
          store it uncompressed if it is real"
     )]
+    #[problem(InvalidArgument, "ARCHIVE_BOMB")]
     ArchiveRatio {
         /// The entry.
         at: String,
@@ -86,9 +96,11 @@ pub enum Error {
     #[error(
         "the archive has an entry named `{0}`, which is not a plain path inside it: pack the folder anew"
     )]
+    #[problem(InvalidArgument, "ARCHIVE_UNSAFE_NAME")]
     ArchiveName(String),
     /// A link, device or encrypted entry where a file is needed.
     #[error("`{at}` in the archive is {kind}, not a regular file: pack the files themselves")]
+    #[problem(InvalidArgument, "ARCHIVE_NOT_A_FILE")]
     ArchiveEntryKind {
         /// The entry.
         at: String,
@@ -99,6 +111,7 @@ pub enum Error {
     #[error(
         "`{at}` in the archive is compressed with {method}: pack it with Deflate, Zstandard, bzip2 or without compression"
     )]
+    #[problem(InvalidArgument, "ARCHIVE_COMPRESSION_NOT_READ")]
     ArchiveCompression {
         /// The entry.
         at: String,
@@ -110,6 +123,7 @@ pub enum Error {
         "`{at}` unpacks to more than {limit} bytes, and a .tar.gz is held in memory: \
          send the recording as .zip or .tar, which are not"
     )]
+    #[problem(ResourceExhausted, "ARCHIVE_TOO_LARGE_FOR_MEMORY")]
     UnpackedInMemory {
         /// The archive.
         at: String,
@@ -118,17 +132,20 @@ pub enum Error {
     },
     /// Two entries of one name.
     #[error("the archive has several entries of the same name: pack the folder anew")]
+    #[problem(InvalidArgument, "ARCHIVE_DUPLICATE_NAME")]
     ArchiveDuplicate,
     /// Entries that share bytes.
     #[error(
         "entries of the archive share the same bytes, as only those of a decompression bomb do: pack the folder anew"
     )]
+    #[problem(InvalidArgument, "ARCHIVE_OVERLAP")]
     ArchiveOverlap,
     /// More pixels than a file of its size may hold.
     #[error(
         "the images of the recording have {pixels} pixels in all, the limit for a file of {length} bytes is {limit}: \
          send at most {fitting} of its {frames} frames, or images of lower resolution"
     )]
+    #[problem(ResourceExhausted, "RECORDING_TOO_MANY_PIXELS")]
     Pixels {
         /// Pixels of all images.
         pixels: u64,
@@ -145,6 +162,7 @@ pub enum Error {
     #[error(
         "{what} needs {bytes} bytes, beyond the limit of {limit}: use fewer frames or points, or split the capture"
     )]
+    #[problem(ResourceExhausted, "CAPTURE_TOO_LARGE")]
     TooLarge {
         /// Thing that is too large.
         what: String,
@@ -155,6 +173,7 @@ pub enum Error {
     },
     /// A limit on counts.
     #[error("{what}: {count}, the limit is {limit}: use a smaller capture")]
+    #[problem(ResourceExhausted, "CAPTURE_TOO_MANY")]
     TooMany {
         /// Things that are too many.
         what: &'static str,
@@ -165,9 +184,11 @@ pub enum Error {
     },
     /// A file that must be there is not.
     #[error("`{0}` is missing: add it to the capture")]
+    #[problem(InvalidArgument, "MISSING_FILE")]
     MissingFile(String),
     /// An array inside a file that must be there is not.
     #[error("`{at}` has no array `{array}`: add it")]
+    #[problem(InvalidArgument, "MISSING_ARRAY")]
     MissingArray {
         /// The file.
         at: String,
@@ -178,6 +199,7 @@ pub enum Error {
     #[error(
         "camera `{camera}` has no {what}, looked for as {wanted}, but {there}: add them, or name them so"
     )]
+    #[problem(InvalidArgument, "IMAGES_NOT_FOUND")]
     ImagesMissing {
         /// The camera's name.
         camera: String,
@@ -190,12 +212,15 @@ pub enum Error {
     },
     /// Images whose numbers contradict each other or the description.
     #[error("{0}")]
+    #[problem(InvalidArgument, "FRAME_NUMBERS_UNCLEAR")]
     FrameNumbers(String),
     /// Labels of masks that do not distinguish the object from the manipulator.
     #[error("{0}")]
+    #[problem(InvalidArgument, "MASK_LABELS_UNCLEAR")]
     MaskLabels(String),
     /// A JSON document that is wrong.
     #[error("`{at}` is not as specified: {fault}")]
+    #[problem(InvalidArgument, "INVALID_DOCUMENT")]
     Document {
         /// The file.
         at: String,
@@ -204,6 +229,7 @@ pub enum Error {
     },
     /// A newer bundle.
     #[error("`capture.json` has version {found}, this build reads up to {known}: update BendTwin")]
+    #[problem(InvalidArgument, "UNSUPPORTED_VERSION")]
     Version {
         /// Version found.
         found: u64,
@@ -212,12 +238,15 @@ pub enum Error {
     },
     /// Units other than those known.
     #[error("the units are `{0}`: declare one of m, cm, mm")]
+    #[problem(InvalidArgument, "UNKNOWN_UNITS")]
     Units(String),
     /// Undeclared or impossible axes.
     #[error("{0}")]
+    #[problem(InvalidArgument, "INVALID_AXES")]
     Axes(String),
     /// An .npy, .npz or pickle file that is cut off or corrupted.
     #[error("`{at}` is damaged or cut off: {fault}; write it again")]
+    #[problem(InvalidArgument, "FILE_DAMAGED")]
     Damaged {
         /// The file.
         at: String,
@@ -228,6 +257,7 @@ pub enum Error {
     #[error(
         "`{at}` claims {claimed} bytes of data but holds {present}: it is cut off or its header is wrong"
     )]
+    #[problem(InvalidArgument, "HEADER_CLAIMS_TOO_MUCH")]
     Absurd {
         /// The file or array.
         at: String,
@@ -241,6 +271,7 @@ pub enum Error {
         "`{at}` asks to load `{global}`: only plain numpy arrays, dictionaries, lists and numbers are read; \
          save it again with `numpy.asarray` on each array"
     )]
+    #[problem(InvalidArgument, "PICKLE_GLOBAL_REFUSED")]
     PickleGlobal {
         /// The file.
         at: String,
@@ -249,6 +280,7 @@ pub enum Error {
     },
     /// A pickle beyond the limits or with an opcode outside the allow-list.
     #[error("`{at}` is refused: {fault}")]
+    #[problem(InvalidArgument, "PICKLE_REFUSED")]
     Pickle {
         /// The file.
         at: String,
@@ -257,6 +289,7 @@ pub enum Error {
     },
     /// An array of another type.
     #[error("`{at}` holds {found}: it must hold {needed}")]
+    #[problem(InvalidArgument, "WRONG_DTYPE")]
     Dtype {
         /// The array.
         at: String,
@@ -267,6 +300,7 @@ pub enum Error {
     },
     /// An array of another shape.
     #[error("`{at}` has shape {found:?}: it must be {needed}")]
+    #[problem(InvalidArgument, "WRONG_SHAPE")]
     Shape {
         /// The array.
         at: String,
@@ -277,9 +311,11 @@ pub enum Error {
     },
     /// Arrays that disagree in length.
     #[error("{0}")]
+    #[problem(InvalidArgument, "LENGTH_MISMATCH")]
     Lengths(String),
     /// A camera whose calibration is impossible.
     #[error("camera `{camera}`: {fault}: calibrate it anew or correct the file")]
+    #[problem(InvalidArgument, "INVALID_CAMERA")]
     Camera {
         /// The camera's name.
         camera: String,
@@ -291,12 +327,14 @@ pub enum Error {
         "camera `{0}` is mirrored (the determinant of its extrinsics is -1): an axis was flipped when they were written; \
          write a rotation from the camera (x right, y down, z forward) to the world"
     )]
+    #[problem(InvalidArgument, "MIRRORED_EXTRINSICS")]
     MirroredPose(String),
     /// An image of another size.
     #[error(
         "`{at}` is {} x {} pixels, its camera {} x {}: write all images of a camera in its size, with depth aligned to colour",
         found[0], found[1], needed[0], needed[1]
     )]
+    #[problem(InvalidArgument, "WRONG_IMAGE_SIZE")]
     ImageSize {
         /// The file.
         at: String,
@@ -310,6 +348,7 @@ pub enum Error {
         "camera `{camera}`: no depth images have the frame_id of its colour, `{frame_id}` (there is {found}): \
          record depth aligned to colour, such as aligned_depth_to_color"
     )]
+    #[problem(InvalidArgument, "DEPTH_NOT_ALIGNED")]
     DepthNotAligned {
         /// The camera.
         camera: String,
@@ -320,11 +359,13 @@ pub enum Error {
     },
     /// A camera that a recording does not have.
     #[error("the recording has no camera number {0}")]
+    #[problem(InvalidArgument, "NO_SUCH_CAMERA")]
     NoCamera(usize),
     /// An edge that names a point that is not there.
     #[error(
         "edge {index} joins points {a} and {b}, but there are {points} points (0 to {points} exclusive, two different ones)"
     )]
+    #[problem(InvalidArgument, "EDGE_OUT_OF_RANGE")]
     EdgeRange {
         /// Index of the edge.
         index: usize,
@@ -339,6 +380,7 @@ pub enum Error {
     #[error(
         "pin {index} joins point {point} and control point {control}, but there are {points} points and {controls} control points"
     )]
+    #[problem(InvalidArgument, "PIN_OUT_OF_RANGE")]
     PinRange {
         /// Index of the pin.
         index: usize,
@@ -355,6 +397,7 @@ pub enum Error {
     #[error(
         "the split of `{sequence}` is at frame {split}, but there are {frames} frames: let it end within 0..={frames}"
     )]
+    #[problem(InvalidArgument, "SPLIT_OUT_OF_RANGE")]
     SplitRange {
         /// The sequence.
         sequence: String,
@@ -365,75 +408,11 @@ pub enum Error {
     },
     /// Readable, but not fit for fitting: the first error of the check.
     #[error("the capture cannot be fitted: {message} ({code})")]
+    #[problem(InvalidArgument, "UNUSABLE_CAPTURE")]
     Unusable {
         /// Code of the finding.
         code: String,
         /// The messages of all errors.
         message: String,
     },
-}
-
-impl Problem for Error {
-    fn category(&self) -> Category {
-        match self {
-            Self::InRecording { error, .. } => error.category(),
-            Self::NotFound(_) => Category::NotFound,
-            Self::Io { .. } => Category::Internal,
-            Self::TooLarge { .. }
-            | Self::TooMany { .. }
-            | Self::Pixels { .. }
-            | Self::UnpackedInMemory { .. }
-            | Self::ArchiveEntries { .. } => Category::ResourceExhausted,
-            _ => Category::InvalidArgument,
-        }
-    }
-
-    fn reason(&self) -> &'static str {
-        match self {
-            Self::InRecording { error, .. } => error.reason(),
-            Self::NotFound(_) => "CAPTURE_NOT_FOUND",
-            Self::Io { .. } => "CAPTURE_IO",
-            Self::UnknownKind { .. } => "UNKNOWN_CAPTURE_KIND",
-            Self::OtherFormat { .. } => "FORMAT_NOT_READ",
-            Self::RawOnly(_) => "RAW_CAPTURE",
-            Self::Several(_) => "SEVERAL_CAPTURES",
-            Self::ArchiveDamaged(_) => "ARCHIVE_DAMAGED",
-            Self::ArchiveEntries { .. } => "ARCHIVE_TOO_MANY_ENTRIES",
-            Self::ArchiveRatio { .. } => "ARCHIVE_BOMB",
-            Self::ArchiveName(_) => "ARCHIVE_UNSAFE_NAME",
-            Self::ArchiveEntryKind { .. } => "ARCHIVE_NOT_A_FILE",
-            Self::ArchiveCompression { .. } => "ARCHIVE_COMPRESSION_NOT_READ",
-            Self::UnpackedInMemory { .. } => "ARCHIVE_TOO_LARGE_FOR_MEMORY",
-            Self::ArchiveDuplicate => "ARCHIVE_DUPLICATE_NAME",
-            Self::ArchiveOverlap => "ARCHIVE_OVERLAP",
-            Self::Pixels { .. } => "RECORDING_TOO_MANY_PIXELS",
-            Self::TooLarge { .. } => "CAPTURE_TOO_LARGE",
-            Self::TooMany { .. } => "CAPTURE_TOO_MANY",
-            Self::MissingFile(_) => "MISSING_FILE",
-            Self::MissingArray { .. } => "MISSING_ARRAY",
-            Self::ImagesMissing { .. } => "IMAGES_NOT_FOUND",
-            Self::FrameNumbers(_) => "FRAME_NUMBERS_UNCLEAR",
-            Self::MaskLabels(_) => "MASK_LABELS_UNCLEAR",
-            Self::Document { .. } => "INVALID_DOCUMENT",
-            Self::Version { .. } => "UNSUPPORTED_VERSION",
-            Self::Units(_) => "UNKNOWN_UNITS",
-            Self::Axes(_) => "INVALID_AXES",
-            Self::Damaged { .. } => "FILE_DAMAGED",
-            Self::Absurd { .. } => "HEADER_CLAIMS_TOO_MUCH",
-            Self::PickleGlobal { .. } => "PICKLE_GLOBAL_REFUSED",
-            Self::Pickle { .. } => "PICKLE_REFUSED",
-            Self::Dtype { .. } => "WRONG_DTYPE",
-            Self::Shape { .. } => "WRONG_SHAPE",
-            Self::Lengths(_) => "LENGTH_MISMATCH",
-            Self::Camera { .. } => "INVALID_CAMERA",
-            Self::MirroredPose(_) => "MIRRORED_EXTRINSICS",
-            Self::ImageSize { .. } => "WRONG_IMAGE_SIZE",
-            Self::DepthNotAligned { .. } => "DEPTH_NOT_ALIGNED",
-            Self::NoCamera(_) => "NO_SUCH_CAMERA",
-            Self::EdgeRange { .. } => "EDGE_OUT_OF_RANGE",
-            Self::PinRange { .. } => "PIN_OUT_OF_RANGE",
-            Self::SplitRange { .. } => "SPLIT_OUT_OF_RANGE",
-            Self::Unusable { .. } => "UNUSABLE_CAPTURE",
-        }
-    }
 }

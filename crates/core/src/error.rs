@@ -2,6 +2,9 @@
 //! [`Category`] and a stable reason; only the server turns a category into an HTTP status or a gRPC
 //! code.
 
+use std::time::Duration;
+
+pub use bendtwin_problem_derive::Problem;
 use serde::{Deserialize, Serialize};
 
 /// The kind of an error, independent of HTTP and gRPC.
@@ -55,20 +58,40 @@ impl Category {
     ];
 }
 
-/// Implemented by every error enum of the project.
+/// Implemented by every error of the project, by a derive that reads category and reason beside the
+/// message of each variant.
 pub trait Problem: std::error::Error {
     /// The kind of the error.
     fn category(&self) -> Category;
     /// A stable UPPER_SNAKE_CASE word for programs to branch on.
     fn reason(&self) -> &'static str;
 
+    /// Delay after which another attempt makes sense, if it does.
+    fn retry_after(&self) -> Option<Duration> {
+        None
+    }
+
     /// The portable form, which a failed job keeps and a client receives.
     fn fault(&self) -> Fault {
-        Fault {
-            category: self.category(),
-            reason: self.reason().to_owned(),
-            message: self.to_string(),
-        }
+        Fault::of(self)
+    }
+}
+
+impl<P: Problem> Problem for Box<P> {
+    fn category(&self) -> Category {
+        (**self).category()
+    }
+
+    fn reason(&self) -> &'static str {
+        (**self).reason()
+    }
+
+    fn retry_after(&self) -> Option<Duration> {
+        (**self).retry_after()
+    }
+
+    fn fault(&self) -> Fault {
+        (**self).fault()
     }
 }
 
@@ -84,6 +107,17 @@ pub struct Fault {
     pub message: String,
 }
 
+impl Fault {
+    /// Category, reason and message of a problem.
+    pub fn of(problem: &(impl Problem + ?Sized)) -> Self {
+        Self {
+            category: problem.category(),
+            reason: problem.reason().to_owned(),
+            message: problem.to_string(),
+        }
+    }
+}
+
 impl std::fmt::Display for Fault {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.write_str(&self.message)
@@ -97,3 +131,6 @@ pub fn panic_text(panic: &(dyn std::any::Any + Send)) -> &str {
     let text = panic.downcast_ref::<&str>().copied();
     text.or_else(|| panic.downcast_ref::<String>().map(String::as_str)).unwrap_or("no message")
 }
+
+#[cfg(test)]
+mod tests;

@@ -47,10 +47,10 @@ pub struct Finding {
 
 impl Finding {
     /// A finding without advice.
-    pub fn new(severity: Severity, code: &str, message: impl Into<String>) -> Self {
+    pub fn new(severity: Severity, code: impl AsRef<str>, message: impl Into<String>) -> Self {
         Self {
             severity,
-            code: code.to_owned(),
+            code: code.as_ref().to_owned(),
             message: message.into(),
             advice: String::new(),
             cameras: Vec::new(),
@@ -62,27 +62,31 @@ impl Finding {
 
     /// A finding of a sentence that ends in advice after its last colon, `3 files are damaged: copy
     /// them again` say.
-    pub fn from_sentence(severity: Severity, code: &str, sentence: impl Into<String>) -> Self {
+    pub fn from_sentence(
+        severity: Severity,
+        code: impl AsRef<str>,
+        sentence: impl Into<String>,
+    ) -> Self {
         Self::new(severity, code, sentence).split()
     }
 
     /// An error without advice.
-    pub fn error(code: &str, message: impl Into<String>) -> Self {
+    pub fn error(code: impl AsRef<str>, message: impl Into<String>) -> Self {
         Self::new(Severity::Error, code, message)
     }
 
     /// A warning without advice.
-    pub fn warning(code: &str, message: impl Into<String>) -> Self {
+    pub fn warning(code: impl AsRef<str>, message: impl Into<String>) -> Self {
         Self::new(Severity::Warning, code, message)
     }
 
     /// A remark without advice.
-    pub fn info(code: &str, message: impl Into<String>) -> Self {
+    pub fn info(code: impl AsRef<str>, message: impl Into<String>) -> Self {
         Self::new(Severity::Info, code, message)
     }
 
     /// An error if `is_error`, else a warning.
-    pub fn graded(is_error: bool, code: &str, message: impl Into<String>) -> Self {
+    pub fn graded(is_error: bool, code: impl AsRef<str>, message: impl Into<String>) -> Self {
         let severity = if is_error { Severity::Error } else { Severity::Warning };
         Self::new(severity, code, message)
     }
@@ -112,7 +116,8 @@ impl Finding {
 
     /// Adds the code of a finding that follows from this one.
     #[must_use]
-    pub fn explains(mut self, code: &str) -> Self {
+    pub fn explains(mut self, code: impl AsRef<str>) -> Self {
+        let code = code.as_ref();
         if !self.consequences.iter().any(|known| known == code) {
             self.consequences.push(code.to_owned());
         }

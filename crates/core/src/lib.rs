@@ -5,6 +5,9 @@
 //! Units are SI. Frames are right-handed; up and ground are declared, never
 //! guessed. Arrays are flat `Vec`s whose shape stands in the field's comment.
 
+// The derive of `Problem` names this crate by its path.
+extern crate self as bendtwin_core;
+
 pub mod appearance;
 pub mod cancel;
 pub mod capture;

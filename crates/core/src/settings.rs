@@ -120,9 +120,6 @@ pub enum SequenceMean {
     Geometric,
 }
 
-/// Most substeps of a frame where nothing else says how many.
-const MAX_SUBSTEPS: u32 = 1000;
-
 /// Substeps per frame.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
@@ -145,7 +142,7 @@ impl Substeps {
     /// The most substeps that a frame may take, by settings without open ones.
     pub fn most(&self) -> u32 {
         match *self {
-            Self::Auto { max, .. } => max.unwrap_or(MAX_SUBSTEPS),
+            Self::Auto { max, .. } => max.unwrap_or(defaults::MOST_SUBSTEPS),
             Self::Fixed(n) => n,
         }
     }
@@ -167,8 +164,7 @@ pub struct LossSettings {
     pub track_beta_m: f64,
     /// Acceleration smoothness, search stage only.
     pub acceleration_weight: f64,
-    /// Mean of the losses of several sequences; if left open, geometric in captures with known
-    /// edges (motion capture of cables) and arithmetic in others.
+    /// Mean of the losses of several sequences. If left open, it depends on the object.
     pub sequences: Option<SequenceMean>,
 }
 
@@ -184,8 +180,8 @@ pub struct SearchSettings {
     /// left open, it depends on effort, capture and device.
     pub starts: Option<u32>,
     /// Several starts that differ in more than their seeds: in turn with hands that reach farther and
-    /// hold more firmly, with axial springs alone, with denser springs, and as set. If left open, on
-    /// for bodies on a GPU.
+    /// hold more firmly, with axial springs alone, with denser springs, and as set. If left open, it
+    /// depends on the object and on the device.
     pub vary: Option<bool>,
     /// Share of each sequence's training frames, the last ones, that are held back from several
     /// starts to choose one of them, which is then refined on all; 0: the training loss chooses.
@@ -203,12 +199,12 @@ pub struct SearchSettings {
     /// Initial step size in the unit cube.
     pub sigma: f64,
     /// Share of the loss that a candidate is charged per square decade by which damping and bending
-    /// are off from where the search starts. If left open, 0.4, and 0 in captures with known edges.
+    /// are off from where the search starts. If left open, it depends on the object.
     pub prior: Option<f64>,
     /// Search of radius and neighbour counts too.
     pub topology: bool,
-    /// Search of the strength of gravity too, from half to twice the capture's; if left open, on in
-    /// captures with known edges.
+    /// Search of the strength of gravity too, from half to twice the capture's. If left open, it
+    /// depends on the object.
     pub gravity: Option<bool>,
     /// Number of training frames used, from the first (0: all).
     pub max_frames: usize,
@@ -277,9 +273,10 @@ pub struct AppearanceSettings {
     pub held_out_cameras: Vec<u32>,
 }
 
-/// Most nodes and most substeps of a planner's twin.
+/// Most nodes of a planner's twin.
 pub const MOST_PLANNER_NODES: u32 = 2000;
-const MOST_PLANNER_SUBSTEPS: u32 = 1000;
+/// Most substeps of a planner's twin that settings may allow.
+pub const MOST_PLANNER_SUBSTEPS: u32 = 1000;
 
 /// A small twin beside the twin, distilled from its motion, that plans are made with.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -287,7 +284,7 @@ const MOST_PLANNER_SUBSTEPS: u32 = 1000;
 pub struct PlannerSettings {
     /// Number of nodes; 0 makes none. If left open, it depends on effort.
     pub nodes: Option<u32>,
-    /// Largest number of substeps per frame. If left open, 32.
+    /// Largest number of substeps per frame. If left open, [`defaults::PLANNER_SUBSTEPS`].
     pub substeps: Option<u32>,
 }
 

@@ -5,7 +5,7 @@
 
 use std::{any::Any, sync::Arc};
 
-use bendtwin_core::{CancelToken, Category, Environment, Params, Point, Problem};
+use bendtwin_core::{CancelToken, Environment, Params, Point, Problem};
 
 use crate::{
     model::{Model, State},
@@ -15,19 +15,22 @@ use crate::{
 };
 
 /// An error of a backend: a refusal or a failure.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[derive(Clone, Debug, PartialEq, thiserror::Error, Problem)]
 pub enum Error {
     /// The model contradicts itself.
     #[error("the model is inconsistent: {0}")]
+    #[problem(InvalidArgument, "INVALID_MODEL")]
     InvalidModel(String),
     /// The input does not fit the model.
     #[error("the rollout's input is wrong: {0}")]
+    #[problem(InvalidArgument, "INVALID_ROLLOUT_INPUT")]
     InvalidInput(String),
     /// The substep is longer than the stability estimate allows.
     #[error(
         "{substeps} substeps a frame are too few for this model: it is stable from {needed} \
          (stiffest node {node}); raise the substeps or lower the stiffness there"
     )]
+    #[problem(InvalidArgument, "TOO_FEW_SUBSTEPS")]
     Unstable {
         /// Substeps asked for.
         substeps: u32,
@@ -40,6 +43,7 @@ pub enum Error {
     #[error(
         "the device has {available} bytes free, the model needs {needed}: use a coarser twin or a smaller batch"
     )]
+    #[problem(ResourceExhausted, "DEVICE_OUT_OF_MEMORY")]
     OutOfMemory {
         /// Bytes needed.
         needed: u64,
@@ -48,33 +52,12 @@ pub enum Error {
     },
     /// The work was cancelled through its token.
     #[error("cancelled")]
+    #[problem(Cancelled, "CANCELLED")]
     Cancelled,
     /// The device failed.
     #[error("the compute device failed: {0}")]
+    #[problem(Internal, "DEVICE_FAILED")]
     Device(String),
-}
-
-impl Problem for Error {
-    fn category(&self) -> Category {
-        match self {
-            Self::InvalidModel(_) | Self::InvalidInput(_) | Self::Unstable { .. } => {
-                Category::InvalidArgument
-            }
-            Self::OutOfMemory { .. } => Category::ResourceExhausted,
-            Self::Cancelled => Category::Cancelled,
-            Self::Device(_) => Category::Internal,
-        }
-    }
-    fn reason(&self) -> &'static str {
-        match self {
-            Self::InvalidModel(_) => "INVALID_MODEL",
-            Self::InvalidInput(_) => "INVALID_ROLLOUT_INPUT",
-            Self::Unstable { .. } => "TOO_FEW_SUBSTEPS",
-            Self::OutOfMemory { .. } => "DEVICE_OUT_OF_MEMORY",
-            Self::Cancelled => "CANCELLED",
-            Self::Device(_) => "DEVICE_FAILED",
-        }
-    }
 }
 
 /// The frame and node at which a simulation diverged: left the finite numbers, or went farther than

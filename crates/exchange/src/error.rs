@@ -2,21 +2,23 @@
 
 use std::path::Path;
 
-use bendtwin_core::{Category, Problem, twin::format::FormatError};
+use bendtwin_core::{Problem, twin::format::FormatError};
 
 use crate::Format;
 
 /// Reason for which a twin or its motion cannot be written, or made of results.
-#[derive(Debug, thiserror::Error)]
+#[derive(Debug, thiserror::Error, Problem)]
 pub enum Error {
     /// A name without a known extension.
     #[error("`{name}` names no known format: {}, or say it with --format", Format::list())]
+    #[problem(InvalidArgument, "EXPORT_FORMAT_UNKNOWN")]
     UnknownFormat {
         /// The file's name.
         name: String,
     },
     /// A format for one state, asked to hold several.
     #[error("{format} holds no motion: {}", Format::list_of_motion())]
+    #[problem(InvalidArgument, "EXPORT_HOLDS_NO_MOTION")]
     NoMotion {
         /// The format.
         format: Format,
@@ -25,6 +27,7 @@ pub enum Error {
     #[error(
         "{format} holds the nodes of a twin, not its skin or a mesh: leave --skin and --mesh away"
     )]
+    #[problem(InvalidArgument, "EXPORT_HOLDS_NODES_ONLY")]
     NodesOnly {
         /// The format.
         format: Format,
@@ -33,6 +36,7 @@ pub enum Error {
     #[error(
         "{format} takes at most {limit} frames, and there are {frames}: record fewer with --every"
     )]
+    #[problem(InvalidArgument, "EXPORT_TOO_MANY_FRAMES")]
     TooManyFrames {
         /// The format.
         format: Format,
@@ -45,6 +49,7 @@ pub enum Error {
     #[error(
         "the motion has {found} {what} where the twin needs {needed}: was it made with this twin?"
     )]
+    #[problem(InvalidArgument, "EXPORT_MOTION_SHAPE")]
     MotionShape {
         /// The points concerned.
         what: &'static str,
@@ -55,23 +60,27 @@ pub enum Error {
     },
     /// A motion that diverged.
     #[error("frame {frame} of the motion holds a number that is not finite: it has diverged")]
+    #[problem(InvalidArgument, "EXPORT_NOT_FINITE")]
     NotFinite {
         /// The frame, counted from 0.
         frame: usize,
     },
     /// Nothing to draw.
     #[error("the twin has no {0}: leave --skin and --mesh away")]
+    #[problem(InvalidArgument, "EXPORT_NO_POINTS")]
     NoPoints(&'static str),
     /// No Gaussians to write.
     #[error(
         "the twin has no Gaussians: train them in a fit, or bring a file of them with `bendtwin twin dress`"
     )]
+    #[problem(InvalidArgument, "EXPORT_NO_SPLATS")]
     NoSplats,
     /// A mesh in other units or axes, or of something else.
     #[error(
         "the mesh is {mesh_m:.3} m large and {apart_m:.3} m from the middle of the twin at rest, which is {twin_m:.3} m large: \
          write it in the twin's coordinates (metres, z up)"
     )]
+    #[problem(InvalidArgument, "EXPORT_MESH_ELSEWHERE")]
     MeshElsewhere {
         /// Diagonal of the box around the mesh [m].
         mesh_m: f32,
@@ -84,6 +93,7 @@ pub enum Error {
     #[error(
         "the file would have {bytes} bytes, and {format} ends at {limit}: record fewer frames with --every"
     )]
+    #[problem(InvalidArgument, "EXPORT_TOO_LARGE")]
     TooLarge {
         /// The format.
         format: Format,
@@ -96,12 +106,14 @@ pub enum Error {
     #[error(
         "point {point} of the case has no position in its first frame: fill it in, or leave it out"
     )]
+    #[problem(InvalidArgument, "IMPORT_POINT_MISSING")]
     PointMissing {
         /// Index among observed, completed and interior points and control points.
         point: usize,
     },
     /// More than one case for one result.
     #[error("there are {0} cases, and a fit by PhysTwin is of one: name the folder of that case")]
+    #[problem(InvalidArgument, "IMPORT_SEVERAL_CASES")]
     SeveralCases(usize),
     /// A training of other springs.
     #[error(
@@ -109,6 +121,7 @@ pub enum Error {
          search have {} ({}): take all files from the same case and the same run",
         found[0], found[1], needed[0], needed[1]
     )]
+    #[problem(InvalidArgument, "IMPORT_OTHER_SPRINGS")]
     OtherSprings {
         /// Springs of the training, and those between object points.
         found: [usize; 2],
@@ -120,6 +133,7 @@ pub enum Error {
     Twin(#[from] FormatError),
     /// The operating system failed.
     #[error("`{at}` cannot be written: {source}")]
+    #[problem(Internal, "EXPORT_IO")]
     Io {
         /// The file.
         at: String,
@@ -153,35 +167,5 @@ impl From<zip::result::ZipError> for Error {
 impl From<::mcap::McapError> for Error {
     fn from(error: ::mcap::McapError) -> Self {
         std::io::Error::other(error).into()
-    }
-}
-
-impl Problem for Error {
-    fn category(&self) -> Category {
-        match self {
-            Self::Io { .. } => Category::Internal,
-            Self::Twin(error) => error.category(),
-            _ => Category::InvalidArgument,
-        }
-    }
-
-    fn reason(&self) -> &'static str {
-        match self {
-            Self::UnknownFormat { .. } => "EXPORT_FORMAT_UNKNOWN",
-            Self::NoMotion { .. } => "EXPORT_HOLDS_NO_MOTION",
-            Self::NodesOnly { .. } => "EXPORT_HOLDS_NODES_ONLY",
-            Self::TooManyFrames { .. } => "EXPORT_TOO_MANY_FRAMES",
-            Self::MotionShape { .. } => "EXPORT_MOTION_SHAPE",
-            Self::NotFinite { .. } => "EXPORT_NOT_FINITE",
-            Self::NoPoints(_) => "EXPORT_NO_POINTS",
-            Self::NoSplats => "EXPORT_NO_SPLATS",
-            Self::MeshElsewhere { .. } => "EXPORT_MESH_ELSEWHERE",
-            Self::TooLarge { .. } => "EXPORT_TOO_LARGE",
-            Self::PointMissing { .. } => "IMPORT_POINT_MISSING",
-            Self::SeveralCases(_) => "IMPORT_SEVERAL_CASES",
-            Self::OtherSprings { .. } => "IMPORT_OTHER_SPRINGS",
-            Self::Twin(error) => error.reason(),
-            Self::Io { .. } => "EXPORT_IO",
-        }
     }
 }

@@ -1,16 +1,18 @@
 //! Errors of a fit.
 
-use bendtwin_core::{Category, ObserverError, Problem, checkpoint::Refusal};
+use bendtwin_core::{ObserverError, Problem, checkpoint::Refusal};
 use bendtwin_engine::backend;
 
 /// An error that ends a fit.
-#[derive(Debug, thiserror::Error)]
+#[derive(Debug, thiserror::Error, Problem)]
 pub enum Error {
     /// Settings out of range.
     #[error("the fit's settings are wrong: {}", .0.join("; "))]
+    #[problem(InvalidArgument, "INVALID_FIT_SETTINGS")]
     Settings(Vec<String>),
     /// The capture has nothing to fit to.
     #[error("the capture cannot be fitted: {0}")]
+    #[problem(InvalidArgument, "CAPTURE_CANNOT_BE_FITTED")]
     Capture(String),
     /// The capture cannot become a graph.
     #[error(transparent)]
@@ -23,15 +25,18 @@ pub enum Error {
     Evaluation(#[from] bendtwin_eval::Error),
     /// The twin to be refined cannot be one.
     #[error("the twin to start from cannot be used ({0}): export it again, or fit without it")]
+    #[problem(InvalidArgument, "TWIN_TO_START_FROM_UNUSABLE")]
     Twin(String),
     /// The twin can have no planner's twin.
     #[error("the planner's twin cannot be made: {0}; plan with FAST or EXACT")]
+    #[problem(InvalidArgument, "PLANNERS_TWIN_IMPOSSIBLE")]
     Planner(String),
     /// Another recording of the object cannot be brought to the reference.
     #[error(
         "the twin cannot be brought to recording `{name}`: {error}; leave this recording out, or make \
          another one the reference"
     )]
+    #[problem(transparent)]
     Recording {
         /// Name of the recording.
         name: String,
@@ -45,17 +50,21 @@ pub enum Error {
     #[error(
         "no candidate of the search could be simulated ({0}): raise substeps.auto.max, or narrow the graph"
     )]
+    #[problem(InvalidArgument, "NO_STABLE_CANDIDATE")]
     NothingStable(String),
     /// The checkpoint is damaged or of another version.
     #[error("the checkpoint cannot be read ({0}): start the fit again without it")]
+    #[problem(FailedPrecondition, "CHECKPOINT_UNREADABLE")]
     Checkpoint(String),
     /// The checkpoint belongs to another fit.
     #[error(
         "the checkpoint belongs to another capture, other settings or another build: start the fit again without it"
     )]
+    #[problem(FailedPrecondition, "CHECKPOINT_OF_ANOTHER_FIT")]
     OtherCheckpoint,
     /// The observer could not keep a checkpoint (for example, a lease is lost).
     #[error("the fit's checkpoint could not be kept: {0}")]
+    #[problem(Aborted, "CHECKPOINT_NOT_KEPT")]
     Observer(#[source] ObserverError),
 }
 
@@ -64,43 +73,6 @@ impl From<Refusal> for Error {
         match refusal {
             Refusal::OtherWork => Self::OtherCheckpoint,
             other => Self::Checkpoint(other.to_string()),
-        }
-    }
-}
-
-impl Problem for Error {
-    fn category(&self) -> Category {
-        match self {
-            Self::Settings(_)
-            | Self::Capture(_)
-            | Self::NothingStable(_)
-            | Self::Twin(_)
-            | Self::Planner(_) => Category::InvalidArgument,
-            Self::Graph(e) => e.category(),
-            Self::Backend(e) => e.category(),
-            Self::Evaluation(e) => e.category(),
-            Self::Look(e) => e.category(),
-            Self::Recording { error, .. } => error.category(),
-            Self::Checkpoint(_) | Self::OtherCheckpoint => Category::FailedPrecondition,
-            Self::Observer(_) => Category::Aborted,
-        }
-    }
-
-    fn reason(&self) -> &'static str {
-        match self {
-            Self::Settings(_) => "INVALID_FIT_SETTINGS",
-            Self::Capture(_) => "CAPTURE_CANNOT_BE_FITTED",
-            Self::Twin(_) => "TWIN_TO_START_FROM_UNUSABLE",
-            Self::Planner(_) => "PLANNERS_TWIN_IMPOSSIBLE",
-            Self::Graph(e) => e.reason(),
-            Self::Backend(e) => e.reason(),
-            Self::Evaluation(e) => e.reason(),
-            Self::Look(e) => e.reason(),
-            Self::Recording { error, .. } => error.reason(),
-            Self::NothingStable(_) => "NO_STABLE_CANDIDATE",
-            Self::Checkpoint(_) => "CHECKPOINT_UNREADABLE",
-            Self::OtherCheckpoint => "CHECKPOINT_OF_ANOTHER_FIT",
-            Self::Observer(_) => "CHECKPOINT_NOT_KEPT",
         }
     }
 }

@@ -25,7 +25,6 @@ mod search;
 mod sequences;
 mod source;
 mod space;
-mod subject;
 mod submit;
 mod task;
 mod time_limit;

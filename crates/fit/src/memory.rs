@@ -2,7 +2,7 @@
 //! [`bendtwin_core::settings::memory`] with the graph that the fit will build.
 
 use bendtwin_core::{
-    Capture, Category, FitSettings, Problem, Sequence, Views,
+    Capture, FitSettings, Problem, Sequence, Views,
     settings::{
         GraphSettings,
         memory::{
@@ -14,8 +14,9 @@ use bendtwin_engine::Backend;
 use bendtwin_graph::{Connectivity, connect, sample_nodes};
 
 /// A fit that needs more memory than it may take.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error, Problem)]
 #[error("{}", memory::refusal(*.needed, *.most, .advice))]
+#[problem(InvalidArgument, "FIT_OUT_OF_MEMORY")]
 pub struct TooLarge {
     /// Bytes that it needs.
     pub needed: u64,
@@ -23,17 +24,6 @@ pub struct TooLarge {
     pub most: u64,
     /// Settings with which it would fit.
     pub advice: Vec<Advice>,
-}
-
-impl Problem for TooLarge {
-    fn category(&self) -> Category {
-        // Asked again, it would be refused again.
-        Category::InvalidArgument
-    }
-
-    fn reason(&self) -> &'static str {
-        "FIT_OUT_OF_MEMORY"
-    }
 }
 
 /// Memory of a fit [bytes], an upper bound by its settings, the capture and its views.

@@ -10,7 +10,7 @@ use std::f64::consts::PI;
 
 use bendtwin_core::{
     Contact, Environment, FitSettings, Params, capture::Subject, environment::ControlVelocity,
-    params::MAX_SPRING_STIFFNESS,
+    params::MAX_SPRING_STIFFNESS, settings::defaults::SearchOrigin,
 };
 use bendtwin_graph::Connectivity;
 
@@ -150,19 +150,20 @@ impl Space {
     pub(crate) fn new(task: &Task<'_>, settings: &FitSettings) -> Self {
         use Variable::*;
         let is_cable = task.subject() == Subject::Cable;
+        let origin = SearchOrigin::of(task.subject());
         let mut connectivity = Connectivity::from_settings(&settings.graph, settings.bending);
         // Rods twist by how their clamps move.
         connectivity.rods &= settings.control_velocity == ControlVelocity::True;
         let mut axes = vec![
             Axis::log(Stiffness, 1e2, f64::from(MAX_SPRING_STIFFNESS), 3e3),
-            Axis::log(Dashpot, 0.1, 300.0, task.defaults.dashpot),
+            Axis::log(Dashpot, 0.1, 300.0, origin.dashpot),
             Axis::log(Drag, 0.01, 20.0, 1.0),
         ];
         if connectivity.triplets.is_some() {
             // A triplet with arms of length l and stiffness k l² resists a sideways
             // displacement as a spring of stiffness k [N/m] would.
             let square = task.spacing_m * task.spacing_m;
-            let share = task.defaults.bend_share;
+            let share = origin.bend_share;
             let (stiffness, damping) = (100.0 * share * square, share * square);
             axes.push(Axis::log(BendStiffness, 0.1 * square, 1e5 * square, stiffness));
             axes.push(Axis::log(BendDamping, 1e-2 * square, 1e3 * square, damping));

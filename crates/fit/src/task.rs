@@ -19,7 +19,6 @@ use crate::{
     others::{OtherControls, join},
     sequences,
     source::{self, Measure, Source},
-    subject::Defaults,
 };
 
 /// The data of a fit that no iteration changes.
@@ -38,8 +37,6 @@ pub(crate) struct Task<'a> {
     pub(crate) others: Arc<OtherControls>,
     /// The twin that is refined, in the reference; none where a graph is built and searched.
     pub(crate) start: Option<Arc<Twin>>,
-    /// Defaults for the kind of object.
-    pub(crate) defaults: Defaults,
     /// Training sequences, in the capture's order.
     pub(crate) training: Vec<Training<'a>>,
     /// Typical distance of neighbouring nodes [m], the length scale of bending.
@@ -149,7 +146,6 @@ impl<'a> Task<'a> {
             ));
         }
         let spacing_m = spacing(&sample);
-        let defaults = Defaults::of(capture.object.subject());
         let nears_ground = training.iter().any(|t| t.nears_ground(&capture.environment));
         Ok(Self {
             capture,
@@ -159,7 +155,6 @@ impl<'a> Task<'a> {
             own_skin,
             others: Arc::new(others),
             start: start.map(Arc::new),
-            defaults,
             training,
             spacing_m,
             nears_ground,
@@ -183,7 +178,6 @@ impl<'a> Task<'a> {
             own_skin: self.own_skin,
             others: self.others.clone(),
             start: self.start.clone(),
-            defaults: self.defaults,
             training: self.training.iter().map(shorter).collect::<Option<_>>()?,
             spacing_m: self.spacing_m,
             nears_ground: self.nears_ground,
@@ -219,12 +213,9 @@ impl<'a> Task<'a> {
         set
     }
 
-    /// Number of starts of each model. Without a search all would refine the same parameters.
+    /// Number of starts of each model.
     pub(crate) fn starts(&self) -> u32 {
-        if self.generations() == 0 {
-            return 1;
-        }
-        self.settings.search.starts.unwrap_or(1)
+        self.settings.search.start_count()
     }
 
     /// Number of generations of a search.

@@ -1,12 +1,13 @@
 //! Errors of tracking.
 
-use bendtwin_core::{Category, Problem};
+use bendtwin_core::Problem;
 
 /// The reason for which a recording cannot be tracked.
-#[derive(Debug, thiserror::Error)]
+#[derive(Debug, thiserror::Error, Problem)]
 pub enum Error {
     /// Settings out of range.
     #[error("the tracker's settings are wrong: {}", .0.join("; "))]
+    #[problem(InvalidArgument, "FLOW_SETTINGS_INVALID")]
     Settings(Vec<String>),
     /// The recording is inconsistent.
     #[error(transparent)]
@@ -16,6 +17,7 @@ pub enum Error {
         "{what} of camera `{camera}`, frame {frame}, has {found:?} pixels where its calibration says {expected:?}: \
          export colour, depth and masks on one grid"
     )]
+    #[problem(InvalidArgument, "IMAGE_SIZE_MISMATCH")]
     ImageSize {
         /// Name of the camera.
         camera: String,
@@ -30,24 +32,6 @@ pub enum Error {
     },
     /// Stopped on request.
     #[error("tracking was cancelled")]
+    #[problem(Cancelled, "CANCELLED")]
     Cancelled,
-}
-
-impl Problem for Error {
-    fn category(&self) -> Category {
-        match self {
-            Self::Settings(_) | Self::ImageSize { .. } => Category::InvalidArgument,
-            Self::Recording(e) => e.category(),
-            Self::Cancelled => Category::Cancelled,
-        }
-    }
-
-    fn reason(&self) -> &'static str {
-        match self {
-            Self::Settings(_) => "FLOW_SETTINGS_INVALID",
-            Self::ImageSize { .. } => "IMAGE_SIZE_MISMATCH",
-            Self::Recording(e) => e.reason(),
-            Self::Cancelled => "CANCELLED",
-        }
-    }
 }

@@ -1,353 +1,269 @@
-//! Every code that a report of a recording can contain, in the order in which faults are worth
-//! repairing: a file that cannot be read comes before a calibration, a calibration before what is
-//! measured with it.
+//! Every code that a report of a recording can contain.
 
-/// A code with its meaning and its advice to the recording's owner.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Code {
-    /// Stable UPPER_SNAKE_CASE word.
-    pub name: &'static str,
-    /// The fault, in a few words.
-    pub meaning: &'static str,
-    /// The advice: what to do.
-    pub advice: &'static str,
+/// Declares the codes, each once, with its name, meaning and advice.
+macro_rules! codes {
+    ($($code:ident $name:literal, $meaning:literal, $advice:literal;)*) => {
+        /// Fault that a report of a recording can contain, in the order in which faults are worth
+        /// repairing: a file that cannot be read comes before a calibration, a calibration before
+        /// what is measured with it. Observed captures have the codes of `bendtwin_capture::check`;
+        /// damaged files have the reader's reason.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+        pub enum Code {
+            $(#[doc = concat!("`", $name, "`: ", $meaning, ".")] $code,)*
+        }
+
+        impl Code {
+            /// All codes, in their order.
+            pub const ALL: &[Self] = &[$(Self::$code),*];
+
+            /// Stable UPPER_SNAKE_CASE word.
+            pub const fn name(self) -> &'static str {
+                match self { $(Self::$code => $name,)* }
+            }
+
+            /// The fault, in a few words.
+            pub const fn meaning(self) -> &'static str {
+                match self { $(Self::$code => $meaning,)* }
+            }
+
+            /// The advice to the recording's owner: what to do.
+            pub const fn advice(self) -> &'static str {
+                match self { $(Self::$code => $advice,)* }
+            }
+        }
+    };
 }
 
-const fn code(name: &'static str, meaning: &'static str, advice: &'static str) -> Code {
-    Code { name, meaning, advice }
-}
-
-/// All codes of recordings. Observed captures have the codes of `bendtwin_capture::check`; damaged
-/// files have the reader's reason.
-pub const CODES: &[Code] = &[
-    code(
-        "RECORDING_TOO_LONG",
+codes! {
+    // Of lifted points, whose check tells it.
+    GravityDirection "GRAVITY_DIRECTION",
+        "gravity does not point straight down onto the ground",
+        "check the up axis";
+    RecordingTooLong "RECORDING_TOO_LONG",
         "more images than a report looks at",
-        "cut the recording into manipulations of a few hundred frames",
-    ),
-    code(
-        "NO_FRAMES",
+        "cut the recording into manipulations of a few hundred frames";
+    NoFrames "NO_FRAMES",
         "no camera has a frame",
-        "record again, or check the folders' names and numbering",
-    ),
-    code("ONE_FRAME", "there is one frame", "record at least two seconds of the manipulation"),
-    code(
-        "FPS_INVALID",
+        "record again, or check the folders' names and numbering";
+    OneFrame "ONE_FRAME",
+        "there is one frame",
+        "record at least two seconds of the manipulation";
+    FpsInvalid "FPS_INVALID",
         "the frame rate is no positive number",
-        "give the cameras' frames per second",
-    ),
-    code("FRAMES_DAMAGED", "files cannot be decoded", "copy or export these files again"),
-    code(
-        "CAMERA_EMPTY",
+        "give the cameras' frames per second";
+    FramesDamaged "FRAMES_DAMAGED",
+        "files cannot be decoded",
+        "copy or export these files again";
+    CameraEmpty "CAMERA_EMPTY",
         "a camera has no usable frame",
-        "add its colour and depth, or remove the camera from the recording",
-    ),
-    code(
-        "MESH_UNUSABLE",
+        "add its colour and depth, or remove the camera from the recording";
+    MeshUnusable "MESH_UNUSABLE",
         "the mesh cannot be read",
-        "repair or export it again, or ingest without it (`completion.mesh`: false)",
-    ),
-    code(
-        "INTRINSICS_INVALID",
+        "repair or export it again, or ingest without it (`completion.mesh`: false)";
+    IntrinsicsInvalid "INTRINSICS_INVALID",
         "a focal length or principal point is no usable number",
-        "calibrate the camera again, or read the intrinsics from its driver",
-    ),
-    code(
-        "INTRINSICS_IMPLAUSIBLE",
+        "calibrate the camera again, or read the intrinsics from its driver";
+    IntrinsicsImplausible "INTRINSICS_IMPLAUSIBLE",
         "intrinsics do not suit the image",
-        "give the intrinsics of this resolution: they scale with the image",
-    ),
-    code(
-        "EXTRINSICS_INVALID",
+        "give the intrinsics of this resolution: they scale with the image";
+    ExtrinsicsInvalid "EXTRINSICS_INVALID",
         "a pose is not finite or has no valid rotation",
-        "export the poses again as rigid camera-to-world transforms",
-    ),
-    code(
-        "EXTRINSICS_MIRRORED",
+        "export the poses again as rigid camera-to-world transforms";
+    ExtrinsicsMirrored "EXTRINSICS_MIRRORED",
         "a pose or the world is mirrored",
-        "write right-handed poses: do not negate an axis, turn the world instead",
-    ),
-    code(
-        "EXTRINSICS_INVERTED",
+        "write right-handed poses: do not negate an axis, turn the world instead";
+    ExtrinsicsInverted "EXTRINSICS_INVERTED",
         "poses are world-to-camera",
-        "invert the matrices: camera-to-world is needed",
-    ),
-    code(
-        "EXTRINSICS_AXES",
+        "invert the matrices: camera-to-world is needed";
+    ExtrinsicsAxes "EXTRINSICS_AXES",
         "poses are for OpenGL's camera axes",
-        "negate the second and third column of the rotations (y down, z into the scene)",
-    ),
-    code(
-        "DEPTH_INVERTED",
+        "negate the second and third column of the rotations (y down, z into the scene)";
+    DepthInverted "DEPTH_INVERTED",
         "depth is larger where things are nearer",
-        "write depth along the optical axis, not disparities: focal length times baseline over disparity",
-    ),
-    code(
-        "DEPTH_MISALIGNED",
+        "write depth along the optical axis, not disparities: focal length times baseline over disparity";
+    DepthMisaligned "DEPTH_MISALIGNED",
         "depth is on another grid than colour and masks",
-        "align depth to colour while recording (RealSense: `rs.align(rs.stream.color)`; ROS: `align_depth.enable`), and \
-         give the intrinsics of colour",
-    ),
-    code(
-        "MASKS_MISALIGNED",
+        "align depth to colour while recording (RealSense: `rs.align(rs.stream.color)`; ROS: `align_depth.enable`), and give the intrinsics of colour";
+    MasksMisaligned "MASKS_MISALIGNED",
         "masks are on another grid than colour and depth",
-        "segment the images that are recorded, at their resolution, uncropped and not mirrored",
-    ),
-    code(
-        "COLOR_MISALIGNED",
+        "segment the images that are recorded, at their resolution, uncropped and not mirrored";
+    ColorMisaligned "COLOR_MISALIGNED",
         "colour is mirrored against depth and masks",
-        "store colour as the camera gives it: no mirroring after depth was aligned and masks were drawn",
-    ),
-    code(
-        "CAMERAS_SWAPPED",
+        "store colour as the camera gives it: no mirroring after depth was aligned and masks were drawn";
+    CamerasSwapped "CAMERAS_SWAPPED",
         "calibrations or images of cameras are exchanged",
-        "exchange the calibrations of these cameras, or their folders",
-    ),
-    code(
-        "CAMERAS_COINCIDE",
+        "exchange the calibrations of these cameras, or their folders";
+    CamerasCoincide "CAMERAS_COINCIDE",
         "two cameras have one pose",
-        "calibrate each camera; a copied matrix is not its pose",
-    ),
-    code(
-        "EXTRINSICS_UNITS",
+        "calibrate each camera; a copied matrix is not its pose";
+    ExtrinsicsUnits "EXTRINSICS_UNITS",
         "translations of the poses are in other units than depth",
-        "give the translations in the declared units (metres in a PhysTwin case)",
-    ),
-    code(
-        "DEPTH_UNITS",
+        "give the translations in the declared units (metres in a PhysTwin case)";
+    DepthUnits "DEPTH_UNITS",
         "depth of all cameras is in other units",
-        "declare the depth's units (millimetres in a PhysTwin case)",
-    ),
-    code(
-        "DEPTH_SCALE",
+        "declare the depth's units (millimetres in a PhysTwin case)";
+    DepthScale "DEPTH_SCALE",
         "depth of one camera is too large or too small",
-        "set this camera's depth scale as its driver gives it",
-    ),
-    code(
-        "SCALE_TOO_LARGE",
+        "set this camera's depth scale as its driver gives it";
+    ScaleTooLarge "SCALE_TOO_LARGE",
         "the object is larger than anything that hands move",
-        "check the units of depth and poses: centimetres or millimetres for metres?",
-    ),
-    code(
-        "SCALE_TOO_SMALL",
+        "check the units of depth and poses: centimetres or millimetres for metres?";
+    ScaleTooSmall "SCALE_TOO_SMALL",
         "the object is smaller than a camera can resolve",
-        "check the units of depth and poses: metres taken for millimetres?",
-    ),
-    code(
-        "UP_AXIS_WRONG",
+        "check the units of depth and poses: metres taken for millimetres?";
+    UpAxisWrong "UP_AXIS_WRONG",
         "the world is upside down",
-        "declare the axis that points up; in a PhysTwin case z points down",
-    ),
-    code(
-        "MASKS_MISSING",
+        "declare the axis that points up; in a PhysTwin case z points down";
+    MasksMissing "MASKS_MISSING",
         "there are no masks of the object",
-        "segment the object in every camera (SAM 2, for example) and add the masks",
-    ),
-    code(
-        "OBJECT_NOT_SEEN",
+        "segment the object in every camera (SAM 2, for example) and add the masks";
+    ObjectNotSeen "OBJECT_NOT_SEEN",
         "no mask of the object has a pixel with depth",
-        "check which label is the object's, and that the masks are not black",
-    ),
-    code(
-        "MASK_COVERS_IMAGE",
+        "check which label is the object's, and that the masks are not black";
+    MaskCoversImage "MASK_COVERS_IMAGE",
         "a mask covers most of the image",
-        "invert the mask: it must show the object, not the background",
-    ),
-    code(
-        "MASKS_SWAPPED",
+        "invert the mask: it must show the object, not the background";
+    MasksSwapped "MASKS_SWAPPED",
         "masks of object and manipulator are exchanged",
-        "exchange the labels in the mask's description",
-    ),
-    code(
-        "MASKS_OVERLAP",
+        "exchange the labels in the mask's description";
+    MasksOverlap "MASKS_OVERLAP",
         "pixels belong to both masks",
-        "give every pixel to one of them: the segmenter counted it twice",
-    ),
-    code(
-        "DEPTH_EMPTY",
+        "give every pixel to one of them: the segmenter counted it twice";
+    DepthEmpty "DEPTH_EMPTY",
         "there is no depth on the object",
-        "record depth aligned to colour; nothing can be lifted without",
-    ),
-    code(
-        "DEPTH_SPARSE",
+        "record depth aligned to colour; nothing can be lifted without";
+    DepthSparse "DEPTH_SPARSE",
         "much of the object has no depth",
-        "move the camera nearer, light the scene, or use a matte object",
-    ),
-    code(
-        "MASK_SHOWS_BACKGROUND",
+        "move the camera nearer, light the scene, or use a matte object";
+    MaskShowsBackground "MASK_SHOWS_BACKGROUND",
         "the mask shows much that lies far from the object",
-        "keep masks off the background, and align depth to colour",
-    ),
-    code(
-        "DEPTH_NOT_FINITE",
+        "keep masks off the background, and align depth to colour";
+    DepthNotFinite "DEPTH_NOT_FINITE",
         "depth is NaN, infinite or negative",
-        "write 0 where nothing was measured",
-    ),
-    code("DEPTH_FILLED", "a number stands for no depth", "write 0 where nothing was measured"),
-    code(
-        "DEPTH_FROZEN",
+        "write 0 where nothing was measured";
+    DepthFilled "DEPTH_FILLED",
+        "a number stands for no depth",
+        "write 0 where nothing was measured";
+    DepthFrozen "DEPTH_FROZEN",
         "depth stands still while colour moves",
-        "restart the depth stream and record again",
-    ),
-    code(
-        "COLOR_FROZEN",
+        "restart the depth stream and record again";
+    ColorFrozen "COLOR_FROZEN",
         "colour stands still while depth moves",
-        "restart the colour stream and record again",
-    ),
-    code(
-        "CAMERAS_SKEWED",
+        "restart the colour stream and record again";
+    CamerasSkewed "CAMERAS_SKEWED",
         "a camera shows things later than the others",
-        "synchronise the cameras by hardware, or shift its frames by the skew",
-    ),
-    code(
-        "CLOCKS_DRIFT",
+        "synchronise the cameras by hardware, or shift its frames by the skew";
+    ClocksDrift "CLOCKS_DRIFT",
         "the skew between cameras changes",
-        "write a file for every frame, also for dropped ones, or trigger the cameras together",
-    ),
-    code(
-        "FRAMES_DROPPED",
+        "write a file for every frame, also for dropped ones, or trigger the cameras together";
+    FramesDropped "FRAMES_DROPPED",
         "frames are missing",
-        "record to a faster disk or fewer pixels; fewer USB cameras on one controller",
-    ),
-    code(
-        "FRAMES_SKIPPED",
+        "record to a faster disk or fewer pixels; fewer USB cameras on one controller";
+    FramesSkipped "FRAMES_SKIPPED",
         "motion jumps although no frame is missing",
-        "keep the numbers of dropped frames free instead of closing up",
-    ),
-    code(
-        "FRAMES_DUPLICATED",
+        "keep the numbers of dropped frames free instead of closing up";
+    FramesDuplicated "FRAMES_DUPLICATED",
         "frames repeat the one before",
-        "record at the rate that the camera gives, or correct the frame rate",
-    ),
-    code(
-        "FRAMES_LATE",
+        "record at the rate that the camera gives, or correct the frame rate";
+    FramesLate "FRAMES_LATE",
         "frames come later than the rate says",
-        "record to a faster disk, with a fixed exposure",
-    ),
-    code(
-        "FPS_MISMATCH",
+        "record to a faster disk, with a fixed exposure";
+    FpsMismatch "FPS_MISMATCH",
         "times and frame rate disagree",
-        "correct the frame rate: speeds and forces depend on it",
-    ),
-    code(
-        "FPS_IMPLAUSIBLE",
+        "correct the frame rate: speeds and forces depend on it";
+    FpsImplausible "FPS_IMPLAUSIBLE",
         "the frame rate is unusual",
-        "give frames per second, not the time of a frame",
-    ),
-    code(
-        "CAMERA_OFF",
+        "give frames per second, not the time of a frame";
+    CameraOff "CAMERA_OFF",
         "a camera's calibration is off",
-        "calibrate this camera again, or leave it out",
-    ),
-    code(
-        "CAMERAS_DISAGREE",
+        "calibrate this camera again, or leave it out";
+    CamerasDisagree "CAMERAS_DISAGREE",
         "cameras see the object in different places",
-        "calibrate the cameras again",
-    ),
-    code(
-        "BELOW_GROUND",
+        "calibrate the cameras again";
+    BelowGround "BELOW_GROUND",
         "object points lie below the ground",
-        "correct the ground's height or the up axis",
-    ),
-    code(
-        "OBJECT_MASK_EMPTY",
+        "correct the ground's height or the up axis";
+    ObjectMaskEmpty "OBJECT_MASK_EMPTY",
         "the object's mask is empty in some frames",
-        "segment these frames again; the object must not leave the view",
-    ),
-    code(
-        "MASK_JUMPS",
+        "segment these frames again; the object must not leave the view";
+    MaskJumps "MASK_JUMPS",
         "the area of a mask jumps",
-        "look at these frames in the segmenter: it lost the object or took in something else",
-    ),
-    code(
-        "OBJECT_NOT_TRACKED",
+        "look at these frames in the segmenter: it lost the object or took in something else";
+    ObjectNotTracked "OBJECT_NOT_TRACKED",
         "nothing can be followed on the object from the first frame on",
-        "begin the recording with the object in view, or give tracks that lie on it",
-    ),
-    code(
-        "HAND_NOT_TRACKED",
+        "begin the recording with the object in view, or give tracks that lie on it";
+    HandNotTracked "HAND_NOT_TRACKED",
         "the hand is not in the first frame",
-        "begin the recording when the hand is in view, and mask it from the first frame on",
-    ),
-    code(
-        "HAND_LOST",
+        "begin the recording when the hand is in view, and mask it from the first frame on";
+    HandLost "HAND_LOST",
         "the hand's masks have a long gap",
-        "segment the hand in these frames, cut the recording there, or raise `controls.max_gap_frames` of the ingest",
-    ),
-    code("NOTHING_MOVES", "object and hand stand still", "record the manipulation, not the scene"),
-    code(
-        "OBJECT_STILL",
+        "segment the hand in these frames, cut the recording there, or raise `controls.max_gap_frames` of the ingest";
+    NothingMoves "NOTHING_MOVES",
+        "object and hand stand still",
+        "record the manipulation, not the scene";
+    ObjectStill "OBJECT_STILL",
         "the hand moves, the object does not",
-        "check that the object's mask shows what the hand moves",
-    ),
-    code(
-        "MANIPULATOR_NOT_SEEN",
+        "check that the object's mask shows what the hand moves";
+    ManipulatorNotSeen "MANIPULATOR_NOT_SEEN",
         "no hand or gripper is seen",
-        "mask the hand or gripper: nothing but gravity would move the twin",
-    ),
-    code(
-        "NO_CONTACT",
+        "mask the hand or gripper: nothing but gravity would move the twin";
+    NoContact "NO_CONTACT",
         "the hand never touches the object",
-        "record a manipulation with contact, and mask the hand that touches",
-    ),
-    code(
-        "MOTION_TOO_FAST",
+        "record a manipulation with contact, and mask the hand that touches";
+    MotionTooFast "MOTION_TOO_FAST",
         "the object moves too far between frames",
-        "move more slowly or record at a higher rate",
-    ),
-    code("FEW_FRAMES", "the recording is short", "record at least two seconds"),
-    code("SPLIT_EMPTY", "too few frames are for fitting", "move the split"),
-    code(
-        "TRACKS_TRANSPOSED",
+        "move more slowly or record at a higher rate";
+    FewFrames "FEW_FRAMES",
+        "the recording is short",
+        "record at least two seconds";
+    SplitEmpty "SPLIT_EMPTY",
+        "too few frames are for fitting",
+        "move the split";
+    TracksTransposed "TRACKS_TRANSPOSED",
         "tracks are row, column instead of x, y (or the reverse)",
-        "exchange the two coordinates of the tracks",
-    ),
-    code(
-        "TRACKS_OFF_OBJECT",
+        "exchange the two coordinates of the tracks";
+    TracksOffObject "TRACKS_OFF_OBJECT",
         "tracks lie outside the masks",
-        "run the tracker on these images, at their resolution",
-    ),
-    code(
-        "TRACKS_LOST",
+        "run the tracker on these images, at their resolution";
+    TracksLost "TRACKS_LOST",
         "few tracks survive",
-        "track backwards too, add query frames, or keep hands out of the view",
-    ),
-    code(
-        "TRACKS_STILL",
+        "track backwards too, add query frames, or keep hands out of the view";
+    TracksStill "TRACKS_STILL",
         "tracks stand still while the object moves",
-        "run the tracker again: its output is a copy of the first frame",
-    ),
-    code("TRACKS_NOT_FINITE", "visible tracks are NaN or infinite", "mark lost tracks invisible"),
-    code(
-        "TOO_MANY_CAMERAS",
+        "run the tracker again: its output is a copy of the first frame";
+    TracksNotFinite "TRACKS_NOT_FINITE",
+        "visible tracks are NaN or infinite",
+        "mark lost tracks invisible";
+    TooManyCameras "TOO_MANY_CAMERAS",
         "more cameras than are compared",
-        "leave out cameras that do not see the object",
-    ),
-    code(
-        "OBJECT_ABOVE_GROUND",
+        "leave out cameras that do not see the object";
+    ObjectAboveGround "OBJECT_ABOVE_GROUND",
         "the object never comes near the ground",
-        "check the ground's height, unless the object hangs freely",
-    ),
-    code(
-        "SINGLE_CAMERA",
+        "check the ground's height, unless the object hangs freely";
+    SingleCamera "SINGLE_CAMERA",
         "one camera sees one side",
-        "add a second camera opposite, or a mesh of the object",
-    ),
-    code(
-        "TRACKS_MISSING",
+        "add a second camera opposite, or a mesh of the object";
+    TracksMissing "TRACKS_MISSING",
         "there are no tracks",
-        "nothing: the built-in tracker follows the object; a point tracker's tracks are better on plain surfaces",
-    ),
-];
-
-/// Place in the order of repair; unknown codes (a reader's reasons) come first.
-pub(crate) fn rank(name: &str) -> usize {
-    CODES.iter().position(|c| c.name == name).map_or(0, |at| at + 1)
+        "nothing: the built-in tracker follows the object; a point tracker's tracks are better on plain surfaces";
 }
 
-/// The advice of a code of this list; empty for others.
-pub(crate) fn advice(name: &str) -> &'static str {
-    CODES.iter().find(|c| c.name == name).map_or("", |c| c.advice)
+impl Code {
+    /// The code of this name; a reader's reason is none.
+    pub fn named(name: &str) -> Option<Self> {
+        Self::ALL.iter().copied().find(|code| code.name() == name)
+    }
+
+    /// Place of a name in the order of repair; unknown names (a reader's reasons) come first.
+    pub(crate) fn rank(name: &str) -> usize {
+        Self::named(name).map_or(0, |code| code as usize)
+    }
+}
+
+impl AsRef<str> for Code {
+    fn as_ref(&self) -> &str {
+        self.name()
+    }
 }
 
 #[cfg(test)]

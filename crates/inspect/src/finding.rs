@@ -3,7 +3,7 @@
 use bendtwin_core::Severity;
 use serde::{Deserialize, Serialize};
 
-use crate::{Finding, codes};
+use crate::{Code, Finding};
 
 /// Judgement of a recording as a whole.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
@@ -31,14 +31,15 @@ impl Verdict {
 /// Gives each finding without advice the one of its code.
 pub(crate) fn advise(findings: &mut [Finding]) {
     for finding in findings.iter_mut().filter(|f| f.advice.is_empty()) {
-        codes::advice(&finding.code).clone_into(&mut finding.advice);
+        let advice = Code::named(&finding.code).map_or("", Code::advice);
+        advice.clone_into(&mut finding.advice);
     }
 }
 
 /// Sorts findings: the worst first, and what has to be repaired first before what follows from it.
 pub(crate) fn sort(findings: &mut [Finding]) {
     findings.sort_by(|a, b| {
-        let key = |f: &Finding| (f.severity, codes::rank(&f.code));
+        let key = |f: &Finding| (f.severity, Code::rank(&f.code));
         key(a).cmp(&key(b)).then_with(|| a.cameras.cmp(&b.cameras))
     });
 }

@@ -4,7 +4,7 @@ use bendtwin_capture::raw::Recording;
 use bendtwin_core::{CancelToken, settings::ingest::IngestSettings};
 
 use crate::{
-    Error, Finding,
+    Code, Error, Finding,
     inspection::{Inspection, Kind},
     judge,
     picture_inputs::PictureInputs,
@@ -66,7 +66,7 @@ fn too_long(
 ) -> Inspection {
     let mut inspection = unread(recording, settings, thresholds);
     let message = format!("the recording has {images} images (limit {MAX_IMAGES})");
-    let finding = Finding::error("RECORDING_TOO_LONG", message).number("images", images as f64);
+    let finding = Finding::error(Code::RecordingTooLong, message).number("images", images as f64);
     inspection.add([finding]);
     inspection
 }

@@ -5,7 +5,7 @@
 //! tracks, scale, motion and contact, and whether the cameras see one world: if not, it tries the
 //! mistakes that people make with calibrations and names the one that explains it.
 //! [`inspect_observed()`] does what can be done for points that were lifted elsewhere. A [`Report`]
-//! is a JSON document and one page without scripts. [`CODES`] has every code with what to do.
+//! is a JSON document and one page without scripts. [`Code`] has every code with what to do.
 
 mod codes;
 mod consequences;
@@ -28,7 +28,7 @@ mod vector;
 use bendtwin_core::Finding;
 
 pub use self::{
-    codes::{CODES, Code},
+    codes::Code,
     error::Error,
     finding::Verdict,
     inspect::inspect,

@@ -1,24 +1,27 @@
 //! Reasons why a recording cannot become a capture, with what its owner should do.
 
-use bendtwin_core::{CancelToken, Category, ObserverError, Problem, checkpoint::Refusal};
+use bendtwin_core::{CancelToken, ObserverError, Problem, checkpoint::Refusal};
 
 /// Why an ingest fails.
-#[derive(Debug, thiserror::Error)]
+#[derive(Debug, thiserror::Error, Problem)]
 pub enum Error {
     /// Settings out of range.
     #[error("the ingest's settings are wrong: {}", .0.join("; "))]
+    #[problem(InvalidArgument, "INVALID_INGEST_SETTINGS")]
     Settings(Vec<String>),
     /// Frames cannot be read.
     #[error(transparent)]
     Recording(#[from] bendtwin_capture::Error),
     /// A recording that contradicts itself.
     #[error("the recording is inconsistent: {0}")]
+    #[problem(InvalidArgument, "RECORDING_INCONSISTENT")]
     Inconsistent(String),
     /// More tracks than fit into memory.
     #[error(
         "the cameras have {tracks} tracks over {frames} frames, beyond the limits of 100000 tracks and of 12 million tracks \
          times frames: track fewer points, or split the recording"
     )]
+    #[problem(ResourceExhausted, "TOO_MANY_TRACKS")]
     TooManyTracks {
         /// Tracks of all cameras.
         tracks: usize,
@@ -30,12 +33,14 @@ pub enum Error {
         "no camera's mask shows the object with depth behind it: check that the object's masks are not empty, belong to these \
          images, and that depth was recorded there ({0})"
     )]
+    #[problem(InvalidArgument, "OBJECT_NOT_SEEN")]
     NoObject(String),
     /// No track on the object.
     #[error(
         "none of {tracks} tracks lies on the object in the first frame ({detail}): check that the tracks' columns and \
          rows are in order, and that the first frame shows the object"
     )]
+    #[problem(InvalidArgument, "OBJECT_NOT_TRACKED")]
     NoTracks {
         /// Tracks of all cameras.
         tracks: usize,
@@ -47,6 +52,7 @@ pub enum Error {
         "only {seen} of {tracks} tracks on the object are still seen in frame {frame}: a fit needs some; check for cameras \
          that moved, masks that jump, or cut the recording there"
     )]
+    #[problem(InvalidArgument, "TRACKS_LOST")]
     TracksLost {
         /// Tracks on the object in the first frame.
         tracks: usize,
@@ -60,6 +66,7 @@ pub enum Error {
         "no mask shows the object from frame {from} on, and {train} frames are for fitting: segment these frames again, or \
          cut the recording there"
     )]
+    #[problem(InvalidArgument, "OBJECT_MASK_EMPTY")]
     ObjectGone {
         /// First frame without it.
         from: usize,
@@ -71,6 +78,7 @@ pub enum Error {
         "the hand's masks are empty up to frame {to}: let the recording begin when the hand is in view, and mask it from the \
          first frame on"
     )]
+    #[problem(InvalidArgument, "HAND_NOT_TRACKED")]
     HandLate {
         /// Last frame without it.
         to: usize,
@@ -80,6 +88,7 @@ pub enum Error {
         "the masks show a hand or gripper, but hardly in the first frame, where {tracks} tracks lie on it and {needed} are \
          needed: let the recording begin when the hand is in view"
     )]
+    #[problem(InvalidArgument, "HAND_NOT_TRACKED")]
     NoHandTracks {
         /// Tracks on the hand.
         tracks: usize,
@@ -91,6 +100,7 @@ pub enum Error {
         "no mask shows the hand from frame {from} to {to}, and gaps are filled up to {limit} frames: segment it there, cut \
          the recording, or raise controls.max_gap_frames"
     )]
+    #[problem(InvalidArgument, "HAND_LOST")]
     HandLost {
         /// First frame without it.
         from: usize,
@@ -101,6 +111,7 @@ pub enum Error {
     },
     /// The mesh cannot be read or aligned.
     #[error("the mesh `{name}` cannot be used: {why}; repair it, or set completion.mesh to false")]
+    #[problem(InvalidArgument, "MESH_UNUSABLE")]
     Mesh {
         /// File name.
         name: String,
@@ -112,17 +123,21 @@ pub enum Error {
     Tracker(bendtwin_flow::Error),
     /// The checkpoint is damaged or of another version.
     #[error("the checkpoint cannot be read ({0}): start the ingest again without it")]
+    #[problem(FailedPrecondition, "CHECKPOINT_UNREADABLE")]
     Checkpoint(String),
     /// The checkpoint belongs to another ingest.
     #[error(
         "the checkpoint belongs to another recording, other settings or another build: start the ingest again without it"
     )]
+    #[problem(FailedPrecondition, "CHECKPOINT_OF_ANOTHER_INGEST")]
     OtherCheckpoint,
     /// The observer could not keep a checkpoint (a lost lease, say).
     #[error("the ingest's checkpoint could not be kept: {0}")]
+    #[problem(Aborted, "CHECKPOINT_NOT_KEPT")]
     Observer(#[source] ObserverError),
     /// Cancelled on request.
     #[error("the ingest was cancelled")]
+    #[problem(Cancelled, "CANCELLED")]
     Cancelled,
 }
 
@@ -146,41 +161,6 @@ impl From<Refusal> for Error {
         match refusal {
             Refusal::OtherWork => Self::OtherCheckpoint,
             other => Self::Checkpoint(other.to_string()),
-        }
-    }
-}
-
-impl Problem for Error {
-    fn category(&self) -> Category {
-        match self {
-            Self::Recording(e) => e.category(),
-            Self::Tracker(e) => e.category(),
-            Self::TooManyTracks { .. } => Category::ResourceExhausted,
-            Self::Checkpoint(_) | Self::OtherCheckpoint => Category::FailedPrecondition,
-            Self::Observer(_) => Category::Aborted,
-            Self::Cancelled => Category::Cancelled,
-            _ => Category::InvalidArgument,
-        }
-    }
-
-    fn reason(&self) -> &'static str {
-        match self {
-            Self::Settings(_) => "INVALID_INGEST_SETTINGS",
-            Self::Recording(e) => e.reason(),
-            Self::Inconsistent(_) => "RECORDING_INCONSISTENT",
-            Self::TooManyTracks { .. } => "TOO_MANY_TRACKS",
-            Self::NoObject(_) => "OBJECT_NOT_SEEN",
-            Self::NoTracks { .. } => "OBJECT_NOT_TRACKED",
-            Self::TracksLost { .. } => "TRACKS_LOST",
-            Self::ObjectGone { .. } => "OBJECT_MASK_EMPTY",
-            Self::NoHandTracks { .. } | Self::HandLate { .. } => "HAND_NOT_TRACKED",
-            Self::HandLost { .. } => "HAND_LOST",
-            Self::Mesh { .. } => "MESH_UNUSABLE",
-            Self::Tracker(e) => e.reason(),
-            Self::Checkpoint(_) => "CHECKPOINT_UNREADABLE",
-            Self::OtherCheckpoint => "CHECKPOINT_OF_ANOTHER_INGEST",
-            Self::Observer(_) => "CHECKPOINT_NOT_KEPT",
-            Self::Cancelled => "CANCELLED",
         }
     }
 }

@@ -1,15 +1,17 @@
 //! Reasons why a mesh cannot be read or used, with what its owner should do.
 
-use bendtwin_core::{Category, Problem};
+use bendtwin_core::Problem;
 
 /// Why a mesh cannot be read, sampled or aligned.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[derive(Clone, Debug, PartialEq, thiserror::Error, Problem)]
 pub enum Error {
     /// An extension that is not read.
     #[error("`{0}` is no mesh that can be read: export it as .glb, .obj or .ply")]
+    #[problem(InvalidArgument, "UNKNOWN_MESH_FORMAT")]
     Format(String),
     /// A file that is cut off, corrupted or against its format.
     #[error("the mesh `{at}` is damaged: {fault}; export it again")]
+    #[problem(InvalidArgument, "MESH_DAMAGED")]
     Damaged {
         /// The file.
         at: String,
@@ -20,6 +22,7 @@ pub enum Error {
     #[error(
         "the mesh `{at}` claims {claimed} bytes of data but holds {present}: it is cut off or its header is wrong"
     )]
+    #[problem(InvalidArgument, "MESH_CLAIMS_TOO_MUCH")]
     Absurd {
         /// The file.
         at: String,
@@ -30,6 +33,7 @@ pub enum Error {
     },
     /// Beyond [`crate::Limits`].
     #[error("the mesh has {count} {what}, the limit is {limit}: decimate it first")]
+    #[problem(ResourceExhausted, "MESH_TOO_MANY")]
     TooMany {
         /// Vertices or triangles.
         what: &'static str,
@@ -40,6 +44,7 @@ pub enum Error {
     },
     /// A file beyond [`crate::Limits::file_bytes`].
     #[error("the mesh `{at}` has {bytes} bytes, the limit is {limit}: decimate it first")]
+    #[problem(ResourceExhausted, "MESH_TOO_LARGE")]
     TooLarge {
         /// The file.
         at: String,
@@ -53,6 +58,7 @@ pub enum Error {
         "the mesh `{at}` is compressed with {extension}: export it without compression \
          (`gltf-transform copy in.glb out.glb` decodes it)"
     )]
+    #[problem(InvalidArgument, "MESH_COMPRESSED")]
     Compressed {
         /// The file.
         at: String,
@@ -61,12 +67,14 @@ pub enum Error {
     },
     /// Data in another file.
     #[error("the mesh `{at}` keeps its data in other files: export it as one binary .glb")]
+    #[problem(InvalidArgument, "MESH_EXTERNAL_DATA")]
     External {
         /// The file.
         at: String,
     },
     /// A feature of its format that is not supported.
     #[error("the mesh `{at}` uses {what}, which is not read: export plain triangles")]
+    #[problem(InvalidArgument, "MESH_UNSUPPORTED")]
     Unsupported {
         /// The file.
         at: String,
@@ -75,11 +83,13 @@ pub enum Error {
     },
     /// Without surface to sample.
     #[error("the mesh `{0}` has no triangles: export the surface, not points or lines")]
+    #[problem(InvalidArgument, "MESH_EMPTY")]
     Empty(String),
     /// NaN or infinity.
     #[error(
         "the mesh `{at}` has a coordinate of vertex {vertex} that is not a finite number: export it again"
     )]
+    #[problem(InvalidArgument, "MESH_NOT_FINITE")]
     NotFinite {
         /// The file.
         at: String,
@@ -90,6 +100,7 @@ pub enum Error {
     #[error(
         "the mesh `{at}` has a face that names vertex {vertex}, but there are {vertices}: export it again"
     )]
+    #[problem(InvalidArgument, "MESH_INDEX_OUT_OF_RANGE")]
     IndexRange {
         /// The file.
         at: String,
@@ -102,6 +113,7 @@ pub enum Error {
     #[error(
         "a spacing of {spacing_m} m gives about {samples} samples, the limit is {limit}: use a wider one"
     )]
+    #[problem(InvalidArgument, "MESH_SPACING_TOO_FINE")]
     Spacing {
         /// The spacing asked for [m].
         spacing_m: f32,
@@ -114,6 +126,7 @@ pub enum Error {
     #[error(
         "a mesh is aligned to at least {needed} observed points, there are {found}: look at the object's masks and depth"
     )]
+    #[problem(FailedPrecondition, "MESH_TOO_FEW_POINTS")]
     TooFewPoints {
         /// Points needed.
         needed: usize,
@@ -126,39 +139,11 @@ pub enum Error {
          another object or another shape of it; align it by hand, or leave it out",
         share = inlier_share * 100.0, within_mm = within_m * 1e3
     )]
+    #[problem(FailedPrecondition, "MESH_NOT_ALIGNED")]
     NotAligned {
         /// Observed points that lie on the mesh, 0 to 1.
         inlier_share: f64,
         /// Distance within which a point counts as on the mesh [m].
         within_m: f64,
     },
-}
-
-impl Problem for Error {
-    fn category(&self) -> Category {
-        match self {
-            Self::TooMany { .. } | Self::TooLarge { .. } => Category::ResourceExhausted,
-            Self::TooFewPoints { .. } | Self::NotAligned { .. } => Category::FailedPrecondition,
-            _ => Category::InvalidArgument,
-        }
-    }
-
-    fn reason(&self) -> &'static str {
-        match self {
-            Self::Format(_) => "UNKNOWN_MESH_FORMAT",
-            Self::Damaged { .. } => "MESH_DAMAGED",
-            Self::Absurd { .. } => "MESH_CLAIMS_TOO_MUCH",
-            Self::TooMany { .. } => "MESH_TOO_MANY",
-            Self::TooLarge { .. } => "MESH_TOO_LARGE",
-            Self::Compressed { .. } => "MESH_COMPRESSED",
-            Self::External { .. } => "MESH_EXTERNAL_DATA",
-            Self::Unsupported { .. } => "MESH_UNSUPPORTED",
-            Self::Empty(_) => "MESH_EMPTY",
-            Self::NotFinite { .. } => "MESH_NOT_FINITE",
-            Self::IndexRange { .. } => "MESH_INDEX_OUT_OF_RANGE",
-            Self::Spacing { .. } => "MESH_SPACING_TOO_FINE",
-            Self::TooFewPoints { .. } => "MESH_TOO_FEW_POINTS",
-            Self::NotAligned { .. } => "MESH_NOT_ALIGNED",
-        }
-    }
 }

@@ -1,9 +1,10 @@
 //! Errors of drawing.
 
-use bendtwin_core::{Category, Problem};
+use bendtwin_core::Problem;
 
 /// The reason for which a picture cannot be drawn.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[derive(Clone, Debug, PartialEq, thiserror::Error, Problem)]
+#[problem(Internal, "PICTURE_FAILED")]
 pub enum Error {
     /// No memory can hold it, or it is empty.
     #[error("a picture of {width} x {height} pixels cannot be drawn")]
@@ -16,14 +17,4 @@ pub enum Error {
     /// The encoder failed.
     #[error("the PNG encoder failed: {0}")]
     Encoding(String),
-}
-
-impl Problem for Error {
-    fn category(&self) -> Category {
-        Category::Internal
-    }
-
-    fn reason(&self) -> &'static str {
-        "PICTURE_FAILED"
-    }
 }

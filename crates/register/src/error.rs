@@ -1,13 +1,14 @@
 //! Errors of registration and correction.
 
-use bendtwin_core::{Category, Problem};
+use bendtwin_core::Problem;
 use bendtwin_engine::backend;
 
 /// An observation that is refused, or that the twin does not explain.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[derive(Clone, Debug, PartialEq, thiserror::Error, Problem)]
 pub enum Error {
     /// The observation, the state or an option contradicts the twin.
     #[error("the observation cannot be used: {0}")]
+    #[problem(InvalidArgument, "INVALID_OBSERVATION")]
     Invalid(String),
     /// The twin cannot be brought near enough to the points.
     #[error(
@@ -17,6 +18,7 @@ pub enum Error {
          raise the limit",
         share = 100.0 * explained, least_share = 100.0 * least_explained
     )]
+    #[problem(FailedPrecondition, "OBSERVATION_NOT_EXPLAINED")]
     NotExplained {
         /// Median distance that is left [mm].
         median_mm: f64,
@@ -32,6 +34,7 @@ pub enum Error {
     },
     /// The work was cancelled through its token.
     #[error("cancelled")]
+    #[problem(Cancelled, "CANCELLED")]
     Cancelled,
     /// The simulation failed.
     #[error(transparent)]
@@ -43,26 +46,6 @@ impl From<backend::Error> for Error {
         match error {
             backend::Error::Cancelled => Self::Cancelled,
             other => Self::Backend(other),
-        }
-    }
-}
-
-impl Problem for Error {
-    fn category(&self) -> Category {
-        match self {
-            Self::Invalid(_) => Category::InvalidArgument,
-            Self::NotExplained { .. } => Category::FailedPrecondition,
-            Self::Cancelled => Category::Cancelled,
-            Self::Backend(e) => e.category(),
-        }
-    }
-
-    fn reason(&self) -> &'static str {
-        match self {
-            Self::Invalid(_) => "INVALID_OBSERVATION",
-            Self::NotExplained { .. } => "OBSERVATION_NOT_EXPLAINED",
-            Self::Cancelled => "CANCELLED",
-            Self::Backend(e) => e.reason(),
         }
     }
 }

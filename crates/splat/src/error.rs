@@ -1,12 +1,13 @@
 //! Errors of rendering.
 
-use bendtwin_core::{Category, Problem};
+use bendtwin_core::Problem;
 
 /// The reason for which an image, or gradients, cannot be computed.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[derive(Clone, Debug, PartialEq, thiserror::Error, Problem)]
 pub enum Error {
     /// A parameter of a Gaussian is not finite, or outside of its range.
     #[error("Gaussian {index} has {what} {value}: {rule}")]
+    #[problem(InvalidArgument, "SPLATS_INVALID")]
     Gaussian {
         /// Index of the Gaussian.
         index: usize,
@@ -19,6 +20,7 @@ pub enum Error {
     },
     /// Arrays of different lengths.
     #[error("{expected} {of} but {got} {what}")]
+    #[problem(InvalidArgument, "SPLATS_INVALID")]
     Lengths {
         /// Entries that there must be.
         expected: usize,
@@ -31,6 +33,7 @@ pub enum Error {
     },
     /// A parameter of the camera is out of range.
     #[error("the camera's {what} is {value}: {rule}")]
+    #[problem(InvalidArgument, "SPLATS_INVALID")]
     Camera {
         /// Name of the parameter.
         what: &'static str,
@@ -41,6 +44,7 @@ pub enum Error {
     },
     /// A derivative of the loss by a pixel is not finite.
     #[error("d loss / d {what} of pixel {pixel} is {value}: it must be finite")]
+    #[problem(InvalidArgument, "SPLATS_INVALID")]
     Bar {
         /// Name of the channel.
         what: &'static str,
@@ -51,6 +55,7 @@ pub enum Error {
     },
     /// More Gaussians, or more tiles under them, than memory is given for.
     #[error("{count} {what}, at most {most}: use fewer or smaller Gaussians, or a smaller image")]
+    #[problem(ResourceExhausted, "SPLATS_TOO_MANY")]
     TooMany {
         /// Name of the counted things.
         what: &'static str,
@@ -61,45 +66,21 @@ pub enum Error {
     },
     /// The graph and the Gaussians that it carries do not fit each other.
     #[error("{0}")]
+    #[problem(InvalidArgument, "SPLATS_INVALID")]
     Carrier(String),
     /// A device failed or is missing.
     #[error("the compute device failed: {0}")]
+    #[problem(Internal, "DEVICE_FAILED")]
     Device(String),
     /// A device has too little memory.
     #[error(
         "rendering needs {needed} bytes of device memory, {available} are available: use fewer Gaussians or a smaller image"
     )]
+    #[problem(ResourceExhausted, "DEVICE_OUT_OF_MEMORY")]
     OutOfMemory {
         /// Bytes that are needed.
         needed: u64,
         /// Bytes that there are.
         available: u64,
     },
-}
-
-impl Problem for Error {
-    fn category(&self) -> Category {
-        match self {
-            Self::Gaussian { .. }
-            | Self::Lengths { .. }
-            | Self::Camera { .. }
-            | Self::Bar { .. }
-            | Self::Carrier(_) => Category::InvalidArgument,
-            Self::TooMany { .. } | Self::OutOfMemory { .. } => Category::ResourceExhausted,
-            Self::Device(_) => Category::Internal,
-        }
-    }
-
-    fn reason(&self) -> &'static str {
-        match self {
-            Self::Gaussian { .. }
-            | Self::Lengths { .. }
-            | Self::Camera { .. }
-            | Self::Bar { .. }
-            | Self::Carrier(_) => "SPLATS_INVALID",
-            Self::TooMany { .. } => "SPLATS_TOO_MANY",
-            Self::OutOfMemory { .. } => "DEVICE_OUT_OF_MEMORY",
-            Self::Device(_) => "DEVICE_FAILED",
-        }
-    }
 }

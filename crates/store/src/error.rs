@@ -1,312 +1,254 @@
 //! Errors of the store.
 
-use std::path::PathBuf;
+use std::{path::PathBuf, time::Duration};
 
-use bendtwin_core::{Category, Problem, ids::FitId};
+use bendtwin_core::{Problem, ids::FitId};
 use bendtwin_tls::{FileError, TlsError};
 
 use crate::{Digest, JobId, database::plans, disk};
+
+/// Delay after which what another request or the database holds may be free.
+const SOON: Duration = Duration::from_secs(1);
 
 /// Result with this crate's [`Error`].
 pub type Result<T, E = Error> = std::result::Result<T, E>;
 
 /// An error of the store.
-#[derive(Debug, thiserror::Error)]
+#[derive(Debug, thiserror::Error, Problem)]
 #[allow(missing_docs)] // The messages say it.
 pub enum Error {
     #[error("{name} does not exist")]
+    #[problem(NotFound, "NOT_FOUND")]
     NotFound { name: String },
     #[error(
         "{name} has no playback: wait for the end of its ingest or, if it was read before there were \
          playbacks, run the ingest again"
     )]
+    #[problem(NotFound, "PLAYBACK_MISSING")]
     PlaybackMissing { name: String },
     #[error(
         "request id `{request_id}` was used before for {name}, with other content: \
          choose a new request id"
     )]
+    #[problem(AlreadyExists, "REQUEST_ID_TAKEN")]
     RequestIdTaken { request_id: String, name: String },
     #[error(
         "request id `{request_id}` made {name}, which has been deleted since: choose a new request id \
          to make another"
     )]
+    #[problem(AlreadyExists, "DELETED_SINCE")]
     DeletedSince { request_id: String, name: String },
     #[error(
         "the lease {epoch} of {job} has been lost to another worker or the job has ended: stop"
     )]
+    #[problem(Aborted, "STALE_LEASE")]
     StaleLease { job: JobId, epoch: u64 },
     #[error("{name} is used by {fits} queued or running fits: cancel them first")]
+    #[problem(FailedPrecondition, "CAPTURE_IN_USE")]
     CaptureInUse { name: String, fits: u64 },
     #[error("the ingest of {name} is under way: wait for its end, or cancel it first")]
+    #[problem(FailedPrecondition, "INGEST_UNDER_WAY")]
     IngestUnderWay { name: String },
     #[error("{fit} is running: cancel it first")]
+    #[problem(FailedPrecondition, "FIT_RUNNING")]
     FitRunning { fit: FitId },
     #[error("{name} would have more than {limit} tags: take some away first")]
+    #[problem(InvalidArgument, "TOO_MANY_TAGS")]
     TooManyTags { name: String, limit: usize },
     #[error(
         "{limit} different requirements wait in the queue already: ask for the same backend, memory and \
          labels as others do, or retry later"
     )]
+    #[problem(ResourceExhausted, "TOO_MANY_REQUIREMENTS")]
     TooManyRequirements { limit: usize },
     #[error("the page token is not from this listing: start without one")]
+    #[problem(InvalidArgument, "INVALID_PAGE_TOKEN")]
     InvalidPageToken,
     #[error("the content is larger than the limit of {limit} bytes")]
+    #[problem(InvalidArgument, "CONTENT_TOO_LARGE")]
     TooLarge { limit: u64 },
     #[error("the content's BLAKE3 digest is {actual}, not {given}: send it again")]
+    #[problem(InvalidArgument, "DIGEST_MISMATCH")]
     DigestMismatch { given: Digest, actual: Digest },
     #[error("{name} is gone: {why}")]
+    #[problem(NotFound, "UPLOAD_GONE")]
     UploadGone { name: String, why: String },
     #[error("{name} is in use by another request: retry in a moment")]
+    #[problem(Aborted, "UPLOAD_LOCKED", retry = SOON)]
     UploadLocked { name: String },
     #[error(
         "the upload cannot be {given} bytes long: {}",
         .known.map_or_else(|| format!("{offset} are here already"), |n| format!("its length is {n}"))
     )]
+    #[problem(InvalidArgument, "UPLOAD_LENGTH")]
     UploadLength { given: u64, known: Option<u64>, offset: u64 },
     #[error(
         "there is no room for another upload beside those under way ({count} of them, {bytes} bytes): \
          finish or delete one, or retry later"
     )]
+    #[problem(ResourceExhausted, "UPLOADS_FULL")]
     UploadsFull { count: u64, bytes: u64 },
     #[error(
         "{queued} jobs of {owner} wait already, and its key allows {limit}: wait for some to begin, or \
          cancel some"
     )]
+    #[problem(ResourceExhausted, "QUOTA_QUEUED_JOBS")]
     QuotaJobs { owner: String, queued: u64, limit: u64 },
     #[error(
         "{owner} has {stored} bytes stored, and with {more} more there were more than its key allows \
          ({limit}): delete captures or twins"
     )]
+    #[problem(ResourceExhausted, "QUOTA_STORED_BYTES")]
     QuotaBytes { owner: String, stored: u64, more: u64, limit: u64 },
     #[error("the server's disk is full: free space or delete captures and twins")]
+    #[problem(ResourceExhausted, "DISK_FULL")]
     DiskFull,
     #[error("the data folder is in use by another server: stop it or choose another folder")]
+    #[problem(FailedPrecondition, "DATA_DIR_IN_USE")]
     DataDirInUse,
     #[error(
         "the data folder has content but no database {}: put the database back, or run \
          `bendtwin store repair` to begin a new one beside it", .file.display()
     )]
+    #[problem(FailedPrecondition, "DATABASE_MISSING")]
     DatabaseMissing { file: PathBuf },
     #[error(
         "the database {database} and the content in {blobs} belong to different stores: put the right \
          one back, or run `bendtwin store repair` to join them"
     )]
+    #[problem(FailedPrecondition, "STORE_MISMATCH")]
     StoreMismatch { database: String, blobs: String },
     #[error(
         "another server has the database {database} open, and its content is not in {blobs}: give this \
          server the content, too"
     )]
+    #[problem(FailedPrecondition, "CONTENT_ELSEWHERE")]
     ContentElsewhere { database: String, blobs: String },
     #[error(
         "the store is in {} still and {database} is empty: run `bendtwin store migrate --to` with the \
          URL of that database, or choose another folder", .file.display()
     )]
+    #[problem(FailedPrecondition, "STORE_NOT_MIGRATED")]
     StoreNotMigrated { file: PathBuf, database: String },
     #[error(
         "the database of this folder is {database}: start the server with its URL (`--database`), back it \
          up with pg_dump (docs/operations.md), or remove the file `postgres` from the folder if the \
          database is there no more"
     )]
+    #[problem(FailedPrecondition, "DATABASE_ELSEWHERE")]
     DatabaseElsewhere { database: String },
     #[error("{database} is not empty: name a new database")]
+    #[problem(FailedPrecondition, "DATABASE_NOT_EMPTY")]
     DatabaseNotEmpty { database: String },
     #[error("the rows of {table} differ in {database}: nothing was changed there, report this")]
+    #[problem(DataLoss, "MIGRATION_DIFFERS")]
     MigrationDiffers { table: String, database: String },
     #[error("this is no URL of a PostgreSQL database: write `postgres://USER@HOST:PORT/DATABASE`")]
+    #[problem(InvalidArgument, "INVALID_DATABASE_URL")]
     InvalidDatabaseUrl,
     #[error("the database cannot be used: {fault}")]
+    #[problem(FailedPrecondition, "DATABASE_UNFIT")]
     DatabaseUnfit { fault: String },
     #[error(
         "a newer version of the program has changed the database ({name}, its migration {migration}; \
          this program knows {known}): start that version or a newer one; nothing has been changed"
     )]
+    #[problem(FailedPrecondition, "DATABASE_NEWER")]
     DatabaseNewer { migration: i64, name: String, known: i64 },
     #[error(
         "a newer version of the program has had this store (migration {migration}): run its `bendtwin \
          store migrate`, which knows all that is there"
     )]
+    #[problem(FailedPrecondition, "DATABASE_NEWER")]
     StoreNewer { migration: i64 },
     #[error(
         "this version changes the database so that older ones cannot use it, and {servers} servers \
          have it open: stop all of them (one that was killed counts for a minute), then start this \
          one; nothing has been changed"
     )]
+    #[problem(FailedPrecondition, "OLDER_SERVERS_RUN")]
     OlderServersRun { servers: i64 },
     #[error("the database is damaged ({fault}): run `bendtwin store check`")]
+    #[problem(DataLoss, "DATABASE_DAMAGED")]
     DatabaseDamaged { fault: String },
     #[error("the database cannot be rebuilt ({fault}): restore it from a backup")]
+    #[problem(DataLoss, "DATABASE_DAMAGED")]
     BeyondRepair { fault: String },
     #[error("the database is locked by another program or overloaded: retry in a moment")]
+    #[problem(Unavailable, "DATABASE_BUSY", retry = SOON)]
     DatabaseBusy,
     #[error("the database does not answer: retry in a moment")]
+    #[problem(Unavailable, "DATABASE_UNAVAILABLE", retry = SOON)]
     DatabaseUnavailable,
     #[error(
         "this is no place for content: write `s3://BUCKET` or `s3://BUCKET/PREFIX`, or `file:///FOLDER`; \
          keys go into the environment (AWS_ACCESS_KEY_ID, AWS_SECRET_ACCESS_KEY)"
     )]
+    #[problem(InvalidArgument, "INVALID_OBJECTS_URL")]
     InvalidObjectsUrl,
     #[error("the object storage does not answer: retry in a moment")]
+    #[problem(Unavailable, "OBJECTS_UNAVAILABLE")]
     ObjectsUnavailable,
     #[error("no TLS with the object storage: {fault}")]
+    #[problem(transparent)]
     ObjectsUntrusted { fault: TlsError },
     #[error("no TLS with the object storage: {0}")]
+    #[problem(transparent)]
     Certificate(#[from] FileError),
     #[error(
         "the object storage refuses the server ({fault}): check the keys, the region and the endpoint in \
          its environment (AWS_*), and the bucket's policy"
     )]
+    #[problem(FailedPrecondition, "OBJECTS_REFUSED")]
     ObjectsRefused { fault: String },
     #[error(
         "the content of this folder is in {objects}: name it (`--objects`), or remove the file `objects` \
          from the folder if it is there no more"
     )]
+    #[problem(FailedPrecondition, "OBJECTS_ELSEWHERE")]
     ObjectsElsewhere { objects: String },
     #[error("the content of this folder is in {objects}: {advice}")]
+    #[problem(FailedPrecondition, "OBJECTS_ELSEWHERE")]
     ObjectsNotLocal { objects: String, advice: &'static str },
     #[error(
         "the content is in {} still: run `bendtwin store migrate --to-objects` with the URL of its new \
          place", .folder.display()
     )]
+    #[problem(FailedPrecondition, "OBJECTS_NOT_MIGRATED")]
     ObjectsNotMigrated { folder: PathBuf },
     #[error("equal content is being deleted at this moment: retry in a moment")]
+    #[problem(Unavailable, "CONTENT_BUSY")]
     ContentBusy,
     #[error("text has a NUL character, which the database does not store: leave it out")]
+    #[problem(InvalidArgument, "INVALID_TEXT")]
     InvalidText,
     #[error("the folder {} is not empty: name a new one for the backup", .folder.display())]
+    #[problem(FailedPrecondition, "BACKUP_NOT_EMPTY")]
     BackupNotEmpty { folder: PathBuf },
     #[error("the content {digest} of {name} is missing: run `bendtwin store check`")]
+    #[problem(DataLoss, "CONTENT_LOST")]
     ContentLost { name: String, digest: String },
     #[error("the content {digest} of {name} is damaged ({fault}): run `bendtwin store check`")]
+    #[problem(DataLoss, "CONTENT_DAMAGED")]
     ContentDamaged { name: String, digest: String, fault: String },
     #[error("stored row of {name}: {fault}")]
+    #[problem(DataLoss, "CORRUPT_ROW")]
     CorruptRow { name: String, fault: String },
     #[error("database: {0}")]
+    #[problem(Internal, "DATABASE_FAILED")]
     Database(#[source] sqlx::Error),
     #[error("migration of the database: {0}")]
+    #[problem(Internal, "DATABASE_FAILED")]
     Migration(#[source] sqlx::migrate::MigrateError),
     #[error("files: {0}")]
+    #[problem(Internal, "FILES_FAILED")]
     Objects(#[source] object_store::Error),
     #[error("files: {0}")]
+    #[problem(Internal, "FILES_FAILED")]
     Io(#[source] std::io::Error),
     #[error("stopped at {0:?}")]
+    #[problem(Internal, "FAILPOINT")]
     Failpoint(crate::failpoint::Failpoint),
-}
-
-impl Problem for Error {
-    fn category(&self) -> Category {
-        match self {
-            Self::NotFound { .. } | Self::PlaybackMissing { .. } | Self::UploadGone { .. } => {
-                Category::NotFound
-            }
-            Self::RequestIdTaken { .. } | Self::DeletedSince { .. } => Category::AlreadyExists,
-            Self::StaleLease { .. } | Self::UploadLocked { .. } => Category::Aborted,
-            Self::CaptureInUse { .. }
-            | Self::IngestUnderWay { .. }
-            | Self::FitRunning { .. }
-            | Self::DatabaseMissing { .. }
-            | Self::StoreMismatch { .. }
-            | Self::ContentElsewhere { .. }
-            | Self::StoreNotMigrated { .. }
-            | Self::DatabaseElsewhere { .. }
-            | Self::DatabaseUnfit { .. }
-            | Self::DatabaseNewer { .. }
-            | Self::OlderServersRun { .. }
-            | Self::StoreNewer { .. }
-            | Self::DatabaseNotEmpty { .. }
-            | Self::BackupNotEmpty { .. }
-            | Self::ObjectsRefused { .. }
-            | Self::ObjectsUntrusted { .. }
-            | Self::ObjectsElsewhere { .. }
-            | Self::ObjectsNotLocal { .. }
-            | Self::ObjectsNotMigrated { .. }
-            | Self::DataDirInUse => Category::FailedPrecondition,
-            Self::Certificate(error) => error.category(),
-            Self::InvalidPageToken
-            | Self::TooManyTags { .. }
-            | Self::TooLarge { .. }
-            | Self::DigestMismatch { .. }
-            | Self::InvalidDatabaseUrl
-            | Self::InvalidObjectsUrl
-            | Self::InvalidText
-            | Self::UploadLength { .. } => Category::InvalidArgument,
-            Self::DiskFull
-            | Self::TooManyRequirements { .. }
-            | Self::UploadsFull { .. }
-            | Self::QuotaJobs { .. }
-            | Self::QuotaBytes { .. } => Category::ResourceExhausted,
-            Self::ContentLost { .. }
-            | Self::ContentDamaged { .. }
-            | Self::DatabaseDamaged { .. }
-            | Self::BeyondRepair { .. }
-            | Self::MigrationDiffers { .. }
-            | Self::CorruptRow { .. } => Category::DataLoss,
-            Self::DatabaseBusy
-            | Self::DatabaseUnavailable
-            | Self::ObjectsUnavailable
-            | Self::ContentBusy => Category::Unavailable,
-            Self::Database(_)
-            | Self::Migration(_)
-            | Self::Objects(_)
-            | Self::Io(_)
-            | Self::Failpoint(_) => Category::Internal,
-        }
-    }
-
-    fn reason(&self) -> &'static str {
-        match self {
-            Self::NotFound { .. } => "NOT_FOUND",
-            Self::PlaybackMissing { .. } => "PLAYBACK_MISSING",
-            Self::RequestIdTaken { .. } => "REQUEST_ID_TAKEN",
-            Self::DeletedSince { .. } => "DELETED_SINCE",
-            Self::StaleLease { .. } => "STALE_LEASE",
-            Self::CaptureInUse { .. } => "CAPTURE_IN_USE",
-            Self::IngestUnderWay { .. } => "INGEST_UNDER_WAY",
-            Self::FitRunning { .. } => "FIT_RUNNING",
-            Self::InvalidPageToken => "INVALID_PAGE_TOKEN",
-            Self::TooManyTags { .. } => "TOO_MANY_TAGS",
-            Self::TooManyRequirements { .. } => "TOO_MANY_REQUIREMENTS",
-            Self::TooLarge { .. } => "CONTENT_TOO_LARGE",
-            Self::DigestMismatch { .. } => "DIGEST_MISMATCH",
-            Self::UploadGone { .. } => "UPLOAD_GONE",
-            Self::UploadLocked { .. } => "UPLOAD_LOCKED",
-            Self::UploadLength { .. } => "UPLOAD_LENGTH",
-            Self::UploadsFull { .. } => "UPLOADS_FULL",
-            Self::QuotaJobs { .. } => "QUOTA_QUEUED_JOBS",
-            Self::QuotaBytes { .. } => "QUOTA_STORED_BYTES",
-            Self::DiskFull => "DISK_FULL",
-            Self::DataDirInUse => "DATA_DIR_IN_USE",
-            Self::DatabaseMissing { .. } => "DATABASE_MISSING",
-            Self::StoreMismatch { .. } => "STORE_MISMATCH",
-            Self::ContentElsewhere { .. } => "CONTENT_ELSEWHERE",
-            Self::BackupNotEmpty { .. } => "BACKUP_NOT_EMPTY",
-            Self::DatabaseDamaged { .. } | Self::BeyondRepair { .. } => "DATABASE_DAMAGED",
-            Self::DatabaseBusy => "DATABASE_BUSY",
-            Self::DatabaseUnavailable => "DATABASE_UNAVAILABLE",
-            Self::DatabaseElsewhere { .. } => "DATABASE_ELSEWHERE",
-            Self::DatabaseUnfit { .. } => "DATABASE_UNFIT",
-            Self::DatabaseNewer { .. } | Self::StoreNewer { .. } => "DATABASE_NEWER",
-            Self::OlderServersRun { .. } => "OLDER_SERVERS_RUN",
-            Self::DatabaseNotEmpty { .. } => "DATABASE_NOT_EMPTY",
-            Self::MigrationDiffers { .. } => "MIGRATION_DIFFERS",
-            Self::InvalidDatabaseUrl => "INVALID_DATABASE_URL",
-            Self::InvalidObjectsUrl => "INVALID_OBJECTS_URL",
-            Self::ObjectsUnavailable => "OBJECTS_UNAVAILABLE",
-            Self::ObjectsUntrusted { fault } => fault.reason(),
-            Self::Certificate(error) => error.reason(),
-            Self::ObjectsRefused { .. } => "OBJECTS_REFUSED",
-            Self::ObjectsElsewhere { .. } | Self::ObjectsNotLocal { .. } => "OBJECTS_ELSEWHERE",
-            Self::ObjectsNotMigrated { .. } => "OBJECTS_NOT_MIGRATED",
-            Self::ContentBusy => "CONTENT_BUSY",
-            Self::InvalidText => "INVALID_TEXT",
-            Self::StoreNotMigrated { .. } => "STORE_NOT_MIGRATED",
-            Self::ContentLost { .. } => "CONTENT_LOST",
-            Self::ContentDamaged { .. } => "CONTENT_DAMAGED",
-            Self::CorruptRow { .. } => "CORRUPT_ROW",
-            Self::Database(_) | Self::Migration(_) => "DATABASE_FAILED",
-            Self::Objects(_) | Self::Io(_) => "FILES_FAILED",
-            Self::Failpoint(_) => "FAILPOINT",
-        }
-    }
 }
 
 impl From<sqlx::Error> for Error {

@@ -2,13 +2,14 @@
 
 use std::path::{Path, PathBuf};
 
-use bendtwin_core::{Category, Problem};
+use bendtwin_core::Problem;
 
 /// An error that prevents or ends the execution of a suite.
-#[derive(Debug, thiserror::Error)]
+#[derive(Debug, thiserror::Error, Problem)]
 pub enum Error {
     /// The suite is contradictory, or refers to names that do not exist.
     #[error("{}: {}", file.display(), faults.join("; "))]
+    #[problem(InvalidArgument, "INVALID_SUITE")]
     Suite {
         /// The suite's file.
         file: PathBuf,
@@ -17,9 +18,12 @@ pub enum Error {
     },
     /// `--only` matches no run.
     #[error("{0}")]
+    #[problem(InvalidArgument, "NO_SUCH_RUN")]
     Selection(String),
     /// A file cannot be read or written.
     #[error("{}: {source}", path.display())]
+    #[problem(NotFound, "STUDY_FILE", if source.kind() == std::io::ErrorKind::NotFound)]
+    #[problem(Internal, "STUDY_FILE")]
     File {
         /// Path of the file.
         path: PathBuf,
@@ -28,14 +32,17 @@ pub enum Error {
     },
     /// The plan was cancelled while captures were read.
     #[error("stopped while captures were read: the same command begins anew")]
+    #[problem(Cancelled, "CANCELLED")]
     Cancelled,
     /// Another process uses the folder.
     #[error(
         "{}: another process works in this folder: wait for it, or choose another one", .0.display()
     )]
+    #[problem(FailedPrecondition, "STUDY_FOLDER_BUSY")]
     Busy(PathBuf),
     /// A result could not be written as JSON, or a picture as PNG.
     #[error("{0}")]
+    #[problem(Internal, "STUDY_NOT_WRITTEN")]
     Writing(String),
 }
 
@@ -43,30 +50,5 @@ impl Error {
     pub(crate) fn file(path: &Path) -> impl FnOnce(std::io::Error) -> Self {
         let path = path.to_owned();
         move |source| Self::File { path, source }
-    }
-}
-
-impl Problem for Error {
-    fn category(&self) -> Category {
-        match self {
-            Self::Suite { .. } | Self::Selection(_) => Category::InvalidArgument,
-            Self::File { source, .. } if source.kind() == std::io::ErrorKind::NotFound => {
-                Category::NotFound
-            }
-            Self::Cancelled => Category::Cancelled,
-            Self::Busy(_) => Category::FailedPrecondition,
-            Self::File { .. } | Self::Writing(_) => Category::Internal,
-        }
-    }
-
-    fn reason(&self) -> &'static str {
-        match self {
-            Self::Suite { .. } => "INVALID_SUITE",
-            Self::Selection(_) => "NO_SUCH_RUN",
-            Self::File { .. } => "STUDY_FILE",
-            Self::Cancelled => "CANCELLED",
-            Self::Busy(_) => "STUDY_FOLDER_BUSY",
-            Self::Writing(_) => "STUDY_NOT_WRITTEN",
-        }
     }
 }

@@ -2,7 +2,7 @@
 
 use std::{error::Error, io};
 
-use bendtwin_core::{Category, Problem};
+use bendtwin_core::Problem;
 use rustls::{AlertDescription, CertificateError, Error as Fault, InvalidMessage};
 
 /// Alerts of a server that refuses the certificate of a client.
@@ -20,8 +20,16 @@ const REFUSALS: [AlertDescription; 7] = [
 const IN_COMMANDS: &str = "--ca FILE, BENDTWIN_CA";
 
 /// Failure of a connection for its TLS.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error, Problem)]
 #[error("{message}")]
+#[problem(FailedPrecondition, "TLS_CERTIFICATE_REFUSED", if *kind == Kind::CertificateRefused)]
+#[problem(
+    FailedPrecondition,
+    "TLS_CLIENT_CERTIFICATE_REFUSED",
+    if *kind == Kind::ClientCertificateRefused
+)]
+#[problem(FailedPrecondition, "TLS_NOT_SPOKEN", if *kind == Kind::NotSpoken)]
+#[problem(FailedPrecondition, "TLS_FAILED")]
 pub struct TlsError {
     kind: Kind,
     message: String,
@@ -36,21 +44,6 @@ enum Kind {
     /// The other side does not speak TLS.
     NotSpoken,
     Failed,
-}
-
-impl Problem for TlsError {
-    fn category(&self) -> Category {
-        Category::FailedPrecondition
-    }
-
-    fn reason(&self) -> &'static str {
-        match self.kind {
-            Kind::CertificateRefused => "TLS_CERTIFICATE_REFUSED",
-            Kind::ClientCertificateRefused => "TLS_CLIENT_CERTIFICATE_REFUSED",
-            Kind::NotSpoken => "TLS_NOT_SPOKEN",
-            Kind::Failed => "TLS_FAILED",
-        }
-    }
 }
 
 impl TlsError {

@@ -6,7 +6,7 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use bendtwin_core::{Category, Problem};
+use bendtwin_core::Problem;
 use rustls::{
     RootCertStore,
     pki_types::{CertificateDer, CertificateRevocationListDer, PrivateKeyDer, pem::PemObject as _},
@@ -16,7 +16,8 @@ use rustls::{
 const MAX_BYTES: u64 = 4 << 20;
 
 /// Reason for which a file of certificates or a key cannot be used.
-#[derive(Debug, thiserror::Error)]
+#[derive(Debug, thiserror::Error, Problem)]
+#[problem(FailedPrecondition, "TLS_FILE_UNUSABLE")]
 pub enum FileError {
     /// The file cannot be read.
     #[error("cannot read {}: {source}: name a PEM file that this user may read", path.display())]
@@ -58,6 +59,7 @@ pub enum FileError {
         "other users can use {0}, which has a private key (mode {mode:03o}): `chmod o= {0}`, and \
          have another key made if they may have read this one", path.display()
     )]
+    #[problem(FailedPrecondition, "KEY_FILE_OPEN")]
     KeyOpen {
         /// The file.
         path: PathBuf,
@@ -83,19 +85,6 @@ pub enum FileError {
         /// The reason.
         fault: String,
     },
-}
-
-impl Problem for FileError {
-    fn category(&self) -> Category {
-        Category::FailedPrecondition
-    }
-
-    fn reason(&self) -> &'static str {
-        match self {
-            Self::KeyOpen { .. } => "KEY_FILE_OPEN",
-            _ => "TLS_FILE_UNUSABLE",
-        }
-    }
 }
 
 /// Certificates of a file, in its order; at least one.

@@ -1,15 +1,16 @@
 //! Reasons to refuse a request for a plan.
 
-use bendtwin_core::{Category, Problem};
+use bendtwin_core::Problem;
 use bendtwin_plan::Invalid;
 
 use crate::{rollout, tensor::TensorError};
 
 /// Reason to refuse a request for a plan.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error, Problem)]
 pub enum Error {
     /// A field is wrong.
     #[error("`{field}` {fault}")]
+    #[problem(InvalidArgument, "INVALID_PLAN")]
     Field {
         /// Path of the field in the request, `bounds.low` say.
         field: String,
@@ -68,20 +69,5 @@ impl From<Invalid> for Error {
             other => other,
         };
         Self::field(path, problem)
-    }
-}
-
-impl Problem for Error {
-    fn category(&self) -> Category {
-        match self {
-            Self::Field { .. } => Category::InvalidArgument,
-            Self::Rollout(error) => error.category(),
-        }
-    }
-    fn reason(&self) -> &'static str {
-        match self {
-            Self::Field { .. } => "INVALID_PLAN",
-            Self::Rollout(error) => error.reason(),
-        }
     }
 }

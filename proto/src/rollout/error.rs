@@ -1,14 +1,15 @@
 //! Reasons to refuse a request.
 
-use bendtwin_core::{Category, Problem};
+use bendtwin_core::Problem;
 
 use crate::tensor::TensorError;
 
 /// Reason to refuse a rollout request.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error, Problem)]
 pub enum Error {
     /// A field is wrong.
     #[error("`{field}` {fault}")]
+    #[problem(InvalidArgument, "INVALID_ROLLOUT")]
     Field {
         /// Path of the field in the request, `costs[0].weight` say.
         field: String,
@@ -17,6 +18,7 @@ pub enum Error {
     },
     /// The request exceeds one of the [`Limits`](super::Limits).
     #[error("{what} would be {asked}, the most for one request is {limit}: {advice}")]
+    #[problem(InvalidArgument, "ROLLOUT_TOO_LARGE")]
     TooLarge {
         /// Quantity that is too large.
         what: &'static str,
@@ -31,6 +33,7 @@ pub enum Error {
     #[error(
         "{twin} has no fast variant, as it was made before there were any or diverged where that is measured: fit its capture again, or ask for EXACT"
     )]
+    #[problem(FailedPrecondition, "FAST_VARIANT_UNKNOWN")]
     NoFastVariant {
         /// twins/{uuid}
         twin: String,
@@ -39,6 +42,7 @@ pub enum Error {
     #[error(
         "{twin} has no planner's twin: make one with `bendtwin twin planner`, fit its capture with planner.nodes, or ask for FAST or EXACT"
     )]
+    #[problem(FailedPrecondition, "PLANNERS_TWIN_UNKNOWN")]
     NoPlannersTwin {
         /// twins/{uuid}
         twin: String,
@@ -55,25 +59,5 @@ impl Error {
 impl From<TensorError> for Error {
     fn from(TensorError { name, fault }: TensorError) -> Self {
         Self::Field { field: name, fault }
-    }
-}
-
-impl Problem for Error {
-    fn category(&self) -> Category {
-        match self {
-            // Sent again, it would be refused again: so it is not RESOURCE_EXHAUSTED.
-            Self::Field { .. } | Self::TooLarge { .. } => Category::InvalidArgument,
-            Self::NoFastVariant { .. } | Self::NoPlannersTwin { .. } => {
-                Category::FailedPrecondition
-            }
-        }
-    }
-    fn reason(&self) -> &'static str {
-        match self {
-            Self::Field { .. } => "INVALID_ROLLOUT",
-            Self::TooLarge { .. } => "ROLLOUT_TOO_LARGE",
-            Self::NoFastVariant { .. } => "FAST_VARIANT_UNKNOWN",
-            Self::NoPlannersTwin { .. } => "PLANNERS_TWIN_UNKNOWN",
-        }
     }
 }

@@ -1,4 +1,5 @@
 use axum::body::Body;
+use bendtwin_core::Problem as _;
 use bendtwin_proto::rollout;
 use bytes::Bytes;
 use futures::stream;

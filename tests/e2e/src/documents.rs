@@ -4,8 +4,11 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use bendtwin_core::{
     Appearance, Contact, Environment, FitSettings, Graph, Identifiability, NodeKind, Params, Pin,
-    PlannerQuality, PlannersTwin, Quality, Skin, Splats, Timing, Twin, identifiability::Region,
-    settings::ingest::IngestSettings, twin::Member,
+    PlannerQuality, PlannersTwin, Quality, Skin, Splats, Timing, Twin,
+    capture::Subject,
+    identifiability::Region,
+    settings::{Conditions, DeviceKind, Effort, ingest::IngestSettings},
+    twin::Member,
 };
 use serde_json::Value;
 
@@ -24,6 +27,60 @@ fn every_setting_is_documented_with_its_default() {
     let (fit, ingest) = text.split_once("\n# Settings of an ingest\n").unwrap();
     agree(fit, serde_json::to_value(FitSettings::default()).unwrap());
     agree(ingest, serde_json::to_value(IngestSettings::default()).unwrap());
+}
+
+/// Settings that are left open and follow more than effort, object and device.
+const OF_THE_CAPTURE: [&str; 4] = ["graph.radius_m", "refine.batch", "start_from", "within_s"];
+/// Head of the table of what other open settings become.
+const EFFORTS: &str = "| left open | body on a CPU | body on a GPU | cable |\n|---|---|---|---|\n";
+
+#[test]
+fn settings_that_are_left_open_are_documented_with_what_they_become() {
+    let old = document("settings.md");
+    let (before, rest) = old.split_once(EFFORTS).expect("the table of efforts");
+    let rows = rest.split_inclusive('\n').take_while(|line| line.starts_with('|')).map(str::len);
+    let after = &rest[rows.sum()..];
+    let new = format!("{before}{EFFORTS}{}{after}", what_open_settings_become());
+    if std::env::var_os("BENDTWIN_BLESS").is_some() {
+        std::fs::write(workspace::root().join("docs/settings.md"), new).unwrap();
+    } else {
+        assert_eq!(old, new, "`BENDTWIN_BLESS=1 cargo test -p bendtwin-e2e left_open` mends it");
+    }
+}
+
+/// The rows of that table.
+fn what_open_settings_become() -> String {
+    let flat = |settings: FitSettings| {
+        let mut all = BTreeMap::new();
+        flatten("", &serde_json::to_value(settings).unwrap(), &mut all);
+        all
+    };
+    let cell = |name: &str, subject, device| {
+        let conditions = Conditions { subject, device, sequences: 1, is_weighed: false };
+        let mut values = [Effort::Draft, Effort::Standard, Effort::Best].map(|effort| {
+            let settings = FitSettings { effort, ..FitSettings::default() };
+            match &flat(settings.filled(conditions))[name] {
+                Value::Number(most) if most.as_u64() == Some(usize::MAX as u64) => "all".to_owned(),
+                value => value.to_string().replace('"', ""),
+            }
+        });
+        if values.iter().all(|value| *value == values[0]) {
+            values[0].clone()
+        } else {
+            values.join(", ")
+        }
+    };
+    let mut rows = String::new();
+    for (name, value) in flat(FitSettings::default()) {
+        if value.is_null() && !OF_THE_CAPTURE.contains(&&*name) {
+            let body = |device| cell(&name, Subject::Body, device);
+            let cable = [DeviceKind::Cpu, DeviceKind::Gpu].map(|d| cell(&name, Subject::Cable, d));
+            assert_eq!(cable[0], cable[1], "{name} of a cable depends on the device");
+            let [cpu, gpu] = [body(DeviceKind::Cpu), body(DeviceKind::Gpu)];
+            rows += &format!("| {name} | {cpu} | {gpu} | {} |\n", cable[0]);
+        }
+    }
+    rows
 }
 
 /// Compares tables of fields and defaults with the defaults in the code.

@@ -1,15 +1,15 @@
 //! Reasons why a rollout is refused or fails.
 
 use bendtwin_budget::Exhausted;
-use bendtwin_core::{Category, Problem, twin::format::FormatError};
+use bendtwin_core::{Problem, twin::format::FormatError};
 use bendtwin_engine::backend;
 use bendtwin_proto::{registration, rollout, tensor::TensorError};
 use bendtwin_register as register;
 
-use crate::{artifact::FetchError, budget::is_passing};
+use crate::artifact::FetchError;
 
 /// Reason why a rollout is refused or fails.
-#[derive(Debug, thiserror::Error)]
+#[derive(Debug, thiserror::Error, Problem)]
 pub(crate) enum Error {
     /// The request is wrong, too large or does not fit the twin.
     #[error(transparent)]
@@ -22,6 +22,7 @@ pub(crate) enum Error {
     Register(register::Error),
     /// A state of a session does not.
     #[error("slot {slot}: {error}")]
+    #[problem(transparent)]
     Correct {
         /// The slot.
         slot: usize,
@@ -34,6 +35,7 @@ pub(crate) enum Error {
          `options.register_if_lost`, or reset it to a state that `register` finds. This time {error}",
         misfit = tracking.misfit, unexplained = tracking.unexplained
     )]
+    #[problem(FailedPrecondition, "OBJECT_LOST")]
     Lost {
         /// The slot.
         slot: usize,
@@ -44,6 +46,7 @@ pub(crate) enum Error {
     },
     /// The limit of rollouts in flight on this worker is reached.
     #[error("{limit} rollouts are in flight on this worker: try again in a moment")]
+    #[problem(ResourceExhausted, "WORKER_BUSY")]
     Busy {
         /// Number of rollouts that it takes.
         limit: usize,
@@ -52,6 +55,7 @@ pub(crate) enum Error {
     #[error(
         "{name} is not there: its worker was lost, or nobody used it for a while. Open another from the last state that a reply brought"
     )]
+    #[problem(Aborted, "SESSION_LOST")]
     SessionLost {
         /// Name of the session.
         name: String,
@@ -60,12 +64,15 @@ pub(crate) enum Error {
     #[error(
         "{limit} sessions are open on this worker: close one, or wait until one has been idle for its time-out"
     )]
+    #[problem(ResourceExhausted, "TOO_MANY_SESSIONS")]
     TooManySessions {
         /// Number of sessions that it takes.
         limit: usize,
     },
     /// Not enough memory.
-    #[error("{exhausted}, for {purpose}{}", if is_passing(.exhausted) { ", or retry" } else { "" })]
+    #[error("{exhausted}, for {purpose}{}", if .exhausted.is_passing() { ", or retry" } else { "" })]
+    #[problem(ResourceExhausted, "MEMORY_IN_USE", if exhausted.is_passing())]
+    #[problem(InvalidArgument, "MEMORY_TOO_SMALL")]
     Memory {
         /// Purpose of the memory, and advice.
         purpose: &'static str,
@@ -77,23 +84,27 @@ pub(crate) enum Error {
     Fetch(#[from] FetchError),
     /// The stored twin cannot be read.
     #[error("the stored twin cannot be used: {0}")]
+    #[problem(DataLoss, "TWIN_DAMAGED")]
     StoredTwin(FormatError),
     /// The twin cannot be evaluated on the capture.
     #[error(transparent)]
     Evaluation(bendtwin_eval::Error),
     /// The capture cannot be replayed.
     #[error("the capture cannot be replayed with this twin: {0}")]
+    #[problem(FailedPrecondition, "CAPTURE_NOT_REPLAYABLE")]
     Capture(String),
     /// The replay of the capture left the finite numbers.
     #[error(
         "the twin diverges in frame {frame} of the capture's replay: start at an earlier frame"
     )]
+    #[problem(FailedPrecondition, "REPLAY_DIVERGED")]
     ReplayDiverged {
         /// Frame of the capture.
         frame: usize,
     },
     /// The motion is not plausible, and the request wants that refused.
     #[error("the motion is not plausible: {what}")]
+    #[problem(FailedPrecondition, "IMPLAUSIBLE_MOTION")]
     Implausible {
         /// Finding and advice.
         what: String,
@@ -103,6 +114,7 @@ pub(crate) enum Error {
         "the twin diverges {after_s:.2} s after it was let go at rest, so it has no settled state: start at rest or \
          in a frame of a capture"
     )]
+    #[problem(FailedPrecondition, "SETTLING_DIVERGED")]
     SettlingDiverged {
         /// Time of it [s].
         after_s: f64,
@@ -112,6 +124,7 @@ pub(crate) enum Error {
         "the twin still moves at {speed_m_s:.3} m/s after {after_s:.0} s, so it has no settled state: hold it with \
          control points, give it a ground, or start at rest"
     )]
+    #[problem(FailedPrecondition, "NEVER_AT_REST")]
     NeverAtRest {
         /// Speed of the fastest node [m/s].
         speed_m_s: f64,
@@ -125,9 +138,11 @@ pub(crate) enum Error {
     #[error(
         "the deadline passed while the rollout ran: give it more time, fewer instances or a shorter horizon"
     )]
+    #[problem(DeadlineExceeded, "DEADLINE_EXCEEDED")]
     Deadline,
     /// The thread that served the request ended in a panic.
     #[error("the rollout failed for a reason inside the worker")]
+    #[problem(Internal, "WORKER_PANICKED")]
     Panicked,
 }
 
@@ -176,57 +191,5 @@ impl From<bendtwin_eval::Error> for Error {
 impl From<TensorError> for Error {
     fn from(error: TensorError) -> Self {
         Self::Request(error.into())
-    }
-}
-
-impl Problem for Error {
-    fn category(&self) -> Category {
-        match self {
-            Self::Request(e) => e.category(),
-            Self::Observation(e) => e.category(),
-            Self::Register(e) | Self::Correct { error: e, .. } => e.category(),
-            Self::Lost { .. } => Category::FailedPrecondition,
-            // Sent again, it would be refused again.
-            Self::Memory { exhausted: Exhausted::TooLarge { .. }, .. } => Category::InvalidArgument,
-            Self::SessionLost { .. } => Category::Aborted,
-            Self::Busy { .. } | Self::TooManySessions { .. } | Self::Memory { .. } => {
-                Category::ResourceExhausted
-            }
-            Self::Fetch(e) => e.category(),
-            Self::Evaluation(e) => e.category(),
-            Self::StoredTwin(_) => Category::DataLoss,
-            Self::Capture(_)
-            | Self::ReplayDiverged { .. }
-            | Self::Implausible { .. }
-            | Self::SettlingDiverged { .. }
-            | Self::NeverAtRest { .. } => Category::FailedPrecondition,
-            Self::Engine(e) => e.category(),
-            Self::Deadline => Category::DeadlineExceeded,
-            Self::Panicked => Category::Internal,
-        }
-    }
-    fn reason(&self) -> &'static str {
-        match self {
-            Self::Request(e) => e.reason(),
-            Self::Observation(e) => e.reason(),
-            Self::Register(e) | Self::Correct { error: e, .. } => e.reason(),
-            Self::Lost { .. } => "OBJECT_LOST",
-            Self::SessionLost { .. } => "SESSION_LOST",
-            Self::TooManySessions { .. } => "TOO_MANY_SESSIONS",
-            Self::Busy { .. } => "WORKER_BUSY",
-            Self::Memory { exhausted: Exhausted::TooLarge { .. }, .. } => "MEMORY_TOO_SMALL",
-            Self::Memory { .. } => "MEMORY_IN_USE",
-            Self::Fetch(e) => e.reason(),
-            Self::Evaluation(e) => e.reason(),
-            Self::StoredTwin(_) => "TWIN_DAMAGED",
-            Self::Capture(_) => "CAPTURE_NOT_REPLAYABLE",
-            Self::ReplayDiverged { .. } => "REPLAY_DIVERGED",
-            Self::Implausible { .. } => "IMPLAUSIBLE_MOTION",
-            Self::SettlingDiverged { .. } => "SETTLING_DIVERGED",
-            Self::NeverAtRest { .. } => "NEVER_AT_REST",
-            Self::Engine(e) => e.reason(),
-            Self::Deadline => "DEADLINE_EXCEEDED",
-            Self::Panicked => "WORKER_PANICKED",
-        }
     }
 }

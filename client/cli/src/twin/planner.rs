@@ -3,7 +3,13 @@
 use std::path::{Path, PathBuf};
 
 use anyhow::Context as _;
-use bendtwin_core::{CancelToken, Twin};
+use bendtwin_core::{
+    CancelToken, Twin,
+    settings::{
+        MOST_PLANNER_NODES, MOST_PLANNER_SUBSTEPS,
+        defaults::{PLANNER_NODES, PLANNER_SUBSTEPS},
+    },
+};
 use bendtwin_fit::{Budget, Choice, Distillation};
 use clap::Args;
 use serde_json::json;
@@ -29,12 +35,12 @@ pub(super) struct Planner {
     #[arg(long, value_name = "PATH")]
     capture: Option<PathBuf>,
     /// Number of nodes
-    #[arg(long, value_name = "N", default_value_t = 80, conflicts_with = "budget",
-          value_parser = clap::value_parser!(u32).range(4..=2000))]
+    #[arg(long, value_name = "N", default_value_t = PLANNER_NODES, conflicts_with = "budget",
+          value_parser = clap::value_parser!(u32).range(4..=i64::from(MOST_PLANNER_NODES)))]
     nodes: u32,
     /// Substeps per frame, at most
-    #[arg(long, value_name = "N", default_value_t = 32, conflicts_with = "budget",
-          value_parser = clap::value_parser!(u32).range(1..=1000))]
+    #[arg(long, value_name = "N", default_value_t = PLANNER_SUBSTEPS, conflicts_with = "budget",
+          value_parser = clap::value_parser!(u32).range(1..=i64::from(MOST_PLANNER_SUBSTEPS)))]
     substeps: u32,
     /// Choose nodes and substeps for plans of SAMPLESxFRAMES@PLANS a second on this machine,
     /// for example 48x15@10

@@ -1,5 +1,6 @@
-//! Defaults that depend on the kind of object, on the device, and on the effort that a user asks
-//! for: settings that are left open take them before a fit begins, and its twin carries the result.
+//! Defaults of a fit: one table, by kind of object, device and effort. Settings that are left open take
+//! their values from it before a fit begins, and its twin carries the result; docs/settings.md shows
+//! the same table, and a test compares the two.
 //!
 //! A twin predicts at its skin, so that a body needs few nodes (docs/accuracy.md has the errors).
 //! The search finds the order of magnitude of stiffness and damping, which takes a few generations;
@@ -7,26 +8,8 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{FitSettings, MAX_SUBSTEPS, SequenceMean, Substeps};
+use super::{FitSettings, SequenceMean, Substeps};
 use crate::capture::Subject;
-
-/// Gaussians of a twin whose fit takes its time.
-const BEST_GAUSSIANS: u32 = 20_000;
-/// Nodes of the planner's twin of a twin whose fit takes its time, and substeps of any: 48 rollouts of
-/// 15 frames take some 40 ms on two cores.
-const PLANNER_NODES: u32 = 80;
-const PLANNER_SUBSTEPS: u32 = 32;
-/// Training sequences per step of a refinement, at least.
-const LEAST_BATCH: usize = 8;
-/// Steps of a pass on a GPU, at most: it computes a quarter of a cable's sequences in hardly more time
-/// than eight of them.
-const GPU_STEPS: usize = 4;
-/// Training sequences per step there are a multiple of this, as those that were measured.
-const GPU_BATCH_STEP: usize = 4;
-
-/// Frames that the gradient of a body reaches back there: the pieces between run backward side by
-/// side, so that a pass takes half of the time, and twins predict as well as with all frames.
-const GPU_REACH: u32 = 16;
 
 /// Effort of a fit, which settings that are left open follow.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -63,90 +46,82 @@ pub struct Conditions {
     pub is_weighed: bool,
 }
 
-/// Values of settings that may be left open.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-struct Defaults {
-    max_nodes: usize,
-    max_neighbours: usize,
-    starts: u32,
-    generations: u32,
-    population: usize,
-    passes: u32,
+/// Values of one setting, each by effort: draft, standard, best.
+struct Row<T> {
+    body_on_cpu: [T; 3],
+    body_on_gpu: [T; 3],
+    /// On either device.
+    cable: [T; 3],
 }
 
-impl Defaults {
-    fn of(effort: Effort, conditions: Conditions) -> Self {
-        use DeviceKind::{Cpu, Gpu};
-        use Effort::{Best, Draft, Standard};
-        let of = |max_nodes, max_neighbours, starts, generations, population, passes| Self {
-            max_nodes,
-            max_neighbours,
-            starts,
-            generations,
-            population,
-            passes,
+const fn row<T: Copy>(body_on_cpu: [T; 3], body_on_gpu: [T; 3], cable: [T; 3]) -> Row<T> {
+    Row { body_on_cpu, body_on_gpu, cable }
+}
+
+/// A row whose values depend on the effort alone.
+const fn by_effort<T: Copy>(values: [T; 3]) -> Row<T> {
+    row(values, values, values)
+}
+
+impl<T: Copy> Row<T> {
+    fn value(&self, effort: Effort, conditions: Conditions) -> T {
+        let by_effort = match (conditions.subject, conditions.device) {
+            (Subject::Body, DeviceKind::Cpu) => self.body_on_cpu,
+            (Subject::Body, DeviceKind::Gpu) => self.body_on_gpu,
+            (Subject::Cable, _) => self.cable,
         };
-        match (conditions.subject, conditions.device, effort) {
-            // A cable has the nodes that were recorded. Its searches are cheap, its optimum is
-            // narrow, and its training loss shows which of several starts predicts best.
-            (Subject::Cable, _, Draft) => of(usize::MAX, 12, 1, 20, 32, 20),
-            (Subject::Cable, _, Standard) => of(usize::MAX, 12, 3, 60, 32, 40),
-            (Subject::Cable, _, Best) => of(usize::MAX, 12, 6, 60, 32, 80),
-            (Subject::Body, Cpu, Draft) => of(100, 12, 1, 4, 16, 40),
-            (Subject::Body, Cpu, Standard) => of(200, 12, 2, 12, 16, 120),
-            (Subject::Body, Cpu, Best) => of(600, 30, 4, 12, 32, 300),
-            (Subject::Body, Gpu, Draft) => of(300, 30, 1, 8, 32, 60),
-            (Subject::Body, Gpu, Standard) => of(600, 30, 3, 12, 32, 300),
-            (Subject::Body, Gpu, Best) => of(600, 30, 4, 25, 32, 600),
-        }
+        by_effort[effort as usize]
     }
 }
 
-/// Values that depend on the kind of object alone.
-struct SubjectDefaults {
-    /// Mean of the losses of several sequences.
-    sequence_mean: SequenceMean,
-    /// True if the strength of gravity is searched. It pays in motion capture, where nothing else
-    /// corrects a frame rate that is not quite true. With a known mass it would make every force in
-    /// newtons wrong by as much: the weight is what the scale of forces comes from.
-    searches_gravity: bool,
-    /// Pull of the search to where it starts.
-    search_prior: f64,
-}
+/// Nodes of a planner's twin where nothing else says how many: with these and [`PLANNER_SUBSTEPS`], 48
+/// rollouts of 15 frames take some 40 ms on two cores.
+pub const PLANNER_NODES: u32 = 80;
+/// Substeps of a planner's twin where nothing else says how many.
+pub const PLANNER_SUBSTEPS: u32 = 32;
+/// As many as there are.
+const ALL: usize = usize::MAX;
+/// Most substeps of a frame where nothing else says how many.
+pub(super) const MOST_SUBSTEPS: u32 = 1000;
 
-impl SubjectDefaults {
-    fn of(subject: Subject) -> Self {
-        match subject {
-            Subject::Cable => Self {
-                sequence_mean: SequenceMean::Geometric,
-                searches_gravity: true,
-                search_prior: 0.0,
-            },
-            Subject::Body => Self {
-                sequence_mean: SequenceMean::Arithmetic,
-                searches_gravity: false,
-                search_prior: 0.4,
-            },
-        }
-    }
-}
+// The table: a body on a CPU, a body on a GPU, a cable; in each draft, standard, best.
 
-/// Pull of the refinement to what the search found. A draft of a body on a CPU has few nodes and ends
-/// early: there the stronger pull predicts better.
-fn refine_prior(effort: Effort, conditions: Conditions) -> f64 {
-    match (conditions.subject, conditions.device, effort) {
-        (Subject::Cable, ..) | (Subject::Body, DeviceKind::Cpu, Effort::Draft) => 0.3,
-        (Subject::Body, ..) => 0.05,
-    }
-}
+/// A cable has the nodes that were recorded.
+const MAX_NODES: Row<usize> = row([100, 200, 600], [300, 600, 600], [ALL; 3]);
+const MAX_NEIGHBOURS: Row<usize> = row([12, 12, 30], [30; 3], [12; 3]);
+const INTERIOR: Row<bool> = by_effort([true; 3]);
+/// The search of a cable would spend its time on stiff candidates; a body with many nodes needs more.
+const SUBSTEPS: Row<u32> = row([MOST_SUBSTEPS; 3], [MOST_SUBSTEPS; 3], [200; 3]);
+const SEQUENCES: Row<SequenceMean> =
+    row([SequenceMean::Arithmetic; 3], [SequenceMean::Arithmetic; 3], [SequenceMean::Geometric; 3]);
+/// Searches of a cable are cheap, its optimum is narrow, and its training loss shows which of several
+/// starts predicts best.
+const STARTS: Row<u32> = row([1, 2, 4], [1, 3, 4], [1, 3, 6]);
+const VARY: Row<bool> = row([false; 3], [true; 3], [false; 3]);
+const GENERATIONS: Row<u32> = row([4, 12, 12], [8, 12, 25], [20, 60, 60]);
+const POPULATION: Row<usize> = row([16, 16, 32], [32; 3], [32; 3]);
+const SEARCH_PRIOR: Row<f64> = row([0.4; 3], [0.4; 3], [0.0; 3]);
+/// A search of gravity's strength pays in motion capture, where nothing else corrects a frame rate that
+/// is not quite true. With a known mass it would make every force in newtons wrong by as much: the
+/// weight is what the scale of forces comes from.
+const GRAVITY: Row<bool> = row([false; 3], [false; 3], [true; 3]);
+const PASSES: Row<u32> = row([40, 120, 300], [60, 300, 600], [20, 40, 80]);
+/// A draft of a body on a CPU has few nodes and ends early: there the stronger pull predicts better.
+const REFINE_PRIOR: Row<f64> = row([0.3, 0.05, 0.05], [0.05; 3], [0.3; 3]);
+/// On a GPU the pieces between run backward side by side, so that a pass takes half of the time, and
+/// twins predict as well as with all frames.
+const REACH: Row<u32> = row([0; 3], [16; 3], [0; 3]);
+const GAUSSIANS: Row<u32> = by_effort([0, 0, 20_000]);
+const NODES_OF_PLANNER: Row<u32> = by_effort([0, 0, PLANNER_NODES]);
+const SUBSTEPS_OF_PLANNER: Row<u32> = by_effort([PLANNER_SUBSTEPS; 3]);
 
-/// Frames that a gradient of a refinement reaches back; 0 for all.
-fn reach(conditions: Conditions) -> u32 {
-    match (conditions.subject, conditions.device) {
-        (Subject::Body, DeviceKind::Gpu) => GPU_REACH,
-        (Subject::Cable, _) | (_, DeviceKind::Cpu) => 0,
-    }
-}
+/// Training sequences per step of a refinement, at least.
+const LEAST_BATCH: usize = 8;
+/// Steps of a pass on a GPU, at most: it computes a quarter of a cable's sequences in hardly more time
+/// than eight of them.
+const GPU_STEPS: usize = 4;
+/// Training sequences per step there are a multiple of this, as those that were measured.
+const GPU_BATCH_STEP: usize = 4;
 
 /// Training sequences per step of a refinement.
 fn batch(conditions: Conditions) -> usize {
@@ -159,44 +134,70 @@ fn batch(conditions: Conditions) -> usize {
     }
 }
 
+/// Point at which the search of a material begins.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SearchOrigin {
+    /// Bending stiffness and damping, relative to those that resist like the springs. A cable is held
+    /// by its bending, other bodies by their springs.
+    pub bend_share: f64,
+    /// Dashpot coefficient of springs [N s/m].
+    pub dashpot: f64,
+}
+
+impl SearchOrigin {
+    /// The origin for a kind of object.
+    pub fn of(subject: Subject) -> Self {
+        match subject {
+            Subject::Cable => Self { bend_share: 1.0, dashpot: 20.0 },
+            Subject::Body => Self { bend_share: 0.01, dashpot: 100.0 },
+        }
+    }
+}
+
 impl FitSettings {
     /// These settings with defaults in place of those that are left open, apart from
     /// `graph.radius_m`, which follows the spacing of the capture's points.
     #[must_use]
     pub fn filled(&self, conditions: Conditions) -> Self {
-        let defaults = Defaults::of(self.effort, conditions);
         let mut filled = self.clone();
-        filled.graph.max_nodes.get_or_insert(defaults.max_nodes);
-        filled.graph.max_neighbours.get_or_insert(defaults.max_neighbours);
-        filled.graph.interior.get_or_insert(true);
-        filled.search.starts.get_or_insert(defaults.starts);
-        let varies = (conditions.subject, conditions.device) == (Subject::Body, DeviceKind::Gpu);
-        filled.search.vary.get_or_insert(varies);
+        let fill = Fill { effort: self.effort, conditions };
+        fill.with(&mut filled.graph.max_nodes, &MAX_NODES);
+        fill.with(&mut filled.graph.max_neighbours, &MAX_NEIGHBOURS);
+        fill.with(&mut filled.graph.interior, &INTERIOR);
         if let Substeps::Auto { max, .. } = &mut filled.substeps {
-            // The search of a cable would spend its time on stiff candidates; a body with many nodes
-            // needs more.
-            max.get_or_insert(if conditions.subject == Subject::Cable {
-                200
-            } else {
-                MAX_SUBSTEPS
-            });
+            fill.with(max, &SUBSTEPS);
         }
-        filled.search.generations.get_or_insert(defaults.generations);
-        filled.search.population.get_or_insert(defaults.population);
-        filled.refine.passes.get_or_insert(defaults.passes);
+        fill.with(&mut filled.loss.sequences, &SEQUENCES);
+        fill.with(&mut filled.search.starts, &STARTS);
+        fill.with(&mut filled.search.vary, &VARY);
+        fill.with(&mut filled.search.generations, &GENERATIONS);
+        fill.with(&mut filled.search.population, &POPULATION);
+        fill.with(&mut filled.search.prior, &SEARCH_PRIOR);
+        if conditions.is_weighed {
+            filled.search.gravity.get_or_insert(false);
+        }
+        fill.with(&mut filled.search.gravity, &GRAVITY);
+        fill.with(&mut filled.refine.passes, &PASSES);
+        fill.with(&mut filled.refine.prior, &REFINE_PRIOR);
+        fill.with(&mut filled.refine.reach, &REACH);
         filled.refine.batch.get_or_insert(batch(conditions));
-        filled.refine.reach.get_or_insert(reach(conditions));
-        let gaussians = if self.effort == Effort::Best { BEST_GAUSSIANS } else { 0 };
-        filled.appearance.gaussians.get_or_insert(gaussians);
-        let planner = if self.effort == Effort::Best { PLANNER_NODES } else { 0 };
-        filled.planner.nodes.get_or_insert(planner);
-        filled.planner.substeps.get_or_insert(PLANNER_SUBSTEPS);
-        let of_subject = SubjectDefaults::of(conditions.subject);
-        filled.search.prior.get_or_insert(of_subject.search_prior);
-        filled.refine.prior.get_or_insert(refine_prior(self.effort, conditions));
-        let searches_gravity = of_subject.searches_gravity && !conditions.is_weighed;
-        filled.search.gravity.get_or_insert(searches_gravity);
-        filled.loss.sequences.get_or_insert(of_subject.sequence_mean);
+        fill.with(&mut filled.appearance.gaussians, &GAUSSIANS);
+        fill.with(&mut filled.planner.nodes, &NODES_OF_PLANNER);
+        fill.with(&mut filled.planner.substeps, &SUBSTEPS_OF_PLANNER);
         filled
+    }
+}
+
+/// Column of the table.
+#[derive(Clone, Copy)]
+struct Fill {
+    effort: Effort,
+    conditions: Conditions,
+}
+
+impl Fill {
+    /// Fills in a setting that is left open.
+    fn with<T: Copy>(self, setting: &mut Option<T>, row: &Row<T>) {
+        setting.get_or_insert(row.value(self.effort, self.conditions));
     }
 }

@@ -205,10 +205,7 @@ pub fn estimate(
     let gaussians = u64::from(settings.appearance.gaussians.unwrap_or_default());
     let &GraphSize { nodes, springs, triplets, .. } = graph;
     let windows = if settings.refine.window == GradientWindow::Pass { 2 } else { 4 };
-    let starts = match (settings.search.generations, settings.search.starts) {
-        (Some(0), _) => 1,
-        (_, starts) => starts.map_or(1, u64::from),
-    };
+    let starts = u64::from(settings.search.start_count());
     // Where frames are held back, these and the frames before them have separate targets.
     let holds_back = starts > 1 && settings.search.held_back > 0.0;
     let windows = if holds_back { 2 * windows } else { windows };

@@ -5,7 +5,7 @@
 
 use std::borrow::Cow;
 
-use super::FitSettings;
+use super::{FitSettings, SearchSettings};
 
 /// Reach of the hands of a wide grip, over that of the settings.
 const WIDER_REACH: f64 = 2.0;
@@ -32,16 +32,24 @@ enum Variation {
 const IN_TURN: [Variation; 4] =
     [Variation::WideGrip, Variation::Axial, Variation::Dense, Variation::None];
 
+impl SearchSettings {
+    /// Number of starts of each model, by settings without open ones. Without a search there is a
+    /// single one: all would refine the same parameters.
+    pub fn start_count(&self) -> u32 {
+        match self.generations {
+            Some(0) => 1,
+            _ => self.starts.unwrap_or(1),
+        }
+    }
+}
+
 impl FitSettings {
     /// Settings of a start, counted from 0: a variation of those of the fit if there are several starts
     /// and `search.vary` asks for it, else those of the fit.
     #[must_use]
     pub fn of_start(&self, start: u32) -> Cow<'_, Self> {
         let mut varied = Cow::Borrowed(self);
-        let search = &self.search;
-        // Without a search there is a single start, however many the settings ask for.
-        let is_single = search.starts.unwrap_or(1) < 2 || search.generations == Some(0);
-        if search.vary != Some(true) || is_single {
+        if self.search.vary != Some(true) || self.search.start_count() < 2 {
             return varied;
         }
         match IN_TURN[start as usize % IN_TURN.len()] {
@@ -64,7 +72,7 @@ impl FitSettings {
 
     /// Settings of all starts that may differ.
     pub fn of_starts(&self) -> impl Iterator<Item = Cow<'_, Self>> {
-        let starts = self.search.starts.unwrap_or(1).clamp(1, IN_TURN.len() as u32);
+        let starts = self.search.start_count().clamp(1, IN_TURN.len() as u32);
         (0..starts).map(|start| self.of_start(start))
     }
 }
@@ -103,5 +111,8 @@ mod tests {
         }
         let single = with_starts(1, Some(true));
         assert!(single.of_starts().eq([Cow::Borrowed(&single)]));
+        let mut refined = with_starts(3, Some(true));
+        refined.search.generations = Some(0);
+        assert!(refined.of_starts().eq([Cow::Borrowed(&refined)]), "nothing is searched");
     }
 }

@@ -14,8 +14,8 @@ use serde::{Deserialize, Serialize};
 
 use super::{Provenance, Twin};
 use crate::{
-    Category, Contact, Environment, FRAME_RATES, Graph, MASSES, NodeKind, Params, Pin, Point,
-    Problem, Quality, Skin, Timing, environment::ControlVelocity,
+    Contact, Environment, FRAME_RATES, Graph, MASSES, NodeKind, Params, Pin, Point, Problem,
+    Quality, Skin, Timing, environment::ControlVelocity,
 };
 
 /// Newest version that this build reads and writes; it reads every earlier one. A twin is written
@@ -48,7 +48,8 @@ const HANDS: &str = "controls.hand";
 const METADATA_KEY: &str = "bendtwin.twin";
 
 /// The reason why a twin file cannot be read.
-#[derive(Debug, thiserror::Error)]
+#[derive(Debug, thiserror::Error, Problem)]
+#[problem(InvalidArgument, "INVALID_TWIN_FILE")]
 pub enum FormatError {
     /// Not a safetensors container, or a damaged one.
     #[error("the twin file is damaged or not a safetensors file: {0}")]
@@ -70,15 +71,6 @@ pub enum FormatError {
     /// Tensors contradict one another or hold impossible numbers.
     #[error("the twin is inconsistent: {0}")]
     Inconsistent(String),
-}
-
-impl Problem for FormatError {
-    fn category(&self) -> Category {
-        Category::InvalidArgument
-    }
-    fn reason(&self) -> &'static str {
-        "INVALID_TWIN_FILE"
-    }
 }
 
 #[derive(Serialize, Deserialize)]

@@ -3,16 +3,16 @@ use super::*;
 #[test]
 fn the_document_has_every_code_with_its_advice() {
     let document = include_str!("../../../../docs/errors.md");
-    for code in CODES {
-        let row = format!("| `{}` | {} | {} |", code.name, code.meaning, code.advice);
+    for code in Code::ALL {
+        let row = format!("| `{}` | {} | {} |", code.name(), code.meaning(), code.advice());
         assert!(document.contains(&row), "docs/errors.md lacks: {row}");
     }
 }
 
 #[test]
-fn codes_are_unique() {
-    for (i, code) in CODES.iter().enumerate() {
-        assert_eq!(rank(code.name), i + 1, "{}", code.name);
+fn names_are_unique_and_in_their_order() {
+    for (place, &code) in Code::ALL.iter().enumerate() {
+        assert_eq!((Code::named(code.name()), Code::rank(code.name())), (Some(code), place));
     }
-    assert_eq!(rank("FILE_DAMAGED"), 0, "what cannot be read comes first");
+    assert_eq!(Code::rank("FILE_DAMAGED"), 0, "what cannot be read comes first");
 }

@@ -6,7 +6,7 @@ mod mistakes;
 
 use super::{Assessment, Context, named};
 use crate::{
-    Finding,
+    Code, Finding,
     consistency::{
         ViewSet,
         correction::{Correction, correct},
@@ -20,7 +20,8 @@ use crate::{
 };
 
 /// Findings with which cameras cannot agree under any calibration.
-const NOT_COMPARABLE: [&str; 3] = ["DEPTH_INVERTED", "DEPTH_MISALIGNED", "MASKS_MISALIGNED"];
+const NOT_COMPARABLE: [Code; 3] =
+    [Code::DepthInverted, Code::DepthMisaligned, Code::MasksMisaligned];
 
 pub(super) fn judge(context: &Context<'_>, assessment: &mut Assessment) {
     let limits = &context.thresholds.agreement;
@@ -37,7 +38,7 @@ pub(super) fn judge(context: &Context<'_>, assessment: &mut Assessment) {
     let declared = Hypothesis::declared(set.views.len());
     let Some(misfit) = set.misfit(&declared) else { return };
     pairs(&set, &declared, assessment);
-    if assessment.findings.iter().any(|f| NOT_COMPARABLE.contains(&f.code.as_str())) {
+    if assessment.findings.iter().any(|f| NOT_COMPARABLE.iter().any(|code| code.name() == f.code)) {
         report(context, &set, misfit, &[], assessment);
         return;
     }
@@ -281,7 +282,7 @@ fn misplaced_camera(
         1e3 * limits.min_off_m,
         c.angle.to_degrees()
     );
-    Finding::graded(c.shift_m > limits.bad_off_m, "CAMERA_OFF", message)
+    Finding::graded(c.shift_m > limits.bad_off_m, Code::CameraOff, message)
         .cameras([index])
         .number("shift_mm", 1e3 * c.shift_m)
         .number("angle_deg", c.angle.to_degrees())
@@ -297,7 +298,7 @@ fn two_cameras_disagree(context: &Context<'_>, set: &ViewSet<'_>, c: &Correction
         1e3 * c.shift_m,
         1e3 * limits.min_off_m
     );
-    Finding::graded(c.shift_m > limits.bad_off_m, "CAMERAS_DISAGREE", message)
+    Finding::graded(c.shift_m > limits.bad_off_m, Code::CamerasDisagree, message)
         .cameras([a, b])
         .number("shift_mm", 1e3 * c.shift_m)
 }
@@ -331,7 +332,7 @@ fn inconsistent_camera(
         100.0 * set.misfit_of(hypothesis, |a, b| a == which || b == which).unwrap_or(misfit)
     );
     assessment.findings.push(
-        Finding::error("CAMERA_OFF", message)
+        Finding::error(Code::CameraOff, message)
             .cameras([index])
             .number("misfit", misfit)
             .number("misfit_without", left),
@@ -375,7 +376,7 @@ fn disagreeing_pairs(
     );
     let misfit = mean(pairs.iter().filter_map(|p| p.misfit)).unwrap_or(0.0);
     assessment.findings.push(
-        Finding::graded(misfit > limits.max_misfit, "CAMERAS_DISAGREE", message)
+        Finding::graded(misfit > limits.max_misfit, Code::CamerasDisagree, message)
             .cameras(cameras)
             .number("conflict", worst.conflict)
             .number("disagreement_mm", worst.disagreement_mm.unwrap_or(f64::NAN)),

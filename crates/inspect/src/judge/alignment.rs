@@ -5,7 +5,7 @@ use bendtwin_core::Severity;
 
 use super::{Assessment, Context, depth::is_sparse, named};
 use crate::{
-    Finding,
+    Code, Finding,
     scan::{
         CameraScan,
         outline::{Fit, OutlineFit},
@@ -70,7 +70,7 @@ fn inverted(context: &Context<'_>) -> Option<Finding> {
              disparities for example, are no depth",
             names.join(", ")
         );
-        Finding::error("DEPTH_INVERTED", message).cameras(cameras)
+        Finding::error(Code::DepthInverted, message).cameras(cameras)
     })
 }
 
@@ -145,7 +145,7 @@ fn finding(context: &Context<'_>, image: Image, found: &[&Misaligned]) -> Option
     let how = change(worst);
     let (code, message) = match image {
         Image::Depth => (
-            "DEPTH_MISALIGNED",
+            Code::DepthMisaligned,
             format!(
                 "depth of {names} is not aligned to colour: its edges lie on the outlines of the masks if it is {how} \
                  (the object moves by {:.1} px)",
@@ -153,16 +153,17 @@ fn finding(context: &Context<'_>, image: Image, found: &[&Misaligned]) -> Option
             ),
         ),
         Image::Masks => (
-            "MASKS_MISALIGNED",
+            Code::MasksMisaligned,
             format!(
                 "the masks of {names} lie beside what colour and depth show, by {:.1} px: depth would suit them if it \
                  were {how}, colour likewise",
                 worst.moved_px
             ),
         ),
-        Image::Color => {
-            ("COLOR_MISALIGNED", format!("colour of {names} suits masks and depth if it is {how}"))
-        }
+        Image::Color => (
+            Code::ColorMisaligned,
+            format!("colour of {names} suits masks and depth if it is {how}"),
+        ),
     };
     let is_bad = found.iter().any(|m| m.is_bad);
     let severity = if is_bad { Severity::Error } else { Severity::Warning };

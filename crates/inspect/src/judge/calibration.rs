@@ -4,7 +4,7 @@ use bendtwin_capture::raw::{Camera, Pose};
 
 use super::{Assessment, Context, named};
 use crate::{
-    Finding,
+    Code, Finding,
     thresholds::CalibrationThresholds,
     vector::{cross, dot, length},
 };
@@ -28,7 +28,7 @@ fn intrinsics(camera: &Camera, name: &str, limits: &CalibrationThresholds) -> Op
             "{name} has focal lengths {} and {} and its principal point at ({}, {})",
             i.fx, i.fy, i.cx, i.cy
         );
-        return Some(Finding::error("INTRINSICS_INVALID", message));
+        return Some(Finding::error(Code::IntrinsicsInvalid, message));
     }
     let (width, height) = (camera.width as f64, camera.height as f64);
     let plausible = limits.focal_widths.contains(&(i.fx / width))
@@ -48,7 +48,7 @@ fn intrinsics(camera: &Camera, name: &str, limits: &CalibrationThresholds) -> Op
         "{name} has a focal length of {:.0} x {:.0} px and its principal point at ({:.0}, {:.0}) in images of {} x {}{hint}",
         i.fx, i.fy, i.cx, i.cy, camera.width, camera.height
     );
-    let finding = Finding::warning("INTRINSICS_IMPLAUSIBLE", message);
+    let finding = Finding::warning(Code::IntrinsicsImplausible, message);
     Some(finding.number("fx_px", i.fx).number("cx_px", i.cx).number("cy_px", i.cy))
 }
 
@@ -57,7 +57,7 @@ fn poses(camera: &Camera, name: &str, limits: &CalibrationThresholds) -> Option<
         |p: &Pose| p.rotation.iter().flatten().chain(&p.translation).all(|x| x.is_finite());
     if camera.poses.is_empty() || !camera.poses.iter().all(finite) {
         let message = format!("{name} has a pose with NaN or infinite numbers");
-        return Some(Finding::error("EXTRINSICS_INVALID", message));
+        return Some(Finding::error(Code::ExtrinsicsInvalid, message));
     }
     for (frame, pose) in camera.poses.iter().enumerate() {
         let [a, b, c] = pose.rotation;
@@ -69,12 +69,12 @@ fn poses(camera: &Camera, name: &str, limits: &CalibrationThresholds) -> Option<
             let scale = length(a);
             let message =
                 format!("the pose of {name} has rows of length {scale:.3} or not at right angles");
-            return Some(Finding::error("EXTRINSICS_INVALID", message).frames([frame]));
+            return Some(Finding::error(Code::ExtrinsicsInvalid, message).frames([frame]));
         }
         if dot(cross(a, b), c) < 0.0 {
             let message =
                 format!("the rotation of {name} is a mirror image (its determinant is -1)");
-            return Some(Finding::error("EXTRINSICS_MIRRORED", message).frames([frame]));
+            return Some(Finding::error(Code::ExtrinsicsMirrored, message).frames([frame]));
         }
     }
     None
@@ -97,7 +97,9 @@ fn coinciding(context: &Context<'_>, assessment: &mut Assessment) {
         if let Some(a) = cameras.iter().take(b).position(same) {
             let (first, second) = (named(context.recording, a), named(context.recording, b));
             let message = format!("{first} and {second} stand at exactly the same place");
-            assessment.findings.push(Finding::error("CAMERAS_COINCIDE", message).cameras([a, b]));
+            assessment
+                .findings
+                .push(Finding::error(Code::CamerasCoincide, message).cameras([a, b]));
             // A copied calibration of many cameras is one finding.
             return;
         }

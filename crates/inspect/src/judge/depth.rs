@@ -3,7 +3,7 @@
 
 use super::{Assessment, Context, named};
 use crate::{
-    Finding,
+    Code, Finding,
     scan::{CameraScan, FrameStats},
     statistics::{median, share},
 };
@@ -13,7 +13,7 @@ pub(super) fn judge(context: &Context<'_>, assessment: &mut Assessment) {
     let lifted = |l: &CameraScan| l.frames.iter().any(|g| g.object.is_some_and(|p| p.depth_px > 0));
     if context.scans.iter().any(masked) && !context.scans.iter().any(lifted) {
         let message = "no camera has depth on a single pixel of the object";
-        assessment.findings.push(Finding::error("DEPTH_EMPTY", message));
+        assessment.findings.push(Finding::error(Code::DepthEmpty, message));
         return;
     }
     for (index, scan) in context.scans.iter().enumerate() {
@@ -51,7 +51,7 @@ fn coverage(context: &Context<'_>, index: usize, scan: &CameraScan, assessment: 
         100.0 * middle,
         100.0 * limits.good_coverage
     );
-    let finding = Finding::graded(middle < limits.min_coverage, "DEPTH_SPARSE", message);
+    let finding = Finding::graded(middle < limits.min_coverage, Code::DepthSparse, message);
     assessment.findings.push(finding.cameras([index]).number("median_coverage", middle));
 }
 
@@ -64,7 +64,7 @@ fn apart(context: &Context<'_>, index: usize, scan: &CameraScan, assessment: &mu
         100.0 * part,
         named(context.recording, index)
     );
-    let finding = Finding::warning("MASK_SHOWS_BACKGROUND", message);
+    let finding = Finding::warning(Code::MaskShowsBackground, message);
     assessment.findings.push(finding.cameras([index]).number("share_apart", part));
 }
 
@@ -84,7 +84,7 @@ fn filled(context: &Context<'_>, index: usize, scan: &CameraScan, assessment: &m
         named(context.recording, index),
         100.0 * worst
     );
-    let finding = Finding::warning("DEPTH_FILLED", message).cameras([index]);
+    let finding = Finding::warning(Code::DepthFilled, message).cameras([index]);
     let finding = finding.number("value_m", f64::from(value)).number("largest_share", worst);
     assessment.findings.push(finding);
 }
@@ -100,7 +100,7 @@ fn not_finite(context: &Context<'_>, index: usize, scan: &CameraScan, assessment
         named(context.recording, index)
     );
     assessment.findings.push(
-        Finding::warning("DEPTH_NOT_FINITE", message)
+        Finding::warning(Code::DepthNotFinite, message)
             .cameras([index])
             .frames(frames.map(|(f, _)| f))
             .number("pixels", bad as f64),

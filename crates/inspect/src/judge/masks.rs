@@ -3,7 +3,7 @@
 
 use super::{Assessment, Context, named};
 use crate::{
-    Finding,
+    Code, Finding,
     scan::{CameraScan, FrameStats, mask::MaskStats},
     statistics::{median, share},
 };
@@ -22,16 +22,16 @@ pub(super) fn judge(context: &Context<'_>, assessment: &mut Assessment) {
     }
     if !any(|g| g.object.is_some()) {
         let message = "no camera has a mask of the object";
-        assessment.findings.push(Finding::error("MASKS_MISSING", message));
+        assessment.findings.push(Finding::error(Code::MasksMissing, message));
         return;
     }
     if !any(|g| g.object.is_some_and(|p| p.area_px > 0)) {
         let message = "the object's mask is empty in every frame of every camera";
-        assessment.findings.push(Finding::error("OBJECT_NOT_SEEN", message));
+        assessment.findings.push(Finding::error(Code::ObjectNotSeen, message));
     }
     if !any(|g| g.manipulator.is_some_and(|p| p.depth_px > 0)) {
         let message = "no camera sees a hand or gripper: its masks are missing or empty";
-        assessment.findings.push(Finding::warning("MANIPULATOR_NOT_SEEN", message));
+        assessment.findings.push(Finding::warning(Code::ManipulatorNotSeen, message));
     }
     for (index, scan) in context.scans.iter().enumerate() {
         empty(context, index, scan, assessment);
@@ -73,7 +73,7 @@ fn exchanged(context: &Context<'_>, assessment: &mut Assessment) {
         names.join(", ")
     );
     let frames = found.iter().map(|(_, frame)| *frame);
-    let finding = Finding::error("MASKS_SWAPPED", message).cameras(cameras).frames(frames);
+    let finding = Finding::error(Code::MasksSwapped, message).cameras(cameras).frames(frames);
     assessment.findings.push(finding);
 }
 
@@ -95,10 +95,14 @@ fn empty(context: &Context<'_>, index: usize, scan: &CameraScan, assessment: &mu
             other != index && scan.frames.iter().any(|g| g.object.is_some_and(|p| p.area_px > 0))
         });
         assessment.findings.push(
-            Finding::graded(part > limits.max_empty_share && !others, "OBJECT_MASK_EMPTY", message)
-                .cameras([index])
-                .frames(frames.iter().copied())
-                .number("empty_share", part),
+            Finding::graded(
+                part > limits.max_empty_share && !others,
+                Code::ObjectMaskEmpty,
+                message,
+            )
+            .cameras([index])
+            .frames(frames.iter().copied())
+            .number("empty_share", part),
         );
     }
     if let Some(report) = assessment.cameras.get_mut(index) {
@@ -122,7 +126,7 @@ fn covering(context: &Context<'_>, index: usize, scan: &CameraScan, assessment: 
             100.0 * covered
         );
         assessment.findings.push(
-            Finding::error("MASK_COVERS_IMAGE", message)
+            Finding::error(Code::MaskCoversImage, message)
                 .cameras([index])
                 .number("covered_share", covered),
         );
@@ -150,7 +154,7 @@ fn overlapping(
         100.0 * part,
         named(context.recording, index)
     );
-    let finding = Finding::warning("MASKS_OVERLAP", message);
+    let finding = Finding::warning(Code::MasksOverlap, message);
     assessment.findings.push(finding.cameras([index]).number("overlap_share", part));
 }
 
@@ -183,7 +187,7 @@ fn jumps(context: &Context<'_>, index: usize, scan: &CameraScan, assessment: &mu
             if frames.len() == 1 { "" } else { "s" }
         );
         assessment.findings.push(
-            Finding::warning("MASK_JUMPS", message)
+            Finding::warning(Code::MaskJumps, message)
                 .cameras([index])
                 .frames(frames.iter().copied())
                 .number("largest_factor", worst),

@@ -6,7 +6,7 @@ use super::{
     paths::{Path, step, steps, travel},
 };
 use crate::{
-    Finding,
+    Code, Finding,
     statistics::{median, share},
 };
 
@@ -56,7 +56,7 @@ fn first_image(
     }
     let finding = match hand.filter(|m| *m >= limits.still_m) {
         Some(hand) => Finding::warning(
-            "OBJECT_STILL",
+            Code::ObjectStill,
             format!(
                 "the object moves {:.1} mm while the hand moves {:.0} mm",
                 1e3 * object,
@@ -64,7 +64,7 @@ fn first_image(
             ),
         ),
         None => Finding::error(
-            "NOTHING_MOVES",
+            Code::NothingMoves,
             format!(
                 "nothing moves more than {:.1} mm in the whole recording",
                 1e3 * object.max(hand.unwrap_or(0.0))
@@ -103,7 +103,7 @@ fn fast(context: &Context<'_>, by_frame: &[Option<f64>], assessment: &mut Assess
         frames.len()
     );
     assessment.findings.push(
-        Finding::warning("MOTION_TOO_FAST", message)
+        Finding::warning(Code::MotionTooFast, message)
             .frames(frames)
             .number("largest_step_mm", 1e3 * fastest),
     );
@@ -138,7 +138,7 @@ fn skips(context: &Context<'_>, index: usize, path: &Path, assessment: &mut Asse
             skipped.len()
         );
         assessment.findings.push(
-            Finding::warning("FRAMES_SKIPPED", message)
+            Finding::warning(Code::FramesSkipped, message)
                 .cameras([index])
                 .frames(skipped)
                 .number("skipped_share", part),
@@ -155,7 +155,7 @@ fn contact(max_gap_m: f64, assessment: &mut Assessment) {
             1e3 * nearest,
             1e3 * max_gap_m
         );
-        let finding = Finding::error("NO_CONTACT", message);
+        let finding = Finding::error(Code::NoContact, message);
         assessment.findings.push(finding.number("nearest_mm", 1e3 * nearest));
     }
 }

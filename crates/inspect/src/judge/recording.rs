@@ -1,7 +1,7 @@
 //! Judge of the recording as a whole: length, frame rate, split, damaged files, number of cameras.
 
 use super::{Assessment, Context, named};
-use crate::{Finding, scan::COMPARED_CAMERAS, thresholds::RecordingThresholds};
+use crate::{Code, Finding, scan::COMPARED_CAMERAS, thresholds::RecordingThresholds};
 
 pub(super) fn judge(context: &Context<'_>, assessment: &mut Assessment) {
     let recording = context.recording;
@@ -18,33 +18,33 @@ pub(super) fn judge(context: &Context<'_>, assessment: &mut Assessment) {
         if !usable && recording.frame_count > 0 {
             let name = named(recording, index);
             let message = format!("{name} has no frame with both colour and depth");
-            findings.push(Finding::error("CAMERA_EMPTY", message).cameras([index]));
+            findings.push(Finding::error(Code::CameraEmpty, message).cameras([index]));
         }
     }
     let count = recording.cameras.len();
     if count == 0 {
-        findings.push(Finding::error("NO_FRAMES", "the recording has no cameras"));
+        findings.push(Finding::error(Code::NoFrames, "the recording has no cameras"));
     }
     if count == 1 {
         let message = "there is one camera, so half of the object is never seen";
-        findings.push(Finding::info("SINGLE_CAMERA", message));
+        findings.push(Finding::info(Code::SingleCamera, message));
     }
     if count > COMPARED_CAMERAS {
         let message =
             format!("there are {count} cameras; only the first {COMPARED_CAMERAS} are compared");
-        let finding = Finding::warning("TOO_MANY_CAMERAS", message);
+        let finding = Finding::warning(Code::TooManyCameras, message);
         findings.push(finding.number("cameras", count as f64));
     }
 }
 
 fn length(frames: usize, train: usize, limits: &RecordingThresholds, findings: &mut Vec<Finding>) {
     match frames {
-        0 => findings.push(Finding::error("NO_FRAMES", "the recording has no frames")),
+        0 => findings.push(Finding::error(Code::NoFrames, "the recording has no frames")),
         1 => findings
-            .push(Finding::error("ONE_FRAME", "the recording has one frame, so nothing moves")),
+            .push(Finding::error(Code::OneFrame, "the recording has one frame, so nothing moves")),
         2.. if frames < limits.min_frames => findings.push(
             Finding::warning(
-                "FEW_FRAMES",
+                Code::FewFrames,
                 format!(
                     "the recording has {frames} frames, too few to tell stiffness from damping"
                 ),
@@ -55,16 +55,16 @@ fn length(frames: usize, train: usize, limits: &RecordingThresholds, findings: &
     }
     if train < 2 && frames > 1 {
         let message = format!("only {train} of {frames} frames are for fitting");
-        findings.push(Finding::error("SPLIT_EMPTY", message).number("frames", train as f64));
+        findings.push(Finding::error(Code::SplitEmpty, message).number("frames", train as f64));
     }
 }
 
 fn frame_rate(fps: f64, limits: &RecordingThresholds, findings: &mut Vec<Finding>) {
     if !(fps.is_finite() && fps > 0.0) {
-        findings.push(Finding::error("FPS_INVALID", format!("the frame rate is {fps} fps")));
+        findings.push(Finding::error(Code::FpsInvalid, format!("the frame rate is {fps} fps")));
     } else if !limits.usual_fps.contains(&fps) {
         let message = format!("the frame rate is {fps} fps");
-        findings.push(Finding::warning("FPS_IMPLAUSIBLE", message).number("fps", fps));
+        findings.push(Finding::warning(Code::FpsImplausible, message).number("fps", fps));
     }
 }
 
@@ -86,7 +86,7 @@ fn damage(
         first.message
     );
     let finding =
-        Finding::graded(limits.max_damaged_one_in * files > frames, "FRAMES_DAMAGED", message);
+        Finding::graded(limits.max_damaged_one_in * files > frames, Code::FramesDamaged, message);
     findings.push(
         finding
             .cameras([index])

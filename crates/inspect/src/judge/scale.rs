@@ -2,7 +2,7 @@
 
 use super::{Assessment, Context};
 use crate::{
-    Finding,
+    Code, Finding,
     scan::{
         FrameStats,
         mask::{MaskStats, Surface},
@@ -44,20 +44,20 @@ fn sizes(size: f64, hand: Option<f64>, limits: &ScaleThresholds, assessment: &mu
     };
     let hand_is_large = hand.is_none_or(|hand| hand > limits.large_manipulator_m);
     let (code, message) = if size > *limits.object_size_m.end() {
-        ("SCALE_TOO_LARGE", format!("the object is {size:.1} m large{and_hand}"))
+        (Code::ScaleTooLarge, format!("the object is {size:.1} m large{and_hand}"))
     } else if size > limits.large_object_m && hand_is_large {
         let message = format!(
             "the object is {size:.1} m large{and_hand}: is depth in tenths of a millimetre, and the object {:.2} m large?",
             0.1 * size
         );
         assessment.findings.push(
-            Finding::warning("SCALE_TOO_LARGE", message)
+            Finding::warning(Code::ScaleTooLarge, message)
                 .number("object_size_m", size)
                 .number("manipulator_size_m", hand.unwrap_or(f64::NAN)),
         );
         return;
     } else if size < *limits.object_size_m.start() {
-        ("SCALE_TOO_SMALL", format!("the object is {:.2} mm large{and_hand}", 1e3 * size))
+        (Code::ScaleTooSmall, format!("the object is {:.2} mm large{and_hand}", 1e3 * size))
     } else {
         return;
     };
@@ -100,7 +100,7 @@ fn heights(context: &Context<'_>, assessment: &mut Assessment) {
         );
         assessment
             .findings
-            .push(Finding::error("UP_AXIS_WRONG", message).number("share_below", below));
+            .push(Finding::error(Code::UpAxisWrong, message).number("share_below", below));
         return;
     }
     let worst = surfaces(context, |g| g.object.as_ref()).map(|s| s.below).max_by(f64::total_cmp);
@@ -114,13 +114,13 @@ fn heights(context: &Context<'_>, assessment: &mut Assessment) {
             1e3 * lowest
         );
         assessment.findings.push(
-            Finding::graded(all_below > limits.bad_below_share, "BELOW_GROUND", message)
+            Finding::graded(all_below > limits.bad_below_share, Code::BelowGround, message)
                 .number("share_below", below)
                 .number("lowest_mm", 1e3 * lowest),
         );
     } else if lowest > limits.max_height_m {
         let message = format!("the object never comes nearer to the ground than {lowest:.2} m");
-        let finding = Finding::info("OBJECT_ABOVE_GROUND", message);
+        let finding = Finding::info(Code::ObjectAboveGround, message);
         assessment.findings.push(finding.number("lowest_m", lowest));
     }
 }

@@ -5,7 +5,7 @@ use std::ops::Range;
 
 use super::{Assessment, Context, named, paths::Path};
 use crate::{
-    Finding,
+    Code, Finding,
     inspection::PairReport,
     scan::COMPARED_CAMERAS,
     statistics::{mean, median},
@@ -76,13 +76,15 @@ fn flag(
             if drift > 0.0 { "behind" } else { "ahead of" },
             drift.abs() * frame_ms
         );
-        let finding = Finding::warning("CLOCKS_DRIFT", message);
+        let finding = Finding::warning(Code::ClocksDrift, message);
         assessment.findings.push(finding.cameras([camera]).number("drift_ms", drift * frame_ms));
         return;
     }
     let Some(skew) = skew.filter(|s| s.abs() > limits.max_skew_frames) else { return };
-    let is_known =
-        assessment.findings.iter().any(|f| f.code == "CAMERAS_SKEWED" && f.cameras == [camera]);
+    let is_known = assessment
+        .findings
+        .iter()
+        .any(|f| f.code == Code::CamerasSkewed.name() && f.cameras == [camera]);
     if is_known {
         return;
     }
@@ -95,7 +97,7 @@ fn flag(
         if skew > 0.0 { "later" } else { "earlier" }
     );
     assessment.findings.push(
-        Finding::graded(is_bad, "CAMERAS_SKEWED", message)
+        Finding::graded(is_bad, Code::CamerasSkewed, message)
             .cameras([camera])
             .number("skew_ms", skew * frame_ms),
     );

@@ -5,7 +5,7 @@
 use bendtwin_core::settings::ingest::ControlSettings;
 
 use super::{Assessment, Context};
-use crate::{Finding, scan::FrameStats};
+use crate::{Code, Finding, scan::FrameStats};
 
 pub(super) fn judge(context: &Context<'_>, assessment: &mut Assessment) {
     if context.scans.is_empty() {
@@ -39,7 +39,7 @@ fn object(context: &Context<'_>, assessment: &mut Assessment) {
         let message = format!(
             "no camera sees the object with depth in frame 0, where its points start; the first that does is in frame {frame}"
         );
-        let finding = Finding::error("OBJECT_NOT_TRACKED", message).frames([0]);
+        let finding = Finding::error(Code::ObjectNotTracked, message).frames([0]);
         assessment.findings.push(finding);
         return;
     }
@@ -47,11 +47,13 @@ fn object(context: &Context<'_>, assessment: &mut Assessment) {
     let gone = object_px.iter().rposition(|px| *px > 0).map_or(0, |last| last + 1);
     if gone < train {
         // The cameras' own findings say no more.
-        assessment.findings.retain(|f| f.code != "OBJECT_MASK_EMPTY");
+        assessment.findings.retain(|f| f.code != Code::ObjectMaskEmpty.name());
         let message = format!(
             "no camera sees the object from frame {gone} on, and {train} frames are for fitting"
         );
-        assessment.findings.push(Finding::error("OBJECT_MASK_EMPTY", message).frames(gone..train));
+        assessment
+            .findings
+            .push(Finding::error(Code::ObjectMaskEmpty, message).frames(gone..train));
         return;
     }
     tracks(context, assessment);
@@ -66,7 +68,7 @@ fn tracks(context: &Context<'_>, assessment: &mut Assessment) {
         if !own && !seeds.is_empty() && seeds.iter().sum::<usize>() == 0 {
             let message = "there are no tracks, and the object is too plain for the built-in tracker: it finds no spot to \
                            follow in frame 0";
-            assessment.findings.push(Finding::error("OBJECT_NOT_TRACKED", message));
+            assessment.findings.push(Finding::error(Code::ObjectNotTracked, message));
         }
         return;
     }
@@ -74,7 +76,7 @@ fn tracks(context: &Context<'_>, assessment: &mut Assessment) {
     let Some(start) = on_object.first().copied() else { return };
     if start == 0 {
         let message = "no track lies on the object in frame 0";
-        assessment.findings.push(Finding::error("OBJECT_NOT_TRACKED", message).frames([0]));
+        assessment.findings.push(Finding::error(Code::ObjectNotTracked, message).frames([0]));
         return;
     }
     let train = train_frames(context);
@@ -83,7 +85,7 @@ fn tracks(context: &Context<'_>, assessment: &mut Assessment) {
         let message = format!(
             "fewer than {least} of {start} tracks on the object are seen from frame {gone} on, and {train} frames are for fitting"
         );
-        let finding = Finding::error("TRACKS_LOST", message).frames(gone..train);
+        let finding = Finding::error(Code::TracksLost, message).frames(gone..train);
         assessment.findings.push(finding.number("tracks", start as f64));
     }
 }
@@ -109,25 +111,25 @@ fn hand(context: &Context<'_>, assessment: &mut Assessment) {
              frames",
             settings.max_gap_frames
         );
-        ("FRAMES_DROPPED", message)
+        (Code::FramesDropped, message)
     } else if gap.start == 0 {
         let message = format!(
             "the hand's masks are empty up to frame {last}: control points start in frame 0, where the hand has to be seen"
         );
-        ("HAND_NOT_TRACKED", message)
+        (Code::HandNotTracked, message)
     } else {
         let message = format!(
             "no mask shows the hand from frame {} to {last}, and gaps are filled up to {} frames",
             gap.start, settings.max_gap_frames
         );
-        ("HAND_LOST", message)
+        (Code::HandLost, message)
     };
     let (count, from_start) = (gap.len() as f64, gap.start == 0);
     let mut finding = Finding::error(code, message).frames(gap).number("hidden_frames", count);
-    if code == "FRAMES_DROPPED" {
+    if code == Code::FramesDropped {
         // The cameras' own findings say no more.
-        assessment.findings.retain(|f| f.code != code);
-        finding = finding.explains(if from_start { "HAND_NOT_TRACKED" } else { "HAND_LOST" });
+        assessment.findings.retain(|f| f.code != code.name());
+        finding = finding.explains(if from_start { Code::HandNotTracked } else { Code::HandLost });
     }
     assessment.findings.push(finding);
 }
@@ -141,6 +143,6 @@ fn mesh(context: &Context<'_>, assessment: &mut Assessment) {
         bendtwin_mesh::parse(&file.name, &file.bytes, &bendtwin_mesh::Limits::default())
     {
         let message = format!("the mesh `{}` cannot be used: {error}", file.name);
-        assessment.findings.push(Finding::error("MESH_UNUSABLE", message));
+        assessment.findings.push(Finding::error(Code::MeshUnusable, message));
     }
 }

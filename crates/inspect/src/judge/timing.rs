@@ -4,7 +4,7 @@ use bendtwin_capture::raw::Camera;
 
 use super::{Assessment, Context, named};
 use crate::{
-    Finding,
+    Code, Finding,
     scan::{CameraScan, FrameStats},
     statistics::{median, share},
 };
@@ -52,7 +52,7 @@ fn missing(context: &Context<'_>, index: usize, scan: &CameraScan, assessment: &
             )
         };
         assessment.findings.push(
-            Finding::graded(part > limits.max_lost_share, "FRAMES_DROPPED", message)
+            Finding::graded(part > limits.max_lost_share, Code::FramesDropped, message)
                 .cameras([index])
                 .frames(frames.iter().copied())
                 .number("missing_share", part)
@@ -110,7 +110,7 @@ fn repeated(context: &Context<'_>, index: usize, same: &[Vec<bool>], assessment:
             100.0 * part
         );
         assessment.findings.push(
-            Finding::graded(part > limits.max_lost_share, "FRAMES_DUPLICATED", message)
+            Finding::graded(part > limits.max_lost_share, Code::FramesDuplicated, message)
                 .cameras([index])
                 .frames(frames.iter().copied())
                 .number("repeated_share", part)
@@ -134,8 +134,9 @@ fn frozen_depth(
         |g: &FrameStats| [g.object, g.manipulator].into_iter().flatten().any(|m| m.depth_px > 0);
     let is_frozen =
         |a: &FrameStats, b: &FrameStats| has_depth(b) && a.depth == b.depth && a.color != b.color;
-    let words = ["DEPTH_FROZEN", "depth", "colour"];
-    assessment.findings.extend(frozen(context, index, scan, words, is_frozen));
+    let words = ["depth", "colour"];
+    let found = frozen(context, index, scan, Code::DepthFrozen, words, is_frozen);
+    assessment.findings.extend(found);
 }
 
 /// Colour that stays while depth changes.
@@ -148,8 +149,9 @@ fn frozen_color(
     let is_frozen = |a: &FrameStats, b: &FrameStats| {
         b.color.is_some() && a.color == b.color && a.depth != b.depth
     };
-    let words = ["COLOR_FROZEN", "colour", "depth"];
-    assessment.findings.extend(frozen(context, index, scan, words, is_frozen));
+    let words = ["colour", "depth"];
+    let found = frozen(context, index, scan, Code::ColorFrozen, words, is_frozen);
+    assessment.findings.extend(found);
 }
 
 /// The finding about frames in which one kind of image is that of the frame before, while the other
@@ -158,7 +160,8 @@ fn frozen(
     context: &Context<'_>,
     index: usize,
     scan: &CameraScan,
-    [code, still, moving]: [&'static str; 3],
+    code: Code,
+    [still, moving]: [&'static str; 2],
     is_frozen: impl Fn(&FrameStats, &FrameStats) -> bool,
 ) -> Option<Finding> {
     let limits = &context.thresholds.timing;
@@ -202,7 +205,7 @@ fn late(context: &Context<'_>, index: usize, camera: &Camera, assessment: &mut A
             "by its times, {name} records {measured:.2} frames per second; {fps} are declared"
         );
         assessment.findings.push(
-            Finding::warning("FPS_MISMATCH", message)
+            Finding::warning(Code::FpsMismatch, message)
                 .cameras([index])
                 .number("measured_fps", measured)
                 .number("declared_fps", fps),
@@ -226,7 +229,7 @@ fn late(context: &Context<'_>, index: usize, camera: &Camera, assessment: &mut A
             limits.late_intervals
         );
         assessment.findings.push(
-            Finding::warning("FRAMES_LATE", message)
+            Finding::warning(Code::FramesLate, message)
                 .cameras([index])
                 .frames(late.iter().copied())
                 .number("late_share", share(late.len(), known.len())),
@@ -267,7 +270,7 @@ fn skew_by_times(context: &Context<'_>, assessment: &mut Assessment) {
             assessment.findings.push(
                 Finding::graded(
                     skew.abs() * context.recording.fps > limits.bad_skew_frames,
-                    "CAMERAS_SKEWED",
+                    Code::CamerasSkewed,
                     message,
                 )
                 .cameras([index])

@@ -2,7 +2,7 @@
 
 use super::{Assessment, Context, named, paths::travel};
 use crate::{
-    Finding,
+    Code, Finding,
     inspection::TrackReport,
     scan::{CameraScan, tracks::TrackCounts},
     statistics::{mean, share},
@@ -11,7 +11,7 @@ use crate::{
 pub(super) fn judge(context: &Context<'_>, assessment: &mut Assessment) {
     if !context.scans.is_empty() && context.scans.iter().all(|scan| scan.track_count.is_none()) {
         let message = "there are no 2D tracks";
-        assessment.findings.push(Finding::info("TRACKS_MISSING", message));
+        assessment.findings.push(Finding::info(Code::TracksMissing, message));
         return;
     }
     for (index, scan) in context.scans.iter().enumerate() {
@@ -59,7 +59,7 @@ fn on_masks(
             format!("{bad} of {visible} visible track points of {name} are NaN or infinite");
         let finding = Finding::graded(
             bad as f64 > limits.max_not_finite_share * visible as f64,
-            "TRACKS_NOT_FINITE",
+            Code::TracksNotFinite,
             message,
         );
         assessment.findings.push(finding.cameras([index]).number("points", bad as f64));
@@ -76,7 +76,7 @@ fn on_masks(
             100.0 * transposed
         );
         assessment.findings.push(
-            Finding::error("TRACKS_TRANSPOSED", message)
+            Finding::error(Code::TracksTransposed, message)
                 .cameras([index])
                 .number("inside", inside)
                 .number("inside_exchanged", transposed),
@@ -85,7 +85,7 @@ fn on_masks(
     }
     let message =
         format!("only {:.0} % of the visible tracks of {name} lie on its masks", 100.0 * inside);
-    let finding = Finding::warning("TRACKS_OFF_OBJECT", message);
+    let finding = Finding::warning(Code::TracksOffObject, message);
     assessment.findings.push(finding.cameras([index]).number("inside", inside));
 }
 
@@ -96,7 +96,8 @@ fn survival(
     report: &TrackReport,
     assessment: &mut Assessment,
 ) {
-    if assessment.findings.iter().any(|f| f.code == "TRACKS_LOST" && f.cameras.is_empty()) {
+    if assessment.findings.iter().any(|f| f.code == Code::TracksLost.name() && f.cameras.is_empty())
+    {
         // All of them are lost.
         return;
     }
@@ -113,7 +114,7 @@ fn survival(
             report.count,
             named(context.recording, index)
         );
-        let finding = Finding::warning("TRACKS_LOST", message);
+        let finding = Finding::warning(Code::TracksLost, message);
         assessment.findings.push(finding.cameras([index]).number("survivors", left as f64));
     }
 }
@@ -129,7 +130,7 @@ fn motion(context: &Context<'_>, index: usize, scan: &CameraScan, assessment: &m
             named(context.recording, index),
             1e3 * moved
         );
-        let finding = Finding::warning("TRACKS_STILL", message);
+        let finding = Finding::warning(Code::TracksStill, message);
         assessment.findings.push(finding.cameras([index]).number("reach_px", reach));
     }
 }

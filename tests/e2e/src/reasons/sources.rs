@@ -1,18 +1,25 @@
-//! Reasons of errors and codes of findings, read from the Rust sources: from `fn category` and `fn
-//! reason` of every `impl Problem`, from faults that are built by name, and from what the crates of
-//! captures report.
+//! Reasons of errors and codes of findings, read from the Rust sources: from the attributes that the
+//! derive of `Problem` reads, from faults that are built by name, and from what the crates of captures
+//! report.
+
+#[path = "../../../../crates/problem-derive/src/attribute.rs"]
+#[expect(dead_code, reason = "the derive reads more of an attribute")]
+mod attribute;
 
 use std::collections::{BTreeMap, BTreeSet};
 
 use quote::ToTokens as _;
 use reqwest::StatusCode;
 use syn::{
-    Arm, Attribute, Block, Expr, ExprAssign, ExprCall, ExprLit, ExprMethodCall, ExprStruct,
-    ExprTuple, Fields, File, ImplItem, Item, ItemImpl, Lit, LitStr, Macro, Pat, Stmt, visit,
-    visit::Visit,
+    Attribute, Expr, ExprAssign, ExprCall, ExprLit, ExprMethodCall, ExprStruct, ExprTuple, Fields,
+    File, Item, ItemImpl, Lit, LitStr, Macro, visit, visit::Visit,
 };
 
+use self::attribute::{Category, Origin, Problem};
 use crate::workspace;
+
+/// The file of the trait, the only one that may implement it by hand.
+const TRAIT: &str = "crates/core/src/error.rs";
 
 /// Crates whose words in capitals are codes of findings where they are no reasons.
 const FINDERS: [&str; 6] = [
@@ -85,6 +92,7 @@ pub(super) fn read() -> Catalogue {
         let file: File = syn::parse_file(&text).unwrap_or_else(|e| panic!("{name}: {e}"));
         let mut visitor = Visitor {
             words: &mut words,
+            file: &name,
             loose: Vec::new(),
             finds: FINDERS.iter().any(|finder| name.starts_with(finder)),
             status: None,
@@ -118,6 +126,8 @@ fn in_capitals(text: &str) -> bool {
 
 struct Visitor<'a> {
     words: &'a mut Catalogue,
+    /// Name of the file.
+    file: &'a str,
     /// Words in capitals that were not recognised by their place.
     loose: Vec<String>,
     /// True if the first text of a call is the code of a finding.
@@ -136,6 +146,20 @@ impl Visitor<'_> {
                 entry.categories.insert(category);
             }
             None => entry.inherits = true,
+        }
+    }
+
+    /// The reason beside a variant or a type.
+    fn problem(&mut self, attribute: &Attribute) {
+        let found = Problem::all(std::slice::from_ref(attribute));
+        for problem in found.unwrap_or_else(|e| panic!("{}: {e}", self.file)) {
+            // A transparent error passes on the reason of its cause.
+            let Origin::Stated { category, reason } = problem.origin else { continue };
+            let category = match category {
+                Category::Named(name) => Some(name.to_string()),
+                Category::Computed(_) => None,
+            };
+            self.reason(&reason.value(), category);
         }
     }
 
@@ -177,26 +201,14 @@ impl<'ast> Visit<'ast> for Visitor<'_> {
         }
     }
 
-    fn visit_attribute(&mut self, _: &'ast Attribute) {}
+    fn visit_attribute(&mut self, attribute: &'ast Attribute) {
+        self.problem(attribute);
+    }
 
     fn visit_item_impl(&mut self, item: &'ast ItemImpl) {
-        let of = item.trait_.as_ref().and_then(|(_, path, _)| path.segments.last());
-        if of.is_some_and(|of| of.ident == "Problem") {
-            let body = |name: &str| {
-                item.items.iter().find_map(|part| match part {
-                    ImplItem::Fn(part) if part.sig.ident == name => Some(arms(&part.block)),
-                    _ => None,
-                })
-            };
-            let categories = body("category").unwrap_or_default();
-            for (pattern, _, reason) in body("reason").unwrap_or_default() {
-                // An arm without a text passes on the reason of a cause.
-                let Some(reason) = text_of(&reason) else { continue };
-                for category in categories_of(&pattern, &categories) {
-                    self.reason(&reason, category);
-                }
-            }
-        }
+        let of = item.trait_.as_ref().and_then(|(path, _)| path.segments.last());
+        let by_hand = of.is_some_and(|of| of.ident == "Problem") && self.file != TRAIT;
+        assert!(!by_hand, "{}: derive `Problem`", self.file);
         visit::visit_item_impl(self, item);
     }
 
@@ -245,8 +257,6 @@ impl<'ast> Visit<'ast> for Visitor<'_> {
                 self.reason(reason, Some("InvalidArgument".to_owned()));
                 self.words.reasons.entry(reason.clone()).or_default().statuses.insert(status);
             }
-        } else if path == "code" && self.finds {
-            self.code(&texts);
         }
     }
 
@@ -261,6 +271,15 @@ impl<'ast> Visit<'ast> for Visitor<'_> {
     }
 
     fn visit_macro(&mut self, mac: &'ast Macro) {
+        if mac.path.is_ident("codes") {
+            let tokens = mac.tokens.clone().into_iter();
+            let texts: Vec<_> = tokens
+                .filter_map(|token| syn::parse2::<LitStr>(token.into()).ok())
+                .map(|text| text.value())
+                .collect();
+            texts.chunks(3).for_each(|about| self.code(about));
+            return;
+        }
         for word in mac.tokens.to_string().split('"').skip(1).step_by(2) {
             if in_capitals(word) {
                 self.loose.push(word.to_owned());
@@ -301,51 +320,10 @@ fn text_of(expr: &Expr) -> Option<String> {
 
 /// The variant of `Category` that an expression names.
 fn category_of(expr: &Expr) -> Option<String> {
-    let expr = match expr {
-        Expr::Block(block) => match &block.block.stmts[..] {
-            [Stmt::Expr(expr, None)] => expr,
-            _ => return None,
-        },
-        expr => expr,
-    };
     let Expr::Path(path) = expr else { return None };
     let segments: Vec<_> = path.path.segments.iter().map(|s| s.ident.to_string()).collect();
     match &segments[..] {
         [.., of, name] if of == "Category" => Some(name.clone()),
         _ => None,
     }
-}
-
-/// The arms of a function that is one `match`, as pattern, whether it has a guard, and value; a
-/// function that is one value has one arm for everything.
-fn arms(block: &Block) -> Vec<(String, bool, Expr)> {
-    let Some(Stmt::Expr(expr, None)) = block.stmts.last() else { return Vec::new() };
-    let Expr::Match(found) = expr else { return vec![("_".to_owned(), false, expr.clone())] };
-    let split = |arm: &Arm| {
-        let patterns: Vec<_> = match &arm.pat {
-            Pat::Or(any) => any.cases.iter().collect(),
-            one => vec![one],
-        };
-        let (guard, body) = (arm.guard.is_some(), (*arm.body).clone());
-        let of = |pattern: &Pat| (pattern.to_token_stream().to_string(), guard, body.clone());
-        patterns.into_iter().map(of).collect::<Vec<_>>()
-    };
-    found.arms.iter().flat_map(split).collect()
-}
-
-/// The categories of what a pattern matches; none for one that is passed on from a cause.
-fn categories_of(pattern: &str, categories: &[(String, bool, Expr)]) -> Vec<Option<String>> {
-    let variant = |pattern: &str| {
-        pattern.split([' ', '(', '{']).filter(|p| !p.is_empty()).take(3).collect::<String>()
-    };
-    let guarded = |p: &str, guard: bool| guard && variant(p) == variant(pattern);
-    let choose = |choice: &dyn Fn(&str, bool) -> bool| -> Vec<_> {
-        let chosen = categories.iter().filter(|(p, guard, _)| choice(p, *guard));
-        chosen.map(|(_, _, value)| category_of(value)).collect()
-    };
-    let exact = choose(&|p, guard| p == pattern || guarded(p, guard));
-    let same = choose(&|p, _| variant(p) == variant(pattern));
-    let all = choose(&|_, _| pattern == "_");
-    let rest = choose(&|p, _| p == "_");
-    [exact, same, all, rest].into_iter().find(|found| !found.is_empty()).unwrap_or_default()
 }

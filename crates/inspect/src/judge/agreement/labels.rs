@@ -2,7 +2,7 @@
 
 use super::super::{Assessment, Context, named};
 use crate::{
-    Finding,
+    Code, Finding,
     consistency::{ViewSet, hypothesis::Hypothesis},
     statistics::share,
 };
@@ -42,7 +42,7 @@ pub(super) fn judge(
             names.join(" and "),
             if cameras.len() == 1 { "s" } else { "" }
         );
-        assessment.findings.push(Finding::error("MASKS_SWAPPED", message).cameras(cameras));
+        assessment.findings.push(Finding::error(Code::MasksSwapped, message).cameras(cameras));
         return;
     }
     exchanged_in_all(context, assessment);
@@ -73,6 +73,6 @@ fn exchanged_in_all(context: &Context<'_>, assessment: &mut Assessment) {
             1e3 * hand,
             1e3 * object
         );
-        assessment.findings.push(Finding::warning("MASKS_SWAPPED", message));
+        assessment.findings.push(Finding::warning(Code::MasksSwapped, message));
     }
 }

@@ -2,7 +2,7 @@
 
 use super::super::{Context, named};
 use crate::{
-    Finding,
+    Code, Finding,
     consistency::{
         ViewSet,
         hypothesis::PoseChange,
@@ -49,23 +49,27 @@ pub(super) fn finding(
                 })
                 .collect();
             let message = format!("the cameras agree if they are exchanged: {}", parts.join(", "));
-            Finding::error("CAMERAS_SWAPPED", message).cameras(cameras)
+            Finding::error(Code::CamerasSwapped, message).cameras(cameras)
         }
     };
     finding.number("misfit_repaired", found.misfit)
 }
 
-fn pose_fault(change: PoseChange) -> (&'static str, &'static str) {
+fn pose_fault(change: PoseChange) -> (Code, &'static str) {
     match change {
-        PoseChange::Inverse | PoseChange::None => ("EXTRINSICS_INVERTED", "the inversion"),
-        PoseChange::RotationInverse => ("EXTRINSICS_INVERTED", "the transposition of the rotation"),
-        PoseChange::OpenGl => ("EXTRINSICS_AXES", "OpenGL's axes (y up, z towards the viewer)"),
-        PoseChange::InverseOpenGl => ("EXTRINSICS_INVERTED", "the inversion, with OpenGL's axes,"),
-        PoseChange::Mirrored(_) => ("EXTRINSICS_MIRRORED", "a mirrored axis"),
-        PoseChange::MirroredPlace(_) => {
-            ("EXTRINSICS_MIRRORED", "the sign of one coordinate of the translation")
+        PoseChange::Inverse | PoseChange::None => (Code::ExtrinsicsInverted, "the inversion"),
+        PoseChange::RotationInverse => {
+            (Code::ExtrinsicsInverted, "the transposition of the rotation")
         }
-        PoseChange::Units(_) => ("EXTRINSICS_UNITS", "the unit of the translation"),
+        PoseChange::OpenGl => (Code::ExtrinsicsAxes, "OpenGL's axes (y up, z towards the viewer)"),
+        PoseChange::InverseOpenGl => {
+            (Code::ExtrinsicsInverted, "the inversion, with OpenGL's axes,")
+        }
+        PoseChange::Mirrored(_) => (Code::ExtrinsicsMirrored, "a mirrored axis"),
+        PoseChange::MirroredPlace(_) => {
+            (Code::ExtrinsicsMirrored, "the sign of one coordinate of the translation")
+        }
+        PoseChange::Units(_) => (Code::ExtrinsicsUnits, "the unit of the translation"),
     }
 }
 
@@ -95,14 +99,14 @@ fn units(context: &Context<'_>, factor: f64, object_size_m: Option<f64>) -> Find
             "the cameras agree if {small} {round} times as large compared with {large}; by depth the object is \
              {size:.3} m large, as it may be, so that the poses are in other units"
         );
-        ("EXTRINSICS_UNITS", message)
+        (Code::ExtrinsicsUnits, message)
     } else {
         let message = format!(
             "the cameras agree if {small} {round} times as large compared with {large}; by depth the object is \
              {size:.3} m large, and {:.3} m if depth is in other units",
             size * factor
         );
-        ("DEPTH_UNITS", message)
+        (Code::DepthUnits, message)
     };
     Finding::error(code, message).number("depth_factor", factor).number("object_size_m", size)
 }
@@ -112,7 +116,7 @@ pub(super) fn depth_of_all(factor: f64, is_bad: bool) -> Finding {
         "the cameras agree if all depth is multiplied by {factor:.3}: it is {}",
         too(factor)
     );
-    Finding::graded(is_bad, "DEPTH_UNITS", message).number("depth_factor", factor)
+    Finding::graded(is_bad, Code::DepthUnits, message).number("depth_factor", factor)
 }
 
 pub(super) fn depth_of_one(
@@ -128,7 +132,9 @@ pub(super) fn depth_of_one(
         named(context.recording, index),
         too(factor)
     );
-    Finding::graded(is_bad, "DEPTH_SCALE", message).cameras([index]).number("depth_factor", factor)
+    Finding::graded(is_bad, Code::DepthScale, message)
+        .cameras([index])
+        .number("depth_factor", factor)
 }
 
 fn too(factor: f64) -> String {
