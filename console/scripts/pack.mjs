@@ -5,11 +5,14 @@ import { dirname, join } from 'node:path';
 import { BUILT, DIST, MOST_BYTES, pack, read, unpack } from './built.mjs';
 
 const packed = pack(read(DIST));
+const different = names();
 if (process.argv.includes('--check')) check();
 else write();
 weigh();
 
+// Another zlib compresses the same content to other bytes: a folder of the same content stays.
 function write() {
+  if (different.length === 0) return;
   rmSync(BUILT, { recursive: true, force: true });
   for (const [name, content] of packed) {
     const path = join(BUILT, name);
@@ -18,13 +21,17 @@ function write() {
   }
 }
 
-function check() {
+/** Names of the files of another content. */
+function names() {
   const committed = unpack(read(BUILT));
   const wanted = unpack(packed);
-  const names = new Set([...committed.keys(), ...wanted.keys()]);
-  const others = [...names].filter((name) => !(committed.get(name)?.equals(wanted.get(name) ?? Buffer.of(0)) ?? false));
-  if (others.length === 0) return;
-  console.error(`console/built is not what the sources make:\n  ${others.join('\n  ')}`);
+  const all = new Set([...committed.keys(), ...wanted.keys()]);
+  return [...all].filter((name) => !(committed.get(name)?.equals(wanted.get(name) ?? Buffer.of(0)) ?? false));
+}
+
+function check() {
+  if (different.length === 0) return;
+  console.error(`console/built is not what the sources make:\n  ${different.join('\n  ')}`);
   console.error('run console/rebuild and commit console/built');
   process.exit(1);
 }

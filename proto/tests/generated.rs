@@ -32,6 +32,16 @@ const FILES: [&str; 15] = [
     "bendtwin/worker/v1/worker_link.proto",
 ];
 
+/// Messages that the Rust client hands on as they are, in values that are printed as JSON.
+const WRITTEN_BY_SERDE: [&str; 6] = [
+    "bendtwin.v1.KeyQuotas",
+    "bendtwin.v1.ModelLoss",
+    "bendtwin.v1.Progress",
+    "bendtwin.v1.RollOutResponse.Deviation",
+    "bendtwin.v1.RollOutResponse.Timing",
+    "bendtwin.v1.WorkerRequirements",
+];
+
 const TWINS: &str = "bendtwin/v1/twin.proto";
 const EVALUATIONS: &str = "bendtwin/v1/evaluation.proto";
 
@@ -82,11 +92,12 @@ fn generate(root: &Path) -> BTreeMap<String, Vec<u8>> {
     let whole = descriptors.file.iter().filter(|f| in_json.contains(&f.name()));
     let code = json::implementations(whole.chain(&single));
     std::fs::write(folder.path().join("json.rs"), code).unwrap();
-    tonic_prost_build::configure()
-        .bytes(".")
-        .out_dir(folder.path())
-        .compile_fds(descriptors)
-        .unwrap();
+    let mut code = tonic_prost_build::configure().bytes(".").out_dir(folder.path());
+    for message in WRITTEN_BY_SERDE {
+        code = code.type_attribute(message, "#[derive(serde::Serialize)]");
+    }
+    let states = r#"#[derive(serde::Serialize)] #[serde(rename_all = "SCREAMING_SNAKE_CASE")]"#;
+    code.type_attribute("bendtwin.v1.Job.State", states).compile_fds(descriptors).unwrap();
     read(folder.path())
 }
 

@@ -1,5 +1,6 @@
 """Resumable uploads against the real `bendtwin`, named by BENDTWIN_BIN: ours and tuspy's."""
 
+import asyncio
 import hashlib
 import os
 import random
@@ -13,7 +14,7 @@ import requests
 from tusclient.client import TusClient
 from tusclient.exceptions import TusCommunicationError, TusUploadFailed
 
-from bendtwin import BendTwinError, Category, Client, uploads
+from bendtwin import BendTwinError, Category, Client, aio, uploads
 
 BINARY = os.environ.get("BENDTWIN_BIN")
 START_S = 60
@@ -161,6 +162,31 @@ def test_a_push_goes_on_over_kills_of_the_server(server, archive, small_parts):
         seen.clear()
         assert client.push_capture(archive, on_progress=progress) == capture
         assert seen == [3_000_000]
+
+
+def test_the_client_of_asyncio_pushes_while_other_tasks_run(server, tmp_path):
+    folder = tmp_path / "rope"
+    folder.mkdir()
+    (folder / "depth.npy").write_bytes(random.Random(1).randbytes(300_000))
+    seen = []
+
+    async def main():
+        async with aio.Client(server.address) as client:
+            loop = asyncio.get_running_loop()
+            # Were the loop blocked, what is asked of it from the thread of the push had no answer.
+            answer = asyncio.run_coroutine_threadsafe
+
+            def progress(there, of):
+                seen.append((there, answer(asyncio.sleep(0, "free"), loop).result(START_S)))
+
+            pushed = await client.push_capture(folder, on_progress=progress)
+            uploaded = await client.upload_capture(folder, request_id="other")
+            return pushed, uploaded
+
+    pushed, uploaded = asyncio.run(main())
+    assert pushed.display_name == uploaded.display_name == "rope"
+    assert seen[-1] == (pushed.size_bytes, "free")
+    assert pushed.digest == uploaded.digest
 
 
 def test_a_push_goes_on_where_its_process_ended(server, tmp_path, small_parts):

@@ -4,9 +4,9 @@ use std::{path::Path, time::Duration};
 
 use bendtwin_core::{ids::CaptureId, settings::ingest::IngestSettings};
 use bendtwin_proto::v1::{
-    self, CancelIngestRequest, DeleteCaptureRequest, ExportObservationRequest,
-    GetCaptureReportRequest, GetCaptureRequest, IngestCaptureRequest, ListCapturesRequest,
-    UpdateCaptureRequest, WatchIngestRequest, capture_service_client::CaptureServiceClient,
+    CancelIngestRequest, DeleteCaptureRequest, ExportObservationRequest, GetCaptureReportRequest,
+    GetCaptureRequest, IngestCaptureRequest, ListCapturesRequest, UpdateCaptureRequest,
+    WatchIngestRequest, capture_service_client::CaptureServiceClient,
     get_capture_report_request::Format,
 };
 use futures::TryStreamExt as _;
@@ -21,8 +21,10 @@ use crate::{
     Capture, Error, ListQuery, Requirements, Update, Watch,
     channel::Channel,
     http::Http,
+    labels::{list_request, update_request},
     page::{self, Page},
     problem,
+    resources::{if_any, json_if_any},
     uploads::Sender,
     watch,
 };
@@ -145,8 +147,8 @@ impl Captures {
         });
         let mut url = Url::parse(&format!("{}/v1/captures", self.url)).map_err(Error::malformed)?;
         url.query_pairs_mut().append_pair("display_name", display_name);
-        if let Some(requirements) = self.requirements.json()? {
-            url.query_pairs_mut().append_pair("ingest_requirements", &requirements);
+        if let Some(json) = json_if_any(&self.requirements)? {
+            url.query_pairs_mut().append_pair("ingest_requirements", &json);
         }
         let response = self
             .http
@@ -194,7 +196,7 @@ impl Captures {
         let settings_json = serde_json::to_string(settings)
             .map_err(|e| Error::invalid(format!("the settings cannot be written as JSON: {e}")))?;
         let request_id = Uuid::new_v4().to_string();
-        let requirements = self.requirements.clone().message();
+        let requirements = if_any(&self.requirements);
         let request = IngestCaptureRequest {
             name: name.to_string(),
             settings_json,
@@ -270,14 +272,7 @@ impl Captures {
     /// # Errors
     /// If the query is not allowed, or the server cannot be asked.
     pub async fn list(&self, query: ListQuery) -> Result<Page<Capture>, Error> {
-        let request = ListCapturesRequest {
-            order_by: query.order.order_by(),
-            page_size: query.page.size,
-            page_token: query.page.token,
-            search: query.search,
-            tag: query.tag,
-            owner: query.owner,
-        };
+        let request = list_request!(ListCapturesRequest {}, query);
         let reply = self.service.clone().list_captures(request).await?.into_inner();
         Page::new(reply.captures, reply.next_page_token, Capture::try_from)
     }
@@ -295,20 +290,7 @@ impl Captures {
     /// # Errors
     /// If a change is not allowed, the capture does not exist, or the server cannot be asked.
     pub async fn update(&self, name: CaptureId, update: &Update) -> Result<Capture, Error> {
-        let change = update.clone();
-        let capture = v1::Capture {
-            name: name.to_string(),
-            display_name: change.display_name.unwrap_or_default(),
-            note: change.note.unwrap_or_default(),
-            tags: change.tags.unwrap_or_default(),
-            ..v1::Capture::default()
-        };
-        let request = UpdateCaptureRequest {
-            capture: Some(capture),
-            update_mask: update.mask(),
-            add_tags: change.add_tags,
-            remove_tags: change.remove_tags,
-        };
+        let request = update_request!(UpdateCaptureRequest { capture: Capture }, name, update);
         self.service.clone().update_capture(request).await?.into_inner().try_into()
     }
 

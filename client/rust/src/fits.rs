@@ -5,7 +5,7 @@ use bendtwin_core::{
     ids::{CaptureId, FitId},
 };
 use bendtwin_proto::v1::{
-    self, CancelFitRequest, CreateFitRequest, DeleteFitRequest, GetFitLossesRequest, GetFitRequest,
+    CancelFitRequest, CreateFitRequest, DeleteFitRequest, GetFitLossesRequest, GetFitRequest,
     ListFitsRequest, UpdateFitRequest, WatchFitRequest, fit_service_client::FitServiceClient,
 };
 use uuid::Uuid;
@@ -13,7 +13,9 @@ use uuid::Uuid;
 use crate::{
     Error, Fit, ListQuery, LossCurve, Requirements, Update, Watch,
     channel::Channel,
+    labels::{list_request, update_request},
     page::{self, Page},
+    resources::if_any,
     watch,
 };
 
@@ -88,7 +90,7 @@ impl Fits {
             priority: order.priority,
             request_id: order.request_id.unwrap_or_else(|| Uuid::new_v4().to_string()),
             display_name: order.display_name,
-            requirements: order.requirements.message(),
+            requirements: if_any(&order.requirements),
         };
         self.service.clone().create_fit(request).await?.into_inner().try_into()
     }
@@ -107,16 +109,8 @@ impl Fits {
     /// # Errors
     /// If the query is not allowed, or the server cannot be asked.
     pub async fn list(&self, query: ListQuery) -> Result<Page<Fit>, Error> {
-        let request = ListFitsRequest {
-            capture: query.capture_name(),
-            order_by: query.order.order_by(),
-            state: query.state.map_or(0, |state| state.wire().into()),
-            page_size: query.page.size,
-            page_token: query.page.token,
-            search: query.search,
-            tag: query.tag,
-            owner: query.owner,
-        };
+        let (capture, state) = (query.capture_name(), query.state.map_or(0, i32::from));
+        let request = list_request!(ListFitsRequest { capture, state }, query);
         let reply = self.service.clone().list_fits(request).await?.into_inner();
         Page::new(reply.fits, reply.next_page_token, Fit::try_from)
     }
@@ -144,20 +138,7 @@ impl Fits {
     /// # Errors
     /// If a change is not allowed, the fit does not exist, or the server cannot be asked.
     pub async fn update(&self, name: FitId, update: &Update) -> Result<Fit, Error> {
-        let change = update.clone();
-        let fit = v1::Fit {
-            name: name.to_string(),
-            display_name: change.display_name.unwrap_or_default(),
-            note: change.note.unwrap_or_default(),
-            tags: change.tags.unwrap_or_default(),
-            ..v1::Fit::default()
-        };
-        let request = UpdateFitRequest {
-            fit: Some(fit),
-            update_mask: update.mask(),
-            add_tags: change.add_tags,
-            remove_tags: change.remove_tags,
-        };
+        let request = update_request!(UpdateFitRequest { fit: Fit }, name, update);
         self.service.clone().update_fit(request).await?.into_inner().try_into()
     }
 

@@ -3,7 +3,7 @@
 
 use bendtwin_core::ids::KeyId;
 use bendtwin_proto::v1::{
-    self, CreateKeyRequest, DeleteKeyRequest, GetKeyRequest, ListKeysRequest,
+    self, CreateKeyRequest, DeleteKeyRequest, GetKeyRequest, KeyQuotas, ListKeysRequest,
     key_service_client::KeyServiceClient,
 };
 use jiff::Timestamp;
@@ -13,9 +13,10 @@ use crate::{
     Error,
     channel::Channel,
     page::{self, Page, PageRequest},
-    resources::{id, optional_time, time, wire_time},
+    value::resource,
 };
 
+resource! { v1::Key =>
 /// A key as the server knows it; the key itself is not among it.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Key {
@@ -38,16 +39,6 @@ pub struct Key {
     /// Bounds on what its owner may have.
     pub quotas: KeyQuotas,
 }
-
-/// Bounds on what the owner of a key may have when the key asks for more; none where it is `None`.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
-pub struct KeyQuotas {
-    /// Fits and ingests that wait for a worker.
-    pub queued_jobs: Option<u64>,
-    /// Size of captures, twin files and resumable uploads under way [bytes].
-    pub stored_bytes: Option<u64>,
-    /// Rollouts, plans, registrations and evaluations under way at one server.
-    pub rollouts: Option<u64>,
 }
 
 /// A key to be made.
@@ -82,24 +73,6 @@ impl std::fmt::Debug for MadeKey {
     }
 }
 
-impl TryFrom<v1::Key> for Key {
-    type Error = Error;
-    fn try_from(key: v1::Key) -> Result<Self, Error> {
-        let v1::KeyQuotas { queued_jobs, stored_bytes, rollouts } = key.quotas.unwrap_or_default();
-        Ok(Self {
-            name: id(&key.name)?,
-            display_name: key.display_name,
-            owner: key.owner,
-            scopes: key.scopes,
-            create_time: time(key.create_time)?,
-            expire_time: optional_time(key.expire_time)?,
-            revoke_time: optional_time(key.revoke_time)?,
-            last_use_time: optional_time(key.last_use_time)?,
-            quotas: KeyQuotas { queued_jobs, stored_bytes, rollouts },
-        })
-    }
-}
-
 /// Calls about keys.
 #[derive(Clone, Debug)]
 pub struct Keys {
@@ -116,13 +89,12 @@ impl Keys {
     /// # Errors
     /// If it is refused, or the server cannot be asked.
     pub async fn create(&self, new: NewKey) -> Result<MadeKey, Error> {
-        let KeyQuotas { queued_jobs, stored_bytes, rollouts } = new.quotas;
         let request = CreateKeyRequest {
             display_name: new.display_name,
             owner: new.owner,
             scopes: new.scopes,
-            expire_time: new.expire_time.map(wire_time),
-            quotas: Some(v1::KeyQuotas { queued_jobs, stored_bytes, rollouts }),
+            expire_time: new.expire_time.map(to_the_second),
+            quotas: Some(new.quotas),
         };
         let reply = self.service.clone().create_key(request).await?.into_inner();
         let key = reply.key.ok_or_else(|| Error::malformed("no key"))?;
@@ -164,4 +136,9 @@ impl Keys {
         self.service.clone().delete_key(DeleteKeyRequest { name: name.to_string() }).await?;
         Ok(())
     }
+}
+
+/// The form of a time in a request.
+fn to_the_second(time: Timestamp) -> prost_types::Timestamp {
+    prost_types::Timestamp { seconds: time.as_second(), nanos: 0 }
 }

@@ -91,6 +91,44 @@ impl Order {
     }
 }
 
+/// The message that changes the labels of a resource.
+macro_rules! update_request {
+    ($request:ident { $field:ident: $message:ident }, $name:expr, $update:expr) => {{
+        let update: &$crate::Update = $update;
+        let changed = bendtwin_proto::v1::$message {
+            name: $name.to_string(),
+            display_name: update.display_name.clone().unwrap_or_default(),
+            note: update.note.clone().unwrap_or_default(),
+            tags: update.tags.clone().unwrap_or_default(),
+            ..Default::default()
+        };
+        $request {
+            $field: Some(changed),
+            update_mask: update.mask(),
+            add_tags: update.add_tags.clone(),
+            remove_tags: update.remove_tags.clone(),
+        }
+    }};
+}
+
+/// The message that asks for a page of a list, with what only this list can be asked for.
+macro_rules! list_request {
+    ($request:ident { $($field:ident),* }, $query:expr) => {{
+        let query: $crate::ListQuery = $query;
+        $request {
+            $($field,)*
+            order_by: query.order.order_by(),
+            page_size: query.page.size,
+            page_token: query.page.token,
+            search: query.search,
+            tag: query.tag,
+            owner: query.owner,
+        }
+    }};
+}
+
+pub(crate) use {list_request, update_request};
+
 /// Selection of a list; the default is everything, newest first.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct ListQuery {

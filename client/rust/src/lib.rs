@@ -85,6 +85,7 @@ mod sessions;
 pub mod token;
 mod twins;
 mod uploads;
+mod value;
 mod watch;
 mod workers;
 
@@ -94,6 +95,10 @@ pub use bendtwin_core::{
     ids::{CaptureId, FitId, KeyId, SessionId, TwinId, WorkerId},
 };
 pub use bendtwin_plan::{Bounds, Limit, Method, Movement, Origin};
+pub use bendtwin_proto::v1::{
+    KeyQuotas, ModelLoss, Progress as JobProgress, WorkerRequirements as Requirements,
+    job::State as JobState,
+};
 
 pub use self::{
     captures::Captures,
@@ -102,17 +107,14 @@ pub use self::{
     evaluations::Evaluations,
     fits::{FitOrder, Fits},
     geometry::Geometry,
-    keys::{Key, KeyQuotas, Keys, MadeKey, NewKey},
+    keys::{Key, Keys, MadeKey, NewKey},
     labels::{ListQuery, Order, Update},
     losses::LossCurve,
     page::{Page, PageRequest},
     plans::{PlanUpdate, Planning, Plans},
     readiness::{Readiness, ReadinessCheck},
     registrations::{Observation, Registered, Registration, Registrations, Residual},
-    resources::{
-        Capture, DeviceMemory, Fit, Job, JobProgress, JobState, ModelLoss, Requirements, Twin,
-        Worker,
-    },
+    resources::{Capture, DeviceMemory, Fit, Job, Twin, Worker},
     rollouts::{
         Collider, Cost, Deviation, Diagnostics, Divergence, ForceBy, Forces, Grasp, Grasping,
         GripperPoses, Implausible, Reply, Rollout, RolloutTiming, Rollouts, Shape, State,

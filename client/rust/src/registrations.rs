@@ -3,8 +3,9 @@
 mod observation;
 
 use bendtwin_core::{Point, ids::TwinId};
+pub use bendtwin_proto::v1::Residual;
 use bendtwin_proto::v1::{
-    self, InitialState, RegisterOptions, RegisterStateRequest, RegisteredState, Tensor,
+    InitialState, RegisterOptions, RegisterStateRequest, RegisteredState, Tensor,
     initial_state::{GivenState, Settled, State as Initial},
     registration_service_client::RegistrationServiceClient,
 };
@@ -42,17 +43,6 @@ pub struct Registered {
     pub motion: [f64; 7],
     /// Mean distance by which nodes move in a frame when the points stop pulling [mm].
     pub drift_mm: f64,
-}
-
-/// Distances between points and a twin.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Residual {
-    /// Median [mm].
-    pub median_mm: f64,
-    /// Mean [mm].
-    pub mean_mm: f64,
-    /// 95th percentile [mm].
-    pub p95_mm: f64,
 }
 
 impl Registrations {
@@ -153,13 +143,6 @@ pub(crate) fn packed(poses: &[WirePose]) -> Tensor {
     Tensor::pack(&[poses.len(), 7], poses.as_flattened())
 }
 
-impl From<v1::Residual> for Residual {
-    fn from(wire: v1::Residual) -> Self {
-        let v1::Residual { median_mm, mean_mm, p95_mm } = wire;
-        Self { median_mm, mean_mm, p95_mm }
-    }
-}
-
 impl TryFrom<RegisteredState> for Registered {
     type Error = Error;
     fn try_from(wire: RegisteredState) -> Result<Self, Error> {
@@ -167,8 +150,8 @@ impl TryFrom<RegisteredState> for Registered {
         let motion = wire.motion.try_into();
         Ok(Self {
             state: wire.state.unwrap_or_default().try_into()?,
-            before: wire.before.unwrap_or_default().into(),
-            after: wire.after.unwrap_or_default().into(),
+            before: wire.before.unwrap_or_default(),
+            after: wire.after.unwrap_or_default(),
             explained_points: explained.points,
             explained_surface: explained.surface,
             motion: motion.map_err(|_| Error::malformed("a motion that has not 7 numbers"))?,

@@ -6,12 +6,13 @@ mod request;
 mod state;
 mod world;
 
+pub use bendtwin_proto::v1::roll_out_response::{Deviation, Timing as RolloutTiming};
 use bendtwin_proto::v1::rollout_service_client::RolloutServiceClient;
 use futures::{Stream, StreamExt as _};
 
 pub use self::{
     cost::{Cost, ForceBy},
-    reply::{Deviation, Diagnostics, Divergence, Forces, Implausible, Reply, RolloutTiming},
+    reply::{Diagnostics, Divergence, Forces, Implausible, Reply},
     request::{GripperPoses, Rollout},
     state::{Grasping, State},
     world::{Collider, Grasp, Shape, Statistic, Vary, WirePose, World},

@@ -26,7 +26,7 @@ pub use self::{
     new::NewSession,
     step::{Step, StepTimes, Stepped},
 };
-use crate::{Error, Reply, Rollout, State, channel::Channel};
+use crate::{Error, Reply, Rollout, State, channel::Channel, value::resource};
 
 /// Calls about sessions. If the worker of a session is lost, or the session was unused for a while,
 /// they fail with the reason `SESSION_LOST`: open another from the last [`State`] in a reply.
@@ -35,6 +35,7 @@ pub struct Sessions {
     service: SessionServiceClient<Channel>,
 }
 
+resource! { v1::Session =>
 /// A session.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Session {
@@ -47,13 +48,14 @@ pub struct Session {
     /// Frames by which each slot has been advanced since its first state, shape [slots].
     pub frames: Vec<u64>,
     /// Time after which the session ends if it is unused.
-    pub idle_timeout: Duration,
+    pub idle_timeout: Duration = idle_timeout_s,
     /// The worker where it is.
     pub worker: WorkerId,
     /// Fidelity of its rollouts.
     pub fidelity: Fidelity,
     /// Slots that do not follow their object any more ([`Tracking`]), ascending.
     pub lost: Vec<u32>,
+}
 }
 
 impl Sessions {
@@ -220,26 +222,4 @@ fn states(wire: SessionStates) -> Result<Vec<State>, Error> {
     let (given, rows) = (wire.states.unwrap_or_default(), wire.slots.len());
     let all = State::try_from(given)?;
     Ok((0..rows).map(|row| all.row(rows, row)).collect())
-}
-
-impl TryFrom<v1::Session> for Session {
-    type Error = Error;
-    fn try_from(wire: v1::Session) -> Result<Self, Error> {
-        let fidelity = match wire.fidelity() {
-            v1::Fidelity::Fast => Fidelity::Fast,
-            v1::Fidelity::Planner => Fidelity::Planner,
-            v1::Fidelity::Exact | v1::Fidelity::Unspecified => Fidelity::Exact,
-        };
-        let idle = Duration::try_from_secs_f64(wire.idle_timeout_s);
-        Ok(Self {
-            name: wire.name.parse().map_err(Error::malformed)?,
-            twin: wire.twin.parse().map_err(Error::malformed)?,
-            slots: wire.slots,
-            frames: wire.frames,
-            idle_timeout: idle.map_err(Error::malformed)?,
-            worker: wire.worker.parse().map_err(Error::malformed)?,
-            fidelity,
-            lost: wire.lost,
-        })
-    }
 }

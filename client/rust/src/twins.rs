@@ -2,7 +2,7 @@
 
 use bendtwin_core::{Twin as TwinModel, ids::TwinId};
 use bendtwin_proto::v1::{
-    self, CreateTwinRequest, DeleteTwinRequest, ExportTwinRequest, GetTwinGeometryRequest,
+    CreateTwinRequest, DeleteTwinRequest, ExportTwinRequest, GetTwinGeometryRequest,
     GetTwinRequest, ListTwinsRequest, TwinMetadata, UpdateTwinRequest, create_twin_request::Part,
     twin_service_client::TwinServiceClient,
 };
@@ -12,6 +12,7 @@ use uuid::Uuid;
 use crate::{
     Category, Error, Geometry, ListQuery, Twin, Update,
     channel::Channel,
+    labels::{list_request, update_request},
     page::{self, Page},
 };
 
@@ -43,15 +44,8 @@ impl Twins {
     /// # Errors
     /// If the query is not allowed, or the server cannot be asked.
     pub async fn list(&self, query: ListQuery) -> Result<Page<Twin>, Error> {
-        let request = ListTwinsRequest {
-            capture: query.capture_name(),
-            order_by: query.order.order_by(),
-            page_size: query.page.size,
-            page_token: query.page.token,
-            search: query.search,
-            tag: query.tag,
-            owner: query.owner,
-        };
+        let capture = query.capture_name();
+        let request = list_request!(ListTwinsRequest { capture }, query);
         let reply = self.service.clone().list_twins(request).await?.into_inner();
         Page::new(reply.twins, reply.next_page_token, Twin::try_from)
     }
@@ -69,20 +63,7 @@ impl Twins {
     /// # Errors
     /// If a change is not allowed, the twin does not exist, or the server cannot be asked.
     pub async fn update(&self, name: TwinId, update: &Update) -> Result<Twin, Error> {
-        let change = update.clone();
-        let twin = v1::Twin {
-            name: name.to_string(),
-            display_name: change.display_name.unwrap_or_default(),
-            note: change.note.unwrap_or_default(),
-            tags: change.tags.unwrap_or_default(),
-            ..v1::Twin::default()
-        };
-        let request = UpdateTwinRequest {
-            twin: Some(twin),
-            update_mask: update.mask(),
-            add_tags: change.add_tags,
-            remove_tags: change.remove_tags,
-        };
+        let request = update_request!(UpdateTwinRequest { twin: Twin }, name, update);
         self.service.clone().update_twin(request).await?.into_inner().try_into()
     }
 

@@ -27,6 +27,7 @@ use crate::{
     Error, Requirements,
     http::{Http, Request, Response},
     problem,
+    resources::json_if_any,
 };
 
 /// Bytes of one request: the most that a wrong checksum or a dead server costs.
@@ -79,7 +80,7 @@ impl<'a> Sender<'a> {
 
     /// The upload, with requirements on the worker of its ingest.
     pub(crate) fn asking(mut self, requirements: &Requirements) -> Result<Self, Error> {
-        if let Some(json) = requirements.json()? {
+        if let Some(json) = json_if_any(requirements)? {
             let pair = format!(",ingest_requirements {}", BASE64_STANDARD.encode(json));
             self.metadata.push_str(&pair);
         }

@@ -1,8 +1,13 @@
 //! The files of a folder that are read, out of all that lie there: those that an upload needs.
 
-use std::{collections::BTreeSet, path::Path};
+use std::{collections::BTreeSet, ffi::OsStr, path::Path};
 
-use crate::{Error, Limits, Opened, files::Files, raw, read};
+use crate::{
+    Error, Limits, Opened,
+    files::Files,
+    format::{Format, Place},
+    read,
+};
 
 /// The capture in a folder, and the files that it is read from.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -24,19 +29,18 @@ pub struct FilesRead {
 /// # Errors
 /// Those of [`crate::open`].
 pub fn files_read(path: &Path, limits: &Limits) -> Result<FilesRead, Error> {
-    let path = read::root(path);
-    if let Some(file) = raw::mcap_at(path)? {
-        fn name(of: Option<&std::ffi::OsStr>) -> String {
-            of.unwrap_or_default().to_string_lossy().into_owned()
+    let mut files = match Place::at(path)? {
+        Place::Mcap(file) => {
+            let name = |part: Option<&OsStr>| part.unwrap_or_default().to_string_lossy().into();
+            return Ok(FilesRead {
+                name: name(file.file_stem()),
+                folder: String::new(),
+                format: Format::Mcap.words(),
+                files: vec![name(file.file_name())],
+            });
         }
-        return Ok(FilesRead {
-            name: name(file.file_stem()),
-            folder: String::new(),
-            format: "an MCAP file",
-            files: vec![name(file.file_name())],
-        });
-    }
-    let mut files = Files::open(path, limits)?;
+        Place::Arrays(path) | Place::Files(path) => Files::open(path, limits)?,
+    };
     files.keep_names();
     let mut names = frames_of(&read::open_files(&mut files)?);
     names.extend(files.names_read());
@@ -44,7 +48,7 @@ pub fn files_read(path: &Path, limits: &Limits) -> Result<FilesRead, Error> {
     Ok(FilesRead {
         name: files.name.clone(),
         folder: files.prefix().to_owned(),
-        format: read::formats(&files.list("")).next().unwrap_or_default(),
+        format: Format::detect(&files.list("")).map(Format::words).unwrap_or_default(),
         files: names.iter().filter_map(own).collect(),
     })
 }

@@ -39,7 +39,7 @@ pub use self::{
 use crate::{
     Error, Limits,
     files::{Contents, Files},
-    read,
+    format::{Format, Place},
 };
 
 /// Opens the raw recording at a path, a folder, an archive or an MCAP file, without reading its
@@ -48,12 +48,17 @@ use crate::{
 /// # Errors
 /// If there is no recording, its description is damaged or impossible, or it exceeds the limits.
 pub fn open(path: &Path, limits: &Limits) -> Result<Recording, Error> {
-    if let Some(file) = mcap::file_at(path)? {
-        let mut recording = mcap::read(&file, limits)?;
-        validity::settle(&mut recording, limits)?;
-        return Ok(recording);
+    match Place::at(path)? {
+        Place::Mcap(file) => open_mcap(&file, limits),
+        Place::Arrays(path) | Place::Files(path) => find(Files::open(path, limits)?),
     }
-    find(Files::open(read::root(path), limits)?)
+}
+
+/// Opens the recording in an MCAP file.
+pub(crate) fn open_mcap(file: &Path, limits: &Limits) -> Result<Recording, Error> {
+    let mut recording = mcap::read(file, limits)?;
+    validity::settle(&mut recording, limits)?;
+    Ok(recording)
 }
 
 /// The MCAP file at a path, if there is one.
@@ -64,18 +69,17 @@ pub(crate) fn mcap_at(path: &Path) -> Result<Option<PathBuf>, Error> {
 /// The recording among these files.
 pub(crate) fn find(mut files: Files<'static>) -> Result<Recording, Error> {
     let limits = files.limits.clone();
-    if !files.settle(read::is_capture)? {
+    if !files.settle(Format::is_in)? {
         return Err(files.unknown());
     }
-    let contents = files.list("");
-    let mut recording = if contents.has(crate::bundle::MARKER) {
-        bundle::read(files)?
-    } else if contents.has(nerfstudio::MARKER) {
-        nerfstudio::read(files)?
-    } else if is_case(&contents) {
-        phystwin::read(files)?
-    } else {
-        return Err(files.unknown());
+    // Points that were tracked already are passed over.
+    let with_images = [Format::Bundle, Format::Nerfstudio, Format::RawPhysTwin];
+    let format = Format::all(&files.list("")).find(|format| with_images.contains(format));
+    let mut recording = match format {
+        Some(Format::Bundle) => bundle::read(files)?,
+        Some(Format::Nerfstudio) => nerfstudio::read(files)?,
+        Some(Format::RawPhysTwin) => phystwin::read(files)?,
+        _ => return Err(files.unknown()),
     };
     validity::settle(&mut recording, &limits)?;
     Ok(recording)

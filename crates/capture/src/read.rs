@@ -7,7 +7,8 @@ use bendtwin_core::{Capture, Finding};
 use crate::{
     Error, Limits, bundle,
     check::Note,
-    files::{Contents, Files},
+    files::Files,
+    format::{Format, Place, root, taken},
     mocap, phystwin,
     raw::{self, Recording},
     several::{self, Part},
@@ -52,15 +53,13 @@ pub enum Opened {
 /// # Errors
 /// If there is no capture, it is damaged, or it exceeds the limits.
 pub fn open(path: &Path, limits: &Limits) -> Result<Opened, Error> {
-    let path = root(path);
-    if is_npz(path) {
-        let (capture, notes) = read_noting(path, limits)?;
-        return Ok(observed(capture, notes));
+    match Place::at(path)? {
+        Place::Arrays(path) => {
+            Ok(observed(mocap::read_npz(path, &path.with_extension("json"), limits)?, Vec::new()))
+        }
+        Place::Mcap(file) => raw::open_mcap(&file, limits).map(Opened::Raw),
+        Place::Files(path) => open_files(&mut Files::open(path, limits)?),
     }
-    if raw::mcap_at(path)?.is_some() {
-        return raw::open(path, limits).map(Opened::Raw);
-    }
-    open_files(&mut Files::open(path, limits)?)
 }
 
 /// Opens the capture in these files.
@@ -80,31 +79,15 @@ fn observed(capture: Capture, notes: Vec<Note>) -> Opened {
     Opened::Observed(capture, notes.into_iter().map(|n| n.0).collect())
 }
 
-/// True for the arrays of motion capture, which are no archive of files.
-fn is_npz(path: &Path) -> bool {
-    path.extension().is_some_and(|e| e.eq_ignore_ascii_case("npz"))
-}
-
-/// The folder or file to open: a person may point at the document inside the bundle.
-pub(crate) fn root(path: &Path) -> &Path {
-    match (path.file_name(), path.parent()) {
-        (Some(name), Some(parent)) if name == bundle::MARKER && path.is_file() => {
-            if parent.as_os_str().is_empty() { Path::new(".") } else { parent }
-        }
-        _ => path,
-    }
-}
-
 pub(crate) fn read_noting(path: &Path, limits: &Limits) -> Result<(Capture, Vec<Note>), Error> {
     let mut notes = Vec::new();
-    let path = root(path);
-    let capture = if is_npz(path) {
-        mocap::read_npz(path, &path.with_extension("json"), limits)?
-    } else if raw::mcap_at(path)?.is_some() {
-        let name = path.file_stem().unwrap_or_default().to_string_lossy();
-        return Err(Error::RawOnly(name.into_owned()));
-    } else {
-        read_files(&mut Files::open(path, limits)?, &mut notes)?
+    let capture = match Place::at(path)? {
+        Place::Arrays(path) => mocap::read_npz(path, &path.with_extension("json"), limits)?,
+        Place::Mcap(_) => {
+            let name = root(path).file_stem().unwrap_or_default().to_string_lossy();
+            return Err(Error::RawOnly(name.into_owned()));
+        }
+        Place::Files(path) => read_files(&mut Files::open(path, limits)?, &mut notes)?,
     };
     Ok((capture, notes))
 }
@@ -118,62 +101,28 @@ fn read_files(files: &mut Files<'_>, notes: &mut Vec<Note>) -> Result<Capture, E
 
 /// Reads a capture that is not several recordings.
 pub(crate) fn read_one(files: &mut Files<'_>, notes: &mut Vec<Note>) -> Result<Capture, Error> {
-    if !files.settle(is_capture)? {
+    if !files.settle(Format::is_in)? {
         return Err(files.unknown());
     }
     let contents = files.list("");
-    let capture = if contents.has(bundle::MARKER) {
-        bundle::read(files, notes)?
-    } else if contents.has(phystwin::MARKER) {
-        phystwin::read(files, notes)?
-    } else if contents.has(several::MARKER) {
-        return Err(files.unknown());
-    } else if let (true, Some(npz)) = (is_motion_capture(&contents), mocap::packed(&contents)) {
-        mocap::read_packed(files, npz)?
-    } else {
-        return Err(Error::RawOnly(files.name.clone()));
+    let mut formats = Format::all(&contents);
+    let format = match formats.next() {
+        // Points of a recording may lie beside the document that names all recordings.
+        Some(Format::Recordings) => {
+            formats.next().filter(|format| [Format::Bundle, Format::PhysTwin].contains(format))
+        }
+        first => first,
+    };
+    let capture = match (format, mocap::packed(&contents)) {
+        (Some(Format::Bundle), _) => bundle::read(files, notes)?,
+        (Some(Format::PhysTwin), _) => phystwin::read(files, notes)?,
+        (Some(Format::MotionCapture), Some(npz)) => mocap::read_packed(files, npz)?,
+        (Some(Format::Nerfstudio | Format::RawPhysTwin | Format::Mcap), _) => {
+            return Err(Error::RawOnly(files.name.clone()));
+        }
+        (Some(Format::Recordings | Format::MotionCapture) | None, _) => return Err(files.unknown()),
     };
     notes.extend(taken(&contents).map(Note));
     validate(&capture)?;
     Ok(capture)
-}
-
-/// `true` if a folder with these files is a capture.
-pub(crate) fn is_capture(contents: &Contents) -> bool {
-    formats(contents).next().is_some()
-}
-
-/// Words for recordings that lie in folders.
-const SEVERAL: &str = "several recordings (`recordings.json`)";
-const MOTION_CAPTURE: &str = "motion capture (`.npz` with its `.json`)";
-
-/// `true` if a folder is read as motion capture.
-fn is_motion_capture(contents: &Contents) -> bool {
-    formats(contents).next() == Some(MOTION_CAPTURE)
-}
-
-/// Formats in a folder; the first is read.
-pub(crate) fn formats(contents: &Contents) -> impl Iterator<Item = &'static str> {
-    [
-        (contents.has(several::MARKER), SEVERAL),
-        (contents.has(bundle::MARKER), "a bundle (`capture.json`)"),
-        (contents.has(phystwin::MARKER), "a processed PhysTwin case (`final_data.pkl`)"),
-        (contents.has(raw::nerfstudio::MARKER), "nerfstudio (`transforms.json`)"),
-        (raw::is_case(contents), "a raw PhysTwin case (`metadata.json` with `color`)"),
-        (mocap::packed(contents).is_some(), MOTION_CAPTURE),
-    ]
-    .into_iter()
-    .filter_map(|(is_there, name)| is_there.then_some(name))
-}
-
-/// The finding that says which format of several was read.
-pub(crate) fn taken(contents: &Contents) -> Option<Finding> {
-    // One of several recordings may lie beside the document that names them all.
-    let mut formats = formats(contents).filter(|format| *format != SEVERAL);
-    let first = formats.next()?;
-    let others = formats.collect::<Vec<_>>().join(" and ");
-    let message = format!("it was read as {first}; {others} in the same folder is passed over");
-    let advice = "move the files of the first away to have the other read";
-    let finding = Finding { advice: advice.into(), ..Finding::info("FORMAT_TAKEN", message) };
-    (!others.is_empty()).then_some(finding)
 }

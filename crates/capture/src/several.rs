@@ -8,10 +8,11 @@ use crate::{
     Error, Opened,
     check::Note,
     files::{Files, at_most},
+    format::Format,
     limits::Budget,
     phystwin::json,
     raw,
-    read::{is_capture, read_one},
+    read::read_one,
     structure::validate,
 };
 
@@ -142,7 +143,7 @@ pub(crate) fn document<'a>(
 }
 
 fn places<'a>(files: &mut Files<'a>) -> Result<Option<Vec<Place<'a>>>, Error> {
-    if !files.settle(is_capture)? || !files.has(MARKER) {
+    if !files.settle(Format::is_in)? || !files.has(MARKER) {
         return Ok(None);
     }
     let document: Document = json(&files.read_document(MARKER)?, MARKER)?;

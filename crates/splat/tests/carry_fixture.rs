@@ -12,18 +12,20 @@ fn the_console_is_held_to_these_numbers() {
     let made = fixture();
     let path =
         Path::new(env!("CARGO_MANIFEST_DIR")).join("../../console/src/view3d/carry.fixture.json");
-    if std::env::var_os("BENDTWIN_BLESS").is_some() {
-        let text = serde_json::to_string(&made).unwrap() + "\n";
-        std::fs::write(&path, text).unwrap();
-    }
-    let text = std::fs::read_to_string(&path).unwrap();
-    let stored: Value = serde_json::from_str(&text).unwrap();
-    for (name, value) in made.as_object().unwrap() {
+    let stored: Value = serde_json::from_str(&std::fs::read_to_string(&path).unwrap()).unwrap();
+    let differs = |(name, value): (&String, &Value)| {
         let (made, stored) = (numbers(value), numbers(&stored[name]));
-        assert_eq!(made.len(), stored.len(), "{name}");
-        let differs = made.iter().zip(&stored).any(|(a, b)| (a - b).abs() > 1e-6);
-        assert!(!differs, "{name}: write it anew with BENDTWIN_BLESS=1");
+        let is_off = made.iter().zip(&stored).any(|(a, b)| (a - b).abs() > 1e-6);
+        (is_off || made.len() != stored.len()).then(|| name.clone())
+    };
+    let different: Vec<String> = made.as_object().unwrap().iter().filter_map(differs).collect();
+    // Last digits depend on the machine: a file that agrees stays as it is.
+    if different.is_empty() {
+        return;
     }
+    let is_blessed = std::env::var_os("BENDTWIN_BLESS").is_some();
+    assert!(is_blessed, "{different:?}: write it anew with BENDTWIN_BLESS=1");
+    std::fs::write(&path, serde_json::to_string(&made).unwrap() + "\n").unwrap();
 }
 
 fn numbers(value: &Value) -> Vec<f64> {

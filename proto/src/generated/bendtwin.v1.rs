@@ -388,6 +388,8 @@ pub struct Job {
 }
 /// Nested message and enum types in `Job`.
 pub mod job {
+    #[derive(serde::Serialize)]
+    #[serde(rename_all = "SCREAMING_SNAKE_CASE")]
     #[derive(
         Clone,
         Copy,
@@ -438,6 +440,7 @@ pub mod job {
     }
 }
 /// Progress of a running job.
+#[derive(serde::Serialize)]
 #[derive(Clone, PartialEq, ::prost::Message)]
 pub struct Progress {
     /// ingest, search, refine or evaluate.
@@ -466,6 +469,7 @@ pub struct Progress {
     pub models: ::prost::alloc::vec::Vec<ModelLoss>,
 }
 /// Loss of a model after an iteration.
+#[derive(serde::Serialize)]
 #[derive(Clone, PartialEq, ::prost::Message)]
 pub struct ModelLoss {
     /// search or refine.
@@ -483,6 +487,7 @@ pub struct ModelLoss {
     pub best_loss: ::core::option::Option<f64>,
 }
 /// Worker that a fit or an ingest asks for. It waits until there is one.
+#[derive(serde::Serialize)]
 #[derive(Clone, PartialEq, Eq, Hash, ::prost::Message)]
 pub struct WorkerRequirements {
     /// `cpu` or `cuda`; empty means either.
@@ -4251,6 +4256,7 @@ pub struct Key {
     pub quotas: ::core::option::Option<KeyQuotas>,
 }
 /// Bounds on what the owner of a key may have when the key asks for more; none where a field is absent.
+#[derive(serde::Serialize)]
 #[derive(Clone, Copy, PartialEq, Eq, Hash, ::prost::Message)]
 pub struct KeyQuotas {
     /// Fits and ingests that wait for a worker.
@@ -5610,6 +5616,7 @@ pub mod roll_out_response {
         #[prost(uint32, tag = "3")]
         pub node: u32,
     }
+    #[derive(serde::Serialize)]
     #[derive(Clone, Copy, PartialEq, ::prost::Message)]
     pub struct Timing {
         #[prost(double, tag = "1")]
@@ -5621,6 +5628,7 @@ pub mod roll_out_response {
     /// does not hold for this reply: with faster or larger motions, or other surroundings, 5 to 16 times as
     /// much was seen. With PLANNER between the planner's twin and the exact one under sampled actions that it was
     /// not fitted to.
+    #[derive(serde::Serialize)]
     #[derive(Clone, Copy, PartialEq, ::prost::Message)]
     pub struct Deviation {
         /// Between a node here and there, over nodes and frames, metres; of points of the skin with PLANNER.

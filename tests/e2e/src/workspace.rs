@@ -48,6 +48,9 @@ fn is_generated(name: &str) -> bool {
     let parts = [
         "proto/src/generated/",
         "client/python/src/bendtwin/v1/",
+        "client/python/src/bendtwin/aio/client.py",
+        "client/python/src/bendtwin/aio/session.py",
+        "client/python/src/bendtwin/aio/twin.py",
         "console/built/",
         "console/screenshots/",
         "console/src/api/schema.ts",

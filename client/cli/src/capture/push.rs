@@ -89,12 +89,8 @@ pub(crate) async fn upload(
 /// A folder as an archive, or motion capture as a bundle, in a temporary file; none if it is an
 /// archive already.
 async fn pack(path: &Path, quiet: bool) -> anyhow::Result<Option<NamedTempFile>> {
-    let is_npz = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("npz"));
-    let is_document = path.file_name().is_some_and(|n| n == "capture.json");
-    // A person may point at the document inside the folder.
-    let folder = if is_document { path.parent().unwrap_or(path) } else { path };
-    let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder }.to_owned();
-    if !is_npz && !folder.is_dir() {
+    let folder = bendtwin_capture::root(path).to_owned();
+    if !bendtwin_capture::is_npz(path) && !folder.is_dir() {
         return Ok(None);
     }
     // Owned here and not by the thread that fills it: an interrupted push is to leave none behind.

@@ -8,12 +8,20 @@ from __future__ import annotations
 import asyncio
 import threading
 import time
-from collections.abc import AsyncIterator, Iterator
+from collections.abc import AsyncIterator, Callable, Iterator
+from contextlib import asynccontextmanager, contextmanager
 from os import PathLike
+from pathlib import Path
 from typing import Any, TypeVar
 
+import grpc
+import grpc.aio
+
 from bendtwin import calls
+from bendtwin.archive import archive_of
 from bendtwin.errors import BendTwinError, translated
+from bendtwin.token import aio_interceptors, with_token
+from bendtwin.transport import Transport
 
 _Read = TypeVar("_Read")
 
@@ -21,8 +29,17 @@ _Read = TypeVar("_Read")
 class Caller:
     """Calls that return when they are answered."""
 
-    def __init__(self, services: calls.Services) -> None:
-        self._services = services
+    def __init__(self, server: Transport, token: str | None) -> None:
+        target, options = server.target, calls.CHANNEL_OPTIONS
+        if server.is_https:
+            self._channel = grpc.secure_channel(target, server.credentials(), options=options)
+        else:
+            self._channel = grpc.insecure_channel(target, options=options)
+        self._services = calls.Services(with_token(self._channel, token))
+
+    def close(self) -> None:
+        """Closes the connection."""
+        self._channel.close()
 
     def run(self, call: calls.Call[_Read], timeout_s: float | None = None) -> _Read:
         """The answer to a call."""
@@ -35,6 +52,18 @@ class Caller:
         with translated():
             for part in call.method(self._services)(call.request, timeout=timeout_s):
                 yield call.read(part)
+
+    def last(self, call: calls.Call[_Read], timeout_s: float | None = None) -> _Read | None:
+        """The last part of an answer; None if there is none."""
+        last: _Read | None = None
+        for part in self.parts(call, timeout_s):
+            last = part
+        return last
+
+    def content(self, call: calls.Call[bytes]) -> bytes:
+        """An answer that comes in chunks, as one."""
+        chunks = self.parts(call)
+        return b"".join(chunks)
 
     def exchange(self, call: calls.Call[_Read]) -> Iterator[_Read]:
         """The answers to messages of an iterator, each of which is taken when the answer to the one
@@ -99,12 +128,34 @@ class Caller:
                     raise
             time.sleep(calls.RECONNECT_S)
 
+    def blocking(self, work: Callable[[], _Read]) -> _Read:
+        """The result of a function that waits."""
+        return work()
+
+    @contextmanager
+    def packed(self, path: Path) -> Iterator[Path]:
+        """A capture as one file: see `archive_of`."""
+        with archive_of(path) as archive:
+            yield archive
+
 
 class AsyncCaller:
     """The same calls, to be awaited."""
 
-    def __init__(self, services: calls.Services) -> None:
-        self._services = services
+    def __init__(self, server: Transport, token: str | None) -> None:
+        target, options = server.target, calls.CHANNEL_OPTIONS
+        shown = aio_interceptors(token)
+        if server.is_https:
+            self._channel = grpc.aio.secure_channel(
+                target, server.credentials(), options=options, interceptors=shown
+            )
+        else:
+            self._channel = grpc.aio.insecure_channel(target, options=options, interceptors=shown)
+        self._services = calls.Services(self._channel)
+
+    async def close(self) -> None:
+        """Closes the connection."""
+        await self._channel.close()
 
     async def run(self, call: calls.Call[_Read], timeout_s: float | None = None) -> _Read:
         """The answer to a call."""
@@ -119,6 +170,17 @@ class AsyncCaller:
         with translated():
             async for part in call.method(self._services)(call.request, timeout=timeout_s):
                 yield call.read(part)
+
+    async def last(self, call: calls.Call[_Read], timeout_s: float | None = None) -> _Read | None:
+        """The last part of an answer; None if there is none."""
+        last: _Read | None = None
+        async for part in self.parts(call, timeout_s):
+            last = part
+        return last
+
+    async def content(self, call: calls.Call[bytes]) -> bytes:
+        """An answer that comes in chunks, as one."""
+        return b"".join([chunk async for chunk in self.parts(call)])
 
     async def exchange(self, call: calls.Call[_Read]) -> AsyncIterator[_Read]:
         """The answers to messages of an iterator, each of which is taken when the answer to the one
@@ -182,3 +244,17 @@ class AsyncCaller:
                 if not following.survives(error):
                     raise
             await asyncio.sleep(calls.RECONNECT_S)
+
+    async def blocking(self, work: Callable[[], _Read]) -> _Read:
+        """The result of a function that waits, in a thread."""
+        return await asyncio.to_thread(work)
+
+    @asynccontextmanager
+    async def packed(self, path: Path) -> AsyncIterator[Path]:
+        """A capture as one file, packed in a thread: see `archive_of`."""
+        packed = archive_of(path)
+        archive = await asyncio.to_thread(packed.__enter__)
+        try:
+            yield archive
+        finally:
+            packed.__exit__(None, None, None)

@@ -8,7 +8,6 @@ from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import grpc
 from numpy.typing import ArrayLike
 
 from bendtwin import calls, session_calls
@@ -29,7 +28,7 @@ from bendtwin.resources import (
 from bendtwin.rollout import Fidelity
 from bendtwin.session import Session
 from bendtwin.state import InitialState
-from bendtwin.token import shown_token, with_token
+from bendtwin.token import shown_token
 from bendtwin.transport import transport
 from bendtwin.twin import Twin
 from bendtwin.uploads import Sender
@@ -59,15 +58,9 @@ class Client:
         ca: str | PathLike[str] | None = None,
     ) -> None:
         self._transport = transport(address, ca)
-        target, options = self._transport.target, calls.CHANNEL_OPTIONS
-        self._address = target
-        self._token = shown_token(target, token, token_file)
-        if self._transport.is_https:
-            credentials = self._transport.credentials()
-            self._channel = grpc.secure_channel(target, credentials, options=options)
-        else:
-            self._channel = grpc.insecure_channel(target, options=options)
-        self._caller = Caller(calls.Services(with_token(self._channel, self._token)))
+        self._address = self._transport.target
+        self._token = shown_token(self._address, token, token_file)
+        self._caller = Caller(self._transport, self._token)
 
     def __enter__(self) -> Client:
         return self
@@ -77,7 +70,7 @@ class Client:
 
     def close(self) -> None:
         """Closes the connection."""
-        self._channel.close()
+        self._caller.close()
 
     # Captures
 
@@ -99,7 +92,7 @@ class Client:
         """
         path = Path(path)
         name = path.stem if display_name is None else display_name
-        with archive_of(path) as archive:
+        with self._caller.packed(path) as archive:
             return self._caller.run(
                 calls.create_capture(archive, name, request_id, ingest, ingest_requirements)
             )
@@ -164,20 +157,23 @@ class Client:
         sent twice. `ingest_requirements` says which worker reads it; `on_progress` is told the
         bytes that the server has, and how many there are.
         """
-        path = Path(path)
-        if display_name is None:
-            display_name = path.resolve().name if path.is_dir() else path.stem
-        with archive_of(path) as archive:
-            sender = Sender(
-                self._transport,
-                archive,
-                display_name,
-                request_id,
-                token=self._token,
-                requirements=ingest_requirements,
-            )
-            name = sender.send(on_progress)
-        return self.capture(name)
+        file = Path(path)
+        called = file.resolve().name if file.is_dir() else file.stem
+        name = called if display_name is None else display_name
+
+        def send() -> str:
+            with archive_of(file) as archive:
+                sender = Sender(
+                    self._transport,
+                    archive,
+                    name,
+                    request_id,
+                    token=self._token,
+                    requirements=ingest_requirements,
+                )
+                return sender.send(on_progress)
+
+        return self.capture(self._caller.blocking(send))
 
     def capture(self, name: str) -> Capture:
         """One capture."""
@@ -243,8 +239,8 @@ class Client:
 
     def capture_report(self, name: str) -> dict[str, Any]:
         """Report on a capture: verdict, findings and what they rest on."""
-        parts = list(self._caller.parts(calls.capture_report(name, html=False)))
-        report: dict[str, Any] = json.loads(b"".join(parts))
+        content = self._caller.content(calls.capture_report(name, html=False))
+        report: dict[str, Any] = json.loads(content)
         return report
 
     def save_capture_report(self, name: str, path: str | PathLike[str]) -> None:
@@ -362,7 +358,7 @@ class Client:
 
     def twins(self, capture: str = "", **choice: Unpack[ListArguments]) -> Iterator[Twin]:
         """All twins, newest first, or those of a capture, with a text or a tag."""
-        return map(self._twin, self._caller.pages(calls.list_twins(capture, choice)))
+        return (self._twin(info) for info in self._caller.pages(calls.list_twins(capture, choice)))
 
     def update_twin(self, name: str, **change: Unpack[LabelArguments]) -> Twin:
         """Changes display name, note and tags of a twin; what is not given stays."""

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any, Literal, Protocol
 
@@ -218,14 +217,6 @@ def plan_request(twin: str, arguments: PlanArguments) -> planning_pb2.PlanReques
     elif space is not None:
         request.space.CopyFrom(space.to_proto())
     return request
-
-
-def last_of(updates: Iterator[PlanUpdate]) -> PlanUpdate:
-    """The last update."""
-    last = None
-    for update in updates:
-        last = update
-    return whole(last)
 
 
 def whole(last: PlanUpdate | None) -> PlanUpdate:

@@ -10,6 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from bendtwin.calls import Call
+from bendtwin.messages import FromMessage
 from bendtwin.state import InitialState, State
 from bendtwin.tensors import pack_floats, pack_indices
 from bendtwin.v1 import registration_pb2, session_pb2
@@ -117,7 +118,7 @@ _CORRECT_OPTIONS = (
 
 
 @dataclass(frozen=True)
-class Residual:
+class Residual(FromMessage):
     """Distances between points and the twin, millimetres: of nodes and places from where they
     should be, of a cloud from the surface."""
 
@@ -125,11 +126,6 @@ class Residual:
     mean_mm: float
     #: 95th percentile.
     p95_mm: float
-
-    @classmethod
-    def from_proto(cls, message: registration_pb2.Residual) -> Residual:
-        """Reads the wire form."""
-        return cls(message.median_mm, message.mean_mm, message.p95_mm)
 
 
 @dataclass(frozen=True)
@@ -174,7 +170,7 @@ class Registration:
 
 
 @dataclass(frozen=True)
-class Tracking:
+class Tracking(FromMessage):
     """Record of how well a slot explains the points that it is corrected by, refused ones included,
     since its state was last set or registered.
 
@@ -192,14 +188,9 @@ class Tracking:
     #: Last observations in a row that are not explained.
     unexplained: int
 
-    @classmethod
-    def from_proto(cls, message: session_pb2.Tracking) -> Tracking:
-        """Reads the wire form."""
-        return cls(message.lost, message.misfit, message.unexplained)
-
 
 @dataclass(frozen=True)
-class Correction:
+class Correction(FromMessage):
     """A correction of a slot of a session."""
 
     slot: int
@@ -221,19 +212,6 @@ class Correction:
     def lost(self) -> bool:
         """True if the slot does not follow its object any more."""
         return self.tracking.lost
-
-    @classmethod
-    def from_proto(cls, message: session_pb2.CorrectedSession.Correction) -> Correction:
-        """Reads the wire form."""
-        return cls(
-            slot=message.slot,
-            before=Residual.from_proto(message.before),
-            after=Residual.from_proto(message.after),
-            moved_mm=message.moved_mm,
-            state=State.from_proto(message.state) if message.HasField("state") else None,
-            tracking=Tracking.from_proto(message.tracking),
-            registered=message.registered,
-        )
 
 
 def register_state(

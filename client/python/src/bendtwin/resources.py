@@ -5,14 +5,16 @@ from __future__ import annotations
 import enum
 import json
 from dataclasses import asdict, dataclass, field
-from datetime import datetime, timezone
+from datetime import datetime
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from bendtwin.errors import Category, category_named
-from bendtwin.v1 import capture_pb2, fault_pb2, fit_pb2, job_pb2, session_pb2, twin_pb2, worker_pb2
+from bendtwin.messages import FromMessage
+from bendtwin.rollout import Fidelity
+from bendtwin.v1 import fault_pb2, fit_pb2, job_pb2
 
 
 class JobState(enum.Enum):
@@ -31,7 +33,7 @@ class JobState(enum.Enum):
 
 
 @dataclass(frozen=True)
-class Fault:
+class Fault(FromMessage):
     """Reason why something failed."""
 
     category: Category
@@ -45,7 +47,7 @@ class Fault:
 
 
 @dataclass(frozen=True)
-class ModelLoss:
+class ModelLoss(FromMessage):
     """Loss of a model after an iteration."""
 
     #: search or refine.
@@ -56,17 +58,6 @@ class ModelLoss:
     #: None where it was not finite.
     loss: float | None
     best_loss: float | None
-
-    @classmethod
-    def from_proto(cls, message: job_pb2.ModelLoss) -> ModelLoss:
-        """Reads the wire form."""
-        return cls(
-            message.stage,
-            message.variant,
-            message.iteration,
-            _optional(message, "loss"),
-            _optional(message, "best_loss"),
-        )
 
 
 @dataclass(frozen=True)
@@ -100,7 +91,7 @@ class LossCurve:
 
 
 @dataclass(frozen=True)
-class Progress:
+class Progress(FromMessage):
     """Progress of a running job."""
 
     #: ingest, search, refine or evaluate.
@@ -118,25 +109,9 @@ class Progress:
     #: The last loss of each model that is fitted side by side with others.
     models: tuple[ModelLoss, ...] = ()
 
-    @classmethod
-    def from_proto(cls, message: job_pb2.Progress) -> Progress:
-        """Reads the wire form."""
-        return cls(
-            message.stage,
-            message.variant,
-            message.iteration,
-            message.iterations,
-            message.fraction,
-            _optional(message, "loss"),
-            _optional(message, "best_loss"),
-            _optional(message, "eta_s"),
-            message.note,
-            tuple(ModelLoss.from_proto(m) for m in message.models),
-        )
-
 
 @dataclass(frozen=True)
-class Job:
+class Job(FromMessage):
     """Work that a worker does for a fit, or for the ingest of a capture."""
 
     state: JobState
@@ -155,29 +130,9 @@ class Job:
     #: Number that grows with every change, and on from one run of an ingest to the next.
     revision: int = 0
 
-    @classmethod
-    def from_proto(cls, message: job_pb2.Job) -> Job:
-        """Reads the wire form."""
-        return cls(
-            state=JobState(message.state),
-            settings=_json(message.settings_json),
-            progress=(
-                Progress.from_proto(message.progress) if message.HasField("progress") else None
-            ),
-            fault=Fault.from_proto(message.fault) if message.HasField("fault") else None,
-            attempt_faults=[Fault.from_proto(f) for f in message.attempt_faults],
-            attempts=message.attempts,
-            worker=message.worker,
-            cancel_requested=message.cancel_requested,
-            create_time=_time(message, "create_time"),
-            start_time=_time(message, "start_time"),
-            end_time=_time(message, "end_time"),
-            revision=message.revision,
-        )
-
 
 @dataclass(frozen=True)
-class Requirements:
+class Requirements(FromMessage):
     """Worker that a fit or an ingest asks for, which waits until there is one; by default any."""
 
     #: `cpu` or `cuda`; empty means either.
@@ -186,11 +141,6 @@ class Requirements:
     memory_bytes: int = 0
     #: Labels of which the worker has each.
     labels: tuple[str, ...] = ()
-
-    @classmethod
-    def from_proto(cls, message: job_pb2.WorkerRequirements) -> Requirements:
-        """Reads the wire form."""
-        return cls(message.backend, message.memory_bytes, tuple(message.labels))
 
     def to_json(self) -> str:
         """Writes it as JSON."""
@@ -206,7 +156,7 @@ class Requirements:
 
 
 @dataclass(frozen=True)
-class Capture:
+class Capture(FromMessage):
     """A recording of a soft object."""
 
     name: str
@@ -229,26 +179,9 @@ class Capture:
     #: Worker that its ingest asks for.
     ingest_requirements: Requirements = Requirements()
 
-    @classmethod
-    def from_proto(cls, message: capture_pb2.Capture) -> Capture:
-        """Reads the wire form."""
-        return cls(
-            message.name,
-            message.display_name,
-            _time(message, "create_time"),
-            message.size_bytes,
-            message.digest,
-            Job.from_proto(message.ingest) if message.HasField("ingest") else None,
-            message.verdict,
-            message.note,
-            tuple(message.tags),
-            message.owner,
-            Requirements.from_proto(message.ingest_requirements),
-        )
-
 
 @dataclass(frozen=True)
-class Fit:
+class Fit(FromMessage):
     """A fit."""
 
     name: str
@@ -271,23 +204,6 @@ class Fit:
     #: Worker that it asks for.
     requirements: Requirements = Requirements()
 
-    @classmethod
-    def from_proto(cls, message: fit_pb2.Fit) -> Fit:
-        """Reads the wire form."""
-        return cls(
-            name=message.name,
-            capture=message.capture,
-            twin=message.twin,
-            job=Job.from_proto(message.job),
-            priority=message.priority,
-            display_name=message.display_name,
-            note=message.note,
-            tags=tuple(message.tags),
-            error_m=_optional(message, "error_m"),
-            owner=message.owner,
-            requirements=Requirements.from_proto(message.requirements),
-        )
-
     @property
     def state(self) -> JobState:
         """State of its job."""
@@ -305,7 +221,7 @@ class Fit:
 
 
 @dataclass(frozen=True)
-class TwinInfo:
+class TwinInfo(FromMessage):
     """Facts of a stored twin."""
 
     name: str
@@ -336,34 +252,9 @@ class TwinInfo:
     #: Owner of its fit, or of the key with which it was imported; empty if that is not known.
     owner: str = ""
 
-    @classmethod
-    def from_proto(cls, message: twin_pb2.Twin) -> TwinInfo:
-        """Reads the wire form."""
-        return cls(
-            message.name,
-            message.display_name,
-            message.capture,
-            message.fit,
-            _time(message, "create_time"),
-            message.size_bytes,
-            message.digest,
-            message.node_count,
-            message.spring_count,
-            message.triplet_count,
-            message.control_count,
-            message.fps,
-            message.substeps,
-            _json(message.quality_json),
-            _optional(message, "mass_kg"),
-            message.note,
-            tuple(message.tags),
-            _optional(message, "error_m"),
-            message.owner,
-        )
-
 
 @dataclass(frozen=True)
-class Worker:
+class Worker(FromMessage):
     """A worker process that the server knows."""
 
     name: str
@@ -387,30 +278,9 @@ class Worker:
     #: servers/{uuid} of the server that started it and whose rollouts alone it answers, else empty.
     server: str = ""
 
-    @classmethod
-    def from_proto(cls, message: worker_pb2.Worker) -> Worker:
-        """Reads the wire form."""
-        return cls(
-            message.name,
-            message.backend,
-            message.device,
-            _time(message, "start_time"),
-            _time(message, "last_seen_time"),
-            message.fit,
-            list(message.warm_twins),
-            message.rollouts_in_flight,
-            message.build,
-            message.memory_used_bytes,
-            message.memory_total_bytes,
-            message.ingest,
-            tuple(message.labels),
-            message.draining,
-            message.server,
-        )
-
 
 @dataclass(frozen=True)
-class SessionInfo:
+class SessionInfo(FromMessage):
     """Facts of a session."""
 
     #: sessions/{uuid}.
@@ -426,32 +296,5 @@ class SessionInfo:
     worker: str
     #: Slots that do not follow their object any more, ascending: see `Tracking`.
     lost: tuple[int, ...] = ()
-
-    @classmethod
-    def from_proto(cls, message: session_pb2.Session) -> SessionInfo:
-        """Reads the wire form."""
-        return cls(
-            name=message.name,
-            twin=message.twin,
-            slots=message.slots,
-            frames=tuple(message.frames),
-            idle_timeout_s=message.idle_timeout_s,
-            worker=message.worker,
-            lost=tuple(message.lost),
-        )
-
-
-def _time(message: Any, name: str) -> datetime | None:
-    if not message.HasField(name):
-        return None
-    moment: datetime = getattr(message, name).ToDatetime(tzinfo=timezone.utc)
-    return moment
-
-
-def _optional(message: Any, name: str) -> float | None:
-    return getattr(message, name) if message.HasField(name) else None
-
-
-def _json(text: str) -> dict[str, Any]:
-    value: dict[str, Any] = json.loads(text) if text else {}
-    return value
+    #: The model that answers.
+    fidelity: Fidelity = "exact"

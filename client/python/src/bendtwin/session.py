@@ -14,7 +14,7 @@ from bendtwin import calls, session_calls
 from bendtwin.arguments import RolloutArguments, rollout_request
 from bendtwin.caller import Caller
 from bendtwin.kept import Kept
-from bendtwin.plan import PlanArguments, PlanUpdate, last_of, plan_request
+from bendtwin.plan import PlanArguments, PlanUpdate, plan_request, whole
 from bendtwin.registration import CorrectArguments, Correction, correct_session
 from bendtwin.resources import SessionInfo
 from bendtwin.rollout import Returns, RolloutResult
@@ -201,7 +201,8 @@ class Session(SessionCalls[Caller, Twin]):
         Row 0 of trajectories is taken from the session.
         """
         request = self._plan_request(slot, arguments)
-        return last_of(self._caller.parts(calls.plan(request), timeout_s))
+        update = self._caller.last(calls.plan(request), timeout_s)
+        return whole(update)
 
     def stream_plan(
         self,

@@ -11,7 +11,7 @@ from bendtwin import calls
 from bendtwin.arguments import RolloutArguments, rollout_request
 from bendtwin.caller import Caller
 from bendtwin.geometry import Geometry
-from bendtwin.plan import PlanArguments, PlanUpdate, last_of, plan_request
+from bendtwin.plan import PlanArguments, PlanUpdate, plan_request, whole
 from bendtwin.registration import RegisterArguments, Registration, register_state
 from bendtwin.resources import TwinInfo
 from bendtwin.rollout import RolloutResult
@@ -156,7 +156,8 @@ class Twin(TwinFacts[Caller]):
             BendTwinError: With the server's reason.
         """
         request = plan_request(self.name, arguments)
-        return last_of(self._caller.parts(calls.plan(request), timeout_s))
+        update = self._caller.last(calls.plan(request), timeout_s)
+        return whole(update)
 
     def stream_plan(
         self,

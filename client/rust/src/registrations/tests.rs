@@ -1,4 +1,4 @@
-use bendtwin_proto::v1::observation::Tracks;
+use bendtwin_proto::v1::{self, observation::Tracks};
 
 use super::*;
 

@@ -3,12 +3,16 @@
 use std::ops::RangeInclusive;
 
 use bendtwin_core::{Fidelity, Point, ids::WorkerId};
-use bendtwin_proto::v1::{self, RollOutResponse, Tensor, roll_out_response as wire};
+use bendtwin_proto::v1::{
+    RollOutResponse,
+    roll_out_response::{self as wire, Deviation, Timing},
+};
 use serde::Serialize;
 
 use super::Grasping;
-use crate::Error;
+use crate::value::resource;
 
+resource! { RollOutResponse =>
 /// The reply to a rollout, or a part of it.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Reply {
@@ -81,7 +85,7 @@ pub struct Reply {
     /// The instances that were not simulated within the request's time limit.
     pub unfinished: Vec<usize>,
     /// Times of the rollout.
-    pub timing: RolloutTiming,
+    pub timing: Timing,
     /// The worker that computed it.
     pub worker: Option<WorkerId>,
     /// Fidelity of the answer.
@@ -91,23 +95,9 @@ pub struct Reply {
     /// Deviation of the fast variant or the planner's twin, if one of them answered.
     pub deviation: Option<Deviation>,
 }
-
-/// Distance from the exact twin: of the fast variant, when both follow the twin's own capture, or
-/// of the planner's twin, when both follow the actions that measured it. It is not a bound for this
-/// rollout: with faster or larger motions, or other surroundings, 5 to 16 times as much was
-/// observed for fast variants.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
-pub struct Deviation {
-    /// Between a node here and there, mean over nodes and frames [m].
-    pub mean_m: f64,
-    /// The largest [m].
-    pub max_m: f64,
-    /// For comparison: mean distance of the exact twin's nodes from their starts [m].
-    pub mean_travel_m: f64,
-    /// Frames of each recording, at most.
-    pub frames: u32,
 }
 
+resource! { wire::Diagnostics =>
 /// Physical sanity of an instance, up to where it diverged.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Diagnostics {
@@ -127,7 +117,9 @@ pub struct Diagnostics {
     /// Farthest that a hand or gripper was held back at the ground [m]; 0 if none was.
     pub stopped_hand_m: f32,
 }
+}
 
+resource! { wire::Forces =>
 /// Mean forces on the object over each frame [N]; per unit mass if its mass is not known.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Forces {
@@ -141,7 +133,9 @@ pub struct Forces {
     /// Forces from colliders, shape [R, F, K, 6], about the origin of what carries them.
     pub colliders: Vec<f32>,
 }
+}
 
+resource! { wire::Implausible =>
 /// Motion of an instance beyond a limit of what is plausible.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Implausible {
@@ -156,7 +150,9 @@ pub struct Implausible {
     /// The frame in which it was found; 0 if it is not known.
     pub frame: usize,
 }
+}
 
+resource! { wire::Divergence =>
 /// Divergence of an instance: its first state that is not finite.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub struct Divergence {
@@ -167,14 +163,6 @@ pub struct Divergence {
     /// The first node concerned.
     pub node: usize,
 }
-
-/// Times of a rollout.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
-pub struct RolloutTiming {
-    /// Waiting for the device [s].
-    pub queue_s: f64,
-    /// Computing [s].
-    pub compute_s: f64,
 }
 
 impl Reply {
@@ -192,148 +180,4 @@ impl Reply {
         let start = (row * self.frames.len() + frame) * width;
         (frame < self.frames.len()).then(|| self.positions.get(start..start + width)).flatten()
     }
-}
-
-impl TryFrom<RollOutResponse> for Reply {
-    type Error = Error;
-    fn try_from(wire: RollOutResponse) -> Result<Self, Error> {
-        let timing = wire.timing.unwrap_or_default();
-        let fidelity = match wire.fidelity() {
-            v1::Fidelity::Fast => Fidelity::Fast,
-            v1::Fidelity::Planner => Fidelity::Planner,
-            v1::Fidelity::Exact | v1::Fidelity::Unspecified => Fidelity::Exact,
-        };
-        let worker = match wire.worker.as_str() {
-            "" => None,
-            name => Some(name.parse().map_err(Error::malformed)?),
-        };
-        Ok(Self {
-            first_instance: wire.first_instance as usize,
-            window: wire.window.map(|w| w.first_frame as usize..=w.last_frame as usize),
-            costs: values(wire.costs, "costs")?,
-            cost_names: wire.cost_names,
-            cost_terms: values(wire.cost_terms, "cost_terms")?,
-            instances: indices(wire.instances, "instances")?,
-            frames: indices(wire.frames, "frames")?,
-            positions: points(wire.positions, "positions")?,
-            final_positions: points(wire.final_positions, "final_positions")?,
-            final_velocities: points(wire.final_velocities, "final_velocities")?,
-            final_twists: floats(wire.final_twists, "final_twists")?,
-            final_controls: points(wire.final_controls, "final_controls")?,
-            final_commanded_controls: points(
-                wire.final_commanded_controls,
-                "final_commanded_controls",
-            )?,
-            final_grasping: wire.final_grasping.map(grasping).transpose()?,
-            action_gradients: floats(wire.action_gradients, "action_gradients")?,
-            mass_kg: wire.mass_kg,
-            control_gradients: points(wire.control_gradients, "control_gradients")?,
-            initial_position_gradients: points(
-                wire.initial_position_gradients,
-                "initial_position_gradients",
-            )?,
-            initial_velocity_gradients: points(
-                wire.initial_velocity_gradients,
-                "initial_velocity_gradients",
-            )?,
-            gradient_norms: values(wire.gradient_norms, "gradient_norms")?,
-            gradient_exploded: indices(wire.gradient_exploded, "gradient_exploded")?
-                .into_iter()
-                .map(|flag| flag != 0)
-                .collect(),
-            velocities: points(wire.velocities, "velocities")?,
-            frame_costs: values(wire.frame_costs, "frame_costs")?,
-            controls: points(wire.controls, "controls")?,
-            diagnostics: wire.diagnostics.into_iter().map(Diagnostics::from).collect(),
-            member_costs: values(wire.member_costs, "member_costs")?,
-            spread: floats(wire.spread, "spread")?,
-            forces: wire.forces.map(Forces::try_from).transpose()?,
-            implausible: wire.implausible.into_iter().map(Implausible::from).collect(),
-            diverged: wire.diverged.into_iter().map(Divergence::from).collect(),
-            unfinished: indices(wire.unfinished, "unfinished")?,
-            timing: RolloutTiming { queue_s: timing.queue_s, compute_s: timing.compute_s },
-            worker,
-            fidelity,
-            substeps: wire.substeps,
-            deviation: wire.deviation.map(Deviation::from),
-        })
-    }
-}
-
-impl From<wire::Diagnostics> for Diagnostics {
-    fn from(d: wire::Diagnostics) -> Self {
-        Self {
-            max_strain: d.max_strain,
-            max_control_strain: d.max_control_strain,
-            max_speed_m_s: d.max_speed_m_s,
-            kinetic_energy: d.kinetic_energy,
-            elastic_energy: d.elastic_energy,
-            ground_contacts: d.ground_contacts,
-            stopped_hand_m: d.stopped_hand_m,
-        }
-    }
-}
-
-impl TryFrom<wire::Forces> for Forces {
-    type Error = Error;
-    fn try_from(wire: wire::Forces) -> Result<Self, Error> {
-        Ok(Self {
-            controls: points(wire.controls, "forces.controls")?,
-            grasps: floats(wire.grasps, "forces.grasps")?,
-            ground: points(wire.ground, "forces.ground")?,
-            colliders: floats(wire.colliders, "forces.colliders")?,
-        })
-    }
-}
-
-impl From<wire::Implausible> for Implausible {
-    fn from(i: wire::Implausible) -> Self {
-        let (instance, frame) = (i.instance as usize, i.frame as usize);
-        Self { instance, reason: i.reason, found: i.found, limit: i.limit, frame }
-    }
-}
-
-impl From<wire::Deviation> for Deviation {
-    fn from(d: wire::Deviation) -> Self {
-        Self { mean_m: d.mean_m, max_m: d.max_m, mean_travel_m: d.mean_travel_m, frames: d.frames }
-    }
-}
-
-impl From<wire::Divergence> for Divergence {
-    fn from(d: wire::Divergence) -> Self {
-        Self { instance: d.instance as usize, frame: d.frame as usize, node: d.node as usize }
-    }
-}
-
-pub(super) fn grasping(wire: v1::Grasping) -> Result<Grasping, Error> {
-    let numbers = |tensor: Option<Tensor>, name| -> Result<Vec<u32>, Error> {
-        let tensor = tensor.unwrap_or_default();
-        Ok(tensor.unpack::<u32>(name).map_err(Error::malformed)?.1)
-    };
-    Ok(Grasping {
-        phases: numbers(wire.phases, "phases")?,
-        holders: numbers(wire.holders, "holders")?,
-        places: points(wire.places, "places")?,
-    })
-}
-
-fn values(tensor: Option<Tensor>, name: &'static str) -> Result<Vec<f64>, Error> {
-    let Some(tensor) = tensor.filter(|t| !t.is_absent()) else { return Ok(Vec::new()) };
-    Ok(tensor.unpack::<f64>(name).map_err(Error::malformed)?.1)
-}
-
-pub(super) fn floats(tensor: Option<Tensor>, name: &'static str) -> Result<Vec<f32>, Error> {
-    let Some(tensor) = tensor.filter(|t| !t.is_absent()) else { return Ok(Vec::new()) };
-    Ok(tensor.unpack::<f32>(name).map_err(Error::malformed)?.1)
-}
-
-fn indices(tensor: Option<Tensor>, name: &'static str) -> Result<Vec<usize>, Error> {
-    let Some(tensor) = tensor.filter(|t| !t.is_absent()) else { return Ok(Vec::new()) };
-    let (_, values) = tensor.unpack::<u32>(name).map_err(Error::malformed)?;
-    Ok(values.into_iter().map(|v| v as usize).collect())
-}
-
-pub(super) fn points(tensor: Option<Tensor>, name: &'static str) -> Result<Vec<Point>, Error> {
-    let Some(tensor) = tensor.filter(|t| !t.is_absent()) else { return Ok(Vec::new()) };
-    Ok(tensor.unpack_points(name).map_err(Error::malformed)?.1)
 }

@@ -3,12 +3,10 @@
 use bendtwin_core::Point;
 use bendtwin_proto::v1::{self, Tensor, initial_state::GivenState};
 
-use super::{
-    Reply,
-    reply::{floats, grasping, points},
-};
-use crate::Error;
+use super::Reply;
+use crate::value::resource;
 
+resource! { GivenState =>
 /// A state of a twin with N nodes and C control points. A rollout that starts from the final state
 /// of another continues exactly as if the other had not stopped.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -27,7 +25,9 @@ pub struct State {
     /// Holds of grasps; none without grasps.
     pub grasping: Option<Grasping>,
 }
+}
 
+resource! { v1::Grasping =>
 /// Holds of G grasps in a state.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Grasping {
@@ -37,6 +37,7 @@ pub struct Grasping {
     pub holders: Vec<u32>,
     /// Places of held nodes in the coordinates of their grippers [m], shape [N].
     pub places: Vec<Point>,
+}
 }
 
 impl From<&State> for GivenState {
@@ -58,20 +59,6 @@ impl From<&State> for GivenState {
                 places: points(&g.places),
             }),
         }
-    }
-}
-
-impl TryFrom<GivenState> for State {
-    type Error = Error;
-    fn try_from(wire: GivenState) -> Result<Self, Error> {
-        Ok(Self {
-            positions: points(wire.positions, "positions")?,
-            velocities: points(wire.velocities, "velocities")?,
-            twists: floats(wire.twists, "twists")?,
-            controls: points(wire.controls, "controls")?,
-            commanded_controls: points(wire.commanded_controls, "commanded_controls")?,
-            grasping: wire.grasping.map(grasping).transpose()?,
-        })
     }
 }
 

@@ -1,11 +1,14 @@
 //! Corrections of sessions by what is seen.
 
 use bendtwin_core::ids::SessionId;
+pub use bendtwin_proto::v1::Tracking;
 use bendtwin_proto::v1::{
-    self, CorrectOptions, CorrectSessionRequest, corrected_session::Correction as Wire,
+    CorrectOptions, CorrectSessionRequest, corrected_session::Correction as Wire,
 };
 
-use crate::{Error, Observation, Residual, State, WirePose, World, registrations::packed};
+use crate::{
+    Observation, Residual, State, WirePose, World, registrations::packed, value::resource,
+};
 
 /// A correction of states by an observation.
 #[derive(Clone, Debug)]
@@ -14,18 +17,7 @@ pub struct Correction {
     options: CorrectOptions,
 }
 
-/// Record of how well a slot explains what it is corrected by.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Tracking {
-    /// True if the slot does not follow its object any more: the last three observations are not
-    /// explained, or the mean misfit is above 1.
-    pub lost: bool,
-    /// Mean misfit; up to 1 noise and the twin's resolution explain what corrections leave.
-    pub misfit: f64,
-    /// Last observations in a row that are not explained.
-    pub unexplained: u32,
-}
-
+resource! { Wire =>
 /// A slot that was corrected.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Corrected {
@@ -43,6 +35,7 @@ pub struct Corrected {
     pub tracking: Tracking,
     /// True if the slot was lost and has been registered by this observation.
     pub registered: bool,
+}
 }
 
 impl Correction {
@@ -118,22 +111,6 @@ impl Correction {
             observation: Some(self.observation.into()),
             options: Some(self.options),
         }
-    }
-}
-
-impl TryFrom<Wire> for Corrected {
-    type Error = Error;
-    fn try_from(wire: Wire) -> Result<Self, Error> {
-        let v1::Tracking { lost, misfit, unexplained } = wire.tracking.unwrap_or_default();
-        Ok(Self {
-            slot: wire.slot,
-            before: wire.before.unwrap_or_default().into(),
-            after: wire.after.unwrap_or_default().into(),
-            moved_mm: wire.moved_mm,
-            state: wire.state.map(State::try_from).transpose()?,
-            tracking: Tracking { lost, misfit, unexplained },
-            registered: wire.registered,
-        })
     }
 }
 

@@ -87,7 +87,7 @@ pub(super) fn read(mut files: Files<'static>) -> Result<Recording, Error> {
         mesh: None,
         truth_tracks: Vec::new(),
         mass_kg: None,
-        notes: crate::read::taken(&files.list("")).into_iter().collect(),
+        notes: crate::format::taken(&files.list("")).into_iter().collect(),
         source: Arc::new(StoredFrames::new(files.fork(), frame_count, stored)?),
     })
 }

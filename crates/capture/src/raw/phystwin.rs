@@ -89,7 +89,7 @@ pub(super) fn read(mut files: Files<'static>) -> Result<Recording, Error> {
     frame.apply(&mut truth_tracks);
     let train_frame_count = split(&mut files, frame_count, &mut ignored)?;
     let mesh = mesh(&mut files, &frame)?;
-    notes.extend(crate::read::taken(&files.list("")));
+    notes.extend(crate::format::taken(&files.list("")));
     Ok(Recording {
         name: files.name.clone(),
         fps: metadata.fps,

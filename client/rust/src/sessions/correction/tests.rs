@@ -1,4 +1,4 @@
-use bendtwin_proto::v1::{Tensor, initial_state::GivenState};
+use bendtwin_proto::v1::{self, Tensor, initial_state::GivenState};
 
 use super::*;
 

@@ -41,7 +41,7 @@ pub(in crate::raw) fn read(mut files: Files<'static>) -> Result<Recording, Error
         stored.push(camera_files(entry)?);
     }
     let mut notes = find_images(&mut files, &cameras, &entries, frame_count, &mut stored)?;
-    notes.extend(crate::read::taken(&files.list("")));
+    notes.extend(crate::format::taken(&files.list("")));
     let mut truth = Vec::new();
     if let Some(at) = truth_tracks {
         let bytes = files.read(plain(&at)?)?;

@@ -1,0 +1,400 @@
+"""Generated from client.py by client/python/generate_aio.py. Do not edit."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import AsyncIterator, Callable, Sequence
+from os import PathLike
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from numpy.typing import ArrayLike
+
+from bendtwin import calls, session_calls
+from bendtwin.aio.session import Session
+from bendtwin.aio.twin import Twin
+from bendtwin.archive import archive_of
+from bendtwin.caller import AsyncCaller
+from bendtwin.errors import FitFailed, IngestFailed
+from bendtwin.labels import LabelArguments, ListArguments
+from bendtwin.motion import Motion, bundle, bundle_file
+from bendtwin.resources import (
+    Capture,
+    Fit,
+    JobState,
+    LossCurve,
+    Requirements,
+    TwinInfo,
+    Worker,
+)
+from bendtwin.rollout import Fidelity
+from bendtwin.state import InitialState
+from bendtwin.token import shown_token
+from bendtwin.transport import transport
+from bendtwin.uploads import Sender
+from bendtwin.world import Grasp, Vary, World
+
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
+
+
+class Client:
+    """A BendTwin server, `host:port` or a URL. For one event loop; close it or use it in `async with`.
+
+    `token` is a key or the token of the server, `token_file` a file with either, which others must
+    not be able to read. Without both it is that of `BENDTWIN_TOKEN`, in the file of
+    `BENDTWIN_TOKEN_FILE`, or the one that a server of the same user on the same machine left.
+
+    For `https://host:port`, `ca` is the file with the certificate of the server's authority (PEM).
+    Without it that is in the file of `BENDTWIN_CA`, or among the authorities of the system.
+    """
+
+    def __init__(
+        self,
+        address: str = "127.0.0.1:7070",
+        *,
+        token: str | None = None,
+        token_file: str | PathLike[str] | None = None,
+        ca: str | PathLike[str] | None = None,
+    ) -> None:
+        self._transport = transport(address, ca)
+        self._address = self._transport.target
+        self._token = shown_token(self._address, token, token_file)
+        self._caller = AsyncCaller(self._transport, self._token)
+
+    async def __aenter__(self) -> Client:
+        return self
+
+    async def __aexit__(self, *_: object) -> None:
+        await self.close()
+
+    async def close(self) -> None:
+        """Closes the connection."""
+        await self._caller.close()
+
+    # Captures
+
+    async def upload_capture(
+        self,
+        path: str | PathLike[str],
+        *,
+        display_name: str | None = None,
+        request_id: str | None = None,
+        ingest: dict[str, Any] | None = None,
+        ingest_requirements: Requirements | None = None,
+    ) -> Capture:
+        """Uploads a capture: an archive, or a folder that is packed first.
+
+        Motion capture (`.npz`) is packed with the `.json` beside it.
+        `ingest` says what differs from the default settings of reading it (docs/settings.md), and
+        `ingest_requirements` which worker reads it.
+        The same content under the same `request_id` answers with the capture that exists.
+        """
+        path = Path(path)
+        name = path.stem if display_name is None else display_name
+        async with self._caller.packed(path) as archive:
+            return await self._caller.run(
+                calls.create_capture(archive, name, request_id, ingest, ingest_requirements)
+            )
+
+    async def upload_motion(
+        self,
+        motions: Motion | Sequence[Motion],
+        *,
+        fps: float,
+        display_name: str = "motion",
+        request_id: str | None = None,
+        ingest: dict[str, Any] | None = None,
+        ingest_requirements: Requirements | None = None,
+        units: str = "m",
+        up_axis: str = "+z",
+        ground: float | None = 0.0,
+        edges: ArrayLike | None = None,
+        rest_points: ArrayLike | None = None,
+        pins: ArrayLike | None = None,
+    ) -> Capture:
+        """Uploads motion capture: points that were tracked already, as one or several motions.
+
+        `ground` is the ground's height along `up_axis`, in `units`; None if there is none. `edges`
+        [E, 2] says which points are joined, `rest_points` [P, 3] what shape is undeformed, `pins`
+        [H, 2] which point is held by which control point. `request_id`, `ingest` and
+        `ingest_requirements` are as in `upload_capture`.
+        """
+        content = bundle(
+            motions,
+            fps=fps,
+            name=display_name,
+            units=units,
+            up_axis=up_axis,
+            ground=ground,
+            edges=edges,
+            rest_points=rest_points,
+            pins=pins,
+        )
+        with bundle_file(content) as path:
+            return await self.upload_capture(
+                path,
+                display_name=display_name,
+                request_id=request_id,
+                ingest=ingest,
+                ingest_requirements=ingest_requirements,
+            )
+
+    async def push_capture(
+        self,
+        path: str | PathLike[str],
+        *,
+        display_name: str | None = None,
+        request_id: str | None = None,
+        ingest_requirements: Requirements | None = None,
+        on_progress: Callable[[int, int], None] | None = None,
+    ) -> Capture:
+        """Uploads a capture resumably (tus 1.0.0): an archive, or a folder that is packed first.
+
+        Motion capture (`.npz`) is packed with the `.json` beside it.
+        Goes on over broken connections and restarts of the server, and, called again, over
+        restarts of its own process. The same content under the same name is one capture and is not
+        sent twice. `ingest_requirements` says which worker reads it; `on_progress` is told the
+        bytes that the server has, and how many there are.
+        """
+        file = Path(path)
+        called = file.resolve().name if file.is_dir() else file.stem
+        name = called if display_name is None else display_name
+
+        def send() -> str:
+            with archive_of(file) as archive:
+                sender = Sender(
+                    self._transport,
+                    archive,
+                    name,
+                    request_id,
+                    token=self._token,
+                    requirements=ingest_requirements,
+                )
+                return sender.send(on_progress)
+
+        return await self.capture(await self._caller.blocking(send))
+
+    async def capture(self, name: str) -> Capture:
+        """One capture."""
+        return await self._caller.run(calls.get_capture(name))
+
+    def captures(self, **choice: Unpack[ListArguments]) -> AsyncIterator[Capture]:
+        """All captures, newest first, or those with a text or a tag, in another order."""
+        return self._caller.pages(calls.list_captures(choice))
+
+    async def update_capture(self, name: str, **change: Unpack[LabelArguments]) -> Capture:
+        """Changes display name, note and tags of a capture; what is not given stays."""
+        return await self._caller.run(calls.update_capture(name, change))
+
+    async def delete_capture(self, name: str) -> None:
+        """Deletes a capture; its twins stay."""
+        await self._caller.run(calls.delete_capture(name))
+
+    # Reading captures
+
+    async def ingest_capture(
+        self,
+        name: str,
+        settings: dict[str, Any] | None = None,
+        *,
+        request_id: str | None = None,
+        requirements: Requirements | None = None,
+    ) -> Capture:
+        """Has a capture read again, with other settings say (docs/settings.md).
+
+        Without `requirements` any worker will do.
+        """
+        return await self._caller.run(
+            calls.ingest_capture(name, settings, request_id, requirements)
+        )
+
+    async def cancel_ingest(self, name: str) -> Capture:
+        """Asks the ingest of a capture to stop; one that has ended is left as it is."""
+        return await self._caller.run(calls.cancel_ingest(name))
+
+    def watch_capture(self, name: str, *, timeout_s: float | None = None) -> AsyncIterator[Capture]:
+        """The capture now and after every change of its ingest, until that has ended.
+
+        Goes on over restarts of the server. Raises BendTwinError (DEADLINE_EXCEEDED) after
+        `timeout_s`.
+        """
+        return self._caller.follow(calls.watch_capture(name), timeout_s)
+
+    async def wait_for_capture(
+        self,
+        capture: Capture | str,
+        *,
+        timeout_s: float | None = None,
+        on_progress: Callable[[Capture], None] | None = None,
+    ) -> Capture:
+        """Waits until a capture has been read. Raises IngestFailed if it cannot be fitted."""
+        name = capture if isinstance(capture, str) else capture.name
+        last: Capture | None = None
+        async for last in self.watch_capture(name, timeout_s=timeout_s):
+            if on_progress is not None:
+                on_progress(last)
+        ended = last if last is not None else await self.capture(name)
+        if ended.ingest is not None and ended.ingest.state is not JobState.SUCCEEDED:
+            raise IngestFailed(ended)
+        return ended
+
+    async def capture_report(self, name: str) -> dict[str, Any]:
+        """Report on a capture: verdict, findings and what they rest on."""
+        content = await self._caller.content(calls.capture_report(name, html=False))
+        report: dict[str, Any] = json.loads(content)
+        return report
+
+    async def save_capture_report(self, name: str, path: str | PathLike[str]) -> None:
+        """Writes the report of a capture as a page with pictures, to be opened in a browser."""
+        await self._caller.save(calls.capture_report(name, html=True), path)
+
+    async def export_observation(self, name: str, path: str | PathLike[str]) -> None:
+        """Writes what fits of a capture work on, tracked points as a bundle (ZIP)."""
+        await self._caller.save(calls.export_observation(name), path)
+
+    # Fits
+
+    async def fit(
+        self,
+        capture: str,
+        settings: dict[str, Any] | None = None,
+        *,
+        priority: int = 0,
+        request_id: str | None = None,
+        display_name: str = "",
+        requirements: Requirements | None = None,
+    ) -> Fit:
+        """Starts a fit of a capture. `settings` are those of docs/settings.md.
+
+        Without a `display_name` it has its capture's; without `requirements` any worker will do.
+        """
+        return await self._caller.run(
+            calls.create_fit(capture, settings, priority, request_id, display_name, requirements)
+        )
+
+    async def get_fit(self, name: str) -> Fit:
+        """One fit as it stands."""
+        return await self._caller.run(calls.get_fit(name))
+
+    def fits(
+        self, capture: str = "", *, state: JobState | None = None, **choice: Unpack[ListArguments]
+    ) -> AsyncIterator[Fit]:
+        """All fits, newest first, or those of a capture, in a state, with a text or a tag."""
+        return self._caller.pages(calls.list_fits(capture, state, choice))
+
+    async def update_fit(self, name: str, **change: Unpack[LabelArguments]) -> Fit:
+        """Changes display name, note and tags of a fit; what is not given stays."""
+        return await self._caller.run(calls.update_fit(name, change))
+
+    async def fit_losses(self, fit: Fit | str) -> list[LossCurve]:
+        """The losses of a fit, by stage and model. They stay until it is deleted."""
+        name = fit if isinstance(fit, str) else fit.name
+        return await self._caller.run(calls.fit_losses(name))
+
+    async def cancel_fit(self, name: str) -> Fit:
+        """Asks a fit to stop; one that has ended is returned as it is."""
+        return await self._caller.run(calls.cancel_fit(name))
+
+    async def delete_fit(self, name: str) -> None:
+        """Deletes a fit that has ended; its twin stays."""
+        await self._caller.run(calls.delete_fit(name))
+
+    def watch(self, name: str, *, timeout_s: float | None = None) -> AsyncIterator[Fit]:
+        """The fit now and after every change, until it has ended.
+
+        Goes on over restarts of the server. Raises BendTwinError (DEADLINE_EXCEEDED) after
+        `timeout_s`.
+        """
+        return self._caller.follow(calls.watch_fit(name), timeout_s)
+
+    async def wait(
+        self,
+        fit: Fit | str,
+        *,
+        timeout_s: float | None = None,
+        on_progress: Callable[[Fit], None] | None = None,
+    ) -> Fit:
+        """Waits for a fit to succeed. Raises FitFailed if it ends without a twin."""
+        name = fit if isinstance(fit, str) else fit.name
+        last: Fit | None = None
+        async for last in self.watch(name, timeout_s=timeout_s):
+            if on_progress is not None:
+                on_progress(last)
+        ended = last if last is not None else await self.get_fit(name)
+        if ended.state is not JobState.SUCCEEDED:
+            raise FitFailed(ended)
+        return ended
+
+    # Twins
+
+    async def twin(self, name: str) -> Twin:
+        """A twin, ready for rollouts."""
+        return self._twin(await self._caller.run(calls.get_twin(name)))
+
+    async def open_session(
+        self,
+        twin: Twin | str,
+        *,
+        initial: InitialState | None = None,
+        slots: int = 1,
+        world: World | None = None,
+        grasps: Sequence[Grasp] = (),
+        vary: Vary | None = None,
+        fidelity: Fidelity = "exact",
+        idle_timeout_s: float = 0.0,
+    ) -> Session:
+        """Opens simulations of a twin that stay at a worker between calls.
+
+        They begin in `initial` (default: at rest; a batch of given states has one for each slot).
+        `world` and `grasps` are those of every rollout from there that names none itself; `vary`
+        too, with a factor for all slots or one for each, but in calls of this object alone. It ends
+        when nobody has used it for `idle_timeout_s` (0: five minutes).
+        """
+        of = await self.twin(twin) if isinstance(twin, str) else twin
+        request = session_calls.open_request(
+            of.name, initial, slots, world, grasps, vary, fidelity, idle_timeout_s
+        )
+        info = await self._caller.run(session_calls.open_session(request))
+        return Session(self._caller, of, request, info, vary)
+
+    def twins(self, capture: str = "", **choice: Unpack[ListArguments]) -> AsyncIterator[Twin]:
+        """All twins, newest first, or those of a capture, with a text or a tag."""
+        return (
+            self._twin(info) async for info in self._caller.pages(calls.list_twins(capture, choice))
+        )
+
+    async def update_twin(self, name: str, **change: Unpack[LabelArguments]) -> Twin:
+        """Changes display name, note and tags of a twin; what is not given stays."""
+        return self._twin(await self._caller.run(calls.update_twin(name, change)))
+
+    async def export_twin(self, name: str, path: str | PathLike[str]) -> None:
+        """Writes a twin's file (safetensors, docs/twin-format.md)."""
+        await self._caller.save(calls.export_twin(name), path)
+
+    async def import_twin(
+        self,
+        path: str | PathLike[str],
+        *,
+        display_name: str | None = None,
+        request_id: str | None = None,
+    ) -> Twin:
+        """Stores a twin file that was exported elsewhere."""
+        return self._twin(await self._caller.run(calls.create_twin(path, display_name, request_id)))
+
+    async def delete_twin(self, name: str) -> None:
+        """Deletes a twin."""
+        await self._caller.run(calls.delete_twin(name))
+
+    # Workers
+
+    def workers(self) -> AsyncIterator[Worker]:
+        """The workers that the server knows."""
+        return self._caller.pages(calls.list_workers())
+
+    async def drain_worker(self, name: str) -> Worker:
+        """Asks a worker to take no more work, hand back its job, and end after its rollouts."""
+        return await self._caller.run(calls.drain_worker(name))
+
+    def _twin(self, info: TwinInfo) -> Twin:
+        return Twin(info, self._caller)

@@ -1,0 +1,206 @@
+"""Generated from session.py by client/python/generate_aio.py. Do not edit."""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import AsyncIterable, AsyncIterator, Sequence
+from typing import TYPE_CHECKING
+
+import numpy.typing as npt
+
+from bendtwin import calls, session_calls
+from bendtwin.aio.twin import Twin
+from bendtwin.arguments import RolloutArguments
+from bendtwin.caller import AsyncCaller
+from bendtwin.plan import PlanArguments, PlanUpdate, whole
+from bendtwin.registration import CorrectArguments, Correction
+from bendtwin.resources import SessionInfo
+from bendtwin.rollout import Returns, RolloutResult
+from bendtwin.session import SessionCalls
+from bendtwin.state import InitialState, State
+from bendtwin.step import Step
+from bendtwin.v1 import session_pb2
+
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
+
+
+class Session(SessionCalls[AsyncCaller, Twin]):
+    """One or several simulations of a twin that stay where they are between calls.
+
+    Get one with `Client.open_session`, and close it or use it in `async with`. If its worker is lost, or
+    nobody uses it for a while, calls raise BendTwinError with the reason SESSION_LOST: `reopen` it.
+    """
+
+    async def __aenter__(self) -> Session:
+        return self
+
+    async def __aexit__(self, *_: object) -> None:
+        await self.close()
+
+    async def rollout(
+        self,
+        *,
+        slots: Sequence[int] = (),
+        timeout_s: float | None = None,
+        **arguments: Unpack[RolloutArguments],
+    ) -> RolloutResult:
+        """A batch from where the session is, which stays there.
+
+        `slots` are one for all instances (default: 0) or one for each; the other arguments are
+        those of `Twin.rollout` without `initial`.
+        """
+        return await self._caller.run(self._roll_out(slots, arguments), timeout_s)
+
+    async def plan(
+        self,
+        *,
+        slot: int = 0,
+        timeout_s: float | None = None,
+        **arguments: Unpack[PlanArguments],
+    ) -> PlanUpdate:
+        """A plan from where a slot is: see `Twin.plan`. Do not advance the slot meanwhile.
+
+        Row 0 of trajectories is taken from the session.
+        """
+        request = self._plan_request(slot, arguments)
+        update = await self._caller.last(calls.plan(request), timeout_s)
+        return whole(update)
+
+    def stream_plan(
+        self,
+        *,
+        slot: int = 0,
+        timeout_s: float | None = None,
+        **arguments: Unpack[PlanArguments],
+    ) -> AsyncIterator[PlanUpdate]:
+        """The best so far after each iteration of `plan`; closing the iterator ends the search."""
+        request = self._plan_request(slot, arguments)
+        return self._caller.parts(calls.plan(request), timeout_s)
+
+    async def advance(
+        self,
+        *,
+        slots: Sequence[int] = (),
+        timeout_s: float | None = None,
+        **arguments: Unpack[RolloutArguments],
+    ) -> RolloutResult:
+        """Applies actions and leaves the slots where they end: one slot (default: 0) an instance.
+
+        The other arguments are those of `Twin.rollout` without `initial` and `fidelity`. Nothing
+        changes if it fails or an instance diverges.
+        """
+        return await self._caller.run(self._advance(slots, arguments), timeout_s)
+
+    def control(
+        self, actions: AsyncIterable[RolloutArguments], *, slots: Sequence[int] = ()
+    ) -> AsyncIterator[RolloutResult]:
+        """Advances by one set of actions after another over one connection: teleoperation.
+
+        Each is a dict of arguments of `advance`. The next is asked for when the reply to the one
+        before has been taken, so that it may follow from it.
+        """
+        sent: deque[session_pb2.AdvanceSessionRequest] = deque()
+
+        async def requests() -> AsyncIterator[session_pb2.AdvanceSessionRequest]:
+            async for arguments in actions:
+                sent.append(self._advance_request(slots, arguments))
+                yield sent[-1]
+
+        return self._caller.exchange(self._control(sent, requests()))
+
+    async def correct(
+        self,
+        points: npt.ArrayLike,
+        *,
+        slots: Sequence[int] = (),
+        timeout_s: float | None = None,
+        **arguments: Unpack[CorrectArguments],
+    ) -> list[Correction]:
+        """Brings the states of slots (default: 0) closer to points [M, 3], metres, that were seen.
+
+        They move smoothly, without touching what control points and grasps hold, and stay outside
+        of ground and colliders, on the side where they were. The rest shapes of the slots take part
+        (`carry`), so that what is simulated from them does not go back to where it was; they follow
+        by repetition: correct several times a second. All of the slots are corrected, or none if
+        the points are too far from one of them: BendTwinError with the reason
+        OBSERVATION_NOT_EXPLAINED, or OBJECT_LOST if that slot is lost (`Correction.lost`,
+        `refresh().lost`); `register_if_lost=True` registers a lost slot by the same points. The
+        other arguments are in `CorrectArguments`. Each correction brings the corrected state.
+        """
+        return await self._caller.run(self._correct(slots, points, arguments), timeout_s)
+
+    async def step(
+        self,
+        points: npt.ArrayLike | None,
+        search: PlanArguments,
+        *,
+        frames: int = 1,
+        slot: int = 0,
+        correct: CorrectArguments | None = None,
+        returns: Returns | None = None,
+        deadline_s: float | None = None,
+        timeout_s: float | None = None,
+    ) -> Step:
+        """Takes a step of a closed loop in one call: corrects a slot by points [M, 3], metres, that
+        were seen (None: not at all), plans from there, and advances it by the first `frames` of the
+        best plan (0: not at all).
+
+        `search` has the arguments of `plan`; its actions are the nominal plan, and the next step
+        takes `Step.search`. `correct` has the other arguments of `correct`; `returns` are of the
+        frames that are executed. All of it is checked before anything changes.
+
+        With `deadline_s` the search ends when nine tenths of it have passed, and the best so far is
+        executed; its first iteration is always finished. Points that are too far from the object
+        correct nothing, and the step is taken from where the object was predicted: `Step.refused`.
+
+        Raises:
+            BendTwinError: EVERY_PLAN_DIVERGED, a lost worker or the time-out may leave the slot
+                corrected, but not advanced; other refusals change nothing.
+        """
+        call = self._step(
+            points,
+            search,
+            frames=frames,
+            slot=slot,
+            correct=correct,
+            returns=returns,
+            deadline_s=deadline_s,
+        )
+        return await self._caller.run(call, timeout_s)
+
+    async def states(self, slots: Sequence[int] = ()) -> list[State]:
+        """The states of slots, or of all of them; each can be an initial state anywhere, from which
+        the twin goes on with its own rest shape, whatever corrections gave to the slot."""
+        return await self._caller.run(self._states(slots))
+
+    async def refresh(self) -> SessionInfo:
+        """The session as the server sees it now."""
+        return await self._caller.run(session_calls.get_session(self.name))
+
+    async def fork(self, source: int, to: Sequence[int] = ()) -> None:
+        """Copies the state of a slot, and its rest shape, to others, or to all others."""
+        await self._caller.run(self._fork(source, to))
+
+    async def reset(self, slots: Sequence[int] = (), initial: InitialState | None = None) -> None:
+        """Sets slots, or all, back to the session's first state, or to a given one, and to the rest
+        shape of the twin."""
+        await self._caller.run(self._reset(slots, initial))
+
+    async def reopen(self) -> list[int]:
+        """Opens it again after it was lost, under a new name: each slot is in the last state that a
+        reply brought, from `advance` with `Returns(final_state=True)`, from `states` or from
+        `correct`, and goes on from there to the bit. Rest shapes that corrections gave to slots are
+        lost with the worker: the slots have that of the twin, until they are corrected again.
+
+        Returns by how many frames each slot is behind where it was: 0 if every advance brought its
+        final state. Raises BendTwinError (UNAVAILABLE) while no worker is there: try again.
+        """
+        opened = await self._caller.run(session_calls.open_session(self._opening))
+        for call in self._resets(opened):
+            await self._caller.run(call)
+        return self._goes_on(opened)
+
+    async def close(self) -> None:
+        """Ends it; it is no error if it has ended."""
+        await self._caller.run(session_calls.close_session(self.name))

@@ -1,0 +1,100 @@
+"""Resources as values of their messages."""
+
+import pickle
+from dataclasses import fields
+from datetime import datetime, timezone
+
+import pytest
+
+from bendtwin import (
+    Capture,
+    Category,
+    Correction,
+    Fault,
+    Fit,
+    Job,
+    JobState,
+    LossCurve,
+    ModelLoss,
+    Progress,
+    Requirements,
+    Residual,
+    SessionInfo,
+    Tracking,
+    TwinInfo,
+    Worker,
+)
+from bendtwin.rollout import FIDELITIES
+from bendtwin.v1 import (
+    capture_pb2,
+    fault_pb2,
+    fit_pb2,
+    job_pb2,
+    registration_pb2,
+    session_pb2,
+    twin_pb2,
+    worker_pb2,
+)
+
+MESSAGES = {
+    Capture: capture_pb2.Capture,
+    Correction: session_pb2.CorrectedSession.Correction,
+    Fault: fault_pb2.Fault,
+    Fit: fit_pb2.Fit,
+    Job: job_pb2.Job,
+    LossCurve: fit_pb2.FitLosses.LossCurve,
+    ModelLoss: job_pb2.ModelLoss,
+    Progress: job_pb2.Progress,
+    Requirements: job_pb2.WorkerRequirements,
+    Residual: registration_pb2.Residual,
+    SessionInfo: session_pb2.Session,
+    Tracking: session_pb2.Tracking,
+    TwinInfo: twin_pb2.Twin,
+    Worker: worker_pb2.Worker,
+}
+
+
+@pytest.mark.parametrize("kind", MESSAGES, ids=lambda kind: kind.__name__)
+def test_a_resource_has_the_fields_of_its_message(kind):
+    names = {field.name for field in MESSAGES[kind].DESCRIPTOR.fields}
+    assert {field.name for field in fields(kind)} == {n.removesuffix("_json") for n in names}
+
+
+def test_a_message_is_read_with_all_that_is_inside():
+    message = fit_pb2.Fit(name="fits/1", capture="captures/1", tags=["b", "wet"], priority=-3)
+    message.requirements.labels.append("gpu")
+    job = message.job
+    job.state, job.settings_json, job.revision = job_pb2.Job.FAILED, '{"seed": 7}', 9
+    job.create_time.FromSeconds(60)
+    job.fault.category, job.fault.reason = "NOT_FOUND", "GONE"
+    job.attempt_faults.add(category="INTERNAL", message="again")
+    job.progress.models.add(stage="search", loss=0.5)
+    job.progress.best_loss = 0.0
+
+    fit = Fit.from_proto(message)
+    assert (fit.name, fit.twin, fit.tags, fit.priority) == ("fits/1", "", ("b", "wet"), -3)
+    assert fit.requirements == Requirements(labels=("gpu",))
+    assert (fit.state, fit.job.settings, fit.error_m) == (JobState.FAILED, {"seed": 7}, None)
+    assert fit.job.create_time == datetime(1970, 1, 1, 0, 1, tzinfo=timezone.utc)
+    assert fit.job.start_time is None
+    assert fit.fault == Fault(Category.NOT_FOUND, "GONE", "")
+    assert fit.job.attempt_faults == [Fault(Category.INTERNAL, "", "again")]
+    assert (fit.progress.loss, fit.progress.best_loss, fit.progress.eta_s) == (None, 0.0, None)
+    assert fit.progress.models == (ModelLoss("search", "", 0, 0.5, None),)
+
+    message.error_m = 0.011
+    assert Fit.from_proto(message).error_m == 0.011
+    assert pickle.loads(pickle.dumps(fit)) == fit != Fit.from_proto(message)
+    assert repr(fit).startswith("Fit(name='fits/1', capture='captures/1', twin='', job=Job(state=")
+
+
+def test_a_word_of_an_enum_is_its_name():
+    for fidelity in FIDELITIES:
+        session = session_pb2.Session(name="sessions/1", fidelity=FIDELITIES[fidelity])
+        assert SessionInfo.from_proto(session).fidelity == fidelity
+
+
+def test_what_a_message_leaves_out_has_its_default():
+    capture = Capture.from_proto(capture_pb2.Capture(name="captures/1"))
+    assert capture == Capture("captures/1", "", None, 0, "")
+    assert Job.from_proto(job_pb2.Job(state=job_pb2.Job.QUEUED)).settings == {}
