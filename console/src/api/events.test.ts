@@ -43,7 +43,7 @@ describe('watch', () => {
   vi.useFakeTimers();
   afterEach(() => vi.unstubAllGlobals());
 
-  it('goes on from the last event after the server was lost', async () => {
+  it('resumes after the last event when the server was lost', async () => {
     const { seen } = server(stream(1, 2), null, stream(3), new Response('', { status: 503 }), stream(9));
     expect(await follow()).toEqual([1, 2, 3, 9]);
     expect(seen).toEqual([null, '2', '2', '3', '3']);

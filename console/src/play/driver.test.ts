@@ -48,7 +48,7 @@ describe('Driver', () => {
     expect(driver.see(state(2, [true, false, false]))).toBeNull();
   });
 
-  it('knows which pointers are free, from what it did until a state has it', () => {
+  it('knows which pointers are free, from its inputs until a state includes them', () => {
     const { driver } = playing();
     expect([driver.free(), driver.usable]).toEqual([1, [0, 1]]);
     driver.grasp(1, 2);
@@ -61,7 +61,7 @@ describe('Driver', () => {
     expect(driver.held.size).toBe(0);
   });
 
-  it('takes hold again of what pointers held when a play begins anew', () => {
+  it('restores the holds of pointers when a play begins again', () => {
     const { driver, sent } = playing();
     driver.grasp(2, 3);
     driver.see(state(1, [true, false, true]));

@@ -10,7 +10,7 @@ const MOMENT: Moment = {
 };
 
 describe('moments', () => {
-  it('come back from an address to a tenth of a millimetre', () => {
+  it('survive an address to a tenth of a millimetre', () => {
     const query = new URLSearchParams(writeMoment(MOMENT).toString());
     const read = readMoment(query, 2, 1);
     read.positions?.forEach((x, i) => expect(Math.abs(x - MOMENT.positions[i]!)).toBeLessThan(6e-5));
@@ -18,7 +18,7 @@ describe('moments', () => {
     expect([...(read.controls ?? [])]).toEqual([0.25, 0, 0]);
   });
 
-  it('leave out what does not belong to the twin, and what is damaged', () => {
+  it('leave out parts of other twins and damaged parts', () => {
     expect(readMoment(writeMoment(MOMENT), 3, 1).positions).toBeUndefined();
     const damaged = new URLSearchParams({ points: '%%%~', world: '{', vary: '[1]', dropped: '1,x,-2' });
     expect(readMoment(damaged, 2, 1)).toEqual({ dropped: [1] });

@@ -11,7 +11,7 @@ function state(x: number, colliders = 0): PlayState {
 }
 
 describe('Motion', () => {
-  it('goes from what was shown to the last state in the time between states', () => {
+  it('moves from the shown state to the last one in the time between states', () => {
     const motion = new Motion();
     motion.push(state(0), 0);
     expect(motion.sample(0)).toBe(true);

@@ -2,7 +2,7 @@ import { expect, it } from 'vitest';
 import { base64, packed } from '../view3d/tensor';
 import { csvOf } from './recording';
 
-it('lists where grippers were and what they held, segment after segment', () => {
+it('lists places and holds of grippers, segment by segment', () => {
   const closed = { dtype: 'UINT32', shape: [2], data: base64(new Uint8Array(new Uint32Array([0, 1]).buffer)) };
   const segment = {
     poses: { poses: packed(new Float32Array([0.1, 0, 0, 0, 0, 0, 1, 0.2, 0, 0, 0, 0, 0, 1]), [1, 2, 1, 7]) },

@@ -82,7 +82,7 @@ describe('PlaySocket', () => {
     expect(told).toEqual(['ready', 'lost', 'ready']);
   });
 
-  it('goes on after a farewell of a server that stops, and after no other', async () => {
+  it('reconnects after the farewell of a stopping server, and after no other', async () => {
     open();
     last().says({ type: 'ended', problem: { reason: 'STOPPING', detail: '' } });
     last().close();

@@ -19,7 +19,7 @@ function message(): ArrayBuffer {
 }
 
 describe('decodeState', () => {
-  it('reads what the server wrote', () => {
+  it('reads the server\'s format', () => {
     const state = decodeState(message());
     expect([state.number, state.input, state.strain]).toEqual([7, 9, 0.25]);
     const flags = [state.isPaused, state.isRecording, state.isReplaying, state.isPursuing];
@@ -31,7 +31,7 @@ describe('decodeState', () => {
     expect([...state.positions]).toEqual([2, 1, 3, 16384, -16381, 3.5]);
   });
 
-  it('refuses what is no state', () => {
+  it('refuses invalid states', () => {
     expect(() => decodeState(new ArrayBuffer(3))).toThrow('cut off');
     expect(() => decodeState(message().slice(0, -1))).toThrow('another length');
     const other = message();

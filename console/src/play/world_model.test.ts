@@ -3,12 +3,12 @@ import { WorldModel } from './world_model';
 
 const OWN = { gravity: [0, 0, -10], ground: { normal: [0, 0, 1] as const, offset_m: 0.5 } };
 
-it('says nothing of what is as in the twin', () => {
+it('leaves out values equal to the twin\'s', () => {
   expect(new WorldModel(OWN).world).toEqual({});
   expect(new WorldModel({ ...OWN, ground: null }).world).toEqual({});
 });
 
-it('says what was changed, and takes it over again', () => {
+it('reports changes, and takes them over again', () => {
   const model = new WorldModel(OWN);
   model.gravity = 0.5;
   model.ground = 0.2;

@@ -32,7 +32,7 @@ describe('a clock', () => {
     expect(c.frame).toBe(41);
   });
 
-  it('waits for what is not here, and does not catch up', () => {
+  it('waits for missing frames, and does not catch up', () => {
     const { clock: c } = clock(100);
     c.play();
     c.tick(0, always);

@@ -52,7 +52,7 @@ describe('a playback', () => {
     expect(Array.from(await file.read([24, 2]))).toEqual([3, 1]);
   });
 
-  it('that was made anew is not mixed with the one before', async () => {
+  it('that was replaced is not mixed with the previous one', async () => {
     const server = serverOf(fileOf({ sequences: [sequence()], left_out: 0 }, DATA));
     const file = await PlaybackFile.open(server.api, 'id', new AbortController().signal);
     server.tag = '"b"';

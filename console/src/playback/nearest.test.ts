@@ -26,7 +26,7 @@ describe('the nearest point', () => {
     }
   });
 
-  it('is none for what is not known, and among none', () => {
+  it('is NaN for unknown points, and without candidates', () => {
     expect(new Nearest(numbers(30, 1), 0.1).distance(new Float32Array([NaN, NaN, NaN]), 0)).toBeNaN();
     expect(new Nearest(new Float32Array(0), 0.1).distance(new Float32Array(3), 0)).toBeNaN();
   });

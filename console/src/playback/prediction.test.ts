@@ -25,7 +25,7 @@ describe('a prediction', () => {
     expect([0, 2, 3, 5, 6].map((frame) => prediction.nodes(frame)![0])).toEqual([0, 0, 3, 3, 3]);
   });
 
-  it('without nodes is none', () => {
+  it('needs nodes', () => {
     expect(() => new Prediction({ frame_count: 3 })).toThrow('no nodes');
   });
 });

@@ -16,7 +16,7 @@ describe('a projection', () => {
     expect(pixels(HERE, [0, 0, 2, 0.2, -0.1, 2])).toEqual([50, 40, 60, 35.5]);
   });
 
-  it('leaves out what is behind the camera or not known', () => {
+  it('leaves out points behind the camera and unknown ones', () => {
     expect(pixels(HERE, [0, 0, -1, NaN, NaN, NaN, 0, 0, 0])).toEqual([NaN, NaN, NaN, NaN, NaN, NaN]);
   });
 

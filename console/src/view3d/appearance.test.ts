@@ -38,7 +38,7 @@ it('reads tensors that begin anywhere', () => {
   expect(appearance?.splats?.colours).toEqual(Float32Array.of(1, 0.5, 0));
 });
 
-it('is content with colours alone and tells none', () => {
+it('accepts colours alone, and their absence', () => {
   expect(read({ 'skin.color': Uint8Array.of(9, 9, 9) })?.splats).toBeNull();
   expect(read({ 'skin.color': new Uint8Array(0) })).toBeNull();
 });

@@ -33,7 +33,7 @@ describe('colour maps', () => {
 });
 
 describe('ranges', () => {
-  it('leave out the farthest values and what is no number', () => {
+  it('leave out outliers and NaN', () => {
     const values = Array.from({ length: 1000 }, (_, i) => i);
     const range = rangeOf([...values, Number.NaN, 1e30]);
     expect(range.low).toBeCloseTo(10, 0);

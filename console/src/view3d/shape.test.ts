@@ -22,7 +22,7 @@ function reply(): GeometryReply {
 }
 
 describe('readShape', () => {
-  it('reads arrays, and what was left out as its default', () => {
+  it('reads arrays, and defaults for missing ones', () => {
     const shape = readShape(reply());
     expect([...shape.springs]).toEqual([0, 1, 1, 2]);
     expect(shape.rods.map((rod) => [...rod])).toEqual([[1, 0]]);

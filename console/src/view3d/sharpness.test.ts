@@ -15,6 +15,6 @@ it('draws fewer pixels while a slow machine shows motion, and all of them afterw
   expect([sharpness.isFull, sharpness.next(9016, false)]).toEqual([true, false]);
 });
 
-it('keeps to what a screen can show', () => {
+it('is bounded by the screen\'s resolution', () => {
   expect([new Sharpness().ratio(3), new Sharpness().ratio(0.1)]).toEqual([2, 0.5]);
 });

@@ -209,7 +209,7 @@ async fn sessions_outlive_a_restart_of_the_server_if_their_worker_does() {
 }
 
 #[tokio::test]
-async fn clients_that_never_close_shut_nobody_out() {
+async fn clients_that_never_close_lock_no_one_out() {
     let story = Story::begin().await;
     let (client, twin) = (story.client().await, story.twin.name.parse().unwrap());
     let sessions = client.sessions();

@@ -14,7 +14,7 @@ test('pictures are taken out of the page of a report, texts as texts', () => {
   ]);
 });
 
-test('what is no embedded image is passed over', () => {
+test('other images than embedded ones are ignored', () => {
   const sources = [
     'https://evil.example/a.png',
     'data:image/svg+xml;base64,AA==',

@@ -17,7 +17,7 @@ test('a form that was not changed asks for no settings', () => {
   expect(formOf({})).toEqual(PLAIN);
 });
 
-test('what was filled in becomes settings by their names', () => {
+test('filled-in fields become settings by their names', () => {
   const others = [
     ['graph.max_nodes', '400'],
     ['refine.window', '{"frames": 3}'],
@@ -56,7 +56,7 @@ test('what was filled in becomes settings by their names', () => {
   expect(settingsOf(formOf(settings)).settings).toEqual(settings);
 });
 
-test('what cannot be sent is told at its name', () => {
+test('invalid values are reported by their names', () => {
   const others = [
     ['a', ''],
     ['', '3'],

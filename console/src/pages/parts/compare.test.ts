@@ -10,7 +10,7 @@ test('ids of an address are those that are some, once each', () => {
   expect(comparedIds(new URLSearchParams())).toEqual([]);
 });
 
-test('settings that differ are told, those that are alike are not', () => {
+test('only settings that differ are listed', () => {
   const lines = differingSettings([
     { seed: 1, graph: { max_nodes: null } },
     { seed: 2, graph: { max_nodes: null } },

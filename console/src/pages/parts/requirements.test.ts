@@ -16,7 +16,7 @@ test('a worker has the kind, the memory and each label that are asked for', () =
   expect(both({ labels: ['lab=2', 'lab=3'] })).toEqual([false, false]);
 });
 
-test('what is asked for is said in words', () => {
+test('requirements are put into words', () => {
   expect(wanted(ANY_WORKER)).toBe('any');
   expect(wanted({ backend: 'cuda', memory_bytes: 0, labels: ['lab=2'] })).toBe('CUDA, lab=2');
 });

@@ -44,7 +44,7 @@ describe('settings as lines', () => {
   });
 });
 
-test('messages of the server are told by the settings that they are about', () => {
+test('messages of the server are assigned to their settings', () => {
   const detail =
     'the settings are not accepted: effort: unknown variant `fast`, expected one of `draft`; ' +
     'substeps.auto.safety is 0: it must lie in 1..=100; sed: unknown field `sed`, expected one of `seed`';

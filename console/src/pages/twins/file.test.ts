@@ -38,7 +38,7 @@ test.each([true, false])('document and tensors of a file are read (ranges: %s)',
   expect(await read.floats('another')).toHaveLength(0);
 });
 
-test('the spread of values is their median and what nine of ten lie between', () => {
+test('the spread of values is their median and the range of nine in ten', () => {
   expect(spreadOf(Float32Array.from({ length: 101 }, (_, index) => 100 - index))).toEqual({
     low: 5,
     median: 50,

@@ -17,7 +17,7 @@ const report: Identifiability = {
   next: [],
 };
 
-test('groups are named by what and where they are', () => {
+test('groups are named by kind and place', () => {
   expect(report.groups.map((of) => groupText(report, of))).toEqual(['Drag', 'Stiffness, free end', 'Grip of hand 1']);
   expect(groupText(report, group('of_a_newer_server', { region: 7 }))).toBe('of_a_newer_server');
 });

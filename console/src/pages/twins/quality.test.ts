@@ -76,7 +76,7 @@ test('the error of a twin is of tracks, else of coordinates, else of surfaces', 
   expect([errorOf(score(NONE)), errorOf({})]).toEqual([null, null]);
 });
 
-test('the spread of several fits is told in words', () => {
+test('the spread of several fits is put into words', () => {
   const spread = { fits: 4, mean_m: 0.002, error_m: 0.005, within: 0.87, rank_correlation: 0.4 };
   expect(spreadText({ spread })).toBe(
     'The predictions of 4 fits are 2 mm apart where the twin is off by 5 mm. ' +
@@ -86,7 +86,7 @@ test('the spread of several fits is told in words', () => {
   expect(spreadText({})).toBeNull();
 });
 
-test('differences are told in words', () => {
+test('differences are put into words', () => {
   expect(comparedText('A', 'B', 0.004, 0.01)).toBe(
     'A is nearer to frames that it was not fitted to than B by a factor of 2.50: 4 mm against 10 mm.',
   );

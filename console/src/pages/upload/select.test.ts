@@ -39,7 +39,7 @@ describe('the files of a folder that are sent', () => {
     expect(sent([only as Package])[0]?.[1]).toEqual(read);
   });
 
-  test('of a processed case leave out what its cameras saw', async () => {
+  test('of a processed case leave out the images', async () => {
     const packages = await packagesOf(
       'case',
       files(['final_data.pkl', 'metadata.json', 'color/0/0.png', 'split.json']),
@@ -111,6 +111,6 @@ describe('the files of a folder that are sent', () => {
   });
 });
 
-test('names of captures are those of their files without what says the format', () => {
+test('names of captures are those of their files without the format', () => {
   expect(['toy.v2.tar.gz', 'rope.ZIP', 'a.mcap', '.zip'].map(nameOf)).toEqual(['toy.v2', 'rope', 'a', '.zip']);
 });

@@ -7,7 +7,7 @@ function file(name: string, bytes: readonly number[]): File {
   return new File([new Uint8Array(bytes)], name);
 }
 
-test('files are told by their content, not by their names', async () => {
+test('files are recognised by their content, not by their names', async () => {
   const header = '{"__metadata__":{}}';
   const twin = [header.length, 0, 0, 0, 0, 0, 0, 0, ...new TextEncoder().encode(`${header}rest`)];
   const made = [

@@ -69,7 +69,7 @@ test('an upload ends as a capture with its labels, and is forgotten', async () =
   expect(transfers.all).toEqual([]);
 });
 
-test('one that was interrupted goes on as what it was when its files come again', async () => {
+test('an interrupted one resumes when its files are chosen again', async () => {
   const server = new Server();
   server.hangs = true;
   const before = begun(server);
@@ -109,7 +109,7 @@ test('a cancelled one is given up here and at the server', async () => {
   expect(kept()).toEqual([]);
 });
 
-test('a refused one says why, and what the browser kept of other versions is passed over', async () => {
+test('a refused one says why, and entries of other versions are ignored', async () => {
   localStorage.setItem('bendtwin.uploads', '[{"files": 3}, null, "x"]');
   const server = new Server();
   server.refuses = true;

@@ -63,7 +63,7 @@ describe('an upload', () => {
     expect(server.metadata).toBe('request_id YQ==,display_name U2NobnVyIMO8');
   });
 
-  test('goes on from what the server has after an answer was lost', async () => {
+  test('resumes at the server\'s offset after an answer was lost', async () => {
     const server = new Server(BYTES);
     let lost = 0;
     server.trouble = (method) => {
@@ -77,7 +77,7 @@ describe('an upload', () => {
     expect(waits.map((why) => why?.constructor)).toEqual([ServerLost, undefined]);
   });
 
-  test('of what the server has already sends nothing, and says so', async () => {
+  test('of stored content sends nothing, and says so', async () => {
     const server = new Server(BYTES);
     server.stored = Buffer.alloc(BYTES);
     const methods: string[] = [];
@@ -86,7 +86,7 @@ describe('an upload', () => {
     expect(methods).toEqual(['POST', 'HEAD']);
   });
 
-  test('waits for a token, and goes on with it', async () => {
+  test('waits for a token, and continues with it', async () => {
     const server = new Server(BYTES);
     let refused = 0;
     server.trouble = (method) => {
@@ -97,7 +97,7 @@ describe('an upload', () => {
     expect(waits.map((why) => why?.message)).toEqual(['missing', undefined]);
   });
 
-  test('is begun anew, once, if the server has forgotten it', async () => {
+  test('starts over, once, if the server has forgotten it', async () => {
     const server = new Server(BYTES);
     let heads = 0;
     server.trouble = (method) => {
@@ -111,7 +111,7 @@ describe('an upload', () => {
     await expect(run(server).capture).rejects.toThrow('expired');
   });
 
-  test('ends with what the server refuses for good, and with files that changed', async () => {
+  test('ends at permanent refusals, and at changed files', async () => {
     const server = new Server(BYTES);
     server.trouble = () => {
       throw new Problem(413, 'CAPTURE_TOO_LARGE', 'too large', null);

@@ -20,7 +20,7 @@ fn points_that_a_camera_sees_get_their_colours() {
 }
 
 #[test]
-fn cameras_that_are_held_out_are_not_looked_at() {
+fn held_out_cameras_are_not_used() {
     let ball = Ball::new(1);
     let rest = ball.twin.skin.positions(&ball.twin.graph.rest_positions);
     let motion = motion_of(&ball.nodes, 1);

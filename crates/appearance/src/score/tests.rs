@@ -6,7 +6,7 @@ use crate::testing::{Ball, motion_of};
 
 /// Pixels that a camera would see are as good as they can be, and worse where the twin goes astray.
 #[test]
-fn a_rendering_beside_itself_is_alike_and_one_beside_it_is_not() {
+fn a_rendering_equals_itself_and_no_other() {
     let ball = Ball::new(3);
     let dressed = Dressed::new(&ball.twin.graph, &ball.splats).unwrap();
     let motion = motion_of(&ball.nodes, 2);

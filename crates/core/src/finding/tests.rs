@@ -13,7 +13,7 @@ fn a_sentence_comes_apart_at_its_last_colon_and_together_again() {
 }
 
 #[test]
-fn what_json_cannot_hold_or_nobody_reads_is_left_out() {
+fn values_without_use_in_json_are_left_out() {
     let finding = Finding::warning("A", "b").number("x_m", f64::NAN).number("y_m", 1.5);
     let finding = finding.frames(0..50).cameras([2]);
     assert_eq!((finding.numbers.len(), finding.frames.len()), (1, 20));

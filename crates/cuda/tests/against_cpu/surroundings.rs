@@ -63,7 +63,7 @@ fn flat(points: &[Point]) -> Vec<f32> {
 
 #[test]
 #[ignore = "needs a CUDA device"]
-fn surrounded_objects_move_alike() {
+fn surrounded_objects_move_as_on_the_cpu() {
     let outputs = Outputs { every: 1, final_state: true, forces: true, ..Outputs::default() };
     for (name, model, with) in cases() {
         let [expected, found]: [Rollout; 2] = both(&model, seed(), FRAMES).map(|(b, i)| {
@@ -178,7 +178,7 @@ fn compare_gradients(
 
 #[test]
 #[ignore = "needs a CUDA device"]
-fn surrounded_objects_have_alike_gradients() {
+fn surrounded_objects_have_the_gradients_of_the_cpu() {
     for (name, model, with) in cases() {
         compare_gradients(&name, &model, 1e-3, |i| surrounded(i, &model, &with));
     }
@@ -188,7 +188,7 @@ fn surrounded_objects_have_alike_gradients() {
 /// of velocities, which costs digits.
 #[test]
 #[ignore = "needs a CUDA device"]
-fn forces_have_alike_gradients() {
+fn forces_have_the_gradients_of_the_cpu() {
     let is_smooth = |with: &WorldOptions| {
         with.smoothing_m > 0.0 || with.colliders == 0 && with.max_force.is_none()
     };

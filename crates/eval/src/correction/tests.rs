@@ -56,7 +56,7 @@ fn a_rest_shape_that_takes_part_keeps_more_of_the_correction() {
 }
 
 #[test]
-fn later_frames_are_not_looked_at() {
+fn later_frames_are_not_read() {
     let mut capture = wandering();
     let before = compared(&capture, &plan(vec![8])).unwrap();
     // Frame 14 is beyond the horizon of both.

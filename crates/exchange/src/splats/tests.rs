@@ -39,7 +39,7 @@ fn assert_near(a: &Gaussians, b: &Gaussians, tolerance: f32) {
 }
 
 #[test]
-fn a_ply_comes_back_as_it_was_written() {
+fn a_ply_reads_back_unchanged() {
     let loaded = read(&ply(&gaussians())).unwrap();
     assert_near(&loaded.gaussians, &gaussians(), 1e-5);
     assert_eq!(loaded.left_out_harmonics, 0);

@@ -28,7 +28,7 @@ fn independent_residuals_count_one_by_one() {
 }
 
 #[test]
-fn an_error_that_lasts_counts_once_and_neighbours_that_err_alike_are_one() {
+fn lasting_errors_and_correlated_neighbours_count_once() {
     let lasting = Noise::of(&residuals(40, 10, |_, p, a| scattered(10 * p + a))).unwrap();
     assert_eq!(lasting.frames, 40.0);
     let alike = Noise::of(&residuals(40, 10, |t, _, a| scattered(10 * t + a))).unwrap();

@@ -2,7 +2,7 @@
 //!
 //! The last cells before the object vanishes into a hand are a section of it. The section is
 //! continued towards the middle of the hand around it, through cells that no camera saw to be
-//! empty: like a rope's end in a fist. What comes out on the other side meets it halfway.
+//! empty: like a rope's end in a fist. The part on the other side meets it halfway.
 
 use bendtwin_core::{CancelToken, Point};
 use nalgebra::Vector3;

@@ -8,7 +8,7 @@ use crate::{
 };
 
 on_both! {
-    content_comes_back_as_it_was,
+    content_reads_back_unchanged,
     refuses_too_much_and_the_wrong_digest,
     equal_content_is_shared_until_the_last_reference_goes,
     content_of_another_size_is_refused,
@@ -16,7 +16,7 @@ on_both! {
     ranges_are_the_bytes_asked_for,
 }
 
-async fn content_comes_back_as_it_was(on: On) {
+async fn content_reads_back_unchanged(on: On) {
     let bench = Bench::new(on).await;
     let content: Vec<u8> = (0..20_000_000u32).map(|i| (i % 251) as u8).collect();
     let mut upload = bench.store.blobs().upload(1 << 30).await.unwrap();

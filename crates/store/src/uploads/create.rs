@@ -138,7 +138,7 @@ impl Uploads<'_> {
         };
         let id = UploadId::generate().uuid().to_string();
         if let (Some(request_id), None) = (&new.request_id, &capture) {
-            deleted_requests::begin_anew(&mut tx, request_id, &id).await?;
+            deleted_requests::begin_again(&mut tx, request_id, &id).await?;
         }
         let keep = if capture.is_some() { new.remember } else { new.keep };
         let row: Row = query(

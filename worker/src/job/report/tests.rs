@@ -58,7 +58,7 @@ fn every_loss_is_reported_though_progress_is_not() {
 }
 
 #[test]
-fn losses_that_nobody_takes_are_thinned_out() {
+fn unreported_losses_are_thinned_out() {
     let latest = LatestProgress::default();
     for iteration in 1..=100_000 {
         latest.set(progress(Stage::Refine, "bending", iteration));

@@ -21,7 +21,7 @@ use crate::{
 on_both! {
     a_worker_that_lost_its_lease_never_ends_the_attempt_of_another,
     claimants_never_get_the_same_job,
-    writes_that_are_given_up_half_way_keep_nobody_waiting,
+    abandoned_writes_block_no_other,
 }
 
 /// Runs the race between a completion and the loss of its lease until it goes wrong, or for
@@ -93,7 +93,7 @@ async fn claimants_never_get_the_same_job(on: On) {
     assert_eq!(all.len(), 40);
 }
 
-async fn writes_that_are_given_up_half_way_keep_nobody_waiting(on: On) {
+async fn abandoned_writes_block_no_other(on: On) {
     let bench = Bench::new(on).await;
     for steps in 0..60 {
         let mut write = Box::pin(bench.store.probe_write());

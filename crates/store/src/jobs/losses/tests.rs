@@ -9,7 +9,7 @@ use crate::{
 
 on_both! {
     losses_are_kept_by_stage_and_model_until_the_fit_is_deleted,
-    a_resumed_attempt_replaces_what_it_computes_anew,
+    a_resumed_attempt_replaces_the_losses_that_it_recomputes,
     long_curves_are_thinned_out_and_keep_their_last,
     no_worker_can_fill_the_disk_with_losses,
 }
@@ -77,7 +77,7 @@ async fn losses_are_kept_by_stage_and_model_until_the_fit_is_deleted(on: On) {
 
 /// Losses computed after the checkpoint from which a worker's successor resumes are not part of the
 /// path to the twin.
-async fn a_resumed_attempt_replaces_what_it_computes_anew(on: On) {
+async fn a_resumed_attempt_replaces_the_losses_that_it_recomputes(on: On) {
     let bench = Bench::new(on).await;
     let (fit, first) = running(&bench).await;
     report(&bench, first, &refined(1..=9)).await.unwrap();
