@@ -120,6 +120,7 @@ pub(crate) enum Error {
     Deadline,
     #[error("{exhausted}, for {purpose}{}", if .exhausted.is_passing() { ", or retry" } else { "" })]
     #[problem(ResourceExhausted, "MEMORY_IN_USE", retry = SOON, if exhausted.is_passing())]
+    // Sent again, it would be refused again.
     #[problem(InvalidArgument, "MEMORY_TOO_SMALL")]
     Memory { purpose: &'static str, exhausted: Exhausted },
     #[error("the server is stopping: retry")]

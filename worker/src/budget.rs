@@ -13,7 +13,7 @@
 
 use std::time::Duration;
 
-use bendtwin_budget::{Budget, Exhausted, Share};
+use bendtwin_budget::{Budget, Share};
 
 use crate::rollout::Error;
 

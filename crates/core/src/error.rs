@@ -58,17 +58,36 @@ impl Category {
     ];
 }
 
-/// Implemented by every error of the project, by a derive that reads category and reason beside the
-/// message of each variant.
-pub trait Problem: std::error::Error {
+/// Facts about an error that programs act on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Facts {
     /// The kind of the error.
-    fn category(&self) -> Category;
+    pub category: Category,
     /// A stable UPPER_SNAKE_CASE word for programs to branch on.
-    fn reason(&self) -> &'static str;
+    pub reason: &'static str,
+    /// Delay after which another attempt makes sense, if it does.
+    pub retry_after: Option<Duration>,
+}
+
+/// Implemented by every error of the project, by a derive that reads the facts beside the message of
+/// each variant.
+pub trait Problem: std::error::Error {
+    /// Category, reason and delay.
+    fn facts(&self) -> Facts;
+
+    /// The kind of the error.
+    fn category(&self) -> Category {
+        self.facts().category
+    }
+
+    /// A stable UPPER_SNAKE_CASE word for programs to branch on.
+    fn reason(&self) -> &'static str {
+        self.facts().reason
+    }
 
     /// Delay after which another attempt makes sense, if it does.
     fn retry_after(&self) -> Option<Duration> {
-        None
+        self.facts().retry_after
     }
 
     /// The portable form, which a failed job keeps and a client receives.
@@ -78,16 +97,8 @@ pub trait Problem: std::error::Error {
 }
 
 impl<P: Problem> Problem for Box<P> {
-    fn category(&self) -> Category {
-        (**self).category()
-    }
-
-    fn reason(&self) -> &'static str {
-        (**self).reason()
-    }
-
-    fn retry_after(&self) -> Option<Duration> {
-        (**self).retry_after()
+    fn facts(&self) -> Facts {
+        (**self).facts()
     }
 
     fn fault(&self) -> Fault {

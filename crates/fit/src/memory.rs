@@ -16,6 +16,7 @@ use bendtwin_graph::{Connectivity, connect, sample_nodes};
 /// A fit that needs more memory than it may take.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error, Problem)]
 #[error("{}", memory::refusal(*.needed, *.most, .advice))]
+// Asked again, it would be refused again: so it is not RESOURCE_EXHAUSTED.
 #[problem(InvalidArgument, "FIT_OUT_OF_MEMORY")]
 pub struct TooLarge {
     /// Bytes that it needs.

@@ -16,45 +16,33 @@ struct Case<'a> {
     problems: Vec<Problem>,
 }
 
-/// Arms of one `match` for each method.
-#[derive(Default)]
-struct Arms {
-    category: TokenStream,
-    reason: TokenStream,
-    retry_after: TokenStream,
-    fault: TokenStream,
-    has_fault: bool,
-}
-
 /// The implementation.
 ///
 /// # Errors
 /// If an attribute is missing or contradicts itself.
 pub(crate) fn problem(input: &DeriveInput) -> Result<TokenStream> {
-    let mut arms = Arms::default();
+    let (mut facts, mut faults, mut carries_fault) =
+        (TokenStream::new(), TokenStream::new(), false);
     for case in cases(input)? {
         case.check()?;
         for problem in &case.problems {
-            case.add(problem, &mut arms)?;
+            facts.extend(case.arm(problem, &case.facts(problem)?));
+            let fault = problem.fault.as_ref().map(|fault| quote!(#fault));
+            carries_fault |= fault.is_some();
+            let fault = fault.unwrap_or_else(|| quote!(::bendtwin_core::Fault::of(self)));
+            faults.extend(case.arm(problem, &fault));
         }
     }
-    let Arms { category, reason, retry_after, fault, has_fault } = arms;
-    let fault = has_fault.then(|| {
-        quote! { fn fault(&self) -> ::bendtwin_core::Fault { match self { #fault } } }
+    let fault = carries_fault.then(|| {
+        quote! { fn fault(&self) -> ::bendtwin_core::Fault { match self { #faults } } }
     });
     let name = &input.ident;
     let (generics, arguments, bounds) = input.generics.split_for_impl();
     Ok(quote! {
         #[automatically_derived]
         impl #generics ::bendtwin_core::Problem for #name #arguments #bounds {
-            fn category(&self) -> ::bendtwin_core::Category {
-                match self { #category }
-            }
-            fn reason(&self) -> &'static str {
-                match self { #reason }
-            }
-            fn retry_after(&self) -> ::core::option::Option<::core::time::Duration> {
-                match self { #retry_after }
+            fn facts(&self) -> ::bendtwin_core::error::Facts {
+                match self { #facts }
             }
             #fault
         }
@@ -135,35 +123,30 @@ impl Case<'_> {
         self.fields.iter().enumerate().map(move |entry| (named(entry), entry.1))
     }
 
-    /// Adds the arms of an attribute.
-    fn add(&self, problem: &Problem, arms: &mut Arms) -> Result<()> {
-        let (category, reason, of_cause) = match &problem.origin {
+    /// The facts that an attribute states.
+    fn facts(&self, problem: &Problem) -> Result<TokenStream> {
+        let retry = problem.retry.as_ref().map(|delay| quote!(::core::convert::Into::into(#delay)));
+        let path = quote!(::bendtwin_core::error::Facts);
+        match &problem.origin {
             Origin::Stated { category, reason } => {
                 let category = match category {
                     Category::Named(name) => quote!(::bendtwin_core::Category::#name),
-                    Category::Computed(expr) => expr.to_token_stream(),
+                    Category::Computed(expr) => quote!(#expr),
                 };
-                (category, reason.to_token_stream(), quote!(::core::option::Option::None))
+                let retry = retry.unwrap_or_else(|| quote!(::core::option::Option::None));
+                Ok(quote!(#path { category: #category, reason: #reason, retry_after: #retry }))
             }
             Origin::Cause => {
                 let (cause, field) = self.cause(problem)?;
-                let call = |method: &str| {
-                    let method = format_ident!("{method}");
-                    // Where the cause is no problem, the compiler points at its type.
-                    quote_spanned!(field.ty.span() => ::bendtwin_core::Problem::#method(#cause))
-                };
-                (call("category"), call("reason"), call("retry_after"))
+                // Where the cause is no problem, the compiler points at its type.
+                let facts =
+                    quote_spanned!(field.ty.span() => ::bendtwin_core::Problem::facts(#cause));
+                Ok(match retry {
+                    Some(retry) => quote!(#path { retry_after: #retry, ..#facts }),
+                    None => facts,
+                })
             }
-        };
-        let retry = problem.retry.as_ref().map(|delay| quote!(::core::convert::Into::into(#delay)));
-        let fault = problem.fault.as_ref().map(ToTokens::to_token_stream);
-        arms.has_fault |= fault.is_some();
-        let fault = fault.unwrap_or_else(|| quote!(::bendtwin_core::Fault::of(self)));
-        arms.category.extend(self.arm(problem, &category));
-        arms.reason.extend(self.arm(problem, &reason));
-        arms.retry_after.extend(self.arm(problem, &retry.unwrap_or(of_cause)));
-        arms.fault.extend(self.arm(problem, &fault));
-        Ok(())
+        }
     }
 
     /// One arm, whose pattern binds the fields that its condition and its value mention.

@@ -18,6 +18,7 @@ pub enum Error {
     },
     /// The request exceeds one of the [`Limits`](super::Limits).
     #[error("{what} would be {asked}, the most for one request is {limit}: {advice}")]
+    // Sent again, it would be refused again: so it is not RESOURCE_EXHAUSTED.
     #[problem(InvalidArgument, "ROLLOUT_TOO_LARGE")]
     TooLarge {
         /// Quantity that is too large.

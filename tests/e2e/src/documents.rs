@@ -57,7 +57,7 @@ fn what_open_settings_become() -> String {
     };
     let cell = |name: &str, subject, device| {
         let conditions = Conditions { subject, device, sequences: 1, is_weighed: false };
-        let mut values = [Effort::Draft, Effort::Standard, Effort::Best].map(|effort| {
+        let values = [Effort::Draft, Effort::Standard, Effort::Best].map(|effort| {
             let settings = FitSettings { effort, ..FitSettings::default() };
             match &flat(settings.filled(conditions))[name] {
                 Value::Number(most) if most.as_u64() == Some(usize::MAX as u64) => "all".to_owned(),

@@ -72,6 +72,7 @@ pub(crate) enum Error {
     /// Not enough memory.
     #[error("{exhausted}, for {purpose}{}", if .exhausted.is_passing() { ", or retry" } else { "" })]
     #[problem(ResourceExhausted, "MEMORY_IN_USE", if exhausted.is_passing())]
+    // Sent again, it would be refused again.
     #[problem(InvalidArgument, "MEMORY_TOO_SMALL")]
     Memory {
         /// Purpose of the memory, and advice.

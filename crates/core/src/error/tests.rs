@@ -43,7 +43,8 @@ struct Wrapped<P: Problem + 'static>(P);
 
 /// Category, reason and delay [s].
 fn facts(error: &impl Problem) -> (Category, &'static str, Option<u64>) {
-    (error.category(), error.reason(), error.retry_after().map(|delay| delay.as_secs()))
+    let Facts { category, reason, retry_after } = error.facts();
+    (category, reason, retry_after.map(|delay| delay.as_secs()))
 }
 
 #[test]
