@@ -193,6 +193,9 @@ def main() -> None:
     source = Path(sys.argv[1]) if len(sys.argv) > 1 else PACKAGE.parent
     folder = source / "bendtwin" / "aio"
     folder.mkdir(parents=True, exist_ok=True)
+    sources = "".join((PACKAGE / f"{module}.py").read_text() for module in CLASSES)
+    if missing := [word for word in WORDS if word not in sources]:
+        sys.exit(f"no documentation has {missing} any more: see WORDS in {Path(__file__).name}")
     of_caller = Calls(class_named(ast.parse((PACKAGE / "caller.py").read_text()), "AsyncCaller"))
     for module in CLASSES:
         (folder / f"{module}.py").write_text(asynchronous(module, of_caller))

@@ -4,14 +4,20 @@ import pickle
 from dataclasses import fields
 from datetime import datetime, timezone
 
+import numpy as np
 import pytest
 
 from bendtwin import (
     Capture,
     Category,
     Correction,
+    Deviation,
+    Diagnostics,
+    Divergence,
     Fault,
     Fit,
+    Forces,
+    Implausible,
     Job,
     JobState,
     LossCurve,
@@ -19,35 +25,47 @@ from bendtwin import (
     Progress,
     Requirements,
     Residual,
+    RolloutResult,
     SessionInfo,
+    Timing,
     Tracking,
     TwinInfo,
     Worker,
 )
 from bendtwin.rollout import FIDELITIES
+from bendtwin.tensors import pack_floats
 from bendtwin.v1 import (
     capture_pb2,
     fault_pb2,
     fit_pb2,
     job_pb2,
     registration_pb2,
+    rollout_pb2,
     session_pb2,
     twin_pb2,
     worker_pb2,
 )
 
+REPLY = rollout_pb2.RollOutResponse
 MESSAGES = {
     Capture: capture_pb2.Capture,
     Correction: session_pb2.CorrectedSession.Correction,
+    Deviation: REPLY.Deviation,
+    Diagnostics: REPLY.Diagnostics,
+    Divergence: REPLY.Divergence,
     Fault: fault_pb2.Fault,
     Fit: fit_pb2.Fit,
+    Forces: REPLY.Forces,
+    Implausible: REPLY.Implausible,
     Job: job_pb2.Job,
     LossCurve: fit_pb2.FitLosses.LossCurve,
     ModelLoss: job_pb2.ModelLoss,
     Progress: job_pb2.Progress,
     Requirements: job_pb2.WorkerRequirements,
     Residual: registration_pb2.Residual,
+    RolloutResult: REPLY,
     SessionInfo: session_pb2.Session,
+    Timing: REPLY.Timing,
     Tracking: session_pb2.Tracking,
     TwinInfo: twin_pb2.Twin,
     Worker: worker_pb2.Worker,
@@ -92,6 +110,17 @@ def test_a_word_of_an_enum_is_its_name():
     for fidelity in FIDELITIES:
         session = session_pb2.Session(name="sessions/1", fidelity=FIDELITIES[fidelity])
         assert SessionInfo.from_proto(session).fidelity == fidelity
+    assert SessionInfo.from_proto(session_pb2.Session()).fidelity == "exact"
+    assert SessionInfo.from_proto(session_pb2.Session(fidelity=77)).fidelity == "exact"
+
+
+def test_arrays_and_pairs_are_read():
+    message = REPLY(window=REPLY.Window(last_frame=3), cost_names=["tip"])
+    message.positions.CopyFrom(pack_floats("positions", [[1.0, 2.0]], (1, 2)))
+    result = RolloutResult.from_proto(message)
+    assert (result.window, result.cost_names, result.costs.shape) == ((0, 3), ["tip"], (0,))
+    np.testing.assert_array_equal(result.positions, [[1.0, 2.0]])
+    assert (result.velocities, result.timing, result.mass_kg) == (None, None, None)
 
 
 def test_what_a_message_leaves_out_has_its_default():

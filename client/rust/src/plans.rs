@@ -9,7 +9,7 @@ use bendtwin_proto::v1::{
 };
 use futures::{Stream, StreamExt as _};
 
-use crate::{Error, Reply, Rollout, channel::Channel};
+use crate::{Error, Reply, Rollout, channel::Channel, value::resource};
 
 /// Calls for plans.
 #[derive(Clone, Debug)]
@@ -25,6 +25,7 @@ pub struct Planning {
     request: PlanRequest,
 }
 
+resource! { v1::PlanUpdate =>
 /// The best plan so far.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PlanUpdate {
@@ -35,7 +36,7 @@ pub struct PlanUpdate {
     /// Cost of exactly these knots, as simulated.
     pub cost: f64,
     /// Weighted terms of the cost by name.
-    pub cost_terms: Vec<(String, f64)>,
+    pub cost_terms: Vec<(String, f64)> = cost_names, cost_terms,
     /// Source of the plan.
     pub origin: Origin,
     /// Cost of the nominal plan; infinite if it diverges.
@@ -49,7 +50,7 @@ pub struct PlanUpdate {
     /// True if the deadline ended the search before all iterations were done.
     pub stopped_by_deadline: bool,
     /// Time since planning began at the server.
-    pub time: Duration,
+    pub time: Duration = time_s,
     /// True for the last update.
     pub last: bool,
     /// The rollout of the best plan, in the last update, if the rollout asked for returns.
@@ -60,6 +61,7 @@ pub struct PlanUpdate {
     pub strain_limit: f64,
     /// Plans that did not diverge and were beyond the limit.
     pub overstrained: usize,
+}
 }
 
 impl Plans {
@@ -221,44 +223,6 @@ impl Planning {
     pub fn into_request(self) -> Result<PlanRequest, Error> {
         Ok(PlanRequest { rollout: Some(self.rollout.into_request()?), ..self.request })
     }
-}
-
-impl TryFrom<v1::PlanUpdate> for PlanUpdate {
-    type Error = Error;
-    fn try_from(wire: v1::PlanUpdate) -> Result<Self, Error> {
-        let origin = match wire.origin() {
-            v1::plan_update::Origin::Mean => Origin::Mean,
-            v1::plan_update::Origin::Sample => Origin::Sample,
-            _ => Origin::Nominal,
-        };
-        let terms: Vec<f64> = values(wire.cost_terms, "cost_terms")?;
-        Ok(Self {
-            knots: values(wire.knots, "knots")?,
-            coordinates: values(wire.coordinates, "coordinates")?,
-            cost: wire.cost,
-            cost_terms: wire.cost_names.into_iter().zip(terms).collect(),
-            origin,
-            nominal_cost: wire.nominal_cost,
-            iterations: wire.iterations as usize,
-            simulated: wire.simulated as usize,
-            diverged: wire.diverged as usize,
-            stopped_by_deadline: wire.stopped_by_deadline,
-            time: Duration::try_from_secs_f64(wire.time_s).map_err(Error::malformed)?,
-            last: wire.last,
-            rollout: wire.rollout.map(Reply::try_from).transpose()?,
-            strain: wire.strain,
-            strain_limit: wire.strain_limit,
-            overstrained: wire.overstrained as usize,
-        })
-    }
-}
-
-fn values<T: bendtwin_proto::tensor::Element>(
-    tensor: Option<Tensor>,
-    name: &str,
-) -> Result<Vec<T>, Error> {
-    let read = tensor.unwrap_or_default().unpack::<T>(name);
-    read.map(|(_, values)| values).map_err(Error::malformed)
 }
 
 fn numbers(values: &[f64]) -> Tensor {

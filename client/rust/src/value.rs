@@ -8,6 +8,7 @@ use bendtwin_core::{
     Fault, Fidelity, Quality,
     ids::{CaptureId, FitId, KeyId, SessionId, TwinId, WorkerId},
 };
+use bendtwin_plan::Origin;
 use bendtwin_proto::v1;
 use jiff::Timestamp;
 
@@ -173,6 +174,16 @@ impl FromWire<i32> for Fidelity {
             Ok(v1::Fidelity::Fast) => Self::Fast,
             Ok(v1::Fidelity::Planner) => Self::Planner,
             Ok(v1::Fidelity::Exact | v1::Fidelity::Unspecified) | Err(_) => Self::Exact,
+        })
+    }
+}
+
+impl FromWire<i32> for Origin {
+    fn from_wire(wire: i32, _: &str) -> Result<Self, Error> {
+        Ok(match v1::plan_update::Origin::try_from(wire) {
+            Ok(v1::plan_update::Origin::Mean) => Self::Mean,
+            Ok(v1::plan_update::Origin::Sample) => Self::Sample,
+            _ => Self::Nominal,
         })
     }
 }

@@ -9,9 +9,10 @@ from typing import Any, Literal
 import numpy as np
 import numpy.typing as npt
 
+from bendtwin.messages import FromMessage
 from bendtwin.skin import POINT_SETS, PointSet
 from bendtwin.state import Grasping, State, state_of
-from bendtwin.tensors import pack_indices, unpack
+from bendtwin.tensors import pack_indices
 from bendtwin.v1 import rollout_pb2
 
 Fidelity = Literal["exact", "fast", "planner"]
@@ -29,11 +30,6 @@ FIDELITIES: dict[str, rollout_pb2.Fidelity] = {
     "exact": rollout_pb2.EXACT,
     "fast": rollout_pb2.FAST,
     "planner": rollout_pb2.PLANNER,
-}
-
-_ANSWERED: dict[int, Fidelity] = {
-    rollout_pb2.FAST: "fast",
-    rollout_pb2.PLANNER: "planner",
 }
 
 
@@ -102,7 +98,7 @@ class Returns:
 
 
 @dataclass(frozen=True)
-class Diagnostics:
+class Diagnostics(FromMessage):
     """Diagnostics of an instance over the whole rollout, or up to where it diverged."""
 
     #: Of springs between nodes.
@@ -123,7 +119,7 @@ class Diagnostics:
 
 
 @dataclass(frozen=True)
-class Forces:
+class Forces(FromMessage):
     """Mean forces on the object over each frame, newtons; per unit mass without a `mass_kg`."""
 
     #: By control points [R, F, C, 3].
@@ -136,16 +132,9 @@ class Forces:
     #: By colliders [R, F, K, 6], about what carries them.
     colliders: FloatArray
 
-    @classmethod
-    def from_proto(cls, message: rollout_pb2.RollOutResponse.Forces) -> Forces:
-        """Reads the wire form."""
-        names = ("controls", "grasps", "ground", "colliders")
-        arrays: dict[str, Any] = {name: unpack(getattr(message, name)) for name in names}
-        return cls(**arrays)
-
 
 @dataclass(frozen=True)
-class Implausible:
+class Implausible(FromMessage):
     """Motion of an instance that is beyond a limit."""
 
     instance: int
@@ -164,7 +153,7 @@ class Implausible:
 
 
 @dataclass(frozen=True)
-class Divergence:
+class Divergence(FromMessage):
     """Frame and node in which an instance diverged."""
 
     instance: int
@@ -174,7 +163,7 @@ class Divergence:
 
 
 @dataclass(frozen=True)
-class Timing:
+class Timing(FromMessage):
     """Time spent at the worker."""
 
     queue_s: float
@@ -182,7 +171,7 @@ class Timing:
 
 
 @dataclass(frozen=True)
-class Deviation:
+class Deviation(FromMessage):
     """Between what answered and the exact twin: a fast variant, when both follow the twin's own
     capture, or a planner's twin, when both follow the actions that measured it.
 
@@ -214,7 +203,7 @@ def warned(result: RolloutResult) -> RolloutResult:
 
 
 @dataclass(frozen=True)
-class RolloutResult:
+class RolloutResult(FromMessage):
     """The answer to a rollout: B instances, R of which are returned in detail.
 
     Arrays are read-only views of the received bytes; those not asked for are None.
@@ -311,86 +300,4 @@ class RolloutResult:
             controls=self.final_controls,
             grasping=self.final_grasping,
             commanded_controls=self.final_commanded_controls,
-        )
-
-    @classmethod
-    def from_proto(cls, message: rollout_pb2.RollOutResponse) -> RolloutResult:
-        """Reads the wire form."""
-        costs: Any = unpack(message.costs)
-        timing = message.timing
-        arrays: dict[str, Any] = {
-            name: unpack(getattr(message, name))
-            for name in (
-                "cost_terms",
-                "instances",
-                "frames",
-                "positions",
-                "final_positions",
-                "final_velocities",
-                "final_twists",
-                "control_gradients",
-                "action_gradients",
-                "final_controls",
-                "final_commanded_controls",
-                "initial_position_gradients",
-                "initial_velocity_gradients",
-                "gradient_norms",
-                "gradient_exploded",
-                "velocities",
-                "frame_costs",
-                "controls",
-                "member_costs",
-                "spread",
-                "unfinished",
-            )
-        }
-        return cls(
-            first_instance=message.first_instance,
-            costs=np.zeros(0) if costs is None else costs,
-            cost_names=list(message.cost_names),
-            diagnostics=[
-                Diagnostics(
-                    d.max_strain,
-                    d.max_speed_m_s,
-                    d.kinetic_energy,
-                    d.elastic_energy,
-                    d.ground_contacts,
-                    d.max_control_strain,
-                    d.control_depth_m,
-                    d.stopped_hand_m,
-                )
-                for d in message.diagnostics
-            ],
-            diverged=[Divergence(d.instance, d.frame, d.node) for d in message.diverged],
-            timing=Timing(timing.queue_s, timing.compute_s) if message.HasField("timing") else None,
-            worker=message.worker,
-            fidelity=_ANSWERED.get(message.fidelity, "exact"),
-            substeps=message.substeps,
-            deviation=(
-                Deviation(
-                    message.deviation.mean_m,
-                    message.deviation.max_m,
-                    message.deviation.mean_travel_m,
-                    message.deviation.frames,
-                )
-                if message.HasField("deviation")
-                else None
-            ),
-            window=(
-                (message.window.first_frame, message.window.last_frame)
-                if message.HasField("window")
-                else None
-            ),
-            final_grasping=(
-                Grasping.from_proto(message.final_grasping)
-                if message.HasField("final_grasping")
-                else None
-            ),
-            forces=Forces.from_proto(message.forces) if message.HasField("forces") else None,
-            implausible=[
-                Implausible(i.instance, i.reason, i.found, i.limit, i.frame)
-                for i in message.implausible
-            ],
-            mass_kg=message.mass_kg if message.HasField("mass_kg") else None,
-            **arrays,
         )

@@ -3,7 +3,8 @@
 use std::time::Duration;
 
 use bendtwin_core::{Fault, ids::SessionId};
-use bendtwin_proto::v1::{StepSessionRequest, SteppedSession, stepped_session::Times};
+pub use bendtwin_proto::v1::stepped_session::Times as StepTimes;
+use bendtwin_proto::v1::{StepSessionRequest, SteppedSession};
 
 use super::{Corrected, Correction};
 use crate::{Error, PlanUpdate, Planning, Reply, State};
@@ -38,19 +39,6 @@ pub struct Stepped {
     pub state: State,
     /// Time of the correction, of the search, of the frames that were executed, and of all of it.
     pub times: StepTimes,
-}
-
-/// Time that the parts of a step took at the server.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct StepTimes {
-    /// Time of the correction [s].
-    pub correct_s: f64,
-    /// Time of the search [s].
-    pub plan_s: f64,
-    /// Time of the frames that were executed, and of the state [s].
-    pub advance_s: f64,
-    /// Time of the whole step [s].
-    pub total_s: f64,
 }
 
 impl Step {
@@ -113,7 +101,6 @@ impl TryFrom<SteppedSession> for Stepped {
     type Error = Error;
     fn try_from(wire: SteppedSession) -> Result<Self, Error> {
         let corrections = wire.corrected.unwrap_or_default().corrections;
-        let Times { correct_s, plan_s, advance_s, total_s } = wire.times.unwrap_or_default();
         Ok(Self {
             corrected: corrections.into_iter().next().map(Corrected::try_from).transpose()?,
             refused: wire.refused.as_ref().map(Fault::from),
@@ -121,7 +108,7 @@ impl TryFrom<SteppedSession> for Stepped {
             plan: wire.plan.unwrap_or_default().try_into()?,
             advanced: wire.advanced.map(Reply::try_from).transpose()?,
             state: wire.state.unwrap_or_default().try_into()?,
-            times: StepTimes { correct_s, plan_s, advance_s, total_s },
+            times: wire.times.unwrap_or_default(),
         })
     }
 }

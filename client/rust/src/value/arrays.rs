@@ -42,6 +42,14 @@ impl FromWire<Option<Tensor>> for Vec<bool> {
     }
 }
 
+/// Values by their names.
+impl FromWire<(Vec<String>, Option<Tensor>)> for Vec<(String, f64)> {
+    fn from_wire(wire: (Vec<String>, Option<Tensor>), name: &str) -> Result<Self, Error> {
+        let (names, values) = wire;
+        Ok(names.into_iter().zip(Vec::<f64>::from_wire(values, name)?).collect())
+    }
+}
+
 impl FromWire<u32> for usize {
     fn from_wire(wire: u32, _: &str) -> Result<Self, Error> {
         Ok(wire as usize)
