@@ -64,7 +64,7 @@ pub(crate) struct Eval {
     /// prediction and their difference, as animated PNG, which browsers play
     #[arg(long, value_name = "DIR")]
     video: Option<PathBuf>,
-    /// Measure LPIPS of renderings, too, by the network in this ONNX file (docs/accuracy.md says how it
+    /// Measure LPIPS of renderings, too, by the network in this ONNX file (docs/use/looks.md says how it
     /// is made)
     #[arg(long, value_name = "FILE")]
     lpips: Option<PathBuf>,

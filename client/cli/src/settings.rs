@@ -18,7 +18,7 @@ use crate::failure::Usage;
 /// Sources of settings; later ones take precedence.
 #[derive(Clone, Debug, Default, Args)]
 pub(crate) struct SettingsArgs {
-    /// JSON file with settings (docs/settings.md)
+    /// JSON file with settings (docs/use/settings.md)
     #[arg(long, value_name = "FILE")]
     settings: Option<PathBuf>,
     /// One setting, for example `graph.max_nodes=400`; may be repeated

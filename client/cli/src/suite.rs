@@ -26,7 +26,7 @@ use crate::{
 #[derive(Debug, Args)]
 #[command(after_help = "\
 A run whose result is in the folder is not repeated, unless its capture, its settings or this program changed; a fit that
-was interrupted goes on from its checkpoint. Ctrl-C keeps what is finished. docs/accuracy.md describes the file and the table.")]
+was interrupted goes on from its checkpoint. Ctrl-C keeps what is finished. docs/use/suites.md describes the file and the table.")]
 pub(crate) struct SuiteArgs {
     /// The suite, a JSON file
     suite: PathBuf,

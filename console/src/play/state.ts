@@ -9,7 +9,7 @@ export interface GripperState {
   readonly holds: boolean;
 }
 
-/** A state of a play: docs/play.md, What the server sends. */
+/** A state of a play: docs/formats/play.md, What the server sends. */
 export interface PlayState {
   readonly isPaused: boolean;
   readonly isRecording: boolean;

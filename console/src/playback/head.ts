@@ -1,7 +1,7 @@
 /** Bytes of the data of a playback: the first, and how many. */
 export type Range = readonly [number, number];
 
-/** Positions are `origin + scale_m * number`: docs/playback.md. */
+/** Positions are `origin + scale_m * number`: docs/formats/playback.md. */
 export interface MotionHead {
   readonly point_count: number;
   readonly control_count: number;

@@ -3,7 +3,7 @@
 //!
 //! A [`Scene`] is a twin, the points of it that are wanted, and positions over time if it moves;
 //! [`write()`] puts it into a file in a [`Format`], which follows the file's name or is said, and is
-//! never silently another. `docs/exchange.md` says what each format carries and what is lost. [`of_phystwin`] is the way in. This
+//! never silently another. `docs/formats/exchange.md` says what each format carries and what is lost. [`of_phystwin`] is the way in. This
 //! crate simulates nothing: motion comes from whoever did.
 
 mod error;

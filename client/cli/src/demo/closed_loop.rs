@@ -91,7 +91,7 @@ impl DemoRun {
                 "Bring the end of the rope to a goal: every {STEP} frames a plan of {HORIZON} frames, from where\n   \
                  the rope really is; path integral control (MPPI) over rollouts of the twin"
             ),
-            "see docs/planning.md",
+            "see docs/use/planning.md",
         );
         let mut settings = Settings::new(Method::MPPI, 3, HORIZON);
         settings.frame_s = model.timing.frame_s();

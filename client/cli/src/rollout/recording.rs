@@ -21,7 +21,7 @@ use crate::{
 pub(super) struct RecordingOptions {
     /// Write the recorded positions to this file; its name tells the format: .npy (all instances,
     /// [R, frames, points, 3]), .zip (PLY), .glb, .npz, .usda, .xml (MuJoCo), .mcap
-    /// (docs/exchange.md)
+    /// (docs/formats/exchange.md)
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
     /// Write this format, whatever the file's name: npy, ply-sequence, glb, npz, usda, mujoco or

@@ -93,7 +93,7 @@ class Client:
         """Uploads a capture: an archive, or a folder that is packed first.
 
         Motion capture (`.npz`) is packed with the `.json` beside it.
-        `ingest` says what differs from the default settings of reading it (docs/settings.md), and
+        `ingest` says what differs from the default settings of reading it (docs/use/settings.md), and
         `ingest_requirements` which worker reads it.
         The same content under the same `request_id` answers with the capture that exists.
         """
@@ -205,7 +205,7 @@ class Client:
         request_id: str | None = None,
         requirements: Requirements | None = None,
     ) -> Capture:
-        """Has a capture read again, with other settings say (docs/settings.md).
+        """Has a capture read again, with other settings say (docs/use/settings.md).
 
         Without `requirements` any worker will do.
         """
@@ -267,7 +267,7 @@ class Client:
         display_name: str = "",
         requirements: Requirements | None = None,
     ) -> Fit:
-        """Starts a fit of a capture. `settings` are those of docs/settings.md.
+        """Starts a fit of a capture. `settings` are those of docs/use/settings.md.
 
         Without a `display_name` it has its capture's; without `requirements` any worker will do.
         """
@@ -369,7 +369,7 @@ class Client:
         return self._twin(self._caller.run(calls.update_twin(name, change)))
 
     def export_twin(self, name: str, path: str | PathLike[str]) -> None:
-        """Writes a twin's file (safetensors, docs/twin-format.md)."""
+        """Writes a twin's file (safetensors, docs/formats/twin.md)."""
         self._caller.save(calls.export_twin(name), path)
 
     def import_twin(

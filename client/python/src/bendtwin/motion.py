@@ -1,4 +1,4 @@
-"""Motion capture as a capture: tracked points in, a bundle of docs/capture-format.md out."""
+"""Motion capture as a capture: tracked points in, a bundle of docs/formats/capture.md out."""
 
 from __future__ import annotations
 

@@ -322,7 +322,7 @@ class TwinInfo:
     control_count: int
     fps: float
     substeps: int
-    #: The quality table, as docs/twin-format.md describes it.
+    #: The quality table, as docs/formats/twin.md describes it.
     quality: dict[str, Any]
     #: Mass of the object; None if it is not known.
     mass_kg: float | None = None

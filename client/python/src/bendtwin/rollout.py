@@ -252,7 +252,7 @@ class RolloutResult:
     initial_velocity_gradients: FloatArray | None = None
     #: Norm of d cost / d positions [R, F + 1] by frame.
     gradient_norms: FloatArray | None = None
-    #: 1 where a gradient [R] exploded on its way back (docs/gradients.md): it says little.
+    #: 1 where a gradient [R] exploded on its way back (docs/use/gradients.md): it says little.
     gradient_exploded: IndexArray | None = None
     #: Velocities [R, T, K, 3], metres per second.
     velocities: FloatArray | None = None

@@ -40,7 +40,7 @@ class TwinFacts(Generic[_Caller]):
     @property
     def identifiability(self) -> dict[str, Any] | None:
         """The report of what its recordings leave open: `summary` in sentences, `groups` of
-        parameters, `motions` in metres, and what to record `next`, as docs/twin-format.md describes
+        parameters, `motions` in metres, and what to record `next`, as docs/formats/twin.md describes
         them; None for a twin that no fit made. `geometry()` has it by node and by skin point.
         """
         report: dict[str, Any] | None = self.info.quality.get("identifiability")

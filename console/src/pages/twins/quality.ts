@@ -67,7 +67,7 @@ export interface Assessment {
   readonly next: string;
 }
 
-/** The quality table of a twin (docs/twin-format.md, `quality`). */
+/** The quality table of a twin (docs/formats/twin.md, `quality`). */
 export interface Quality {
   readonly scores?: readonly Score[];
   readonly warnings?: readonly string[];

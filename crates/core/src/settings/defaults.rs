@@ -1,7 +1,7 @@
 //! Defaults that depend on the kind of object, on the device, and on the effort that a user asks
 //! for: settings that are left open take them before a fit begins, and its twin carries the result.
 //!
-//! A twin predicts at its skin, so that a body needs few nodes (docs/accuracy.md has the errors).
+//! A twin predicts at its skin, so that a body needs few nodes (docs/use/accuracy.md has the errors).
 //! The search finds the order of magnitude of stiffness and damping, which takes a few generations;
 //! what is left is for the refinement.
 

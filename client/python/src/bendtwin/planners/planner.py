@@ -111,7 +111,7 @@ class Planner(ABC):
 
         Raises:
             EveryPlanDiverged: If no plan of the first iteration could be simulated.
-            BendTwinError: If the server refuses; see docs/errors.md.
+            BendTwinError: If the server refuses; see docs/use/errors.md.
         """
         began = time.monotonic()
         search = _Search(

@@ -97,7 +97,7 @@ class Task:
     vary: Vary | None = None
     ensemble: Ensemble | None = None
     #: Of gradients, and of the costs beside them: gradients through impacts mislead, so smooth the
-    #: contact of what lies on something (docs/gradients.md). Costs without gradients stay.
+    #: contact of what lies on something (docs/use/gradients.md). Costs without gradients stay.
     gradient: GradientOptions | None = None
     #: With `refuse` plans beyond the limits count as diverged.
     plausibility: Plausibility | None = None

@@ -69,7 +69,7 @@ fn a_gripper_that_turns_about_the_cable_rolls_its_end() {
 }
 
 /// Change of the part of the twist that nodes tell, of nodes that move from one place to another
-/// (docs/twin-format.md), at the middle of the way.
+/// (docs/formats/twin.md), at the middle of the way.
 fn geometric(from: &[Vector], to: &[Vector]) -> f64 {
     let sub = |a: Vector, b: Vector| -> Vector { std::array::from_fn(|i| a[i] - b[i]) };
     let middle: Vec<Vector> =
