@@ -67,7 +67,7 @@ pub(crate) struct Bench {
     #[arg(long, value_name = "N,...", value_delimiter = ',', default_value = "1,100,132,1000",
           value_parser = RangedU64ValueParser::<usize>::new().range(1..=MOST_INSTANCES))]
     batches: Vec<usize>,
-    /// Numbers of windows of the gradient batches, each window one frame long [default: as
+    /// Numbers of windows of the gradient batches, each window one frame long [default: that of
     /// --batches]
     #[arg(long, value_name = "N,...", value_delimiter = ',',
           value_parser = RangedU64ValueParser::<usize>::new().range(1..=MOST_INSTANCES))]
@@ -95,7 +95,7 @@ pub(crate) struct Bench {
     /// Frames of a fit's capture [default: 100; with --quick: 4]
     #[arg(long, requires = "fit", value_parser = RangedU64ValueParser::<usize>::new().range(2..=10_000))]
     frames: Option<usize>,
-    /// Measure briefly, just to see that it works
+    /// Measure only briefly, as a test that it works
     #[arg(long)]
     quick: bool,
     /// Also write the report as JSON to this file

@@ -108,8 +108,9 @@ const NOT_FINER: &str = "Allow for that error in plans; it is one of motion, not
      sequences of more motions can lower it, more nodes hardly.";
 const MISSES_TRAINING: &str = "It misses even the frames that it was fitted to: look for what the recording lacks in `bendtwin \
      capture report`, and fit again with a larger `graph.max_nodes` and `search.starts` of 3 or more.";
-const LASTS: &str = "Its error lasts: correct its states by what cameras see while it runs \
-     (docs/develop/accuracy/corrected-states.md).";
+/// A twin file keeps this text, so that another wording would change the bytes of twins.
+const LASTS: &str = "Its error lasts: correct its states by what cameras see while it runs (docs/accuracy.md, predictions \
+     from corrected states).";
 
 fn beside_standing_still(error_m: f64, still_m: f64) -> Comparison {
     let level = level(error_m / still_m, OF_STANDING_STILL);

@@ -48,7 +48,7 @@ fn verdict(report: &Report) -> String {
             "!",
             "This recording can be fitted; the warnings say what holds the twin back.",
         ),
-        Verdict::Unusable => ("unusable", "&#10005;", "This recording cannot be fitted as it is."),
+        Verdict::Unusable => ("unusable", "&#10005;", "This recording cannot be fitted."),
     };
     let words = match seen.kind {
         Kind::Recording => words.to_owned(),

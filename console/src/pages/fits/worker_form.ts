@@ -37,9 +37,9 @@ export class WorkerForm {
     this.#labels = sorted([...workers.flatMap(({ labels }) => labels), ...asked.labels]).map((value) =>
       h('input', { type: 'checkbox', value, checked: asked.labels.includes(value) }),
     );
-    const memory = field('Memory of the device at least [GiB]', this.#memory);
+    const memory = field('Least device memory [GiB]', this.#memory);
     memory.append(this.#fault);
-    const hint = 'Words that a worker has to have been started with (--label), with commas between them.';
+    const hint = 'Labels that the worker must have (--label), separated by commas.';
     this.element = h(
       'details',
       { class: 'card', open: wanted(asked) !== 'any', oninput: () => this.tell() },

@@ -63,7 +63,7 @@ function noteOf(files: readonly FolderFile[]): string | null {
   const has = (pattern: RegExp): boolean => files.some(({ path }) => pattern.test(path));
   const isTwice = has(/^final_data\.pkl$/) && has(/^color\//) && !has(/^(recordings|capture)\.json$/);
   if (!isTwice) return null;
-  return 'It has tracked points (final_data.pkl) and images: the points are read. Without that file the images are.';
+  return 'It has tracked points (final_data.pkl) and images: the points are used. Without that file the images are used.';
 }
 
 /** Files by the folder, of those given, that they lie in; their paths begin there. */
