@@ -29,6 +29,13 @@ const IDIOMS: [&[&str]; 19] = [
     &["letting", "go", "of"],
 ];
 
+/// Words after "of its own" where it ends a phrase: "a thread of its own for". Before a noun, "nodes
+/// of its own graph", it is plain.
+const AFTER_OWN: [&str; 22] = [
+    "", "and", "as", "at", "behind", "beside", "but", "by", "for", "from", "if", "in", "is", "on",
+    "or", "over", "so", "that", "to", "where", "which", "with",
+];
+
 /// First words of documentation comments that leave out the name of the thing.
 const OPENINGS: [&str; 7] = ["Its", "It", "Of", "As", "By", "One", "None"];
 
@@ -120,7 +127,9 @@ fn idioms(name: &str, text: &str) -> Vec<(usize, String)> {
                 "none" => word == *part,
                 part => word.eq_ignore_ascii_case(part),
             };
-            if words.len() - at >= idiom.len() && rest.zip(idiom).all(is_same) {
+            let after = words.get(at + idiom.len()).map_or("", |(_, word)| *word);
+            let is_plain = idiom.ends_with(&["own"]) && !AFTER_OWN.contains(&after);
+            if words.len() - at >= idiom.len() && rest.zip(idiom).all(is_same) && !is_plain {
                 found.push((words[at].0, idiom.join(" ")));
             }
         }
@@ -172,6 +181,12 @@ mod tests {
     fn identifiers_and_pythons_none_are_no_idioms() {
         assert_eq!(idioms("a.py", "if at_once is None or goes_on: told_so = 1\n"), []);
         assert_eq!(idioms("a.md", "This is none that we know.\n").len(), 2);
+    }
+
+    #[test]
+    fn own_before_a_noun_is_plain() {
+        assert_eq!(idioms("a.md", "Nodes of its own graph, of their own twin.\n"), []);
+        assert_eq!(idioms("a.md", "A thread of its own, files of their own for each.\n").len(), 2);
     }
 
     #[test]

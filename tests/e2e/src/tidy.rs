@@ -87,7 +87,9 @@ fn links_between_documents_lead_somewhere() {
                 path => file.parent().unwrap().join(path),
             };
             let is_dead = !linked.exists()
-                || !anchor.is_empty() && has_extension(path, &["", "md"]) && !has_heading(&linked, anchor);
+                || !anchor.is_empty()
+                    && has_extension(path, &["", "md"])
+                    && !has_heading(&linked, anchor);
             if !outside && is_dead {
                 dead.push(format!("{name}: {target}"));
             }
