@@ -38,7 +38,7 @@ describe('a fit that asks for a worker', () => {
     await page.getByLabel('Other labels').fill('');
     await page.getByText('1 of 1 worker can take the fit.').waitFor();
     await page.getByLabel('Least device memory').fill('much');
-    await page.getByText('is no size').waitFor();
+    await page.getByText('is not a size').waitFor();
     await visit.stop('fit-worker');
     await page.getByRole('button', { name: 'Start the fit' }).click();
     const memory = page.getByLabel('Least device memory');

@@ -31,11 +31,11 @@ const MOST_INSTANCES: u64 = 16_384;
 #[command(
     args_conflicts_with_subcommands = true,
     after_help = "\
-The defaults are for a data centre's GPU. On a laptop, say which scenes, and how much:
+The defaults are for a data centre's GPU. On a laptop, choose scenes and sizes:
   bendtwin bench n500 --batches 1,16 --quick
-One's own twin, as planners use it:
+Your own twin, as planners use it:
   bendtwin bench --twin twin.safetensors
-A whole fit takes minutes on a GPU and hours on a CPU; it is measured only if asked for:
+A whole fit takes minutes on a GPU and hours on a CPU; it is measured only on request:
   bendtwin bench n2000 --bending without --fit frame,pass,cut"
 )]
 pub(crate) struct Bench {
@@ -173,7 +173,7 @@ impl Bench {
 
 /// Parses the time of a measurement.
 fn seconds(text: &str) -> Result<f64, String> {
-    let value: f64 = text.parse().map_err(|_| format!("`{text}` is no number of seconds"))?;
+    let value: f64 = text.parse().map_err(|_| format!("`{text}` is not a number of seconds"))?;
     if (0.0..=86_400.0).contains(&value) {
         Ok(value)
     } else {

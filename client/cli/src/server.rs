@@ -171,7 +171,7 @@ pub(crate) async fn run(args: Server) -> anyhow::Result<()> {
     match &client_token {
         Some(shown) => {
             if let Err(error) = token::publish(address.port(), shown) {
-                tracing::warn!(%error, "clients have to be given the token: cannot leave it for them");
+                tracing::warn!(%error, "cannot leave the token for local clients, which need it now");
             }
         }
         None => token::withdraw_any(address.port()),

@@ -145,7 +145,7 @@ fn verdict(failed: usize, left: usize, args: &SuiteArgs) -> anyhow::Result<()> {
         (0, 0) => Ok(()),
         (0, _) => {
             let message = format!(
-                "not all is done, {} left: repeat the command to continue",
+                "{} left: repeat the command to continue",
                 run_count(left)
             );
             failed_with(Category::Cancelled, "CANCELLED", message)

@@ -27,14 +27,14 @@ const FIT_START: Duration = Duration::from_secs(300);
 
 #[derive(Debug, Args)]
 #[command(after_help = "\
-It needs a server with a twin, whose capture is fitted beside (the fit is deleted afterwards):
+It needs a server with a twin; its capture is fitted beside the rollouts (the fit is deleted afterwards):
   bendtwin server &
   bendtwin bench load --clients 64
 A closed loop of one instance and one frame beside a fit, without greedy clients:
   bendtwin bench load --clients 0 --small 1x1
 A planner's step:
   bendtwin bench load --clients 0 --small 128x20 --fidelity fast --costs
-What several workers gain on a batch over one of them, in one run:
+The gain of several workers over one on a batch, in one run:
   bendtwin server --workers 4 &
   bendtwin bench load --no-fit --clients 0 --spread 1000x30")]
 pub(crate) struct Load {

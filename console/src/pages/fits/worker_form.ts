@@ -82,7 +82,7 @@ export class WorkerForm {
   /** Says how many workers there are of the kind that is asked for. */
   private tell(): void {
     const asked = this.value;
-    this.#fault.textContent = asked === null ? 'is no size' : '';
+    this.#fault.textContent = asked === null ? 'is not a size' : '';
     if (asked === null) this.#memory.setAttribute('aria-invalid', 'true');
     else this.#memory.removeAttribute('aria-invalid');
     const found = this.workers.filter((one) => asked !== null && !one.draining && satisfies(one, asked)).length;
