@@ -1,10 +1,10 @@
 // Writes src/pages/fits/known.json, the settings that the form of a new fit knows, from the tables of
-// docs/settings.md; a unit test compares the two.
+// docs/use/settings.md; a unit test compares the two.
 
 import { readFileSync, writeFileSync } from 'node:fs';
 import { fileURLToPath } from 'node:url';
 
-const DOCUMENT = new URL('../../docs/settings.md', import.meta.url);
+const DOCUMENT = new URL('../../docs/use/settings.md', import.meta.url);
 const FILE = new URL('../src/pages/fits/known.json', import.meta.url);
 
 /**

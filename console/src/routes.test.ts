@@ -22,7 +22,7 @@ describe('match', () => {
 });
 
 it('every page is documented', () => {
-  const text = readFileSync(new URL('../../docs/console.md', import.meta.url), 'utf8');
+  const text = readFileSync(new URL('../../docs/use/console.md', import.meta.url), 'utf8');
   for (const { path } of ROUTES) {
     const address = `\`#${path.replace(':id', '{id}')}`;
     expect(text.includes(`${address}\``) || text.includes(`${address}?`), path).toBe(true);

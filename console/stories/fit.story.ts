@@ -31,7 +31,7 @@ describe('fits and twins', () => {
     await page.getByLabel('Starts').fill('2');
     await page.getByLabel('Seed').fill('half');
     await page.getByRole('button', { name: 'Start the fit' }).click();
-    await page.getByText('is no number').waitFor();
+    await page.getByText('is not a number').waitFor();
     await page.getByLabel('Seed').fill('7');
     await page.getByLabel('Finish within').fill('0');
     for (const [index, [name, value]] of [
@@ -131,7 +131,7 @@ describe('fits and twins', () => {
     await visit.stop('twins');
     await page.getByRole('link', { name: 'Compare 2' }).click();
     await visit.heading('Compare twins');
-    await page.getByText(/two starts \(\d\)\u2069 is nearer|No difference between/).waitFor();
+    await page.getByText(/two starts \(\d\)\u2069 is better|No difference between/).waitFor();
     await page.getByRole('rowheader', { name: 'effort' }).waitFor();
     await visit.stop('twins-compared');
     await visit.go('/fits');

@@ -162,7 +162,7 @@ describe('the playground', () => {
     await page.mouse.up();
     await page.getByText('The goal is set').waitFor();
     await page.getByRole('button', { name: 'Ask the planner' }).click();
-    await page.getByText(/The planner is looking for a way|On the way/).first().waitFor();
+    await page.getByText(/The planner is searching for a motion|On the way/).first().waitFor();
     await visit.stop('play-goal');
     await page.getByText(/Reached|Not reached/).first().waitFor({ timeout: 120_000 });
     await visit.stop('play-goal-end');
@@ -262,7 +262,7 @@ describe('the playground', () => {
     await page.getByText('The connection is lost').waitFor();
     await visit.stop('play-lost');
     await server.start();
-    await page.getByText('The play goes on from what you saw').waitFor({ timeout: 120_000 });
+    await page.getByText('The play continues from what you saw').waitFor({ timeout: 120_000 });
     await page.getByText('frames/s simulated').waitFor();
     // The pointer has taken hold again.
     await page.getByText('Pointer 1 holds').waitFor();

@@ -29,7 +29,7 @@ describe('a play that nobody touches', () => {
     await page.getByText('The play has ended.').waitFor();
     await visit.stop('play-idle');
     await page.getByRole('button', { name: 'Play on' }).click();
-    await page.getByText('The play goes on from what you saw').waitFor();
+    await page.getByText('The play continues from what you saw').waitFor();
     await page.getByText('The play has ended.').waitFor({ state: 'hidden' });
     await visit.close();
   });

@@ -25,7 +25,7 @@ describe('a server that is killed', () => {
     await visit.stop('server-lost');
     // A page that is opened meanwhile waits, too.
     await visit.go('/');
-    await visit.page.getByRole('alert').getByText('It is asked again until it does').waitFor();
+    await visit.page.getByRole('alert').getByText('the page keeps trying').waitFor();
     await server.start();
     await lost.waitFor({ state: 'hidden' });
     await visit.page.getByRole('list', { name: 'What is here' }).waitFor();

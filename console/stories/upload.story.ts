@@ -63,19 +63,19 @@ describe('uploads', () => {
     const before = (await all()).length;
     await visit.page.getByLabel('Choose files').setInputFiles(rope);
     const row = visit.page.getByRole('list', { name: 'Uploads' }).getByRole('listitem');
-    await row.getByText(/^(uploaded|was there already)$/).waitFor();
+    await row.getByText(/^(uploaded|already exists)$/).waitFor();
     await visit.page.getByRole('button', { name: 'Clear' }).click();
     await visit.page.getByLabel('Choose files').setInputFiles(rope);
-    await row.getByText('was there already').waitFor();
+    await row.getByText('already exists').waitFor();
     expect((await all()).length).toBeLessThanOrEqual(before + 1);
     await visit.close();
   });
 
-  it('refuse what is no capture, and say what to do', async () => {
+  it('refuse files that are not captures, and say what to do', async () => {
     const visit = await Visit.open(browser, server, { at: '/upload' });
     const chosen = { name: 'film.mp4', mimeType: 'video/mp4', buffer: Buffer.from('no archive at all') };
     await visit.page.getByLabel('Choose files').setInputFiles(chosen);
-    await visit.page.getByText('film.mp4 is no capture: send a folder').waitFor();
+    await visit.page.getByText('film.mp4 is not a capture: send a folder').waitFor();
     await visit.stop('upload-refused');
     await visit.close();
   });
@@ -97,7 +97,7 @@ describe('uploads', () => {
     await expect.poll(offset, { timeout: 60_000 }).toBeGreaterThan(0.1);
     await server.kill();
     await row.getByText('interrupted', { exact: true }).waitFor();
-    await row.getByText('the upload goes on by itself').waitFor();
+    await row.getByText('the upload continues by itself').waitFor();
     await visit.stop('upload-interrupted');
     await server.start();
     const before = await offset();

@@ -37,11 +37,11 @@ describe('a fit that asks for a worker', () => {
     await page.getByText('None of 1 worker can take the fit').waitFor();
     await page.getByLabel('Other labels').fill('');
     await page.getByText('1 of 1 worker can take the fit.').waitFor();
-    await page.getByLabel('Memory of the device at least').fill('much');
-    await page.getByText('is no size').waitFor();
+    await page.getByLabel('Least device memory').fill('much');
+    await page.getByText('is not a size').waitFor();
     await visit.stop('fit-worker');
     await page.getByRole('button', { name: 'Start the fit' }).click();
-    const memory = page.getByLabel('Memory of the device at least');
+    const memory = page.getByLabel('Least device memory');
     expect(await memory.evaluate((own) => own === document.activeElement)).toBe(true);
     await memory.fill('0.25');
     await page.getByRole('button', { name: 'Start the fit' }).click();

@@ -39,11 +39,11 @@ pub(crate) enum Command {
     Fit(fit::Fit),
     /// List, show, export, import and delete twins
     Twin(twin::Twin),
-    /// Predict what actions do to a twin
+    /// Predict the motion of a twin under actions
     Rollout(rollout::Rollout),
     /// Make, list and revoke the keys of a server
     Key(key::Key),
-    /// Issue certificates for servers and workers, by a private authority
+    /// Issue certificates for servers and workers with a private authority
     Ca(ca::Ca),
     /// Fit and score captures on this machine, without a server
     Eval(eval::Eval),
@@ -53,9 +53,9 @@ pub(crate) enum Command {
     Bench(bench::Bench),
     /// Check, repair and back up the data folder of a server
     Store(store::Store),
-    /// Look at this machine, the data folder and the server, and say what is amiss
+    /// Check this machine, the data folder and the server, and report problems
     Doctor(doctor::Doctor),
-    /// Print the script with which a shell completes commands and options
+    /// Print the completion script for a shell
     Completions(completions::Completions),
 }
 

@@ -31,11 +31,11 @@ const MOST_INSTANCES: u64 = 16_384;
 #[command(
     args_conflicts_with_subcommands = true,
     after_help = "\
-The defaults are for a data centre's GPU. On a laptop, say which scenes, and how much:
+The defaults are for a data centre's GPU. On a laptop, choose scenes and sizes:
   bendtwin bench n500 --batches 1,16 --quick
-One's own twin, as planners use it:
+Your own twin, as planners use it:
   bendtwin bench --twin twin.safetensors
-A whole fit takes minutes on a GPU and hours on a CPU; it is measured only if asked for:
+A whole fit takes minutes on a GPU and hours on a CPU; it is measured only on request:
   bendtwin bench n2000 --bending without --fit frame,pass,cut"
 )]
 pub(crate) struct Bench {
@@ -67,7 +67,7 @@ pub(crate) struct Bench {
     #[arg(long, value_name = "N,...", value_delimiter = ',', default_value = "1,100,132,1000",
           value_parser = RangedU64ValueParser::<usize>::new().range(1..=MOST_INSTANCES))]
     batches: Vec<usize>,
-    /// Numbers of windows of the gradient batches, each window one frame long [default: as
+    /// Numbers of windows of the gradient batches, each window one frame long [default: that of
     /// --batches]
     #[arg(long, value_name = "N,...", value_delimiter = ',',
           value_parser = RangedU64ValueParser::<usize>::new().range(1..=MOST_INSTANCES))]
@@ -95,7 +95,7 @@ pub(crate) struct Bench {
     /// Frames of a fit's capture [default: 100; with --quick: 4]
     #[arg(long, requires = "fit", value_parser = RangedU64ValueParser::<usize>::new().range(2..=10_000))]
     frames: Option<usize>,
-    /// Measure briefly, just to see that it works
+    /// Measure only briefly, as a test that it works
     #[arg(long)]
     quick: bool,
     /// Also write the report as JSON to this file
@@ -173,7 +173,7 @@ impl Bench {
 
 /// Parses the time of a measurement.
 fn seconds(text: &str) -> Result<f64, String> {
-    let value: f64 = text.parse().map_err(|_| format!("`{text}` is no number of seconds"))?;
+    let value: f64 = text.parse().map_err(|_| format!("`{text}` is not a number of seconds"))?;
     if (0.0..=86_400.0).contains(&value) {
         Ok(value)
     } else {

@@ -28,12 +28,12 @@ enum Command {
     Issue(Issue),
     /// Revoke certificates: write crl.pem, the list that servers and workers read, in the folder
     Revoke(Revoke),
-    /// List the certificates that an authority has issued, and which of them it has revoked
+    /// List the certificates that an authority has issued, with those that it has revoked
     List {
         /// Folder of the authority
         folder: PathBuf,
     },
-    /// Show the certificates of a file, with their hosts and their ends
+    /// Show the certificates of a file, with their hosts and expiry
     Show {
         /// PEM file
         file: PathBuf,
@@ -47,14 +47,14 @@ struct Issue {
     /// Role of the holder
     #[arg(long, value_enum, value_name = "ROLE")]
     role: RoleArg,
-    /// Name of the holder: that of the files, and its first host
+    /// Name of the holder: the name of the files, and its first host
     #[arg(long, value_name = "NAME")]
     name: String,
     /// Further host or address by which it is reached [default for a server: localhost, 127.0.0.1
     /// and ::1]
     #[arg(long = "host", value_name = "HOST")]
     hosts: Vec<String>,
-    /// Days for which it holds
+    /// Days for which the certificate is valid
     #[arg(long, value_name = "N", default_value_t = DAYS,
         value_parser = clap::value_parser!(u32).range(1..=i64::from(AUTHORITY_DAYS)))]
     days: u32,
@@ -68,7 +68,7 @@ struct Revoke {
     /// Folder of the authority
     folder: PathBuf,
     /// Name (all certificates that had it), serial number or file of a certificate; without any the
-    /// list is written as it stands
+    /// list is written unchanged
     #[arg(value_name = "NAME|SERIAL|FILE")]
     certificates: Vec<String>,
 }
@@ -136,7 +136,7 @@ fn init(folder: &Path, global: &Global) -> anyhow::Result<()> {
     print(&written, global, |files| {
         let folder = folder.display();
         format!(
-            "{files}\nKeep the key here: whoever has it can pass for every server and worker.\n\
+            "{files}\nKeep the key here: its holder can impersonate every server and worker.\n\
              Next: bendtwin ca issue {folder} --role server --name NAME --host HOST"
         )
     })
@@ -208,7 +208,7 @@ fn revoke(args: &Revoke, global: &Global) -> anyhow::Result<()> {
         format!(
             "{}wrote {path}, with {total} revoked in all\n\
              Next: copy it over the file of --worker-tls-crl of each server, and of --crl of each \
-             worker: within seconds they read it, and end the connections of whoever is on it",
+             worker: within seconds they read it, and end the connections of revoked certificates",
             revoked.collect::<String>()
         )
     })

@@ -29,7 +29,7 @@ pub(crate) struct Capture {
 
 #[derive(Debug, Subcommand)]
 enum Command {
-    /// Make a small capture of a simulated object, for trying things out
+    /// Make a small capture of a simulated object, to try things out
     Make(make::Make),
     /// Check a capture and explain its faults, without a server
     Check {
@@ -38,8 +38,8 @@ enum Command {
     },
     /// Measure a capture or raw recording and write the report as a page with pictures or as JSON
     Report(report::Arguments),
-    /// Write what the cameras saw of the object in one frame as a nerfstudio folder, for trainers of
-    /// Gaussian splatting, without a server
+    /// Write the images of the object in one frame as a nerfstudio folder, for trainers of Gaussian
+    /// splatting, without a server
     Export(export::Export),
     /// Check a capture and upload it
     Push(push::Push),
@@ -57,9 +57,9 @@ enum Command {
         /// captures/{uuid}
         name: CaptureId,
     },
-    /// Have the server read a capture again, for example with other settings
+    /// Let the server read a capture again, for example with other settings
     Ingest(ingest::IngestArgs),
-    /// Delete captures; their twins stay
+    /// Delete captures; their twins are kept
     Delete {
         /// captures/{uuid}
         #[arg(required = true)]

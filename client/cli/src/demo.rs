@@ -28,7 +28,7 @@ pub(crate) struct Demo {
     #[arg(long, value_name = "FILE", default_value = "bendtwin-demo.png")]
     out: PathBuf,
     /// Show a closed loop instead, in less than half a minute: plan with a twin, move a rope that
-    /// differs from it, and plan again from where that is
+    /// differs from it, and plan again from the state of the rope
     #[arg(long)]
     plan: bool,
     /// Fit a rope, open a browser in which it can be dragged, and stay until Ctrl-C

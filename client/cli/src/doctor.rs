@@ -20,7 +20,7 @@ pub(crate) struct Doctor {
     /// Data folder of the server [default: bendtwin-data]
     #[arg(long, env = "BENDTWIN_DATA_DIR", value_name = "DIR")]
     data_dir: Option<PathBuf>,
-    /// Address on which the server listens, or is to listen [default: 127.0.0.1:7070]
+    /// Address on which the server listens, or will listen [default: 127.0.0.1:7070]
     #[arg(long, env = "BENDTWIN_LISTEN", value_name = "ADDRESS")]
     listen: Option<SocketAddr>,
 }

@@ -52,20 +52,20 @@ pub(crate) struct Eval {
     /// Write the twin, with its quality table, to this file
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
-    /// Take the captures as recordings of one object, leave out each in turn, and say how well twins
-    /// of the others predict it: of one other recording, and of all others together. All frames of
-    /// the others are fitted
+    /// Treat the captures as recordings of one object, leave out each in turn, and report how well
+    /// twins of the others predict it: twins of one other recording, and one of all others
+    /// together. All frames of the others are fitted
     #[arg(long, conflicts_with_all = ["twin", "from", "axial", "out", "picture", "video", "lpips", "per_frame", "correct_at"])]
     leave_out: bool,
     /// Draw predicted against observed into this PNG file
     #[arg(long, value_name = "FILE")]
     picture: Option<PathBuf>,
-    /// Write videos into this folder: for each camera of a raw recording what it saw, the rendered
-    /// prediction and their difference, as animated PNG, which browsers play
+    /// Write videos into this folder: for each camera of a raw recording the recorded images, the
+    /// rendered prediction and their difference, as animated PNG, which browsers play
     #[arg(long, value_name = "DIR")]
     video: Option<PathBuf>,
-    /// Measure LPIPS of renderings, too, by the network in this ONNX file (docs/accuracy.md says how it
-    /// is made)
+    /// Also measure LPIPS of renderings, with the network in this ONNX file (docs/use/looks.md says
+    /// how to make it)
     #[arg(long, value_name = "FILE")]
     lpips: Option<PathBuf>,
     /// Include the errors of every frame (with --json)

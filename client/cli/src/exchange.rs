@@ -16,7 +16,7 @@ pub(crate) struct Points {
     /// Write the points of the skin instead of the nodes
     #[arg(long, conflicts_with = "mesh")]
     pub(crate) skin: bool,
-    /// Write this mesh, carried by the nodes, instead of them: GLB, OBJ or PLY, in the twin's
+    /// Write this mesh, carried by the nodes, instead of the nodes: GLB, OBJ or PLY, in the twin's
     /// coordinates at rest (metres, z up)
     #[arg(long, value_name = "FILE")]
     pub(crate) mesh: Option<PathBuf>,

@@ -14,9 +14,9 @@ pub(crate) struct Global {
     /// Address of the server
     #[arg(long, global = true, env = "BENDTWIN_SERVER", value_name = "URL", default_value = DEFAULT_SERVER)]
     pub(crate) server: String,
-    /// File with a key, or with the token of the server, `client-token` in its data folder; others
-    /// must not be able to read it [default: BENDTWIN_TOKEN, or what a server of this user on this
-    /// machine left]
+    /// File with a key, or with the token of the server, `client-token` in its data folder; other
+    /// users must not be able to read it [default: BENDTWIN_TOKEN, or the token of a server of this
+    /// user on this machine]
     #[arg(long, global = true, env = "BENDTWIN_TOKEN_FILE", value_name = "FILE")]
     pub(crate) token_file: Option<PathBuf>,
     /// File with the certificate of the authority of the server, for https:// [default: the

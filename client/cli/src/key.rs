@@ -139,7 +139,7 @@ fn later(text: &str) -> Result<Timestamp, Usage> {
     let time = text.parse::<Span>().and_then(|span| {
         Timestamp::now().checked_add(span.to_duration(SpanRelativeTo::days_are_24_hours())?)
     });
-    time.map_err(|_| Usage(format!("`{text}` is no span of time: give one like 90d or 12h")))
+    time.map_err(|_| Usage(format!("`{text}` is not a duration: give one like 90d or 12h")))
 }
 
 #[cfg(test)]

@@ -63,7 +63,7 @@ enum Sort {
     Newest,
     /// The oldest first
     Oldest,
-    /// By name
+    /// Order by name
     Name,
     /// The smallest error on future frames first; for fits and twins
     Error,

@@ -11,7 +11,7 @@ use tracing_subscriber::{EnvFilter, fmt, prelude::*};
 pub(crate) enum Format {
     /// Text for people
     Text,
-    /// One JSON document per line
+    /// A JSON document per line
     Json,
 }
 

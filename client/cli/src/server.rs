@@ -22,7 +22,8 @@ pub(crate) struct Server {
     /// Address for HTTP and gRPC; port 0 takes a free one [default: 127.0.0.1:7070]
     #[arg(long, env = "BENDTWIN_LISTEN", value_name = "ADDRESS")]
     listen: Option<std::net::SocketAddr>,
-    /// Name by which clients may call the server, beside localhost and addresses; * allows all
+    /// Name by which clients may call the server, in addition to localhost and addresses; * allows
+    /// all
     #[arg(
         long = "allowed-host",
         env = "BENDTWIN_ALLOWED_HOSTS",
@@ -30,17 +31,17 @@ pub(crate) struct Server {
         value_delimiter = ','
     )]
     allowed_hosts: Option<Vec<String>>,
-    /// Token that clients have to show, the one in DIR/client-token: required or none [default:
-    /// required]
+    /// Whether clients must send the token in DIR/client-token, or a key: required or none
+    /// [default: required]
     #[arg(long, env = "BENDTWIN_CLIENT_TOKEN", value_name = "POLICY", value_parser = ["required", "none"])]
     client_token: Option<String>,
-    /// Certificate that clients are shown, for https://: a PEM file, read again when it changes
+    /// Certificate for clients, for https://: a PEM file, reloaded when it changes
     #[arg(long, env = "BENDTWIN_TLS_CERTIFICATE", value_name = "FILE", requires = "tls_key")]
     tls_certificate: Option<PathBuf>,
     /// Key of this certificate: a PEM file that other users cannot read
     #[arg(long, env = "BENDTWIN_TLS_KEY", value_name = "FILE", requires = "tls_certificate")]
     tls_key: Option<PathBuf>,
-    /// Address for workers on other hosts, which show a certificate [default: none]. Takes the
+    /// Address for workers on other hosts, which need a certificate [default: none]. Requires the
     /// three files below, and --worker-token
     #[arg(
         long = "listen-workers-tls",
@@ -49,7 +50,7 @@ pub(crate) struct Server {
         requires_all = ["worker_tls_certificate", "worker_tls_key", "worker_tls_ca"]
     )]
     worker_tls_listen: Option<std::net::SocketAddr>,
-    /// Certificate of the server among its workers: a PEM file, read again when it changes
+    /// Certificate of the server for its workers: a PEM file, reloaded when it changes
     #[arg(
         long,
         env = "BENDTWIN_WORKER_TLS_CERTIFICATE",
@@ -74,7 +75,7 @@ pub(crate) struct Server {
     )]
     worker_tls_ca: Option<PathBuf>,
     /// List of the workers' certificates that this authority has revoked (`bendtwin ca revoke`): a
-    /// PEM file, read again when it changes [default: none]
+    /// PEM file, reloaded when it changes [default: none]
     #[arg(
         long,
         env = "BENDTWIN_WORKER_TLS_CRL",
@@ -82,7 +83,8 @@ pub(crate) struct Server {
         requires = "worker_tls_listen"
     )]
     worker_tls_crl: Option<PathBuf>,
-    /// Listen on an address that is not loopback: a proxy in front has the TLS [default: false]
+    /// Listen on an address that is not loopback, behind a proxy that terminates TLS [default:
+    /// false]
     #[arg(
         long,
         env = "BENDTWIN_TLS_TERMINATED_BY_PROXY",
@@ -106,9 +108,9 @@ pub(crate) struct Server {
     /// Folder of the database and of all content [default: bendtwin-data]
     #[arg(long, env = "BENDTWIN_DATA_DIR", value_name = "DIR")]
     data_dir: Option<PathBuf>,
-    /// PostgreSQL database for all but content, postgres://USER@HOST:PORT/DATABASE [default: SQLite
-    /// in the data folder]. Other users of the machine see arguments: give a password by the
-    /// environment, or in PostgreSQL's password file
+    /// PostgreSQL database for everything except content, postgres://USER@HOST:PORT/DATABASE
+    /// [default: SQLite in the data folder]. Other users of the machine see arguments: give a
+    /// password by the environment, or in PostgreSQL's password file
     #[arg(long, env = "BENDTWIN_DATABASE_URL", value_name = "URL", hide_env_values = true)]
     database: Option<String>,
     /// Place of all content, s3://BUCKET/PREFIX (keys and region from AWS_* in the environment) or
@@ -124,18 +126,17 @@ pub(crate) struct Server {
     /// CUDA devices of these workers, assigned in turn, counted from 0 [default: 0]
     #[arg(long, env = "BENDTWIN_DEVICES", value_name = "N,...", value_delimiter = ',')]
     devices: Option<Vec<u32>>,
-    /// Memory that requests under way may take together [MiB; default: an eighth of the machine's,
-    /// at most 2048]
+    /// Memory of all current requests together [MiB; default: an eighth of the machine's, at most
+    /// 2048]
     #[arg(long, env = "BENDTWIN_MEMORY_MIB", value_name = "MIB")]
     memory_mib: Option<u64>,
     /// Memory of the server's own workers together [MiB; default: half of the machine's]
     #[arg(long, env = "BENDTWIN_WORKERS_MEMORY_MIB", value_name = "MIB")]
     workers_memory_mib: Option<u64>,
-    /// Token of workers that others start; at least 16 characters
+    /// Token of separately started workers; at least 16 characters
     #[arg(long, env = "BENDTWIN_WORKER_TOKEN", value_name = "TOKEN", hide_env_values = true)]
     worker_token: Option<String>,
-    /// Address for workers alone, and for health checks; port 0 takes a free one [default:
-    /// 127.0.0.1:0]
+    /// Address only for workers and health checks; port 0 takes a free one [default: 127.0.0.1:0]
     #[arg(long = "listen-workers", env = "BENDTWIN_LISTEN_WORKERS", value_name = "ADDRESS")]
     worker_listen: Option<std::net::SocketAddr>,
     /// Time for which an interrupted upload can be resumed after its last byte [s] [default:
@@ -170,7 +171,7 @@ pub(crate) async fn run(args: Server) -> anyhow::Result<()> {
     match &client_token {
         Some(shown) => {
             if let Err(error) = token::publish(address.port(), shown) {
-                tracing::warn!(%error, "clients have to be given the token: cannot leave it for them");
+                tracing::warn!(%error, "cannot leave the token for local clients, which need it now");
             }
         }
         None => token::withdraw_any(address.port()),

@@ -18,13 +18,13 @@ use crate::failure::Usage;
 /// Sources of settings; later ones take precedence.
 #[derive(Clone, Debug, Default, Args)]
 pub(crate) struct SettingsArgs {
-    /// JSON file with settings (docs/settings.md)
+    /// JSON file with settings (docs/use/settings.md)
     #[arg(long, value_name = "FILE")]
     settings: Option<PathBuf>,
-    /// One setting, for example `graph.max_nodes=400`; may be repeated
+    /// Setting, for example `graph.max_nodes=400`; may be repeated
     #[arg(long = "set", value_name = "KEY=VALUE")]
     overrides: Vec<String>,
-    /// Effort, which settings that are left open follow: draft, standard or best
+    /// Preset of the settings that are left open: draft, standard or best
     #[arg(long, value_name = "EFFORT", value_parser = effort)]
     effort: Option<Effort>,
     /// Time that the fit may take, for example 60s, 5m or 1h

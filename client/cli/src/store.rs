@@ -38,11 +38,11 @@ enum Command {
     Check {
         #[command(flatten)]
         folder: Folder,
-        /// Compare sizes alone, without reading the content
+        /// Compare only sizes, without reading the content
         #[arg(long)]
         sizes: bool,
     },
-    /// Mend what can be mended and set aside what nothing refers to; no server may run
+    /// Repair the store and set unreferenced content aside; no server may run
     Repair {
         #[command(flatten)]
         folder: Folder,
@@ -60,7 +60,7 @@ enum Command {
             required_unless_present = "to_objects"
         )]
         to: Option<String>,
-        /// Place of all content from now on, s3://BUCKET/PREFIX or file:///FOLDER; rows stay
+        /// New place of all content, s3://BUCKET/PREFIX or file:///FOLDER; rows stay
         #[arg(long, value_name = "URL")]
         to_objects: Option<String>,
     },
@@ -68,7 +68,7 @@ enum Command {
     Backup {
         #[command(flatten)]
         folder: Folder,
-        /// The folder of the copy
+        /// Folder of the copy
         to: PathBuf,
     },
 }

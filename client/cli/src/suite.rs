@@ -26,15 +26,15 @@ use crate::{
 #[derive(Debug, Args)]
 #[command(after_help = "\
 A run whose result is in the folder is not repeated, unless its capture, its settings or this program changed; a fit that
-was interrupted goes on from its checkpoint. Ctrl-C keeps what is finished. docs/accuracy.md describes the file and the table.")]
+was interrupted resumes from its checkpoint. Ctrl-C keeps finished runs. docs/use/suites.md describes the file and the table.")]
 pub(crate) struct SuiteArgs {
     /// The suite, a JSON file
     suite: PathBuf,
     /// Folder for results: table.md, table.json, figure.png, runs/, twins/, pictures/
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
-    /// Folder of the captures, found by their paths in the suite or by their file names alone
-    /// [default: the suite's folder]
+    /// Folder of the captures, found by their paths in the suite or by their file names [default:
+    /// the suite's folder]
     #[arg(long, value_name = "DIR")]
     data: Option<PathBuf>,
     /// Run only these; `*` and omitted trailing parts match all; may be repeated
@@ -49,13 +49,13 @@ pub(crate) struct SuiteArgs {
     /// Also keep results of other builds
     #[arg(long)]
     any_build: bool,
-    /// Run nothing; write the table and the pictures of the results in the folder
+    /// Run nothing; write the table and the pictures of the existing results
     #[arg(long)]
     table_only: bool,
     /// Draw no pictures
     #[arg(long)]
     no_pictures: bool,
-    /// Least time between two checkpoints of a fit [s]
+    /// Shortest time between two checkpoints of a fit [s]
     #[arg(long, value_name = "S", default_value_t = 10, value_parser = clap::value_parser!(u64).range(0..=86_400))]
     checkpoint_every: u64,
 }
@@ -145,7 +145,7 @@ fn verdict(failed: usize, left: usize, args: &SuiteArgs) -> anyhow::Result<()> {
         (0, 0) => Ok(()),
         (0, _) => {
             let message = format!(
-                "not all is done, {} left: repeat the command to continue",
+                "{} left: repeat the command to continue",
                 run_count(left)
             );
             failed_with(Category::Cancelled, "CANCELLED", message)

@@ -60,10 +60,10 @@ enum Command {
     },
     /// Write a twin to a file, in the twin format or that of another program
     Export(export::Export),
-    /// Let a twin carry the Gaussians of a file: a scan by a phone, or a training elsewhere
+    /// Let a twin carry the Gaussians of a file, from a phone scan or another training program
     Dress(dress::Dress),
-    /// Make the planner's twin of a twin: a small twin beside it, distilled from its motion, with which
-    /// plans take a fraction of the time
+    /// Make the planner's twin of a twin: a small twin, distilled from its motion, which makes
+    /// plans much faster
     Planner(planner::Planner),
     /// Store a twin file, or a fit by PhysTwin, on the server
     Import(import::Import),

@@ -29,15 +29,15 @@ pub(crate) struct Worker {
     /// Token of the server for its workers
     #[arg(long, env = "BENDTWIN_WORKER_TOKEN", value_name = "TOKEN", hide_env_values = true)]
     token: Option<String>,
-    /// Certificate of this worker, for a server on another host (https://, --ca): a PEM file, read
-    /// again when it changes
+    /// Certificate of this worker, for a server on another host (https://, --ca): a PEM file,
+    /// reloaded when it changes
     #[arg(long, env = "BENDTWIN_WORKER_CERTIFICATE", value_name = "FILE", requires = "key")]
     certificate: Option<PathBuf>,
     /// Key of this certificate: a PEM file that other users cannot read
     #[arg(long, env = "BENDTWIN_WORKER_KEY", value_name = "FILE", requires = "certificate")]
     key: Option<PathBuf>,
-    /// List of the certificates that the authority has revoked (`bendtwin ca revoke`), so that no
-    /// server is taken for one that has such a certificate: a PEM file, read again when it changes
+    /// List of the certificates that the authority has revoked (`bendtwin ca revoke`), to refuse
+    /// servers with such a certificate: a PEM file, reloaded when it changes
     #[arg(long, env = "BENDTWIN_WORKER_CRL", value_name = "FILE", requires = "certificate")]
     crl: Option<PathBuf>,
     #[command(flatten)]
@@ -62,10 +62,10 @@ pub(crate) struct Worker {
     /// Folder for compiled kernels [default: the user's cache folder]
     #[arg(long, env = "BENDTWIN_CACHE_DIR", value_name = "DIR")]
     cache_dir: Option<PathBuf>,
-    /// Answer rollouts only, lease no jobs
+    /// Only answer rollouts, lease no jobs
     #[arg(long)]
     no_fits: bool,
-    /// Word that fits can ask for, as in gpu=h100; may be given several times
+    /// Label that fits can require, for example gpu=h100; may be repeated
     #[arg(
         long = "label",
         env = "BENDTWIN_WORKER_LABELS",
@@ -79,11 +79,11 @@ pub(crate) struct Worker {
     /// Memory of the process that reads an uploaded capture [MiB]
     #[arg(long, env = "BENDTWIN_INGEST_MEMORY_MIB", value_name = "MIB", default_value_t = 1500)]
     ingest_memory_mib: u64,
-    /// Time of that process, which gets another second for each MiB of the capture [s]
+    /// Time limit of that process, plus a second for each MiB of the capture [s]
     #[arg(long, env = "BENDTWIN_INGEST_TIMEOUT_S", value_name = "S", default_value_t = 600)]
     ingest_timeout_s: u64,
     /// Confinement of that process: `required` reads nothing on systems without Landlock and
-    /// seccomp, `best-effort` takes what there is
+    /// seccomp, `best-effort` uses what the system supports
     #[arg(
         long,
         env = "BENDTWIN_INGEST_SANDBOX",
@@ -98,7 +98,7 @@ pub(crate) struct Worker {
     /// Memory of a fit, its capture included [MiB, estimated; default: half of the worker's memory]
     #[arg(long, env = "BENDTWIN_FIT_MEMORY_MIB", value_name = "MIB")]
     fit_memory_mib: Option<u64>,
-    /// Least share of the device's time for fits while rollouts want all of it, 0 to 0.9
+    /// Smallest share of the device's time for fits while rollouts would use all of it, 0 to 0.9
     #[arg(long, env = "BENDTWIN_FIT_SHARE", value_name = "SHARE", default_value_t = 0.25)]
     fit_share: f64,
     /// Memory of the loaded twins [MiB, estimated]
@@ -113,7 +113,8 @@ pub(crate) struct Worker {
 enum Command {
     /// List the workers that the server knows
     List,
-    /// Ask workers to take no more work, to hand back their jobs, to finish their rollouts and to end
+    /// Ask workers to take no more work, to hand back their jobs, to finish their rollouts and to
+    /// exit
     Drain(Drain),
 }
 
@@ -130,9 +131,9 @@ struct Drain {
 /// Demands on the confinement, as users write them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum SandboxArg {
-    /// All of it, or nothing is read
+    /// Full confinement, or nothing is read
     Required,
-    /// As much as the system has
+    /// As much as the system supports
     BestEffort,
 }
 
@@ -168,7 +169,7 @@ impl Worker {
         let tls = match (pair, global.ca.clone()) {
             (Some(pair), Some(ca)) => Some(MutualPaths { pair, ca, crl: self.crl }),
             (Some(_), None) => {
-                let fault = "--certificate takes --ca, the authority of the server and its workers";
+                let fault = "--certificate requires --ca, the authority of the server and its workers";
                 return Err(Usage(fault.to_owned()));
             }
             (None, _) => None,

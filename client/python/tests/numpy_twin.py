@@ -1,4 +1,4 @@
-"""A twin file read, written and simulated with numpy alone, as docs/twin-format.md says: what
+"""A twin file read, written and simulated with numpy alone, as docs/formats/twin.md says: what
 another program would write from that page. Double precision throughout."""
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Twins by hand, each with a motion of its control points: files as docs/twin-format.md says."""
+"""Twins by hand, each with a motion of its control points: files as docs/formats/twin.md says."""
 
 from __future__ import annotations
 

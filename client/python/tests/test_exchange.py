@@ -218,8 +218,8 @@ def test_mcap_is_read_by_foxglove_s_library(folder, twin, recorded):
 
 
 def callback():
-    """The function of docs/exchange.md for bending in MuJoCo."""
-    page = Path(__file__).parents[3] / "docs/exchange.md"
+    """The function of docs/formats/exchange.md for bending in MuJoCo."""
+    page = Path(__file__).parents[3] / "docs/formats/exchange.md"
     blocks = [block.split("```")[0] for block in page.read_text().split("```python")[1:]]
     code = next(block for block in blocks if "def bending_of" in block)
     names = {}

@@ -1,4 +1,4 @@
-"""The HTTP form of a real server: its description, and the examples of docs/http-api.md."""
+"""The HTTP form of a real server: its description, and the examples of docs/formats/http-api.md."""
 
 import json
 import re
@@ -11,7 +11,7 @@ from server import make_rope, needs_server, running
 
 from bendtwin import Client
 
-PAGE = Path(__file__).parents[3] / "docs" / "http-api.md"
+PAGE = Path(__file__).parents[3] / "docs" / "formats" / "http-api.md"
 SETTINGS = {
     "graph": {"max_nodes": 30},
     "search": {"generations": 2, "population": 4},

@@ -1,4 +1,4 @@
-"""The snippets of docs/planning.md, one after the other, against a real server."""
+"""The snippets of docs/use/planning.md, one after the other, against a real server."""
 
 import os
 import re
@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from server import make_rope, needs_server, running
 
-PAGE = Path(__file__).parents[3] / "docs" / "planning.md"
+PAGE = Path(__file__).parents[3] / "docs" / "use" / "planning.md"
 
 pytestmark = [
     needs_server,

@@ -119,7 +119,7 @@ def still(twin, client, folder, batch=4, frames=6):
 
 
 def rest_controls(file):
-    """Reads one array of the file as docs/twin-format.md says."""
+    """Reads one array of the file as docs/formats/twin.md says."""
 
     length = int.from_bytes(file[:8], "little")
     entry = json.loads(file[8 : 8 + length])["controls.rest_position"]

@@ -1,4 +1,4 @@
-"""docs/twin-format.md is complete: a simulator written from it agrees with a server's rollouts, of
+"""docs/formats/twin.md is complete: a simulator written from it agrees with a server's rollouts, of
 twins whose files were written from it too."""
 
 import numpy as np

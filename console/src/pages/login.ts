@@ -28,8 +28,8 @@ export const open: OpenPage = (context) => {
   const form = h(
     'form',
     { class: 'login', onsubmit: (event) => void submit(event) },
-    h('p', {}, 'This server answers those who have its token. It is kept until this tab is closed.'),
-    field('Token', input, 'The file client-token in the data folder of the server has it. If that is the default one:'),
+    h('p', {}, 'This server requires its token. The page keeps it until this tab is closed.'),
+    field('Token', input, 'The token is in the file client-token in the server's data folder. For the default folder:'),
     command('cat bendtwin-data/client-token'),
     fault,
     h('div', { class: 'buttons' }, button),

@@ -27,7 +27,7 @@ export const open: OpenPage = async (context) => {
 
 function none(): HTMLElement {
   return empty(
-    'No worker is connected. The server starts its own. On a network that you trust it takes others, too, with a token and an address for them:',
+    'No worker is connected. The server starts its own. On a trusted network it also accepts others, with a token and an address for them:',
     'bendtwin server --workers 1',
     'bendtwin server --listen-workers 0.0.0.0:7071 --worker-token TOKEN --insecure',
     'bendtwin worker --server http://HOST:7071 --token TOKEN',
@@ -63,7 +63,7 @@ function one(worker: Worker): HTMLElement {
       ['At work on', doing.length > 0 ? doing : 'nothing'],
       ['Device memory', memory(worker)],
       ['Running for', duration(since(worker.start_time) / 1000)],
-      ['Last heard of', `${duration(since(worker.last_seen_time) / 1000)} ago`],
+      ['Last heartbeat', `${duration(since(worker.last_seen_time) / 1000)} ago`],
       ['Build', worker.build],
       ['Labels', worker.labels.length > 0 ? worker.labels.join(', ') : 'none'],
     ]),
@@ -84,12 +84,12 @@ function tasks(worker: Worker): Child[] {
 }
 
 function memory({ memory_used_bytes: used, memory_total_bytes: total }: Worker): Child {
-  if (used === null || used === undefined || !total) return 'not told by this device';
+  if (used === null || used === undefined || !total) return 'unknown for this device';
   return [`${size(used)} of ${size(total)} (${percent(used / total)})`, progress('Memory in use', used / total)];
 }
 
 function warm({ warm_twins: twins }: Worker): HTMLElement {
-  if (twins.length === 0) return h('p', { class: 'muted' }, 'None: a twin is loaded when it is first asked for.');
+  if (twins.length === 0) return h('p', { class: 'muted' }, 'None: a twin is loaded at its first use.');
   const links = twins.map((twin) => h('li', {}, h('a', { href: `#/${twin}` }, h('code', {}, idOf(twin)))));
   return h('ul', { class: 'plain' }, ...links);
 }

@@ -57,7 +57,7 @@ export class PlayPage implements Page, SocketListener {
     this.#context = context;
     this.#shape = shape;
     this.#first = readMoment(context.query, shape.rest.length / 3, shape.controls.length / 3);
-    this.#scene = new PlayScene(shape, `The twin ${name}: arrows move the selected gripper, space grasps and lets go`);
+    this.#scene = new PlayScene(shape, `The twin ${name}: arrows move the selected gripper, space grasps and releases`);
     this.#driver = new Driver((message) => this.#send(message), 1.2 * shape.spacing);
     this.#model = new WorldModel(shape);
     this.#model.adopt(this.#first.world ?? {}, this.#first.vary ?? {});
@@ -101,7 +101,7 @@ export class PlayPage implements Page, SocketListener {
     if (!plays) {
       this.element.classList.add('is-watched');
       this.#panels.watchOnly();
-      this.#hint.textContent = 'You are watching: drag to turn the view';
+      this.#hint.textContent = 'You are watching: drag to rotate the view';
     }
     this.#connect();
   }
@@ -131,7 +131,7 @@ export class PlayPage implements Page, SocketListener {
   }
 
   lost(): void {
-    this.#show('The connection is lost: it goes on from here as soon as the server is back.');
+    this.#show('The connection is lost: the play continues from here when the server is back.');
     this.#status.clear();
   }
 
@@ -169,7 +169,7 @@ export class PlayPage implements Page, SocketListener {
     if (again && this.#plays && this.#facts !== null) {
       if (this.#facts.paused) this.#send({ type: 'pause', paused: true });
       if (this.#facts.speed !== 1) this.#send({ type: 'speed', factor: this.#facts.speed });
-      this.#say('The play goes on from what you saw.');
+      this.#say('The play continues from what you saw.');
     }
     this.#scene.stage.describe(this.#panels.describe(ready));
   }

@@ -27,7 +27,7 @@ export function shareMenu(
     field.select();
     try {
       await navigator.clipboard.writeText(location.href);
-      done.textContent = 'The link is copied. It shows this moment to whoever may use this server.';
+      done.textContent = 'The link is copied. It shows this moment to users of this server.';
     } catch {
       done.textContent = 'This is the link: copy it from the field.';
     }
@@ -81,7 +81,7 @@ function videoButton(
     mine.start(PART_MS);
     button.textContent = 'End the video';
     button.setAttribute('aria-pressed', 'true');
-    say(`What is seen is filmed, for ${LONGEST_S} s at most.`);
+    say(`The picture is filmed, for at most ${LONGEST_S} s.`);
     // A picture that stands still has frames only if it is drawn.
     stage.invalidate();
   };

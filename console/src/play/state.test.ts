@@ -33,7 +33,7 @@ describe('decodeState', () => {
 
   it('refuses invalid states', () => {
     expect(() => decodeState(new ArrayBuffer(3))).toThrow('cut off');
-    expect(() => decodeState(message().slice(0, -1))).toThrow('another length');
+    expect(() => decodeState(message().slice(0, -1))).toThrow('wrong length');
     const other = message();
     new DataView(other).setUint8(0, 2);
     expect(() => decodeState(other)).toThrow('kind 2');

@@ -9,7 +9,7 @@ export interface GripperState {
   readonly holds: boolean;
 }
 
-/** A state of a play: docs/play.md, What the server sends. */
+/** A state of a play: docs/formats/play.md, What the server sends. */
 export interface PlayState {
   readonly isPaused: boolean;
   readonly isRecording: boolean;
@@ -39,10 +39,10 @@ export function decodeState(message: ArrayBuffer): PlayState {
   const float = (at: number): number => view.getFloat32(at, true);
   const [kind, flags] = [view.getUint8(0), view.getUint8(1)];
   const [grippers, colliders] = [view.getUint8(2), view.getUint8(3)];
-  if (kind !== KIND) throw new Error(`messages of kind ${kind} are not known`);
+  if (kind !== KIND) throw new Error(`messages of kind ${kind} are unknown`);
   const nodes = view.getUint32(12, true);
   const first = HEAD + GRIPPER * grippers + COLLIDER * colliders;
-  if (message.byteLength !== first + 6 * nodes) throw new Error('a state has another length than it says');
+  if (message.byteLength !== first + 6 * nodes) throw new Error('a state has a wrong length');
   const list = (at: number, length: number): number[] => Array.from({ length }, (_, i) => float(at + 4 * i));
   return {
     isPaused: (flags & 1) !== 0,

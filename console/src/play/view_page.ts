@@ -71,7 +71,7 @@ function elementOf(context: PageContext, { id, name, stage, shape, view, look }:
     counted(shape.rest.length / 3, 'node'), counted(shape.springs.length / 2, 'spring'),
     counted(shape.triplets.length / 3, 'bending triplet'), counted(pointCount(shape.skin), 'skin point'),
   ].join(', ');
-  const keys = 'arrows turn, Control and arrows move, plus and minus come closer and go away';
+  const keys = 'arrows rotate, Control and arrows move, plus and minus zoom';
   stage.describe(`${counts}. Keys: ${keys}.`);
   return h('div', { class: 'play' },
     h('div', { class: 'play-main' },
@@ -81,7 +81,7 @@ function elementOf(context: PageContext, { id, name, stage, shape, view, look }:
         h('span', { class: 'play-facts' }, counts)),
       stage.element,
       h('p', { class: 'hint' },
-        'Drag to turn, right button or two fingers to move, wheel to come closer. ' +
+        'Drag to rotate, right button or two fingers to move, wheel to zoom. ' +
         `With the picture in focus: ${keys}.`)),
     h('div', { class: 'play-panels' },
       panel('Picture', true,

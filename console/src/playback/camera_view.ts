@@ -36,7 +36,7 @@ export class CameraView {
     this.#projection = read(camera.poses).then(
       (bytes) => (this.#known = new Projection(camera, new Float32Array(bytes.buffer))),
     );
-    this.#canvas.setAttribute('aria-label', `What camera ${camera.name} saw, with points drawn into it`);
+    this.#canvas.setAttribute('aria-label', `Image of camera ${camera.name}, with points drawn into it`);
     const [width, height] = camera.size;
     this.#canvas.style.aspectRatio = `${width} / ${height}`;
     this.element = h('figure', { class: 'playback-camera' }, this.#canvas, this.#note);
@@ -87,7 +87,7 @@ export class CameraView {
   #say(frame: number, shown: number | null): void {
     const { name, images } = this.camera;
     const said = ((): string => {
-      if (images.lengths.length === 0) return ': there was no room for its images.';
+      if (images.lengths.length === 0) return ': its images were left out for lack of space.';
       if (shown === null) return ': no image was recorded here.';
       return shown === frame ? '' : `: the image is of frame ${shown}, the points are of ${frame}.`;
     })();

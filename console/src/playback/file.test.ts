@@ -72,6 +72,6 @@ describe('a playback', () => {
 
   it('of another kind is refused', async () => {
     const server = serverOf(new TextEncoder().encode('<!doctype html><p>nothing'));
-    await expect(PlaybackFile.open(server.api, 'id', new AbortController().signal)).rejects.toThrow('no playback');
+    await expect(PlaybackFile.open(server.api, 'id', new AbortController().signal)).rejects.toThrow('not a playback');
   });
 });

@@ -1,7 +1,7 @@
 /** Bytes of the data of a playback: the first, and how many. */
 export type Range = readonly [number, number];
 
-/** Positions are `origin + scale_m * number`: docs/playback.md. */
+/** Positions are `origin + scale_m * number`: docs/formats/playback.md. */
 export interface MotionHead {
   readonly point_count: number;
   readonly control_count: number;
@@ -62,11 +62,11 @@ const VERSION = 1;
 /** Length of the head, from the first bytes of a playback; throws if they are not those of one. */
 export function headLength(bytes: Uint8Array): number {
   if (bytes.length < PREFIX || new TextDecoder().decode(bytes.subarray(0, MAGIC.length)) !== MAGIC) {
-    throw new Error('this is no playback of a capture');
+    throw new Error('this is not a playback of a capture');
   }
   const view = new DataView(bytes.buffer, bytes.byteOffset, bytes.byteLength);
   const version = view.getUint32(MAGIC.length, true);
-  if (version !== VERSION) throw new Error(`the playback has version ${version}, which this page does not know`);
+  if (version !== VERSION) throw new Error(`the playback has version ${version}, which is unknown to this page`);
   return view.getUint32(MAGIC.length + 4, true);
 }
 

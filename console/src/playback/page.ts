@@ -43,7 +43,7 @@ export const open: OpenPage = async (context) => {
   const asked = Number(context.query.get('sequence') ?? 0);
   const index = Number.isInteger(asked) && asked in file.head.sequences ? asked : 0;
   const sequence = file.head.sequences[index];
-  if (sequence === undefined) return { element: h('p', {}, 'This capture has no sequence that could be played.') };
+  if (sequence === undefined) return { element: h('p', {}, 'This capture has no sequence to play.') };
   const page = await PlaybackPage.load({ context, id, name: title, file, index, sequence });
   return { element: page.element, dispose: () => page.dispose() };
 };
@@ -146,7 +146,7 @@ class PlaybackPage {
       `${counted(sequence.frame_count, 'frame')} at ${Number(sequence.fps.toPrecision(4))} frames a second`;
     this.scene.stage.describe(`${facts}. Space plays, comma and full stop step.`);
     const missed = file.head.left_out;
-    const leftOut = missed > 0 ? ` There was no room for ${counted(missed, 'more sequence')}.` : '';
+    const leftOut = missed > 0 ? ` For lack of space ${counted(missed, 'more sequence')} were left out.` : '';
     return h('div', { class: 'playback' },
       h('div', { class: 'row' },
         sequenceChoice(file.head, index, (other) => this.#go({ sequence: String(other), frame: '0' })),

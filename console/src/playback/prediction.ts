@@ -7,7 +7,7 @@ export interface FrameErrors {
   readonly chamfer: number | null;
 }
 
-/** The `motion` of an evaluation: docs/http-api.md. Fields that hold nothing are left out. */
+/** The `motion` of an evaluation: docs/formats/http-api.md. Fields that hold nothing are left out. */
 export interface MotionReply {
   readonly frame_count?: number;
   readonly start_frame?: number;

@@ -3,7 +3,7 @@ import type { CameraHead } from './head';
 /** Nearest depth that is seen [m]. */
 const NEAREST_M = 1e-6;
 
-/** A calibrated camera: OpenCV's axes and pixels, as docs/capture-format.md has them. */
+/** A calibrated camera: OpenCV's axes and pixels, as docs/formats/capture.md has them. */
 export class Projection {
   /** `poses` are camera to world, float32 [1 or K, 3, 4]. */
   constructor(

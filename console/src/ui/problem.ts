@@ -23,7 +23,7 @@ export function problemBox(error: unknown, retry?: () => void): HTMLElement {
 
 /** An error in a sentence. */
 export function textOf(error: unknown): string {
-  if (error instanceof ServerLost) return 'The server does not answer. It is asked again until it does.';
+  if (error instanceof ServerLost) return 'The server does not answer; the page keeps trying.';
   if (error instanceof Problem) return error.message || `The server refused with status ${error.status}.`;
   return error instanceof Error ? error.message : String(error);
 }

@@ -1,7 +1,7 @@
 import type { Api } from '../api/client';
 import { startsOf, type Skin } from './skin';
 
-/** Gaussians that nodes carry, G of them: docs/twin-format.md. */
+/** Gaussians that nodes carry, G of them: docs/formats/twin.md. */
 export interface Splats {
   readonly carriers: Skin;
   /** Standard deviations [m], shape [G, 3]. */

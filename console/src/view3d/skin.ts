@@ -1,4 +1,4 @@
-/** Points of a surface that nodes carry, M points and K weights: docs/twin-format.md, Skin. */
+/** Points of a surface that nodes carry, M points and K weights: docs/formats/twin.md, Skin. */
 export interface Skin {
   /** Weights before each point, and of all, shape [M + 1]. */
   readonly starts: Uint32Array;

@@ -137,7 +137,7 @@ export class TwinView {
     }
     if (quantity === 'strain') {
       springs.colourByStrain(STRAINS, DIVERGING);
-      this.#legend.show('Strain of springs, pressed to stretched', '', STRAINS, DIVERGING);
+      this.#legend.show('Strain of springs, compressed to stretched', '', STRAINS, DIVERGING);
     } else if (quantity === 'stiffness' && springStiffness.length > 0) {
       const range = rangeOf(springStiffness);
       springs.colourBy(springStiffness, range, SEQUENTIAL);

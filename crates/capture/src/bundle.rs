@@ -1,5 +1,5 @@
 //! BendTwin's own bundle: `capture.json` and .npy arrays, in a folder or a ZIP
-//! archive. `docs/capture-format.md` specifies it for other programs.
+//! archive. `docs/formats/capture.md` specifies it for other programs.
 
 mod manifest;
 mod reader;

@@ -43,7 +43,7 @@ struct Description {
 /// Reads an .npz and the .json that describes it.
 ///
 /// # Errors
-/// If either is missing, damaged, or not in the layout of `docs/capture-format.md`.
+/// If either is missing, damaged, or not in the layout of `docs/formats/capture.md`.
 pub fn read_npz(npz: &Path, description: &Path, limits: &Limits) -> Result<Capture, Error> {
     let mut files = Files::open(npz, limits)?;
     let name = description.display().to_string();

@@ -1,5 +1,5 @@
 //! Several recordings of one object: `recordings.json` and one folder for each, in any format of a
-//! capture. `docs/capture-format.md` specifies it for other programs.
+//! capture. `docs/formats/capture.md` specifies it for other programs.
 
 use bendtwin_core::Capture;
 use serde::{Deserialize, Serialize};

@@ -1,5 +1,5 @@
 //! Views in the archive of an observation: `views.json` and arrays for each camera, beside the bundle.
-//! Readers of bundles pass them over. `docs/capture-format.md` specifies them for other programs.
+//! Readers of bundles pass them over. `docs/formats/capture.md` specifies them for other programs.
 
 mod reader;
 mod writer;

@@ -169,7 +169,7 @@ impl Level {
 
 impl fmt::Display for Assessment {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "To be trusted: {}. {} {}", self.level.as_str(), self.why, self.next)
+        write!(f, "Verdict: {}. {} {}", self.level.as_str(), self.why, self.next)
     }
 }
 

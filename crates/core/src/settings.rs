@@ -390,7 +390,7 @@ impl Default for RefineSettings {
 }
 
 impl FitSettings {
-    /// Settings close to PhysTwin's scheme as published (docs/settings.md lists the differences):
+    /// Settings close to PhysTwin's scheme as published (docs/use/settings.md lists the differences):
     /// full sampling, 667 substeps, one step per frame.
     pub fn phystwin() -> Self {
         Self {

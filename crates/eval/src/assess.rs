@@ -1,5 +1,5 @@
 //! The quality table in words: whether predictions of a twin are to be trusted, why, and what to do
-//! next. The rule is stated in docs/accuracy.md.
+//! next. The rule is stated in docs/use/accuracy.md.
 
 use bendtwin_core::{
     Point, Quality,
@@ -13,7 +13,7 @@ const OF_SIZE: [f64; 2] = [0.03, 0.06];
 /// Bounds of the error relative to the error of standing still.
 const OF_STANDING_STILL: [f64; 2] = [0.2, 0.33];
 /// Share by which errors of two fits of one capture differ although only their seeds do
-/// (docs/accuracy.md, a twin in words): a smaller difference between two fits says nothing.
+/// (docs/use/accuracy.md): a smaller difference between two fits says nothing.
 const SEEDS_DIFFER: f64 = 0.1;
 
 /// Lengths that errors of a twin are compared with.
@@ -108,6 +108,7 @@ const NOT_FINER: &str = "Allow for that error in plans; it is one of motion, not
      sequences of more motions can lower it, more nodes hardly.";
 const MISSES_TRAINING: &str = "It misses even the frames that it was fitted to: look for what the recording lacks in `bendtwin \
      capture report`, and fit again with a larger `graph.max_nodes` and `search.starts` of 3 or more.";
+/// A twin file keeps this text, so that another wording would change the bytes of twins.
 const LASTS: &str = "Its error lasts: correct its states by what cameras see while it runs (docs/accuracy.md, predictions \
      from corrected states).";
 

@@ -7,7 +7,7 @@ use crate::Error;
 /// A format that twins and motion are written in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Format {
-    /// The twin file itself (docs/twin-format.md).
+    /// The twin file itself (docs/formats/twin.md).
     Twin,
     /// Gaussians of the appearance at rest, as PLY of Gaussian splatting.
     Splats,

@@ -17,7 +17,7 @@ use crate::{Error, Scene};
 /// Parts of a twin that the file does not carry, for its comment.
 const LOST: [&str; 6] = [
     "bending: triplets stand under <custom> as bend_ends, bend_stiffness, bend_damping and",
-    "  bend_rest_angle; docs/exchange.md has the callback that applies them",
+    "  bend_rest_angle; docs/formats/exchange.md has the callback that applies them",
     "twist of rods; the skin; contact between nodes of one object",
     "impacts: contact is MuJoCo's own, soft and without restitution, with the twin's friction",
     "velocity of control points (mocap bodies stand still between steps): their dashpots brake, as",

@@ -2,7 +2,7 @@
 //!
 //! The network's weights are not part of this project: they are trained on data with terms of
 //! their own. The file is an export of the whole module `lpips.LPIPS`, so that nothing of the
-//! measure but the images' range is decided here; `docs/accuracy.md` has the command.
+//! measure but the images' range is decided here; `docs/use/looks.md` has the command.
 
 mod arithmetic;
 mod convolution;

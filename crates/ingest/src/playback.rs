@@ -1,6 +1,6 @@
 //! Playback: what a person is shown of a capture, in one file that a browser reads by ranges. The
 //! tracked points and control points of the observation as 16-bit numbers, and small images of the
-//! cameras, thinned until all fits into a bound. `docs/playback.md` specifies the format.
+//! cameras, thinned until all fits into a bound. `docs/formats/playback.md` specifies the format.
 
 mod head;
 mod images;

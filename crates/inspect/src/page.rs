@@ -34,7 +34,7 @@ pub(crate) fn page(report: &Report) -> String {
          <meta name=\"color-scheme\" content=\"light dark\">\n\
          <title>{title}: capture report</title>\n<style>\n{STYLE}</style>\n</head>\n<body>\n<main>\n{body}\
          <footer>Capture report, version {}. The same as JSON: <code>bendtwin capture report</code>. What each code means: \
-         docs/captures.md.</footer>\n</main>\n</body>\n</html>\n",
+         docs/use/captures.md.</footer>\n</main>\n</body>\n</html>\n",
         crate::report::VERSION
     )
 }
@@ -48,7 +48,7 @@ fn verdict(report: &Report) -> String {
             "!",
             "This recording can be fitted; the warnings say what holds the twin back.",
         ),
-        Verdict::Unusable => ("unusable", "&#10005;", "This recording cannot be fitted as it is."),
+        Verdict::Unusable => ("unusable", "&#10005;", "This recording cannot be fitted."),
     };
     let words = match seen.kind {
         Kind::Recording => words.to_owned(),

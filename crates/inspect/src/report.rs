@@ -96,7 +96,7 @@ impl Report {
         self.inspection.first_step().map(Finding::sentence)
     }
 
-    /// The document; `docs/captures.md` specifies it.
+    /// The document; `docs/use/captures.md` specifies it.
     pub fn to_json(&self) -> String {
         let written = WrittenDocument {
             format: FORMAT,

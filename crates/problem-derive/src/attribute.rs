@@ -1,4 +1,4 @@
-//! The grammar of `#[problem(...)]`. The test of docs/errors.md reads the sources with it too.
+//! The grammar of `#[problem(...)]`. The test of docs/use/errors.md reads the sources with it too.
 
 use syn::{
     Attribute, Error, Expr, Ident, LitStr, Path, Result, Token,

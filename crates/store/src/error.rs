@@ -132,7 +132,7 @@ pub enum Error {
     StoreNotMigrated { file: PathBuf, database: String },
     #[error(
         "the database of this folder is {database}: start the server with its URL (`--database`), back it \
-         up with pg_dump (docs/operations.md), or remove the file `postgres` from the folder if the \
+         up with pg_dump (docs/run/storage.md), or remove the file `postgres` from the folder if the \
          database is there no more"
     )]
     #[problem(FailedPrecondition, "DATABASE_ELSEWHERE")]

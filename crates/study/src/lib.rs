@@ -1,7 +1,7 @@
 //! Suites of fits: every capture of a list, fitted under every configuration with every seed, and
 //! one table of the results.
 //!
-//! A [`Suite`] is a JSON file (docs/accuracy.md). A [`Plan`] reads its captures and lists the
+//! A [`Suite`] is a JSON file (docs/use/suites.md). A [`Plan`] reads its captures and lists the
 //! pending runs: a run's result is kept in a [`Folder`] under the digest of its capture, its
 //! settings and the build, so that an interrupted suite continues where it stopped, and one whose
 //! settings changed repeats only the runs that they change. [`Plan::run`] executes runs in

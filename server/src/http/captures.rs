@@ -202,7 +202,7 @@ pub(super) async fn observation(
 /// Download the playback of a capture
 ///
 /// What a player shows, for reading by ranges: tracked points as 16-bit numbers and small images of
-/// the cameras (docs/playback.md). A capture that was read before there were playbacks has none until
+/// the cameras (docs/formats/playback.md). A capture that was read before there were playbacks has none until
 /// its ingest is run again.
 #[utoipa::path(get, path = "/v1/captures/{id}/playback", tag = "captures",
     params(("id" = String, Path),

@@ -1,5 +1,5 @@
 //! `/v1/twins/{id}/play` and `/v1/plays`: WebSockets on which a play is seen and moved, and what was
-//! recorded. docs/play.md has the messages.
+//! recorded. docs/formats/play.md has the messages.
 
 mod socket;
 
@@ -69,7 +69,7 @@ impl Upgrade {
 /// Play with a twin
 ///
 /// A WebSocket on which a simulation of the twin runs in real time. The first message says where it
-/// begins, `{"type": "begin"}` at least; docs/play.md has all messages. The play ends with the socket.
+/// begins, `{"type": "begin"}` at least; docs/formats/play.md has all messages. The play ends with the socket.
 #[utoipa::path(get, path = "/v1/twins/{id}/play", tag = "plays", params(("id" = String, Path)),
     responses((status = 101, description = "The WebSocket."), (status = "default", body = ProblemDocument)))]
 pub(super) async fn play(State(app): State<App>, Id(id): Id, upgrade: Upgrade) -> Result<Response> {

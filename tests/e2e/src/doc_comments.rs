@@ -5,8 +5,6 @@
 pub(crate) struct DocComment {
     /// Number of its first line, counted from 1.
     pub(crate) line: usize,
-    /// True for docs of the public API: of modules, of `pub` items, of messages, Python docstrings.
-    pub(crate) is_public: bool,
     /// Lines without comment markers.
     pub(crate) lines: Vec<String>,
 }
@@ -15,8 +13,7 @@ pub(crate) struct DocComment {
 pub(crate) fn doc_comments(name: &str, text: &str) -> Vec<DocComment> {
     match name.rsplit_once('.').map(|(_, extension)| extension) {
         Some("rs") => rust(text),
-        Some("proto") => slashes(text, true),
-        Some("cu" | "cuh") => slashes(text, false),
+        Some("proto" | "cu" | "cuh") => slashes(text),
         Some("py") => docstrings(text),
         _ => Vec::new(),
     }
@@ -36,28 +33,14 @@ fn rust(text: &str) -> Vec<DocComment> {
         let block: Vec<String> =
             rest.map_while(|l| l.strip_prefix(marker)).map(|l| l.trim().to_owned()).collect();
         let after = at + block.len();
-        let is_public = marker == "//!" || item(&lines[after..]).starts_with("pub ");
-        comments.push(DocComment { line: at + 1, is_public, lines: block });
+        comments.push(DocComment { line: at + 1, lines: block });
         at = after;
     }
     comments
 }
 
-/// The first line that is not part of an attribute.
-fn item<'a>(lines: &[&'a str]) -> &'a str {
-    let mut depth = 0;
-    for line in lines {
-        if depth == 0 && !line.starts_with("#[") {
-            return line;
-        }
-        let count = |c: char| line.matches(c).count() as isize;
-        depth += count('[') - count(']');
-    }
-    ""
-}
-
-/// Comments that begin with `//`, on separate lines or at the end of a line.
-fn slashes(text: &str, is_public: bool) -> Vec<DocComment> {
+/// Comments that begin with `//`, alone on a line or at the end of one.
+fn slashes(text: &str) -> Vec<DocComment> {
     let mut comments: Vec<DocComment> = Vec::new();
     let mut continues = false;
     for (number, line) in text.lines().enumerate() {
@@ -69,7 +52,7 @@ fn slashes(text: &str, is_public: bool) -> Vec<DocComment> {
         let is_alone = code.trim().is_empty();
         match comments.last_mut() {
             Some(last) if continues && is_alone => last.lines.push(comment),
-            _ => comments.push(DocComment { line: number + 1, is_public, lines: vec![comment] }),
+            _ => comments.push(DocComment { line: number + 1, lines: vec![comment] }),
         }
         continues = is_alone;
     }
@@ -86,7 +69,7 @@ fn docstrings(text: &str) -> Vec<DocComment> {
         let rest = match (&open, line.trim_start_matches('r').strip_prefix(QUOTES)) {
             (None, None) => continue,
             (None, Some(rest)) => {
-                open = Some(DocComment { line: number + 1, is_public: true, lines: Vec::new() });
+                open = Some(DocComment { line: number + 1, lines: Vec::new() });
                 rest
             }
             (Some(_), _) => line,
@@ -107,35 +90,32 @@ fn docstrings(text: &str) -> Vec<DocComment> {
 mod tests {
     use super::*;
 
-    fn comments(name: &str, text: &str) -> Vec<(usize, bool, String)> {
-        let found = doc_comments(name, text).into_iter();
-        found.map(|c| (c.line, c.is_public, c.lines.join("|"))).collect()
+    fn comments(name: &str, text: &str) -> Vec<(usize, String)> {
+        doc_comments(name, text).into_iter().map(|c| (c.line, c.lines.join("|"))).collect()
+    }
+
+    fn expected<const N: usize>(comments: [(usize, &str); N]) -> Vec<(usize, String)> {
+        comments.map(|(line, text)| (line, text.to_owned())).to_vec()
     }
 
     #[test]
-    fn rust_docs_belong_to_the_item_below() {
-        let text = "//! A.\n\n/// B.\n/// C.\n#[derive(\n    Debug,\n)]\npub struct S {\n    /// D.\n    \
-                    pub(crate) d: u32,\n    /// E.\n    #[arg(long)]\n    pub e: u32,\n}\n// No doc.\n";
-        let expected = [(1, true, "A."), (3, true, "B.|C."), (9, false, "D."), (11, true, "E.")];
-        let expected = expected.map(|(line, is_public, text)| (line, is_public, text.to_owned()));
-        assert_eq!(comments("a.rs", text), expected);
+    fn rust_docs_have_three_slashes() {
+        let text = "//! A.\n\n/// B.\n/// C.\npub struct S {\n    /// D.\n    pub d: u32,\n}\n// No doc.\n";
+        assert_eq!(comments("a.rs", text), expected([(1, "A."), (3, "B.|C."), (6, "D.")]));
     }
 
     #[test]
-    fn comments_of_messages_are_public_and_those_of_kernels_are_not() {
+    fn all_comments_of_messages_and_kernels_are_docs() {
         let text = "// A\n// b.\nmessage M {\n  int32 x = 1; // C.\n  // D.\n}\n";
-        let expected = [(1, "A|b."), (4, "C."), (5, "D.")];
-        for (name, is_public) in [("a.proto", true), ("a.cu", false)] {
-            let expected = expected.map(|(line, text)| (line, is_public, text.to_owned()));
-            assert_eq!(comments(name, text), expected);
+        for name in ["a.proto", "a.cu"] {
+            assert_eq!(comments(name, text), expected([(1, "A|b."), (4, "C."), (5, "D.")]));
         }
     }
 
     #[test]
     fn docstrings_begin_a_line() {
         let text = "\"\"\"A.\"\"\"\ndef f():\n    r\"\"\"B.\n\n    C.\n    \"\"\"\n    x = \"\"\"D.\"\"\"\n";
-        let expected = [(1, true, "A.".to_owned()), (3, true, "B.||C.|".to_owned())];
-        assert_eq!(comments("a.py", text), expected);
+        assert_eq!(comments("a.py", text), expected([(1, "A."), (3, "B.||C.|")]));
     }
 
     #[test]

@@ -14,7 +14,7 @@ use serde_json::Value;
 
 use crate::workspace;
 
-/// Rows of docs/settings.md whose field has no default.
+/// Rows of docs/use/settings.md whose field has no default.
 const ALTERNATIVES: [&str; 1] = ["substeps.fixed"];
 
 fn document(name: &str) -> String {
@@ -23,7 +23,7 @@ fn document(name: &str) -> String {
 
 #[test]
 fn every_setting_is_documented_with_its_default() {
-    let text = document("settings.md");
+    let text = document("use/settings.md");
     let (fit, ingest) = text.split_once("\n# Settings of an ingest\n").unwrap();
     agree(fit, serde_json::to_value(FitSettings::default()).unwrap());
     agree(ingest, serde_json::to_value(IngestSettings::default()).unwrap());
@@ -42,7 +42,7 @@ fn settings_that_are_left_open_are_documented_with_what_they_become() {
     let after = &rest[rows.sum()..];
     let new = format!("{before}{EFFORTS}{}{after}", what_open_settings_become());
     if std::env::var_os("BENDTWIN_BLESS").is_some() {
-        std::fs::write(workspace::root().join("docs/settings.md"), new).unwrap();
+        std::fs::write(workspace::root().join("docs/use/settings.md"), new).unwrap();
     } else {
         assert_eq!(old, new, "`BENDTWIN_BLESS=1 cargo test -p bendtwin-e2e left_open` mends it");
     }
@@ -103,7 +103,7 @@ fn agree(text: &str, defaults: Value) {
 
 #[test]
 fn the_example_settings_are_valid() {
-    let text = document("settings.md");
+    let text = document("use/settings.md");
     let example = text.split("```json").nth(1).and_then(|rest| rest.split("```").next()).unwrap();
     let settings: FitSettings = serde_json::from_str(example).unwrap();
     assert_eq!(settings.validate(), Ok(()));
@@ -115,7 +115,7 @@ fn the_example_settings_are_valid() {
 
 #[test]
 fn every_tensor_of_a_twin_file_is_specified_with_type_and_shape() {
-    let documented: BTreeSet<_> = document("twin-format.md")
+    let documented: BTreeSet<_> = document("formats/twin.md")
         .lines()
         .filter(|line| {
             line.starts_with("| `") && line.contains("32 | [") || line.contains(" U8 | [")
@@ -138,7 +138,7 @@ fn every_tensor_of_a_twin_file_is_specified_with_type_and_shape() {
 
 #[test]
 fn every_part_of_a_twin_files_metadata_is_specified() {
-    let text = document("twin-format.md");
+    let text = document("formats/twin.md");
     let (_, metadata) = header(&twin());
     let mut fields = BTreeMap::new();
     flatten("", &metadata, &mut fields);
@@ -271,7 +271,7 @@ fn every_metric_of_the_dashboard_is_described() {
     };
     let dashboard = std::fs::read_to_string(workspace::root().join("deploy/grafana/bendtwin.json"));
     let shown = names(&dashboard.unwrap());
-    let mut described = names(&document("operations.md"));
+    let mut described = names(&document("run/monitoring.md"));
     // Described as those of fits, with another word.
     let of_ingests = described.iter().map(|name| name.replace("_fit_", "_ingest_"));
     described.extend(of_ingests.collect::<Vec<_>>());

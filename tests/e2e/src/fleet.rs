@@ -1,4 +1,4 @@
-//! A fleet as docs/operations.md describes it, by commands alone: PostgreSQL, S3, two servers, two
+//! A fleet as docs/run/fleet.md describes it, by commands alone: PostgreSQL, S3, two servers, two
 //! workers, TLS on every connection and a key; and the loss of a server in the middle of a fit.
 
 use std::{

@@ -8,8 +8,6 @@ mod broken_captures;
 #[cfg(test)]
 mod doc_comments;
 #[cfg(test)]
-mod doc_sentences;
-#[cfg(test)]
 mod doctor;
 #[cfg(test)]
 mod documents;
@@ -19,6 +17,8 @@ mod first_five_minutes;
 mod fits;
 #[cfg(test)]
 mod fleet;
+#[cfg(test)]
+mod idioms;
 #[cfg(test)]
 mod ingests;
 #[cfg(test)]

@@ -65,7 +65,7 @@ async fn a_capture_becomes_a_twin_although_postgres_crashes() {
     assert!(!server.log().contains(PASSWORD), "the password is in a log");
 }
 
-/// A copy made beside a server that takes captures meanwhile, in the order of docs/operations.md.
+/// A copy made beside a server that takes captures meanwhile, in the order of docs/run/storage.md.
 #[tokio::test]
 async fn a_copy_of_a_running_store_is_restored_with_all_its_content() {
     let (Some(postgres), Some(restored)) =

@@ -1,4 +1,4 @@
-//! docs/errors.md lists every reason of an error and every code of a finding, once, with what a
+//! docs/use/errors.md lists every reason of an error and every code of a finding, once, with what a
 //! client sees of it.
 //!
 //! `BENDTWIN_BLESS=1 cargo test -p bendtwin-e2e reasons` rewrites the tables: names, categories and
@@ -35,7 +35,7 @@ fn every_reason_and_code_is_listed_once_with_advice() {
         let surplus: Vec<_> = lines(&old).difference(&lines(&new)).cloned().collect();
         assert!(
             old == new,
-            "docs/errors.md is not what the sources say; `BENDTWIN_BLESS=1 cargo test -p bendtwin-e2e reasons` \
+            "docs/use/errors.md is not what the sources say; `BENDTWIN_BLESS=1 cargo test -p bendtwin-e2e reasons` \
              writes it anew.\nmissing: {missing:#?}\nsurplus: {surplus:#?}"
         );
     }
@@ -55,7 +55,7 @@ fn every_word_in_capitals_is_a_reason_or_a_code() {
 }
 
 fn page() -> PathBuf {
-    workspace::root().join("docs/errors.md")
+    workspace::root().join("docs/use/errors.md")
 }
 
 /// The page with both tables rewritten.

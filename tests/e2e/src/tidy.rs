@@ -2,11 +2,7 @@
 
 use std::path::Path;
 
-use crate::{
-    doc_comments::doc_comments,
-    doc_sentences::{Sentence, sentences},
-    workspace,
-};
+use crate::workspace;
 
 const MAX_LINES: usize = 600;
 
@@ -23,9 +19,6 @@ const FORBIDDEN: [(&str, &str); 7] = [
 
 /// Names that do not describe their content.
 const EMPTY_NAMES: [&str; 6] = ["util", "utils", "helper", "helpers", "common", "misc"];
-
-/// Most sentences of private docs that may open with a question word, as a fraction.
-const MOST_QUESTIONS: f64 = 0.03;
 
 #[test]
 fn files_are_small() {
@@ -82,42 +75,39 @@ fn every_rust_file_says_what_it_is() {
 }
 
 #[test]
-fn docs_put_the_noun_first() {
-    let (mut public, mut private, mut count) = (Vec::new(), Vec::new(), 0);
-    for (name, text) in texts() {
-        for comment in doc_comments(&name, &text) {
-            let found = sentences(&comment);
-            count += if comment.is_public { 0 } else { found.len() };
-            let asking = found.into_iter().filter(Sentence::asks);
-            let asking = asking.map(|s| format!("{name}:{}: {}", s.line, s.text));
-            if comment.is_public { &mut public } else { &mut private }.extend(asking);
-        }
-    }
-    let advice = "say what a thing is: `Number of frames.` instead of `How many frames.`";
-    assert!(public.is_empty(), "public docs: {advice}\n{}", public.join("\n"));
-    let share = private.len() as f64 / count.max(1) as f64;
-    assert!(
-        share < MOST_QUESTIONS,
-        "private docs, {:.1} % of {count} sentences: {advice}\n{}",
-        100.0 * share,
-        private.join("\n")
-    );
-}
-
-#[test]
 fn links_between_documents_lead_somewhere() {
     let mut dead = Vec::new();
     for (name, text) in texts().filter(|(name, _)| has_extension(name, &["md"])) {
-        let folder = workspace::root().join(&name).parent().unwrap().to_owned();
+        let file = workspace::root().join(&name);
         for target in text.split("](").skip(1).filter_map(|rest| rest.split(')').next()) {
-            let path = target.split('#').next().unwrap_or_default();
-            let outside = path.is_empty() || path.contains("://") || path.starts_with("mailto:");
-            if !outside && !folder.join(path).exists() {
+            let (path, anchor) = target.split_once('#').unwrap_or((target, ""));
+            let outside = path.contains("://") || path.starts_with("mailto:");
+            let linked = match path {
+                "" => file.clone(),
+                path => file.parent().unwrap().join(path),
+            };
+            let is_dead = !linked.exists()
+                || !anchor.is_empty()
+                    && has_extension(path, &["", "md"])
+                    && !has_heading(&linked, anchor);
+            if !outside && is_dead {
                 dead.push(format!("{name}: {target}"));
             }
         }
     }
     assert!(dead.is_empty(), "\n{}", dead.join("\n"));
+}
+
+/// True if a document has a heading with this anchor: in lower case, hyphens for spaces, without
+/// punctuation.
+fn has_heading(document: &Path, anchor: &str) -> bool {
+    let text = std::fs::read_to_string(document).unwrap();
+    let is_kept = |c: &char| c.is_alphanumeric() || "-_ ".contains(*c);
+    let headings = text.lines().filter(|line| line.starts_with('#'));
+    headings
+        .map(|line| line.trim_start_matches('#').trim().to_lowercase())
+        .map(|heading| heading.chars().filter(is_kept).collect::<String>().replace(' ', "-"))
+        .any(|heading| heading == anchor)
 }
 
 /// All files that are text.

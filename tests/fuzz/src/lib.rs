@@ -2,7 +2,7 @@
 //!
 //! A function calls a reader under small limits and asserts what must hold of every input: it does
 //! not panic, what it accepts is within the limits, and what can be written is read again as the
-//! same. [`TARGETS`] lists them with their seeds; `docs/fuzzing.md` says how to run them and how to
+//! same. [`TARGETS`] lists them with their seeds; `docs/develop/fuzzing.md` says how to run them and how to
 //! add one.
 
 pub mod archives;

@@ -207,7 +207,7 @@ fn floats<const N: usize>(bytes: &[u8]) -> [f32; N] {
     std::array::from_fn(|i| float(&bytes[4 * i..4 * i + 4]))
 }
 
-/// Reads a state as docs/play.md has it.
+/// Reads a state as docs/formats/play.md has it.
 pub fn decode(bytes: &[u8]) -> ShownState {
     let word = |at: usize| u32::from_le_bytes(bytes[at..at + 4].try_into().unwrap());
     assert_eq!(bytes[0], 1, "the kind of message");

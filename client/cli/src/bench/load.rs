@@ -20,40 +20,40 @@ use self::spread::Spread;
 use super::size::Size;
 use crate::{global::Global, output, rollout::Mode, signals, table::Table};
 
-/// Pause of a client that was refused. Greedy ones do not wait for the advised time.
+/// Pause of a refused client. Greedy clients do not wait for the requested delay.
 const PAUSE: Duration = Duration::from_secs(1);
 /// Longest wait for the first generation of the fit.
 const FIT_START: Duration = Duration::from_secs(300);
 
 #[derive(Debug, Args)]
 #[command(after_help = "\
-It needs a server with a twin, whose capture is fitted beside (the fit is deleted afterwards):
+It needs a server with a twin; its capture is fitted beside the rollouts (the fit is deleted afterwards):
   bendtwin server &
   bendtwin bench load --clients 64
 A closed loop of one instance and one frame beside a fit, without greedy clients:
   bendtwin bench load --clients 0 --small 1x1
 A planner's step:
   bendtwin bench load --clients 0 --small 128x20 --fidelity fast --costs
-What several workers gain on a batch over one of them, in one run:
+The gain of several workers over one on a batch, in one run:
   bendtwin server --workers 4 &
   bendtwin bench load --no-fit --clients 0 --spread 1000x30")]
 pub(crate) struct Load {
     /// Twin to roll out [default: the newest that has a capture]
     #[arg(long, value_name = "NAME")]
     twin: Option<TwinId>,
-    /// Number of greedy clients, each with a connection of its own; 0 leaves them out
+    /// Number of greedy clients, each with its own connection; 0 for none
     #[arg(long, value_name = "N", default_value_t = 64)]
     clients: usize,
     /// Size of their rollouts: instances x frames
     #[arg(long, value_name = "BxF", default_value = "4000x200")]
     large: Size,
-    /// Size of the small rollouts, which come one after another
+    /// Size of the small rollouts, which are sent one after another
     #[arg(long, value_name = "BxF", default_value = "16x30")]
     small: Size,
     /// Model that computes the small rollouts
     #[arg(long, value_enum, default_value_t = Mode::Exact)]
     fidelity: Mode,
-    /// Ask for a cost of the small rollouts, as planners do, and for no positions
+    /// Request a cost of the small rollouts, like planners, and no positions
     #[arg(long)]
     costs: bool,
     /// Time for each measurement [s]
@@ -62,7 +62,7 @@ pub(crate) struct Load {
     /// Leave out the fit
     #[arg(long)]
     no_fit: bool,
-    /// Also time a batch of this size as idle workers share it, and as one of them answers it
+    /// Also time a batch of this size, shared by idle workers and on one of them
     #[arg(long, value_name = "BxF")]
     spread: Option<Size>,
 }

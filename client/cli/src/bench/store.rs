@@ -21,13 +21,13 @@ pub(super) struct Store {
     /// Clients that claim and complete jobs
     #[arg(long, default_value_t = 8, value_parser = clap::value_parser!(u16).range(1..=256))]
     clients: u16,
-    /// Jobs that wait at the beginning
+    /// Jobs in the queue at the start
     #[arg(long, default_value_t = 20_000, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     queued: u32,
-    /// Time for which they do so [s]
+    /// Time for which they claim and complete jobs [s]
     #[arg(long, default_value_t = 10, value_parser = clap::value_parser!(u16).range(1..=3600))]
     seconds: u16,
-    /// Captures of the list
+    /// Captures in the list
     #[arg(long, default_value_t = 100_000, value_parser = clap::value_parser!(u32).range(200..=10_000_000))]
     captures: u32,
 }

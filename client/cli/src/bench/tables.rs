@@ -24,7 +24,7 @@ pub(super) fn report(report: &Report) -> String {
     let device = &report.device;
     let bound = match &report.bound {
         Some(bound) => bound.how.as_str(),
-        None => "not known for this device",
+        None => "unknown for this device",
     };
     let mut parts = vec![
         format!("{}, on {} ({})", report.build, device.name, device.kind),

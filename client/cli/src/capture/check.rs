@@ -70,7 +70,7 @@ fn finding(severity: Severity, code: &str, message: String) -> Finding {
 /// The findings and the conclusion.
 pub(super) fn text(report: &CheckReport) -> String {
     let verdict = match (report.is_usable(), report.of(Severity::Warning).count()) {
-        (false, _) => "This capture cannot be fitted as it is.",
+        (false, _) => "This capture cannot be fitted.",
         (true, 0) => "This capture can be fitted.",
         (true, _) => "This capture can be fitted; the warnings name what limits the result.",
     };

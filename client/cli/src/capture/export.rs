@@ -20,9 +20,9 @@ use crate::{
 pub(super) struct Export {
     /// A raw recording: a folder, an archive or an MCAP file
     recording: PathBuf,
-    /// The folder to write, which is made
+    /// The folder to create
     folder: PathBuf,
-    /// The frame, counted from 0: in the first one the object lies as its twin lies at rest
+    /// The frame, counted from 0: in frame 0 the object has the shape of its twin at rest
     #[arg(long, value_name = "N", default_value_t = 0)]
     frame: u32,
 }

@@ -18,10 +18,10 @@ pub(crate) struct IngestArgs {
     settings: Option<PathBuf>,
     #[command(flatten)]
     requirements: RequirementArgs,
-    /// Stop the ingest that is under way instead
+    /// Stop the running ingest instead
     #[arg(long, conflicts_with_all = ["settings", "watch"])]
     cancel: bool,
-    /// Follow it until it has ended
+    /// Follow the job until it has ended
     #[arg(long)]
     watch: bool,
 }

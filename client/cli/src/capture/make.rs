@@ -23,13 +23,13 @@ pub(crate) struct Make {
     /// Seed of noise, occlusion and motion
     #[arg(long, default_value_t = 0)]
     seed: u64,
-    /// Number of frames [default: the scene's own]
+    /// Number of frames [default: that of the scene]
     #[arg(long, default_value_t = 0, hide_default_value = true)]
     frames: usize,
     /// Use a coarse version of a few dozen points
     #[arg(long)]
     tiny: bool,
-    /// Recording of the scene's body: 0 is the scene's own, others hold and move it elsewhere
+    /// Recording of the scene's body: 0 is the usual one, others hold and move the body elsewhere
     #[arg(long, value_name = "N", default_value_t = 0, conflicts_with = "raw")]
     take: u32,
     /// Material of the body: foam, plush, rubber or cord
@@ -39,10 +39,10 @@ pub(crate) struct Make {
     /// --tiny). Writes a PhysTwin case, or a BendTwin bundle if the name ends with .zip
     #[arg(long)]
     raw: bool,
-    /// With --raw, put no mesh of the body beside the images
+    /// With --raw, leave out the mesh of the body
     #[arg(long, requires = "raw")]
     no_mesh: bool,
-    /// Replace a file that is there
+    /// Replace an existing file
     #[arg(long)]
     force: bool,
 }

@@ -22,8 +22,8 @@ use crate::{failure, global::Global, output, progress, requirements::Requirement
 
 #[derive(Debug, Args)]
 pub(crate) struct Push {
-    /// A folder, of which only the files that are read are sent; a ZIP or tar archive; an MCAP file;
-    /// or motion capture as .npz with its .json
+    /// A folder, of which only the needed files are sent; a ZIP or tar archive; an MCAP file; or
+    /// motion capture as .npz with its .json
     path: PathBuf,
     /// Display name [default: the file's name]
     #[arg(long, value_name = "NAME")]

@@ -74,7 +74,7 @@ fn sentence(verdict: &str) -> String {
         "usable" => {
             "This capture can be fitted; the warnings name what limits the result.".to_owned()
         }
-        "unusable" => "This capture cannot be fitted as it is.".to_owned(),
+        "unusable" => "This capture cannot be fitted.".to_owned(),
         other => format!("Verdict: {other}."),
     }
 }

@@ -46,7 +46,7 @@ impl DemoRun {
         let mut rope = Rope::lying_still(connection.client.rollouts(), real.name, &model).await?;
         let goal = rope.after(DETOUR).await?;
         let scene = self.bring(connection, name, &model, &mut rope, goal).await?;
-        self.step("Draw the way of the rope's end", "");
+        self.step("Draw the path of the rope's end", "");
         let path = self.picture.clone();
         let png = scene.to_png().context("the picture cannot be drawn")?;
         tokio::fs::write(&path, png)
@@ -70,7 +70,7 @@ impl DemoRun {
             PASSES
         );
         self.step(
-            "Fit a twin in a hurry: planners need a coarse one, and a loop forgives much",
+            "Fit a coarse twin quickly: planners need a coarse one, and a loop tolerates its errors",
             &format!("bendtwin fit start {capture} {flags} --watch"),
         );
         let fit = self.one_fit(connection, capture, settings, "fit_s").await?;
@@ -91,7 +91,7 @@ impl DemoRun {
                 "Bring the end of the rope to a goal: every {STEP} frames a plan of {HORIZON} frames, from where\n   \
                  the rope really is; path integral control (MPPI) over rollouts of the twin"
             ),
-            "see docs/planning.md",
+            "see docs/use/planning.md",
         );
         let mut settings = Settings::new(Method::MPPI, 3, HORIZON);
         settings.frame_s = model.timing.frame_s();

@@ -19,7 +19,7 @@ impl DemoRun {
         let address = address(connection, &twin.to_string());
         self.step(
             "Open it in a browser: drag the hand, grasp the rope anywhere, change the world",
-            "see docs/play.md",
+            "see docs/formats/play.md",
         );
         self.print(&format!("  {address}"));
         self.is_told = true;

@@ -28,7 +28,7 @@ fn processor() -> Check {
 
 fn memory() -> Check {
     match bendtwin_budget::machine_bytes() {
-        None => Check::note("memory", "the memory of this machine is not known"),
+        None => Check::note("memory", "the memory of this machine is unknown"),
         Some(bytes) if bytes < LITTLE_MEMORY => Check::note(
             "memory",
             format!(

@@ -11,8 +11,8 @@ use crate::failure;
 
 #[derive(Clone, Debug, Args)]
 pub(super) struct CorrectArgs {
-    /// Also predict from these frames, for example 30,60,70, with states that are corrected by the
-    /// points seen up to there
+    /// Also predict from these frames, for example 30,60,70, with states corrected by the points
+    /// observed up to there
     #[arg(long, value_name = "FRAMES", value_delimiter = ',')]
     correct_at: Vec<usize>,
     /// Frames to predict from each corrected state
@@ -27,14 +27,14 @@ pub(super) struct CorrectArgs {
         requires = "correct_at"
     )]
     observe: Vec<f64>,
-    /// Frames between corrections, in the frames before those; 0 for one correction in each alone
+    /// Frames between corrections, in the frames before those; 0 for a single correction in each
     #[arg(long, value_name = "N", default_value_t = 5, requires = "correct_at")]
     correct_every: usize,
-    /// Frames over which the velocities of the points are observed as well; 0 for positions alone
+    /// Frames over which the velocities of the points are observed as well; 0 for only positions
     #[arg(long, value_name = "N", default_value_t = 2, requires = "correct_at")]
     velocity_frames: usize,
-    /// Percentage of each correction that the twin's rest shape takes for what follows, less where
-    /// the points are within their noise
+    /// Percentage of each correction that the twin's rest shape takes over, less where the points
+    /// are within their noise
     #[arg(long, value_name = "PERCENT", default_value_t = 100.0, requires = "correct_at")]
     carry: f64,
 }

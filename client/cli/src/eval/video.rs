@@ -25,7 +25,7 @@ pub(super) struct Videos<'a> {
 pub(super) fn into<'a>(folder: &'a Path, look: Option<&'a Look<'a>>) -> anyhow::Result<Videos<'a>> {
     let Some(look) = look else {
         let what =
-            "--video needs a raw recording with images: this capture has tracked points alone";
+            "--video needs a raw recording with images: this capture has only tracked points";
         return Err(Usage::error(what));
     };
     let shown = folder.display();

@@ -18,7 +18,7 @@ pub(crate) struct Start {
     /// Priority, -100 to 100; higher ones run earlier
     #[arg(long, default_value_t = 0, allow_hyphen_values = true)]
     priority: i32,
-    /// Idempotency key: repeating the command with the same one starts no second fit
+    /// Idempotency key: repeating the command with the same key starts no second fit
     #[arg(long, value_name = "WORD")]
     request_id: Option<String>,
     /// Display name [default: the capture's]
@@ -26,7 +26,7 @@ pub(crate) struct Start {
     name: String,
     #[command(flatten)]
     requirements: RequirementArgs,
-    /// Follow it until it has ended
+    /// Follow the job until it has ended
     #[arg(long)]
     watch: bool,
 }

@@ -31,7 +31,8 @@ pub(crate) async fn watch(client: &Client, name: FitId, quiet: bool) -> anyhow::
     last.context("the server sent no state of the fit")
 }
 
-/// [`watch`] until a person interrupts it: the fit continues at the server, which a message says.
+/// Like [`watch`], until a person interrupts it: the fit continues at the server, as a message
+/// says.
 pub(super) async fn watch_here(client: &Client, name: FitId, quiet: bool) -> anyhow::Result<Fit> {
     tokio::select! {
         fit = watch(client, name, quiet) => fit,
@@ -45,7 +46,7 @@ fn unwatched(name: FitId) -> Fault {
         category: Category::Cancelled,
         reason: "WATCH_INTERRUPTED".to_owned(),
         message: format!(
-            "no longer watched: {name} goes on at the server. Follow it with `bendtwin fit watch \
+            "no longer watched: {name} continues at the server. Follow it with `bendtwin fit watch \
              {name}`, or stop it with `bendtwin fit cancel {name}`"
         ),
     }

@@ -30,8 +30,8 @@ impl Fits {
         }
         let count = client.twins().geometry(twin).await?.fits;
         if count < 2 {
-            let why = "the twin is a single fit, so there is nothing that its predictions could be compared \
-                       with: fit its capture with --set search.starts=4, say";
+            let why = "the twin is a single fit, so its predictions have no other fits to compare with: fit its \
+                       capture with several starts, for example --set search.starts=4";
             return Err(Usage::error(why));
         }
         let spread = match spread {
@@ -88,7 +88,7 @@ impl Fits {
             for (action, lost) in &self.lost {
                 let _ = write!(
                     text,
-                    "\ninstance {action}: {lost} of {count} fits diverged and have no part in the mean"
+                    "\ninstance {action}: {lost} of {count} fits diverged and are left out of the mean"
                 );
             }
         }

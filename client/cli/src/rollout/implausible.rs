@@ -9,7 +9,7 @@ const SHOWN: usize = 5;
 pub(super) fn warnings(found: &[Implausible]) -> String {
     let mut text: String = found.iter().take(SHOWN).map(line).collect();
     if found.len() > SHOWN {
-        text += &format!("\n... and {} more that are not plausible", found.len() - SHOWN);
+        text += &format!("\n... and {} more implausible ones", found.len() - SHOWN);
     }
     text
 }
@@ -24,7 +24,7 @@ fn line(found: &Implausible) -> String {
             1e3 * limit
         ),
         "CONTROL_SPEED" => format!(
-            "a control point moves at {most:.1} m/s (limit {limit:.1} m/s): take more frames for the way"
+            "a control point moves at {most:.1} m/s (limit {limit:.1} m/s): use more frames"
         ),
         "STRAIN" => format!(
             "a spring is strained by {:.0} % (limit {:.0} %): the object would tear or slip out of the hand",

@@ -19,16 +19,16 @@ use crate::{
 
 #[derive(Debug, Args)]
 pub(super) struct RecordingOptions {
-    /// Write the recorded positions to this file; its name tells the format: .npy (all instances,
-    /// [R, frames, points, 3]), .zip (PLY), .glb, .npz, .usda, .xml (MuJoCo), .mcap
-    /// (docs/exchange.md)
+    /// Write the recorded positions to this file; its extension sets the format: .npy (all
+    /// instances, [R, frames, points, 3]), .zip (PLY), .glb, .npz, .usda, .xml (MuJoCo), .mcap
+    /// (docs/formats/exchange.md)
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
-    /// Write this format, whatever the file's name: npy, ply-sequence, glb, npz, usda, mujoco or
-    /// mcap
+    /// Write this format, regardless of the file's name: npy, ply-sequence, glb, npz, usda, mujoco
+    /// or mcap
     #[arg(long, requires = "out")]
     format: Option<RecordingFormat>,
-    /// Of several instances, write this one; formats but npy hold one [default: the only one]
+    /// Instance to write, of several; formats except npy hold one [default: the only one]
     #[arg(long, value_name = "I", requires = "out")]
     instance: Option<usize>,
     #[command(flatten)]

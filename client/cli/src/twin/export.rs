@@ -20,11 +20,12 @@ use crate::{
 pub(super) struct Export {
     /// twins/{uuid}, or a twin file on this machine, which needs no server
     twin: Source,
-    /// The file to write; its name tells the format: .safetensors or .twin (docs/twin-format.md),
-    /// .splat.ply (Gaussians), .ply, .zip (PLY), .glb, .npz, .usda, .xml (MuJoCo), .mcap (docs/exchange.md)
+    /// The file to write; its extension sets the format: .safetensors or .twin
+    /// (docs/formats/twin.md), .splat.ply (Gaussians), .ply, .zip (PLY), .glb, .npz, .usda, .xml
+    /// (MuJoCo), .mcap (docs/formats/exchange.md)
     file: PathBuf,
-    /// Write this format, whatever the file's name: twin, splats, ply, ply-sequence, glb, npz, usda, mujoco
-    /// or mcap
+    /// Write this format, regardless of the file's name: twin, splats, ply, ply-sequence, glb, npz,
+    /// usda, mujoco or mcap
     #[arg(long)]
     format: Option<Format>,
     #[command(flatten)]

@@ -28,7 +28,7 @@ pub(super) struct Import {
     #[arg(required_unless_present = "phystwin", conflicts_with = "phystwin")]
     file: Option<PathBuf>,
     /// Read a case that PhysTwin has fitted: the folder or archive with final_data.pkl. Its results
-    /// are looked for beside it and where PhysTwin leaves them
+    /// are searched beside it and in PhysTwin's usual folders
     #[arg(long, value_name = "CASE")]
     phystwin: Option<PathBuf>,
     /// PhysTwin's optimal_params.pkl [default: in CASE or experiments_optimization/CASE]
@@ -37,7 +37,7 @@ pub(super) struct Import {
     /// PhysTwin's best_*.pth [default: in CASE, CASE/train or experiments/CASE/train]
     #[arg(long, value_name = "FILE", requires = "phystwin")]
     checkpoint: Option<PathBuf>,
-    /// Take what PhysTwin's search found, without the springs of its training
+    /// Import the result of PhysTwin's search, without the springs of its training
     #[arg(long, requires = "phystwin", conflicts_with = "checkpoint")]
     search_only: bool,
     /// Write a twin file instead of storing it on the server

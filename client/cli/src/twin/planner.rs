@@ -24,21 +24,21 @@ use crate::{
 
 #[derive(Debug, Args)]
 pub(super) struct Planner {
-    /// twins/{uuid}, which a new twin with a planner's twin is stored beside, or a twin file on this
-    /// machine, which needs no server
+    /// twins/{uuid}, beside which a new twin with a planner's twin is stored, or a twin file on
+    /// this machine, which needs no server
     twin: Source,
     /// The twin file to write [required for a twin file]
     #[arg(short, long, value_name = "FILE")]
     out: Option<PathBuf>,
-    /// Capture that the twin was fitted to: actions are as fast as its hands, not a quarter of a metre
-    /// a second
+    /// Capture that the twin was fitted to: actions are then as fast as its hands, instead of a
+    /// quarter of a metre a second
     #[arg(long, value_name = "PATH")]
     capture: Option<PathBuf>,
     /// Number of nodes
     #[arg(long, value_name = "N", default_value_t = PLANNER_NODES, conflicts_with = "budget",
           value_parser = clap::value_parser!(u32).range(4..=i64::from(MOST_PLANNER_NODES)))]
     nodes: u32,
-    /// Substeps per frame, at most
+    /// Largest number of substeps per frame
     #[arg(long, value_name = "N", default_value_t = PLANNER_SUBSTEPS, conflicts_with = "budget",
           value_parser = clap::value_parser!(u32).range(1..=i64::from(MOST_PLANNER_SUBSTEPS)))]
     substeps: u32,

@@ -35,47 +35,47 @@ class RolloutArguments(TypedDict, total=False):
     poses: npt.ArrayLike | None
     #: The gripper of each control point [C]; None means gripper 0.
     gripper_of_control: npt.ArrayLike | None
-    #: Between knots: "linear" (the default), "cubic", or "zero", where each holds until the next;
-    #: `bendtwin.interpolate` computes the same.
+    #: Curve between knots: "linear" (the default), "cubic", or "zero", where each holds until the
+    #: next; `bendtwin.interpolate` computes the same.
     interpolation: Interpolation
-    #: Times of the knots [K], seconds from the start, rising from 0; the last holds until the end.
-    #: Say `frames` too.
+    #: Times of the knots [K], seconds from the start, increasing from 0; the last holds until the
+    #: end. Give `frames` too.
     at_s: npt.ArrayLike | None
-    #: Instead, seconds from knot to knot: a controller's period, whatever the twin's frame rate.
+    #: Instead, seconds from knot to knot: a controller's period, independent of the twin's frame
+    #: rate.
     period_s: float | None
     #: State to start from; the rest shape by default.
     initial: InitialState
-    #: Horizon F; 0, the default, means that of the dense actions.
+    #: Horizon F; 0, the default, means the horizon of the dense actions.
     frames: int
-    #: Terms to be summed into `RolloutResult.costs`.
+    #: Terms that are summed into `RolloutResult.costs`.
     costs: Iterable[Cost]
-    #: Arrays to return beside the costs; none by default.
+    #: Arrays to return in addition to the costs; no others by default.
     returns: Returns
-    #: "exact" (the default); "fast": follows the twin by its fast variant, with fewer substeps; or
-    #: "planner": by its planner's twin, a small model. `RolloutResult.deviation` says how far the
-    #: latter two stray.
+    #: Model: "exact" (the default); "fast", the fast variant with fewer substeps; or "planner", the
+    #: planner's twin, a small model. `RolloutResult.deviation` has the deviation of the latter two.
     fidelity: Fidelity
-    #: Ground, gravity and colliders, where they are not those of the twin.
+    #: Ground, gravity and colliders, where they differ from those of the twin.
     world: World | None
-    #: Holds of grippers on the object, which open and close; they need `poses`.
+    #: Grasps of the object, which open and close; they need `poses`.
     grasps: Sequence[Grasp]
-    #: Parameters by instance, as factors of the twin's own.
+    #: Parameters by instance, as factors of the twin's parameters.
     vary: Vary | None
     #: Simulates every action under the sets of parameters of `vary`.
     ensemble: Ensemble | None
-    #: Reach of gradients, and smoothing of the contact that they go through.
+    #: Reach of gradients, and smoothing of contact.
     gradient: GradientOptions | None
-    #: Limits of what is plausible. Instances beyond them are in `RolloutResult.implausible`, and
-    #: one RuntimeWarning names the first.
+    #: Limits of plausible motion. Instances beyond them are in `RolloutResult.implausible`, and one
+    #: RuntimeWarning names the first.
     plausibility: Plausibility | None
-    #: Seconds from when the server has the request, after which no more instances are simulated;
-    #: `RolloutResult.unfinished` has those that are missing. Unlike a call's `timeout_s`, which
-    #: leaves nothing.
+    #: Seconds from the arrival of the request after which no further instances are simulated;
+    #: `RolloutResult.unfinished` has the missing ones. After a call's `timeout_s`, in contrast,
+    #: nothing is returned.
     time_limit_s: float | None
 
 
 def rollout_request(twin: str, arguments: RolloutArguments) -> rollout_pb2.RollOutRequest:
-    """The message that asks for a rollout of a twin.
+    """The request message of a rollout of a twin.
 
     Raises:
         TypeError: If a rollout has no argument of a name.

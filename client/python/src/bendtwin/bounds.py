@@ -14,20 +14,20 @@ class Bounds:
     """Limits by coordinate, each a number or [D]; None limits nothing.
 
     They hold at the knots, and between them as well with linear interpolation. Row 0 of a plan is
-    where things are, and stays.
+    the current position and is not changed.
     """
 
     #: Smallest and largest value of a coordinate: metres or radians from the start of the space.
     low: npt.ArrayLike | None = None
     high: npt.ArrayLike | None = None
-    #: Fastest change of a coordinate [m/s or rad/s].
+    #: Highest rate of change of a coordinate [m/s or rad/s].
     speed: npt.ArrayLike | None = None
 
     def project(self, knots: npt.NDArray[Any], knot_s: float) -> npt.NDArray[np.float64]:
         """The plans [..., K, D] within the limits, with knots `knot_s` seconds apart.
 
-        Knots are moved one after the other: the speed limit holds even where it keeps a plan that
-        begins outside of `low` and `high` from coming back at once.
+        Knots are moved one after the other: the speed limit has priority, so a plan that begins
+        outside of `low` and `high` may need several knots to return.
         """
         knots = np.array(knots, dtype=np.float64)
         dims = knots.shape[-1]

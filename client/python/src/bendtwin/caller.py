@@ -72,7 +72,7 @@ class Caller:
 
         def requests() -> Iterator[Any]:
             iterator = iter(call.request)
-            # gRPC asks ahead, on a thread of its own.
+            # gRPC reads ahead, on a separate thread.
             while turn.acquire() and not has_ended.is_set():
                 try:
                     yield next(iterator)

@@ -77,7 +77,7 @@ class Services:
 
 @dataclass(frozen=True)
 class Call(Generic[_Read]):
-    """One call. `request` is a message, or an iterator of messages for an upload."""
+    """A call. `request` is a message, or an iterator of messages for an upload."""
 
     method: Callable[[Services], Any]
     request: Any
@@ -131,7 +131,7 @@ class Following(Generic[_Read]):
 
     @staticmethod
     def survives(error: BendTwinError) -> bool:
-        """True if following goes on after the error."""
+        """True if following continues after the error."""
         return error.category is Category.UNAVAILABLE
 
 
@@ -166,7 +166,7 @@ def create_capture(
 
 
 def get_capture(name: str) -> Call[Capture]:
-    """One capture."""
+    """A capture."""
     request = capture_pb2.GetCaptureRequest(name=name)
     return Call(lambda s: s.captures.GetCapture, request, Capture.from_proto)
 
@@ -266,7 +266,7 @@ def create_fit(
 
 
 def get_fit(name: str) -> Call[Fit]:
-    """One fit."""
+    """A fit."""
     return Call(lambda s: s.fits.GetFit, fit_pb2.GetFitRequest(name=name), Fit.from_proto)
 
 
@@ -320,7 +320,7 @@ def watch_fit(name: str) -> Watched[Fit]:
 
 
 def get_twin(name: str) -> Call[TwinInfo]:
-    """One twin."""
+    """A twin."""
     request = twin_pb2.GetTwinRequest(name=name)
     return Call(lambda s: s.twins.GetTwin, request, TwinInfo.from_proto)
 
@@ -397,7 +397,7 @@ def roll_out(request: rollout_pb2.RollOutRequest) -> Call[RolloutResult]:
 
 
 def stream_roll_out(request: rollout_pb2.RollOutRequest, part_frames: int) -> Call[RolloutResult]:
-    """A rollout in parts, of at most so many frames; the first part that is implausible warns."""
+    """A rollout in parts of at most `part_frames`; the first implausible part warns."""
     request.returns.part_frames = part_frames
     is_warned = False
 

@@ -28,14 +28,14 @@ _WHEN = {
 class Cost(ABC):
     """A term of the sum that scores an instance."""
 
-    #: Factor of this term in the sum; 0 switches it off, a negative one asks for more of it.
+    #: Factor of this term in the sum; 0 switches it off, a negative factor rewards it.
     weight: float = 1.0
-    #: After the last frame, summed over all frames, or low if it is low in any frame.
+    #: Counted after the last frame, summed over all frames, or low if it is low in any frame.
     when: When = "last_frame"
-    #: Of "soft_min": the difference of costs, in their own unit, at which a frame counts for
-    #: clearly less.
+    #: Temperature of "soft_min": the difference of costs, in their unit, at which a frame counts
+    #: for clearly less.
     temperature: float = 0.0
-    #: Reported under this name; empty means `cost{index}`.
+    #: Name in results; empty means `cost{index}`.
     name: str = ""
 
     def to_proto(self) -> rollout_pb2.Cost:
@@ -74,7 +74,7 @@ class TargetCloud(Cost):
     """
 
     points: npt.ArrayLike
-    #: The surface: its skin, or its surface nodes.
+    #: Points of the surface: the skin, or the surface nodes.
     point_set: PointSet = "skin"
 
     def _describe(self, cost: rollout_pb2.Cost) -> None:
@@ -84,13 +84,13 @@ class TargetCloud(Cost):
 
 @dataclass(frozen=True, kw_only=True)
 class Keypoints(Cost):
-    """Mean distance [m] between nodes [M], or points of the skin, and their targets, squared [m²]
-    if asked.
+    """Mean distance [m] between nodes [M], or points of the skin, and their targets, optionally
+    squared [m²].
 
     Targets have a shape of `TargetCloud.points`.
     """
 
-    #: Either these or `skin_points`.
+    #: Nodes; give these or `skin_points`.
     nodes: npt.ArrayLike | None = None
     targets: npt.ArrayLike
     squared: bool = False
@@ -132,7 +132,7 @@ class Strain(Cost):
 class Force(Cost):
     """max(0, |f| - limit)² [N²] of the mean force f on the object over a frame.
 
-    Without the object's mass a newton here is one per unit mass: see `RolloutResult.mass_kg`.
+    Without the object's mass, forces are per unit mass: see `RolloutResult.mass_kg`.
     """
 
     #: All control points together, the ground, or ("control" | "grasp" | "collider", number).
@@ -152,7 +152,7 @@ class Force(Cost):
 class Height(Cost):
     """Mean over nodes of the squared depth [m²] below a plane; level by default."""
 
-    #: Nodes above it, on the side of its normal, cost nothing.
+    #: The plane; nodes above it, on the side of its normal, cost nothing.
     plane: Plane = _LEVEL
     #: Indices [M]; None means all.
     nodes: npt.ArrayLike | None = None
@@ -165,7 +165,7 @@ class Height(Cost):
 
 @dataclass(frozen=True, kw_only=True)
 class Within(Cost):
-    """Mean over nodes of the squared distance [m²] to a box along the axes, zero within."""
+    """Mean over nodes of the squared distance [m²] to an axis-aligned box, zero inside."""
 
     cuboid: Cuboid
     #: Indices [M]; None means all.
@@ -191,7 +191,7 @@ class Clearance(Cost):
 
 @dataclass(frozen=True, kw_only=True)
 class ControlPath(Cost):
-    """Length [m] of the way of the control points, mean over them, whatever `when` says."""
+    """Path length [m] of the control points, mean over them; `when` has no effect."""
 
     def _describe(self, cost: rollout_pb2.Cost) -> None:
         cost.control_path.SetInParent()
@@ -199,8 +199,8 @@ class ControlPath(Cost):
 
 @dataclass(frozen=True, kw_only=True)
 class ControlSpeed(Cost):
-    """Mean over control points and frames of max(0, speed - limit)² [m²/s²], whatever `when`
-    says."""
+    """Mean over control points and frames of max(0, speed - limit)² [m²/s²]; `when` has no
+    effect."""
 
     limit_m_s: float = 0.0
 

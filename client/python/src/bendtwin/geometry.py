@@ -1,4 +1,4 @@
-"""Geometry of a twin: what the arrays of its rollouts are arrays of."""
+"""Geometry of a twin: the points that the arrays of its rollouts refer to."""
 
 from __future__ import annotations
 
@@ -43,17 +43,17 @@ class Geometry:
     rest_lengths: FloatArray
     #: Bending triplets [T, 3], the centre in the middle.
     triplets: IndexArray
-    #: [E], newtons per unit strain if `mass_kg` is known, else per unit mass.
+    #: Stiffness [E], newtons per unit strain if `mass_kg` is known, otherwise per unit mass.
     spring_stiffness: FloatArray
-    #: [T], newton metres per radian, or per unit mass.
+    #: Bending stiffness [T], newton metres per radian, or per unit mass.
     bend_stiffness: FloatArray
-    #: [N], kilograms if `mass_kg` is known, else in units of a node.
+    #: Masses [N], kilograms if `mass_kg` is known, otherwise relative to one node.
     masses: FloatArray
     #: Control points at rest [C, 3], metres.
     controls: FloatArray
-    #: The hand of the capture that each control point belongs to [C].
+    #: The capture's hand of each control point [C].
     hands: IndexArray
-    #: Nodes that control points hold exactly, as pairs of node and control point [P, 2].
+    #: Nodes pinned to control points, as pairs of node and control point [P, 2].
     pins: IndexArray
     #: Nodes of each rod.
     rods: list[IndexArray]
@@ -63,11 +63,11 @@ class Geometry:
     fps: float
     #: Substeps per frame.
     substeps: int
-    #: [3], metres per square second.
+    #: Gravity [3], metres per square second.
     gravity: FloatArray
-    #: None: there is none.
+    #: The ground; None: no ground.
     ground: Ground | None
-    #: None: not known, and forces are per unit mass.
+    #: Mass of the object; None: unknown, and forces are per unit mass.
     mass_kg: float | None
     #: Mean length of springs between nodes, metres.
     spacing_m: float
@@ -75,8 +75,8 @@ class Geometry:
     skin: Skin
     #: Number of fits: the twin and its members (`Vary(fits=True)`).
     fits: int = 1
-    #: The part of the object that each node belongs to, by its place among the regions of
-    #: `Twin.identifiability` [N]; None without such a report.
+    #: The region of each node, as index into the regions of `Twin.identifiability` [N]; None
+    #: without such a report.
     node_regions: npt.NDArray[np.uint8] | None = None
     #: Standard deviation of each skin point that the recordings leave [M], metres, over the motions
     #: of that report; None without one.
@@ -89,7 +89,7 @@ class Geometry:
 
     def released(self, state: State | None = None) -> dict[str, Any]:
         """Arguments of a rollout in which nothing holds the object, so that it drops: from a state,
-        or [B] of them, whatever held it there, or else from where the rollout says.
+        or [B] of them, or by default from the rollout's initial state.
 
         `twin.rollout(**geometry.released(state), frames=30)`
         """

@@ -8,7 +8,7 @@ With t_k the knots' times, i the last knot at or before t, h = t_(i+1) - t_i and
 - zero: p_i. A jump is spread over the one frame in which it happens.
 
 The last knot holds until the end. Knots less than a thousandth of a frame from a frame's boundary
-are on it. Rotations are interpolated spherically between two knots, whatever the curve.
+are on it. Rotations are always interpolated spherically between two knots.
 """
 
 from __future__ import annotations

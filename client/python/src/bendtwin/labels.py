@@ -9,14 +9,14 @@ from google.protobuf.field_mask_pb2 import FieldMask
 
 
 class LabelArguments(TypedDict, total=False):
-    """A change of name, note and tags; what is not given stays."""
+    """A change of name, note and tags; omitted ones stay."""
 
     display_name: str
-    #: Text that people write about it.
+    #: Note written by users.
     note: str
-    #: All tags, in place of those that there are.
+    #: All tags, replacing the existing ones.
     tags: Iterable[str]
-    #: Single ones to add and to take away, so that two clients do not undo each other.
+    #: Tags to add and to remove, so that two clients do not undo each other's changes.
     add_tags: Iterable[str]
     remove_tags: Iterable[str]
 
@@ -24,10 +24,10 @@ class LabelArguments(TypedDict, total=False):
 class ListArguments(TypedDict, total=False):
     """Selection of a list; without any of it everything, newest first."""
 
-    #: Text in display name or note, whatever its case.
+    #: Text in display name or note, ignoring case.
     search: str
     tag: str
-    #: Owner of the key with which they were made.
+    #: Owner of the key that created them.
     owner: str
     #: `create_time`, `name` or, of fits and twins, `error`, with ` desc` behind it if descending.
     order_by: str

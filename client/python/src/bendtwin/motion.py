@@ -1,4 +1,4 @@
-"""Motion capture as a capture: tracked points in, a bundle of docs/capture-format.md out."""
+"""Motion capture as a capture: tracked points in, a bundle of docs/formats/capture.md out."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from numpy.typing import ArrayLike, NDArray
 
 @dataclass(frozen=True)
 class Motion:
-    """One recorded motion: points of an object, and of what moves it, by frame.
+    """A recorded motion: points of an object, and of the hand or gripper, by frame.
 
     A point that was not seen in a frame is NaN there, or False in `visible`.
     """
@@ -47,7 +47,7 @@ def bundle(
 ) -> bytes:
     """The bundle of some motions of one object, as the bytes of a ZIP archive.
 
-    `ground` is its height along `up_axis`, in `units`; None if there is none. `edges` [E, 2] are
+    `ground` is its height along `up_axis`, in `units`; None means no ground. `edges` [E, 2] are
     pairs of points that are joined, `rest_points` [P, 3] the undeformed shape, `pins` [H, 2] pairs
     of a point and the control point that holds it. Equal motions give equal bytes.
     """
@@ -131,6 +131,6 @@ def _zipped(files: dict[str, bytes]) -> bytes:
     out = io.BytesIO()
     with zipfile.ZipFile(out, "w") as archive:
         for file, content in files.items():
-            # Without a time of its own, so that equal motions have equal bytes.
+            # With a fixed time, so that equal motions have equal bytes.
             archive.writestr(zipfile.ZipInfo(file), content, zipfile.ZIP_DEFLATED, 1)
     return out.getvalue()

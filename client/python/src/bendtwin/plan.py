@@ -1,4 +1,4 @@
-"""Plans made at the server: how it searches, and what it found."""
+"""Plans made at the server: settings of the search, and its results."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ _NO_BOUNDS = Bounds()
 
 
 class ServerSpace(Protocol):
-    """Action space that the server knows: those of `bendtwin.planners`."""
+    """Action space that the server supports, such as those of `bendtwin.planners`."""
 
     def to_proto(self) -> planning_pb2.ActionSpace:
         """Makes the wire form."""
@@ -40,36 +40,36 @@ class ServerSpace(Protocol):
 
 @dataclass(frozen=True, kw_only=True)
 class Search:
-    """The way in which the server looks for a plan. `bendtwin.planners` explains the settings."""
+    """Settings of the server's search for a plan, explained in `bendtwin.planners`."""
 
     method: Method = "mppi"
-    #: Plans that are simulated in an iteration; None: 64, and 1 with "gradient".
+    #: Plans simulated in an iteration; None: 64, or 1 with "gradient".
     samples: int | None = None
-    #: None: 1, and 20 with "gradient".
+    #: Iterations; None: 1, or 20 with "gradient".
     iterations: int | None = None
     #: Standard deviation of samples: a number, one by coordinate [D], or by knot and coordinate
     #: [K, D]; metres, radians for rotations.
     sigma: npt.ArrayLike = 0.02
-    #: Between neighbouring knots of a sample, 0..1: larger is smoother.
+    #: Correlation of neighbouring knots of a sample, 0..1: larger is smoother.
     correlation: float = 0.0
     #: Samples have sigma times a factor from 1 to this: large ones find ways, small ones the goal.
     #: None: 0.1, and 1 for methods that shrink their samples themselves.
     finest: float | None = None
     bounds: Bounds = _NO_BOUNDS
-    #: Time for the iterations, after which the best so far comes back; the first iteration is
+    #: Time for the iterations, after which the best plan so far is returned; the first iteration is
     #: always finished.
     deadline_s: float | None = None
-    #: Same seed, same plan.
+    #: The same seed gives the same plan.
     seed: int = 0
-    #: Of "mppi": a share of the costs' spread.
+    #: Temperature of "mppi", as a share of the spread of the costs.
     temperature: float = 0.1
-    #: Of "cem": number of best samples that the next iteration is made from.
+    #: Number of best samples that "cem" uses for the next iteration.
     elites: int = 8
-    #: Of "cem": share of the old mean and spread in the new ones.
+    #: Share of the old mean and spread in the new ones of "cem".
     memory: float = 0.1
-    #: Of "cem": spread below which it does not shrink, as a share of sigma.
+    #: Smallest spread of "cem", as a share of sigma.
     smallest: float = 0.05
-    #: Of "gradient": largest step of an iteration, a number or by coordinate [D].
+    #: Largest step of an iteration of "gradient", a number or by coordinate [D].
     rate: npt.ArrayLike = 0.005
 
     def add_to(self, request: planning_pb2.PlanRequest) -> None:
@@ -129,7 +129,7 @@ class PlanUpdate:
     nominal_cost: float
     #: Iterations that were finished.
     iterations: int
-    #: Plans that were simulated, and those of them that diverged.
+    #: Simulated plans, and the diverged ones among them.
     simulated: int
     diverged: int
     #: True if the deadline ended the search before all iterations were done.
@@ -138,13 +138,13 @@ class PlanUpdate:
     time_s: float
     #: True for the last update.
     last: bool
-    #: The rollout of the best plan, in the last update, if returns were asked for.
+    #: The rollout of the best plan, in the last update, if returns were requested.
     rollout: RolloutResult | None = None
     #: Largest strain of the material in the plan's motion, and the limit. A plan beyond the limit
-    #: is worse than every plan that keeps it, whatever its cost: this is above it only if all were.
+    #: is worse than every plan within, so that this is above the limit only if all plans were.
     strain: float = 0.0
     strain_limit: float = float("inf")
-    #: Plans that did not diverge and were beyond the limit.
+    #: Plans beyond the limit that did not diverge.
     overstrained: int = 0
 
     @property
@@ -181,9 +181,9 @@ class PlanUpdate:
 
 
 class PlanArguments(RolloutArguments, total=False):
-    """Arguments of a plan, beside those of the rollout whose costs it lowers. The actions are the
-    nominal plan, of one instance: row 0 is where things are, and stays. `returns` are for the best
-    plan alone."""
+    """Arguments of a plan, in addition to those of the rollout whose costs it lowers. The actions
+    are the nominal plan, of one instance: row 0 is the current position and is not changed.
+    `returns` apply only to the best plan."""
 
     #: How the server searches.
     search: Search
@@ -191,12 +191,12 @@ class PlanArguments(RolloutArguments, total=False):
     #: (trajectories), "translation" or "rigid" (poses), counted from row 0. By default all control
     #: points together, or rigid grippers.
     space: ServerSpace | Coordinates | None
-    #: Frames that were executed since the nominal plan was made: it is moved on by them.
+    #: Frames executed since the nominal plan was made, by which it is shifted.
     shift_frames: float
 
 
 def plan_request(twin: str, arguments: PlanArguments) -> planning_pb2.PlanRequest:
-    """The message that asks for a plan with a twin.
+    """The request message of a plan with a twin.
 
     Raises:
         TypeError: If a plan has no argument of a name.

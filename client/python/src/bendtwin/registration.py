@@ -1,4 +1,4 @@
-"""Registration: from points that were seen of an object to a state of its twin."""
+"""Registration: finds the state of a twin from observed points of its object."""
 
 from __future__ import annotations
 
@@ -18,22 +18,22 @@ from bendtwin.world import World
 
 
 class ObservationArguments(TypedDict, total=False):
-    """Knowledge of the points that were seen, [M, 3]. Those that are not finite were not seen: they
-    are left out, with all that belongs to them."""
+    """Further facts about the observed points, [M, 3]. Points that are not finite are unseen: they
+    are left out, with everything that belongs to them."""
 
-    #: The nodes of the twin that the points are [M]. Without these and `places` they are a cloud,
-    #: which is matched to the surface.
+    #: Nodes of the twin at the points [M]. Without these and `places` the points are a cloud, which
+    #: is matched to the surface.
     nodes: npt.ArrayLike | None
-    #: Where the points were on the object at one time [M, 3]: tracked points between nodes.
+    #: Positions of the points at one time [M, 3], for tracked points between nodes.
     places: npt.ArrayLike | None
-    #: Where the nodes were at the time of `places` [N, 3]; at rest by default.
+    #: Positions of the nodes at the time of `places` [N, 3]; at rest by default.
     node_positions: npt.ArrayLike | None
-    #: From 0, [M]; equal ones by default.
+    #: Weights, 0 or more, [M]; equal by default.
     weights: npt.ArrayLike | None
-    #: Metres per second, [M, 3]. Only a correction by nodes or places uses them.
+    #: Velocities, metres per second, [M, 3]. Only corrections by nodes or places use them.
     velocities: npt.ArrayLike | None
-    #: Positions of the cameras that saw the points [K, 3]: they say what part of the surface could
-    #: have been seen. All of it by default.
+    #: Positions of the cameras that saw the points [K, 3], which determine the visible part of the
+    #: surface. By default all of it is visible.
     cameras: npt.ArrayLike | None
 
 
@@ -42,57 +42,58 @@ class RegisterArguments(ObservationArguments, total=False):
 
     #: Shape to start from; the rest shape by default.
     initial: InitialState
-    #: Where the control points are [C, 3], if that is known, say from the gripper. By default they
-    #: go where the nodes go that they hold.
+    #: Positions of the control points [C, 3], if known, for example from the gripper. By default
+    #: they follow the nodes that they hold.
     controls: npt.ArrayLike | None
-    #: Gravity, ground and colliders, where they are not those of the twin. The state is outside of
-    #: them, but for what control points hold; a collider on a path is at its first pose.
+    #: Gravity, ground and colliders, where they differ from those of the twin. The state is outside
+    #: of ground and colliders, except nodes held by control points; a collider on a path is at its
+    #: first pose.
     world: World | None
     #: Poses of the grippers that carry colliders of the world [G, 7]: x, y, z in metres, quaternion
-    #: x, y, z, w. What others carry is left out.
+    #: x, y, z, w. Colliders of other grippers are left out.
     grippers: npt.ArrayLike | None
-    #: True if the object is near the shape to start from: no other pose is tried.
+    #: True if the object is near the shape to start from, so that no other pose is tried.
     near: bool
-    #: Deviation of a point from the surface, metres; 0.004 by default.
+    #: Standard deviation of a point from the surface, metres; 0.004 by default.
     noise_m: float | None
-    #: Deviation of a spring by its length; 0.1 by default.
+    #: Standard deviation of a spring's relative length; 0.1 by default.
     give: float | None
     #: Frames of physics under the pull of the points; 12 by default.
     settle_frames: int | None
-    #: Median distance of the points beyond which the registration is refused, metres.
+    #: Median distance of the points above which the registration is refused, metres.
     max_residual_m: float | None
-    #: Least share of the points that must be explained; 0.5 by default.
+    #: Smallest share of the points that must be explained; 0.5 by default.
     least_explained: float | None
 
 
 class CorrectArguments(ObservationArguments, total=False):
     """Arguments of a correction; all have a default."""
 
-    #: Deviation of a point from its place, metres; 0.005 by default.
+    #: Standard deviation of a point from its place, metres; 0.005 by default.
     noise_m: float | None
-    #: Deviation of a spring by its length; 0.03 by default.
+    #: Standard deviation of a spring's relative length; 0.03 by default.
     give: float | None
-    #: Deviation of an observed velocity, metres per second; 0.2 by default.
+    #: Standard deviation of an observed velocity, metres per second; 0.2 by default.
     velocity_noise_m_s: float | None
     #: Share of the displacement that is added to the velocity, per second; 0 by default.
     velocity_gain_per_s: float | None
     #: Largest increase of the strain of a spring; 0.5 by default.
     most_added_strain: float | None
-    #: Median distance of the points beyond which the correction is refused, metres.
+    #: Median distance of the points above which the correction is refused, metres.
     max_residual_m: float | None
     #: Share of the correction that the rest shape of the slot takes over, 0..1, so that the slot
-    #: does not go back to where it was; 1 by default. With 0 the state alone is corrected.
+    #: does not spring back; 1 by default. With 0 only the state is corrected.
     carry: float | None
-    #: Surroundings now. By default those of the slot's last `advance` where that ended, or before
-    #: one those of the session, with paths at their first pose and without what grippers carry.
+    #: Current surroundings. By default those at the end of the slot's last `advance`, or before the
+    #: first one those of the session, with paths at their first pose and without carried colliders.
     world: World | None
-    #: Poses of the first grippers now [G, 7], where they are not known from the last `advance`, or
-    #: are others: x, y, z in metres, quaternion x, y, z, w.
+    #: Current poses of the first grippers [G, 7], where they differ from the last `advance` or are
+    #: unknown: x, y, z in metres, quaternion x, y, z, w.
     grippers: npt.ArrayLike | None
-    #: True if a slot that is lost is to be registered by these points: from where it is, or else
-    #: from the rest shape anywhere, with what control points and grasps hold in place.
+    #: True to register a lost slot with these points: from its current state, or else from the rest
+    #: shape in any pose, keeping nodes held by control points and grasps in place.
     register_if_lost: bool
-    #: True if the reply is to bring no states.
+    #: True to leave the states out of the reply.
     omit_state: bool
 
 
@@ -119,8 +120,8 @@ _CORRECT_OPTIONS = (
 
 @dataclass(frozen=True)
 class Residual(FromMessage):
-    """Distances between points and the twin, millimetres: of nodes and places from where they
-    should be, of a cloud from the surface."""
+    """Distances between points and the twin, millimetres: from nodes and places to the points, from
+    a cloud to the surface."""
 
     median_mm: float
     mean_mm: float
@@ -130,24 +131,24 @@ class Residual(FromMessage):
 
 @dataclass(frozen=True)
 class Registration:
-    """A state that was found. Its `state` goes into `initial` of a rollout or a session."""
+    """Result of a registration. Its `state` can be the `initial` of a rollout or a session."""
 
     #: At rest, with its control points.
     state: State
-    #: Distances of the points from the shape to start from, and from the state.
+    #: Distances of the points from the shape to start from, and from the registered state.
     before: Residual
     after: Residual
     #: Share of the points that are within reach of the twin, 0..1.
     explained_points: float
-    #: Share of the surface that could have been seen and has a point within reach, 0..1.
+    #: Share of the visible surface that has a point within reach, 0..1.
     explained_surface: float
     #: The reach, millimetres.
     within_mm: float
     #: The rigid part of the motion from the shape to start from, about the origin [7]: x, y, z in
     #: metres, quaternion x, y, z, w.
     motion: npt.NDArray[np.float64]
-    #: Mean distance by which nodes move in a frame when the points stop pulling: how far the state
-    #: is from where forces balance.
+    #: Mean distance by which nodes move in a frame once the points stop pulling: a measure of how
+    #: far the state is from equilibrium.
     drift_mm: float
     #: workers/{uuid}.
     worker: str
@@ -171,21 +172,22 @@ class Registration:
 
 @dataclass(frozen=True)
 class Tracking(FromMessage):
-    """Record of how well a slot explains the points that it is corrected by, refused ones included,
-    since its state was last set or registered.
+    """Record of how well a slot has explained its observations, refused ones included, since its
+    state was last set or registered.
 
-    The misfit of an observation is the median distance of its points after the correction, by the
-    largest of half the distance of neighbouring nodes, 5 mm and `noise_m`; or, if that is more, the
-    share of the points that are farther away than that and than three `noise_m`, by 1/2. Up to 1
-    the observation is explained.
+    The misfit of an observation is the larger of two ratios: the median distance of its points
+    after the correction over a length, which is the largest of half the node spacing, 5 mm and
+    `noise_m`; and the share of the points that are farther away than that length and than three
+    `noise_m`, over 1/2. Up to a misfit of 1 the observation is explained.
     """
 
-    #: True if the slot does not follow its object any more: the last three observations in a row
-    #: are not explained, or the mean misfit is above 1.
+    #: True if the slot no longer follows its object: the last three observations in a row are not
+    #: explained, or the mean misfit is above 1.
     lost: bool
-    #: Mean misfit, each weighted by 3/4 of the one after it and counted as at most 1.5.
+    #: Weighted mean of the misfits, each counted as at most 1.5 and with 3/4 of the weight of the
+    #: next.
     misfit: float
-    #: Last observations in a row that are not explained.
+    #: Number of latest observations in a row that are not explained.
     unexplained: int
 
 
@@ -199,18 +201,18 @@ class Correction(FromMessage):
     after: Residual
     #: Largest displacement of a node.
     moved_mm: float
-    #: The corrected state, unless `omit_state` was set. An initial state anywhere; the rest shape
-    #: of the slot stays in the session.
+    #: The corrected state, unless `omit_state` was set. It can be the initial state of any call;
+    #: the rest shape of the slot stays in the session.
     state: State | None
-    #: Record of the slot, with these points.
+    #: Tracking record of the slot, these points included.
     tracking: Tracking
-    #: True if the slot was lost and has been registered by these points: it is at rest, with the
-    #: rest shape of the twin.
+    #: True if the slot was lost and has been registered with these points: it is then at rest, with
+    #: the rest shape of the twin.
     registered: bool
 
     @property
     def lost(self) -> bool:
-        """True if the slot does not follow its object any more."""
+        """True if the slot no longer follows its object."""
         return self.tracking.lost
 
 

@@ -34,7 +34,7 @@ class JobState(enum.Enum):
 
 @dataclass(frozen=True)
 class Fault(FromMessage):
-    """Reason why something failed."""
+    """Reason for a failure."""
 
     category: Category
     reason: str
@@ -50,12 +50,12 @@ class Fault(FromMessage):
 class ModelLoss(FromMessage):
     """Loss of a model after an iteration."""
 
-    #: search or refine.
+    #: Stage: search or refine.
     stage: str
-    #: bending or axial, of several starts followed by which: `bending 2/3`.
+    #: Model: bending or axial, with several starts followed by the start: `bending 2/3`.
     variant: str
     iteration: int
-    #: None where it was not finite.
+    #: None where the loss was not finite.
     loss: float | None
     best_loss: float | None
 
@@ -64,18 +64,18 @@ class ModelLoss(FromMessage):
 class LossCurve:
     """Losses of one model over the iterations of a stage of a fit.
 
-    Of a long stage every second iteration is kept, every fourth and so on, and the last.
+    Long stages are thinned: only every second, fourth, ... iteration is kept, and the last.
     """
 
-    #: search or refine.
+    #: Stage: search or refine.
     stage: str
-    #: bending or axial, of several starts followed by which: `bending 2/3`.
+    #: Model: bending or axial, with several starts followed by the start: `bending 2/3`.
     variant: str
-    #: Ascending, from 1, [n].
+    #: Iterations, ascending from 1, [n].
     iterations: NDArray[np.int64]
-    #: NaN where it was not finite, [n].
+    #: Losses, NaN where not finite, [n].
     losses: NDArray[np.float64]
-    #: The lowest up to each iteration, [n].
+    #: Lowest loss up to each iteration, [n].
     best_losses: NDArray[np.float64]
 
     @classmethod
@@ -94,19 +94,19 @@ class LossCurve:
 class Progress(FromMessage):
     """Progress of a running job."""
 
-    #: ingest, search, refine or evaluate.
+    #: Stage: ingest, search, refine or evaluate.
     stage: str
-    #: bending or axial; of an ingest its step.
+    #: Model: bending or axial; for an ingest, the step.
     variant: str
     iteration: int
     iterations: int
-    #: Of the whole job, 0..1.
+    #: Fraction of the whole job that is done, 0..1.
     fraction: float
     loss: float | None
     best_loss: float | None
     eta_s: float | None
     note: str
-    #: The last loss of each model that is fitted side by side with others.
+    #: The latest loss of each model, when several are fitted side by side.
     models: tuple[ModelLoss, ...] = ()
 
 
@@ -127,19 +127,20 @@ class Job(FromMessage):
     create_time: datetime | None = None
     start_time: datetime | None = None
     end_time: datetime | None = None
-    #: Number that grows with every change, and on from one run of an ingest to the next.
+    #: Number that grows with every change, also from one run of an ingest to the next.
     revision: int = 0
 
 
 @dataclass(frozen=True)
 class Requirements(FromMessage):
-    """Worker that a fit or an ingest asks for, which waits until there is one; by default any."""
+    """Requirements on the worker of a fit or an ingest, which waits for one; by default any
+    worker."""
 
     #: `cpu` or `cuda`; empty means either.
     backend: str = ""
-    #: Memory of the device at least; on a CPU, that which a fit may take.
+    #: Least device memory; on a CPU, least memory that a fit may take.
     memory_bytes: int = 0
-    #: Labels of which the worker has each.
+    #: Labels that the worker must all have.
     labels: tuple[str, ...] = ()
 
     def to_json(self) -> str:
@@ -165,18 +166,18 @@ class Capture(FromMessage):
     size_bytes: int
     #: BLAKE3 of the archive, hex.
     digest: str
-    #: The job that reads it. There is one for each; running it again replaces it. Fits of the
-    #: capture fail with its fault. None in an answer without it.
+    #: The job that reads the capture. Running it again replaces it. Fits of the capture fail with
+    #: its fault. None in replies without it.
     ingest: Job | None = None
-    #: The report's: good, usable or unusable; empty until there is a report.
+    #: Verdict of the report: good, usable or unusable; empty until the report exists.
     verdict: str = ""
-    #: Text that people write about it.
+    #: Note written by users.
     note: str = ""
-    #: Sorted.
+    #: Tags, sorted.
     tags: tuple[str, ...] = ()
-    #: Owner of the key with which it was uploaded; empty if that is not known.
+    #: Owner of the key that uploaded the capture; empty if unknown.
     owner: str = ""
-    #: Worker that its ingest asks for.
+    #: Worker that the ingest requires.
     ingest_requirements: Requirements = Requirements()
 
 
@@ -186,22 +187,22 @@ class Fit(FromMessage):
 
     name: str
     capture: str
-    #: twins/{uuid} once it has succeeded, else empty.
+    #: twins/{uuid} once the fit has succeeded, otherwise empty.
     twin: str
     job: Job
     #: Fits of higher priority run earlier.
     priority: int = 0
-    #: The capture's when the fit was created, unless one was given.
+    #: Name given at creation, by default that of the capture.
     display_name: str = ""
-    #: Text that people write about it.
+    #: Note written by users.
     note: str = ""
-    #: Sorted.
+    #: Tags, sorted.
     tags: tuple[str, ...] = ()
-    #: Error of its twin over frames that it was not fitted to, in metres; None if there is none.
+    #: Error of the twin over frames that it was not fitted to, in metres; None if unknown.
     error_m: float | None = None
-    #: Owner of the key with which it was asked for; empty if that is not known.
+    #: Owner of the key that created the fit; empty if unknown.
     owner: str = ""
-    #: Worker that it asks for.
+    #: Worker that the fit requires.
     requirements: Requirements = Requirements()
 
     @property
@@ -238,24 +239,24 @@ class TwinInfo(FromMessage):
     control_count: int
     fps: float
     substeps: int
-    #: The quality table, as docs/twin-format.md describes it.
+    #: The quality table (docs/formats/twin.md).
     quality: dict[str, Any]
-    #: Mass of the object; None if it is not known.
+    #: Mass of the object; None if unknown.
     mass_kg: float | None = None
-    #: Text that people write about it.
+    #: Note written by users.
     note: str = ""
-    #: Sorted.
+    #: Tags, sorted.
     tags: tuple[str, ...] = ()
-    #: Error over frames that it was not fitted to, in metres: of tracks, else of coordinates, else
-    #: the Chamfer distance; None if there is none.
+    #: Error over frames that the twin was not fitted to, in metres: of tracks, else of coordinates,
+    #: else the Chamfer distance; None if unknown.
     error_m: float | None = None
-    #: Owner of its fit, or of the key with which it was imported; empty if that is not known.
+    #: Owner of its fit, or of the key that imported it; empty if unknown.
     owner: str = ""
 
 
 @dataclass(frozen=True)
 class Worker(FromMessage):
-    """A worker process that the server knows."""
+    """A worker process that is registered with the server."""
 
     name: str
     backend: str
@@ -266,16 +267,17 @@ class Worker(FromMessage):
     warm_twins: list[str]
     rollouts_in_flight: int
     build: str
-    # Of its device, in use by whomever and in all; zero where it is not known.
+    #: Device memory in use by all processes, and in total; zero where unknown.
     memory_used_bytes: int
     memory_total_bytes: int
-    #: The capture whose ingest is under way, if any.
+    #: The capture whose ingest is running, if any.
     ingest: str = ""
-    #: Words that it was started with, which fits can ask for.
+    #: Labels that the worker was started with and that fits can require.
     labels: tuple[str, ...] = ()
-    #: True if it was asked to end.
+    #: True if the worker was asked to exit.
     draining: bool = False
-    #: servers/{uuid} of the server that started it and whose rollouts alone it answers, else empty.
+    #: servers/{uuid} of the server that started it, whose rollouts it only answers; otherwise
+    #: empty.
     server: str = ""
 
 
@@ -290,11 +292,11 @@ class SessionInfo(FromMessage):
     slots: int
     #: Frames by which each slot has been advanced since its first state [slots].
     frames: tuple[int, ...]
-    #: The session ends when nobody has used it for so long.
+    #: Time without calls after which the session ends, seconds.
     idle_timeout_s: float
     #: workers/{uuid}.
     worker: str
-    #: Slots that do not follow their object any more, ascending: see `Tracking`.
+    #: Slots that no longer follow their object, ascending: see `Tracking`.
     lost: tuple[int, ...] = ()
     #: The model that answers.
     fidelity: Fidelity = "exact"

@@ -35,7 +35,7 @@ FIDELITIES: dict[str, rollout_pb2.Fidelity] = {
 
 @dataclass(frozen=True)
 class Returns:
-    """Arrays that a rollout returns. The default is costs alone: the least to transfer."""
+    """Arrays that a rollout returns. The default, only costs, transfers least."""
 
     #: Record the positions of every k-th frame; 0 records none.
     every_frames: int = 0
@@ -49,7 +49,7 @@ class Returns:
     diagnostics: bool = False
     #: d cost / d control positions, dense.
     control_gradients: bool = False
-    #: d cost / d what was given as actions: knots or poses, in their shape.
+    #: d cost / d actions as given: knots or poses, in their shape.
     action_gradients: bool = False
     #: d cost / d initial positions and velocities.
     initial_gradients: bool = False
@@ -59,15 +59,15 @@ class Returns:
     velocities: bool = False
     #: Costs by frame and by term.
     frame_costs: bool = False
-    #: Control positions that were simulated, by frame.
+    #: Control positions as simulated, by frame.
     controls: bool = False
     #: Forces by frame.
     forces: bool = False
-    #: Points whose positions and velocities are recorded; final states and gradients are of nodes.
+    #: Points whose positions and velocities are recorded; final states and gradients are for nodes.
     point_set: PointSet = "nodes"
     #: Indices of the points of the skin to record, with `point_set` "skin"; None means all.
     skin_points: npt.ArrayLike | None = None
-    #: The spread of an ensemble's recorded points; arrays beside it are of member 0 alone then, or
+    #: Spread of an ensemble's recorded points; the other arrays are then those of member 0 only, or
     #: of the mean with the statistic "mean_prediction".
     spread: bool = False
 
@@ -101,20 +101,21 @@ class Returns:
 class Diagnostics(FromMessage):
     """Diagnostics of an instance over the whole rollout, or up to where it diverged."""
 
-    #: Of springs between nodes.
+    #: Largest strain of springs between nodes.
     max_strain: float
-    #: Of a node, at frames' ends.
+    #: Highest speed of a node at the end of any frame.
     max_speed_m_s: float
-    #: At the end, joules; without a `mass_kg` as if a node weighed 1 kg. NaN where it diverged.
+    #: Energies at the end, joules; without a `mass_kg` as if a node weighed 1 kg. NaN if it
+    #: diverged.
     kinetic_energy: float
     elastic_energy: float
     ground_contacts: int
-    #: Of springs to control points.
+    #: Largest strain of springs to control points.
     max_control_strain: float = 0.0
-    #: Deepest that a control point got in the ground or a fixed collider, beyond its depth in
-    #: the initial state, metres.
+    #: Largest depth of a control point in the ground or a static collider, beyond its depth in the
+    #: initial state, metres.
     control_depth_m: float = 0.0
-    #: Farthest that a hand or gripper was held back at the ground, metres; 0 if none was.
+    #: Largest distance by which a hand or gripper was held back at the ground, metres; or 0.
     stopped_hand_m: float = 0.0
 
 
@@ -122,14 +123,14 @@ class Diagnostics(FromMessage):
 class Forces(FromMessage):
     """Mean forces on the object over each frame, newtons; per unit mass without a `mass_kg`."""
 
-    #: By control points [R, F, C, 3].
+    #: Forces of control points [R, F, C, 3].
     controls: FloatArray
-    #: By grasps [R, F, G, 6]: force, then torque about the gripper's origin at the end of the
-    #: frame (newton metres), along the world's axes.
+    #: Forces of grasps [R, F, G, 6]: force, then torque about the gripper's origin at the end of
+    #: the frame (newton metres), along the world's axes.
     grasps: FloatArray
-    #: By the ground [R, F, 3].
+    #: Force of the ground [R, F, 3].
     ground: FloatArray
-    #: By colliders [R, F, K, 6], about what carries them.
+    #: Forces of colliders [R, F, K, 6], torque about their carrier.
     colliders: FloatArray
 
 
@@ -140,15 +141,15 @@ class Implausible(FromMessage):
     instance: int
     #: START_GAP, CONTROL_SPEED, STRAIN or CONTROL_IN_OBSTACLE.
     reason: str
-    #: Most that was found, in the unit of the limit.
+    #: Largest value found, in the unit of the limit.
     found: float
     limit: float
-    #: The frame in which it was found; 0 where it is not known.
+    #: Frame in which the value was found; 0 where unknown.
     frame: int
 
     @property
     def is_of_start(self) -> bool:
-        """True for what actions and initial state have in common, whatever comes later."""
+        """True if actions and initial state do not match at the start."""
         return self.reason == "START_GAP"
 
 
@@ -172,28 +173,28 @@ class Timing(FromMessage):
 
 @dataclass(frozen=True)
 class Deviation(FromMessage):
-    """Between what answered and the exact twin: a fast variant, when both follow the twin's own
-    capture, or a planner's twin, when both follow the actions that measured it.
+    """Deviation from the exact twin: of a fast variant, when both follow the twin's own capture, or
+    of a planner's twin, when both follow the actions that measured it.
 
-    It does not hold for the rollout that it comes with: with faster or larger motions, or other
-    surroundings, 5 to 16 times as much was seen of fast variants.
+    The deviation in this rollout may be larger: with faster or larger motions, or other
+    surroundings, 5 to 16 times as much was seen for fast variants.
     """
 
-    #: Between a node here and there (a point of the skin, of a planner's twin), mean over these and
-    #: frames, metres.
+    #: Distance of a node (for a planner's twin, a skin point) in one from the same node in the
+    #: other, mean over nodes and frames, metres.
     mean_m: float
     max_m: float
-    #: To compare with: of the exact twin's nodes from where they started, mean, metres.
+    #: For comparison: mean distance of the exact twin's nodes from their start, metres.
     mean_travel_m: float
-    #: Frames of each recording, at most.
+    #: Largest number of frames of a recording.
     frames: int
 
 
 def warned(result: RolloutResult) -> RolloutResult:
-    """The same result, after a warning of what is not plausible, one for all instances."""
+    """The same result, after one warning for all implausible instances."""
     if result.implausible:
         reasons = ", ".join(sorted({i.reason for i in result.implausible}))
-        # Without numbers, so that a loop is not warned of the same again and again.
+        # Without numbers, so that a loop is not warned repeatedly.
         message = (
             f"implausible motion ({reasons}): RolloutResult.implausible has what was found, the "
             "limits and the instances"
@@ -204,21 +205,21 @@ def warned(result: RolloutResult) -> RolloutResult:
 
 @dataclass(frozen=True)
 class RolloutResult(FromMessage):
-    """The answer to a rollout: B instances, R of which are returned in detail.
+    """The result of a rollout: B instances, R of which are returned in detail.
 
-    Arrays are read-only views of the received bytes; those not asked for are None.
+    Arrays are read-only views of the received bytes; those not requested are None.
     """
 
     #: The first instance that this part covers; 0 unless streamed.
     first_instance: int
-    #: Weighted sums [B], +inf where an instance diverged or is unfinished; empty in all but the
-    #: last part of an instance that is divided in time.
+    #: Weighted sums [B], +inf where an instance diverged or is unfinished; with parts divided in
+    #: time, only in the last part of an instance.
     costs: FloatArray
     #: Names of the terms.
     cost_names: list[str]
     #: Weighted terms [B, terms].
     cost_terms: FloatArray | None
-    #: The instances [R] that positions, final states and gradients are of.
+    #: Instances [R] of the rows of positions, final states and gradients.
     instances: IndexArray | None
     #: Recorded frames [T], 1-based.
     frames: IndexArray | None
@@ -232,8 +233,8 @@ class RolloutResult(FromMessage):
     final_twists: FloatArray | None
     #: d cost / d control positions [R, F + 1, C, 3].
     control_gradients: FloatArray | None
-    #: d cost / d actions in their shape, [R, K, C, 3] or [R, K, G, 7]; d cost / d quaternion along
-    #: the sphere of unit quaternions.
+    #: d cost / d actions in their shape, [R, K, C, 3] or [R, K, G, 7]; d cost / d quaternion is
+    #: tangent to the sphere of unit quaternions.
     action_gradients: FloatArray | None = None
     #: d cost / d initial positions and velocities, [R, N, 3]. All gradients of an instance that
     #: diverged are NaN.
@@ -241,42 +242,42 @@ class RolloutResult(FromMessage):
     initial_velocity_gradients: FloatArray | None = None
     #: Norm of d cost / d positions [R, F + 1] by frame.
     gradient_norms: FloatArray | None = None
-    #: 1 where a gradient [R] exploded on its way back (docs/gradients.md): it says little.
+    #: 1 where a gradient [R] exploded on its way back and is of little use (docs/use/gradients.md).
     gradient_exploded: IndexArray | None = None
     #: Velocities [R, T, K, 3], metres per second.
     velocities: FloatArray | None = None
     #: Weighted terms by frame [R, F + 1, terms]; frame 0 is the start.
     frame_costs: FloatArray | None = None
-    #: Control positions that were simulated [R, F + 1, C, 3], metres.
+    #: Control positions as simulated [R, F + 1, C, 3], metres.
     controls: FloatArray | None = None
     #: Final control points [R, C, 3], metres.
     final_controls: FloatArray | None = None
-    #: Those as grippers would have them if the ground did not hold them back [R, C, 3]; with poses.
+    #: Final control points as commanded, without the stop at the ground [R, C, 3]; with poses.
     final_commanded_controls: FloatArray | None = None
     #: What grasps hold in the final states; None without grasps.
     final_grasping: Grasping | None = None
-    #: Costs of the members of an ensemble [B, E], of which `costs` are a statistic, but for
+    #: Costs of the members of an ensemble [B, E]; `costs` are a statistic of them, except for
     #: "mean_prediction".
     member_costs: FloatArray | None = None
-    #: Distance of the other members' points from those of member 0 [actions, T, K], metres: root
-    #: mean square. NaN where a member diverged.
+    #: Root mean square distance of the other members' points from those of member 0 [actions, T,
+    #: K], metres. NaN where a member diverged.
     spread: FloatArray | None = None
-    #: If they were asked for.
+    #: Forces, if requested.
     forces: Forces | None = None
-    #: Instances that are not plausible.
+    #: Implausible instances.
     implausible: list[Implausible] = field(default_factory=list)
-    #: Mass of the object; None: not known, and forces are per unit mass.
+    #: Mass of the object; None: unknown, and forces are per unit mass.
     mass_kg: float | None = None
     diagnostics: list[Diagnostics] = field(default_factory=list)
     diverged: list[Divergence] = field(default_factory=list)
     timing: Timing | None = None
-    #: workers/{uuid} that answered.
+    #: workers/{uuid} that computed the result.
     worker: str = ""
-    #: What answered.
+    #: Model that computed the result.
     fidelity: Fidelity = "exact"
-    #: Substeps per frame that were simulated.
+    #: Simulated substeps per frame.
     substeps: int = 0
-    #: How far the fast variant or the planner's twin strays; None unless one of them answered.
+    #: Deviation of the fast variant or the planner's twin; None for the exact twin.
     deviation: Deviation | None = None
     #: First and last frame that this part covers, 1-based, with `part_frames`. Arrays by frame have
     #: rows of these frames; the start, frame 0, is in the first part.
@@ -286,11 +287,12 @@ class RolloutResult(FromMessage):
     unfinished: IndexArray | None = None
 
     def state(self, row: int) -> State:
-        """The final state of one of `instances`, to go on from: `twin.rollout(initial=...)`."""
+        """The final state of one of `instances`, from which `twin.rollout(initial=...)`
+        continues."""
         return state_of(self.states(), row)
 
     def states(self) -> State:
-        """The final states of all of `instances`, to go on from with as many instances."""
+        """The final states of all of `instances`, from which as many instances can continue."""
         if self.final_positions is None:
             raise ValueError("ask for final states: Returns(final_state=True)")
         return State(

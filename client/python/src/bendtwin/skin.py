@@ -33,19 +33,19 @@ _LEAST_SINE = 1e-4
 class Skin:
     """M points, carried by nodes with K weights: those of a point follow one another."""
 
-    #: With the nodes at rest [M, 3], metres.
+    #: Positions with the nodes at rest [M, 3], metres.
     rest_positions: FloatArray
-    #: The capture's observed point that each is [M]; `NONE` for none.
+    #: The capture's observed point for each skin point [M]; `NONE` for no point.
     observed_points: IndexArray
     #: Number of weights of each point [M].
     weight_counts: IndexArray
     #: [K].
     weight_nodes: IndexArray
-    #: [K]; those of a point sum up to 1.
+    #: [K]; the weights of a point sum to 1.
     weights: FloatArray
     #: Nodes a, b, c of the frame of each point [M, 3]; `NONE`: the axes are those of the world.
     frames: IndexArray
-    #: Along the axes of the frames [M, 3], metres.
+    #: Offsets along the axes of the frames [M, 3], metres.
     offsets: FloatArray
 
     def __len__(self) -> int:

@@ -13,7 +13,7 @@ from bendtwin.v1 import rollout_pb2, world_pb2
 
 @dataclass(frozen=True)
 class Rest:
-    """The twin's rest shape, not moving."""
+    """The twin's rest shape, at rest."""
 
     def to_proto(self) -> rollout_pb2.InitialState:
         """Makes the wire form."""
@@ -22,8 +22,8 @@ class Rest:
 
 @dataclass(frozen=True)
 class Settled:
-    """The twin's shape where it comes to rest in the rollout's or session's world, held by its
-    control points at rest; what grippers carry is not there yet."""
+    """The twin's shape after it has come to rest in the rollout's or session's world, held by its
+    control points at rest; colliders carried by grippers are absent."""
 
     def to_proto(self) -> rollout_pb2.InitialState:
         """Makes the wire form."""
@@ -50,13 +50,13 @@ class CaptureFrame:
 
 @dataclass(frozen=True)
 class Grasping:
-    """Holds of G grasps on N nodes. All for one state, or with [B] in front."""
+    """What G grasps hold of N nodes, for one state, or with [B] in front."""
 
     #: 0 open, 1 closed, 2 slipped, [G].
     phases: npt.ArrayLike
     #: g + 1 for a node that grasp g holds, 0 for none, [N].
     holders: npt.ArrayLike
-    #: Where a held node is in the coordinates of its gripper, metres, [N, 3].
+    #: Positions of held nodes in the coordinates of their gripper, metres, [N, 3].
     places: npt.ArrayLike
 
     def to_proto(self) -> world_pb2.Grasping:
@@ -79,7 +79,7 @@ class Grasping:
         return cls(phases, holders, places)
 
     def row(self, row: int) -> Grasping:
-        """One state of a batch."""
+        """A single state of a batch."""
         phases, holders, places = (
             np.asarray(array)[row] for array in (self.phases, self.holders, self.places)
         )
@@ -89,8 +89,7 @@ class Grasping:
 @dataclass(frozen=True)
 class State:
     """A state of the twin, for all instances or with [B] in front, as `RolloutResult.state` returns
-    it. A rollout that starts from the state in which another one ended goes on exactly as if that
-    had not stopped.
+    it. A rollout that starts from the final state of another one continues it exactly.
     """
 
     #: Metres, [N, 3].
@@ -99,13 +98,13 @@ class State:
     velocities: npt.ArrayLike | None = None
     #: Radians, [rods]; None means that no rod is twisted.
     twists: npt.ArrayLike | None = None
-    #: Where the control points are, metres, [C, 3]. None: where pins say, others at rest, from
-    #: where `poses` would carry them, so give it.
+    #: Positions of the control points, metres, [C, 3]. None: pinned ones at their nodes, others at
+    #: rest, from where `poses` would carry them; so give them with `poses`.
     controls: npt.ArrayLike | None = None
-    #: None: nothing but what grasps take when the rollout begins.
+    #: Held nodes; None: only those that grasps take at the start of the rollout.
     grasping: Grasping | None = None
-    #: Control points as grippers would have them if the ground did not hold them back, metres,
-    #: [C, 3]: from there `poses` carry them on. None: as `controls`.
+    #: Control points as commanded, without the stop at the ground, metres, [C, 3]: `poses` carry
+    #: them from there. None: equal to `controls`.
     commanded_controls: npt.ArrayLike | None = None
 
     def to_proto(self) -> rollout_pb2.InitialState:
@@ -155,7 +154,7 @@ class SessionSlots:
 
     #: sessions/{uuid}.
     session: str
-    #: One for all instances, or one for each; empty: slot 0 for all.
+    #: Slot for all instances, or one for each; empty: slot 0 for all.
     slots: tuple[int, ...] = ()
 
     def to_proto(self) -> rollout_pb2.InitialState:
@@ -168,7 +167,7 @@ InitialState = Rest | Settled | CaptureFrame | State | SessionSlots
 
 
 def state_of(states: State, row: int) -> State:
-    """One state of a batch of states."""
+    """A single state of a batch of states."""
 
     def pick(array: npt.ArrayLike | None) -> npt.ArrayLike | None:
         return None if array is None else np.asarray(array)[row]

@@ -21,24 +21,23 @@ from bendtwin.v1 import session_pb2
 class Step:
     """A step of a closed loop."""
 
-    #: None if no points were given, or the correction was refused.
+    #: The correction; None without points, or if it was refused.
     correction: Correction | None
-    #: Why the correction was refused: the points are too far from the object. The slot was then
-    #: planned from and advanced as it had been predicted.
+    #: Reason if the correction was refused because the points are too far from the object. The step
+    #: then started from the predicted state.
     refused: Fault | None
-    #: True if the slot does not follow its object any more: register it again.
+    #: True if the slot no longer follows its object: register it again.
     lost: bool
     #: The best plan.
     plan: PlanUpdate
-    #: What the first frames of the plan did; None if none were executed. If it `diverged`, the slot
-    #: is still where the plan began.
+    #: Rollout of the executed frames of the plan; None without any. If it `diverged`, the slot
+    #: keeps the state in which the plan began.
     advanced: RolloutResult | None
-    #: The state that the slot is in now.
+    #: The current state of the slot.
     state: State
-    #: The search of the next step: it begins with this plan, moved on by the frames that were
-    #: executed.
+    #: The search of the next step: it starts from this plan, shifted by the executed frames.
     search: PlanArguments = field(repr=False)
-    #: Where the time went, seconds.
+    #: Times of the parts, seconds.
     correct_s: float
     plan_s: float
     advance_s: float
@@ -57,7 +56,7 @@ def step_session(
     deadline_s: float | None,
     see: Callable[[State], None],
 ) -> Call[Step]:
-    """Takes a step with a slot of a session; `see` is shown the state that it ends in.
+    """Takes a step with a slot of a session; `see` gets the final state.
 
     Raises:
         TypeError: If the search has what is not the search's.

@@ -1,8 +1,8 @@
 """Uploads over tus 1.0.0 that survive broken connections and restarts of either side.
 
 There is no file of state: an upload is found again by its request id, which is made of the
-content's digest and of its name. So the same content goes on where it stopped, from whatever
-process, and what the server has already is not sent again.
+content's digest and of its name. So the same content resumes where it stopped, from any process,
+and bytes that the server has are not sent again.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from bendtwin.transport import Transport, tls_fault, transport
 
 #: Bytes of one request: what a dead server costs at most.
 PART_BYTES = 16 * 1024 * 1024
-#: How long nothing may get through before it is given up; the same call goes on later.
+#: Time without progress after which an upload is given up; the same call resumes it later.
 PATIENCE_S = 120.0
 
 _CHUNK_BYTES = 256 * 1024
@@ -43,7 +43,7 @@ _PASSING_REASONS = ("CHECKSUM_MISMATCH", "UPLOAD_IDLE", "BODY_TOO_SLOW", "UPLOAD
 
 
 class Sender:
-    """One file on its way to a server."""
+    """Sender of a file to a server."""
 
     def __init__(
         self,
@@ -57,7 +57,7 @@ class Sender:
     ) -> None:
         self._transport = transport(server, None) if isinstance(server, str) else server
         self._server = self._transport.url
-        # Read once: each request has a connection of its own.
+        # Read once: each request has a new connection.
         self._context = self._transport.context() if self._transport.is_https else None
         self._path = path
         self._length = path.stat().st_size
@@ -86,7 +86,7 @@ class Sender:
     def send(self, on_progress: Callable[[int, int], None] | None = None) -> str:
         """Sends what is missing; returns the name of the capture that it became.
 
-        `on_progress` is told how many bytes the server has, and how many there are.
+        `on_progress` gets the bytes that the server has, and the total.
         """
         url: str | None = None
         offset: int | None = None
@@ -123,7 +123,7 @@ class Sender:
                 offset, failure = None, error
             if time.monotonic() + pause > ends:
                 raise failure
-            # Clients that lost the same server should not all come back at once.
+            # Clients that lost the same server should not all come back together.
             time.sleep(pause * random.uniform(0.5, 1.0))
             pause = min(2 * pause, _LONGEST_PAUSE_S)
 

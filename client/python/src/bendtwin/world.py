@@ -1,6 +1,6 @@
 """The surroundings of an object in a rollout: ground, gravity, colliders, grasps, and parameters.
 
-Shapes are in metres, in the coordinates of what carries them; poses are x, y, z and a quaternion
+Shapes are in metres, in the coordinates of their carrier; poses are x, y, z and a quaternion
 x, y, z, w.
 """
 
@@ -49,7 +49,7 @@ class Capsule:
 
 @dataclass(frozen=True)
 class Cuboid:
-    """A box along the axes, from its least to its greatest corner [3]."""
+    """An axis-aligned box, from its lowest to its highest corner [3]."""
 
     low: npt.ArrayLike
     high: npt.ArrayLike
@@ -72,14 +72,14 @@ Shape = Sphere | Capsule | Cuboid | ConvexMesh
 
 @dataclass(frozen=True, kw_only=True)
 class Collider:
-    """A rigid obstacle that nodes cannot enter. It stands still, unless a gripper carries it or it
+    """A rigid obstacle that nodes cannot enter. It is static, unless a gripper carries it or it
     follows a path."""
 
     shape: Shape
     #: Coulomb friction, 0..2, and restitution, 0..1.
     friction: float = 0.5
     restitution: float = 0.0
-    #: Distance that nodes keep: about the radius of a cable, or half of that between nodes.
+    #: Distance that nodes keep: about the radius of a cable, or half the node spacing.
     margin_m: float = 0.0
     #: The gripper that carries it, by its number in the poses.
     gripper: int | None = None
@@ -87,7 +87,7 @@ class Collider:
     path: npt.ArrayLike | None = None
     #: Pose of the shape on its carrier, [7].
     pose: npt.ArrayLike | None = None
-    #: Reported under this name; empty means `collider{index}`.
+    #: Name in results; empty means `collider{index}`.
     name: str = ""
 
     def to_proto(self) -> world_pb2.Collider:
@@ -128,7 +128,7 @@ class Plane:
     """A ground: points with `normal . x >= offset_m` are above it."""
 
     offset_m: float = 0.0
-    #: Of length 1, away from the ground.
+    #: Unit normal, pointing away from the ground.
     normal: npt.ArrayLike = (0.0, 0.0, 1.0)
 
     def to_proto(self) -> world_pb2.Plane:
@@ -144,7 +144,7 @@ class World:
     colliders: Sequence[Collider] = ()
     #: [3], m/s².
     gravity: npt.ArrayLike | None = None
-    #: A plane, "none", or None for the twin's own.
+    #: A plane, "none", or None for the twin's ground.
     ground: Plane | Literal["none"] | None = None
     ground_friction: float | None = None
     ground_restitution: float | None = None
@@ -274,11 +274,12 @@ class Ensemble:
     theirs, or that of their mean motion."""
 
     members: int
-    #: With "mean_prediction" costs, gradients and arrays are of the mean motion of the members, one
-    #: row for each action: those of `Vary(fits=True)` weigh one over the square of the loss of
-    #: their fits, others alike, and one that diverges has no part in it.
+    #: With "mean_prediction" costs, gradients and arrays are those of the mean motion of the
+    #: members, one row for each action: members of `Vary(fits=True)` have the weight one over the
+    #: square of the loss of their fits, others equal weights, and a member that diverges is left
+    #: out.
     statistic: Statistic = "mean"
-    #: Of "cvar": the share of the worst members that is averaged.
+    #: Share of the worst members that "cvar" averages.
     share: float = 0.0
 
     def to_proto(self) -> rollout_pb2.Ensemble:
@@ -290,10 +291,10 @@ class Ensemble:
 
 @dataclass(frozen=True, kw_only=True)
 class GradientOptions:
-    """The reach of gradients, and the smoothing of the contact that they go through."""
+    """The reach of gradients, and the smoothing of contact."""
 
-    #: Frames through which a gradient reaches back; 0 for all. Where the object lies on something
-    #: 15 is a good start.
+    #: Frames that a gradient reaches back; 0 for all. Where the object lies on something, 15 is a
+    #: good start.
     reach_frames: int = 0
     #: Width of the layer in which ground and colliders act [m], in the gradients' simulation and
     #: the costs that come with them; 0 for impacts. 0.001 is a good start.
@@ -310,17 +311,18 @@ class GradientOptions:
 class Plausibility:
     """Limits beyond which instances are `RolloutResult.implausible`. None: the default."""
 
-    #: Between the initial state's control points and row 0 of the actions; 0.005.
+    #: Distance between the initial state's control points and row 0 of the actions; 0.005.
     start_gap_m: float | None = None
-    #: Of the fastest control point; 5.
+    #: Speed of the fastest control point; 5.
     control_speed_m_s: float | None = None
-    #: Of the material; 1. A plan beyond it is worse than all that keep it; `float("inf")` lifts it.
+    #: Strain of the material; 1. Plans beyond it are worse than all within; `float("inf")` lifts
+    #: it.
     strain: float | None = None
-    #: Of control points and grasps in the ground or colliders that stand still, of control
-    #: points beyond their depth in the initial state; 0.005. Hands and grippers stop there at the
+    #: Depth of control points and grasps in the ground or static colliders, for control points
+    #: beyond their depth in the initial state; 0.005. Hands and grippers stop at this depth in the
     #: ground.
     control_depth_m: float | None = None
-    #: Raise an error with the reason IMPLAUSIBLE_MOTION instead.
+    #: Raises an error with the reason IMPLAUSIBLE_MOTION instead.
     refuse: bool = False
 
     def to_proto(self) -> rollout_pb2.Plausibility:
@@ -336,7 +338,7 @@ class Plausibility:
 
 @dataclass(frozen=True, kw_only=True)
 class Surroundings:
-    """All of a request that is neither actions, nor state, nor what is measured."""
+    """The parts of a request other than actions, state, costs and returns."""
 
     world: World | None = None
     grasps: Sequence[Grasp] = ()

@@ -27,7 +27,7 @@ export function ingestAgain(context: PageContext, path: string, onStart: (captur
     }
     button.disabled = false;
   };
-  const hint = ['One a line, as ', h('code', {}, 'spacing_m = 0.004'), '. Left out ones have their defaults.'];
+  const hint = ['One a line, as ', h('code', {}, 'spacing_m = 0.004'), '. Others keep their defaults.'];
   const details = h(
     'details',
     { class: 'card' },

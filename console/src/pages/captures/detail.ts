@@ -109,7 +109,7 @@ class CapturePage {
     };
     const question = {
       title: 'Delete this capture?',
-      text: 'Its recording, observation and report are deleted. Twins that were fitted to it stay.',
+      text: 'The recording, its observation and its report are deleted. Twins that were fitted to it are kept.',
     };
     return [
       ...(isRead ? [h('a', { class: 'button primary', href: `#/fits/new?capture=${id}` }, 'Start a fit')] : []),

@@ -7,9 +7,9 @@ import type { Finding, Report } from './report';
 const TONES = { error: 'bad', warning: 'warn', info: 'neutral' } as const;
 
 const VERDICTS: Record<string, string> = {
-  good: 'This recording is good: nothing holds a fit back.',
-  usable: 'This recording can be fitted; warnings say what makes the twin worse.',
-  unusable: 'This recording cannot be fitted as it is.',
+  good: 'This recording is good: nothing limits a fit.',
+  usable: 'This recording can be fitted; warnings name what makes the twin worse.',
+  unusable: 'This recording cannot be fitted.',
 };
 
 /** The verdict in words, and the findings in the order of repair. */

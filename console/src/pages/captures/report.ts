@@ -1,4 +1,4 @@
-/** A capture's report, as docs/captures.md has it; what is not needed here is left out. */
+/** A capture's report, as docs/use/captures.md has it; what is not needed here is left out. */
 export interface Report {
   readonly kind: string;
   readonly fps: number;

@@ -59,7 +59,7 @@ function sentences(fits: readonly Fit[], names: readonly string[]): HTMLElement 
   const texts = others.flatMap((other, index) => {
     if (first === undefined) return [];
     if (first.capture !== other.capture)
-      return [`${names[0]} and ${names[index + 1]} are of different captures: their errors do not compare.`];
+      return [`${names[0]} and ${names[index + 1]} are of different captures: their errors are not comparable.`];
     const text = comparedText(names[0] ?? '', names[index + 1] ?? '', first.error_m ?? null, other.error_m ?? null);
     return text === null ? [] : [text];
   });

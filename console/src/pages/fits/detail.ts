@@ -115,7 +115,7 @@ class FitPage {
         : [h('a', { class: 'button', href: `#/${fit.capture}/playback?twin=${id}` }, 'Beside the recording')]),
     ];
     const own = this.capture === null ? {} : { capture: idOf(fit.capture) };
-    const question = { title: 'Delete this fit?', text: 'Its losses are deleted. Its twin stays.' };
+    const question = { title: 'Delete this fit?', text: 'Its losses are deleted. Its twin is kept.' };
     return [
       ...(fit.twin ? toTwin : []),
       ...(hasEnded(fit.job) || fit.job.cancel_requested

@@ -57,7 +57,7 @@ export const open: OpenPage = (context) => {
     },
     empty: () =>
       Object.keys(shown.query()).length > 0
-        ? empty('No fit is like that.')
+        ? empty('No fit matches.')
         : empty(
             ['There are no fits yet. ', h('a', { href: '#/fits/new' }, 'Start one'), ', or from a terminal:'],
             cli('bendtwin fit start CAPTURE --watch'),

@@ -69,7 +69,7 @@ class NewFit {
       ...(wanted === null ? [h('option', { value: '' }, 'Choose a capture')] : []),
       ...options,
     );
-    const hint = 'Higher runs earlier, -100 to 100.';
+    const hint = '-100 to 100; higher priorities run earlier.';
     this.element = h(
       'form',
       { onsubmit: (event) => void this.submit(event) },

@@ -29,7 +29,7 @@ export function settingsOf(form: FitForm): { settings: Settings; faults: Map<str
   const number = (name: string, text: string): void => {
     if (text.trim() === '') return;
     const value = Number(text);
-    if (!Number.isFinite(value)) faults.set(name, 'is no number');
+    if (!Number.isFinite(value)) faults.set(name, 'is not a number');
     else if (Number.isInteger(value) && !Number.isSafeInteger(value))
       faults.set(name, 'is too large for a browser: use the command line');
     else set(name, value);
@@ -42,7 +42,7 @@ export function settingsOf(form: FitForm): { settings: Settings; faults: Map<str
   if (form.compareAxial) set('compare_axial', true);
   for (const [name, value] of form.others) {
     if (name.trim() === '' && value.trim() === '') continue;
-    if (name.trim() === '') faults.set('', 'A setting has a value, but no name.');
+    if (name.trim() === '') faults.set('', 'A setting has a value but no name.');
     else if (value.trim() === '') faults.set(name.trim(), 'has no value');
     else set(name.trim(), readValue(value.trim()));
   }

@@ -37,9 +37,9 @@ export class WorkerForm {
     this.#labels = sorted([...workers.flatMap(({ labels }) => labels), ...asked.labels]).map((value) =>
       h('input', { type: 'checkbox', value, checked: asked.labels.includes(value) }),
     );
-    const memory = field('Memory of the device at least [GiB]', this.#memory);
+    const memory = field('Least device memory [GiB]', this.#memory);
     memory.append(this.#fault);
-    const hint = 'Words that a worker has to have been started with (--label), with commas between them.';
+    const hint = 'Labels that the worker must have (--label), separated by commas.';
     this.element = h(
       'details',
       { class: 'card', open: wanted(asked) !== 'any', oninput: () => this.tell() },
@@ -82,7 +82,7 @@ export class WorkerForm {
   /** Says how many workers there are of the kind that is asked for. */
   private tell(): void {
     const asked = this.value;
-    this.#fault.textContent = asked === null ? 'is no size' : '';
+    this.#fault.textContent = asked === null ? 'is not a size' : '';
     if (asked === null) this.#memory.setAttribute('aria-invalid', 'true');
     else this.#memory.removeAttribute('aria-invalid');
     const found = this.workers.filter((one) => asked !== null && !one.draining && satisfies(one, asked)).length;

@@ -12,8 +12,8 @@ export function nextSteps(numbers: Numbers): HTMLElement {
 
 function* stepsOf(numbers: Numbers): Generator<HTMLElement> {
   if (numbers.workers.length === 0) {
-    yield h('p', {}, 'No worker is connected: nothing is read, fitted or predicted until one is.');
-    yield h('p', {}, 'See ', h('a', { href: '#/workers' }, 'how workers are started'), '.');
+    yield h('p', {}, 'No worker is connected: captures, fits and predictions wait for one.');
+    yield h('p', {}, 'See ', h('a', { href: '#/workers' }, 'how to start workers'), '.');
   }
   if (numbers.captures === 0) {
     yield h('p', {}, 'Upload a recording of a soft object: tracked points or the images of your cameras.');
@@ -24,12 +24,12 @@ function* stepsOf(numbers: Numbers): Generator<HTMLElement> {
   } else if (numbers.fits === 0) {
     const [newest] = numbers.newestCaptures;
     const query = newest === undefined ? '' : `?${new URLSearchParams({ capture: idOf(newest.name) })}`;
-    yield h('p', {}, 'Fit a twin to your recording. With the effort “draft” that takes a minute or so.');
+    yield h('p', {}, 'Fit a twin to your recording. With the effort “draft” this takes about a minute.');
     yield h('p', {}, h('a', { class: 'button primary', href: `#/fits/new${query}` }, 'Fit a twin'));
   }
   const [twin] = numbers.newestTwins;
   if (twin !== undefined && numbers.twins === 1 && !numbers.hasMoreTwins) {
-    yield h('p', {}, 'Your first twin is there: drag its hands, grasp it anywhere, change the world around it.');
+    yield h('p', {}, 'Your first twin is ready: drag its hands, grasp it anywhere, change the world around it.');
     yield h('p', {}, h('a', { class: 'button primary', href: `#/twins/${idOf(twin.name)}/play` }, 'Play with it'));
   }
 }

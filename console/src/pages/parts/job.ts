@@ -15,9 +15,9 @@ const STAGES: Record<string, string> = {
 
 /** Current activity of a job, in a sentence; empty when it has ended. */
 export function stageText({ state, progress: at, cancel_requested, attempts }: Job): string {
-  if (state === 'QUEUED') return attempts > 0 ? 'Waits for a worker, to go on where it was.' : 'Waits for a worker.';
+  if (state === 'QUEUED') return attempts > 0 ? 'Waits for a worker, to resume.' : 'Waits for a worker.';
   if (state !== 'RUNNING') return '';
-  if (cancel_requested) return 'Is being stopped.';
+  if (cancel_requested) return 'Stopping.';
   if (at === null || at === undefined) return 'Begins.';
   const stage = STAGES[at.stage] ?? at.stage;
   const variant = at.variant === '' ? '' : at.stage === 'ingest' ? `: ${at.variant}` : ` (${at.variant})`;

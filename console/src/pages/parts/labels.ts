@@ -77,7 +77,7 @@ export class LabelEditor<T extends Labelled> {
       { class: 'card', onsubmit: (event) => void submit(event) },
       field('Name', named),
       field('Note', note),
-      field('Tags', words, 'Words with spaces between them.'),
+      field('Tags', words, 'Words, separated by spaces.'),
       fault,
       h('div', { class: 'buttons' }, save, h('button', { type: 'button', onclick: () => this.show(true) }, 'Cancel')),
     );

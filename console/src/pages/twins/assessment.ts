@@ -56,10 +56,10 @@ export function qualityView(quality: Quality): HTMLElement {
       ? h(
           'p',
           { class: 'muted' },
-          'The file of this twin has no errors in it. Evaluate it on a capture to measure them.',
+          'This twin has no measured errors. Evaluate it on a capture to measure them.',
         )
       : errorTable(
-          'Mean errors over the frames of the fit (training) and over those after (future)',
+          'Mean errors over the frames of the fit (training) and over later frames (future)',
           'Prediction',
           rows,
           ({ text }) => text,
@@ -135,7 +135,7 @@ function renderedView(quality: Quality): HTMLElement | null {
     {},
     h('h3', {}, 'Renderings'),
     table<RenderedRow>({
-      caption: 'Likeness of renderings to what the cameras saw',
+      caption: 'Likeness of renderings to the recorded images',
       rows,
       columns: [{ header: 'Prediction', cell: ({ text }) => h('bdi', {}, text) }, ...columns],
     }),

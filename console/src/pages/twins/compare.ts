@@ -41,13 +41,13 @@ function sentences(twins: readonly Twin[], names: readonly string[]): string[] {
     const [a, b] = [names[0] ?? '', names[index + 1] ?? ''];
     if (!first.capture || first.capture !== other.capture) {
       return [
-        `${a} and ${b} were measured on different captures: their errors do not compare. Evaluate both on one capture.`,
+        `${a} and ${b} were measured on different captures: their errors are not comparable. Evaluate both on one capture.`,
       ];
     }
     const error = comparedText(a, b, errorOf(first.quality as Quality), errorOf(other.quality as Quality));
     const nodes =
       first.node_count === other.node_count
-        ? 'They have as many nodes.'
+        ? 'They have equally many nodes.'
         : `${a} has ${count(first.node_count)} nodes, ${b} ${count(other.node_count)}.`;
     return error === null ? [nodes] : [`${error} ${nodes}`];
   });

@@ -55,7 +55,7 @@ export function evaluationView(context: PageContext, twin: Twin): HTMLElement {
     field(
       'Capture',
       select,
-      'To another recording of its object it is registered first; all frames count as future then.',
+      'The twin is first registered to another recording of its object; all frames then count as future.',
     ),
     h('div', { class: 'buttons' }, button),
   );

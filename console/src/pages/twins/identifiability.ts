@@ -49,7 +49,7 @@ export function identifiabilityView({ identifiability: report }: Quality, view: 
     h(
       'details',
       { class: 'card' },
-      h('summary', {}, 'Groups of parameters, and recordings that would tell more'),
+      h('summary', {}, 'Groups of parameters, and recordings that would help'),
       groupTable(report),
       nextTable(report),
     ),
@@ -58,20 +58,20 @@ export function identifiabilityView({ identifiability: report }: Quality, view: 
 
 function groupTable(report: Identifiability): HTMLElement {
   return table({
-    caption: 'Groups of parameters, those that matter most first',
+    caption: 'Groups of parameters, the most important first',
     rows: groupsByShare(report),
     columns: [
       { header: 'Group', cell: ({ group }) => groupText(report, group) },
-      { header: 'Left of its range', isNumeric: true, cell: ({ group }) => percent(group.relative_sd) },
+      { header: 'Remaining range', isNumeric: true, cell: ({ group }) => percent(group.relative_sd) },
       { header: 'So it is', cell: ({ group }) => CERTAINTIES[group.certainty] ?? group.certainty },
-      { header: 'Of what is open', isNumeric: true, cell: ({ share }) => percent(share) },
+      { header: 'Share of the uncertainty', isNumeric: true, cell: ({ share }) => percent(share) },
     ],
   });
 }
 
 function nextTable({ next }: Identifiability): HTMLElement {
   return table({
-    caption: 'Recordings that could be made next',
+    caption: 'Suggested next recordings',
     rows: next,
     columns: [
       { header: 'What to do', cell: ({ action }) => prose(action) },

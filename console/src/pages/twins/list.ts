@@ -44,9 +44,9 @@ export const open: OpenPage = (context) => {
       Object.keys(shown.query()).length > 0
         ? empty('No twin has this text and tag.')
         : empty([
-            'There are no twins yet: they come of ',
+            'There are no twins yet: they come from ',
             h('a', { href: '#/fits/new' }, 'fits'),
-            '. The file of a twin can be dropped on this page.',
+            '. You can also drop a twin file on this page.',
           ]),
   });
   return {

@@ -28,8 +28,8 @@ export function parametersView(context: PageContext, path: string, own: () => Pr
       tensors,
       materialFacts(file),
       settings === null && asked === null
-        ? h('p', { class: 'muted' }, 'The file does not say with which settings it was fitted.')
-        : settingsView('Settings that it was fitted with', asked ?? settings, settings),
+        ? h('p', { class: 'muted' }, 'The file does not contain the settings of the fit.')
+        : settingsView('Settings of the fit', asked ?? settings, settings),
     );
   };
   load().catch((error: unknown) => {
@@ -51,7 +51,7 @@ async function tensorTable(file: TwinFile): Promise<HTMLElement> {
         ? value.toExponential(2)
         : count(Number(value.toPrecision(3)));
   return table({
-    caption: 'What the fit found: median, and what nine of ten lie between',
+    caption: 'Fitted values: median, and the range of nine in ten',
     rows,
     columns: [
       { header: 'Parameter', cell: ({ words: [text] }) => text },

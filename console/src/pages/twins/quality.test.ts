@@ -80,29 +80,29 @@ test('the spread of several fits is put into words', () => {
   const spread = { fits: 4, mean_m: 0.002, error_m: 0.005, within: 0.87, rank_correlation: 0.4 };
   expect(spreadText({ spread })).toBe(
     'The predictions of 4 fits are 2 mm apart where the twin is off by 5 mm. ' +
-      '87 % of the points are off by at most twice what that lets expect, and spread and error agree in rank by 0.40.',
+      '87 % of the points have at most twice the expected error, and spread and error agree in rank by 0.40.',
   );
-  expect(spreadText({ spread: { ...spread, rank_correlation: null } })).toMatch(/lets expect\.$/);
+  expect(spreadText({ spread: { ...spread, rank_correlation: null } })).toMatch(/expected error\.$/);
   expect(spreadText({})).toBeNull();
 });
 
 test('differences are put into words', () => {
   expect(comparedText('A', 'B', 0.004, 0.01)).toBe(
-    'A is nearer to frames that it was not fitted to than B by a factor of 2.50: 4 mm against 10 mm.',
+    'A is better than B by a factor of 2.50 on frames that were not fitted: 4 mm against 10 mm.',
   );
   expect(comparedText('A', 'B', 0.01, 0.004)).toBe(
-    'B is nearer to frames that it was not fitted to than A by a factor of 2.50: 4 mm against 10 mm.',
+    'B is better than A by a factor of 2.50 on frames that were not fitted: 4 mm against 10 mm.',
   );
   expect(comparedText('A', 'B', 0.01, 0.0092)).toBe(
-    'No difference between A and B beyond what seeds make: 10 mm against 9.2 mm.',
+    'No difference between A and B beyond that of seeds: 10 mm against 9.2 mm.',
   );
   expect(comparedText('A', 'B', 0, 0)).toContain('No difference');
-  expect(comparedText('A', 'B', 0.01, 0.009)).toContain('B is nearer');
+  expect(comparedText('A', 'B', 0.01, 0.009)).toContain('B is better');
   expect(comparedText('A', 'B', null, 0.1)).toBeNull();
   const choice = { start: 1, held_back_frames: 0, losses: [2, 1, null] };
   expect(choiceText({ choice })).toBe(
-    'Of 3 starts number 2 was chosen: it has the lowest loss over the training frames.',
+    'Start 2 of 3 was chosen: it has the lowest loss over the training frames.',
   );
-  expect(choiceText({ choice: { ...choice, held_back_frames: 6 } })).toContain('6 frames that were held back');
+  expect(choiceText({ choice: { ...choice, held_back_frames: 6 } })).toContain('6 held-back frames');
   expect(choiceText({})).toBeNull();
 });

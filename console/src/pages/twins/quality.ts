@@ -67,7 +67,7 @@ export interface Assessment {
   readonly next: string;
 }
 
-/** The quality table of a twin (docs/twin-format.md, `quality`). */
+/** The quality table of a twin (docs/formats/twin.md, `quality`). */
 export interface Quality {
   readonly scores?: readonly Score[];
   readonly warnings?: readonly string[];
@@ -194,9 +194,9 @@ export function choiceText({ choice }: Quality): string | null {
   if (choice === undefined || choice.losses.length < 2) return null;
   const by =
     choice.held_back_frames > 0
-      ? `predicts the ${choice.held_back_frames} frames that were held back best`
+      ? `best predicts the ${choice.held_back_frames} held-back frames`
       : 'has the lowest loss over the training frames';
-  return `Of ${choice.losses.length} starts number ${choice.start + 1} was chosen: it ${by}.`;
+  return `Start ${choice.start + 1} of ${choice.losses.length} was chosen: it ${by}.`;
 }
 
 /** The spread of several fits in sentences; null for a single fit. */
@@ -205,7 +205,7 @@ export function spreadText({ spread }: Quality): string | null {
   const { fits, mean_m, error_m, within, rank_correlation } = spread;
   const off = millimetres(error_m);
   const apart = `The predictions of ${fits} fits are ${millimetres(mean_m)} apart where the twin is off by ${off}.`;
-  const share = `${Math.round(within * 100)} % of the points are off by at most twice what that lets expect`;
+  const share = `${Math.round(within * 100)} % of the points have at most twice the expected error`;
   if (rank_correlation === null || rank_correlation === undefined) return `${apart} ${share}.`;
   return `${apart} ${share}, and spread and error agree in rank by ${rank_correlation.toFixed(2)}.`;
 }
@@ -218,12 +218,12 @@ export function comparedText(first: string, second: string, a: number | null, b:
   if (a === null || b === null) return null;
   const both = (one: number, other: number): string => `${millimetres(one)} against ${millimetres(other)}`;
   if (Math.max(a, b) <= (1 + SEEDS_DIFFER) * Math.min(a, b)) {
-    return `No difference between ${first} and ${second} beyond what seeds make: ${both(a, b)}.`;
+    return `No difference between ${first} and ${second} beyond that of seeds: ${both(a, b)}.`;
   }
   const [better, worse, ratio] = a < b ? [first, second, b / a] : [second, first, a / b];
   const factor = ratio.toFixed(2);
   const errors = both(Math.min(a, b), Math.max(a, b));
-  return `${better} is nearer to frames that it was not fitted to than ${worse} by a factor of ${factor}: ${errors}.`;
+  return `${better} is better than ${worse} by a factor of ${factor} on frames that were not fitted: ${errors}.`;
 }
 
 function isNumber(value: number | null | undefined): value is number {

@@ -47,12 +47,12 @@ function dropZone({ api }: PageContext): HTMLElement {
       'p',
       {},
       h('strong', {}, 'Drop recordings here'),
-      ', or anywhere on any page: folders, .zip, .tar, .tar.gz and .mcap, several at once.',
+      ', or anywhere on any page: folders, .zip, .tar, .tar.gz and .mcap, also several together.',
     ),
     h(
       'p',
       { class: 'muted' },
-      'Of a folder only the files that are read are sent. An upload that was interrupted goes on where it was.',
+      'Of a folder only the needed files are sent. An interrupted upload resumes where it stopped.',
     ),
     h('div', { class: 'buttons' }, chooser('Choose files', api, false), chooser('Choose a folder', api, true)),
   );
@@ -106,14 +106,14 @@ function labels(): HTMLElement {
   return h(
     'details',
     { class: 'card' },
-    h('summary', {}, 'Name, note, tags and settings of what is dropped or chosen next'),
-    field('Name', named, 'Otherwise that of the file or folder; it counts where one is dropped.'),
+    h('summary', {}, 'Name, note, tags and settings of the next files'),
+    field('Name', named, 'Default: the name of the file or folder. Applies only to a single file or folder.'),
     field('Note', note),
-    field('Tags', tags, 'Words with spaces between them.'),
+    field('Tags', tags, 'Words, separated by spaces.'),
     field('Settings of the ingest', settings, [
       'One a line, as ',
       h('code', {}, 'spacing_m = 0.004'),
-      '. Left out ones have their defaults.',
+      '. Others keep their defaults.',
     ]),
     fault,
   );
@@ -136,7 +136,7 @@ function interrupted(transfers: Transfers, context: PageContext): HTMLElement {
         'p',
         {},
         'These uploads were begun in this browser. ',
-        'Choose or drop the same files again, and they go on where they were.',
+        'Choose or drop the same files again to resume them.',
       ),
       h('ul', { class: 'transfers' }, ...all.map((upload) => interruptedRow(upload, transfers, context))),
     );

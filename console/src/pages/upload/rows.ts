@@ -8,11 +8,11 @@ import { isolated } from '../parts/text';
 import { isUnderWay, type Transfer, type TransferState, type Transfers } from './transfers';
 
 const WORDS: Record<TransferState, [string, Parameters<typeof badge>[1]]> = {
-  queued: ['waits for its turn', 'neutral'],
+  queued: ['waits for other uploads', 'neutral'],
   sending: ['uploading', 'busy'],
   waiting: ['interrupted', 'warn'],
   stored: ['uploaded', 'good'],
-  known: ['was there already', 'good'],
+  known: ['already exists', 'good'],
   failed: ['failed', 'bad'],
   cancelled: ['cancelled', 'neutral'],
 };
@@ -92,7 +92,7 @@ function sourceText({ source, sizeBytes }: Transfer): string {
 
 function textFor({ state, offset, sizeBytes, rate, error }: Transfer): string {
   const there = `${size(offset)} of ${size(sizeBytes)} (${percent(sizeBytes > 0 ? offset / sizeBytes : 0)})`;
-  if (state === 'waiting') return `${textOf(error)} ${there} are there; the upload goes on by itself.`;
+  if (state === 'waiting') return `${textOf(error)} ${there} have arrived; the upload continues by itself.`;
   if (state === 'failed') return textOf(error);
   if (state !== 'sending') return '';
   const speed = rate === null || rate <= 0 ? '' : `, ${size(rate)}/s, ${duration((sizeBytes - offset) / rate)} left`;

@@ -45,7 +45,7 @@ describe('the files of a folder that are sent', () => {
       files(['final_data.pkl', 'metadata.json', 'color/0/0.png', 'split.json']),
     );
     expect(sent(packages)).toEqual([['case', ['final_data.pkl', 'metadata.json', 'split.json']]]);
-    expect(packages[0]).toMatchObject({ left: 1, note: expect.stringContaining('the points are read') as string });
+    expect(packages[0]).toMatchObject({ left: 1, note: expect.stringContaining('the points are used') as string });
   });
 
   test('of several cases, however deep, are one capture each', async () => {

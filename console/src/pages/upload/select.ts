@@ -35,10 +35,10 @@ function asName(text: string): string {
 }
 
 /**
- * The captures in a folder, `root` being its name: each with the files that the server's reader
- * reads of it, as docs/capture-format.md lists them. Archives in it are separate captures. Of a
- * folder in which no capture is recognised all files are sent, for the server to say what is
- * missing, unless no file in it is of a kind that captures have.
+ * The captures in a folder, `root` being its name: each with the files that the server's reader reads of it,
+ * as docs/formats/capture.md has them. Archives in it are captures of their own. Of a folder in
+ * which no capture is recognised all files are sent, for the server to say what is missing, unless
+ * no file in it is of a kind that captures have.
  */
 export async function packagesOf(root: string, given: readonly FolderFile[]): Promise<Package[]> {
   const files = given.filter(
@@ -63,7 +63,7 @@ function noteOf(files: readonly FolderFile[]): string | null {
   const has = (pattern: RegExp): boolean => files.some(({ path }) => pattern.test(path));
   const isTwice = has(/^final_data\.pkl$/) && has(/^color\//) && !has(/^(recordings|capture)\.json$/);
   if (!isTwice) return null;
-  return 'It has tracked points (final_data.pkl) and images: the points are read. Without that file the images are.';
+  return 'It has tracked points (final_data.pkl) and images: the points are used. Without that file the images are used.';
 }
 
 /** Files by the folder, of those given, that they lie in; their paths begin there. */

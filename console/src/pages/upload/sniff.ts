@@ -30,8 +30,8 @@ export function refusal(name: string, content: Content): string | null {
     return `${name} is motion capture, which the command bendtwin capture push converts and sends.`;
   }
   if (content === 'other') {
-    const taken = 'a folder, an archive (.zip, .tar, .tar.gz), an .mcap file, or the file of a twin';
-    return `${name} is no capture: send ${taken}.`;
+    const taken = 'a folder, an archive (.zip, .tar, .tar.gz), an .mcap file, or a twin file';
+    return `${name} is not a capture: send ${taken}.`;
   }
   return null;
 }

@@ -16,7 +16,7 @@ export interface Options {
 }
 
 const NOTHING_READ =
-  'There is no capture in it: no file is of a kind that captures have, such as capture.json, metadata.json or final_data.pkl.';
+  'It contains no capture: it has none of the files of a capture, such as capture.json, metadata.json or final_data.pkl.';
 
 /** Event `said` with a sentence about files that were not taken. */
 class Intake extends EventTarget {

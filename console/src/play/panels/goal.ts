@@ -7,10 +7,10 @@ import { button, panel, press, toggle } from './parts';
 
 const TOLERANCE_M = 0.01;
 const STATES: Readonly<Record<GoalProgress['state'], string>> = {
-  planning: 'The planner is looking for a way',
+  planning: 'The planner is searching for a motion',
   moving: 'On the way',
   reached: 'Reached',
-  not_reached: 'Not reached: this is as near as the planner came',
+  not_reached: 'Not reached: this is the nearest that the planner found',
   stopped: 'Stopped',
 };
 
@@ -26,7 +26,7 @@ export function goalPanel({ scene, send, say }: Playing): GoalPanel {
   const { goal, stage } = scene;
   const state = h('p', { role: 'status' });
   const mode = toggle('Set a goal', (on) => {
-    if (on) say('Drag a point of the object to where it is to be.');
+    if (on) say('Drag a point of the object to its goal.');
   });
   const fields = [
     h('input', { type: 'number', step: 1, min: 0, 'aria-label': 'Node' }),
@@ -66,7 +66,7 @@ export function goalPanel({ scene, send, say }: Playing): GoalPanel {
   return {
     element: panel('Goal', false,
       h('p', { class: 'hint' },
-        'The planner moves the hands that hold the object so that its points come to their goals.'),
+        'The planner moves the hands that hold the object so that its points reach their goals.'),
       h('div', { class: 'row' }, mode, go, stop, clear),
       state,
       h('details', {}, h('summary', {}, 'By numbers'),

@@ -10,7 +10,7 @@ export interface GrippersPanel extends Panel {
 
 /** Hands and pointers: which of them keys move, and what they hold. */
 export function grippersPanel({ scene, driver }: Playing, selected: () => void): GrippersPanel {
-  const list = h('div', { role: 'radiogroup', 'aria-label': 'Gripper that keys move' });
+  const list = h('div', { role: 'radiogroup', 'aria-label': 'Gripper moved by keys' });
   const keeps = h('input', { type: 'checkbox' });
   let shown = '';
   const refresh = (): void => {

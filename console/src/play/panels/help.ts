@@ -2,15 +2,15 @@ import { h } from '../../ui/dom';
 import { panel } from './parts';
 
 const KEYS: readonly (readonly [string, string])[] = [
-  ['Drag a point of the object', 'takes hold of it; letting go drops it, with Shift it stays held'],
+  ['Drag a point of the object', 'grasps it; releasing drops it, with Shift it stays held'],
   ['Drag an orange ball', 'moves that hand'],
   ['Wheel while dragging', 'away from you and towards you'],
-  ['Drag beside the object', 'turns the view; right button or two fingers move it; wheel or pinch comes closer'],
-  ['Tab, Shift and Tab', 'the next or previous gripper; after the last one out of the picture'],
+  ['Drag beside the object', 'rotates the view; right button or two fingers move it; wheel or pinch zooms'],
+  ['Tab, Shift and Tab', 'the next or previous gripper; after the last one leaves the picture'],
   ['Arrows, page up and page down', 'move the selected gripper along the ground, up and down'],
-  ['Space', 'grasps the nearest point, or lets go'],
-  ['Shift and arrows', 'turn the view, with Control as well they move it; plus and minus come closer and go away'],
-  ['Gamepad', 'left stick along the ground, right stick up and down, A grasps and lets go, shoulder buttons select'],
+  ['Space', 'grasps the nearest point, or releases it'],
+  ['Shift and arrows', 'rotate the view, or move it with Control; plus and minus zoom'],
+  ['Gamepad', 'left stick along the ground, right stick up and down, A grasps and releases, shoulder buttons select'],
 ];
 
 /** Help for mouse, keys and gamepad. */

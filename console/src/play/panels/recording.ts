@@ -32,7 +32,7 @@ export function recordingPanel({ context, ready, send, say, name }: Playing): Pa
   return {
     element: panel('Recording', false,
       h('div', { class: 'row' }, record, replay, ...saves), state,
-      h('p', { class: 'hint' }, 'JSON has rollouts that anyone can repeat, CSV the poses of the grippers.')),
+      h('p', { class: 'hint' }, 'JSON has rollouts that reproduce the motion, CSV the poses of the grippers.')),
     update: (facts) => {
       press(record, facts.recording !== null);
       press(replay, facts.replay !== null);

@@ -19,7 +19,7 @@ struct Other {
 const REALSENSE_BAG: Other = Other {
     what: "a RealSense recording (.bag)",
     advice: "its depth is not aligned to colour yet: play it with pyrealsense2 through `rs.align(rs.stream.color)` and \
-             write colour and depth as PNG (docs/capture-format.md, section 6.2, has the script)",
+             write colour and depth as PNG (docs/formats/capture.md, section 6.2, has the script)",
 };
 const ROS1_BAG: Other = Other {
     what: "a bag of ROS 1",
@@ -33,7 +33,7 @@ const ROS2_DATABASE: Other = Other {
 const VIDEO: Other = Other {
     what: "a video, which has no depth and whose frames are packed",
     advice: "write its frames as images with `ffmpeg -i FILE -fps_mode passthrough -start_number 0 color/0/%d.png`, \
-             beside depth and calibration (docs/capture-format.md, section 6)",
+             beside depth and calibration (docs/formats/capture.md, section 6)",
 };
 const PACKED: Other = Other {
     what: "an archive of another kind",
@@ -41,7 +41,7 @@ const PACKED: Other = Other {
 };
 const HDF5: Other = Other {
     what: "an HDF5 file",
-    advice: "write its images as PNG into folders (docs/capture-format.md, section 6), or its points with \
+    advice: "write its images as PNG into folders (docs/formats/capture.md, section 6), or its points with \
              `client.upload_motion` of the Python client",
 };
 

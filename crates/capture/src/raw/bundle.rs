@@ -1,5 +1,5 @@
 //! The raw form of BendTwin's bundle: `capture.json` with a `raw` section, images and arrays, in a
-//! folder or a ZIP archive. `docs/capture-format.md` specifies it for other programs.
+//! folder or a ZIP archive. `docs/formats/capture.md` specifies it for other programs.
 
 mod reader;
 mod section;

@@ -1,8 +1,8 @@
 //! Defaults of a fit: one table, by kind of object, device and effort. Settings that are left open take
-//! their values from it before a fit begins, and its twin carries the result; docs/settings.md shows
+//! their values from it before a fit begins, and its twin carries the result; docs/use/settings.md shows
 //! the same table, and a test compares the two.
 //!
-//! A twin predicts at its skin, so that a body needs few nodes (docs/accuracy.md has the errors).
+//! A twin predicts at its skin, so that a body needs few nodes (docs/use/accuracy.md has the errors).
 //! The search finds the order of magnitude of stiffness and damping, which takes a few generations;
 //! what is left is for the refinement.
 

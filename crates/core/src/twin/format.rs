@@ -1,4 +1,4 @@
-//! The twin file: one safetensors container. `docs/twin-format.md` specifies it
+//! The twin file: one safetensors container. `docs/formats/twin.md` specifies it
 //! for other programs; [`Twin::decode`] checks every index and number, so a
 //! decoded twin can be simulated without further checks.
 

@@ -159,5 +159,5 @@ fn the_nodes_of_a_cable_are_as_far_apart_as_they_follow_one_another() {
 #[test]
 fn the_paragraph_begins_with_the_level() {
     let text = assess(&table(4.0, 100.0, 5.0), SCALE).to_string();
-    assert!(text.starts_with("To be trusted: good. On frames"), "{text}");
+    assert!(text.starts_with("Verdict: good. On frames"), "{text}");
 }

@@ -1,4 +1,4 @@
-//! The head of a playback: what there is, and where in the data it lies. `docs/playback.md` specifies
+//! The head of a playback: what there is, and where in the data it lies. `docs/formats/playback.md` specifies
 //! it for other programs.
 
 use bendtwin_capture::raw::{Camera, Distortion};

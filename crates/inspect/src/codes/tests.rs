@@ -2,10 +2,10 @@ use super::*;
 
 #[test]
 fn the_document_has_every_code_with_its_advice() {
-    let document = include_str!("../../../../docs/errors.md");
+    let document = include_str!("../../../../docs/use/errors.md");
     for code in Code::ALL {
         let row = format!("| `{}` | {} | {} |", code.name(), code.meaning(), code.advice());
-        assert!(document.contains(&row), "docs/errors.md lacks: {row}");
+        assert!(document.contains(&row), "docs/use/errors.md lacks: {row}");
     }
 }
 

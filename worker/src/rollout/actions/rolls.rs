@@ -7,7 +7,7 @@
 //! smallest rotation M from d to d'. The rest, the twist of M⁻¹ Q about d, is the clamp's roll in
 //! that frame, between -π and π, positive by the right hand along the rod; an end's is the sum over
 //! frames, and 0 in the first row. The near end's less the far end's has the sign of the twist that
-//! nodes tell (docs/twin-format.md): when grippers turn a bent cable as one body, the two undo one
+//! nodes tell (docs/formats/twin.md): when grippers turn a bent cable as one body, the two undo one
 //! another. Rolls of other edges that grasps hold are the engine's.
 //!
 //! Rolls are multiples of [`QUANTUM`], so that their differences from frame to frame are exact up

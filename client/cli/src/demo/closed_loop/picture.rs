@@ -83,7 +83,7 @@ impl Scene {
             WIDTH - MARGIN,
             20.0,
             FAINT,
-            "goal: green   way of the end: orange",
+            "goal: green   path of the end: orange",
             Align::Right,
         );
         for (from, view, panel) in &views {

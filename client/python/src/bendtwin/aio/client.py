@@ -201,7 +201,7 @@ class Client:
         request_id: str | None = None,
         requirements: Requirements | None = None,
     ) -> Capture:
-        """Has a capture read again, with other settings say (docs/settings.md).
+        """Has a capture read again, with other settings say (docs/use/settings.md)."""
 
         Without `requirements` any worker will do.
         """
@@ -265,7 +265,7 @@ class Client:
         display_name: str = "",
         requirements: Requirements | None = None,
     ) -> Fit:
-        """Starts a fit of a capture. `settings` are those of docs/settings.md.
+        """Starts a fit of a capture. `settings` are those of docs/use/settings.md.
 
         Without a `display_name` it has its capture's; without `requirements` any worker will do.
         """
@@ -369,7 +369,7 @@ class Client:
         return self._twin(await self._caller.run(calls.update_twin(name, change)))
 
     async def export_twin(self, name: str, path: str | PathLike[str]) -> None:
-        """Writes a twin's file (safetensors, docs/twin-format.md)."""
+        """Writes a twin's file (safetensors, docs/formats/twin.md)."""
         await self._caller.save(calls.export_twin(name), path)
 
     async def import_twin(

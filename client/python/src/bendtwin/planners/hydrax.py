@@ -38,8 +38,8 @@ from bendtwin.state import InitialState
 
 
 class TwinTask(HydraxTask):
-    """Its controls are velocities of the coordinates [D] of a task's action space; costs are those
-    of the task."""
+    """A task of hydrax: controls are velocities of the coordinates [D] of a task's action space;
+    costs are those of the task."""
 
     def __init__(self, task: Task, *, fastest: npt.ArrayLike, nodes: Sequence[int] = ()) -> None:
         """Makes the task.

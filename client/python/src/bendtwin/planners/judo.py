@@ -39,9 +39,9 @@ class TwinTaskConfig(TaskConfig):
 
 
 class TwinTask(JudoTask[TwinTaskConfig]):
-    """Its controls are velocities of the coordinates [D] of a task's action space, its states are
-    coordinates and velocities [2 D], its sensors the positions of nodes [3 M] and the cost of the
-    frame. Override `reward` for another one of these.
+    """A task of judo: controls are velocities of the coordinates [D] of a task's action space,
+    states are coordinates and velocities [2 D], its sensors the positions of nodes [3 M] and the
+    cost of the frame. Override `reward` for another one of these.
     """
 
     config_t = TwinTaskConfig

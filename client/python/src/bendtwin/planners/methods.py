@@ -144,7 +144,7 @@ class GradientDescent(Planner):
         Args:
             problem: Task to minimize.
             rate: Largest step of an iteration, a number or by coordinate [D]: metres, radians.
-            samples: Plans that are followed at once; the others begin sigma away.
+            samples: Plans that are followed together; the others begin sigma away.
             iterations: Of one call of `plan`.
             settings: Those of `Planner`.
         """
@@ -175,7 +175,7 @@ class GradientDescent(Planner):
         gradients[:, 0] = 0.0
         whole = np.isfinite(gradients).all(axis=(1, 2)) & keeps
         gradients[~whole] = 0.0
-        # A plan that diverged goes on from the best one.
+        # A plan that diverged continues from the best one.
         plans = np.where(whole[:, None, None], candidates, best)
         # One beyond the limit, where the gradient of the cost says nothing of how to keep it, goes
         # half the way back to where it kept it last, to the best one if that keeps it, or to

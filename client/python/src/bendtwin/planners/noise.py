@@ -8,7 +8,7 @@ import numpy.typing as npt
 
 def deviations(sigma: npt.ArrayLike, knots: int, dims: int) -> npt.NDArray[np.float64]:
     """Standard deviations [K, D]: 0 in row 0, where things are; `sigma` is a number, [D] or
-    [K, D] or whatever broadcasts to that."""
+    [K, D] or any shape that broadcasts to that."""
     array = np.asarray(sigma, dtype=np.float64)
     try:
         full = np.broadcast_to(array, (knots, dims)).copy()

@@ -48,7 +48,7 @@ class OnServer:
 
         Raises:
             EveryPlanDiverged: If no plan of the first iteration could be simulated.
-            BendTwinError: If the server refuses; see docs/errors.md.
+            BendTwinError: If the server refuses; see docs/use/errors.md.
             ValueError: If paths or closings of the task change between knots.
         """
         task, began = self.task.at(self._frame), time.monotonic()

@@ -16,7 +16,7 @@ Origin = Literal["nominal", "mean", "sample"]
 
 @dataclass(frozen=True, kw_only=True)
 class Planned:
-    """The best of all knots that were simulated, never worse than the nominal ones."""
+    """The best of all simulated knots, never worse than the nominal ones."""
 
     #: Knots [K, D] in the coordinates of the action space.
     knots: Array
@@ -31,8 +31,8 @@ class Planned:
     #: "deadline" if there was no time for all iterations.
     stopped: Literal["iterations", "deadline"]
     problem: Problem | Task = field(repr=False)
-    #: How far the strain of the material is beyond the limit of `Plausibility`: 0, unless no plan
-    #: kept it. A plan beyond it is worse than all that keep it, whatever its cost.
+    #: Excess of the strain of the material over the limit of `Plausibility`: 0, unless every plan
+    #: exceeded it. Plans beyond the limit are worse than all within, regardless of cost.
     excess_strain: float = 0.0
     #: Number of the simulated plans that did not diverge and were beyond it.
     overstrained: int = 0

@@ -37,14 +37,14 @@ class EveryPlanDiverged(RuntimeError):
 
 
 class Planner(ABC):
-    """A planner with a warm start: each plan begins where the one before it ended.
+    """A planner with a warm start: each plan starts from the previous one.
 
     After executing some frames call `shift` with their number, then `plan` with the new state.
     """
 
     #: True if the method needs gradients of the cost.
     _gradients: ClassVar[bool] = False
-    #: What `finest` is where it is not given.
+    #: Default of `finest`.
     _finest: ClassVar[float] = 1.0
 
     def __init__(
@@ -65,19 +65,19 @@ class Planner(ABC):
 
         Args:
             problem: Task to minimize: a `Task` for a twin.
-            knots: Number of knots K; row 0 is where things are.
-            samples: Plans that are simulated in an iteration.
+            knots: Number of knots K; row 0 is the current position.
+            samples: Plans simulated in an iteration.
             iterations: Of one call of `plan`.
             sigma: Standard deviation of samples: a number, one by coordinate [D], or by knot and
                 coordinate [K, D]; metres, radians for rotations.
-            correlation: Between neighbouring knots of a sample, 0..1: larger is smoother.
+            correlation: Correlation of neighbouring knots of a sample, 0..1: larger is smoother.
             finest: Samples have sigma times a factor, evenly spread in its logarithm from 1 to
                 this, 0..1: large ones find ways, small ones the goal. None: 0.03, and 1 for methods
                 that shrink their samples themselves.
             bounds: Limits that every plan keeps.
             deadline_s: Time for one call of `plan`, which then returns the best so far. The first
                 iteration is always finished.
-            seed: Same seed, same plans.
+            seed: The same seed gives the same plans.
         """
         if knots < 2 or samples < 1 or iterations < 1:
             raise ValueError("a planner needs two knots, one sample and one iteration, or more")
@@ -111,7 +111,7 @@ class Planner(ABC):
 
         Raises:
             EveryPlanDiverged: If no plan of the first iteration could be simulated.
-            BendTwinError: If the server refuses; see docs/errors.md.
+            BendTwinError: If the server refuses; see docs/use/errors.md.
         """
         began = time.monotonic()
         search = _Search(

@@ -20,8 +20,8 @@ from bendtwin.state import InitialState
 
 
 class TwinMppi(MPPI):
-    """Its state is the coordinates [D] of the task's action space, its actions are their changes
-    from frame to frame, and its horizon is the task's."""
+    """MPPI whose state is the coordinates [D] of the task's action space, whose actions are their
+    changes from frame to frame, and whose horizon is the task's."""
 
     def __init__(self, task: Task, noise_sigma: torch.Tensor, **settings: Any) -> None:
         """`settings` are those of `pytorch_mppi.MPPI`."""

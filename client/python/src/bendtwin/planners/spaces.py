@@ -1,8 +1,9 @@
 """Action spaces: what the coordinates of a plan move.
 
-A plan is knots [K, D]. Coordinates are differences from where the space starts, so that zeros
-always mean to stay there: `start` is where the control points, or the grippers, are when planning
-begins. It does not move with the loop; row 0 of a plan says where they are now.
+A plan consists of knots [K, D]. Coordinates are differences from the start of the space, so that
+zeros always mean to stay there: `start` has the positions of the control points, or the poses of
+the grippers, when planning begins. It does not move with the loop; row 0 of a plan is their current
+position.
 """
 
 from __future__ import annotations
@@ -81,7 +82,7 @@ class Together(_Trajectories):
 
 
 class PerHand(_Trajectories):
-    """Each hand moves its control points by an offset of its own: D = 3 H."""
+    """Each hand moves its control points by a separate offset: D = 3 H."""
 
     _coordinates = planning_pb2.ActionSpace.PER_GROUP
 
@@ -115,7 +116,7 @@ class PerHand(_Trajectories):
 
 
 class Points(_Trajectories):
-    """Every control point moves by an offset of its own: D = 3 C."""
+    """Every control point moves by a separate offset: D = 3 C."""
 
     _coordinates = planning_pb2.ActionSpace.POINTS
 

@@ -73,8 +73,8 @@ class Problem(Protocol):
 class Task:
     """Costs of a twin's motion over a horizon, as a function of knots in an action space.
 
-    All planners and adapters ask for rollouts and plans by `request`, so that they see whatever is
-    said here.
+    All planners and adapters request rollouts and plans by `request`, so that all options here
+    apply to them.
     """
 
     twin: Twin
@@ -85,7 +85,7 @@ class Task:
     frames: int
     interpolation: Interpolation = "linear"
     fidelity: Fidelity = "exact"
-    #: State that planners begin in if they are given no other; of a session: `SessionSlots`.
+    #: State from which planners start by default; for a session: `SessionSlots`.
     initial: InitialState = _REST
     #: Ground, gravity and colliders. A `Collider.path` has a pose for each frame boundary, [T, 7],
     #: of which the last holds on.
@@ -97,7 +97,7 @@ class Task:
     vary: Vary | None = None
     ensemble: Ensemble | None = None
     #: Of gradients, and of the costs beside them: gradients through impacts mislead, so smooth the
-    #: contact of what lies on something (docs/gradients.md). Costs without gradients stay.
+    #: contact of what lies on something (docs/use/gradients.md). Costs without gradients stay.
     gradient: GradientOptions | None = None
     #: With `refuse` plans beyond the limits count as diverged.
     plausibility: Plausibility | None = None

@@ -44,7 +44,7 @@ def simulate(
 ) -> Motion:
     """Moves the coordinates from where they are now [D] by velocities [N, F, D] per second.
 
-    The horizon is F frames, whatever that of the task is. Costs of the state that it starts from
+    The horizon is F frames, independent of that of the task. Costs of the state that it starts from
     are left out: no control changes them.
     """
     steps = np.asarray(velocities, dtype=np.float64) * task.frame_s

@@ -95,7 +95,7 @@ fn with(change: impl FnOnce(&mut Value)) -> FileMap {
 
 #[test]
 fn the_documented_example_is_read() {
-    let text = include_str!("../../../../../docs/capture-format.md");
+    let text = include_str!("../../../../../docs/formats/capture.md");
     let mut examples = text.split("```json").skip(1).filter_map(|rest| rest.split("```").next());
     let example = examples.find(|example| example.contains("\"raw\"")).unwrap();
     let mut files = FileMap::from([("capture.json".to_owned(), example.as_bytes().to_vec())]);
