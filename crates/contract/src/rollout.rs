@@ -24,8 +24,6 @@ mod twin;
 /// Metadata of a call from the server to a worker: the length of its message, for which the worker
 /// takes memory before it reads it.
 pub const REQUEST_BYTES: &str = "bendtwin-request-bytes";
-/// Most dimensions of a tensor.
-pub const MOST_DIMENSIONS: usize = 8;
 
 pub use self::{
     check::{

@@ -1,5 +1,5 @@
 use axum::body::Body;
-use bendtwin_proto::rollout;
+use bendtwin_contract::rollout;
 use bytes::Bytes;
 use futures::stream;
 

@@ -1,9 +1,7 @@
 //! A request that has passed the check, and the memory that it takes.
 
-use bendtwin_proto::{
-    rollout::{self, Batch, Limits},
-    v1::RollOutRequest,
-};
+use bendtwin_contract::rollout::{self, Batch, Limits};
+use bendtwin_proto::v1::RollOutRequest;
 
 use super::{error::Error, plan::shape, serve::Served};
 use crate::cut;

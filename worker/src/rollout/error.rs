@@ -1,9 +1,10 @@
 //! Reasons why a rollout is refused or fails.
 
 use bendtwin_budget::Exhausted;
+use bendtwin_contract::{registration, rollout};
 use bendtwin_core::{Category, Problem, twin::format::FormatError};
 use bendtwin_engine::backend;
-use bendtwin_proto::{registration, rollout, tensor::TensorError};
+use bendtwin_proto::tensor::TensorError;
 use bendtwin_register as register;
 
 use crate::{artifact::FetchError, budget::is_passing};

@@ -1,11 +1,9 @@
 //! Observations and options of a checked request as `bendtwin-register` takes them, and what it
 //! finds as messages.
 
+use bendtwin_contract::registration::{MAX_CAMERAS, MAX_POINTS};
 use bendtwin_core::{Graph, Point, Skin};
-use bendtwin_proto::{
-    registration::{MAX_CAMERAS, MAX_POINTS},
-    v1::{self, Tensor, observation::Places, observation::Tracks},
-};
+use bendtwin_proto::v1::{self, Tensor, observation::Places, observation::Tracks};
 use bendtwin_register::{
     self as register, CorrectOptions, Explained, Observation, Residual, Tracking, bind_tracks,
 };

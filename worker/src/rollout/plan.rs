@@ -4,13 +4,13 @@
 use std::sync::Arc;
 
 use bendtwin_budget::Share;
+use bendtwin_contract::rollout::{PlannerShape, TwinShape};
 use bendtwin_core::{CancelToken, Point, Twin};
 use bendtwin_engine::{
     Backend, Motion,
     backend::{Instance, Rollout},
     model::State,
 };
-use bendtwin_proto::rollout::{PlannerShape, TwinShape};
 
 use super::{
     actions::{Actions, Floor, Horizon, Stopped, Stops},

@@ -11,6 +11,7 @@
 
 use std::sync::{Arc, Mutex};
 
+use bendtwin_contract::rollout;
 use bendtwin_core::PlannersTwin;
 use bendtwin_engine::{
     Backend, Loaded, Model,
@@ -18,9 +19,8 @@ use bendtwin_engine::{
     planner::{carried, lost_grasp, thinned},
     world::Grasping,
 };
-use bendtwin_proto::{
-    rollout,
-    v1::{self, PointSet, RollOutRequest, Tensor, cost::Kind, grasp::Region, initial_state},
+use bendtwin_proto::v1::{
+    self, PointSet, RollOutRequest, Tensor, cost::Kind, grasp::Region, initial_state,
 };
 use tokio::sync::OnceCell;
 

@@ -1,15 +1,13 @@
 //! Motion that no robot makes and no material survives: what is flagged in replies, and refused if
 //! the request says so.
 
+use bendtwin_contract::rollout::ImplausibleReason as Reason;
 use bendtwin_core::{
     Plane, Point,
     geometry::{dot, length, scaled, sub},
 };
 use bendtwin_engine::{backend::Rollout, world::Shape};
-use bendtwin_proto::{
-    rollout::ImplausibleReason as Reason,
-    v1::{Plausibility as Wire, roll_out_response::Implausible},
-};
+use bendtwin_proto::v1::{Plausibility as Wire, roll_out_response::Implausible};
 
 use super::{actions::Stopped, error::Error, world::Path};
 

@@ -3,12 +3,10 @@
 
 use std::sync::Arc;
 
+use bendtwin_contract::rollout;
 use bendtwin_core::{Point, Skin, geometry::wide};
 use bendtwin_engine::backend::Rollout;
-use bendtwin_proto::{
-    rollout,
-    v1::{PointSet, Returns, Tensor},
-};
+use bendtwin_proto::v1::{PointSet, Returns, Tensor};
 
 use super::error::Error;
 

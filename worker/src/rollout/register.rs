@@ -3,10 +3,10 @@
 
 use std::sync::Arc;
 
+use bendtwin_contract::registration;
 use bendtwin_core::{CancelToken, Point, ids::TwinId};
 use bendtwin_engine::{Loaded, model::State};
 use bendtwin_proto::{
-    registration,
     v1::{self, RegisterStateRequest, RegisteredState, Tensor, initial_state::GivenState},
     worker::v1::ExecuteRegisterStateRequest,
 };

@@ -8,6 +8,7 @@ use std::{
 };
 
 use bendtwin_budget::Share;
+use bendtwin_contract::rollout;
 use bendtwin_core::{
     CancelToken, Capture, Point, Twin,
     ids::{CaptureId, TwinId},
@@ -18,7 +19,6 @@ use bendtwin_engine::{
     model::State,
 };
 use bendtwin_eval::{check_capture, initial_state};
-use bendtwin_proto::rollout;
 use tempfile::NamedTempFile;
 
 use super::{

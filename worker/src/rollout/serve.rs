@@ -6,9 +6,9 @@ use std::{
     sync::{Arc, PoisonError},
 };
 
+use bendtwin_contract::rollout;
 use bendtwin_core::{FastVariant, Fidelity, Twin};
 use bendtwin_engine::{Backend, Loaded, Model, fidelity::Reduction};
-use bendtwin_proto::rollout;
 
 use super::{error::Error, planner::PlannersWarm, rest_shape::RestShape, warm::Warm};
 use crate::device::{Device, Priority};

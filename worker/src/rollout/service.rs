@@ -12,12 +12,12 @@ use std::{
 };
 
 use bendtwin_budget::Share;
+use bendtwin_contract::rollout::{self, Limits};
 use bendtwin_core::{CancelToken, Problem as _, ids::TwinId};
 use bendtwin_engine::backend;
 use bendtwin_proto::{
     deadline::timeout,
     fault,
-    rollout::{self, Limits},
     v1::RollOutResponse,
     worker::v1::{
         ExecuteEvaluateTwinRequest, ExecuteEvaluateTwinResponse, ExecuteRegisterStateRequest,

@@ -6,13 +6,13 @@
 
 use std::sync::Arc;
 
+use bendtwin_contract::rollout;
 use bendtwin_core::{CancelToken, Point, geometry::distance};
 use bendtwin_engine::{
     Backend, Objective,
     backend::{Instance, Outputs},
     model::State,
 };
-use bendtwin_proto::rollout;
 use bendtwin_register::leave_obstacles;
 
 use super::{error::Error, initial::Start, warm::Warm, world::Still};

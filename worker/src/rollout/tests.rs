@@ -16,12 +16,12 @@ mod world;
 
 use std::{sync::Arc, time::Instant};
 
+use bendtwin_contract::rollout::{self, Limits};
 use bendtwin_core::{
     CancelToken, Category, Contact, Environment, Graph, NodeKind, Params, Problem as _, Quality,
     Skin, Timing, Twin, environment::ControlVelocity, ids::TwinId, twin::Provenance,
 };
 use bendtwin_engine::{Backend, Model};
-use bendtwin_proto::rollout::{self, Limits};
 use bendtwin_proto::v1::{
     ControlTrajectories, Cost, InitialState, KnotTimes, Returns, RollOutRequest, RollOutResponse,
     Tensor,

@@ -11,15 +11,13 @@
 
 use std::{collections::HashMap, sync::Arc};
 
+use bendtwin_contract::rollout::{MOST_SUBSTEPS, finer_substeps};
 use bendtwin_core::{CancelToken, Params};
 use bendtwin_engine::{
     Backend, Loaded, Model, Objective, Term, World, backend, enough_substeps,
     objective::WeightedTerm,
 };
-use bendtwin_proto::{
-    rollout::{MOST_SUBSTEPS, finer_substeps},
-    v1::{Tensor, Vary},
-};
+use bendtwin_proto::v1::{Tensor, Vary};
 
 use super::{error::Error, rest_shape::RestShape, world::Surroundings};
 

@@ -1,15 +1,14 @@
 //! Requests for plans that are right but for one thing, for tests: the check and the server must
 //! refuse each of them with the same fault.
 
-use crate::{
-    rollout::{TwinShape, cases},
-    v1::{
-        ActionSpace, GripperPoses, PlanBounds, PlanMethod, PlanRequest, RollOutRequest, Tensor,
-        action_space::Coordinates,
-        plan_method::{Cem, Gradient, Method, Mppi},
-        roll_out_request::Actions,
-    },
+use bendtwin_proto::v1::{
+    ActionSpace, GripperPoses, PlanBounds, PlanMethod, PlanRequest, RollOutRequest, Tensor,
+    action_space::Coordinates,
+    plan_method::{Cem, Gradient, Method, Mppi},
+    roll_out_request::Actions,
 };
+
+use crate::rollout::{TwinShape, cases};
 
 /// A malformed request.
 #[derive(Clone, Debug)]

@@ -1,12 +1,10 @@
 //! The check of a request for a plan, and what it leaves of it.
 
 use bendtwin_plan::{Movement, Settings};
+use bendtwin_proto::v1::{PlanRequest, Returns, RollOutRequest};
 
 use super::{Error, Template, settings::settings, space, template};
-use crate::{
-    rollout::{self, Batch, Limits, SessionParts, TwinShape, tensors::floats, within},
-    v1::{PlanRequest, Returns, RollOutRequest},
-};
+use crate::rollout::{self, Batch, Limits, SessionParts, TwinShape, tensors::floats, within};
 
 /// Most plans that are simulated for one: their costs are kept.
 pub const MOST_PLANS: u64 = 1_000_000;

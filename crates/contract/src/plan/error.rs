@@ -2,8 +2,9 @@
 
 use bendtwin_core::{Category, Problem};
 use bendtwin_plan::Invalid;
+use bendtwin_proto::tensor::TensorError;
 
-use crate::{rollout, tensor::TensorError};
+use crate::rollout;
 
 /// Reason to refuse a request for a plan.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]

@@ -3,17 +3,15 @@
 use std::time::Duration;
 
 use bendtwin_plan::{Bounds, Curve, Limit, Method, Settings};
+use bendtwin_proto::v1::{
+    Interpolation, KnotTimes, PlanMethod, PlanRequest, RollOutRequest, Tensor, knot_times::Times,
+    plan_method, roll_out_request::Actions, tensor::Dtype,
+};
 
 use super::Error;
-use crate::{
-    rollout::{
-        Batch,
-        tensors::{floats, given, required},
-    },
-    v1::{
-        Interpolation, KnotTimes, PlanMethod, PlanRequest, RollOutRequest, Tensor,
-        knot_times::Times, plan_method, roll_out_request::Actions, tensor::Dtype,
-    },
+use crate::rollout::{
+    Batch,
+    tensors::{floats, given, required},
 };
 
 /// Standard deviation of samples without another [m or rad].

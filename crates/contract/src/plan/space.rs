@@ -1,14 +1,14 @@
 //! The action space of a plan.
 
 use bendtwin_plan::Movement;
+use bendtwin_proto::v1::{
+    ActionSpace, action_space::Coordinates, roll_out_request::Actions, tensor::Dtype,
+};
 
 use super::Error;
-use crate::{
-    rollout::{
-        SHORTEST_QUATERNION,
-        tensors::{finite, floats, given, indices, required},
-    },
-    v1::{ActionSpace, action_space::Coordinates, roll_out_request::Actions, tensor::Dtype},
+use crate::rollout::{
+    SHORTEST_QUATERNION,
+    tensors::{finite, floats, given, indices, required},
 };
 
 const COORDINATES: &str = "space.coordinates";

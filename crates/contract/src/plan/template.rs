@@ -1,14 +1,12 @@
 //! The rollout of a plan: the request without its actions, for batches of any size.
 
+use bendtwin_proto::v1::{
+    Ensemble, KnotTimes, Plausibility, Returns, RollOutRequest, Tensor, ensemble::Statistic,
+    knot_times::Times, roll_out_request::Actions,
+};
 use prost::Message as _;
 
-use crate::{
-    rollout::{self, Batch, ImplausibleReason, Limits, TwinShape, within},
-    v1::{
-        Ensemble, KnotTimes, Plausibility, Returns, RollOutRequest, Tensor, ensemble::Statistic,
-        knot_times::Times, roll_out_request::Actions,
-    },
-};
+use crate::rollout::{self, Batch, ImplausibleReason, Limits, TwinShape, within};
 
 /// A rollout of one instance whose actions are to be replaced.
 #[derive(Clone, Debug)]

@@ -1,17 +1,15 @@
 //! Observations that are right but for one thing, for tests: the check, the server and the worker must
 //! refuse each of them with the same fault.
 
+use bendtwin_proto::v1::{
+    Collider, InitialState, Observation, RegisterOptions, RegisterStateRequest, Tensor, World,
+    initial_state::{GivenState, SessionSlots, State},
+    observation::{Places, Tracks},
+    tensor::Dtype,
+};
 use bytes::Bytes;
 
-use crate::{
-    rollout::TwinShape,
-    v1::{
-        Collider, InitialState, Observation, RegisterOptions, RegisterStateRequest, Tensor, World,
-        initial_state::{GivenState, SessionSlots, State},
-        observation::{Places, Tracks},
-        tensor::Dtype,
-    },
-};
+use crate::rollout::TwinShape;
 
 /// A malformed request.
 #[derive(Clone, Debug)]

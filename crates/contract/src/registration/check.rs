@@ -2,17 +2,16 @@
 //! counted out before it is known to be within the limits; nothing is allocated but shapes. Most
 //! numbers of options and weights are left to `bendtwin-register`, which knows what they mean.
 
+use bendtwin_proto::v1::{
+    CorrectOptions, CorrectSessionRequest, Observation, OpenSessionRequest, RegisterStateRequest,
+    Tensor, initial_state::State, observation::Tracks, tensor::Dtype,
+};
+
 use super::{
     Error, correction_reply_bytes, correction_work, memory_bytes, registration_work, reply_bytes,
     settle_frames,
 };
-use crate::{
-    rollout::{self, Limits, TwinShape, tensors, world},
-    v1::{
-        CorrectOptions, CorrectSessionRequest, Observation, OpenSessionRequest,
-        RegisterStateRequest, Tensor, initial_state::State, observation::Tracks, tensor::Dtype,
-    },
-};
+use crate::rollout::{self, Limits, TwinShape, tensors, world};
 
 /// Most points of an observation.
 pub const MAX_POINTS: u64 = 200_000;

@@ -1,9 +1,8 @@
 //! Work and memory of a registration or a correction: upper bounds, before anything is unpacked.
 
-use crate::{
-    rollout::{TwinShape, states_size, world},
-    v1::{CorrectOptions, Observation, RegisterStateRequest, observation::Tracks},
-};
+use bendtwin_proto::v1::{CorrectOptions, Observation, RegisterStateRequest, observation::Tracks};
+
+use crate::rollout::{TwinShape, states_size, world};
 
 /// Frames of physics where the request does not say.
 const SETTLE_FRAMES: u32 = 12;

@@ -5,10 +5,7 @@ mod measures;
 mod points;
 mod surroundings;
 
-use bytes::Bytes;
-
-use super::TwinShape;
-use crate::v1::{
+use bendtwin_proto::v1::{
     ControlTrajectories, Cost, Grasping, GripperPoses, InitialState, KnotTimes, Returns,
     RollOutRequest, Tensor,
     cost::{Keypoints, Kind, TargetCloud},
@@ -17,6 +14,9 @@ use crate::v1::{
     roll_out_request::Actions,
     tensor::Dtype,
 };
+use bytes::Bytes;
+
+use super::TwinShape;
 
 /// A malformed request.
 #[derive(Clone, Debug)]

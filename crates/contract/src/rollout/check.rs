@@ -27,8 +27,9 @@ pub use self::{
     returns::{has_gradients, has_spread},
     vary::{MOST_SUBSTEPS, finer_substeps, has_mean_prediction, members},
 };
+use bendtwin_proto::v1::{Fidelity, OpenSessionRequest, RollOutRequest};
+
 use super::{Error, Limits, TwinShape, memory, size};
-use crate::v1::{Fidelity, OpenSessionRequest, RollOutRequest};
 
 /// Size of the batch of a checked request.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

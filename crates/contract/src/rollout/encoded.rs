@@ -2,12 +2,13 @@
 //! in memory, and a byte of a shape eight: what is repeated is counted first. All else takes about
 //! as much memory decoded as encoded.
 
+use bendtwin_proto::tensor::MOST_DIMENSIONS;
 use prost::{
     bytes::Buf,
     encoding::{DecodeContext, WireType, decode_key, decode_varint, skip_field},
 };
 
-use super::{Error, Limits, MOST_DIMENSIONS, check::parts, within};
+use super::{Error, Limits, check::parts, within};
 
 /// Numbers of fields in the .proto files.
 const COSTS: u32 = 6;
@@ -89,21 +90,21 @@ static OTHER: Message = Message(&[]);
 /// Message that is checked before it is decoded.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Encoded {
-    /// [`RollOutRequest`](crate::v1::RollOutRequest).
+    /// [`RollOutRequest`](bendtwin_proto::v1::RollOutRequest).
     RollOut,
-    /// [`AdvanceSessionRequest`](crate::v1::AdvanceSessionRequest).
+    /// [`AdvanceSessionRequest`](bendtwin_proto::v1::AdvanceSessionRequest).
     Advance,
-    /// [`OpenSessionRequest`](crate::v1::OpenSessionRequest).
+    /// [`OpenSessionRequest`](bendtwin_proto::v1::OpenSessionRequest).
     Open,
-    /// [`ResetSessionRequest`](crate::v1::ResetSessionRequest).
+    /// [`ResetSessionRequest`](bendtwin_proto::v1::ResetSessionRequest).
     Reset,
-    /// [`PlanRequest`](crate::v1::PlanRequest).
+    /// [`PlanRequest`](bendtwin_proto::v1::PlanRequest).
     Plan,
-    /// [`RegisterStateRequest`](crate::v1::RegisterStateRequest).
+    /// [`RegisterStateRequest`](bendtwin_proto::v1::RegisterStateRequest).
     Register,
-    /// [`CorrectSessionRequest`](crate::v1::CorrectSessionRequest).
+    /// [`CorrectSessionRequest`](bendtwin_proto::v1::CorrectSessionRequest).
     Correct,
-    /// [`StepSessionRequest`](crate::v1::StepSessionRequest).
+    /// [`StepSessionRequest`](bendtwin_proto::v1::StepSessionRequest).
     Step,
     /// One that has nothing below it.
     Other,

@@ -1,8 +1,7 @@
 //! Reasons to refuse a request.
 
 use bendtwin_core::{Category, Problem};
-
-use crate::tensor::TensorError;
+use bendtwin_proto::tensor::TensorError;
 
 /// Reason to refuse a rollout request.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]

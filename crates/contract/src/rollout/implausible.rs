@@ -1,6 +1,6 @@
 //! Reasons why the motion of an instance is held to be impossible.
 
-use crate::v1::Plausibility;
+use bendtwin_proto::v1::Plausibility;
 
 /// A reason of an `Implausible`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

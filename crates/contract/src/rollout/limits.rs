@@ -1,8 +1,7 @@
 //! Bounds on what one rollout request may ask for.
 
+use bendtwin_proto::worker::v1;
 use serde::{Deserialize, Serialize};
-
-use crate::worker::v1;
 
 /// Bytes that the messages between server and worker add to those of the public API, at most.
 pub const ENVELOPE_BYTES: u64 = 64 << 10;

@@ -1,6 +1,13 @@
 //! Memory of a rollout at a worker, before anything is unpacked. It is an upper bound for the CPU;
 //! on a GPU the state of a simulation is in the device's memory, and counted there.
 
+use bendtwin_proto::v1::{
+    Cost, Fidelity, PointSet, RollOutRequest,
+    cost::{Kind, When},
+    ensemble::Statistic,
+    initial_state::State,
+    returns::Encoding,
+};
 use prost::Message as _;
 
 use super::{
@@ -13,13 +20,6 @@ use super::{
     size::reply_bytes,
     surroundings,
     twin::TwinShape,
-};
-use crate::v1::{
-    Cost, Fidelity, PointSet, RollOutRequest,
-    cost::{Kind, When},
-    ensemble::Statistic,
-    initial_state::State,
-    returns::Encoding,
 };
 
 /// Messages of a reply that are there at once when it is streamed: one is made, two wait, one is

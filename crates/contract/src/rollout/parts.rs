@@ -1,7 +1,8 @@
 //! Parts that a reply comes in.
 
+use bendtwin_proto::v1::RollOutRequest;
+
 use super::Batch;
-use crate::v1::RollOutRequest;
 
 /// Instances of one part of a streamed reply.
 pub const STREAMED_PART: u32 = 16;

@@ -1,10 +1,11 @@
 //! Point sets that requests name: what costs measure, and what is recorded.
 
-use super::{Error, check::tensors::given, twin::TwinShape};
-use crate::v1::{
+use bendtwin_proto::v1::{
     Cost, PointSet, Returns,
     cost::{Kind, TargetCloud},
 };
+
+use super::{Error, check::tensors::given, twin::TwinShape};
 
 /// Refuses a point set that this build does not know.
 pub(super) fn point_set(wire: i32, field: &str) -> Result<(), Error> {

@@ -1,11 +1,12 @@
 //! The check of what a session begins with, and the size of its states.
 
+use bendtwin_proto::v1::{OpenSessionRequest, RollOutRequest, initial_state::State};
+
 use super::{
     Error, Limits, TwinShape,
     check::{check_open, has_mean_prediction},
     size::Sum,
 };
-use crate::v1::{OpenSessionRequest, RollOutRequest, initial_state::State};
 
 /// Most slots of a session.
 pub const MOST_SLOTS: u32 = 4096;

@@ -1,5 +1,8 @@
 //! Size of a reply, before it is computed.
 
+use bendtwin_proto::v1::{
+    ControlTrajectories, GripperPoses, RollOutRequest, returns::Encoding, roll_out_request::Actions,
+};
 use prost::length_delimiter_len as varint_len;
 
 use super::{
@@ -8,9 +11,6 @@ use super::{
     points::recorded_count,
     surroundings,
     twin::TwinShape,
-};
-use crate::v1::{
-    ControlTrajectories, GripperPoses, RollOutRequest, returns::Encoding, roll_out_request::Actions,
 };
 
 /// Tag and length of a nested message below 128 bytes.

@@ -3,10 +3,7 @@
 
 use std::ops::Range;
 
-use bytes::{Bytes, BytesMut};
-
-use super::{Batch, TwinShape};
-use crate::v1::{
+use bendtwin_proto::v1::{
     Grasping, RollOutRequest, RollOutResponse, Tensor,
     cost::Kind,
     initial_state::State,
@@ -14,6 +11,9 @@ use crate::v1::{
     roll_out_request::Actions,
     roll_out_response::{Forces, Timing},
 };
+use bytes::{Bytes, BytesMut};
+
+use super::{Batch, TwinShape};
 
 /// Replies that are not those of the parts of one request.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]

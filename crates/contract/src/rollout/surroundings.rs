@@ -1,6 +1,8 @@
 //! Size and memory of what surrounds an object in a rollout: moving bodies, forces, parameters that
 //! differ by instance, implausible instances.
 
+use bendtwin_proto::v1::RollOutRequest;
+
 use super::{
     check::{Batch, bodies_of, members, sets, substeps},
     implausible::ImplausibleReason,
@@ -8,7 +10,6 @@ use super::{
     size::{Sum, length},
     twin::TwinShape,
 };
-use crate::v1::RollOutRequest;
 
 /// A pose of a body, and its gradient.
 const POSE: u64 = 48;

@@ -1,6 +1,6 @@
 //! Facts of a twin that requests are checked against.
 
-use crate::v1::Fidelity;
+use bendtwin_proto::v1::Fidelity;
 
 /// Facts of a twin that requests are checked against.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

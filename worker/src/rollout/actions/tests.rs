@@ -1,8 +1,6 @@
+use bendtwin_contract::rollout::{Limits, TwinShape, check_for};
 use bendtwin_core::Problem as _;
-use bendtwin_proto::{
-    rollout::{Limits, TwinShape, check_for},
-    v1::{GripperPoses, Interpolation, RollOutRequest, Tensor, knot_times::Times},
-};
+use bendtwin_proto::v1::{GripperPoses, Interpolation, RollOutRequest, Tensor, knot_times::Times};
 use proptest::prelude::*;
 
 use super::*;

@@ -2,14 +2,12 @@
 
 use std::sync::Arc;
 
+use bendtwin_contract::rollout;
 use bendtwin_core::Point;
 use bendtwin_engine::{PointLoss, PointSet, Term, objective::ForceBy};
-use bendtwin_proto::{
-    rollout,
-    v1::{
-        self, Plane, Tensor,
-        cost::{Kind, force::By},
-    },
+use bendtwin_proto::v1::{
+    self, Plane, Tensor,
+    cost::{Kind, force::By},
 };
 
 use super::controls::Motion;

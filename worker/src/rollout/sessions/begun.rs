@@ -2,10 +2,8 @@
 
 use std::sync::Arc;
 
-use bendtwin_proto::{
-    rollout,
-    v1::{self, RollOutRequest, initial_state},
-};
+use bendtwin_contract::rollout;
+use bendtwin_proto::v1::{self, RollOutRequest, initial_state};
 use tokio::sync::OwnedMutexGuard;
 
 use super::{Session, Sessions};

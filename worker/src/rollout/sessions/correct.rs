@@ -7,11 +7,11 @@ mod scene;
 use std::sync::Arc;
 
 use bendtwin_budget::Share;
+use bendtwin_contract::registration;
 use bendtwin_core::{CancelToken, Environment, Params, geometry::point_distance};
 use bendtwin_engine::{Backend, Loaded, Model, backend, model::State};
-use bendtwin_proto::{
-    registration,
-    v1::{self, CorrectSessionRequest, CorrectedSession, corrected_session::Correction},
+use bendtwin_proto::v1::{
+    self, CorrectSessionRequest, CorrectedSession, corrected_session::Correction,
 };
 use bendtwin_register::{
     self as register, Around, CorrectOptions, Corrected, Observation, RegisterOptions, Tracking,

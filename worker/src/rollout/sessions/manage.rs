@@ -3,13 +3,13 @@
 use std::sync::Arc;
 
 use bendtwin_budget::Share;
+use bendtwin_contract::rollout;
 use bendtwin_core::{
     CancelToken, Graph, Point,
     ids::{SessionId, TwinId},
 };
 use bendtwin_engine::model::State;
 use bendtwin_proto::{
-    rollout,
     v1::{
         Fidelity, GetSessionStatesRequest, OpenSessionRequest, SessionStates, Tensor,
         initial_state::GivenState,

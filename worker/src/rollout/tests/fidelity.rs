@@ -1,7 +1,8 @@
 //! Exact or fast.
 
+use bendtwin_contract::rollout;
 use bendtwin_core::{FastVariant, Fidelity};
-use bendtwin_proto::{rollout, v1};
+use bendtwin_proto::v1;
 
 use super::*;
 

@@ -1,6 +1,6 @@
 //! A batch that several workers share.
 
-use bendtwin_proto::rollout::{Batch, split};
+use bendtwin_contract::rollout::{Batch, split};
 use prost::Message as _;
 
 use super::*;

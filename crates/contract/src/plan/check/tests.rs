@@ -1,20 +1,18 @@
 use bendtwin_core::{Category, Problem as _};
+use bendtwin_proto::v1::{
+    ActionSpace, Cost, Ensemble, InitialState, KnotTimes, PlanBounds, Plausibility, Returns,
+    Tensor, Vary, World,
+    action_space::Coordinates,
+    cost::{Clearance, Force, Kind, force::By},
+    ensemble::Statistic,
+    initial_state::{GivenState, State},
+    knot_times::Times,
+    roll_out_request::Actions,
+};
 use proptest::{collection::vec, num, prelude::*};
 
 use super::*;
-use crate::{
-    plan::cases,
-    v1::{
-        ActionSpace, Cost, Ensemble, InitialState, KnotTimes, PlanBounds, Plausibility, Returns,
-        Tensor, Vary, World,
-        action_space::Coordinates,
-        cost::{Clearance, Force, Kind, force::By},
-        ensemble::Statistic,
-        initial_state::{GivenState, State},
-        knot_times::Times,
-        roll_out_request::Actions,
-    },
-};
+use crate::plan::cases;
 
 /// 5 nodes that hang from two control points.
 const TWIN: TwinShape = TwinShape {
@@ -97,7 +95,9 @@ fn what_is_said_of_the_one_instance_holds_for_all() {
     let state = State::Given(GivenState { positions, ..GivenState::default() });
     rollout.initial = Some(InitialState { state: Some(state) });
     rollout.vary = Some(Vary { stiffness: Some(Tensor::pack(&[1], &[2f32])), ..Vary::default() });
-    let Some(crate::v1::cost::Kind::Keypoints(k)) = &mut rollout.costs[0].kind else { panic!() };
+    let Some(bendtwin_proto::v1::cost::Kind::Keypoints(k)) = &mut rollout.costs[0].kind else {
+        panic!()
+    };
     k.targets = Some(Tensor::pack_points(&[1, 1, 1], &[[0.0; 3]]));
     rollout.returns = Some(Returns { final_state: true, ..Returns::default() });
     let template = checked(request).unwrap().template;

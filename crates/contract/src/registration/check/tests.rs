@@ -1,14 +1,12 @@
 use bendtwin_core::{Category, Problem as _};
+use bendtwin_proto::v1::{
+    Collider, CorrectOptions, InitialState, RegisterOptions, Sphere, World,
+    collider::{Carrier, Shape},
+    initial_state::Settled,
+};
 
 use super::*;
-use crate::{
-    registration::cases,
-    v1::{
-        Collider, CorrectOptions, InitialState, RegisterOptions, Sphere, World,
-        collider::{Carrier, Shape},
-        initial_state::Settled,
-    },
-};
+use crate::registration::cases;
 
 /// 5 nodes that hang from a control point.
 const TWIN: TwinShape = TwinShape {

@@ -1,12 +1,13 @@
 //! Costs with one fault each, of the kinds that measure more than distances to targets.
 
-use super::{Named, cloud, cost, keypoints, with, zeros};
-use crate::v1::{
+use bendtwin_proto::v1::{
     Cost, Cuboid, Plane, Tensor,
     cost::{
         Clearance, ControlSpeed, Force, Height, Keypoints, Kind, Strain, When, Within, force::By,
     },
 };
+
+use super::{Named, cloud, cost, keypoints, with, zeros};
 
 /// For a batch of 2 instances and 2 frames of a twin with so many nodes and control points.
 pub(super) fn costs(n: u64, c: u64) -> Named<Vec<Cost>> {

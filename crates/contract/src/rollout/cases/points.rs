@@ -1,10 +1,11 @@
 //! Costs and returns with one fault each in the points that they name.
 
-use super::{Named, cost, zeros};
-use crate::v1::{
+use bendtwin_proto::v1::{
     Cost, PointSet, Returns, Tensor,
     cost::{Keypoints, Kind, TargetCloud},
 };
+
+use super::{Named, cost, zeros};
 
 fn list(points: &[u32]) -> Option<Tensor> {
     Some(Tensor::pack(&[points.len()], points))

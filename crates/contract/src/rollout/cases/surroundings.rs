@@ -1,22 +1,21 @@
 //! Faults of worlds, grasps, parameters by instance and limits of what is plausible.
 
-use super::{Case, zeros};
-use crate::{
-    rollout::TwinShape,
-    v1::{
-        Capsule, Collider, ConvexMesh, Cost, Cuboid, Ensemble, GradientOptions, Grasp,
-        GripperPoses, Plane, Plausibility, Returns, RollOutRequest, Sphere, Tensor, Vary, World,
-        collider::{Carrier, Shape},
-        cost::{
-            Force, Kind,
-            force::{All, By},
-        },
-        ensemble::Statistic,
-        grasp::{Attachment, CaptureHand, Region},
-        roll_out_request::Actions,
-        world::GroundChoice,
+use bendtwin_proto::v1::{
+    Capsule, Collider, ConvexMesh, Cost, Cuboid, Ensemble, GradientOptions, Grasp, GripperPoses,
+    Plane, Plausibility, Returns, RollOutRequest, Sphere, Tensor, Vary, World,
+    collider::{Carrier, Shape},
+    cost::{
+        Force, Kind,
+        force::{All, By},
     },
+    ensemble::Statistic,
+    grasp::{Attachment, CaptureHand, Region},
+    roll_out_request::Actions,
+    world::GroundChoice,
 };
+
+use super::{Case, zeros};
+use crate::rollout::TwinShape;
 
 /// Two instances of three knots of one gripper, with a cost, in a world with a collider and a grasp.
 pub(super) fn sound(good: &RollOutRequest) -> RollOutRequest {
@@ -46,7 +45,7 @@ pub(super) fn malformed(good: &RollOutRequest, twin: &TwinShape) -> Vec<Case> {
         add(what, names, RollOutRequest { grasps: vec![grasp], ..good.clone() });
     }
     let positions = Some(zeros(&[2, 3, twin.controls, 3]));
-    let trajectories = crate::v1::ControlTrajectories { positions, interpolation: 0 };
+    let trajectories = bendtwin_proto::v1::ControlTrajectories { positions, interpolation: 0 };
     let actions = Some(Actions::Trajectories(trajectories));
     add("a grasp without grippers", "`poses`", RollOutRequest { actions, ..good.clone() });
     let hand = || Grasp { region: Some(Region::Hand(CaptureHand { hand: 1 })), ..grasp() };
@@ -63,7 +62,7 @@ pub(super) fn malformed(good: &RollOutRequest, twin: &TwinShape) -> Vec<Case> {
     }
     let (_, _, ensemble, _) = ensembles().swap_remove(1);
     let vary = Some(Vary { fits: true, ..Vary::default() });
-    let fast = crate::v1::Fidelity::Fast.into();
+    let fast = bendtwin_proto::v1::Fidelity::Fast.into();
     let of_fits = RollOutRequest { ensemble: Some(ensemble), vary, ..good.clone() };
     add(
         "fits of the fast variant",

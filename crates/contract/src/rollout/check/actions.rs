@@ -1,12 +1,13 @@
 //! Actions: trajectories of the control points, or poses of grippers.
 
+use bendtwin_proto::v1::{Interpolation, roll_out_request::Actions, tensor::Dtype};
+
 use super::{
     Error, Limits, TwinShape,
     numbers::SHORTEST_QUATERNION,
     tensors::{finite, floats, given, indices, required},
     within,
 };
-use crate::v1::{Interpolation, roll_out_request::Actions, tensor::Dtype};
 
 const POSITIONS: &str = "trajectories.positions";
 const POSES: &str = "poses.poses";
@@ -125,7 +126,7 @@ fn rotations(
     Ok(())
 }
 
-fn attachments(map: Option<&crate::v1::Tensor>, grippers: u64) -> Result<(), Error> {
+fn attachments(map: Option<&bendtwin_proto::v1::Tensor>, grippers: u64) -> Result<(), Error> {
     let Some(map) = given(map) else { return Ok(()) };
     let (map, shape) = required(Some(map), GRIPPERS, Dtype::Uint32)?;
     if shape.len() != 1 {

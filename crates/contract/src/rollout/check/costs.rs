@@ -4,6 +4,14 @@ mod targets;
 
 use std::collections::HashSet;
 
+use bendtwin_proto::v1::{
+    Cost, PointSet, RollOutRequest, Tensor,
+    cost::{
+        Keypoints, Kind, When,
+        force::{self, By},
+    },
+};
+
 use self::targets::{by_instance, points};
 use super::{
     Batch, Error, Limits, TwinShape,
@@ -13,16 +21,7 @@ use super::{
     within,
     world::{cuboid, plane},
 };
-use crate::{
-    rollout::points::{is_at_skin, measured, point_set},
-    v1::{
-        Cost, PointSet, RollOutRequest, Tensor,
-        cost::{
-            Keypoints, Kind, When,
-            force::{self, By},
-        },
-    },
-};
+use crate::rollout::points::{is_at_skin, measured, point_set};
 
 /// Target points that a cost counts for in each of its frames, beside its own.
 const OVERHEAD: u128 = 16;
@@ -231,7 +230,7 @@ fn named<'k>(
 }
 
 fn force(
-    force: &crate::v1::cost::Force,
+    force: &bendtwin_proto::v1::cost::Force,
     grasps: usize,
     colliders: usize,
     field: impl Fn(&str) -> String,

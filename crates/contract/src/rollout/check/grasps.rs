@@ -1,15 +1,16 @@
 //! Grasps: regions, attachments, and when they are closed.
 
+use bendtwin_proto::v1::{
+    Grasp, Tensor,
+    grasp::{Attachment, Region},
+    tensor::Dtype,
+};
+
 use super::{
     Error, Moves, TwinShape,
     numbers::least,
     tensors::{given, index_list, indices, known_nodes, required},
     world::{cuboid, gripper, parts, sphere},
-};
-use crate::v1::{
-    Grasp, Tensor,
-    grasp::{Attachment, Region},
-    tensor::Dtype,
 };
 
 pub(super) fn check(grasps: &[Grasp], moves: &Moves) -> Result<(), Error> {

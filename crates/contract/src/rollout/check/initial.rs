@@ -1,15 +1,15 @@
 //! Initial states: at rest, in a frame of a capture, or given.
 
 use bendtwin_core::ids::CaptureId;
+use bendtwin_proto::v1::{
+    Grasping, InitialState,
+    initial_state::{GivenState, State},
+    tensor::Dtype,
+};
 
 use super::{
     Error, TwinShape,
     tensors::{finite, given, indices, required},
-};
-use crate::v1::{
-    Grasping, InitialState,
-    initial_state::{GivenState, State},
-    tensor::Dtype,
 };
 
 const CAPTURE: &str = "initial.capture_frame.capture";

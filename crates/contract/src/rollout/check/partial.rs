@@ -1,7 +1,8 @@
 //! Replies that are less than the whole at once: parts in time, and what was done within a time limit.
 
+use bendtwin_proto::v1::RollOutRequest;
+
 use super::{Error, has_gradients};
-use crate::v1::RollOutRequest;
 
 const PART_FRAMES: &str = "returns.part_frames";
 const TIME_LIMIT: &str = "time_limit_s";

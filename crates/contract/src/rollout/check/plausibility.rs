@@ -1,7 +1,8 @@
 //! Limits of what is plausible, and options of gradients.
 
+use bendtwin_proto::v1::RollOutRequest;
+
 use super::{super::implausible::ImplausibleReason, Error, numbers::within_range};
-use crate::v1::RollOutRequest;
 
 /// Widest layer of smooth contact [m].
 const WIDEST_M: f32 = 0.1;

@@ -1,14 +1,13 @@
 //! Returns: what the reply is to hold.
 
+use bendtwin_proto::v1::{PointSet, Returns, RollOutRequest, returns::Encoding};
+
 use super::{
     Error, TwinShape,
     tensors::{given, index_list, known_nodes, known_skin_points},
     vary::members,
 };
-use crate::{
-    rollout::points::{point_set, recorded},
-    v1::{PointSet, Returns, RollOutRequest, returns::Encoding},
-};
+use crate::rollout::points::{point_set, recorded};
 
 const NODES: &str = "returns.nodes";
 const SKIN_POINTS: &str = "returns.skin_points";

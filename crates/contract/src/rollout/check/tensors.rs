@@ -1,7 +1,8 @@
 //! Tensors of a request: type, shape and values, without copies.
 
+use bendtwin_proto::v1::{Tensor, tensor::Dtype};
+
 use super::Error;
-use crate::v1::{Tensor, tensor::Dtype};
 
 /// A tensor that is given, or none if the field was left out.
 pub(crate) fn given(tensor: Option<&Tensor>) -> Option<&Tensor> {

@@ -1,24 +1,22 @@
 use bendtwin_core::{Category, Problem as _};
+use bendtwin_proto::v1::{
+    ControlTrajectories, Cost, Cuboid, Ensemble, GripperPoses, InitialState, Plane, PointSet,
+    Returns, Tensor, Vary,
+    collider::Carrier,
+    cost::{
+        Clearance, ControlPath, ControlSpeed, Force, Height, Keypoints, Kind, Strain, TargetCloud,
+        When, Within,
+        force::{All, By},
+    },
+    ensemble::Statistic,
+    initial_state::{GivenState, State},
+    roll_out_request::Actions,
+    world::GroundChoice,
+};
 use proptest::prelude::*;
 
 use super::*;
-use crate::{
-    rollout::{PlannerShape, cases},
-    v1::{
-        ControlTrajectories, Cost, Cuboid, Ensemble, GripperPoses, InitialState, Plane, PointSet,
-        Returns, Tensor, Vary,
-        collider::Carrier,
-        cost::{
-            Clearance, ControlPath, ControlSpeed, Force, Height, Keypoints, Kind, Strain,
-            TargetCloud, When, Within,
-            force::{All, By},
-        },
-        ensemble::Statistic,
-        initial_state::{GivenState, State},
-        roll_out_request::Actions,
-        world::GroundChoice,
-    },
-};
+use crate::rollout::{PlannerShape, cases};
 
 /// 5 nodes that hang from a control point.
 const TWIN: TwinShape = TwinShape {

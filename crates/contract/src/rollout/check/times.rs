@@ -1,10 +1,11 @@
 //! Times of the knots of actions.
 
+use bendtwin_proto::v1::{RollOutRequest, knot_times::Times, tensor::Dtype};
+
 use super::{
     Error,
     tensors::{finite, floats, required},
 };
-use crate::v1::{RollOutRequest, knot_times::Times, tensor::Dtype};
 
 const AT: &str = "knot_times.at_s";
 const PERIOD: &str = "knot_times.period_s";

@@ -1,12 +1,13 @@
 //! Parameters by instance, and ensembles of them.
 
+use bendtwin_proto::v1::{
+    Cost, Fidelity, RollOutRequest, Tensor, Vary, cost::Kind, ensemble::Statistic, tensor::Dtype,
+};
+
 use super::{
     Batch, Error, Limits,
     tensors::{floats, given, required},
     within,
-};
-use crate::v1::{
-    Cost, Fidelity, RollOutRequest, Tensor, Vary, cost::Kind, ensemble::Statistic, tensor::Dtype,
 };
 
 /// Largest factor of a parameter.

@@ -2,18 +2,19 @@
 
 use std::collections::HashSet;
 
-use super::{
-    Error, Grippers, Limits, Moves,
-    numbers::{angle_free, least, vector, within_range},
-    tensors::{finite, floats, given, required},
-};
-use crate::v1::{
+use bendtwin_proto::v1::{
     Capsule, Collider, Cuboid, Grasp, Plane, RollOutRequest, Sphere, Tensor, World,
     collider::{Carrier, Shape},
     grasp::Region,
     roll_out_request::Actions,
     tensor::Dtype,
     world::GroundChoice,
+};
+
+use super::{
+    Error, Grippers, Limits, Moves,
+    numbers::{angle_free, least, vector, within_range},
+    tensors::{finite, floats, given, required},
 };
 
 /// Most colliders, most grasps, and most rigid bodies that carry any of them.

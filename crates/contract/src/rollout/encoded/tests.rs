@@ -1,15 +1,13 @@
+use bendtwin_proto::v1::{
+    AdvanceSessionRequest, ControlTrajectories, Cost, PlanRequest, Returns, RollOutRequest,
+    StepSessionRequest, Tensor,
+    cost::{Keypoints, Kind},
+    roll_out_request::Actions,
+};
 use prost::Message as _;
 
 use super::*;
-use crate::{
-    rollout::{TwinShape, cases, check},
-    v1::{
-        AdvanceSessionRequest, ControlTrajectories, Cost, PlanRequest, Returns, RollOutRequest,
-        StepSessionRequest, Tensor,
-        cost::{Keypoints, Kind},
-        roll_out_request::Actions,
-    },
-};
+use crate::rollout::{TwinShape, cases, check};
 
 fn encoded(change: impl FnOnce(&mut RollOutRequest)) -> Vec<u8> {
     let twin = TwinShape { nodes: 5, controls: 2, ..TwinShape::default() };

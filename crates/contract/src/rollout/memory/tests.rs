@@ -1,13 +1,12 @@
-use super::*;
-use crate::{
-    rollout::{Error, Limits, PlannerShape, check_for},
-    v1::{
-        ControlTrajectories, Cost, GripperPoses, InitialState, PointSet, Returns, Tensor,
-        cost::{Keypoints, Kind, TargetCloud},
-        initial_state::GivenState,
-        roll_out_request::Actions,
-    },
+use bendtwin_proto::v1::{
+    ControlTrajectories, Cost, GripperPoses, InitialState, PointSet, Returns, Tensor,
+    cost::{Keypoints, Kind, TargetCloud},
+    initial_state::GivenState,
+    roll_out_request::Actions,
 };
+
+use super::*;
+use crate::rollout::{Error, Limits, PlannerShape, check_for};
 
 const MIB: u64 = 1 << 20;
 
@@ -82,7 +81,9 @@ fn gradients_count_states_of_all_frames() {
         TwinShape { nodes: 1_000, springs: 3_000, controls: 2, substeps: 10, ..MANY_CONTROLS };
     let mut request = request(&twin, 1, 10_000);
     request.costs = vec![Cost {
-        kind: Some(crate::v1::cost::Kind::Smoothness(crate::v1::cost::Smoothness {})),
+        kind: Some(bendtwin_proto::v1::cost::Kind::Smoothness(
+            bendtwin_proto::v1::cost::Smoothness {},
+        )),
         ..Cost::default()
     }];
     let forward = of(&request, &twin);
@@ -167,7 +168,7 @@ fn a_planners_twin_counts_what_it_simulates() {
     assert!(planned.prepared - exact.prepared >= 2 * 24 * 1_000 * 10);
     // A set of parameters of the larger model.
     let factors = Some(Tensor::pack(&[1], &[0.5_f32]));
-    let vary = Some(crate::v1::Vary { friction: factors, ..Default::default() });
+    let vary = Some(bendtwin_proto::v1::Vary { friction: factors, ..Default::default() });
     let (exact, planned) = both(RollOutRequest { vary, ..asked.clone() });
     assert!(planned.fixed - exact.fixed >= 3 * 16 * (9_000 - 3_000 + 100 - 50));
 

@@ -1,12 +1,12 @@
-use prost::Message as _;
-
-use super::*;
-use crate::v1::{
+use bendtwin_proto::v1::{
     Collider, Fidelity, Grasp, Grasping, InitialState, SessionStates, Sphere, Tensor, World,
     collider::{Carrier, Shape},
     grasp::Region,
     initial_state::GivenState,
 };
+use prost::Message as _;
+
+use super::*;
 
 const TWIN: TwinShape = TwinShape {
     nodes: 5,

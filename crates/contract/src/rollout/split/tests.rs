@@ -1,12 +1,12 @@
-use proptest::prelude::*;
-
-use super::*;
-use crate::v1::{
+use bendtwin_proto::v1::{
     ControlTrajectories, Cost, Grasp, InitialState, Returns, Vary,
     cost::{Keypoints, TargetCloud},
     initial_state::GivenState,
     roll_out_response::{Diagnostics, Divergence, Implausible},
 };
+use proptest::prelude::*;
+
+use super::*;
 
 /// Numbers that differ from row to row.
 fn numbered(shape: &[usize], from: f32) -> Option<Tensor> {
@@ -219,6 +219,6 @@ fn what_ranks_or_scales_the_whole_batch_is_not_split() {
     assert!(!can_split(&with(Returns { best: 1, ..Returns::default() })));
     let encoding = Encoding::Int16.into();
     assert!(!can_split(&with(Returns { encoding, ..Returns::default() })));
-    let ensemble = Some(crate::v1::Ensemble::default());
+    let ensemble = Some(bendtwin_proto::v1::Ensemble::default());
     assert!(!can_split(&RollOutRequest { ensemble, ..request(2) }));
 }

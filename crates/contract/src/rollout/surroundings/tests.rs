@@ -1,12 +1,10 @@
 //! The formula beside the encoding of what surroundings add to a reply.
 
+use bendtwin_proto::v1::{Ensemble, Returns, Tensor, Vary, roll_out_response::Forces};
 use prost::Message as _;
 
 use super::*;
-use crate::{
-    rollout::{Limits, cases, check_for, memory, reply_bytes},
-    v1::{Ensemble, Returns, Tensor, Vary, roll_out_response::Forces},
-};
+use crate::rollout::{Limits, cases, check_for, memory, reply_bytes};
 
 const TWIN: TwinShape = TwinShape {
     nodes: 5,
@@ -43,7 +41,7 @@ fn forces_are_counted_to_the_byte() {
     asking.returns = Some(Returns { diagnostics: true, forces: true, ..Returns::default() });
     // 2 actions of 3 members over 2 frames, 2 control points, a grasp and a collider.
     let tensor = |shape: &[usize]| Some(Tensor::pack(shape, &vec![1.0f32; shape.iter().product()]));
-    let reply = crate::v1::RollOutResponse {
+    let reply = bendtwin_proto::v1::RollOutResponse {
         instances: Some(Tensor::pack(&[6], &[0u32; 6])),
         forces: Some(Forces {
             controls: tensor(&[6, 2, 2, 3]),
@@ -51,7 +49,7 @@ fn forces_are_counted_to_the_byte() {
             ground: tensor(&[6, 2, 3]),
             colliders: tensor(&[6, 2, 1, 6]),
         }),
-        ..crate::v1::RollOutResponse::default()
+        ..bendtwin_proto::v1::RollOutResponse::default()
     };
     assert_eq!(size(&asking) - without, reply.encoded_len() as u64);
 }

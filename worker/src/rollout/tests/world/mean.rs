@@ -305,8 +305,8 @@ fn a_mean_is_no_larger_than_the_check_says() {
         (returns.velocities, returns.frame_costs, returns.action_gradients) = (true, true, true);
     });
     let shape = crate::rollout::plan::shape(&twin, false);
-    let batch = bendtwin_proto::rollout::check_for(&request, &shape, &limits(), 0).unwrap();
-    let most = bendtwin_proto::rollout::reply_bytes(&request, &batch, &shape, 0);
+    let batch = bendtwin_contract::rollout::check_for(&request, &shape, &limits(), 0).unwrap();
+    let most = bendtwin_contract::rollout::reply_bytes(&request, &batch, &shape, 0);
     let part = bench(twin).run(request, 0).unwrap().remove(0);
     let bytes = prost::Message::encoded_len(&part) as u64;
     assert!(bytes <= most && most < 2 * bytes, "{bytes} of {most}");

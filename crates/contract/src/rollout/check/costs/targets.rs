@@ -1,17 +1,16 @@
 //! Targets of costs: one list for all, or lists by frame and by instance.
 
-use crate::{
-    rollout::{
-        Error,
-        check::{
-            Batch,
-            tensors::{finite, required},
-        },
-    },
-    v1::{
-        Cost, Tensor,
-        cost::{Kind, When},
-        tensor::Dtype,
+use bendtwin_proto::v1::{
+    Cost, Tensor,
+    cost::{Kind, When},
+    tensor::Dtype,
+};
+
+use crate::rollout::{
+    Error,
+    check::{
+        Batch,
+        tensors::{finite, required},
     },
 };
 
