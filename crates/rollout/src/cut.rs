@@ -25,11 +25,7 @@ const PREPARED_BYTES: u64 = 512 << 20;
 /// Number of items that the next run takes of those that are left: whole rounds while `fits` says
 /// so of each further round, and one round at least. `fits` sees every round once, in order, the
 /// first included.
-pub(crate) fn next_run(
-    left: usize,
-    round: usize,
-    mut fits: impl FnMut(Range<usize>) -> bool,
-) -> usize {
+pub fn next_run(left: usize, round: usize, mut fits: impl FnMut(Range<usize>) -> bool) -> usize {
     let round = round.max(1);
     let mut taken = round.min(left);
     fits(0..taken);
@@ -44,7 +40,7 @@ pub(crate) fn next_run(
 }
 
 /// Runs of at most `most` instances, in order.
-pub(crate) fn runs(of: Range<usize>, most: usize) -> impl Iterator<Item = Range<usize>> {
+pub fn runs(of: Range<usize>, most: usize) -> impl Iterator<Item = Range<usize>> {
     let mut start = of.start;
     std::iter::from_fn(move || {
         let left = of.end.saturating_sub(start);
@@ -55,7 +51,7 @@ pub(crate) fn runs(of: Range<usize>, most: usize) -> impl Iterator<Item = Range<
 }
 
 /// Number of instances that may be prepared at once, with so many bytes each.
-pub(crate) fn prepared(bytes: u64) -> usize {
+pub fn prepared(bytes: u64) -> usize {
     usize::try_from(PREPARED_BYTES / bytes.max(1)).unwrap_or(usize::MAX).max(1)
 }
 

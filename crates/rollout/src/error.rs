@@ -1,17 +1,14 @@
 //! Reasons why a rollout is refused or fails.
 
-use bendtwin_budget::Exhausted;
 use bendtwin_contract::{registration, rollout};
-use bendtwin_core::{Category, Problem, twin::format::FormatError};
+use bendtwin_core::{Category, Problem};
 use bendtwin_engine::backend;
 use bendtwin_proto::tensor::TensorError;
 use bendtwin_register as register;
 
-use crate::{artifact::FetchError, budget::is_passing};
-
 /// Reason why a rollout is refused or fails.
 #[derive(Debug, thiserror::Error)]
-pub(crate) enum Error {
+pub enum Error {
     /// The request is wrong, too large or does not fit the twin.
     #[error(transparent)]
     Request(#[from] rollout::Error),
@@ -43,12 +40,6 @@ pub(crate) enum Error {
         /// The refusal.
         error: register::Error,
     },
-    /// As many rollouts as this worker takes are in flight.
-    #[error("{limit} rollouts are in flight on this worker: try again in a moment")]
-    Busy {
-        /// Number of rollouts that it takes.
-        limit: usize,
-    },
     /// The session is not here.
     #[error(
         "{name} is not there: its worker was lost, or nobody used it for a while. Open another from the last state that a reply brought"
@@ -65,20 +56,6 @@ pub(crate) enum Error {
         /// Number of sessions that it takes.
         limit: usize,
     },
-    /// There is no memory for it.
-    #[error("{exhausted}, for {purpose}{}", if is_passing(.exhausted) { ", or retry" } else { "" })]
-    Memory {
-        /// Purpose of the memory, and advice.
-        purpose: &'static str,
-        /// The refusal.
-        exhausted: Exhausted,
-    },
-    /// Twin or capture cannot be fetched.
-    #[error(transparent)]
-    Fetch(#[from] FetchError),
-    /// The stored twin cannot be read.
-    #[error("the stored twin cannot be used: {0}")]
-    StoredTwin(FormatError),
     /// The twin cannot be evaluated on the capture.
     #[error(transparent)]
     Evaluation(bendtwin_eval::Error),
@@ -122,24 +99,16 @@ pub(crate) enum Error {
     /// The engine refuses or fails.
     #[error(transparent)]
     Engine(#[from] backend::Error),
-    /// The caller's deadline passed.
-    #[error(
-        "the deadline passed while the rollout ran: give it more time, fewer instances or a shorter horizon"
-    )]
-    Deadline,
-    /// The thread that served the request ended in a panic.
-    #[error("the rollout failed for a reason inside the worker")]
-    Panicked,
 }
 
 impl Error {
     /// A wrong field.
-    pub(super) fn field(field: impl Into<String>, fault: impl Into<String>) -> Self {
+    pub fn field(field: impl Into<String>, fault: impl Into<String>) -> Self {
         Self::Request(rollout::Error::field(field, fault))
     }
 
     /// The refusal of a correction of a slot with this record.
-    pub(super) fn of_slot(
+    pub(crate) fn of_slot(
         slot: usize,
         tracking: register::Tracking,
         error: register::Error,
@@ -187,23 +156,15 @@ impl Problem for Error {
             Self::Observation(e) => e.category(),
             Self::Register(e) | Self::Correct { error: e, .. } => e.category(),
             Self::Lost { .. } => Category::FailedPrecondition,
-            // Sent again, it would be refused again.
-            Self::Memory { exhausted: Exhausted::TooLarge { .. }, .. } => Category::InvalidArgument,
             Self::SessionLost { .. } => Category::Aborted,
-            Self::Busy { .. } | Self::TooManySessions { .. } | Self::Memory { .. } => {
-                Category::ResourceExhausted
-            }
-            Self::Fetch(e) => e.category(),
+            Self::TooManySessions { .. } => Category::ResourceExhausted,
             Self::Evaluation(e) => e.category(),
-            Self::StoredTwin(_) => Category::DataLoss,
             Self::Capture(_)
             | Self::ReplayDiverged { .. }
             | Self::Implausible { .. }
             | Self::SettlingDiverged { .. }
             | Self::NeverAtRest { .. } => Category::FailedPrecondition,
             Self::Engine(e) => e.category(),
-            Self::Deadline => Category::DeadlineExceeded,
-            Self::Panicked => Category::Internal,
         }
     }
     fn reason(&self) -> &'static str {
@@ -214,20 +175,13 @@ impl Problem for Error {
             Self::Lost { .. } => "OBJECT_LOST",
             Self::SessionLost { .. } => "SESSION_LOST",
             Self::TooManySessions { .. } => "TOO_MANY_SESSIONS",
-            Self::Busy { .. } => "WORKER_BUSY",
-            Self::Memory { exhausted: Exhausted::TooLarge { .. }, .. } => "MEMORY_TOO_SMALL",
-            Self::Memory { .. } => "MEMORY_IN_USE",
-            Self::Fetch(e) => e.reason(),
             Self::Evaluation(e) => e.reason(),
-            Self::StoredTwin(_) => "TWIN_DAMAGED",
             Self::Capture(_) => "CAPTURE_NOT_REPLAYABLE",
             Self::ReplayDiverged { .. } => "REPLAY_DIVERGED",
             Self::Implausible { .. } => "IMPLAUSIBLE_MOTION",
             Self::SettlingDiverged { .. } => "SETTLING_DIVERGED",
             Self::NeverAtRest { .. } => "NEVER_AT_REST",
             Self::Engine(e) => e.reason(),
-            Self::Deadline => "DEADLINE_EXCEEDED",
-            Self::Panicked => "WORKER_PANICKED",
         }
     }
 }

@@ -1,25 +1,13 @@
-//! Evaluations: the predictions of a twin beside a recording, as a fit scores its own. Their
-//! simulations wait for their turns at the device like those of rollouts.
+//! Evaluations: the predictions of a twin beside a recording, as a fit scores its own.
 
-use std::sync::Arc;
-
-use bendtwin_core::{
-    Capture, Point, Quality, Twin,
-    ids::{CaptureId, InvalidName, TwinId},
-};
+use bendtwin_core::{CancelToken, Capture, Point, Quality, Twin};
+use bendtwin_engine::Backend;
 use bendtwin_eval::{
     EvaluateOptions, Motion, Scale, assess, evaluate, evaluate_with_motion, is_own_capture,
 };
-use bendtwin_proto::{
-    v1::{Evaluation, PredictedMotion, Tensor},
-    worker::v1::ExecuteEvaluateTwinRequest,
-};
+use bendtwin_proto::v1::{PredictedMotion, Tensor};
 
-use super::{
-    error::Error,
-    service::{Inner, Unary},
-};
-use crate::device::Priority;
+use crate::{error::Error, twin::warm::Warm};
 
 /// Most bytes of the positions of a motion.
 const MOTION_BYTES: usize = 16 << 20;
@@ -35,55 +23,39 @@ fn keep_rendered(quality: &mut Quality, twin: &Twin, recording: &Capture) {
     }
 }
 
-impl Inner {
-    /// Answers an evaluation.
-    pub(super) async fn evaluate(
-        self: &Arc<Self>,
-        request: ExecuteEvaluateTwinRequest,
-        call: &Unary,
-    ) -> Result<Evaluation, Error> {
-        let wire = request.request.ok_or_else(|| Error::field("request", "is missing"))?;
-        let wrong = |field| move |e: InvalidName| Error::field(field, e.to_string());
-        let twin: TwinId = wire.twin.parse().map_err(wrong("twin"))?;
-        let capture: CaptureId = wire.capture.parse().map_err(wrong("capture"))?;
-        let warm = self.twins.get(twin).await?;
-        let (recording, share) = self.replays.recording(capture).await?;
-        let asked = wire.motion.map(|motion| motion.sequence);
-        let there: usize = recording.recordings().map(|r| r.sequences.len()).sum();
-        if let Some(index) = asked.filter(|index| *index as usize >= there) {
-            let fault = format!("is {index}, but the capture has {there}, counted from 0");
-            return Err(Error::field("motion.sequence", fault));
-        }
-        let backend = self.device.backend(Priority::Interactive);
-        let evaluated = call.blocking(move |cancel| {
-            let _share = share;
-            let (twin, options): (&Twin, _) = (&warm.twin, EvaluateOptions::default());
-            let (mut quality, motion) = match asked {
-                None => (evaluate(&backend, twin, &recording, &options, cancel)?, None),
-                Some(index) => {
-                    let at = index as usize;
-                    let (quality, motion) =
-                        evaluate_with_motion(&backend, twin, &recording, &options, at, cancel)?;
-                    (quality, motion.map(|motion| packed(index, &motion)))
-                }
-            };
-            keep_rendered(&mut quality, twin, &recording);
-            let graph = &warm.twin.graph;
-            let scale = Scale::of_nodes(&graph.rest_positions, &graph.rods);
-            quality.assessment = Some(assess(&quality, scale));
-            Ok((quality, motion))
-        });
-        let (quality, motion) = evaluated.await?;
-        let quality_json =
-            serde_json::to_string(&quality).map_err(|e| Error::field("quality", e.to_string()))?;
-        Ok(Evaluation {
-            twin: twin.to_string(),
-            capture: capture.to_string(),
-            quality_json,
-            worker: self.worker.clone(),
-            motion,
-        })
+/// The quality table of a twin on a recording, as JSON, and the predicted motion of the sequence that
+/// is asked for by its number.
+///
+/// # Errors
+/// If there is no such sequence, the twin cannot be evaluated on the recording, or the backend fails.
+pub fn evaluate_twin(
+    warm: &Warm,
+    recording: &Capture,
+    asked: Option<u32>,
+    backend: &dyn Backend,
+    cancel: &CancelToken,
+) -> Result<(String, Option<PredictedMotion>), Error> {
+    let there: usize = recording.recordings().map(|r| r.sequences.len()).sum();
+    if let Some(index) = asked.filter(|index| *index as usize >= there) {
+        let fault = format!("is {index}, but the capture has {there}, counted from 0");
+        return Err(Error::field("motion.sequence", fault));
     }
+    let (twin, options) = (&warm.twin, EvaluateOptions::default());
+    let (mut quality, motion) = match asked {
+        None => (evaluate(backend, twin, recording, &options, cancel)?, None),
+        Some(index) => {
+            let at = index as usize;
+            let (quality, motion) =
+                evaluate_with_motion(backend, twin, recording, &options, at, cancel)?;
+            (quality, motion.map(|motion| packed(index, &motion)))
+        }
+    };
+    keep_rendered(&mut quality, twin, recording);
+    let scale = Scale::of_nodes(&twin.graph.rest_positions, &twin.graph.rods);
+    quality.assessment = Some(assess(&quality, scale));
+    let quality =
+        serde_json::to_string(&quality).map_err(|e| Error::field("quality", e.to_string()))?;
+    Ok((quality, motion))
 }
 
 /// A motion as a message, with as many frames as fit.

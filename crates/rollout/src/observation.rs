@@ -8,14 +8,14 @@ use bendtwin_register::{
     self as register, CorrectOptions, Explained, Observation, Residual, Tracking, bind_tracks,
 };
 
-use super::error::Error;
+use crate::error::Error;
 
 // The contract knows no physics, so it says once more what is possible.
 const _: () = assert!(MAX_POINTS == register::MAX_POINTS as u64);
 const _: () = assert!(MAX_CAMERAS == register::MAX_CAMERAS as u64);
 
 /// Reads an observation of a twin with this graph.
-pub(super) fn read(wire: Option<v1::Observation>, graph: &Graph) -> Result<Observation, Error> {
+pub(crate) fn read(wire: Option<v1::Observation>, graph: &Graph) -> Result<Observation, Error> {
     let wire = wire.unwrap_or_default();
     let tracks = match wire.tracks {
         None => None,
@@ -48,7 +48,7 @@ fn tracks(places: Places, graph: &Graph) -> Result<Skin, Error> {
 }
 
 /// Points of a tensor that may be absent [m], shape [M, 3].
-pub(super) fn points(tensor: Option<Tensor>, field: &str) -> Result<Vec<Point>, Error> {
+pub(crate) fn points(tensor: Option<Tensor>, field: &str) -> Result<Vec<Point>, Error> {
     match tensor.filter(|t| !t.is_absent()) {
         None => Ok(Vec::new()),
         Some(tensor) => Ok(tensor.unpack_points(field)?.1),
@@ -56,7 +56,7 @@ pub(super) fn points(tensor: Option<Tensor>, field: &str) -> Result<Vec<Point>, 
 }
 
 /// Options of a correction.
-pub(super) fn correct_options(wire: Option<v1::CorrectOptions>) -> CorrectOptions {
+pub(crate) fn correct_options(wire: Option<v1::CorrectOptions>) -> CorrectOptions {
     let wire = wire.unwrap_or_default();
     let mut options = CorrectOptions::default();
     let given = [
@@ -74,19 +74,19 @@ pub(super) fn correct_options(wire: Option<v1::CorrectOptions>) -> CorrectOption
 }
 
 /// Distances as a message.
-pub(super) fn residual(of: Residual) -> v1::Residual {
+pub(crate) fn residual(of: Residual) -> v1::Residual {
     let Residual { median_mm, mean_mm, p95_mm } = of;
     v1::Residual { median_mm, mean_mm, p95_mm }
 }
 
 /// A record as a message.
-pub(super) fn tracking(of: Tracking) -> v1::Tracking {
+pub(crate) fn tracking(of: Tracking) -> v1::Tracking {
     let Tracking { misfit, unexplained } = of;
     v1::Tracking { lost: of.is_lost(), misfit, unexplained }
 }
 
 /// Shares as a message.
-pub(super) fn explained(of: Explained) -> v1::Explained {
+pub(crate) fn explained(of: Explained) -> v1::Explained {
     let Explained { points, surface, within_mm } = of;
     v1::Explained { points, surface, within_mm }
 }

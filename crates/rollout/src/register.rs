@@ -1,97 +1,60 @@
 //! Registrations: points that were seen in, a state of the twin out. The geometry is computed here;
-//! the frames of physics that belong to it wait for their turn at the device like a rollout's.
+//! the frames of physics that belong to it run on the backend like a rollout's.
 
-use std::sync::Arc;
-
-use bendtwin_contract::registration;
-use bendtwin_core::{CancelToken, Point, ids::TwinId};
-use bendtwin_engine::{Loaded, model::State};
-use bendtwin_proto::{
-    v1::{self, RegisterStateRequest, RegisteredState, Tensor, initial_state::GivenState},
-    worker::v1::ExecuteRegisterStateRequest,
+use bendtwin_core::{CancelToken, Point};
+use bendtwin_engine::{Backend, Loaded, model::State};
+use bendtwin_proto::v1::{
+    self, RegisterStateRequest, RegisteredState, Tensor, initial_state::GivenState,
 };
 use bendtwin_register::{Around, RegisterOptions, Registered, register};
 
-use super::{
+use crate::{
     error::Error,
-    initial::Start,
     observation,
-    plan::shape,
-    service::{Inner, Unary},
-    sessions::correct::grippers,
-    vary::{Base, Variants},
-    warm::Warm,
+    request::{
+        initial::Start,
+        vary::{Base, Variants},
+    },
+    session::correct::grippers,
+    twin::warm::Warm,
     world::{Still, Surroundings},
 };
-use crate::{
-    budget,
-    device::{Priority, QueuedBackend},
-};
 
-/// A registration that has passed the check.
-pub(super) struct Job {
-    pub(super) warm: Arc<Warm>,
-    pub(super) start: Start,
-    pub(super) request: RegisterStateRequest,
-    pub(super) backend: QueuedBackend,
+/// The state of a twin that a checked registration finds, from a state to begin with.
+///
+/// # Errors
+/// If a tensor is not what the check saw, the twin does not explain the observation, or the backend
+/// fails.
+pub fn register_state(
+    warm: &Warm,
+    start: Start,
+    request: RegisterStateRequest,
+    backend: &dyn Backend,
+    cancel: &CancelToken,
+) -> Result<RegisteredState, Error> {
+    let loaded = surrounded(warm, request.world.as_ref(), backend, cancel)?;
+    let grippers = grippers(request.grippers.as_ref(), "grippers")?;
+    let around = Still::among(request.world.as_ref(), &grippers)?.around_now();
+    let seen = observation::read(request.observation, &warm.twin.graph)?;
+    let controls = observation::points(request.controls, "controls")?;
+    let wire = request.options.unwrap_or_default();
+    let options = RegisterOptions { around, ..options(wire, start, controls) };
+    let registered = register(backend, &loaded, &seen, &options, cancel)?;
+    Ok(message(&registered, warm.twin.graph.rods.len()))
 }
 
-impl Inner {
-    /// Answers a registration.
-    pub(super) async fn register(
-        self: &Arc<Self>,
-        request: ExecuteRegisterStateRequest,
-        call: &Unary,
-    ) -> Result<RegisteredState, Error> {
-        let wire = request.request.ok_or_else(|| Error::field("request", "is missing"))?;
-        let twin: TwinId = wire
-            .twin
-            .parse()
-            .map_err(|e: bendtwin_core::ids::InvalidName| Error::field("twin", e.to_string()))?;
-        let warm = self.twins.get(twin).await?;
-        let shape = shape(&warm.twin, !request.capture.is_empty());
-        registration::check_registration(&wire, &shape, &self.limits())?;
-        // A simulation that comes before takes memory of its own, so it comes before this takes any.
-        let begun = registration::begun(&wire);
-        let starts = self.first_states(&warm, &begun, &request.capture, call.cancel()).await?;
-        let start = starts.into_iter().next();
-        let start = start.ok_or_else(|| Error::field("initial", "has no state"))?;
-        let bytes = registration::memory_bytes(wire.observation.as_ref(), &shape);
-        let purpose = "the registration: send fewer points";
-        let share = budget::take(&self.memory.rollouts, bytes, purpose).await?;
-        let backend = self.device.backend(Priority::Interactive);
-        let job = Job { warm, start, request: wire, backend };
-        call.blocking(move |cancel| {
-            let _share = share;
-            job.run(cancel)
-        })
-        .await
-    }
-}
-
-impl Job {
-    /// Computes it.
-    pub(super) fn run(self, cancel: &CancelToken) -> Result<RegisteredState, Error> {
-        let loaded = self.surrounded(cancel)?;
-        let Self { warm, start, request, backend } = self;
-        let grippers = grippers(request.grippers.as_ref(), "grippers")?;
-        let around = Still::among(request.world.as_ref(), &grippers)?.around_now();
-        let seen = observation::read(request.observation, &warm.twin.graph)?;
-        let controls = observation::points(request.controls, "controls")?;
-        let wire = request.options.unwrap_or_default();
-        let options = RegisterOptions { around, ..options(wire, start, controls) };
-        let registered = register(&backend, &loaded, &seen, &options, cancel)?;
-        Ok(message(&registered, warm.twin.graph.rods.len()))
-    }
-
-    /// The twin's model with the ground and the gravity of the request.
-    fn surrounded(&self, cancel: &CancelToken) -> Result<Loaded, Error> {
-        let Some(world) = &self.request.world else { return Ok(self.warm.loaded.clone()) };
-        let surroundings = Surroundings::without_bodies(world);
-        let base = Base::own(&self.warm.loaded);
-        let variants = Variants::load(None, &base, &surroundings, &self.backend, cancel)?;
-        Ok(variants.of(0).loaded.clone())
-    }
+/// The twin's model with the ground and the gravity of a world.
+fn surrounded(
+    warm: &Warm,
+    world: Option<&v1::World>,
+    backend: &dyn Backend,
+    cancel: &CancelToken,
+) -> Result<Loaded, Error> {
+    let Some(world) = world else { return Ok(warm.loaded.clone()) };
+    let surroundings = Surroundings::without_bodies(world);
+    let base = Base::own(&warm.loaded);
+    let variants = Variants::load(None, &base, &surroundings, backend, cancel)?;
+    Ok(variants.of(0).loaded.clone())
 }
 
 fn options(wire: v1::RegisterOptions, start: Start, controls: Vec<Point>) -> RegisterOptions {

@@ -12,26 +12,29 @@ use bendtwin_proto::v1::{
     roll_out_response::{Deviation, Diagnostics, Divergence},
 };
 
-pub(super) use self::{
+pub(crate) use self::{
     gradients::{Gradients, add_gradients},
     span::Span,
 };
-use super::{grasping, initial::Starts, plan::Plan, plausible::Extremes};
+use crate::{
+    request::{grasping, initial::Starts, plausible::Extremes},
+    run::plan::Plan,
+};
 
 /// The cost of an instance as it is reported: never NaN.
-pub(super) fn cost(rollout: &Rollout) -> f64 {
+pub(crate) fn cost(rollout: &Rollout) -> f64 {
     if rollout.diverged.is_some() { f64::INFINITY } else { never_nan(rollout.cost) }
 }
 
 /// Costs of a part of a reply.
-pub(super) fn costs(part: &RollOutResponse) -> Vec<f64> {
+pub(crate) fn costs(part: &RollOutResponse) -> Vec<f64> {
     let costs = part.costs.as_ref().and_then(|t| t.unpack("costs").ok());
     costs.map(|(_, costs)| costs).unwrap_or_default()
 }
 
 /// Costs, terms, diagnostics, divergences and what is implausible of instances that follow one
 /// another.
-pub(super) fn summary(
+pub(crate) fn summary(
     plan: &Plan,
     indices: &[usize],
     rollouts: &[Rollout],
@@ -69,7 +72,7 @@ pub(super) fn summary(
 }
 
 /// Sets costs and terms to those of rollouts.
-pub(super) fn set_costs(plan: &Plan, rollouts: &[Rollout], part: &mut RollOutResponse) {
+pub(crate) fn set_costs(plan: &Plan, rollouts: &[Rollout], part: &mut RollOutResponse) {
     let names = plan.costs.names.len();
     let costs: Vec<f64> = rollouts.iter().map(cost).collect();
     let terms: Vec<f64> = rollouts
@@ -82,14 +85,14 @@ pub(super) fn set_costs(plan: &Plan, rollouts: &[Rollout], part: &mut RollOutRes
 }
 
 /// The divergence of an instance.
-pub(super) fn divergence(plan: &Plan, instance: usize, rollout: &Rollout) -> Option<Divergence> {
+pub(crate) fn divergence(plan: &Plan, instance: usize, rollout: &Rollout) -> Option<Divergence> {
     let at = rollout.diverged?;
     let (instance, node) = (instance as u32, plan.node(at.node) as u32);
     Some(Divergence { instance, frame: at.frame as u32, node })
 }
 
 /// The part of a reply that is the same for all instances.
-pub(super) fn head(plan: &Plan) -> RollOutResponse {
+pub(crate) fn head(plan: &Plan) -> RollOutResponse {
     let fast = plan.served.fast.map(|f| Deviation {
         mean_m: f.mean_deviation_m,
         max_m: f.max_deviation_m,
@@ -117,21 +120,21 @@ pub(super) fn head(plan: &Plan) -> RollOutResponse {
 }
 
 /// Arrays of simulated instances over a span.
-pub(super) struct Arrays<'a> {
-    pub(super) indices: &'a [usize],
-    pub(super) rollouts: &'a [Rollout],
+pub(crate) struct Arrays<'a> {
+    pub(crate) indices: &'a [usize],
+    pub(crate) rollouts: &'a [Rollout],
     /// Mean motions of the members of each action, if arrays are of these.
-    pub(super) means: &'a [Rollout],
-    pub(super) starts: &'a Starts,
+    pub(crate) means: &'a [Rollout],
+    pub(crate) starts: &'a Starts,
     /// Control points of final states [m], shape [instances, C, 3]; empty without such states.
-    pub(super) ends: &'a [Point],
+    pub(crate) ends: &'a [Point],
     /// Control points at the frame boundaries [m] if asked for, shape [instances, boundaries, C, 3].
-    pub(super) paths: &'a [Point],
+    pub(crate) paths: &'a [Point],
 }
 
 /// Adds the arrays that were asked for: of all instances, or of one for each action where there is a
 /// spread or a mean motion.
-pub(super) fn add_arrays(plan: &Plan, span: Span, arrays: &Arrays<'_>, part: &mut RollOutResponse) {
+pub(crate) fn add_arrays(plan: &Plan, span: Span, arrays: &Arrays<'_>, part: &mut RollOutResponse) {
     if plan.returns.spread {
         part.spread = Some(spread::pack(plan, span, arrays.rollouts));
     }

@@ -3,8 +3,8 @@
 //! its slots together or none.
 
 mod begun;
-pub(super) mod correct;
-mod manage;
+pub(crate) mod correct;
+mod states;
 
 use std::{
     collections::HashMap,
@@ -17,8 +17,8 @@ use bendtwin_core::ids::{SessionId, TwinId};
 use bendtwin_proto::{v1, worker::v1::HeldSession};
 use bendtwin_register::Tracking;
 
-pub(super) use self::begun::Begun;
-use super::{error::Error, initial::Start};
+pub use self::{begun::Begun, states::session_states};
+use crate::{error::Error, request::initial::Start};
 
 /// Most sessions of a worker.
 const MOST: usize = 256;
@@ -29,15 +29,31 @@ const IDLE_BOUNDS_S: std::ops::RangeInclusive<f64> = 1.0..=3600.0;
 
 /// A session, apart from its states.
 #[derive(Debug)]
-pub(super) struct Setup {
-    pub(super) twin: TwinId,
+pub struct Setup {
+    /// The twin.
+    pub twin: TwinId,
     /// captures/{uuid} of the twin, for initial states in a frame of it.
-    pub(super) capture: String,
-    pub(super) fidelity: v1::Fidelity,
+    pub capture: String,
+    /// The model that answers.
+    pub fidelity: v1::Fidelity,
     /// Surroundings of rollouts that name none.
-    pub(super) world: Option<v1::World>,
-    pub(super) grasps: Vec<v1::Grasp>,
-    pub(super) idle: Duration,
+    pub world: Option<v1::World>,
+    /// Grasps of rollouts that name none.
+    pub grasps: Vec<v1::Grasp>,
+    /// Time after which it ends if nobody uses it.
+    pub idle: Duration,
+}
+
+impl Setup {
+    /// The surroundings and fidelity as a request.
+    pub fn as_request(&self) -> v1::OpenSessionRequest {
+        v1::OpenSessionRequest {
+            world: self.world.clone(),
+            grasps: self.grasps.clone(),
+            fidelity: self.fidelity.into(),
+            ..v1::OpenSessionRequest::default()
+        }
+    }
 }
 
 /// A simulation of a session.
@@ -58,9 +74,11 @@ impl Slot {
 }
 
 /// A session.
-pub(super) struct Session {
-    pub(super) id: SessionId,
-    pub(super) setup: Setup,
+pub struct Session {
+    /// Id, which may be replaced before the session is added.
+    pub id: SessionId,
+    /// What it was opened with.
+    pub setup: Setup,
     first: Vec<Start>,
     slots: Mutex<Vec<Slot>>,
     /// Held while the session is advanced.
@@ -72,10 +90,13 @@ pub(super) struct Session {
 
 /// The sessions of a worker.
 #[derive(Default)]
-pub(super) struct Sessions(Mutex<HashMap<SessionId, Arc<Session>>>);
+pub struct Sessions(Mutex<HashMap<SessionId, Arc<Session>>>);
 
 /// Time after which a session ends if nobody uses it; 0 asks for the default.
-pub(super) fn idle(asked_s: f64) -> Result<Duration, Error> {
+///
+/// # Errors
+/// If it is too short or too long.
+pub fn idle(asked_s: f64) -> Result<Duration, Error> {
     let seconds = if asked_s == 0.0 { IDLE_S } else { asked_s };
     if !IDLE_BOUNDS_S.contains(&seconds) {
         let (low, high) = (IDLE_BOUNDS_S.start(), IDLE_BOUNDS_S.end());
@@ -86,7 +107,7 @@ pub(super) fn idle(asked_s: f64) -> Result<Duration, Error> {
 
 impl Session {
     /// A session whose slots begin in these states.
-    pub(super) fn new(setup: Setup, first: Vec<Start>, share: Option<Share>) -> Self {
+    pub fn new(setup: Setup, first: Vec<Start>, share: Option<Share>) -> Self {
         let slots = first.iter().cloned().map(Slot::new).collect();
         Self {
             id: SessionId::generate(),
@@ -100,12 +121,15 @@ impl Session {
     }
 
     /// Number of slots.
-    pub(super) fn slots(&self) -> usize {
+    pub fn slots(&self) -> usize {
         self.first.len()
     }
 
     /// Checks numbers of slots, each named once; none means those of `default`.
-    pub(super) fn distinct(
+    ///
+    /// # Errors
+    /// If there is no such slot, or one is named twice.
+    pub fn distinct(
         &self,
         slots: &[u32],
         default: impl IntoIterator<Item = usize>,
@@ -119,7 +143,10 @@ impl Session {
     }
 
     /// Checks numbers of slots; none means those of `default`.
-    pub(super) fn chosen(
+    ///
+    /// # Errors
+    /// If there is no such slot.
+    pub fn chosen(
         &self,
         slots: &[u32],
         default: impl IntoIterator<Item = usize>,
@@ -136,18 +163,18 @@ impl Session {
     }
 
     /// The states of slots, and the frames that they have been advanced by.
-    pub(super) fn states(&self, slots: &[usize]) -> (Vec<Start>, Vec<u64>) {
+    pub(crate) fn states(&self, slots: &[usize]) -> (Vec<Start>, Vec<u64>) {
         let own = lock(&self.slots);
         slots.iter().filter_map(|&s| own.get(s)).map(|s| (s.now.clone(), s.frames)).unzip()
     }
 
     /// Waits until nobody else advances the session.
-    pub(super) async fn begin_advance(&self) -> tokio::sync::OwnedMutexGuard<()> {
+    pub async fn begin_advance(&self) -> tokio::sync::OwnedMutexGuard<()> {
         Arc::clone(&self.advancing).lock_owned().await
     }
 
     /// Leaves slots in new states, `frames` later.
-    pub(super) fn commit(&self, slots: &[usize], states: Vec<Start>, frames: u64) {
+    pub(crate) fn commit(&self, slots: &[usize], states: Vec<Start>, frames: u64) {
         let mut own = lock(&self.slots);
         for (&slot, now) in slots.iter().zip(states) {
             if let Some(slot) = own.get_mut(slot) {
@@ -158,13 +185,13 @@ impl Session {
     }
 
     /// The records of slots.
-    pub(super) fn trackings(&self, slots: &[usize]) -> Vec<Tracking> {
+    pub(crate) fn trackings(&self, slots: &[usize]) -> Vec<Tracking> {
         let own = lock(&self.slots);
         slots.iter().filter_map(|&s| own.get(s)).map(|s| s.tracking).collect()
     }
 
     /// Leaves slots with these records.
-    pub(super) fn record(&self, slots: impl IntoIterator<Item = (usize, Tracking)>) {
+    pub(crate) fn record(&self, slots: impl IntoIterator<Item = (usize, Tracking)>) {
         let mut own = lock(&self.slots);
         for (slot, tracking) in slots {
             if let Some(slot) = own.get_mut(slot) {
@@ -174,7 +201,7 @@ impl Session {
     }
 
     /// Copies a slot to others.
-    pub(super) fn fork(&self, from: usize, to: &[usize]) {
+    pub fn fork(&self, from: usize, to: &[usize]) {
         let mut own = lock(&self.slots);
         let Some(source) = own.get(from).cloned() else { return };
         for &slot in to {
@@ -185,7 +212,7 @@ impl Session {
     }
 
     /// Sets slots to given states, one each, or to the session's first ones.
-    pub(super) fn reset(&self, slots: &[usize], states: Option<Vec<Start>>) {
+    pub fn reset(&self, slots: &[usize], states: Option<Vec<Start>>) {
         let first = || slots.iter().filter_map(|&s| self.first.get(s).cloned()).collect();
         let states = states.unwrap_or_else(first);
         let mut own = lock(&self.slots);
@@ -197,7 +224,7 @@ impl Session {
     }
 
     /// The session as a client sees it.
-    pub(super) fn describe(&self, worker: &str) -> v1::Session {
+    pub fn describe(&self, worker: &str) -> v1::Session {
         let slots = lock(&self.slots);
         let lost = slots.iter().zip(0..).filter(|(slot, _)| slot.tracking.is_lost());
         v1::Session {
@@ -228,7 +255,7 @@ impl Sessions {
     ///
     /// # Errors
     /// If there are too many.
-    pub(super) fn add(&self, session: Session) -> Result<Arc<Session>, Error> {
+    pub fn add(&self, session: Session) -> Result<Arc<Session>, Error> {
         let mut sessions = lock(&self.0);
         end_idle(&mut sessions);
         if sessions.len() >= MOST {
@@ -243,7 +270,7 @@ impl Sessions {
     ///
     /// # Errors
     /// If it is not here.
-    pub(super) fn get(&self, name: &str) -> Result<Arc<Session>, Error> {
+    pub fn get(&self, name: &str) -> Result<Arc<Session>, Error> {
         let id: SessionId = name
             .parse()
             .map_err(|e: bendtwin_core::ids::InvalidName| Error::field("session", e.to_string()))?;
@@ -256,12 +283,12 @@ impl Sessions {
     }
 
     /// Ends a session; it is no error if it has ended.
-    pub(super) fn close(&self, id: SessionId) {
+    pub fn close(&self, id: SessionId) {
         lock(&self.0).remove(&id);
     }
 
     /// The sessions that are here, as the server is told.
-    pub(super) fn list(&self) -> Vec<HeldSession> {
+    pub fn list(&self) -> Vec<HeldSession> {
         let mut sessions = lock(&self.0);
         end_idle(&mut sessions);
         let held = sessions.values().map(|session| HeldSession {

@@ -2,7 +2,7 @@
 
 mod carry;
 mod costs;
-mod faults;
+mod direct;
 mod fidelity;
 mod gradients;
 mod limit;
@@ -18,8 +18,8 @@ use std::{sync::Arc, time::Instant};
 
 use bendtwin_contract::rollout::{self, Limits};
 use bendtwin_core::{
-    CancelToken, Category, Contact, Environment, Graph, NodeKind, Params, Problem as _, Quality,
-    Skin, Timing, Twin, environment::ControlVelocity, ids::TwinId, twin::Provenance,
+    CancelToken, Category, Environment, Graph, NodeKind, Params, Problem as _, Skin, Twin,
+    ids::TwinId,
 };
 use bendtwin_engine::{Backend, Model};
 use bendtwin_proto::v1::{
@@ -33,94 +33,42 @@ use bendtwin_proto::v1::{
 };
 use proptest::prelude::*;
 use prost::Message as _;
-use tokio::sync::{OnceCell, mpsc};
 
-use super::{
-    checked::{Checked, Room},
+use self::direct::Direct;
+use crate::{
+    cases::{keypoint_cost, request, twin},
     error::Error,
-    execute::Execution,
-    initial::{Starts, Wanted},
-    plan::{Plan, shape},
-    serve::Served,
-    warm::Warm,
+    request::{
+        checked::{Checked, Room},
+        initial::{Starts, Wanted},
+    },
+    run::{
+        execute::Execution,
+        plan::{Plan, shape},
+    },
+    twin::{serve::Served, warm::Warm},
 };
-use crate::device::{Device, Priority, QueuedBackend};
-
-/// A chain of four nodes that hangs from one control point.
-pub(super) fn twin() -> Twin {
-    let n = 4;
-    let graph = Graph {
-        rest_positions: (0..n).map(|i| [0.0, 0.0, 0.5 - 0.1 * i as f32]).collect(),
-        kinds: vec![NodeKind::Observed; n],
-        masses: vec![1.0; n],
-        object_ids: vec![0; n],
-        observed_points: (0..n as u32).collect(),
-        control_rest: vec![[0.0, 0.0, 0.6]],
-        springs: vec![[0, 4], [1, 0], [2, 1], [3, 2]],
-        triplets: vec![[0, 1, 2], [1, 2, 3]],
-        pins: Vec::new(),
-        ..Graph::default()
-    };
-    let params = Params {
-        spring_stiffness: vec![500.0; 4],
-        spring_dashpot: vec![1.0; 4],
-        rest_lengths_m: vec![0.1; 4],
-        bend_stiffness: vec![0.01; 2],
-        bend_damping: vec![0.0; 2],
-        rest_angles_rad: vec![std::f32::consts::PI; 2],
-        drag: 1.0,
-        contact: Contact::default(),
-        ..Params::default()
-    };
-    Twin {
-        skin: Skin::of_nodes(&graph),
-        graph,
-        params,
-        environment: Environment::Z_UP,
-        timing: Timing { fps: 30.0, substeps: 60 },
-        control_velocity: ControlVelocity::True,
-        provenance: Provenance::default(),
-        quality: Quality::default(),
-        mass_kg: None,
-        control_hands: Vec::new(),
-        members: Vec::new(),
-        appearance: None,
-        planner: None,
-    }
-}
 
 struct Bench {
-    device: Device,
+    backend: Direct,
     warm: Arc<Warm>,
 }
 
 impl Bench {
     fn new() -> Self {
-        Self::on(bendtwin_engine::cpu_with_threads(2)).0
+        Self::on(bendtwin_engine::cpu_with_threads(2))
     }
 
-    /// On a backend; also says where the end of the worker is announced.
-    fn on(backend: Arc<dyn Backend>) -> (Self, mpsc::UnboundedReceiver<crate::Error>) {
+    /// On a backend.
+    fn on(backend: Arc<dyn Backend>) -> Self {
         Self::of(twin(), backend)
     }
 
     /// Of a twin.
-    fn of(twin: Twin, backend: Arc<dyn Backend>) -> (Self, mpsc::UnboundedReceiver<crate::Error>) {
-        let (fatal, died) = mpsc::unbounded_channel();
-        let device = Device::spawn(move || Ok(backend), fatal, 0.25).unwrap();
-        let model = Arc::new(Model::from(&twin));
-        let loaded = device.backend(Priority::Interactive).load(model).unwrap();
-        let fast = OnceCell::new();
-        let warm = Warm {
-            id: TwinId::generate(),
-            twin,
-            loaded,
-            fast,
-            planner: OnceCell::new(),
-            members: Default::default(),
-            _share: None,
-        };
-        (Self { device, warm: Arc::new(warm) }, died)
+    fn of(twin: Twin, backend: Arc<dyn Backend>) -> Self {
+        let backend = Direct::new(backend);
+        let warm = Warm::load(TwinId::generate(), twin, &backend, None).unwrap();
+        Self { backend, warm: Arc::new(warm) }
     }
 
     fn plan(&self, request: RollOutRequest, part: u32) -> Result<(Plan, Wanted), Error> {
@@ -134,39 +82,30 @@ impl Bench {
         served: Served,
     ) -> Result<(Plan, Wanted), Error> {
         let room = Room { bytes: 256 << 20, lanes: 2 };
-        let checked = Checked::new(request, "", part, &served, &limits(), room)?;
-        let backend = self.device.backend(Priority::Interactive);
-        Plan::new(checked, part, served, &backend, &CancelToken::default())
+        let checked = Checked::new(request, "", part, served, &limits(), room)?;
+        Plan::new(checked, &self.backend, &CancelToken::default())
     }
 
     fn run(&self, request: RollOutRequest, part: u32) -> Result<Vec<RollOutResponse>, Error> {
         let (plan, wanted) = self.plan(request, part)?;
-        let Wanted::Ready(starts) = wanted else { panic!("no captures here") };
-        let backend = self.device.backend(Priority::Interactive);
-        self.execute(&plan, &starts, &backend)
+        self.execute(&plan, &plan.starts(wanted, None)?)
     }
 
-    fn execute(
-        &self,
-        plan: &Plan,
-        starts: &Starts,
-        backend: &QueuedBackend,
-    ) -> Result<Vec<RollOutResponse>, Error> {
-        self.execute_until(plan, starts, backend, None)
+    fn execute(&self, plan: &Plan, starts: &Starts) -> Result<Vec<RollOutResponse>, Error> {
+        self.execute_until(plan, starts, None)
     }
 
     fn execute_until(
         &self,
         plan: &Plan,
         starts: &Starts,
-        backend: &QueuedBackend,
         until: Option<Instant>,
     ) -> Result<Vec<RollOutResponse>, Error> {
         let cancel = CancelToken::default();
         let execution = Execution {
             plan,
             starts,
-            backend,
+            backend: &self.backend,
             cancel: &cancel,
             until,
             arrived: Instant::now(),
@@ -188,31 +127,6 @@ impl Bench {
 
 fn limits() -> Limits {
     Limits { instances: 64, reply_bytes: 1 << 20, work: 50_000_000, ..Limits::default() }
-}
-
-/// `b` instances whose control point moves to x = 0.02 i over 6 frames.
-fn request(b: usize) -> RollOutRequest {
-    let knots = (0..b).flat_map(|i| [[0.0, 0.0, 0.6], [0.02 * i as f32, 0.0, 0.6]]);
-    let positions = Tensor::pack_points(&[b, 2, 1], &knots.collect::<Vec<_>>());
-    RollOutRequest {
-        actions: Some(Actions::Trajectories(ControlTrajectories {
-            positions: Some(positions),
-            interpolation: 0,
-        })),
-        frames: 6,
-        costs: vec![keypoint_cost(0.06)],
-        ..RollOutRequest::default()
-    }
-}
-
-fn keypoint_cost(x: f32) -> Cost {
-    let keypoints = Keypoints {
-        nodes: Some(Tensor::pack(&[1], &[0u32])),
-        targets: Some(Tensor::pack_points(&[1], &[[x, 0.0, 0.5]])),
-        squared: false,
-        skin_points: None,
-    };
-    Cost { weight: Some(1.0), kind: Some(Kind::Keypoints(keypoints)), ..Cost::default() }
 }
 
 fn f64s(tensor: &Option<Tensor>) -> Vec<f64> {

@@ -23,9 +23,13 @@ use bendtwin_proto::v1::{
     world::GroundChoice,
 };
 
-pub(super) use self::{ended::Ended, holds::Path, still::Still};
+pub use self::still::Still;
+pub(crate) use self::{ended::Ended, holds::Path};
 use self::{grasps::Held, shapes::three};
-use super::{actions::Actions, error::Error, plausible::Obstacles, vary::Factors};
+use crate::{
+    error::Error,
+    request::{actions::Actions, plausible::Obstacles, vary::Factors},
+};
 
 /// Friction and restitution of a collider that does not say.
 const FRICTION: f32 = 0.5;
@@ -34,7 +38,7 @@ const UP: Point = [0.0, 0.0, 1.0];
 
 /// What surrounds the object in the rollouts of a request.
 #[derive(Debug, Default)]
-pub(super) struct Surroundings {
+pub(crate) struct Surroundings {
     gravity: Option<Point>,
     /// Another ground, or none.
     ground: Option<Option<Plane>>,
@@ -68,7 +72,7 @@ enum Closed {
 impl Surroundings {
     /// Reads what surrounds the object in a checked request with these actions to a twin, of which
     /// this model is simulated.
-    pub(super) fn read(
+    pub(crate) fn read(
         request: &mut RollOutRequest,
         actions: &Actions,
         map: GripperOfControl,
@@ -119,7 +123,7 @@ impl Surroundings {
     }
 
     /// Gravity and ground of a checked world, without its colliders.
-    pub(super) fn without_bodies(wire: &v1::World) -> Self {
+    pub(crate) fn without_bodies(wire: &v1::World) -> Self {
         Self {
             gravity: (!wire.gravity.is_empty()).then(|| three(&wire.gravity)),
             ground: wire.ground_choice.as_ref().and_then(ground),
@@ -147,7 +151,7 @@ impl Surroundings {
     }
 
     /// The environment that takes the place of a model's own, if it differs.
-    pub(super) fn environment(&self, own: Environment) -> Option<Environment> {
+    pub(crate) fn environment(&self, own: Environment) -> Option<Environment> {
         let environment = Environment {
             gravity: self.gravity.unwrap_or(own.gravity),
             ground: self.ground.unwrap_or(own.ground),
@@ -156,7 +160,7 @@ impl Surroundings {
     }
 
     /// Sets the contact parameters that the request gives.
-    pub(super) fn touch(&self, contact: &mut Contact) {
+    pub(crate) fn touch(&self, contact: &mut Contact) {
         if let Some(friction) = self.ground_friction {
             contact.ground_friction = friction;
         }
@@ -166,7 +170,7 @@ impl Surroundings {
     }
 
     /// The world around an object with these factors.
-    pub(super) fn world(&self, factors: Factors) -> World {
+    pub(crate) fn world(&self, factors: Factors) -> World {
         let mut world = self.world.clone();
         for collider in &mut world.colliders {
             collider.friction = factors.friction_of(collider.friction);
@@ -184,7 +188,7 @@ impl Surroundings {
     }
 
     /// Motion of all that is carried, of an instance.
-    pub(super) fn motion(&self, instance: usize, actions: &Actions) -> Motion {
+    pub(crate) fn motion(&self, instance: usize, actions: &Actions) -> Motion {
         if self.world.bodies == 0 {
             return Motion::default();
         }
@@ -212,7 +216,7 @@ impl Surroundings {
     }
 
     /// Obstacles that stand still, in an environment.
-    pub(super) fn obstacles(&self, environment: &Environment) -> Obstacles {
+    pub(crate) fn obstacles(&self, environment: &Environment) -> Obstacles {
         let colliders = self.world.colliders.iter().zip(&self.margins);
         let fixed = colliders.filter(|(collider, _)| collider.body.is_none());
         let shapes = fixed.map(|(collider, margin)| (collider.shape.clone(), *margin));
@@ -220,13 +224,13 @@ impl Surroundings {
     }
 
     /// Middles of the spheres and boxes of grasps: the gripper, and the place in its coordinates [m].
-    pub(super) fn places(&self) -> Vec<(usize, Point)> {
+    pub(crate) fn places(&self) -> Vec<(usize, Point)> {
         let grasps = self.world.grasps.iter();
         grasps.filter_map(|g| Some((g.body as usize, middle(&g.region)?))).collect()
     }
 
     /// These middles at frame boundaries [m], frame by frame.
-    pub(super) fn middles(&self, motion: &Motion) -> Vec<Point> {
+    pub(crate) fn middles(&self, motion: &Motion) -> Vec<Point> {
         let middles = self.places();
         if middles.is_empty() {
             return Vec::new();
@@ -246,10 +250,10 @@ fn middle(region: &Region) -> Option<Point> {
 }
 
 /// Gripper of each control point, shape [C]; none where there are no grippers.
-pub(super) type GripperOfControl = Option<Vec<u32>>;
+pub(crate) type GripperOfControl = Option<Vec<u32>>;
 
 /// The grippers that carry control points in a checked request.
-pub(super) fn gripper_of_control(
+pub(crate) fn gripper_of_control(
     wire: Option<&Wire>,
     controls: usize,
 ) -> Result<GripperOfControl, Error> {

@@ -1,36 +1,29 @@
-//! The calls about sessions that simulate nothing but the way to a first state.
+//! The calls about sessions that simulate nothing but the way to a first state, and corrections of
+//! their states.
+
+mod correct;
 
 use std::sync::Arc;
 
 use bendtwin_budget::Share;
 use bendtwin_contract::rollout;
 use bendtwin_core::{
-    CancelToken, Graph, Point,
-    ids::{SessionId, TwinId},
+    CancelToken,
+    ids::{InvalidName, SessionId, TwinId},
 };
-use bendtwin_engine::model::State;
 use bendtwin_proto::{
-    v1::{
-        Fidelity, GetSessionStatesRequest, OpenSessionRequest, SessionStates, Tensor,
-        initial_state::GivenState,
-    },
+    v1::{Fidelity, GetSessionStatesRequest, OpenSessionRequest, SessionStates},
     worker::v1::{ManageSessionRequest, ManageSessionResponse, manage_session_request::Call},
 };
-
-use super::{Session, Setup, idle};
-use crate::{
-    budget,
-    device::Priority,
-    rollout::{
-        error::Error,
-        grasping,
-        initial::{Simulated, Start, Starts, Wanted},
-        plan::shape,
-        service::{Inner, Unary},
-        warm::Warm,
-        world::Still,
-    },
+use bendtwin_rollout::{
+    Session, Setup, Simulated, Start, Starts, Still, Wanted, Warm, idle, session_states, shape,
 };
+
+use super::{
+    error::Error,
+    service::{Inner, Unary},
+};
+use crate::{budget, device::Priority};
 
 /// States of a slot: its first one and the present one, and one that an advance makes.
 const STATES: u64 = 3;
@@ -39,7 +32,7 @@ const STATES_MEMORY: u64 = 3;
 
 impl Inner {
     /// Answers a call about sessions; with the memory of the reply, where that is large.
-    pub(in crate::rollout) async fn manage(
+    pub(super) async fn manage(
         self: &Arc<Self>,
         request: ManageSessionRequest,
         under_way: &Unary,
@@ -107,13 +100,13 @@ impl Inner {
         let session = self.sessions.get(&asked.name)?;
         let slots = session.distinct(&asked.slots, 0..session.slots())?;
         let warm = self.twins.get(session.setup.twin).await?;
-        let (twin, limits) = (shape(&warm.twin, true), self.limits());
+        let (twin, limits) = (shape(warm.twin(), true), self.limits());
         let grasps = session.setup.grasps.len() as u64;
         let bytes = rollout::states_bytes(slots.len() as u64, grasps, &twin, &limits)?;
         let advice = "the states: ask for fewer slots at once";
         let bytes = bytes.saturating_mul(STATES_MEMORY);
         let share = budget::take(&self.memory.rollouts, bytes, advice).await?;
-        Ok((pack(&session, &warm, &slots), share))
+        Ok((session_states(&session, &warm, &slots), share))
     }
 
     async fn open(
@@ -122,10 +115,8 @@ impl Inner {
         capture: String,
         cancel: &CancelToken,
     ) -> Result<Arc<Session>, Error> {
-        let twin: TwinId = open
-            .twin
-            .parse()
-            .map_err(|e: bendtwin_core::ids::InvalidName| Error::field("twin", e.to_string()))?;
+        let twin: TwinId =
+            open.twin.parse().map_err(|e: InvalidName| Error::field("twin", e.to_string()))?;
         let idle = idle(open.idle_timeout_s)?;
         let warm = self.twins.get(twin).await?;
         let first = self.first_states(&warm, &open, &capture, cancel).await?;
@@ -159,7 +150,7 @@ impl Inner {
     }
 
     /// The states in which slots begin, one each.
-    pub(in crate::rollout) async fn first_states(
+    pub(super) async fn first_states(
         self: &Arc<Self>,
         warm: &Arc<Warm>,
         open: &OpenSessionRequest,
@@ -167,10 +158,10 @@ impl Inner {
         cancel: &CancelToken,
     ) -> Result<Vec<Start>, Error> {
         let limits = self.limits();
-        rollout::check_session(open, &shape(&warm.twin, !capture.is_empty()), &limits)?;
+        rollout::check_session(open, &shape(warm.twin(), !capture.is_empty()), &limits)?;
         let slots = rollout::slots(open)? as usize;
         let simulated = self.simulated(warm, open, capture, cancel).await?;
-        let wanted = Wanted::read(open.initial.clone(), &warm.twin.graph, slots)?;
+        let wanted = Wanted::read(open.initial.clone(), &warm.twin().graph, slots)?;
         Ok(match (wanted, simulated) {
             (Wanted::Ready(Starts::Each(starts)), _) => starts,
             (Wanted::Ready(Starts::Shared(start)), _) | (Wanted::Simulated, Some(start)) => {
@@ -201,67 +192,4 @@ impl Inner {
             }
         })
     }
-}
-
-impl Setup {
-    /// The surroundings and fidelity as a request.
-    fn as_request(&self) -> OpenSessionRequest {
-        OpenSessionRequest {
-            world: self.world.clone(),
-            grasps: self.grasps.clone(),
-            fidelity: self.fidelity.into(),
-            ..OpenSessionRequest::default()
-        }
-    }
-}
-
-/// The states of slots as an initial state takes them.
-fn pack(session: &Session, warm: &Warm, slots: &[usize]) -> SessionStates {
-    let (starts, frames) = session.states(slots);
-    let states = Some(given(&starts, &warm.twin.graph, session.setup.grasps.len()));
-    let slots = slots.iter().map(|&s| s as u32).collect();
-    SessionStates { states, slots, frames }
-}
-
-/// States with so many grasps as an initial state takes them.
-fn given(starts: &[Start], graph: &Graph, grasps: usize) -> GivenState {
-    let (n, r, c) = (graph.node_count(), graph.rods.len(), graph.control_count());
-    let points = |of: fn(&State) -> &Vec<Point>| {
-        let all: Vec<Point> = starts.iter().flat_map(|s| of(&s.state)).copied().collect();
-        Some(Tensor::pack_points(&[starts.len(), n], &all))
-    };
-    let twists = || {
-        let own =
-            |s: &Start| (0..r).map(|i| s.state.twists.get(i).copied().unwrap_or(0.0)).collect();
-        let all: Vec<f32> = starts.iter().flat_map(|s| -> Vec<f32> { own(s) }).collect();
-        Tensor::pack(&[starts.len(), r], &all)
-    };
-    let all = |of: fn(&Start) -> &[Point]| {
-        let all: Vec<Point> = starts.iter().flat_map(of).copied().collect();
-        Some(Tensor::pack_points(&[starts.len(), c], &all))
-    };
-    let is_held_back = starts.iter().any(|s| s.commanded.is_some());
-    GivenState {
-        positions: points(|s| &s.positions),
-        velocities: points(|s| &s.velocities),
-        twists: (r > 0).then(twists),
-        controls: all(|s| &s.controls),
-        commanded_controls: is_held_back.then(|| all(Start::commanded)).flatten(),
-        grasping: (grasps > 0)
-            .then(|| grasping::pack(starts.iter().map(|s| Some(&*s.state)), grasps, n)),
-    }
-}
-
-/// One state with so many grasps as an initial state takes it, without a batch in front.
-pub(in crate::rollout) fn given_one(start: &Start, graph: &Graph, grasps: usize) -> GivenState {
-    let mut state = given(std::slice::from_ref(start), graph, grasps);
-    let GivenState { positions, velocities, twists, controls, grasping, commanded_controls } =
-        &mut state;
-    let of_grasps =
-        grasping.iter_mut().flat_map(|g| [&mut g.phases, &mut g.holders, &mut g.places]);
-    let of_nodes = [positions, velocities, twists, controls, commanded_controls];
-    for tensor in of_nodes.into_iter().chain(of_grasps).flatten() {
-        tensor.shape.remove(0);
-    }
-    state
 }

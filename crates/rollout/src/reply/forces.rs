@@ -5,7 +5,7 @@ use bendtwin_engine::backend::{Forces, Rollout};
 use bendtwin_proto::v1::{Tensor, roll_out_response};
 
 use super::Span;
-use crate::rollout::plan::Plan;
+use crate::run::plan::Plan;
 
 /// Forces of instances over the frames of a span; NaN where an instance has none, as after it diverged.
 pub(super) fn pack(

@@ -4,7 +4,7 @@ use bendtwin_core::Point;
 use bendtwin_engine::backend::Gradient;
 use bendtwin_proto::v1::{RollOutResponse, Tensor};
 
-use crate::rollout::plan::Plan;
+use crate::run::plan::Plan;
 
 /// Growth of a gradient on its way back, by frames, beyond which it says little.
 const EXPLODED: f64 = 20.0;
@@ -12,7 +12,7 @@ const EXPLODED: f64 = 20.0;
 /// Gradients of instances in the same order as the recordings. What is empty is zero: nothing depends
 /// on it.
 #[derive(Default)]
-pub(in crate::rollout) struct Gradients {
+pub(crate) struct Gradients {
     /// By control positions, shape [F + 1, C, 3] each.
     controls: Vec<Vec<Point>>,
     /// By initial positions and velocities, shape [N, 3] each.
@@ -21,12 +21,12 @@ pub(in crate::rollout) struct Gradients {
     /// By frame, shape [F + 1] each.
     norms: Vec<Vec<f64>>,
     /// By the actions, one instance after another.
-    pub(in crate::rollout) actions: Vec<f32>,
+    pub(crate) actions: Vec<f32>,
 }
 
 impl Gradients {
     /// Adds those of an instance, all but the one by its action.
-    pub(in crate::rollout) fn push(&mut self, gradient: Gradient) {
+    pub(crate) fn push(&mut self, gradient: Gradient) {
         let initial = gradient.initial.unwrap_or_default();
         self.controls.push(gradient.controls);
         self.positions.push(initial.positions);
@@ -36,11 +36,7 @@ impl Gradients {
 }
 
 /// Gradients of the instances that recordings are of.
-pub(in crate::rollout) fn add_gradients(
-    plan: &Plan,
-    gradients: &Gradients,
-    part: &mut RollOutResponse,
-) {
+pub(crate) fn add_gradients(plan: &Plan, gradients: &Gradients, part: &mut RollOutResponse) {
     let (returns, graph) = (&plan.returns, &plan.twin().graph);
     let (count, rows) = (gradients.controls.len(), plan.frames + 1);
     let (width, nodes) = (graph.control_count(), plan.nodes());

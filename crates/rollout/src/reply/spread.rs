@@ -6,7 +6,7 @@ use bendtwin_engine::backend::Rollout;
 use bendtwin_proto::v1::Tensor;
 
 use super::{Arrays, Span, extend_padded};
-use crate::rollout::{initial::Starts, plan::Plan};
+use crate::{request::initial::Starts, run::plan::Plan};
 
 /// Arrays of one instance of each action, its first member.
 pub(super) struct FirstMembers {

@@ -12,16 +12,16 @@ use bendtwin_proto::v1::{
     ControlTrajectories, KnotTimes, Tensor, roll_out_request::Actions as Wire,
 };
 
-pub(super) use self::poses::pose;
+pub(crate) use self::poses::pose;
 use self::poses::{Knots, Poses};
-pub(super) use self::stops::{Floor, Stopped, Stops};
-use super::{
+pub(crate) use self::stops::{Floor, Stopped, Stops};
+use crate::{
     error::Error,
-    interpolate::{Curve, Schedule},
+    request::interpolate::{Curve, Schedule},
 };
 
 /// The actions of a batch of B instances with K knots each; every number is finite.
-pub(super) struct Actions {
+pub(crate) struct Actions {
     shape: Shape,
     schedule: Schedule,
     kind: Kind,
@@ -43,24 +43,24 @@ struct Trajectories {
 
 /// Number of instances and of knots.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Shape {
-    pub(super) instances: usize,
-    pub(super) knots: usize,
+pub(crate) struct Shape {
+    pub(crate) instances: usize,
+    pub(crate) knots: usize,
 }
 
 /// The time that actions are spread over.
-pub(super) struct Horizon {
+pub(crate) struct Horizon {
     /// Number of frames F.
-    pub(super) frames: usize,
+    pub(crate) frames: usize,
     /// Frames per second.
-    pub(super) fps: f64,
+    pub(crate) fps: f64,
     /// Times of the knots; none: evenly.
-    pub(super) times: Option<KnotTimes>,
+    pub(crate) times: Option<KnotTimes>,
 }
 
 impl Actions {
     /// Reads the actions of a checked request to a twin with `controls` control points.
-    pub(super) fn read(
+    pub(crate) fn read(
         wire: Option<Wire>,
         controls: usize,
         horizon: Horizon,
@@ -88,7 +88,7 @@ impl Actions {
     }
 
     /// With the clamps of a twin's rods, which grippers turn.
-    pub(super) fn with_clamps(mut self, graph: &Graph) -> Self {
+    pub(crate) fn with_clamps(mut self, graph: &Graph) -> Self {
         if let Kind::Poses(p) = &mut self.kind {
             p.clamps = rolls::clamps(graph, &p.gripper_of_control);
         }
@@ -97,7 +97,7 @@ impl Actions {
 
     /// With the hands of a twin's control points, shape [C], which move as one body where no
     /// gripper carries them.
-    pub(super) fn with_hands(mut self, hands: &[u32]) -> Self {
+    pub(crate) fn with_hands(mut self, hands: &[u32]) -> Self {
         if let Kind::Trajectories(_) = &self.kind {
             let mut numbers = hands.to_vec();
             numbers.sort_unstable();
@@ -109,13 +109,13 @@ impl Actions {
     }
 
     /// Number of instances and of knots.
-    pub(super) fn shape(&self) -> Shape {
+    pub(crate) fn shape(&self) -> Shape {
         self.shape
     }
 
     /// Control positions of an instance at every frame boundary [m], shape [F + 1, C, 3].
     /// `start` are the control points in the initial state, shape [C, 3].
-    pub(super) fn controls(&self, instance: usize, start: &[Point]) -> Vec<Point> {
+    pub(crate) fn controls(&self, instance: usize, start: &[Point]) -> Vec<Point> {
         match &self.kind {
             Kind::Trajectories(t) => t.controls(instance, self.shape, &self.schedule),
             Kind::Poses(p) => p.controls(instance, self.shape, &self.schedule, start),
@@ -124,7 +124,7 @@ impl Actions {
 
     /// Poses of the G grippers of an instance at every frame boundary, shape [F + 1, G]; none if
     /// control points are moved without grippers.
-    pub(super) fn bodies(&self, instance: usize) -> Vec<Pose> {
+    pub(crate) fn bodies(&self, instance: usize) -> Vec<Pose> {
         match &self.kind {
             Kind::Trajectories(_) => Vec::new(),
             Kind::Poses(p) => p.matrices(instance, self.shape, &self.schedule),
@@ -132,7 +132,7 @@ impl Actions {
     }
 
     /// Number of grippers G.
-    pub(super) fn grippers(&self) -> usize {
+    pub(crate) fn grippers(&self) -> usize {
         match &self.kind {
             Kind::Trajectories(_) => 0,
             Kind::Poses(p) => p.grippers(),
@@ -140,13 +140,13 @@ impl Actions {
     }
 
     /// Knot at or before each frame boundary, shape [F + 1].
-    pub(super) fn knots(&self) -> Vec<usize> {
+    pub(crate) fn knots(&self) -> Vec<usize> {
         self.schedule.places().iter().map(|place| place.knot).collect()
     }
 
     /// Poses at every frame boundary along a path with knots like those of the actions: positions [m]
     /// and quaternions, shape [K, 7].
-    pub(super) fn along(&self, path: &[[f32; 7]]) -> Vec<Pose> {
+    pub(crate) fn along(&self, path: &[[f32; 7]]) -> Vec<Pose> {
         let knots = Knots { grippers: 1, rows: path };
         self.schedule.places().iter().map(|place| knots.at(place, 0).matrix()).collect()
     }
@@ -154,7 +154,7 @@ impl Actions {
     /// Rolls of both ends of a twin's R rods at frame boundaries, shape [F + 1, R, 2], where control points are at
     /// `controls`, shape [F + 1, C, 3]. Empty if no gripper holds a clamp or, unless they are
     /// `kept`, if none rolls.
-    pub(super) fn rolls(
+    pub(crate) fn rolls(
         &self,
         instance: usize,
         controls: &[Point],
@@ -173,7 +173,7 @@ impl Actions {
     /// Gradient of an instance's cost by its actions as the request gave them, [K, C, 3] or
     /// [K, G, 7], from that by control positions, by poses of bodies, those of
     /// [`bodies`](Self::bodies) first, and by rolls. Empty gradients count as zero.
-    pub(super) fn gradient(&self, instance: usize, start: &[Point], by: &Gradient) -> Vec<f32> {
+    pub(crate) fn gradient(&self, instance: usize, start: &[Point], by: &Gradient) -> Vec<f32> {
         match &self.kind {
             Kind::Trajectories(t) => t.gradient(self.shape, &self.schedule, &by.controls),
             Kind::Poses(p) => p.gradient(instance, self.shape, &self.schedule, start, by),
@@ -181,7 +181,7 @@ impl Actions {
     }
 
     /// Packs gradients of `instances` instances, each as [`gradient`](Self::gradient) returns it.
-    pub(super) fn pack_gradients(&self, instances: usize, values: &[f32]) -> Tensor {
+    pub(crate) fn pack_gradients(&self, instances: usize, values: &[f32]) -> Tensor {
         let knots = self.shape.knots;
         match &self.kind {
             Kind::Trajectories(t) => Tensor::pack(&[instances, knots, t.controls, 3], values),

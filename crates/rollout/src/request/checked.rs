@@ -3,38 +3,45 @@
 use bendtwin_contract::rollout::{self, Batch, Limits};
 use bendtwin_proto::v1::RollOutRequest;
 
-use super::{error::Error, plan::shape, serve::Served};
-use crate::cut;
+use crate::{cut, error::Error, run::plan::shape, twin::serve::Served};
 
 /// Part of the memory that one rollout takes if it can do with that: one in so many.
 const PART: u64 = 4;
 
 /// Room of a rollout at this worker.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Room {
+pub struct Room {
     /// Most bytes that one rollout is given.
-    pub(super) bytes: u64,
+    pub bytes: u64,
     /// Instances that the device runs at once.
-    pub(super) lanes: usize,
+    pub lanes: usize,
 }
 
-/// A request that has passed the check.
-pub(super) struct Checked {
-    pub(super) request: RollOutRequest,
-    pub(super) batch: Batch,
+/// A request that has passed the check, the model that answers it, and what that takes.
+pub struct Checked {
+    pub(crate) request: RollOutRequest,
+    pub(crate) batch: Batch,
+    /// The model that answers it.
+    pub(crate) served: Served,
+    /// Instances of one message of the reply; 0: all in one.
+    pub(crate) part_instances: u32,
     /// Instances that are prepared at once.
-    pub(super) prepared: usize,
+    pub(crate) prepared: usize,
     /// Memory beside the request [bytes].
-    pub(super) bytes: u64,
+    pub(crate) bytes: u64,
 }
 
 impl Checked {
-    /// Checks a request to a twin; nothing is unpacked.
-    pub(super) fn new(
+    /// Checks a request to a twin, whose own capture is named or empty; nothing is unpacked. The reply
+    /// comes with `part_instances` instances to a message, 0 meaning all in one.
+    ///
+    /// # Errors
+    /// If the request is wrong, does not fit the twin, or takes more than a limit allows.
+    pub fn new(
         request: RollOutRequest,
         own_capture: &str,
         part_instances: u32,
-        served: &Served,
+        served: Served,
         limits: &Limits,
         room: Room,
     ) -> Result<Self, Error> {
@@ -56,6 +63,16 @@ impl Checked {
         if bytes > room.bytes {
             return Err(Error::Request(rollout::too_much_memory(bytes, room.bytes)));
         }
-        Ok(Self { request, batch, prepared, bytes })
+        Ok(Self { request, batch, served, part_instances, prepared, bytes })
+    }
+
+    /// The request.
+    pub fn request(&self) -> &RollOutRequest {
+        &self.request
+    }
+
+    /// Memory that the rollout takes beside the request [bytes].
+    pub fn bytes(&self) -> u64 {
+        self.bytes
     }
 }

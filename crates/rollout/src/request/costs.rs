@@ -16,13 +16,13 @@ use bendtwin_engine::{
 use bendtwin_proto::v1::{self, cost::When};
 
 use self::{controls::Paths, measure::Measure};
-use super::{error::Error, reply::Span};
+use crate::{error::Error, reply::Span};
 
 /// The costs of a checked request.
 #[derive(Debug)]
-pub(super) struct Costs {
+pub(crate) struct Costs {
     /// Names, by group.
-    pub(super) names: Vec<String>,
+    pub(crate) names: Vec<String>,
     /// Those that are not switched off.
     costs: Vec<Cost>,
     frames: usize,
@@ -45,7 +45,7 @@ impl Costs {
     /// Reads the costs of a checked request for rollouts of `frames` frames, in which a force of 1
     /// at unit node mass is so many newtons. A cost of weight 0 has a group, in which nothing is
     /// added up.
-    pub(super) fn read(
+    pub(crate) fn read(
         wire: Vec<v1::Cost>,
         frames: usize,
         fps: f64,
@@ -73,27 +73,27 @@ impl Costs {
     }
 
     /// The objective of the rollouts of an action.
-    pub(super) fn objective(&self, action: usize) -> Objective {
+    pub(crate) fn objective(&self, action: usize) -> Objective {
         self.shared.clone().unwrap_or_else(|| self.objective_over(action, self.whole()))
     }
 
     /// True if actions have objectives of their own.
-    pub(super) fn are_by_instance(&self) -> bool {
+    pub(crate) fn are_by_instance(&self) -> bool {
         self.costs.iter().any(|cost| cost.measure.is_by_instance())
     }
 
     /// The objective of rollouts of an action over a span, whose frames count from its start.
-    pub(super) fn objective_over(&self, action: usize, span: Span) -> Objective {
+    pub(crate) fn objective_over(&self, action: usize, span: Span) -> Objective {
         self.make(action, span, |_, _| 1.0)
     }
 
     /// True if a cost compares positions with those of earlier frames.
-    pub(super) fn look_back(&self) -> bool {
+    pub(crate) fn look_back(&self) -> bool {
         self.costs.iter().any(|cost| matches!(cost.measure, Measure::Fixed(Term::Acceleration)))
     }
 
     /// True if a cost of the nodes counts in every frame, and not after the last alone.
-    pub(super) fn are_in_every_frame(&self) -> bool {
+    pub(crate) fn are_in_every_frame(&self) -> bool {
         let of_nodes = |cost: &&Cost| !matches!(cost.measure, Measure::Controls(_));
         let in_every = |cost: &Cost| matches!(cost.when, When::EveryFrame | When::SoftMin);
         self.costs.iter().filter(of_nodes).any(in_every)
@@ -101,7 +101,7 @@ impl Costs {
 
     /// The objective whose gradient is that of the costs, at a rollout of an action. There is none
     /// where it diverged, which the engine finds again.
-    pub(super) fn tangent(&self, action: usize, at: &Rollout) -> Objective {
+    pub(crate) fn tangent(&self, action: usize, at: &Rollout) -> Objective {
         if at.diverged.is_some() {
             return self.objective(action);
         }
@@ -136,19 +136,19 @@ impl Costs {
     }
 
     /// True if the engine has nothing to differentiate.
-    pub(super) fn need_no_gradient(&self) -> bool {
+    pub(crate) fn need_no_gradient(&self) -> bool {
         self.costs.iter().all(|cost| matches!(cost.measure, Measure::Controls(_)))
     }
 
     /// True if costs by frame are needed to make those of whole rollouts.
-    pub(super) fn have_soft_minima(&self) -> bool {
+    pub(crate) fn have_soft_minima(&self) -> bool {
         self.costs.iter().any(Cost::is_soft)
     }
 
     /// Completes the costs of a rollout, whose control points have shape [F + 1, C]: soft minima,
     /// for which it has its costs by frame, and the motion of the controls. Where it diverged or was not
     /// simulated they are infinite already.
-    pub(super) fn settle(&self, rollout: &mut Rollout, controls: &[Point]) {
+    pub(crate) fn settle(&self, rollout: &mut Rollout, controls: &[Point]) {
         let is_whole = rollout.diverged.is_none() && rollout.cost != f64::INFINITY;
         let width = self.names.len();
         let mut changed = false;
@@ -179,7 +179,7 @@ impl Costs {
     }
 
     /// Adds d cost / d controls of what the engine does not measure.
-    pub(super) fn add_gradient(&self, controls: &[Point], gradient: &mut Gradient) {
+    pub(crate) fn add_gradient(&self, controls: &[Point], gradient: &mut Gradient) {
         if gradient.loss.diverged.is_some() {
             return;
         }

@@ -6,21 +6,21 @@ use bendtwin_proto::v1::{Ensemble as Wire, RollOutResponse, Tensor, ensemble as 
 
 /// The members under which each action is simulated.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Ensemble {
+pub(crate) struct Ensemble {
     /// Number of members E.
-    pub(super) members: usize,
+    pub(crate) members: usize,
     /// Number of the worst members whose mean counts.
     worst: usize,
     /// True if costs by member are returned.
     is_asked_for: bool,
     /// Weights of the members in their mean motion, shape [E], if costs and arrays are of that.
-    pub(super) weights: Option<Vec<f64>>,
+    pub(crate) weights: Option<Vec<f64>>,
 }
 
 impl Ensemble {
     /// That of a checked request: one member, if none are asked for. In their mean motion members on
     /// the fits of a twin have the weights of `fits`, any others the same.
-    pub(super) fn read(wire: Option<Wire>, fits: Option<Vec<f64>>) -> Self {
+    pub(crate) fn read(wire: Option<Wire>, fits: Option<Vec<f64>>) -> Self {
         let Some(wire) = wire else {
             return Self { members: 1, worst: 1, is_asked_for: false, weights: None };
         };
@@ -51,7 +51,7 @@ impl Ensemble {
 
     /// Turns costs by member into costs by action, in a part of a reply; those of the mean motion are
     /// to take their place.
-    pub(super) fn fold(&self, part: &mut RollOutResponse) {
+    pub(crate) fn fold(&self, part: &mut RollOutResponse) {
         if !self.is_asked_for {
             return;
         }
@@ -74,7 +74,7 @@ impl Ensemble {
 
     /// The gradient of the statistic from those of the members of an action, as a gradient whose
     /// other fields are those of the worst.
-    pub(super) fn gradient(&self, mut members: Vec<Gradient>) -> Gradient {
+    pub(crate) fn gradient(&self, mut members: Vec<Gradient>) -> Gradient {
         if self.members == 1 {
             return members.pop().unwrap_or_default();
         }
@@ -85,7 +85,7 @@ impl Ensemble {
 
 /// The sum of shares of gradients, those above 0, as a gradient whose other fields are those of the
 /// first of them.
-pub(super) fn sum(gradients: Vec<Gradient>, shares: &[f64]) -> Gradient {
+pub(crate) fn sum(gradients: Vec<Gradient>, shares: &[f64]) -> Gradient {
     let mut sum: Option<Gradient> = None;
     for (gradient, share) in gradients.into_iter().zip(shares).filter(|(_, share)| **share > 0.0) {
         match &mut sum {

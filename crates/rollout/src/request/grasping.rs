@@ -6,10 +6,10 @@ use bendtwin_engine::{
 };
 use bendtwin_proto::v1::{Grasping as Wire, Tensor};
 
-use super::error::Error;
+use crate::error::Error;
 
 /// Reads a checked message of `states` states with `nodes` nodes each.
-pub(super) fn read(wire: &Wire, states: usize, nodes: usize) -> Result<Vec<Grasping>, Error> {
+pub(crate) fn read(wire: &Wire, states: usize, nodes: usize) -> Result<Vec<Grasping>, Error> {
     let tensor = |tensor: &Option<Tensor>| tensor.clone().unwrap_or_default();
     let (_, phases) = tensor(&wire.phases).unpack::<u32>("initial.given.grasping.phases")?;
     let (_, holders) = tensor(&wire.holders).unpack::<u32>("initial.given.grasping.holders")?;
@@ -36,7 +36,7 @@ pub(super) fn read(wire: &Wire, states: usize, nodes: usize) -> Result<Vec<Grasp
 
 /// The message of the grasps of states with `nodes` nodes each; a state that is not there, as that
 /// of an instance that diverged, has open grasps.
-pub(super) fn pack<'s>(
+pub(crate) fn pack<'s>(
     states: impl ExactSizeIterator<Item = Option<&'s State>>,
     grasps: usize,
     nodes: usize,

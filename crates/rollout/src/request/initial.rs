@@ -16,24 +16,24 @@ use bendtwin_proto::v1::{
     initial_state::{self as wire, GivenState, State as Wire},
 };
 
-use super::{error::Error, grasping, rest_shape::RestShape, world::Ended};
+use crate::{error::Error, request::grasping, twin::rest_shape::RestShape, world::Ended};
 
 /// A state and the control points that belong to it.
 #[derive(Clone, Debug)]
-pub(super) struct Start {
-    pub(super) state: Arc<State>,
+pub struct Start {
+    pub(crate) state: Arc<State>,
     /// Control points [m], shape [C, 3].
-    pub(super) controls: Arc<Vec<Point>>,
+    pub(crate) controls: Arc<Vec<Point>>,
     /// Where grippers would have them, had the ground not held them back [m], shape [C]; if that is
     /// elsewhere.
-    pub(super) commanded: Option<Arc<Vec<Point>>>,
+    pub(crate) commanded: Option<Arc<Vec<Point>>>,
     /// If some of them are not known but assumed to be at rest: where the nodes say that they may
     /// be [m], shape [C, 3].
-    pub(super) likely: Option<Arc<Vec<Point>>>,
+    pub(crate) likely: Option<Arc<Vec<Point>>>,
     /// Rest shape, where it is not that of the twin.
-    pub(super) rest: Option<Arc<RestShape>>,
+    pub(crate) rest: Option<Arc<RestShape>>,
     /// Surroundings in which a simulation ended in it.
-    pub(super) around: Option<Arc<Ended>>,
+    pub(crate) around: Option<Arc<Ended>>,
 }
 
 /// Memory of where bodies are around a state, at most [bytes].
@@ -42,34 +42,34 @@ const BODIES_BYTES: usize = 4 << 10;
 impl Start {
     /// A state whose control points are known [m], shape [C, 3], of a simulation with the twin's own
     /// rest shape.
-    pub(super) fn new(state: Arc<State>, controls: Arc<Vec<Point>>) -> Self {
+    pub(crate) fn new(state: Arc<State>, controls: Arc<Vec<Point>>) -> Self {
         Self { state, controls, commanded: None, likely: None, rest: None, around: None }
     }
 
     /// Memory that it takes beside its rest shape [bytes].
-    pub(super) fn bytes(&self) -> u64 {
+    pub fn bytes(&self) -> u64 {
         (24 * (self.state.positions.len() + self.controls.len()) + BODIES_BYTES) as u64
     }
 
     /// Control points, or where they may be if they are not known [m], shape [C, 3].
-    pub(super) fn here(&self) -> &[Point] {
+    pub(crate) fn here(&self) -> &[Point] {
         self.likely.as_ref().unwrap_or(&self.controls)
     }
 
     /// The control points that grippers carry on [m], shape [C, 3].
-    pub(super) fn commanded(&self) -> &[Point] {
+    pub(crate) fn commanded(&self) -> &[Point] {
         self.commanded.as_ref().unwrap_or(&self.controls)
     }
 
     /// Largest distance between control points here and in the first row of the actions [m]. Where
     /// they are not known it counts from where they may be.
-    pub(super) fn gap_m(&self, row: &[Point]) -> f32 {
+    pub(crate) fn gap_m(&self, row: &[Point]) -> f32 {
         self.here().iter().zip(row).map(|(a, b)| length(sub(*a, *b))).fold(0.0, f32::max)
     }
 }
 
 /// The starts of a batch.
-pub(super) enum Starts {
+pub enum Starts {
     /// One for all instances.
     Shared(Start),
     /// One for each.
@@ -77,7 +77,8 @@ pub(super) enum Starts {
 }
 
 /// Initial state as the request asks for it, before captures are read.
-pub(super) enum Wanted {
+pub enum Wanted {
+    /// The state is there.
     Ready(Starts),
     /// That of a simulation of its own, or of a session: [`Simulated::wanted`].
     Simulated,
@@ -85,7 +86,7 @@ pub(super) enum Wanted {
 
 /// An initial state that a simulation of its own leads to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Simulated {
+pub enum Simulated {
     /// The capture is replayed.
     Frame(CaptureFrame),
     /// The twin comes to rest.
@@ -94,10 +95,10 @@ pub(super) enum Simulated {
 
 impl Simulated {
     /// The simulation that a request needs before it starts, if any; `own_capture` is the twin's.
-    pub(super) fn wanted(
-        wire: Option<&InitialState>,
-        own_capture: &str,
-    ) -> Result<Option<Self>, Error> {
+    ///
+    /// # Errors
+    /// If the name of the capture is none.
+    pub fn wanted(wire: Option<&InitialState>, own_capture: &str) -> Result<Option<Self>, Error> {
         Ok(match wire.and_then(|w| w.state.as_ref()) {
             Some(Wire::CaptureFrame(at)) => Some(Self::Frame(CaptureFrame::read(at, own_capture)?)),
             Some(Wire::Settled(_)) => Some(Self::Settled),
@@ -108,10 +109,11 @@ impl Simulated {
 
 /// A frame of a capture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub(super) struct CaptureFrame {
-    pub(super) capture: CaptureId,
-    pub(super) sequence: usize,
-    pub(super) frame: usize,
+pub struct CaptureFrame {
+    /// The capture.
+    pub capture: CaptureId,
+    pub(crate) sequence: usize,
+    pub(crate) frame: usize,
 }
 
 impl CaptureFrame {
@@ -126,7 +128,7 @@ impl CaptureFrame {
 
 impl Starts {
     /// The start of an instance.
-    pub(super) fn of(&self, instance: usize) -> &Start {
+    pub(crate) fn of(&self, instance: usize) -> &Start {
         match self {
             Self::Shared(start) => start,
             Self::Each(starts) => &starts[instance],
@@ -134,7 +136,7 @@ impl Starts {
     }
 
     /// Rest shapes that are not the twin's: one for all instances, or one for each.
-    pub(super) fn rests(&self) -> Vec<Option<Arc<RestShape>>> {
+    pub fn rests(&self) -> Vec<Option<Arc<RestShape>>> {
         match self {
             Self::Shared(start) => vec![start.rest.clone()],
             Self::Each(starts) => starts.iter().map(|start| start.rest.clone()).collect(),
@@ -144,7 +146,10 @@ impl Starts {
 
 impl Wanted {
     /// Reads the initial state of a checked request of `instances` instances.
-    pub(super) fn read(
+    ///
+    /// # Errors
+    /// If a tensor of a given state is not what the check saw.
+    pub fn read(
         wire: Option<InitialState>,
         graph: &Graph,
         instances: usize,

@@ -15,7 +15,7 @@
 
 use bendtwin_proto::v1::{Interpolation, KnotTimes, knot_times::Times};
 
-use super::error::Error;
+use crate::error::Error;
 
 /// Share of a frame below which a knot counts as being at the frame's boundary: times in single
 /// precision, and periods like 0.1 s, do not fall on frames exactly.
@@ -23,7 +23,7 @@ const ON_FRAME: f64 = 1e-3;
 
 /// Curve on which positions between knots lie.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Curve {
+pub(crate) enum Curve {
     /// Straight lines.
     Linear,
     /// Catmull-Rom through the knots.
@@ -44,18 +44,18 @@ impl From<Interpolation> for Curve {
 
 /// A frame boundary among the knots.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Place {
+pub(crate) struct Place {
     /// The knot at or before it.
-    pub(super) knot: usize,
+    pub(crate) knot: usize,
     /// Share of the way to the next knot, 0..1; 0 where the knot holds.
-    pub(super) share: f64,
+    pub(crate) share: f64,
     /// Weights of knots `knot - 1` to `knot + 2`; 0 for those that do not exist.
     weights: [f64; 4],
 }
 
 impl Place {
     /// The value here of what is interpolated component by component.
-    pub(super) fn at<const N: usize>(&self, knot: impl Fn(usize) -> [f32; N]) -> [f32; N] {
+    pub(crate) fn at<const N: usize>(&self, knot: impl Fn(usize) -> [f32; N]) -> [f32; N] {
         if self.share == 0.0 {
             return knot(self.knot);
         }
@@ -64,7 +64,7 @@ impl Place {
 
     /// Adds the values here of what is interpolated value by value, of which each knot has a row: the
     /// same as [`Self::at`] of each.
-    pub(super) fn add_row<'a, const N: usize>(
+    pub(crate) fn add_row<'a, const N: usize>(
         &self,
         row: impl Fn(usize) -> &'a [[f32; N]],
         to: &mut Vec<[f32; N]>,
@@ -87,7 +87,7 @@ impl Place {
     }
 
     /// The knots that count here, with their weights, which add up to 1.
-    pub(super) fn weights(&self) -> impl Iterator<Item = (usize, f64)> + use<> {
+    pub(crate) fn weights(&self) -> impl Iterator<Item = (usize, f64)> + use<> {
         let first = self.knot;
         let all = self.weights.into_iter().enumerate();
         all.filter(|(_, w)| *w != 0.0).map(move |(i, w)| (first + i - 1, w))
@@ -107,14 +107,14 @@ fn weigh<const N: usize>(values: impl Iterator<Item = ([f32; N], f64)>) -> [f32;
 
 /// Frame boundaries 0..=F of a rollout among the knots of its actions.
 #[derive(Clone, Debug)]
-pub(super) struct Schedule {
+pub(crate) struct Schedule {
     places: Vec<Place>,
 }
 
 impl Schedule {
     /// The boundaries of `frames` frames at `fps` frames a second among `knots` >= 2 knots, at the
     /// times of a checked request or else spread evenly.
-    pub(super) fn new(
+    pub(crate) fn new(
         curve: Curve,
         knots: usize,
         frames: usize,
@@ -160,7 +160,7 @@ impl Schedule {
     }
 
     /// The boundaries, shape [F + 1].
-    pub(super) fn places(&self) -> &[Place] {
+    pub(crate) fn places(&self) -> &[Place] {
         &self.places
     }
 }

@@ -9,30 +9,30 @@ use bendtwin_core::{
 use bendtwin_engine::{backend::Rollout, world::Shape};
 use bendtwin_proto::v1::{Plausibility as Wire, roll_out_response::Implausible};
 
-use super::{actions::Stopped, error::Error, world::Path};
+use crate::{error::Error, request::actions::Stopped, world::Path};
 
 /// Limits of what is plausible.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(super) struct Plausibility(Wire);
+pub(crate) struct Plausibility(Wire);
 
 /// Extremes of an instance's actions.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(super) struct Extremes {
+pub(crate) struct Extremes {
     /// Between the initial state's control points and row 0 of the actions [m].
-    pub(super) start_gap_m: f32,
+    pub(crate) start_gap_m: f32,
     /// Of the fastest control point [m/s], and its frame.
     speed: (f32, usize),
     /// Of what is prescribed and gets deepest in an obstacle [m], and its frame; of control points
     /// beyond the depth that they have in the initial state.
-    pub(super) depth: (f32, usize),
+    pub(crate) depth: (f32, usize),
     /// The most that a hand was held back at the ground [m].
-    pub(super) stopped_m: f32,
+    pub(crate) stopped_m: f32,
 }
 
 impl Extremes {
     /// Those of actions that would have had a hand deeper in the ground than `allowed_m`, by as much
     /// as it was held back.
-    pub(super) fn with(mut self, stopped: Stopped, allowed_m: f32) -> Self {
+    pub(crate) fn with(mut self, stopped: Stopped, allowed_m: f32) -> Self {
         let asked = stopped.shift_m + allowed_m;
         self.stopped_m = stopped.shift_m;
         if stopped.shift_m > 0.0 && asked > self.depth.0 {
@@ -44,44 +44,44 @@ impl Extremes {
 
 /// Positions that are prescribed to an instance.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Prescribed<'a> {
+pub(crate) struct Prescribed<'a> {
     /// Control points of the initial state [m], shape [C].
-    pub(super) start: &'a [Point],
+    pub(crate) start: &'a [Point],
     /// Control points at frame boundaries [m], shape [F + 1, C].
-    pub(super) controls: &'a [Point],
+    pub(crate) controls: &'a [Point],
     /// Middles of grasps [m], as many at each frame boundary.
-    pub(super) middles: &'a [Point],
+    pub(crate) middles: &'a [Point],
     /// Nodes that grasps hold.
-    pub(super) held: &'a [Path],
+    pub(crate) held: &'a [Path],
 }
 
 /// Obstacles that stand still.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Obstacles {
-    pub(super) ground: Option<Plane>,
+pub(crate) struct Obstacles {
+    pub(crate) ground: Option<Plane>,
     /// Shapes in the world without their margin, which is given beside them [m].
-    pub(super) shapes: Vec<(Shape, f32)>,
+    pub(crate) shapes: Vec<(Shape, f32)>,
 }
 
 impl Plausibility {
     /// The limits of a checked request.
-    pub(super) fn read(wire: Option<Wire>) -> Self {
+    pub(crate) fn read(wire: Option<Wire>) -> Self {
         Self(wire.unwrap_or_default())
     }
 
     /// Depth below the ground that hands may have beyond that with which they began [m].
-    pub(super) fn allowed_depth_m(&self) -> f32 {
+    pub(crate) fn allowed_depth_m(&self) -> f32 {
         let reason = Reason::ControlInObstacle;
         reason.limit(&self.0).unwrap_or_else(|| reason.default_limit()) as f32
     }
 
     /// True if implausible motion is an error.
-    pub(super) fn is_refused(&self) -> bool {
+    pub(crate) fn is_refused(&self) -> bool {
         self.0.refuse
     }
 
     /// What an instance does that is not plausible, as far as it is known.
-    pub(super) fn judge(
+    pub(crate) fn judge(
         &self,
         instance: usize,
         extremes: &Extremes,
@@ -108,7 +108,7 @@ impl Plausibility {
     }
 
     /// Refuses the first of these, if the request says so.
-    pub(super) fn refuse(&self, found: &[Implausible]) -> Result<(), Error> {
+    pub(crate) fn refuse(&self, found: &[Implausible]) -> Result<(), Error> {
         match found.first() {
             Some(first) if self.is_refused() => Err(Error::Implausible { what: describe(first) }),
             _ => Ok(()),
@@ -117,7 +117,7 @@ impl Plausibility {
 }
 
 /// Extremes of what is prescribed; the gap at the start is known already.
-pub(super) fn extremes(
+pub(crate) fn extremes(
     start_gap_m: f32,
     of: Prescribed<'_>,
     frames: usize,

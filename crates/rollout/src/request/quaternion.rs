@@ -7,35 +7,35 @@ const SHORTEST: f64 = 1e-7;
 const NEARLY_EQUAL: f64 = 1.0 - 1e-9;
 
 /// A vector in double precision.
-pub(super) type Vector = [f64; 3];
+pub(crate) type Vector = [f64; 3];
 
 /// A rotation; of unit length by construction.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Quaternion([f64; 4]);
+pub(crate) struct Quaternion([f64; 4]);
 
 impl Quaternion {
     /// No rotation.
-    pub(super) const IDENTITY: Self = Self([0.0, 0.0, 0.0, 1.0]);
+    pub(crate) const IDENTITY: Self = Self([0.0, 0.0, 0.0, 1.0]);
 
     /// Normalises; none if there is no direction to normalise.
-    pub(super) fn new(xyzw: [f64; 4]) -> Option<Self> {
+    pub(crate) fn new(xyzw: [f64; 4]) -> Option<Self> {
         let length = dot(xyzw, xyzw).sqrt();
         (length.is_finite() && length >= SHORTEST).then(|| Self(xyzw.map(|c| c / length)))
     }
 
     /// That of a checked request.
-    pub(super) fn of(xyzw: [f32; 4]) -> Self {
+    pub(crate) fn of(xyzw: [f32; 4]) -> Self {
         Self::new(xyzw.map(f64::from)).unwrap_or(Self::IDENTITY)
     }
 
     /// The opposite rotation.
-    pub(super) fn inverse(self) -> Self {
+    pub(crate) fn inverse(self) -> Self {
         let [x, y, z, w] = self.0;
         Self([-x, -y, -z, w])
     }
 
     /// This rotation after another.
-    pub(super) fn times(self, first: Self) -> Self {
+    pub(crate) fn times(self, first: Self) -> Self {
         let ([ax, ay, az, aw], [bx, by, bz, bw]) = (self.0, first.0);
         let (a, b) = ([ax, ay, az], [bx, by, bz]);
         let c = cross(a, b);
@@ -44,13 +44,13 @@ impl Quaternion {
     }
 
     /// x, y, z, w.
-    pub(super) fn parts(self) -> [f64; 4] {
+    pub(crate) fn parts(self) -> [f64; 4] {
         self.0
     }
 
     /// Gradient by the quaternion, along the unit sphere, of what grows by `along · w` as the
     /// rotation is followed by a small one with the rotation vector w.
-    pub(super) fn turn_gradient(self, along: Vector) -> [f64; 4] {
+    pub(crate) fn turn_gradient(self, along: Vector) -> [f64; 4] {
         let ([x, y, z, w], g) = (self.0, along);
         let q = [x, y, z];
         let c = cross(g, q);
@@ -59,7 +59,7 @@ impl Quaternion {
     }
 
     /// v + 2 w (q x v) + 2 q x (q x v), with q the vector part.
-    pub(super) fn rotate(self, v: Vector) -> Vector {
+    pub(crate) fn rotate(self, v: Vector) -> Vector {
         let [x, y, z, w] = self.0;
         let q = [x, y, z];
         let t = cross(q, v).map(|c| 2.0 * c);
@@ -69,7 +69,7 @@ impl Quaternion {
 
     /// Gradient of `along · rotate(v)` by the quaternion, as a function on the unit sphere: what
     /// points along the quaternion itself has no meaning.
-    pub(super) fn rotate_gradient(self, v: Vector, along: Vector) -> [f64; 4] {
+    pub(crate) fn rotate_gradient(self, v: Vector, along: Vector) -> [f64; 4] {
         let [x, y, z, w] = self.0;
         let (q, g) = ([x, y, z], along);
         let turn = cross(v, g);
@@ -79,7 +79,7 @@ impl Quaternion {
     }
 
     /// Spherical linear interpolation along the shorter arc: `self` at 0, `other` at 1.
-    pub(super) fn slerp(self, other: Self, share: f64) -> Self {
+    pub(crate) fn slerp(self, other: Self, share: f64) -> Self {
         let arc = Arc::new(self, other, share);
         let mixed = std::array::from_fn(|i| arc.a * self.0[i] + arc.b * arc.other[i]);
         Self::new(mixed).unwrap_or(self)
@@ -87,7 +87,7 @@ impl Quaternion {
 
     /// Gradients by both ends of a function of [`slerp`](Self::slerp) whose gradient there is
     /// `gradient`.
-    pub(super) fn slerp_gradient(
+    pub(crate) fn slerp_gradient(
         self,
         other: Self,
         share: f64,
@@ -107,7 +107,7 @@ impl Quaternion {
     }
 
     /// The part of a gradient along the unit sphere.
-    pub(super) fn tangent(self, gradient: [f64; 4]) -> [f64; 4] {
+    pub(crate) fn tangent(self, gradient: [f64; 4]) -> [f64; 4] {
         let along = dot(self.0, gradient);
         std::array::from_fn(|i| gradient[i] - along * self.0[i])
     }
@@ -151,11 +151,11 @@ impl Arc {
     }
 }
 
-pub(super) fn cross(a: Vector, b: Vector) -> Vector {
+pub(crate) fn cross(a: Vector, b: Vector) -> Vector {
     [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 
-pub(super) fn dot<const N: usize>(a: [f64; N], b: [f64; N]) -> f64 {
+pub(crate) fn dot<const N: usize>(a: [f64; N], b: [f64; N]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 

@@ -8,11 +8,11 @@ use bendtwin_core::{Point, Skin, geometry::wide};
 use bendtwin_engine::backend::Rollout;
 use bendtwin_proto::v1::{PointSet, Returns, Tensor};
 
-use super::error::Error;
+use crate::error::Error;
 
 /// Points that are recorded.
 #[derive(Clone, Debug)]
-pub(super) enum Recorded {
+pub(crate) enum Recorded {
     /// Nodes; none means all.
     Nodes(Option<Arc<Vec<u32>>>),
     Skin(Arc<Placed>),
@@ -20,7 +20,7 @@ pub(super) enum Recorded {
 
 /// Points of a skin, and the nodes that they are placed from.
 #[derive(Debug)]
-pub(super) struct Placed {
+pub(crate) struct Placed {
     /// None means all.
     points: Option<Vec<u32>>,
     /// Nodes that the engine records, ascending.
@@ -37,7 +37,7 @@ impl Default for Recorded {
 
 impl Recorded {
     /// Reads what is recorded from the returns of a checked request to a twin of so many nodes.
-    pub(super) fn read(wire: &mut Returns, skin: &Skin, nodes: usize) -> Result<Self, Error> {
+    pub(crate) fn read(wire: &mut Returns, skin: &Skin, nodes: usize) -> Result<Self, Error> {
         let listed = |tensor: &mut Option<Tensor>, field| {
             let given = tensor.take().filter(|t| !t.is_absent());
             given.map(|t| t.unpack(field).map(|(_, points)| points)).transpose()
@@ -50,7 +50,7 @@ impl Recorded {
     }
 
     /// Nodes that the engine records; none means all.
-    pub(super) fn nodes(&self) -> Option<&Arc<Vec<u32>>> {
+    pub(crate) fn nodes(&self) -> Option<&Arc<Vec<u32>>> {
         match self {
             Self::Nodes(nodes) => nodes.as_ref(),
             Self::Skin(placed) => Some(&placed.nodes),
@@ -58,7 +58,7 @@ impl Recorded {
     }
 
     /// Number of points K of a twin with this skin and so many nodes.
-    pub(super) fn count(&self, skin: &Skin, nodes: usize) -> usize {
+    pub(crate) fn count(&self, skin: &Skin, nodes: usize) -> usize {
         match self {
             Self::Nodes(some) => some.as_ref().map_or(nodes, |some| some.len()),
             Self::Skin(placed) => placed.points.as_ref().map_or(skin.len(), Vec::len),
@@ -66,7 +66,7 @@ impl Recorded {
     }
 
     /// Replaces recorded nodes by the points that are asked for.
-    pub(super) fn place(&self, skin: &Skin, rollout: &mut Rollout) {
+    pub(crate) fn place(&self, skin: &Skin, rollout: &mut Rollout) {
         if let Self::Skin(placed) = self {
             let velocities = placed.velocities(skin, &rollout.positions, &rollout.velocities);
             rollout.positions = placed.positions(skin, &rollout.positions);

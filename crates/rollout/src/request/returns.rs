@@ -4,38 +4,38 @@ use bendtwin_core::Twin;
 use bendtwin_engine::backend::{Diagnose, Outputs, Rollout};
 use bendtwin_proto::v1::{Returns as Wire, returns::Encoding};
 
-use super::{error::Error, recorded::Recorded};
+use crate::{error::Error, request::recorded::Recorded};
 
 /// Arrays that are wanted back, of a checked request.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Returns {
+pub(crate) struct Returns {
     /// Record every k-th frame; 0 records none.
-    pub(super) every: usize,
+    pub(crate) every: usize,
     /// Points to record.
-    pub(super) recorded: Recorded,
+    pub(crate) recorded: Recorded,
     /// Positions as scaled 16-bit integers.
-    pub(super) int16: bool,
+    pub(crate) int16: bool,
     /// Frames of a part of the reply, if it is divided in time.
-    pub(super) part_frames: Option<usize>,
+    pub(crate) part_frames: Option<usize>,
     /// Arrays of only so many instances, the best by cost.
-    pub(super) best: Option<usize>,
-    pub(super) final_state: bool,
-    pub(super) diagnostics: bool,
-    pub(super) control_gradients: bool,
-    pub(super) action_gradients: bool,
-    pub(super) forces: bool,
-    pub(super) initial_gradients: bool,
-    pub(super) gradient_norms: bool,
-    pub(super) velocities: bool,
-    pub(super) frame_costs: bool,
-    pub(super) controls: bool,
+    pub(crate) best: Option<usize>,
+    pub(crate) final_state: bool,
+    pub(crate) diagnostics: bool,
+    pub(crate) control_gradients: bool,
+    pub(crate) action_gradients: bool,
+    pub(crate) forces: bool,
+    pub(crate) initial_gradients: bool,
+    pub(crate) gradient_norms: bool,
+    pub(crate) velocities: bool,
+    pub(crate) frame_costs: bool,
+    pub(crate) controls: bool,
     /// The spread of an ensemble, and arrays of its first member alone.
-    pub(super) spread: bool,
+    pub(crate) spread: bool,
 }
 
 impl Returns {
     /// Reads the returns of a checked request of `instances` instances.
-    pub(super) fn read(wire: Option<Wire>, twin: &Twin, instances: usize) -> Result<Self, Error> {
+    pub(crate) fn read(wire: Option<Wire>, twin: &Twin, instances: usize) -> Result<Self, Error> {
         let Some(mut wire) = wire else { return Ok(Self::default()) };
         let int16 = wire.encoding() == Encoding::Int16;
         let recorded = Recorded::read(&mut wire, &twin.skin, twin.graph.node_count())?;
@@ -60,22 +60,22 @@ impl Returns {
     }
 
     /// Number of recorded frames T' among so many.
-    pub(super) fn recorded_frames(&self, frames: usize) -> usize {
+    pub(crate) fn recorded_frames(&self, frames: usize) -> usize {
         frames.checked_div(self.every).unwrap_or(0)
     }
 
     /// True if arrays beside the costs are wanted.
-    pub(super) fn has_arrays(&self) -> bool {
+    pub(crate) fn has_arrays(&self) -> bool {
         self.has_recordings() || self.has_gradients()
     }
 
     /// True if the arrays need a simulation beside that of the costs.
-    pub(super) fn has_recordings(&self) -> bool {
+    pub(crate) fn has_recordings(&self) -> bool {
         self.every > 0 || self.final_state || self.forces || self.frame_costs || self.controls
     }
 
     /// True if the arrays need a run backward.
-    pub(super) fn has_gradients(&self) -> bool {
+    pub(crate) fn has_gradients(&self) -> bool {
         self.control_gradients
             || self.action_gradients
             || self.initial_gradients
@@ -83,7 +83,7 @@ impl Returns {
     }
 
     /// Outputs of the engine where arrays are wanted.
-    pub(super) fn outputs(&self) -> Outputs {
+    pub(crate) fn outputs(&self) -> Outputs {
         Outputs {
             every: self.every,
             initial: false,
@@ -97,13 +97,13 @@ impl Returns {
     }
 
     /// Outputs of the engine where only costs count.
-    pub(super) fn summary(&self) -> Outputs {
+    pub(crate) fn summary(&self) -> Outputs {
         Outputs { diagnose: self.diagnose(), ..Outputs::default() }
     }
 
     /// Keeps the frames and nodes that are asked for of a recording of all nodes in all frames, with
     /// frame 0 or without it.
-    pub(super) fn thin_out(&self, recording: &mut Rollout) {
+    pub(crate) fn thin_out(&self, recording: &mut Rollout) {
         let nodes = recording.positions.len() / recording.frames.len().max(1);
         let start = usize::from(recording.frames.first() == Some(&0));
         let most = if self.every > 0 { usize::MAX } else { 0 };

@@ -19,46 +19,46 @@ use bendtwin_engine::{
 };
 use bendtwin_proto::v1::{Tensor, Vary};
 
-use super::{error::Error, rest_shape::RestShape, world::Surroundings};
+use crate::{error::Error, twin::rest_shape::RestShape, world::Surroundings};
 
 /// Largest Coulomb friction.
 const MOST_FRICTION: f32 = 2.0;
 
 /// Factors of the twin's own parameters, and what takes their place.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Factors {
-    pub(super) stiffness: f32,
-    pub(super) damping: f32,
-    pub(super) bending: f32,
-    pub(super) friction: f32,
-    pub(super) mass: f32,
-    pub(super) ground_restitution: Option<f32>,
-    pub(super) object_restitution: Option<f32>,
+pub(crate) struct Factors {
+    pub(crate) stiffness: f32,
+    pub(crate) damping: f32,
+    pub(crate) bending: f32,
+    pub(crate) friction: f32,
+    pub(crate) mass: f32,
+    pub(crate) ground_restitution: Option<f32>,
+    pub(crate) object_restitution: Option<f32>,
 }
 
 /// A model and what surrounds it.
 #[derive(Clone)]
-pub(super) struct Variant {
-    pub(super) loaded: Loaded,
-    pub(super) world: Arc<World>,
+pub(crate) struct Variant {
+    pub(crate) loaded: Loaded,
+    pub(crate) world: Arc<World>,
     /// Mass factor.
-    pub(super) mass: f32,
+    pub(crate) mass: f32,
 }
 
 /// What variants are made from.
-pub(super) struct Base<'a> {
+pub(crate) struct Base<'a> {
     /// The twin.
-    pub(super) loaded: &'a Loaded,
+    pub(crate) loaded: &'a Loaded,
     /// The twin and its members, if the members of the ensemble are to be simulated on these.
-    pub(super) fits: &'a [Loaded],
+    pub(crate) fits: &'a [Loaded],
     /// Rest shapes that are not the twin's: one for all actions, or one for each; empty: none.
-    pub(super) rests: &'a [Option<Arc<RestShape>>],
+    pub(crate) rests: &'a [Option<Arc<RestShape>>],
     /// Members of the ensemble, 1 without one.
-    pub(super) members: usize,
+    pub(crate) members: usize,
 }
 
 /// The models of a batch.
-pub(super) struct Variants {
+pub(crate) struct Variants {
     all: Vec<Variant>,
     /// Variant of each instance; fewer ones repeat: those of the members of an ensemble, or one.
     of: Vec<u32>,
@@ -67,7 +67,7 @@ pub(super) struct Variants {
 impl Factors {
     /// The twin as it is.
     #[cfg(test)]
-    pub(super) const ONE: Self = Self {
+    pub(crate) const ONE: Self = Self {
         stiffness: 1.0,
         damping: 1.0,
         bending: 1.0,
@@ -86,7 +86,7 @@ impl Factors {
     }
 
     /// Parameters of the twin with these factors.
-    pub(super) fn apply(self, params: &mut Params) {
+    pub(crate) fn apply(self, params: &mut Params) {
         let scale = |values: &mut Vec<f32>, factor: f32| {
             if factor != 1.0 {
                 values.iter_mut().for_each(|x| *x *= factor);
@@ -110,7 +110,7 @@ impl Factors {
     }
 
     /// A coefficient of friction with this factor.
-    pub(super) fn friction_of(self, coefficient: f32) -> f32 {
+    pub(crate) fn friction_of(self, coefficient: f32) -> f32 {
         (self.friction * coefficient).min(MOST_FRICTION)
     }
 
@@ -122,7 +122,7 @@ impl Factors {
 
 impl Variants {
     /// Loads the models that a checked request asks for, each once.
-    pub(super) fn load(
+    pub(crate) fn load(
         vary: Option<Vary>,
         base: &Base<'_>,
         surroundings: &Surroundings,
@@ -160,12 +160,12 @@ impl Variants {
     }
 
     /// The variant of an instance; those of the members of an ensemble follow one another.
-    pub(super) fn of(&self, index: usize) -> &Variant {
+    pub(crate) fn of(&self, index: usize) -> &Variant {
         &self.all[self.of[index % self.of.len()] as usize]
     }
 
     /// Substeps per frame of the variant that takes most.
-    pub(super) fn most_substeps(&self) -> u32 {
+    pub(crate) fn most_substeps(&self) -> u32 {
         let substeps = |variant: &Variant| variant.loaded.model().timing.substeps;
         self.all.iter().map(substeps).max().unwrap_or_default()
     }
@@ -173,7 +173,7 @@ impl Variants {
 
 impl<'a> Base<'a> {
     /// A twin with its own rest shape, without an ensemble.
-    pub(super) fn own(loaded: &'a Loaded) -> Self {
+    pub(crate) fn own(loaded: &'a Loaded) -> Self {
         Self { loaded, fits: &[], rests: &[], members: 1 }
     }
 
@@ -202,7 +202,7 @@ impl<'a> Base<'a> {
 impl Variant {
     /// An objective whose forces are those of this variant, from one for the twin as it is: at unit
     /// node mass a limit is smaller by the mass, and a squared force by its square.
-    pub(super) fn objective(&self, of: &Objective) -> Objective {
+    pub(crate) fn objective(&self, of: &Objective) -> Objective {
         let is_force = |term: &WeightedTerm| matches!(term.term, Term::Force { .. });
         if self.mass == 1.0 || !of.terms.iter().any(is_force) {
             return of.clone();

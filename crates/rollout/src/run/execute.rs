@@ -3,43 +3,47 @@
 use std::{collections::HashSet, ops::Range, sync::Arc, time::Instant};
 
 use bendtwin_core::{CancelToken, Params, Point};
-use bendtwin_engine::{
-    Backend as _,
-    backend::{self, Diagnostics, Gradient, GradientRequest, Instance, Outputs, Rollout},
+use bendtwin_engine::backend::{
+    self, Diagnostics, Gradient, GradientRequest, Instance, Outputs, Rollout,
 };
 use bendtwin_proto::v1::{RollOutResponse, Tensor, roll_out_response::Timing};
 
-use super::{
-    actions::Stopped,
+use crate::{
+    backend::RolloutBackend,
+    cut,
     error::Error,
-    initial::{Start, Starts},
-    mean::MeanMotions,
-    plan::Plan,
-    plausible::Extremes,
     reply::{self, Gradients, Span},
+    request::{
+        actions::Stopped,
+        initial::{Start, Starts},
+        plausible::Extremes,
+    },
+    run::{mean::MeanMotions, plan::Plan},
 };
-use crate::cut;
-use crate::device::QueuedBackend;
 
 /// A plan being carried out.
-pub(super) struct Execution<'a> {
-    pub(super) plan: &'a Plan,
-    pub(super) starts: &'a Starts,
-    pub(super) backend: &'a QueuedBackend,
-    pub(super) cancel: &'a CancelToken,
+pub struct Execution<'a> {
+    /// The plan.
+    pub plan: &'a Plan,
+    /// States that its actions begin in.
+    pub starts: &'a Starts,
+    /// Backend that simulates it.
+    pub backend: &'a dyn RolloutBackend,
+    /// Token that ends it.
+    pub cancel: &'a CancelToken,
     /// End of the time limit of the request, if it has one.
-    pub(super) until: Option<Instant>,
+    pub until: Option<Instant>,
     /// When the request arrived.
-    pub(super) arrived: Instant,
+    pub arrived: Instant,
     /// Name of this worker.
-    pub(super) worker: &'a str,
+    pub worker: &'a str,
     /// True if the final states are wanted here.
-    pub(super) keeps_states: bool,
+    pub keeps_states: bool,
 }
 
 /// Instances that were simulated.
 #[derive(Default)]
-pub(super) struct Simulated {
+pub(crate) struct Simulated {
     rollouts: Vec<Rollout>,
     /// Extremes of what was prescribed to them.
     extremes: Vec<Extremes>,
@@ -55,7 +59,7 @@ pub(super) struct Simulated {
 
 impl Simulated {
     /// Instances of which nothing else is kept.
-    pub(super) fn of(rollouts: Vec<Rollout>, extremes: Vec<Extremes>) -> Self {
+    pub(crate) fn of(rollouts: Vec<Rollout>, extremes: Vec<Extremes>) -> Self {
         Self { rollouts, extremes, ..Self::default() }
     }
 }
@@ -71,7 +75,10 @@ impl Execution<'_> {
     /// Simulates everything and hands out the parts in order. `emit` says whether anyone listens
     /// still. Returns the final states of the instances if they are to be kept, none for one that
     /// diverged.
-    pub(super) fn run(
+    ///
+    /// # Errors
+    /// If the motion is to be refused, the backend fails, or `emit` says that nobody listens.
+    pub fn run(
         &self,
         mut emit: impl FnMut(RollOutResponse) -> Result<(), Error>,
     ) -> Result<Vec<Option<Start>>, Error> {
@@ -189,12 +196,12 @@ impl Execution<'_> {
         Ok(())
     }
 
-    pub(super) fn parts(&self) -> impl Iterator<Item = Range<usize>> + use<> {
+    pub(crate) fn parts(&self) -> impl Iterator<Item = Range<usize>> + use<> {
         cut::runs(0..self.plan.actions(), self.plan.part)
     }
 
     /// Costs and all else that is reported of every instance of a range.
-    pub(super) fn summary(
+    pub(crate) fn summary(
         &self,
         indices: &[usize],
         simulated: &Simulated,
@@ -322,7 +329,7 @@ impl Execution<'_> {
         }
     }
 
-    pub(super) fn batch(&self, indices: &[usize]) -> Vec<Instance> {
+    pub(crate) fn batch(&self, indices: &[usize]) -> Vec<Instance> {
         indices.iter().map(|i| self.plan.instance(*i, self.starts)).collect()
     }
 
@@ -368,7 +375,7 @@ impl Execution<'_> {
     }
 
     /// The gradients of a batch that the engine is asked for.
-    pub(super) fn gradient_request(&self, batch: &[Instance]) -> GradientRequest {
+    pub(crate) fn gradient_request(&self, batch: &[Instance]) -> GradientRequest {
         let returns = &self.plan.returns;
         GradientRequest {
             cut_every: self.plan.reach,
@@ -382,7 +389,7 @@ impl Execution<'_> {
 
     /// Adds the gradient of the cost of an action, one of whose instances is named, with that by what the
     /// request gave as actions.
-    pub(super) fn push_gradient(
+    pub(crate) fn push_gradient(
         &self,
         index: usize,
         mut result: Gradient,
@@ -401,7 +408,7 @@ impl Execution<'_> {
         gradients.push(result);
     }
 
-    pub(super) fn signed(&self, mut part: RollOutResponse) -> RollOutResponse {
+    pub(crate) fn signed(&self, mut part: RollOutResponse) -> RollOutResponse {
         let compute = self.backend.compute();
         let queue = self.arrived.elapsed().saturating_sub(compute);
         part.timing =

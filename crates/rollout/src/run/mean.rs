@@ -14,11 +14,11 @@ use bendtwin_engine::{
     model::State,
 };
 
-use super::plan::Plan;
+use crate::run::plan::Plan;
 
 /// Makes the mean motions of actions from the motions of their members, which are added one after
 /// another.
-pub(super) struct MeanMotions<'a> {
+pub(crate) struct MeanMotions<'a> {
     plan: &'a Plan,
     weights: &'a [f64],
     gauges: Gauges,
@@ -58,14 +58,14 @@ struct End {
 
 impl<'a> MeanMotions<'a> {
     /// Those of a plan, if it asks for them.
-    pub(super) fn new(plan: &'a Plan) -> Option<Self> {
+    pub(crate) fn new(plan: &'a Plan) -> Option<Self> {
         let weights = plan.ensemble.weights.as_deref()?;
         let (gauges, members) = Default::default();
         Some(Self { plan, weights, gauges, members })
     }
 
     /// Outputs of the engine for members: all nodes in all frames, if costs are measured there.
-    pub(super) fn outputs(&self, asked: Outputs) -> Outputs {
+    pub(crate) fn outputs(&self, asked: Outputs) -> Outputs {
         if self.plan.costs.need_no_gradient() {
             return asked;
         }
@@ -73,7 +73,7 @@ impl<'a> MeanMotions<'a> {
     }
 
     /// Removes from the rollout of a member what its mean is made of, and leaves what its spread needs.
-    pub(super) fn strip(&self, rollout: &mut Rollout) {
+    pub(crate) fn strip(&self, rollout: &mut Rollout) {
         if !self.plan.returns.spread {
             (rollout.positions, rollout.velocities) = Default::default();
         } else if !self.plan.costs.need_no_gradient() {
@@ -83,7 +83,7 @@ impl<'a> MeanMotions<'a> {
 
     /// Adds the next member, none if it was not simulated in time. Returns the mean motion with the last
     /// one of an action.
-    pub(super) fn add(
+    pub(crate) fn add(
         &mut self,
         instance: &Instance,
         rollout: Option<&Rollout>,

@@ -12,57 +12,60 @@ use bendtwin_engine::{
     model::State,
 };
 
-use super::{
-    actions::{Actions, Floor, Horizon, Stopped, Stops},
-    checked::Checked,
-    costs::Costs,
-    ensemble::Ensemble,
+use crate::{
     error::Error,
-    initial::{Starts, Wanted},
-    plausible::{self, Extremes, Plausibility, Prescribed},
-    returns::Returns,
-    serve::Served,
-    vary::{Base, Variant, Variants},
+    request::{
+        actions::{Actions, Floor, Horizon, Stopped, Stops},
+        checked::Checked,
+        costs::Costs,
+        ensemble::Ensemble,
+        initial::{Starts, Wanted},
+        plausible::{self, Extremes, Plausibility, Prescribed},
+        returns::Returns,
+        vary::{Base, Variant, Variants},
+    },
+    twin::serve::Served,
     world::{Ended, Surroundings, gripper_of_control},
 };
 
 /// Distance between where a control point is and where nodes say that it may be, at most [m].
 const UNKNOWN_SLACK_M: f32 = 0.02;
 
-/// A checked request.
-pub(super) struct Plan {
-    pub(super) served: Served,
-    pub(super) actions: Actions,
-    pub(super) frames: usize,
-    pub(super) costs: Costs,
-    pub(super) returns: Returns,
+/// A checked request as instances for the engine.
+pub struct Plan {
+    pub(crate) served: Served,
+    pub(crate) actions: Actions,
+    pub(crate) frames: usize,
+    pub(crate) costs: Costs,
+    pub(crate) returns: Returns,
     /// Number of grasps.
-    pub(super) grasps: usize,
-    pub(super) surroundings: Surroundings,
-    pub(super) variants: Variants,
-    pub(super) ensemble: Ensemble,
-    pub(super) plausibility: Plausibility,
+    pub(crate) grasps: usize,
+    pub(crate) surroundings: Surroundings,
+    pub(crate) variants: Variants,
+    pub(crate) ensemble: Ensemble,
+    pub(crate) plausibility: Plausibility,
     /// Frames back that a gradient reaches; 0 for all of them.
-    pub(super) reach: usize,
+    pub(crate) reach: usize,
     /// Instances of one part of the reply.
-    pub(super) part: usize,
+    pub(crate) part: usize,
     /// Instances that are prepared at once.
-    pub(super) prepared: usize,
+    pub(crate) prepared: usize,
     /// Memory of the surroundings, if a session keeps them.
-    pub(super) kept: Option<Arc<Share>>,
+    pub(crate) kept: Option<Arc<Share>>,
 }
 
 impl Plan {
     /// Reads a request, whose memory has been taken, and loads the models that it needs on a
     /// backend; also returns the initial state that it asks for.
-    pub(super) fn new(
+    ///
+    /// # Errors
+    /// If a part of it cannot be read or does not go with another, or the backend fails.
+    pub fn new(
         checked: Checked,
-        part_instances: u32,
-        mut served: Served,
         backend: &dyn Backend,
         cancel: &CancelToken,
     ) -> Result<(Self, Wanted), Error> {
-        let Checked { mut request, batch, prepared, .. } = checked;
+        let Checked { mut request, batch, mut served, part_instances, prepared, .. } = checked;
         if let Some(planner) = &served.planner {
             served.loaded = planner.own.rewrite(&mut request)?;
         }
@@ -112,24 +115,56 @@ impl Plan {
         Ok((plan, wanted))
     }
 
+    /// The states that instances begin in: those of a session or of a simulation that came before, if
+    /// there was one, and otherwise what the request gives.
+    ///
+    /// # Errors
+    /// If there is neither, or the planner's twin answers and cannot begin in them.
+    pub fn starts(&self, wanted: Wanted, before: Option<Starts>) -> Result<Starts, Error> {
+        match (before, wanted) {
+            // They are the exact twin's.
+            (Some(starts), _) => match &self.served.planner {
+                None => Ok(starts),
+                Some(planner) => planner.own.thinned(starts),
+            },
+            (None, Wanted::Ready(starts)) => Ok(starts),
+            (None, Wanted::Simulated) => Err(Error::field("initial", "has no state")),
+        }
+    }
+
+    /// Memory of the surroundings, which a session keeps with a final state [bytes].
+    pub fn surroundings_bytes(&self) -> u64 {
+        self.surroundings.bytes()
+    }
+
+    /// Lets final states hold the memory that was taken for their surroundings.
+    pub fn keep_surroundings(&mut self, share: Share) {
+        self.kept = Some(Arc::new(share));
+    }
+
+    /// Horizon F [frames].
+    pub fn frames(&self) -> usize {
+        self.frames
+    }
+
     /// The twin that is simulated.
-    pub(super) fn twin(&self) -> &Twin {
+    pub(crate) fn twin(&self) -> &Twin {
         &self.served.warm.twin
     }
 
     /// Number of nodes of the twin that the request is about.
-    pub(super) fn nodes(&self) -> usize {
+    pub(crate) fn nodes(&self) -> usize {
         self.served.twin().graph.node_count()
     }
 
     /// The number of a simulated node in that twin.
-    pub(super) fn node(&self, simulated: usize) -> usize {
+    pub(crate) fn node(&self, simulated: usize) -> usize {
         let planner = self.served.planner.as_ref();
         planner.map_or(simulated, |planner| planner.own.node(simulated))
     }
 
     /// A state of that twin, of a simulated one.
-    pub(super) fn carried(&self, state: &State) -> State {
+    pub(crate) fn carried(&self, state: &State) -> State {
         match &self.served.planner {
             None => state.clone(),
             Some(planner) => planner.own.carried(state),
@@ -137,7 +172,7 @@ impl Plan {
     }
 
     /// Values of the nodes of that twin, of those of simulated ones: zero where nothing is simulated.
-    pub(super) fn spread(&self, simulated: &[Point]) -> Vec<Point> {
+    pub(crate) fn spread(&self, simulated: &[Point]) -> Vec<Point> {
         match &self.served.planner {
             None => simulated.to_vec(),
             Some(planner) => planner.own.spread(simulated),
@@ -145,28 +180,28 @@ impl Plan {
     }
 
     /// Number of actions B.
-    pub(super) fn actions(&self) -> usize {
+    pub(crate) fn actions(&self) -> usize {
         self.actions.shape().instances
     }
 
     /// The action of an instance.
-    pub(super) fn action(&self, instance: usize) -> usize {
+    pub(crate) fn action(&self, instance: usize) -> usize {
         instance / self.ensemble.members
     }
 
     /// The instances of actions: all members of each.
-    pub(super) fn instances(&self, actions: impl Iterator<Item = usize>) -> Vec<usize> {
+    pub(crate) fn instances(&self, actions: impl Iterator<Item = usize>) -> Vec<usize> {
         let members = self.ensemble.members;
         actions.flat_map(|action| action * members..(action + 1) * members).collect()
     }
 
     /// An instance, ready for the engine.
-    pub(super) fn instance(&self, index: usize, starts: &Starts) -> Instance {
+    pub(crate) fn instance(&self, index: usize, starts: &Starts) -> Instance {
         self.stopped_instance(index, starts).0
     }
 
     /// An instance, and how far its hands are held back at the ground.
-    pub(super) fn stopped_instance(&self, index: usize, starts: &Starts) -> (Instance, Stops) {
+    pub(crate) fn stopped_instance(&self, index: usize, starts: &Starts) -> (Instance, Stops) {
         let variant = self.variant(index);
         let action = self.action(index);
         let start = starts.of(action);
@@ -202,20 +237,20 @@ impl Plan {
     }
 
     /// An instance whose objective has the gradient of the costs at its rollout.
-    pub(super) fn tangent(&self, index: usize, starts: &Starts, at: &Rollout) -> Instance {
+    pub(crate) fn tangent(&self, index: usize, starts: &Starts, at: &Rollout) -> Instance {
         let objective = self.costs.tangent(self.action(index), at);
         let objective = self.variant(index).objective(&objective);
         Instance { objective, ..self.instance(index, starts) }
     }
 
     /// Model and world of an instance.
-    pub(super) fn variant(&self, index: usize) -> &Variant {
+    pub(crate) fn variant(&self, index: usize) -> &Variant {
         self.variants.of(index)
     }
 
     /// Where grippers would have the control points at the end of an instance, did the ground not hold
     /// them back [m], shape [C]; none without grippers.
-    pub(super) fn commanded(&self, index: usize, starts: &Starts) -> Option<Vec<Point>> {
+    pub(crate) fn commanded(&self, index: usize, starts: &Starts) -> Option<Vec<Point>> {
         if self.actions.grippers() == 0 {
             return None;
         }
@@ -226,7 +261,7 @@ impl Plan {
     }
 
     /// Surroundings in which an instance ends.
-    pub(super) fn ended(&self, index: usize, starts: &Starts) -> Ended {
+    pub(crate) fn ended(&self, index: usize, starts: &Starts) -> Ended {
         let variant = self.variant(index);
         let model = variant.loaded.model();
         let motion = self.instance(index, starts).motion;
@@ -240,13 +275,13 @@ impl Plan {
     }
 
     /// Newtons per unit of the engine's forces, and joules per unit of its energies, in an instance.
-    pub(super) fn force_unit(&self, index: usize) -> f32 {
+    pub(crate) fn force_unit(&self, index: usize) -> f32 {
         self.twin().newtons_per_unit() as f32 * self.variant(index).mass
     }
 
     /// Extremes of what is prescribed to an instance, whose hands were `stopped`; `end` is its last
     /// state, if that is known.
-    pub(super) fn extremes(
+    pub(crate) fn extremes(
         &self,
         index: usize,
         (instance, stopped): (&Instance, Stopped),
@@ -270,7 +305,7 @@ impl Plan {
 }
 
 /// Facts of a twin that requests are checked against.
-pub(super) fn shape(twin: &Twin, has_capture: bool) -> TwinShape {
+pub fn shape(twin: &Twin, has_capture: bool) -> TwinShape {
     let graph = &twin.graph;
     TwinShape {
         nodes: graph.node_count() as u64,

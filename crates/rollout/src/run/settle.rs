@@ -15,7 +15,7 @@ use bendtwin_engine::{
 };
 use bendtwin_register::leave_obstacles;
 
-use super::{error::Error, initial::Start, warm::Warm, world::Still};
+use crate::{error::Error, request::initial::Start, twin::warm::Warm, world::Still};
 
 /// Drag while settling, at least [1/s]: about critical for what swings once a second.
 const DRAG: f32 = 8.0;
@@ -27,7 +27,11 @@ const LONGEST_S: f64 = 10.0;
 const AT_REST_M_S: f64 = 1e-3;
 
 /// Lets a twin come to rest in a world.
-pub(super) fn settle(
+///
+/// # Errors
+/// If that may take more work than `work_limit`, the twin diverges or never comes to rest, or the backend
+/// fails.
+pub fn settle(
     warm: &Warm,
     world: &Still,
     work_limit: u64,

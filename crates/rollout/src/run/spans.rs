@@ -6,23 +6,23 @@ mod track;
 
 use bendtwin_core::Point;
 use bendtwin_engine::{
-    Backend as _, Objective,
+    Objective,
     backend::{Instance, Outputs, Rollout},
 };
 use bendtwin_proto::v1::{RollOutResponse, roll_out_response::Window};
 
 use self::track::Track;
-use super::{
+use crate::{
+    cut,
     error::Error,
-    execute::{Execution, Simulated},
-    plausible::Extremes,
     reply::{self, Span},
+    request::plausible::Extremes,
+    run::execute::{Execution, Simulated},
 };
-use crate::cut;
 
 impl Execution<'_> {
     /// Spans of at most `frames` frames, of one part of the instances after another.
-    pub(super) fn each_span(
+    pub(crate) fn each_span(
         &self,
         frames: usize,
         emit: &mut impl FnMut(RollOutResponse) -> Result<(), Error>,

@@ -7,13 +7,13 @@ use bendtwin_proto::v1::{self, RollOutRequest, initial_state};
 use tokio::sync::OwnedMutexGuard;
 
 use super::{Session, Sessions};
-use crate::rollout::{
+use crate::{
     error::Error,
-    initial::{Start, Starts},
+    request::initial::{Start, Starts},
 };
 
 /// A rollout that begins in a session.
-pub(in crate::rollout) struct Begun {
+pub struct Begun {
     session: Arc<Session>,
     /// The slots that instances begin in: one for all, or one for each.
     slots: Vec<usize>,
@@ -25,8 +25,12 @@ pub(in crate::rollout) struct Begun {
 
 impl Begun {
     /// The session that a request begins in, if it begins in one. Its fidelity and, where the
-    /// request names none, its surroundings are written into the request.
-    pub(in crate::rollout) async fn new(
+    /// request names none, its surroundings are written into the request. If slots are to take over final
+    /// states, this waits until nobody else advances the session.
+    ///
+    /// # Errors
+    /// If the session is not here, or has no such slots, or the request asks for what an advance has not.
+    pub async fn new(
         sessions: &Sessions,
         request: &mut RollOutRequest,
         commit_slots: Vec<u32>,
@@ -56,7 +60,7 @@ impl Begun {
     }
 
     /// The states that instances begin in.
-    pub(in crate::rollout) fn starts(&self) -> Starts {
+    pub fn starts(&self) -> Starts {
         let (mut states, _) = self.session.states(&self.slots);
         match states.pop() {
             Some(only) if states.is_empty() => Starts::Shared(only),
@@ -68,7 +72,7 @@ impl Begun {
     }
 
     /// True if final states are taken over.
-    pub(in crate::rollout) fn commits(&self) -> bool {
+    pub fn commits(&self) -> bool {
         !self.commit.is_empty()
     }
 
@@ -77,11 +81,7 @@ impl Begun {
     ///
     /// # Errors
     /// If there is not an instance for each slot.
-    pub(in crate::rollout) fn commit(
-        self,
-        states: Vec<Option<Start>>,
-        frames: usize,
-    ) -> Result<(), Error> {
+    pub fn commit(self, states: Vec<Option<Start>>, frames: usize) -> Result<(), Error> {
         if self.commit.is_empty() {
             return Ok(());
         }

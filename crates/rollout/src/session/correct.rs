@@ -10,80 +10,24 @@ use bendtwin_budget::Share;
 use bendtwin_contract::registration;
 use bendtwin_core::{CancelToken, Environment, Params, geometry::point_distance};
 use bendtwin_engine::{Backend, Loaded, Model, backend, model::State};
-use bendtwin_proto::v1::{
-    self, CorrectSessionRequest, CorrectedSession, corrected_session::Correction,
-};
+use bendtwin_proto::v1::{self, corrected_session::Correction};
 use bendtwin_register::{
     self as register, Around, CorrectOptions, Corrected, Observation, RegisterOptions, Tracking,
     carried,
 };
 
 use self::scene::Scene;
-pub(in crate::rollout) use self::scene::grippers;
-use super::{Session, Setup, manage::given_one};
+pub(crate) use self::scene::grippers;
+use super::{Session, Setup, states::given_one};
 use crate::{
-    budget,
-    device::Priority,
-    rollout::{
-        error::Error,
-        initial::Start,
-        observation,
-        plan::shape,
-        rest_shape::RestShape,
-        service::{Inner, Unary},
-        warm::Warm,
-    },
+    error::Error,
+    observation,
+    request::initial::Start,
+    twin::{rest_shape::RestShape, warm::Warm},
 };
 
-impl Inner {
-    /// Corrects slots of a session.
-    pub(super) async fn correct(
-        &self,
-        request: CorrectSessionRequest,
-        call: &Unary,
-    ) -> Result<CorrectedSession, Error> {
-        let session = self.sessions.get(&request.name)?;
-        let slots = session.distinct(&request.slots, [0])?;
-        let warm = self.twins.get(session.setup.twin).await?;
-        let shape = shape(&warm.twin, false);
-        let (count, grasps) = (slots.len() as u64, session.setup.grasps.len() as u64);
-        registration::check_correction(&request, count, grasps, &shape, &self.limits())?;
-        let options = request.options.unwrap_or_default();
-        let states = registration::correction_reply_bytes(&options, count, grasps, &shape);
-        let bytes = registration::memory_bytes(request.observation.as_ref(), &shape) + states;
-        // As an advance: the turn before the memory.
-        let turn = session.begin_advance().await;
-        let purpose = "the correction: send fewer points";
-        let share = budget::take(&self.memory.rollouts, bytes, purpose).await?;
-        let memory = match registration::carry(&options) > 0.0 {
-            true => self.rest_shapes(slots.len(), RestShape::bytes(&warm.twin.graph)).await?,
-            false => Vec::new(),
-        };
-        let to = Arc::clone(&session);
-        let backend = self.device.backend(Priority::Interactive);
-        let corrections = call.blocking(move |cancel| {
-            let (_share, _turn) = (share, turn);
-            let seen = Seen::new(&warm, &backend, &to.setup, request.observation, options)?;
-            corrected(&to, &slots, &seen, memory, cancel)
-        });
-        let corrections = corrections.await?;
-        Ok(CorrectedSession { session: Some(session.describe(&self.worker)), corrections })
-    }
-
-    /// Memory of rest shapes, each of which is held for as long as a slot has it.
-    async fn rest_shapes(&self, count: usize, bytes: u64) -> Result<Vec<Share>, Error> {
-        let advice =
-            "the rest shapes of the slots: close other sessions, or correct with a `carry` of 0";
-        let mut shares = Vec::with_capacity(count);
-        for _ in 0..count {
-            shares.push(budget::take(&self.memory.sessions, bytes, advice).await?);
-        }
-        Ok(shares)
-    }
-}
-
 /// What slots are corrected by.
-pub(in crate::rollout) struct Seen<'w> {
+pub struct Seen<'w> {
     warm: &'w Warm,
     backend: &'w dyn Backend,
     observation: Observation,
@@ -110,7 +54,10 @@ struct Refused {
 
 impl<'w> Seen<'w> {
     /// Of a checked request to a session of a twin.
-    pub(in crate::rollout) fn new(
+    ///
+    /// # Errors
+    /// If a tensor is not what the check saw, or the world cannot be read.
+    pub fn new(
         warm: &'w Warm,
         backend: &'w dyn Backend,
         setup: &Setup,
@@ -259,7 +206,10 @@ impl<'w> Seen<'w> {
 
 /// Corrects slots and leaves them in the corrected states with their rest shapes, for each of which
 /// memory was taken if it is counted; unless one of the slots is refused, which is recorded.
-pub(in crate::rollout) fn corrected(
+///
+/// # Errors
+/// If a slot is refused or lost, or the backend fails.
+pub fn corrected(
     session: &Session,
     slots: &[usize],
     by: &Seen<'_>,

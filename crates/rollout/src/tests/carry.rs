@@ -4,9 +4,9 @@ use bendtwin_core::Point;
 use bendtwin_proto::v1::{CorrectOptions, Ensemble, Vary, initial_state::SessionSlots};
 
 use super::*;
-use crate::rollout::{
-    initial::Start,
-    sessions::{
+use crate::{
+    request::initial::Start,
+    session::{
         Begun, Session, Sessions,
         correct::{Seen, corrected},
     },
@@ -30,7 +30,7 @@ impl Running {
 
     /// A session with slots at rest.
     fn of(twin: Twin, slots: usize) -> Self {
-        let bench = Bench::of(twin, bendtwin_engine::cpu_with_threads(2)).0;
+        let bench = Bench::of(twin, bendtwin_engine::cpu_with_threads(2));
         let sessions = Sessions::default();
         let session = sessions.add(session(&bench, slots)).unwrap();
         Self { bench, sessions, session }
@@ -57,8 +57,7 @@ impl Running {
     /// The parts of a rollout from slots, which stay where they are.
     async fn roll_out(&self, slots: &[u32], request: RollOutRequest) -> Vec<RollOutResponse> {
         let (plan, starts, _) = self.plan(slots, &[], request).await;
-        let backend = self.bench.device.backend(Priority::Interactive);
-        self.bench.execute(&plan, &starts, &backend).unwrap()
+        self.bench.execute(&plan, &starts).unwrap()
     }
 
     /// Where the nodes of slots are at the end of a rollout.
@@ -77,7 +76,7 @@ impl Running {
         let execution = Execution {
             plan: &plan,
             starts: &starts,
-            backend: &self.bench.device.backend(Priority::Interactive),
+            backend: &self.bench.backend,
             cancel: &CancelToken::default(),
             until: None,
             arrived: Instant::now(),
@@ -90,9 +89,9 @@ impl Running {
 
     fn correct(&self, slot: usize, there: &[Point], carry: f64) {
         let options = CorrectOptions { carry: Some(carry), ..CorrectOptions::default() };
-        let backend = self.bench.device.backend(Priority::Interactive);
+        let backend = &self.bench.backend;
         let warm = &self.bench.warm;
-        let by = Seen::new(warm, &backend, &self.session.setup, tracked(there), options).unwrap();
+        let by = Seen::new(warm, backend, &self.session.setup, tracked(there), options).unwrap();
         corrected(&self.session, &[slot], &by, Vec::new(), &CancelToken::default()).unwrap();
     }
 

@@ -6,8 +6,8 @@ use bendtwin_proto::v1;
 
 use super::*;
 
-#[tokio::test]
-async fn a_fast_rollout_uses_the_variant_and_says_how_far_it_strays() {
+#[test]
+fn a_fast_rollout_uses_the_variant_and_says_how_far_it_strays() {
     let mut bench = Bench::new();
     let mut twin = twin();
     twin.quality.fast = Some(FastVariant {
@@ -19,28 +19,15 @@ async fn a_fast_rollout_uses_the_variant_and_says_how_far_it_strays() {
         frames: 30,
     });
     let (id, loaded) = (bench.warm.id, bench.warm.loaded.clone());
-    bench.warm = Arc::new(Warm {
-        id,
-        twin,
-        loaded,
-        fast: OnceCell::new(),
-        planner: OnceCell::new(),
-        members: Default::default(),
-        _share: None,
-    });
-    let choose = |fidelity| Served::choose(Arc::clone(&bench.warm), fidelity, &bench.device);
-    let (exact, fast) =
-        (choose(Fidelity::Exact).await.unwrap(), choose(Fidelity::Fast).await.unwrap());
-    let backend = bench.device.backend(Priority::Interactive);
+    bench.warm = Arc::new(Warm::new(id, twin, loaded, None));
+    let choose = |fidelity| Served::choose(Arc::clone(&bench.warm), fidelity, &bench.backend);
+    let (exact, fast) = (choose(Fidelity::Exact).unwrap(), choose(Fidelity::Fast).unwrap());
     let run = |served: Served| {
         let mut request = request(2);
         request.returns = Some(Returns { final_state: true, ..Returns::default() });
-        let room = Room { bytes: 256 << 20, lanes: 2 };
-        let checked = Checked::new(request, "", 0, &served, &limits(), room).unwrap();
-        let (plan, wanted) =
-            Plan::new(checked, 0, served, &backend, &CancelToken::default()).unwrap();
+        let (plan, wanted) = bench.plan_for(request, 0, served).unwrap();
         let Wanted::Ready(starts) = wanted else { panic!("no captures here") };
-        bench.execute(&plan, &starts, &backend).unwrap().remove(0)
+        bench.execute(&plan, &starts).unwrap().remove(0)
     };
     let (exact, fast) = (run(exact), run(fast));
     assert_eq!((exact.fidelity(), exact.substeps), (v1::Fidelity::Exact, 60));
@@ -51,11 +38,11 @@ async fn a_fast_rollout_uses_the_variant_and_says_how_far_it_strays() {
     assert_ne!(exact.final_positions, fast.final_positions);
 }
 
-#[tokio::test]
-async fn a_twin_without_a_fast_variant_says_what_to_do() {
+#[test]
+fn a_twin_without_a_fast_variant_says_what_to_do() {
     let bench = Bench::new();
     let refused =
-        Served::choose(Arc::clone(&bench.warm), Fidelity::Fast, &bench.device).await.err().unwrap();
+        Served::choose(Arc::clone(&bench.warm), Fidelity::Fast, &bench.backend).err().unwrap();
     assert_eq!(refused.category(), Category::FailedPrecondition);
     assert_eq!(refused.reason(), "FAST_VARIANT_UNKNOWN");
     assert!(refused.to_string().contains("ask for EXACT"), "{refused}");

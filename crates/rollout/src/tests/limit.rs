@@ -74,13 +74,12 @@ impl Backend for Stopping {
 /// Rolls out on a device that simulates so many instances before the time is over.
 fn limited(request: RollOutRequest, instances: usize) -> RollOutResponse {
     let cpu = bendtwin_engine::cpu_with_threads(1);
-    let (bench, _died) = Bench::on(Arc::new(Stopping { cpu, left: Mutex::new(instances) }));
+    let bench = Bench::on(Arc::new(Stopping { cpu, left: Mutex::new(instances) }));
     let request = RollOutRequest { time_limit_s: Some(1.0), ..request };
     let (plan, wanted) = bench.plan(request, 0).unwrap();
     let Wanted::Ready(starts) = wanted else { panic!("a state") };
-    let backend = bench.device.backend(Priority::Interactive);
     let until = Instant::now() + SLOW * (2 + 10 * instances as u32);
-    bench.execute_until(&plan, &starts, &backend, Some(until)).unwrap().remove(0)
+    bench.execute_until(&plan, &starts, Some(until)).unwrap().remove(0)
 }
 
 fn unfinished(reply: &RollOutResponse) -> Vec<u32> {

@@ -8,10 +8,10 @@ use bendtwin_proto::v1::{
 };
 
 use super::*;
-use crate::rollout::{
-    initial::Start,
-    register::Job,
-    sessions::{
+use crate::{
+    register::register_state,
+    request::initial::Start,
+    session::{
         Begun, Session, Sessions,
         correct::{Seen, corrected},
     },
@@ -43,8 +43,8 @@ fn correct_by(
     observation: Option<Observation>,
     options: CorrectOptions,
 ) -> Result<Correction, Error> {
-    let backend = bench.device.backend(Priority::Interactive);
-    let seen = Seen::new(&bench.warm, &backend, &session.setup, observation, options)?;
+    let backend = &bench.backend;
+    let seen = Seen::new(&bench.warm, backend, &session.setup, observation, options)?;
     let done = corrected(session, &[0], &seen, Vec::new(), &CancelToken::default())?;
     Ok(done.into_iter().next().unwrap())
 }
@@ -108,7 +108,7 @@ async fn advanced_with_a_slab(bench: &Bench) -> Arc<Session> {
     let execution = Execution {
         plan: &plan,
         starts: &starts,
-        backend: &bench.device.backend(Priority::Interactive),
+        backend: &bench.backend,
         cancel: &CancelToken::default(),
         until: None,
         arrived: Instant::now(),
@@ -220,9 +220,8 @@ fn a_registered_state_is_outside_of_all_obstacles() {
             options: Some(options),
             ..RegisterStateRequest::default()
         };
-        let (warm, start) = (Arc::clone(&bench.warm), at_rest(&bench));
-        let backend = bench.device.backend(Priority::Interactive);
-        let found = Job { warm, start, request, backend }.run(&CancelToken::default()).unwrap();
+        let (start, cancel) = (at_rest(&bench), CancelToken::default());
+        let found = register_state(&bench.warm, start, request, &bench.backend, &cancel).unwrap();
         let positions = found.state.unwrap().positions.unwrap();
         for x in positions.unpack_points("positions").unwrap().1 {
             let away = ((x[0] - 0.3).powi(2) + (x[1] + 0.115).powi(2)).sqrt();
@@ -260,7 +259,7 @@ fn a_healthy_loop_is_not_lost() {
         twin
     };
     let [real, bench] =
-        [1500.0, 900.0].map(|k| Bench::of(chain(k), bendtwin_engine::cpu_with_threads(2)).0);
+        [1500.0, 900.0].map(|k| Bench::of(chain(k), bendtwin_engine::cpu_with_threads(2)));
     let [truth, session] = [&real, &bench].map(|of| session_in(of, 1, None));
     let mut seed = 5u32;
     let mut uniform = || {
@@ -310,7 +309,7 @@ fn swing(bench: &Bench, session: &Session, step: usize) {
     let execution = Execution {
         plan: &plan,
         starts: &Starts::Shared(start),
-        backend: &bench.device.backend(Priority::Interactive),
+        backend: &bench.backend,
         cancel: &CancelToken::default(),
         until: None,
         arrived: Instant::now(),

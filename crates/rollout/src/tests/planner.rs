@@ -5,7 +5,7 @@ use bendtwin_engine::world::{Grasping, Hold, Phase};
 use bendtwin_proto::v1;
 
 use super::*;
-use crate::rollout::{initial::Start, rest_shape::RestShape};
+use crate::{request::initial::Start, twin::rest_shape::RestShape};
 
 /// The chain with a planner's twin of its first, third and last node; the second hangs between two of
 /// these.
@@ -54,22 +54,21 @@ struct Planning {
 }
 
 impl Planning {
-    async fn new() -> Self {
-        Self::of(with_planner()).await
+    fn new() -> Self {
+        Self::of(with_planner())
     }
 
-    async fn of(twin: Twin) -> Self {
-        let (bench, _) = Bench::of(twin, bendtwin_engine::cpu_with_threads(2));
-        let chosen = Served::choose(Arc::clone(&bench.warm), Fidelity::Planner, &bench.device);
-        let served = chosen.await.unwrap();
+    fn of(twin: Twin) -> Self {
+        let bench = Bench::of(twin, bendtwin_engine::cpu_with_threads(2));
+        let chosen = Served::choose(Arc::clone(&bench.warm), Fidelity::Planner, &bench.backend);
+        let served = chosen.unwrap();
         Self { bench, served }
     }
 
     fn run(&self, request: RollOutRequest) -> Result<RollOutResponse, Error> {
         let (plan, wanted) = self.bench.plan_for(request, 0, self.served.clone())?;
         let Wanted::Ready(starts) = wanted else { panic!("no captures here") };
-        let backend = self.bench.device.backend(Priority::Interactive);
-        Ok(self.bench.execute(&plan, &starts, &backend)?.remove(0))
+        Ok(self.bench.execute(&plan, &starts)?.remove(0))
     }
 }
 
@@ -87,9 +86,9 @@ fn points(tensor: &Option<Tensor>) -> (Vec<usize>, Vec<[f32; 3]>) {
     tensor.as_ref().unwrap().unpack_points("t").unwrap()
 }
 
-#[tokio::test]
-async fn a_planner_answers_in_nodes_of_the_twin() {
-    let planning = Planning::new().await;
+#[test]
+fn a_planner_answers_in_nodes_of_the_twin() {
+    let planning = Planning::new();
     let keypoints = Keypoints {
         nodes: Some(Tensor::pack(&[2], &[1_u32, 3])),
         targets: Some(Tensor::pack_points(&[2], &[[0.0; 3]; 2])),
@@ -127,9 +126,9 @@ async fn a_planner_answers_in_nodes_of_the_twin() {
 }
 
 /// The gradient of a cost by where the control point goes, against central differences.
-#[tokio::test]
-async fn gradients_are_those_of_the_planner() {
-    let planning = Planning::new().await;
+#[test]
+fn gradients_are_those_of_the_planner() {
+    let planning = Planning::new();
     let ask = |x: f32| {
         let keypoints = Keypoints {
             nodes: Some(Tensor::pack(&[1], &[1_u32])),
@@ -156,9 +155,9 @@ async fn gradients_are_those_of_the_planner() {
     assert!((gradient - difference).abs() < 0.02 * difference.abs(), "{gradient}, {difference}");
 }
 
-#[tokio::test]
-async fn states_go_through_a_planner_and_back() {
-    let planning = Planning::new().await;
+#[test]
+fn states_go_through_a_planner_and_back() {
+    let planning = Planning::new();
     let rest = twin().graph.rest_positions;
     let given = GivenState {
         positions: Some(Tensor::pack_points(&[4], &rest)),
@@ -184,9 +183,9 @@ async fn states_go_through_a_planner_and_back() {
     assert_eq!(again.of(0).state, thin.of(0).state);
 }
 
-#[tokio::test]
-async fn what_a_planner_does_not_measure_is_refused() {
-    let planning = Planning::new().await;
+#[test]
+fn what_a_planner_does_not_measure_is_refused() {
+    let planning = Planning::new();
     let target = Some(Tensor::pack_points(&[1], &[[0.0; 3]]));
     let cloud = |point_set: v1::PointSet| {
         let point_set = point_set.into();
@@ -207,8 +206,8 @@ async fn what_a_planner_does_not_measure_is_refused() {
     };
     assert!(run(vec![cost(Kind::Keypoints(beyond))]).is_err(), "the twin has four nodes");
     let bench = Bench::new();
-    let none = Served::choose(Arc::clone(&bench.warm), Fidelity::Planner, &bench.device);
-    let none = none.await.err().unwrap();
+    let none = Served::choose(Arc::clone(&bench.warm), Fidelity::Planner, &bench.backend);
+    let none = none.err().unwrap();
     assert_eq!(
         (none.category(), none.reason()),
         (Category::FailedPrecondition, "PLANNERS_TWIN_UNKNOWN")
@@ -216,9 +215,9 @@ async fn what_a_planner_does_not_measure_is_refused() {
 }
 
 /// The rest lengths of a twin are not those of its small model: such a state never reaches that.
-#[tokio::test]
-async fn states_of_another_rest_shape_are_refused() {
-    let planning = Planning::new().await;
+#[test]
+fn states_of_another_rest_shape_are_refused() {
+    let planning = Planning::new();
     let params = planning.bench.warm.twin.params.clone();
     let rest = Arc::new(RestShape::new(params, None));
     let state = bendtwin_engine::model::State::rest(&planning.bench.warm.twin.graph);
@@ -234,9 +233,9 @@ async fn states_of_another_rest_shape_are_refused() {
 }
 
 /// The second node is not the planner's, so a grasp of it alone would open in silence.
-#[tokio::test]
-async fn grasps_that_the_planner_would_open_are_refused() {
-    let planning = Planning::new().await;
+#[test]
+fn grasps_that_the_planner_would_open_are_refused() {
+    let planning = Planning::new();
     let own = &planning.served.planner.as_ref().unwrap().own;
     let held = |phase: Phase, nodes: &[u32]| {
         let holds = nodes.iter().map(|&node| Hold { node, grasp: 0, place: [0.0; 3] }).collect();
@@ -276,12 +275,12 @@ async fn grasps_that_the_planner_would_open_are_refused() {
 }
 
 /// Which costs are asked for must not change where the skin touches.
-#[tokio::test]
-async fn keypoints_at_nodes_add_nothing_to_a_skin_that_touches() {
+#[test]
+fn keypoints_at_nodes_add_nothing_to_a_skin_that_touches() {
     let mut touching = with_planner();
     touching.params.contact.skin = true;
     touching.planner.as_mut().unwrap().twin.params.contact.skin = true;
-    let planning = Planning::of(touching).await;
+    let planning = Planning::of(touching);
     let named = |nodes: Option<Tensor>, skin_points: Option<Tensor>| {
         let targets = Some(Tensor::pack_points(&[1], &[[0.0; 3]]));
         let keypoints = Keypoints { nodes, targets, skin_points, ..Keypoints::default() };

@@ -8,10 +8,10 @@ use bendtwin_proto::v1::{
 };
 
 use super::*;
-use crate::rollout::{
-    initial::Start,
-    register::Job,
-    sessions::{
+use crate::{
+    register::register_state,
+    request::initial::Start,
+    session::{
         Session, Setup,
         correct::{Seen, corrected},
     },
@@ -47,9 +47,7 @@ fn register(
     request: RegisterStateRequest,
     cancel: &CancelToken,
 ) -> Result<RegisteredState, Error> {
-    let (warm, start) = (Arc::clone(&bench.warm), at_rest(bench));
-    let backend = bench.device.backend(Priority::Interactive);
-    Job { warm, start, request, backend }.run(cancel)
+    register_state(&bench.warm, at_rest(bench), request, &bench.backend, cancel)
 }
 
 fn points(tensor: &Option<Tensor>) -> Vec<Point> {
@@ -146,10 +144,10 @@ fn a_correction_moves_the_slots_that_it_names_and_a_refused_one_none() {
     let session = session(&bench, 2);
     let mut there = model.graph.rest_positions.clone();
     there[3][1] += 0.02;
-    let backend = bench.device.backend(Priority::Interactive);
+    let backend = &bench.backend;
     let seen = |options: Option<CorrectOptions>| {
         let options = options.unwrap_or_default();
-        Seen::new(&bench.warm, &backend, &session.setup, tracked(&there), options).unwrap()
+        Seen::new(&bench.warm, backend, &session.setup, tracked(&there), options).unwrap()
     };
     let cancel = CancelToken::default();
     let strict = CorrectOptions { max_residual_m: Some(0.0), ..CorrectOptions::default() };
@@ -177,9 +175,9 @@ fn the_ground_is_that_of_the_session() {
     there[3][2] -= 0.015;
     let height_in = |world: Option<World>| {
         let session = session_in(&bench, 2, world);
-        let backend = bench.device.backend(Priority::Interactive);
+        let backend = &bench.backend;
         let options = CorrectOptions::default();
-        let by = Seen::new(&bench.warm, &backend, &session.setup, tracked(&there), options);
+        let by = Seen::new(&bench.warm, backend, &session.setup, tracked(&there), options);
         let by = by.unwrap();
         corrected(&session, &[0], &by, Vec::new(), &CancelToken::default()).unwrap();
         session.states(&[0]).0[0].state.positions[3][2]

@@ -39,7 +39,7 @@ fn clothed() -> Twin {
 }
 
 fn bench() -> Bench {
-    Bench::of(clothed(), bendtwin_engine::cpu_with_threads(2)).0
+    Bench::of(clothed(), bendtwin_engine::cpu_with_threads(2))
 }
 
 /// Instances of which positions and velocities of every second frame come back.

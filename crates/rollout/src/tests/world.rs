@@ -42,20 +42,7 @@ fn chain(height: f32) -> Twin {
 }
 
 fn bench(twin: Twin) -> Bench {
-    let mut bench = Bench::new();
-    let model = Arc::new(Model::from(&twin));
-    let loaded = bench.device.backend(Priority::Interactive).load(model).unwrap();
-    let (id, fast) = (TwinId::generate(), OnceCell::new());
-    bench.warm = Arc::new(Warm {
-        id,
-        twin,
-        loaded,
-        fast,
-        planner: OnceCell::new(),
-        members: Default::default(),
-        _share: None,
-    });
-    bench
+    Bench::of(twin, bendtwin_engine::cpu_with_threads(2))
 }
 
 /// One gripper at these heights over x = 0, in knots spread over 60 frames.

@@ -9,7 +9,7 @@
 //! - Nodes of grasps and of costs of depth and place are the nearest of the planner's nodes. Costs of all
 //!   nodes are of the planner's.
 
-use std::sync::{Arc, Mutex};
+use std::sync::Arc;
 
 use bendtwin_contract::rollout;
 use bendtwin_core::PlannersTwin;
@@ -22,19 +22,20 @@ use bendtwin_engine::{
 use bendtwin_proto::v1::{
     self, PointSet, RollOutRequest, Tensor, cost::Kind, grasp::Region, initial_state,
 };
-use tokio::sync::OnceCell;
 
-use super::{
+use crate::{
     error::Error,
-    grasping,
-    initial::{Start, Starts},
-    warm::Warm,
+    request::{
+        grasping,
+        initial::{Start, Starts},
+    },
+    twin::warm::Warm,
 };
 
 /// A planner's twin on the device.
-pub(super) struct PlannersWarm {
+pub(crate) struct PlannersWarm {
     /// The small twin; its skin has the twin's nodes behind the twin's own points.
-    pub(super) warm: Arc<Warm>,
+    pub(crate) warm: Arc<Warm>,
     /// Its model with the whole of this skin; that of `warm` has the twin's own points alone.
     with_nodes: Loaded,
     planner: PlannersTwin,
@@ -50,39 +51,32 @@ impl PlannersWarm {
     ///
     /// # Errors
     /// If the twin has none, or the backend fails.
-    pub(super) fn load(of: &Warm, backend: &dyn Backend) -> Result<Self, Error> {
+    pub(crate) fn load(of: &Warm, backend: &dyn Backend) -> Result<Self, Error> {
         let missing = || rollout::Error::NoPlannersTwin { twin: of.id.to_string() };
         let planner = of.twin.planner.clone().ok_or_else(missing)?;
         let (nodes, skin_points) = (of.twin.graph.node_count(), of.twin.skin.len());
         let whole = Model::from(&*planner.twin);
         let own = Model { skin: Arc::new(planner.own_skin(skin_points)), ..whole.clone() };
-        let warm = Warm {
-            id: of.id,
-            twin: (*planner.twin).clone(),
-            loaded: backend.load(Arc::new(own))?,
-            fast: OnceCell::new(),
-            planner: OnceCell::new(),
-            members: Mutex::default(),
-            // It is in that of the twin.
-            _share: None,
-        };
+        let loaded = backend.load(Arc::new(own))?;
+        // Its memory is in that of the twin.
+        let warm = Warm::new(of.id, (*planner.twin).clone(), loaded, None);
         let nearest = planner.nearest(&of.twin.graph.rest_positions);
         let with_nodes = backend.load(Arc::new(whole))?;
         Ok(Self { warm: Arc::new(warm), with_nodes, planner, nodes, skin_points, nearest })
     }
 
     /// The twin's number of one of the planner's nodes.
-    pub(super) fn node(&self, own: usize) -> usize {
+    pub(crate) fn node(&self, own: usize) -> usize {
         self.planner.nodes.get(own).map_or(own, |&node| node as usize)
     }
 
     /// A state of the twin, of one of the planner's.
-    pub(super) fn carried(&self, state: &State) -> State {
+    pub(crate) fn carried(&self, state: &State) -> State {
         carried(&self.planner, self.skin_points, state)
     }
 
     /// Values of the twin's nodes: zero for all but the planner's.
-    pub(super) fn spread(&self, own: &[[f32; 3]]) -> Vec<[f32; 3]> {
+    pub(crate) fn spread(&self, own: &[[f32; 3]]) -> Vec<[f32; 3]> {
         if own.is_empty() {
             return Vec::new();
         }
@@ -99,7 +93,7 @@ impl PlannersWarm {
     ///
     /// # Errors
     /// If a grasp of one holds only nodes that the planner's twin has not.
-    pub(super) fn thinned(&self, starts: Starts) -> Result<Starts, Error> {
+    pub(crate) fn thinned(&self, starts: Starts) -> Result<Starts, Error> {
         let of = |start: Start| {
             self.keeps_grasps(&start.state.grasping)?;
             Ok(Start { state: Arc::new(thinned(&self.planner, &start.state)), ..start })
@@ -126,7 +120,7 @@ impl PlannersWarm {
     /// # Errors
     /// If it has keypoints at nodes beside a target cloud for the skin, or in a twin whose skin touches
     /// things; or if a grasp of its state holds only nodes that the planner's twin has not.
-    pub(super) fn rewrite(&self, request: &mut RollOutRequest) -> Result<Loaded, Error> {
+    pub(crate) fn rewrite(&self, request: &mut RollOutRequest) -> Result<Loaded, Error> {
         if let Some(returns) = &mut request.returns {
             self.rewrite_returns(returns)?;
         }

@@ -20,10 +20,10 @@ const NUMBER: usize = 4;
 
 /// Surroundings where a simulation ended.
 #[derive(Debug)]
-pub(in crate::rollout) struct Ended {
+pub(crate) struct Ended {
     world: Arc<World>,
     /// Gravity and ground.
-    pub(in crate::rollout) environment: Environment,
+    pub(crate) environment: Environment,
     /// Bodies, the grippers first, shape [B].
     bodies: Vec<Option<Placed>>,
     /// Number of grippers among them.
@@ -34,7 +34,7 @@ pub(in crate::rollout) struct Ended {
 
 impl Ended {
     /// Where so many seconds a frame of a motion have ended.
-    pub(in crate::rollout) fn new(
+    pub(crate) fn new(
         world: Arc<World>,
         environment: Environment,
         (motion, frame_s): (&Motion, f64),
@@ -51,7 +51,7 @@ impl Ended {
     }
 
     /// What is around a state that the simulation has left, with the first grippers at other poses.
-    pub(in crate::rollout) fn around(&self, state: &State, grippers: &[Pose]) -> Around {
+    pub(crate) fn around(&self, state: &State, grippers: &[Pose]) -> Around {
         let mut bodies = self.bodies.clone();
         for (body, pose) in bodies.iter_mut().take(self.grippers).zip(grippers) {
             *body = Some(Placed { pose: *pose, rate: Pose::default() });
@@ -71,7 +71,7 @@ fn moving(now: &Pose, before: &Pose, frame_s: f64) -> Option<Placed> {
 
 impl Surroundings {
     /// Memory of what stays of it in a session [bytes].
-    pub(in crate::rollout) fn bytes(&self) -> u64 {
+    pub(crate) fn bytes(&self) -> u64 {
         let colliders = self.world.colliders.iter().map(|collider| match &collider.shape {
             Shape::Capsule { .. } => PART,
             Shape::Convex(faces) => PART + FACE * faces.len(),
@@ -84,7 +84,7 @@ impl Surroundings {
     }
 
     /// Number of grippers that are bodies.
-    pub(in crate::rollout) fn grippers(&self) -> usize {
+    pub(crate) fn grippers(&self) -> usize {
         self.grippers
     }
 }

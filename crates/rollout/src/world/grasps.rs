@@ -10,7 +10,7 @@ use bendtwin_engine::{
 use bendtwin_proto::v1::{self, grasp};
 
 use super::{GripperOfControl, shapes::three};
-use crate::rollout::error::Error;
+use crate::error::Error;
 
 /// The object that is held.
 pub(super) struct Held<'a> {

@@ -15,26 +15,22 @@ use super::{Surroundings, moved};
 
 /// A node's positions at successive frame boundaries.
 #[derive(Clone, Debug, PartialEq)]
-pub(in crate::rollout) struct Path {
+pub(crate) struct Path {
     /// The first of the boundaries.
-    pub(in crate::rollout) from: usize,
+    pub(crate) from: usize,
     /// Positions [m].
-    pub(in crate::rollout) points: Vec<Point>,
+    pub(crate) points: Vec<Point>,
 }
 
 impl Surroundings {
     /// True if a grasp holds nodes exactly.
-    pub(in crate::rollout) fn has_pins(&self) -> bool {
+    pub(crate) fn has_pins(&self) -> bool {
         self.world.grasps.iter().any(is_pin)
     }
 
     /// Paths of the nodes that grasps of an instance hold exactly; `end` is the state after its last
     /// frame, if that is known.
-    pub(in crate::rollout) fn held_paths(
-        &self,
-        instance: &Instance,
-        end: Option<&State>,
-    ) -> Vec<Path> {
+    pub(crate) fn held_paths(&self, instance: &Instance, end: Option<&State>) -> Vec<Path> {
         let (world, motion) = (&self.world, &instance.motion);
         if !self.has_pins() {
             return Vec::new();

@@ -11,7 +11,7 @@ use bendtwin_engine::world::{Face, Shape};
 use bendtwin_proto::v1::{Collider, collider::Shape as Wire};
 
 use super::hull::hull;
-use crate::rollout::{error::Error, quaternion::Quaternion};
+use crate::{error::Error, request::quaternion::Quaternion};
 
 /// The shape of the `index`-th collider of a checked request.
 pub(super) fn read(wire: &Collider, index: usize) -> Result<Shape, Error> {

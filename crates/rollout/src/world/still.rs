@@ -15,7 +15,7 @@ use bendtwin_register::{Around, PlacedBody as Placed};
 use prost::Message as _;
 
 use super::Surroundings;
-use crate::rollout::{actions::pose, error::Error};
+use crate::{error::Error, request::actions::pose};
 
 /// Bytes of the first pose of a path.
 const POSE_BYTES: usize = 7 * 4;
@@ -25,7 +25,7 @@ const FACES_OF_ELEMENT: usize = 4;
 
 /// A world in which nothing moves.
 #[derive(Debug)]
-pub(in crate::rollout) struct Still {
+pub struct Still {
     surroundings: Surroundings,
     /// Poses of the bodies that begin a path, shape [B].
     poses: Vec<Pose>,
@@ -34,15 +34,12 @@ pub(in crate::rollout) struct Still {
 
 impl Still {
     /// The world of a checked request, or the twin's own without one.
-    pub(in crate::rollout) fn read(wire: Option<&v1::World>) -> Result<Self, Error> {
+    pub fn read(wire: Option<&v1::World>) -> Result<Self, Error> {
         Self::among(wire, &[])
     }
 
     /// The world with what the first grippers carry, which are there.
-    pub(in crate::rollout) fn among(
-        wire: Option<&v1::World>,
-        grippers: &[Pose],
-    ) -> Result<Self, Error> {
+    pub(crate) fn among(wire: Option<&v1::World>, grippers: &[Pose]) -> Result<Self, Error> {
         let default = v1::World::default();
         let wire = wire.unwrap_or(&default);
         let key = *blake3::hash(&at_rest(wire).encode_to_vec()).as_bytes();
@@ -72,12 +69,12 @@ impl Still {
     }
 
     /// Digest, the same for worlds in which a twin settles alike.
-    pub(in crate::rollout) fn key(&self) -> [u8; 32] {
+    pub fn key(&self) -> [u8; 32] {
         self.key
     }
 
     /// A model in this gravity and on this ground, with at least so much drag [1/s].
-    pub(in crate::rollout) fn load(
+    pub(crate) fn load(
         &self,
         model: &Loaded,
         drag: f32,
@@ -95,25 +92,25 @@ impl Still {
     }
 
     /// The environment that takes the place of a model's own, if it differs.
-    pub(in crate::rollout) fn environment(&self, own: Environment) -> Option<Environment> {
+    pub(crate) fn environment(&self, own: Environment) -> Option<Environment> {
         self.surroundings.environment(own)
     }
 
     /// What is around an object in it.
-    pub(in crate::rollout) fn around_now(&self) -> Around {
+    pub(crate) fn around_now(&self) -> Around {
         let still = |pose: &Pose| Some(Placed { pose: *pose, rate: Pose::default() });
         let bodies: Vec<Option<Placed>> = self.poses.iter().map(still).collect();
         Around::new(&self.surroundings.world, &bodies, &State::default())
     }
 
     /// The colliders, and their poses during so many frames.
-    pub(in crate::rollout) fn around(&self, frames: usize) -> (Arc<World>, Arc<Motion>) {
+    pub(crate) fn around(&self, frames: usize) -> (Arc<World>, Arc<Motion>) {
         let motion = Motion { poses: self.poses.repeat(frames + 1), ..Motion::default() };
         (Arc::new(self.surroundings.world.clone()), Arc::new(motion))
     }
 
     /// Work of the colliders for a node in a substep, in elements.
-    pub(in crate::rollout) fn work(&self) -> u64 {
+    pub(crate) fn work(&self) -> u64 {
         let each = self.surroundings.world.colliders.iter().map(|c| match &c.shape {
             Shape::Convex(faces) => faces.len().div_ceil(FACES_OF_ELEMENT),
             Shape::Capsule { .. } => 1,

@@ -6,7 +6,7 @@ use bendtwin_proto::v1::{
 };
 
 use super::*;
-use crate::rollout::{actions::Horizon, tests::twin};
+use crate::{cases::twin, request::actions::Horizon};
 
 const FRAMES: usize = 4;
 

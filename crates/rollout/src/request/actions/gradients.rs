@@ -14,7 +14,7 @@ use super::{
     poses::{Placed, Poses, unit},
     rolls,
 };
-use crate::rollout::{
+use crate::request::{
     interpolate::{Place, Schedule},
     quaternion::{Quaternion, Vector, dot},
 };

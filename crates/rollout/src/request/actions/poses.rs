@@ -10,14 +10,16 @@ use bendtwin_engine::world::Pose;
 use bendtwin_proto::v1::GripperPoses;
 
 use super::{Shape, rolls::Clamp};
-use crate::rollout::{
+use crate::{
     error::Error,
-    interpolate::{Place, Schedule},
-    quaternion::{Quaternion, Vector},
+    request::{
+        interpolate::{Place, Schedule},
+        quaternion::{Quaternion, Vector},
+    },
 };
 
 /// Poses of G grippers that carry C control points.
-pub(in crate::rollout) struct Poses {
+pub(crate) struct Poses {
     grippers: usize,
     /// Positions [m] and quaternions as the request has them, shape [B, K, G, 7].
     pub(super) poses: Vec<[f32; 7]>,
@@ -56,7 +58,7 @@ impl Placed {
 }
 
 /// The engine's form of a pose: position [m] and quaternion.
-pub(in crate::rollout) fn pose([x, y, z, qx, qy, qz, qw]: [f32; 7]) -> Pose {
+pub(crate) fn pose([x, y, z, qx, qy, qz, qw]: [f32; 7]) -> Pose {
     let rotation = Quaternion::of([qx, qy, qz, qw]);
     Placed { position: [x, y, z].map(f64::from), rotation }.matrix()
 }

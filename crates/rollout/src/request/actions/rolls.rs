@@ -16,7 +16,7 @@
 use bendtwin_core::{Graph, Point};
 
 use super::poses::Placed;
-use crate::rollout::quaternion::{Quaternion, Vector, cross, dot};
+use crate::request::quaternion::{Quaternion, Vector, cross, dot};
 
 /// Smallest step of a roll, 2⁻²⁰ [rad].
 const QUANTUM: f64 = 1.0 / 1_048_576.0;

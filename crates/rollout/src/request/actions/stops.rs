@@ -24,22 +24,22 @@ use bendtwin_core::{Graph, Plane, Point, geometry::dot};
 use bendtwin_engine::{backend::Gradient, world::Pose};
 
 use super::{Actions, Kind};
-use crate::rollout::initial::Start;
+use crate::request::initial::Start;
 
 /// Depth beyond a limit that is rounding: the hand is at the limit [m].
 const ROUNDING_M: f32 = 1e-6;
 
 /// The ground and what may meet it.
-pub(in crate::rollout) struct Floor<'a> {
-    pub(in crate::rollout) plane: Plane,
+pub(crate) struct Floor<'a> {
+    pub(crate) plane: Plane,
     /// Depth that is allowed [m].
-    pub(in crate::rollout) allowed_m: f32,
+    pub(crate) allowed_m: f32,
     /// The twin's graph, and the ground that it has itself.
-    pub(in crate::rollout) graph: &'a Graph,
-    pub(in crate::rollout) own: Option<Plane>,
-    pub(in crate::rollout) start: &'a Start,
+    pub(crate) graph: &'a Graph,
+    pub(crate) own: Option<Plane>,
+    pub(crate) start: &'a Start,
     /// Middles of grasps: the gripper, and the place in its coordinates [m].
-    pub(in crate::rollout) middles: Vec<(usize, Point)>,
+    pub(crate) middles: Vec<(usize, Point)>,
 }
 
 /// A point that stops its hand.
@@ -72,14 +72,14 @@ struct Shift {
 
 /// The most that a hand is held back [m], and the frame of that.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(in crate::rollout) struct Stopped {
-    pub(in crate::rollout) shift_m: f32,
-    pub(in crate::rollout) frame: usize,
+pub(crate) struct Stopped {
+    pub(crate) shift_m: f32,
+    pub(crate) frame: usize,
 }
 
 /// How far hands are held back in a rollout.
 #[derive(Debug, Default)]
-pub(in crate::rollout) struct Stops {
+pub(crate) struct Stops {
     normal: Point,
     /// Shape [F + 1, hands]; empty if no hand is held back.
     shifts: Vec<Shift>,
@@ -132,7 +132,7 @@ impl Probe {
 impl Actions {
     /// Holds back the hands of an instance: shifts `controls`, shape [F + 1, C], and the poses of
     /// grippers, the first of each row of `poses`, shape [F + 1, B] or empty.
-    pub(in crate::rollout) fn stop(
+    pub(crate) fn stop(
         &self,
         controls: &mut [Point],
         poses: &mut [Pose],
@@ -188,7 +188,7 @@ impl Actions {
 
 impl Stops {
     /// The most that a hand is held back.
-    pub(in crate::rollout) fn most(&self) -> Stopped {
+    pub(crate) fn most(&self) -> Stopped {
         let mut most = Stopped::default();
         for (frame, row) in self.shifts.chunks(self.hands.max(1)).enumerate() {
             let by = row.iter().map(|shift| shift.by).fold(0.0, f32::max);
@@ -201,7 +201,7 @@ impl Stops {
 
     /// Turns gradients by where hands are into those by where the actions would have them; `actions`
     /// are those that were stopped.
-    pub(in crate::rollout) fn back(&self, actions: &Actions, by: &mut Gradient) {
+    pub(crate) fn back(&self, actions: &Actions, by: &mut Gradient) {
         let frames = self.shifts.len().checked_div(self.hands).unwrap_or(0);
         let width = by.controls.len().checked_div(frames).unwrap_or(0);
         let bodies = by.poses.len().checked_div(frames).unwrap_or(0);

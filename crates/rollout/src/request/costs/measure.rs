@@ -11,7 +11,7 @@ use bendtwin_proto::v1::{
 };
 
 use super::controls::Motion;
-use crate::rollout::error::Error;
+use crate::error::Error;
 
 /// What a cost measures.
 #[derive(Debug)]

@@ -2,16 +2,12 @@
 //! adjoints make of the cost's gradient by positions, each with its weight.
 
 use bendtwin_engine::{
-    Backend as _,
     backend::{Gradient, Instance, Outputs, Rollout},
     world::Pose,
 };
 
 use super::{Gauges, Members, seeds::seeded};
-use crate::{
-    cut,
-    rollout::{ensemble, error::Error, execute::Execution, reply::Gradients},
-};
+use crate::{cut, error::Error, reply::Gradients, request::ensemble, run::execute::Execution};
 
 /// The adjoint runs of an action.
 struct Runs {
@@ -23,7 +19,7 @@ struct Runs {
 impl Execution<'_> {
     /// Gradients of the costs of actions' mean motions, of which rollouts are needed where costs have
     /// soft minima; `indices` are their members.
-    pub(in crate::rollout) fn mean_gradients(
+    pub(crate) fn mean_gradients(
         &self,
         indices: &[usize],
         means: &[Rollout],

@@ -1,10 +1,8 @@
 use bendtwin_core::{Environment, Problem as _, Twin, ids::TwinId};
-use bendtwin_engine::Model;
 use bendtwin_proto::v1::{Collider, Cuboid, Plane, Tensor, World, collider, world::GroundChoice};
-use tokio::sync::OnceCell;
 
 use super::*;
-use crate::rollout::tests::twin;
+use crate::cases::twin;
 
 const WORK: u64 = 1_000_000_000;
 
@@ -14,16 +12,7 @@ fn settled(twin: Twin, work: u64) -> Result<Start, Error> {
 
 fn settled_in(world: Option<World>, twin: Twin, work: u64) -> Result<Start, Error> {
     let backend = bendtwin_engine::cpu_with_threads(1);
-    let loaded = backend.load(Arc::new(Model::from(&twin))).unwrap();
-    let warm = Warm {
-        id: TwinId::generate(),
-        twin,
-        loaded,
-        planner: OnceCell::new(),
-        fast: OnceCell::new(),
-        members: Default::default(),
-        _share: None,
-    };
+    let warm = Warm::load(TwinId::generate(), twin, backend.as_ref(), None).unwrap();
     let world = Still::read(world.as_ref())?;
     settle(&warm, &world, work, backend.as_ref(), &CancelToken::default())
 }

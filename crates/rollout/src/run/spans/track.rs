@@ -10,8 +10,10 @@ use bendtwin_engine::{
     objective::acceleration,
 };
 
-use crate::rollout::{
-    actions::Stopped, costs::Costs, initial::Starts, plan::Plan, plausible::Extremes, reply::Span,
+use crate::{
+    reply::Span,
+    request::{actions::Stopped, costs::Costs, initial::Starts, plausible::Extremes},
+    run::plan::Plan,
 };
 
 /// An instance and where it is.

@@ -10,7 +10,11 @@ use bendtwin_proto::v1::{self, Tensor, grasp::Region};
 use bendtwin_register::Around;
 
 use super::super::Setup;
-use crate::rollout::{actions::pose, error::Error, initial::Start, world::Still};
+use crate::{
+    error::Error,
+    request::{actions::pose, initial::Start},
+    world::Still,
+};
 
 /// Surroundings of slots.
 pub(super) struct Scene {
@@ -74,7 +78,7 @@ impl Scene {
 }
 
 /// Poses of grippers of a checked request, shape [G]; none if it has none.
-pub(in crate::rollout) fn grippers(wire: Option<&Tensor>, field: &str) -> Result<Vec<Pose>, Error> {
+pub(crate) fn grippers(wire: Option<&Tensor>, field: &str) -> Result<Vec<Pose>, Error> {
     let Some(tensor) = wire.filter(|t| !t.is_absent()) else { return Ok(Vec::new()) };
     let (_, rows) = tensor.unpack::<f32>(field)?;
     Ok(rows.as_chunks::<7>().0.iter().map(|row| pose(*row)).collect())

@@ -7,7 +7,7 @@ use super::{
     fits::{FITS, on_fits, row, twin_with_members, with_spread},
     *,
 };
-use crate::rollout::tests::costs::varied;
+use crate::tests::costs::varied;
 
 /// The weights of the fits, whose losses are 1, 2 and 1 times the least.
 const WEIGHTS: [f64; FITS] = [4.0 / 9.0, 1.0 / 9.0, 4.0 / 9.0];
@@ -304,7 +304,7 @@ fn a_mean_is_no_larger_than_the_check_says() {
     request.returns.iter_mut().for_each(|returns| {
         (returns.velocities, returns.frame_costs, returns.action_gradients) = (true, true, true);
     });
-    let shape = crate::rollout::plan::shape(&twin, false);
+    let shape = crate::shape(&twin, false);
     let batch = bendtwin_contract::rollout::check_for(&request, &shape, &limits(), 0).unwrap();
     let most = bendtwin_contract::rollout::reply_bytes(&request, &batch, &shape, 0);
     let part = bench(twin).run(request, 0).unwrap().remove(0);

@@ -201,11 +201,11 @@ fn too_much_strain_ends_it_where_it_shows() {
     request.plausibility = Some(limits);
     let (plan, wanted) = bench.plan(divided(&request, 1), 16).unwrap();
     let Wanted::Ready(starts) = wanted else { panic!("a state") };
-    let (backend, cancel) = (bench.device.backend(Priority::Interactive), CancelToken::default());
+    let (backend, cancel) = (&bench.backend, CancelToken::default());
     let execution = Execution {
         plan: &plan,
         starts: &starts,
-        backend: &backend,
+        backend,
         cancel: &cancel,
         until: None,
         arrived: Instant::now(),

@@ -3,7 +3,7 @@ use bendtwin_engine::backend::Gradient;
 use bendtwin_proto::v1::{GripperPoses, Tensor, roll_out_request::Actions as Wire};
 
 use super::*;
-use crate::rollout::actions::{Actions, Horizon};
+use crate::request::actions::{Actions, Horizon};
 
 /// A bent cable of five nodes with a clamp at each end.
 const NODES: [Point; 5] =

@@ -8,7 +8,7 @@ use bendtwin_proto::v1::{
 use proptest::prelude::*;
 
 use super::*;
-use crate::rollout::actions::Horizon;
+use crate::request::actions::Horizon;
 
 const TABLE: Plane = Plane { normal: [0.0, 0.0, 1.0], offset_m: 0.1 };
 /// Control points of two hands, the second on the table.

@@ -1,0 +1,44 @@
+//! Evaluations: the recording that they need, and its memory. Their simulations wait for their turns
+//! at the device like those of rollouts.
+
+use std::sync::Arc;
+
+use bendtwin_core::ids::{CaptureId, InvalidName, TwinId};
+use bendtwin_proto::{v1::Evaluation, worker::v1::ExecuteEvaluateTwinRequest};
+use bendtwin_rollout::evaluate_twin;
+
+use super::{
+    error::Error,
+    service::{Inner, Unary},
+};
+use crate::device::Priority;
+
+impl Inner {
+    /// Answers an evaluation.
+    pub(crate) async fn evaluate(
+        self: &Arc<Self>,
+        request: ExecuteEvaluateTwinRequest,
+        call: &Unary,
+    ) -> Result<Evaluation, Error> {
+        let wire = request.request.ok_or_else(|| Error::field("request", "is missing"))?;
+        let wrong = |field| move |e: InvalidName| Error::field(field, e.to_string());
+        let twin: TwinId = wire.twin.parse().map_err(wrong("twin"))?;
+        let capture: CaptureId = wire.capture.parse().map_err(wrong("capture"))?;
+        let warm = self.twins.get(twin).await?;
+        let (recording, share) = self.replays.recording(capture).await?;
+        let asked = wire.motion.map(|motion| motion.sequence);
+        let backend = self.device.backend(Priority::Interactive);
+        let evaluated = call.blocking(move |cancel| {
+            let _share = share;
+            Ok(evaluate_twin(&warm, &recording, asked, &backend, cancel)?)
+        });
+        let (quality_json, motion) = evaluated.await?;
+        Ok(Evaluation {
+            twin: twin.to_string(),
+            capture: capture.to_string(),
+            quality_json,
+            worker: self.worker.clone(),
+            motion,
+        })
+    }
+}
