@@ -15,7 +15,7 @@ use crate::device::Priority;
 
 impl Inner {
     /// Answers an evaluation.
-    pub(crate) async fn evaluate(
+    pub(super) async fn evaluate(
         self: &Arc<Self>,
         request: ExecuteEvaluateTwinRequest,
         call: &Unary,

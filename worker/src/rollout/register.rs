@@ -16,7 +16,7 @@ use crate::{budget, device::Priority};
 
 impl Inner {
     /// Answers a registration.
-    pub(crate) async fn register(
+    pub(super) async fn register(
         self: &Arc<Self>,
         request: ExecuteRegisterStateRequest,
         call: &Unary,
