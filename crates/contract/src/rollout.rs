@@ -46,3 +46,6 @@ pub(crate) use self::{
     check::{SHORTEST_QUATERNION, sizes, tensors, within, world},
     session::states_size,
 };
+
+#[cfg(test)]
+mod tests;
