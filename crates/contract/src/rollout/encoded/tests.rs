@@ -1,7 +1,8 @@
 use bendtwin_proto::v1::{
-    AdvanceSessionRequest, ControlTrajectories, Cost, PlanRequest, Returns, RollOutRequest,
-    StepSessionRequest, Tensor,
+    AdvanceSessionRequest, ControlTrajectories, Cost, InitialState, PlanRequest, Returns,
+    RollOutRequest, StepSessionRequest, Tensor,
     cost::{Keypoints, Kind},
+    initial_state::{GivenState, State},
     roll_out_request::Actions,
 };
 use prost::Message as _;
@@ -85,6 +86,11 @@ fn a_tensor_has_few_dimensions_wherever_it_stands() {
     let keypoints = Keypoints { skin_points: flat(100), ..Keypoints::default() };
     let cost = Cost { kind: Some(Kind::Keypoints(keypoints)), ..Cost::default() };
     assert!(check_encoded(Encoded::RollOut, &encoded(|r| r.costs = vec![cost]), &limits).is_err());
+    let state = State::Given(GivenState { commanded_controls: flat(100), ..GivenState::default() });
+    let initial = Some(InitialState { state: Some(state) });
+    assert!(check_encoded(Encoded::RollOut, &encoded(|r| r.initial = initial), &limits).is_err());
+    let plan = PlanRequest { sigma: flat(100), ..PlanRequest::default() }.encode_to_vec();
+    assert!(check_encoded(Encoded::Plan, &plan, &limits).is_err());
     // One by one, not packed, as old encoders write them.
     let one_by_one = [&[0x3a, 203, 1, 0x12, 200, 1][..], &[0x10, 0].repeat(100)[..]].concat();
     let decoded = RollOutRequest::decode(&*one_by_one).unwrap();
