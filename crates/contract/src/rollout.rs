@@ -13,12 +13,13 @@ mod error;
 mod implausible;
 mod limits;
 mod memory;
+mod message;
 mod parts;
 mod points;
+mod price;
+mod request;
 mod session;
-mod size;
 pub mod split;
-mod surroundings;
 mod twin;
 
 /// Metadata of a call from the server to a worker: the length of its message, for which the worker
@@ -26,26 +27,25 @@ mod twin;
 pub const REQUEST_BYTES: &str = "bendtwin-request-bytes";
 
 pub use self::{
-    check::{
-        Batch, MOST_SUBSTEPS, SessionParts, check, check_for, check_in, fidelity, finer_substeps,
-        has_gradients, has_mean_prediction, has_spread, members, too_much_memory, work,
-    },
+    check::{Batch, SessionParts, check, check_for, check_in, fidelity, too_much_memory},
     encoded::{Encoded, check_encoded},
     error::Error,
     implausible::ImplausibleReason,
     limits::{ENVELOPE_BYTES, Limits},
-    memory::{Memory, memory, request_bytes},
+    memory::{Memory, request_bytes},
     parts::{STREAMED_PART, part_frames, part_instances},
     points::{measured, recorded},
+    price::{memory, models_bytes, reply_bytes, work},
+    request::{
+        gradients::has_gradients,
+        returns::has_spread,
+        vary::{MOST_SUBSTEPS, finer_substeps, has_mean_prediction, members},
+    },
     session::{MOST_SLOTS, check_advance, check_session, slots, states_bytes},
-    size::reply_bytes,
-    surroundings::models_bytes,
     twin::{PlannerShape, TwinShape},
 };
 pub(crate) use self::{
-    check::{SHORTEST_QUATERNION, sizes, tensors, within, world},
+    check::{sizes, within},
+    request::{SHORTEST_QUATERNION, tensors, world},
     session::states_size,
 };
-
-#[cfg(test)]
-mod tests;

@@ -2,34 +2,16 @@
 //! [`check_for`] also at the twin that it names. Sizes come before values, so that nothing is
 //! counted out before it is known to be within the limits; nothing is allocated but shapes.
 
-mod actions;
-mod costs;
-mod grasps;
-mod initial;
-mod numbers;
-mod partial;
-mod plausibility;
-mod returns;
-pub(crate) mod tensors;
-mod times;
-mod vary;
-pub(crate) mod world;
-
+use bendtwin_proto::v1::{Fidelity, OpenSessionRequest, RollOutRequest};
 use prost::Message as _;
 
-pub(crate) use self::numbers::SHORTEST_QUATERNION;
-pub(super) use self::{
-    costs::{own_targets, targets},
-    vary::{sets, substeps},
-    world::{bodies_of, parts},
+use super::{
+    Error, Limits, TwinShape,
+    price::price,
+    request::{
+        actions, costs, grasps, initial, partial, plausibility, returns, times, vary, world,
+    },
 };
-pub use self::{
-    returns::{has_gradients, has_spread},
-    vary::{MOST_SUBSTEPS, finer_substeps, has_mean_prediction, members},
-};
-use bendtwin_proto::v1::{Fidelity, OpenSessionRequest, RollOutRequest};
-
-use super::{Error, Limits, TwinShape, memory, size};
 
 /// Size of the batch of a checked request.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -66,16 +48,16 @@ impl SessionParts {
 
 /// Facts of the actions that the surroundings of a rollout are checked against.
 #[derive(Clone, Copy)]
-struct Moves {
-    instances: u64,
+pub(super) struct Moves {
+    pub(super) instances: u64,
     /// None: the actions come later.
-    knots: Option<u64>,
-    grippers: Grippers,
+    pub(super) knots: Option<u64>,
+    pub(super) grippers: Grippers,
 }
 
 /// The grippers of actions.
 #[derive(Clone, Copy)]
-enum Grippers {
+pub(super) enum Grippers {
     /// Actions that move control points themselves.
     None,
     Count(u64),
@@ -175,19 +157,20 @@ pub(crate) fn sizes(
     limits: &Limits,
     part_instances: u32,
 ) -> Result<(), Error> {
+    let (work, reply_bytes, memory) = price(request, batch, twin, part_instances);
     within(
         "the work (instances x frames x substeps x (nodes + springs + triplets))",
-        work(request, batch, twin),
+        work,
         limits.work,
         "send fewer instances or a shorter horizon, or use a coarser twin",
     )?;
     within(
         "the size of the reply in bytes",
-        u128::from(size::reply_bytes(request, batch, twin, part_instances)),
+        reply_bytes.into(),
         limits.reply_bytes,
         "ask for fewer points (returns.nodes or returns.skin_points), every k-th frame (returns.every_frames) or the best few (returns.best), or stream it",
     )?;
-    let least = memory::memory(request, batch, twin, part_instances).least();
+    let least = memory.least();
     if least > limits.memory_bytes {
         return Err(too_much_memory(least, limits.memory_bytes));
     }
@@ -229,21 +212,6 @@ pub fn too_much_memory(asked: u64, limit: u64) -> Error {
         limit,
         advice: "ask for a shorter horizon, fewer targets or smaller arrays of the reply, stream it, or use a twin with fewer control points",
     }
-}
-
-/// Work of a checked request, in element substeps.
-pub fn work(request: &RollOutRequest, batch: &Batch, twin: &TwinShape) -> u128 {
-    let substeps = substeps(request, twin.substeps(request.fidelity()));
-    let physics = twin.substep_work(request.fidelity(), batch.frames, world::work(request));
-    let physics = physics.saturating_mul(substeps.total).div_ceil(substeps.sets.into());
-    let each = physics.saturating_add(costs::work(&request.costs, batch, twin));
-    let of_members = each.saturating_mul(u128::from(members(request)));
-    // Of a mean prediction costs are measured beside those of its members.
-    let of_mean = match has_mean_prediction(request) {
-        true => costs::work(&request.costs, batch, twin),
-        false => 0,
-    };
-    of_members.saturating_add(of_mean).saturating_mul(u128::from(batch.instances))
 }
 
 /// Fidelity that a request asks for.

@@ -12,7 +12,7 @@ use prost::{
 };
 
 use self::messages::{Counted, MESSAGES, Message};
-use super::{Error, Limits, check::parts, within};
+use super::{Error, Limits, check::within, request::world::parts};
 
 /// Bytes of the longest encoding of a shape.
 const SHAPE_BYTES: usize = 10 * MOST_DIMENSIONS;

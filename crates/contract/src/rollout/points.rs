@@ -5,7 +5,7 @@ use bendtwin_proto::v1::{
     cost::{Kind, TargetCloud},
 };
 
-use super::{Error, check::tensors::given, twin::TwinShape};
+use super::{Error, request::tensors::given, twin::TwinShape};
 
 /// Refuses a point set that this build does not know.
 pub(super) fn point_set(wire: i32, field: &str) -> Result<(), Error> {

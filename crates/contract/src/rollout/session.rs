@@ -3,9 +3,8 @@
 use bendtwin_proto::v1::{OpenSessionRequest, RollOutRequest, initial_state::State};
 
 use super::{
-    Error, Limits, TwinShape,
-    check::{check_open, has_mean_prediction},
-    size::Sum,
+    Error, Limits, TwinShape, check::check_open, message::Message,
+    request::vary::has_mean_prediction,
 };
 
 /// Most slots of a session.
@@ -94,11 +93,11 @@ pub fn states_bytes(
 /// Size of the message that holds the states of so many slots with so many grasps, at most [bytes].
 pub(crate) fn states_size(slots: u64, grasps: u64, twin: &TwinShape) -> u64 {
     let (n, c) = (twin.nodes, twin.controls);
-    let mut grasping = Sum(0);
+    let mut grasping = Message::default();
     for width in [grasps, n, n.saturating_mul(3)] {
         grasping.tensor(1, 4, &[slots, width]);
     }
-    let mut given = Sum(0);
+    let mut given = Message::default();
     // Rods have nodes of their own.
     let rods = twin.rods.unwrap_or(n);
     let (nodes, controls) = (n.saturating_mul(3), c.saturating_mul(3));
@@ -106,7 +105,7 @@ pub(crate) fn states_size(slots: u64, grasps: u64, twin: &TwinShape) -> u64 {
         given.tensor(1, 4, &[slots, width]);
     }
     given.message(1, &grasping);
-    let mut reply = Sum(0);
+    let mut reply = Message::default();
     reply.message(1, &given);
     // Numbers of slots and of frames.
     reply.add(slots.saturating_mul(5 + 10).saturating_add(32));

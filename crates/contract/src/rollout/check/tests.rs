@@ -16,7 +16,11 @@ use bendtwin_proto::v1::{
 use proptest::prelude::*;
 
 use super::*;
-use crate::rollout::{PlannerShape, cases};
+use crate::rollout::{
+    MOST_SUBSTEPS, PlannerShape, cases, finer_substeps, memory,
+    request::costs::{own_targets, targets},
+    work,
+};
 
 /// 5 nodes that hang from a control point.
 const TWIN: TwinShape = TwinShape {
@@ -158,11 +162,11 @@ fn sound_worlds_pass() {
     ensemble(&mut request);
     assert_eq!(work(&request, &batch, &TWIN), 5 * alone);
     // Along the mean of their motion costs are measured once more, and what it takes is kept.
-    let of_costs = memory::memory(&request, &batch, &TWIN, 0);
+    let of_costs = memory(&request, &batch, &TWIN, 0);
     request.ensemble.iter_mut().for_each(|e| e.set_statistic(Statistic::MeanPrediction));
     assert_eq!(check(&request, &Limits::default()), Ok(batch));
     assert!((5 * alone + 1..6 * alone).contains(&work(&request, &batch, &TWIN)));
-    let of_mean = memory::memory(&request, &batch, &TWIN, 0);
+    let of_mean = memory(&request, &batch, &TWIN, 0);
     assert!(of_mean.prepared > of_costs.prepared && of_mean.fixed > of_costs.fixed);
 }
 
@@ -302,7 +306,7 @@ fn a_rollout_of_a_planners_twin_is_counted_with_its_own_size() {
     let planner = TwinShape { planner: Some(shape), ..TWIN };
     let request = RollOutRequest { fidelity: 3, ..sound() };
     let batch = check_for(&request, &planner, &Limits::default(), 0).unwrap();
-    let work = |request: &RollOutRequest| super::work(request, &batch, &planner);
+    let work = |request: &RollOutRequest| work(request, &batch, &planner);
     assert!(work(&request) < work(&sound()));
     let refused = refused(&request, &TWIN, &Limits::default());
     assert_eq!(refused, Error::NoPlannersTwin { twin: request.twin });

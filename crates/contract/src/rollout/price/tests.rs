@@ -1,6 +1,10 @@
 //! Prices of requests that have each part once, and several together: a number that changes here
 //! changes what a server admits.
 
+mod memory;
+mod reply;
+mod surroundings;
+
 use bendtwin_proto::v1::{
     Collider, ConvexMesh, Cost, Cuboid, Ensemble, Fidelity, InitialState, Plausibility, PointSet,
     Returns, RollOutRequest, Tensor, Vary,
@@ -12,7 +16,8 @@ use bendtwin_proto::v1::{
     returns::Encoding,
 };
 
-use super::{PlannerShape, TwinShape, cases, check::Batch, memory, reply_bytes, work};
+use super::{memory, reply_bytes, work};
+use crate::rollout::{Batch, PlannerShape, TwinShape, cases};
 
 const TWIN: TwinShape = TwinShape {
     nodes: 100,

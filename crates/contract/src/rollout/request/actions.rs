@@ -1,9 +1,9 @@
-//! Actions: trajectories of the control points, or poses of grippers.
+//! Actions: trajectories of the control points, or poses of grippers, for each frame.
 
 use bendtwin_proto::v1::{Interpolation, roll_out_request::Actions, tensor::Dtype};
 
 use super::{
-    Error, Limits, TwinShape,
+    Asked, Error, Limits, Price, TwinShape, mul,
     numbers::SHORTEST_QUATERNION,
     tensors::{finite, floats, given, indices, required},
     within,
@@ -12,9 +12,17 @@ use super::{
 const POSITIONS: &str = "trajectories.positions";
 const POSES: &str = "poses.poses";
 const GRIPPERS: &str = "poses.gripper_of_control";
+/// A control point in a frame: dense controls in single precision, and as the engine reads them.
+const CONTROL: u64 = 12;
+const CONTROL_READ: u64 = 16;
+/// A frame's place among the knots: four knots with their weights.
+const CURVE: u64 = 96;
 
 /// Number of instances B and of knots K.
-pub(super) fn check(actions: Option<&Actions>, limits: &Limits) -> Result<[u64; 2], Error> {
+pub(in crate::rollout) fn check(
+    actions: Option<&Actions>,
+    limits: &Limits,
+) -> Result<[u64; 2], Error> {
     match actions {
         None => Err(Error::field(
             "actions",
@@ -53,7 +61,10 @@ pub(super) fn check(actions: Option<&Actions>, limits: &Limits) -> Result<[u64; 
 }
 
 /// Checks the number of control points.
-pub(super) fn check_for(actions: Option<&Actions>, twin: &TwinShape) -> Result<(), Error> {
+pub(in crate::rollout) fn check_for(
+    actions: Option<&Actions>,
+    twin: &TwinShape,
+) -> Result<(), Error> {
     let controls = twin.controls;
     match actions {
         Some(Actions::Trajectories(t)) => {
@@ -76,6 +87,18 @@ pub(super) fn check_for(actions: Option<&Actions>, twin: &TwinShape) -> Result<(
             _ => Ok(()),
         },
         None => Ok(()),
+    }
+}
+
+/// The control points in all frames.
+pub(in crate::rollout) fn price(asked: &Asked<'_>) -> Price {
+    let (boundaries, controls) = (asked.boundaries, asked.twin.controls);
+    Price {
+        // Place and curve of each frame among the knots, shared by all instances.
+        fixed: mul(&[CURVE, boundaries]),
+        prepared: mul(&[CONTROL, boundaries, controls]),
+        running: mul(&[CONTROL_READ, boundaries, controls]),
+        ..Price::default()
     }
 }
 

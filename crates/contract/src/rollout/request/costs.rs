@@ -1,4 +1,4 @@
-//! Costs: names, weights, times and what they measure.
+//! Costs: names, weights, times and what they measure, and what it takes to measure it.
 
 mod targets;
 
@@ -14,17 +14,29 @@ use bendtwin_proto::v1::{
 
 use self::targets::{by_instance, points};
 use super::{
-    Batch, Error, Limits, TwinShape,
+    Asked, Batch, Error, Limits, Message, Price, TwinShape,
+    gradients::has_gradients,
+    mul,
     numbers::least,
     returns::has_skin,
+    sum,
     tensors::{given, index_list, known_nodes, known_skin_points},
     within,
     world::{cuboid, plane},
 };
-use crate::rollout::points::{is_at_skin, measured, point_set};
+use crate::rollout::points::{is_at_skin, measured, measures_nodes, point_set};
 
 /// Target points that a cost counts for in each of its frames, beside its own.
 const OVERHEAD: u128 = 16;
+/// A target point with its node, its term's share and the copy that sorting makes [bytes].
+const TARGET: u64 = 32;
+/// A name of a cost beside its text [bytes].
+const NAME: u64 = 64;
+/// A cost in a frame: as it is added up, and as it is returned [bytes].
+const FRAME_COST: u64 = 16;
+/// A point of the skin where a cost is measured there: its place, and its part of the search for the
+/// nearest [bytes].
+const SKIN_POINT: u64 = 128;
 /// Work of looking one target point up, in element substeps.
 const TARGET_WORK: u128 = 20;
 /// Work of a spring, and of a node in a region, in a cost of all of them.
@@ -36,7 +48,7 @@ const SKIN_WORK: u128 = 8;
 const COLLIDER_WORK: u128 = 32;
 
 /// Checks costs beside so many colliders and grasps.
-pub(super) fn check(
+pub(in crate::rollout) fn check(
     request: &RollOutRequest,
     parts: [usize; 2],
     batch: &Batch,
@@ -80,30 +92,13 @@ pub(super) fn check(
     }
     within(
         "the number of target points over all instances and frames of all costs",
-        self::targets(costs, batch),
+        targets(costs, batch),
         limits.targets,
         "thin the targets out, or count them in the last frame only",
     )
 }
 
-/// Target points over all instances and frames of all costs, with the overhead of each.
-pub(in crate::rollout) fn targets(costs: &[Cost], batch: &Batch) -> u128 {
-    let lists = |cost: &Cost| if by_instance(cost) { u128::from(batch.instances) } else { 1 };
-    costs.iter().map(|cost| one_list(cost, batch).saturating_mul(lists(cost))).sum()
-}
-
-/// Those of one instance: of costs whose targets differ by instance or, with `all`, of all costs.
-pub(in crate::rollout) fn own_targets(costs: &[Cost], batch: &Batch, all: bool) -> u128 {
-    let own = costs.iter().filter(|cost| all || by_instance(cost));
-    own.map(|cost| one_list(cost, batch)).sum()
-}
-
-/// Target points over all frames of a cost for one instance, with the overhead.
-fn one_list(cost: &Cost, batch: &Batch) -> u128 {
-    (points(cost) + OVERHEAD).saturating_mul(frames(cost, batch))
-}
-
-pub(super) fn check_for(costs: &[Cost], twin: &TwinShape) -> Result<(), Error> {
+pub(in crate::rollout) fn check_for(costs: &[Cost], twin: &TwinShape) -> Result<(), Error> {
     for (i, cost) in costs.iter().enumerate() {
         let (nodes, field) = match &cost.kind {
             Some(Kind::TargetCloud(cloud)) => {
@@ -142,8 +137,58 @@ pub(super) fn check_for(costs: &[Cost], twin: &TwinShape) -> Result<(), Error> {
     Ok(())
 }
 
+/// Targets, terms, and costs by frame.
+pub(in crate::rollout) fn price(asked: &Asked<'_>) -> Price {
+    let (costs, batch, twin) = (&asked.request.costs, asked.batch, asked.twin);
+    let (instances, count) = (batch.instances, costs.len() as u64);
+    let narrow = |count: u128| u64::try_from(count).unwrap_or(u64::MAX);
+    let targets = narrow(targets(costs, batch));
+    let soft_min = costs.iter().any(|cost| cost.when() == When::SoftMin);
+    // A soft minimum weighs frames differently in each instance's gradient.
+    let own = narrow(own_targets(costs, batch, soft_min && has_gradients(&asked.returns)));
+    let frame_costs = mul(&[FRAME_COST, asked.boundaries, count]);
+    let names = costs.iter().map(|cost| cost.name.len() as u64 + NAME).sum::<u64>();
+    let mut reply = Message::default();
+    for (i, cost) in costs.iter().enumerate() {
+        let name = &cost.name;
+        reply.text(if name.is_empty() { format!("cost{i}").len() } else { name.len() });
+    }
+    reply.tensor(1, 8, &[asked.covered]);
+    reply.tensor(1, 8, &[asked.covered, count]);
+    Price {
+        work: work(costs, batch, twin),
+        reply,
+        fixed: sum(&[
+            mul(&[TARGET, targets]),
+            // Costs by instance, of all parts where the best are chosen.
+            mul(&[instances, 16]),
+            // Of all instances of a part, until its gradients are there.
+            if soft_min { mul(&[instances, asked.members, frame_costs]) } else { 0 },
+        ]),
+        prepared: sum(&[mul(&[2, names]), mul(&[TARGET, own]), frame_costs]),
+        running: sum(&[
+            // Terms in the order of their frames.
+            targets,
+            mul(&[SKIN_POINT, placed(asked)]),
+        ]),
+        ..Price::default()
+    }
+}
+
+/// Points of the skin that are placed for costs.
+fn placed(asked: &Asked<'_>) -> u64 {
+    let costs = &asked.request.costs;
+    // Keypoints at nodes are points of the planner's skin, behind those of the twin's own.
+    let nodes_at_skin = asked.is_of_planner() && costs.iter().any(measures_nodes);
+    if !nodes_at_skin && !costs.iter().any(is_at_skin) {
+        return 0;
+    }
+    let nodes = if nodes_at_skin { asked.twin.nodes } else { 0 };
+    asked.twin.most_skin_points().saturating_add(nodes)
+}
+
 /// Work of the costs of one instance, in element substeps.
-pub(super) fn work(costs: &[Cost], batch: &Batch, twin: &TwinShape) -> u128 {
+fn work(costs: &[Cost], batch: &Batch, twin: &TwinShape) -> u128 {
     let nodes = u128::from(twin.nodes);
     let each = |cost: &Cost| {
         let placed =
@@ -157,6 +202,23 @@ pub(super) fn work(costs: &[Cost], batch: &Batch, twin: &TwinShape) -> u128 {
         }
     };
     costs.iter().map(|cost| each(cost).saturating_mul(frames(cost, batch))).sum()
+}
+
+/// Target points over all instances and frames of all costs, with the overhead of each.
+pub(in crate::rollout) fn targets(costs: &[Cost], batch: &Batch) -> u128 {
+    let lists = |cost: &Cost| if by_instance(cost) { u128::from(batch.instances) } else { 1 };
+    costs.iter().map(|cost| one_list(cost, batch).saturating_mul(lists(cost))).sum()
+}
+
+/// Those of one instance: of costs whose targets differ by instance or, with `all`, of all costs.
+pub(in crate::rollout) fn own_targets(costs: &[Cost], batch: &Batch, all: bool) -> u128 {
+    let own = costs.iter().filter(|cost| all || by_instance(cost));
+    own.map(|cost| one_list(cost, batch)).sum()
+}
+
+/// Target points over all frames of a cost for one instance, with the overhead.
+fn one_list(cost: &Cost, batch: &Batch) -> u128 {
+    (points(cost) + OVERHEAD).saturating_mul(frames(cost, batch))
 }
 
 fn kind(

@@ -7,13 +7,19 @@ use bendtwin_proto::v1::{
 };
 
 use super::{
-    Error, Moves, TwinShape,
+    Asked, Error, Moves, Price, TwinShape,
+    initial::state_bytes,
+    mul,
     numbers::least,
+    sum,
     tensors::{given, index_list, indices, known_nodes, required},
     world::{cuboid, gripper, parts, sphere},
 };
 
-pub(super) fn check(grasps: &[Grasp], moves: &Moves) -> Result<(), Error> {
+/// A node that a grasp may hold [bytes].
+const HOLD: u64 = 20;
+
+pub(in crate::rollout) fn check(grasps: &[Grasp], moves: &Moves) -> Result<(), Error> {
     parts("grasps", grasps.len())?;
     let mut hands = Vec::new();
     for (i, grasp) in grasps.iter().enumerate() {
@@ -47,7 +53,7 @@ pub(super) fn check(grasps: &[Grasp], moves: &Moves) -> Result<(), Error> {
     Ok(())
 }
 
-pub(super) fn check_for(grasps: &[Grasp], twin: &TwinShape) -> Result<(), Error> {
+pub(in crate::rollout) fn check_for(grasps: &[Grasp], twin: &TwinShape) -> Result<(), Error> {
     for (i, grasp) in grasps.iter().enumerate() {
         if let Some(Region::Nodes(nodes)) = &grasp.region {
             distinct_nodes(nodes, &format!("grasps[{i}].nodes"), twin)?;
@@ -110,4 +116,26 @@ fn distinct_nodes(nodes: &Tensor, field: &str, twin: &TwinShape) -> Result<(), E
         Some(pair) => Err(Error::field(field, format!("names node {} twice", pair[0]))),
         None => Ok(()),
     }
+}
+
+/// What grasps hold, and when they are closed.
+pub(in crate::rollout) fn price(asked: &Asked<'_>) -> Price {
+    let grasps = &asked.request.grasps;
+    if grasps.is_empty() {
+        return Price::default();
+    }
+    let regions = grasps
+        .iter()
+        .filter(|grasp| matches!(grasp.region, Some(Region::Sphere(_) | Region::Cuboid(_))));
+    Price {
+        work_of_node: regions.count() as u64,
+        // What grasps hold at the end says which nodes they took.
+        prepared: sum(&[state_bytes(asked), mul(&[asked.boundaries, grasps.len() as u64])]),
+        ..Price::default()
+    }
+}
+
+/// Memory of what the grasps of a state hold [bytes].
+pub(super) fn hold_bytes(asked: &Asked<'_>) -> u64 {
+    if asked.request.grasps.is_empty() { 0 } else { mul(&[HOLD, asked.twin.nodes]) }
 }

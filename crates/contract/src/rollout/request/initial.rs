@@ -8,9 +8,10 @@ use bendtwin_proto::v1::{
 };
 
 use super::{
-    Error, TwinShape,
+    Asked, Error, Price, TwinShape, grasps, mul, sum,
     tensors::{finite, given, indices, required},
 };
+use crate::rollout::price::INSTANCE;
 
 const CAPTURE: &str = "initial.capture_frame.capture";
 const POSITIONS: &str = "initial.given.positions";
@@ -23,8 +24,13 @@ const HOLDERS: &str = "initial.given.grasping.holders";
 const PLACES: &str = "initial.given.grasping.places";
 /// Phases of a grasp: open, closed, slipped.
 const PHASE_COUNT: u32 = 3;
+/// A control point [bytes].
+const CONTROL: u64 = 12;
 
-pub(super) fn check(initial: Option<&InitialState>, instances: u64) -> Result<(), Error> {
+pub(in crate::rollout) fn check(
+    initial: Option<&InitialState>,
+    instances: u64,
+) -> Result<(), Error> {
     match initial.and_then(|i| i.state.as_ref()) {
         None | Some(State::Rest(_) | State::Settled(_)) => Ok(()),
         Some(State::Session(at)) => {
@@ -135,7 +141,7 @@ fn row_width(shape: &[u64], lead: &[u64], inner: Option<u64>, field: &str) -> Re
     }
 }
 
-pub(super) fn check_for(
+pub(in crate::rollout) fn check_for(
     initial: Option<&InitialState>,
     instances: u64,
     twin: &TwinShape,
@@ -181,4 +187,25 @@ pub(super) fn check_for(
         }
         _ => Ok(()),
     }
+}
+
+/// The states that instances begin in.
+pub(in crate::rollout) fn price(asked: &Asked<'_>) -> Price {
+    let states = match asked.request.initial.as_ref().and_then(|initial| initial.state.as_ref()) {
+        Some(State::Given(_)) => asked.batch.instances,
+        _ => 1,
+    };
+    Price { fixed: mul(&[state_bytes(asked), states]), ..Price::default() }
+}
+
+/// Memory of a state with its control points [bytes].
+pub(super) fn state_bytes(asked: &Asked<'_>) -> u64 {
+    let twin = asked.twin;
+    sum(&[
+        mul(&[24, twin.nodes]),
+        mul(&[4, twin.rods.unwrap_or(0)]),
+        mul(&[CONTROL, twin.controls]),
+        grasps::hold_bytes(asked),
+        INSTANCE,
+    ])
 }

@@ -13,7 +13,7 @@ const PERIOD: &str = "knot_times.period_s";
 const PERIODS: std::ops::RangeInclusive<f64> = 1e-5..=1e5;
 
 /// Checks the times of `knots` knots.
-pub(super) fn check(request: &RollOutRequest, knots: u64) -> Result<(), Error> {
+pub(in crate::rollout) fn check(request: &RollOutRequest, knots: u64) -> Result<(), Error> {
     let Some(times) = request.knot_times.as_ref().and_then(|times| times.times.as_ref()) else {
         return Ok(());
     };

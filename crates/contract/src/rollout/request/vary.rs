@@ -1,14 +1,17 @@
-//! Parameters by instance, and ensembles of them.
+//! Parameters by instance, and ensembles of them, with the models that they need.
 
 use bendtwin_proto::v1::{
     Cost, Fidelity, RollOutRequest, Tensor, Vary, cost::Kind, ensemble::Statistic, tensor::Dtype,
 };
 
 use super::{
-    Batch, Error, Limits,
+    Asked, Batch, Error, Limits, Message, Price,
+    gradients::has_gradients,
+    mul, sum,
     tensors::{floats, given, required},
     within,
 };
+use crate::rollout::price::{ELEMENT_GRADIENT, RECORDED_NODE};
 
 /// Largest factor of a parameter.
 const MOST: f32 = 100.0;
@@ -18,8 +21,25 @@ const LEAST: f32 = 0.01;
 pub const MOST_SUBSTEPS: u32 = 100_000;
 /// Numbers of substeps between one and its double: few, as each needs a model on the device.
 const RUNGS: f64 = 4.0;
+/// A parameter of an element in the engine and in the model that keeps it [bytes].
+const PARAMETER: u64 = 16;
+/// A set of parameters beside its arrays [bytes].
+pub(in crate::rollout) const SET: u64 = 4096;
+/// Numbers of substeps that variants of a model have, at most.
+const MOST_FINER: u64 = 64;
+/// Costs of a member, kept until those of all are there [bytes].
+const MEMBER: u64 = 64;
+/// A node in a frame of a mean: its sums in double precision, the mean, and as it is measured, with the
+/// gradient [bytes].
+const MEAN_NODE: u64 = 128;
+/// A node in a frame whose gradient is given to the engine: its target and number, twice [bytes].
+const SEED: u64 = 32;
 
-pub(super) fn check(request: &RollOutRequest, batch: &Batch, limits: &Limits) -> Result<(), Error> {
+pub(in crate::rollout) fn check(
+    request: &RollOutRequest,
+    batch: &Batch,
+    limits: &Limits,
+) -> Result<(), Error> {
     let sets = match &request.ensemble {
         None => ("B", batch.instances),
         Some(_) => ("E", members(request)),
@@ -104,7 +124,7 @@ pub fn members(request: &RollOutRequest) -> u64 {
 }
 
 /// Most sets of parameters that differ, beside the twin's own.
-pub(in crate::rollout) fn sets(request: &RollOutRequest, batch: &Batch) -> u64 {
+fn sets(request: &RollOutRequest, batch: &Batch) -> u64 {
     let varied = request.vary.as_ref().is_some_and(|vary| !is_empty(vary));
     match &request.ensemble {
         _ if !varied => 0,
@@ -150,6 +170,55 @@ fn numbers(
         }
         None => Ok(()),
     }
+}
+
+/// Sets of parameters, and members of an ensemble.
+pub(in crate::rollout) fn price(asked: &Asked<'_>) -> Price {
+    let (request, members) = (asked.request, asked.members);
+    let own_substeps = asked.twin.substeps(request.fidelity());
+    let sets = sets(request, asked.batch);
+    // Models with more substeps, from which others are made.
+    let finer = if substeps(request, own_substeps).most > own_substeps {
+        sets.min(mul(&[MOST_FINER, members]))
+    } else {
+        0
+    };
+    let models = mul(&[set_bytes(asked.elements()), sum(&[sets, finer])]);
+    let mut reply = Message::default();
+    if request.ensemble.is_some() {
+        reply.tensor(2, 8, &[asked.covered, members]);
+    }
+    let costs = mul(&[asked.batch.instances, members, MEMBER]);
+    let own = Price { reply, fixed: sum(&[models, costs]), ..Price::default() };
+    if has_mean_prediction(request) { own + mean(asked) } else { own }
+}
+
+/// The mean motion of the members of an action.
+fn mean(asked: &Asked<'_>) -> Price {
+    let Asked { returns, twin, boundaries, .. } = asked;
+    let has_gradients = has_gradients(returns);
+    let mut price = Price {
+        // As it is added up, and as it is measured; and the model that tells strains.
+        fixed: sum(&[
+            mul(&[MEAN_NODE, asked.kinds(), twin.nodes, *boundaries]),
+            mul(&[ELEMENT_GRADIENT, asked.elements()]),
+        ]),
+        // With gradients all members of an action are there, however few are prepared otherwise.
+        waiting: if has_gradients { asked.members } else { 0 },
+        ..Price::default()
+    };
+    if !asked.request.costs.is_empty() || returns.every_frames > 0 {
+        // Members with all their nodes in all frames, and with gradients targets that stand for those.
+        let seed = if has_gradients { SEED } else { 0 };
+        let node = sum(&[mul(&[RECORDED_NODE, asked.kinds()]), seed]);
+        price.prepared = mul(&[node, twin.nodes, *boundaries]);
+    }
+    price
+}
+
+/// Memory of a set of parameters of so many elements [bytes].
+pub(in crate::rollout) fn set_bytes(elements: u64) -> u64 {
+    sum(&[mul(&[elements, 3 * PARAMETER]), SET])
 }
 
 /// Substeps of the sets of parameters of a request, at most: a worker finds out what each needs.

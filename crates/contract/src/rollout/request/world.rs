@@ -5,20 +5,25 @@ use std::collections::HashSet;
 use bendtwin_proto::v1::{
     Capsule, Collider, Cuboid, Grasp, Plane, RollOutRequest, Sphere, Tensor, World,
     collider::{Carrier, Shape},
-    grasp::Region,
     roll_out_request::Actions,
     tensor::Dtype,
     world::GroundChoice,
 };
 
 use super::{
-    Error, Grippers, Limits, Moves,
+    Asked, Error, Grippers, Limits, Moves, Price, mul,
     numbers::{angle_free, least, vector, within_range},
+    sum,
     tensors::{finite, floats, given, required},
+    vary::set_bytes,
 };
 
 /// Most colliders, most grasps, and most rigid bodies that carry any of them.
 pub(in crate::rollout) const MOST_PARTS: u64 = 32;
+/// A pose of a body, and its gradient [bytes].
+const POSE: u64 = 48;
+/// A face of a collider, and faces of all of them at most [bytes].
+const FACES: u64 = 16 * 32 * 128;
 /// Fewest and most points of a convex mesh.
 const MESH_POINTS: std::ops::RangeInclusive<u64> = 4..=4096;
 /// Farthest that anything is from where it belongs [m].
@@ -26,7 +31,7 @@ const FARTHEST_M: f32 = 1000.0;
 /// Largest deviation of a normal's length from 1.
 const NORMAL_TOLERANCE: f32 = 1e-3;
 
-pub(super) fn check(
+pub(in crate::rollout) fn check(
     world: Option<&World>,
     grasps: &[Grasp],
     moves: &Moves,
@@ -120,7 +125,7 @@ pub(super) fn gripper(number: u32, field: &str, moves: &Moves) -> Result<(), Err
 }
 
 /// The grippers of actions.
-pub(super) fn grippers(actions: Option<&Actions>) -> Grippers {
+pub(in crate::rollout) fn grippers(actions: Option<&Actions>) -> Grippers {
     let Some(Actions::Poses(poses)) = actions else { return Grippers::None };
     Grippers::Count(poses.poses.as_ref().and_then(|t| t.shape.get(2)).copied().unwrap_or(0))
 }
@@ -242,7 +247,7 @@ fn bodies(world: Option<&World>, grasps: &[Grasp], moves: &Moves) -> Result<(), 
 
 /// Number of rigid bodies that a request moves: all grippers and paths, or none if nothing is
 /// carried.
-pub(in crate::rollout) fn bodies_of(request: &RollOutRequest) -> u64 {
+fn bodies_of(request: &RollOutRequest) -> u64 {
     let grippers = grippers(request.actions.as_ref());
     bodies_among(request.world.as_ref(), &request.grasps, grippers)
 }
@@ -263,13 +268,21 @@ fn bodies_among(world: Option<&World>, grasps: &[Grasp], grippers: Grippers) -> 
     grippers.saturating_add(paths)
 }
 
-/// Work of the surroundings for a node in a substep, in elements.
-pub(super) fn work(request: &RollOutRequest) -> u64 {
-    let regions = request
-        .grasps
-        .iter()
-        .filter(|grasp| matches!(grasp.region, Some(Region::Sphere(_) | Region::Cuboid(_))));
-    work_of(request.world.as_ref()) + regions.count() as u64
+/// Bodies that move, the faces of colliders, and a model in another environment.
+pub(in crate::rollout) fn price(asked: &Asked<'_>) -> Price {
+    let world = asked.request.world.as_ref();
+    let bodies = bodies_of(asked.request);
+    let poses = mul(&[asked.boundaries, bodies, POSE]);
+    Price {
+        work_of_node: work_of(world),
+        fixed: sum(&[
+            if world.is_some() { set_bytes(asked.elements()) } else { 0 },
+            if world.is_some() || bodies > 0 { FACES } else { 0 },
+        ]),
+        prepared: poses,
+        running: poses,
+        ..Price::default()
+    }
 }
 
 /// Work of a world for a node in a substep, in elements: a face is a fourth of a spring.

@@ -8,10 +8,8 @@ use bendtwin_proto::v1::{
 
 use crate::rollout::{
     Error,
-    check::{
-        Batch,
-        tensors::{finite, required},
-    },
+    check::Batch,
+    request::tensors::{finite, required},
 };
 
 /// Number of points of a list of targets, [M, 3], [F, M, 3], [B, 1, M, 3] or [B, F, M, 3].

@@ -1,10 +1,13 @@
 //! The formula beside the encoding of what surroundings add to a reply.
 
-use bendtwin_proto::v1::{Ensemble, Returns, Tensor, Vary, roll_out_response::Forces};
+use bendtwin_proto::v1::{
+    Ensemble, Returns, RollOutRequest, Tensor, Vary, roll_out_response::Forces,
+};
 use prost::Message as _;
 
-use super::*;
-use crate::rollout::{Limits, cases, check_for, memory, reply_bytes};
+use crate::rollout::{
+    Limits, TwinShape, cases, check_for, memory, reply_bytes, request::vary::SET,
+};
 
 const TWIN: TwinShape = TwinShape {
     nodes: 5,

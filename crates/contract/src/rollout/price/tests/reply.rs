@@ -1,14 +1,18 @@
 //! The formula beside the encoding of a reply with all that was asked for.
 
 use bendtwin_proto::v1::{
-    Cost, Fidelity, Grasp, Grasping, PointSet, Returns, RollOutResponse, Tensor,
+    ControlTrajectories, Cost, Fidelity, Grasp, Grasping, PointSet, Returns, RollOutRequest,
+    RollOutResponse, Tensor,
+    returns::Encoding,
+    roll_out_request::Actions,
     roll_out_response::{Deviation, Diagnostics, Divergence, Implausible, Timing, Window},
 };
 use proptest::prelude::*;
 use prost::Message as _;
 
-use super::*;
-use crate::rollout::ImplausibleReason;
+use crate::rollout::{
+    Batch, ImplausibleReason, TwinShape, has_gradients, part_frames, reply_bytes,
+};
 
 /// What an instance of a batch can do that is not plausible.
 fn implausible(batch: &Batch) -> Vec<Implausible> {

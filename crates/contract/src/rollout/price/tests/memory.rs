@@ -1,12 +1,15 @@
+//! Memory, part by part.
+
 use bendtwin_proto::v1::{
-    ControlTrajectories, Cost, GripperPoses, InitialState, PointSet, Returns, Tensor,
+    ControlTrajectories, Cost, Fidelity, GripperPoses, InitialState, PointSet, Returns,
+    RollOutRequest, Tensor,
     cost::{Keypoints, Kind, TargetCloud},
-    initial_state::GivenState,
+    initial_state::{GivenState, State},
     roll_out_request::Actions,
 };
+use prost::Message as _;
 
-use super::*;
-use crate::rollout::{Error, Limits, PlannerShape, check_for};
+use crate::rollout::{Error, Limits, Memory, PlannerShape, TwinShape, check_for, memory};
 
 const MIB: u64 = 1 << 20;
 
