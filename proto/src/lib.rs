@@ -1,17 +1,13 @@
 //! The wire contract: `bendtwin.v1` is public, `bendtwin.worker.v1` private
 //! between server and workers. Generated types, plus the one place where
-//! tensors and faults are packed and unpacked, and where rollouts, plans and
-//! registrations are checked.
+//! tensors, faults, deadlines and JSON are packed and unpacked. What a message may hold is a rule,
+//! and rules are in `bendtwin_contract`.
 
 pub mod deadline;
 pub mod fault;
 mod job;
 pub mod json;
-pub mod plan;
-pub mod registration;
-pub mod rollout;
 pub mod tensor;
-pub mod worker_key;
 
 /// The public API.
 #[allow(missing_docs, unreachable_pub, clippy::all, clippy::pedantic)]

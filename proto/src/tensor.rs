@@ -6,6 +6,9 @@ use bytes::Bytes;
 
 use crate::v1::{Tensor, tensor::Dtype};
 
+/// Most dimensions of a tensor.
+pub const MOST_DIMENSIONS: usize = 8;
+
 /// A tensor that is not what was asked for.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("tensor `{name}` {fault}")]

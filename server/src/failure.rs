@@ -26,11 +26,11 @@ pub(crate) enum Error {
     #[problem(InvalidArgument, "INVALID_FIELD")]
     Invalid { field: &'static str, fault: String },
     #[error(transparent)]
-    Rollout(#[from] bendtwin_proto::rollout::Error),
+    Rollout(#[from] bendtwin_contract::rollout::Error),
     #[error(transparent)]
-    Registration(#[from] bendtwin_proto::registration::Error),
+    Registration(#[from] bendtwin_contract::registration::Error),
     #[error(transparent)]
-    Plan(#[from] bendtwin_proto::plan::Error),
+    Plan(#[from] bendtwin_contract::plan::Error),
     #[error(
         "every plan diverged, the nominal one too: lower sigma, bound the speed or shorten the \
          horizon, and see that row 0 is where the control points are"

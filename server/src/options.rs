@@ -5,7 +5,7 @@ mod tls;
 
 use std::{net::SocketAddr, path::PathBuf, time::Duration};
 
-use bendtwin_proto::rollout;
+use bendtwin_contract::rollout;
 use bendtwin_store::{DatabaseUrl, ObjectsUrl};
 use serde::{Deserialize, Serialize};
 

@@ -18,12 +18,12 @@ use std::{
     time::{Duration, Instant},
 };
 
+use bendtwin_contract::rollout::split;
 use bendtwin_core::CancelToken;
 use bendtwin_engine::{
     Backend, Device as Description,
     backend::{self, Memory},
 };
-use bendtwin_proto::rollout::split;
 use tokio::sync::mpsc;
 
 pub(crate) use self::queue::Priority;

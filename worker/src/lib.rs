@@ -16,7 +16,6 @@
 
 mod artifact;
 mod budget;
-mod cut;
 mod device;
 mod error;
 #[cfg(test)]

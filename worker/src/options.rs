@@ -72,7 +72,7 @@ impl std::fmt::Debug for Options {
 
 /// Bounds on the work of one worker; what exceeds them is refused with RESOURCE_EXHAUSTED before
 /// anything is allocated. Bounds on rollout requests are the server's, which sends them to the
-/// worker when it registers ([`bendtwin_proto::rollout::Limits`]).
+/// worker when it registers ([`bendtwin_contract::rollout::Limits`]).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Limits {
     /// Memory of the process that reads a capture [bytes].

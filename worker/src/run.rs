@@ -7,8 +7,9 @@ use std::{
     time::Duration,
 };
 
+use bendtwin_contract::worker_key;
 use bendtwin_core::ids::WorkerId;
-use bendtwin_proto::{worker::v1::RegisterRequest, worker_key};
+use bendtwin_proto::worker::v1::RegisterRequest;
 use bendtwin_tls::{Mutual, Reloaded};
 use tokio::{net::TcpListener, sync::mpsc, task::JoinHandle};
 use tokio_util::sync::CancellationToken;

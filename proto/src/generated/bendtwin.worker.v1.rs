@@ -541,8 +541,8 @@ pub mod worker_link_client {
     use tonic::codegen::http::Uri;
     /// Calls of workers to the server. Every call carries a worker token in the metadata entry
     /// `authorization: Bearer {token}`, and the key of the calling worker in `worker-key`. A worker chooses its
-    /// key at its start and its id follows from it (proto/src/worker_key.rs), so no holder of a token can act
-    /// for another's worker: such a call is refused with PERMISSION_DENIED, reason WORKER_KEY_MISMATCH. Every
+    /// key at its start and its id follows from it (crates/contract/src/worker_key.rs), so no holder of a token
+    /// can act for another's worker: such a call is refused with PERMISSION_DENIED, reason WORKER_KEY_MISMATCH. Every
     /// write about a job carries the lease's epoch, and comes from the worker that has the lease: others are
     /// refused with ABORTED, reason STALE_LEASE, and change nothing.
     #[derive(Debug, Clone)]
@@ -975,8 +975,8 @@ pub mod worker_link_server {
     }
     /// Calls of workers to the server. Every call carries a worker token in the metadata entry
     /// `authorization: Bearer {token}`, and the key of the calling worker in `worker-key`. A worker chooses its
-    /// key at its start and its id follows from it (proto/src/worker_key.rs), so no holder of a token can act
-    /// for another's worker: such a call is refused with PERMISSION_DENIED, reason WORKER_KEY_MISMATCH. Every
+    /// key at its start and its id follows from it (crates/contract/src/worker_key.rs), so no holder of a token
+    /// can act for another's worker: such a call is refused with PERMISSION_DENIED, reason WORKER_KEY_MISMATCH. Every
     /// write about a job carries the lease's epoch, and comes from the worker that has the lease: others are
     /// refused with ABORTED, reason STALE_LEASE, and change nothing.
     #[derive(Debug)]

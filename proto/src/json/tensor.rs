@@ -9,7 +9,7 @@ use serde::{
 };
 
 use crate::{
-    rollout::MOST_DIMENSIONS,
+    tensor::MOST_DIMENSIONS,
     v1::{Tensor, tensor::Dtype},
 };
 

@@ -3,11 +3,9 @@
 use std::sync::Arc;
 
 use bendtwin_budget::Share;
+use bendtwin_contract::rollout;
 use bendtwin_core::{Graph, Skin, Twin as TwinFile, geometry::distance};
-use bendtwin_proto::{
-    rollout,
-    v1::{Plane, Tensor, TwinGeometry, twin_geometry},
-};
+use bendtwin_proto::v1::{Plane, Tensor, TwinGeometry, twin_geometry};
 use futures::TryStreamExt as _;
 use prost::Message as _;
 

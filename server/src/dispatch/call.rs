@@ -4,9 +4,8 @@
 
 use std::{sync::Arc, time::Duration};
 
-use bendtwin_proto::{
-    fault, rollout::REQUEST_BYTES, worker::v1::worker_rollouts_client::WorkerRolloutsClient,
-};
+use bendtwin_contract::rollout::REQUEST_BYTES;
+use bendtwin_proto::{fault, worker::v1::worker_rollouts_client::WorkerRolloutsClient};
 use prost::Message;
 use tokio::time::Instant;
 use tonic::{Code, Request, Response, Status, transport::Channel};

@@ -2,9 +2,9 @@
 
 use std::{sync::Arc, time::Duration};
 
+use bendtwin_contract::registration;
 use bendtwin_core::ids::TwinId;
 use bendtwin_proto::{
-    registration,
     v1::{EvaluateTwinRequest, Evaluation},
     worker::v1::ExecuteEvaluateTwinRequest,
 };

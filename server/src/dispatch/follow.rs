@@ -6,10 +6,8 @@ use std::{
     time::Duration,
 };
 
-use bendtwin_proto::{
-    rollout::REQUEST_BYTES,
-    worker::v1::{WatchRequest, WatchResponse},
-};
+use bendtwin_contract::rollout::REQUEST_BYTES;
+use bendtwin_proto::worker::v1::{WatchRequest, WatchResponse};
 use prost::Message as _;
 use tonic::{Request, Status, Streaming};
 

@@ -1,9 +1,7 @@
 //! Heartbeats as workers send them.
 
-use bendtwin_proto::{
-    rollout::SessionParts,
-    worker::v1::{HeartbeatRequest, HeldSession as SessionMessage},
-};
+use bendtwin_contract::rollout::SessionParts;
+use bendtwin_proto::worker::v1::{HeartbeatRequest, HeldSession as SessionMessage};
 
 use super::{Heartbeat, HeldSession, Memory};
 use crate::{

@@ -10,11 +10,11 @@ mod start;
 use std::{sync::Arc, time::Duration};
 
 use bendtwin_budget::Share;
-use bendtwin_proto::{
+use bendtwin_contract::{
     plan::{self, Checked},
     rollout::{self, TwinShape},
-    v1::{PlanRequest, PlanUpdate},
 };
+use bendtwin_proto::v1::{PlanRequest, PlanUpdate};
 use futures::stream::{self, BoxStream, StreamExt as _};
 use prost::Message as _;
 use tokio::time::Instant;

@@ -3,10 +3,9 @@
 
 use std::{sync::Arc, time::Duration};
 
+use bendtwin_contract::{registration, rollout::TwinShape};
 use bendtwin_core::ids::TwinId;
 use bendtwin_proto::{
-    registration,
-    rollout::TwinShape,
     v1::{RegisterStateRequest, RegisteredState},
     worker::v1::ExecuteRegisterStateRequest,
 };

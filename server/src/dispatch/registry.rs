@@ -6,13 +6,12 @@ use std::{
     time::Duration,
 };
 
+use bendtwin_contract::rollout::SessionParts;
 use bendtwin_core::{
     ids::{CaptureId, FitId, SessionId, TwinId},
     settings::memory::Lanes,
 };
-use bendtwin_proto::{
-    rollout::SessionParts, worker::v1::worker_rollouts_client::WorkerRolloutsClient,
-};
+use bendtwin_proto::worker::v1::worker_rollouts_client::WorkerRolloutsClient;
 use bendtwin_store::{Capabilities, Job, Kind, Worker};
 use jiff::Timestamp;
 use semver::Version;

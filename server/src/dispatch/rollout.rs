@@ -6,9 +6,9 @@
 use std::{pin::Pin, sync::Arc, time::Duration};
 
 use bendtwin_budget::Share;
+use bendtwin_contract::rollout::{self, Batch, SessionParts, TwinShape};
 use bendtwin_core::ids::{SessionId, TwinId};
 use bendtwin_proto::{
-    rollout::{self, Batch, SessionParts, TwinShape},
     v1::{RollOutRequest, RollOutResponse, roll_out_response},
     worker::v1::{ExecuteRollOutRequest, ExecuteRollOutResponse},
 };

@@ -5,10 +5,12 @@
 
 use std::{sync::Arc, time::Duration};
 
-use bendtwin_core::ids::{SessionId, TwinId};
-use bendtwin_proto::{
+use bendtwin_contract::{
     registration,
     rollout::{self, SessionParts},
+};
+use bendtwin_core::ids::{SessionId, TwinId};
+use bendtwin_proto::{
     v1::{
         AdvanceSessionRequest, CloseSessionRequest, CorrectSessionRequest, CorrectedSession,
         GetSessionStatesRequest, InitialState, OpenSessionRequest, RollOutRequest, RollOutResponse,

@@ -5,8 +5,8 @@
 
 use std::sync::Arc;
 
+use bendtwin_contract::rollout::{self, split};
 use bendtwin_proto::{
-    rollout::{self, split},
     v1::{RollOutRequest, RollOutResponse},
     worker::v1::ExecuteRollOutRequest,
 };

@@ -3,19 +3,19 @@
 
 use std::{sync::Arc, time::Duration};
 
-use bendtwin_core::Category;
-use bendtwin_proto::{
+use bendtwin_contract::{
     plan::Template,
     registration,
     rollout::{self, SessionParts, TwinShape},
-    v1::{
-        AdvanceSessionRequest, CorrectOptions, CorrectSessionRequest, GetSessionStatesRequest,
-        InitialState, PlanRequest, PlanUpdate, Returns, RollOutRequest, RollOutResponse,
-        StepSessionRequest, SteppedSession, Tensor,
-        corrected_session::Correction,
-        initial_state::{GivenState, SessionSlots, State},
-        stepped_session::Times,
-    },
+};
+use bendtwin_core::Category;
+use bendtwin_proto::v1::{
+    AdvanceSessionRequest, CorrectOptions, CorrectSessionRequest, GetSessionStatesRequest,
+    InitialState, PlanRequest, PlanUpdate, Returns, RollOutRequest, RollOutResponse,
+    StepSessionRequest, SteppedSession, Tensor,
+    corrected_session::Correction,
+    initial_state::{GivenState, SessionSlots, State},
+    stepped_session::Times,
 };
 use futures::StreamExt as _;
 use tokio::{sync::oneshot, time::Instant};

@@ -6,8 +6,8 @@ use std::{
     sync::{Arc, Mutex, MutexGuard, PoisonError},
 };
 
+use bendtwin_contract::rollout::{PlannerShape, TwinShape};
 use bendtwin_core::ids::{CaptureId, TwinId};
-use bendtwin_proto::rollout::{PlannerShape, TwinShape};
 use bendtwin_store::{Store, Twin};
 
 use crate::app::Result;

@@ -7,11 +7,9 @@ use std::{
     task::{Context, Poll},
 };
 
+use bendtwin_contract::rollout::{self, Encoded};
 use bendtwin_core::Problem as _;
-use bendtwin_proto::{
-    fault,
-    rollout::{self, Encoded},
-};
+use bendtwin_proto::fault;
 use bytes::Bytes;
 use http_body_util::{BodyExt as _, Full};
 use tonic::{Status, body::Body, codegen::BoxFuture, codegen::http, server::NamedService};

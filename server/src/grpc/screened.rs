@@ -5,11 +5,9 @@ use std::{
     task::{Context, Poll, ready},
 };
 
+use bendtwin_contract::rollout::{self, Encoded, Limits};
 use bendtwin_core::Problem as _;
-use bendtwin_proto::{
-    fault,
-    rollout::{self, Encoded, Limits},
-};
+use bendtwin_proto::fault;
 use bytes::{Buf as _, Bytes, BytesMut};
 use hyper::body::{Body as HttpBody, Frame};
 use tonic::{Status, body::Body};

@@ -1,7 +1,7 @@
 //! The worker token and the worker's key, checked before a call of `WorkerLink` is decoded.
 
+use bendtwin_contract::worker_key;
 use bendtwin_core::ids::WorkerId;
-use bendtwin_proto::worker_key;
 use tonic::{Request, Status, service::Interceptor};
 
 use crate::{

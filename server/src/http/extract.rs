@@ -4,7 +4,7 @@ use axum::{
     extract::{FromRequest, FromRequestParts, Path, Query, Request},
     http::{HeaderMap, StatusCode, header, request::Parts},
 };
-use bendtwin_proto::rollout;
+use bendtwin_contract::rollout;
 use futures::{StreamExt, TryStreamExt};
 use serde::de::DeserializeOwned;
 

@@ -7,10 +7,8 @@ use axum::{
     http::header,
     response::{IntoResponse, Response},
 };
-use bendtwin_proto::{
-    json::{Read, TensorFormat, Write},
-    rollout::{self, Encoded},
-};
+use bendtwin_contract::rollout::{self, Encoded};
+use bendtwin_proto::json::{Read, TensorFormat, Write};
 use bytes::Bytes;
 use prost::Message;
 use serde::{Serialize, de::DeserializeOwned};

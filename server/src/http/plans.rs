@@ -6,9 +6,9 @@ use axum::{
     extract::{Request, State},
     response::sse::{Event, KeepAlive, Sse},
 };
+use bendtwin_contract::rollout::Encoded;
 use bendtwin_proto::{
     json::{TensorFormat, Write},
-    rollout::Encoded,
     v1::{PlanRequest, PlanUpdate},
 };
 use futures::{Stream, StreamExt as _};

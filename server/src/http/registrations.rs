@@ -5,8 +5,9 @@ use axum::{
     extract::{Request, State},
     response::Response,
 };
+use bendtwin_contract::rollout::Encoded;
 use bendtwin_core::ids::TwinId;
-use bendtwin_proto::{rollout::Encoded, v1::RegisterStateRequest};
+use bendtwin_proto::v1::RegisterStateRequest;
 
 use super::{
     Result,

@@ -11,8 +11,9 @@ use axum::{
     extract::{Request, State},
     response::Response,
 };
+use bendtwin_contract::rollout::Encoded;
 use bendtwin_core::ids::TwinId;
-use bendtwin_proto::{json::TensorFormat, rollout::Encoded, v1::RollOutRequest};
+use bendtwin_proto::{json::TensorFormat, v1::RollOutRequest};
 use serde::Deserialize;
 use utoipa::IntoParams;
 

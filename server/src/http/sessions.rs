@@ -6,10 +6,10 @@ use axum::{
     http::{StatusCode, header},
     response::{IntoResponse, Response},
 };
+use bendtwin_contract::rollout::Encoded;
 use bendtwin_core::ids::SessionId;
 use bendtwin_proto::{
     json::{TensorFormat, Write},
-    rollout::Encoded,
     v1::{
         AdvanceSessionRequest, CloseSessionRequest, CorrectSessionRequest, ForkSessionRequest,
         GetSessionRequest, GetSessionStatesRequest, OpenSessionRequest, ResetSessionRequest,

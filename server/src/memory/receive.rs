@@ -4,7 +4,7 @@
 use std::sync::Arc;
 
 use axum::body::HttpBody;
-use bendtwin_proto::rollout;
+use bendtwin_contract::rollout;
 use bytes::{Buf as _, Bytes, BytesMut};
 use http_body_util::BodyExt as _;
 

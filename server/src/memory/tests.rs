@@ -1,6 +1,6 @@
 use axum::body::Body;
+use bendtwin_contract::rollout;
 use bendtwin_core::Problem as _;
-use bendtwin_proto::rollout;
 use bytes::Bytes;
 use futures::stream;
 

@@ -1,12 +1,12 @@
 use std::time::Duration;
 
+use bendtwin_contract::worker_key;
 use bendtwin_proto::{
     v1::Fault,
     worker::v1::{
         FailJobRequest, HeartbeatRequest, LeaseJobRequest, fail_job_request::End,
         lease_job_request::Kind,
     },
-    worker_key,
 };
 use serde_json::json;
 use tonic::Code;

@@ -2,15 +2,12 @@
 
 use std::{sync::Arc, time::Duration};
 
-use bendtwin_proto::{
-    plan::cases,
-    rollout::TwinShape,
-    v1::{
-        ControlTrajectories, PlanMethod, PlanRequest, PlanUpdate, Plausibility, Returns, Tensor,
-        plan_method::{Cem, Gradient, Method, Mppi, PredictiveSampling},
-        plan_update::Origin,
-        roll_out_request::Actions,
-    },
+use bendtwin_contract::{plan::cases, rollout::TwinShape};
+use bendtwin_proto::v1::{
+    ControlTrajectories, PlanMethod, PlanRequest, PlanUpdate, Plausibility, Returns, Tensor,
+    plan_method::{Cem, Gradient, Method, Mppi, PredictiveSampling},
+    plan_update::Origin,
+    roll_out_request::Actions,
 };
 use prost::Message as _;
 use tokio::sync::Notify;

@@ -1,10 +1,12 @@
 use std::sync::Arc;
 
+use bendtwin_contract::{
+    registration::{cases, check_registration},
+    rollout::{Limits, TwinShape},
+};
 use bendtwin_core::Problem as _;
 use bendtwin_proto::{
     fault::fault,
-    registration::{cases, check_registration},
-    rollout::{Limits, TwinShape},
     v1::{
         Collider, CorrectOptions, CorrectSessionRequest, CorrectedSession, Observation,
         RegisterStateRequest, RegisteredState, Tensor, World, observation::Tracks,

@@ -1,8 +1,8 @@
 use std::{sync::Arc, time::Duration};
 
 use base64::{Engine, prelude::BASE64_STANDARD};
+use bendtwin_contract::rollout::{self, Limits, TwinShape};
 use bendtwin_core::Problem as _;
-use bendtwin_proto::rollout::{self, Limits, TwinShape};
 use bendtwin_proto::v1::{
     ControlTrajectories, Returns, RollOutRequest, RollOutResponse, Tensor,
     roll_out_request::Actions,

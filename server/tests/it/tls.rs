@@ -8,10 +8,10 @@ use std::{
 
 use bendtwin_ca::{Authority, Order, Role};
 use bendtwin_client::{Client, ListQuery};
+use bendtwin_contract::worker_key;
 use bendtwin_proto::{
     fault,
     worker::v1::{RegisterRequest, worker_link_client::WorkerLinkClient},
-    worker_key,
 };
 use bendtwin_server::{Tls, WorkerTls};
 use bendtwin_tls::{

@@ -9,13 +9,13 @@ use std::{
     time::Duration,
 };
 
+use bendtwin_contract::{rollout::Limits, worker_key};
 use bendtwin_core::{
     Category,
     ids::{SessionId, WorkerId},
 };
 use bendtwin_proto::{
     fault,
-    rollout::Limits,
     v1::{
         CorrectSessionRequest, CorrectedSession, EvaluateTwinRequest, Evaluation, Fault, ModelLoss,
         PredictedMotion, Progress, RegisteredState, RollOutResponse, Session, SessionStates,
@@ -39,7 +39,6 @@ use bendtwin_proto::{
         worker_link_client::WorkerLinkClient,
         worker_rollouts_server::{WorkerRollouts, WorkerRolloutsServer},
     },
-    worker_key,
 };
 use bytes::Bytes;
 use futures::{Stream, StreamExt};

@@ -10,7 +10,7 @@ use crate::{rust_code::code_only, workspace};
 /// Crates that talk to a network or wait for one.
 const NETWORK: [&str; 7] = ["tokio", "tonic", "hyper", "axum", "reqwest", "object_store", "quinn"];
 const DATABASE: [&str; 5] = ["sqlx", "sqlx-core", "rusqlite", "libsqlite3-sys", "bendtwin-store"];
-const PHYSICS: [&str; 20] = [
+const PHYSICS: [&str; 21] = [
     "bendtwin-backends",
     "bendtwin-bench",
     "bendtwin-capture",
@@ -28,6 +28,7 @@ const PHYSICS: [&str; 20] = [
     "bendtwin-mesh",
     "bendtwin-picture",
     "bendtwin-register",
+    "bendtwin-rollout",
     "bendtwin-splat",
     "bendtwin-study",
     "bendtwin-synth",
@@ -65,7 +66,7 @@ struct Rule {
     never: &'static [&'static [&'static str]],
 }
 
-const RULES: [Rule; 12] = [
+const RULES: [Rule; 14] = [
     Rule {
         of: &["bendtwin-server", "bendtwin-store"],
         because: "the control plane knows no physics",
@@ -120,9 +121,24 @@ const RULES: [Rule; 12] = [
         never: &[&NETWORK, &DATABASE, &PHYSICS, &["bendtwin-proto", "zip"]],
     },
     Rule {
-        of: &["bendtwin-proto", "bendtwin-client"],
+        of: &["bendtwin-proto", "bendtwin-contract", "bendtwin-client"],
         because: "the contract and its client know neither physics nor a database",
         never: &[&PHYSICS, &DATABASE, &["bendtwin-server", "bendtwin-worker"]],
+    },
+    Rule {
+        of: &["bendtwin-proto"],
+        because: "messages are not built again when a rule changes",
+        never: &[&["bendtwin-contract", "bendtwin-plan"]],
+    },
+    Rule {
+        of: &["bendtwin-rollout"],
+        because: "what a rollout computes is the same in every process",
+        never: &[
+            &CAPTURE_READERS,
+            &DATABASE,
+            &["bendtwin-backends", "bendtwin-cuda", "bendtwin-fit"],
+            &["bendtwin-server", "bendtwin-telemetry", "bendtwin-tls", "bendtwin-worker"],
+        ],
     },
     Rule {
         of: &["bendtwin-register"],
@@ -166,6 +182,19 @@ fn no_crate_reaches_what_it_must_not_know() {
         }
     }
     assert!(broken.is_empty(), "forbidden dependencies:\n{}", broken.join("\n"));
+}
+
+#[test]
+fn rules_and_rollouts_name_no_transport() {
+    let graph = Graph::read();
+    // They reach it through the messages, which implement its traits.
+    for transport in ["axum", "futures", "http", "http-body-util", "hyper", "reqwest", "tonic"] {
+        let users = graph.users(transport);
+        for name in ["bendtwin-contract", "bendtwin-rollout"] {
+            assert!(!users.contains(&name), "{name} names {transport}");
+        }
+    }
+    assert!(graph.users("tonic").contains(&"bendtwin-worker"));
 }
 
 #[test]

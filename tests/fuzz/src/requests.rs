@@ -1,6 +1,10 @@
 //! Requests: rollouts as JSON and as messages, registrations, settings, headers of uploads, and the report that
 //! the reader of a capture hands to its worker.
 
+use bendtwin_contract::{
+    registration::{check_registration, memory_bytes, registration_work},
+    rollout::{Limits, TwinShape, check_for},
+};
 use bendtwin_core::{
     FitSettings,
     settings::{ingest::IngestSettings, layers},
@@ -8,8 +12,6 @@ use bendtwin_core::{
 use bendtwin_inspect::Report;
 use bendtwin_proto::{
     json::{Read, TensorFormat, Write},
-    registration::{check_registration, memory_bytes, registration_work},
-    rollout::{Limits, TwinShape, check_for},
     v1::{RegisterStateRequest, RollOutRequest},
 };
 use prost::Message as _;

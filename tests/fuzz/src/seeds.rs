@@ -1,11 +1,12 @@
 //! Inputs to start from: for each target valid files, and each fault that hostile files of its
 //! format have.
 
+use bendtwin_contract::{registration, rollout::cases};
 use bendtwin_hostile::{
     Fault, Rng, arrays, damage, documents, images, meshes, pickles, recordings, requests, samples,
     splats, torch_files, twin_files,
 };
-use bendtwin_proto::{json::Read, registration, rollout::cases, v1::RollOutRequest};
+use bendtwin_proto::{json::Read, v1::RollOutRequest};
 use prost::Message as _;
 use rand::SeedableRng as _;
 

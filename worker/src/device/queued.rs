@@ -1,6 +1,6 @@
 //! A [`Backend`] that queues its batches for the device thread in slices.
 //!
-//! The effect of cutting on the bits of results is described in [`cut`](crate::cut): rollouts of a
+//! The effect of cutting on the bits of results is described in [`cut`](bendtwin_rollout::cut): rollouts of a
 //! GPU with an urgent queue are cut by work alone, never by measured time. Instances of similar
 //! work share a slice, so that no core idles long.
 
@@ -17,11 +17,10 @@ use bendtwin_engine::{
     backend::{Error, Gradient, GradientRequest, Instance, Loss, Memory, Outputs, Rollout},
     optimizer::{Decay, Optimizer, OptimizerInit},
 };
+use bendtwin_rollout::{RolloutBackend, cut::next_run};
 
 use self::optimizer::QueuedOptimizer;
-
 use super::{Device, Priority, turns::Flow};
-use crate::cut::next_run;
 
 /// Direction of a pass through the frames: a gradient costs several times a rollout.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -54,25 +53,6 @@ impl QueuedBackend {
     pub(super) fn new(device: Device, priority: Priority) -> Self {
         let (forward, backward) = (Mutex::default(), Mutex::default());
         Self(Arc::new(Shared { device, flow: Flow::new(priority), forward, backward }))
-    }
-
-    /// Device time used so far.
-    pub(crate) fn compute(&self) -> Duration {
-        lock(&self.0.forward).compute + lock(&self.0.backward).compute
-    }
-
-    /// [`Backend::roll_out`], but with `None` for instances that are not done when the token is
-    /// cancelled. Slices are those of the whole batch, so finished instances have the same bits.
-    pub(crate) fn roll_out_in_time(
-        &self,
-        batch: &[Instance],
-        outputs: &Outputs,
-        cancel: &CancelToken,
-    ) -> Result<Vec<Option<Rollout>>, Error> {
-        let (outputs, token) = (outputs.clone(), self.0.token(cancel));
-        self.sliced(batch, Pass::Forward, cancel, move |backend, slice| {
-            backend.roll_out(slice, &outputs, &token)
-        })
     }
 
     /// Results, none of what is not done by the time of the token.
@@ -238,6 +218,25 @@ impl Backend for QueuedBackend {
     fn plan(&self, model: &Loaded, batch: usize) -> Option<String> {
         let model = model.clone();
         self.0.call_once(move |backend| Ok(backend.plan(&model, batch))).ok()?.0
+    }
+}
+
+impl RolloutBackend for QueuedBackend {
+    /// Slices are those of the whole batch, and so are the bits of what is done.
+    fn roll_out_in_time(
+        &self,
+        batch: &[Instance],
+        outputs: &Outputs,
+        cancel: &CancelToken,
+    ) -> Result<Vec<Option<Rollout>>, Error> {
+        let (outputs, token) = (outputs.clone(), self.0.token(cancel));
+        self.sliced(batch, Pass::Forward, cancel, move |backend, slice| {
+            backend.roll_out(slice, &outputs, &token)
+        })
+    }
+
+    fn compute(&self) -> Duration {
+        lock(&self.0.forward).compute + lock(&self.0.backward).compute
     }
 }
 

@@ -13,6 +13,7 @@ use bendtwin_engine::{
         Parameterization, Position, Scale,
     },
 };
+use bendtwin_rollout::RolloutBackend as _;
 
 use super::*;
 
@@ -26,6 +27,8 @@ struct Slow {
     panics: bool,
     /// Fails as a device does.
     fails: bool,
+    /// Slices of rollouts after which one stands still until it is cancelled.
+    stops_after: Option<usize>,
     /// The second queue.
     urgent: Option<Arc<Slow>>,
 }
@@ -56,8 +59,15 @@ impl Backend for Slow {
         &self,
         batch: &[Instance],
         _: &Outputs,
-        _: &CancelToken,
+        cancel: &CancelToken,
     ) -> Result<Vec<Rollout>, EngineError> {
+        let done = self.batches.lock().unwrap().len();
+        if self.stops_after.is_some_and(|slices| done >= slices) {
+            while !cancel.is_cancelled() {
+                std::thread::sleep(Duration::from_millis(1));
+            }
+            return Err(EngineError::Cancelled);
+        }
         let costs = self.run(batch).into_iter();
         if self.fails {
             return Err(EngineError::Device("a launch failed".into()));
@@ -194,6 +204,22 @@ fn cancellation_ends_a_batch_between_slices() {
     let started = Instant::now();
     assert_eq!(backend.losses(&batch, &cancel), Err(EngineError::Cancelled));
     assert!(started.elapsed() < Duration::from_secs(1));
+}
+
+#[test]
+fn what_is_not_done_in_time_is_missing_and_the_rest_is_there() {
+    let (device, _died) = device(Slow { stops_after: Some(1), ..Slow::default() });
+    let backend = device.backend(Priority::Interactive);
+    let batch = instances(&backend, [1, 3, 2, 4, 1]);
+    let in_time = |cancel: &CancelToken| {
+        let done = backend.roll_out_in_time(&batch, &Outputs::default(), cancel).unwrap();
+        done.into_iter().map(|rollout| rollout.map(|r| r.cost)).collect::<Vec<_>>()
+    };
+    let cancel = CancelToken::default();
+    // The first slice has the largest two; the second one would never end.
+    let limited = cancel.until(Instant::now() + Duration::from_secs(1));
+    assert_eq!(in_time(&limited), [None, Some(3.0), None, Some(4.0), None]);
+    assert_eq!(in_time(&limited), [None; 5]);
 }
 
 #[test]

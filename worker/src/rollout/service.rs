@@ -12,12 +12,12 @@ use std::{
 };
 
 use bendtwin_budget::Share;
+use bendtwin_contract::rollout::{self, Limits};
 use bendtwin_core::{CancelToken, Problem as _, ids::TwinId};
 use bendtwin_engine::backend;
 use bendtwin_proto::{
     deadline::timeout,
     fault,
-    rollout::{self, Limits},
     v1::RollOutResponse,
     worker::v1::{
         ExecuteEvaluateTwinRequest, ExecuteEvaluateTwinResponse, ExecuteRegisterStateRequest,
@@ -25,6 +25,9 @@ use bendtwin_proto::{
         ManageSessionRequest, ManageSessionResponse, WatchRequest,
         worker_rollouts_server::{WorkerRollouts, WorkerRolloutsServer},
     },
+};
+use bendtwin_rollout::{
+    Begun, Checked, Execution, Plan, Room, Served, Sessions, Simulated, Starts, Still,
 };
 use bytes::Bytes;
 use futures::Stream;
@@ -48,15 +51,8 @@ use tracing::{Instrument as _, Span};
 pub(super) use self::call::Unary;
 use super::{
     Replays, WarmTwins,
-    checked::{Checked, Room},
     error::Error,
-    execute::Execution,
-    initial::{Simulated, Starts, Wanted},
-    plan::Plan,
-    serve::Served,
-    sessions::{Begun, Sessions},
     told::{Told, Words},
-    world::Still,
 };
 use crate::{
     budget::{self, Memory},
@@ -361,21 +357,21 @@ impl Call {
         inner.told.has_warm(inner.twins.ids());
         let starts = begun.as_ref().map(Begun::starts);
         let rests = starts.as_ref().map(Starts::rests).unwrap_or_default();
-        let served = Served::choose(Arc::clone(&warm), fidelity, &inner.device).await?;
-        let served = served.with_rests(rests)?;
         let backend = Arc::new(inner.device.backend(Priority::Interactive));
         let limits = inner.limits();
         let budget = &inner.memory.rollouts;
         let room = Room { bytes: budget.most(), lanes: inner.device.description().lanes };
         let (capture, part_instances) = (request.capture, request.part_instances);
-        // Reading and checking a hundred megabytes of actions takes a while.
-        let (own, to) = (capture.clone(), served.clone());
+        // Loading a model takes a while, and so does checking a hundred megabytes of actions.
+        let (own, twin, on) = (capture.clone(), Arc::clone(&warm), Arc::clone(&backend));
         let checked = blocking(&self.held, move || {
-            Checked::new(wire, &own, part_instances, &to, &limits, room)
+            let served = Served::choose(twin, fidelity, &*on)?.with_rests(rests)?;
+            Ok(Checked::new(wire, &own, part_instances, served, &limits, room)?)
         })
         .await?;
         // A preceding simulation takes its memory first.
-        let wanted = Simulated::wanted(checked.request.initial.as_ref(), &capture)?;
+        let asked = checked.request();
+        let wanted = Simulated::wanted(asked.initial.as_ref(), &capture)?;
         let (replays, cancel) = (&inner.replays, &self.cancel);
         let simulated = match wanted {
             None => None,
@@ -383,34 +379,22 @@ impl Call {
                 Some(replays.start(&warm, at, &backend, cancel, limits.work).await?)
             }
             Some(Simulated::Settled) => {
-                let world = Still::read(checked.request.world.as_ref())?;
+                let world = Still::read(asked.world.as_ref())?;
                 Some(replays.settled(&warm, world, &backend, cancel, limits.work).await?)
             }
         };
         let share =
-            budget::take(budget, checked.bytes, "the rollout: ask for less at once").await?;
+            budget::take(budget, checked.bytes(), "the rollout: ask for less at once").await?;
         // It is set here alone.
         let _ = self.held.rollout.set(share);
         let (on, cancel) = (Arc::clone(&backend), self.cancel.clone());
         let (mut plan, wanted) =
-            blocking(&self.held, move || Plan::new(checked, part_instances, served, &*on, &cancel))
-                .await?;
+            blocking(&self.held, move || Ok(Plan::new(checked, &*on, &cancel)?)).await?;
         if begun.as_ref().is_some_and(Begun::commits) {
-            let (bytes, advice) = (plan.surroundings.bytes(), "the surroundings: close sessions");
-            plan.kept = Some(Arc::new(budget::take(&inner.memory.sessions, bytes, advice).await?));
+            let (bytes, advice) = (plan.surroundings_bytes(), "the surroundings: close sessions");
+            plan.keep_surroundings(budget::take(&inner.memory.sessions, bytes, advice).await?);
         }
-        let own = plan.served.planner.as_ref().map(|planner| Arc::clone(&planner.own));
-        // States of sessions and of simulations that come before are the exact twin's.
-        let of_twin = |starts| match &own {
-            None => Ok(starts),
-            Some(own) => own.thinned(starts),
-        };
-        let starts = match (starts, wanted, simulated) {
-            (Some(starts), ..) => of_twin(starts)?,
-            (None, Wanted::Ready(starts), _) => starts,
-            (None, Wanted::Simulated, Some(start)) => of_twin(Starts::Shared(start))?,
-            (None, Wanted::Simulated, None) => return Err(Error::field("initial", "has no state")),
-        };
+        let starts = plan.starts(wanted, starts.or(simulated.map(Starts::Shared)))?;
         let (cancel, parts, arrived) = (self.cancel.clone(), self.parts.clone(), self.arrived);
         let worker = inner.worker.clone();
         // A deadline ends the waiting, not this work: until it has heard, its place stays taken.
@@ -420,7 +404,7 @@ impl Call {
             let execution = Execution {
                 plan: &plan,
                 starts: &starts,
-                backend: &backend,
+                backend: &*backend,
                 cancel: &cancel,
                 until,
                 arrived,
@@ -437,9 +421,9 @@ impl Call {
                 send(&parts, response)
             })?;
             if let Some(begun) = begun {
-                begun.commit(kept, plan.frames)?;
+                begun.commit(kept, plan.frames())?;
             }
-            replies.into_iter().try_for_each(|response| send(&parts, response))
+            Ok(replies.into_iter().try_for_each(|response| send(&parts, response))?)
         })
         .await
     }
@@ -454,9 +438,9 @@ fn seconds(seconds: f64) -> Duration {
 fn send(
     parts: &mpsc::Sender<Result<ExecuteRollOutResponse, Status>>,
     response: RollOutResponse,
-) -> Result<(), Error> {
+) -> Result<(), bendtwin_rollout::Error> {
     let message = ExecuteRollOutResponse { response: Some(response) };
-    parts.blocking_send(Ok(message)).map_err(|_| Error::Engine(backend::Error::Cancelled))
+    parts.blocking_send(Ok(message)).map_err(|_| backend::Error::Cancelled.into())
 }
 
 /// Runs work beside the tasks of the runtime, which holds the memory of its call even when the

@@ -1,294 +1,195 @@
-//! Sessions: simulations that stay here between calls. Each has slots with separate states. A
-//! rollout reads the state of a slot; only an advance changes it, one at a time, and all of its
-//! slots together or none.
+//! The calls about sessions that simulate nothing but the way to a first state, and corrections of
+//! their states.
 
-mod begun;
-pub(super) mod correct;
-mod manage;
+mod correct;
 
-use std::{
-    collections::HashMap,
-    sync::{Arc, Mutex, MutexGuard, PoisonError},
-    time::{Duration, Instant},
-};
+use std::sync::Arc;
 
 use bendtwin_budget::Share;
-use bendtwin_core::ids::{SessionId, TwinId};
-use bendtwin_proto::{v1, worker::v1::HeldSession};
-use bendtwin_register::Tracking;
+use bendtwin_contract::rollout;
+use bendtwin_core::{
+    CancelToken,
+    ids::{InvalidName, SessionId, TwinId},
+};
+use bendtwin_proto::{
+    v1::{Fidelity, GetSessionStatesRequest, OpenSessionRequest, SessionStates},
+    worker::v1::{ManageSessionRequest, ManageSessionResponse, manage_session_request::Call},
+};
+use bendtwin_rollout::{
+    Session, Setup, Simulated, Start, Starts, Still, Wanted, Warm, idle, session_states, shape,
+};
 
-pub(super) use self::begun::Begun;
-use super::{error::Error, initial::Start};
+use super::{
+    error::Error,
+    service::{Inner, Unary},
+};
+use crate::{budget, device::Priority};
 
-/// Most sessions of a worker.
-const MOST: usize = 256;
-/// Time after which an unused session ends: where the caller did not say, and bounds of what it may
-/// say [s].
-const IDLE_S: f64 = 300.0;
-const IDLE_BOUNDS_S: std::ops::RangeInclusive<f64> = 1.0..=3600.0;
+/// States of a slot: its first one and the present one, and one that an advance makes.
+const STATES: u64 = 3;
+/// Memory of a reply with states, beside its size: as arrays, as a message, and as that is sent.
+const STATES_MEMORY: u64 = 3;
 
-/// A session, apart from its states.
-#[derive(Debug)]
-pub(super) struct Setup {
-    pub(super) twin: TwinId,
-    /// captures/{uuid} of the twin, for initial states in a frame of it.
-    pub(super) capture: String,
-    pub(super) fidelity: v1::Fidelity,
-    /// Surroundings of rollouts that name none.
-    pub(super) world: Option<v1::World>,
-    pub(super) grasps: Vec<v1::Grasp>,
-    pub(super) idle: Duration,
-}
-
-/// A simulation of a session.
-#[derive(Clone, Debug)]
-struct Slot {
-    now: Start,
-    /// Frames since the first state.
-    frames: u64,
-    /// Record of how well its corrections explain what is seen.
-    tracking: Tracking,
-}
-
-impl Slot {
-    /// A slot that begins in a state.
-    fn new(now: Start) -> Self {
-        Self { now, frames: 0, tracking: Tracking::default() }
-    }
-}
-
-/// A session.
-pub(super) struct Session {
-    pub(super) id: SessionId,
-    pub(super) setup: Setup,
-    first: Vec<Start>,
-    slots: Mutex<Vec<Slot>>,
-    /// Held while the session is advanced.
-    advancing: Arc<tokio::sync::Mutex<()>>,
-    last_use: Mutex<Instant>,
-    /// Memory of the states.
-    _share: Option<Share>,
-}
-
-/// The sessions of a worker.
-#[derive(Default)]
-pub(super) struct Sessions(Mutex<HashMap<SessionId, Arc<Session>>>);
-
-/// Time after which an unused session ends; 0 asks for the default.
-pub(super) fn idle(asked_s: f64) -> Result<Duration, Error> {
-    let seconds = if asked_s == 0.0 { IDLE_S } else { asked_s };
-    if !IDLE_BOUNDS_S.contains(&seconds) {
-        let (low, high) = (IDLE_BOUNDS_S.start(), IDLE_BOUNDS_S.end());
-        return Err(Error::field("idle_timeout_s", format!("must lie in {low}..={high}")));
-    }
-    Ok(Duration::from_secs_f64(seconds))
-}
-
-impl Session {
-    /// A session whose slots begin in these states.
-    pub(super) fn new(setup: Setup, first: Vec<Start>, share: Option<Share>) -> Self {
-        let slots = first.iter().cloned().map(Slot::new).collect();
-        Self {
-            id: SessionId::generate(),
-            setup,
-            first,
-            slots: Mutex::new(slots),
-            advancing: Arc::default(),
-            last_use: Mutex::new(Instant::now()),
-            _share: share,
-        }
-    }
-
-    /// Number of slots.
-    pub(super) fn slots(&self) -> usize {
-        self.first.len()
+impl Inner {
+    /// Answers a call about sessions; with the memory of the reply, where that is large.
+    pub(super) async fn manage(
+        self: &Arc<Self>,
+        request: ManageSessionRequest,
+        under_way: &Unary,
+    ) -> Result<(ManageSessionResponse, Option<Share>), Error> {
+        let call = request.call.ok_or_else(|| Error::field("call", "is missing"))?;
+        let session = match call {
+            Call::Open(open) => self.open(open, request.capture, under_way.cancel()).await?,
+            Call::Get(get) => self.sessions.get(&get.name)?,
+            Call::States(asked) => {
+                let (states, share) = self.states(&asked).await?;
+                let reply = ManageSessionResponse { states: Some(states), ..Default::default() };
+                return Ok((reply, Some(share)));
+            }
+            Call::Fork(fork) => {
+                let session = self.sessions.get(&fork.name)?;
+                let from = session.chosen(&[fork.from], [])?;
+                let others = (0..session.slots()).filter(|s| !from.contains(s));
+                let to = session.distinct(&fork.to, others)?;
+                let _turn = session.begin_advance().await;
+                from.into_iter().for_each(|from| session.fork(from, &to));
+                session
+            }
+            Call::Reset(reset) => {
+                let session = self.sessions.get(&reset.name)?;
+                let slots = session.distinct(&reset.slots, 0..session.slots())?;
+                let states = match reset.initial {
+                    None => None,
+                    Some(initial) => {
+                        let warm = self.twins.get(session.setup.twin).await?;
+                        let open = OpenSessionRequest {
+                            twin: session.setup.twin.to_string(),
+                            initial: Some(initial),
+                            slots: slots.len() as u32,
+                            ..session.setup.as_request()
+                        };
+                        let capture = session.setup.capture.clone();
+                        Some(self.first_states(&warm, &open, &capture, under_way.cancel()).await?)
+                    }
+                };
+                let _turn = session.begin_advance().await;
+                session.reset(&slots, states);
+                session
+            }
+            Call::Correct(correct) => {
+                let corrected = Some(self.correct(correct, under_way).await?);
+                return Ok((ManageSessionResponse { corrected, ..Default::default() }, None));
+            }
+            Call::Close(close) => {
+                if let Ok(session) = self.sessions.get(&close.name) {
+                    self.sessions.close(session.id);
+                    self.told.changed();
+                }
+                return Ok((ManageSessionResponse::default(), None));
+            }
+        };
+        let session = Some(session.describe(&self.worker));
+        Ok((ManageSessionResponse { session, ..Default::default() }, None))
     }
 
-    /// Checks numbers of slots, each named once; none means those of `default`.
-    pub(super) fn distinct(
+    /// The states of slots, in memory that was taken before.
+    async fn states(
         &self,
-        slots: &[u32],
-        default: impl IntoIterator<Item = usize>,
-    ) -> Result<Vec<usize>, Error> {
-        let mut seen = vec![false; self.slots()];
-        let chosen = self.chosen(slots, default)?;
-        match chosen.iter().find(|&&slot| std::mem::replace(&mut seen[slot], true)) {
-            Some(slot) => Err(Error::field("slots", format!("names slot {slot} twice"))),
-            None => Ok(chosen),
+        asked: &GetSessionStatesRequest,
+    ) -> Result<(SessionStates, Share), Error> {
+        let session = self.sessions.get(&asked.name)?;
+        let slots = session.distinct(&asked.slots, 0..session.slots())?;
+        let warm = self.twins.get(session.setup.twin).await?;
+        let (twin, limits) = (shape(warm.twin(), true), self.limits());
+        let grasps = session.setup.grasps.len() as u64;
+        let bytes = rollout::states_bytes(slots.len() as u64, grasps, &twin, &limits)?;
+        let advice = "the states: ask for fewer slots at once";
+        let bytes = bytes.saturating_mul(STATES_MEMORY);
+        let share = budget::take(&self.memory.rollouts, bytes, advice).await?;
+        Ok((session_states(&session, &warm, &slots), share))
+    }
+
+    async fn open(
+        self: &Arc<Self>,
+        open: OpenSessionRequest,
+        capture: String,
+        cancel: &CancelToken,
+    ) -> Result<Arc<Session>, Error> {
+        let twin: TwinId =
+            open.twin.parse().map_err(|e: InvalidName| Error::field("twin", e.to_string()))?;
+        let idle = idle(open.idle_timeout_s)?;
+        let warm = self.twins.get(twin).await?;
+        let first = self.first_states(&warm, &open, &capture, cancel).await?;
+        let bytes = first.iter().map(Start::bytes).sum::<u64>().saturating_mul(STATES);
+        let share = budget::take(
+            &self.memory.sessions,
+            bytes,
+            "the states of the session: close others, or open it with fewer slots",
+        )
+        .await?;
+        let setup = Setup {
+            twin,
+            capture,
+            fidelity: match open.fidelity() {
+                Fidelity::Unspecified | Fidelity::Exact => Fidelity::Exact,
+                other @ (Fidelity::Fast | Fidelity::Planner) => other,
+            },
+            world: open.world,
+            grasps: open.grasps,
+            idle,
+        };
+        let mut session = Session::new(setup, first, Some(share));
+        // So every server knows where to ask for it.
+        if let Ok(worker) = self.worker.parse() {
+            session.id = SessionId::generate_at(worker);
         }
-    }
-
-    /// Checks numbers of slots; none means those of `default`.
-    pub(super) fn chosen(
-        &self,
-        slots: &[u32],
-        default: impl IntoIterator<Item = usize>,
-    ) -> Result<Vec<usize>, Error> {
-        let count = self.slots();
-        if slots.is_empty() {
-            return Ok(default.into_iter().collect());
-        }
-        if let Some(beyond) = slots.iter().find(|&&s| s as usize >= count) {
-            let fault = format!("names slot {beyond} of {count} (counted from 0)");
-            return Err(Error::field("slots", fault));
-        }
-        Ok(slots.iter().map(|&s| s as usize).collect())
-    }
-
-    /// The states of slots, and the frames that they have been advanced by.
-    pub(super) fn states(&self, slots: &[usize]) -> (Vec<Start>, Vec<u64>) {
-        let own = lock(&self.slots);
-        slots.iter().filter_map(|&s| own.get(s)).map(|s| (s.now.clone(), s.frames)).unzip()
-    }
-
-    /// Waits until no other call advances the session.
-    pub(super) async fn begin_advance(&self) -> tokio::sync::OwnedMutexGuard<()> {
-        Arc::clone(&self.advancing).lock_owned().await
-    }
-
-    /// Leaves slots in new states, `frames` later.
-    pub(super) fn commit(&self, slots: &[usize], states: Vec<Start>, frames: u64) {
-        let mut own = lock(&self.slots);
-        for (&slot, now) in slots.iter().zip(states) {
-            if let Some(slot) = own.get_mut(slot) {
-                slot.now = now;
-                slot.frames = slot.frames.saturating_add(frames);
-            }
-        }
-    }
-
-    /// The records of slots.
-    pub(super) fn trackings(&self, slots: &[usize]) -> Vec<Tracking> {
-        let own = lock(&self.slots);
-        slots.iter().filter_map(|&s| own.get(s)).map(|s| s.tracking).collect()
-    }
-
-    /// Leaves slots with these records.
-    pub(super) fn record(&self, slots: impl IntoIterator<Item = (usize, Tracking)>) {
-        let mut own = lock(&self.slots);
-        for (slot, tracking) in slots {
-            if let Some(slot) = own.get_mut(slot) {
-                slot.tracking = tracking;
-            }
-        }
-    }
-
-    /// Copies a slot to others.
-    pub(super) fn fork(&self, from: usize, to: &[usize]) {
-        let mut own = lock(&self.slots);
-        let Some(source) = own.get(from).cloned() else { return };
-        for &slot in to {
-            if let Some(target) = own.get_mut(slot) {
-                target.clone_from(&source);
-            }
-        }
-    }
-
-    /// Sets slots to given states, one each, or to the session's first ones.
-    pub(super) fn reset(&self, slots: &[usize], states: Option<Vec<Start>>) {
-        let first = || slots.iter().filter_map(|&s| self.first.get(s).cloned()).collect();
-        let states = states.unwrap_or_else(first);
-        let mut own = lock(&self.slots);
-        for (&slot, now) in slots.iter().zip(states) {
-            if let Some(slot) = own.get_mut(slot) {
-                *slot = Slot::new(now);
-            }
-        }
-    }
-
-    /// The session as a client sees it.
-    pub(super) fn describe(&self, worker: &str) -> v1::Session {
-        let slots = lock(&self.slots);
-        let lost = slots.iter().zip(0..).filter(|(slot, _)| slot.tracking.is_lost());
-        v1::Session {
-            name: self.id.to_string(),
-            twin: self.setup.twin.to_string(),
-            slots: self.slots() as u32,
-            frames: slots.iter().map(|s| s.frames).collect(),
-            idle_timeout_s: self.setup.idle.as_secs_f64(),
-            worker: worker.to_owned(),
-            fidelity: self.setup.fidelity.into(),
-            lost: lost.map(|(_, number)| number).collect(),
-        }
-    }
-
-    fn used(&self) {
-        *lock(&self.last_use) = Instant::now();
-    }
-
-    /// True if the session is unused, and has been for the time that it may be idle.
-    fn has_ended(&self, now: Instant) -> bool {
-        let idle = now.saturating_duration_since(*lock(&self.last_use));
-        idle > self.setup.idle && self.advancing.try_lock().is_ok()
-    }
-}
-
-impl Sessions {
-    /// Adds a session.
-    ///
-    /// # Errors
-    /// If there are too many.
-    pub(super) fn add(&self, session: Session) -> Result<Arc<Session>, Error> {
-        let mut sessions = lock(&self.0);
-        end_idle(&mut sessions);
-        if sessions.len() >= MOST {
-            return Err(Error::TooManySessions { limit: MOST });
-        }
-        let session = Arc::new(session);
-        sessions.insert(session.id, Arc::clone(&session));
+        let session = self.sessions.add(session)?;
+        self.told.changed();
+        tracing::info!(session = %session.id, %twin, slots = session.slots(), "session opened");
         Ok(session)
     }
 
-    /// A session, which is used from now on.
-    ///
-    /// # Errors
-    /// If it is not here.
-    pub(super) fn get(&self, name: &str) -> Result<Arc<Session>, Error> {
-        let id: SessionId = name
-            .parse()
-            .map_err(|e: bendtwin_core::ids::InvalidName| Error::field("session", e.to_string()))?;
-        let mut sessions = lock(&self.0);
-        end_idle(&mut sessions);
-        let found = sessions.get(&id).cloned();
-        let session = found.ok_or_else(|| Error::SessionLost { name: name.to_owned() })?;
-        session.used();
-        Ok(session)
+    /// The states in which slots begin, one each.
+    pub(super) async fn first_states(
+        self: &Arc<Self>,
+        warm: &Arc<Warm>,
+        open: &OpenSessionRequest,
+        capture: &str,
+        cancel: &CancelToken,
+    ) -> Result<Vec<Start>, Error> {
+        let limits = self.limits();
+        rollout::check_session(open, &shape(warm.twin(), !capture.is_empty()), &limits)?;
+        let slots = rollout::slots(open)? as usize;
+        let simulated = self.simulated(warm, open, capture, cancel).await?;
+        let wanted = Wanted::read(open.initial.clone(), &warm.twin().graph, slots)?;
+        Ok(match (wanted, simulated) {
+            (Wanted::Ready(Starts::Each(starts)), _) => starts,
+            (Wanted::Ready(Starts::Shared(start)), _) | (Wanted::Simulated, Some(start)) => {
+                vec![start; slots]
+            }
+            (Wanted::Simulated, None) => return Err(Error::field("initial", "has no state")),
+        })
     }
 
-    /// Ends a session; it is no error if it has ended.
-    pub(super) fn close(&self, id: SessionId) {
-        lock(&self.0).remove(&id);
+    /// The state that a simulation of its own leads to, if the initial state is such a one.
+    async fn simulated(
+        &self,
+        warm: &Arc<Warm>,
+        open: &OpenSessionRequest,
+        capture: &str,
+        cancel: &CancelToken,
+    ) -> Result<Option<Start>, Error> {
+        let backend = Arc::new(self.device.backend(Priority::Interactive));
+        let work = self.limits().work;
+        Ok(match Simulated::wanted(open.initial.as_ref(), capture)? {
+            None => None,
+            Some(Simulated::Frame(at)) => {
+                Some(self.replays.start(warm, at, &backend, cancel, work).await?)
+            }
+            Some(Simulated::Settled) => {
+                let world = Still::read(open.world.as_ref())?;
+                Some(self.replays.settled(warm, world, &backend, cancel, work).await?)
+            }
+        })
     }
-
-    /// The sessions of this worker, for heartbeats.
-    pub(super) fn list(&self) -> Vec<HeldSession> {
-        let mut sessions = lock(&self.0);
-        end_idle(&mut sessions);
-        let held = sessions.values().map(|session| HeldSession {
-            session: session.id.to_string(),
-            twin: session.setup.twin.to_string(),
-            slots: session.slots() as u32,
-            grasps: session.setup.grasps.len() as u32,
-            colliders: session.setup.world.as_ref().map_or(0, |w| w.colliders.len() as u32),
-        });
-        held.collect()
-    }
 }
-
-fn end_idle(sessions: &mut HashMap<SessionId, Arc<Session>>) {
-    let now = Instant::now();
-    sessions.retain(|id, session| {
-        let ends = session.has_ended(now);
-        if ends {
-            tracing::info!(session = %id, "session ended: nobody used it");
-        }
-        !ends
-    });
-}
-
-fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
-    mutex.lock().unwrap_or_else(PoisonError::into_inner)
-}
-
-#[cfg(test)]
-mod tests;

@@ -8,11 +8,10 @@ use std::{
 
 use bendtwin_budget::{Exhausted, Share};
 use bendtwin_core::{Twin, ids::TwinId};
-use bendtwin_engine::{Backend as _, Loaded, Model};
+use bendtwin_rollout::Warm;
 use bytes::Bytes;
-use tokio::sync::OnceCell;
 
-use super::{error::Error, lru::Lru, planner::PlannersWarm};
+use super::{error::Error, lru::Lru};
 use crate::{
     Limits,
     artifact::{self, FetchError},
@@ -23,21 +22,6 @@ use crate::{
 
 /// Memory of a loaded twin and its fast variant [times the file's size, estimated].
 const LOADED_FACTOR: u64 = 6;
-
-/// A twin on the device.
-pub(crate) struct Warm {
-    pub(super) id: TwinId,
-    pub(super) twin: Twin,
-    pub(super) loaded: Loaded,
-    /// The fast variant, once a request has asked for it.
-    pub(super) fast: OnceCell<Loaded>,
-    /// The planner's twin, once a request has asked for it.
-    pub(super) planner: OnceCell<Arc<PlannersWarm>>,
-    /// Members of the twin, as many as requests have asked for.
-    pub(super) members: Mutex<Vec<Loaded>>,
-    /// Memory of it all; none in tests.
-    pub(super) _share: Option<Share>,
-}
 
 type Shared = Arc<Mutex<Lru<TwinId, Arc<Warm>>>>;
 
@@ -122,21 +106,12 @@ impl WarmTwins {
         let device = self.device.clone();
         let warm = tokio::task::spawn_blocking(move || {
             let twin = Twin::decode(&file).map_err(Error::StoredTwin)?;
-            let loaded =
-                device.backend(Priority::Interactive).load(Arc::new(Model::from(&twin)))?;
-            Ok::<_, Error>(Arc::new(Warm {
-                id,
-                twin,
-                loaded,
-                fast: OnceCell::new(),
-                planner: OnceCell::new(),
-                members: Mutex::default(),
-                _share: share,
-            }))
+            let warm = Warm::load(id, twin, &device.backend(Priority::Interactive), share)?;
+            Ok::<_, Error>(Arc::new(warm))
         })
         .await
         .map_err(|_| Error::Panicked)??;
-        tracing::info!(twin = %id, nodes = warm.twin.graph.node_count(), "twin loaded");
+        tracing::info!(twin = %id, nodes = warm.twin().graph.node_count(), "twin loaded");
         self.lock().insert(id, Arc::clone(&warm), size);
         Ok(warm)
     }
@@ -155,7 +130,7 @@ fn spare(twins: &Shared, bytes: u64) -> bool {
     // Those that a request is using would free nothing.
     let gone = lock(twins).evict(bytes, |warm| Arc::strong_count(warm) == 1);
     for warm in &gone {
-        tracing::info!(twin = %warm.id, "twin unloaded: others need its memory");
+        tracing::info!(twin = %warm.id(), "twin unloaded: others need its memory");
     }
     !gone.is_empty()
 }

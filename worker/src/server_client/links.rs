@@ -6,7 +6,8 @@ use std::sync::{
     atomic::{AtomicUsize, Ordering},
 };
 
-use bendtwin_proto::{worker::v1::worker_link_client::WorkerLinkClient, worker_key};
+use bendtwin_contract::worker_key;
+use bendtwin_proto::worker::v1::worker_link_client::WorkerLinkClient;
 use bendtwin_tls::{Mutual, Reloaded};
 use tonic::{
     Code, Request, Response, Status,

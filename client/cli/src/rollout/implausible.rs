@@ -55,7 +55,7 @@ mod tests {
             limit: 0.005,
             frame: 7,
         };
-        for reason in bendtwin_proto::rollout::ImplausibleReason::ALL {
+        for reason in bendtwin_contract::rollout::ImplausibleReason::ALL {
             let text = warnings(&[found(reason.as_str())]);
             assert!(!text.contains(reason.as_str()), "{text}");
             assert!(text.contains("instance 3 in frame 7"), "{text}");

@@ -1,5 +1,5 @@
+use bendtwin_contract::rollout::{Limits, TwinShape, check_for};
 use bendtwin_core::ids::TwinId;
-use bendtwin_proto::rollout::{Limits, TwinShape, check_for};
 use bendtwin_proto::v1::{RollOutResponse, Tensor, roll_out_request::Actions, roll_out_response};
 
 use super::*;

@@ -1,9 +1,8 @@
 //! The reply to a batch of plans as a planner reads it.
 
+use bendtwin_contract::{plan::Template, rollout::ImplausibleReason};
 use bendtwin_plan::{Evaluation, Knots, Space};
 use bendtwin_proto::{
-    plan::Template,
-    rollout::ImplausibleReason,
     tensor::TensorError,
     v1::{RollOutResponse, Tensor},
 };

@@ -1,13 +1,11 @@
 //! The start of a plan: where things are, and the nominal plan in coordinates.
 
+use bendtwin_contract::plan::{self, Checked, Template};
 use bendtwin_plan::{Invalid, Planner, Search, Space};
-use bendtwin_proto::{
-    plan::{self, Checked, Template},
-    v1::{
-        GetSessionStatesRequest, RollOutRequest, Tensor,
-        initial_state::{GivenState, SessionSlots, State},
-        roll_out_request::Actions,
-    },
+use bendtwin_proto::v1::{
+    GetSessionStatesRequest, RollOutRequest, Tensor,
+    initial_state::{GivenState, SessionSlots, State},
+    roll_out_request::Actions,
 };
 use tokio::time::Instant;
 

@@ -2,9 +2,9 @@
 
 use std::time::Duration;
 
+use bendtwin_contract::rollout::MOST_SLOTS;
 use bendtwin_proto::{
     json::{TensorFormat, Write},
-    rollout::MOST_SLOTS,
     v1::{OpenSessionRequest, Returns, RollOutRequest},
 };
 use futures::{StreamExt as _, future::join_all};

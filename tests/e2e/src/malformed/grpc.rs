@@ -1,13 +1,10 @@
 //! Malformed requests over gRPC.
 
-use bendtwin_proto::{
-    registration,
-    rollout::TwinShape,
-    v1::{
-        CaptureMetadata, CreateCaptureRequest, CreateFitRequest, CreateTwinRequest, GetTwinRequest,
-        ListFitsRequest, PlanRequest, RegisterStateRequest, Twin, TwinMetadata,
-        create_capture_request, create_twin_request,
-    },
+use bendtwin_contract::{registration, rollout::TwinShape};
+use bendtwin_proto::v1::{
+    CaptureMetadata, CreateCaptureRequest, CreateFitRequest, CreateTwinRequest, GetTwinRequest,
+    ListFitsRequest, PlanRequest, RegisterStateRequest, Twin, TwinMetadata, create_capture_request,
+    create_twin_request,
 };
 use bytes::Bytes;
 use prost::Message;

@@ -36,10 +36,10 @@ const OTHERS: [&str; 8] = [
     "client/cli/src/demo/playground.rs",
     "client/cli/src/rollout/implausible.rs",
     "crates/capture/src/raw/nerfstudio/",
+    "crates/contract/src/rollout/cases.rs",
+    "crates/contract/src/rollout/implausible.rs",
     "crates/cuda/",
     "proto/src/fault.rs",
-    "proto/src/rollout/cases.rs",
-    "proto/src/rollout/implausible.rs",
     "server/src/http/rollouts/schema.rs",
 ];
 

@@ -1,11 +1,9 @@
 use bendtwin_core::{Category, Problem as _};
+use bendtwin_rollout::cases::twin;
 use tokio::sync::mpsc;
 
 use super::*;
-use crate::{
-    faulty::{Faulty, Script},
-    rollout::tests::twin,
-};
+use crate::faulty::{Faulty, Script};
 
 /// Twins on a device with memory for `room` models.
 fn warm(room: usize) -> (WarmTwins, Arc<Script>) {
@@ -31,7 +29,7 @@ async fn a_full_device_unloads_the_longest_unused_twin() {
     let [a, b, c] = [(); 3].map(|()| TwinId::generate());
     load(&twins, a).await.unwrap();
     load(&twins, b).await.unwrap();
-    assert_eq!(twins.get(a).await.unwrap().id, a);
+    assert_eq!(twins.get(a).await.unwrap().id(), a);
     load(&twins, c).await.unwrap();
     assert_eq!(twins.ids(), [c, a]);
     assert_eq!(script.resident(), 2);

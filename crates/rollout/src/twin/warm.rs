@@ -1,0 +1,63 @@
+//! A twin that is loaded and answers at once.
+
+use std::sync::{Arc, Mutex};
+
+use bendtwin_budget::Share;
+use bendtwin_core::{Twin, ids::TwinId};
+use bendtwin_engine::{Backend, Loaded, Model, backend};
+
+use crate::twin::planner::PlannersWarm;
+
+/// A twin on a device.
+pub struct Warm {
+    pub(crate) id: TwinId,
+    pub(crate) twin: Twin,
+    pub(crate) loaded: Loaded,
+    /// The fast variant, once somebody has asked for it.
+    pub(super) fast: Mutex<Option<Loaded>>,
+    /// The planner's twin, once somebody has asked for it.
+    pub(super) planner: Mutex<Option<Arc<PlannersWarm>>>,
+    /// Its members, as many as somebody has asked for.
+    pub(super) members: Mutex<Vec<Loaded>>,
+    /// Memory of it all, where that is counted.
+    _share: Option<Share>,
+}
+
+impl Warm {
+    /// Loads a twin, in memory that was taken for it.
+    ///
+    /// # Errors
+    /// If the backend fails.
+    pub fn load(
+        id: TwinId,
+        twin: Twin,
+        backend: &dyn Backend,
+        share: Option<Share>,
+    ) -> Result<Self, backend::Error> {
+        let loaded = backend.load(Arc::new(Model::from(&twin)))?;
+        Ok(Self::new(id, twin, loaded, share))
+    }
+
+    /// A twin with its model on a device.
+    pub(crate) fn new(id: TwinId, twin: Twin, loaded: Loaded, share: Option<Share>) -> Self {
+        Self {
+            id,
+            twin,
+            loaded,
+            fast: Mutex::default(),
+            planner: Mutex::default(),
+            members: Mutex::default(),
+            _share: share,
+        }
+    }
+
+    /// Its id.
+    pub fn id(&self) -> TwinId {
+        self.id
+    }
+
+    /// The twin.
+    pub fn twin(&self) -> &Twin {
+        &self.twin
+    }
+}
