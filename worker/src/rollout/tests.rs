@@ -14,7 +14,7 @@ use tokio::sync::mpsc;
 
 use crate::{
     device::{Device, Priority},
-    faulty::{Faulty, Injected, Script},
+    faulty::{Faulty, InjectedFault, Script},
 };
 
 struct Bench {
@@ -63,12 +63,12 @@ fn costs(part: &RollOutResponse) -> Vec<f64> {
     part.costs.as_ref().unwrap().unpack("costs").unwrap().1
 }
 
-fn inject(script: &Script, injected: Injected, times: usize) {
+fn inject(script: &Script, injected: InjectedFault, times: usize) {
     *script.rollouts.lock().unwrap() = vec![injected; times];
 }
 
-fn full() -> Injected {
-    Injected::Fails(backend::Error::OutOfMemory { needed: 5, available: 2 })
+fn full() -> InjectedFault {
+    InjectedFault::Fails(backend::Error::OutOfMemory { needed: 5, available: 2 })
 }
 
 #[test]
@@ -106,7 +106,7 @@ fn memory_that_can_be_spared_is_given_up_for_a_batch() {
 fn a_failed_launch_is_told_to_the_caller_and_ends_the_worker() {
     let (bench, script, mut died) = bench();
     let launch = backend::Error::Device("integrate<<<132, 256>>>: illegal address".into());
-    inject(&script, Injected::Fails(launch), 1);
+    inject(&script, InjectedFault::Fails(launch), 1);
     let error = bench.run(request(2)).unwrap_err();
     assert_eq!((error.category(), error.reason()), (Category::Internal, "DEVICE_FAILED"));
     assert!(error.to_string().contains("integrate"), "{error}");
@@ -119,7 +119,7 @@ fn a_failed_launch_is_told_to_the_caller_and_ends_the_worker() {
 #[test]
 fn numbers_that_are_none_are_reported_as_divergence_and_the_worker_goes_on() {
     let (bench, script, mut died) = bench();
-    inject(&script, Injected::Diverges, 1);
+    inject(&script, InjectedFault::Diverges, 1);
     let part = bench.run(request(2)).unwrap().remove(0);
     assert_eq!(part.diverged.len(), 2);
     assert_eq!((part.diverged[1].instance, part.diverged[1].frame), (1, 1));
