@@ -1,8 +1,8 @@
-//! Rules of a rollout that server, worker and clients share: [`Limits`] of a request, the check of
-//! a request against them and against a twin's [`TwinShape`], the size of its reply, the memory that
-//! it takes at a worker, and the parts that a streamed reply comes in. Both ends call the same functions with the same limits (a worker
-//! gets those of its server when it registers), so no request passes one and is refused by the
-//! other.
+//! Rules of a rollout that server, worker and clients share: [`Limits`] of a request, the check of a
+//! request against them and against a twin's [`TwinShape`], its price (work, size of the reply and
+//! memory at a worker), and the parts that a streamed reply comes in. Both ends call the same functions
+//! with the same limits (a worker gets those of its server when it registers), so no request passes one
+//! and is refused by the other.
 
 // Not behind a feature: the binary and the tests of all crates then share one build.
 #[doc(hidden)]

@@ -1,6 +1,6 @@
-//! Initial states that a simulation leads to. In a frame of a capture the twin follows the capture's own controls up to
-//! that frame, as its ingest observed them. Observations are large and frames are asked for again
-//! and again, so controls and replayed states are kept, not observations.
+//! Initial states that a simulation leads to, and the recordings of captures. Observations are large
+//! and frames are asked for again and again, so controls and replayed states are kept, not
+//! observations.
 
 use std::{
     fmt::Display,
