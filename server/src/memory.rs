@@ -19,7 +19,7 @@ pub(crate) use receive::{Kind, ReceiveError};
 
 /// Longest wait for memory that others hold.
 const LONGEST_WAIT: Duration = Duration::from_secs(30);
-/// Memory of a reply: as it came from the worker, and as it is written to the client. The buffer
+/// Memory of a reply: as received from the worker, and as written to the client. The buffer
 /// that it is written to may grow to twice its size.
 const REPLY: u64 = 3;
 /// Memory of a reply beside its message [bytes].

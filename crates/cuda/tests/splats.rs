@@ -125,5 +125,5 @@ fn memory_has_a_limit() {
     let large = random_gaussians(1, &SceneOptions { count: 60_000, ..SceneOptions::default() });
     let error = device.render(&large, &camera).unwrap_err();
     assert!(matches!(error, Error::OutOfMemory { .. }), "{error}");
-    assert!(device.render(&small, &camera).is_ok(), "it goes on after a refusal");
+    assert!(device.render(&small, &camera).is_ok(), "it works after a refusal");
 }

@@ -135,7 +135,7 @@ fn skin(backend: &dyn Backend) {
 
 /// Cost of computing how many substeps a model needs, and of checking that those it has are enough.
 fn stability() {
-    println!("\nStability of a model, looked at once\n");
+    println!("\nStability of a model, checked once\n");
     println!(
         "| nodes | springs | triplets | needed | estimate ms | four times enough ms | 1.5 times enough ms | just enough ms |"
     );

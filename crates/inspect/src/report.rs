@@ -29,7 +29,7 @@ pub struct Report {
     evidence: Option<Value>,
 }
 
-/// The document as it is written.
+/// Document to be written.
 #[derive(Serialize)]
 struct WrittenDocument<'a> {
     format: &'static str,
@@ -40,7 +40,7 @@ struct WrittenDocument<'a> {
     evidence: &'a Option<Value>,
 }
 
-/// The document as it is read.
+/// Document that was read.
 #[derive(Deserialize)]
 struct ReadDocument {
     format: String,

@@ -286,7 +286,7 @@ async fn a_revoked_worker_is_cut_off_and_refused() {
             tokio::time::sleep(Duration::from_millis(50)).await;
         }
     };
-    timeout(SOON, cut_off).await.expect("the revoked worker may go on");
+    timeout(SOON, cut_off).await.expect("the revoked worker may continue");
     let refused = register_over(&mut leaving, TOKEN, endpoint).await.unwrap_err();
     let found = TlsError::find(&refused, "the server").unwrap();
     assert!(found.to_string().contains("was revoked"), "{found}");

@@ -31,7 +31,7 @@ fn hands() -> Vec<Broken> {
         footage("masks of the hand in the first frame only", "HAND_LOST", |f| {
             hide_hand(f, 1..FRAMES);
         }),
-        footage("a hand that lets go and leaves", "HAND_LOST", |f| {
+        footage("a hand that releases and leaves", "HAND_LOST", |f| {
             hide_hand(f, FRAMES - 8..FRAMES);
         }),
         footage("a hand that is hidden for ten frames", "HAND_LOST", |f| hide_hand(f, 12..22)),

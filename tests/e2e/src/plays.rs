@@ -191,7 +191,7 @@ async fn it_runs_in_real_time_goes_back_and_refuses_worlds_that_cannot_be() {
         "{refused}"
     );
     let frame = play.shown("a frame", |_| true).await.number;
-    play.shown("that it goes on", |s| s.number > frame + 3).await;
+    play.shown("that it continues", |s| s.number > frame + 3).await;
     play.send(json!({"type": "speed", "factor": 0.25})).await;
     play.message("the speed", |t| t["speed"] == 0.25).await;
     play.send(json!({"type": "pause", "paused": true})).await;

@@ -107,7 +107,7 @@ async fn a_push_survives_deaths_of_server_and_client() {
     let pushed = run_json(&[&push[..], &at].concat());
     let name = pushed["name"].as_str().unwrap();
     let http = server.http();
-    assert_eq!(received(&http).await, size - PART, "it went on at the acknowledged offset");
+    assert_eq!(received(&http).await, size - PART, "it resumed at the acknowledged offset");
     assert!(has_content(&http, name, size).await);
     // Pushed again it is the same capture, and nothing is sent.
     assert_eq!(run_json(&[&push[..], &at].concat()), pushed);

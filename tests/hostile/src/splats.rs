@@ -18,7 +18,7 @@ pub const FAULTS: &[Fault] = &[
     },
     Fault { what: "an SPZ with damage in what is compressed", make: damaged },
     Fault { what: "a PLY of Gaussians with other words", make: reworded },
-    Fault { what: "a PLY of Gaussians with a number that is none", make: number },
+    Fault { what: "a PLY of Gaussians with a number that is not finite", make: number },
     Fault { what: "an SPZ that claims counts", make: claimed },
     Fault { what: "an SPZ of nothing but zeros", make: bomb },
 ];

@@ -87,7 +87,7 @@ fn a_refused_world_is_replaced_by_the_previous_one() {
     let first = scene.generation();
     assert_eq!(advance(&mut scene).colliders(0)[0][2], 1.0);
     scene.aim(&[], &[target(0, 0.05)]).unwrap();
-    assert_eq!(scene.generation(), first, "motion is none of its changes");
+    assert_eq!(scene.generation(), first, "motion does not change it");
     let moved = advance(&mut scene);
     assert!(moved.colliders(1)[0][2] < 1.0);
     let wrong = World { ground_friction: Some(9.0), ..World::default() };

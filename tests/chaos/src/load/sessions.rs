@@ -15,7 +15,7 @@ use tonic::transport::Channel;
 
 use crate::{honest::Answer, reference::end, run::Run};
 
-const PROMISE: &str = "a session goes on bit for bit from its last state";
+const PROMISE: &str = "a session resumes bit for bit from its last state";
 
 pub(super) async fn client(run: Arc<Run>, number: u64) {
     let mut random = run.chance(number);

@@ -82,7 +82,7 @@ async fn hostile_messages_are_refused_and_a_flood_ends_the_play() {
     play.send_bytes(vec![0; 100]).await;
     play.message("a refusal", |t| t["type"] == "refused").await;
     let frame = play.shown("a frame", |_| true).await.number;
-    play.shown("that it goes on", |s| s.number > frame + 3).await;
+    play.shown("that it continues", |s| s.number > frame + 3).await;
     for input in 0..2_000u32 {
         play.aim(input, 0, [0.0; 3]).await;
     }
