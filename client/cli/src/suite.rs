@@ -144,10 +144,7 @@ fn verdict(failed: usize, left: usize, args: &SuiteArgs) -> anyhow::Result<()> {
     match (failed, left) {
         (0, 0) => Ok(()),
         (0, _) => {
-            let message = format!(
-                "{} left: repeat the command to continue",
-                run_count(left)
-            );
+            let message = format!("{} left: repeat the command to continue", run_count(left));
             failed_with(Category::Cancelled, "CANCELLED", message)
         }
         _ => {

@@ -169,7 +169,8 @@ impl Worker {
         let tls = match (pair, global.ca.clone()) {
             (Some(pair), Some(ca)) => Some(MutualPaths { pair, ca, crl: self.crl }),
             (Some(_), None) => {
-                let fault = "--certificate requires --ca, the authority of the server and its workers";
+                let fault =
+                    "--certificate requires --ca, the authority of the server and its workers";
                 return Err(Usage(fault.to_owned()));
             }
             (None, _) => None,

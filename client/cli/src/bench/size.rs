@@ -21,7 +21,8 @@ impl FromStr for Size {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
-        let fault = || format!("`{text}` is not a size: give instances x frames, for example 4000x200");
+        let fault =
+            || format!("`{text}` is not a size: give instances x frames, for example 4000x200");
         let (instances, frames) = text.split_once('x').ok_or_else(fault)?;
         let size = Self {
             instances: instances.parse().map_err(|_| fault())?,

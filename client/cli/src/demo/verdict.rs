@@ -11,7 +11,8 @@ const WHY: &str = "Why: a spring keeps two points at their distance and nothing 
                    its stiffness lies in its angles and in its twist, which bending elements have and springs lack.";
 const NOT_ALWAYS: &str = "Not every object needs it. In foam or plush each point has many springs that cross, which hold\n\
                           the shape by themselves; a fit without bending is as good there (docs/develop/accuracy/bending.md).";
-const NO_DIFFERENCE: &str = "No difference: two fits that differ only by chance are as far apart. Try another --seed.";
+const NO_DIFFERENCE: &str =
+    "No difference: two fits that differ only by chance are as far apart. Try another --seed.";
 
 /// Paragraphs about the table of a twin with bending, the fit without it among its rows; none if a
 /// row is missing.
