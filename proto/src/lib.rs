@@ -1,7 +1,7 @@
 //! The wire contract: `bendtwin.v1` is public, `bendtwin.worker.v1` private
 //! between server and workers. Generated types, plus the one place where
-//! tensors, faults, deadlines and JSON are packed and unpacked. What a message may hold is a rule,
-//! and rules are in `bendtwin_contract`.
+//! tensors, faults, deadlines and JSON are packed and unpacked. Rules of what a message may hold are
+//! in `bendtwin_contract`.
 
 pub mod deadline;
 pub mod fault;

@@ -1,5 +1,5 @@
 //! Rollouts as a service: calls of the server, the twins and captures that they need, their memory and
-//! their turn at the device. What they compute is `bendtwin_rollout`.
+//! their turn at the device. The computation is `bendtwin_rollout`.
 
 mod error;
 mod evaluate;

@@ -77,7 +77,7 @@ impl Slot {
 pub struct Session {
     /// Id, which may be replaced before the session is added.
     pub id: SessionId,
-    /// What it was opened with.
+    /// Twin, surroundings and options that it was opened with.
     pub setup: Setup,
     first: Vec<Start>,
     slots: Mutex<Vec<Slot>>,

@@ -1,7 +1,6 @@
 //! A look at an encoded request before it is decoded. Two bytes of an empty cost become two hundred
 //! in memory, and a byte of a shape eight: what is repeated is counted first. All else takes about
-//! as much memory decoded as encoded. Where tensors may be is known from the descriptors of the
-//! messages.
+//! as much memory decoded as encoded. The descriptors of the messages say where tensors may be.
 
 mod messages;
 

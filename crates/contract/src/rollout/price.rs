@@ -179,7 +179,7 @@ impl<'a> Asked<'a> {
     }
 }
 
-/// What a part of a request adds.
+/// Share of a part of a request in the price of the whole.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct Price {
     /// Work of an instance beside its physics, in element substeps.

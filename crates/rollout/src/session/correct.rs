@@ -26,7 +26,7 @@ use crate::{
     twin::{rest_shape::RestShape, warm::Warm},
 };
 
-/// What slots are corrected by.
+/// An observation and the options by which slots are corrected.
 pub struct Seen<'w> {
     warm: &'w Warm,
     backend: &'w dyn Backend,

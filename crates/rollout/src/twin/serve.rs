@@ -134,7 +134,7 @@ impl Served {
     }
 }
 
-/// What is there, or is made now; whoever comes meanwhile waits for it.
+/// A value that the first caller makes; others wait for it meanwhile.
 fn once<T: Clone>(
     there: &Mutex<Option<T>>,
     make: impl FnOnce() -> Result<T, Error>,

@@ -51,7 +51,7 @@ impl Warm {
         }
     }
 
-    /// Its id.
+    /// Id of the twin.
     pub fn id(&self) -> TwinId {
         self.id
     }

@@ -24,16 +24,16 @@ const PACKAGE: &str = ".bendtwin.v1.";
 const TENSOR: &str = "Tensor";
 const SHAPE: &str = "shape";
 
-/// What is counted of a field.
+/// Quantity that a field counts toward.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Counted {
-    /// The field itself is a cost.
+    /// Costs, one by one.
     Costs,
-    /// It is a grasp.
+    /// Grasps, one by one.
     Grasps,
-    /// It is a collider.
+    /// Colliders, one by one.
     Colliders,
-    /// It is a tensor of as many rows as there are instances.
+    /// Instances, which the tensor has as rows.
     Instances,
 }
 
@@ -48,7 +48,7 @@ pub(super) struct Field {
 /// A message with tensors in it, or a tensor.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(super) struct Message {
-    /// By number; those without tensors and counts are left out.
+    /// Fields by number; those without tensors and counts are left out.
     pub(super) fields: BTreeMap<u32, Field>,
     /// Number of the field with the shape, of a tensor.
     pub(super) shape: Option<u32>,

@@ -118,7 +118,7 @@ fn distinct_nodes(nodes: &Tensor, field: &str, twin: &TwinShape) -> Result<(), E
     }
 }
 
-/// What grasps hold, and when they are closed.
+/// Nodes that grasps hold, and times at which they are closed.
 pub(in crate::rollout) fn price(asked: &Asked<'_>) -> Price {
     let grasps = &asked.request.grasps;
     if grasps.is_empty() {

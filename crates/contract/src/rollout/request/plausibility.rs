@@ -25,8 +25,8 @@ pub(in crate::rollout) fn check(request: &RollOutRequest) -> Result<(), Error> {
     Ok(())
 }
 
-/// What may be implausible of each instance. What is found is in single precision, so a limit beyond
-/// that is never exceeded.
+/// Findings of each instance, at most. Found values are in single precision, so a limit beyond that is
+/// never exceeded.
 pub(in crate::rollout) fn price(asked: &Asked<'_>) -> Price {
     let limits = asked.request.plausibility.unwrap_or_default();
     let last = mul(&[asked.batch.instances, asked.members]).saturating_sub(1);
