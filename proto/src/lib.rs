@@ -10,6 +10,7 @@ pub mod json;
 pub mod plan;
 pub mod registration;
 pub mod rollout;
+pub mod routes;
 pub mod tensor;
 pub mod worker_key;
 
@@ -31,3 +32,6 @@ pub mod worker {
 /// The encoded `FileDescriptorSet` of all services, for reflection and for descriptions of
 /// messages.
 pub const DESCRIPTORS: &[u8] = include_bytes!("generated/descriptors.bin");
+
+/// The description of the HTTP API, OpenAPI 3.1 as JSON.
+pub const OPENAPI: &str = include_str!("generated/openapi.json");
