@@ -62,8 +62,7 @@ impl Samples<'_> {
             let data = lines.filter_map(|line| line.strip_prefix("data: "));
             body = data.map(|data| serde_json::from_str::<Value>(data).unwrap()).collect();
         }
-        let mut line =
-            json!({"call": call, "status": status, "headers": headers, "body": body.clone()});
+        let mut line = json!({"call": call, "status": status, "headers": headers, "body": body});
         self.neutral(&mut line);
         self.lines.push(line.to_string());
         body
