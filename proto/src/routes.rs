@@ -13,7 +13,7 @@ use crate::{
 pub struct Rpc {
     /// `/package.Service/Method`.
     pub path: &'static str,
-    /// What a call takes.
+    /// Condition of a call.
     pub scope: Scope,
     /// True if the audit has a line for each call.
     pub audited: bool,
@@ -73,7 +73,7 @@ pub enum Source {
     Body,
 }
 
-/// What an HTTP request gives.
+/// The parts of an HTTP request that make a message.
 #[derive(Clone, Copy, Debug)]
 pub struct Given<'r> {
     /// The source.

@@ -1,4 +1,4 @@
-//! What every client of the description relies on.
+//! Properties of the description that all clients rely on.
 
 use std::collections::HashSet;
 

@@ -360,7 +360,7 @@ pub struct Route {
     /// The field that `{id}` goes to; empty means `name`.
     #[prost(string, tag = "5")]
     pub id: ::prost::alloc::string::String,
-    /// Status of success; 0 means 200.
+    /// Status of success; 0 means 200, or 204 where the reply has no fields.
     #[prost(uint32, tag = "6")]
     pub status: u32,
     /// The field of the reply with the name of what was made, which `Location` gives.
@@ -400,13 +400,14 @@ pub mod route {
 pub struct JsonField {
     #[prost(enumeration = "json_field::Form", tag = "1")]
     pub form: i32,
-    /// What the update of the resource may change. Over HTTP these stand in the body itself, and make the mask.
+    /// True if an update of the resource may change it. Over HTTP such fields stand in the body itself, and make the
+    /// mask.
     #[prost(bool, tag = "2")]
     pub changeable: bool,
-    /// Of a body: what has to be there.
+    /// True if a body must have it.
     #[prost(bool, tag = "5")]
     pub required: bool,
-    /// Of a parameter: its syntax, and the longest.
+    /// Syntax of a parameter, and its longest text.
     #[prost(string, tag = "3")]
     pub pattern: ::prost::alloc::string::String,
     #[prost(uint32, tag = "4")]
@@ -460,7 +461,7 @@ pub mod json_field {
         }
     }
 }
-/// What a call takes: nothing, any client token or key, a key with this scope, or the token of a worker.
+/// Condition of a call: none, any client token or key, a key with this scope, or the token of a worker.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, ::prost::Enumeration)]
 #[repr(i32)]
 pub enum Scope {

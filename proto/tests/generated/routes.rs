@@ -27,7 +27,7 @@ pub(crate) fn table(contract: &Contract) -> String {
     code + "]\n"
 }
 
-/// What the routes take that no RPC has, as a Rust expression.
+/// Conditions of the routes that no RPC has, as a Rust expression.
 pub(crate) fn by_hand(contract: &Contract, by_hand: &Value) -> String {
     let scopes = openapi::scopes_by_hand(contract, by_hand);
     let rows = scopes
