@@ -5,6 +5,7 @@
 
 mod document;
 mod fields;
+mod pairs;
 mod tensor;
 mod time;
 
@@ -24,7 +25,11 @@ use self::{
 };
 use crate::v1::tensor::Dtype;
 
-pub use self::{fields::Fields, tensor::TensorFormat};
+pub use self::{
+    fields::Fields,
+    pairs::{from_pairs, from_query},
+    tensor::TensorFormat,
+};
 
 /// A message read from JSON.
 #[derive(Clone, Debug, Default, PartialEq)]

@@ -4,7 +4,7 @@
 use prost::Message;
 
 use crate::{
-    json::{Fields, Read, TensorFormat, Write},
+    json::{self, Fields, Read, TensorFormat, Write},
     v1::Scope,
 };
 
@@ -98,13 +98,7 @@ fn read<M: Message + Default + Fields>(
 ) -> Translated {
     let mut message = match given.source {
         Source::Nothing => M::default(),
-        Source::Query => {
-            // A parameter without a value counts as none.
-            let pairs = std::str::from_utf8(given.text)?.split('&');
-            let is_given = |pair: &&str| pair.split_once('=').is_none_or(|(_, v)| !v.is_empty());
-            let query = pairs.filter(is_given).collect::<Vec<_>>().join("&");
-            serde_urlencoded::from_str::<Read<M>>(&query)?.0
-        }
+        Source::Query => json::from_query(std::str::from_utf8(given.text)?)?,
         Source::Body => serde_json::from_slice::<Read<M>>(given.text)?.0,
     };
     bind(&mut message, given);

@@ -143,7 +143,16 @@ impl Contract {
     pub(crate) fn in_json(&self) -> BTreeSet<String> {
         let described = self.rpcs.iter().filter(|rpc| rpc.routes.iter().any(|r| !r.by_hand));
         let roots = described.flat_map(|rpc| [rpc.input.as_str(), rpc.output.as_str()]);
-        self.parts(roots.chain([".bendtwin.v1.Fault"]))
+        let uploads = self.rpcs.iter().filter_map(|rpc| self.metadata(rpc));
+        self.parts(roots.chain(uploads).chain([".bendtwin.v1.Fault"]))
+    }
+
+    /// The message that an upload begins with, which HTTP has as its query.
+    pub(crate) fn metadata(&self, rpc: &Rpc) -> Option<&str> {
+        let mut parts = self.messages.get(&rpc.input)?.field.iter();
+        let is_upload = rpc.routes.iter().any(|route| route.method == "POST" && route.by_hand);
+        let metadata = parts.find(|field| is_upload && field.name() == "metadata")?;
+        Some(metadata.type_name())
     }
 
     /// Messages, and all messages and enums that they have, tensors and times apart.

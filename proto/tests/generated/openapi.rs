@@ -3,10 +3,11 @@
 
 use std::collections::BTreeSet;
 
+use prost_types::field_descriptor_proto::Type;
 use serde_json::{Map, Value, json};
 
 use super::{
-    contract::{Contract, Form, Route, Rpc, Shown},
+    contract::{Contract, Route, Rpc, Shown, is_repeated},
     schema::{self, Comments},
 };
 
@@ -40,7 +41,13 @@ pub(crate) fn document(contract: &Contract, by_hand: &Value) -> String {
         for (method, operation) in methods.as_object().unwrap() {
             let name = format!("{} {path}", method.to_uppercase());
             let scope = scope_of(contract, by_hand, &name);
-            add(&mut paths, path, method, completed(operation.clone(), path, &scope));
+            let mut operation = completed(operation.clone(), path, &scope);
+            let metadata = rpc_of(contract, &name).and_then(|rpc| contract.metadata(rpc));
+            if let Some(parameters) = operation["parameters"].as_array_mut() {
+                let fields = metadata.into_iter().flat_map(|name| contract.shown(name));
+                parameters.extend(fields.map(|f| parameter(contract, &comments, &f)));
+            }
+            add(&mut paths, path, method, operation);
         }
     }
     for rpc in &contract.rpcs {
@@ -209,14 +216,14 @@ fn binary() -> Value {
     json!({"schema": {"type": "string", "format": "binary"}})
 }
 
-/// A parameter of the query. Lists are numbers with commas between them.
+/// A parameter of the query. Lists are numbers with commas between them, messages are JSON.
 fn parameter(contract: &Contract, comments: &Comments, field: &Shown) -> Value {
-    let mut schema = match super::contract::is_repeated(&field.field) {
+    let is_text = is_repeated(&field.field) || field.field.r#type() == Type::Message;
+    let mut schema = match is_text {
         true => json!({"type": "string"}),
         false => schema::plain(contract, &field.field),
     };
     let options = contract.field(&field.of.0, field.field.name());
-    assert!(options.form == Form::Usual, "a parameter is plain");
     if !options.pattern.is_empty() {
         schema["pattern"] = options.pattern.into();
     }
@@ -224,7 +231,7 @@ fn parameter(contract: &Contract, comments: &Comments, field: &Shown) -> Value {
         schema["maxLength"] = options.max_length.into();
     }
     json!({
-        "name": field.field.name(), "in": "query", "schema": schema,
+        "name": field.name(contract), "in": "query", "schema": schema,
         "description": comments.of_field(&field.of),
     })
 }

@@ -107,11 +107,6 @@ fn requirements(of_job: Requirements) -> Option<v1::WorkerRequirements> {
     (!any).then_some(v1::WorkerRequirements { backend, memory_bytes, labels })
 }
 
-pub(super) fn read_requirements(wire: Option<v1::WorkerRequirements>) -> Requirements {
-    let v1::WorkerRequirements { backend, memory_bytes, labels } = wire.unwrap_or_default();
-    Requirements { backend, memory_bytes, labels, version: None }
-}
-
 fn job(job: Job) -> v1::Job {
     v1::Job {
         state: state(job.state).into(),

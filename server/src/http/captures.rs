@@ -6,18 +6,15 @@ use axum::{
     response::{IntoResponse, Response},
 };
 
-use serde::Deserialize;
+use bendtwin_proto::v1::CaptureMetadata;
 
 use super::{
     Result,
     download::{download, inline},
-    extract::{self, Id, Params},
+    extract::{self, Id, Metadata},
     message::document,
 };
-use crate::{
-    app::{App, CaptureUpload, read_requirements},
-    grpc::convert,
-};
+use crate::{app::App, grpc::convert};
 
 /// Security policy of a report's page. The page was made from an untrusted file, so it may show its
 /// text and embedded pictures, and has no scripts, no network, no forms and no origin.
@@ -28,39 +25,17 @@ const REPORT_POLICY: &str = "default-src 'none'; style-src 'unsafe-inline'; img-
 const ARCHIVES: &[&str] =
     &["application/zip", "application/x-tar", "application/gzip", "application/octet-stream"];
 
-/// The name of a capture, and the settings for reading it.
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-pub(super) struct CaptureParams {
-    #[serde(default)]
-    display_name: String,
-    /// BLAKE3 of the body, hex; checked. Headers may give it instead.
-    #[serde(default)]
-    digest: String,
-    /// Settings of the ingest that differ from the defaults, as JSON.
-    #[serde(default)]
-    ingest: String,
-    /// Worker that the ingest asks for, as JSON.
-    #[serde(default)]
-    ingest_requirements: String,
-}
-
 /// Upload a capture
 pub(super) async fn create(
     State(app): State<App>,
-    Params(params): Params<CaptureParams>,
+    Metadata(mut metadata): Metadata<CaptureMetadata>,
     request: Request,
 ) -> Result<Response> {
     extract::expect_type(request.headers(), ARCHIVES)?;
-    let upload = CaptureUpload {
-        display_name: params.display_name,
-        request_id: extract::idempotency_key(request.headers())?,
-        digest: extract::declared_digest(request.headers(), params.digest)?,
-        ingest_json: params.ingest,
-        requirements: read_requirements(&params.ingest_requirements)?,
-        body: extract::upload_body(request),
-    };
-    let capture = convert::capture(app.create_capture(upload).await?);
+    metadata.request_id = extract::idempotency_key(request.headers())?;
+    metadata.digest = extract::declared_digest(request.headers(), metadata.digest)?;
+    let body = extract::upload_body(request);
+    let capture = convert::capture(app.create_capture(metadata, body).await?);
     let location = [(header::LOCATION, format!("/v1/{}", capture.name))];
     Ok((StatusCode::CREATED, location, document(&capture)).into_response())
 }

@@ -5,46 +5,32 @@ use axum::{
     http::{HeaderMap, StatusCode, header},
     response::{IntoResponse, Response},
 };
-use bendtwin_proto::json::TensorFormat;
+use bendtwin_proto::{json::TensorFormat, v1::TwinMetadata};
 use serde::Deserialize;
 
 use super::{
     Result,
     download::download,
-    extract::{self, Id, Params},
+    extract::{self, Id, Metadata, Params},
     message::document,
     rollouts::document::answer,
 };
 use crate::{
-    app::{App, Geometry, TwinUpload},
+    app::{App, Geometry},
     grpc::convert,
 };
-
-/// The name of a twin file.
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-pub(super) struct UploadParams {
-    #[serde(default)]
-    display_name: String,
-    /// BLAKE3 of the body, hex; checked. Headers may give it instead.
-    #[serde(default)]
-    digest: String,
-}
 
 /// Import a twin file
 pub(super) async fn create(
     State(app): State<App>,
-    Params(params): Params<UploadParams>,
+    Metadata(mut metadata): Metadata<TwinMetadata>,
     request: Request,
 ) -> Result<Response> {
     extract::expect_type(request.headers(), &["application/octet-stream"])?;
-    let upload = TwinUpload {
-        display_name: params.display_name,
-        request_id: extract::idempotency_key(request.headers())?,
-        digest: extract::declared_digest(request.headers(), params.digest)?,
-        body: extract::upload_body(request),
-    };
-    let twin = convert::twin(app.create_twin(upload).await?);
+    metadata.request_id = extract::idempotency_key(request.headers())?;
+    metadata.digest = extract::declared_digest(request.headers(), metadata.digest)?;
+    let body = extract::upload_body(request);
+    let twin = convert::twin(app.create_twin(metadata, body).await?);
     let location = [(header::LOCATION, format!("/v1/{}", twin.name))];
     Ok((StatusCode::CREATED, location, document(&twin)).into_response())
 }
