@@ -1,10 +1,13 @@
-//! Rollouts and sessions as JSON: requests and replies with the fields of the messages, by their names in the
-//! .proto files. The fields of a message are generated from its descriptor; by hand are tensors and
-//! the words of enums. An unknown field is refused, a field that is null or left out has its
-//! default.
+//! Requests and replies as JSON, with the fields of the messages, by their names in the .proto files. The
+//! fields of a message are generated from its descriptor and from the options of `options.proto`; by
+//! hand are tensors, times, nested documents and the words of enums. An unknown field is refused, a
+//! field that is null or left out has its default.
 
+mod document;
 mod fields;
+mod pairs;
 mod tensor;
+mod time;
 
 use serde::{
     Deserialize, Deserializer, Serialize, Serializer,
@@ -13,14 +16,20 @@ use serde::{
 };
 
 use self::{
+    document::{document, write_document},
     fields::{
-        Fields, Words, message, messages, only_one, word, write_message, write_messages, write_word,
+        Words, filled, message, messages, only_one, word, write_message, write_messages, write_word,
     },
     tensor::{tensor, write_tensor},
+    time::{Time, time},
 };
 use crate::v1::tensor::Dtype;
 
-pub use self::tensor::TensorFormat;
+pub use self::{
+    fields::Fields,
+    pairs::{from_pairs, from_query},
+    tensor::TensorFormat,
+};
 
 /// A message read from JSON.
 #[derive(Clone, Debug, Default, PartialEq)]

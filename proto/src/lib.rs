@@ -7,6 +7,7 @@ pub mod deadline;
 pub mod fault;
 mod job;
 pub mod json;
+pub mod routes;
 pub mod tensor;
 
 /// The public API.
@@ -27,3 +28,6 @@ pub mod worker {
 /// The encoded `FileDescriptorSet` of all services, for reflection and for descriptions of
 /// messages.
 pub const DESCRIPTORS: &[u8] = include_bytes!("generated/descriptors.bin");
+
+/// The description of the HTTP API, OpenAPI 3.1 as JSON.
+pub const OPENAPI: &str = include_str!("generated/openapi.json");

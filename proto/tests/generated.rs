@@ -7,12 +7,20 @@
 //! BENDTWIN_BLESS=1 cargo test -p bendtwin-proto --test generated
 //! ```
 
+#[path = "generated/contract.rs"]
+mod contract;
 #[path = "generated/json.rs"]
 mod json;
+#[path = "generated/openapi.rs"]
+mod openapi;
+#[path = "generated/routes.rs"]
+mod routes;
+#[path = "generated/schema.rs"]
+mod schema;
 
 use std::{collections::BTreeMap, path::Path};
 
-use prost::Message as _;
+use contract::Contract;
 
 const FILES: [&str; 15] = [
     "bendtwin/v1/tensor.proto",
@@ -32,6 +40,7 @@ const FILES: [&str; 15] = [
     "bendtwin/worker/v1/worker_link.proto",
 ];
 
+<<<<<<< HEAD
 /// Messages that the Rust client hands on as they are, in values that are printed as JSON.
 const WRITTEN_BY_SERDE: [&str; 6] = [
     "bendtwin.v1.KeyQuotas",
@@ -45,6 +54,12 @@ const WRITTEN_BY_SERDE: [&str; 6] = [
 const TWINS: &str = "bendtwin/v1/twin.proto";
 const EVALUATIONS: &str = "bendtwin/v1/evaluation.proto";
 
+||||||| e7b0ac44
+const TWINS: &str = "bendtwin/v1/twin.proto";
+const EVALUATIONS: &str = "bendtwin/v1/evaluation.proto";
+
+=======
+>>>>>>> http_b
 #[test]
 fn the_generated_code_is_that_of_the_proto_files() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
@@ -71,8 +86,14 @@ fn the_generated_code_is_that_of_the_proto_files() {
 
 /// Generated files by name.
 fn generate(root: &Path) -> BTreeMap<String, Vec<u8>> {
-    let descriptors = protox::compile(FILES, [root]).unwrap();
+    let mut compiler = protox::Compiler::new([root]).unwrap();
+    compiler.include_imports(true).include_source_info(true).open_files(FILES).unwrap();
+    let descriptors = compiler.file_descriptor_set();
+    let contract = Contract::read(descriptors.clone(), &compiler.descriptor_pool());
+    let by_hand = std::fs::read(root.join("http/by_hand.json")).unwrap();
+    let by_hand = serde_json::from_slice(&by_hand).unwrap();
     let folder = tempfile::tempdir().unwrap();
+<<<<<<< HEAD
     std::fs::write(folder.path().join("descriptors.bin"), descriptors.encode_to_vec()).unwrap();
     let in_json = [
         "bendtwin/v1/fault.proto",
@@ -98,6 +119,46 @@ fn generate(root: &Path) -> BTreeMap<String, Vec<u8>> {
     }
     let states = r#"#[derive(serde::Serialize)] #[serde(rename_all = "SCREAMING_SNAKE_CASE")]"#;
     code.type_attribute("bendtwin.v1.Job.State", states).compile_fds(descriptors).unwrap();
+||||||| e7b0ac44
+    std::fs::write(folder.path().join("descriptors.bin"), descriptors.encode_to_vec()).unwrap();
+    let in_json = [
+        "bendtwin/v1/fault.proto",
+        "bendtwin/v1/world.proto",
+        "bendtwin/v1/rollout.proto",
+        "bendtwin/v1/planning.proto",
+        "bendtwin/v1/registration.proto",
+        "bendtwin/v1/session.proto",
+    ];
+    // Of twins only their geometry has tensors, of evaluations the motion.
+    let alone = |file: &str, wanted: &str| {
+        let mut file = descriptors.file.iter().find(|f| f.name() == file).unwrap().clone();
+        file.message_type.retain(|message| message.name() == wanted);
+        file
+    };
+    let single = [alone(TWINS, "TwinGeometry"), alone(EVALUATIONS, "PredictedMotion")];
+    let whole = descriptors.file.iter().filter(|f| in_json.contains(&f.name()));
+    let code = json::implementations(whole.chain(&single));
+    std::fs::write(folder.path().join("json.rs"), code).unwrap();
+    tonic_prost_build::configure()
+        .bytes(".")
+        .out_dir(folder.path())
+        .compile_fds(descriptors)
+        .unwrap();
+=======
+    let write =
+        |name: &str, content: &[u8]| std::fs::write(folder.path().join(name), content).unwrap();
+    // With the options, which the types of prost do not keep.
+    write("descriptors.bin", &compiler.encode_file_descriptor_set());
+    write("json.rs", json::implementations(&contract).as_bytes());
+    write("routes.rs", routes::table(&contract).as_bytes());
+    write("routes_by_hand.rs", routes::by_hand(&contract, &by_hand).as_bytes());
+    write("openapi.json", openapi::document(&contract, &by_hand).as_bytes());
+    tonic_prost_build::configure()
+        .bytes(".")
+        .out_dir(folder.path())
+        .compile_fds(descriptors)
+        .unwrap();
+>>>>>>> http_b
     read(folder.path())
 }
 

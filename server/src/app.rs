@@ -35,7 +35,6 @@ use crate::{
     play::Plays, readiness::Readiness, tls::Certificates, tokens::Tokens,
 };
 
-pub(crate) use captures::CaptureUpload;
 pub(crate) use fits::FitOrder;
 pub(crate) use geometry::Geometry;
 pub(crate) use ingests::{IngestPart, IngestUpload};
@@ -43,8 +42,7 @@ pub(crate) use jobs::{Attempt, LeasedJob, News, Offer};
 pub(crate) use keys::KeyOrder;
 pub(crate) use labels::{Change, Listing};
 use members::Members;
-pub(crate) use requirements::read as read_requirements;
-pub(crate) use twins::TwinUpload;
+pub(crate) use requirements::of as requirements_of;
 pub(crate) use upload::Body;
 pub(crate) use uploads::{ALGORITHMS, Append, Checksum, NewUpload, capture_name};
 

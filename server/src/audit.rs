@@ -63,3 +63,31 @@ pub(crate) fn not_admitted(caller: &Caller, reason: &str, times: u64) {
 pub(crate) fn made<T>(method: &'static str, done: &Result<T>, name: impl Fn(&T) -> String) {
     changed(method, done.as_ref().map_or_else(|_| String::new(), name), done);
 }
+
+#[cfg(test)]
+mod tests {
+    use std::{collections::BTreeSet, path::Path};
+
+    use bendtwin_proto::routes::RPCS;
+
+    /// Changes by the protocol of uploads, which is none of gRPC.
+    const UPLOADS: [&str; 2] = ["CreateUpload", "TerminateUpload"];
+
+    /// The use cases write the lines, as they know what was made; the contract says which do.
+    #[test]
+    fn what_the_contract_has_audited_is_audited() {
+        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("src/app");
+        let mut audited = BTreeSet::new();
+        for file in std::fs::read_dir(folder).unwrap().map(|file| file.unwrap().path()) {
+            let Ok(source) = std::fs::read_to_string(file) else { continue };
+            for call in source.split("audit::").skip(1) {
+                let call = call.strip_prefix("changed(").or_else(|| call.strip_prefix("made("));
+                let method = call.and_then(|call| call.split('"').nth(1));
+                audited.extend(method.map(str::to_owned));
+            }
+        }
+        let stated = RPCS.iter().filter(|rpc| rpc.audited).map(|rpc| rpc.method());
+        let stated: BTreeSet<_> = stated.chain(UPLOADS).map(str::to_owned).collect();
+        assert_eq!(audited, stated);
+    }
+}

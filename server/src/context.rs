@@ -123,13 +123,16 @@ fn is_trace_parent(text: &str) -> bool {
 pub(crate) fn redact(fault: Fault, request_id: &str) -> Fault {
     match fault.category {
         Category::Internal | Category::DataLoss => {
-            tracing::error!(reason = fault.reason, request_id, "{}", fault.message);
             let what = if fault.category == Category::Internal {
                 "the server failed"
             } else {
                 "stored data is missing or damaged"
             };
             let message = format!("{what}: report this with the request id {request_id}");
+            // A reply that passes two transports is told once.
+            if fault.message != message {
+                tracing::error!(reason = fault.reason, request_id, "{}", fault.message);
+            }
             Fault { message, ..fault }
         }
         _ => fault,

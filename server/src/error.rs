@@ -9,11 +9,10 @@ use axum::{
     response::{IntoResponse, Response},
 };
 use bendtwin_core::{Category, Fault, Problem};
-use bendtwin_proto::fault::{ERROR_DOMAIN, category_name, code};
+use bendtwin_proto::fault::{ERROR_DOMAIN, category_name, code, fault};
 use serde::{Deserialize, Serialize};
 use tonic::Status;
 use tonic_types::{ErrorDetails, StatusExt as _};
-use utoipa::ToSchema;
 
 use crate::{
     context::{self, Context},
@@ -63,7 +62,7 @@ pub(crate) struct Refusal {
 }
 
 /// An RFC 9457 problem document.
-#[derive(Clone, Debug, Serialize, Deserialize, ToSchema)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub(crate) struct ProblemDocument {
     /// `urn:bendtwin:error:{reason}`.
     #[serde(rename = "type")]
@@ -83,6 +82,12 @@ pub(crate) struct ProblemDocument {
 impl Refusal {
     pub(crate) fn new(fault: Fault) -> Self {
         Self { status: http_status(fault.category), fault, retry_after: None }
+    }
+
+    /// The refusal that a status tells of.
+    pub(crate) fn of_status(status: &Status) -> Self {
+        let retry_after = status.get_details_retry_info().and_then(|info| info.retry_delay);
+        Self::new(fault(status)).retry_after(retry_after)
     }
 
     /// With a status that only HTTP has.

@@ -2,7 +2,7 @@
 //! application and the outcome into a message. No decisions are made here.
 
 mod captures;
-mod convert;
+pub(crate) mod convert;
 mod counted;
 mod evaluations;
 mod fits;

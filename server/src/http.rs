@@ -3,66 +3,37 @@
 
 mod captures;
 mod console;
-mod describe;
 mod docs;
 mod download;
 mod evaluations;
 mod events;
 mod extract;
-mod fits;
-mod keys;
-mod labels;
+mod gateway;
 mod message;
 mod operations;
 pub(crate) mod origin;
 mod plans;
 mod plays;
 mod registrations;
-mod resource;
 mod rollouts;
 pub(crate) mod root_service;
 mod sessions;
 mod twins;
 pub(crate) mod uploads;
-mod workers;
 
-use axum::http::StatusCode;
-use utoipa::OpenApi;
-use utoipa_axum::{router::OpenApiRouter, routes};
+use axum::{handler::Handler, http::StatusCode, routing, routing::MethodFilter};
 
 use crate::{app::App, error::Refusal};
 
 /// Result of a handler.
 type Result<T, E = Refusal> = std::result::Result<T, E>;
 
-#[derive(OpenApi)]
-#[openapi(
-    info(
-        title = "BendTwin",
-        description = "Captures in, twins out, rollouts served. The same API over gRPC is \
-                       bendtwin.v1, on the same port."
-    ),
-    tags(
-        (name = "captures", description = "Recordings of soft objects"),
-        (name = "uploads", description = "Resumable uploads of captures: tus 1.0.0"),
-        (name = "fits", description = "Fit jobs: capture in, twin out"),
-        (name = "twins", description = "Fitted twins"),
-        (name = "rollouts", description = "Predictions"),
-        (name = "plans", description = "Actions that lower the costs of a rollout"),
-        (name = "plays", description = "Simulations in real time that a person moves"),
-        (name = "sessions", description = "Simulations that stay between calls"),
-        (name = "keys", description = "Keys of clients: scope `admin`"),
-        (name = "workers", description = "Worker processes"),
-        (name = "operations", description = "Health and metrics"),
-    )
-)]
-struct Description;
-
-/// All routes, and the fallbacks for what is none.
-pub(crate) fn router(app: &App) -> axum::Router {
-    let (router, description) = described().split_for_parts();
-    let router = router
-        .merge(docs::router(&description))
+/// All routes, and the fallbacks for what is none. The services of gRPC answer those of plain
+/// messages.
+pub(crate) fn router(app: &App, grpc: &axum::Router) -> axum::Router {
+    let router = gateway::router(grpc)
+        .merge(by_hand().router)
+        .merge(docs::router())
         .merge(console::router())
         .route_layer(axum::middleware::from_fn(root_service::authorize))
         .route_layer(axum::middleware::from_fn(root_service::note_route));
@@ -71,12 +42,8 @@ pub(crate) fn router(app: &App) -> axum::Router {
 
 /// The routes of the workers' listener, for operators.
 pub(crate) fn operations_router(app: &App) -> axum::Router {
-    let (router, _) = OpenApiRouter::new()
-        .routes(routes!(operations::healthz))
-        .routes(routes!(operations::readyz))
-        .routes(routes!(operations::metrics))
-        .split_for_parts();
-    let router = router
+    let router = for_operators()
+        .router
         .route_layer(axum::middleware::from_fn(root_service::authorize))
         .route_layer(axum::middleware::from_fn(root_service::note_route));
     with_fallbacks(router).with_state(app.clone())
@@ -94,50 +61,79 @@ fn no_such_route() -> Refusal {
     Refusal::http_only(StatusCode::NOT_FOUND, "NO_SUCH_ROUTE", message)
 }
 
-pub(crate) fn described() -> OpenApiRouter<App> {
-    OpenApiRouter::with_openapi(Description::openapi())
-        .routes(routes!(captures::list, captures::create))
-        .routes(routes!(captures::get, captures::update, captures::delete))
-        .routes(routes!(captures::content))
-        .routes(routes!(captures::ingest))
-        .routes(routes!(captures::cancel_ingest))
-        .routes(routes!(captures::report))
-        .routes(routes!(captures::report_page))
-        .routes(routes!(captures::observation))
-        .routes(routes!(captures::playback))
-        .routes(routes!(events::watch_ingest))
+/// Routes with handlers of their own, and the name of each, `METHOD /path`, which a test compares with
+/// the contract.
+#[derive(Default)]
+pub(crate) struct Routes {
+    router: axum::Router<App>,
+    pub(crate) names: Vec<String>,
+}
+
+impl Routes {
+    fn on<H, T>(mut self, method: &str, path: &str, handler: H) -> Self
+    where
+        H: Handler<T, App>,
+        T: 'static,
+    {
+        self.names.push(format!("{method} {path}"));
+        let router = self.router.route(path, routing::on(method_filter(method), handler));
+        Self { router, ..self }
+    }
+
+    fn merge(mut self, others: Self) -> Self {
+        self.names.extend(others.names);
+        Self { router: self.router.merge(others.router), ..self }
+    }
+}
+
+fn method_filter(method: &str) -> MethodFilter {
+    match method {
+        "GET" => MethodFilter::GET,
+        "HEAD" => MethodFilter::HEAD,
+        "POST" => MethodFilter::POST,
+        "PUT" => MethodFilter::PUT,
+        "PATCH" => MethodFilter::PATCH,
+        "DELETE" => MethodFilter::DELETE,
+        _ => MethodFilter::OPTIONS,
+    }
+}
+
+/// Bytes, events, plays, and messages with tensors, whose memory is counted.
+pub(crate) fn by_hand() -> Routes {
+    for_operators()
         .merge(uploads::routes())
-        .routes(routes!(fits::list, fits::create))
-        .routes(routes!(fits::get, fits::update, fits::delete))
-        .routes(routes!(fits::losses))
-        .routes(routes!(fits::cancel))
-        .routes(routes!(events::watch))
-        .routes(routes!(twins::list, twins::create))
-        .routes(routes!(twins::get, twins::update, twins::delete))
-        .routes(routes!(twins::content))
-        .routes(routes!(twins::geometry))
-        .routes(routes!(rollouts::create))
-        .routes(routes!(rollouts::stream::stream))
-        .routes(routes!(plans::create))
-        .routes(routes!(registrations::register))
-        .routes(routes!(evaluations::create))
-        .routes(routes!(sessions::open))
-        .routes(routes!(sessions::get, sessions::close))
-        .routes(routes!(sessions::states))
-        .routes(routes!(sessions::advance))
-        .routes(routes!(sessions::correct))
-        .routes(routes!(sessions::fork))
-        .routes(routes!(sessions::reset))
-        .routes(routes!(sessions::step))
-        .routes(routes!(plays::play))
-        .routes(routes!(plays::watch))
-        .routes(routes!(plays::recording, plays::put_recording))
-        .routes(routes!(keys::list, keys::create))
-        .routes(routes!(keys::get, keys::revoke))
-        .routes(routes!(workers::list))
-        .routes(routes!(workers::get))
-        .routes(routes!(workers::drain))
-        .routes(routes!(operations::healthz))
-        .routes(routes!(operations::readyz))
-        .routes(routes!(operations::metrics))
+        .on("POST", "/v1/captures", captures::create)
+        .on("GET", "/v1/captures/{id}/content", captures::content)
+        .on("GET", "/v1/captures/{id}/report", captures::report)
+        .on("GET", "/v1/captures/{id}/report.html", captures::report_page)
+        .on("GET", "/v1/captures/{id}/observation", captures::observation)
+        .on("GET", "/v1/captures/{id}/playback", captures::playback)
+        .on("GET", "/v1/captures/{id}/events", events::watch_ingest)
+        .on("GET", "/v1/fits/{id}/events", events::watch)
+        .on("POST", "/v1/twins", twins::create)
+        .on("GET", "/v1/twins/{id}/content", twins::content)
+        .on("GET", "/v1/twins/{id}/geometry", twins::geometry)
+        .on("POST", "/v1/twins/{id}/rollouts", rollouts::create)
+        .on("POST", "/v1/twins/{id}/rollouts/stream", rollouts::stream::stream)
+        .on("POST", "/v1/twins/{id}/register", registrations::register)
+        .on("POST", "/v1/twins/{id}/evaluations", evaluations::create)
+        .on("POST", "/v1/plans", plans::create)
+        .on("POST", "/v1/sessions", sessions::open)
+        .on("GET", "/v1/sessions/{id}/states", sessions::states)
+        .on("POST", "/v1/sessions/{id}/advance", sessions::advance)
+        .on("POST", "/v1/sessions/{id}/correct", sessions::correct)
+        .on("POST", "/v1/sessions/{id}/fork", sessions::fork)
+        .on("POST", "/v1/sessions/{id}/reset", sessions::reset)
+        .on("POST", "/v1/sessions/{id}/step", sessions::step)
+        .on("GET", "/v1/twins/{id}/play", plays::play)
+        .on("GET", "/v1/plays/{id}/watch", plays::watch)
+        .on("GET", "/v1/plays/{id}/recording", plays::recording)
+        .on("PUT", "/v1/plays/{id}/recording", plays::put_recording)
+}
+
+fn for_operators() -> Routes {
+    Routes::default()
+        .on("GET", "/healthz", operations::healthz)
+        .on("GET", "/readyz", operations::readyz)
+        .on("GET", "/metrics", operations::metrics)
 }

@@ -9,7 +9,6 @@ use std::{
 
 use serde::Serialize;
 use tokio::{sync::watch, time::Instant};
-use utoipa::ToSchema;
 
 use crate::app::App;
 
@@ -21,7 +20,7 @@ const PATIENCE: Duration = Duration::from_secs(2);
 const STALE: Duration = Duration::from_secs(10);
 
 /// A condition of readiness.
-#[derive(Clone, Debug, Serialize, ToSchema)]
+#[derive(Clone, Debug, Serialize)]
 pub(crate) struct Check {
     /// running, writes, disk or workers
     pub(crate) name: &'static str,

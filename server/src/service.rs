@@ -142,9 +142,10 @@ impl Service {
         tracing::info!(memory_mib, worker_memory_mib, "memory for requests, and of each worker");
         let app = App::new(options, store, certificates);
         app.recover().await.map_err(|e| StartError::Recovery(e.to_string()))?;
+        let grpc = grpc::router(&app).await?;
         let root_service = RootService {
-            http: http::router(&app),
-            grpc: grpc::router(&app).await?,
+            http: http::router(&app, &grpc),
+            grpc,
             metrics: app.metrics.clone(),
             methods: grpc::methods()?.into(),
             hosts,

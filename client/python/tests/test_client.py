@@ -102,7 +102,7 @@ def test_a_capture_is_watched_until_it_is_read(client, fake, tmp_path):
     path = tmp_path / "rope.zip"
     path.write_bytes(b"x")
     capture = client.upload_capture(path, ingest={"spacing_m": 0.004})
-    assert fake.metadata.ingest_settings_json == '{"spacing_m": 0.004}'
+    assert fake.metadata.ingest_json == '{"spacing_m": 0.004}'
     seen = []
     ended = client.wait_for_capture(
         capture, timeout_s=30, on_progress=lambda c: seen.append(c.ingest.revision)

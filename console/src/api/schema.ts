@@ -9,7 +9,7 @@ export interface paths {
             cookie?: never;
         };
         /** Liveness */
-        get: operations["operations.healthz"];
+        get: operations["GetHealth"];
         put?: never;
         post?: never;
         delete?: never;
@@ -26,7 +26,7 @@ export interface paths {
             cookie?: never;
         };
         /** Metrics for Prometheus */
-        get: operations["operations.metrics"];
+        get: operations["GetMetrics"];
         put?: never;
         post?: never;
         delete?: never;
@@ -43,7 +43,7 @@ export interface paths {
             cookie?: never;
         };
         /** Readiness */
-        get: operations["operations.readyz"];
+        get: operations["GetReadiness"];
         put?: never;
         post?: never;
         delete?: never;
@@ -60,14 +60,13 @@ export interface paths {
             cookie?: never;
         };
         /** List captures */
-        get: operations["captures.list"];
+        get: operations["ListCaptures"];
         put?: never;
         /**
          * Upload a capture
-         * @description The body is the archive, ZIP or tar, or an MCAP file. It is read in the background: `ingest` in the response has the
-         *     progress. The same archive under the same `Idempotency-Key` answers with the existing capture.
+         * @description The body is the archive, ZIP or tar, or an MCAP file. It is read in the background: `ingest` in the response has the progress. The same archive under the same `Idempotency-Key` answers with the existing capture.
          */
-        post: operations["captures.create"];
+        post: operations["CreateCapture"];
         delete?: never;
         options?: never;
         head?: never;
@@ -81,20 +80,22 @@ export interface paths {
             path?: never;
             cookie?: never;
         };
-        /** One capture */
-        get: operations["captures.get"];
+        /** Get capture */
+        get: operations["GetCapture"];
         put?: never;
         post?: never;
         /**
-         * Delete a capture
-         * @description Its observation, playback and report are deleted, too. Refused while a fit of it is queued or running. Its
-         *     twins stay.
+         * Delete capture
+         * @description Deletes its observation, playback and report, too. Refused with FAILED_PRECONDITION while a fit of it is queued or running. Twins stay.
          */
-        delete: operations["captures.delete"];
+        delete: operations["DeleteCapture"];
         options?: never;
         head?: never;
-        /** Change name, note and tags of a capture */
-        patch: operations["captures.update"];
+        /**
+         * Update capture
+         * @description Changes display name, note and tags.
+         */
+        patch: operations["UpdateCapture"];
         trace?: never;
     };
     "/v1/captures/{id}/content": {
@@ -105,7 +106,7 @@ export interface paths {
             cookie?: never;
         };
         /** Download the archive of a capture */
-        get: operations["captures.content"];
+        get: operations["GetCaptureContent"];
         put?: never;
         post?: never;
         delete?: never;
@@ -122,11 +123,10 @@ export interface paths {
             cookie?: never;
         };
         /**
-         * Watch a capture being read
-         * @description Server-sent events named `capture`, each with the whole capture as data and the
-         *     revision of its ingest as id, until that has ended. `Last-Event-ID` skips what is known.
+         * Watch ingest
+         * @description The capture now and after every change of its ingest, until that has ended. Over HTTP events named `capture`, with the revision of the ingest as id; `Last-Event-ID` skips what is known.
          */
-        get: operations["captures.watch_ingest"];
+        get: operations["WatchIngest"];
         put?: never;
         post?: never;
         delete?: never;
@@ -145,11 +145,10 @@ export interface paths {
         get?: never;
         put?: never;
         /**
-         * Read a capture again
-         * @description For example with other settings. Refused while it is being read, and while a fit of it is queued
-         *     or running.
+         * Ingest capture
+         * @description Runs the ingest again, for example with other settings. Refused with FAILED_PRECONDITION while it is under way, and while a fit of the capture is queued or running.
          */
-        post: operations["captures.ingest"];
+        post: operations["IngestCapture"];
         delete?: never;
         options?: never;
         head?: never;
@@ -166,10 +165,10 @@ export interface paths {
         get?: never;
         put?: never;
         /**
-         * Ask the ingest of a capture to stop
-         * @description An ingest that has ended is returned as it is.
+         * Cancel ingest
+         * @description Asks the ingest to stop; one that has ended is returned as it is.
          */
-        post: operations["captures.cancel_ingest"];
+        post: operations["CancelIngest"];
         delete?: never;
         options?: never;
         head?: never;
@@ -187,7 +186,7 @@ export interface paths {
          * Download the observation of a capture
          * @description The bundle that fits read: tracked points in space, whatever the format of the capture.
          */
-        get: operations["captures.observation"];
+        get: operations["ExportObservation"];
         put?: never;
         post?: never;
         delete?: never;
@@ -205,11 +204,9 @@ export interface paths {
         };
         /**
          * Download the playback of a capture
-         * @description What a player shows, for reading by ranges: tracked points as 16-bit numbers and small images of
-         *     the cameras (docs/playback.md). A capture that was read before there were playbacks has none until
-         *     its ingest is run again.
+         * @description What a player shows, for reading by ranges: tracked points as 16-bit numbers and small images of the cameras (docs/playback.md). A capture that was read before there were playbacks has none until its ingest is run again.
          */
-        get: operations["captures.playback"];
+        get: operations["GetPlayback"];
         put?: never;
         post?: never;
         delete?: never;
@@ -226,7 +223,7 @@ export interface paths {
             cookie?: never;
         };
         /** The report of a capture */
-        get: operations["captures.report"];
+        get: operations["GetCaptureReport"];
         put?: never;
         post?: never;
         delete?: never;
@@ -246,7 +243,7 @@ export interface paths {
          * The report of a capture as a page
          * @description The pictures are embedded. The page has no scripts, and its security policy allows none.
          */
-        get: operations["captures.report_page"];
+        get: operations["GetCaptureReportPage"];
         put?: never;
         post?: never;
         delete?: never;
@@ -263,10 +260,13 @@ export interface paths {
             cookie?: never;
         };
         /** List fits */
-        get: operations["fits.list"];
+        get: operations["ListFits"];
         put?: never;
-        /** Queue a fit */
-        post: operations["fits.create"];
+        /**
+         * Create fit
+         * @description Queues a fit.
+         */
+        post: operations["CreateFit"];
         delete?: never;
         options?: never;
         head?: never;
@@ -280,19 +280,22 @@ export interface paths {
             path?: never;
             cookie?: never;
         };
-        /** One fit */
-        get: operations["fits.get"];
+        /** Get fit */
+        get: operations["GetFit"];
         put?: never;
         post?: never;
         /**
-         * Delete a fit
-         * @description Refused while it runs. Its twin stays.
+         * Delete fit
+         * @description Refused with FAILED_PRECONDITION while it runs: cancel it first. Its twin stays.
          */
-        delete: operations["fits.delete"];
+        delete: operations["DeleteFit"];
         options?: never;
         head?: never;
-        /** Change name, note and tags of a fit */
-        patch: operations["fits.update"];
+        /**
+         * Update fit
+         * @description Changes display name, note and tags.
+         */
+        patch: operations["UpdateFit"];
         trace?: never;
     };
     "/v1/fits/{id}/cancel": {
@@ -305,10 +308,10 @@ export interface paths {
         get?: never;
         put?: never;
         /**
-         * Ask a fit to stop
-         * @description A fit that has ended is returned as it is.
+         * Cancel fit
+         * @description Asks a queued or running fit to stop; a fit that has ended is returned as it is.
          */
-        post: operations["fits.cancel"];
+        post: operations["CancelFit"];
         delete?: never;
         options?: never;
         head?: never;
@@ -323,11 +326,10 @@ export interface paths {
             cookie?: never;
         };
         /**
-         * Watch a fit
-         * @description Server-sent events named `fit`, each with the whole fit as data and its
-         *     revision as id, until it has ended. `Last-Event-ID` skips what is known.
+         * Watch fit
+         * @description The fit now and after every change, until it has ended. Over HTTP events named `fit`, with the revision as id; `Last-Event-ID` skips what is known.
          */
-        get: operations["fits.watch"];
+        get: operations["WatchFit"];
         put?: never;
         post?: never;
         delete?: never;
@@ -344,10 +346,10 @@ export interface paths {
             cookie?: never;
         };
         /**
-         * The losses of a fit
-         * @description Of all iterations so far, by stage and model. They stay until the fit is deleted.
+         * Get fit losses
+         * @description The losses of all iterations so far, by stage and model. They stay until the fit is deleted.
          */
-        get: operations["fits.losses"];
+        get: operations["GetFitLosses"];
         put?: never;
         post?: never;
         delete?: never;
@@ -367,13 +369,13 @@ export interface paths {
          * List keys
          * @description Newest first; revoked and expired keys are among them.
          */
-        get: operations["keys.list"];
+        get: operations["ListKeys"];
         put?: never;
         /**
-         * Make a key
-         * @description The response has the key itself, which is stored nowhere: keep it.
+         * Create key
+         * @description Makes a key. Its text is in the reply and nowhere else: the server stores a hash of it.
          */
-        post: operations["keys.create"];
+        post: operations["CreateKey"];
         delete?: never;
         options?: never;
         head?: never;
@@ -387,15 +389,15 @@ export interface paths {
             path?: never;
             cookie?: never;
         };
-        /** One key */
-        get: operations["keys.get"];
+        /** Get key */
+        get: operations["GetKey"];
         put?: never;
         post?: never;
         /**
-         * Revoke a key
-         * @description No server accepts it 30 s later. It stays in the list, with its `revoke_time`.
+         * Delete key
+         * @description Revokes a key: no server accepts it 30 s later. It stays in the list, with its `revoke_time`.
          */
-        delete: operations["keys.revoke"];
+        delete: operations["DeleteKey"];
         options?: never;
         head?: never;
         patch?: never;
@@ -412,12 +414,9 @@ export interface paths {
         put?: never;
         /**
          * Plan
-         * @description Actions that lower the costs of a rollout, found at the server. Server-sent events named `update`,
-         *     each with a PlanUpdate as data: one after each iteration with the best so far, and a last one. An
-         *     event named `error` has a problem document as data, and ends them. Closing the connection stops
-         *     the work. The body is JSON or, as `application/x-protobuf`, the message PlanRequest of bendtwin.v1.
+         * @description One update after each iteration with the best so far, and a last one. The best is never worse than the nominal plan: whatever comes back was simulated, with that cost. A plan that strains the material beyond the limit counts as worse than every plan that does not, whatever its cost; of plans beyond it the one that is beyond it least is best. Over HTTP events named `update`; closing the connection stops the work.
          */
-        post: operations["plans.create"];
+        post: operations["Plan"];
         delete?: never;
         options?: never;
         head?: never;
@@ -435,12 +434,12 @@ export interface paths {
          * Recording of a play
          * @description The last recording of a play that is under way. Each segment is the body of a rollout.
          */
-        get: operations["plays.recording"];
+        get: operations["GetPlayRecording"];
         /**
          * Put a recording
          * @description In the place of the last one of a play, to be shown again there.
          */
-        put: operations["plays.put_recording"];
+        put: operations["PutPlayRecording"];
         post?: never;
         delete?: never;
         options?: never;
@@ -459,7 +458,7 @@ export interface paths {
          * Watch a play
          * @description A WebSocket on which the states of a play come, for any number of browsers; they move nothing.
          */
-        get: operations["plays.watch"];
+        get: operations["WatchPlay"];
         put?: never;
         post?: never;
         delete?: never;
@@ -478,11 +477,10 @@ export interface paths {
         get?: never;
         put?: never;
         /**
-         * Open a session
-         * @description Simulations of a twin that stay at a worker until they are closed or nobody has used them for
-         *     `idle_timeout_s`.
+         * Open session
+         * @description Opens simulations of a twin that stay at a worker until they are closed, or until nobody has used them for `idle_timeout_s`.
          */
-        post: operations["sessions.open"];
+        post: operations["OpenSession"];
         delete?: never;
         options?: never;
         head?: never;
@@ -496,15 +494,15 @@ export interface paths {
             path?: never;
             cookie?: never;
         };
-        /** One session */
-        get: operations["sessions.get"];
+        /** Get session */
+        get: operations["GetSession"];
         put?: never;
         post?: never;
         /**
-         * Close a session
-         * @description It is no error if it has ended.
+         * Close session
+         * @description Closes a session. It is no error if it has ended.
          */
-        delete: operations["sessions.close"];
+        delete: operations["CloseSession"];
         options?: never;
         head?: never;
         patch?: never;
@@ -520,11 +518,10 @@ export interface paths {
         get?: never;
         put?: never;
         /**
-         * Advance a session
-         * @description Simulates the rollout from where slots are, and leaves them where it ends. Nothing changes if it
-         *     fails or an instance diverges.
+         * Advance session
+         * @description Simulates the rollout from the states of slots, and leaves them in those that it ends in. Nothing changes if it fails or an instance diverges.
          */
-        post: operations["sessions.advance"];
+        post: operations["AdvanceSession"];
         delete?: never;
         options?: never;
         head?: never;
@@ -541,12 +538,10 @@ export interface paths {
         get?: never;
         put?: never;
         /**
-         * Correct slots by what is seen
-         * @description Brings their states closer to points that were seen of the object, in place and outside of
-         *     obstacles; all of them, or none if more than the stated residual is left at one. The reply has the
-         *     corrected states, and says whether slots still follow their object.
+         * Correct session
+         * @description Brings the states of slots closer to what is seen, in place: smoothly, without touching what control points and grasps hold, and outside of the ground and of colliders, on the side of them where nodes were. Their rest shapes take part (CorrectOptions.carry), and belong to the slots from then on, in all that is simulated from them. Ends with FAILED_PRECONDITION if more than the stated residual is left at one of them, reason OBSERVATION_NOT_EXPLAINED, or OBJECT_LOST for a slot that is lost (Tracking); no state changes then.
          */
-        post: operations["sessions.correct"];
+        post: operations["CorrectSession"];
         delete?: never;
         options?: never;
         head?: never;
@@ -562,8 +557,11 @@ export interface paths {
         };
         get?: never;
         put?: never;
-        /** Copy the state of a slot to others */
-        post: operations["sessions.fork"];
+        /**
+         * Fork session
+         * @description Copies the state of a slot to others, and its rest shape.
+         */
+        post: operations["ForkSession"];
         delete?: never;
         options?: never;
         head?: never;
@@ -580,10 +578,10 @@ export interface paths {
         get?: never;
         put?: never;
         /**
-         * Set slots back
-         * @description To the session's first state, or to a given one.
+         * Reset session
+         * @description Sets slots back to the session's first state, or to a given one, and to the rest shape of the twin.
          */
-        post: operations["sessions.reset"];
+        post: operations["ResetSession"];
         delete?: never;
         options?: never;
         head?: never;
@@ -598,10 +596,10 @@ export interface paths {
             cookie?: never;
         };
         /**
-         * States of slots
-         * @description `states` is what `initial.given` takes.
+         * Get session states
+         * @description The states of slots, as `initial.given` takes them, without the rest shapes that corrections gave them.
          */
-        get: operations["sessions.states"];
+        get: operations["GetSessionStates"];
         put?: never;
         post?: never;
         delete?: never;
@@ -620,11 +618,10 @@ export interface paths {
         get?: never;
         put?: never;
         /**
-         * Take a step of a closed loop
-         * @description Corrects a slot by what is seen, plans from there, and advances the slot by the first frames of the
-         *     best plan. All of the request is checked before anything changes.
+         * Step session
+         * @description A step of a closed loop: corrects a slot by what is seen, plans from there, and advances the slot by the first frames of the best plan. All of the request is checked before anything changes. Later failures (EVERY_PLAN_DIVERGED, a lost worker, the deadline of the call) may leave the slot corrected, but not advanced.
          */
-        post: operations["sessions.step"];
+        post: operations["StepSession"];
         delete?: never;
         options?: never;
         head?: never;
@@ -639,10 +636,10 @@ export interface paths {
             cookie?: never;
         };
         /** List twins */
-        get: operations["twins.list"];
+        get: operations["ListTwins"];
         put?: never;
         /** Import a twin file */
-        post: operations["twins.create"];
+        post: operations["CreateTwin"];
         delete?: never;
         options?: never;
         head?: never;
@@ -656,16 +653,19 @@ export interface paths {
             path?: never;
             cookie?: never;
         };
-        /** One twin */
-        get: operations["twins.get"];
+        /** Get twin */
+        get: operations["GetTwin"];
         put?: never;
         post?: never;
-        /** Delete a twin */
-        delete: operations["twins.delete"];
+        /** Delete twin */
+        delete: operations["DeleteTwin"];
         options?: never;
         head?: never;
-        /** Change name, note and tags of a twin */
-        patch: operations["twins.update"];
+        /**
+         * Update twin
+         * @description Changes display name, note and tags.
+         */
+        patch: operations["UpdateTwin"];
         trace?: never;
     };
     "/v1/twins/{id}/content": {
@@ -676,7 +676,7 @@ export interface paths {
             cookie?: never;
         };
         /** Download a twin file */
-        get: operations["twins.content"];
+        get: operations["ExportTwin"];
         put?: never;
         post?: never;
         delete?: never;
@@ -695,13 +695,10 @@ export interface paths {
         get?: never;
         put?: never;
         /**
-         * Evaluate a twin
-         * @description The quality table of a twin on a capture: the twin is rolled out beside every sequence. To a
-         *     recording of its object that it was not fitted to it is registered first, and all frames count as
-         *     future. The table is kept nowhere. `motion` also asks for the predicted positions of nodes in a
-         *     sequence, and its errors frame by frame.
+         * Evaluate twin
+         * @description The quality table of a twin on a capture. To a recording other than its own the twin is registered first: ends with FAILED_PRECONDITION, reason OBSERVATION_NOT_EXPLAINED, if that leaves too much. The capture's ingest has to have ended. The table is computed anew and kept nowhere. `motion` also asks for the predicted positions of nodes in a sequence, and for its errors frame by frame.
          */
-        post: operations["twins.evaluate"];
+        post: operations["EvaluateTwin"];
         delete?: never;
         options?: never;
         head?: never;
@@ -716,11 +713,10 @@ export interface paths {
             cookie?: never;
         };
         /**
-         * The geometry of a twin
-         * @description What planners need to know of a twin without reading its file: nodes, springs, control points
-         *     and the hand that each belongs to.
+         * Get twin geometry
+         * @description Facts of a twin that planners need, without its file: nodes, springs, control points and the hand that each belongs to.
          */
-        get: operations["twins.geometry"];
+        get: operations["GetTwinGeometry"];
         put?: never;
         post?: never;
         delete?: never;
@@ -738,10 +734,9 @@ export interface paths {
         };
         /**
          * Play with a twin
-         * @description A WebSocket on which a simulation of the twin runs in real time. The first message says where it
-         *     begins, `{"type": "begin"}` at least; docs/play.md has all messages. The play ends with the socket.
+         * @description A WebSocket on which a simulation of the twin runs in real time. The first message says where it begins, `{"type": "begin"}` at least; docs/play.md has all messages. The play ends with the socket.
          */
-        get: operations["plays.play"];
+        get: operations["Play"];
         put?: never;
         post?: never;
         delete?: never;
@@ -760,12 +755,10 @@ export interface paths {
         get?: never;
         put?: never;
         /**
-         * Register a state
-         * @description Points that were seen of an object in; the state of its twin that explains them out, with what is
-         *     left between the two. Body and reply are JSON, or with `application/x-protobuf` the messages
-         *     RegisterStateRequest and RegisteredState of bendtwin.v1.
+         * Register state
+         * @description The state in which the twin explains an observation: a rigid motion, then a deformation, then frames of the twin's own physics under the pull of the points. Ends with FAILED_PRECONDITION, reason OBSERVATION_NOT_EXPLAINED, if more than the stated residual is left.
          */
-        post: operations["rollouts.register"];
+        post: operations["RegisterState"];
         delete?: never;
         options?: never;
         head?: never;
@@ -783,12 +776,9 @@ export interface paths {
         put?: never;
         /**
          * Roll out
-         * @description Robot actions in; motion, costs or gradients out. Body and reply are JSON,
-         *     or with `application/x-protobuf` the messages RollOutRequest and
-         *     RollOutResponse of bendtwin.v1. A large body must be protobuf, and a large
-         *     reply base64 or protobuf.
+         * @description Robot actions in; motion, costs or gradients out. Over HTTP a large body must be protobuf, and a large reply base64 or protobuf.
          */
-        post: operations["rollouts.create"];
+        post: operations["RollOut"];
         delete?: never;
         options?: never;
         head?: never;
@@ -805,13 +795,10 @@ export interface paths {
         get?: never;
         put?: never;
         /**
-         * Roll out in parts
-         * @description The same rollout, whose reply comes in parts as instances finish, and with
-         *     `returns.part_frames` in time as well: server-sent events named `part`, each with a
-         *     RollOutResponse as data. The stream ends after the last part. If something fails under way, an
-         *     event named `error` has the problem document. The request may be protobuf, the parts are JSON.
+         * Stream roll out
+         * @description The same in parts, as instances finish: each part covers `first_instance` onwards. On a GPU the last bits of a result may differ from those of RollOut, as they depend on how many instances are simulated together; on the CPU they do not. With `returns.best` there is one part. With `returns.part_frames` every part is divided in time as well. Over HTTP events named `part`.
          */
-        post: operations["rollouts.stream"];
+        post: operations["StreamRollOut"];
         delete?: never;
         options?: never;
         head?: never;
@@ -829,18 +816,16 @@ export interface paths {
          * List uploads
          * @description Those under way, and those that ended and are still remembered.
          */
-        get: operations["uploads.list"];
+        get: operations["ListUploads"];
         put?: never;
         /**
          * Begin a resumable upload
-         * @description `Upload-Metadata` may give `filename`, `display_name`, `request_id` (or as `Idempotency-Key`)
-         *     and `digest` (BLAKE3, hex). The same request id with the same metadata answers with the upload
-         *     that was begun before, however far it is. A body is the first part of the content.
+         * @description `Upload-Metadata` may give `filename`, `display_name`, `request_id` (or as `Idempotency-Key`) and `digest` (BLAKE3, hex). The same request id with the same metadata answers with the upload that was begun before, however far it is. A body is the first part of the content.
          */
-        post: operations["uploads.create"];
+        post: operations["CreateUpload"];
         delete?: never;
         /** Supported features of tus */
-        options: operations["uploads.options"];
+        options: operations["GetUploadOptions"];
         head?: never;
         patch?: never;
         trace?: never;
@@ -856,26 +841,25 @@ export interface paths {
          * One upload
          * @description The sender is not disturbed.
          */
-        get: operations["uploads.get"];
+        get: operations["GetUpload"];
         put?: never;
         post?: never;
         /**
          * Terminate an upload
          * @description Frees what it held. A capture that was made of it stays.
          */
-        delete: operations["uploads.terminate"];
+        delete: operations["TerminateUpload"];
         options?: never;
         /**
          * Offset at which to resume
-         * @description A request that still sends to the upload is ended: its connection may be dead. Makes the capture
-         *     if only that is missing. To look without disturbing, GET.
+         * @description A request that still sends to the upload is ended: its connection may be dead. Makes the capture if only that is missing. To look without disturbing, GET.
          */
-        head: operations["uploads.head"];
+        head: operations["GetUploadOffset"];
         /**
          * Append to an upload
          * @description Acknowledged bytes are durable. With the last byte the capture is made; the response names it.
          */
-        patch: operations["uploads.append"];
+        patch: operations["AppendUpload"];
         trace?: never;
     };
     "/v1/workers": {
@@ -886,7 +870,7 @@ export interface paths {
             cookie?: never;
         };
         /** List workers */
-        get: operations["workers.list"];
+        get: operations["ListWorkers"];
         put?: never;
         post?: never;
         delete?: never;
@@ -902,8 +886,8 @@ export interface paths {
             path?: never;
             cookie?: never;
         };
-        /** One worker */
-        get: operations["workers.get"];
+        /** Get worker */
+        get: operations["GetWorker"];
         put?: never;
         post?: never;
         delete?: never;
@@ -922,11 +906,10 @@ export interface paths {
         get?: never;
         put?: never;
         /**
-         * Drain a worker
-         * @description It takes no more jobs and rollouts, hands its job back with a checkpoint, finishes the rollouts
-         *     under way and exits; its sessions end with it. It is no error to ask again.
+         * Drain worker
+         * @description Asks a worker to take no more jobs and rollouts, to hand back its job with a checkpoint, to finish the rollouts under way and to exit; its sessions end with it. It is no error to ask again.
          */
-        post: operations["workers.drain"];
+        post: operations["DrainWorker"];
         delete?: never;
         options?: never;
         head?: never;
@@ -960,37 +943,28 @@ export interface components {
             radius_m?: number;
             to?: number[];
         };
-        /** @description A stored capture. */
         Capture: {
-            /** @description RFC 3339. */
+            /** Format: date-time */
             create_time: string;
-            /** @description BLAKE3 of the archive, hex. */
+            /** @description BLAKE3 of the uploaded archive, hex. */
             digest: string;
             display_name: string;
-            /**
-             * @description The job that reads it. There is one for each capture; running it again replaces it. Fits of
-             *     the capture fail with its fault.
-             */
+            /** @description The job that reads it. There is one for each; running it again replaces it. Fits of the capture fail with its fault. */
             ingest: components["schemas"]["Job"];
-            /** @description Worker that its ingest asks for. */
-            ingest_requirements: components["schemas"]["Requirements"];
-            /** @description `captures/{uuid}` */
+            /** @description Worker that its ingest asks for; absent: any. */
+            ingest_requirements: components["schemas"]["WorkerRequirements"];
+            /** @description captures/{uuid} */
             name: string;
-            /** @description Text that people write about it. */
+            /** @description Text that people write about it: up to 10,000 bytes. */
             note: string;
-            /** @description Owner of the key with which it was made; empty if that is not known. */
+            /** @description Owner of the key with which it was uploaded; empty if that is not known. */
             owner: string;
             /** Format: int64 */
             size_bytes: number;
+            /** @description Up to 32 words of up to 50 characters, sorted. */
             tags: string[];
-            /** @description The report's verdict: good, usable or unusable. Null until there is a report. */
-            verdict?: string | null;
-        };
-        /** @description A page of captures, newest first unless another order was asked for. */
-        Captures: {
-            captures: components["schemas"]["Capture"][];
-            /** @description Empty on the last page. */
-            next_page_token: string;
+            /** @description The report's verdict in a word; empty until there is a report. */
+            verdict: string | null;
         };
         /** @description One condition of readiness. */
         Check: {
@@ -1000,10 +974,6 @@ export interface components {
             name: string;
             ok: boolean;
         };
-        CloseSessionRequest: {
-            name?: string;
-        };
-        CloseSessionResponse: Record<string, never>;
         /** @description A rigid obstacle. It acts on nodes; control points and grippers pass through it, which a reply's diagnostics report. */
         Collider: {
             /** @description Only one of sphere, capsule, cuboid, convex_mesh may be given. */
@@ -1110,7 +1080,7 @@ export interface components {
         };
         CorrectedSession: {
             /** @description One for each slot, in the order of the request. */
-            corrections?: components["schemas"]["CorrectedSession.Correction"][];
+            corrections: components["schemas"]["CorrectedSession.Correction"][];
             session?: components["schemas"]["Session"];
         };
         "CorrectedSession.Correction": {
@@ -1121,11 +1091,11 @@ export interface components {
              * Format: double
              * @description Largest displacement of a node, millimetres.
              */
-            moved_mm?: number;
+            moved_mm: number;
             /** @description True if the slot was lost and has been registered by this observation: it is at rest, with the rest shape of the twin, and `after` and `moved_mm` are those of the registration. */
-            registered?: boolean;
+            registered: boolean;
             /** Format: int64 */
-            slot?: number;
+            slot: number;
             /** @description The corrected state, of this slot alone, unless CorrectOptions.omit_state is set. InitialState.given takes it as it is; the rest shape stays in the session. */
             state?: components["schemas"]["InitialState.GivenState"];
             /** @description With this observation. */
@@ -1249,6 +1219,41 @@ export interface components {
             /** @description UINT32 [M]; absent: all. */
             nodes?: components["schemas"]["Tensor"];
         };
+        CreateFitRequest: {
+            capture: string;
+            /** @description Empty means the capture's. */
+            display_name?: string;
+            /**
+             * Format: int32
+             * @description Higher runs earlier; 0 is normal, -100..100.
+             */
+            priority?: number;
+            /** @description Worker that it asks for; absent means any. */
+            requirements?: components["schemas"]["WorkerRequirements"];
+            /** @description FitSettings as JSON; empty means defaults. */
+            settings?: {
+                [key: string]: unknown;
+            };
+        };
+        CreateKeyRequest: {
+            /** @description 1 to 200 characters. */
+            display_name: string;
+            /**
+             * Format: date-time
+             * @description Absent: it does not expire.
+             */
+            expire_time?: string;
+            /** @description Up to 200 characters; empty means the display name. */
+            owner?: string;
+            quotas?: components["schemas"]["KeyQuotas"];
+            /** @description At least one. */
+            scopes: string[];
+        };
+        CreateKeyResponse: {
+            key: components["schemas"]["Key"];
+            /** @description The key itself, `bt_{id}_{secret}`: what clients show. */
+            secret_key: string;
+        };
         /** @description A box along the axes. */
         Cuboid: {
             high?: number[];
@@ -1267,22 +1272,26 @@ export interface components {
             /** @enum {string} */
             statistic?: "MEAN" | "WORST" | "CVAR" | "MEAN_PREDICTION";
         };
-        /** @description A recording to evaluate a twin on. */
-        EvaluateTwin: {
-            /** @description `captures/{uuid}` */
+        EvaluateTwinRequest: {
+            /** @description captures/{uuid} */
             capture: string;
-            motion?: components["schemas"]["MotionOf"] | null;
+            /** @description Also return the predicted motion of a sequence. */
+            motion?: components["schemas"]["MotionRequest"];
+            /** @description twins/{uuid} */
+            twin?: string;
         };
-        /** @description The quality of a twin on a recording. */
         Evaluation: {
-            /** @description `captures/{uuid}` */
+            /** @description captures/{uuid} */
             capture: string;
-            motion?: components["schemas"]["PredictedMotion"] | null;
-            /** @description The quality table, with its assessment; `recordings` says how well the twin was registered. */
-            quality: Record<string, never>;
-            /** @description `twins/{uuid}` */
+            /** @description The motion that was asked for; missing if the twin could not be registered to its recording, which a warning of the table explains. */
+            motion?: components["schemas"]["PredictedMotion"];
+            /** @description The quality table as JSON (docs/twin-format.md, `quality`), with its assessment and, of a capture that the twin was not fitted to, how well it was registered. All frames of such a capture count as future. */
+            quality: {
+                [key: string]: unknown;
+            };
+            /** @description twins/{uuid} */
             twin: string;
-            /** @description `workers/{uuid}` */
+            /** @description workers/{uuid} */
             worker: string;
         };
         /** @description Shares of an observation and of the twin that explain each other. */
@@ -1291,61 +1300,68 @@ export interface components {
              * Format: double
              * @description Of the points that are within reach of the twin, 0..1.
              */
-            points?: number;
+            points: number;
             /**
              * Format: double
              * @description Of the surface that could have been seen and has a point within reach, 0..1. Tracks say nothing of the rest of the surface: there it is small.
              */
-            surface?: number;
+            surface: number;
             /**
              * Format: double
              * @description The reach.
              */
-            within_mm?: number;
+            within_mm: number;
         };
         /** @description Reason why something failed: the same triple that a failed call would carry. */
         Fault: {
             /** @description INVALID_ARGUMENT, NOT_FOUND, ...: the names of the gRPC codes. */
-            category?: string;
+            category: string;
             /** @description Text for a person: what happened and what to do about it. */
-            message?: string;
+            message: string;
             /** @description Stable UPPER_SNAKE_CASE word for programs. */
-            reason?: string;
+            reason: string;
         };
-        /** @description A fit. */
         Fit: {
-            /** @description `captures/{uuid}` */
             capture: string;
-            /** @description The capture's when the fit was created, unless one was given. */
+            /** @description The capture's when the fit was created, unless one was given; its twin's, too, when it is made. */
             display_name: string;
             /**
              * Format: double
-             * @description Error of its twin [m], as there.
+             * @description Error of its twin, metres, as in `Twin`.
              */
-            error_m?: number | null;
+            error_m: number | null;
             job: components["schemas"]["Job"];
-            /** @description `fits/{uuid}` */
+            /** @description fits/{uuid} */
             name: string;
-            /** @description Text that people write about it. */
+            /** @description Text that people write about it: up to 10,000 bytes. */
             note: string;
-            /** @description Owner of the key with which it was made; empty if that is not known. */
+            /** @description Owner of the key with which it was asked for, and of its twin; empty if that is not known. */
             owner: string;
-            /**
-             * Format: int32
-             * @description Jobs of higher priority run earlier.
-             */
+            /** Format: int32 */
             priority: number;
-            /** @description Worker that it asks for. */
-            requirements: components["schemas"]["Requirements"];
+            /** @description Worker that it asks for; absent if any will do. */
+            requirements: components["schemas"]["WorkerRequirements"];
+            /** @description Up to 32 words of up to 50 characters, sorted. */
             tags: string[];
-            /** @description `twins/{uuid}` once it has succeeded. */
-            twin?: string | null;
+            /** @description twins/{uuid} once it has succeeded. */
+            twin: string | null;
         };
-        /** @description A page of fits, newest first unless another order was asked for. */
-        Fits: {
-            fits: components["schemas"]["Fit"][];
-            /** @description Empty on the last page. */
-            next_page_token: string;
+        FitLosses: {
+            /** @description In the order in which they were computed: stages one after another, models side by side. */
+            curves: components["schemas"]["FitLosses.LossCurve"][];
+        };
+        /** @description Losses of one model over the iterations of a stage. Of a long stage every second iteration is kept, every fourth and so on, and the last. */
+        "FitLosses.LossCurve": {
+            /** @description The lowest up to each iteration. */
+            best_losses: (number | null)[];
+            /** @description Ascending, from 1. */
+            iterations: number[];
+            /** @description One for each iteration; NaN where it was not finite. */
+            losses: (number | null)[];
+            /** @description search or refine. */
+            stage: string;
+            /** @description bending or axial, of several starts followed by which: `bending 2/3`. */
+            variant: string;
         };
         ForkSessionRequest: {
             /** Format: int64 */
@@ -1353,14 +1369,6 @@ export interface components {
             name?: string;
             /** @description Empty: all others. */
             to?: number[];
-        };
-        GetSessionRequest: {
-            name?: string;
-        };
-        GetSessionStatesRequest: {
-            name?: string;
-            /** @description Empty: all. */
-            slots?: number[];
         };
         GradientOptions: {
             /**
@@ -1431,6 +1439,14 @@ export interface components {
             /** @description FLOAT32 [B, K, G, 7]: x, y, z in metres, quaternion x, y, z, w. K as in ControlTrajectories. Control points move as if glued to the gripper in its pose of row 0. */
             poses?: components["schemas"]["Tensor"];
         };
+        IngestCaptureRequest: {
+            /** @description Worker that it asks for; absent: any. */
+            requirements?: components["schemas"]["WorkerRequirements"];
+            /** @description IngestSettings as JSON; empty means defaults. */
+            settings?: {
+                [key: string]: unknown;
+            };
+        };
         InitialState: {
             /** @description The twin's state after following the capture's own controls up to a frame. Only one of rest, capture_frame, given, settled, session may be given. */
             capture_frame?: components["schemas"]["InitialState.CaptureFrame"];
@@ -1474,55 +1490,61 @@ export interface components {
         "InitialState.Settled": Record<string, never>;
         /** @description Work that a worker does for a fit, or for the ingest of a capture. */
         Job: {
-            /** @description Faults of earlier attempts. */
-            attempt_faults: Record<string, never>[];
-            /** Format: int32 */
+            attempt_faults: components["schemas"]["Fault"][];
+            /** Format: int64 */
             attempts: number;
             cancel_requested: boolean;
+            /** Format: date-time */
             create_time: string;
-            end_time?: string | null;
-            /** @description Reason for a failure: category, reason, message. Fits of the capture fail with it. */
-            fault?: Record<string, never> | null;
-            progress?: Record<string, never> | null;
+            /** Format: date-time */
+            end_time: string | null;
+            /** @description Reason of the failure; errors of earlier attempts precede it in `attempt_faults`. */
+            fault: null | components["schemas"]["Fault"];
+            progress: null | components["schemas"]["Progress"];
             /**
              * Format: int64
-             * @description Number that grows with every change, and from one run of an ingest to the next.
+             * @description Number that grows with every change, and on from one run of an ingest to the next; the event id of server-sent events.
              */
             revision: number;
-            /** @description The settings in force. */
-            settings: Record<string, never>;
-            start_time?: string | null;
-            /** @description QUEUED, RUNNING, SUCCEEDED, FAILED or CANCELLED. */
-            state: string;
-            /** @description `workers/{uuid}` while it runs. */
-            worker?: string | null;
+            /** @description The settings in force, as JSON (docs/settings.md). */
+            settings: {
+                [key: string]: unknown;
+            };
+            /** Format: date-time */
+            start_time: string | null;
+            /** @enum {string} */
+            state: "QUEUED" | "RUNNING" | "SUCCEEDED" | "FAILED" | "CANCELLED";
+            /** @description workers/{uuid} while it runs. */
+            worker: string | null;
         };
-        /** @description A key with which clients identify themselves. */
         Key: {
-            /** @description RFC 3339. */
+            /** Format: date-time */
             create_time: string;
             display_name: string;
-            /** @description From then on it is refused; null: never. */
-            expire_time?: string | null;
-            /** @description To about a minute; null if it has not been used. */
-            last_use_time?: string | null;
-            /** @description `keys/{uuid}` */
+            /**
+             * Format: date-time
+             * @description From then on it is refused; absent: never.
+             */
+            expire_time: string | null;
+            /**
+             * Format: date-time
+             * @description To about a minute; absent if it has not been used.
+             */
+            last_use_time: string | null;
+            /** @description keys/{uuid} */
             name: string;
             /** @description Recorded as `owner` of the captures, fits and twins that are made with the key. */
             owner: string;
             quotas: components["schemas"]["KeyQuotas"];
-            /** @description Null unless it has been revoked. */
-            revoke_time?: string | null;
             /**
-             * @description Sorted: admin, captures:read, captures:write, fits:read, fits:write, rollouts:run,
-             *     twins:read, twins:write.
+             * Format: date-time
+             * @description Absent unless it has been revoked.
              */
+            revoke_time: string | null;
+            /** @description Sorted: admin, captures:read, captures:write, fits:read, fits:write, rollouts:run, twins:read, twins:write. */
             scopes: string[];
         };
-        /**
-         * @description Bounds on what the owner of a key may have when the key asks for more; none where a field is
-         *     null.
-         */
+        /** @description Bounds on what the owner of a key may have when the key asks for more; none where a field is absent. */
         KeyQuotas: {
             /**
              * Format: int64
@@ -1543,12 +1565,6 @@ export interface components {
              */
             stored_bytes: number | null;
         };
-        /** @description A page of keys, newest first. */
-        Keys: {
-            keys: components["schemas"]["Key"][];
-            /** @description Empty on the last page. */
-            next_page_token: string;
-        };
         /** @description When the knots of the actions are, if they are not spread evenly over the horizon. */
         KnotTimes: {
             /** @description FLOAT32 [K], seconds from the start, rising; the first is 0, the last holds until the end. Only one of at_s, period_s may be given. */
@@ -1559,87 +1575,51 @@ export interface components {
              */
             period_s?: number;
         };
-        /** @description Fields to change; those that are left out or null stay. */
-        LabelUpdate: {
-            /** @description Tags to add to those that there are; not beside `tags`. */
-            add_tags?: string[];
-            /** @description Up to 200 characters. */
-            display_name?: string | null;
-            /** @description Up to 10,000 bytes. */
-            note?: string | null;
-            /** @description Tags to take from those that there are; not beside `tags`. */
-            remove_tags?: string[];
-            /** @description All tags: up to 32 words of up to 50 letters, digits and `-_.:/`. */
-            tags?: string[] | null;
+        ListCapturesResponse: {
+            captures: components["schemas"]["Capture"][];
+            /** @description Empty on the last page. */
+            next_page_token: string;
         };
-        /**
-         * @description Losses of one model over the iterations of a stage. Of a long stage every second iteration is
-         *     kept, every fourth and so on, and the last.
-         */
-        LossCurve: {
-            /** @description The lowest up to each iteration. */
-            best_losses: (number | null)[];
-            /** @description Ascending, from 1. */
-            iterations: number[];
-            /** @description One for each iteration; null where it was not finite. */
-            losses: (number | null)[];
-            /** @description `search` or `refine`. */
+        ListFitsResponse: {
+            fits: components["schemas"]["Fit"][];
+            next_page_token: string;
+        };
+        ListKeysResponse: {
+            keys: components["schemas"]["Key"][];
+            /** @description Empty on the last page. */
+            next_page_token: string;
+        };
+        ListTwinsResponse: {
+            next_page_token: string;
+            twins: components["schemas"]["Twin"][];
+        };
+        ListWorkersResponse: {
+            next_page_token: string;
+            workers: components["schemas"]["Worker"][];
+        };
+        /** @description Loss of a model after an iteration. */
+        ModelLoss: {
+            /** Format: double */
+            best_loss: number | null;
+            /** Format: int64 */
+            iteration: number;
+            /**
+             * Format: double
+             * @description Absent where it was not finite.
+             */
+            loss: number | null;
+            /** @description search or refine. */
             stage: string;
-            /** @description `bending` or `axial`, of several starts followed by which: `bending 2/3`. */
+            /** @description bending or axial, of several starts followed by which: `bending 2/3`. */
             variant: string;
         };
-        /** @description Losses of a fit. */
-        Losses: {
-            curves: components["schemas"]["LossCurve"][];
-        };
-        /** @description A key that was made. */
-        MadeKey: {
-            key: components["schemas"]["Key"];
-            /** @description The key itself, `bt_{id}_{secret}`: what clients show. It is told here and nowhere else. */
-            secret_key: string;
-        };
         /** @description A sequence whose predicted motion is asked for. */
-        MotionOf: {
+        MotionRequest: {
             /**
-             * Format: int32
+             * Format: int64
              * @description Its index among the sequences of all recordings of the capture, in their order.
              */
             sequence?: number;
-        };
-        /** @description A fit to be queued. */
-        NewFit: {
-            /** @description `captures/{uuid}` */
-            capture: string;
-            /** @description Display name; empty means the capture's. */
-            display_name?: string;
-            /**
-             * Format: int32
-             * @description Jobs of higher priority run earlier, -100..=100.
-             */
-            priority?: number;
-            /** @description Worker that it asks for. */
-            requirements?: components["schemas"]["Requirements"];
-            /** @description Settings that differ from the defaults. */
-            settings?: Record<string, never> | null;
-        };
-        /** @description An ingest to be run again. */
-        NewIngest: {
-            /** @description Worker that it asks for. */
-            requirements?: components["schemas"]["Requirements"];
-            /** @description Settings that differ from the defaults. */
-            settings?: Record<string, never> | null;
-        };
-        /** @description A key to be made. */
-        NewKey: {
-            /** @description 1 to 200 characters. */
-            display_name: string;
-            /** @description RFC 3339; without it the key does not expire. */
-            expire_time?: string | null;
-            /** @description Up to 200 characters; empty means the display name. */
-            owner?: string;
-            quotas?: components["schemas"]["KeyQuotas"];
-            /** @description At least one. */
-            scopes: string[];
         };
         /** @description Points on the surface of an object at one time, in the twin's coordinates. Points that were not seen are left out. */
         Observation: {
@@ -1788,64 +1768,68 @@ export interface components {
              * Format: double
              * @description Cost of exactly these knots, as simulated.
              */
-            cost?: number;
-            cost_names?: string[];
+            cost: number;
+            cost_names: string[];
             /** @description FLOAT64 [terms], weighted. */
             cost_terms?: components["schemas"]["Tensor"];
             /** Format: int64 */
-            diverged?: number;
+            diverged: number;
             /**
              * Format: int64
              * @description Iterations that were finished.
              */
-            iterations?: number;
+            iterations: number;
             /** @description FLOAT32, in the shape of the request's actions: [1, K, C, 3] or [1, K, G, 7]. */
             knots?: components["schemas"]["Tensor"];
             /** @description True for the last update. */
-            last?: boolean;
+            last: boolean;
             /**
              * Format: double
              * @description +inf if the nominal plan diverges.
              */
-            nominal_cost?: number;
+            nominal_cost: number;
             /** @enum {string} */
-            origin?: "NOMINAL" | "MEAN" | "SAMPLE";
+            origin: "NOMINAL" | "MEAN" | "SAMPLE";
             /**
              * Format: int64
              * @description Plans that did not diverge and were beyond the limit.
              */
-            overstrained?: number;
+            overstrained: number;
             /** @description In the last update, if returns were asked for: the rollout of the best plan. */
             rollout?: components["schemas"]["RollOutResponse"];
             /**
              * Format: int64
              * @description Plans that were simulated, and those of them that diverged.
              */
-            simulated?: number;
+            simulated: number;
             /** @description True if the deadline ended the search before all iterations were done. */
-            stopped_by_deadline?: boolean;
+            stopped_by_deadline: boolean;
             /**
              * Format: double
              * @description Largest strain of the material in the motion of the best plan, with an ensemble of its members, and the limit. It is above the limit only if that is so for every plan that was simulated.
              */
-            strain?: number;
+            strain: number;
             /** Format: double */
-            strain_limit?: number;
+            strain_limit: number;
             /**
              * Format: double
              * @description Since planning began, seconds.
              */
-            time_s?: number;
+            time_s: number;
         };
         /** @description Points with normal . x >= offset are above it. */
         Plane: {
-            /** @description Three numbers, of length 1, away from the ground; absent: upwards, 0 0 1. */
-            normal?: number[];
+            /**
+             * @description Three numbers, of length 1, away from the ground; absent: upwards, 0 0 1.
+             * @default []
+             */
+            normal: number[];
             /**
              * Format: float
              * @description Metres along the normal.
+             * @default 0
              */
-            offset_m?: number;
+            offset_m: number;
         };
         /** @description Limits of what is held to be possible. A reply flags instances beyond; with `refuse` it is an error instead (FAILED_PRECONDITION, reason IMPLAUSIBLE_MOTION), before anything is simulated where the actions alone tell. */
         Plausibility: {
@@ -1891,40 +1875,40 @@ export interface components {
              * Format: int64
              * @description Frames from one row of `positions` to the next: 1, or more where all would take more than 16 MiB.
              */
-            every_frames?: number;
+            every_frames: number;
             /**
              * Format: double
              * @description Frames per second.
              */
-            fps?: number;
+            fps: number;
             /**
              * Format: int64
              * @description T
              */
-            frame_count?: number;
+            frame_count: number;
             /** @description Its name. */
-            name?: string;
+            name: string;
             /** @description Positions of nodes [m], float32 [R, N, 3]; row r is of frame `start_frame + r * every_frames`. */
             positions?: components["schemas"]["Tensor"];
             /** @description Name of its recording. */
-            recording?: string;
+            recording: string;
             /**
              * Format: int64
              * @description The index that was asked for.
              */
-            sequence?: number;
+            sequence: number;
             /**
              * Format: int64
              * @description S
              */
-            start_frame?: number;
+            start_frame: number;
             /** @description Mean distance of tracked points from where they were, in each frame from S on [m], float32 [T - S]; not a number where that was not measured. */
             track_m?: components["schemas"]["Tensor"];
             /**
              * Format: int64
              * @description Frames before this one were for fitting; 0 if the twin was fitted to none of them.
              */
-            train_frame_count?: number;
+            train_frame_count: number;
         };
         /** @description An RFC 9457 problem document. */
         ProblemDocument: {
@@ -1943,6 +1927,31 @@ export interface components {
             title: string;
             /** @description `urn:bendtwin:error:{reason}`. */
             type: string;
+        };
+        /** @description Progress of a running job. */
+        Progress: {
+            /** Format: double */
+            best_loss: number | null;
+            /** Format: double */
+            eta_s: number | null;
+            /**
+             * Format: double
+             * @description Of the whole job, 0..1.
+             */
+            fraction: number;
+            /** Format: int64 */
+            iteration: number;
+            /** Format: int64 */
+            iterations: number;
+            /** Format: double */
+            loss: number | null;
+            /** @description The last loss of each model that is fitted side by side with others. */
+            models: components["schemas"]["ModelLoss"][];
+            note: string | null;
+            /** @description ingest, search, refine or evaluate. */
+            stage: string;
+            /** @description bending or axial; of an ingest its step. */
+            variant: string;
         };
         /** @description State of the server as `/readyz` reports it. */
         Readiness: {
@@ -2011,33 +2020,14 @@ export interface components {
              * Format: double
              * @description Mean distance by which nodes move in a frame when the points stop pulling, millimetres: how far the state is from where forces balance.
              */
-            drift_mm?: number;
+            drift_mm: number;
             explained?: components["schemas"]["Explained"];
             /** @description The rigid part of the motion from the shape to start from, about the origin: x, y, z in metres, quaternion x, y, z, w. */
-            motion?: number[];
+            motion: number[];
             /** @description At rest, with its control points; InitialState.given takes it as it is. */
             state?: components["schemas"]["InitialState.GivenState"];
             /** @description workers/{uuid} */
-            worker?: string;
-        };
-        /** @description Worker that a fit or an ingest asks for, which waits until there is one. */
-        Requirements: {
-            /**
-             * @description `cpu` or `cuda`; empty means either.
-             * @default
-             */
-            backend: string;
-            /**
-             * @description Labels of which the worker has each: up to 32 of up to 50 characters without spaces and commas.
-             * @default []
-             */
-            labels: string[];
-            /**
-             * Format: int64
-             * @description Memory of the device at least [bytes]; on a CPU, that which a fit may take.
-             * @default 0
-             */
-            memory_bytes: number;
+            worker: string;
         };
         ResetSessionRequest: {
             /** @description Absent: the session's first state. */
@@ -2049,14 +2039,14 @@ export interface components {
         /** @description Distances between points and the twin, millimetres: of tracks from their places, of a cloud from the surface. */
         Residual: {
             /** Format: double */
-            mean_mm?: number;
+            mean_mm: number;
             /** Format: double */
-            median_mm?: number;
+            median_mm: number;
             /**
              * Format: double
              * @description 95th percentile.
              */
-            p95_mm?: number;
+            p95_mm: number;
         };
         Returns: {
             /** @description d cost / d what the request gave as actions: knots or poses, in their shape. */
@@ -2145,20 +2135,20 @@ export interface components {
             control_gradients?: components["schemas"]["Tensor"];
             /** @description FLOAT32 [R, F + 1, C, 3], metres. */
             controls?: components["schemas"]["Tensor"];
-            cost_names?: string[];
+            cost_names: string[];
             /** @description FLOAT64 [B', terms], weighted. */
             cost_terms?: components["schemas"]["Tensor"];
             /** @description FLOAT64 [B']: weighted sums; +inf where an instance diverged. */
             costs?: components["schemas"]["Tensor"];
             /** @description With FAST or PLANNER only: how far the answer strays where that was measured. */
             deviation?: components["schemas"]["RollOutResponse.Deviation"];
-            diagnostics?: components["schemas"]["RollOutResponse.Diagnostics"][];
-            diverged?: components["schemas"]["RollOutResponse.Divergence"][];
+            diagnostics: components["schemas"]["RollOutResponse.Diagnostics"][];
+            diverged: components["schemas"]["RollOutResponse.Divergence"][];
             /**
              * @description Fidelity of the answer: EXACT, FAST or PLANNER.
              * @enum {string}
              */
-            fidelity?: "EXACT" | "FAST" | "PLANNER";
+            fidelity: "EXACT" | "FAST" | "PLANNER";
             /** @description FLOAT32 [R, C, 3], metres, with `poses`: InitialState.GivenState.commanded_controls of the final state. */
             final_commanded_controls?: components["schemas"]["Tensor"];
             /** @description FLOAT32 [R, C, 3], metres: the control points of the final state. */
@@ -2174,7 +2164,7 @@ export interface components {
              * Format: int64
              * @description The instances that this part covers: first_instance .. first_instance + B'.
              */
-            first_instance?: number;
+            first_instance: number;
             forces?: components["schemas"]["RollOutResponse.Forces"];
             /** @description FLOAT64 [R, F + 1, terms], weighted. */
             frame_costs?: components["schemas"]["Tensor"];
@@ -2185,7 +2175,7 @@ export interface components {
             /** @description FLOAT64 [R, F + 1]. */
             gradient_norms?: components["schemas"]["Tensor"];
             /** @description Instances that are not plausible, with the reason; limits in RollOutRequest.plausibility. */
-            implausible?: components["schemas"]["RollOutResponse.Implausible"][];
+            implausible: components["schemas"]["RollOutResponse.Implausible"][];
             /** @description FLOAT32 [R, N, 3]. */
             initial_position_gradients?: components["schemas"]["Tensor"];
             initial_velocity_gradients?: components["schemas"]["Tensor"];
@@ -2206,7 +2196,7 @@ export interface components {
              * Format: int64
              * @description Substeps per frame that were simulated.
              */
-            substeps?: number;
+            substeps: number;
             timing?: components["schemas"]["RollOutResponse.Timing"];
             /** @description UINT32: the instances that were not simulated within `time_limit_s`. Their costs are +inf, their arrays NaN. */
             unfinished?: components["schemas"]["Tensor"];
@@ -2215,7 +2205,7 @@ export interface components {
             /** @description With `returns.part_frames`: what this part covers in time. */
             window?: components["schemas"]["RollOutResponse.Window"];
             /** @description workers/{uuid} */
-            worker?: string;
+            worker: string;
         };
         /** @description Between the fast variant and the exact twin when both follow the twin's own capture from its start. It does not hold for this reply: with faster or larger motions, or other surroundings, 5 to 16 times as much was seen. With PLANNER between the planner's twin and the exact one under sampled actions that it was not fitted to. */
         "RollOutResponse.Deviation": {
@@ -2223,66 +2213,66 @@ export interface components {
              * Format: int64
              * @description Frames of each recording or action, at most.
              */
-            frames?: number;
+            frames: number;
             /** Format: double */
-            max_m?: number;
+            max_m: number;
             /**
              * Format: double
              * @description Between a node here and there, over nodes and frames, metres; of points of the skin with PLANNER.
              */
-            mean_m?: number;
+            mean_m: number;
             /**
              * Format: double
              * @description To compare with: of the exact twin's nodes or skin from where they started, metres.
              */
-            mean_travel_m?: number;
+            mean_travel_m: number;
         };
         "RollOutResponse.Diagnostics": {
             /**
              * Format: float
              * @description Deepest that the middle of a grasp's sphere or box was below the ground or in a collider that stands still, and a control point or a held node beyond its depth at the start, metres; where hands stopped at the ground, as deep as the actions would have had them.
              */
-            control_depth_m?: number;
+            control_depth_m: number;
             /** Format: float */
-            elastic_energy?: number;
+            elastic_energy: number;
             /** Format: int64 */
-            ground_contacts?: number;
+            ground_contacts: number;
             /**
              * Format: float
              * @description At the end, joules; without a mass_kg as if a node of the twin weighed 1 kg.
              */
-            kinetic_energy?: number;
+            kinetic_energy: number;
             /**
              * Format: float
              * @description Of springs to control points.
              */
-            max_control_strain?: number;
+            max_control_strain: number;
             /**
              * Format: float
              * @description Of a node at the end of any frame.
              */
-            max_speed_m_s?: number;
+            max_speed_m_s: number;
             /**
              * Format: float
              * @description Of springs between nodes.
              */
-            max_strain?: number;
+            max_strain: number;
             /**
              * Format: float
              * @description Farthest that a hand or gripper was held back, metres; 0 if none was. It stops where a control point, a node pinned to it, or the middle of a grasp's sphere or box would get deeper below the ground than `plausibility.control_depth_m`; then all of it moves along the ground's normal. Control points may also be as deep as a frame earlier, and as the twin has them at rest below its own ground.
              */
-            stopped_hand_m?: number;
+            stopped_hand_m: number;
         };
         "RollOutResponse.Divergence": {
             /**
              * Format: int64
              * @description 1-based.
              */
-            frame?: number;
+            frame: number;
             /** Format: int64 */
-            instance?: number;
+            instance: number;
             /** Format: int64 */
-            node?: number;
+            node: number;
         };
         /** @description Mean forces on the object over each frame. */
         "RollOutResponse.Forces": {
@@ -2300,24 +2290,24 @@ export interface components {
              * Format: double
              * @description Most that was found, and the limit, in the unit of the limit.
              */
-            found?: number;
+            found: number;
             /**
              * Format: int64
              * @description The frame in which it was found, where it is known.
              */
-            frame?: number;
+            frame: number;
             /** Format: int64 */
-            instance?: number;
+            instance: number;
             /** Format: double */
-            limit?: number;
+            limit: number;
             /** @description START_GAP, CONTROL_SPEED, STRAIN, CONTROL_IN_OBSTACLE. */
-            reason?: string;
+            reason: string;
         };
         "RollOutResponse.Timing": {
             /** Format: double */
-            compute_s?: number;
+            compute_s: number;
             /** Format: double */
-            queue_s?: number;
+            queue_s: number;
         };
         /** @description Part of the horizon. Arrays by frame have the rows of these frames, so that those of all parts follow one another; the start, frame 0, is in the first. Costs, their terms, diagnostics, what is implausible and final states come with the last part of an instance, a divergence with the part that it happened in. */
         "RollOutResponse.Window": {
@@ -2325,34 +2315,34 @@ export interface components {
              * Format: int64
              * @description 1-based; the last counts.
              */
-            first_frame?: number;
+            first_frame: number;
             /** Format: int64 */
-            last_frame?: number;
+            last_frame: number;
         };
         Session: {
             /** @enum {string} */
-            fidelity?: "EXACT" | "FAST" | "PLANNER";
+            fidelity: "EXACT" | "FAST" | "PLANNER";
             /** @description Frames by which each slot has been advanced since its first state, [slots]. */
-            frames?: number[];
+            frames: number[];
             /**
              * Format: double
              * @description The session ends when nobody has used it for so long.
              */
-            idle_timeout_s?: number;
+            idle_timeout_s: number;
             /** @description Slots that are lost, ascending: see Tracking. */
-            lost?: number[];
+            lost: number[];
             /** @description sessions/{uuid} */
-            name?: string;
+            name: string;
             /** Format: int64 */
-            slots?: number;
+            slots: number;
             /** @description twins/{uuid} */
-            twin?: string;
+            twin: string;
             /** @description workers/{uuid} */
-            worker?: string;
+            worker: string;
         };
         SessionStates: {
-            frames?: number[];
-            slots?: number[];
+            frames: number[];
+            slots: number[];
             /** @description With [S] in front for S slots; InitialState.given takes it as it is. */
             states?: components["schemas"]["InitialState.GivenState"];
         };
@@ -2393,7 +2383,7 @@ export interface components {
             /** @description Absent if none was asked for, or it was refused; without the corrected state. */
             corrected?: components["schemas"]["CorrectedSession"];
             /** @description True if the slot does not follow its object any more: predictions and plans from it say nothing of the object until it is registered again. */
-            lost?: boolean;
+            lost: boolean;
             /** @description The best plan, as the last update of a search. */
             plan?: components["schemas"]["PlanUpdate"];
             /** @description The reason, if the correction was refused because the slot does not explain the points: its state is as it was, and the plan begins where it was predicted to be. */
@@ -2405,13 +2395,13 @@ export interface components {
         /** @description Times of the parts, and of all of it, seconds. */
         "SteppedSession.Times": {
             /** Format: double */
-            advance_s?: number;
+            advance_s: number;
             /** Format: double */
-            correct_s?: number;
+            correct_s: number;
             /** Format: double */
-            plan_s?: number;
+            plan_s: number;
             /** Format: double */
-            total_s?: number;
+            total_s: number;
         };
         /** @description A dense array: nested lists of numbers, in which null stands for what is no finite number, or raw bytes. */
         Tensor: unknown[] | {
@@ -2428,61 +2418,62 @@ export interface components {
         /** @description Record of how well a slot explains the observations that it is corrected by, refused ones included, since its state was last set or registered. The misfit of one is the median distance of its points after the correction, by the largest of half the distance of neighbouring nodes, 5 mm and noise_m; or, if that is more, the share of its points that are farther away than that and than three noise_m, by 1/2. Up to 1 the observation is explained. */
         Tracking: {
             /** @description True if the last three observations in a row are not explained, or if the mean misfit is above 1: the slot does not follow its object any more. Register it again (CorrectOptions.register_if_lost). */
-            lost?: boolean;
+            lost: boolean;
             /**
              * Format: double
              * @description Mean misfit, each weighted by 3/4 of the one after it and counted as at most 1.5; 0 before the first.
              */
-            misfit?: number;
+            misfit: number;
             /**
              * Format: int64
              * @description Last observations in a row that are not explained.
              */
-            unexplained?: number;
+            unexplained: number;
         };
-        /** @description A stored twin. */
         Twin: {
-            /** @description None if it was imported. */
-            capture?: string | null;
-            /** Format: int32 */
+            /** @description The capture and the fit that it came from; empty for an imported twin. */
+            capture: string | null;
+            /** Format: int64 */
             control_count: number;
+            /** Format: date-time */
             create_time: string;
             /** @description BLAKE3 of the twin file, hex. */
             digest: string;
             display_name: string;
             /**
              * Format: double
-             * @description Error over frames that it was not fitted to [m]: of tracks, else of coordinates, else the
-             *     Chamfer distance.
+             * @description Error over frames that it was not fitted to, metres: of tracks, else of coordinates, else the Chamfer distance; of those of the quality table the first that there is.
              */
-            error_m?: number | null;
-            /** @description None if it was imported. */
-            fit?: string | null;
+            error_m: number | null;
+            fit: string | null;
             /** Format: double */
             fps: number;
             /**
              * Format: double
-             * @description Mass of the object [kg]; absent if unknown.
+             * @description Mass of the object, if it is known.
              */
-            mass_kg?: number | null;
-            /** @description `twins/{uuid}` */
+            mass_kg?: number;
+            /** @description twins/{uuid} */
             name: string;
-            /** Format: int32 */
+            /** Format: int64 */
             node_count: number;
-            /** @description Text that people write about it. */
+            /** @description Text that people write about it: up to 10,000 bytes. */
             note: string;
-            /** @description Owner of the key with which it was made; empty if that is not known. */
+            /** @description Owner of the key with which its fit was asked for, or with which it was imported; empty if that is not known. */
             owner: string;
-            /** @description The quality table. */
-            quality: Record<string, never>;
+            /** @description The quality table as JSON (docs/twin-format.md, `quality`). */
+            quality: {
+                [key: string]: unknown;
+            };
             /** Format: int64 */
             size_bytes: number;
-            /** Format: int32 */
+            /** Format: int64 */
             spring_count: number;
-            /** Format: int32 */
+            /** Format: int64 */
             substeps: number;
+            /** @description Up to 32 words of up to 50 characters, sorted. */
             tags: string[];
-            /** Format: int32 */
+            /** Format: int64 */
             triplet_count: number;
         };
         TwinGeometry: {
@@ -2496,17 +2487,17 @@ export interface components {
              * Format: int64
              * @description Number of fits: the twin and its members.
              */
-            fits?: number;
+            fits: number;
             /** Format: double */
-            fps?: number;
+            fps: number;
             /** @description Three numbers, m/s^2. */
-            gravity?: number[];
+            gravity: number[];
             /** @description Absent: none. */
             ground?: components["schemas"]["Plane"];
             /** Format: float */
-            ground_friction?: number;
+            ground_friction: number;
             /** Format: float */
-            ground_restitution?: number;
+            ground_restitution: number;
             /** @description UINT32 [C]: the hand of the capture that each control point belongs to. */
             hands?: components["schemas"]["Tensor"];
             /** @description UINT8 [N]: 0 observed surface, 1 completed surface, 2 interior. Surface nodes come first. */
@@ -2524,7 +2515,7 @@ export interface components {
             /** @description FLOAT32 [N, 3], metres: the rest shape. */
             rest_positions?: components["schemas"]["Tensor"];
             /** Format: int64 */
-            rod_count?: number;
+            rod_count: number;
             rod_nodes?: components["schemas"]["Tensor"];
             /** @description UINT32 [rods + 1] and UINT32 [..]: nodes of each rod, one after another. */
             rod_starts?: components["schemas"]["Tensor"];
@@ -2535,13 +2526,13 @@ export interface components {
              * Format: double
              * @description Mean length of springs between nodes, metres.
              */
-            spacing_m?: number;
+            spacing_m: number;
             /** @description FLOAT32 [E]: newtons per unit strain if `mass_kg` is known, else per unit mass. */
             spring_stiffness?: components["schemas"]["Tensor"];
             /** Format: int64 */
-            substeps?: number;
+            substeps: number;
             /** Format: int64 */
-            surface_count?: number;
+            surface_count: number;
             /** @description UINT32 [T, 3]: bending triplets, the centre in the middle. */
             triplets?: components["schemas"]["Tensor"];
         };
@@ -2562,11 +2553,36 @@ export interface components {
             /** @description FLOAT32 [K]; those of a point sum up to 1. */
             weights?: components["schemas"]["Tensor"];
         };
-        /** @description A page of twins, newest first unless another order was asked for. */
-        Twins: {
-            /** @description Empty on the last page. */
-            next_page_token: string;
-            twins: components["schemas"]["Twin"][];
+        UpdateCaptureRequest: {
+            /** @description Tags to add to those that there are, and to take from them; not beside `tags` in the mask. */
+            add_tags?: string[];
+            display_name?: string;
+            /** @description Text that people write about it: up to 10,000 bytes. */
+            note?: string;
+            remove_tags?: string[];
+            /** @description Up to 32 words of up to 50 characters, sorted. */
+            tags?: string[];
+        };
+        UpdateFitRequest: {
+            /** @description Tags to add to those that there are, and to take from them; not beside `tags` in the mask. */
+            add_tags?: string[];
+            /** @description The capture's when the fit was created, unless one was given; its twin's, too, when it is made. */
+            display_name?: string;
+            /** @description Text that people write about it: up to 10,000 bytes. */
+            note?: string;
+            remove_tags?: string[];
+            /** @description Up to 32 words of up to 50 characters, sorted. */
+            tags?: string[];
+        };
+        UpdateTwinRequest: {
+            /** @description Tags to add to those that there are, and to take from them; not beside `tags` in the mask. */
+            add_tags?: string[];
+            display_name?: string;
+            /** @description Text that people write about it: up to 10,000 bytes. */
+            note?: string;
+            remove_tags?: string[];
+            /** @description Up to 32 words of up to 50 characters, sorted. */
+            tags?: string[];
         };
         /** @description An upload that can be resumed. */
         Upload: {
@@ -2618,7 +2634,6 @@ export interface components {
             /** @description Of axial stiffness, 0.01..100. */
             stiffness?: components["schemas"]["Tensor"];
         };
-        /** @description A worker process. */
         Worker: {
             /** @description cpu or cuda. */
             backend: string;
@@ -2626,35 +2641,50 @@ export interface components {
             device: string;
             /** @description True if it was asked to end. */
             draining: boolean;
-            /** @description `fits/{uuid}` under way. */
-            fit?: string | null;
-            /** @description `captures/{uuid}` whose ingest is under way. */
-            ingest?: string | null;
+            /** @description fits/{uuid} under way, if any. */
+            fit: string | null;
+            /** @description captures/{uuid} whose ingest is under way, if any. */
+            ingest: string | null;
             /** @description Words that it was started with, which fits can ask for. */
             labels: string[];
+            /** Format: date-time */
             last_seen_time: string;
             /** Format: int64 */
-            memory_total_bytes?: number | null;
+            memory_total_bytes: number | null;
             /**
              * Format: int64
-             * @description Memory of its device in use by all processes, and in total [bytes]; absent if unknown.
+             * @description Memory of its device in use, by whomever, and in all [bytes]; zero where it is not known.
              */
-            memory_used_bytes?: number | null;
-            /** @description `workers/{uuid}` */
+            memory_used_bytes: number | null;
+            /** @description workers/{uuid}; a restarted worker is a new one. */
             name: string;
-            /** Format: int32 */
+            /** Format: int64 */
             rollouts_in_flight: number;
-            /** @description `servers/{uuid}` of the server that started it, and whose rollouts alone it answers. */
-            server?: string | null;
+            /** @description servers/{uuid} of the server that started it, and whose rollouts alone it answers; empty if others started it. */
+            server: string | null;
+            /** Format: date-time */
             start_time: string;
             /** @description Twins that are loaded and answer at once. */
             warm_twins: string[];
         };
-        /** @description All workers, newest first. */
-        Workers: {
-            /** @description Always empty: workers are few. */
-            next_page_token: string;
-            workers: components["schemas"]["Worker"][];
+        /** @description Worker that a fit or an ingest asks for. It waits until there is one. */
+        WorkerRequirements: {
+            /**
+             * @description `cpu` or `cuda`; empty means either.
+             * @default
+             */
+            backend: string;
+            /**
+             * @description Labels of which the worker has each: up to 32 of up to 50 characters without spaces and commas.
+             * @default []
+             */
+            labels: string[];
+            /**
+             * Format: int64
+             * @description Memory of the device at least [bytes]; on a CPU, that which a fit may take.
+             * @default 0
+             */
+            memory_bytes: number;
         };
         /** @description The surroundings of an object in a rollout. Grippers are rigid bodies whose poses are the actions (GripperPoses); they are numbered from 0. */
         World: {
@@ -2683,7 +2713,7 @@ export interface components {
 }
 export type $defs = Record<string, never>;
 export interface operations {
-    "operations.healthz": {
+    GetHealth: {
         parameters: {
             query?: never;
             header?: never;
@@ -2703,7 +2733,7 @@ export interface operations {
             };
         };
     };
-    "operations.metrics": {
+    GetMetrics: {
         parameters: {
             query?: never;
             header?: never;
@@ -2732,7 +2762,7 @@ export interface operations {
             };
         };
     };
-    "operations.readyz": {
+    GetReadiness: {
         parameters: {
             query?: never;
             header?: never;
@@ -2761,21 +2791,21 @@ export interface operations {
             };
         };
     };
-    "captures.list": {
+    ListCaptures: {
         parameters: {
             query?: {
                 /** @description 0 means 50; more than 1000 counts as 1000. */
                 page_size?: number;
-                /** @description `next_page_token` of the previous page, with the same filters and order. */
+                /** @description Of the page before, with the same filters and order. */
                 page_token?: string;
-                /** @description Text in display name or note, whatever its case. */
+                /** @description Only those whose display name or note has this text, whatever its case; up to 200 characters. */
                 search?: string;
-                /** @description A tag. */
+                /** @description Only those with this tag. */
                 tag?: string;
-                /** @description An owner. */
-                owner?: string;
-                /** @description `create_time` or `name`, ascending or, followed by ` desc`, descending. Newest first if empty. */
+                /** @description `create_time` or `name`, ascending or, followed by ` desc`, descending; empty means `create_time desc`. */
                 order_by?: string;
+                /** @description Only those of this owner. */
+                owner?: string;
             };
             header?: never;
             path?: never;
@@ -2789,7 +2819,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["Captures"];
+                    "application/json": components["schemas"]["ListCapturesResponse"];
                 };
             };
             /** @description An RFC 9457 problem document: what happened and what to do. */
@@ -2803,7 +2833,7 @@ export interface operations {
             };
         };
     };
-    "captures.create": {
+    CreateCapture: {
         parameters: {
             query?: {
                 /** @description Display name. */
@@ -2817,18 +2847,18 @@ export interface operations {
             };
             header?: {
                 /** @description Makes the upload idempotent */
-                "Idempotency-Key"?: string | null;
+                "Idempotency-Key"?: string;
                 /** @description BLAKE3 of the body, hex; checked */
-                "X-Content-Blake3"?: string | null;
+                "X-Content-Blake3"?: string;
                 /** @description blake3=:{base64}:; checked */
-                "Content-Digest"?: string | null;
+                "Content-Digest"?: string;
             };
             path?: never;
             cookie?: never;
         };
         requestBody: {
             content: {
-                "application/zip": number[];
+                "application/zip": string;
             };
         };
         responses: {
@@ -2852,7 +2882,7 @@ export interface operations {
             };
         };
     };
-    "captures.get": {
+    GetCapture: {
         parameters: {
             query?: never;
             header?: never;
@@ -2884,7 +2914,7 @@ export interface operations {
             };
         };
     };
-    "captures.delete": {
+    DeleteCapture: {
         parameters: {
             query?: never;
             header?: never;
@@ -2914,7 +2944,7 @@ export interface operations {
             };
         };
     };
-    "captures.update": {
+    UpdateCapture: {
         parameters: {
             query?: never;
             header?: never;
@@ -2926,7 +2956,7 @@ export interface operations {
         };
         requestBody: {
             content: {
-                "application/json": components["schemas"]["LabelUpdate"];
+                "application/json": components["schemas"]["UpdateCaptureRequest"];
             };
         };
         responses: {
@@ -2950,14 +2980,14 @@ export interface operations {
             };
         };
     };
-    "captures.content": {
+    GetCaptureContent: {
         parameters: {
             query?: never;
             header?: {
                 /** @description One range of bytes */
-                Range?: string | null;
+                Range?: string;
                 /** @description The ETag that the range is of */
-                "If-Range"?: string | null;
+                "If-Range"?: string;
             };
             path: {
                 /** @description The uuid of the resource's name. */
@@ -2973,16 +3003,16 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/zip": number[];
+                    "application/zip": string;
                 };
             };
-            /** @description See the description of the operation. */
+            /** @description The range that was asked for. */
             206: {
                 headers: {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/zip": number[];
+                    "application/zip": string;
                 };
             };
             /** @description An RFC 9457 problem document: what happened and what to do. */
@@ -2996,12 +3026,12 @@ export interface operations {
             };
         };
     };
-    "captures.watch_ingest": {
+    WatchIngest: {
         parameters: {
             query?: never;
             header?: {
-                /** @description Skip revisions up to this one; what is no revision skips none */
-                "Last-Event-ID"?: number | null;
+                /** @description Skip revisions up to this one; what is no revision skips none. */
+                "Last-Event-ID"?: string;
             };
             path: {
                 /** @description The uuid of the resource's name. */
@@ -3011,13 +3041,13 @@ export interface operations {
         };
         requestBody?: never;
         responses: {
-            /** @description Success. */
+            /** @description Server-sent events with messages as data; one named `error` has a problem document and ends them. */
             200: {
                 headers: {
                     [name: string]: unknown;
                 };
                 content: {
-                    "text/event-stream": string;
+                    "text/event-stream": components["schemas"]["Capture"];
                 };
             };
             /** @description An RFC 9457 problem document: what happened and what to do. */
@@ -3031,12 +3061,12 @@ export interface operations {
             };
         };
     };
-    "captures.ingest": {
+    IngestCapture: {
         parameters: {
             query?: never;
             header?: {
-                /** @description Makes the call idempotent */
-                "Idempotency-Key"?: string | null;
+                /** @description Makes the call idempotent. */
+                "Idempotency-Key"?: string;
             };
             path: {
                 /** @description The uuid of the resource's name. */
@@ -3046,7 +3076,7 @@ export interface operations {
         };
         requestBody: {
             content: {
-                "application/json": components["schemas"]["NewIngest"];
+                "application/json": components["schemas"]["IngestCaptureRequest"];
             };
         };
         responses: {
@@ -3070,7 +3100,7 @@ export interface operations {
             };
         };
     };
-    "captures.cancel_ingest": {
+    CancelIngest: {
         parameters: {
             query?: never;
             header?: never;
@@ -3102,14 +3132,14 @@ export interface operations {
             };
         };
     };
-    "captures.observation": {
+    ExportObservation: {
         parameters: {
             query?: never;
             header?: {
                 /** @description One range of bytes */
-                Range?: string | null;
+                Range?: string;
                 /** @description The ETag that the range is of */
-                "If-Range"?: string | null;
+                "If-Range"?: string;
             };
             path: {
                 /** @description The uuid of the resource's name. */
@@ -3125,16 +3155,16 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/zip": number[];
+                    "application/zip": string;
                 };
             };
-            /** @description See the description of the operation. */
+            /** @description The range that was asked for. */
             206: {
                 headers: {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/zip": number[];
+                    "application/zip": string;
                 };
             };
             /** @description An RFC 9457 problem document: what happened and what to do. */
@@ -3148,14 +3178,14 @@ export interface operations {
             };
         };
     };
-    "captures.playback": {
+    GetPlayback: {
         parameters: {
             query?: never;
             header?: {
                 /** @description One range of bytes */
-                Range?: string | null;
+                Range?: string;
                 /** @description The ETag that the range is of */
-                "If-Range"?: string | null;
+                "If-Range"?: string;
             };
             path: {
                 /** @description The uuid of the resource's name. */
@@ -3171,16 +3201,16 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/octet-stream": number[];
+                    "application/octet-stream": string;
                 };
             };
-            /** @description See the description of the operation. */
+            /** @description The range that was asked for. */
             206: {
                 headers: {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/octet-stream": number[];
+                    "application/octet-stream": string;
                 };
             };
             /** @description An RFC 9457 problem document: what happened and what to do. */
@@ -3194,7 +3224,7 @@ export interface operations {
             };
         };
     };
-    "captures.report": {
+    GetCaptureReport: {
         parameters: {
             query?: never;
             header?: never;
@@ -3226,7 +3256,7 @@ export interface operations {
             };
         };
     };
-    "captures.report_page": {
+    GetCaptureReportPage: {
         parameters: {
             query?: never;
             header?: never;
@@ -3258,28 +3288,24 @@ export interface operations {
             };
         };
     };
-    "fits.list": {
+    ListFits: {
         parameters: {
             query?: {
                 /** @description 0 means 50; more than 1000 counts as 1000. */
                 page_size?: number;
-                /** @description `next_page_token` of the previous page, with the same filters and order. */
                 page_token?: string;
-                /** @description Restricts the list to this capture. */
+                /** @description Only fits of this capture, if given. */
                 capture?: string;
-                /** @description QUEUED, RUNNING, SUCCEEDED, FAILED or CANCELLED. */
-                state?: string;
-                /** @description Text in display name or note, whatever its case. */
+                /** @description Only fits in this state, if given. */
+                state?: "QUEUED" | "RUNNING" | "SUCCEEDED" | "FAILED" | "CANCELLED";
+                /** @description Only those whose display name or note has this text, whatever its case; up to 200 characters. */
                 search?: string;
-                /** @description A tag. */
+                /** @description Only those with this tag. */
                 tag?: string;
-                /** @description An owner. */
-                owner?: string;
-                /**
-                 * @description `create_time`, `name` or `error`, ascending or, followed by ` desc`, descending. Newest first
-                 *     if empty.
-                 */
+                /** @description `create_time`, `name` or `error`, ascending or, followed by ` desc`, descending; empty means `create_time desc`. */
                 order_by?: string;
+                /** @description Only those of this owner. */
+                owner?: string;
             };
             header?: never;
             path?: never;
@@ -3293,7 +3319,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["Fits"];
+                    "application/json": components["schemas"]["ListFitsResponse"];
                 };
             };
             /** @description An RFC 9457 problem document: what happened and what to do. */
@@ -3307,19 +3333,19 @@ export interface operations {
             };
         };
     };
-    "fits.create": {
+    CreateFit: {
         parameters: {
             query?: never;
             header?: {
-                /** @description Makes the call idempotent */
-                "Idempotency-Key"?: string | null;
+                /** @description Makes the call idempotent. */
+                "Idempotency-Key"?: string;
             };
             path?: never;
             cookie?: never;
         };
         requestBody: {
             content: {
-                "application/json": components["schemas"]["NewFit"];
+                "application/json": components["schemas"]["CreateFitRequest"];
             };
         };
         responses: {
@@ -3343,7 +3369,7 @@ export interface operations {
             };
         };
     };
-    "fits.get": {
+    GetFit: {
         parameters: {
             query?: never;
             header?: never;
@@ -3375,7 +3401,7 @@ export interface operations {
             };
         };
     };
-    "fits.delete": {
+    DeleteFit: {
         parameters: {
             query?: never;
             header?: never;
@@ -3405,7 +3431,7 @@ export interface operations {
             };
         };
     };
-    "fits.update": {
+    UpdateFit: {
         parameters: {
             query?: never;
             header?: never;
@@ -3417,7 +3443,7 @@ export interface operations {
         };
         requestBody: {
             content: {
-                "application/json": components["schemas"]["LabelUpdate"];
+                "application/json": components["schemas"]["UpdateFitRequest"];
             };
         };
         responses: {
@@ -3441,7 +3467,7 @@ export interface operations {
             };
         };
     };
-    "fits.cancel": {
+    CancelFit: {
         parameters: {
             query?: never;
             header?: never;
@@ -3473,12 +3499,12 @@ export interface operations {
             };
         };
     };
-    "fits.watch": {
+    WatchFit: {
         parameters: {
             query?: never;
             header?: {
-                /** @description Skip revisions up to this one; what is no revision skips none */
-                "Last-Event-ID"?: number | null;
+                /** @description Skip revisions up to this one; what is no revision skips none. */
+                "Last-Event-ID"?: string;
             };
             path: {
                 /** @description The uuid of the resource's name. */
@@ -3488,13 +3514,13 @@ export interface operations {
         };
         requestBody?: never;
         responses: {
-            /** @description Success. */
+            /** @description Server-sent events with messages as data; one named `error` has a problem document and ends them. */
             200: {
                 headers: {
                     [name: string]: unknown;
                 };
                 content: {
-                    "text/event-stream": string;
+                    "text/event-stream": components["schemas"]["Fit"];
                 };
             };
             /** @description An RFC 9457 problem document: what happened and what to do. */
@@ -3508,7 +3534,7 @@ export interface operations {
             };
         };
     };
-    "fits.losses": {
+    GetFitLosses: {
         parameters: {
             query?: never;
             header?: never;
@@ -3526,7 +3552,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["Losses"];
+                    "application/json": components["schemas"]["FitLosses"];
                 };
             };
             /** @description An RFC 9457 problem document: what happened and what to do. */
@@ -3540,12 +3566,11 @@ export interface operations {
             };
         };
     };
-    "keys.list": {
+    ListKeys: {
         parameters: {
             query?: {
                 /** @description 0 means 50; more than 1000 counts as 1000. */
                 page_size?: number;
-                /** @description `next_page_token` of the previous page. */
                 page_token?: string;
             };
             header?: never;
@@ -3560,7 +3585,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["Keys"];
+                    "application/json": components["schemas"]["ListKeysResponse"];
                 };
             };
             /** @description An RFC 9457 problem document: what happened and what to do. */
@@ -3574,7 +3599,7 @@ export interface operations {
             };
         };
     };
-    "keys.create": {
+    CreateKey: {
         parameters: {
             query?: never;
             header?: never;
@@ -3583,7 +3608,7 @@ export interface operations {
         };
         requestBody: {
             content: {
-                "application/json": components["schemas"]["NewKey"];
+                "application/json": components["schemas"]["CreateKeyRequest"];
             };
         };
         responses: {
@@ -3593,7 +3618,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["MadeKey"];
+                    "application/json": components["schemas"]["CreateKeyResponse"];
                 };
             };
             /** @description An RFC 9457 problem document: what happened and what to do. */
@@ -3607,7 +3632,7 @@ export interface operations {
             };
         };
     };
-    "keys.get": {
+    GetKey: {
         parameters: {
             query?: never;
             header?: never;
@@ -3639,7 +3664,7 @@ export interface operations {
             };
         };
     };
-    "keys.revoke": {
+    DeleteKey: {
         parameters: {
             query?: never;
             header?: never;
@@ -3669,7 +3694,7 @@ export interface operations {
             };
         };
     };
-    "plans.create": {
+    Plan: {
         parameters: {
             query?: {
                 /** @description `lists` (nested lists of numbers, the default) or `base64`. */
@@ -3684,11 +3709,11 @@ export interface operations {
         requestBody: {
             content: {
                 "application/json": components["schemas"]["PlanRequest"];
-                "application/x-protobuf": number[];
+                "application/x-protobuf": string;
             };
         };
         responses: {
-            /** @description Success. */
+            /** @description Server-sent events with messages as data; one named `error` has a problem document and ends them. */
             200: {
                 headers: {
                     [name: string]: unknown;
@@ -3708,7 +3733,7 @@ export interface operations {
             };
         };
     };
-    "plays.recording": {
+    GetPlayRecording: {
         parameters: {
             query?: never;
             header?: never;
@@ -3740,7 +3765,7 @@ export interface operations {
             };
         };
     };
-    "plays.put_recording": {
+    PutPlayRecording: {
         parameters: {
             query?: never;
             header?: never;
@@ -3774,7 +3799,7 @@ export interface operations {
             };
         };
     };
-    "plays.watch": {
+    WatchPlay: {
         parameters: {
             query?: never;
             header?: never;
@@ -3804,7 +3829,7 @@ export interface operations {
             };
         };
     };
-    "sessions.open": {
+    OpenSession: {
         parameters: {
             query?: {
                 /** @description `lists` (nested lists of numbers, the default) or `base64`. */
@@ -3819,7 +3844,7 @@ export interface operations {
         requestBody: {
             content: {
                 "application/json": components["schemas"]["OpenSessionRequest"];
-                "application/x-protobuf": number[];
+                "application/x-protobuf": string;
             };
         };
         responses: {
@@ -3843,7 +3868,7 @@ export interface operations {
             };
         };
     };
-    "sessions.get": {
+    GetSession: {
         parameters: {
             query?: never;
             header?: never;
@@ -3875,7 +3900,7 @@ export interface operations {
             };
         };
     };
-    "sessions.close": {
+    CloseSession: {
         parameters: {
             query?: never;
             header?: never;
@@ -3905,7 +3930,7 @@ export interface operations {
             };
         };
     };
-    "sessions.advance": {
+    AdvanceSession: {
         parameters: {
             query?: {
                 /** @description `lists` (nested lists of numbers, the default) or `base64`. */
@@ -3923,7 +3948,7 @@ export interface operations {
         requestBody: {
             content: {
                 "application/json": components["schemas"]["AdvanceSessionRequest"];
-                "application/x-protobuf": number[];
+                "application/x-protobuf": string;
             };
         };
         responses: {
@@ -3934,7 +3959,7 @@ export interface operations {
                 };
                 content: {
                     "application/json": components["schemas"]["RollOutResponse"];
-                    "application/x-protobuf": number[];
+                    "application/x-protobuf": string;
                 };
             };
             /** @description An RFC 9457 problem document: what happened and what to do. */
@@ -3948,7 +3973,7 @@ export interface operations {
             };
         };
     };
-    "sessions.correct": {
+    CorrectSession: {
         parameters: {
             query?: {
                 /** @description `lists` (nested lists of numbers, the default) or `base64`. */
@@ -3966,7 +3991,7 @@ export interface operations {
         requestBody: {
             content: {
                 "application/json": components["schemas"]["CorrectSessionRequest"];
-                "application/x-protobuf": number[];
+                "application/x-protobuf": string;
             };
         };
         responses: {
@@ -3977,7 +4002,7 @@ export interface operations {
                 };
                 content: {
                     "application/json": components["schemas"]["CorrectedSession"];
-                    "application/x-protobuf": number[];
+                    "application/x-protobuf": string;
                 };
             };
             /** @description An RFC 9457 problem document: what happened and what to do. */
@@ -3991,7 +4016,7 @@ export interface operations {
             };
         };
     };
-    "sessions.fork": {
+    ForkSession: {
         parameters: {
             query?: {
                 /** @description `lists` (nested lists of numbers, the default) or `base64`. */
@@ -4009,7 +4034,6 @@ export interface operations {
         requestBody: {
             content: {
                 "application/json": components["schemas"]["ForkSessionRequest"];
-                "application/x-protobuf": number[];
             };
         };
         responses: {
@@ -4033,7 +4057,7 @@ export interface operations {
             };
         };
     };
-    "sessions.reset": {
+    ResetSession: {
         parameters: {
             query?: {
                 /** @description `lists` (nested lists of numbers, the default) or `base64`. */
@@ -4051,7 +4075,7 @@ export interface operations {
         requestBody: {
             content: {
                 "application/json": components["schemas"]["ResetSessionRequest"];
-                "application/x-protobuf": number[];
+                "application/x-protobuf": string;
             };
         };
         responses: {
@@ -4075,10 +4099,10 @@ export interface operations {
             };
         };
     };
-    "sessions.states": {
+    GetSessionStates: {
         parameters: {
             query?: {
-                /** @description Numbers of slots with commas between them; all of them by default. */
+                /** @description Empty: all. */
                 slots?: string;
                 /** @description `lists` (nested lists of numbers, the default) or `base64`. */
                 tensors?: string;
@@ -4112,7 +4136,7 @@ export interface operations {
             };
         };
     };
-    "sessions.step": {
+    StepSession: {
         parameters: {
             query?: {
                 /** @description `lists` (nested lists of numbers, the default) or `base64`. */
@@ -4130,7 +4154,7 @@ export interface operations {
         requestBody: {
             content: {
                 "application/json": components["schemas"]["StepSessionRequest"];
-                "application/x-protobuf": number[];
+                "application/x-protobuf": string;
             };
         };
         responses: {
@@ -4141,7 +4165,7 @@ export interface operations {
                 };
                 content: {
                     "application/json": components["schemas"]["SteppedSession"];
-                    "application/x-protobuf": number[];
+                    "application/x-protobuf": string;
                 };
             };
             /** @description An RFC 9457 problem document: what happened and what to do. */
@@ -4155,26 +4179,22 @@ export interface operations {
             };
         };
     };
-    "twins.list": {
+    ListTwins: {
         parameters: {
             query?: {
                 /** @description 0 means 50; more than 1000 counts as 1000. */
                 page_size?: number;
-                /** @description `next_page_token` of the previous page, with the same filters and order. */
                 page_token?: string;
-                /** @description Restricts the list to this capture. */
+                /** @description Only twins of this capture, if given. */
                 capture?: string;
-                /** @description Text in display name or note, whatever its case. */
+                /** @description Only those whose display name or note has this text, whatever its case; up to 200 characters. */
                 search?: string;
-                /** @description A tag. */
+                /** @description Only those with this tag. */
                 tag?: string;
-                /** @description An owner. */
-                owner?: string;
-                /**
-                 * @description `create_time`, `name` or `error`, ascending or, followed by ` desc`, descending. Newest first
-                 *     if empty.
-                 */
+                /** @description `create_time`, `name` or `error`, ascending or, followed by ` desc`, descending; empty means `create_time desc`. */
                 order_by?: string;
+                /** @description Only those of this owner. */
+                owner?: string;
             };
             header?: never;
             path?: never;
@@ -4188,7 +4208,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["Twins"];
+                    "application/json": components["schemas"]["ListTwinsResponse"];
                 };
             };
             /** @description An RFC 9457 problem document: what happened and what to do. */
@@ -4202,7 +4222,7 @@ export interface operations {
             };
         };
     };
-    "twins.create": {
+    CreateTwin: {
         parameters: {
             query?: {
                 /** @description Display name. */
@@ -4212,16 +4232,16 @@ export interface operations {
             };
             header?: {
                 /** @description Makes the import idempotent */
-                "Idempotency-Key"?: string | null;
+                "Idempotency-Key"?: string;
                 /** @description BLAKE3 of the body, hex; checked */
-                "X-Content-Blake3"?: string | null;
+                "X-Content-Blake3"?: string;
             };
             path?: never;
             cookie?: never;
         };
         requestBody: {
             content: {
-                "application/octet-stream": number[];
+                "application/octet-stream": string;
             };
         };
         responses: {
@@ -4245,7 +4265,7 @@ export interface operations {
             };
         };
     };
-    "twins.get": {
+    GetTwin: {
         parameters: {
             query?: never;
             header?: never;
@@ -4277,7 +4297,7 @@ export interface operations {
             };
         };
     };
-    "twins.delete": {
+    DeleteTwin: {
         parameters: {
             query?: never;
             header?: never;
@@ -4307,7 +4327,7 @@ export interface operations {
             };
         };
     };
-    "twins.update": {
+    UpdateTwin: {
         parameters: {
             query?: never;
             header?: never;
@@ -4319,7 +4339,7 @@ export interface operations {
         };
         requestBody: {
             content: {
-                "application/json": components["schemas"]["LabelUpdate"];
+                "application/json": components["schemas"]["UpdateTwinRequest"];
             };
         };
         responses: {
@@ -4343,14 +4363,14 @@ export interface operations {
             };
         };
     };
-    "twins.content": {
+    ExportTwin: {
         parameters: {
             query?: never;
             header?: {
                 /** @description One range of bytes */
-                Range?: string | null;
+                Range?: string;
                 /** @description The ETag that the range is of */
-                "If-Range"?: string | null;
+                "If-Range"?: string;
             };
             path: {
                 /** @description The uuid of the resource's name. */
@@ -4366,16 +4386,16 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/octet-stream": number[];
+                    "application/octet-stream": string;
                 };
             };
-            /** @description See the description of the operation. */
+            /** @description The range that was asked for. */
             206: {
                 headers: {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/octet-stream": number[];
+                    "application/octet-stream": string;
                 };
             };
             /** @description An RFC 9457 problem document: what happened and what to do. */
@@ -4389,7 +4409,7 @@ export interface operations {
             };
         };
     };
-    "twins.evaluate": {
+    EvaluateTwin: {
         parameters: {
             query?: {
                 /** @description `lists` (nested lists of numbers, the default) or `base64`. */
@@ -4406,7 +4426,7 @@ export interface operations {
         };
         requestBody: {
             content: {
-                "application/json": components["schemas"]["EvaluateTwin"];
+                "application/json": components["schemas"]["EvaluateTwinRequest"];
             };
         };
         responses: {
@@ -4430,7 +4450,7 @@ export interface operations {
             };
         };
     };
-    "twins.geometry": {
+    GetTwinGeometry: {
         parameters: {
             query?: {
                 /** @description `lists` (nested lists of numbers, the default) or `base64`. */
@@ -4465,7 +4485,7 @@ export interface operations {
             };
         };
     };
-    "plays.play": {
+    Play: {
         parameters: {
             query?: never;
             header?: never;
@@ -4495,7 +4515,7 @@ export interface operations {
             };
         };
     };
-    "rollouts.register": {
+    RegisterState: {
         parameters: {
             query?: {
                 /** @description `lists` (nested lists of numbers, the default) or `base64`. */
@@ -4513,7 +4533,7 @@ export interface operations {
         requestBody: {
             content: {
                 "application/json": components["schemas"]["RegisterStateRequest"];
-                "application/x-protobuf": number[];
+                "application/x-protobuf": string;
             };
         };
         responses: {
@@ -4524,7 +4544,7 @@ export interface operations {
                 };
                 content: {
                     "application/json": components["schemas"]["RegisteredState"];
-                    "application/x-protobuf": number[];
+                    "application/x-protobuf": string;
                 };
             };
             /** @description An RFC 9457 problem document: what happened and what to do. */
@@ -4538,7 +4558,7 @@ export interface operations {
             };
         };
     };
-    "rollouts.create": {
+    RollOut: {
         parameters: {
             query?: {
                 /** @description `lists` (nested lists of numbers, the default) or `base64`. */
@@ -4556,7 +4576,7 @@ export interface operations {
         requestBody: {
             content: {
                 "application/json": components["schemas"]["RollOutRequest"];
-                "application/x-protobuf": number[];
+                "application/x-protobuf": string;
             };
         };
         responses: {
@@ -4567,7 +4587,7 @@ export interface operations {
                 };
                 content: {
                     "application/json": components["schemas"]["RollOutResponse"];
-                    "application/x-protobuf": number[];
+                    "application/x-protobuf": string;
                 };
             };
             /** @description An RFC 9457 problem document: what happened and what to do. */
@@ -4581,7 +4601,7 @@ export interface operations {
             };
         };
     };
-    "rollouts.stream": {
+    StreamRollOut: {
         parameters: {
             query?: {
                 /** @description `lists` (nested lists of numbers, the default) or `base64`. */
@@ -4599,17 +4619,17 @@ export interface operations {
         requestBody: {
             content: {
                 "application/json": components["schemas"]["RollOutRequest"];
-                "application/x-protobuf": number[];
+                "application/x-protobuf": string;
             };
         };
         responses: {
-            /** @description Parts of the reply */
+            /** @description Server-sent events with messages as data; one named `error` has a problem document and ends them. */
             200: {
                 headers: {
                     [name: string]: unknown;
                 };
                 content: {
-                    "text/event-stream": string;
+                    "text/event-stream": components["schemas"]["RollOutResponse"];
                 };
             };
             /** @description An RFC 9457 problem document: what happened and what to do. */
@@ -4623,10 +4643,10 @@ export interface operations {
             };
         };
     };
-    "uploads.list": {
+    ListUploads: {
         parameters: {
             query?: {
-                /** @description 0 means 50; more than 1000 counts as 1000. */
+                /** @description At most 1000; 0 means 50. */
                 page_size?: number;
                 /** @description `next_page_token` of the previous page. */
                 page_token?: string;
@@ -4657,29 +4677,29 @@ export interface operations {
             };
         };
     };
-    "uploads.create": {
+    CreateUpload: {
         parameters: {
             query?: never;
             header: {
                 /** @description 1.0.0 */
                 "Tus-Resumable": string;
                 /** @description Size of the whole [bytes] */
-                "Upload-Length"?: number | null;
+                "Upload-Length"?: number;
                 /** @description 1 if the size is not known yet */
-                "Upload-Defer-Length"?: number | null;
+                "Upload-Defer-Length"?: number;
                 /** @description Pairs `key base64`, separated by commas */
-                "Upload-Metadata"?: string | null;
+                "Upload-Metadata"?: string;
                 /** @description Makes the upload idempotent */
-                "Idempotency-Key"?: string | null;
+                "Idempotency-Key"?: string;
                 /** @description `algorithm base64` of the body */
-                "Upload-Checksum"?: string | null;
+                "Upload-Checksum"?: string;
             };
             path?: never;
             cookie?: never;
         };
         requestBody: {
             content: {
-                "application/offset+octet-stream": number[];
+                "application/offset+octet-stream": string;
             };
         };
         responses: {
@@ -4704,7 +4724,7 @@ export interface operations {
             };
         };
     };
-    "uploads.options": {
+    GetUploadOptions: {
         parameters: {
             query?: never;
             header?: never;
@@ -4726,7 +4746,7 @@ export interface operations {
             };
         };
     };
-    "uploads.get": {
+    GetUpload: {
         parameters: {
             query?: never;
             header?: never;
@@ -4758,12 +4778,12 @@ export interface operations {
             };
         };
     };
-    "uploads.terminate": {
+    TerminateUpload: {
         parameters: {
             query?: never;
             header?: {
                 /** @description 1.0.0 */
-                "Tus-Resumable"?: string | null;
+                "Tus-Resumable"?: string;
             };
             path: {
                 /** @description The uuid of the resource's name. */
@@ -4791,7 +4811,7 @@ export interface operations {
             };
         };
     };
-    "uploads.head": {
+    GetUploadOffset: {
         parameters: {
             query?: never;
             header: {
@@ -4830,7 +4850,7 @@ export interface operations {
             };
         };
     };
-    "uploads.append": {
+    AppendUpload: {
         parameters: {
             query?: never;
             header: {
@@ -4839,9 +4859,9 @@ export interface operations {
                 /** @description Where the body begins; must be the upload's offset */
                 "Upload-Offset": number;
                 /** @description Size of the whole, if it was deferred [bytes] */
-                "Upload-Length"?: number | null;
+                "Upload-Length"?: number;
                 /** @description `algorithm base64` of the body: sha1, sha256 or blake3 */
-                "Upload-Checksum"?: string | null;
+                "Upload-Checksum"?: string;
             };
             path: {
                 /** @description The uuid of the resource's name. */
@@ -4851,7 +4871,7 @@ export interface operations {
         };
         requestBody: {
             content: {
-                "application/offset+octet-stream": number[];
+                "application/offset+octet-stream": string;
             };
         };
         responses: {
@@ -4877,12 +4897,10 @@ export interface operations {
             };
         };
     };
-    "workers.list": {
+    ListWorkers: {
         parameters: {
             query?: {
-                /** @description 0 means 50; more than 1000 counts as 1000. */
                 page_size?: number;
-                /** @description `next_page_token` of the previous page. */
                 page_token?: string;
             };
             header?: never;
@@ -4897,7 +4915,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["Workers"];
+                    "application/json": components["schemas"]["ListWorkersResponse"];
                 };
             };
             /** @description An RFC 9457 problem document: what happened and what to do. */
@@ -4911,7 +4929,7 @@ export interface operations {
             };
         };
     };
-    "workers.get": {
+    GetWorker: {
         parameters: {
             query?: never;
             header?: never;
@@ -4943,7 +4961,7 @@ export interface operations {
             };
         };
     };
-    "workers.drain": {
+    DrainWorker: {
         parameters: {
             query?: never;
             header?: never;

@@ -353,6 +353,171 @@ pub struct Vary {
     #[prost(message, optional, tag = "8")]
     pub object_restitution: ::core::option::Option<Tensor>,
 }
+/// A route of HTTP. Fields of the request come from the path, from the header Idempotency-Key (`request_id`),
+/// and from the query of a GET or the JSON body of other methods. The reply is JSON.
+#[derive(Clone, PartialEq, Eq, Hash, ::prost::Message)]
+pub struct Route {
+    /// The field that `{id}` goes to; empty means `name`.
+    #[prost(string, tag = "5")]
+    pub id: ::prost::alloc::string::String,
+    /// Status of success; 0 means 200, or 204 where the reply has no fields.
+    #[prost(uint32, tag = "6")]
+    pub status: u32,
+    /// The field of the reply with the name of what was made, which `Location` gives.
+    #[prost(string, tag = "7")]
+    pub location: ::prost::alloc::string::String,
+    /// True if the reply must not be stored by anyone on its way.
+    #[prost(bool, tag = "8")]
+    pub secret: bool,
+    /// True if body and reply may be protobuf as well, and the query says how tensors are written and how long to
+    /// wait: `tensors` and `timeout_s`.
+    #[prost(bool, tag = "9")]
+    pub tensors: bool,
+    /// True if it is described and answered by hand: uploads, downloads by ranges, pages.
+    #[prost(bool, tag = "10")]
+    pub by_hand: bool,
+    /// The path; `{id}` stands for the last part of a resource's name.
+    #[prost(oneof = "route::Method", tags = "1, 2, 3, 4")]
+    pub method: ::core::option::Option<route::Method>,
+}
+/// Nested message and enum types in `Route`.
+pub mod route {
+    /// The path; `{id}` stands for the last part of a resource's name.
+    #[derive(Clone, PartialEq, Eq, Hash, ::prost::Oneof)]
+    pub enum Method {
+        #[prost(string, tag = "1")]
+        Get(::prost::alloc::string::String),
+        #[prost(string, tag = "2")]
+        Post(::prost::alloc::string::String),
+        #[prost(string, tag = "3")]
+        Patch(::prost::alloc::string::String),
+        #[prost(string, tag = "4")]
+        Delete(::prost::alloc::string::String),
+    }
+}
+/// The form of a field in JSON, where it is not the usual one.
+#[derive(Clone, PartialEq, Eq, Hash, ::prost::Message)]
+pub struct JsonField {
+    #[prost(enumeration = "json_field::Form", tag = "1")]
+    pub form: i32,
+    /// True if an update of the resource may change it. Over HTTP such fields stand in the body itself, and make the
+    /// mask.
+    #[prost(bool, tag = "2")]
+    pub changeable: bool,
+    /// True if a body must have it.
+    #[prost(bool, tag = "5")]
+    pub required: bool,
+    /// Syntax of a parameter, and its longest text.
+    #[prost(string, tag = "3")]
+    pub pattern: ::prost::alloc::string::String,
+    #[prost(uint32, tag = "4")]
+    pub max_length: u32,
+}
+/// Nested message and enum types in `JsonField`.
+pub mod json_field {
+    #[derive(
+        Clone,
+        Copy,
+        Debug,
+        PartialEq,
+        Eq,
+        Hash,
+        PartialOrd,
+        Ord,
+        ::prost::Enumeration
+    )]
+    #[repr(i32)]
+    pub enum Form {
+        Unspecified = 0,
+        /// The string is a JSON document, which stands there itself, under the name without `_json`.
+        Nested = 1,
+        /// Null where it is empty, zero or absent; in a list of numbers, where one is not finite.
+        Null = 2,
+        /// Always there, with its defaults where it is absent.
+        Always = 3,
+    }
+    impl Form {
+        /// String value of the enum field names used in the ProtoBuf definition.
+        ///
+        /// The values are not transformed in any way and thus are considered stable
+        /// (if the ProtoBuf definition does not change) and safe for programmatic use.
+        pub fn as_str_name(&self) -> &'static str {
+            match self {
+                Self::Unspecified => "FORM_UNSPECIFIED",
+                Self::Nested => "NESTED",
+                Self::Null => "NULL",
+                Self::Always => "ALWAYS",
+            }
+        }
+        /// Creates an enum from field names used in the ProtoBuf definition.
+        pub fn from_str_name(value: &str) -> ::core::option::Option<Self> {
+            match value {
+                "FORM_UNSPECIFIED" => Some(Self::Unspecified),
+                "NESTED" => Some(Self::Nested),
+                "NULL" => Some(Self::Null),
+                "ALWAYS" => Some(Self::Always),
+                _ => None,
+            }
+        }
+    }
+}
+/// Condition of a call: none, any client token or key, a key with this scope, or the token of a worker.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, ::prost::Enumeration)]
+#[repr(i32)]
+pub enum Scope {
+    Unspecified = 0,
+    Open = 1,
+    Anyone = 2,
+    Worker = 3,
+    Admin = 4,
+    CapturesRead = 5,
+    CapturesWrite = 6,
+    FitsRead = 7,
+    FitsWrite = 8,
+    RolloutsRun = 9,
+    TwinsRead = 10,
+    TwinsWrite = 11,
+}
+impl Scope {
+    /// String value of the enum field names used in the ProtoBuf definition.
+    ///
+    /// The values are not transformed in any way and thus are considered stable
+    /// (if the ProtoBuf definition does not change) and safe for programmatic use.
+    pub fn as_str_name(&self) -> &'static str {
+        match self {
+            Self::Unspecified => "SCOPE_UNSPECIFIED",
+            Self::Open => "OPEN",
+            Self::Anyone => "ANYONE",
+            Self::Worker => "WORKER",
+            Self::Admin => "ADMIN",
+            Self::CapturesRead => "CAPTURES_READ",
+            Self::CapturesWrite => "CAPTURES_WRITE",
+            Self::FitsRead => "FITS_READ",
+            Self::FitsWrite => "FITS_WRITE",
+            Self::RolloutsRun => "ROLLOUTS_RUN",
+            Self::TwinsRead => "TWINS_READ",
+            Self::TwinsWrite => "TWINS_WRITE",
+        }
+    }
+    /// Creates an enum from field names used in the ProtoBuf definition.
+    pub fn from_str_name(value: &str) -> ::core::option::Option<Self> {
+        match value {
+            "SCOPE_UNSPECIFIED" => Some(Self::Unspecified),
+            "OPEN" => Some(Self::Open),
+            "ANYONE" => Some(Self::Anyone),
+            "WORKER" => Some(Self::Worker),
+            "ADMIN" => Some(Self::Admin),
+            "CAPTURES_READ" => Some(Self::CapturesRead),
+            "CAPTURES_WRITE" => Some(Self::CapturesWrite),
+            "FITS_READ" => Some(Self::FitsRead),
+            "FITS_WRITE" => Some(Self::FitsWrite),
+            "ROLLOUTS_RUN" => Some(Self::RolloutsRun),
+            "TWINS_READ" => Some(Self::TwinsRead),
+            "TWINS_WRITE" => Some(Self::TwinsWrite),
+            _ => None,
+        }
+    }
+}
 /// Work that a worker does for a fit, or for the ingest of a capture.
 #[derive(Clone, PartialEq, ::prost::Message)]
 pub struct Job {
@@ -907,7 +1072,8 @@ pub mod capture_service_client {
                 .insert(GrpcMethod::new("bendtwin.v1.CaptureService", "UpdateCapture"));
             self.inner.unary(req, path, codec).await
         }
-        /// Refused with FAILED_PRECONDITION while a fit of it is queued or running. Twins stay.
+        /// Deletes its observation, playback and report, too. Refused with FAILED_PRECONDITION while a fit of it is
+        /// queued or running. Twins stay.
         pub async fn delete_capture(
             &mut self,
             request: impl tonic::IntoRequest<super::DeleteCaptureRequest>,
@@ -932,7 +1098,7 @@ pub mod capture_service_client {
                 .insert(GrpcMethod::new("bendtwin.v1.CaptureService", "DeleteCapture"));
             self.inner.unary(req, path, codec).await
         }
-        /// Runs the ingest again. Refused with FAILED_PRECONDITION while it is under way, and while a fit of the
+        /// Runs the ingest again, for example with other settings. Refused with FAILED_PRECONDITION while it is under way, and while a fit of the
         /// capture is queued or running.
         pub async fn ingest_capture(
             &mut self,
@@ -977,7 +1143,8 @@ pub mod capture_service_client {
                 .insert(GrpcMethod::new("bendtwin.v1.CaptureService", "CancelIngest"));
             self.inner.unary(req, path, codec).await
         }
-        /// The capture now and after every change of its ingest, until that has ended.
+        /// The capture now and after every change of its ingest, until that has ended. Over HTTP events named
+        /// `capture`, with the revision of the ingest as id; `Last-Event-ID` skips what is known.
         pub async fn watch_ingest(
             &mut self,
             request: impl tonic::IntoRequest<super::WatchIngestRequest>,
@@ -1096,7 +1263,8 @@ pub mod capture_service_server {
             &self,
             request: tonic::Request<super::UpdateCaptureRequest>,
         ) -> std::result::Result<tonic::Response<super::Capture>, tonic::Status>;
-        /// Refused with FAILED_PRECONDITION while a fit of it is queued or running. Twins stay.
+        /// Deletes its observation, playback and report, too. Refused with FAILED_PRECONDITION while a fit of it is
+        /// queued or running. Twins stay.
         async fn delete_capture(
             &self,
             request: tonic::Request<super::DeleteCaptureRequest>,
@@ -1104,7 +1272,7 @@ pub mod capture_service_server {
             tonic::Response<super::DeleteCaptureResponse>,
             tonic::Status,
         >;
-        /// Runs the ingest again. Refused with FAILED_PRECONDITION while it is under way, and while a fit of the
+        /// Runs the ingest again, for example with other settings. Refused with FAILED_PRECONDITION while it is under way, and while a fit of the
         /// capture is queued or running.
         async fn ingest_capture(
             &self,
@@ -1121,7 +1289,8 @@ pub mod capture_service_server {
             >
             + std::marker::Send
             + 'static;
-        /// The capture now and after every change of its ingest, until that has ended.
+        /// The capture now and after every change of its ingest, until that has ended. Over HTTP events named
+        /// `capture`, with the revision of the ingest as id; `Last-Event-ID` skips what is known.
         async fn watch_ingest(
             &self,
             request: tonic::Request<super::WatchIngestRequest>,
@@ -1873,10 +2042,10 @@ pub mod fit_losses {
         #[prost(uint32, repeated, tag = "3")]
         pub iterations: ::prost::alloc::vec::Vec<u32>,
         /// One for each iteration; NaN where it was not finite.
-        #[prost(double, repeated, tag = "4")]
+        #[prost(double, repeated, packed = "false", tag = "4")]
         pub losses: ::prost::alloc::vec::Vec<f64>,
         /// The lowest up to each iteration.
-        #[prost(double, repeated, tag = "5")]
+        #[prost(double, repeated, packed = "false", tag = "5")]
         pub best_losses: ::prost::alloc::vec::Vec<f64>,
     }
 }
@@ -1992,6 +2161,7 @@ pub mod fit_service_client {
             self.inner = self.inner.max_encoding_message_size(limit);
             self
         }
+        /// Queues a fit.
         pub async fn create_fit(
             &mut self,
             request: impl tonic::IntoRequest<super::CreateFitRequest>,
@@ -2080,7 +2250,7 @@ pub mod fit_service_client {
                 .insert(GrpcMethod::new("bendtwin.v1.FitService", "UpdateFit"));
             self.inner.unary(req, path, codec).await
         }
-        /// The losses of all iterations so far.
+        /// The losses of all iterations so far, by stage and model. They stay until the fit is deleted.
         pub async fn get_fit_losses(
             &mut self,
             request: impl tonic::IntoRequest<super::GetFitLossesRequest>,
@@ -2149,7 +2319,8 @@ pub mod fit_service_client {
                 .insert(GrpcMethod::new("bendtwin.v1.FitService", "DeleteFit"));
             self.inner.unary(req, path, codec).await
         }
-        /// The fit now and after every change, until it has ended.
+        /// The fit now and after every change, until it has ended. Over HTTP events named `fit`, with the revision as
+        /// id; `Last-Event-ID` skips what is known.
         pub async fn watch_fit(
             &mut self,
             request: impl tonic::IntoRequest<super::WatchFitRequest>,
@@ -2189,6 +2360,7 @@ pub mod fit_service_server {
     /// Generated trait containing gRPC methods that should be implemented for use with FitServiceServer.
     #[async_trait]
     pub trait FitService: std::marker::Send + std::marker::Sync + 'static {
+        /// Queues a fit.
         async fn create_fit(
             &self,
             request: tonic::Request<super::CreateFitRequest>,
@@ -2209,7 +2381,7 @@ pub mod fit_service_server {
             &self,
             request: tonic::Request<super::UpdateFitRequest>,
         ) -> std::result::Result<tonic::Response<super::Fit>, tonic::Status>;
-        /// The losses of all iterations so far.
+        /// The losses of all iterations so far, by stage and model. They stay until the fit is deleted.
         async fn get_fit_losses(
             &self,
             request: tonic::Request<super::GetFitLossesRequest>,
@@ -2233,7 +2405,8 @@ pub mod fit_service_server {
             >
             + std::marker::Send
             + 'static;
-        /// The fit now and after every change, until it has ended.
+        /// The fit now and after every change, until it has ended. Over HTTP events named `fit`, with the revision as
+        /// id; `Last-Event-ID` skips what is known.
         async fn watch_fit(
             &self,
             request: tonic::Request<super::WatchFitRequest>,
@@ -3199,7 +3372,8 @@ pub mod twin_service_client {
                 .insert(GrpcMethod::new("bendtwin.v1.TwinService", "ExportTwin"));
             self.inner.server_streaming(req, path, codec).await
         }
-        /// Facts of a twin that planners need, without its file.
+        /// Facts of a twin that planners need, without its file: nodes, springs, control points and the hand that each
+        /// belongs to.
         pub async fn get_twin_geometry(
             &mut self,
             request: impl tonic::IntoRequest<super::GetTwinGeometryRequest>,
@@ -3275,7 +3449,8 @@ pub mod twin_service_server {
             &self,
             request: tonic::Request<super::ExportTwinRequest>,
         ) -> std::result::Result<tonic::Response<Self::ExportTwinStream>, tonic::Status>;
-        /// Facts of a twin that planners need, without its file.
+        /// Facts of a twin that planners need, without its file: nodes, springs, control points and the hand that each
+        /// belongs to.
         async fn get_twin_geometry(
             &self,
             request: tonic::Request<super::GetTwinGeometryRequest>,
@@ -3921,7 +4096,7 @@ pub mod worker_service_client {
             self.inner.unary(req, path, codec).await
         }
         /// Asks a worker to take no more jobs and rollouts, to hand back its job with a checkpoint, to finish the
-        /// rollouts under way and to exit. It is no error to ask again.
+        /// rollouts under way and to exit; its sessions end with it. It is no error to ask again.
         pub async fn drain_worker(
             &mut self,
             request: impl tonic::IntoRequest<super::DrainWorkerRequest>,
@@ -3970,7 +4145,7 @@ pub mod worker_service_server {
             tonic::Status,
         >;
         /// Asks a worker to take no more jobs and rollouts, to hand back its job with a checkpoint, to finish the
-        /// rollouts under way and to exit. It is no error to ask again.
+        /// rollouts under way and to exit; its sessions end with it. It is no error to ask again.
         async fn drain_worker(
             &self,
             request: tonic::Request<super::DrainWorkerRequest>,
@@ -5853,6 +6028,8 @@ pub mod rollout_service_client {
             self.inner = self.inner.max_encoding_message_size(limit);
             self
         }
+        /// Robot actions in; motion, costs or gradients out. Over HTTP a large body must be protobuf, and a large reply
+        /// base64 or protobuf.
         pub async fn roll_out(
             &mut self,
             request: impl tonic::IntoRequest<super::RollOutRequest>,
@@ -5880,7 +6057,7 @@ pub mod rollout_service_client {
         /// The same in parts, as instances finish: each part covers `first_instance` onwards. On a GPU the last bits of
         /// a result may differ from those of RollOut, as they depend on how many instances are simulated together; on
         /// the CPU they do not. With `returns.best` there is one part. With `returns.part_frames` every part is divided
-        /// in time as well.
+        /// in time as well. Over HTTP events named `part`.
         pub async fn stream_roll_out(
             &mut self,
             request: impl tonic::IntoRequest<super::RollOutRequest>,
@@ -5920,6 +6097,8 @@ pub mod rollout_service_server {
     /// Generated trait containing gRPC methods that should be implemented for use with RolloutServiceServer.
     #[async_trait]
     pub trait RolloutService: std::marker::Send + std::marker::Sync + 'static {
+        /// Robot actions in; motion, costs or gradients out. Over HTTP a large body must be protobuf, and a large reply
+        /// base64 or protobuf.
         async fn roll_out(
             &self,
             request: tonic::Request<super::RollOutRequest>,
@@ -5933,7 +6112,7 @@ pub mod rollout_service_server {
         /// The same in parts, as instances finish: each part covers `first_instance` onwards. On a GPU the last bits of
         /// a result may differ from those of RollOut, as they depend on how many instances are simulated together; on
         /// the CPU they do not. With `returns.best` there is one part. With `returns.part_frames` every part is divided
-        /// in time as well.
+        /// in time as well. Over HTTP events named `part`.
         async fn stream_roll_out(
             &self,
             request: tonic::Request<super::RollOutRequest>,
@@ -6528,7 +6707,8 @@ pub mod planning_service_client {
         /// One update after each iteration with the best so far, and a last one. The best is never worse than
         /// the nominal plan: whatever comes back was simulated, with that cost. A plan that strains the material
         /// beyond the limit counts as worse than every plan that does not, whatever its cost; of plans beyond
-        /// it the one that is beyond it least is best.
+        /// it the one that is beyond it least is best. Over HTTP events named `update`; closing the connection stops
+        /// the work.
         pub async fn plan(
             &mut self,
             request: impl tonic::IntoRequest<super::PlanRequest>,
@@ -6577,7 +6757,8 @@ pub mod planning_service_server {
         /// One update after each iteration with the best so far, and a last one. The best is never worse than
         /// the nominal plan: whatever comes back was simulated, with that cost. A plan that strains the material
         /// beyond the limit counts as worse than every plan that does not, whatever its cost; of plans beyond
-        /// it the one that is beyond it least is best.
+        /// it the one that is beyond it least is best. Over HTTP events named `update`; closing the connection stops
+        /// the work.
         async fn plan(
             &self,
             request: tonic::Request<super::PlanRequest>,
@@ -7420,7 +7601,8 @@ pub mod evaluation_service_client {
         }
         /// The quality table of a twin on a capture. To a recording other than its own the twin is registered
         /// first: ends with FAILED_PRECONDITION, reason OBSERVATION_NOT_EXPLAINED, if that leaves too much.
-        /// The capture's ingest has to have ended. The table is computed anew and kept nowhere.
+        /// The capture's ingest has to have ended. The table is computed anew and kept nowhere. `motion` also asks for
+        /// the predicted positions of nodes in a sequence, and for its errors frame by frame.
         pub async fn evaluate_twin(
             &mut self,
             request: impl tonic::IntoRequest<super::EvaluateTwinRequest>,
@@ -7461,7 +7643,8 @@ pub mod evaluation_service_server {
     pub trait EvaluationService: std::marker::Send + std::marker::Sync + 'static {
         /// The quality table of a twin on a capture. To a recording other than its own the twin is registered
         /// first: ends with FAILED_PRECONDITION, reason OBSERVATION_NOT_EXPLAINED, if that leaves too much.
-        /// The capture's ingest has to have ended. The table is computed anew and kept nowhere.
+        /// The capture's ingest has to have ended. The table is computed anew and kept nowhere. `motion` also asks for
+        /// the predicted positions of nodes in a sequence, and for its errors frame by frame.
         async fn evaluate_twin(
             &self,
             request: tonic::Request<super::EvaluateTwinRequest>,
@@ -7706,7 +7889,7 @@ pub struct GetSessionStatesRequest {
     #[prost(string, tag = "1")]
     pub name: ::prost::alloc::string::String,
     /// Empty: all.
-    #[prost(uint32, repeated, tag = "2")]
+    #[prost(uint32, repeated, packed = "false", tag = "2")]
     pub slots: ::prost::alloc::vec::Vec<u32>,
 }
 #[derive(Clone, PartialEq, ::prost::Message)]
@@ -7970,6 +8153,8 @@ pub mod session_service_client {
             self.inner = self.inner.max_encoding_message_size(limit);
             self
         }
+        /// Opens simulations of a twin that stay at a worker until they are closed, or until nobody has used them for
+        /// `idle_timeout_s`.
         pub async fn open_session(
             &mut self,
             request: impl tonic::IntoRequest<super::OpenSessionRequest>,
@@ -8012,7 +8197,7 @@ pub mod session_service_client {
                 .insert(GrpcMethod::new("bendtwin.v1.SessionService", "GetSession"));
             self.inner.unary(req, path, codec).await
         }
-        /// The states of slots, without the rest shapes that corrections gave them.
+        /// The states of slots, as `initial.given` takes them, without the rest shapes that corrections gave them.
         pub async fn get_session_states(
             &mut self,
             request: impl tonic::IntoRequest<super::GetSessionStatesRequest>,
@@ -8189,6 +8374,7 @@ pub mod session_service_client {
                 .insert(GrpcMethod::new("bendtwin.v1.SessionService", "StepSession"));
             self.inner.unary(req, path, codec).await
         }
+        /// Closes a session. It is no error if it has ended.
         pub async fn close_session(
             &mut self,
             request: impl tonic::IntoRequest<super::CloseSessionRequest>,
@@ -8228,6 +8414,8 @@ pub mod session_service_server {
     /// Generated trait containing gRPC methods that should be implemented for use with SessionServiceServer.
     #[async_trait]
     pub trait SessionService: std::marker::Send + std::marker::Sync + 'static {
+        /// Opens simulations of a twin that stay at a worker until they are closed, or until nobody has used them for
+        /// `idle_timeout_s`.
         async fn open_session(
             &self,
             request: tonic::Request<super::OpenSessionRequest>,
@@ -8236,7 +8424,7 @@ pub mod session_service_server {
             &self,
             request: tonic::Request<super::GetSessionRequest>,
         ) -> std::result::Result<tonic::Response<super::Session>, tonic::Status>;
-        /// The states of slots, without the rest shapes that corrections gave them.
+        /// The states of slots, as `initial.given` takes them, without the rest shapes that corrections gave them.
         async fn get_session_states(
             &self,
             request: tonic::Request<super::GetSessionStatesRequest>,
@@ -8293,6 +8481,7 @@ pub mod session_service_server {
             &self,
             request: tonic::Request<super::StepSessionRequest>,
         ) -> std::result::Result<tonic::Response<super::SteppedSession>, tonic::Status>;
+        /// Closes a session. It is no error if it has ended.
         async fn close_session(
             &self,
             request: tonic::Request<super::CloseSessionRequest>,

@@ -2,6 +2,7 @@
 impl Fields for crate::v1::Fault {
     const NAME: &'static str = "Fault";
     const FIELDS: &'static [&'static str] = &["category", "reason", "message"];
+    const REQUIRED: &'static [&'static str] = &[];
     #[allow(unused_variables)]
     fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
         match field {
@@ -26,6 +27,7 @@ map.serialize_entry("message", &self.message)?;
 impl Fields for crate::v1::World {
     const NAME: &'static str = "World";
     const FIELDS: &'static [&'static str] = &["gravity", "ground", "no_ground", "ground_friction", "ground_restitution", "colliders"];
+    const REQUIRED: &'static [&'static str] = &[];
     #[allow(unused_variables)]
     fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
         match field {
@@ -56,6 +58,7 @@ write_messages(map, "colliders", &self.colliders, tensors)?;
 impl Fields for crate::v1::Plane {
     const NAME: &'static str = "Plane";
     const FIELDS: &'static [&'static str] = &["normal", "offset_m"];
+    const REQUIRED: &'static [&'static str] = &[];
     #[allow(unused_variables)]
     fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
         match field {
@@ -78,6 +81,7 @@ map.serialize_entry("offset_m", &self.offset_m)?;
 impl Fields for crate::v1::Collider {
     const NAME: &'static str = "Collider";
     const FIELDS: &'static [&'static str] = &["name", "sphere", "capsule", "cuboid", "convex_mesh", "friction", "restitution", "margin_m", "fixed", "gripper", "path", "pose"];
+    const REQUIRED: &'static [&'static str] = &[];
     #[allow(unused_variables)]
     fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
         match field {
@@ -120,6 +124,7 @@ map.serialize_entry("pose", &self.pose)?;
 impl Fields for crate::v1::collider::Fixed {
     const NAME: &'static str = "Fixed";
     const FIELDS: &'static [&'static str] = &[];
+    const REQUIRED: &'static [&'static str] = &[];
     #[allow(unused_variables)]
     fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
         match field {
@@ -138,6 +143,7 @@ impl Fields for crate::v1::collider::Fixed {
 impl Fields for crate::v1::Sphere {
     const NAME: &'static str = "Sphere";
     const FIELDS: &'static [&'static str] = &["center", "radius_m"];
+    const REQUIRED: &'static [&'static str] = &[];
     #[allow(unused_variables)]
     fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
         match field {
@@ -160,6 +166,7 @@ map.serialize_entry("radius_m", &self.radius_m)?;
 impl Fields for crate::v1::Capsule {
     const NAME: &'static str = "Capsule";
     const FIELDS: &'static [&'static str] = &["from", "to", "radius_m"];
+    const REQUIRED: &'static [&'static str] = &[];
     #[allow(unused_variables)]
     fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
         match field {
@@ -184,6 +191,7 @@ map.serialize_entry("radius_m", &self.radius_m)?;
 impl Fields for crate::v1::Cuboid {
     const NAME: &'static str = "Cuboid";
     const FIELDS: &'static [&'static str] = &["low", "high"];
+    const REQUIRED: &'static [&'static str] = &[];
     #[allow(unused_variables)]
     fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
         match field {
@@ -206,6 +214,7 @@ map.serialize_entry("high", &self.high)?;
 impl Fields for crate::v1::ConvexMesh {
     const NAME: &'static str = "ConvexMesh";
     const FIELDS: &'static [&'static str] = &["points"];
+    const REQUIRED: &'static [&'static str] = &[];
     #[allow(unused_variables)]
     fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
         match field {
@@ -226,6 +235,7 @@ impl Fields for crate::v1::ConvexMesh {
 impl Fields for crate::v1::Grasp {
     const NAME: &'static str = "Grasp";
     const FIELDS: &'static [&'static str] = &["gripper", "sphere", "cuboid", "nodes", "hand", "attachment", "stiffness", "damping", "closed", "max_force_n"];
+    const REQUIRED: &'static [&'static str] = &[];
     #[allow(unused_variables)]
     fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
         match field {
@@ -264,6 +274,7 @@ if let Some(value) = &self.max_force_n { map.serialize_entry("max_force_n", valu
 impl Fields for crate::v1::grasp::CaptureHand {
     const NAME: &'static str = "CaptureHand";
     const FIELDS: &'static [&'static str] = &["hand"];
+    const REQUIRED: &'static [&'static str] = &[];
     #[allow(unused_variables)]
     fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
         match field {
@@ -294,6 +305,7 @@ impl Words for crate::v1::grasp::Attachment {
 impl Fields for crate::v1::Grasping {
     const NAME: &'static str = "Grasping";
     const FIELDS: &'static [&'static str] = &["phases", "holders", "places"];
+    const REQUIRED: &'static [&'static str] = &[];
     #[allow(unused_variables)]
     fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
         match field {
@@ -318,6 +330,7 @@ write_tensor(map, "places", self.places.as_ref(), tensors)?;
 impl Fields for crate::v1::Vary {
     const NAME: &'static str = "Vary";
     const FIELDS: &'static [&'static str] = &["stiffness", "damping", "bending", "friction", "mass", "fits", "ground_restitution", "object_restitution"];
+    const REQUIRED: &'static [&'static str] = &[];
     #[allow(unused_variables)]
     fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
         match field {
@@ -349,9 +362,1393 @@ write_tensor(map, "object_restitution", self.object_restitution.as_ref(), tensor
     }
 }
 
+impl Fields for crate::v1::Job {
+    const NAME: &'static str = "Job";
+    const FIELDS: &'static [&'static str] = &["state", "settings", "progress", "fault", "attempt_faults", "attempts", "worker", "cancel_requested", "create_time", "start_time", "end_time", "revision"];
+    const REQUIRED: &'static [&'static str] = &[];
+    #[allow(unused_variables)]
+    fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
+        match field {
+            0 => { self.state = word::<crate::v1::job::State, A>(map)?; }
+1 => { self.settings_json = document(map)?; }
+2 => { self.progress = message(map)?; }
+3 => { self.fault = message(map)?; }
+4 => { self.attempt_faults = messages(map)?; }
+5 => { self.attempts = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+6 => { self.worker = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+7 => { self.cancel_requested = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+8 => { self.create_time = time(map)?; }
+9 => { self.start_time = time(map)?; }
+10 => { self.end_time = time(map)?; }
+11 => { self.revision = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+
+            _ => {}
+        }
+        Ok(())
+    }
+    #[allow(unused_variables)]
+    fn write<M: SerializeMap>(&self, tensors: TensorFormat, map: &mut M) -> Result<(), M::Error> {
+        write_word::<crate::v1::job::State, M>(map, "state", self.state)?;
+write_document(map, "settings", &self.settings_json)?;
+map.serialize_entry("progress", &self.progress.as_ref().map(|message| Write { message, tensors }))?;
+map.serialize_entry("fault", &self.fault.as_ref().map(|message| Write { message, tensors }))?;
+write_messages(map, "attempt_faults", &self.attempt_faults, tensors)?;
+map.serialize_entry("attempts", &self.attempts)?;
+map.serialize_entry("worker", &filled(&self.worker))?;
+map.serialize_entry("cancel_requested", &self.cancel_requested)?;
+map.serialize_entry("create_time", &Time(self.create_time.unwrap_or_default()))?;
+map.serialize_entry("start_time", &self.start_time.map(Time))?;
+map.serialize_entry("end_time", &self.end_time.map(Time))?;
+map.serialize_entry("revision", &self.revision)?;
+
+        Ok(())
+    }
+}
+
+impl Words for crate::v1::job::State {
+    const KNOWN: &'static [&'static str] = &["QUEUED", "RUNNING", "SUCCEEDED", "FAILED", "CANCELLED"];
+    fn number(word: &str) -> Option<i32> {
+        Self::from_str_name(word).map(Into::into)
+    }
+    fn word(number: i32) -> Option<&'static str> {
+        Self::try_from(number).ok().map(|value| value.as_str_name())
+    }
+}
+
+impl Fields for crate::v1::Progress {
+    const NAME: &'static str = "Progress";
+    const FIELDS: &'static [&'static str] = &["stage", "variant", "iteration", "iterations", "fraction", "loss", "best_loss", "eta_s", "note", "models"];
+    const REQUIRED: &'static [&'static str] = &[];
+    #[allow(unused_variables)]
+    fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
+        match field {
+            0 => { self.stage = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+1 => { self.variant = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+2 => { self.iteration = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+3 => { self.iterations = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+4 => { self.fraction = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+5 => { self.loss = map.next_value()?; }
+6 => { self.best_loss = map.next_value()?; }
+7 => { self.eta_s = map.next_value()?; }
+8 => { self.note = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+9 => { self.models = messages(map)?; }
+
+            _ => {}
+        }
+        Ok(())
+    }
+    #[allow(unused_variables)]
+    fn write<M: SerializeMap>(&self, tensors: TensorFormat, map: &mut M) -> Result<(), M::Error> {
+        map.serialize_entry("stage", &self.stage)?;
+map.serialize_entry("variant", &self.variant)?;
+map.serialize_entry("iteration", &self.iteration)?;
+map.serialize_entry("iterations", &self.iterations)?;
+map.serialize_entry("fraction", &self.fraction)?;
+map.serialize_entry("loss", &self.loss)?;
+map.serialize_entry("best_loss", &self.best_loss)?;
+map.serialize_entry("eta_s", &self.eta_s)?;
+map.serialize_entry("note", &filled(&self.note))?;
+write_messages(map, "models", &self.models, tensors)?;
+
+        Ok(())
+    }
+}
+
+impl Fields for crate::v1::ModelLoss {
+    const NAME: &'static str = "ModelLoss";
+    const FIELDS: &'static [&'static str] = &["stage", "variant", "iteration", "loss", "best_loss"];
+    const REQUIRED: &'static [&'static str] = &[];
+    #[allow(unused_variables)]
+    fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
+        match field {
+            0 => { self.stage = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+1 => { self.variant = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+2 => { self.iteration = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+3 => { self.loss = map.next_value()?; }
+4 => { self.best_loss = map.next_value()?; }
+
+            _ => {}
+        }
+        Ok(())
+    }
+    #[allow(unused_variables)]
+    fn write<M: SerializeMap>(&self, tensors: TensorFormat, map: &mut M) -> Result<(), M::Error> {
+        map.serialize_entry("stage", &self.stage)?;
+map.serialize_entry("variant", &self.variant)?;
+map.serialize_entry("iteration", &self.iteration)?;
+map.serialize_entry("loss", &self.loss)?;
+map.serialize_entry("best_loss", &self.best_loss)?;
+
+        Ok(())
+    }
+}
+
+impl Fields for crate::v1::WorkerRequirements {
+    const NAME: &'static str = "WorkerRequirements";
+    const FIELDS: &'static [&'static str] = &["backend", "memory_bytes", "labels"];
+    const REQUIRED: &'static [&'static str] = &[];
+    #[allow(unused_variables)]
+    fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
+        match field {
+            0 => { self.backend = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+1 => { self.memory_bytes = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+2 => { self.labels = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+
+            _ => {}
+        }
+        Ok(())
+    }
+    #[allow(unused_variables)]
+    fn write<M: SerializeMap>(&self, tensors: TensorFormat, map: &mut M) -> Result<(), M::Error> {
+        map.serialize_entry("backend", &self.backend)?;
+map.serialize_entry("memory_bytes", &self.memory_bytes)?;
+map.serialize_entry("labels", &self.labels)?;
+
+        Ok(())
+    }
+}
+
+impl Fields for crate::v1::Capture {
+    const NAME: &'static str = "Capture";
+    const FIELDS: &'static [&'static str] = &["name", "display_name", "create_time", "size_bytes", "digest", "ingest", "verdict", "note", "tags", "owner", "ingest_requirements"];
+    const REQUIRED: &'static [&'static str] = &[];
+    #[allow(unused_variables)]
+    fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
+        match field {
+            0 => { self.name = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+1 => { self.display_name = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+2 => { self.create_time = time(map)?; }
+3 => { self.size_bytes = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+4 => { self.digest = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+5 => { self.ingest = message(map)?; }
+6 => { self.verdict = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+7 => { self.note = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+8 => { self.tags = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+9 => { self.owner = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+10 => { self.ingest_requirements = message(map)?; }
+
+            _ => {}
+        }
+        Ok(())
+    }
+    #[allow(unused_variables)]
+    fn write<M: SerializeMap>(&self, tensors: TensorFormat, map: &mut M) -> Result<(), M::Error> {
+        map.serialize_entry("name", &self.name)?;
+map.serialize_entry("display_name", &self.display_name)?;
+map.serialize_entry("create_time", &Time(self.create_time.unwrap_or_default()))?;
+map.serialize_entry("size_bytes", &self.size_bytes)?;
+map.serialize_entry("digest", &self.digest)?;
+write_message(map, "ingest", Some(self.ingest.as_ref().unwrap_or(&Default::default())), tensors)?;
+map.serialize_entry("verdict", &filled(&self.verdict))?;
+map.serialize_entry("note", &self.note)?;
+map.serialize_entry("tags", &self.tags)?;
+map.serialize_entry("owner", &self.owner)?;
+write_message(map, "ingest_requirements", Some(self.ingest_requirements.as_ref().unwrap_or(&Default::default())), tensors)?;
+
+        Ok(())
+    }
+}
+
+impl Fields for crate::v1::GetCaptureRequest {
+    const NAME: &'static str = "GetCaptureRequest";
+    const FIELDS: &'static [&'static str] = &[];
+    const REQUIRED: &'static [&'static str] = &[];
+    #[allow(unused_variables)]
+    fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
+        match field {
+            
+            _ => {}
+        }
+        Ok(())
+    }
+    #[allow(unused_variables)]
+    fn write<M: SerializeMap>(&self, tensors: TensorFormat, map: &mut M) -> Result<(), M::Error> {
+        
+        Ok(())
+    }
+}
+
+impl Fields for crate::v1::ListCapturesRequest {
+    const NAME: &'static str = "ListCapturesRequest";
+    const FIELDS: &'static [&'static str] = &["page_size", "page_token", "search", "tag", "order_by", "owner"];
+    const REQUIRED: &'static [&'static str] = &[];
+    #[allow(unused_variables)]
+    fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
+        match field {
+            0 => { self.page_size = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+1 => { self.page_token = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+2 => { self.search = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+3 => { self.tag = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+4 => { self.order_by = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+5 => { self.owner = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+
+            _ => {}
+        }
+        Ok(())
+    }
+    #[allow(unused_variables)]
+    fn write<M: SerializeMap>(&self, tensors: TensorFormat, map: &mut M) -> Result<(), M::Error> {
+        map.serialize_entry("page_size", &self.page_size)?;
+map.serialize_entry("page_token", &self.page_token)?;
+map.serialize_entry("search", &self.search)?;
+map.serialize_entry("tag", &self.tag)?;
+map.serialize_entry("order_by", &self.order_by)?;
+map.serialize_entry("owner", &self.owner)?;
+
+        Ok(())
+    }
+}
+
+impl Fields for crate::v1::ListCapturesResponse {
+    const NAME: &'static str = "ListCapturesResponse";
+    const FIELDS: &'static [&'static str] = &["captures", "next_page_token"];
+    const REQUIRED: &'static [&'static str] = &[];
+    #[allow(unused_variables)]
+    fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
+        match field {
+            0 => { self.captures = messages(map)?; }
+1 => { self.next_page_token = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+
+            _ => {}
+        }
+        Ok(())
+    }
+    #[allow(unused_variables)]
+    fn write<M: SerializeMap>(&self, tensors: TensorFormat, map: &mut M) -> Result<(), M::Error> {
+        write_messages(map, "captures", &self.captures, tensors)?;
+map.serialize_entry("next_page_token", &self.next_page_token)?;
+
+        Ok(())
+    }
+}
+
+impl Fields for crate::v1::UpdateCaptureRequest {
+    const NAME: &'static str = "UpdateCaptureRequest";
+    const FIELDS: &'static [&'static str] = &["display_name", "note", "tags", "add_tags", "remove_tags"];
+    const REQUIRED: &'static [&'static str] = &[];
+    #[allow(unused_variables)]
+    fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
+        match field {
+            0 => { if let Some(value) = map.next_value::<Option<_>>()? { self.capture.get_or_insert_default().display_name = value; self.update_mask.get_or_insert_default().paths.push("display_name".to_owned()); } }
+1 => { if let Some(value) = map.next_value::<Option<_>>()? { self.capture.get_or_insert_default().note = value; self.update_mask.get_or_insert_default().paths.push("note".to_owned()); } }
+2 => { if let Some(value) = map.next_value::<Option<_>>()? { self.capture.get_or_insert_default().tags = value; self.update_mask.get_or_insert_default().paths.push("tags".to_owned()); } }
+3 => { self.add_tags = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+4 => { self.remove_tags = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+
+            _ => {}
+        }
+        Ok(())
+    }
+    #[allow(unused_variables)]
+    fn write<M: SerializeMap>(&self, tensors: TensorFormat, map: &mut M) -> Result<(), M::Error> {
+        
+
+
+map.serialize_entry("add_tags", &self.add_tags)?;
+map.serialize_entry("remove_tags", &self.remove_tags)?;
+
+        Ok(())
+    }
+}
+
+impl Fields for crate::v1::DeleteCaptureRequest {
+    const NAME: &'static str = "DeleteCaptureRequest";
+    const FIELDS: &'static [&'static str] = &[];
+    const REQUIRED: &'static [&'static str] = &[];
+    #[allow(unused_variables)]
+    fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
+        match field {
+            
+            _ => {}
+        }
+        Ok(())
+    }
+    #[allow(unused_variables)]
+    fn write<M: SerializeMap>(&self, tensors: TensorFormat, map: &mut M) -> Result<(), M::Error> {
+        
+        Ok(())
+    }
+}
+
+impl Fields for crate::v1::DeleteCaptureResponse {
+    const NAME: &'static str = "DeleteCaptureResponse";
+    const FIELDS: &'static [&'static str] = &[];
+    const REQUIRED: &'static [&'static str] = &[];
+    #[allow(unused_variables)]
+    fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
+        match field {
+            
+            _ => {}
+        }
+        Ok(())
+    }
+    #[allow(unused_variables)]
+    fn write<M: SerializeMap>(&self, tensors: TensorFormat, map: &mut M) -> Result<(), M::Error> {
+        
+        Ok(())
+    }
+}
+
+impl Fields for crate::v1::IngestCaptureRequest {
+    const NAME: &'static str = "IngestCaptureRequest";
+    const FIELDS: &'static [&'static str] = &["settings", "requirements"];
+    const REQUIRED: &'static [&'static str] = &[];
+    #[allow(unused_variables)]
+    fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
+        match field {
+            0 => { self.settings_json = document(map)?; }
+1 => { self.requirements = message(map)?; }
+
+            _ => {}
+        }
+        Ok(())
+    }
+    #[allow(unused_variables)]
+    fn write<M: SerializeMap>(&self, tensors: TensorFormat, map: &mut M) -> Result<(), M::Error> {
+        write_document(map, "settings", &self.settings_json)?;
+write_message(map, "requirements", self.requirements.as_ref(), tensors)?;
+
+        Ok(())
+    }
+}
+
+impl Fields for crate::v1::CancelIngestRequest {
+    const NAME: &'static str = "CancelIngestRequest";
+    const FIELDS: &'static [&'static str] = &[];
+    const REQUIRED: &'static [&'static str] = &[];
+    #[allow(unused_variables)]
+    fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
+        match field {
+            
+            _ => {}
+        }
+        Ok(())
+    }
+    #[allow(unused_variables)]
+    fn write<M: SerializeMap>(&self, tensors: TensorFormat, map: &mut M) -> Result<(), M::Error> {
+        
+        Ok(())
+    }
+}
+
+impl Fields for crate::v1::WatchIngestRequest {
+    const NAME: &'static str = "WatchIngestRequest";
+    const FIELDS: &'static [&'static str] = &[];
+    const REQUIRED: &'static [&'static str] = &[];
+    #[allow(unused_variables)]
+    fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
+        match field {
+            
+            _ => {}
+        }
+        Ok(())
+    }
+    #[allow(unused_variables)]
+    fn write<M: SerializeMap>(&self, tensors: TensorFormat, map: &mut M) -> Result<(), M::Error> {
+        
+        Ok(())
+    }
+}
+
+impl Fields for crate::v1::Fit {
+    const NAME: &'static str = "Fit";
+    const FIELDS: &'static [&'static str] = &["name", "capture", "twin", "priority", "job", "display_name", "note", "tags", "error_m", "owner", "requirements"];
+    const REQUIRED: &'static [&'static str] = &[];
+    #[allow(unused_variables)]
+    fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
+        match field {
+            0 => { self.name = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+1 => { self.capture = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+2 => { self.twin = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+3 => { self.priority = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+4 => { self.job = message(map)?; }
+5 => { self.display_name = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+6 => { self.note = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+7 => { self.tags = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+8 => { self.error_m = map.next_value()?; }
+9 => { self.owner = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+10 => { self.requirements = message(map)?; }
+
+            _ => {}
+        }
+        Ok(())
+    }
+    #[allow(unused_variables)]
+    fn write<M: SerializeMap>(&self, tensors: TensorFormat, map: &mut M) -> Result<(), M::Error> {
+        map.serialize_entry("name", &self.name)?;
+map.serialize_entry("capture", &self.capture)?;
+map.serialize_entry("twin", &filled(&self.twin))?;
+map.serialize_entry("priority", &self.priority)?;
+write_message(map, "job", Some(self.job.as_ref().unwrap_or(&Default::default())), tensors)?;
+map.serialize_entry("display_name", &self.display_name)?;
+map.serialize_entry("note", &self.note)?;
+map.serialize_entry("tags", &self.tags)?;
+map.serialize_entry("error_m", &self.error_m)?;
+map.serialize_entry("owner", &self.owner)?;
+write_message(map, "requirements", Some(self.requirements.as_ref().unwrap_or(&Default::default())), tensors)?;
+
+        Ok(())
+    }
+}
+
+impl Fields for crate::v1::CreateFitRequest {
+    const NAME: &'static str = "CreateFitRequest";
+    const FIELDS: &'static [&'static str] = &["capture", "settings", "priority", "display_name", "requirements"];
+    const REQUIRED: &'static [&'static str] = &["capture"];
+    #[allow(unused_variables)]
+    fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
+        match field {
+            0 => { self.capture = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+1 => { self.settings_json = document(map)?; }
+2 => { self.priority = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+3 => { self.display_name = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+4 => { self.requirements = message(map)?; }
+
+            _ => {}
+        }
+        Ok(())
+    }
+    #[allow(unused_variables)]
+    fn write<M: SerializeMap>(&self, tensors: TensorFormat, map: &mut M) -> Result<(), M::Error> {
+        map.serialize_entry("capture", &self.capture)?;
+write_document(map, "settings", &self.settings_json)?;
+map.serialize_entry("priority", &self.priority)?;
+map.serialize_entry("display_name", &self.display_name)?;
+write_message(map, "requirements", self.requirements.as_ref(), tensors)?;
+
+        Ok(())
+    }
+}
+
+impl Fields for crate::v1::GetFitRequest {
+    const NAME: &'static str = "GetFitRequest";
+    const FIELDS: &'static [&'static str] = &[];
+    const REQUIRED: &'static [&'static str] = &[];
+    #[allow(unused_variables)]
+    fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
+        match field {
+            
+            _ => {}
+        }
+        Ok(())
+    }
+    #[allow(unused_variables)]
+    fn write<M: SerializeMap>(&self, tensors: TensorFormat, map: &mut M) -> Result<(), M::Error> {
+        
+        Ok(())
+    }
+}
+
+impl Fields for crate::v1::ListFitsRequest {
+    const NAME: &'static str = "ListFitsRequest";
+    const FIELDS: &'static [&'static str] = &["page_size", "page_token", "capture", "state", "search", "tag", "order_by", "owner"];
+    const REQUIRED: &'static [&'static str] = &[];
+    #[allow(unused_variables)]
+    fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
+        match field {
+            0 => { self.page_size = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+1 => { self.page_token = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+2 => { self.capture = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+3 => { self.state = word::<crate::v1::job::State, A>(map)?; }
+4 => { self.search = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+5 => { self.tag = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+6 => { self.order_by = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+7 => { self.owner = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+
+            _ => {}
+        }
+        Ok(())
+    }
+    #[allow(unused_variables)]
+    fn write<M: SerializeMap>(&self, tensors: TensorFormat, map: &mut M) -> Result<(), M::Error> {
+        map.serialize_entry("page_size", &self.page_size)?;
+map.serialize_entry("page_token", &self.page_token)?;
+map.serialize_entry("capture", &self.capture)?;
+write_word::<crate::v1::job::State, M>(map, "state", self.state)?;
+map.serialize_entry("search", &self.search)?;
+map.serialize_entry("tag", &self.tag)?;
+map.serialize_entry("order_by", &self.order_by)?;
+map.serialize_entry("owner", &self.owner)?;
+
+        Ok(())
+    }
+}
+
+impl Fields for crate::v1::ListFitsResponse {
+    const NAME: &'static str = "ListFitsResponse";
+    const FIELDS: &'static [&'static str] = &["fits", "next_page_token"];
+    const REQUIRED: &'static [&'static str] = &[];
+    #[allow(unused_variables)]
+    fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
+        match field {
+            0 => { self.fits = messages(map)?; }
+1 => { self.next_page_token = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+
+            _ => {}
+        }
+        Ok(())
+    }
+    #[allow(unused_variables)]
+    fn write<M: SerializeMap>(&self, tensors: TensorFormat, map: &mut M) -> Result<(), M::Error> {
+        write_messages(map, "fits", &self.fits, tensors)?;
+map.serialize_entry("next_page_token", &self.next_page_token)?;
+
+        Ok(())
+    }
+}
+
+impl Fields for crate::v1::UpdateFitRequest {
+    const NAME: &'static str = "UpdateFitRequest";
+    const FIELDS: &'static [&'static str] = &["display_name", "note", "tags", "add_tags", "remove_tags"];
+    const REQUIRED: &'static [&'static str] = &[];
+    #[allow(unused_variables)]
+    fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
+        match field {
+            0 => { if let Some(value) = map.next_value::<Option<_>>()? { self.fit.get_or_insert_default().display_name = value; self.update_mask.get_or_insert_default().paths.push("display_name".to_owned()); } }
+1 => { if let Some(value) = map.next_value::<Option<_>>()? { self.fit.get_or_insert_default().note = value; self.update_mask.get_or_insert_default().paths.push("note".to_owned()); } }
+2 => { if let Some(value) = map.next_value::<Option<_>>()? { self.fit.get_or_insert_default().tags = value; self.update_mask.get_or_insert_default().paths.push("tags".to_owned()); } }
+3 => { self.add_tags = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+4 => { self.remove_tags = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+
+            _ => {}
+        }
+        Ok(())
+    }
+    #[allow(unused_variables)]
+    fn write<M: SerializeMap>(&self, tensors: TensorFormat, map: &mut M) -> Result<(), M::Error> {
+        
+
+
+map.serialize_entry("add_tags", &self.add_tags)?;
+map.serialize_entry("remove_tags", &self.remove_tags)?;
+
+        Ok(())
+    }
+}
+
+impl Fields for crate::v1::GetFitLossesRequest {
+    const NAME: &'static str = "GetFitLossesRequest";
+    const FIELDS: &'static [&'static str] = &[];
+    const REQUIRED: &'static [&'static str] = &[];
+    #[allow(unused_variables)]
+    fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
+        match field {
+            
+            _ => {}
+        }
+        Ok(())
+    }
+    #[allow(unused_variables)]
+    fn write<M: SerializeMap>(&self, tensors: TensorFormat, map: &mut M) -> Result<(), M::Error> {
+        
+        Ok(())
+    }
+}
+
+impl Fields for crate::v1::FitLosses {
+    const NAME: &'static str = "FitLosses";
+    const FIELDS: &'static [&'static str] = &["curves"];
+    const REQUIRED: &'static [&'static str] = &[];
+    #[allow(unused_variables)]
+    fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
+        match field {
+            0 => { self.curves = messages(map)?; }
+
+            _ => {}
+        }
+        Ok(())
+    }
+    #[allow(unused_variables)]
+    fn write<M: SerializeMap>(&self, tensors: TensorFormat, map: &mut M) -> Result<(), M::Error> {
+        write_messages(map, "curves", &self.curves, tensors)?;
+
+        Ok(())
+    }
+}
+
+impl Fields for crate::v1::fit_losses::LossCurve {
+    const NAME: &'static str = "LossCurve";
+    const FIELDS: &'static [&'static str] = &["stage", "variant", "iterations", "losses", "best_losses"];
+    const REQUIRED: &'static [&'static str] = &[];
+    #[allow(unused_variables)]
+    fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
+        match field {
+            0 => { self.stage = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+1 => { self.variant = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+2 => { self.iterations = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+3 => { self.losses = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+4 => { self.best_losses = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+
+            _ => {}
+        }
+        Ok(())
+    }
+    #[allow(unused_variables)]
+    fn write<M: SerializeMap>(&self, tensors: TensorFormat, map: &mut M) -> Result<(), M::Error> {
+        map.serialize_entry("stage", &self.stage)?;
+map.serialize_entry("variant", &self.variant)?;
+map.serialize_entry("iterations", &self.iterations)?;
+map.serialize_entry("losses", &self.losses)?;
+map.serialize_entry("best_losses", &self.best_losses)?;
+
+        Ok(())
+    }
+}
+
+impl Fields for crate::v1::CancelFitRequest {
+    const NAME: &'static str = "CancelFitRequest";
+    const FIELDS: &'static [&'static str] = &[];
+    const REQUIRED: &'static [&'static str] = &[];
+    #[allow(unused_variables)]
+    fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
+        match field {
+            
+            _ => {}
+        }
+        Ok(())
+    }
+    #[allow(unused_variables)]
+    fn write<M: SerializeMap>(&self, tensors: TensorFormat, map: &mut M) -> Result<(), M::Error> {
+        
+        Ok(())
+    }
+}
+
+impl Fields for crate::v1::DeleteFitRequest {
+    const NAME: &'static str = "DeleteFitRequest";
+    const FIELDS: &'static [&'static str] = &[];
+    const REQUIRED: &'static [&'static str] = &[];
+    #[allow(unused_variables)]
+    fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
+        match field {
+            
+            _ => {}
+        }
+        Ok(())
+    }
+    #[allow(unused_variables)]
+    fn write<M: SerializeMap>(&self, tensors: TensorFormat, map: &mut M) -> Result<(), M::Error> {
+        
+        Ok(())
+    }
+}
+
+impl Fields for crate::v1::DeleteFitResponse {
+    const NAME: &'static str = "DeleteFitResponse";
+    const FIELDS: &'static [&'static str] = &[];
+    const REQUIRED: &'static [&'static str] = &[];
+    #[allow(unused_variables)]
+    fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
+        match field {
+            
+            _ => {}
+        }
+        Ok(())
+    }
+    #[allow(unused_variables)]
+    fn write<M: SerializeMap>(&self, tensors: TensorFormat, map: &mut M) -> Result<(), M::Error> {
+        
+        Ok(())
+    }
+}
+
+impl Fields for crate::v1::WatchFitRequest {
+    const NAME: &'static str = "WatchFitRequest";
+    const FIELDS: &'static [&'static str] = &[];
+    const REQUIRED: &'static [&'static str] = &[];
+    #[allow(unused_variables)]
+    fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
+        match field {
+            
+            _ => {}
+        }
+        Ok(())
+    }
+    #[allow(unused_variables)]
+    fn write<M: SerializeMap>(&self, tensors: TensorFormat, map: &mut M) -> Result<(), M::Error> {
+        
+        Ok(())
+    }
+}
+
+impl Fields for crate::v1::Twin {
+    const NAME: &'static str = "Twin";
+    const FIELDS: &'static [&'static str] = &["name", "display_name", "capture", "fit", "create_time", "size_bytes", "digest", "node_count", "spring_count", "triplet_count", "control_count", "fps", "substeps", "quality", "mass_kg", "note", "tags", "error_m", "owner"];
+    const REQUIRED: &'static [&'static str] = &[];
+    #[allow(unused_variables)]
+    fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
+        match field {
+            0 => { self.name = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+1 => { self.display_name = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+2 => { self.capture = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+3 => { self.fit = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+4 => { self.create_time = time(map)?; }
+5 => { self.size_bytes = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+6 => { self.digest = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+7 => { self.node_count = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+8 => { self.spring_count = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+9 => { self.triplet_count = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+10 => { self.control_count = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+11 => { self.fps = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+12 => { self.substeps = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+13 => { self.quality_json = document(map)?; }
+14 => { self.mass_kg = map.next_value()?; }
+15 => { self.note = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+16 => { self.tags = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+17 => { self.error_m = map.next_value()?; }
+18 => { self.owner = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+
+            _ => {}
+        }
+        Ok(())
+    }
+    #[allow(unused_variables)]
+    fn write<M: SerializeMap>(&self, tensors: TensorFormat, map: &mut M) -> Result<(), M::Error> {
+        map.serialize_entry("name", &self.name)?;
+map.serialize_entry("display_name", &self.display_name)?;
+map.serialize_entry("capture", &filled(&self.capture))?;
+map.serialize_entry("fit", &filled(&self.fit))?;
+map.serialize_entry("create_time", &Time(self.create_time.unwrap_or_default()))?;
+map.serialize_entry("size_bytes", &self.size_bytes)?;
+map.serialize_entry("digest", &self.digest)?;
+map.serialize_entry("node_count", &self.node_count)?;
+map.serialize_entry("spring_count", &self.spring_count)?;
+map.serialize_entry("triplet_count", &self.triplet_count)?;
+map.serialize_entry("control_count", &self.control_count)?;
+map.serialize_entry("fps", &self.fps)?;
+map.serialize_entry("substeps", &self.substeps)?;
+write_document(map, "quality", &self.quality_json)?;
+if let Some(value) = &self.mass_kg { map.serialize_entry("mass_kg", value)?; }
+map.serialize_entry("note", &self.note)?;
+map.serialize_entry("tags", &self.tags)?;
+map.serialize_entry("error_m", &self.error_m)?;
+map.serialize_entry("owner", &self.owner)?;
+
+        Ok(())
+    }
+}
+
+impl Fields for crate::v1::GetTwinGeometryRequest {
+    const NAME: &'static str = "GetTwinGeometryRequest";
+    const FIELDS: &'static [&'static str] = &[];
+    const REQUIRED: &'static [&'static str] = &[];
+    #[allow(unused_variables)]
+    fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
+        match field {
+            
+            _ => {}
+        }
+        Ok(())
+    }
+    #[allow(unused_variables)]
+    fn write<M: SerializeMap>(&self, tensors: TensorFormat, map: &mut M) -> Result<(), M::Error> {
+        
+        Ok(())
+    }
+}
+
+impl Fields for crate::v1::TwinGeometry {
+    const NAME: &'static str = "TwinGeometry";
+    const FIELDS: &'static [&'static str] = &["rest_positions", "kinds", "edges", "rest_lengths", "triplets", "masses", "controls", "hands", "pins", "surface_count", "rod_count", "fps", "substeps", "gravity", "ground", "ground_friction", "ground_restitution", "mass_kg", "spacing_m", "rod_starts", "rod_nodes", "skin", "fits", "spring_stiffness", "bend_stiffness", "node_regions", "skin_sd"];
+    const REQUIRED: &'static [&'static str] = &[];
+    #[allow(unused_variables)]
+    fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
+        match field {
+            0 => { self.rest_positions = tensor(map, Dtype::Float32)?; }
+1 => { self.kinds = tensor(map, Dtype::Float32)?; }
+2 => { self.edges = tensor(map, Dtype::Float32)?; }
+3 => { self.rest_lengths = tensor(map, Dtype::Float32)?; }
+4 => { self.triplets = tensor(map, Dtype::Float32)?; }
+5 => { self.masses = tensor(map, Dtype::Float32)?; }
+6 => { self.controls = tensor(map, Dtype::Float32)?; }
+7 => { self.hands = tensor(map, Dtype::Float32)?; }
+8 => { self.pins = tensor(map, Dtype::Float32)?; }
+9 => { self.surface_count = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+10 => { self.rod_count = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+11 => { self.fps = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+12 => { self.substeps = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+13 => { self.gravity = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+14 => { self.ground = message(map)?; }
+15 => { self.ground_friction = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+16 => { self.ground_restitution = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+17 => { self.mass_kg = map.next_value()?; }
+18 => { self.spacing_m = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+19 => { self.rod_starts = tensor(map, Dtype::Float32)?; }
+20 => { self.rod_nodes = tensor(map, Dtype::Float32)?; }
+21 => { self.skin = message(map)?; }
+22 => { self.fits = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+23 => { self.spring_stiffness = tensor(map, Dtype::Float32)?; }
+24 => { self.bend_stiffness = tensor(map, Dtype::Float32)?; }
+25 => { self.node_regions = tensor(map, Dtype::Float32)?; }
+26 => { self.skin_sd = tensor(map, Dtype::Float32)?; }
+
+            _ => {}
+        }
+        Ok(())
+    }
+    #[allow(unused_variables)]
+    fn write<M: SerializeMap>(&self, tensors: TensorFormat, map: &mut M) -> Result<(), M::Error> {
+        write_tensor(map, "rest_positions", self.rest_positions.as_ref(), tensors)?;
+write_tensor(map, "kinds", self.kinds.as_ref(), tensors)?;
+write_tensor(map, "edges", self.edges.as_ref(), tensors)?;
+write_tensor(map, "rest_lengths", self.rest_lengths.as_ref(), tensors)?;
+write_tensor(map, "triplets", self.triplets.as_ref(), tensors)?;
+write_tensor(map, "masses", self.masses.as_ref(), tensors)?;
+write_tensor(map, "controls", self.controls.as_ref(), tensors)?;
+write_tensor(map, "hands", self.hands.as_ref(), tensors)?;
+write_tensor(map, "pins", self.pins.as_ref(), tensors)?;
+map.serialize_entry("surface_count", &self.surface_count)?;
+map.serialize_entry("rod_count", &self.rod_count)?;
+map.serialize_entry("fps", &self.fps)?;
+map.serialize_entry("substeps", &self.substeps)?;
+map.serialize_entry("gravity", &self.gravity)?;
+write_message(map, "ground", self.ground.as_ref(), tensors)?;
+map.serialize_entry("ground_friction", &self.ground_friction)?;
+map.serialize_entry("ground_restitution", &self.ground_restitution)?;
+if let Some(value) = &self.mass_kg { map.serialize_entry("mass_kg", value)?; }
+map.serialize_entry("spacing_m", &self.spacing_m)?;
+write_tensor(map, "rod_starts", self.rod_starts.as_ref(), tensors)?;
+write_tensor(map, "rod_nodes", self.rod_nodes.as_ref(), tensors)?;
+write_message(map, "skin", self.skin.as_ref(), tensors)?;
+map.serialize_entry("fits", &self.fits)?;
+write_tensor(map, "spring_stiffness", self.spring_stiffness.as_ref(), tensors)?;
+write_tensor(map, "bend_stiffness", self.bend_stiffness.as_ref(), tensors)?;
+write_tensor(map, "node_regions", self.node_regions.as_ref(), tensors)?;
+write_tensor(map, "skin_sd", self.skin_sd.as_ref(), tensors)?;
+
+        Ok(())
+    }
+}
+
+impl Fields for crate::v1::twin_geometry::Skin {
+    const NAME: &'static str = "Skin";
+    const FIELDS: &'static [&'static str] = &["rest_positions", "observed_points", "weight_counts", "weight_nodes", "weights", "frames", "offsets"];
+    const REQUIRED: &'static [&'static str] = &[];
+    #[allow(unused_variables)]
+    fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
+        match field {
+            0 => { self.rest_positions = tensor(map, Dtype::Float32)?; }
+1 => { self.observed_points = tensor(map, Dtype::Float32)?; }
+2 => { self.weight_counts = tensor(map, Dtype::Float32)?; }
+3 => { self.weight_nodes = tensor(map, Dtype::Float32)?; }
+4 => { self.weights = tensor(map, Dtype::Float32)?; }
+5 => { self.frames = tensor(map, Dtype::Float32)?; }
+6 => { self.offsets = tensor(map, Dtype::Float32)?; }
+
+            _ => {}
+        }
+        Ok(())
+    }
+    #[allow(unused_variables)]
+    fn write<M: SerializeMap>(&self, tensors: TensorFormat, map: &mut M) -> Result<(), M::Error> {
+        write_tensor(map, "rest_positions", self.rest_positions.as_ref(), tensors)?;
+write_tensor(map, "observed_points", self.observed_points.as_ref(), tensors)?;
+write_tensor(map, "weight_counts", self.weight_counts.as_ref(), tensors)?;
+write_tensor(map, "weight_nodes", self.weight_nodes.as_ref(), tensors)?;
+write_tensor(map, "weights", self.weights.as_ref(), tensors)?;
+write_tensor(map, "frames", self.frames.as_ref(), tensors)?;
+write_tensor(map, "offsets", self.offsets.as_ref(), tensors)?;
+
+        Ok(())
+    }
+}
+
+impl Fields for crate::v1::GetTwinRequest {
+    const NAME: &'static str = "GetTwinRequest";
+    const FIELDS: &'static [&'static str] = &[];
+    const REQUIRED: &'static [&'static str] = &[];
+    #[allow(unused_variables)]
+    fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
+        match field {
+            
+            _ => {}
+        }
+        Ok(())
+    }
+    #[allow(unused_variables)]
+    fn write<M: SerializeMap>(&self, tensors: TensorFormat, map: &mut M) -> Result<(), M::Error> {
+        
+        Ok(())
+    }
+}
+
+impl Fields for crate::v1::ListTwinsRequest {
+    const NAME: &'static str = "ListTwinsRequest";
+    const FIELDS: &'static [&'static str] = &["page_size", "page_token", "capture", "search", "tag", "order_by", "owner"];
+    const REQUIRED: &'static [&'static str] = &[];
+    #[allow(unused_variables)]
+    fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
+        match field {
+            0 => { self.page_size = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+1 => { self.page_token = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+2 => { self.capture = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+3 => { self.search = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+4 => { self.tag = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+5 => { self.order_by = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+6 => { self.owner = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+
+            _ => {}
+        }
+        Ok(())
+    }
+    #[allow(unused_variables)]
+    fn write<M: SerializeMap>(&self, tensors: TensorFormat, map: &mut M) -> Result<(), M::Error> {
+        map.serialize_entry("page_size", &self.page_size)?;
+map.serialize_entry("page_token", &self.page_token)?;
+map.serialize_entry("capture", &self.capture)?;
+map.serialize_entry("search", &self.search)?;
+map.serialize_entry("tag", &self.tag)?;
+map.serialize_entry("order_by", &self.order_by)?;
+map.serialize_entry("owner", &self.owner)?;
+
+        Ok(())
+    }
+}
+
+impl Fields for crate::v1::ListTwinsResponse {
+    const NAME: &'static str = "ListTwinsResponse";
+    const FIELDS: &'static [&'static str] = &["twins", "next_page_token"];
+    const REQUIRED: &'static [&'static str] = &[];
+    #[allow(unused_variables)]
+    fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
+        match field {
+            0 => { self.twins = messages(map)?; }
+1 => { self.next_page_token = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+
+            _ => {}
+        }
+        Ok(())
+    }
+    #[allow(unused_variables)]
+    fn write<M: SerializeMap>(&self, tensors: TensorFormat, map: &mut M) -> Result<(), M::Error> {
+        write_messages(map, "twins", &self.twins, tensors)?;
+map.serialize_entry("next_page_token", &self.next_page_token)?;
+
+        Ok(())
+    }
+}
+
+impl Fields for crate::v1::UpdateTwinRequest {
+    const NAME: &'static str = "UpdateTwinRequest";
+    const FIELDS: &'static [&'static str] = &["display_name", "note", "tags", "add_tags", "remove_tags"];
+    const REQUIRED: &'static [&'static str] = &[];
+    #[allow(unused_variables)]
+    fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
+        match field {
+            0 => { if let Some(value) = map.next_value::<Option<_>>()? { self.twin.get_or_insert_default().display_name = value; self.update_mask.get_or_insert_default().paths.push("display_name".to_owned()); } }
+1 => { if let Some(value) = map.next_value::<Option<_>>()? { self.twin.get_or_insert_default().note = value; self.update_mask.get_or_insert_default().paths.push("note".to_owned()); } }
+2 => { if let Some(value) = map.next_value::<Option<_>>()? { self.twin.get_or_insert_default().tags = value; self.update_mask.get_or_insert_default().paths.push("tags".to_owned()); } }
+3 => { self.add_tags = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+4 => { self.remove_tags = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+
+            _ => {}
+        }
+        Ok(())
+    }
+    #[allow(unused_variables)]
+    fn write<M: SerializeMap>(&self, tensors: TensorFormat, map: &mut M) -> Result<(), M::Error> {
+        
+
+
+map.serialize_entry("add_tags", &self.add_tags)?;
+map.serialize_entry("remove_tags", &self.remove_tags)?;
+
+        Ok(())
+    }
+}
+
+impl Fields for crate::v1::DeleteTwinRequest {
+    const NAME: &'static str = "DeleteTwinRequest";
+    const FIELDS: &'static [&'static str] = &[];
+    const REQUIRED: &'static [&'static str] = &[];
+    #[allow(unused_variables)]
+    fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
+        match field {
+            
+            _ => {}
+        }
+        Ok(())
+    }
+    #[allow(unused_variables)]
+    fn write<M: SerializeMap>(&self, tensors: TensorFormat, map: &mut M) -> Result<(), M::Error> {
+        
+        Ok(())
+    }
+}
+
+impl Fields for crate::v1::DeleteTwinResponse {
+    const NAME: &'static str = "DeleteTwinResponse";
+    const FIELDS: &'static [&'static str] = &[];
+    const REQUIRED: &'static [&'static str] = &[];
+    #[allow(unused_variables)]
+    fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
+        match field {
+            
+            _ => {}
+        }
+        Ok(())
+    }
+    #[allow(unused_variables)]
+    fn write<M: SerializeMap>(&self, tensors: TensorFormat, map: &mut M) -> Result<(), M::Error> {
+        
+        Ok(())
+    }
+}
+
+impl Fields for crate::v1::Worker {
+    const NAME: &'static str = "Worker";
+    const FIELDS: &'static [&'static str] = &["name", "backend", "device", "start_time", "last_seen_time", "fit", "warm_twins", "rollouts_in_flight", "build", "memory_used_bytes", "memory_total_bytes", "ingest", "draining", "server", "labels"];
+    const REQUIRED: &'static [&'static str] = &[];
+    #[allow(unused_variables)]
+    fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
+        match field {
+            0 => { self.name = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+1 => { self.backend = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+2 => { self.device = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+3 => { self.start_time = time(map)?; }
+4 => { self.last_seen_time = time(map)?; }
+5 => { self.fit = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+6 => { self.warm_twins = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+7 => { self.rollouts_in_flight = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+8 => { self.build = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+9 => { self.memory_used_bytes = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+10 => { self.memory_total_bytes = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+11 => { self.ingest = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+12 => { self.draining = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+13 => { self.server = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+14 => { self.labels = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+
+            _ => {}
+        }
+        Ok(())
+    }
+    #[allow(unused_variables)]
+    fn write<M: SerializeMap>(&self, tensors: TensorFormat, map: &mut M) -> Result<(), M::Error> {
+        map.serialize_entry("name", &self.name)?;
+map.serialize_entry("backend", &self.backend)?;
+map.serialize_entry("device", &self.device)?;
+map.serialize_entry("start_time", &Time(self.start_time.unwrap_or_default()))?;
+map.serialize_entry("last_seen_time", &Time(self.last_seen_time.unwrap_or_default()))?;
+map.serialize_entry("fit", &filled(&self.fit))?;
+map.serialize_entry("warm_twins", &self.warm_twins)?;
+map.serialize_entry("rollouts_in_flight", &self.rollouts_in_flight)?;
+map.serialize_entry("build", &self.build)?;
+map.serialize_entry("memory_used_bytes", &filled(&self.memory_used_bytes))?;
+map.serialize_entry("memory_total_bytes", &filled(&self.memory_total_bytes))?;
+map.serialize_entry("ingest", &filled(&self.ingest))?;
+map.serialize_entry("draining", &self.draining)?;
+map.serialize_entry("server", &filled(&self.server))?;
+map.serialize_entry("labels", &self.labels)?;
+
+        Ok(())
+    }
+}
+
+impl Fields for crate::v1::GetWorkerRequest {
+    const NAME: &'static str = "GetWorkerRequest";
+    const FIELDS: &'static [&'static str] = &[];
+    const REQUIRED: &'static [&'static str] = &[];
+    #[allow(unused_variables)]
+    fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
+        match field {
+            
+            _ => {}
+        }
+        Ok(())
+    }
+    #[allow(unused_variables)]
+    fn write<M: SerializeMap>(&self, tensors: TensorFormat, map: &mut M) -> Result<(), M::Error> {
+        
+        Ok(())
+    }
+}
+
+impl Fields for crate::v1::DrainWorkerRequest {
+    const NAME: &'static str = "DrainWorkerRequest";
+    const FIELDS: &'static [&'static str] = &[];
+    const REQUIRED: &'static [&'static str] = &[];
+    #[allow(unused_variables)]
+    fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
+        match field {
+            
+            _ => {}
+        }
+        Ok(())
+    }
+    #[allow(unused_variables)]
+    fn write<M: SerializeMap>(&self, tensors: TensorFormat, map: &mut M) -> Result<(), M::Error> {
+        
+        Ok(())
+    }
+}
+
+impl Fields for crate::v1::ListWorkersRequest {
+    const NAME: &'static str = "ListWorkersRequest";
+    const FIELDS: &'static [&'static str] = &["page_size", "page_token"];
+    const REQUIRED: &'static [&'static str] = &[];
+    #[allow(unused_variables)]
+    fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
+        match field {
+            0 => { self.page_size = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+1 => { self.page_token = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+
+            _ => {}
+        }
+        Ok(())
+    }
+    #[allow(unused_variables)]
+    fn write<M: SerializeMap>(&self, tensors: TensorFormat, map: &mut M) -> Result<(), M::Error> {
+        map.serialize_entry("page_size", &self.page_size)?;
+map.serialize_entry("page_token", &self.page_token)?;
+
+        Ok(())
+    }
+}
+
+impl Fields for crate::v1::ListWorkersResponse {
+    const NAME: &'static str = "ListWorkersResponse";
+    const FIELDS: &'static [&'static str] = &["workers", "next_page_token"];
+    const REQUIRED: &'static [&'static str] = &[];
+    #[allow(unused_variables)]
+    fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
+        match field {
+            0 => { self.workers = messages(map)?; }
+1 => { self.next_page_token = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+
+            _ => {}
+        }
+        Ok(())
+    }
+    #[allow(unused_variables)]
+    fn write<M: SerializeMap>(&self, tensors: TensorFormat, map: &mut M) -> Result<(), M::Error> {
+        write_messages(map, "workers", &self.workers, tensors)?;
+map.serialize_entry("next_page_token", &self.next_page_token)?;
+
+        Ok(())
+    }
+}
+
+impl Fields for crate::v1::Key {
+    const NAME: &'static str = "Key";
+    const FIELDS: &'static [&'static str] = &["name", "display_name", "owner", "scopes", "create_time", "expire_time", "revoke_time", "last_use_time", "quotas"];
+    const REQUIRED: &'static [&'static str] = &[];
+    #[allow(unused_variables)]
+    fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
+        match field {
+            0 => { self.name = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+1 => { self.display_name = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+2 => { self.owner = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+3 => { self.scopes = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+4 => { self.create_time = time(map)?; }
+5 => { self.expire_time = time(map)?; }
+6 => { self.revoke_time = time(map)?; }
+7 => { self.last_use_time = time(map)?; }
+8 => { self.quotas = message(map)?; }
+
+            _ => {}
+        }
+        Ok(())
+    }
+    #[allow(unused_variables)]
+    fn write<M: SerializeMap>(&self, tensors: TensorFormat, map: &mut M) -> Result<(), M::Error> {
+        map.serialize_entry("name", &self.name)?;
+map.serialize_entry("display_name", &self.display_name)?;
+map.serialize_entry("owner", &self.owner)?;
+map.serialize_entry("scopes", &self.scopes)?;
+map.serialize_entry("create_time", &Time(self.create_time.unwrap_or_default()))?;
+map.serialize_entry("expire_time", &self.expire_time.map(Time))?;
+map.serialize_entry("revoke_time", &self.revoke_time.map(Time))?;
+map.serialize_entry("last_use_time", &self.last_use_time.map(Time))?;
+write_message(map, "quotas", Some(self.quotas.as_ref().unwrap_or(&Default::default())), tensors)?;
+
+        Ok(())
+    }
+}
+
+impl Fields for crate::v1::KeyQuotas {
+    const NAME: &'static str = "KeyQuotas";
+    const FIELDS: &'static [&'static str] = &["queued_jobs", "stored_bytes", "rollouts"];
+    const REQUIRED: &'static [&'static str] = &[];
+    #[allow(unused_variables)]
+    fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
+        match field {
+            0 => { self.queued_jobs = map.next_value()?; }
+1 => { self.stored_bytes = map.next_value()?; }
+2 => { self.rollouts = map.next_value()?; }
+
+            _ => {}
+        }
+        Ok(())
+    }
+    #[allow(unused_variables)]
+    fn write<M: SerializeMap>(&self, tensors: TensorFormat, map: &mut M) -> Result<(), M::Error> {
+        map.serialize_entry("queued_jobs", &self.queued_jobs)?;
+map.serialize_entry("stored_bytes", &self.stored_bytes)?;
+map.serialize_entry("rollouts", &self.rollouts)?;
+
+        Ok(())
+    }
+}
+
+impl Fields for crate::v1::CreateKeyRequest {
+    const NAME: &'static str = "CreateKeyRequest";
+    const FIELDS: &'static [&'static str] = &["display_name", "owner", "scopes", "expire_time", "quotas"];
+    const REQUIRED: &'static [&'static str] = &["display_name", "scopes"];
+    #[allow(unused_variables)]
+    fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
+        match field {
+            0 => { self.display_name = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+1 => { self.owner = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+2 => { self.scopes = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+3 => { self.expire_time = time(map)?; }
+4 => { self.quotas = message(map)?; }
+
+            _ => {}
+        }
+        Ok(())
+    }
+    #[allow(unused_variables)]
+    fn write<M: SerializeMap>(&self, tensors: TensorFormat, map: &mut M) -> Result<(), M::Error> {
+        map.serialize_entry("display_name", &self.display_name)?;
+map.serialize_entry("owner", &self.owner)?;
+map.serialize_entry("scopes", &self.scopes)?;
+if let Some(time) = self.expire_time { map.serialize_entry("expire_time", &Time(time))?; }
+write_message(map, "quotas", self.quotas.as_ref(), tensors)?;
+
+        Ok(())
+    }
+}
+
+impl Fields for crate::v1::CreateKeyResponse {
+    const NAME: &'static str = "CreateKeyResponse";
+    const FIELDS: &'static [&'static str] = &["key", "secret_key"];
+    const REQUIRED: &'static [&'static str] = &[];
+    #[allow(unused_variables)]
+    fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
+        match field {
+            0 => { self.key = message(map)?; }
+1 => { self.secret_key = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+
+            _ => {}
+        }
+        Ok(())
+    }
+    #[allow(unused_variables)]
+    fn write<M: SerializeMap>(&self, tensors: TensorFormat, map: &mut M) -> Result<(), M::Error> {
+        write_message(map, "key", Some(self.key.as_ref().unwrap_or(&Default::default())), tensors)?;
+map.serialize_entry("secret_key", &self.secret_key)?;
+
+        Ok(())
+    }
+}
+
+impl Fields for crate::v1::GetKeyRequest {
+    const NAME: &'static str = "GetKeyRequest";
+    const FIELDS: &'static [&'static str] = &[];
+    const REQUIRED: &'static [&'static str] = &[];
+    #[allow(unused_variables)]
+    fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
+        match field {
+            
+            _ => {}
+        }
+        Ok(())
+    }
+    #[allow(unused_variables)]
+    fn write<M: SerializeMap>(&self, tensors: TensorFormat, map: &mut M) -> Result<(), M::Error> {
+        
+        Ok(())
+    }
+}
+
+impl Fields for crate::v1::ListKeysRequest {
+    const NAME: &'static str = "ListKeysRequest";
+    const FIELDS: &'static [&'static str] = &["page_size", "page_token"];
+    const REQUIRED: &'static [&'static str] = &[];
+    #[allow(unused_variables)]
+    fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
+        match field {
+            0 => { self.page_size = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+1 => { self.page_token = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+
+            _ => {}
+        }
+        Ok(())
+    }
+    #[allow(unused_variables)]
+    fn write<M: SerializeMap>(&self, tensors: TensorFormat, map: &mut M) -> Result<(), M::Error> {
+        map.serialize_entry("page_size", &self.page_size)?;
+map.serialize_entry("page_token", &self.page_token)?;
+
+        Ok(())
+    }
+}
+
+impl Fields for crate::v1::ListKeysResponse {
+    const NAME: &'static str = "ListKeysResponse";
+    const FIELDS: &'static [&'static str] = &["keys", "next_page_token"];
+    const REQUIRED: &'static [&'static str] = &[];
+    #[allow(unused_variables)]
+    fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
+        match field {
+            0 => { self.keys = messages(map)?; }
+1 => { self.next_page_token = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+
+            _ => {}
+        }
+        Ok(())
+    }
+    #[allow(unused_variables)]
+    fn write<M: SerializeMap>(&self, tensors: TensorFormat, map: &mut M) -> Result<(), M::Error> {
+        write_messages(map, "keys", &self.keys, tensors)?;
+map.serialize_entry("next_page_token", &self.next_page_token)?;
+
+        Ok(())
+    }
+}
+
+impl Fields for crate::v1::DeleteKeyRequest {
+    const NAME: &'static str = "DeleteKeyRequest";
+    const FIELDS: &'static [&'static str] = &[];
+    const REQUIRED: &'static [&'static str] = &[];
+    #[allow(unused_variables)]
+    fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
+        match field {
+            
+            _ => {}
+        }
+        Ok(())
+    }
+    #[allow(unused_variables)]
+    fn write<M: SerializeMap>(&self, tensors: TensorFormat, map: &mut M) -> Result<(), M::Error> {
+        
+        Ok(())
+    }
+}
+
+impl Fields for crate::v1::DeleteKeyResponse {
+    const NAME: &'static str = "DeleteKeyResponse";
+    const FIELDS: &'static [&'static str] = &[];
+    const REQUIRED: &'static [&'static str] = &[];
+    #[allow(unused_variables)]
+    fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
+        match field {
+            
+            _ => {}
+        }
+        Ok(())
+    }
+    #[allow(unused_variables)]
+    fn write<M: SerializeMap>(&self, tensors: TensorFormat, map: &mut M) -> Result<(), M::Error> {
+        
+        Ok(())
+    }
+}
+
 impl Fields for crate::v1::RollOutRequest {
     const NAME: &'static str = "RollOutRequest";
     const FIELDS: &'static [&'static str] = &["twin", "trajectories", "poses", "initial", "frames", "costs", "returns", "fidelity", "world", "grasps", "vary", "ensemble", "gradient", "plausibility", "knot_times", "time_limit_s"];
+    const REQUIRED: &'static [&'static str] = &[];
     #[allow(unused_variables)]
     fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
         match field {
@@ -402,6 +1799,7 @@ if let Some(value) = &self.time_limit_s { map.serialize_entry("time_limit_s", va
 impl Fields for crate::v1::KnotTimes {
     const NAME: &'static str = "KnotTimes";
     const FIELDS: &'static [&'static str] = &["at_s", "period_s"];
+    const REQUIRED: &'static [&'static str] = &[];
     #[allow(unused_variables)]
     fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
         match field {
@@ -424,6 +1822,7 @@ if let Some(crate::v1::knot_times::Times::PeriodS(value)) = &self.times { map.se
 impl Fields for crate::v1::Ensemble {
     const NAME: &'static str = "Ensemble";
     const FIELDS: &'static [&'static str] = &["members", "statistic", "share"];
+    const REQUIRED: &'static [&'static str] = &[];
     #[allow(unused_variables)]
     fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
         match field {
@@ -458,6 +1857,7 @@ impl Words for crate::v1::ensemble::Statistic {
 impl Fields for crate::v1::GradientOptions {
     const NAME: &'static str = "GradientOptions";
     const FIELDS: &'static [&'static str] = &["reach_frames", "smoothing_m"];
+    const REQUIRED: &'static [&'static str] = &[];
     #[allow(unused_variables)]
     fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
         match field {
@@ -480,6 +1880,7 @@ map.serialize_entry("smoothing_m", &self.smoothing_m)?;
 impl Fields for crate::v1::Plausibility {
     const NAME: &'static str = "Plausibility";
     const FIELDS: &'static [&'static str] = &["start_gap_m", "control_speed_m_s", "strain", "refuse", "control_depth_m"];
+    const REQUIRED: &'static [&'static str] = &[];
     #[allow(unused_variables)]
     fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
         match field {
@@ -508,6 +1909,7 @@ if let Some(value) = &self.control_depth_m { map.serialize_entry("control_depth_
 impl Fields for crate::v1::ControlTrajectories {
     const NAME: &'static str = "ControlTrajectories";
     const FIELDS: &'static [&'static str] = &["positions", "interpolation"];
+    const REQUIRED: &'static [&'static str] = &[];
     #[allow(unused_variables)]
     fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
         match field {
@@ -530,6 +1932,7 @@ write_word::<crate::v1::Interpolation, M>(map, "interpolation", self.interpolati
 impl Fields for crate::v1::GripperPoses {
     const NAME: &'static str = "GripperPoses";
     const FIELDS: &'static [&'static str] = &["poses", "gripper_of_control", "interpolation"];
+    const REQUIRED: &'static [&'static str] = &[];
     #[allow(unused_variables)]
     fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
         match field {
@@ -554,6 +1957,7 @@ write_word::<crate::v1::Interpolation, M>(map, "interpolation", self.interpolati
 impl Fields for crate::v1::InitialState {
     const NAME: &'static str = "InitialState";
     const FIELDS: &'static [&'static str] = &["rest", "capture_frame", "given", "settled", "session"];
+    const REQUIRED: &'static [&'static str] = &[];
     #[allow(unused_variables)]
     fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
         match field {
@@ -582,6 +1986,7 @@ if let Some(crate::v1::initial_state::State::Session(value)) = &self.state { wri
 impl Fields for crate::v1::initial_state::Rest {
     const NAME: &'static str = "Rest";
     const FIELDS: &'static [&'static str] = &[];
+    const REQUIRED: &'static [&'static str] = &[];
     #[allow(unused_variables)]
     fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
         match field {
@@ -600,6 +2005,7 @@ impl Fields for crate::v1::initial_state::Rest {
 impl Fields for crate::v1::initial_state::Settled {
     const NAME: &'static str = "Settled";
     const FIELDS: &'static [&'static str] = &[];
+    const REQUIRED: &'static [&'static str] = &[];
     #[allow(unused_variables)]
     fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
         match field {
@@ -618,6 +2024,7 @@ impl Fields for crate::v1::initial_state::Settled {
 impl Fields for crate::v1::initial_state::SessionSlots {
     const NAME: &'static str = "SessionSlots";
     const FIELDS: &'static [&'static str] = &["session", "slots"];
+    const REQUIRED: &'static [&'static str] = &[];
     #[allow(unused_variables)]
     fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
         match field {
@@ -640,6 +2047,7 @@ map.serialize_entry("slots", &self.slots)?;
 impl Fields for crate::v1::initial_state::CaptureFrame {
     const NAME: &'static str = "CaptureFrame";
     const FIELDS: &'static [&'static str] = &["capture", "sequence", "frame"];
+    const REQUIRED: &'static [&'static str] = &[];
     #[allow(unused_variables)]
     fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
         match field {
@@ -664,6 +2072,7 @@ map.serialize_entry("frame", &self.frame)?;
 impl Fields for crate::v1::initial_state::GivenState {
     const NAME: &'static str = "GivenState";
     const FIELDS: &'static [&'static str] = &["positions", "velocities", "twists", "controls", "grasping", "commanded_controls"];
+    const REQUIRED: &'static [&'static str] = &[];
     #[allow(unused_variables)]
     fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
         match field {
@@ -694,6 +2103,7 @@ write_tensor(map, "commanded_controls", self.commanded_controls.as_ref(), tensor
 impl Fields for crate::v1::Cost {
     const NAME: &'static str = "Cost";
     const FIELDS: &'static [&'static str] = &["name", "weight", "when", "target_cloud", "keypoints", "smoothness", "strain", "force", "height", "within", "clearance", "control_path", "control_speed", "temperature"];
+    const REQUIRED: &'static [&'static str] = &[];
     #[allow(unused_variables)]
     fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
         match field {
@@ -740,6 +2150,7 @@ map.serialize_entry("temperature", &self.temperature)?;
 impl Fields for crate::v1::cost::TargetCloud {
     const NAME: &'static str = "TargetCloud";
     const FIELDS: &'static [&'static str] = &["points", "point_set"];
+    const REQUIRED: &'static [&'static str] = &[];
     #[allow(unused_variables)]
     fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
         match field {
@@ -762,6 +2173,7 @@ write_word::<crate::v1::PointSet, M>(map, "point_set", self.point_set)?;
 impl Fields for crate::v1::cost::Keypoints {
     const NAME: &'static str = "Keypoints";
     const FIELDS: &'static [&'static str] = &["nodes", "targets", "squared", "skin_points"];
+    const REQUIRED: &'static [&'static str] = &[];
     #[allow(unused_variables)]
     fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
         match field {
@@ -788,6 +2200,7 @@ write_tensor(map, "skin_points", self.skin_points.as_ref(), tensors)?;
 impl Fields for crate::v1::cost::Smoothness {
     const NAME: &'static str = "Smoothness";
     const FIELDS: &'static [&'static str] = &[];
+    const REQUIRED: &'static [&'static str] = &[];
     #[allow(unused_variables)]
     fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
         match field {
@@ -806,6 +2219,7 @@ impl Fields for crate::v1::cost::Smoothness {
 impl Fields for crate::v1::cost::Strain {
     const NAME: &'static str = "Strain";
     const FIELDS: &'static [&'static str] = &["limit"];
+    const REQUIRED: &'static [&'static str] = &[];
     #[allow(unused_variables)]
     fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
         match field {
@@ -826,6 +2240,7 @@ impl Fields for crate::v1::cost::Strain {
 impl Fields for crate::v1::cost::Force {
     const NAME: &'static str = "Force";
     const FIELDS: &'static [&'static str] = &["controls", "control", "grasp", "ground", "collider", "limit_n"];
+    const REQUIRED: &'static [&'static str] = &[];
     #[allow(unused_variables)]
     fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
         match field {
@@ -856,6 +2271,7 @@ map.serialize_entry("limit_n", &self.limit_n)?;
 impl Fields for crate::v1::cost::force::All {
     const NAME: &'static str = "All";
     const FIELDS: &'static [&'static str] = &[];
+    const REQUIRED: &'static [&'static str] = &[];
     #[allow(unused_variables)]
     fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
         match field {
@@ -874,6 +2290,7 @@ impl Fields for crate::v1::cost::force::All {
 impl Fields for crate::v1::cost::Height {
     const NAME: &'static str = "Height";
     const FIELDS: &'static [&'static str] = &["plane", "nodes"];
+    const REQUIRED: &'static [&'static str] = &[];
     #[allow(unused_variables)]
     fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
         match field {
@@ -896,6 +2313,7 @@ write_tensor(map, "nodes", self.nodes.as_ref(), tensors)?;
 impl Fields for crate::v1::cost::Within {
     const NAME: &'static str = "Within";
     const FIELDS: &'static [&'static str] = &["cuboid", "nodes"];
+    const REQUIRED: &'static [&'static str] = &[];
     #[allow(unused_variables)]
     fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
         match field {
@@ -918,6 +2336,7 @@ write_tensor(map, "nodes", self.nodes.as_ref(), tensors)?;
 impl Fields for crate::v1::cost::Clearance {
     const NAME: &'static str = "Clearance";
     const FIELDS: &'static [&'static str] = &["collider", "margin_m"];
+    const REQUIRED: &'static [&'static str] = &[];
     #[allow(unused_variables)]
     fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
         match field {
@@ -940,6 +2359,7 @@ map.serialize_entry("margin_m", &self.margin_m)?;
 impl Fields for crate::v1::cost::ControlPath {
     const NAME: &'static str = "ControlPath";
     const FIELDS: &'static [&'static str] = &[];
+    const REQUIRED: &'static [&'static str] = &[];
     #[allow(unused_variables)]
     fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
         match field {
@@ -958,6 +2378,7 @@ impl Fields for crate::v1::cost::ControlPath {
 impl Fields for crate::v1::cost::ControlSpeed {
     const NAME: &'static str = "ControlSpeed";
     const FIELDS: &'static [&'static str] = &["limit_m_s"];
+    const REQUIRED: &'static [&'static str] = &[];
     #[allow(unused_variables)]
     fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
         match field {
@@ -988,6 +2409,7 @@ impl Words for crate::v1::cost::When {
 impl Fields for crate::v1::Returns {
     const NAME: &'static str = "Returns";
     const FIELDS: &'static [&'static str] = &["every_frames", "nodes", "encoding", "best", "final_state", "diagnostics", "control_gradients", "action_gradients", "initial_gradients", "gradient_norms", "velocities", "forces", "frame_costs", "controls", "part_frames", "point_set", "skin_points", "spread"];
+    const REQUIRED: &'static [&'static str] = &[];
     #[allow(unused_variables)]
     fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
         match field {
@@ -1052,6 +2474,7 @@ impl Words for crate::v1::returns::Encoding {
 impl Fields for crate::v1::RollOutResponse {
     const NAME: &'static str = "RollOutResponse";
     const FIELDS: &'static [&'static str] = &["first_instance", "costs", "cost_names", "cost_terms", "instances", "frames", "positions", "final_positions", "final_velocities", "control_gradients", "diagnostics", "diverged", "timing", "worker", "fidelity", "substeps", "deviation", "final_twists", "final_controls", "final_grasping", "final_commanded_controls", "action_gradients", "initial_position_gradients", "initial_velocity_gradients", "gradient_norms", "gradient_exploded", "velocities", "forces", "frame_costs", "controls", "member_costs", "implausible", "mass_kg", "window", "unfinished", "spread"];
+    const REQUIRED: &'static [&'static str] = &[];
     #[allow(unused_variables)]
     fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
         match field {
@@ -1142,6 +2565,7 @@ write_tensor(map, "spread", self.spread.as_ref(), tensors)?;
 impl Fields for crate::v1::roll_out_response::Window {
     const NAME: &'static str = "Window";
     const FIELDS: &'static [&'static str] = &["first_frame", "last_frame"];
+    const REQUIRED: &'static [&'static str] = &[];
     #[allow(unused_variables)]
     fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
         match field {
@@ -1164,6 +2588,7 @@ map.serialize_entry("last_frame", &self.last_frame)?;
 impl Fields for crate::v1::roll_out_response::Forces {
     const NAME: &'static str = "Forces";
     const FIELDS: &'static [&'static str] = &["controls", "grasps", "ground", "colliders"];
+    const REQUIRED: &'static [&'static str] = &[];
     #[allow(unused_variables)]
     fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
         match field {
@@ -1190,6 +2615,7 @@ write_tensor(map, "colliders", self.colliders.as_ref(), tensors)?;
 impl Fields for crate::v1::roll_out_response::Implausible {
     const NAME: &'static str = "Implausible";
     const FIELDS: &'static [&'static str] = &["instance", "reason", "found", "limit", "frame"];
+    const REQUIRED: &'static [&'static str] = &[];
     #[allow(unused_variables)]
     fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
         match field {
@@ -1218,6 +2644,7 @@ map.serialize_entry("frame", &self.frame)?;
 impl Fields for crate::v1::roll_out_response::Diagnostics {
     const NAME: &'static str = "Diagnostics";
     const FIELDS: &'static [&'static str] = &["max_strain", "max_speed_m_s", "kinetic_energy", "elastic_energy", "ground_contacts", "max_control_strain", "control_depth_m", "stopped_hand_m"];
+    const REQUIRED: &'static [&'static str] = &[];
     #[allow(unused_variables)]
     fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
         match field {
@@ -1252,6 +2679,7 @@ map.serialize_entry("stopped_hand_m", &self.stopped_hand_m)?;
 impl Fields for crate::v1::roll_out_response::Divergence {
     const NAME: &'static str = "Divergence";
     const FIELDS: &'static [&'static str] = &["instance", "frame", "node"];
+    const REQUIRED: &'static [&'static str] = &[];
     #[allow(unused_variables)]
     fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
         match field {
@@ -1276,6 +2704,7 @@ map.serialize_entry("node", &self.node)?;
 impl Fields for crate::v1::roll_out_response::Timing {
     const NAME: &'static str = "Timing";
     const FIELDS: &'static [&'static str] = &["queue_s", "compute_s"];
+    const REQUIRED: &'static [&'static str] = &[];
     #[allow(unused_variables)]
     fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
         match field {
@@ -1298,6 +2727,7 @@ map.serialize_entry("compute_s", &self.compute_s)?;
 impl Fields for crate::v1::roll_out_response::Deviation {
     const NAME: &'static str = "Deviation";
     const FIELDS: &'static [&'static str] = &["mean_m", "max_m", "mean_travel_m", "frames"];
+    const REQUIRED: &'static [&'static str] = &[];
     #[allow(unused_variables)]
     fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
         match field {
@@ -1354,6 +2784,7 @@ impl Words for crate::v1::Interpolation {
 impl Fields for crate::v1::PlanRequest {
     const NAME: &'static str = "PlanRequest";
     const FIELDS: &'static [&'static str] = &["rollout", "space", "method", "samples", "iterations", "sigma", "correlation", "finest", "bounds", "seed", "deadline_s", "shift_frames"];
+    const REQUIRED: &'static [&'static str] = &[];
     #[allow(unused_variables)]
     fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
         match field {
@@ -1396,6 +2827,7 @@ map.serialize_entry("shift_frames", &self.shift_frames)?;
 impl Fields for crate::v1::ActionSpace {
     const NAME: &'static str = "ActionSpace";
     const FIELDS: &'static [&'static str] = &["coordinates", "group_of_control", "start"];
+    const REQUIRED: &'static [&'static str] = &[];
     #[allow(unused_variables)]
     fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
         match field {
@@ -1430,6 +2862,7 @@ impl Words for crate::v1::action_space::Coordinates {
 impl Fields for crate::v1::PlanMethod {
     const NAME: &'static str = "PlanMethod";
     const FIELDS: &'static [&'static str] = &["mppi", "cem", "predictive_sampling", "gradient"];
+    const REQUIRED: &'static [&'static str] = &[];
     #[allow(unused_variables)]
     fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
         match field {
@@ -1456,6 +2889,7 @@ if let Some(crate::v1::plan_method::Method::Gradient(value)) = &self.method { wr
 impl Fields for crate::v1::plan_method::Mppi {
     const NAME: &'static str = "Mppi";
     const FIELDS: &'static [&'static str] = &["temperature"];
+    const REQUIRED: &'static [&'static str] = &[];
     #[allow(unused_variables)]
     fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
         match field {
@@ -1476,6 +2910,7 @@ impl Fields for crate::v1::plan_method::Mppi {
 impl Fields for crate::v1::plan_method::Cem {
     const NAME: &'static str = "Cem";
     const FIELDS: &'static [&'static str] = &["elites", "memory", "smallest"];
+    const REQUIRED: &'static [&'static str] = &[];
     #[allow(unused_variables)]
     fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
         match field {
@@ -1500,6 +2935,7 @@ if let Some(value) = &self.smallest { map.serialize_entry("smallest", value)?; }
 impl Fields for crate::v1::plan_method::PredictiveSampling {
     const NAME: &'static str = "PredictiveSampling";
     const FIELDS: &'static [&'static str] = &[];
+    const REQUIRED: &'static [&'static str] = &[];
     #[allow(unused_variables)]
     fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
         match field {
@@ -1518,6 +2954,7 @@ impl Fields for crate::v1::plan_method::PredictiveSampling {
 impl Fields for crate::v1::plan_method::Gradient {
     const NAME: &'static str = "Gradient";
     const FIELDS: &'static [&'static str] = &["rate"];
+    const REQUIRED: &'static [&'static str] = &[];
     #[allow(unused_variables)]
     fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
         match field {
@@ -1538,6 +2975,7 @@ impl Fields for crate::v1::plan_method::Gradient {
 impl Fields for crate::v1::PlanBounds {
     const NAME: &'static str = "PlanBounds";
     const FIELDS: &'static [&'static str] = &["low", "high", "speed"];
+    const REQUIRED: &'static [&'static str] = &[];
     #[allow(unused_variables)]
     fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
         match field {
@@ -1562,6 +3000,7 @@ write_tensor(map, "speed", self.speed.as_ref(), tensors)?;
 impl Fields for crate::v1::PlanUpdate {
     const NAME: &'static str = "PlanUpdate";
     const FIELDS: &'static [&'static str] = &["knots", "coordinates", "cost", "cost_names", "cost_terms", "origin", "nominal_cost", "iterations", "simulated", "diverged", "stopped_by_deadline", "time_s", "last", "rollout", "strain", "strain_limit", "overstrained"];
+    const REQUIRED: &'static [&'static str] = &[];
     #[allow(unused_variables)]
     fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
         match field {
@@ -1624,6 +3063,7 @@ impl Words for crate::v1::plan_update::Origin {
 impl Fields for crate::v1::Observation {
     const NAME: &'static str = "Observation";
     const FIELDS: &'static [&'static str] = &["points", "nodes", "places", "weights", "velocities", "cameras"];
+    const REQUIRED: &'static [&'static str] = &[];
     #[allow(unused_variables)]
     fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
         match field {
@@ -1654,6 +3094,7 @@ write_tensor(map, "cameras", self.cameras.as_ref(), tensors)?;
 impl Fields for crate::v1::observation::Places {
     const NAME: &'static str = "Places";
     const FIELDS: &'static [&'static str] = &["points", "node_positions"];
+    const REQUIRED: &'static [&'static str] = &[];
     #[allow(unused_variables)]
     fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
         match field {
@@ -1676,6 +3117,7 @@ write_tensor(map, "node_positions", self.node_positions.as_ref(), tensors)?;
 impl Fields for crate::v1::RegisterStateRequest {
     const NAME: &'static str = "RegisterStateRequest";
     const FIELDS: &'static [&'static str] = &["twin", "observation", "initial", "controls", "world", "options", "grippers"];
+    const REQUIRED: &'static [&'static str] = &[];
     #[allow(unused_variables)]
     fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
         match field {
@@ -1708,6 +3150,7 @@ write_tensor(map, "grippers", self.grippers.as_ref(), tensors)?;
 impl Fields for crate::v1::RegisterOptions {
     const NAME: &'static str = "RegisterOptions";
     const FIELDS: &'static [&'static str] = &["near", "noise_m", "give", "settle_frames", "max_residual_m", "least_explained"];
+    const REQUIRED: &'static [&'static str] = &[];
     #[allow(unused_variables)]
     fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
         match field {
@@ -1738,6 +3181,7 @@ if let Some(value) = &self.least_explained { map.serialize_entry("least_explaine
 impl Fields for crate::v1::RegisteredState {
     const NAME: &'static str = "RegisteredState";
     const FIELDS: &'static [&'static str] = &["state", "before", "after", "explained", "motion", "drift_mm", "worker"];
+    const REQUIRED: &'static [&'static str] = &[];
     #[allow(unused_variables)]
     fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
         match field {
@@ -1770,6 +3214,7 @@ map.serialize_entry("worker", &self.worker)?;
 impl Fields for crate::v1::Residual {
     const NAME: &'static str = "Residual";
     const FIELDS: &'static [&'static str] = &["median_mm", "mean_mm", "p95_mm"];
+    const REQUIRED: &'static [&'static str] = &[];
     #[allow(unused_variables)]
     fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
         match field {
@@ -1794,6 +3239,7 @@ map.serialize_entry("p95_mm", &self.p95_mm)?;
 impl Fields for crate::v1::Explained {
     const NAME: &'static str = "Explained";
     const FIELDS: &'static [&'static str] = &["points", "surface", "within_mm"];
+    const REQUIRED: &'static [&'static str] = &[];
     #[allow(unused_variables)]
     fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
         match field {
@@ -1818,6 +3264,7 @@ map.serialize_entry("within_mm", &self.within_mm)?;
 impl Fields for crate::v1::CorrectOptions {
     const NAME: &'static str = "CorrectOptions";
     const FIELDS: &'static [&'static str] = &["noise_m", "give", "velocity_noise_m_s", "velocity_gain_per_s", "most_added_strain", "max_residual_m", "carry", "world", "grippers", "register_if_lost", "omit_state"];
+    const REQUIRED: &'static [&'static str] = &[];
     #[allow(unused_variables)]
     fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
         match field {
@@ -1855,9 +3302,126 @@ map.serialize_entry("omit_state", &self.omit_state)?;
     }
 }
 
+impl Fields for crate::v1::EvaluateTwinRequest {
+    const NAME: &'static str = "EvaluateTwinRequest";
+    const FIELDS: &'static [&'static str] = &["twin", "capture", "motion"];
+    const REQUIRED: &'static [&'static str] = &["capture"];
+    #[allow(unused_variables)]
+    fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
+        match field {
+            0 => { self.twin = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+1 => { self.capture = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+2 => { self.motion = message(map)?; }
+
+            _ => {}
+        }
+        Ok(())
+    }
+    #[allow(unused_variables)]
+    fn write<M: SerializeMap>(&self, tensors: TensorFormat, map: &mut M) -> Result<(), M::Error> {
+        map.serialize_entry("twin", &self.twin)?;
+map.serialize_entry("capture", &self.capture)?;
+write_message(map, "motion", self.motion.as_ref(), tensors)?;
+
+        Ok(())
+    }
+}
+
+impl Fields for crate::v1::MotionRequest {
+    const NAME: &'static str = "MotionRequest";
+    const FIELDS: &'static [&'static str] = &["sequence"];
+    const REQUIRED: &'static [&'static str] = &[];
+    #[allow(unused_variables)]
+    fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
+        match field {
+            0 => { self.sequence = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+
+            _ => {}
+        }
+        Ok(())
+    }
+    #[allow(unused_variables)]
+    fn write<M: SerializeMap>(&self, tensors: TensorFormat, map: &mut M) -> Result<(), M::Error> {
+        map.serialize_entry("sequence", &self.sequence)?;
+
+        Ok(())
+    }
+}
+
+impl Fields for crate::v1::PredictedMotion {
+    const NAME: &'static str = "PredictedMotion";
+    const FIELDS: &'static [&'static str] = &["sequence", "recording", "name", "fps", "frame_count", "start_frame", "train_frame_count", "every_frames", "positions", "track_m", "chamfer_l1_m"];
+    const REQUIRED: &'static [&'static str] = &[];
+    #[allow(unused_variables)]
+    fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
+        match field {
+            0 => { self.sequence = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+1 => { self.recording = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+2 => { self.name = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+3 => { self.fps = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+4 => { self.frame_count = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+5 => { self.start_frame = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+6 => { self.train_frame_count = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+7 => { self.every_frames = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+8 => { self.positions = tensor(map, Dtype::Float32)?; }
+9 => { self.track_m = tensor(map, Dtype::Float32)?; }
+10 => { self.chamfer_l1_m = tensor(map, Dtype::Float32)?; }
+
+            _ => {}
+        }
+        Ok(())
+    }
+    #[allow(unused_variables)]
+    fn write<M: SerializeMap>(&self, tensors: TensorFormat, map: &mut M) -> Result<(), M::Error> {
+        map.serialize_entry("sequence", &self.sequence)?;
+map.serialize_entry("recording", &self.recording)?;
+map.serialize_entry("name", &self.name)?;
+map.serialize_entry("fps", &self.fps)?;
+map.serialize_entry("frame_count", &self.frame_count)?;
+map.serialize_entry("start_frame", &self.start_frame)?;
+map.serialize_entry("train_frame_count", &self.train_frame_count)?;
+map.serialize_entry("every_frames", &self.every_frames)?;
+write_tensor(map, "positions", self.positions.as_ref(), tensors)?;
+write_tensor(map, "track_m", self.track_m.as_ref(), tensors)?;
+write_tensor(map, "chamfer_l1_m", self.chamfer_l1_m.as_ref(), tensors)?;
+
+        Ok(())
+    }
+}
+
+impl Fields for crate::v1::Evaluation {
+    const NAME: &'static str = "Evaluation";
+    const FIELDS: &'static [&'static str] = &["twin", "capture", "quality", "worker", "motion"];
+    const REQUIRED: &'static [&'static str] = &[];
+    #[allow(unused_variables)]
+    fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
+        match field {
+            0 => { self.twin = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+1 => { self.capture = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+2 => { self.quality_json = document(map)?; }
+3 => { self.worker = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+4 => { self.motion = message(map)?; }
+
+            _ => {}
+        }
+        Ok(())
+    }
+    #[allow(unused_variables)]
+    fn write<M: SerializeMap>(&self, tensors: TensorFormat, map: &mut M) -> Result<(), M::Error> {
+        map.serialize_entry("twin", &self.twin)?;
+map.serialize_entry("capture", &self.capture)?;
+write_document(map, "quality", &self.quality_json)?;
+map.serialize_entry("worker", &self.worker)?;
+write_message(map, "motion", self.motion.as_ref(), tensors)?;
+
+        Ok(())
+    }
+}
+
 impl Fields for crate::v1::Session {
     const NAME: &'static str = "Session";
     const FIELDS: &'static [&'static str] = &["name", "twin", "slots", "frames", "idle_timeout_s", "worker", "fidelity", "lost"];
+    const REQUIRED: &'static [&'static str] = &[];
     #[allow(unused_variables)]
     fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
         match field {
@@ -1892,6 +3456,7 @@ map.serialize_entry("lost", &self.lost)?;
 impl Fields for crate::v1::Tracking {
     const NAME: &'static str = "Tracking";
     const FIELDS: &'static [&'static str] = &["lost", "misfit", "unexplained"];
+    const REQUIRED: &'static [&'static str] = &[];
     #[allow(unused_variables)]
     fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
         match field {
@@ -1916,6 +3481,7 @@ map.serialize_entry("unexplained", &self.unexplained)?;
 impl Fields for crate::v1::OpenSessionRequest {
     const NAME: &'static str = "OpenSessionRequest";
     const FIELDS: &'static [&'static str] = &["twin", "initial", "slots", "world", "grasps", "fidelity", "idle_timeout_s"];
+    const REQUIRED: &'static [&'static str] = &[];
     #[allow(unused_variables)]
     fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
         match field {
@@ -1947,32 +3513,31 @@ map.serialize_entry("idle_timeout_s", &self.idle_timeout_s)?;
 
 impl Fields for crate::v1::GetSessionRequest {
     const NAME: &'static str = "GetSessionRequest";
-    const FIELDS: &'static [&'static str] = &["name"];
+    const FIELDS: &'static [&'static str] = &[];
+    const REQUIRED: &'static [&'static str] = &[];
     #[allow(unused_variables)]
     fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
         match field {
-            0 => { self.name = map.next_value::<Option<_>>()?.unwrap_or_default(); }
-
+            
             _ => {}
         }
         Ok(())
     }
     #[allow(unused_variables)]
     fn write<M: SerializeMap>(&self, tensors: TensorFormat, map: &mut M) -> Result<(), M::Error> {
-        map.serialize_entry("name", &self.name)?;
-
+        
         Ok(())
     }
 }
 
 impl Fields for crate::v1::GetSessionStatesRequest {
     const NAME: &'static str = "GetSessionStatesRequest";
-    const FIELDS: &'static [&'static str] = &["name", "slots"];
+    const FIELDS: &'static [&'static str] = &["slots"];
+    const REQUIRED: &'static [&'static str] = &[];
     #[allow(unused_variables)]
     fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
         match field {
-            0 => { self.name = map.next_value::<Option<_>>()?.unwrap_or_default(); }
-1 => { self.slots = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+            0 => { self.slots = map.next_value::<Option<_>>()?.unwrap_or_default(); }
 
             _ => {}
         }
@@ -1980,8 +3545,7 @@ impl Fields for crate::v1::GetSessionStatesRequest {
     }
     #[allow(unused_variables)]
     fn write<M: SerializeMap>(&self, tensors: TensorFormat, map: &mut M) -> Result<(), M::Error> {
-        map.serialize_entry("name", &self.name)?;
-map.serialize_entry("slots", &self.slots)?;
+        map.serialize_entry("slots", &self.slots)?;
 
         Ok(())
     }
@@ -1990,6 +3554,7 @@ map.serialize_entry("slots", &self.slots)?;
 impl Fields for crate::v1::SessionStates {
     const NAME: &'static str = "SessionStates";
     const FIELDS: &'static [&'static str] = &["states", "slots", "frames"];
+    const REQUIRED: &'static [&'static str] = &[];
     #[allow(unused_variables)]
     fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
         match field {
@@ -2014,6 +3579,7 @@ map.serialize_entry("frames", &self.frames)?;
 impl Fields for crate::v1::AdvanceSessionRequest {
     const NAME: &'static str = "AdvanceSessionRequest";
     const FIELDS: &'static [&'static str] = &["name", "slots", "rollout"];
+    const REQUIRED: &'static [&'static str] = &[];
     #[allow(unused_variables)]
     fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
         match field {
@@ -2038,6 +3604,7 @@ write_message(map, "rollout", self.rollout.as_ref(), tensors)?;
 impl Fields for crate::v1::ForkSessionRequest {
     const NAME: &'static str = "ForkSessionRequest";
     const FIELDS: &'static [&'static str] = &["name", "from", "to"];
+    const REQUIRED: &'static [&'static str] = &[];
     #[allow(unused_variables)]
     fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
         match field {
@@ -2062,6 +3629,7 @@ map.serialize_entry("to", &self.to)?;
 impl Fields for crate::v1::ResetSessionRequest {
     const NAME: &'static str = "ResetSessionRequest";
     const FIELDS: &'static [&'static str] = &["name", "slots", "initial"];
+    const REQUIRED: &'static [&'static str] = &[];
     #[allow(unused_variables)]
     fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
         match field {
@@ -2086,6 +3654,7 @@ write_message(map, "initial", self.initial.as_ref(), tensors)?;
 impl Fields for crate::v1::CorrectSessionRequest {
     const NAME: &'static str = "CorrectSessionRequest";
     const FIELDS: &'static [&'static str] = &["name", "slots", "observation", "options"];
+    const REQUIRED: &'static [&'static str] = &[];
     #[allow(unused_variables)]
     fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
         match field {
@@ -2112,6 +3681,7 @@ write_message(map, "options", self.options.as_ref(), tensors)?;
 impl Fields for crate::v1::CorrectedSession {
     const NAME: &'static str = "CorrectedSession";
     const FIELDS: &'static [&'static str] = &["session", "corrections"];
+    const REQUIRED: &'static [&'static str] = &[];
     #[allow(unused_variables)]
     fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
         match field {
@@ -2134,6 +3704,7 @@ write_messages(map, "corrections", &self.corrections, tensors)?;
 impl Fields for crate::v1::corrected_session::Correction {
     const NAME: &'static str = "Correction";
     const FIELDS: &'static [&'static str] = &["slot", "before", "after", "moved_mm", "state", "tracking", "registered"];
+    const REQUIRED: &'static [&'static str] = &[];
     #[allow(unused_variables)]
     fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
         match field {
@@ -2166,6 +3737,7 @@ map.serialize_entry("registered", &self.registered)?;
 impl Fields for crate::v1::StepSessionRequest {
     const NAME: &'static str = "StepSessionRequest";
     const FIELDS: &'static [&'static str] = &["name", "slot", "correction", "search", "execute_frames", "returns", "deadline_s"];
+    const REQUIRED: &'static [&'static str] = &[];
     #[allow(unused_variables)]
     fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
         match field {
@@ -2198,6 +3770,7 @@ map.serialize_entry("deadline_s", &self.deadline_s)?;
 impl Fields for crate::v1::SteppedSession {
     const NAME: &'static str = "SteppedSession";
     const FIELDS: &'static [&'static str] = &["corrected", "refused", "plan", "advanced", "state", "times", "lost"];
+    const REQUIRED: &'static [&'static str] = &[];
     #[allow(unused_variables)]
     fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
         match field {
@@ -2230,6 +3803,7 @@ map.serialize_entry("lost", &self.lost)?;
 impl Fields for crate::v1::stepped_session::Times {
     const NAME: &'static str = "Times";
     const FIELDS: &'static [&'static str] = &["correct_s", "plan_s", "advance_s", "total_s"];
+    const REQUIRED: &'static [&'static str] = &[];
     #[allow(unused_variables)]
     fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
         match field {
@@ -2255,27 +3829,8 @@ map.serialize_entry("total_s", &self.total_s)?;
 
 impl Fields for crate::v1::CloseSessionRequest {
     const NAME: &'static str = "CloseSessionRequest";
-    const FIELDS: &'static [&'static str] = &["name"];
-    #[allow(unused_variables)]
-    fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
-        match field {
-            0 => { self.name = map.next_value::<Option<_>>()?.unwrap_or_default(); }
-
-            _ => {}
-        }
-        Ok(())
-    }
-    #[allow(unused_variables)]
-    fn write<M: SerializeMap>(&self, tensors: TensorFormat, map: &mut M) -> Result<(), M::Error> {
-        map.serialize_entry("name", &self.name)?;
-
-        Ok(())
-    }
-}
-
-impl Fields for crate::v1::CloseSessionResponse {
-    const NAME: &'static str = "CloseSessionResponse";
     const FIELDS: &'static [&'static str] = &[];
+    const REQUIRED: &'static [&'static str] = &[];
     #[allow(unused_variables)]
     fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
         match field {
@@ -2291,146 +3846,21 @@ impl Fields for crate::v1::CloseSessionResponse {
     }
 }
 
-impl Fields for crate::v1::TwinGeometry {
-    const NAME: &'static str = "TwinGeometry";
-    const FIELDS: &'static [&'static str] = &["rest_positions", "kinds", "edges", "rest_lengths", "triplets", "masses", "controls", "hands", "pins", "surface_count", "rod_count", "fps", "substeps", "gravity", "ground", "ground_friction", "ground_restitution", "mass_kg", "spacing_m", "rod_starts", "rod_nodes", "skin", "fits", "spring_stiffness", "bend_stiffness", "node_regions", "skin_sd"];
+impl Fields for crate::v1::CloseSessionResponse {
+    const NAME: &'static str = "CloseSessionResponse";
+    const FIELDS: &'static [&'static str] = &[];
+    const REQUIRED: &'static [&'static str] = &[];
     #[allow(unused_variables)]
     fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
         match field {
-            0 => { self.rest_positions = tensor(map, Dtype::Float32)?; }
-1 => { self.kinds = tensor(map, Dtype::Float32)?; }
-2 => { self.edges = tensor(map, Dtype::Float32)?; }
-3 => { self.rest_lengths = tensor(map, Dtype::Float32)?; }
-4 => { self.triplets = tensor(map, Dtype::Float32)?; }
-5 => { self.masses = tensor(map, Dtype::Float32)?; }
-6 => { self.controls = tensor(map, Dtype::Float32)?; }
-7 => { self.hands = tensor(map, Dtype::Float32)?; }
-8 => { self.pins = tensor(map, Dtype::Float32)?; }
-9 => { self.surface_count = map.next_value::<Option<_>>()?.unwrap_or_default(); }
-10 => { self.rod_count = map.next_value::<Option<_>>()?.unwrap_or_default(); }
-11 => { self.fps = map.next_value::<Option<_>>()?.unwrap_or_default(); }
-12 => { self.substeps = map.next_value::<Option<_>>()?.unwrap_or_default(); }
-13 => { self.gravity = map.next_value::<Option<_>>()?.unwrap_or_default(); }
-14 => { self.ground = message(map)?; }
-15 => { self.ground_friction = map.next_value::<Option<_>>()?.unwrap_or_default(); }
-16 => { self.ground_restitution = map.next_value::<Option<_>>()?.unwrap_or_default(); }
-17 => { self.mass_kg = map.next_value()?; }
-18 => { self.spacing_m = map.next_value::<Option<_>>()?.unwrap_or_default(); }
-19 => { self.rod_starts = tensor(map, Dtype::Float32)?; }
-20 => { self.rod_nodes = tensor(map, Dtype::Float32)?; }
-21 => { self.skin = message(map)?; }
-22 => { self.fits = map.next_value::<Option<_>>()?.unwrap_or_default(); }
-23 => { self.spring_stiffness = tensor(map, Dtype::Float32)?; }
-24 => { self.bend_stiffness = tensor(map, Dtype::Float32)?; }
-25 => { self.node_regions = tensor(map, Dtype::Float32)?; }
-26 => { self.skin_sd = tensor(map, Dtype::Float32)?; }
-
+            
             _ => {}
         }
         Ok(())
     }
     #[allow(unused_variables)]
     fn write<M: SerializeMap>(&self, tensors: TensorFormat, map: &mut M) -> Result<(), M::Error> {
-        write_tensor(map, "rest_positions", self.rest_positions.as_ref(), tensors)?;
-write_tensor(map, "kinds", self.kinds.as_ref(), tensors)?;
-write_tensor(map, "edges", self.edges.as_ref(), tensors)?;
-write_tensor(map, "rest_lengths", self.rest_lengths.as_ref(), tensors)?;
-write_tensor(map, "triplets", self.triplets.as_ref(), tensors)?;
-write_tensor(map, "masses", self.masses.as_ref(), tensors)?;
-write_tensor(map, "controls", self.controls.as_ref(), tensors)?;
-write_tensor(map, "hands", self.hands.as_ref(), tensors)?;
-write_tensor(map, "pins", self.pins.as_ref(), tensors)?;
-map.serialize_entry("surface_count", &self.surface_count)?;
-map.serialize_entry("rod_count", &self.rod_count)?;
-map.serialize_entry("fps", &self.fps)?;
-map.serialize_entry("substeps", &self.substeps)?;
-map.serialize_entry("gravity", &self.gravity)?;
-write_message(map, "ground", self.ground.as_ref(), tensors)?;
-map.serialize_entry("ground_friction", &self.ground_friction)?;
-map.serialize_entry("ground_restitution", &self.ground_restitution)?;
-if let Some(value) = &self.mass_kg { map.serialize_entry("mass_kg", value)?; }
-map.serialize_entry("spacing_m", &self.spacing_m)?;
-write_tensor(map, "rod_starts", self.rod_starts.as_ref(), tensors)?;
-write_tensor(map, "rod_nodes", self.rod_nodes.as_ref(), tensors)?;
-write_message(map, "skin", self.skin.as_ref(), tensors)?;
-map.serialize_entry("fits", &self.fits)?;
-write_tensor(map, "spring_stiffness", self.spring_stiffness.as_ref(), tensors)?;
-write_tensor(map, "bend_stiffness", self.bend_stiffness.as_ref(), tensors)?;
-write_tensor(map, "node_regions", self.node_regions.as_ref(), tensors)?;
-write_tensor(map, "skin_sd", self.skin_sd.as_ref(), tensors)?;
-
-        Ok(())
-    }
-}
-
-impl Fields for crate::v1::twin_geometry::Skin {
-    const NAME: &'static str = "Skin";
-    const FIELDS: &'static [&'static str] = &["rest_positions", "observed_points", "weight_counts", "weight_nodes", "weights", "frames", "offsets"];
-    #[allow(unused_variables)]
-    fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
-        match field {
-            0 => { self.rest_positions = tensor(map, Dtype::Float32)?; }
-1 => { self.observed_points = tensor(map, Dtype::Float32)?; }
-2 => { self.weight_counts = tensor(map, Dtype::Float32)?; }
-3 => { self.weight_nodes = tensor(map, Dtype::Float32)?; }
-4 => { self.weights = tensor(map, Dtype::Float32)?; }
-5 => { self.frames = tensor(map, Dtype::Float32)?; }
-6 => { self.offsets = tensor(map, Dtype::Float32)?; }
-
-            _ => {}
-        }
-        Ok(())
-    }
-    #[allow(unused_variables)]
-    fn write<M: SerializeMap>(&self, tensors: TensorFormat, map: &mut M) -> Result<(), M::Error> {
-        write_tensor(map, "rest_positions", self.rest_positions.as_ref(), tensors)?;
-write_tensor(map, "observed_points", self.observed_points.as_ref(), tensors)?;
-write_tensor(map, "weight_counts", self.weight_counts.as_ref(), tensors)?;
-write_tensor(map, "weight_nodes", self.weight_nodes.as_ref(), tensors)?;
-write_tensor(map, "weights", self.weights.as_ref(), tensors)?;
-write_tensor(map, "frames", self.frames.as_ref(), tensors)?;
-write_tensor(map, "offsets", self.offsets.as_ref(), tensors)?;
-
-        Ok(())
-    }
-}
-
-impl Fields for crate::v1::PredictedMotion {
-    const NAME: &'static str = "PredictedMotion";
-    const FIELDS: &'static [&'static str] = &["sequence", "recording", "name", "fps", "frame_count", "start_frame", "train_frame_count", "every_frames", "positions", "track_m", "chamfer_l1_m"];
-    #[allow(unused_variables)]
-    fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
-        match field {
-            0 => { self.sequence = map.next_value::<Option<_>>()?.unwrap_or_default(); }
-1 => { self.recording = map.next_value::<Option<_>>()?.unwrap_or_default(); }
-2 => { self.name = map.next_value::<Option<_>>()?.unwrap_or_default(); }
-3 => { self.fps = map.next_value::<Option<_>>()?.unwrap_or_default(); }
-4 => { self.frame_count = map.next_value::<Option<_>>()?.unwrap_or_default(); }
-5 => { self.start_frame = map.next_value::<Option<_>>()?.unwrap_or_default(); }
-6 => { self.train_frame_count = map.next_value::<Option<_>>()?.unwrap_or_default(); }
-7 => { self.every_frames = map.next_value::<Option<_>>()?.unwrap_or_default(); }
-8 => { self.positions = tensor(map, Dtype::Float32)?; }
-9 => { self.track_m = tensor(map, Dtype::Float32)?; }
-10 => { self.chamfer_l1_m = tensor(map, Dtype::Float32)?; }
-
-            _ => {}
-        }
-        Ok(())
-    }
-    #[allow(unused_variables)]
-    fn write<M: SerializeMap>(&self, tensors: TensorFormat, map: &mut M) -> Result<(), M::Error> {
-        map.serialize_entry("sequence", &self.sequence)?;
-map.serialize_entry("recording", &self.recording)?;
-map.serialize_entry("name", &self.name)?;
-map.serialize_entry("fps", &self.fps)?;
-map.serialize_entry("frame_count", &self.frame_count)?;
-map.serialize_entry("start_frame", &self.start_frame)?;
-map.serialize_entry("train_frame_count", &self.train_frame_count)?;
-map.serialize_entry("every_frames", &self.every_frames)?;
-write_tensor(map, "positions", self.positions.as_ref(), tensors)?;
-write_tensor(map, "track_m", self.track_m.as_ref(), tensors)?;
-write_tensor(map, "chamfer_l1_m", self.chamfer_l1_m.as_ref(), tensors)?;
-
+        
         Ok(())
     }
 }

@@ -20,6 +20,8 @@ pub trait Fields: Default {
     const NAME: &'static str;
     /// Names of its fields.
     const FIELDS: &'static [&'static str];
+    /// Names of those that must be given.
+    const REQUIRED: &'static [&'static str];
 
     /// Reads the value of a field, by its place in [`Fields::FIELDS`].
     ///
@@ -57,7 +59,11 @@ pub(super) fn read<'de, T: Fields, A: MapAccess<'de>>(mut map: A) -> Result<T, A
         }
         message.read(field, &mut map).map_err(|error| at(name, error))?;
     }
-    Ok(message)
+    let mut absent = T::FIELDS.iter().zip(seen).filter(|(_, seen)| !seen).map(|(name, _)| name);
+    match absent.find(|name| T::REQUIRED.contains(name)) {
+        Some(name) => Err(at(name, A::Error::custom("is missing"))),
+        None => Ok(message),
+    }
 }
 
 /// A fault with the path of the field where it is. The innermost path comes first, in backquotes.
@@ -124,6 +130,11 @@ pub(super) fn word<'de, W: Words, A: MapAccess<'de>>(map: &mut A) -> Result<i32,
     W::number(&word).ok_or_else(|| {
         A::Error::custom(format!("has the unknown value {word:?}: use {}", W::KNOWN.join(" or ")))
     })
+}
+
+/// A value, unless it is that of a field that was left out.
+pub(super) fn filled<T: Default + PartialEq>(value: &T) -> Option<&T> {
+    (*value != T::default()).then_some(value)
 }
 
 pub(super) fn write_message<M: SerializeMap, T: Fields>(

@@ -1,12 +1,15 @@
 //! Writes the implementations of `json::Fields` and `json::Words` for the messages of some files,
 //! from their descriptors: which fields they have and of which kind.
 
-use std::fmt::Write as _;
+use std::{collections::BTreeSet, fmt::Write as _};
 
 use prost_types::{
-    DescriptorProto, EnumDescriptorProto, FieldDescriptorProto, FileDescriptorProto,
-    field_descriptor_proto::{Label, Type},
+    DescriptorProto, EnumDescriptorProto, FieldDescriptorProto, field_descriptor_proto::Type,
 };
+
+use super::contract::{Contract, Form, Shown, is_repeated};
+
+const PACKAGE: &str = ".bendtwin.v1.";
 
 /// Tensors whose lists in JSON are of UINT32; all others are of FLOAT32.
 const INDICES: [&str; 8] = [
@@ -21,36 +24,61 @@ const INDICES: [&str; 8] = [
 ];
 
 /// The implementations as Rust code.
-pub(crate) fn implementations<'f>(
-    files: impl IntoIterator<Item = &'f FileDescriptorProto>,
-) -> String {
+pub(crate) fn implementations(contract: &Contract) -> String {
+    let wanted = contract.in_json();
     let mut code = String::new();
-    for file in files {
+    for file in contract.set.file.iter().filter(|f| f.package() == "bendtwin.v1") {
         for message in &file.message_type {
-            self::message(message, "crate::v1", &mut code);
+            self::message(contract, &wanted, ".bendtwin.v1", message, &mut code);
         }
         for words in &file.enum_type {
-            self::words(words, "crate::v1", &mut code);
+            self::words(&wanted, ".bendtwin.v1", words, &mut code);
         }
     }
     code
 }
 
-fn message(message: &DescriptorProto, module: &str, code: &mut String) {
-    let inner = format!("{module}::{}", snake_case(message.name()));
-    let names: Vec<&str> = message.field.iter().map(FieldDescriptorProto::name).collect();
+fn message(
+    contract: &Contract,
+    wanted: &BTreeSet<String>,
+    scope: &str,
+    message: &DescriptorProto,
+    code: &mut String,
+) {
+    let full = format!("{scope}.{}", message.name());
+    if wanted.contains(&full) {
+        implementation(contract, &full, message, code);
+    }
+    for nested in &message.nested_type {
+        self::message(contract, wanted, &full, nested, code);
+    }
+    for words in &message.enum_type {
+        self::words(wanted, &full, words, code);
+    }
+}
+
+fn implementation(contract: &Contract, full: &str, message: &DescriptorProto, code: &mut String) {
+    let shown = contract.shown(full);
+    let names: Vec<String> = shown.iter().map(|field| field.name(contract)).collect();
+    let is_required = |field: &&Shown| contract.field(&field.of.0, field.field.name()).required;
+    let required: Vec<String> =
+        shown.iter().filter(is_required).map(|field| field.name(contract)).collect();
     let (mut read, mut write) = (String::new(), String::new());
-    for (index, field) in message.field.iter().enumerate() {
-        let lines = Lines::of(message, field, &inner);
+    for (index, (field, name)) in shown.iter().zip(&names).enumerate() {
+        let lines = match &field.inside {
+            Some(resource) => Lines::of_update(resource, field.field.name()),
+            None => Lines::of(contract, full, message, &field.field, name),
+        };
         writeln!(read, "{index} => {{ {} }}", lines.read).unwrap();
         writeln!(write, "{}", lines.write).unwrap();
     }
     write!(
         code,
         r#"
-impl Fields for {module}::{name} {{
+impl Fields for {path} {{
     const NAME: &'static str = "{name}";
     const FIELDS: &'static [&'static str] = &{names:?};
+    const REQUIRED: &'static [&'static str] = &{required:?};
     #[allow(unused_variables)]
     fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {{
         match field {{
@@ -66,24 +94,23 @@ impl Fields for {module}::{name} {{
     }}
 }}
 "#,
+        path = rust_path(full),
         name = message.name(),
     )
     .unwrap();
-    for nested in &message.nested_type {
-        self::message(nested, &inner, code);
-    }
-    for words in &message.enum_type {
-        self::words(words, &inner, code);
-    }
 }
 
-fn words(words: &EnumDescriptorProto, module: &str, code: &mut String) {
+fn words(wanted: &BTreeSet<String>, scope: &str, words: &EnumDescriptorProto, code: &mut String) {
+    let full = format!("{scope}.{}", words.name());
+    if !wanted.contains(&full) {
+        return;
+    }
     let known = words.value.iter().filter(|v| v.number() != 0).map(|v| v.name().to_owned());
     let known: Vec<String> = known.collect();
     write!(
         code,
         r#"
-impl Words for {module}::{name} {{
+impl Words for {path} {{
     const KNOWN: &'static [&'static str] = &{known:?};
     fn number(word: &str) -> Option<i32> {{
         Self::from_str_name(word).map(Into::into)
@@ -93,7 +120,7 @@ impl Words for {module}::{name} {{
     }}
 }}
 "#,
-        name = words.name(),
+        path = rust_path(&full),
     )
     .unwrap();
 }
@@ -105,12 +132,61 @@ struct Lines {
 }
 
 impl Lines {
-    fn of(message: &DescriptorProto, field: &FieldDescriptorProto, inner: &str) -> Self {
+    /// Of a field that an update may change: what is given is in the mask.
+    fn of_update(resource: &str, field: &str) -> Self {
+        let read = format!(
+            "if let Some(value) = map.next_value::<Option<_>>()? {{ \
+             self.{resource}.get_or_insert_default().{field} = value; \
+             self.update_mask.get_or_insert_default().paths.push(\"{field}\".to_owned()); }}"
+        );
+        Self { read, write: String::new() }
+    }
+
+    fn of(
+        contract: &Contract,
+        full: &str,
+        message: &DescriptorProto,
+        field: &FieldDescriptorProto,
+        json: &str,
+    ) -> Self {
+        let inner = module_of(full);
+        let inner = inner.as_str();
         let name = field.name();
-        let is_repeated = field.label() == Label::Repeated;
+        let is_repeated = is_repeated(field);
         let oneof = field.oneof_index.filter(|_| !field.proto3_optional());
+        let form = contract.field(full, name).form;
         let text = |read: String, write: String| Self { read, write };
         match field.r#type() {
+            _ if form == Form::Nested => text(
+                format!("self.{name} = document(map)?;"),
+                format!("write_document(map, \"{json}\", &self.{name})?;"),
+            ),
+            Type::Message if field.type_name() == ".google.protobuf.Timestamp" => text(
+                format!("self.{name} = time(map)?;"),
+                match form {
+                    Form::Null => {
+                        format!("map.serialize_entry(\"{name}\", &self.{name}.map(Time))?;")
+                    }
+                    Form::Always => format!(
+                        "map.serialize_entry(\"{name}\", &Time(self.{name}.unwrap_or_default()))?;"
+                    ),
+                    _ => format!(
+                        "if let Some(time) = self.{name} {{ map.serialize_entry(\"{name}\", &Time(time))?; }}"
+                    ),
+                },
+            ),
+            Type::Message if form == Form::Null => text(
+                format!("self.{name} = message(map)?;"),
+                format!(
+                    "map.serialize_entry(\"{name}\", &self.{name}.as_ref().map(|message| Write {{ message, tensors }}))?;"
+                ),
+            ),
+            Type::Message if form == Form::Always => text(
+                format!("self.{name} = message(map)?;"),
+                format!(
+                    "write_message(map, \"{name}\", Some(self.{name}.as_ref().unwrap_or(&Default::default())), tensors)?;"
+                ),
+            ),
             Type::Message if field.type_name().ends_with(".Tensor") => {
                 let dtype = if INDICES.contains(&name) { "Uint32" } else { "Float32" };
                 match oneof {
@@ -168,6 +244,14 @@ impl Lines {
                     ),
                 )
             }
+            _ if form == Form::Null && field.proto3_optional() => text(
+                format!("self.{name} = map.next_value()?;"),
+                format!("map.serialize_entry(\"{name}\", &self.{name})?;"),
+            ),
+            _ if form == Form::Null && !is_repeated => text(
+                format!("self.{name} = map.next_value::<Option<_>>()?.unwrap_or_default();"),
+                format!("map.serialize_entry(\"{name}\", &filled(&self.{name}))?;"),
+            ),
             _ if field.proto3_optional() => text(
                 format!("self.{name} = map.next_value()?;"),
                 format!(
@@ -194,12 +278,19 @@ fn member<'m>(
 }
 
 /// `.bendtwin.v1.Cost.When` as `crate::v1::cost::When`.
-fn rust_path(name: &str) -> String {
-    let path = name.strip_prefix(".bendtwin.v1.").expect("a type of bendtwin.v1");
+pub(crate) fn rust_path(name: &str) -> String {
+    let path = name.strip_prefix(PACKAGE).expect("a type of bendtwin.v1");
     let (outer, last) = path.rsplit_once('.').map_or((None, path), |(o, l)| (Some(o), l));
     let modules = outer.into_iter().flat_map(|o| o.split('.')).map(snake_case);
     let parts: Vec<String> = modules.chain([last.to_owned()]).collect();
     format!("crate::v1::{}", parts.join("::"))
+}
+
+/// The module of what is declared inside of a message.
+fn module_of(message: &str) -> String {
+    let path = message.strip_prefix(PACKAGE).expect("a type of bendtwin.v1");
+    let modules: Vec<String> = path.split('.').map(snake_case).collect();
+    format!("crate::v1::{}", modules.join("::"))
 }
 
 fn snake_case(name: &str) -> String {

@@ -1,9 +1,14 @@
-//! The one table of what each route and each RPC takes. A call that it does not list is refused to
-//! everyone; tests compare it with the description of the HTTP API and with the descriptors of gRPC.
+//! The one table of what each route and each RPC takes, as the contract states it. A call that it does
+//! not list is refused to everyone; tests compare it with the routes that are mounted and with the
+//! descriptors of gRPC.
 
 use std::{collections::HashMap, sync::LazyLock};
 
 use axum::http::Method;
+use bendtwin_proto::{
+    routes::{BY_HAND, RPCS},
+    v1 as wire,
+};
 
 use super::Scope;
 
@@ -20,152 +25,53 @@ pub enum Access {
     Scope(Scope),
 }
 
-use Access::{Anyone, Open, Worker};
+use Access::{Anyone, Open};
 
-const ADMIN: Access = Access::Scope(Scope::Admin);
-const CAPTURES_READ: Access = Access::Scope(Scope::CapturesRead);
-const CAPTURES_WRITE: Access = Access::Scope(Scope::CapturesWrite);
-const FITS_READ: Access = Access::Scope(Scope::FitsRead);
-const FITS_WRITE: Access = Access::Scope(Scope::FitsWrite);
-const ROLLOUTS_RUN: Access = Access::Scope(Scope::RolloutsRun);
-const TWINS_READ: Access = Access::Scope(Scope::TwinsRead);
-const TWINS_WRITE: Access = Access::Scope(Scope::TwinsWrite);
-
-/// Condition of each route, `METHOD /path`, and of each RPC, `/package.Service/Method`.
-pub const TABLE: &[(&str, Access)] = &[
+/// Conditions of what the contract does not have: pages, the description, and services of others.
+const OTHERS: [(&str, Access); 8] = [
     ("GET /", Open),
     ("GET /assets/{file}", Open),
     ("GET /docs", Open),
-    ("GET /healthz", Open),
     ("GET /openapi.json", Open),
-    ("GET /readyz", Open),
-    // What is understood of tus, which its clients ask before they show who they are.
-    ("OPTIONS /v1/uploads", Open),
-    ("GET /metrics", Anyone),
-    ("GET /v1/workers", Anyone),
-    ("GET /v1/workers/{id}", Anyone),
-    ("POST /v1/workers/{id}/drain", ADMIN),
-    ("GET /v1/keys", ADMIN),
-    ("POST /v1/keys", ADMIN),
-    ("GET /v1/keys/{id}", ADMIN),
-    ("DELETE /v1/keys/{id}", ADMIN),
-    ("GET /v1/captures", CAPTURES_READ),
-    ("GET /v1/captures/{id}", CAPTURES_READ),
-    ("GET /v1/captures/{id}/content", CAPTURES_READ),
-    ("GET /v1/captures/{id}/events", CAPTURES_READ),
-    ("GET /v1/captures/{id}/observation", CAPTURES_READ),
-    ("GET /v1/captures/{id}/playback", CAPTURES_READ),
-    ("GET /v1/captures/{id}/report", CAPTURES_READ),
-    ("GET /v1/captures/{id}/report.html", CAPTURES_READ),
-    ("POST /v1/captures", CAPTURES_WRITE),
-    ("PATCH /v1/captures/{id}", CAPTURES_WRITE),
-    ("DELETE /v1/captures/{id}", CAPTURES_WRITE),
-    ("POST /v1/captures/{id}/ingest", CAPTURES_WRITE),
-    ("POST /v1/captures/{id}/ingest/cancel", CAPTURES_WRITE),
-    ("POST /v1/uploads", CAPTURES_WRITE),
-    ("GET /v1/uploads", CAPTURES_WRITE),
-    ("HEAD /v1/uploads/{id}", CAPTURES_WRITE),
-    ("GET /v1/uploads/{id}", CAPTURES_WRITE),
-    ("PATCH /v1/uploads/{id}", CAPTURES_WRITE),
-    ("DELETE /v1/uploads/{id}", CAPTURES_WRITE),
-    ("GET /v1/fits", FITS_READ),
-    ("GET /v1/fits/{id}", FITS_READ),
-    ("GET /v1/fits/{id}/events", FITS_READ),
-    ("GET /v1/fits/{id}/losses", FITS_READ),
-    ("POST /v1/fits", FITS_WRITE),
-    ("PATCH /v1/fits/{id}", FITS_WRITE),
-    ("DELETE /v1/fits/{id}", FITS_WRITE),
-    ("POST /v1/fits/{id}/cancel", FITS_WRITE),
-    ("GET /v1/twins", TWINS_READ),
-    ("GET /v1/twins/{id}", TWINS_READ),
-    ("GET /v1/twins/{id}/content", TWINS_READ),
-    ("GET /v1/twins/{id}/geometry", TWINS_READ),
-    ("POST /v1/twins", TWINS_WRITE),
-    ("PATCH /v1/twins/{id}", TWINS_WRITE),
-    ("DELETE /v1/twins/{id}", TWINS_WRITE),
-    ("POST /v1/twins/{id}/rollouts", ROLLOUTS_RUN),
-    ("POST /v1/twins/{id}/rollouts/stream", ROLLOUTS_RUN),
-    ("POST /v1/twins/{id}/register", ROLLOUTS_RUN),
-    ("POST /v1/twins/{id}/evaluations", ROLLOUTS_RUN),
-    ("POST /v1/plans", ROLLOUTS_RUN),
-    ("POST /v1/sessions", ROLLOUTS_RUN),
-    ("GET /v1/sessions/{id}", ROLLOUTS_RUN),
-    ("DELETE /v1/sessions/{id}", ROLLOUTS_RUN),
-    ("GET /v1/sessions/{id}/states", ROLLOUTS_RUN),
-    ("POST /v1/sessions/{id}/advance", ROLLOUTS_RUN),
-    ("POST /v1/sessions/{id}/correct", ROLLOUTS_RUN),
-    ("POST /v1/sessions/{id}/fork", ROLLOUTS_RUN),
-    ("POST /v1/sessions/{id}/reset", ROLLOUTS_RUN),
-    ("POST /v1/sessions/{id}/step", ROLLOUTS_RUN),
-    ("GET /v1/twins/{id}/play", ROLLOUTS_RUN),
-    ("GET /v1/plays/{id}/watch", ROLLOUTS_RUN),
-    ("GET /v1/plays/{id}/recording", ROLLOUTS_RUN),
-    ("PUT /v1/plays/{id}/recording", ROLLOUTS_RUN),
     ("/grpc.health.v1.Health/Check", Open),
     ("/grpc.health.v1.Health/Watch", Open),
     ("/grpc.reflection.v1.ServerReflection/ServerReflectionInfo", Anyone),
     ("/grpc.reflection.v1alpha.ServerReflection/ServerReflectionInfo", Anyone),
-    ("/bendtwin.v1.WorkerService/GetWorker", Anyone),
-    ("/bendtwin.v1.WorkerService/ListWorkers", Anyone),
-    ("/bendtwin.v1.WorkerService/DrainWorker", ADMIN),
-    ("/bendtwin.v1.KeyService/CreateKey", ADMIN),
-    ("/bendtwin.v1.KeyService/GetKey", ADMIN),
-    ("/bendtwin.v1.KeyService/ListKeys", ADMIN),
-    ("/bendtwin.v1.KeyService/DeleteKey", ADMIN),
-    ("/bendtwin.v1.CaptureService/GetCapture", CAPTURES_READ),
-    ("/bendtwin.v1.CaptureService/ListCaptures", CAPTURES_READ),
-    ("/bendtwin.v1.CaptureService/WatchIngest", CAPTURES_READ),
-    ("/bendtwin.v1.CaptureService/GetCaptureReport", CAPTURES_READ),
-    ("/bendtwin.v1.CaptureService/ExportObservation", CAPTURES_READ),
-    ("/bendtwin.v1.CaptureService/CreateCapture", CAPTURES_WRITE),
-    ("/bendtwin.v1.CaptureService/UpdateCapture", CAPTURES_WRITE),
-    ("/bendtwin.v1.CaptureService/DeleteCapture", CAPTURES_WRITE),
-    ("/bendtwin.v1.CaptureService/IngestCapture", CAPTURES_WRITE),
-    ("/bendtwin.v1.CaptureService/CancelIngest", CAPTURES_WRITE),
-    ("/bendtwin.v1.FitService/GetFit", FITS_READ),
-    ("/bendtwin.v1.FitService/ListFits", FITS_READ),
-    ("/bendtwin.v1.FitService/GetFitLosses", FITS_READ),
-    ("/bendtwin.v1.FitService/WatchFit", FITS_READ),
-    ("/bendtwin.v1.FitService/CreateFit", FITS_WRITE),
-    ("/bendtwin.v1.FitService/UpdateFit", FITS_WRITE),
-    ("/bendtwin.v1.FitService/CancelFit", FITS_WRITE),
-    ("/bendtwin.v1.FitService/DeleteFit", FITS_WRITE),
-    ("/bendtwin.v1.TwinService/GetTwin", TWINS_READ),
-    ("/bendtwin.v1.TwinService/ListTwins", TWINS_READ),
-    ("/bendtwin.v1.TwinService/ExportTwin", TWINS_READ),
-    ("/bendtwin.v1.TwinService/GetTwinGeometry", TWINS_READ),
-    ("/bendtwin.v1.TwinService/CreateTwin", TWINS_WRITE),
-    ("/bendtwin.v1.TwinService/UpdateTwin", TWINS_WRITE),
-    ("/bendtwin.v1.TwinService/DeleteTwin", TWINS_WRITE),
-    ("/bendtwin.v1.RolloutService/RollOut", ROLLOUTS_RUN),
-    ("/bendtwin.v1.RolloutService/StreamRollOut", ROLLOUTS_RUN),
-    ("/bendtwin.v1.PlanningService/Plan", ROLLOUTS_RUN),
-    ("/bendtwin.v1.RegistrationService/RegisterState", ROLLOUTS_RUN),
-    ("/bendtwin.v1.EvaluationService/EvaluateTwin", ROLLOUTS_RUN),
-    ("/bendtwin.v1.SessionService/OpenSession", ROLLOUTS_RUN),
-    ("/bendtwin.v1.SessionService/GetSession", ROLLOUTS_RUN),
-    ("/bendtwin.v1.SessionService/GetSessionStates", ROLLOUTS_RUN),
-    ("/bendtwin.v1.SessionService/AdvanceSession", ROLLOUTS_RUN),
-    ("/bendtwin.v1.SessionService/ControlSession", ROLLOUTS_RUN),
-    ("/bendtwin.v1.SessionService/ForkSession", ROLLOUTS_RUN),
-    ("/bendtwin.v1.SessionService/ResetSession", ROLLOUTS_RUN),
-    ("/bendtwin.v1.SessionService/CorrectSession", ROLLOUTS_RUN),
-    ("/bendtwin.v1.SessionService/StepSession", ROLLOUTS_RUN),
-    ("/bendtwin.v1.SessionService/CloseSession", ROLLOUTS_RUN),
-    ("/bendtwin.worker.v1.WorkerLink/Register", Worker),
-    ("/bendtwin.worker.v1.WorkerLink/Heartbeat", Worker),
-    ("/bendtwin.worker.v1.WorkerLink/LeaseJob", Worker),
-    ("/bendtwin.worker.v1.WorkerLink/ReportJob", Worker),
-    ("/bendtwin.worker.v1.WorkerLink/SaveCheckpoint", Worker),
-    ("/bendtwin.worker.v1.WorkerLink/CompleteFit", Worker),
-    ("/bendtwin.worker.v1.WorkerLink/EndIngest", Worker),
-    ("/bendtwin.worker.v1.WorkerLink/FailJob", Worker),
-    ("/bendtwin.worker.v1.WorkerLink/Download", Worker),
-    ("/bendtwin.worker.v1.WorkerLink/Leave", Worker),
 ];
 
+/// Condition of each route, `METHOD /path`, and of each RPC, `/package.Service/Method`.
+pub static TABLE: LazyLock<Vec<(String, Access)>> = LazyLock::new(|| {
+    let named = |(name, scope): &(&str, wire::Scope)| Some(((*name).to_owned(), access(*scope)?));
+    let others = OTHERS.iter().map(|(name, access)| ((*name).to_owned(), *access));
+    let rpcs = RPCS.iter().flat_map(|rpc| {
+        let routes = rpc.routes.iter().map(|route| format!("{} {}", route.method, route.path));
+        let names = routes.chain([rpc.path.to_owned()]);
+        names.filter_map(|name| Some((name, access(rpc.scope)?)))
+    });
+    others.chain(BY_HAND.iter().filter_map(named)).chain(rpcs).collect()
+});
+
+/// The condition that the contract states.
+fn access(scope: wire::Scope) -> Option<Access> {
+    Some(match scope {
+        wire::Scope::Unspecified => return None,
+        wire::Scope::Open => Open,
+        wire::Scope::Anyone => Anyone,
+        wire::Scope::Worker => Access::Worker,
+        wire::Scope::Admin => Access::Scope(Scope::Admin),
+        wire::Scope::CapturesRead => Access::Scope(Scope::CapturesRead),
+        wire::Scope::CapturesWrite => Access::Scope(Scope::CapturesWrite),
+        wire::Scope::FitsRead => Access::Scope(Scope::FitsRead),
+        wire::Scope::FitsWrite => Access::Scope(Scope::FitsWrite),
+        wire::Scope::RolloutsRun => Access::Scope(Scope::RolloutsRun),
+        wire::Scope::TwinsRead => Access::Scope(Scope::TwinsRead),
+        wire::Scope::TwinsWrite => Access::Scope(Scope::TwinsWrite),
+    })
+}
+
 /// The table by name.
-static BY_NAME: LazyLock<HashMap<&str, Access>> = LazyLock::new(|| TABLE.iter().copied().collect());
+static BY_NAME: LazyLock<HashMap<&str, Access>> =
+    LazyLock::new(|| TABLE.iter().map(|(name, access)| (name.as_str(), *access)).collect());
 
 /// Condition of a route or an RPC; none if it is not listed.
 pub(crate) fn find(name: &str) -> Option<Access> {

@@ -1,6 +1,7 @@
 //! Captures. Their content is opaque here; workers read it.
 
 use bendtwin_core::ids::CaptureId;
+use bendtwin_proto::v1::CaptureMetadata;
 use bendtwin_store::{Capture, Content, Creator, NewCapture, Overview, Page, Requirements, Staged};
 
 use super::{
@@ -10,29 +11,21 @@ use super::{
 };
 use crate::{audit, context::Context};
 
-/// A requested upload of a capture.
-pub(crate) struct CaptureUpload {
-    pub(crate) display_name: String,
-    pub(crate) request_id: String,
-    /// BLAKE3 in hex; checked if not empty.
-    pub(crate) digest: String,
-    /// Settings of its ingest as JSON; empty means the defaults.
-    pub(crate) ingest_json: String,
-    /// Worker that its ingest asks for.
-    pub(crate) requirements: Requirements,
-    pub(crate) body: Body,
-}
-
 impl App {
-    pub(crate) async fn create_capture(&self, upload: CaptureUpload) -> Result<Overview> {
-        let display_name = super::labels::display_name(upload.display_name)?;
-        let request_id = super::request_id(upload.request_id)?;
-        let digest = super::digest(&upload.digest)?;
-        let ingest = self.ingest(&upload.ingest_json, upload.requirements)?;
+    pub(crate) async fn create_capture(
+        &self,
+        metadata: CaptureMetadata,
+        body: Body,
+    ) -> Result<Overview> {
+        let display_name = super::labels::display_name(metadata.display_name)?;
+        let request_id = super::request_id(metadata.request_id)?;
+        let digest = super::digest(&metadata.digest)?;
+        let requirements = super::requirements::of(metadata.ingest_requirements);
+        let ingest = self.ingest(&metadata.ingest_json, requirements)?;
         self.require_room(0)?;
         let limit = self.options.limits.capture_bytes;
         let _buffers = self.memory.upload().await?;
-        let content = self.receive(upload.body, limit, digest, |_| ()).await?;
+        let content = self.receive(body, limit, digest, |_| ()).await?;
         if content.size_bytes() == 0 {
             return Err(Error::invalid("content", "is empty: send the capture archive"));
         }

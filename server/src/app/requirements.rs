@@ -1,7 +1,7 @@
 //! Labels of workers, and what jobs ask of a worker.
 
+use bendtwin_proto::v1::WorkerRequirements;
 use bendtwin_store::Requirements;
-use serde::Deserialize;
 
 use super::{Error, Result};
 
@@ -12,25 +12,10 @@ const MAX_LABELS: usize = 32;
 /// Longest label [characters].
 const LABEL_LENGTH: usize = 50;
 
-/// Requirements as JSON, where a request has no room for a document; empty text means any worker.
-pub(crate) fn read(json: &str) -> Result<Requirements> {
-    if json.is_empty() {
-        return Ok(Requirements::default());
-    }
-    let given: Document = serde_json::from_str(json).map_err(|error| {
-        Error::invalid("ingest_requirements", format!("is not readable: {error}"))
-    })?;
-    let Document { backend, memory_bytes, labels } = given;
-    Ok(Requirements { backend, memory_bytes, labels, version: None })
-}
-
-/// Requirements as clients write them.
-#[derive(Default, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-struct Document {
-    backend: String,
-    memory_bytes: u64,
-    labels: Vec<String>,
+/// Requirements as a message states them; absent means any worker.
+pub(crate) fn of(wire: Option<WorkerRequirements>) -> Requirements {
+    let WorkerRequirements { backend, memory_bytes, labels } = wire.unwrap_or_default();
+    Requirements { backend, memory_bytes, labels, version: None }
 }
 
 /// Refuses what no worker could have.

@@ -1,6 +1,7 @@
 //! Twins: read, exported, imported.
 
 use bendtwin_core::ids::TwinId;
+use bendtwin_proto::v1::TwinMetadata;
 use bendtwin_store::{Content, NewTwin, Page, Twin};
 
 use super::{
@@ -9,26 +10,17 @@ use super::{
 };
 use crate::{audit, context::Context};
 
-/// A requested import of a twin file.
-pub(crate) struct TwinUpload {
-    pub(crate) display_name: String,
-    pub(crate) request_id: String,
-    /// BLAKE3 in hex; checked if not empty.
-    pub(crate) digest: String,
-    pub(crate) body: Body,
-}
-
 impl App {
     /// Imports a twin file after checking all of it.
-    pub(crate) async fn create_twin(&self, upload: TwinUpload) -> Result<Twin> {
+    pub(crate) async fn create_twin(&self, metadata: TwinMetadata, body: Body) -> Result<Twin> {
         let done: Result<Twin> = async {
-            let display_name = super::labels::display_name(upload.display_name)?;
-            let request_id = super::request_id(upload.request_id)?;
-            let digest = super::digest(&upload.digest)?;
+            let display_name = super::labels::display_name(metadata.display_name)?;
+            let request_id = super::request_id(metadata.request_id)?;
+            let digest = super::digest(&metadata.digest)?;
             self.require_room(0)?;
             let limit = self.options.limits.twin_bytes;
             let _buffers = self.memory.upload().await?;
-            let content = self.receive(upload.body, limit, digest, |_| ()).await?;
+            let content = self.receive(body, limit, digest, |_| ()).await?;
             let facts = self.check_twin(&content).await?;
             let creator = Context::current().caller.creator();
             let new = NewTwin { display_name, request_id, facts, content, creator };

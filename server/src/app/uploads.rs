@@ -63,12 +63,15 @@ impl App {
         let done: Result<ResumableUpload> = async {
             let metadata = Metadata::parse(&new.metadata)?;
             let request_id = super::request_id(metadata.one_request_id(new.request_id)?)?;
+            let display_name = super::labels::display_name(metadata.capture_name())?;
+            let capture = metadata.capture;
             self.check_length(new.length_bytes)?;
-            self.ingest(&metadata.ingest, metadata.requirements()?)?;
+            let requirements = super::requirements::of(capture.ingest_requirements);
+            self.ingest(&capture.ingest_json, requirements)?;
             let new = NewResumableUpload {
-                display_name: super::labels::display_name(metadata.capture_name())?,
+                display_name,
                 request_id,
-                expected_digest: super::digest(&metadata.digest)?,
+                expected_digest: super::digest(&capture.digest)?,
                 metadata: new.metadata,
                 length_bytes: new.length_bytes,
                 has_content: new.has_content,
@@ -305,8 +308,9 @@ impl App {
         upload: &ResumableUpload,
         quotas: Quotas,
     ) -> Result<()> {
-        let metadata = Metadata::parse(&upload.metadata)?;
-        let ingest = self.ingest(&metadata.ingest, metadata.requirements()?)?;
+        let capture = Metadata::parse(&upload.metadata)?.capture;
+        let requirements = super::requirements::of(capture.ingest_requirements);
+        let ingest = self.ingest(&capture.ingest_json, requirements)?;
         let content = writer.stage().await?;
         let (name, request_id) = (upload.display_name.clone(), upload.request_id.clone());
         let creator = Creator { owner: upload.owner.clone(), quotas };

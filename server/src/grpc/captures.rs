@@ -11,7 +11,7 @@ use bendtwin_proto::v1::{
 use tonic::{Request, Response, Status, Streaming};
 
 use super::{Api, Reply, chunks, convert, convert::GivenLabels, reply, upload};
-use crate::app::{CaptureUpload, Listing};
+use crate::app::{Listing, requirements_of};
 
 #[tonic::async_trait]
 impl CaptureService for Api {
@@ -25,15 +25,7 @@ impl CaptureService for Api {
             None => upload::Part::Neither,
         })
         .await?;
-        let upload = CaptureUpload {
-            display_name: metadata.display_name,
-            request_id: metadata.request_id,
-            digest: metadata.digest,
-            ingest_json: metadata.ingest_settings_json,
-            requirements: convert::read_requirements(metadata.ingest_requirements),
-            body,
-        };
-        let capture = convert::capture(self.app.create_capture(upload).await?);
+        let capture = convert::capture(self.app.create_capture(metadata, body).await?);
         Ok(Response::new(CreateCaptureResponse { capture: Some(capture) }))
     }
 
@@ -90,7 +82,7 @@ impl CaptureService for Api {
         request: Request<IngestCaptureRequest>,
     ) -> Result<Response<Capture>, Status> {
         let r = request.into_inner();
-        let requirements = convert::read_requirements(r.requirements);
+        let requirements = requirements_of(r.requirements);
         let capture =
             self.app.ingest_capture(&r.name, &r.settings_json, requirements, r.request_id).await?;
         Ok(Response::new(convert::capture(capture)))

@@ -65,7 +65,7 @@ pub(super) fn change(
     })
 }
 
-pub(super) fn capture(overview: Overview) -> v1::Capture {
+pub(crate) fn capture(overview: Overview) -> v1::Capture {
     let Overview { capture, mut ingest, report } = overview;
     v1::Capture {
         name: capture.id.to_string(),
@@ -82,7 +82,7 @@ pub(super) fn capture(overview: Overview) -> v1::Capture {
     }
 }
 
-pub(super) fn fit(mut fit: Job) -> v1::Fit {
+pub(crate) fn fit(mut fit: Job) -> v1::Fit {
     let labels = std::mem::take(&mut fit.labels);
     let owner = std::mem::take(&mut fit.owner);
     v1::Fit {
@@ -105,11 +105,6 @@ fn requirements(of_job: Requirements) -> Option<v1::WorkerRequirements> {
     // The version follows from the settings.
     let Requirements { backend, memory_bytes, labels, version: _ } = of_job;
     (!any).then_some(v1::WorkerRequirements { backend, memory_bytes, labels })
-}
-
-pub(super) fn read_requirements(wire: Option<v1::WorkerRequirements>) -> Requirements {
-    let v1::WorkerRequirements { backend, memory_bytes, labels } = wire.unwrap_or_default();
-    Requirements { backend, memory_bytes, labels, version: None }
 }
 
 fn job(job: Job) -> v1::Job {
@@ -252,7 +247,7 @@ fn finite(number: Option<f64>) -> Option<f64> {
     number.filter(|x| x.is_finite())
 }
 
-pub(super) fn twin(twin: Twin) -> v1::Twin {
+pub(crate) fn twin(twin: Twin) -> v1::Twin {
     let (facts, labels) = (twin.facts, twin.labels);
     v1::Twin {
         name: twin.id.to_string(),

@@ -8,7 +8,7 @@ use bendtwin_proto::v1::{
 use tonic::{Request, Response, Status};
 
 use super::{Api, Reply, convert, convert::GivenLabels, reply};
-use crate::app::{FitOrder, Listing};
+use crate::app::{FitOrder, Listing, requirements_of};
 
 #[tonic::async_trait]
 impl FitService for Api {
@@ -23,7 +23,7 @@ impl FitService for Api {
             priority: r.priority,
             request_id: r.request_id,
             display_name: r.display_name,
-            requirements: convert::read_requirements(r.requirements),
+            requirements: requirements_of(r.requirements),
         };
         let fit = self.app.create_fit(order).await?;
         Ok(Response::new(convert::fit(fit)))

@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use bendtwin_core::ids::SessionId;
 use bendtwin_proto::{
     deadline::timeout,
     v1::{
@@ -17,6 +18,7 @@ use tonic::{Request, Response, Status, Streaming};
 
 use super::{Api, Reply, counted::memory_of};
 use crate::{
+    app,
     context::Context,
     dispatch::{Held, Step},
     error::Refusal,
@@ -40,9 +42,9 @@ impl SessionService for Api {
         request: Request<GetSessionRequest>,
     ) -> Result<Response<Session>, Status> {
         let timeout = timeout(request.metadata());
-        let call = request.into_inner();
-        let name = call.name.clone();
-        let session = self.app.dispatch.session_call(&name, Call::Get(call), timeout).await?;
+        let name = session_name(&request.get_ref().name)?;
+        let call = Call::Get(GetSessionRequest { name: name.clone() });
+        let session = self.app.dispatch.session_call(&name, call, timeout).await?;
         Ok(Response::new(session))
     }
 
@@ -151,9 +153,16 @@ impl SessionService for Api {
         request: Request<CloseSessionRequest>,
     ) -> Result<Response<CloseSessionResponse>, Status> {
         let timeout = timeout(request.metadata());
-        self.app.dispatch.close_session(request.into_inner(), timeout).await?;
+        let close = CloseSessionRequest { name: session_name(&request.get_ref().name)? };
+        self.app.dispatch.close_session(close, timeout).await?;
         Ok(Response::new(CloseSessionResponse {}))
     }
+}
+
+/// The name of a session, of which HTTP gives the last part alone.
+fn session_name(given: &str) -> app::Result<String> {
+    let session: SessionId = app::name(given)?;
+    Ok(session.to_string())
 }
 
 /// A stream that ends after its first error. The memory of a reply is held until the next one is

@@ -9,7 +9,7 @@ use bendtwin_proto::v1::{
 use tonic::{Request, Response, Status, Streaming};
 
 use super::{Api, Reply, chunks, convert, convert::GivenLabels, upload};
-use crate::app::{Listing, TwinUpload};
+use crate::app::Listing;
 
 #[tonic::async_trait]
 impl TwinService for Api {
@@ -23,13 +23,7 @@ impl TwinService for Api {
             None => upload::Part::Neither,
         })
         .await?;
-        let upload = TwinUpload {
-            display_name: metadata.display_name,
-            request_id: metadata.request_id,
-            digest: metadata.digest,
-            body,
-        };
-        Ok(Response::new(convert::twin(self.app.create_twin(upload).await?)))
+        Ok(Response::new(convert::twin(self.app.create_twin(metadata, body).await?)))
     }
 
     async fn get_twin(&self, request: Request<GetTwinRequest>) -> Result<Response<Twin>, Status> {

@@ -7,55 +7,36 @@ use axum::{
     http::HeaderMap,
     response::sse::{Event, KeepAlive, Sse},
 };
+use bendtwin_proto::json::{TensorFormat, Write};
 use futures::{Stream, StreamExt};
 use serde::Serialize;
 
-use super::{
-    Result,
-    extract::Id,
-    resource::{Capture, Fit},
-};
+use super::{Result, extract::Id};
 use crate::{
     app::{self, App},
-    error::ProblemDocument,
+    grpc::convert,
 };
 
 const KEEP_ALIVE: Duration = Duration::from_secs(15);
 
 /// Watch a fit
-///
-/// Server-sent events named `fit`, each with the whole fit as data and its
-/// revision as id, until it has ended. `Last-Event-ID` skips what is known.
-#[utoipa::path(get, path = "/v1/fits/{id}/events", tag = "fits",
-    params(("id" = String, Path),
-        ("Last-Event-ID" = Option<u64>, Header, description = "Skip revisions up to this one; what is no revision skips none")),
-    responses((status = 200, body = String, content_type = "text/event-stream"),
-        (status = "default", body = ProblemDocument)))]
 pub(super) async fn watch(
     State(app): State<App>,
     Id(id): Id,
     headers: HeaderMap,
 ) -> Result<Sse<impl Stream<Item = Result<Event, Infallible>> + Send>> {
     let fits = app.watch_fit(&id, last_seen(&headers)).await?;
-    Ok(events("fit", fits, |fit| (fit.revision, Fit::from(fit))))
+    Ok(events("fit", fits, |fit| (fit.revision, convert::fit(fit))))
 }
 
 /// Watch a capture being read
-///
-/// Server-sent events named `capture`, each with the whole capture as data and the
-/// revision of its ingest as id, until that has ended. `Last-Event-ID` skips what is known.
-#[utoipa::path(get, path = "/v1/captures/{id}/events", tag = "captures",
-    params(("id" = String, Path),
-        ("Last-Event-ID" = Option<u64>, Header, description = "Skip revisions up to this one; what is no revision skips none")),
-    responses((status = 200, body = String, content_type = "text/event-stream"),
-        (status = "default", body = ProblemDocument)))]
 pub(super) async fn watch_ingest(
     State(app): State<App>,
     Id(id): Id,
     headers: HeaderMap,
 ) -> Result<Sse<impl Stream<Item = Result<Event, Infallible>> + Send>> {
     let captures = app.watch_ingest(&id, last_seen(&headers)).await?;
-    Ok(events("capture", captures, |c| (c.ingest.revision, Capture::from(c))))
+    Ok(events("capture", captures, |c| (c.ingest.revision, convert::capture(c))))
 }
 
 /// The last revision that a client has seen. An id that is not from here, which a browser may send
@@ -66,18 +47,25 @@ fn last_seen(headers: &HeaderMap) -> u64 {
 }
 
 /// An event for each change, with its revision.
-fn events<T: Send + 'static, R: Serialize>(
+fn events<T, M>(
     name: &'static str,
     changes: impl Stream<Item = app::Result<T>> + Send + 'static,
-    resource: impl Fn(T) -> (u64, R) + Send + 'static,
-) -> Sse<impl Stream<Item = Result<Event, Infallible>> + Send> {
+    resource: impl Fn(T) -> (u64, M) + Send + 'static,
+) -> Sse<impl Stream<Item = Result<Event, Infallible>> + Send>
+where
+    T: Send + 'static,
+    for<'m> Write<'m, M>: Serialize,
+{
     // An error ends the stream: the client comes back with what it has seen.
     let good = changes.take_while(|change| std::future::ready(change.is_ok()));
     let events = good.filter_map(move |change| {
         let event = change.ok().and_then(|change| {
             let (revision, resource) = resource(change);
             let event = Event::default().event(name).id(revision.to_string());
-            event.json_data(resource).ok().map(Ok)
+            event
+                .json_data(Write { message: &resource, tensors: TensorFormat::default() })
+                .ok()
+                .map(Ok)
         });
         std::future::ready(event)
     });

@@ -5,6 +5,7 @@ use axum::{
     http::{HeaderMap, StatusCode, header, request::Parts},
 };
 use bendtwin_contract::rollout;
+use bendtwin_proto::json::{Fields, from_query};
 use futures::{StreamExt, TryStreamExt};
 use serde::de::DeserializeOwned;
 
@@ -34,6 +35,17 @@ impl<T: DeserializeOwned, S: Send + Sync> FromRequestParts<S> for Params<T> {
     async fn from_request_parts(parts: &mut Parts, state: &S) -> Result<Self, Refusal> {
         let query = Query::<T>::from_request_parts(parts, state).await;
         query.map(|Query(t)| Self(t)).map_err(|e| Error::invalid("query", e.body_text()).into())
+    }
+}
+
+/// The metadata of an upload, in the query.
+pub(super) struct Metadata<M>(pub(super) M);
+
+impl<M: Fields, S: Send + Sync> FromRequestParts<S> for Metadata<M> {
+    type Rejection = Refusal;
+    async fn from_request_parts(parts: &mut Parts, _: &S) -> Result<Self, Refusal> {
+        let read = from_query(parts.uri.query().unwrap_or_default());
+        read.map(Self).map_err(|e| Error::invalid("query", e.to_string()).into())
     }
 }
 

@@ -100,6 +100,14 @@ impl Form {
     }
 }
 
+/// A small message as JSON.
+pub(super) fn document<M>(message: &M) -> Response
+where
+    for<'m> Write<'m, M>: Serialize,
+{
+    axum::Json(Write { message, tensors: TensorFormat::default() }).into_response()
+}
+
 /// Reads a request. `memory` is held until that has ended, also when nobody waits any more.
 async fn read_json<M>(text: Bytes, memory: &Arc<Shares>) -> Result<M>
 where

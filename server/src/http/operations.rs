@@ -7,13 +7,12 @@ use axum::{
     response::{IntoResponse, Response},
 };
 use serde::Serialize;
-use utoipa::ToSchema;
 
 use super::Result;
-use crate::{app::App, dispatch::Size, error::ProblemDocument, metrics::Gauges, readiness::Check};
+use crate::{app::App, dispatch::Size, metrics::Gauges, readiness::Check};
 
 /// State of the server as `/readyz` reports it.
-#[derive(Serialize, ToSchema)]
+#[derive(Serialize)]
 pub(super) struct Readiness {
     /// True if all checks are ok.
     ready: bool,
@@ -29,15 +28,11 @@ pub(super) struct Readiness {
 }
 
 /// Liveness
-#[utoipa::path(get, path = "/healthz", tag = "operations",
-    responses((status = 200, body = String, content_type = "text/plain")))]
 pub(super) async fn healthz() -> &'static str {
     "ok\n"
 }
 
 /// Readiness
-#[utoipa::path(get, path = "/readyz", tag = "operations",
-    responses((status = 200, body = Readiness), (status = 503, body = Readiness)))]
 pub(super) async fn readyz(State(app): State<App>) -> Response {
     let checks = app.readiness().await;
     let ready = checks.iter().all(|check| check.ok);
@@ -48,9 +43,6 @@ pub(super) async fn readyz(State(app): State<App>) -> Response {
 }
 
 /// Metrics for Prometheus
-#[utoipa::path(get, path = "/metrics", tag = "operations",
-    responses((status = 200, body = String, content_type = "text/plain"),
-        (status = "default", body = ProblemDocument)))]
 pub(super) async fn metrics(State(app): State<App>) -> Result<Response> {
     // Sets the gauges of readiness and of the disk.
     app.readiness().await;

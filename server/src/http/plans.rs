@@ -14,17 +14,12 @@ use bendtwin_proto::{
 use futures::{Stream, StreamExt as _};
 use prost::Message as _;
 
-use super::{
-    Result,
-    extract::Params,
-    message::Body,
-    rollouts::{ReplyParams, schema},
-};
+use super::{Result, extract::Params, message::Body, rollouts::ReplyParams};
 use crate::{
     app::{App, Error},
     context::Context,
     dispatch::Plan,
-    error::{ProblemDocument, Refusal},
+    error::Refusal,
 };
 
 const KEEP_ALIVE: Duration = Duration::from_secs(15);
@@ -32,16 +27,6 @@ const KEEP_ALIVE: Duration = Duration::from_secs(15);
 const SMALL: usize = 16 << 10;
 
 /// Plan
-///
-/// Actions that lower the costs of a rollout, found at the server. Server-sent events named `update`,
-/// each with a PlanUpdate as data: one after each iteration with the best so far, and a last one. An
-/// event named `error` has a problem document as data, and ends them. Closing the connection stops
-/// the work. The body is JSON or, as `application/x-protobuf`, the message PlanRequest of bendtwin.v1.
-#[utoipa::path(post, path = "/v1/plans", tag = "plans",
-    params(ReplyParams),
-    request_body(content((schema::PlanRequest = "application/json"), (Vec<u8> = "application/x-protobuf"))),
-    responses((status = 200, body = schema::PlanUpdate, content_type = "text/event-stream"),
-        (status = "default", body = ProblemDocument)))]
 pub(super) async fn create(
     State(app): State<App>,
     Params(params): Params<ReplyParams>,

@@ -14,7 +14,6 @@ use axum::{
     response::{IntoResponse, Response},
 };
 use bendtwin_core::ids::{PlayId, TwinId};
-use utoipa::ToSchema;
 
 use super::{
     Result,
@@ -24,7 +23,7 @@ use crate::{
     app::{self, App, Error},
     client_token::TOKEN_PROTOCOL,
     context::Context,
-    error::{ProblemDocument, Refusal},
+    error::Refusal,
     memory::Kind,
     play::{Document, Recording},
 };
@@ -67,11 +66,6 @@ impl Upgrade {
 }
 
 /// Play with a twin
-///
-/// A WebSocket on which a simulation of the twin runs in real time. The first message says where it
-/// begins, `{"type": "begin"}` at least; docs/formats/play.md has all messages. The play ends with the socket.
-#[utoipa::path(get, path = "/v1/twins/{id}/play", tag = "plays", params(("id" = String, Path)),
-    responses((status = 101, description = "The WebSocket."), (status = "default", body = ProblemDocument)))]
 pub(super) async fn play(State(app): State<App>, Id(id): Id, upgrade: Upgrade) -> Result<Response> {
     let twin: TwinId = app::name(&id)?;
     app.store.twins().get(twin).await?;
@@ -81,10 +75,6 @@ pub(super) async fn play(State(app): State<App>, Id(id): Id, upgrade: Upgrade) -
 }
 
 /// Watch a play
-///
-/// A WebSocket on which the states of a play come, for any number of browsers; they move nothing.
-#[utoipa::path(get, path = "/v1/plays/{id}/watch", tag = "plays", params(("id" = String, Path)),
-    responses((status = 101, description = "The WebSocket."), (status = "default", body = ProblemDocument)))]
 pub(super) async fn watch(
     State(app): State<App>,
     Id(id): Id,
@@ -96,23 +86,7 @@ pub(super) async fn watch(
     Ok(socket.on_upgrade(move |socket| socket::watch(app, view, socket)))
 }
 
-/// A recorded play, as rollouts that anyone can repeat.
-#[derive(ToSchema)]
-#[expect(dead_code, reason = "a description")]
-pub(super) struct PlayRecording {
-    /// twins/{uuid}
-    twin: String,
-    /// Frames a second.
-    fps: f64,
-    /// Bodies of `POST /v1/twins/{id}/rollouts`, one after the other.
-    segments: Vec<super::rollouts::schema::RollOutRequest>,
-}
-
 /// Recording of a play
-///
-/// The last recording of a play that is under way. Each segment is the body of a rollout.
-#[utoipa::path(get, path = "/v1/plays/{id}/recording", tag = "plays", params(("id" = String, Path)),
-    responses((status = 200, body = PlayRecording), (status = "default", body = ProblemDocument)))]
 pub(super) async fn recording(State(app): State<App>, Id(id): Id) -> Result<Response> {
     let play = app.plays.get(app::name(&id)?)?;
     let recording = play.recording()?;
@@ -127,11 +101,6 @@ pub(super) async fn recording(State(app): State<App>, Id(id): Id) -> Result<Resp
 }
 
 /// Put a recording
-///
-/// In the place of the last one of a play, to be shown again there.
-#[utoipa::path(put, path = "/v1/plays/{id}/recording", tag = "plays", params(("id" = String, Path)),
-    request_body = PlayRecording,
-    responses((status = 204), (status = "default", body = ProblemDocument)))]
 pub(super) async fn put_recording(
     State(app): State<App>,
     Id(id): Id,

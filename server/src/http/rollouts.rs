@@ -2,7 +2,6 @@
 //! protobuf messages of `bendtwin.v1`.
 
 pub(super) mod document;
-pub(super) mod schema;
 pub(super) mod stream;
 
 use std::time::Duration;
@@ -15,7 +14,6 @@ use bendtwin_contract::rollout::Encoded;
 use bendtwin_core::ids::TwinId;
 use bendtwin_proto::{json::TensorFormat, v1::RollOutRequest};
 use serde::Deserialize;
-use utoipa::IntoParams;
 
 use super::{
     Result,
@@ -25,17 +23,14 @@ use super::{
 use crate::{
     app::{self, App, Error},
     dispatch::{RollOut, Whole},
-    error::ProblemDocument,
 };
 
 /// Form of the reply, and the time for it.
-#[derive(Deserialize, IntoParams)]
+#[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
-#[into_params(parameter_in = Query)]
 pub(super) struct ReplyParams {
     /// `lists` (nested lists of numbers, the default) or `base64`.
     #[serde(default)]
-    #[param(value_type = String, pattern = "lists|base64")]
     tensors: TensorFormat,
     /// Give up after so many seconds.
     timeout_s: Option<f64>,
@@ -56,16 +51,6 @@ impl ReplyParams {
 }
 
 /// Roll out
-///
-/// Robot actions in; motion, costs or gradients out. Body and reply are JSON,
-/// or with `application/x-protobuf` the messages RollOutRequest and
-/// RollOutResponse of bendtwin.v1. A large body must be protobuf, and a large
-/// reply base64 or protobuf.
-#[utoipa::path(post, path = "/v1/twins/{id}/rollouts", tag = "rollouts",
-    params(("id" = String, Path), ReplyParams),
-    request_body(content((schema::RollOutRequest = "application/json"), (Vec<u8> = "application/x-protobuf"))),
-    responses((status = 200, content((schema::RollOutResponse = "application/json"), (Vec<u8> = "application/x-protobuf"))),
-        (status = "default", body = ProblemDocument)))]
 pub(super) async fn create(
     State(app): State<App>,
     Id(id): Id,
@@ -89,13 +74,19 @@ async fn read(app: &App, id: &str, params: &ReplyParams, request: Request) -> Re
     let body: Body<RollOutRequest> =
         Body::read(app, request, Encoded::RollOut, params.tensors()).await?;
     let Body { message, memory, form } = body;
-    if !message.twin.is_empty() && message.twin != twin.to_string() {
-        let fault = format!("is {}, the path names {twin}: leave it out", message.twin);
-        return Err(Error::invalid("twin", fault).into());
-    }
-    let request = RollOutRequest { twin: twin.to_string(), ..message };
+    let request = RollOutRequest { twin: of_twin(twin, &message.twin)?, ..message };
     let (commit_slots, timeout) = (Vec::new(), params.timeout()?);
     let as_lists = form.is_lists();
     let rollout = RollOut { request, timeout, in_parts: false, as_lists, commit_slots, memory };
     Ok(Asked { rollout, form })
+}
+
+/// The twin that a path names, and no other that the body does.
+pub(super) fn of_twin(twin: TwinId, given: &str) -> Result<String> {
+    let named = twin.to_string();
+    if !given.is_empty() && given != named {
+        let fault = format!("is {given}, the path names {named}: leave it out");
+        return Err(Error::invalid("twin", fault).into());
+    }
+    Ok(named)
 }

@@ -9,51 +9,39 @@ use axum::{
 use bendtwin_contract::rollout::Encoded;
 use bendtwin_core::ids::SessionId;
 use bendtwin_proto::{
-    json::{TensorFormat, Write},
+    json::TensorFormat,
     v1::{
-        AdvanceSessionRequest, CloseSessionRequest, CorrectSessionRequest, ForkSessionRequest,
-        GetSessionRequest, GetSessionStatesRequest, OpenSessionRequest, ResetSessionRequest,
-        StepSessionRequest,
+        AdvanceSessionRequest, CorrectSessionRequest, ForkSessionRequest, GetSessionStatesRequest,
+        OpenSessionRequest, ResetSessionRequest, StepSessionRequest,
     },
     worker::v1::manage_session_request::Call,
 };
-use serde::{Deserialize, Serialize};
-use utoipa::IntoParams;
+use serde::Deserialize;
 
 use super::{
     Result,
     extract::{Id, Params},
-    message::{Body, Form},
-    rollouts::{ReplyParams, schema},
+    message::{Body, Form, document},
+    rollouts::ReplyParams,
 };
 use crate::{
     app::{self, App, Error},
     dispatch::{Step, Whole},
-    error::ProblemDocument,
 };
 
 /// Slots to ask for.
-#[derive(Deserialize, IntoParams)]
+#[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
-#[into_params(parameter_in = Query)]
 pub(super) struct StatesParams {
     /// Numbers of slots with commas between them; all of them by default.
     #[serde(default)]
-    #[param(pattern = "^([0-9]+(,[0-9]+)*)?$")]
     slots: String,
     /// `lists` (nested lists of numbers, the default) or `base64`.
     #[serde(default)]
-    #[param(value_type = String, pattern = "lists|base64")]
     tensors: TensorFormat,
 }
 
 /// Open a session
-///
-/// Simulations of a twin that stay at a worker until they are closed or nobody has used them for
-/// `idle_timeout_s`.
-#[utoipa::path(post, path = "/v1/sessions", tag = "sessions", params(ReplyParams),
-    request_body(content((schema::OpenSessionRequest = "application/json"), (Vec<u8> = "application/x-protobuf"))),
-    responses((status = 201, body = schema::Session), (status = "default", body = ProblemDocument)))]
 pub(super) async fn open(
     State(app): State<App>,
     Params(params): Params<ReplyParams>,
@@ -68,32 +56,7 @@ pub(super) async fn open(
     Ok((StatusCode::CREATED, location, document(&session)).into_response())
 }
 
-/// One session
-#[utoipa::path(get, path = "/v1/sessions/{id}", tag = "sessions", params(("id" = String, Path)),
-    responses((status = 200, body = schema::Session), (status = "default", body = ProblemDocument)))]
-pub(super) async fn get(State(app): State<App>, Id(id): Id) -> Result<Response> {
-    let name = name(&id, String::new())?;
-    let call = Call::Get(GetSessionRequest { name: name.clone() });
-    Ok(document(&app.dispatch.session_call(&name, call, None).await?))
-}
-
-/// Close a session
-///
-/// It is no error if it has ended.
-#[utoipa::path(delete, path = "/v1/sessions/{id}", tag = "sessions", params(("id" = String, Path)),
-    responses((status = 204), (status = "default", body = ProblemDocument)))]
-pub(super) async fn close(State(app): State<App>, Id(id): Id) -> Result<StatusCode> {
-    let close = CloseSessionRequest { name: name(&id, String::new())? };
-    app.dispatch.close_session(close, None).await?;
-    Ok(StatusCode::NO_CONTENT)
-}
-
 /// States of slots
-///
-/// `states` is what `initial.given` takes.
-#[utoipa::path(get, path = "/v1/sessions/{id}/states", tag = "sessions",
-    params(("id" = String, Path), StatesParams),
-    responses((status = 200, body = schema::SessionStates), (status = "default", body = ProblemDocument)))]
 pub(super) async fn states(
     State(app): State<App>,
     Id(id): Id,
@@ -111,14 +74,6 @@ pub(super) async fn states(
 }
 
 /// Advance a session
-///
-/// Simulates the rollout from where slots are, and leaves them where it ends. Nothing changes if it
-/// fails or an instance diverges.
-#[utoipa::path(post, path = "/v1/sessions/{id}/advance", tag = "sessions",
-    params(("id" = String, Path), ReplyParams),
-    request_body(content((schema::AdvanceSessionRequest = "application/json"), (Vec<u8> = "application/x-protobuf"))),
-    responses((status = 200, content((schema::RollOutResponse = "application/json"), (Vec<u8> = "application/x-protobuf"))),
-        (status = "default", body = ProblemDocument)))]
 pub(super) async fn advance(
     State(app): State<App>,
     Id(id): Id,
@@ -136,10 +91,6 @@ pub(super) async fn advance(
 }
 
 /// Copy the state of a slot to others
-#[utoipa::path(post, path = "/v1/sessions/{id}/fork", tag = "sessions",
-    params(("id" = String, Path), ReplyParams),
-    request_body(content((schema::ForkSessionRequest = "application/json"), (Vec<u8> = "application/x-protobuf"))),
-    responses((status = 200, body = schema::Session), (status = "default", body = ProblemDocument)))]
 pub(super) async fn fork(
     State(app): State<App>,
     Id(id): Id,
@@ -156,15 +107,6 @@ pub(super) async fn fork(
 }
 
 /// Correct slots by what is seen
-///
-/// Brings their states closer to points that were seen of the object, in place and outside of
-/// obstacles; all of them, or none if more than the stated residual is left at one. The reply has the
-/// corrected states, and says whether slots still follow their object.
-#[utoipa::path(post, path = "/v1/sessions/{id}/correct", tag = "sessions",
-    params(("id" = String, Path), ReplyParams),
-    request_body(content((schema::CorrectSessionRequest = "application/json"), (Vec<u8> = "application/x-protobuf"))),
-    responses((status = 200, content((schema::CorrectedSession = "application/json"), (Vec<u8> = "application/x-protobuf"))),
-        (status = "default", body = ProblemDocument)))]
 pub(super) async fn correct(
     State(app): State<App>,
     Id(id): Id,
@@ -182,12 +124,6 @@ pub(super) async fn correct(
 }
 
 /// Set slots back
-///
-/// To the session's first state, or to a given one.
-#[utoipa::path(post, path = "/v1/sessions/{id}/reset", tag = "sessions",
-    params(("id" = String, Path), ReplyParams),
-    request_body(content((schema::ResetSessionRequest = "application/json"), (Vec<u8> = "application/x-protobuf"))),
-    responses((status = 200, body = schema::Session), (status = "default", body = ProblemDocument)))]
 pub(super) async fn reset(
     State(app): State<App>,
     Id(id): Id,
@@ -204,14 +140,6 @@ pub(super) async fn reset(
 }
 
 /// Take a step of a closed loop
-///
-/// Corrects a slot by what is seen, plans from there, and advances the slot by the first frames of the
-/// best plan. All of the request is checked before anything changes.
-#[utoipa::path(post, path = "/v1/sessions/{id}/step", tag = "sessions",
-    params(("id" = String, Path), ReplyParams),
-    request_body(content((schema::StepSessionRequest = "application/json"), (Vec<u8> = "application/x-protobuf"))),
-    responses((status = 200, content((schema::SteppedSession = "application/json"), (Vec<u8> = "application/x-protobuf"))),
-        (status = "default", body = ProblemDocument)))]
 pub(super) async fn step(
     State(app): State<App>,
     Id(id): Id,
@@ -237,11 +165,4 @@ fn name(id: &str, given: String) -> Result<String> {
         return Err(Error::invalid("name", fault).into());
     }
     Ok(named)
-}
-
-fn document<M>(message: &M) -> Response
-where
-    for<'m> Write<'m, M>: Serialize,
-{
-    axum::Json(Write { message, tensors: TensorFormat::default() }).into_response()
 }

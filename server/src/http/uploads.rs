@@ -12,15 +12,14 @@ use axum::{
     response::{IntoResponse, Response},
 };
 use bendtwin_store::{ResumableUpload, UploadState};
-use utoipa_axum::{router::OpenApiRouter, routes};
 
 use super::{
-    Result,
+    Result, Routes,
     extract::{self, Id},
 };
 use crate::{
     app::{self, ALGORITHMS, App, Append, NewUpload},
-    error::{ProblemDocument, Refusal},
+    error::Refusal,
 };
 
 pub use protocol::read_upload_headers;
@@ -31,18 +30,20 @@ use protocol::{
 };
 
 /// The routes, with the headers that the protocol requires in every request and response.
-pub(super) fn routes() -> OpenApiRouter<App> {
-    OpenApiRouter::new()
-        .routes(routes!(options, create, listing::list))
-        .routes(routes!(head, append, terminate, listing::get))
-        .route_layer(axum::middleware::from_fn(protocol::require_version))
+pub(super) fn routes() -> Routes {
+    let routes = Routes::default()
+        .on("OPTIONS", "/v1/uploads", options)
+        .on("POST", "/v1/uploads", create)
+        .on("GET", "/v1/uploads", listing::list)
+        .on("HEAD", "/v1/uploads/{id}", head)
+        .on("GET", "/v1/uploads/{id}", listing::get)
+        .on("PATCH", "/v1/uploads/{id}", append)
+        .on("DELETE", "/v1/uploads/{id}", terminate);
+    let version = axum::middleware::from_fn(protocol::require_version);
+    Routes { router: routes.router.route_layer(version), ..routes }
 }
 
 /// Supported features of tus
-#[utoipa::path(options, path = "/v1/uploads", tag = "uploads",
-    responses((status = 204, headers(
-        ("Tus-Version" = String), ("Tus-Extension" = String), ("Tus-Max-Size" = u64),
-        ("Tus-Checksum-Algorithm" = String)))))]
 async fn options(State(app): State<App>) -> Response {
     let headers = [
         (TUS_VERSION, VERSION.to_owned()),
@@ -54,21 +55,6 @@ async fn options(State(app): State<App>) -> Response {
 }
 
 /// Begin a resumable upload
-///
-/// `Upload-Metadata` may give `filename`, `display_name`, `request_id` (or as `Idempotency-Key`)
-/// and `digest` (BLAKE3, hex). The same request id with the same metadata answers with the upload
-/// that was begun before, however far it is. A body is the first part of the content.
-#[utoipa::path(post, path = "/v1/uploads", tag = "uploads",
-    params(
-        ("Tus-Resumable" = String, Header, description = "1.0.0"),
-        ("Upload-Length" = Option<u64>, Header, description = "Size of the whole [bytes]"),
-        ("Upload-Defer-Length" = Option<u8>, Header, description = "1 if the size is not known yet"),
-        ("Upload-Metadata" = Option<String>, Header, description = "Pairs `key base64`, separated by commas"),
-        ("Idempotency-Key" = Option<String>, Header, description = "Makes the upload idempotent"),
-        ("Upload-Checksum" = Option<String>, Header, description = "`algorithm base64` of the body")),
-    request_body(content = Vec<u8>, content_type = "application/offset+octet-stream"),
-    responses((status = 201, headers(("Location" = String), ("Upload-Offset" = u64), ("Upload-Expires" = String))),
-        (status = "default", body = ProblemDocument)))]
 async fn create(State(app): State<App>, request: Request) -> Result<Response> {
     let headers = request.headers();
     // With a body, the rules of PATCH hold; a wrong type is refused before anything is made.
@@ -103,15 +89,6 @@ async fn create(State(app): State<App>, request: Request) -> Result<Response> {
 }
 
 /// Offset at which to resume
-///
-/// A request that still sends to the upload is ended: its connection may be dead. Makes the capture
-/// if only that is missing. To look without disturbing, GET.
-#[utoipa::path(head, path = "/v1/uploads/{id}", tag = "uploads",
-    params(("id" = String, Path), ("Tus-Resumable" = String, Header, description = "1.0.0")),
-    responses((status = 200, headers(
-            ("Upload-Offset" = u64), ("Upload-Length" = u64), ("Upload-Defer-Length" = u8),
-            ("Upload-Metadata" = String), ("Upload-Expires" = String), ("Bendtwin-Capture" = String))),
-        (status = "default", body = ProblemDocument)))]
 async fn head(State(app): State<App>, Id(id): Id) -> Result<Response> {
     let upload = app.resume_upload(&id).await.map_err(refused)?;
     let mut response = state_of(&upload);
@@ -129,21 +106,6 @@ async fn head(State(app): State<App>, Id(id): Id) -> Result<Response> {
 }
 
 /// Append to an upload
-///
-/// Acknowledged bytes are durable. With the last byte the capture is made; the response names it.
-#[utoipa::path(patch, path = "/v1/uploads/{id}", tag = "uploads",
-    params(
-        ("id" = String, Path),
-        ("Tus-Resumable" = String, Header, description = "1.0.0"),
-        ("Upload-Offset" = u64, Header, description = "Where the body begins; must be the upload's offset"),
-        ("Upload-Length" = Option<u64>, Header, description = "Size of the whole, if it was deferred [bytes]"),
-        ("Upload-Checksum" = Option<String>, Header,
-            description = "`algorithm base64` of the body: sha1, sha256 or blake3")),
-    request_body(content = Vec<u8>, content_type = "application/offset+octet-stream"),
-    responses((status = 204, headers(
-            ("Upload-Offset" = u64), ("Upload-Expires" = String), ("Bendtwin-Capture" = String),
-            ("Content-Location" = String))),
-        (status = "default", body = ProblemDocument)))]
 async fn append(State(app): State<App>, Id(id): Id, request: Request) -> Result<Response> {
     let headers = request.headers();
     protocol::expect_offset_type(headers)?;
@@ -159,11 +121,6 @@ async fn append(State(app): State<App>, Id(id): Id, request: Request) -> Result<
 }
 
 /// Terminate an upload
-///
-/// Frees what it held. A capture that was made of it stays.
-#[utoipa::path(delete, path = "/v1/uploads/{id}", tag = "uploads",
-    params(("id" = String, Path), ("Tus-Resumable" = Option<String>, Header, description = "1.0.0")),
-    responses((status = 204), (status = "default", body = ProblemDocument)))]
 async fn terminate(State(app): State<App>, Id(id): Id) -> Result<StatusCode> {
     app.terminate_upload(&id).await.map_err(refused)?;
     Ok(StatusCode::NO_CONTENT)

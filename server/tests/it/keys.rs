@@ -110,7 +110,7 @@ async fn every_route_and_rpc_takes_what_the_table_says() {
         wrong.insert(scope, make(&server, order).await.1);
     }
     let mut compared = 0;
-    for (name, access) in TABLE {
+    for (name, access) in TABLE.iter() {
         let scope = match access {
             Access::Scope(scope) => *scope,
             _ => Scope::TwinsRead,

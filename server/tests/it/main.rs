@@ -20,6 +20,7 @@ mod readiness;
 mod registrations;
 mod results;
 mod rollouts;
+mod samples;
 mod sessions;
 mod sharing;
 mod steps;

@@ -83,9 +83,7 @@ impl Api {
         let metadata = CaptureMetadata {
             display_name: display_name.to_owned(),
             request_id: request_id.to_owned(),
-            digest: String::new(),
-            ingest_settings_json: String::new(),
-            ingest_requirements: None,
+            ..CaptureMetadata::default()
         };
         let parts = std::iter::once(Part::Metadata(metadata))
             .chain(chunks(archive).map(Part::Chunk))

@@ -149,7 +149,7 @@ def create_capture(
     metadata = capture_pb2.CaptureMetadata(
         display_name=display_name,
         request_id=request_id or str(uuid.uuid4()),
-        ingest_settings_json=_json(ingest),
+        ingest_json=_json(ingest),
         ingest_requirements=requirements.to_proto() if requirements else None,
     )
 

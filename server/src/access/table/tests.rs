@@ -1,24 +1,43 @@
 use std::collections::BTreeSet;
 
+use serde_json::json;
+
 use super::*;
 
-/// Pages and documents that are not part of the described API.
-const NOT_DESCRIBED: [&str; 4] = ["GET /", "GET /assets/{file}", "GET /docs", "GET /openapi.json"];
+/// Pages and documents that are mounted beside the routes of the API.
+const PAGES: [&str; 4] = ["GET /", "GET /assets/{file}", "GET /docs", "GET /openapi.json"];
 
 fn names(is_wanted: impl Fn(&str) -> bool) -> BTreeSet<String> {
-    TABLE.iter().map(|(name, _)| (*name).to_owned()).filter(|name| is_wanted(name)).collect()
+    TABLE.iter().map(|(name, _)| name.clone()).filter(|name| is_wanted(name)).collect()
 }
 
 #[test]
 fn every_route_has_an_entry_and_every_entry_a_route() {
-    let (_, description) = crate::http::described().split_for_parts();
-    let document = serde_json::to_value(&description).unwrap();
-    let mut routes: BTreeSet<String> = NOT_DESCRIBED.map(str::to_owned).into();
-    for (path, methods) in document["paths"].as_object().unwrap() {
-        let methods = methods.as_object().unwrap().keys();
-        routes.extend(methods.map(|method| format!("{} {path}", method.to_uppercase())));
-    }
+    let mut routes: BTreeSet<String> = PAGES.map(str::to_owned).into();
+    routes.extend(crate::http::by_hand().names);
+    let of_rpcs = RPCS.iter().flat_map(|rpc| rpc.routes).filter(|r| r.messages.is_some());
+    routes.extend(of_rpcs.map(|route| format!("{} {}", route.method, route.path)));
     assert_eq!(names(|name| !name.starts_with('/')), routes);
+}
+
+#[test]
+fn the_description_has_every_route_and_what_it_takes() {
+    let document: serde_json::Value = serde_json::from_str(bendtwin_proto::OPENAPI).unwrap();
+    let mut described = BTreeSet::new();
+    for (path, methods) in document["paths"].as_object().unwrap() {
+        for (method, operation) in methods.as_object().unwrap() {
+            let name = format!("{} {path}", method.to_uppercase());
+            let scopes = match find(&name) {
+                Some(Open) => json!([]),
+                Some(Access::Scope(scope)) => json!([{"key": [scope.as_str()]}]),
+                _ => json!([{"key": []}]),
+            };
+            assert_eq!(operation["security"], scopes, "{name}");
+            described.insert(name);
+        }
+    }
+    described.extend(PAGES.map(str::to_owned));
+    assert_eq!(names(|name| !name.starts_with('/')), described);
 }
 
 #[test]

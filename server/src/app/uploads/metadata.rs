@@ -3,25 +3,23 @@
 
 use base64::{Engine as _, prelude::BASE64_STANDARD};
 
-use bendtwin_store::Requirements;
+use bendtwin_proto::{
+    json::{Fields as _, from_pairs},
+    v1::CaptureMetadata,
+};
 
-use super::super::{Error, Result, requirements};
+use super::super::{Error, Result};
 
 /// Longest metadata that is kept [bytes].
 const MAX_LENGTH: usize = 4096;
 
 /// The pairs with a meaning here; empty if not given.
-#[derive(Debug, Default, PartialEq, Eq)]
+#[derive(Debug, Default, PartialEq)]
 pub(super) struct Metadata {
     pub(super) filename: String,
-    pub(super) display_name: String,
     pub(super) request_id: String,
-    /// BLAKE3 of the whole, hex.
-    pub(super) digest: String,
-    /// Settings of the ingest, as JSON.
-    pub(super) ingest: String,
-    /// Worker that the ingest asks for, as JSON.
-    pub(super) ingest_requirements: String,
+    /// The facts of the capture that the upload becomes.
+    pub(super) capture: CaptureMetadata,
 }
 
 impl Metadata {
@@ -31,6 +29,7 @@ impl Metadata {
             return Err(invalid(&format!("is longer than {MAX_LENGTH} bytes")));
         }
         let (mut metadata, mut seen) = (Self::default(), Vec::new());
+        let mut facts = Vec::new();
         for pair in text.split(',').map(str::trim).filter(|_| !text.trim().is_empty()) {
             let (key, value) = pair.split_once(' ').unwrap_or((pair, ""));
             if key.is_empty() {
@@ -43,30 +42,26 @@ impl Metadata {
             let value = BASE64_STANDARD
                 .decode(value.trim())
                 .map_err(|_| invalid(&format!("has a value of `{key}` that is not Base64")))?;
-            let place = match key {
-                "filename" => &mut metadata.filename,
-                "display_name" => &mut metadata.display_name,
-                "request_id" => &mut metadata.request_id,
-                "digest" => &mut metadata.digest,
-                "ingest" => &mut metadata.ingest,
-                "ingest_requirements" => &mut metadata.ingest_requirements,
-                _ => continue,
-            };
-            *place = String::from_utf8(value)
+            let is_fact = CaptureMetadata::FIELDS.contains(&key);
+            if !is_fact && !["filename", "request_id"].contains(&key) {
+                continue;
+            }
+            let value = String::from_utf8(value)
                 .map_err(|_| invalid(&format!("has a value of `{key}` that is not UTF-8")))?;
+            match key {
+                "filename" => metadata.filename = value,
+                "request_id" => metadata.request_id = value,
+                _ => facts.push((key.to_owned(), value)),
+            }
         }
+        metadata.capture = from_pairs(facts).map_err(|e| invalid(&e.to_string()))?;
         Ok(metadata)
-    }
-
-    /// Worker that the ingest asks for.
-    pub(super) fn requirements(&self) -> Result<Requirements> {
-        requirements::read(&self.ingest_requirements)
     }
 
     /// Display name of the capture: the given one, else the file name without its extension.
     pub(super) fn capture_name(&self) -> String {
-        if !self.display_name.is_empty() {
-            return self.display_name.clone();
+        if !self.capture.display_name.is_empty() {
+            return self.capture.display_name.clone();
         }
         let name = self.filename.rsplit(['/', '\\']).next().unwrap_or_default();
         let endings = [".zip", ".tar.gz", ".tgz", ".tar", ".mcap"];

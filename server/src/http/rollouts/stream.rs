@@ -11,7 +11,6 @@ use super::{Asked, ReplyParams, document, read};
 use crate::{
     app::App,
     dispatch::{InParts, RollOut},
-    error::ProblemDocument,
     http::{
         Result,
         extract::{Id, Params},
@@ -19,16 +18,6 @@ use crate::{
 };
 
 /// Roll out in parts
-///
-/// The same rollout, whose reply comes in parts as instances finish, and with
-/// `returns.part_frames` in time as well: server-sent events named `part`, each with a
-/// RollOutResponse as data. The stream ends after the last part. If something fails under way, an
-/// event named `error` has the problem document. The request may be protobuf, the parts are JSON.
-#[utoipa::path(post, path = "/v1/twins/{id}/rollouts/stream", tag = "rollouts",
-    params(("id" = String, Path), ReplyParams),
-    request_body(content((super::schema::RollOutRequest = "application/json"), (Vec<u8> = "application/x-protobuf"))),
-    responses((status = 200, description = "Parts of the reply", body = String, content_type = "text/event-stream"),
-        (status = "default", body = ProblemDocument)))]
 pub(in crate::http) async fn stream(
     State(app): State<App>,
     Id(id): Id,

@@ -6,19 +6,17 @@ use axum::{
     http::header,
     response::{IntoResponse, Response},
 };
-use bendtwin_store::{ResumableUpload, UploadState};
-use serde::Serialize;
-use utoipa::ToSchema;
+use bendtwin_store::{PageRequest, ResumableUpload, UploadState};
+use serde::{Deserialize, Serialize};
 
 use super::super::{
     Result,
     extract::{Id, Params},
-    resource::Paging,
 };
-use crate::{app::App, error::ProblemDocument};
+use crate::app::App;
 
 /// An upload that can be resumed.
-#[derive(Serialize, ToSchema)]
+#[derive(Serialize)]
 pub(super) struct Upload {
     /// `uploads/{uuid}`
     name: String,
@@ -61,34 +59,38 @@ impl From<ResumableUpload> for Upload {
 }
 
 /// A page of uploads, newest first.
-#[derive(Serialize, ToSchema)]
+#[derive(Serialize)]
 pub(super) struct Uploads {
     uploads: Vec<Upload>,
     /// Empty on the last page.
     next_page_token: String,
 }
 
+/// Selection of a page.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Paging {
+    /// 0 means 50; more than 1000 counts as 1000.
+    #[serde(default)]
+    page_size: u32,
+    /// `next_page_token` of the previous page.
+    #[serde(default)]
+    page_token: String,
+}
+
 /// List uploads
-///
-/// Those under way, and those that ended and are still remembered.
-#[utoipa::path(get, path = "/v1/uploads", tag = "uploads", params(Paging),
-    responses((status = 200, body = Uploads), (status = "default", body = ProblemDocument)))]
 pub(super) async fn list(
     State(app): State<App>,
     Params(paging): Params<Paging>,
 ) -> Result<Response> {
-    let page = app.uploads(&paging.into()).await?;
+    let page =
+        app.uploads(&PageRequest { size: paging.page_size, token: paging.page_token }).await?;
     let uploads = page.items.into_iter().map(Upload::from).collect();
     let listed = Uploads { uploads, next_page_token: page.next_token };
     Ok(([(header::CACHE_CONTROL, "no-store")], Json(listed)).into_response())
 }
 
 /// One upload
-///
-/// The sender is not disturbed.
-#[utoipa::path(get, path = "/v1/uploads/{id}", tag = "uploads",
-    params(("id" = String, Path)),
-    responses((status = 200, body = Upload), (status = "default", body = ProblemDocument)))]
 pub(super) async fn get(State(app): State<App>, Id(id): Id) -> Result<Response> {
     let upload = app.upload(&id).await?;
     Ok(([(header::CACHE_CONTROL, "no-store")], Json(Upload::from(upload))).into_response())

@@ -1,5 +1,6 @@
 import datetime
 
+from bendtwin.v1 import options_pb2 as _options_pb2
 from google.protobuf import field_mask_pb2 as _field_mask_pb2
 from google.protobuf import timestamp_pb2 as _timestamp_pb2
 from bendtwin.v1 import job_pb2 as _job_pb2
@@ -47,18 +48,18 @@ class CreateCaptureRequest(_message.Message):
     def __init__(self, metadata: _Optional[_Union[CaptureMetadata, _Mapping]] = ..., chunk: _Optional[bytes] = ...) -> None: ...
 
 class CaptureMetadata(_message.Message):
-    __slots__ = ("display_name", "request_id", "digest", "ingest_settings_json", "ingest_requirements")
+    __slots__ = ("display_name", "request_id", "digest", "ingest_json", "ingest_requirements")
     DISPLAY_NAME_FIELD_NUMBER: _ClassVar[int]
     REQUEST_ID_FIELD_NUMBER: _ClassVar[int]
     DIGEST_FIELD_NUMBER: _ClassVar[int]
-    INGEST_SETTINGS_JSON_FIELD_NUMBER: _ClassVar[int]
+    INGEST_JSON_FIELD_NUMBER: _ClassVar[int]
     INGEST_REQUIREMENTS_FIELD_NUMBER: _ClassVar[int]
     display_name: str
     request_id: str
     digest: str
-    ingest_settings_json: str
+    ingest_json: str
     ingest_requirements: _job_pb2.WorkerRequirements
-    def __init__(self, display_name: _Optional[str] = ..., request_id: _Optional[str] = ..., digest: _Optional[str] = ..., ingest_settings_json: _Optional[str] = ..., ingest_requirements: _Optional[_Union[_job_pb2.WorkerRequirements, _Mapping]] = ...) -> None: ...
+    def __init__(self, display_name: _Optional[str] = ..., request_id: _Optional[str] = ..., digest: _Optional[str] = ..., ingest_json: _Optional[str] = ..., ingest_requirements: _Optional[_Union[_job_pb2.WorkerRequirements, _Mapping]] = ...) -> None: ...
 
 class CreateCaptureResponse(_message.Message):
     __slots__ = ("capture",)

@@ -121,14 +121,15 @@ class CaptureServiceServicer(object):
         raise NotImplementedError('Method not implemented!')
 
     def DeleteCapture(self, request, context):
-        """Refused with FAILED_PRECONDITION while a fit of it is queued or running. Twins stay.
+        """Deletes its observation, playback and report, too. Refused with FAILED_PRECONDITION while a fit of it is
+        queued or running. Twins stay.
         """
         context.set_code(grpc.StatusCode.UNIMPLEMENTED)
         context.set_details('Method not implemented!')
         raise NotImplementedError('Method not implemented!')
 
     def IngestCapture(self, request, context):
-        """Runs the ingest again. Refused with FAILED_PRECONDITION while it is under way, and while a fit of the
+        """Runs the ingest again, for example with other settings. Refused with FAILED_PRECONDITION while it is under way, and while a fit of the
         capture is queued or running.
         """
         context.set_code(grpc.StatusCode.UNIMPLEMENTED)
@@ -143,7 +144,8 @@ class CaptureServiceServicer(object):
         raise NotImplementedError('Method not implemented!')
 
     def WatchIngest(self, request, context):
-        """The capture now and after every change of its ingest, until that has ended.
+        """The capture now and after every change of its ingest, until that has ended. Over HTTP events named
+        `capture`, with the revision of the ingest as id; `Last-Event-ID` skips what is known.
         """
         context.set_code(grpc.StatusCode.UNIMPLEMENTED)
         context.set_details('Method not implemented!')

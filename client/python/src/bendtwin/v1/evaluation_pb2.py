@@ -22,24 +22,33 @@ _runtime_version.ValidateProtobufRuntimeVersion(
 _sym_db = _symbol_database.Default()
 
 
+from bendtwin.v1 import options_pb2 as bendtwin_dot_v1_dot_options__pb2
 from bendtwin.v1 import tensor_pb2 as bendtwin_dot_v1_dot_tensor__pb2
 
 
-DESCRIPTOR = _descriptor_pool.Default().AddSerializedFile(b'\n\x1c\x62\x65ndtwin/v1/evaluation.proto\x12\x0b\x62\x65ndtwin.v1\x1a\x18\x62\x65ndtwin/v1/tensor.proto\"`\n\x13\x45valuateTwinRequest\x12\x0c\n\x04twin\x18\x01 \x01(\t\x12\x0f\n\x07\x63\x61pture\x18\x02 \x01(\t\x12*\n\x06motion\x18\x03 \x01(\x0b\x32\x1a.bendtwin.v1.MotionRequest\"!\n\rMotionRequest\x12\x10\n\x08sequence\x18\x01 \x01(\r\"\xa5\x02\n\x0fPredictedMotion\x12\x10\n\x08sequence\x18\x01 \x01(\r\x12\x11\n\trecording\x18\x02 \x01(\t\x12\x0c\n\x04name\x18\x03 \x01(\t\x12\x0b\n\x03\x66ps\x18\x04 \x01(\x01\x12\x13\n\x0b\x66rame_count\x18\x05 \x01(\r\x12\x13\n\x0bstart_frame\x18\x06 \x01(\r\x12\x19\n\x11train_frame_count\x18\x07 \x01(\r\x12\x14\n\x0c\x65very_frames\x18\x08 \x01(\r\x12&\n\tpositions\x18\t \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12$\n\x07track_m\x18\n \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12)\n\x0c\x63hamfer_l1_m\x18\x0b \x01(\x0b\x32\x13.bendtwin.v1.Tensor\"\x7f\n\nEvaluation\x12\x0c\n\x04twin\x18\x01 \x01(\t\x12\x0f\n\x07\x63\x61pture\x18\x02 \x01(\t\x12\x14\n\x0cquality_json\x18\x03 \x01(\t\x12\x0e\n\x06worker\x18\x04 \x01(\t\x12,\n\x06motion\x18\x05 \x01(\x0b\x32\x1c.bendtwin.v1.PredictedMotion2^\n\x11\x45valuationService\x12I\n\x0c\x45valuateTwin\x12 .bendtwin.v1.EvaluateTwinRequest\x1a\x17.bendtwin.v1.Evaluationb\x06proto3')
+DESCRIPTOR = _descriptor_pool.Default().AddSerializedFile(b'\n\x1c\x62\x65ndtwin/v1/evaluation.proto\x12\x0b\x62\x65ndtwin.v1\x1a\x19\x62\x65ndtwin/v1/options.proto\x1a\x18\x62\x65ndtwin/v1/tensor.proto\"h\n\x13\x45valuateTwinRequest\x12\x0c\n\x04twin\x18\x01 \x01(\t\x12\x17\n\x07\x63\x61pture\x18\x02 \x01(\tB\x06\x8a\xb5\x18\x02(\x01\x12*\n\x06motion\x18\x03 \x01(\x0b\x32\x1a.bendtwin.v1.MotionRequest\"!\n\rMotionRequest\x12\x10\n\x08sequence\x18\x01 \x01(\r\"\xa5\x02\n\x0fPredictedMotion\x12\x10\n\x08sequence\x18\x01 \x01(\r\x12\x11\n\trecording\x18\x02 \x01(\t\x12\x0c\n\x04name\x18\x03 \x01(\t\x12\x0b\n\x03\x66ps\x18\x04 \x01(\x01\x12\x13\n\x0b\x66rame_count\x18\x05 \x01(\r\x12\x13\n\x0bstart_frame\x18\x06 \x01(\r\x12\x19\n\x11train_frame_count\x18\x07 \x01(\r\x12\x14\n\x0c\x65very_frames\x18\x08 \x01(\r\x12&\n\tpositions\x18\t \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12$\n\x07track_m\x18\n \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12)\n\x0c\x63hamfer_l1_m\x18\x0b \x01(\x0b\x32\x13.bendtwin.v1.Tensor\"\x87\x01\n\nEvaluation\x12\x0c\n\x04twin\x18\x01 \x01(\t\x12\x0f\n\x07\x63\x61pture\x18\x02 \x01(\t\x12\x1c\n\x0cquality_json\x18\x03 \x01(\tB\x06\x8a\xb5\x18\x02\x08\x01\x12\x0e\n\x06worker\x18\x04 \x01(\t\x12,\n\x06motion\x18\x05 \x01(\x0b\x32\x1c.bendtwin.v1.PredictedMotion2\x8e\x01\n\x11\x45valuationService\x12s\n\x0c\x45valuateTwin\x12 .bendtwin.v1.EvaluateTwinRequest\x1a\x17.bendtwin.v1.Evaluation\"(\x9a\xb5\x18$\x12\x1a/v1/twins/{id}/evaluations*\x04twinH\x01\x1a\x04\x88\xb5\x18\tb\x06proto3')
 
 _globals = globals()
 _builder.BuildMessageAndEnumDescriptors(DESCRIPTOR, _globals)
 _builder.BuildTopDescriptorsAndMessages(DESCRIPTOR, 'bendtwin.v1.evaluation_pb2', _globals)
 if not _descriptor._USE_C_DESCRIPTORS:
   DESCRIPTOR._loaded_options = None
-  _globals['_EVALUATETWINREQUEST']._serialized_start=71
-  _globals['_EVALUATETWINREQUEST']._serialized_end=167
-  _globals['_MOTIONREQUEST']._serialized_start=169
-  _globals['_MOTIONREQUEST']._serialized_end=202
-  _globals['_PREDICTEDMOTION']._serialized_start=205
-  _globals['_PREDICTEDMOTION']._serialized_end=498
-  _globals['_EVALUATION']._serialized_start=500
-  _globals['_EVALUATION']._serialized_end=627
-  _globals['_EVALUATIONSERVICE']._serialized_start=629
-  _globals['_EVALUATIONSERVICE']._serialized_end=723
+  _globals['_EVALUATETWINREQUEST'].fields_by_name['capture']._loaded_options = None
+  _globals['_EVALUATETWINREQUEST'].fields_by_name['capture']._serialized_options = b'\212\265\030\002(\001'
+  _globals['_EVALUATION'].fields_by_name['quality_json']._loaded_options = None
+  _globals['_EVALUATION'].fields_by_name['quality_json']._serialized_options = b'\212\265\030\002\010\001'
+  _globals['_EVALUATIONSERVICE']._loaded_options = None
+  _globals['_EVALUATIONSERVICE']._serialized_options = b'\210\265\030\t'
+  _globals['_EVALUATIONSERVICE'].methods_by_name['EvaluateTwin']._loaded_options = None
+  _globals['_EVALUATIONSERVICE'].methods_by_name['EvaluateTwin']._serialized_options = b'\232\265\030$\022\032/v1/twins/{id}/evaluations*\004twinH\001'
+  _globals['_EVALUATETWINREQUEST']._serialized_start=98
+  _globals['_EVALUATETWINREQUEST']._serialized_end=202
+  _globals['_MOTIONREQUEST']._serialized_start=204
+  _globals['_MOTIONREQUEST']._serialized_end=237
+  _globals['_PREDICTEDMOTION']._serialized_start=240
+  _globals['_PREDICTEDMOTION']._serialized_end=533
+  _globals['_EVALUATION']._serialized_start=536
+  _globals['_EVALUATION']._serialized_end=671
+  _globals['_EVALUATIONSERVICE']._serialized_start=674
+  _globals['_EVALUATIONSERVICE']._serialized_end=816
 # @@protoc_insertion_point(module_scope)

@@ -1,3 +1,4 @@
+from bendtwin.v1 import options_pb2 as _options_pb2
 from bendtwin.v1 import tensor_pb2 as _tensor_pb2
 from google.protobuf import descriptor as _descriptor
 from google.protobuf import message as _message

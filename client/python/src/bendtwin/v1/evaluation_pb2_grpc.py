@@ -49,7 +49,8 @@ class EvaluationServiceServicer(object):
     def EvaluateTwin(self, request, context):
         """The quality table of a twin on a capture. To a recording other than its own the twin is registered
         first: ends with FAILED_PRECONDITION, reason OBSERVATION_NOT_EXPLAINED, if that leaves too much.
-        The capture's ingest has to have ended. The table is computed anew and kept nowhere.
+        The capture's ingest has to have ended. The table is computed anew and kept nowhere. `motion` also asks for
+        the predicted positions of nodes in a sequence, and for its errors frame by frame.
         """
         context.set_code(grpc.StatusCode.UNIMPLEMENTED)
         context.set_details('Method not implemented!')

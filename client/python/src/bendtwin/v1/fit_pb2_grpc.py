@@ -82,7 +82,8 @@ class FitServiceServicer(object):
     """
 
     def CreateFit(self, request, context):
-        """Missing associated documentation comment in .proto file."""
+        """Queues a fit.
+        """
         context.set_code(grpc.StatusCode.UNIMPLEMENTED)
         context.set_details('Method not implemented!')
         raise NotImplementedError('Method not implemented!')
@@ -107,7 +108,7 @@ class FitServiceServicer(object):
         raise NotImplementedError('Method not implemented!')
 
     def GetFitLosses(self, request, context):
-        """The losses of all iterations so far.
+        """The losses of all iterations so far, by stage and model. They stay until the fit is deleted.
         """
         context.set_code(grpc.StatusCode.UNIMPLEMENTED)
         context.set_details('Method not implemented!')
@@ -128,7 +129,8 @@ class FitServiceServicer(object):
         raise NotImplementedError('Method not implemented!')
 
     def WatchFit(self, request, context):
-        """The fit now and after every change, until it has ended.
+        """The fit now and after every change, until it has ended. Over HTTP events named `fit`, with the revision as
+        id; `Last-Event-ID` skips what is known.
         """
         context.set_code(grpc.StatusCode.UNIMPLEMENTED)
         context.set_details('Method not implemented!')

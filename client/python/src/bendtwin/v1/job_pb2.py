@@ -22,25 +22,52 @@ _runtime_version.ValidateProtobufRuntimeVersion(
 _sym_db = _symbol_database.Default()
 
 
+from bendtwin.v1 import options_pb2 as bendtwin_dot_v1_dot_options__pb2
 from google.protobuf import timestamp_pb2 as google_dot_protobuf_dot_timestamp__pb2
 from bendtwin.v1 import fault_pb2 as bendtwin_dot_v1_dot_fault__pb2
 
 
-DESCRIPTOR = _descriptor_pool.Default().AddSerializedFile(b'\n\x15\x62\x65ndtwin/v1/job.proto\x12\x0b\x62\x65ndtwin.v1\x1a\x1fgoogle/protobuf/timestamp.proto\x1a\x17\x62\x65ndtwin/v1/fault.proto\"\xfb\x03\n\x03Job\x12%\n\x05state\x18\x01 \x01(\x0e\x32\x16.bendtwin.v1.Job.State\x12\x15\n\rsettings_json\x18\x02 \x01(\t\x12\'\n\x08progress\x18\x03 \x01(\x0b\x32\x15.bendtwin.v1.Progress\x12!\n\x05\x66\x61ult\x18\x04 \x01(\x0b\x32\x12.bendtwin.v1.Fault\x12*\n\x0e\x61ttempt_faults\x18\x05 \x03(\x0b\x32\x12.bendtwin.v1.Fault\x12\x10\n\x08\x61ttempts\x18\x06 \x01(\r\x12\x0e\n\x06worker\x18\x07 \x01(\t\x12\x18\n\x10\x63\x61ncel_requested\x18\x08 \x01(\x08\x12/\n\x0b\x63reate_time\x18\t \x01(\x0b\x32\x1a.google.protobuf.Timestamp\x12.\n\nstart_time\x18\n \x01(\x0b\x32\x1a.google.protobuf.Timestamp\x12,\n\x08\x65nd_time\x18\x0b \x01(\x0b\x32\x1a.google.protobuf.Timestamp\x12\x10\n\x08revision\x18\x0c \x01(\x04\"a\n\x05State\x12\x15\n\x11STATE_UNSPECIFIED\x10\x00\x12\n\n\x06QUEUED\x10\x01\x12\x0b\n\x07RUNNING\x10\x02\x12\r\n\tSUCCEEDED\x10\x03\x12\n\n\x06\x46\x41ILED\x10\x04\x12\r\n\tCANCELLED\x10\x05\"\xf9\x01\n\x08Progress\x12\r\n\x05stage\x18\x01 \x01(\t\x12\x0f\n\x07variant\x18\x02 \x01(\t\x12\x11\n\titeration\x18\x03 \x01(\r\x12\x12\n\niterations\x18\x04 \x01(\r\x12\x10\n\x08\x66raction\x18\x05 \x01(\x01\x12\x11\n\x04loss\x18\x06 \x01(\x01H\x00\x88\x01\x01\x12\x16\n\tbest_loss\x18\x07 \x01(\x01H\x01\x88\x01\x01\x12\x12\n\x05\x65ta_s\x18\x08 \x01(\x01H\x02\x88\x01\x01\x12\x0c\n\x04note\x18\t \x01(\t\x12&\n\x06models\x18\n \x03(\x0b\x32\x16.bendtwin.v1.ModelLossB\x07\n\x05_lossB\x0c\n\n_best_lossB\x08\n\x06_eta_s\"\x80\x01\n\tModelLoss\x12\r\n\x05stage\x18\x01 \x01(\t\x12\x0f\n\x07variant\x18\x02 \x01(\t\x12\x11\n\titeration\x18\x03 \x01(\r\x12\x11\n\x04loss\x18\x04 \x01(\x01H\x00\x88\x01\x01\x12\x16\n\tbest_loss\x18\x05 \x01(\x01H\x01\x88\x01\x01\x42\x07\n\x05_lossB\x0c\n\n_best_loss\"K\n\x12WorkerRequirements\x12\x0f\n\x07\x62\x61\x63kend\x18\x01 \x01(\t\x12\x14\n\x0cmemory_bytes\x18\x02 \x01(\x04\x12\x0e\n\x06labels\x18\x03 \x03(\tb\x06proto3')
+DESCRIPTOR = _descriptor_pool.Default().AddSerializedFile(b'\n\x15\x62\x65ndtwin/v1/job.proto\x12\x0b\x62\x65ndtwin.v1\x1a\x19\x62\x65ndtwin/v1/options.proto\x1a\x1fgoogle/protobuf/timestamp.proto\x1a\x17\x62\x65ndtwin/v1/fault.proto\"\xb3\x04\n\x03Job\x12%\n\x05state\x18\x01 \x01(\x0e\x32\x16.bendtwin.v1.Job.State\x12\x1d\n\rsettings_json\x18\x02 \x01(\tB\x06\x8a\xb5\x18\x02\x08\x01\x12/\n\x08progress\x18\x03 \x01(\x0b\x32\x15.bendtwin.v1.ProgressB\x06\x8a\xb5\x18\x02\x08\x02\x12)\n\x05\x66\x61ult\x18\x04 \x01(\x0b\x32\x12.bendtwin.v1.FaultB\x06\x8a\xb5\x18\x02\x08\x02\x12*\n\x0e\x61ttempt_faults\x18\x05 \x03(\x0b\x32\x12.bendtwin.v1.Fault\x12\x10\n\x08\x61ttempts\x18\x06 \x01(\r\x12\x16\n\x06worker\x18\x07 \x01(\tB\x06\x8a\xb5\x18\x02\x08\x02\x12\x18\n\x10\x63\x61ncel_requested\x18\x08 \x01(\x08\x12\x37\n\x0b\x63reate_time\x18\t \x01(\x0b\x32\x1a.google.protobuf.TimestampB\x06\x8a\xb5\x18\x02\x08\x03\x12\x36\n\nstart_time\x18\n \x01(\x0b\x32\x1a.google.protobuf.TimestampB\x06\x8a\xb5\x18\x02\x08\x02\x12\x34\n\x08\x65nd_time\x18\x0b \x01(\x0b\x32\x1a.google.protobuf.TimestampB\x06\x8a\xb5\x18\x02\x08\x02\x12\x10\n\x08revision\x18\x0c \x01(\x04\"a\n\x05State\x12\x15\n\x11STATE_UNSPECIFIED\x10\x00\x12\n\n\x06QUEUED\x10\x01\x12\x0b\n\x07RUNNING\x10\x02\x12\r\n\tSUCCEEDED\x10\x03\x12\n\n\x06\x46\x41ILED\x10\x04\x12\r\n\tCANCELLED\x10\x05\"\x99\x02\n\x08Progress\x12\r\n\x05stage\x18\x01 \x01(\t\x12\x0f\n\x07variant\x18\x02 \x01(\t\x12\x11\n\titeration\x18\x03 \x01(\r\x12\x12\n\niterations\x18\x04 \x01(\r\x12\x10\n\x08\x66raction\x18\x05 \x01(\x01\x12\x19\n\x04loss\x18\x06 \x01(\x01\x42\x06\x8a\xb5\x18\x02\x08\x02H\x00\x88\x01\x01\x12\x1e\n\tbest_loss\x18\x07 \x01(\x01\x42\x06\x8a\xb5\x18\x02\x08\x02H\x01\x88\x01\x01\x12\x1a\n\x05\x65ta_s\x18\x08 \x01(\x01\x42\x06\x8a\xb5\x18\x02\x08\x02H\x02\x88\x01\x01\x12\x14\n\x04note\x18\t \x01(\tB\x06\x8a\xb5\x18\x02\x08\x02\x12&\n\x06models\x18\n \x03(\x0b\x32\x16.bendtwin.v1.ModelLossB\x07\n\x05_lossB\x0c\n\n_best_lossB\x08\n\x06_eta_s\"\x90\x01\n\tModelLoss\x12\r\n\x05stage\x18\x01 \x01(\t\x12\x0f\n\x07variant\x18\x02 \x01(\t\x12\x11\n\titeration\x18\x03 \x01(\r\x12\x19\n\x04loss\x18\x04 \x01(\x01\x42\x06\x8a\xb5\x18\x02\x08\x02H\x00\x88\x01\x01\x12\x1e\n\tbest_loss\x18\x05 \x01(\x01\x42\x06\x8a\xb5\x18\x02\x08\x02H\x01\x88\x01\x01\x42\x07\n\x05_lossB\x0c\n\n_best_loss\"K\n\x12WorkerRequirements\x12\x0f\n\x07\x62\x61\x63kend\x18\x01 \x01(\t\x12\x14\n\x0cmemory_bytes\x18\x02 \x01(\x04\x12\x0e\n\x06labels\x18\x03 \x03(\tb\x06proto3')
 
 _globals = globals()
 _builder.BuildMessageAndEnumDescriptors(DESCRIPTOR, _globals)
 _builder.BuildTopDescriptorsAndMessages(DESCRIPTOR, 'bendtwin.v1.job_pb2', _globals)
 if not _descriptor._USE_C_DESCRIPTORS:
   DESCRIPTOR._loaded_options = None
-  _globals['_JOB']._serialized_start=97
-  _globals['_JOB']._serialized_end=604
-  _globals['_JOB_STATE']._serialized_start=507
-  _globals['_JOB_STATE']._serialized_end=604
-  _globals['_PROGRESS']._serialized_start=607
-  _globals['_PROGRESS']._serialized_end=856
-  _globals['_MODELLOSS']._serialized_start=859
-  _globals['_MODELLOSS']._serialized_end=987
-  _globals['_WORKERREQUIREMENTS']._serialized_start=989
-  _globals['_WORKERREQUIREMENTS']._serialized_end=1064
+  _globals['_JOB'].fields_by_name['settings_json']._loaded_options = None
+  _globals['_JOB'].fields_by_name['settings_json']._serialized_options = b'\212\265\030\002\010\001'
+  _globals['_JOB'].fields_by_name['progress']._loaded_options = None
+  _globals['_JOB'].fields_by_name['progress']._serialized_options = b'\212\265\030\002\010\002'
+  _globals['_JOB'].fields_by_name['fault']._loaded_options = None
+  _globals['_JOB'].fields_by_name['fault']._serialized_options = b'\212\265\030\002\010\002'
+  _globals['_JOB'].fields_by_name['worker']._loaded_options = None
+  _globals['_JOB'].fields_by_name['worker']._serialized_options = b'\212\265\030\002\010\002'
+  _globals['_JOB'].fields_by_name['create_time']._loaded_options = None
+  _globals['_JOB'].fields_by_name['create_time']._serialized_options = b'\212\265\030\002\010\003'
+  _globals['_JOB'].fields_by_name['start_time']._loaded_options = None
+  _globals['_JOB'].fields_by_name['start_time']._serialized_options = b'\212\265\030\002\010\002'
+  _globals['_JOB'].fields_by_name['end_time']._loaded_options = None
+  _globals['_JOB'].fields_by_name['end_time']._serialized_options = b'\212\265\030\002\010\002'
+  _globals['_PROGRESS'].fields_by_name['loss']._loaded_options = None
+  _globals['_PROGRESS'].fields_by_name['loss']._serialized_options = b'\212\265\030\002\010\002'
+  _globals['_PROGRESS'].fields_by_name['best_loss']._loaded_options = None
+  _globals['_PROGRESS'].fields_by_name['best_loss']._serialized_options = b'\212\265\030\002\010\002'
+  _globals['_PROGRESS'].fields_by_name['eta_s']._loaded_options = None
+  _globals['_PROGRESS'].fields_by_name['eta_s']._serialized_options = b'\212\265\030\002\010\002'
+  _globals['_PROGRESS'].fields_by_name['note']._loaded_options = None
+  _globals['_PROGRESS'].fields_by_name['note']._serialized_options = b'\212\265\030\002\010\002'
+  _globals['_MODELLOSS'].fields_by_name['loss']._loaded_options = None
+  _globals['_MODELLOSS'].fields_by_name['loss']._serialized_options = b'\212\265\030\002\010\002'
+  _globals['_MODELLOSS'].fields_by_name['best_loss']._loaded_options = None
+  _globals['_MODELLOSS'].fields_by_name['best_loss']._serialized_options = b'\212\265\030\002\010\002'
+  _globals['_JOB']._serialized_start=124
+  _globals['_JOB']._serialized_end=687
+  _globals['_JOB_STATE']._serialized_start=590
+  _globals['_JOB_STATE']._serialized_end=687
+  _globals['_PROGRESS']._serialized_start=690
+  _globals['_PROGRESS']._serialized_end=971
+  _globals['_MODELLOSS']._serialized_start=974
+  _globals['_MODELLOSS']._serialized_end=1118
+  _globals['_WORKERREQUIREMENTS']._serialized_start=1120
+  _globals['_WORKERREQUIREMENTS']._serialized_end=1195
 # @@protoc_insertion_point(module_scope)

@@ -1,5 +1,6 @@
 import datetime
 
+from bendtwin.v1 import options_pb2 as _options_pb2
 from google.protobuf import timestamp_pb2 as _timestamp_pb2
 from bendtwin.v1 import fault_pb2 as _fault_pb2
 from google.protobuf.internal import containers as _containers

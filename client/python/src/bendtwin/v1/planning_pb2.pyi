@@ -1,3 +1,4 @@
+from bendtwin.v1 import options_pb2 as _options_pb2
 from bendtwin.v1 import rollout_pb2 as _rollout_pb2
 from bendtwin.v1 import tensor_pb2 as _tensor_pb2
 from google.protobuf.internal import containers as _containers

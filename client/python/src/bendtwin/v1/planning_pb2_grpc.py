@@ -52,7 +52,8 @@ class PlanningServiceServicer(object):
         """One update after each iteration with the best so far, and a last one. The best is never worse than
         the nominal plan: whatever comes back was simulated, with that cost. A plan that strains the material
         beyond the limit counts as worse than every plan that does not, whatever its cost; of plans beyond
-        it the one that is beyond it least is best.
+        it the one that is beyond it least is best. Over HTTP events named `update`; closing the connection stops
+        the work.
         """
         context.set_code(grpc.StatusCode.UNIMPLEMENTED)
         context.set_details('Method not implemented!')

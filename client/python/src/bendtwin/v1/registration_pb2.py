@@ -22,34 +22,39 @@ _runtime_version.ValidateProtobufRuntimeVersion(
 _sym_db = _symbol_database.Default()
 
 
+from bendtwin.v1 import options_pb2 as bendtwin_dot_v1_dot_options__pb2
 from bendtwin.v1 import rollout_pb2 as bendtwin_dot_v1_dot_rollout__pb2
 from bendtwin.v1 import tensor_pb2 as bendtwin_dot_v1_dot_tensor__pb2
 from bendtwin.v1 import world_pb2 as bendtwin_dot_v1_dot_world__pb2
 
 
-DESCRIPTOR = _descriptor_pool.Default().AddSerializedFile(b'\n\x1e\x62\x65ndtwin/v1/registration.proto\x12\x0b\x62\x65ndtwin.v1\x1a\x19\x62\x65ndtwin/v1/rollout.proto\x1a\x18\x62\x65ndtwin/v1/tensor.proto\x1a\x17\x62\x65ndtwin/v1/world.proto\"\xe6\x02\n\x0bObservation\x12#\n\x06points\x18\x01 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12$\n\x05nodes\x18\x02 \x01(\x0b\x32\x13.bendtwin.v1.TensorH\x00\x12\x31\n\x06places\x18\x03 \x01(\x0b\x32\x1f.bendtwin.v1.Observation.PlacesH\x00\x12$\n\x07weights\x18\x04 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12\'\n\nvelocities\x18\x05 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12$\n\x07\x63\x61meras\x18\x06 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x1aZ\n\x06Places\x12#\n\x06points\x18\x01 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12+\n\x0enode_positions\x18\x02 \x01(\x0b\x32\x13.bendtwin.v1.TensorB\x08\n\x06tracks\"\x9f\x02\n\x14RegisterStateRequest\x12\x0c\n\x04twin\x18\x01 \x01(\t\x12-\n\x0bobservation\x18\x02 \x01(\x0b\x32\x18.bendtwin.v1.Observation\x12*\n\x07initial\x18\x03 \x01(\x0b\x32\x19.bendtwin.v1.InitialState\x12%\n\x08\x63ontrols\x18\x04 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12!\n\x05world\x18\x05 \x01(\x0b\x32\x12.bendtwin.v1.World\x12-\n\x07options\x18\x06 \x01(\x0b\x32\x1c.bendtwin.v1.RegisterOptions\x12%\n\x08grippers\x18\x07 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\"\xed\x01\n\x0fRegisterOptions\x12\x0c\n\x04near\x18\x01 \x01(\x08\x12\x14\n\x07noise_m\x18\x02 \x01(\x01H\x00\x88\x01\x01\x12\x11\n\x04give\x18\x03 \x01(\x01H\x01\x88\x01\x01\x12\x1a\n\rsettle_frames\x18\x04 \x01(\rH\x02\x88\x01\x01\x12\x1b\n\x0emax_residual_m\x18\x05 \x01(\x01H\x03\x88\x01\x01\x12\x1c\n\x0fleast_explained\x18\x06 \x01(\x01H\x04\x88\x01\x01\x42\n\n\x08_noise_mB\x07\n\x05_giveB\x10\n\x0e_settle_framesB\x11\n\x0f_max_residual_mB\x12\n\x10_least_explained\"\xf0\x01\n\x0fRegisteredState\x12\x33\n\x05state\x18\x01 \x01(\x0b\x32$.bendtwin.v1.InitialState.GivenState\x12%\n\x06\x62\x65\x66ore\x18\x02 \x01(\x0b\x32\x15.bendtwin.v1.Residual\x12$\n\x05\x61\x66ter\x18\x03 \x01(\x0b\x32\x15.bendtwin.v1.Residual\x12)\n\texplained\x18\x04 \x01(\x0b\x32\x16.bendtwin.v1.Explained\x12\x0e\n\x06motion\x18\x05 \x03(\x01\x12\x10\n\x08\x64rift_mm\x18\x06 \x01(\x01\x12\x0e\n\x06worker\x18\x07 \x01(\t\">\n\x08Residual\x12\x11\n\tmedian_mm\x18\x01 \x01(\x01\x12\x0f\n\x07mean_mm\x18\x02 \x01(\x01\x12\x0e\n\x06p95_mm\x18\x03 \x01(\x01\"?\n\tExplained\x12\x0e\n\x06points\x18\x01 \x01(\x01\x12\x0f\n\x07surface\x18\x02 \x01(\x01\x12\x11\n\twithin_mm\x18\x03 \x01(\x01\"\xbc\x03\n\x0e\x43orrectOptions\x12\x14\n\x07noise_m\x18\x01 \x01(\x01H\x00\x88\x01\x01\x12\x11\n\x04give\x18\x02 \x01(\x01H\x01\x88\x01\x01\x12\x1f\n\x12velocity_noise_m_s\x18\x03 \x01(\x01H\x02\x88\x01\x01\x12 \n\x13velocity_gain_per_s\x18\x04 \x01(\x01H\x03\x88\x01\x01\x12\x1e\n\x11most_added_strain\x18\x05 \x01(\x01H\x04\x88\x01\x01\x12\x1b\n\x0emax_residual_m\x18\x06 \x01(\x01H\x05\x88\x01\x01\x12\x12\n\x05\x63\x61rry\x18\x07 \x01(\x01H\x06\x88\x01\x01\x12!\n\x05world\x18\x08 \x01(\x0b\x32\x12.bendtwin.v1.World\x12%\n\x08grippers\x18\t \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12\x18\n\x10register_if_lost\x18\n \x01(\x08\x12\x12\n\nomit_state\x18\x0b \x01(\x08\x42\n\n\x08_noise_mB\x07\n\x05_giveB\x15\n\x13_velocity_noise_m_sB\x16\n\x14_velocity_gain_per_sB\x14\n\x12_most_added_strainB\x11\n\x0f_max_residual_mB\x08\n\x06_carry2g\n\x13RegistrationService\x12P\n\rRegisterState\x12!.bendtwin.v1.RegisterStateRequest\x1a\x1c.bendtwin.v1.RegisteredStateb\x06proto3')
+DESCRIPTOR = _descriptor_pool.Default().AddSerializedFile(b'\n\x1e\x62\x65ndtwin/v1/registration.proto\x12\x0b\x62\x65ndtwin.v1\x1a\x19\x62\x65ndtwin/v1/options.proto\x1a\x19\x62\x65ndtwin/v1/rollout.proto\x1a\x18\x62\x65ndtwin/v1/tensor.proto\x1a\x17\x62\x65ndtwin/v1/world.proto\"\xe6\x02\n\x0bObservation\x12#\n\x06points\x18\x01 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12$\n\x05nodes\x18\x02 \x01(\x0b\x32\x13.bendtwin.v1.TensorH\x00\x12\x31\n\x06places\x18\x03 \x01(\x0b\x32\x1f.bendtwin.v1.Observation.PlacesH\x00\x12$\n\x07weights\x18\x04 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12\'\n\nvelocities\x18\x05 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12$\n\x07\x63\x61meras\x18\x06 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x1aZ\n\x06Places\x12#\n\x06points\x18\x01 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12+\n\x0enode_positions\x18\x02 \x01(\x0b\x32\x13.bendtwin.v1.TensorB\x08\n\x06tracks\"\x9f\x02\n\x14RegisterStateRequest\x12\x0c\n\x04twin\x18\x01 \x01(\t\x12-\n\x0bobservation\x18\x02 \x01(\x0b\x32\x18.bendtwin.v1.Observation\x12*\n\x07initial\x18\x03 \x01(\x0b\x32\x19.bendtwin.v1.InitialState\x12%\n\x08\x63ontrols\x18\x04 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12!\n\x05world\x18\x05 \x01(\x0b\x32\x12.bendtwin.v1.World\x12-\n\x07options\x18\x06 \x01(\x0b\x32\x1c.bendtwin.v1.RegisterOptions\x12%\n\x08grippers\x18\x07 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\"\xed\x01\n\x0fRegisterOptions\x12\x0c\n\x04near\x18\x01 \x01(\x08\x12\x14\n\x07noise_m\x18\x02 \x01(\x01H\x00\x88\x01\x01\x12\x11\n\x04give\x18\x03 \x01(\x01H\x01\x88\x01\x01\x12\x1a\n\rsettle_frames\x18\x04 \x01(\rH\x02\x88\x01\x01\x12\x1b\n\x0emax_residual_m\x18\x05 \x01(\x01H\x03\x88\x01\x01\x12\x1c\n\x0fleast_explained\x18\x06 \x01(\x01H\x04\x88\x01\x01\x42\n\n\x08_noise_mB\x07\n\x05_giveB\x10\n\x0e_settle_framesB\x11\n\x0f_max_residual_mB\x12\n\x10_least_explained\"\xf0\x01\n\x0fRegisteredState\x12\x33\n\x05state\x18\x01 \x01(\x0b\x32$.bendtwin.v1.InitialState.GivenState\x12%\n\x06\x62\x65\x66ore\x18\x02 \x01(\x0b\x32\x15.bendtwin.v1.Residual\x12$\n\x05\x61\x66ter\x18\x03 \x01(\x0b\x32\x15.bendtwin.v1.Residual\x12)\n\texplained\x18\x04 \x01(\x0b\x32\x16.bendtwin.v1.Explained\x12\x0e\n\x06motion\x18\x05 \x03(\x01\x12\x10\n\x08\x64rift_mm\x18\x06 \x01(\x01\x12\x0e\n\x06worker\x18\x07 \x01(\t\">\n\x08Residual\x12\x11\n\tmedian_mm\x18\x01 \x01(\x01\x12\x0f\n\x07mean_mm\x18\x02 \x01(\x01\x12\x0e\n\x06p95_mm\x18\x03 \x01(\x01\"?\n\tExplained\x12\x0e\n\x06points\x18\x01 \x01(\x01\x12\x0f\n\x07surface\x18\x02 \x01(\x01\x12\x11\n\twithin_mm\x18\x03 \x01(\x01\"\xbc\x03\n\x0e\x43orrectOptions\x12\x14\n\x07noise_m\x18\x01 \x01(\x01H\x00\x88\x01\x01\x12\x11\n\x04give\x18\x02 \x01(\x01H\x01\x88\x01\x01\x12\x1f\n\x12velocity_noise_m_s\x18\x03 \x01(\x01H\x02\x88\x01\x01\x12 \n\x13velocity_gain_per_s\x18\x04 \x01(\x01H\x03\x88\x01\x01\x12\x1e\n\x11most_added_strain\x18\x05 \x01(\x01H\x04\x88\x01\x01\x12\x1b\n\x0emax_residual_m\x18\x06 \x01(\x01H\x05\x88\x01\x01\x12\x12\n\x05\x63\x61rry\x18\x07 \x01(\x01H\x06\x88\x01\x01\x12!\n\x05world\x18\x08 \x01(\x0b\x32\x12.bendtwin.v1.World\x12%\n\x08grippers\x18\t \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12\x18\n\x10register_if_lost\x18\n \x01(\x08\x12\x12\n\nomit_state\x18\x0b \x01(\x08\x42\n\n\x08_noise_mB\x07\n\x05_giveB\x15\n\x13_velocity_noise_m_sB\x16\n\x14_velocity_gain_per_sB\x14\n\x12_most_added_strainB\x11\n\x0f_max_residual_mB\x08\n\x06_carry2\x94\x01\n\x13RegistrationService\x12w\n\rRegisterState\x12!.bendtwin.v1.RegisterStateRequest\x1a\x1c.bendtwin.v1.RegisteredState\"%\x9a\xb5\x18!\x12\x17/v1/twins/{id}/register*\x04twinH\x01\x1a\x04\x88\xb5\x18\tb\x06proto3')
 
 _globals = globals()
 _builder.BuildMessageAndEnumDescriptors(DESCRIPTOR, _globals)
 _builder.BuildTopDescriptorsAndMessages(DESCRIPTOR, 'bendtwin.v1.registration_pb2', _globals)
 if not _descriptor._USE_C_DESCRIPTORS:
   DESCRIPTOR._loaded_options = None
-  _globals['_OBSERVATION']._serialized_start=126
-  _globals['_OBSERVATION']._serialized_end=484
-  _globals['_OBSERVATION_PLACES']._serialized_start=384
-  _globals['_OBSERVATION_PLACES']._serialized_end=474
-  _globals['_REGISTERSTATEREQUEST']._serialized_start=487
-  _globals['_REGISTERSTATEREQUEST']._serialized_end=774
-  _globals['_REGISTEROPTIONS']._serialized_start=777
-  _globals['_REGISTEROPTIONS']._serialized_end=1014
-  _globals['_REGISTEREDSTATE']._serialized_start=1017
-  _globals['_REGISTEREDSTATE']._serialized_end=1257
-  _globals['_RESIDUAL']._serialized_start=1259
-  _globals['_RESIDUAL']._serialized_end=1321
-  _globals['_EXPLAINED']._serialized_start=1323
-  _globals['_EXPLAINED']._serialized_end=1386
-  _globals['_CORRECTOPTIONS']._serialized_start=1389
-  _globals['_CORRECTOPTIONS']._serialized_end=1833
-  _globals['_REGISTRATIONSERVICE']._serialized_start=1835
-  _globals['_REGISTRATIONSERVICE']._serialized_end=1938
+  _globals['_REGISTRATIONSERVICE']._loaded_options = None
+  _globals['_REGISTRATIONSERVICE']._serialized_options = b'\210\265\030\t'
+  _globals['_REGISTRATIONSERVICE'].methods_by_name['RegisterState']._loaded_options = None
+  _globals['_REGISTRATIONSERVICE'].methods_by_name['RegisterState']._serialized_options = b'\232\265\030!\022\027/v1/twins/{id}/register*\004twinH\001'
+  _globals['_OBSERVATION']._serialized_start=153
+  _globals['_OBSERVATION']._serialized_end=511
+  _globals['_OBSERVATION_PLACES']._serialized_start=411
+  _globals['_OBSERVATION_PLACES']._serialized_end=501
+  _globals['_REGISTERSTATEREQUEST']._serialized_start=514
+  _globals['_REGISTERSTATEREQUEST']._serialized_end=801
+  _globals['_REGISTEROPTIONS']._serialized_start=804
+  _globals['_REGISTEROPTIONS']._serialized_end=1041
+  _globals['_REGISTEREDSTATE']._serialized_start=1044
+  _globals['_REGISTEREDSTATE']._serialized_end=1284
+  _globals['_RESIDUAL']._serialized_start=1286
+  _globals['_RESIDUAL']._serialized_end=1348
+  _globals['_EXPLAINED']._serialized_start=1350
+  _globals['_EXPLAINED']._serialized_end=1413
+  _globals['_CORRECTOPTIONS']._serialized_start=1416
+  _globals['_CORRECTOPTIONS']._serialized_end=1860
+  _globals['_REGISTRATIONSERVICE']._serialized_start=1863
+  _globals['_REGISTRATIONSERVICE']._serialized_end=2011
 # @@protoc_insertion_point(module_scope)

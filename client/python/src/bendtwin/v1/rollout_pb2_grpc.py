@@ -52,7 +52,9 @@ class RolloutServiceServicer(object):
     """
 
     def RollOut(self, request, context):
-        """Missing associated documentation comment in .proto file."""
+        """Robot actions in; motion, costs or gradients out. Over HTTP a large body must be protobuf, and a large reply
+        base64 or protobuf.
+        """
         context.set_code(grpc.StatusCode.UNIMPLEMENTED)
         context.set_details('Method not implemented!')
         raise NotImplementedError('Method not implemented!')
@@ -61,7 +63,7 @@ class RolloutServiceServicer(object):
         """The same in parts, as instances finish: each part covers `first_instance` onwards. On a GPU the last bits of
         a result may differ from those of RollOut, as they depend on how many instances are simulated together; on
         the CPU they do not. With `returns.best` there is one part. With `returns.part_frames` every part is divided
-        in time as well.
+        in time as well. Over HTTP events named `part`.
         """
         context.set_code(grpc.StatusCode.UNIMPLEMENTED)
         context.set_details('Method not implemented!')

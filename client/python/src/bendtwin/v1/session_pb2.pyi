@@ -1,3 +1,4 @@
+from bendtwin.v1 import options_pb2 as _options_pb2
 from bendtwin.v1 import fault_pb2 as _fault_pb2
 from bendtwin.v1 import planning_pb2 as _planning_pb2
 from bendtwin.v1 import registration_pb2 as _registration_pb2

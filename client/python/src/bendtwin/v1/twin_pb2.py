@@ -22,47 +22,86 @@ _runtime_version.ValidateProtobufRuntimeVersion(
 _sym_db = _symbol_database.Default()
 
 
+from bendtwin.v1 import options_pb2 as bendtwin_dot_v1_dot_options__pb2
 from bendtwin.v1 import tensor_pb2 as bendtwin_dot_v1_dot_tensor__pb2
 from bendtwin.v1 import world_pb2 as bendtwin_dot_v1_dot_world__pb2
 from google.protobuf import field_mask_pb2 as google_dot_protobuf_dot_field__mask__pb2
 from google.protobuf import timestamp_pb2 as google_dot_protobuf_dot_timestamp__pb2
 
 
-DESCRIPTOR = _descriptor_pool.Default().AddSerializedFile(b'\n\x16\x62\x65ndtwin/v1/twin.proto\x12\x0b\x62\x65ndtwin.v1\x1a\x18\x62\x65ndtwin/v1/tensor.proto\x1a\x17\x62\x65ndtwin/v1/world.proto\x1a google/protobuf/field_mask.proto\x1a\x1fgoogle/protobuf/timestamp.proto\"\x99\x03\n\x04Twin\x12\x0c\n\x04name\x18\x01 \x01(\t\x12\x14\n\x0c\x64isplay_name\x18\x02 \x01(\t\x12\x0f\n\x07\x63\x61pture\x18\x03 \x01(\t\x12\x0b\n\x03\x66it\x18\x04 \x01(\t\x12/\n\x0b\x63reate_time\x18\x05 \x01(\x0b\x32\x1a.google.protobuf.Timestamp\x12\x12\n\nsize_bytes\x18\x06 \x01(\x04\x12\x0e\n\x06\x64igest\x18\x07 \x01(\t\x12\x12\n\nnode_count\x18\x08 \x01(\r\x12\x14\n\x0cspring_count\x18\t \x01(\r\x12\x15\n\rtriplet_count\x18\n \x01(\r\x12\x15\n\rcontrol_count\x18\x0b \x01(\r\x12\x0b\n\x03\x66ps\x18\x0c \x01(\x01\x12\x10\n\x08substeps\x18\r \x01(\r\x12\x14\n\x0cquality_json\x18\x0e \x01(\t\x12\x14\n\x07mass_kg\x18\x0f \x01(\x01H\x00\x88\x01\x01\x12\x0c\n\x04note\x18\x10 \x01(\t\x12\x0c\n\x04tags\x18\x11 \x03(\t\x12\x14\n\x07\x65rror_m\x18\x12 \x01(\x01H\x01\x88\x01\x01\x12\r\n\x05owner\x18\x13 \x01(\tB\n\n\x08_mass_kgB\n\n\x08_error_m\"&\n\x16GetTwinGeometryRequest\x12\x0c\n\x04name\x18\x01 \x01(\t\"\xb6\t\n\x0cTwinGeometry\x12+\n\x0erest_positions\x18\x01 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12\"\n\x05kinds\x18\x02 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12\"\n\x05\x65\x64ges\x18\x03 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12)\n\x0crest_lengths\x18\x04 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12%\n\x08triplets\x18\x05 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12#\n\x06masses\x18\x06 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12%\n\x08\x63ontrols\x18\x07 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12\"\n\x05hands\x18\x08 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12!\n\x04pins\x18\t \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12\x15\n\rsurface_count\x18\n \x01(\r\x12\x11\n\trod_count\x18\x0b \x01(\r\x12\x0b\n\x03\x66ps\x18\x0c \x01(\x01\x12\x10\n\x08substeps\x18\r \x01(\r\x12\x0f\n\x07gravity\x18\x0e \x03(\x02\x12\"\n\x06ground\x18\x0f \x01(\x0b\x32\x12.bendtwin.v1.Plane\x12\x17\n\x0fground_friction\x18\x10 \x01(\x02\x12\x1a\n\x12ground_restitution\x18\x11 \x01(\x02\x12\x14\n\x07mass_kg\x18\x12 \x01(\x01H\x00\x88\x01\x01\x12\x11\n\tspacing_m\x18\x13 \x01(\x01\x12\'\n\nrod_starts\x18\x14 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12&\n\trod_nodes\x18\x15 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12,\n\x04skin\x18\x16 \x01(\x0b\x32\x1e.bendtwin.v1.TwinGeometry.Skin\x12\x0c\n\x04\x66its\x18\x17 \x01(\r\x12-\n\x10spring_stiffness\x18\x18 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12+\n\x0e\x62\x65nd_stiffness\x18\x19 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12)\n\x0cnode_regions\x18\x1a \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12$\n\x07skin_sd\x18\x1b \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x1a\xa9\x02\n\x04Skin\x12+\n\x0erest_positions\x18\x01 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12,\n\x0fobserved_points\x18\x02 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12*\n\rweight_counts\x18\x03 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12)\n\x0cweight_nodes\x18\x04 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12$\n\x07weights\x18\x05 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12#\n\x06\x66rames\x18\x06 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12$\n\x07offsets\x18\x07 \x01(\x0b\x32\x13.bendtwin.v1.TensorB\n\n\x08_mass_kg\"[\n\x11\x43reateTwinRequest\x12-\n\x08metadata\x18\x01 \x01(\x0b\x32\x19.bendtwin.v1.TwinMetadataH\x00\x12\x0f\n\x05\x63hunk\x18\x02 \x01(\x0cH\x00\x42\x06\n\x04part\"H\n\x0cTwinMetadata\x12\x14\n\x0c\x64isplay_name\x18\x01 \x01(\t\x12\x12\n\nrequest_id\x18\x02 \x01(\t\x12\x0e\n\x06\x64igest\x18\x03 \x01(\t\"\x1e\n\x0eGetTwinRequest\x12\x0c\n\x04name\x18\x01 \x01(\t\"\x88\x01\n\x10ListTwinsRequest\x12\x11\n\tpage_size\x18\x01 \x01(\r\x12\x12\n\npage_token\x18\x02 \x01(\t\x12\x0f\n\x07\x63\x61pture\x18\x03 \x01(\t\x12\x0e\n\x06search\x18\x04 \x01(\t\x12\x0b\n\x03tag\x18\x05 \x01(\t\x12\x10\n\x08order_by\x18\x06 \x01(\t\x12\r\n\x05owner\x18\x07 \x01(\t\"N\n\x11ListTwinsResponse\x12 \n\x05twins\x18\x01 \x03(\x0b\x32\x11.bendtwin.v1.Twin\x12\x17\n\x0fnext_page_token\x18\x02 \x01(\t\"\x8c\x01\n\x11UpdateTwinRequest\x12\x1f\n\x04twin\x18\x01 \x01(\x0b\x32\x11.bendtwin.v1.Twin\x12/\n\x0bupdate_mask\x18\x02 \x01(\x0b\x32\x1a.google.protobuf.FieldMask\x12\x10\n\x08\x61\x64\x64_tags\x18\x03 \x03(\t\x12\x13\n\x0bremove_tags\x18\x04 \x03(\t\"!\n\x11\x44\x65leteTwinRequest\x12\x0c\n\x04name\x18\x01 \x01(\t\"\x14\n\x12\x44\x65leteTwinResponse\"!\n\x11\x45xportTwinRequest\x12\x0c\n\x04name\x18\x01 \x01(\t\"#\n\x12\x45xportTwinResponse\x12\r\n\x05\x63hunk\x18\x01 \x01(\x0c\x32\x8b\x04\n\x0bTwinService\x12\x41\n\nCreateTwin\x12\x1e.bendtwin.v1.CreateTwinRequest\x1a\x11.bendtwin.v1.Twin(\x01\x12\x39\n\x07GetTwin\x12\x1b.bendtwin.v1.GetTwinRequest\x1a\x11.bendtwin.v1.Twin\x12J\n\tListTwins\x12\x1d.bendtwin.v1.ListTwinsRequest\x1a\x1e.bendtwin.v1.ListTwinsResponse\x12?\n\nUpdateTwin\x12\x1e.bendtwin.v1.UpdateTwinRequest\x1a\x11.bendtwin.v1.Twin\x12M\n\nDeleteTwin\x12\x1e.bendtwin.v1.DeleteTwinRequest\x1a\x1f.bendtwin.v1.DeleteTwinResponse\x12O\n\nExportTwin\x12\x1e.bendtwin.v1.ExportTwinRequest\x1a\x1f.bendtwin.v1.ExportTwinResponse0\x01\x12Q\n\x0fGetTwinGeometry\x12#.bendtwin.v1.GetTwinGeometryRequest\x1a\x19.bendtwin.v1.TwinGeometryb\x06proto3')
+DESCRIPTOR = _descriptor_pool.Default().AddSerializedFile(b'\n\x16\x62\x65ndtwin/v1/twin.proto\x12\x0b\x62\x65ndtwin.v1\x1a\x19\x62\x65ndtwin/v1/options.proto\x1a\x18\x62\x65ndtwin/v1/tensor.proto\x1a\x17\x62\x65ndtwin/v1/world.proto\x1a google/protobuf/field_mask.proto\x1a\x1fgoogle/protobuf/timestamp.proto\"\xd9\x03\n\x04Twin\x12\x0c\n\x04name\x18\x01 \x01(\t\x12\x1c\n\x0c\x64isplay_name\x18\x02 \x01(\tB\x06\x8a\xb5\x18\x02\x10\x01\x12\x17\n\x07\x63\x61pture\x18\x03 \x01(\tB\x06\x8a\xb5\x18\x02\x08\x02\x12\x13\n\x03\x66it\x18\x04 \x01(\tB\x06\x8a\xb5\x18\x02\x08\x02\x12\x37\n\x0b\x63reate_time\x18\x05 \x01(\x0b\x32\x1a.google.protobuf.TimestampB\x06\x8a\xb5\x18\x02\x08\x03\x12\x12\n\nsize_bytes\x18\x06 \x01(\x04\x12\x0e\n\x06\x64igest\x18\x07 \x01(\t\x12\x12\n\nnode_count\x18\x08 \x01(\r\x12\x14\n\x0cspring_count\x18\t \x01(\r\x12\x15\n\rtriplet_count\x18\n \x01(\r\x12\x15\n\rcontrol_count\x18\x0b \x01(\r\x12\x0b\n\x03\x66ps\x18\x0c \x01(\x01\x12\x10\n\x08substeps\x18\r \x01(\r\x12\x1c\n\x0cquality_json\x18\x0e \x01(\tB\x06\x8a\xb5\x18\x02\x08\x01\x12\x14\n\x07mass_kg\x18\x0f \x01(\x01H\x00\x88\x01\x01\x12\x14\n\x04note\x18\x10 \x01(\tB\x06\x8a\xb5\x18\x02\x10\x01\x12\x14\n\x04tags\x18\x11 \x03(\tB\x06\x8a\xb5\x18\x02\x10\x01\x12\x1c\n\x07\x65rror_m\x18\x12 \x01(\x01\x42\x06\x8a\xb5\x18\x02\x08\x02H\x01\x88\x01\x01\x12\r\n\x05owner\x18\x13 \x01(\tB\n\n\x08_mass_kgB\n\n\x08_error_m\"&\n\x16GetTwinGeometryRequest\x12\x0c\n\x04name\x18\x01 \x01(\t\"\xb6\t\n\x0cTwinGeometry\x12+\n\x0erest_positions\x18\x01 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12\"\n\x05kinds\x18\x02 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12\"\n\x05\x65\x64ges\x18\x03 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12)\n\x0crest_lengths\x18\x04 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12%\n\x08triplets\x18\x05 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12#\n\x06masses\x18\x06 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12%\n\x08\x63ontrols\x18\x07 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12\"\n\x05hands\x18\x08 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12!\n\x04pins\x18\t \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12\x15\n\rsurface_count\x18\n \x01(\r\x12\x11\n\trod_count\x18\x0b \x01(\r\x12\x0b\n\x03\x66ps\x18\x0c \x01(\x01\x12\x10\n\x08substeps\x18\r \x01(\r\x12\x0f\n\x07gravity\x18\x0e \x03(\x02\x12\"\n\x06ground\x18\x0f \x01(\x0b\x32\x12.bendtwin.v1.Plane\x12\x17\n\x0fground_friction\x18\x10 \x01(\x02\x12\x1a\n\x12ground_restitution\x18\x11 \x01(\x02\x12\x14\n\x07mass_kg\x18\x12 \x01(\x01H\x00\x88\x01\x01\x12\x11\n\tspacing_m\x18\x13 \x01(\x01\x12\'\n\nrod_starts\x18\x14 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12&\n\trod_nodes\x18\x15 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12,\n\x04skin\x18\x16 \x01(\x0b\x32\x1e.bendtwin.v1.TwinGeometry.Skin\x12\x0c\n\x04\x66its\x18\x17 \x01(\r\x12-\n\x10spring_stiffness\x18\x18 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12+\n\x0e\x62\x65nd_stiffness\x18\x19 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12)\n\x0cnode_regions\x18\x1a \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12$\n\x07skin_sd\x18\x1b \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x1a\xa9\x02\n\x04Skin\x12+\n\x0erest_positions\x18\x01 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12,\n\x0fobserved_points\x18\x02 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12*\n\rweight_counts\x18\x03 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12)\n\x0cweight_nodes\x18\x04 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12$\n\x07weights\x18\x05 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12#\n\x06\x66rames\x18\x06 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12$\n\x07offsets\x18\x07 \x01(\x0b\x32\x13.bendtwin.v1.TensorB\n\n\x08_mass_kg\"[\n\x11\x43reateTwinRequest\x12-\n\x08metadata\x18\x01 \x01(\x0b\x32\x19.bendtwin.v1.TwinMetadataH\x00\x12\x0f\n\x05\x63hunk\x18\x02 \x01(\x0cH\x00\x42\x06\n\x04part\"H\n\x0cTwinMetadata\x12\x14\n\x0c\x64isplay_name\x18\x01 \x01(\t\x12\x12\n\nrequest_id\x18\x02 \x01(\t\x12\x0e\n\x06\x64igest\x18\x03 \x01(\t\"\x1e\n\x0eGetTwinRequest\x12\x0c\n\x04name\x18\x01 \x01(\t\"\x8b\x02\n\x10ListTwinsRequest\x12\x11\n\tpage_size\x18\x01 \x01(\r\x12\x12\n\npage_token\x18\x02 \x01(\t\x12N\n\x07\x63\x61pture\x18\x03 \x01(\tB=\x8a\xb5\x18\x39\x1a\x37^(captures/[0-9a-f]{8}(-[0-9a-f]{4}){3}-[0-9a-f]{12})?$\x12\x17\n\x06search\x18\x04 \x01(\tB\x07\x8a\xb5\x18\x03 \xc8\x01\x12\x0b\n\x03tag\x18\x05 \x01(\t\x12\x42\n\x08order_by\x18\x06 \x01(\tB0\x8a\xb5\x18,\x1a*^((create_time|name|error)( asc| desc)?)?$\x12\x16\n\x05owner\x18\x07 \x01(\tB\x07\x8a\xb5\x18\x03 \xc8\x01\"N\n\x11ListTwinsResponse\x12 \n\x05twins\x18\x01 \x03(\x0b\x32\x11.bendtwin.v1.Twin\x12\x17\n\x0fnext_page_token\x18\x02 \x01(\t\"\x8c\x01\n\x11UpdateTwinRequest\x12\x1f\n\x04twin\x18\x01 \x01(\x0b\x32\x11.bendtwin.v1.Twin\x12/\n\x0bupdate_mask\x18\x02 \x01(\x0b\x32\x1a.google.protobuf.FieldMask\x12\x10\n\x08\x61\x64\x64_tags\x18\x03 \x03(\t\x12\x13\n\x0bremove_tags\x18\x04 \x03(\t\"!\n\x11\x44\x65leteTwinRequest\x12\x0c\n\x04name\x18\x01 \x01(\t\"\x14\n\x12\x44\x65leteTwinResponse\"!\n\x11\x45xportTwinRequest\x12\x0c\n\x04name\x18\x01 \x01(\t\"#\n\x12\x45xportTwinResponse\x12\r\n\x05\x63hunk\x18\x01 \x01(\x0c\x32\xe5\x05\n\x0bTwinService\x12\\\n\nCreateTwin\x12\x1e.bendtwin.v1.CreateTwinRequest\x1a\x11.bendtwin.v1.Twin\"\x19\x88\xb5\x18\x0b\x90\xb5\x18\x01\x9a\xb5\x18\r\x12\t/v1/twinsP\x01(\x01\x12S\n\x07GetTwin\x12\x1b.bendtwin.v1.GetTwinRequest\x1a\x11.bendtwin.v1.Twin\"\x18\x88\xb5\x18\n\x9a\xb5\x18\x10\n\x0e/v1/twins/{id}\x12_\n\tListTwins\x12\x1d.bendtwin.v1.ListTwinsRequest\x1a\x1e.bendtwin.v1.ListTwinsResponse\"\x13\x88\xb5\x18\n\x9a\xb5\x18\x0b\n\t/v1/twins\x12h\n\nUpdateTwin\x12\x1e.bendtwin.v1.UpdateTwinRequest\x1a\x11.bendtwin.v1.Twin\"\'\x88\xb5\x18\x0b\x90\xb5\x18\x01\x9a\xb5\x18\x1b\x1a\x0e/v1/twins/{id}*\ttwin.name\x12k\n\nDeleteTwin\x12\x1e.bendtwin.v1.DeleteTwinRequest\x1a\x1f.bendtwin.v1.DeleteTwinResponse\"\x1c\x88\xb5\x18\x0b\x90\xb5\x18\x01\x9a\xb5\x18\x10\"\x0e/v1/twins/{id}\x12s\n\nExportTwin\x12\x1e.bendtwin.v1.ExportTwinRequest\x1a\x1f.bendtwin.v1.ExportTwinResponse\"\"\x88\xb5\x18\n\x9a\xb5\x18\x1a\n\x16/v1/twins/{id}/contentP\x01\x30\x01\x12v\n\x0fGetTwinGeometry\x12#.bendtwin.v1.GetTwinGeometryRequest\x1a\x19.bendtwin.v1.TwinGeometry\"#\x88\xb5\x18\n\x9a\xb5\x18\x1b\n\x17/v1/twins/{id}/geometryH\x01\x62\x06proto3')
 
 _globals = globals()
 _builder.BuildMessageAndEnumDescriptors(DESCRIPTOR, _globals)
 _builder.BuildTopDescriptorsAndMessages(DESCRIPTOR, 'bendtwin.v1.twin_pb2', _globals)
 if not _descriptor._USE_C_DESCRIPTORS:
   DESCRIPTOR._loaded_options = None
-  _globals['_TWIN']._serialized_start=158
-  _globals['_TWIN']._serialized_end=567
-  _globals['_GETTWINGEOMETRYREQUEST']._serialized_start=569
-  _globals['_GETTWINGEOMETRYREQUEST']._serialized_end=607
-  _globals['_TWINGEOMETRY']._serialized_start=610
-  _globals['_TWINGEOMETRY']._serialized_end=1816
-  _globals['_TWINGEOMETRY_SKIN']._serialized_start=1507
-  _globals['_TWINGEOMETRY_SKIN']._serialized_end=1804
-  _globals['_CREATETWINREQUEST']._serialized_start=1818
-  _globals['_CREATETWINREQUEST']._serialized_end=1909
-  _globals['_TWINMETADATA']._serialized_start=1911
-  _globals['_TWINMETADATA']._serialized_end=1983
-  _globals['_GETTWINREQUEST']._serialized_start=1985
-  _globals['_GETTWINREQUEST']._serialized_end=2015
-  _globals['_LISTTWINSREQUEST']._serialized_start=2018
-  _globals['_LISTTWINSREQUEST']._serialized_end=2154
-  _globals['_LISTTWINSRESPONSE']._serialized_start=2156
-  _globals['_LISTTWINSRESPONSE']._serialized_end=2234
-  _globals['_UPDATETWINREQUEST']._serialized_start=2237
-  _globals['_UPDATETWINREQUEST']._serialized_end=2377
-  _globals['_DELETETWINREQUEST']._serialized_start=2379
-  _globals['_DELETETWINREQUEST']._serialized_end=2412
-  _globals['_DELETETWINRESPONSE']._serialized_start=2414
-  _globals['_DELETETWINRESPONSE']._serialized_end=2434
-  _globals['_EXPORTTWINREQUEST']._serialized_start=2436
-  _globals['_EXPORTTWINREQUEST']._serialized_end=2469
-  _globals['_EXPORTTWINRESPONSE']._serialized_start=2471
-  _globals['_EXPORTTWINRESPONSE']._serialized_end=2506
-  _globals['_TWINSERVICE']._serialized_start=2509
-  _globals['_TWINSERVICE']._serialized_end=3032
+  _globals['_TWIN'].fields_by_name['display_name']._loaded_options = None
+  _globals['_TWIN'].fields_by_name['display_name']._serialized_options = b'\212\265\030\002\020\001'
+  _globals['_TWIN'].fields_by_name['capture']._loaded_options = None
+  _globals['_TWIN'].fields_by_name['capture']._serialized_options = b'\212\265\030\002\010\002'
+  _globals['_TWIN'].fields_by_name['fit']._loaded_options = None
+  _globals['_TWIN'].fields_by_name['fit']._serialized_options = b'\212\265\030\002\010\002'
+  _globals['_TWIN'].fields_by_name['create_time']._loaded_options = None
+  _globals['_TWIN'].fields_by_name['create_time']._serialized_options = b'\212\265\030\002\010\003'
+  _globals['_TWIN'].fields_by_name['quality_json']._loaded_options = None
+  _globals['_TWIN'].fields_by_name['quality_json']._serialized_options = b'\212\265\030\002\010\001'
+  _globals['_TWIN'].fields_by_name['note']._loaded_options = None
+  _globals['_TWIN'].fields_by_name['note']._serialized_options = b'\212\265\030\002\020\001'
+  _globals['_TWIN'].fields_by_name['tags']._loaded_options = None
+  _globals['_TWIN'].fields_by_name['tags']._serialized_options = b'\212\265\030\002\020\001'
+  _globals['_TWIN'].fields_by_name['error_m']._loaded_options = None
+  _globals['_TWIN'].fields_by_name['error_m']._serialized_options = b'\212\265\030\002\010\002'
+  _globals['_LISTTWINSREQUEST'].fields_by_name['capture']._loaded_options = None
+  _globals['_LISTTWINSREQUEST'].fields_by_name['capture']._serialized_options = b'\212\265\0309\0327^(captures/[0-9a-f]{8}(-[0-9a-f]{4}){3}-[0-9a-f]{12})?$'
+  _globals['_LISTTWINSREQUEST'].fields_by_name['search']._loaded_options = None
+  _globals['_LISTTWINSREQUEST'].fields_by_name['search']._serialized_options = b'\212\265\030\003 \310\001'
+  _globals['_LISTTWINSREQUEST'].fields_by_name['order_by']._loaded_options = None
+  _globals['_LISTTWINSREQUEST'].fields_by_name['order_by']._serialized_options = b'\212\265\030,\032*^((create_time|name|error)( asc| desc)?)?$'
+  _globals['_LISTTWINSREQUEST'].fields_by_name['owner']._loaded_options = None
+  _globals['_LISTTWINSREQUEST'].fields_by_name['owner']._serialized_options = b'\212\265\030\003 \310\001'
+  _globals['_TWINSERVICE'].methods_by_name['CreateTwin']._loaded_options = None
+  _globals['_TWINSERVICE'].methods_by_name['CreateTwin']._serialized_options = b'\210\265\030\013\220\265\030\001\232\265\030\r\022\t/v1/twinsP\001'
+  _globals['_TWINSERVICE'].methods_by_name['GetTwin']._loaded_options = None
+  _globals['_TWINSERVICE'].methods_by_name['GetTwin']._serialized_options = b'\210\265\030\n\232\265\030\020\n\016/v1/twins/{id}'
+  _globals['_TWINSERVICE'].methods_by_name['ListTwins']._loaded_options = None
+  _globals['_TWINSERVICE'].methods_by_name['ListTwins']._serialized_options = b'\210\265\030\n\232\265\030\013\n\t/v1/twins'
+  _globals['_TWINSERVICE'].methods_by_name['UpdateTwin']._loaded_options = None
+  _globals['_TWINSERVICE'].methods_by_name['UpdateTwin']._serialized_options = b'\210\265\030\013\220\265\030\001\232\265\030\033\032\016/v1/twins/{id}*\ttwin.name'
+  _globals['_TWINSERVICE'].methods_by_name['DeleteTwin']._loaded_options = None
+  _globals['_TWINSERVICE'].methods_by_name['DeleteTwin']._serialized_options = b'\210\265\030\013\220\265\030\001\232\265\030\020\"\016/v1/twins/{id}'
+  _globals['_TWINSERVICE'].methods_by_name['ExportTwin']._loaded_options = None
+  _globals['_TWINSERVICE'].methods_by_name['ExportTwin']._serialized_options = b'\210\265\030\n\232\265\030\032\n\026/v1/twins/{id}/contentP\001'
+  _globals['_TWINSERVICE'].methods_by_name['GetTwinGeometry']._loaded_options = None
+  _globals['_TWINSERVICE'].methods_by_name['GetTwinGeometry']._serialized_options = b'\210\265\030\n\232\265\030\033\n\027/v1/twins/{id}/geometryH\001'
+  _globals['_TWIN']._serialized_start=185
+  _globals['_TWIN']._serialized_end=658
+  _globals['_GETTWINGEOMETRYREQUEST']._serialized_start=660
+  _globals['_GETTWINGEOMETRYREQUEST']._serialized_end=698
+  _globals['_TWINGEOMETRY']._serialized_start=701
+  _globals['_TWINGEOMETRY']._serialized_end=1907
+  _globals['_TWINGEOMETRY_SKIN']._serialized_start=1598
+  _globals['_TWINGEOMETRY_SKIN']._serialized_end=1895
+  _globals['_CREATETWINREQUEST']._serialized_start=1909
+  _globals['_CREATETWINREQUEST']._serialized_end=2000
+  _globals['_TWINMETADATA']._serialized_start=2002
+  _globals['_TWINMETADATA']._serialized_end=2074
+  _globals['_GETTWINREQUEST']._serialized_start=2076
+  _globals['_GETTWINREQUEST']._serialized_end=2106
+  _globals['_LISTTWINSREQUEST']._serialized_start=2109
+  _globals['_LISTTWINSREQUEST']._serialized_end=2376
+  _globals['_LISTTWINSRESPONSE']._serialized_start=2378
+  _globals['_LISTTWINSRESPONSE']._serialized_end=2456
+  _globals['_UPDATETWINREQUEST']._serialized_start=2459
+  _globals['_UPDATETWINREQUEST']._serialized_end=2599
+  _globals['_DELETETWINREQUEST']._serialized_start=2601
+  _globals['_DELETETWINREQUEST']._serialized_end=2634
+  _globals['_DELETETWINRESPONSE']._serialized_start=2636
+  _globals['_DELETETWINRESPONSE']._serialized_end=2656
+  _globals['_EXPORTTWINREQUEST']._serialized_start=2658
+  _globals['_EXPORTTWINREQUEST']._serialized_end=2691
+  _globals['_EXPORTTWINRESPONSE']._serialized_start=2693
+  _globals['_EXPORTTWINRESPONSE']._serialized_end=2728
+  _globals['_TWINSERVICE']._serialized_start=2731
+  _globals['_TWINSERVICE']._serialized_end=3472
 # @@protoc_insertion_point(module_scope)

@@ -1,5 +1,6 @@
 import datetime
 
+from bendtwin.v1 import options_pb2 as _options_pb2
 from bendtwin.v1 import tensor_pb2 as _tensor_pb2
 from bendtwin.v1 import world_pb2 as _world_pb2
 from google.protobuf import field_mask_pb2 as _field_mask_pb2

@@ -116,7 +116,8 @@ class TwinServiceServicer(object):
         raise NotImplementedError('Method not implemented!')
 
     def GetTwinGeometry(self, request, context):
-        """Facts of a twin that planners need, without its file.
+        """Facts of a twin that planners need, without its file: nodes, springs, control points and the hand that each
+        belongs to.
         """
         context.set_code(grpc.StatusCode.UNIMPLEMENTED)
         context.set_details('Method not implemented!')

@@ -22,26 +22,47 @@ _runtime_version.ValidateProtobufRuntimeVersion(
 _sym_db = _symbol_database.Default()
 
 
+from bendtwin.v1 import options_pb2 as bendtwin_dot_v1_dot_options__pb2
 from google.protobuf import timestamp_pb2 as google_dot_protobuf_dot_timestamp__pb2
 
 
-DESCRIPTOR = _descriptor_pool.Default().AddSerializedFile(b'\n\x18\x62\x65ndtwin/v1/worker.proto\x12\x0b\x62\x65ndtwin.v1\x1a\x1fgoogle/protobuf/timestamp.proto\"\xe0\x02\n\x06Worker\x12\x0c\n\x04name\x18\x01 \x01(\t\x12\x0f\n\x07\x62\x61\x63kend\x18\x02 \x01(\t\x12\x0e\n\x06\x64\x65vice\x18\x03 \x01(\t\x12.\n\nstart_time\x18\x04 \x01(\x0b\x32\x1a.google.protobuf.Timestamp\x12\x32\n\x0elast_seen_time\x18\x05 \x01(\x0b\x32\x1a.google.protobuf.Timestamp\x12\x0b\n\x03\x66it\x18\x06 \x01(\t\x12\x12\n\nwarm_twins\x18\x07 \x03(\t\x12\x1a\n\x12rollouts_in_flight\x18\x08 \x01(\r\x12\r\n\x05\x62uild\x18\t \x01(\t\x12\x19\n\x11memory_used_bytes\x18\n \x01(\x04\x12\x1a\n\x12memory_total_bytes\x18\x0b \x01(\x04\x12\x0e\n\x06ingest\x18\x0c \x01(\t\x12\x10\n\x08\x64raining\x18\r \x01(\x08\x12\x0e\n\x06server\x18\x0e \x01(\t\x12\x0e\n\x06labels\x18\x0f \x03(\t\" \n\x10GetWorkerRequest\x12\x0c\n\x04name\x18\x01 \x01(\t\"\"\n\x12\x44rainWorkerRequest\x12\x0c\n\x04name\x18\x01 \x01(\t\";\n\x12ListWorkersRequest\x12\x11\n\tpage_size\x18\x01 \x01(\r\x12\x12\n\npage_token\x18\x02 \x01(\t\"T\n\x13ListWorkersResponse\x12$\n\x07workers\x18\x01 \x03(\x0b\x32\x13.bendtwin.v1.Worker\x12\x17\n\x0fnext_page_token\x18\x02 \x01(\t2\xe7\x01\n\rWorkerService\x12?\n\tGetWorker\x12\x1d.bendtwin.v1.GetWorkerRequest\x1a\x13.bendtwin.v1.Worker\x12P\n\x0bListWorkers\x12\x1f.bendtwin.v1.ListWorkersRequest\x1a .bendtwin.v1.ListWorkersResponse\x12\x43\n\x0b\x44rainWorker\x12\x1f.bendtwin.v1.DrainWorkerRequest\x1a\x13.bendtwin.v1.Workerb\x06proto3')
+DESCRIPTOR = _descriptor_pool.Default().AddSerializedFile(b'\n\x18\x62\x65ndtwin/v1/worker.proto\x12\x0b\x62\x65ndtwin.v1\x1a\x19\x62\x65ndtwin/v1/options.proto\x1a\x1fgoogle/protobuf/timestamp.proto\"\x98\x03\n\x06Worker\x12\x0c\n\x04name\x18\x01 \x01(\t\x12\x0f\n\x07\x62\x61\x63kend\x18\x02 \x01(\t\x12\x0e\n\x06\x64\x65vice\x18\x03 \x01(\t\x12\x36\n\nstart_time\x18\x04 \x01(\x0b\x32\x1a.google.protobuf.TimestampB\x06\x8a\xb5\x18\x02\x08\x03\x12:\n\x0elast_seen_time\x18\x05 \x01(\x0b\x32\x1a.google.protobuf.TimestampB\x06\x8a\xb5\x18\x02\x08\x03\x12\x13\n\x03\x66it\x18\x06 \x01(\tB\x06\x8a\xb5\x18\x02\x08\x02\x12\x12\n\nwarm_twins\x18\x07 \x03(\t\x12\x1a\n\x12rollouts_in_flight\x18\x08 \x01(\r\x12\r\n\x05\x62uild\x18\t \x01(\t\x12!\n\x11memory_used_bytes\x18\n \x01(\x04\x42\x06\x8a\xb5\x18\x02\x08\x02\x12\"\n\x12memory_total_bytes\x18\x0b \x01(\x04\x42\x06\x8a\xb5\x18\x02\x08\x02\x12\x16\n\x06ingest\x18\x0c \x01(\tB\x06\x8a\xb5\x18\x02\x08\x02\x12\x10\n\x08\x64raining\x18\r \x01(\x08\x12\x16\n\x06server\x18\x0e \x01(\tB\x06\x8a\xb5\x18\x02\x08\x02\x12\x0e\n\x06labels\x18\x0f \x03(\t\" \n\x10GetWorkerRequest\x12\x0c\n\x04name\x18\x01 \x01(\t\"\"\n\x12\x44rainWorkerRequest\x12\x0c\n\x04name\x18\x01 \x01(\t\";\n\x12ListWorkersRequest\x12\x11\n\tpage_size\x18\x01 \x01(\r\x12\x12\n\npage_token\x18\x02 \x01(\t\"T\n\x13ListWorkersResponse\x12$\n\x07workers\x18\x01 \x03(\x0b\x32\x13.bendtwin.v1.Worker\x12\x17\n\x0fnext_page_token\x18\x02 \x01(\t2\xbc\x02\n\rWorkerService\x12[\n\tGetWorker\x12\x1d.bendtwin.v1.GetWorkerRequest\x1a\x13.bendtwin.v1.Worker\"\x1a\x88\xb5\x18\x02\x9a\xb5\x18\x12\n\x10/v1/workers/{id}\x12g\n\x0bListWorkers\x12\x1f.bendtwin.v1.ListWorkersRequest\x1a .bendtwin.v1.ListWorkersResponse\"\x15\x88\xb5\x18\x02\x9a\xb5\x18\r\n\x0b/v1/workers\x12\x65\n\x0b\x44rainWorker\x12\x1f.bendtwin.v1.DrainWorkerRequest\x1a\x13.bendtwin.v1.Worker\" \x88\xb5\x18\x04\x9a\xb5\x18\x18\x12\x16/v1/workers/{id}/drainb\x06proto3')
 
 _globals = globals()
 _builder.BuildMessageAndEnumDescriptors(DESCRIPTOR, _globals)
 _builder.BuildTopDescriptorsAndMessages(DESCRIPTOR, 'bendtwin.v1.worker_pb2', _globals)
 if not _descriptor._USE_C_DESCRIPTORS:
   DESCRIPTOR._loaded_options = None
-  _globals['_WORKER']._serialized_start=75
-  _globals['_WORKER']._serialized_end=427
-  _globals['_GETWORKERREQUEST']._serialized_start=429
-  _globals['_GETWORKERREQUEST']._serialized_end=461
-  _globals['_DRAINWORKERREQUEST']._serialized_start=463
-  _globals['_DRAINWORKERREQUEST']._serialized_end=497
-  _globals['_LISTWORKERSREQUEST']._serialized_start=499
-  _globals['_LISTWORKERSREQUEST']._serialized_end=558
-  _globals['_LISTWORKERSRESPONSE']._serialized_start=560
-  _globals['_LISTWORKERSRESPONSE']._serialized_end=644
-  _globals['_WORKERSERVICE']._serialized_start=647
-  _globals['_WORKERSERVICE']._serialized_end=878
+  _globals['_WORKER'].fields_by_name['start_time']._loaded_options = None
+  _globals['_WORKER'].fields_by_name['start_time']._serialized_options = b'\212\265\030\002\010\003'
+  _globals['_WORKER'].fields_by_name['last_seen_time']._loaded_options = None
+  _globals['_WORKER'].fields_by_name['last_seen_time']._serialized_options = b'\212\265\030\002\010\003'
+  _globals['_WORKER'].fields_by_name['fit']._loaded_options = None
+  _globals['_WORKER'].fields_by_name['fit']._serialized_options = b'\212\265\030\002\010\002'
+  _globals['_WORKER'].fields_by_name['memory_used_bytes']._loaded_options = None
+  _globals['_WORKER'].fields_by_name['memory_used_bytes']._serialized_options = b'\212\265\030\002\010\002'
+  _globals['_WORKER'].fields_by_name['memory_total_bytes']._loaded_options = None
+  _globals['_WORKER'].fields_by_name['memory_total_bytes']._serialized_options = b'\212\265\030\002\010\002'
+  _globals['_WORKER'].fields_by_name['ingest']._loaded_options = None
+  _globals['_WORKER'].fields_by_name['ingest']._serialized_options = b'\212\265\030\002\010\002'
+  _globals['_WORKER'].fields_by_name['server']._loaded_options = None
+  _globals['_WORKER'].fields_by_name['server']._serialized_options = b'\212\265\030\002\010\002'
+  _globals['_WORKERSERVICE'].methods_by_name['GetWorker']._loaded_options = None
+  _globals['_WORKERSERVICE'].methods_by_name['GetWorker']._serialized_options = b'\210\265\030\002\232\265\030\022\n\020/v1/workers/{id}'
+  _globals['_WORKERSERVICE'].methods_by_name['ListWorkers']._loaded_options = None
+  _globals['_WORKERSERVICE'].methods_by_name['ListWorkers']._serialized_options = b'\210\265\030\002\232\265\030\r\n\013/v1/workers'
+  _globals['_WORKERSERVICE'].methods_by_name['DrainWorker']._loaded_options = None
+  _globals['_WORKERSERVICE'].methods_by_name['DrainWorker']._serialized_options = b'\210\265\030\004\232\265\030\030\022\026/v1/workers/{id}/drain'
+  _globals['_WORKER']._serialized_start=102
+  _globals['_WORKER']._serialized_end=510
+  _globals['_GETWORKERREQUEST']._serialized_start=512
+  _globals['_GETWORKERREQUEST']._serialized_end=544
+  _globals['_DRAINWORKERREQUEST']._serialized_start=546
+  _globals['_DRAINWORKERREQUEST']._serialized_end=580
+  _globals['_LISTWORKERSREQUEST']._serialized_start=582
+  _globals['_LISTWORKERSREQUEST']._serialized_end=641
+  _globals['_LISTWORKERSRESPONSE']._serialized_start=643
+  _globals['_LISTWORKERSRESPONSE']._serialized_end=727
+  _globals['_WORKERSERVICE']._serialized_start=730
+  _globals['_WORKERSERVICE']._serialized_end=1046
 # @@protoc_insertion_point(module_scope)

@@ -70,7 +70,7 @@ class WorkerServiceServicer(object):
 
     def DrainWorker(self, request, context):
         """Asks a worker to take no more jobs and rollouts, to hand back its job with a checkpoint, to finish the
-        rollouts under way and to exit. It is no error to ask again.
+        rollouts under way and to exit; its sessions end with it. It is no error to ask again.
         """
         context.set_code(grpc.StatusCode.UNIMPLEMENTED)
         context.set_details('Method not implemented!')

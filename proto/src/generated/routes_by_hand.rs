@@ -1,0 +1,18 @@
+&[
+    ("GET /healthz", Scope::Open),
+    ("GET /metrics", Scope::Anyone),
+    ("GET /readyz", Scope::Open),
+    ("GET /v1/captures/{id}/content", Scope::CapturesRead),
+    ("GET /v1/captures/{id}/playback", Scope::CapturesRead),
+    ("GET /v1/plays/{id}/recording", Scope::RolloutsRun),
+    ("PUT /v1/plays/{id}/recording", Scope::RolloutsRun),
+    ("GET /v1/plays/{id}/watch", Scope::RolloutsRun),
+    ("GET /v1/twins/{id}/play", Scope::RolloutsRun),
+    ("GET /v1/uploads", Scope::CapturesWrite),
+    ("OPTIONS /v1/uploads", Scope::Open),
+    ("POST /v1/uploads", Scope::CapturesWrite),
+    ("DELETE /v1/uploads/{id}", Scope::CapturesWrite),
+    ("GET /v1/uploads/{id}", Scope::CapturesWrite),
+    ("HEAD /v1/uploads/{id}", Scope::CapturesWrite),
+    ("PATCH /v1/uploads/{id}", Scope::CapturesWrite),
+]
