@@ -40,7 +40,6 @@ const FILES: [&str; 15] = [
     "bendtwin/worker/v1/worker_link.proto",
 ];
 
-<<<<<<< HEAD
 /// Messages that the Rust client hands on as they are, in values that are printed as JSON.
 const WRITTEN_BY_SERDE: [&str; 6] = [
     "bendtwin.v1.KeyQuotas",
@@ -51,15 +50,6 @@ const WRITTEN_BY_SERDE: [&str; 6] = [
     "bendtwin.v1.WorkerRequirements",
 ];
 
-const TWINS: &str = "bendtwin/v1/twin.proto";
-const EVALUATIONS: &str = "bendtwin/v1/evaluation.proto";
-
-||||||| e7b0ac44
-const TWINS: &str = "bendtwin/v1/twin.proto";
-const EVALUATIONS: &str = "bendtwin/v1/evaluation.proto";
-
-=======
->>>>>>> http_b
 #[test]
 fn the_generated_code_is_that_of_the_proto_files() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
@@ -93,58 +83,6 @@ fn generate(root: &Path) -> BTreeMap<String, Vec<u8>> {
     let by_hand = std::fs::read(root.join("http/by_hand.json")).unwrap();
     let by_hand = serde_json::from_slice(&by_hand).unwrap();
     let folder = tempfile::tempdir().unwrap();
-<<<<<<< HEAD
-    std::fs::write(folder.path().join("descriptors.bin"), descriptors.encode_to_vec()).unwrap();
-    let in_json = [
-        "bendtwin/v1/fault.proto",
-        "bendtwin/v1/world.proto",
-        "bendtwin/v1/rollout.proto",
-        "bendtwin/v1/planning.proto",
-        "bendtwin/v1/registration.proto",
-        "bendtwin/v1/session.proto",
-    ];
-    // Of twins only their geometry has tensors, of evaluations the motion.
-    let alone = |file: &str, wanted: &str| {
-        let mut file = descriptors.file.iter().find(|f| f.name() == file).unwrap().clone();
-        file.message_type.retain(|message| message.name() == wanted);
-        file
-    };
-    let single = [alone(TWINS, "TwinGeometry"), alone(EVALUATIONS, "PredictedMotion")];
-    let whole = descriptors.file.iter().filter(|f| in_json.contains(&f.name()));
-    let code = json::implementations(whole.chain(&single));
-    std::fs::write(folder.path().join("json.rs"), code).unwrap();
-    let mut code = tonic_prost_build::configure().bytes(".").out_dir(folder.path());
-    for message in WRITTEN_BY_SERDE {
-        code = code.type_attribute(message, "#[derive(serde::Serialize)]");
-    }
-    let states = r#"#[derive(serde::Serialize)] #[serde(rename_all = "SCREAMING_SNAKE_CASE")]"#;
-    code.type_attribute("bendtwin.v1.Job.State", states).compile_fds(descriptors).unwrap();
-||||||| e7b0ac44
-    std::fs::write(folder.path().join("descriptors.bin"), descriptors.encode_to_vec()).unwrap();
-    let in_json = [
-        "bendtwin/v1/fault.proto",
-        "bendtwin/v1/world.proto",
-        "bendtwin/v1/rollout.proto",
-        "bendtwin/v1/planning.proto",
-        "bendtwin/v1/registration.proto",
-        "bendtwin/v1/session.proto",
-    ];
-    // Of twins only their geometry has tensors, of evaluations the motion.
-    let alone = |file: &str, wanted: &str| {
-        let mut file = descriptors.file.iter().find(|f| f.name() == file).unwrap().clone();
-        file.message_type.retain(|message| message.name() == wanted);
-        file
-    };
-    let single = [alone(TWINS, "TwinGeometry"), alone(EVALUATIONS, "PredictedMotion")];
-    let whole = descriptors.file.iter().filter(|f| in_json.contains(&f.name()));
-    let code = json::implementations(whole.chain(&single));
-    std::fs::write(folder.path().join("json.rs"), code).unwrap();
-    tonic_prost_build::configure()
-        .bytes(".")
-        .out_dir(folder.path())
-        .compile_fds(descriptors)
-        .unwrap();
-=======
     let write =
         |name: &str, content: &[u8]| std::fs::write(folder.path().join(name), content).unwrap();
     // With the options, which the types of prost do not keep.
@@ -153,12 +91,12 @@ fn generate(root: &Path) -> BTreeMap<String, Vec<u8>> {
     write("routes.rs", routes::table(&contract).as_bytes());
     write("routes_by_hand.rs", routes::by_hand(&contract, &by_hand).as_bytes());
     write("openapi.json", openapi::document(&contract, &by_hand).as_bytes());
-    tonic_prost_build::configure()
-        .bytes(".")
-        .out_dir(folder.path())
-        .compile_fds(descriptors)
-        .unwrap();
->>>>>>> http_b
+    let mut code = tonic_prost_build::configure().bytes(".").out_dir(folder.path());
+    for message in WRITTEN_BY_SERDE {
+        code = code.type_attribute(message, "#[derive(serde::Serialize)]");
+    }
+    let states = r#"#[derive(serde::Serialize)] #[serde(rename_all = "SCREAMING_SNAKE_CASE")]"#;
+    code.type_attribute("bendtwin.v1.Job.State", states).compile_fds(descriptors).unwrap();
     read(folder.path())
 }
 

@@ -37,7 +37,7 @@ pub struct ExecuteEvaluateTwinResponse {
     #[prost(message, optional, tag = "1")]
     pub evaluation: ::core::option::Option<super::super::v1::Evaluation>,
 }
-/// One of the calls of bendtwin.v1.SessionService that simulate nothing (but the way to a first state).
+/// One of the calls of bendtwin.v1.SessionService that simulate nothing, except to reach a first state.
 #[derive(Clone, PartialEq, ::prost::Message)]
 pub struct ManageSessionRequest {
     /// captures/{uuid} of the twin, for initial states that name a capture frame.
@@ -80,7 +80,7 @@ pub struct ManageSessionResponse {
 }
 #[derive(Clone, PartialEq, Eq, Hash, ::prost::Message)]
 pub struct RegisterRequest {
-    /// workers/{uuid}, from the key that the worker chooses at each start.
+    /// workers/{uuid}, derived from the key that the worker chooses at each start.
     #[prost(string, tag = "1")]
     pub worker: ::prost::alloc::string::String,
     /// <http://host:port> where WorkerRollouts answers.
@@ -92,10 +92,10 @@ pub struct RegisterRequest {
     pub device: ::prost::alloc::string::String,
     #[prost(string, tag = "5")]
     pub build: ::prost::alloc::string::String,
-    /// Instances that run at once.
+    /// Instances simulated together.
     #[prost(uint32, tag = "6")]
     pub lanes: u32,
-    /// Words that fits can ask for: up to 32 of up to 50 characters without spaces and commas.
+    /// Labels that fits can require: up to 32 of up to 50 characters without spaces and commas.
     #[prost(string, repeated, tag = "7")]
     pub labels: ::prost::alloc::vec::Vec<::prost::alloc::string::String>,
 }
@@ -105,11 +105,11 @@ pub struct RegisterResponse {
     pub heartbeat_interval_s: f64,
     #[prost(double, tag = "2")]
     pub lease_s: f64,
-    /// Bounds on rollout requests: the server checks every request against them before it passes it on.
+    /// Bounds on rollout requests: the server checks every request against them before forwarding it.
     #[prost(message, optional, tag = "3")]
     pub rollout_limits: ::core::option::Option<RolloutLimits>,
 }
-/// Bounds on what one rollout request may ask for. 0 means the default of the worker's build.
+/// Bounds on one rollout request. 0 means the default of the worker's build.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, ::prost::Message)]
 pub struct RolloutLimits {
     /// Size of a request, and of a reply or of one part of a streamed reply \[bytes\].
@@ -145,21 +145,21 @@ pub struct HeartbeatRequest {
     pub warm_twins: ::prost::alloc::vec::Vec<::prost::alloc::string::String>,
     #[prost(uint32, tag = "3")]
     pub rollouts_in_flight: u32,
-    /// Memory of the device in use, by whomever, and in all \[bytes\]; zero where it is not known.
+    /// Device memory in use by all processes, and in total \[bytes\]; zero where unknown.
     #[prost(uint64, tag = "4")]
     pub memory_used_bytes: u64,
     #[prost(uint64, tag = "5")]
     pub memory_total_bytes: u64,
-    /// Memory that a fit may take of the process \[bytes\]; zero if this worker takes no fits.
+    /// Process memory that a fit may use \[bytes\]; zero if this worker takes no fits.
     #[prost(uint64, tag = "6")]
     pub fit_memory_bytes: u64,
-    /// The sessions that live here.
+    /// Sessions that this worker holds.
     #[prost(message, repeated, tag = "7")]
     pub sessions: ::prost::alloc::vec::Vec<HeldSession>,
-    /// fits/{uuid} under way, if any.
+    /// fits/{uuid} of the running fit, if any.
     #[prost(string, tag = "8")]
     pub fit: ::prost::alloc::string::String,
-    /// captures/{uuid} whose ingest is under way, if any.
+    /// captures/{uuid} of the running ingest, if any.
     #[prost(string, tag = "9")]
     pub ingest: ::prost::alloc::string::String,
 }
@@ -173,7 +173,7 @@ pub struct HeldSession {
     pub twin: ::prost::alloc::string::String,
     #[prost(uint32, tag = "3")]
     pub slots: u32,
-    /// Numbers of grasps and colliders of its rollouts that name none themselves.
+    /// Numbers of grasps and colliders of rollouts of the session that give none.
     #[prost(uint32, tag = "4")]
     pub grasps: u32,
     #[prost(uint32, tag = "5")]
@@ -181,7 +181,7 @@ pub struct HeldSession {
 }
 #[derive(Clone, Copy, PartialEq, Eq, Hash, ::prost::Message)]
 pub struct HeartbeatResponse {
-    /// The worker should finish what it does and exit.
+    /// The worker should finish its current work and exit.
     #[prost(bool, tag = "1")]
     pub drain: bool,
 }
@@ -240,7 +240,7 @@ pub mod lease_job_request {
 pub struct LeaseJobResponse {
     #[prost(message, optional, tag = "1")]
     pub lease: ::core::option::Option<Lease>,
-    /// The worker should finish what it does and exit.
+    /// The worker should finish its current work and exit.
     #[prost(bool, tag = "2")]
     pub drain: bool,
 }
@@ -269,10 +269,10 @@ pub struct Lease {
     /// W3C traceparent of the call that created the job.
     #[prost(string, tag = "9")]
     pub trace_parent: ::prost::alloc::string::String,
-    /// BLAKE3 of the capture's observation; empty while there is none.
+    /// BLAKE3 of the capture's observation; empty before the first observation.
     #[prost(string, tag = "10")]
     pub observation_digest: ::prost::alloc::string::String,
-    /// BLAKE3 of the checkpoint; empty while there is none.
+    /// BLAKE3 of the checkpoint; empty before the first checkpoint.
     #[prost(string, tag = "11")]
     pub checkpoint_digest: ::prost::alloc::string::String,
 }
@@ -318,7 +318,7 @@ pub struct JobWrite {
     pub job: ::prost::alloc::string::String,
     #[prost(uint64, tag = "3")]
     pub epoch: u64,
-    /// BLAKE3 of the content, hex; empty where there are several.
+    /// BLAKE3 of the content, hex; empty where there are several contents.
     #[prost(string, tag = "4")]
     pub digest: ::prost::alloc::string::String,
 }
@@ -374,7 +374,7 @@ pub mod end_ingest_request {
     pub enum Part {
         #[prost(message, tag = "1")]
         Metadata(super::IngestWrite),
-        /// The observation, which fits work on. Missing if there is nothing to fit.
+        /// The observation that fits work on. Missing if there is nothing to fit.
         #[prost(bytes, tag = "2")]
         Observation(::prost::bytes::Bytes),
         /// The report as a document.
@@ -383,7 +383,7 @@ pub mod end_ingest_request {
         /// The report as a page.
         #[prost(bytes, tag = "4")]
         Page(::prost::bytes::Bytes),
-        /// The playback of the observation. Missing without one.
+        /// The playback of the observation. Missing if the ingest wrote no playback.
         #[prost(bytes, tag = "5")]
         Playback(::prost::bytes::Bytes),
     }
@@ -402,7 +402,7 @@ pub struct IngestWrite {
     pub report_digest: ::prost::alloc::string::String,
     #[prost(string, tag = "5")]
     pub page_digest: ::prost::alloc::string::String,
-    /// Reason why there is nothing to fit; missing if there is an observation.
+    /// Reason why nothing can be fitted; missing if there is an observation.
     #[prost(message, optional, tag = "6")]
     pub fault: ::core::option::Option<super::super::v1::Fault>,
     /// BLAKE3 of the playback, hex.
@@ -441,16 +441,16 @@ pub mod fail_job_request {
     #[repr(i32)]
     pub enum End {
         Unspecified = 0,
-        /// It failed; another attempt may succeed.
+        /// The attempt failed; another may succeed.
         Failed = 1,
-        /// It failed because of the input: another attempt would fail alike.
+        /// The attempt failed because of the input: another would fail in the same way.
         FailedForGood = 2,
         /// The job was cancelled.
         Cancelled = 3,
-        /// The worker stops in good order: the job goes back to the queue without counting an attempt.
+        /// The worker exits in good order: the job is requeued without counting an attempt.
         Released = 4,
-        /// Other work of the worker, which has to end, broke what the job needs: the job goes back to the queue.
-        /// That counts as an attempt only if it was so for the last twenty.
+        /// Other work of the worker, which has to exit, broke something that the job needs: the job is requeued.
+        /// This counts as an attempt only if the last twenty attempts ended so.
         Interrupted = 5,
     }
     impl End {
@@ -515,11 +515,11 @@ pub struct ExecuteRollOutRequest {
     pub part_instances: u32,
     #[prost(string, tag = "4")]
     pub request_id: ::prost::alloc::string::String,
-    /// Slots of the session in `request.initial` that take over the final states, one for each instance; empty:
-    /// none do.
+    /// Slots of the session in `request.initial` that take over the final states, one for each instance; empty: no
+    /// slot does.
     #[prost(uint32, repeated, tag = "5")]
     pub commit_slots: ::prost::alloc::vec::Vec<u32>,
-    /// Seconds that are left of `request.time_limit_s`, if it has one.
+    /// Remaining part of `request.time_limit_s`, if given, seconds.
     #[prost(double, tag = "6")]
     pub time_left_s: f64,
 }
@@ -539,12 +539,11 @@ pub mod worker_link_client {
     )]
     use tonic::codegen::*;
     use tonic::codegen::http::Uri;
-    /// Calls of workers to the server. Every call carries a worker token in the metadata entry
-    /// `authorization: Bearer {token}`, and the key of the calling worker in `worker-key`. A worker chooses its
-    /// key at its start and its id follows from it (crates/contract/src/worker_key.rs), so no holder of a token
-    /// can act for another's worker: such a call is refused with PERMISSION_DENIED, reason WORKER_KEY_MISMATCH. Every
-    /// write about a job carries the lease's epoch, and comes from the worker that has the lease: others are
-    /// refused with ABORTED, reason STALE_LEASE, and change nothing.
+    /// Calls from workers to the server. Every call carries a worker token in the metadata entry `authorization:  Bearer {token}`, and the key of the calling worker in `worker-key`. A worker chooses its key at its start and
+    /// its id follows from it (crates/contract/src/worker_key.rs), so no holder of a token can act for another's
+    /// worker: such a call is refused with PERMISSION_DENIED, reason WORKER_KEY_MISMATCH. Every write about a job
+    /// carries the epoch of the lease, and must come from the worker that has the lease: other writes are refused
+    /// with ABORTED, reason STALE_LEASE, and change nothing.
     #[derive(Debug, Clone)]
     pub struct WorkerLinkClient<T> {
         inner: tonic::client::Grpc<T>,
@@ -674,7 +673,7 @@ pub mod worker_link_client {
                 .insert(GrpcMethod::new("bendtwin.worker.v1.WorkerLink", "Heartbeat"));
             self.inner.unary(req, path, codec).await
         }
-        /// Waits up to `wait_s` for a job of a kind; an empty reply means that there was none.
+        /// Waits up to `wait_s` for a job of a kind; an empty reply means that no job came.
         pub async fn lease_job(
             &mut self,
             request: impl tonic::IntoRequest<super::LeaseJobRequest>,
@@ -724,7 +723,7 @@ pub mod worker_link_client {
                 .insert(GrpcMethod::new("bendtwin.worker.v1.WorkerLink", "ReportJob"));
             self.inner.unary(req, path, codec).await
         }
-        /// Stores a checkpoint durably before it answers: metadata first, then chunks.
+        /// Stores a checkpoint durably before replying: metadata first, then chunks.
         pub async fn save_checkpoint(
             &mut self,
             request: impl tonic::IntoStreamingRequest<
@@ -780,8 +779,8 @@ pub mod worker_link_client {
                 .insert(GrpcMethod::new("bendtwin.worker.v1.WorkerLink", "CompleteFit"));
             self.inner.client_streaming(req, path, codec).await
         }
-        /// Stores what an ingest made and ends the job in one transaction: metadata first, then the parts, each in
-        /// chunks, in the order of the fields.
+        /// Stores the results of an ingest and ends the job in one transaction: metadata first, then the parts, each
+        /// in chunks, in the order of the fields.
         pub async fn end_ingest(
             &mut self,
             request: impl tonic::IntoStreamingRequest<Message = super::EndIngestRequest>,
@@ -806,7 +805,7 @@ pub mod worker_link_client {
                 .insert(GrpcMethod::new("bendtwin.worker.v1.WorkerLink", "EndIngest"));
             self.inner.client_streaming(req, path, codec).await
         }
-        /// Ends an attempt that made nothing.
+        /// Ends an attempt without results.
         pub async fn fail_job(
             &mut self,
             request: impl tonic::IntoRequest<super::FailJobRequest>,
@@ -831,7 +830,7 @@ pub mod worker_link_client {
                 .insert(GrpcMethod::new("bendtwin.worker.v1.WorkerLink", "FailJob"));
             self.inner.unary(req, path, codec).await
         }
-        /// Says that the worker ends. Jobs that it still has go back to the queue.
+        /// Announces that the worker exits. Jobs that it still has are requeued.
         pub async fn leave(
             &mut self,
             request: impl tonic::IntoRequest<super::LeaveRequest>,
@@ -853,8 +852,9 @@ pub mod worker_link_client {
                 .insert(GrpcMethod::new("bendtwin.worker.v1.WorkerLink", "Leave"));
             self.inner.unary(req, path, codec).await
         }
-        /// The content of a capture, observation, twin or checkpoint, in chunks. Captures and checkpoints only while
-        /// the worker has the lease of a job of theirs, observations also where there is a twin of the capture.
+        /// The content of a capture, observation, twin or checkpoint, in chunks. Captures and checkpoints are
+        /// available only while the worker has the lease of a job that uses them; observations also if the capture has
+        /// a twin.
         pub async fn download(
             &mut self,
             request: impl tonic::IntoRequest<super::DownloadRequest>,
@@ -909,7 +909,7 @@ pub mod worker_link_server {
             tonic::Response<super::HeartbeatResponse>,
             tonic::Status,
         >;
-        /// Waits up to `wait_s` for a job of a kind; an empty reply means that there was none.
+        /// Waits up to `wait_s` for a job of a kind; an empty reply means that no job came.
         async fn lease_job(
             &self,
             request: tonic::Request<super::LeaseJobRequest>,
@@ -925,7 +925,7 @@ pub mod worker_link_server {
             tonic::Response<super::ReportJobResponse>,
             tonic::Status,
         >;
-        /// Stores a checkpoint durably before it answers: metadata first, then chunks.
+        /// Stores a checkpoint durably before replying: metadata first, then chunks.
         async fn save_checkpoint(
             &self,
             request: tonic::Request<tonic::Streaming<super::SaveCheckpointRequest>>,
@@ -941,8 +941,8 @@ pub mod worker_link_server {
             tonic::Response<super::CompleteFitResponse>,
             tonic::Status,
         >;
-        /// Stores what an ingest made and ends the job in one transaction: metadata first, then the parts, each in
-        /// chunks, in the order of the fields.
+        /// Stores the results of an ingest and ends the job in one transaction: metadata first, then the parts, each
+        /// in chunks, in the order of the fields.
         async fn end_ingest(
             &self,
             request: tonic::Request<tonic::Streaming<super::EndIngestRequest>>,
@@ -950,12 +950,12 @@ pub mod worker_link_server {
             tonic::Response<super::EndIngestResponse>,
             tonic::Status,
         >;
-        /// Ends an attempt that made nothing.
+        /// Ends an attempt without results.
         async fn fail_job(
             &self,
             request: tonic::Request<super::FailJobRequest>,
         ) -> std::result::Result<tonic::Response<super::FailJobResponse>, tonic::Status>;
-        /// Says that the worker ends. Jobs that it still has go back to the queue.
+        /// Announces that the worker exits. Jobs that it still has are requeued.
         async fn leave(
             &self,
             request: tonic::Request<super::LeaveRequest>,
@@ -966,19 +966,19 @@ pub mod worker_link_server {
             >
             + std::marker::Send
             + 'static;
-        /// The content of a capture, observation, twin or checkpoint, in chunks. Captures and checkpoints only while
-        /// the worker has the lease of a job of theirs, observations also where there is a twin of the capture.
+        /// The content of a capture, observation, twin or checkpoint, in chunks. Captures and checkpoints are
+        /// available only while the worker has the lease of a job that uses them; observations also if the capture has
+        /// a twin.
         async fn download(
             &self,
             request: tonic::Request<super::DownloadRequest>,
         ) -> std::result::Result<tonic::Response<Self::DownloadStream>, tonic::Status>;
     }
-    /// Calls of workers to the server. Every call carries a worker token in the metadata entry
-    /// `authorization: Bearer {token}`, and the key of the calling worker in `worker-key`. A worker chooses its
-    /// key at its start and its id follows from it (crates/contract/src/worker_key.rs), so no holder of a token
-    /// can act for another's worker: such a call is refused with PERMISSION_DENIED, reason WORKER_KEY_MISMATCH. Every
-    /// write about a job carries the lease's epoch, and comes from the worker that has the lease: others are
-    /// refused with ABORTED, reason STALE_LEASE, and change nothing.
+    /// Calls from workers to the server. Every call carries a worker token in the metadata entry `authorization:  Bearer {token}`, and the key of the calling worker in `worker-key`. A worker chooses its key at its start and
+    /// its id follows from it (crates/contract/src/worker_key.rs), so no holder of a token can act for another's
+    /// worker: such a call is refused with PERMISSION_DENIED, reason WORKER_KEY_MISMATCH. Every write about a job
+    /// carries the epoch of the lease, and must come from the worker that has the lease: other writes are refused
+    /// with ABORTED, reason STALE_LEASE, and change nothing.
     #[derive(Debug)]
     pub struct WorkerLinkServer<T> {
         inner: Arc<T>,
@@ -1561,7 +1561,7 @@ pub mod worker_rollouts_client {
     )]
     use tonic::codegen::*;
     use tonic::codegen::http::Uri;
-    /// Calls of servers to a worker, at the endpoint that it registered, with the same token.
+    /// Calls from servers to a worker, at the endpoint that it registered, with the same token.
     #[derive(Debug, Clone)]
     pub struct WorkerRolloutsClient<T> {
         inner: tonic::client::Grpc<T>,
@@ -1642,8 +1642,8 @@ pub mod worker_rollouts_client {
             self.inner = self.inner.max_encoding_message_size(limit);
             self
         }
-        /// Heartbeats: at once, whenever sessions, twins or jobs change, and at intervals. So every server knows what is
-        /// loaded where, also those that the worker does not call.
+        /// Heartbeats: one immediately, one whenever sessions, twins or jobs change, and one at each interval. So
+        /// every server knows what is loaded where, also servers that the worker does not call.
         pub async fn watch(
             &mut self,
             request: impl tonic::IntoRequest<super::WatchRequest>,
@@ -1791,8 +1791,8 @@ pub mod worker_rollouts_server {
             >
             + std::marker::Send
             + 'static;
-        /// Heartbeats: at once, whenever sessions, twins or jobs change, and at intervals. So every server knows what is
-        /// loaded where, also those that the worker does not call.
+        /// Heartbeats: one immediately, one whenever sessions, twins or jobs change, and one at each interval. So
+        /// every server knows what is loaded where, also servers that the worker does not call.
         async fn watch(
             &self,
             request: tonic::Request<super::WatchRequest>,
@@ -1829,7 +1829,7 @@ pub mod worker_rollouts_server {
             tonic::Status,
         >;
     }
-    /// Calls of servers to a worker, at the endpoint that it registered, with the same token.
+    /// Calls from servers to a worker, at the endpoint that it registered, with the same token.
     #[derive(Debug)]
     pub struct WorkerRolloutsServer<T> {
         inner: Arc<T>,

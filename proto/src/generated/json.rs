@@ -549,6 +549,33 @@ write_message(map, "ingest_requirements", Some(self.ingest_requirements.as_ref()
     }
 }
 
+impl Fields for crate::v1::CaptureMetadata {
+    const NAME: &'static str = "CaptureMetadata";
+    const FIELDS: &'static [&'static str] = &["display_name", "digest", "ingest", "ingest_requirements"];
+    const REQUIRED: &'static [&'static str] = &[];
+    #[allow(unused_variables)]
+    fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
+        match field {
+            0 => { self.display_name = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+1 => { self.digest = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+2 => { self.ingest_json = document(map)?; }
+3 => { self.ingest_requirements = message(map)?; }
+
+            _ => {}
+        }
+        Ok(())
+    }
+    #[allow(unused_variables)]
+    fn write<M: SerializeMap>(&self, tensors: TensorFormat, map: &mut M) -> Result<(), M::Error> {
+        map.serialize_entry("display_name", &self.display_name)?;
+map.serialize_entry("digest", &self.digest)?;
+write_document(map, "ingest", &self.ingest_json)?;
+write_message(map, "ingest_requirements", self.ingest_requirements.as_ref(), tensors)?;
+
+        Ok(())
+    }
+}
+
 impl Fields for crate::v1::GetCaptureRequest {
     const NAME: &'static str = "GetCaptureRequest";
     const FIELDS: &'static [&'static str] = &[];
@@ -1248,6 +1275,29 @@ write_tensor(map, "weight_nodes", self.weight_nodes.as_ref(), tensors)?;
 write_tensor(map, "weights", self.weights.as_ref(), tensors)?;
 write_tensor(map, "frames", self.frames.as_ref(), tensors)?;
 write_tensor(map, "offsets", self.offsets.as_ref(), tensors)?;
+
+        Ok(())
+    }
+}
+
+impl Fields for crate::v1::TwinMetadata {
+    const NAME: &'static str = "TwinMetadata";
+    const FIELDS: &'static [&'static str] = &["display_name", "digest"];
+    const REQUIRED: &'static [&'static str] = &[];
+    #[allow(unused_variables)]
+    fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
+        match field {
+            0 => { self.display_name = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+1 => { self.digest = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+
+            _ => {}
+        }
+        Ok(())
+    }
+    #[allow(unused_variables)]
+    fn write<M: SerializeMap>(&self, tensors: TensorFormat, map: &mut M) -> Result<(), M::Error> {
+        map.serialize_entry("display_name", &self.display_name)?;
+map.serialize_entry("digest", &self.digest)?;
 
         Ok(())
     }

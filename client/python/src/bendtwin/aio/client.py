@@ -39,14 +39,14 @@ if TYPE_CHECKING:
 
 
 class Client:
-    """A BendTwin server, `host:port` or a URL. For one event loop; close it or use it in `async with`.
+    """Client of a BendTwin server, `host:port` or a URL. For one event loop; close it or use it in `async with`.
 
-    `token` is a key or the token of the server, `token_file` a file with either, which others must
-    not be able to read. Without both it is that of `BENDTWIN_TOKEN`, in the file of
-    `BENDTWIN_TOKEN_FILE`, or the one that a server of the same user on the same machine left.
+    `token` is a key or the token of the server, `token_file` a file with either, which other users
+    must not be able to read. By default the token comes from `BENDTWIN_TOKEN`, from the file named
+    in `BENDTWIN_TOKEN_FILE`, or from a server of the same user on the same machine.
 
     For `https://host:port`, `ca` is the file with the certificate of the server's authority (PEM).
-    Without it that is in the file of `BENDTWIN_CA`, or among the authorities of the system.
+    The default is the file named in `BENDTWIN_CA`, or the authorities of the system.
     """
 
     def __init__(
@@ -86,9 +86,9 @@ class Client:
         """Uploads a capture: an archive, or a folder that is packed first.
 
         Motion capture (`.npz`) is packed with the `.json` beside it.
-        `ingest` says what differs from the default settings of reading it (docs/settings.md), and
-        `ingest_requirements` which worker reads it.
-        The same content under the same `request_id` answers with the capture that exists.
+        `ingest` has the settings of the ingest that differ from the defaults
+        (docs/use/settings.md), and `ingest_requirements` restricts the worker that reads it. The
+        same content with the same `request_id` returns the existing capture.
         """
         path = Path(path)
         name = path.stem if display_name is None else display_name
@@ -113,11 +113,11 @@ class Client:
         rest_points: ArrayLike | None = None,
         pins: ArrayLike | None = None,
     ) -> Capture:
-        """Uploads motion capture: points that were tracked already, as one or several motions.
+        """Uploads motion capture: tracked points, as one or several motions.
 
-        `ground` is the ground's height along `up_axis`, in `units`; None if there is none. `edges`
-        [E, 2] says which points are joined, `rest_points` [P, 3] what shape is undeformed, `pins`
-        [H, 2] which point is held by which control point. `request_id`, `ingest` and
+        `ground` is the ground's height along `up_axis`, in `units`; None means no ground. `edges`
+        [E, 2] are pairs of joined points, `rest_points` [P, 3] the undeformed shape, `pins` [H, 2]
+        pairs of a point and the control point that holds it. `request_id`, `ingest` and
         `ingest_requirements` are as in `upload_capture`.
         """
         content = bundle(
@@ -152,10 +152,10 @@ class Client:
         """Uploads a capture resumably (tus 1.0.0): an archive, or a folder that is packed first.
 
         Motion capture (`.npz`) is packed with the `.json` beside it.
-        Goes on over broken connections and restarts of the server, and, called again, over
-        restarts of its own process. The same content under the same name is one capture and is not
-        sent twice. `ingest_requirements` says which worker reads it; `on_progress` is told the
-        bytes that the server has, and how many there are.
+        The upload survives broken connections and restarts of the server and, if called again, of
+        the calling process. The same content with the same name is one capture and is not sent
+        twice. `ingest_requirements` restricts the worker that reads it; `on_progress` gets the
+        bytes that the server has, and the total.
         """
         file = Path(path)
         called = file.resolve().name if file.is_dir() else file.stem
@@ -176,7 +176,7 @@ class Client:
         return await self.capture(await self._caller.blocking(send))
 
     async def capture(self, name: str) -> Capture:
-        """One capture."""
+        """The capture with a name."""
         return await self._caller.run(calls.get_capture(name))
 
     def captures(self, **choice: Unpack[ListArguments]) -> AsyncIterator[Capture]:
@@ -184,11 +184,11 @@ class Client:
         return self._caller.pages(calls.list_captures(choice))
 
     async def update_capture(self, name: str, **change: Unpack[LabelArguments]) -> Capture:
-        """Changes display name, note and tags of a capture; what is not given stays."""
+        """Changes display name, note and tags of a capture; omitted ones stay."""
         return await self._caller.run(calls.update_capture(name, change))
 
     async def delete_capture(self, name: str) -> None:
-        """Deletes a capture; its twins stay."""
+        """Deletes a capture; its twins are kept."""
         await self._caller.run(calls.delete_capture(name))
 
     # Reading captures
@@ -201,7 +201,7 @@ class Client:
         request_id: str | None = None,
         requirements: Requirements | None = None,
     ) -> Capture:
-        """Has a capture read again, with other settings say (docs/use/settings.md)."""
+        """Reads a capture again, for example with other settings (docs/use/settings.md).
 
         Without `requirements` any worker will do.
         """
@@ -210,13 +210,13 @@ class Client:
         )
 
     async def cancel_ingest(self, name: str) -> Capture:
-        """Asks the ingest of a capture to stop; one that has ended is left as it is."""
+        """Asks the ingest of a capture to stop; an ended ingest does not change."""
         return await self._caller.run(calls.cancel_ingest(name))
 
     def watch_capture(self, name: str, *, timeout_s: float | None = None) -> AsyncIterator[Capture]:
-        """The capture now and after every change of its ingest, until that has ended.
+        """The capture now and after every change of its ingest, until the ingest has ended.
 
-        Goes on over restarts of the server. Raises BendTwinError (DEADLINE_EXCEEDED) after
+        Survives restarts of the server. Raises BendTwinError (DEADLINE_EXCEEDED) after
         `timeout_s`.
         """
         return self._caller.follow(calls.watch_capture(name), timeout_s)
@@ -240,7 +240,7 @@ class Client:
         return ended
 
     async def capture_report(self, name: str) -> dict[str, Any]:
-        """Report on a capture: verdict, findings and what they rest on."""
+        """Report on a capture: verdict, findings and measurements."""
         content = await self._caller.content(calls.capture_report(name, html=False))
         report: dict[str, Any] = json.loads(content)
         return report
@@ -250,7 +250,8 @@ class Client:
         await self._caller.save(calls.capture_report(name, html=True), path)
 
     async def export_observation(self, name: str, path: str | PathLike[str]) -> None:
-        """Writes what fits of a capture work on, tracked points as a bundle (ZIP)."""
+        """Writes the observation that fits of a capture work on: tracked points as a bundle
+        (ZIP)."""
         await self._caller.save(calls.export_observation(name), path)
 
     # Fits
@@ -265,16 +266,17 @@ class Client:
         display_name: str = "",
         requirements: Requirements | None = None,
     ) -> Fit:
-        """Starts a fit of a capture. `settings` are those of docs/use/settings.md.
+        """Starts a fit of a capture. docs/use/settings.md lists the `settings`.
 
-        Without a `display_name` it has its capture's; without `requirements` any worker will do.
+        The default `display_name` is that of the capture; without `requirements` any worker can run
+        the fit.
         """
         return await self._caller.run(
             calls.create_fit(capture, settings, priority, request_id, display_name, requirements)
         )
 
     async def get_fit(self, name: str) -> Fit:
-        """One fit as it stands."""
+        """The fit with a name, in its current state."""
         return await self._caller.run(calls.get_fit(name))
 
     def fits(
@@ -284,26 +286,26 @@ class Client:
         return self._caller.pages(calls.list_fits(capture, state, choice))
 
     async def update_fit(self, name: str, **change: Unpack[LabelArguments]) -> Fit:
-        """Changes display name, note and tags of a fit; what is not given stays."""
+        """Changes display name, note and tags of a fit; omitted ones stay."""
         return await self._caller.run(calls.update_fit(name, change))
 
     async def fit_losses(self, fit: Fit | str) -> list[LossCurve]:
-        """The losses of a fit, by stage and model. They stay until it is deleted."""
+        """The losses of a fit, by stage and model. They are kept until the fit is deleted."""
         name = fit if isinstance(fit, str) else fit.name
         return await self._caller.run(calls.fit_losses(name))
 
     async def cancel_fit(self, name: str) -> Fit:
-        """Asks a fit to stop; one that has ended is returned as it is."""
+        """Asks a fit to stop; an ended fit is returned unchanged."""
         return await self._caller.run(calls.cancel_fit(name))
 
     async def delete_fit(self, name: str) -> None:
-        """Deletes a fit that has ended; its twin stays."""
+        """Deletes a fit that has ended; its twin is kept."""
         await self._caller.run(calls.delete_fit(name))
 
     def watch(self, name: str, *, timeout_s: float | None = None) -> AsyncIterator[Fit]:
         """The fit now and after every change, until it has ended.
 
-        Goes on over restarts of the server. Raises BendTwinError (DEADLINE_EXCEEDED) after
+        Survives restarts of the server. Raises BendTwinError (DEADLINE_EXCEEDED) after
         `timeout_s`.
         """
         return self._caller.follow(calls.watch_fit(name), timeout_s)
@@ -344,12 +346,12 @@ class Client:
         fidelity: Fidelity = "exact",
         idle_timeout_s: float = 0.0,
     ) -> Session:
-        """Opens simulations of a twin that stay at a worker between calls.
+        """Opens simulations of a twin that a worker keeps between calls.
 
-        They begin in `initial` (default: at rest; a batch of given states has one for each slot).
-        `world` and `grasps` are those of every rollout from there that names none itself; `vary`
-        too, with a factor for all slots or one for each, but in calls of this object alone. It ends
-        when nobody has used it for `idle_timeout_s` (0: five minutes).
+        They start from `initial` (default: at rest; a batch of given states has one state for each
+        slot). `world` and `grasps` apply to every rollout of the session that gives none; `vary`
+        too, with a factor for all slots or one for each, but only in calls of this object. The
+        session ends after `idle_timeout_s` without calls (0: five minutes).
         """
         of = await self.twin(twin) if isinstance(twin, str) else twin
         request = session_calls.open_request(
@@ -365,7 +367,7 @@ class Client:
         )
 
     async def update_twin(self, name: str, **change: Unpack[LabelArguments]) -> Twin:
-        """Changes display name, note and tags of a twin; what is not given stays."""
+        """Changes display name, note and tags of a twin; omitted ones stay."""
         return self._twin(await self._caller.run(calls.update_twin(name, change)))
 
     async def export_twin(self, name: str, path: str | PathLike[str]) -> None:
@@ -379,7 +381,7 @@ class Client:
         display_name: str | None = None,
         request_id: str | None = None,
     ) -> Twin:
-        """Stores a twin file that was exported elsewhere."""
+        """Stores a twin file that another server exported."""
         return self._twin(await self._caller.run(calls.create_twin(path, display_name, request_id)))
 
     async def delete_twin(self, name: str) -> None:
@@ -389,7 +391,7 @@ class Client:
     # Workers
 
     def workers(self) -> AsyncIterator[Worker]:
-        """The workers that the server knows."""
+        """Workers that are registered with the server."""
         return self._caller.pages(calls.list_workers())
 
     async def drain_worker(self, name: str) -> Worker:

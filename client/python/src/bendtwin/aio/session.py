@@ -26,10 +26,11 @@ if TYPE_CHECKING:
 
 
 class Session(SessionCalls[AsyncCaller, Twin]):
-    """One or several simulations of a twin that stay where they are between calls.
+    """Simulations of a twin, in slots, that keep their states between calls.
 
     Get one with `Client.open_session`, and close it or use it in `async with`. If its worker is lost, or
-    nobody uses it for a while, calls raise BendTwinError with the reason SESSION_LOST: `reopen` it.
+    the session is unused for too long, calls raise BendTwinError with the reason SESSION_LOST:
+    `reopen` it.
     """
 
     async def __aenter__(self) -> Session:
@@ -45,9 +46,9 @@ class Session(SessionCalls[AsyncCaller, Twin]):
         timeout_s: float | None = None,
         **arguments: Unpack[RolloutArguments],
     ) -> RolloutResult:
-        """A batch from where the session is, which stays there.
+        """Rolls out a batch from the state of the session, which does not change.
 
-        `slots` are one for all instances (default: 0) or one for each; the other arguments are
+        `slots` has one slot for all instances (default: 0) or one for each; the other arguments are
         those of `Twin.rollout` without `initial`.
         """
         return await self._caller.run(self._roll_out(slots, arguments), timeout_s)
@@ -59,7 +60,7 @@ class Session(SessionCalls[AsyncCaller, Twin]):
         timeout_s: float | None = None,
         **arguments: Unpack[PlanArguments],
     ) -> PlanUpdate:
-        """A plan from where a slot is: see `Twin.plan`. Do not advance the slot meanwhile.
+        """Plans from the state of a slot: see `Twin.plan`. Do not advance the slot meanwhile.
 
         Row 0 of trajectories is taken from the session.
         """
@@ -74,7 +75,7 @@ class Session(SessionCalls[AsyncCaller, Twin]):
         timeout_s: float | None = None,
         **arguments: Unpack[PlanArguments],
     ) -> AsyncIterator[PlanUpdate]:
-        """The best so far after each iteration of `plan`; closing the iterator ends the search."""
+        """The best plan after each iteration of `plan`; closing the iterator ends the search."""
         request = self._plan_request(slot, arguments)
         return self._caller.parts(calls.plan(request), timeout_s)
 
@@ -85,20 +86,21 @@ class Session(SessionCalls[AsyncCaller, Twin]):
         timeout_s: float | None = None,
         **arguments: Unpack[RolloutArguments],
     ) -> RolloutResult:
-        """Applies actions and leaves the slots where they end: one slot (default: 0) an instance.
+        """Applies actions and stores the final states in the slots: one slot (default: 0) an
+        instance.
 
         The other arguments are those of `Twin.rollout` without `initial` and `fidelity`. Nothing
-        changes if it fails or an instance diverges.
+        changes if the call fails or an instance diverges.
         """
         return await self._caller.run(self._advance(slots, arguments), timeout_s)
 
     def control(
         self, actions: AsyncIterable[RolloutArguments], *, slots: Sequence[int] = ()
     ) -> AsyncIterator[RolloutResult]:
-        """Advances by one set of actions after another over one connection: teleoperation.
+        """Advances by one set of actions after another over one connection, for teleoperation.
 
-        Each is a dict of arguments of `advance`. The next is asked for when the reply to the one
-        before has been taken, so that it may follow from it.
+        Each set is a dict of arguments of `advance`. The next one is taken from the iterator after
+        the previous reply was consumed, so that it may depend on that reply.
         """
         sent: deque[session_pb2.AdvanceSessionRequest] = deque()
 
@@ -117,16 +119,16 @@ class Session(SessionCalls[AsyncCaller, Twin]):
         timeout_s: float | None = None,
         **arguments: Unpack[CorrectArguments],
     ) -> list[Correction]:
-        """Brings the states of slots (default: 0) closer to points [M, 3], metres, that were seen.
+        """Moves the states of slots (default: 0) towards observed points [M, 3], metres.
 
-        They move smoothly, without touching what control points and grasps hold, and stay outside
-        of ground and colliders, on the side where they were. The rest shapes of the slots take part
-        (`carry`), so that what is simulated from them does not go back to where it was; they follow
-        by repetition: correct several times a second. All of the slots are corrected, or none if
-        the points are too far from one of them: BendTwinError with the reason
+        Nodes move smoothly, except those held by control points and grasps, and stay outside of
+        ground and colliders, on the side where they were. The rest shapes of the slots take part
+        (`carry`), so that later simulations do not spring back; they follow over several
+        corrections: correct several times a second. Either all slots are corrected, or none if the
+        points are too far from one of them: BendTwinError with the reason
         OBSERVATION_NOT_EXPLAINED, or OBJECT_LOST if that slot is lost (`Correction.lost`,
-        `refresh().lost`); `register_if_lost=True` registers a lost slot by the same points. The
-        other arguments are in `CorrectArguments`. Each correction brings the corrected state.
+        `refresh().lost`); `register_if_lost=True` registers a lost slot with the same points. The
+        other arguments are in `CorrectArguments`. Each correction contains the corrected state.
         """
         return await self._caller.run(self._correct(slots, points, arguments), timeout_s)
 
@@ -142,17 +144,17 @@ class Session(SessionCalls[AsyncCaller, Twin]):
         deadline_s: float | None = None,
         timeout_s: float | None = None,
     ) -> Step:
-        """Takes a step of a closed loop in one call: corrects a slot by points [M, 3], metres, that
-        were seen (None: not at all), plans from there, and advances it by the first `frames` of the
-        best plan (0: not at all).
+        """Takes a step of a closed loop in one call: corrects a slot by observed points [M, 3],
+        metres (None: no correction), plans from the corrected state, and advances the slot by the
+        first `frames` of the best plan (0: no advance).
 
         `search` has the arguments of `plan`; its actions are the nominal plan, and the next step
-        takes `Step.search`. `correct` has the other arguments of `correct`; `returns` are of the
-        frames that are executed. All of it is checked before anything changes.
+        uses `Step.search`. `correct` has the other arguments of `correct`; `returns` are those of
+        the executed frames. The whole step is checked before anything changes.
 
-        With `deadline_s` the search ends when nine tenths of it have passed, and the best so far is
-        executed; its first iteration is always finished. Points that are too far from the object
-        correct nothing, and the step is taken from where the object was predicted: `Step.refused`.
+        With `deadline_s` the search ends when nine tenths of it have passed, and the best plan so
+        far is executed; its first iteration is always finished. Points that are too far from the
+        object correct nothing, and the step starts from the predicted state: `Step.refused`.
 
         Raises:
             BendTwinError: EVERY_PLAN_DIVERGED, a lost worker or the time-out may leave the slot
@@ -170,31 +172,31 @@ class Session(SessionCalls[AsyncCaller, Twin]):
         return await self._caller.run(call, timeout_s)
 
     async def states(self, slots: Sequence[int] = ()) -> list[State]:
-        """The states of slots, or of all of them; each can be an initial state anywhere, from which
-        the twin goes on with its own rest shape, whatever corrections gave to the slot."""
+        """The states of slots, or of all of them. Each can be the initial state of any call, which
+        continues with the rest shape of the twin, without that of corrections."""
         return await self._caller.run(self._states(slots))
 
     async def refresh(self) -> SessionInfo:
-        """The session as the server sees it now."""
+        """The current state of the session at the server."""
         return await self._caller.run(session_calls.get_session(self.name))
 
     async def fork(self, source: int, to: Sequence[int] = ()) -> None:
-        """Copies the state of a slot, and its rest shape, to others, or to all others."""
+        """Copies the state and the rest shape of a slot to others, or to all others."""
         await self._caller.run(self._fork(source, to))
 
     async def reset(self, slots: Sequence[int] = (), initial: InitialState | None = None) -> None:
-        """Sets slots, or all, back to the session's first state, or to a given one, and to the rest
-        shape of the twin."""
+        """Resets slots, or all of them, to the session's first state, or to a given one, and to the
+        rest shape of the twin."""
         await self._caller.run(self._reset(slots, initial))
 
     async def reopen(self) -> list[int]:
-        """Opens it again after it was lost, under a new name: each slot is in the last state that a
-        reply brought, from `advance` with `Returns(final_state=True)`, from `states` or from
-        `correct`, and goes on from there to the bit. Rest shapes that corrections gave to slots are
-        lost with the worker: the slots have that of the twin, until they are corrected again.
+        """Opens a lost session again, under a new name: each slot is in the last returned state,
+        from `advance` with `Returns(final_state=True)`, from `states` or from `correct`, and
+        continues from there bit for bit. Rest shapes from corrections are lost with the worker: the
+        slots have that of the twin, until they are corrected again.
 
-        Returns by how many frames each slot is behind where it was: 0 if every advance brought its
-        final state. Raises BendTwinError (UNAVAILABLE) while no worker is there: try again.
+        Returns the number of frames by which each slot is behind: 0 if every advance returned its
+        final state. Raises BendTwinError (UNAVAILABLE) while there is no worker: try again.
         """
         opened = await self._caller.run(session_calls.open_session(self._opening))
         for call in self._resets(opened):
@@ -202,5 +204,5 @@ class Session(SessionCalls[AsyncCaller, Twin]):
         return self._goes_on(opened)
 
     async def close(self) -> None:
-        """Ends it; it is no error if it has ended."""
+        """Ends the session; ending it twice is not an error."""
         await self._caller.run(session_calls.close_session(self.name))

@@ -24,7 +24,7 @@ class Twin(TwinFacts[AsyncCaller]):
     """A fitted twin at the server. Get one with `Client.twin`."""
 
     async def geometry(self, *, timeout_s: float | None = None) -> Geometry:
-        """Its nodes, springs and control points; asked for once, as twins never change."""
+        """Nodes, springs and control points of the twin; fetched once, since twins never change."""
         if self._geometry is None:
             self._geometry = await self._caller.run(calls.twin_geometry(self.name), timeout_s)
         return self._geometry
@@ -32,7 +32,7 @@ class Twin(TwinFacts[AsyncCaller]):
     async def rollout(
         self, *, timeout_s: float | None = None, **arguments: Unpack[RolloutArguments]
     ) -> RolloutResult:
-        """Predicts what a batch of actions does. The arguments are in `RolloutArguments`:
+        """Predicts the motion under a batch of actions. The arguments are in `RolloutArguments`:
         trajectories or poses, initial, frames, costs, returns, world, grasps and others.
 
         Args:
@@ -53,13 +53,13 @@ class Twin(TwinFacts[AsyncCaller]):
         timeout_s: float | None = None,
         **arguments: Unpack[RolloutArguments],
     ) -> AsyncIterator[RolloutResult]:
-        """The same in parts, as instances finish; see `RolloutResult.first_instance`.
+        """Like `rollout`, in parts as instances finish; see `RolloutResult.first_instance`.
 
         Args:
-            part_frames: Divides parts in time too: each has at most so many frames, which
-                `RolloutResult.window` names, and comes while later ones are simulated.
+            part_frames: Divides parts in time too: the largest number of frames of a part, whose
+            `RolloutResult.window` names them, and which comes while later ones are simulated.
             timeout_s: Deadline of the call.
-            arguments: As those of `rollout`.
+            arguments: Those of `rollout`.
         """
         call = calls.stream_roll_out(self.rollout_request(**arguments), part_frames)
         return self._caller.parts(call, timeout_s)
@@ -71,10 +71,10 @@ class Twin(TwinFacts[AsyncCaller]):
         timeout_s: float | None = None,
         **arguments: Unpack[RegisterArguments],
     ) -> Registration:
-        """The state in which the twin explains points [M, 3], metres, that were seen of it.
+        """The state in which the twin explains observed points [M, 3], metres, of its object.
 
-        A cloud by default; with `nodes` or `places` it is known what the points are. The other
-        arguments are in `RegisterArguments`.
+        The points are a cloud by default; `nodes` or `places` give their places on the object. The
+        other arguments are in `RegisterArguments`.
 
         Args:
             points: Positions in the twin's coordinates. Rows that are not finite are left out.
@@ -82,18 +82,18 @@ class Twin(TwinFacts[AsyncCaller]):
             arguments: Knowledge of the points, and options.
 
         Raises:
-            BendTwinError: With the reason OBSERVATION_NOT_EXPLAINED if too much is left between the
-                points and the twin, or another one of the server's.
+            BendTwinError: With the reason OBSERVATION_NOT_EXPLAINED if the remaining distances are
+            too large, or another reason of the server.
             ValueError: If an array's shape or content is wrong before anything is sent.
         """
         call = register_state(self.name, points, arguments)
         return await self._caller.run(call, timeout_s)
 
     async def evaluate(self, capture: str, *, timeout_s: float | None = None) -> dict[str, Any]:
-        """The quality table of the twin on a capture, as `info.quality` has that of its fit.
+        """The quality table of the twin on a capture, in the form of `info.quality`.
 
-        To another recording of its object the twin is registered first: `recordings` in the table
-        says how well. All frames of such a recording count as future.
+        The twin is first registered to another recording of its object: `recordings` in the table
+        has the quality of the registration. All frames of such a recording count as future.
 
         Args:
             capture: `captures/{uuid}`, whose ingest has ended.
@@ -101,7 +101,7 @@ class Twin(TwinFacts[AsyncCaller]):
 
         Raises:
             BendTwinError: With the reason OBSERVATION_NOT_EXPLAINED if the twin does not explain
-                the first frame, or another one of the server's.
+                the first frame, or another reason of the server.
         """
         return await self._caller.run(calls.evaluate_twin(self.name, capture), timeout_s)
 
@@ -111,15 +111,16 @@ class Twin(TwinFacts[AsyncCaller]):
         timeout_s: float | None = None,
         **arguments: Unpack[PlanArguments],
     ) -> PlanUpdate:
-        """Has the server look for actions that lower the costs: the best that it found.
+        """Searches at the server for actions that lower the costs, and returns the best plan.
 
-        It is never worse than the nominal plan, which are the actions, of one instance: row 0 is
-        where things are, and stays. `update.knots` are the next nominal plan.
+        The plan is never worse than the nominal plan, which the actions, of one instance, define:
+        their row 0 is the current position and is not changed. `update.knots` are the next nominal
+        plan.
 
         Args:
-            timeout_s: Deadline of the call, after which there is no plan.
-            arguments: Those of `PlanArguments`: search, space and shift_frames, beside those of
-                `rollout`.
+            timeout_s: Deadline of the call, after which no plan is returned.
+            arguments: Those of `PlanArguments`: search, space and shift_frames, in addition to
+            those of `rollout`.
 
         Raises:
             BendTwinError: With the server's reason.
@@ -134,6 +135,6 @@ class Twin(TwinFacts[AsyncCaller]):
         timeout_s: float | None = None,
         **arguments: Unpack[PlanArguments],
     ) -> AsyncIterator[PlanUpdate]:
-        """The best so far after each iteration of `plan`; closing the iterator ends the search."""
+        """The best plan after each iteration of `plan`; closing the iterator ends the search."""
         request = plan_request(self.name, arguments)
         return self._caller.parts(calls.plan(request), timeout_s)

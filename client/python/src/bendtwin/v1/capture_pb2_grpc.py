@@ -26,8 +26,8 @@ if _version_not_supported:
 
 
 class CaptureServiceStub(object):
-    """Recordings of soft objects. The content of a capture never changes. A worker reads each of them (the
-    *ingest*): that gives the observation, which fits work on, and the report.
+    """Recordings of soft objects. The content of a capture never changes. A worker reads each capture (the
+    *ingest*), which produces the observation that fits work on, and the report.
     """
 
     def __init__(self, channel):
@@ -89,13 +89,13 @@ class CaptureServiceStub(object):
 
 
 class CaptureServiceServicer(object):
-    """Recordings of soft objects. The content of a capture never changes. A worker reads each of them (the
-    *ingest*): that gives the observation, which fits work on, and the report.
+    """Recordings of soft objects. The content of a capture never changes. A worker reads each capture (the
+    *ingest*), which produces the observation that fits work on, and the report.
     """
 
     def CreateCapture(self, request_iterator, context):
         """Uploads a capture: the first message has `metadata`, the following ones `chunk`s in order.
-        The same content under the same request_id answers with the capture that exists already.
+        Sending the same content with the same request_id again returns the existing capture.
         """
         context.set_code(grpc.StatusCode.UNIMPLEMENTED)
         context.set_details('Method not implemented!')
@@ -121,30 +121,30 @@ class CaptureServiceServicer(object):
         raise NotImplementedError('Method not implemented!')
 
     def DeleteCapture(self, request, context):
-        """Deletes its observation, playback and report, too. Refused with FAILED_PRECONDITION while a fit of it is
-        queued or running. Twins stay.
+        """Deletes its observation, playback and report, too. Refused with FAILED_PRECONDITION while a fit of the
+        capture is queued or running. Its twins are kept.
         """
         context.set_code(grpc.StatusCode.UNIMPLEMENTED)
         context.set_details('Method not implemented!')
         raise NotImplementedError('Method not implemented!')
 
     def IngestCapture(self, request, context):
-        """Runs the ingest again, for example with other settings. Refused with FAILED_PRECONDITION while it is under way, and while a fit of the
-        capture is queued or running.
+        """Runs the ingest again, for example with other settings. Refused with FAILED_PRECONDITION while an ingest or
+        a fit of the capture is queued or running.
         """
         context.set_code(grpc.StatusCode.UNIMPLEMENTED)
         context.set_details('Method not implemented!')
         raise NotImplementedError('Method not implemented!')
 
     def CancelIngest(self, request, context):
-        """Asks the ingest to stop; one that has ended is returned as it is.
+        """Asks the ingest to stop; an ingest that has ended is returned unchanged.
         """
         context.set_code(grpc.StatusCode.UNIMPLEMENTED)
         context.set_details('Method not implemented!')
         raise NotImplementedError('Method not implemented!')
 
     def WatchIngest(self, request, context):
-        """The capture now and after every change of its ingest, until that has ended. Over HTTP events named
+        """The capture now and after every change of its ingest, until the ingest has ended. Over HTTP events named
         `capture`, with the revision of the ingest as id; `Last-Event-ID` skips what is known.
         """
         context.set_code(grpc.StatusCode.UNIMPLEMENTED)
@@ -152,14 +152,14 @@ class CaptureServiceServicer(object):
         raise NotImplementedError('Method not implemented!')
 
     def GetCaptureReport(self, request, context):
-        """Report of the ingest on the capture, in chunks.
+        """Report of the ingest, in chunks.
         """
         context.set_code(grpc.StatusCode.UNIMPLEMENTED)
         context.set_details('Method not implemented!')
         raise NotImplementedError('Method not implemented!')
 
     def ExportObservation(self, request, context):
-        """Observation that the ingest made of the capture, in chunks: a ZIP archive as docs/capture-format.md has it.
+        """Observation that the ingest made of the capture, in chunks: a ZIP archive (docs/formats/capture.md).
         """
         context.set_code(grpc.StatusCode.UNIMPLEMENTED)
         context.set_details('Method not implemented!')
@@ -227,8 +227,8 @@ def add_CaptureServiceServicer_to_server(servicer, server):
 
  # This class is part of an EXPERIMENTAL API.
 class CaptureService(object):
-    """Recordings of soft objects. The content of a capture never changes. A worker reads each of them (the
-    *ingest*): that gives the observation, which fits work on, and the report.
+    """Recordings of soft objects. The content of a capture never changes. A worker reads each capture (the
+    *ingest*), which produces the observation that fits work on, and the report.
     """
 
     @staticmethod

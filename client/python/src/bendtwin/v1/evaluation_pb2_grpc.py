@@ -26,7 +26,7 @@ if _version_not_supported:
 
 
 class EvaluationServiceStub(object):
-    """Evaluation: the predictions of a twin beside a recording of its object.
+    """Evaluation: a twin's predictions compared with a recording of its object.
     """
 
     def __init__(self, channel):
@@ -43,14 +43,15 @@ class EvaluationServiceStub(object):
 
 
 class EvaluationServiceServicer(object):
-    """Evaluation: the predictions of a twin beside a recording of its object.
+    """Evaluation: a twin's predictions compared with a recording of its object.
     """
 
     def EvaluateTwin(self, request, context):
-        """The quality table of a twin on a capture. To a recording other than its own the twin is registered
-        first: ends with FAILED_PRECONDITION, reason OBSERVATION_NOT_EXPLAINED, if that leaves too much.
-        The capture's ingest has to have ended. The table is computed anew and kept nowhere. `motion` also asks for
-        the predicted positions of nodes in a sequence, and for its errors frame by frame.
+        """The quality table of a twin on a capture. The twin is first registered to a recording that it was not
+        fitted to; the call ends with FAILED_PRECONDITION, reason OBSERVATION_NOT_EXPLAINED, if the remaining
+        distances are too large. The capture's ingest must have ended. The table is computed for this call and not
+        stored. `motion` also asks for the predicted positions of nodes in a sequence, and for its errors frame by
+        frame.
         """
         context.set_code(grpc.StatusCode.UNIMPLEMENTED)
         context.set_details('Method not implemented!')
@@ -73,7 +74,7 @@ def add_EvaluationServiceServicer_to_server(servicer, server):
 
  # This class is part of an EXPERIMENTAL API.
 class EvaluationService(object):
-    """Evaluation: the predictions of a twin beside a recording of its object.
+    """Evaluation: a twin's predictions compared with a recording of its object.
     """
 
     @staticmethod

@@ -26,7 +26,7 @@ if _version_not_supported:
 
 
 class FitServiceStub(object):
-    """Fit jobs: capture in, twin out.
+    """Fit jobs, which turn a capture into a twin.
     """
 
     def __init__(self, channel):
@@ -78,7 +78,7 @@ class FitServiceStub(object):
 
 
 class FitServiceServicer(object):
-    """Fit jobs: capture in, twin out.
+    """Fit jobs, which turn a capture into a twin.
     """
 
     def CreateFit(self, request, context):
@@ -115,14 +115,14 @@ class FitServiceServicer(object):
         raise NotImplementedError('Method not implemented!')
 
     def CancelFit(self, request, context):
-        """Asks a queued or running fit to stop; a fit that has ended is returned as it is.
+        """Asks a queued or running fit to stop; a fit that has ended is returned unchanged.
         """
         context.set_code(grpc.StatusCode.UNIMPLEMENTED)
         context.set_details('Method not implemented!')
         raise NotImplementedError('Method not implemented!')
 
     def DeleteFit(self, request, context):
-        """Refused with FAILED_PRECONDITION while it runs: cancel it first. Its twin stays.
+        """Refused with FAILED_PRECONDITION while the fit runs: cancel it first. Its twin is kept.
         """
         context.set_code(grpc.StatusCode.UNIMPLEMENTED)
         context.set_details('Method not implemented!')
@@ -188,7 +188,7 @@ def add_FitServiceServicer_to_server(servicer, server):
 
  # This class is part of an EXPERIMENTAL API.
 class FitService(object):
-    """Fit jobs: capture in, twin out.
+    """Fit jobs, which turn a capture into a twin.
     """
 
     @staticmethod

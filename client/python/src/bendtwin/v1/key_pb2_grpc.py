@@ -26,7 +26,7 @@ if _version_not_supported:
 
 
 class KeyServiceStub(object):
-    """Keys with which clients identify themselves. All calls take the scope `admin`.
+    """Keys by which clients identify themselves. All calls need the scope `admin`.
     """
 
     def __init__(self, channel):
@@ -58,11 +58,11 @@ class KeyServiceStub(object):
 
 
 class KeyServiceServicer(object):
-    """Keys with which clients identify themselves. All calls take the scope `admin`.
+    """Keys by which clients identify themselves. All calls need the scope `admin`.
     """
 
     def CreateKey(self, request, context):
-        """Makes a key. Its text is in the reply and nowhere else: the server stores a hash of it.
+        """Creates a key. Its text is only in this reply: the server stores a hash.
         """
         context.set_code(grpc.StatusCode.UNIMPLEMENTED)
         context.set_details('Method not implemented!')
@@ -75,14 +75,14 @@ class KeyServiceServicer(object):
         raise NotImplementedError('Method not implemented!')
 
     def ListKeys(self, request, context):
-        """Newest first; revoked and expired keys are among them.
+        """All keys, newest first, revoked and expired ones included.
         """
         context.set_code(grpc.StatusCode.UNIMPLEMENTED)
         context.set_details('Method not implemented!')
         raise NotImplementedError('Method not implemented!')
 
     def DeleteKey(self, request, context):
-        """Revokes a key: no server accepts it 30 s later. It stays in the list, with its `revoke_time`.
+        """Revokes a key: after 30 s no server accepts it any more. The key stays in the list, with its `revoke_time`.
         """
         context.set_code(grpc.StatusCode.UNIMPLEMENTED)
         context.set_details('Method not implemented!')
@@ -120,7 +120,7 @@ def add_KeyServiceServicer_to_server(servicer, server):
 
  # This class is part of an EXPERIMENTAL API.
 class KeyService(object):
-    """Keys with which clients identify themselves. All calls take the scope `admin`.
+    """Keys by which clients identify themselves. All calls need the scope `admin`.
     """
 
     @staticmethod

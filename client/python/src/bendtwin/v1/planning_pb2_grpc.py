@@ -26,8 +26,8 @@ if _version_not_supported:
 
 
 class PlanningServiceStub(object):
-    """Plans: actions that lower the costs of a rollout, found at the server. Batch after batch of samples is
-    simulated, as rollouts are; dropping the stream stops the work.
+    """Planning: searches at the server for actions that lower the costs of a rollout. Batches of sampled actions
+    are simulated like rollouts; dropping the stream stops the search.
     """
 
     def __init__(self, channel):
@@ -44,16 +44,16 @@ class PlanningServiceStub(object):
 
 
 class PlanningServiceServicer(object):
-    """Plans: actions that lower the costs of a rollout, found at the server. Batch after batch of samples is
-    simulated, as rollouts are; dropping the stream stops the work.
+    """Planning: searches at the server for actions that lower the costs of a rollout. Batches of sampled actions
+    are simulated like rollouts; dropping the stream stops the search.
     """
 
     def Plan(self, request, context):
-        """One update after each iteration with the best so far, and a last one. The best is never worse than
-        the nominal plan: whatever comes back was simulated, with that cost. A plan that strains the material
-        beyond the limit counts as worse than every plan that does not, whatever its cost; of plans beyond
-        it the one that is beyond it least is best. Over HTTP events named `update`; closing the connection stops
-        the work.
+        """Sends an update with the best plan after each iteration, and a last one. The best plan is never worse than
+        the nominal plan: every returned plan was simulated, with the returned cost. A plan that strains the
+        material beyond the limit is worse than every plan within it, regardless of the cost; among plans beyond
+        the limit the one with the least strain is best. Over HTTP events named `update`; closing the connection
+        stops the work.
         """
         context.set_code(grpc.StatusCode.UNIMPLEMENTED)
         context.set_details('Method not implemented!')
@@ -76,8 +76,8 @@ def add_PlanningServiceServicer_to_server(servicer, server):
 
  # This class is part of an EXPERIMENTAL API.
 class PlanningService(object):
-    """Plans: actions that lower the costs of a rollout, found at the server. Batch after batch of samples is
-    simulated, as rollouts are; dropping the stream stops the work.
+    """Planning: searches at the server for actions that lower the costs of a rollout. Batches of sampled actions
+    are simulated like rollouts; dropping the stream stops the search.
     """
 
     @staticmethod

@@ -26,8 +26,8 @@ if _version_not_supported:
 
 
 class RegistrationServiceStub(object):
-    """Registration: from points that were seen of an object to a state of its twin. A running session is
-    corrected by SessionService.CorrectSession instead.
+    """Registration: finds the state of a twin from observed points of its object. A running session is corrected by
+    SessionService.CorrectSession instead.
     """
 
     def __init__(self, channel):
@@ -44,14 +44,14 @@ class RegistrationServiceStub(object):
 
 
 class RegistrationServiceServicer(object):
-    """Registration: from points that were seen of an object to a state of its twin. A running session is
-    corrected by SessionService.CorrectSession instead.
+    """Registration: finds the state of a twin from observed points of its object. A running session is corrected by
+    SessionService.CorrectSession instead.
     """
 
     def RegisterState(self, request, context):
-        """The state in which the twin explains an observation: a rigid motion, then a deformation, then frames
-        of the twin's own physics under the pull of the points. Ends with FAILED_PRECONDITION, reason
-        OBSERVATION_NOT_EXPLAINED, if more than the stated residual is left.
+        """The state in which the twin explains an observation: a rigid motion, then a deformation, then frames of the
+        twin's own physics under the pull of the points. Ends with FAILED_PRECONDITION, reason
+        OBSERVATION_NOT_EXPLAINED, if the remaining residual is above the given limit.
         """
         context.set_code(grpc.StatusCode.UNIMPLEMENTED)
         context.set_details('Method not implemented!')
@@ -74,8 +74,8 @@ def add_RegistrationServiceServicer_to_server(servicer, server):
 
  # This class is part of an EXPERIMENTAL API.
 class RegistrationService(object):
-    """Registration: from points that were seen of an object to a state of its twin. A running session is
-    corrected by SessionService.CorrectSession instead.
+    """Registration: finds the state of a twin from observed points of its object. A running session is corrected by
+    SessionService.CorrectSession instead.
     """
 
     @staticmethod

@@ -26,7 +26,7 @@ if _version_not_supported:
 
 
 class RolloutServiceStub(object):
-    """Predictions: robot actions in, motion, costs or gradients out.
+    """Predictions: motion, costs and gradients for batches of robot actions.
     """
 
     def __init__(self, channel):
@@ -48,7 +48,7 @@ class RolloutServiceStub(object):
 
 
 class RolloutServiceServicer(object):
-    """Predictions: robot actions in, motion, costs or gradients out.
+    """Predictions: motion, costs and gradients for batches of robot actions.
     """
 
     def RollOut(self, request, context):
@@ -60,10 +60,10 @@ class RolloutServiceServicer(object):
         raise NotImplementedError('Method not implemented!')
 
     def StreamRollOut(self, request, context):
-        """The same in parts, as instances finish: each part covers `first_instance` onwards. On a GPU the last bits of
-        a result may differ from those of RollOut, as they depend on how many instances are simulated together; on
-        the CPU they do not. With `returns.best` there is one part. With `returns.part_frames` every part is divided
-        in time as well. Over HTTP events named `part`.
+        """Like RollOut, with the reply in parts as instances finish: each part covers `first_instance` onwards. On a
+        GPU the last bits of a result may differ from those of RollOut, because they depend on the number of
+        instances simulated together; on the CPU they do not. With `returns.best` there is one part. With
+        `returns.part_frames` every part is divided in time as well. Over HTTP events named `part`.
         """
         context.set_code(grpc.StatusCode.UNIMPLEMENTED)
         context.set_details('Method not implemented!')
@@ -91,7 +91,7 @@ def add_RolloutServiceServicer_to_server(servicer, server):
 
  # This class is part of an EXPERIMENTAL API.
 class RolloutService(object):
-    """Predictions: robot actions in, motion, costs or gradients out.
+    """Predictions: motion, costs and gradients for batches of robot actions.
     """
 
     @staticmethod

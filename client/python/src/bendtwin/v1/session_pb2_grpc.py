@@ -27,11 +27,11 @@ if _version_not_supported:
 
 
 class SessionServiceStub(object):
-    """Simulations that live at a worker between calls. A planner advances a session with what the robot
-    does, and rolls out from where it is (RollOutRequest.initial.session) without sending states to and
-    fro. Sessions are held in memory alone and end when nobody has used them for a while. If the worker
-    of a session is lost, calls end with ABORTED, reason SESSION_LOST: open another from the last state
-    that a reply brought.
+    """Simulations that a worker keeps in memory between calls. A planner advances a session with the robot's
+    actions, and rolls out from its current state (RollOutRequest.initial.session) without sending states back
+    and forth. Sessions exist only in memory and end after a time without calls. If the worker of a session is
+    lost, calls end with ABORTED, reason SESSION_LOST: open another session from the last state that a reply
+    returned.
     """
 
     def __init__(self, channel):
@@ -93,11 +93,11 @@ class SessionServiceStub(object):
 
 
 class SessionServiceServicer(object):
-    """Simulations that live at a worker between calls. A planner advances a session with what the robot
-    does, and rolls out from where it is (RollOutRequest.initial.session) without sending states to and
-    fro. Sessions are held in memory alone and end when nobody has used them for a while. If the worker
-    of a session is lost, calls end with ABORTED, reason SESSION_LOST: open another from the last state
-    that a reply brought.
+    """Simulations that a worker keeps in memory between calls. A planner advances a session with the robot's
+    actions, and rolls out from its current state (RollOutRequest.initial.session) without sending states back
+    and forth. Sessions exist only in memory and end after a time without calls. If the worker of a session is
+    lost, calls end with ABORTED, reason SESSION_LOST: open another session from the last state that a reply
+    returned.
     """
 
     def OpenSession(self, request, context):
@@ -122,52 +122,52 @@ class SessionServiceServicer(object):
         raise NotImplementedError('Method not implemented!')
 
     def AdvanceSession(self, request, context):
-        """Simulates the rollout from the states of slots, and leaves them in those that it ends in. Nothing
-        changes if it fails or an instance diverges.
+        """Simulates a rollout from the states of slots, and stores the final states in the slots. The slots do not
+        change if the rollout fails or an instance diverges.
         """
         context.set_code(grpc.StatusCode.UNIMPLEMENTED)
         context.set_details('Method not implemented!')
         raise NotImplementedError('Method not implemented!')
 
     def ControlSession(self, request_iterator, context):
-        """The same again and again, for teleoperation: each message is answered by one. The stream ends with
-        the first that fails.
+        """Repeated AdvanceSession in one stream, for teleoperation: each message gets one reply. The stream ends with
+        the first advance that fails.
         """
         context.set_code(grpc.StatusCode.UNIMPLEMENTED)
         context.set_details('Method not implemented!')
         raise NotImplementedError('Method not implemented!')
 
     def ForkSession(self, request, context):
-        """Copies the state of a slot to others, and its rest shape.
+        """Copies the state and the rest shape of a slot to other slots.
         """
         context.set_code(grpc.StatusCode.UNIMPLEMENTED)
         context.set_details('Method not implemented!')
         raise NotImplementedError('Method not implemented!')
 
     def ResetSession(self, request, context):
-        """Sets slots back to the session's first state, or to a given one, and to the rest shape of the twin.
+        """Resets slots to the session's first state, or to a given one, and to the rest shape of the twin.
         """
         context.set_code(grpc.StatusCode.UNIMPLEMENTED)
         context.set_details('Method not implemented!')
         raise NotImplementedError('Method not implemented!')
 
     def CorrectSession(self, request, context):
-        """Brings the states of slots closer to what is seen, in place: smoothly, without touching what
-        control points and grasps hold, and outside of the ground and of colliders, on the side of them
-        where nodes were. Their rest shapes take part (CorrectOptions.carry), and belong to the slots from
-        then on, in all that is simulated from them. Ends with FAILED_PRECONDITION if more than the stated
-        residual is left at one of them, reason OBSERVATION_NOT_EXPLAINED, or OBJECT_LOST for a slot that
-        is lost (Tracking); no state changes then.
+        """Moves the states of slots towards an observation, in place. The correction is smooth, leaves nodes held by
+        control points and grasps where they are, and keeps nodes outside of the ground and of colliders, on the
+        side where they were. The rest shapes of the slots are corrected too (CorrectOptions.carry), and apply to
+        everything simulated from these slots afterwards. Ends with FAILED_PRECONDITION if the remaining residual
+        of a slot is above the given limit, reason OBSERVATION_NOT_EXPLAINED, or OBJECT_LOST for a slot that is
+        lost (Tracking); no state changes then.
         """
         context.set_code(grpc.StatusCode.UNIMPLEMENTED)
         context.set_details('Method not implemented!')
         raise NotImplementedError('Method not implemented!')
 
     def StepSession(self, request, context):
-        """A step of a closed loop: corrects a slot by what is seen, plans from there, and advances the slot by
-        the first frames of the best plan. All of the request is checked before anything changes. Later
-        failures (EVERY_PLAN_DIVERGED, a lost worker, the deadline of the call) may leave the slot corrected,
-        but not advanced.
+        """A step of a closed loop: corrects a slot by an observation, plans from the corrected state, and advances
+        the slot by the first frames of the best plan. The whole request is checked before anything changes. Later
+        failures (EVERY_PLAN_DIVERGED, a lost worker, the deadline of the call) may leave the slot corrected, but
+        not advanced.
         """
         context.set_code(grpc.StatusCode.UNIMPLEMENTED)
         context.set_details('Method not implemented!')
@@ -242,11 +242,11 @@ def add_SessionServiceServicer_to_server(servicer, server):
 
  # This class is part of an EXPERIMENTAL API.
 class SessionService(object):
-    """Simulations that live at a worker between calls. A planner advances a session with what the robot
-    does, and rolls out from where it is (RollOutRequest.initial.session) without sending states to and
-    fro. Sessions are held in memory alone and end when nobody has used them for a while. If the worker
-    of a session is lost, calls end with ABORTED, reason SESSION_LOST: open another from the last state
-    that a reply brought.
+    """Simulations that a worker keeps in memory between calls. A planner advances a session with the robot's
+    actions, and rolls out from its current state (RollOutRequest.initial.session) without sending states back
+    and forth. Sessions exist only in memory and end after a time without calls. If the worker of a session is
+    lost, calls end with ABORTED, reason SESSION_LOST: open another session from the last state that a reply
+    returned.
     """
 
     @staticmethod

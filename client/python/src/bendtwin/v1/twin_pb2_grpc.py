@@ -77,7 +77,7 @@ class TwinServiceServicer(object):
     """
 
     def CreateTwin(self, request_iterator, context):
-        """Stores a twin file that was exported elsewhere: metadata first, then chunks.
+        """Stores a twin file that another server exported: metadata first, then chunks.
         """
         context.set_code(grpc.StatusCode.UNIMPLEMENTED)
         context.set_details('Method not implemented!')
@@ -109,7 +109,7 @@ class TwinServiceServicer(object):
         raise NotImplementedError('Method not implemented!')
 
     def ExportTwin(self, request, context):
-        """The twin file (safetensors, docs/twin-format.md) in chunks.
+        """The twin file (safetensors, docs/formats/twin.md) in chunks.
         """
         context.set_code(grpc.StatusCode.UNIMPLEMENTED)
         context.set_details('Method not implemented!')

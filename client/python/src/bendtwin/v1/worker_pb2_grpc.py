@@ -26,7 +26,7 @@ if _version_not_supported:
 
 
 class WorkerServiceStub(object):
-    """The worker processes that the servers know.
+    """Worker processes that are registered with the servers.
     """
 
     def __init__(self, channel):
@@ -53,7 +53,7 @@ class WorkerServiceStub(object):
 
 
 class WorkerServiceServicer(object):
-    """The worker processes that the servers know.
+    """Worker processes that are registered with the servers.
     """
 
     def GetWorker(self, request, context):
@@ -103,7 +103,7 @@ def add_WorkerServiceServicer_to_server(servicer, server):
 
  # This class is part of an EXPERIMENTAL API.
 class WorkerService(object):
-    """The worker processes that the servers know.
+    """Worker processes that are registered with the servers.
     """
 
     @staticmethod
