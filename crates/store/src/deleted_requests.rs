@@ -72,7 +72,11 @@ pub(crate) async fn refuse(
 }
 
 /// Lets an upload make a capture that was begun under the id of a deleted one.
-pub(crate) async fn begin_again(tx: &mut Transaction, request_id: &str, upload: &str) -> Result<()> {
+pub(crate) async fn begin_again(
+    tx: &mut Transaction,
+    request_id: &str,
+    upload: &str,
+) -> Result<()> {
     query("update deleted_requests set upload = $3 where kind = $1 and request_id = $2")
         .bind(Kind::Captures.as_str())
         .bind(request_id)

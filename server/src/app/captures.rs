@@ -2,7 +2,7 @@
 
 use bendtwin_core::ids::CaptureId;
 use bendtwin_proto::v1::CaptureMetadata;
-use bendtwin_store::{Capture, Content, Creator, NewCapture, Overview, Page, Requirements, Staged};
+use bendtwin_store::{Capture, Content, Creator, NewCapture, Overview, Page, Staged};
 
 use super::{
     App, Body, Error, Result,
