@@ -79,12 +79,12 @@ impl<T: Copy> Row<T> {
 pub const PLANNER_NODES: u32 = 80;
 /// Substeps of a planner's twin where nothing else says how many.
 pub const PLANNER_SUBSTEPS: u32 = 32;
-/// As many as there are.
+/// No bound.
 const ALL: usize = usize::MAX;
 /// Most substeps of a frame where nothing else says how many.
 pub(super) const MOST_SUBSTEPS: u32 = 1000;
 
-// The table: a body on a CPU, a body on a GPU, a cable; in each draft, standard, best.
+// The table. Columns: a body on a CPU, a body on a GPU, a cable; in each draft, standard, best.
 
 /// A cable has the nodes that were recorded.
 const MAX_NODES: Row<usize> = row([100, 200, 600], [300, 600, 600], [ALL; 3]);
@@ -108,8 +108,8 @@ const GRAVITY: Row<bool> = row([false; 3], [false; 3], [true; 3]);
 const PASSES: Row<u32> = row([40, 120, 300], [60, 300, 600], [20, 40, 80]);
 /// A draft of a body on a CPU has few nodes and ends early: there the stronger pull predicts better.
 const REFINE_PRIOR: Row<f64> = row([0.3, 0.05, 0.05], [0.05; 3], [0.3; 3]);
-/// On a GPU the pieces between run backward side by side, so that a pass takes half of the time, and
-/// twins predict as well as with all frames.
+/// The pieces of a gradient that reaches back 16 frames run backward side by side on a GPU: a pass
+/// takes half of the time, and twins predict as well as with all frames.
 const REACH: Row<u32> = row([0; 3], [16; 3], [0; 3]);
 const GAUSSIANS: Row<u32> = by_effort([0, 0, 20_000]);
 const NODES_OF_PLANNER: Row<u32> = by_effort([0, 0, PLANNER_NODES]);
