@@ -35,7 +35,7 @@ macro_rules! codes {
 }
 
 codes! {
-    // Of lifted points, whose check tells it.
+    // Reported by the check of lifted points.
     GravityDirection "GRAVITY_DIRECTION",
         "gravity does not point straight down onto the ground",
         "check the up axis";

@@ -57,8 +57,8 @@ impl Problem {
     }
 }
 
-/// True if the message is that of the cause: `#[error(transparent)]`.
-pub(crate) fn has_message_of_cause(attributes: &[Attribute]) -> Option<Path> {
+/// Path of `#[error(transparent)]`, which takes the message of the cause, if it is there.
+pub(crate) fn message_of_cause(attributes: &[Attribute]) -> Option<Path> {
     let is_so = |attribute: &&Attribute| {
         attribute.path().is_ident("error")
             && attribute.parse_args::<Ident>().is_ok_and(|word| word == "transparent")

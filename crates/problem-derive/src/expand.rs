@@ -6,7 +6,7 @@ use syn::{
     Attribute, Data, DeriveInput, Error, Field, Fields, Ident, Result, spanned::Spanned as _,
 };
 
-use crate::attribute::{Category, Origin, Problem, has_message_of_cause};
+use crate::attribute::{Category, Origin, Problem, message_of_cause};
 
 /// A variant, or the whole of a struct.
 struct Case<'a> {
@@ -75,7 +75,7 @@ fn stated(own: &[Attribute], of_type: &[Attribute], name: &Ident) -> Result<Vec<
     if !found.is_empty() {
         return Ok(found);
     }
-    if let Some(path) = has_message_of_cause(own) {
+    if let Some(path) = message_of_cause(own) {
         return Ok(vec![Problem::transparent(path)]);
     }
     let found = Problem::all(of_type)?;

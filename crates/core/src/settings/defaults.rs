@@ -50,7 +50,7 @@ pub struct Conditions {
 struct Row<T> {
     body_on_cpu: [T; 3],
     body_on_gpu: [T; 3],
-    /// On either device.
+    /// The same on either device.
     cable: [T; 3],
 }
 
@@ -79,40 +79,53 @@ impl<T: Copy> Row<T> {
 pub const PLANNER_NODES: u32 = 80;
 /// Substeps of a planner's twin where nothing else says how many.
 pub const PLANNER_SUBSTEPS: u32 = 32;
-/// As many as there are.
+/// No bound.
 const ALL: usize = usize::MAX;
 /// Most substeps of a frame where nothing else says how many.
 pub(super) const MOST_SUBSTEPS: u32 = 1000;
 
-// The table: a body on a CPU, a body on a GPU, a cable; in each draft, standard, best.
+// The table. Columns: a body on a CPU, a body on a GPU, a cable; in each draft, standard, best.
 
-/// A cable has the nodes that were recorded.
+/// `graph.max_nodes`; a cable has the nodes that were recorded.
 const MAX_NODES: Row<usize> = row([100, 200, 600], [300, 600, 600], [ALL; 3]);
+/// `graph.max_neighbours`.
 const MAX_NEIGHBOURS: Row<usize> = row([12, 12, 30], [30; 3], [12; 3]);
+/// `graph.interior`.
 const INTERIOR: Row<bool> = by_effort([true; 3]);
-/// The search of a cable would spend its time on stiff candidates; a body with many nodes needs more.
+/// `substeps.auto.max`; the search of a cable would spend its time on stiff candidates, and a body with
+/// many nodes needs more.
 const SUBSTEPS: Row<u32> = row([MOST_SUBSTEPS; 3], [MOST_SUBSTEPS; 3], [200; 3]);
+/// `loss.sequences`.
 const SEQUENCES: Row<SequenceMean> =
     row([SequenceMean::Arithmetic; 3], [SequenceMean::Arithmetic; 3], [SequenceMean::Geometric; 3]);
-/// Searches of a cable are cheap, its optimum is narrow, and its training loss shows which of several
-/// starts predicts best.
+/// `search.starts`; searches of a cable are cheap, its optimum is narrow, and its training loss shows
+/// which of several starts predicts best.
 const STARTS: Row<u32> = row([1, 2, 4], [1, 3, 4], [1, 3, 6]);
+/// `search.vary`.
 const VARY: Row<bool> = row([false; 3], [true; 3], [false; 3]);
+/// `search.generations`.
 const GENERATIONS: Row<u32> = row([4, 12, 12], [8, 12, 25], [20, 60, 60]);
+/// `search.population`.
 const POPULATION: Row<usize> = row([16, 16, 32], [32; 3], [32; 3]);
+/// `search.prior`.
 const SEARCH_PRIOR: Row<f64> = row([0.4; 3], [0.4; 3], [0.0; 3]);
-/// A search of gravity's strength pays in motion capture, where nothing else corrects a frame rate that
-/// is not quite true. With a known mass it would make every force in newtons wrong by as much: the
-/// weight is what the scale of forces comes from.
+/// `search.gravity`, which pays in motion capture, where nothing else corrects a frame rate that is not
+/// quite true. With a known mass it would make every force in newtons wrong by as much: the weight is
+/// what the scale of forces comes from.
 const GRAVITY: Row<bool> = row([false; 3], [false; 3], [true; 3]);
+/// `refine.passes`.
 const PASSES: Row<u32> = row([40, 120, 300], [60, 300, 600], [20, 40, 80]);
-/// A draft of a body on a CPU has few nodes and ends early: there the stronger pull predicts better.
+/// `refine.prior`; a draft of a body on a CPU has few nodes and ends early: there the stronger pull
+/// predicts better.
 const REFINE_PRIOR: Row<f64> = row([0.3, 0.05, 0.05], [0.05; 3], [0.3; 3]);
-/// On a GPU the pieces between run backward side by side, so that a pass takes half of the time, and
-/// twins predict as well as with all frames.
+/// `refine.reach`; on a GPU the pieces of a gradient that reaches back 16 frames run backward side by
+/// side, so that a pass takes half of the time, and twins predict as well as with all frames.
 const REACH: Row<u32> = row([0; 3], [16; 3], [0; 3]);
+/// `appearance.gaussians`.
 const GAUSSIANS: Row<u32> = by_effort([0, 0, 20_000]);
+/// `planner.nodes`.
 const NODES_OF_PLANNER: Row<u32> = by_effort([0, 0, PLANNER_NODES]);
+/// `planner.substeps`.
 const SUBSTEPS_OF_PLANNER: Row<u32> = by_effort([PLANNER_SUBSTEPS; 3]);
 
 /// Training sequences per step of a refinement, at least.
