@@ -124,7 +124,7 @@ fn requests() -> Vec<(&'static str, RollOutRequest)> {
         ("gradients", returning(gradients())),
         ("the best", returning(Returns { best: 3, ..everything() })),
         ("windows", returning(windows.clone())),
-        ("world", world.clone()),
+        ("world", world),
         ("carried", RollOutRequest { returns: Some(everything()), ..carried.clone() }),
         ("carried gradients", RollOutRequest { returns: Some(gradients()), ..carried.clone() }),
         ("carried windows", RollOutRequest { returns: Some(windows), ..carried.clone() }),
@@ -137,7 +137,7 @@ fn requests() -> Vec<(&'static str, RollOutRequest)> {
             "given",
             RollOutRequest {
                 initial: Some(InitialState { state: Some(State::Given(given)) }),
-                ..plain.clone()
+                ..plain
             },
         ),
         ("fast", RollOutRequest { fidelity: Fidelity::Fast.into(), ..costs.clone() }),
