@@ -37,7 +37,7 @@ pub(crate) enum Category {
     /// A variant of `Category`.
     Named(Ident),
     /// An expression over the fields.
-    Computed(Expr),
+    Computed(Box<Expr>),
 }
 
 impl Problem {
@@ -121,7 +121,7 @@ fn named(expr: Expr) -> Category {
         Expr::Path(path) => path.path.get_ident().cloned(),
         _ => None,
     };
-    word.map_or(Category::Computed(expr), Category::Named)
+    word.map_or_else(|| Category::Computed(Box::new(expr)), Category::Named)
 }
 
 impl Arguments {
