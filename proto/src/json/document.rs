@@ -34,8 +34,8 @@ impl<'de> Visitor<'de> for DocumentVisitor {
         Box::<RawValue>::deserialize(json).map(|json| Document(json.get().to_owned()))
     }
 
-    fn visit_string<E: Error>(self, text: String) -> Result<Document, E> {
-        Ok(Document(text))
+    fn visit_str<E: Error>(self, text: &str) -> Result<Document, E> {
+        Ok(Document(text.to_owned()))
     }
 }
 

@@ -83,7 +83,7 @@ impl<'de> Deserializer<'de> for Text {
         visitor: V,
     ) -> Result<V::Value, Error> {
         match name {
-            document::NAME => visitor.visit_string(self.0),
+            document::NAME => visitor.visit_str(&self.0),
             _ => visitor.visit_newtype_struct(self),
         }
     }
