@@ -252,11 +252,11 @@ impl<'ast> Visit<'ast> for Visitor<'_> {
         let texts: Vec<_> = expr.args.iter().filter_map(text_of).collect();
         self.arguments(expr.args.iter());
         visit::visit_expr_call(self, expr);
-        if path.ends_with("http_only") {
-            if let (Some(reason), Some(status)) = (texts.first(), self.status) {
-                self.reason(reason, Some("InvalidArgument".to_owned()));
-                self.words.reasons.entry(reason.clone()).or_default().statuses.insert(status);
-            }
+        if path.ends_with("http_only")
+            && let (Some(reason), Some(status)) = (texts.first(), self.status)
+        {
+            self.reason(reason, Some("InvalidArgument".to_owned()));
+            self.words.reasons.entry(reason.clone()).or_default().statuses.insert(status);
         }
     }
 
