@@ -171,7 +171,7 @@ impl Inner {
         })
     }
 
-    /// The state that a simulation of its own leads to, if the initial state is such a one.
+    /// The state that a separate simulation leads to, if the initial state requires one.
     async fn simulated(
         &self,
         warm: &Arc<Warm>,

@@ -72,7 +72,7 @@ fn full() -> InjectedFault {
 }
 
 #[test]
-fn a_batch_that_finds_no_memory_is_refused_and_the_worker_goes_on() {
+fn a_batch_that_finds_no_memory_is_refused_and_the_worker_lives() {
     let (bench, script, mut died) = bench();
     inject(&script, full(), 1);
     let error = bench.run(request(2)).unwrap_err();
@@ -103,7 +103,7 @@ fn memory_that_can_be_spared_is_given_up_for_a_batch() {
 }
 
 #[test]
-fn a_failed_launch_is_told_to_the_caller_and_ends_the_worker() {
+fn a_failed_launch_is_reported_to_the_caller_and_ends_the_worker() {
     let (bench, script, mut died) = bench();
     let launch = backend::Error::Device("integrate<<<132, 256>>>: illegal address".into());
     inject(&script, InjectedFault::Fails(launch), 1);
@@ -117,7 +117,7 @@ fn a_failed_launch_is_told_to_the_caller_and_ends_the_worker() {
 }
 
 #[test]
-fn numbers_that_are_none_are_reported_as_divergence_and_the_worker_goes_on() {
+fn nan_is_reported_as_divergence_and_the_worker_lives() {
     let (bench, script, mut died) = bench();
     inject(&script, InjectedFault::Diverges, 1);
     let part = bench.run(request(2)).unwrap().remove(0);

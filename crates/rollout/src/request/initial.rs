@@ -97,7 +97,7 @@ impl Simulated {
     /// The simulation that a request needs before it starts, if any; `own_capture` is the twin's.
     ///
     /// # Errors
-    /// If the name of the capture is none.
+    /// If the name of the capture is invalid.
     pub fn wanted(wire: Option<&InitialState>, own_capture: &str) -> Result<Option<Self>, Error> {
         Ok(match wire.and_then(|w| w.state.as_ref()) {
             Some(Wire::CaptureFrame(at)) => Some(Self::Frame(CaptureFrame::read(at, own_capture)?)),

@@ -1,6 +1,6 @@
-//! Corrections: states of a session that are brought closer to what is seen, and their rest shapes
-//! with them, all of the slots that a call names or none of them. A slot that is lost is registered
-//! instead, if the call says so.
+//! Corrections: states of a session are brought closer to observations, and their rest shapes with
+//! them, for all slots that a call names or for none. A slot that is lost is registered instead, if
+//! the call allows it.
 
 mod scene;
 
@@ -53,7 +53,7 @@ struct Refused {
 }
 
 impl<'w> Seen<'w> {
-    /// Of a checked request to a session of a twin.
+    /// A correction from a checked request to a session of a twin.
     ///
     /// # Errors
     /// If a tensor is not what the check saw, or the world cannot be read.
