@@ -94,8 +94,8 @@ fn digest(content: &Content) -> String {
     format!("blake3=:{}:", BASE64_STANDARD.encode(content.digest.as_bytes()))
 }
 
-/// Part that a request is for. Ranges that are not understood, several at once among them, are
-/// ignored, as RFC 9110 has it.
+/// The requested part. Ranges that are not understood, including several in one request, are
+/// ignored, as RFC 9110 requires.
 fn part(request: &HeaderMap, size: u64, tag: &str) -> Part {
     let text = |value: &HeaderValue| value.to_str().ok().map(str::to_owned);
     let condition = request.get(header::IF_RANGE);

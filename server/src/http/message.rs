@@ -1,4 +1,4 @@
-//! Bodies and replies that are messages of `bendtwin.v1`: as JSON, or as they are.
+//! Bodies and replies that are messages of `bendtwin.v1`: as JSON, or binary.
 
 use std::sync::Arc;
 

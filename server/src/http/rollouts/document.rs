@@ -30,7 +30,7 @@ use crate::{
     error::Refusal,
 };
 
-/// Replies up to this size are written at once [bytes, as protobuf].
+/// Replies up to this size are written in place [bytes, as protobuf].
 const SMALL: usize = 16 << 10;
 /// Bytes of a chunk.
 const CHUNK: usize = 64 << 10;
@@ -129,7 +129,7 @@ async fn send(
     }
 }
 
-/// One event; compact JSON is a single line.
+/// Writes an event; compact JSON is a single line.
 fn write_part(
     part: &RollOutResponse,
     tensors: TensorFormat,
