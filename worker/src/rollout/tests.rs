@@ -110,8 +110,8 @@ fn a_failed_launch_is_reported_to_the_caller_and_ends_the_worker() {
     let error = bench.run(request(2)).unwrap_err();
     assert_eq!((error.category(), error.reason()), (Category::Internal, "DEVICE_FAILED"));
     assert!(error.to_string().contains("integrate"), "{error}");
-    let told = died.blocking_recv();
-    assert!(matches!(told, Some(crate::Error::DeviceFailed(why)) if why.contains("integrate")));
+    let fatal = died.blocking_recv();
+    assert!(matches!(fatal, Some(crate::Error::DeviceFailed(why)) if why.contains("integrate")));
     // What comes before the process has ended finds no device.
     assert!(bench.run(request(2)).is_err());
 }

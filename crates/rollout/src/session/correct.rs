@@ -27,7 +27,7 @@ use crate::{
 };
 
 /// An observation and the options by which slots are corrected.
-pub struct Seen<'w> {
+pub struct CorrectionInput<'w> {
     warm: &'w Warm,
     backend: &'w dyn Backend,
     observation: Observation,
@@ -52,7 +52,7 @@ struct Refused {
     error: register::Error,
 }
 
-impl<'w> Seen<'w> {
+impl<'w> CorrectionInput<'w> {
     /// A correction from a checked request to a session of a twin.
     ///
     /// # Errors
@@ -212,7 +212,7 @@ impl<'w> Seen<'w> {
 pub fn corrected(
     session: &Session,
     slots: &[usize],
-    by: &Seen<'_>,
+    by: &CorrectionInput<'_>,
     memory: Vec<Share>,
     cancel: &CancelToken,
 ) -> Result<Vec<Correction>, Error> {
