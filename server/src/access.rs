@@ -14,7 +14,7 @@ use bendtwin_core::{Category, Fault, ids::KeyId};
 use bendtwin_store::{Creator, Key, Quotas};
 
 use self::refusals::{Refusals, Refused};
-use crate::{audit, error::Refusal};
+use crate::{audit, refusal::Refusal};
 
 pub(crate) use gate::Gate;
 pub(crate) use in_flight::{Flight, InFlight};

@@ -23,7 +23,7 @@ pub(crate) mod uploads;
 
 use axum::{handler::Handler, http::StatusCode, routing, routing::MethodFilter};
 
-use crate::{app::App, error::Refusal};
+use crate::{app::App, refusal::Refusal};
 
 /// Result of a handler.
 type Result<T, E = Refusal> = std::result::Result<T, E>;

@@ -14,7 +14,7 @@ use crate::{
     audit,
     client_token::{self, ClientToken},
     context::Context,
-    error::Refusal,
+    refusal::Refusal,
 };
 
 /// Token and keys that requests are compared with.

@@ -12,7 +12,7 @@ use bendtwin_store::Content;
 use futures::TryStreamExt;
 
 use super::Result;
-use crate::error::Refusal;
+use crate::refusal::Refusal;
 
 /// Digests of RFC 9530: of what a response has, and of the whole that it is a part of.
 const CONTENT_DIGEST: HeaderName = HeaderName::from_static("content-digest");

@@ -10,7 +10,7 @@ use axum::{
 };
 use bendtwin_core::{Category, Fault};
 
-use crate::error::Refusal;
+use crate::refusal::Refusal;
 
 /// The names by which a server may be called.
 #[derive(Clone, Debug)]

@@ -24,8 +24,8 @@ use crate::{
     client_token,
     context::Context,
     deadline::{Call, Cut},
-    error::Refusal,
     metrics::Metrics,
+    refusal::Refusal,
 };
 
 /// Both transports behind one service.

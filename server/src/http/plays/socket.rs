@@ -14,8 +14,8 @@ use super::PATIENCE;
 use crate::{
     app::{App, Error},
     context::Context,
-    error::Refusal,
     play::{self, Begin, Message, Player, View},
+    refusal::Refusal,
 };
 
 /// States on their way that the browser has not drawn.
