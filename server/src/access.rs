@@ -14,7 +14,7 @@ use bendtwin_core::{Category, Fault, ids::KeyId};
 use bendtwin_store::{Creator, Key, Quotas};
 
 use self::refusals::{Refusals, Refused};
-use crate::{audit, error::Refusal};
+use crate::{audit, refusal::Refusal};
 
 pub(crate) use gate::Gate;
 pub(crate) use in_flight::{Flight, InFlight};
@@ -104,7 +104,7 @@ pub(crate) const TOKEN_OWNER: &str = "local";
 /// The client of a request, as far as it has shown who it is.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Caller {
-    /// The key that it showed; none with the client token, or where none is asked for.
+    /// Key of the request; `None` with the client token, or where no key is required.
     pub(crate) key: Option<KeyId>,
     /// Recorded with what it makes; empty where nothing is asked for.
     pub(crate) owner: Arc<str>,
@@ -122,12 +122,12 @@ impl Caller {
         Self { scopes: Scopes::ALL, ..Self::default() }
     }
 
-    /// Whoever has the client token.
+    /// The holder of the client token.
     fn with_token() -> Self {
         Self { owner: TOKEN_OWNER.into(), ..Self::anyone() }
     }
 
-    /// Whoever has this key. Words that are no scopes allow nothing.
+    /// The holder of a key. Words that are not scopes allow nothing.
     fn with_key(key: &Key, in_flight: InFlight) -> Self {
         Self {
             key: Some(key.id),

@@ -29,7 +29,7 @@ use bendtwin_store::Store;
 use serde::de::DeserializeOwned;
 use tokio_util::sync::CancellationToken;
 
-pub(crate) use crate::failure::{Error, Result};
+pub(crate) use crate::error::{Error, Result};
 use crate::{
     access::KeyRing, dispatch::Dispatch, memory::Memory, metrics::Metrics, options::Options,
     play::Plays, readiness::Readiness, tls::Certificates, tokens::Tokens,

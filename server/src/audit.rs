@@ -7,7 +7,7 @@ use std::fmt::Display;
 
 use bendtwin_core::Problem as _;
 
-use crate::{access::Caller, context::Context, failure::Result};
+use crate::{access::Caller, context::Context, error::Result};
 
 /// Notes a change of a resource.
 pub(crate) fn changed<T>(method: &'static str, resource: impl Display, done: &Result<T>) {

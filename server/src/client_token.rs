@@ -12,7 +12,7 @@ use base64::{Engine as _, prelude::BASE64_STANDARD};
 use bendtwin_core::{Category, Fault};
 use blake3::Hash;
 
-use crate::error::Refusal;
+use crate::refusal::Refusal;
 
 const FILE: &str = "client-token";
 /// Fewest characters that count as a token.

@@ -8,7 +8,7 @@ use bendtwin_core::{Category, Fault};
 use tokio::time::Instant;
 use tonic::metadata::MetadataMap;
 
-use crate::{context::Context, error::Refusal, failure};
+use crate::{context::Context, error, refusal::Refusal};
 
 /// Time past its deadline in which a call may still answer by itself, which says more.
 const GRACE: Duration = Duration::from_millis(250);
@@ -63,7 +63,7 @@ impl Call {
 impl Cut {
     pub(crate) fn refusal(self) -> Refusal {
         match self {
-            Self::Deadline => failure::Error::Deadline.into(),
+            Self::Deadline => error::Error::Deadline.into(),
             Self::Unread(silence) => Refusal::new(Fault {
                 category: Category::ResourceExhausted,
                 reason: "RESPONSE_UNREAD".to_owned(),

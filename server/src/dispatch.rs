@@ -32,7 +32,7 @@ use bendtwin_tls::Connector;
 use tokio_util::sync::CancellationToken;
 
 use crate::{
-    failure::{Error, Result},
+    error::{Error, Result},
     metrics::Metrics,
     options::{Limits, Options},
     tokens::Child,
@@ -44,7 +44,7 @@ pub(crate) use plan::Plan;
 pub(crate) use registrations::{Register, Registered};
 use registry::{Entry, LastSign, Now};
 pub(crate) use registry::{FitRoom, Heartbeat, HeldSession, Memory, WorkerView};
-pub(crate) use rollout::{Held, InParts, Parts, RollOut, Whole};
+pub(crate) use rollout::{InParts, Parts, ReplyHold, RollOut, Whole};
 pub(crate) use steps::Step;
 use twins::Twins;
 

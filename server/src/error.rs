@@ -1,178 +1,165 @@
-//! The one place where errors become those of a transport: a category becomes an HTTP status or a
-//! gRPC code, a fault becomes a problem document (RFC 9457) or a `Status` with `ErrorInfo`,
-//! `RequestInfo` and `RetryInfo`.
+//! The error of use cases and of dispatch, below both. It knows no transport: `refusal.rs` turns it
+//! into one.
 
 use std::time::Duration;
 
-use axum::{
-    http::{HeaderValue, StatusCode, header},
-    response::{IntoResponse, Response},
-};
-use bendtwin_core::{Category, Fault, Problem};
-use bendtwin_proto::fault::{ERROR_DOMAIN, category_name, code, fault};
-use serde::{Deserialize, Serialize};
-use tonic::Status;
-use tonic_types::{ErrorDetails, StatusExt as _};
+use bendtwin_budget::Exhausted;
+use bendtwin_core::{Category, Fault, Problem, ids::InvalidName};
 
-use crate::{
-    context::{self, Context},
-    failure,
-};
+/// Delay before another attempt where something else has to happen first.
+const SOON: Duration = Duration::from_secs(1);
+/// Delay before another attempt at another worker, or at one whose queue moves.
+const MOMENT: Duration = Duration::from_millis(250);
 
-/// The HTTP status of a category. The gRPC code is
-/// [`bendtwin_proto::fault::code`]; a test holds the two together.
-pub fn http_status(category: Category) -> StatusCode {
-    match category {
-        Category::InvalidArgument => StatusCode::BAD_REQUEST,
-        Category::Unauthenticated => StatusCode::UNAUTHORIZED,
-        Category::PermissionDenied => StatusCode::FORBIDDEN,
-        Category::NotFound => StatusCode::NOT_FOUND,
-        // Not 412: that is for conditional requests (If-Match).
-        Category::AlreadyExists | Category::Aborted | Category::FailedPrecondition => {
-            StatusCode::CONFLICT
-        }
-        Category::ResourceExhausted => StatusCode::TOO_MANY_REQUESTS,
-        // The client went away, so the response is not read.
-        Category::Cancelled => StatusCode::from_u16(499).unwrap_or(StatusCode::BAD_REQUEST),
-        Category::DataLoss | Category::Internal => StatusCode::INTERNAL_SERVER_ERROR,
-        Category::Unavailable => StatusCode::SERVICE_UNAVAILABLE,
-        Category::DeadlineExceeded => StatusCode::GATEWAY_TIMEOUT,
+/// Result with this module's [`Error`].
+pub(crate) type Result<T, E = Error> = std::result::Result<T, E>;
+
+/// An error of a use case, or of the routing below it.
+#[derive(Debug, thiserror::Error, Problem)]
+pub(crate) enum Error {
+    #[error(transparent)]
+    Store(#[from] bendtwin_store::Error),
+    #[error("{0}")]
+    #[problem(InvalidArgument, "INVALID_NAME")]
+    Name(InvalidName),
+    #[error("`{field}` {fault}")]
+    #[problem(InvalidArgument, "INVALID_FIELD")]
+    Invalid { field: &'static str, fault: String },
+    #[error(transparent)]
+    Rollout(#[from] bendtwin_contract::rollout::Error),
+    #[error(transparent)]
+    Registration(#[from] bendtwin_contract::registration::Error),
+    #[error(transparent)]
+    Plan(#[from] bendtwin_contract::plan::Error),
+    #[error(
+        "every plan diverged, the nominal one too: lower sigma, bound the speed or shorten the \
+         horizon, and see that row 0 is where the control points are"
+    )]
+    #[problem(FailedPrecondition, "EVERY_PLAN_DIVERGED")]
+    EveryPlanDiverged,
+    #[error("the settings are not accepted: {}", .0.join("; "))]
+    #[problem(InvalidArgument, "INVALID_SETTINGS")]
+    Settings(Vec<String>),
+    /// No worker has the memory for a fit.
+    #[error("{0}")]
+    #[problem(InvalidArgument, "FIT_OUT_OF_MEMORY")]
+    FitTooLarge(String),
+    #[error(transparent)]
+    TwinFile(#[from] bendtwin_core::twin::format::FormatError),
+    #[error("the upload was interrupted: {0}")]
+    #[problem(InvalidArgument, "UPLOAD_BROKEN")]
+    UploadBroken(String),
+    #[error("the upload was silent for {} s: send it again", .0.as_secs())]
+    #[problem(InvalidArgument, "UPLOAD_IDLE")]
+    UploadIdle(Duration),
+    #[error("the body of the request came too slowly: send it again, over a better connection")]
+    #[problem(InvalidArgument, "BODY_TOO_SLOW")]
+    BodyTooSlow,
+    #[error(
+        "the upload continues at byte {offset}, not at {given}: query its offset and send from there"
+    )]
+    #[problem(Aborted, "UPLOAD_OFFSET")]
+    UploadOffset { given: u64, offset: u64 },
+    #[error("the upload would be longer than {limit} bytes, which is its length or the limit")]
+    #[problem(InvalidArgument, "CONTENT_TOO_LARGE")]
+    UploadTooLong { limit: u64 },
+    #[error("another request has taken over the upload: wait for its end, then resume")]
+    #[problem(Aborted, "UPLOAD_TAKEN_OVER", retry = SOON)]
+    UploadTakenOver,
+    #[error("the checksum does not match the bytes received: send them again")]
+    #[problem(InvalidArgument, "CHECKSUM_MISMATCH")]
+    ChecksumMismatch,
+    #[error("the worker token is missing or unknown")]
+    #[problem(Unauthenticated, "BAD_WORKER_TOKEN")]
+    BadToken,
+    #[error("{0} is not registered: register it first")]
+    #[problem(NotFound, "WORKER_UNKNOWN")]
+    WorkerUnknown(String),
+    #[error("the call does not show the key of {0}: a worker acts for itself alone")]
+    #[problem(PermissionDenied, "WORKER_KEY_MISMATCH")]
+    WorkerKeyMismatch(String),
+    #[error("{0} is no content of a job that this worker has")]
+    #[problem(PermissionDenied, "CONTENT_NOT_LEASED")]
+    NotLeased(String),
+    #[error("the worker sent {what} that is not what it should be: {fault}")]
+    #[problem(InvalidArgument, "RESULT_UNSOUND")]
+    Unsound { what: &'static str, fault: String },
+    #[error("no worker is ready for rollouts: retry, or start one")]
+    #[problem(Unavailable, "NO_WORKER", retry = SOON)]
+    NoWorker,
+    #[error("the workers that were chosen for the rollout cannot be reached: retry")]
+    #[problem(Unavailable, "WORKER_LOST", retry = MOMENT)]
+    WorkerLost,
+    #[error(
+        "{0} is not there: its worker was lost, or nobody used it for a while. Open another from the \
+         last state that a reply brought"
+    )]
+    #[problem(Aborted, "SESSION_LOST")]
+    SessionLost(String),
+    #[error(
+        "{0} is at a worker that answers only the server which started it: send the call to that \
+         server, or start workers by themselves (workers.count = 0), which answer every server"
+    )]
+    #[problem(Aborted, "SESSION_ELSEWHERE")]
+    SessionElsewhere(String),
+    #[error(
+        "the worker ended, or the connection to it broke, while it computed this rollout: it was \
+         not sent to another worker, which it might end as well. Send it again with fewer \
+         instances or frames, or once more as it is if the worker was stopped"
+    )]
+    #[problem(Unavailable, "WORKER_LOST")]
+    WorkerEnded,
+    #[error(
+        "too many rollouts wait for the workers already: retry in {} s, or start more workers",
+        .retry_after.as_secs_f64().ceil()
+    )]
+    #[problem(ResourceExhausted, "WORKERS_BUSY", retry = *retry_after)]
+    Busy { retry_after: Duration },
+    #[error("the deadline passed before the answer was there: ask for less or allow more time")]
+    #[problem(DeadlineExceeded, "DEADLINE_EXCEEDED")]
+    Deadline,
+    #[error("{exhausted}, for {purpose}{}", if .exhausted.is_passing() { ", or retry" } else { "" })]
+    #[problem(ResourceExhausted, "MEMORY_IN_USE", retry = SOON, if exhausted.is_passing())]
+    // Sent again, it would be refused again.
+    #[problem(InvalidArgument, "MEMORY_TOO_SMALL")]
+    Memory { purpose: &'static str, exhausted: Exhausted },
+    #[error("the server is stopping: retry")]
+    #[problem(Unavailable, "STOPPING", retry = SOON)]
+    Stopping,
+    #[error("{most} {what} already: close one, or raise {option}")]
+    #[problem(ResourceExhausted, "PLAYS_FULL")]
+    PlayFull { what: &'static str, most: usize, option: &'static str },
+    #[error(
+        "{0} is not there: the page that played it was closed, or it is at another server. Plays live \
+         at the server that began them: call that one, or begin another"
+    )]
+    #[problem(NotFound, "PLAY_NOT_FOUND")]
+    PlayEnded(String),
+    #[error("nobody has touched the play for {} s: open it again", .0.as_secs())]
+    #[problem(Aborted, "PLAY_IDLE")]
+    PlayIdle(Duration),
+    #[error("messages come faster than they can be taken in: send at most 200 a second")]
+    #[problem(ResourceExhausted, "PLAY_TOO_FAST")]
+    PlayTooFast,
+    #[error("nothing was recorded in this play: record something, or put a recording")]
+    #[problem(FailedPrecondition, "NOTHING_RECORDED")]
+    NothingRecorded,
+    /// The answer of a worker, unchanged.
+    #[error("{0}")]
+    #[problem(_0.category, "WORKER_FAULT", retry = until_free(_0), fault = _0.clone())]
+    Worker(Fault),
+    #[error("{0}")]
+    #[problem(Internal, "INTERNAL")]
+    Internal(String),
+}
+
+impl Error {
+    pub(crate) fn invalid(field: &'static str, fault: impl Into<String>) -> Self {
+        Self::Invalid { field, fault: fault.into() }
     }
 }
 
-/// Statuses that tus 1.0.0 prescribes, by reason.
-fn tus_status(reason: &str) -> Option<StatusCode> {
-    match reason {
-        "UPLOAD_GONE" => Some(StatusCode::GONE),
-        "UPLOAD_LOCKED" | "UPLOAD_TAKEN_OVER" => Some(StatusCode::LOCKED),
-        "CONTENT_TOO_LARGE" => Some(StatusCode::PAYLOAD_TOO_LARGE),
-        "CHECKSUM_MISMATCH" => StatusCode::from_u16(460).ok(),
-        _ => None,
-    }
+/// Delay after which a worker that refused for its load may be free.
+fn until_free(fault: &Fault) -> Option<Duration> {
+    (fault.category == Category::ResourceExhausted).then_some(MOMENT)
 }
-
-/// A refused request, ready for either transport.
-#[derive(Clone, Debug)]
-pub(crate) struct Refusal {
-    fault: Fault,
-    retry_after: Option<Duration>,
-    /// Differs from the category's only for statuses that gRPC lacks: 405, 413, 415, and those of
-    /// tus.
-    status: StatusCode,
-}
-
-/// An RFC 9457 problem document.
-#[derive(Clone, Debug, Serialize, Deserialize)]
-pub(crate) struct ProblemDocument {
-    /// `urn:bendtwin:error:{reason}`.
-    #[serde(rename = "type")]
-    pub(crate) kind: String,
-    /// The category, as gRPC names it.
-    pub(crate) title: String,
-    /// The HTTP status.
-    pub(crate) status: u16,
-    /// The event, and the action to take.
-    pub(crate) detail: String,
-    /// A stable word for programs.
-    pub(crate) reason: String,
-    /// Id to quote when reporting the problem.
-    pub(crate) request_id: String,
-}
-
-impl Refusal {
-    pub(crate) fn new(fault: Fault) -> Self {
-        Self { status: http_status(fault.category), fault, retry_after: None }
-    }
-
-    /// The refusal that a status tells of.
-    pub(crate) fn of_status(status: &Status) -> Self {
-        let retry_after = status.get_details_retry_info().and_then(|info| info.retry_delay);
-        Self::new(fault(status)).retry_after(retry_after)
-    }
-
-    /// With a status that only HTTP has.
-    pub(crate) fn http_only(status: StatusCode, reason: &str, message: &str) -> Self {
-        let fault = Fault {
-            category: Category::InvalidArgument,
-            reason: reason.to_owned(),
-            message: message.to_owned(),
-        };
-        Self { fault, retry_after: None, status }
-    }
-
-    /// With the statuses of tus.
-    pub(crate) fn with_tus_status(self) -> Self {
-        Self { status: tus_status(&self.fault.reason).unwrap_or(self.status), ..self }
-    }
-
-    pub(crate) fn retry_after(self, delay: Option<Duration>) -> Self {
-        Self { retry_after: delay, ..self }
-    }
-
-    /// The stable word of its reason.
-    pub(crate) fn reason(&self) -> &str {
-        &self.fault.reason
-    }
-
-    /// The document of HTTP, for the request of that context.
-    pub(crate) fn document(&self, context: &Context) -> ProblemDocument {
-        let fault = context::redact(self.fault.clone(), &context.request_id);
-        ProblemDocument {
-            kind: format!("urn:bendtwin:error:{}", fault.reason),
-            title: category_name(fault.category).to_owned(),
-            status: self.status.as_u16(),
-            detail: fault.message,
-            reason: fault.reason,
-            request_id: context.request_id.clone(),
-        }
-    }
-
-    /// The gRPC form, for the request of that context.
-    pub(crate) fn into_status(self, context: &Context) -> Status {
-        let fault = context::redact(self.fault, &context.request_id);
-        let mut details = ErrorDetails::with_error_info(&fault.reason, ERROR_DOMAIN, []);
-        details.set_request_info(&context.request_id, "");
-        if self.retry_after.is_some() {
-            details.set_retry_info(self.retry_after);
-        }
-        Status::with_error_details(code(fault.category), fault.message, details)
-    }
-}
-
-/// Every error of the application, at the last step.
-impl From<failure::Error> for Refusal {
-    fn from(error: failure::Error) -> Self {
-        let retry_after = error.retry_after();
-        Self::new(error.fault()).retry_after(retry_after)
-    }
-}
-
-impl From<bendtwin_store::Error> for Refusal {
-    fn from(error: bendtwin_store::Error) -> Self {
-        failure::Error::from(error).into()
-    }
-}
-
-impl From<Refusal> for Status {
-    fn from(refusal: Refusal) -> Self {
-        refusal.into_status(&Context::current())
-    }
-}
-
-impl IntoResponse for Refusal {
-    fn into_response(self) -> Response {
-        let document = self.document(&Context::current());
-        let mut response = (self.status, axum::Json(document)).into_response();
-        let headers = response.headers_mut();
-        headers.insert(header::CONTENT_TYPE, HeaderValue::from_static("application/problem+json"));
-        if let Some(delay) = self.retry_after {
-            // Whole seconds, rounded up: never earlier than asked.
-            let seconds = delay.as_secs() + u64::from(delay.subsec_nanos() > 0);
-            headers.insert(header::RETRY_AFTER, HeaderValue::from(seconds));
-        }
-        response
-    }
-}
-
-#[cfg(test)]
-mod tests;

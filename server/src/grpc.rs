@@ -45,7 +45,7 @@ use tonic_health::pb::health_server::HealthServer;
 use crate::{
     app::{self, App},
     context::Context,
-    error::Refusal,
+    refusal::Refusal,
     service::StartError,
 };
 

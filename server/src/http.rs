@@ -23,12 +23,12 @@ pub(crate) mod uploads;
 
 use axum::{handler::Handler, http::StatusCode, routing, routing::MethodFilter};
 
-use crate::{app::App, error::Refusal};
+use crate::{app::App, refusal::Refusal};
 
 /// Result of a handler.
 type Result<T, E = Refusal> = std::result::Result<T, E>;
 
-/// All routes, and the fallbacks for what is none. The services of gRPC answer those of plain
+/// All routes, and the fallbacks for unknown ones. The services of gRPC answer those of plain
 /// messages.
 pub(crate) fn router(app: &App, grpc: &axum::Router) -> axum::Router {
     let router = gateway::router(grpc)
@@ -61,7 +61,7 @@ fn no_such_route() -> Refusal {
     Refusal::http_only(StatusCode::NOT_FOUND, "NO_SUCH_ROUTE", message)
 }
 
-/// Routes with handlers of their own, and the name of each, `METHOD /path`, which a test compares with
+/// Routes with separate handlers, and the name of each, `METHOD /path`, which a test compares with
 /// the contract.
 #[derive(Default)]
 pub(crate) struct Routes {

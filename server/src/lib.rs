@@ -24,7 +24,6 @@ mod context;
 mod deadline;
 mod dispatch;
 mod error;
-mod failure;
 mod grpc;
 mod http;
 mod listen;
@@ -33,6 +32,7 @@ mod metrics;
 mod options;
 mod play;
 mod readiness;
+mod refusal;
 mod service;
 mod supervise;
 mod sweeps;
@@ -41,10 +41,10 @@ mod tokens;
 
 /// Check, repair and backup of a data folder.
 pub use bendtwin_store::{DatabaseUrl, ObjectsUrl, bench as store_bench, maintenance};
-pub use error::http_status;
 #[doc(hidden)]
 pub use http::uploads::read_upload_headers;
 pub use options::{ClientTokenPolicy, Limits, Options, Tls, WorkerPolicy, WorkerTls};
+pub use refusal::http_status;
 pub use service::{Handle, Service, StartError};
 pub use supervise::{
     BACKEND_VARIABLE, DEVICE_VARIABLE, MEMORY_VARIABLE, SCRATCH_VARIABLE, SERVER_VARIABLE,

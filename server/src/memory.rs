@@ -13,7 +13,7 @@ use std::{
 use bendtwin_budget::{Budget, Share};
 use bytes::Bytes;
 
-use crate::failure::{Error, Result};
+use crate::error::{Error, Result};
 
 pub(crate) use receive::{Kind, ReceiveError};
 

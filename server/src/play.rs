@@ -34,7 +34,7 @@ pub(crate) use self::{
 use crate::{
     app::App,
     context::Context,
-    failure::{Error, Result},
+    error::{Error, Result},
     options::Limits,
 };
 

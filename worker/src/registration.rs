@@ -15,7 +15,7 @@ use tokio::time::Instant;
 use crate::{
     Error,
     leasing::StopSignals,
-    rollout::{AtWork, Rollouts},
+    rollout::{Rollouts, StatusGuard},
     server_client::{Backoff, CallError, ServerClient},
 };
 
@@ -79,7 +79,7 @@ impl Registration {
     }
 
     /// Reports a job to servers, until it ends.
-    pub(crate) fn at_work(&self, kind: Kind, lease: &Lease) -> AtWork {
+    pub(crate) fn at_work(&self, kind: Kind, lease: &Lease) -> StatusGuard {
         self.rollouts.at_work(kind, lease)
     }
 

@@ -8,14 +8,14 @@ mod register;
 mod replay;
 mod service;
 mod sessions;
-mod told;
+mod status;
 mod warm;
 
 pub(crate) use self::{
     error::Error,
     replay::Replays,
     service::{Rollouts, serve},
-    told::AtWork,
+    status::StatusGuard,
     warm::WarmTwins,
 };
 

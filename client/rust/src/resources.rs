@@ -14,7 +14,7 @@ resource! { v1::Capture =>
 /// A stored capture.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Capture {
-    /// Its name.
+    /// Name of the capture.
     pub name: CaptureId,
     /// Display name.
     pub display_name: String,
@@ -75,7 +75,7 @@ resource! { v1::Fit =>
 /// A fit.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Fit {
-    /// Its name.
+    /// Name of the fit.
     pub name: FitId,
     /// The capture to be fitted.
     pub capture: CaptureId,
@@ -104,7 +104,7 @@ resource! { v1::Twin =>
 /// A stored twin.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Twin {
-    /// Its name.
+    /// Name of the twin.
     pub name: TwinId,
     /// Display name.
     pub display_name: String,
@@ -150,7 +150,7 @@ resource! { v1::Worker =>
 /// A worker process.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Worker {
-    /// Its name; a restarted worker has another one.
+    /// Name of the worker, new after a restart.
     pub name: WorkerId,
     /// `cpu` or `cuda`.
     pub backend: String,
@@ -164,7 +164,7 @@ pub struct Worker {
     pub fit: Option<FitId>,
     /// The capture whose ingest is under way.
     pub ingest: Option<CaptureId>,
-    /// Twins that are loaded and answer at once.
+    /// Twins that are loaded and answer immediately.
     pub warm_twins: Vec<TwinId>,
     /// Number of rollouts under way.
     pub rollouts_in_flight: u32,

@@ -92,7 +92,7 @@ impl<T> FromWire<T> for T {
     }
 }
 
-/// Ids of names; an empty name is none.
+/// Ids of names; `None` for an empty name.
 macro_rules! ids {
     ($($id:ty),+) => {$(
         impl FromWire<String> for $id {

@@ -22,7 +22,7 @@ pub(crate) enum Format {
     RawPhysTwin,
     /// Arrays of points with a document.
     MotionCapture,
-    /// One file with the messages of a robot.
+    /// A file with the messages of a robot.
     Mcap,
 }
 
@@ -67,7 +67,7 @@ impl Format {
 
 /// What lies at a path, by what opens it.
 pub(crate) enum Place<'p> {
-    /// Arrays of motion capture in a file of their own, which is no archive of files.
+    /// Arrays of motion capture in a separate file, which is no archive of files.
     Arrays(&'p Path),
     /// An MCAP file: that of the path, or the only one in a folder.
     Mcap(PathBuf),

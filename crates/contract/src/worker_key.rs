@@ -1,6 +1,6 @@
-//! Keys of workers. A worker chooses a key at its start, and its id follows from the key: whoever
-//! shows the key is that worker, and nobody has to remember anything for that, also across restarts
-//! of the server. The id is public, the key stands in the metadata of every call to the server.
+//! Keys of workers. A worker chooses a key at its start, and its id follows from the key: a caller
+//! that shows the key is that worker, without any stored state, also across restarts of the server.
+//! The id is public, the key stands in the metadata of every call to the server.
 
 use bendtwin_core::ids::WorkerId;
 use uuid::Uuid;

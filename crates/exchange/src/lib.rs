@@ -1,10 +1,11 @@
 //! Twins and their predicted motion in the formats of other programs, and PhysTwin's results as
 //! twins.
 //!
-//! A [`Scene`] is a twin, the points of it that are wanted, and positions over time if it moves;
-//! [`write()`] puts it into a file in a [`Format`], which follows the file's name or is said, and is
-//! never silently another. `docs/formats/exchange.md` says what each format carries and what is lost. [`of_phystwin`] is the way in. This
-//! crate simulates nothing: motion comes from whoever did.
+//! A [`Scene`] is a twin, the selected points of it, and positions over time if it moves;
+//! [`write()`] puts it into a file in a [`Format`], which follows the file's name or is given
+//! explicitly, and is never silently another. `docs/formats/exchange.md` says what each format
+//! carries and what is lost. [`of_phystwin`] imports twins. This crate simulates nothing: motion
+//! comes from the caller.
 
 mod error;
 mod format;

@@ -5,7 +5,7 @@ use syn::{
     parse::{Parse, ParseStream},
 };
 
-/// One `#[problem(...)]`.
+/// A `#[problem(...)]` attribute.
 pub(crate) struct Problem {
     /// The attribute's path, to point at.
     pub(crate) path: Path,
@@ -32,7 +32,7 @@ pub(crate) enum Origin {
     },
 }
 
-/// A category as it is stated.
+/// The stated category.
 pub(crate) enum Category {
     /// A variant of `Category`.
     Named(Ident),

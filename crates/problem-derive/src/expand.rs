@@ -104,7 +104,7 @@ impl Case<'_> {
         Ok(())
     }
 
-    /// The field that is the cause, as it is bound.
+    /// The field of the cause, with its binding.
     fn cause(&self, problem: &Problem) -> Result<(Ident, &Field)> {
         let is_named = |(name, _): &(Ident, &Field)| name == "error" || name == "source";
         let found = match self.fields.len() {
@@ -149,7 +149,7 @@ impl Case<'_> {
         }
     }
 
-    /// One arm, whose pattern binds the fields that its condition and its value mention.
+    /// A match arm, whose pattern binds the fields that its condition and its value mention.
     fn arm(&self, problem: &Problem, value: &TokenStream) -> TokenStream {
         let guard = problem.condition.as_ref().map(|condition| quote!(if #condition));
         let used = |name: &Ident| mentions(&guard, name) || mentions(value, name);

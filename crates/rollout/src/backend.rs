@@ -11,8 +11,8 @@ use bendtwin_engine::{
 /// A backend that can stop at the end of a time limit with what it has, and that says how long it
 /// computed.
 pub trait RolloutBackend: Backend {
-    /// As [`Backend::roll_out`], but with none for instances that are not done by the time of the
-    /// token.
+    /// [`Backend::roll_out`], but with `None` for instances that are not done when the token is
+    /// cancelled.
     ///
     /// # Errors
     /// As [`Backend::roll_out`], apart from the end of the token's time.

@@ -41,7 +41,7 @@ pub use self::{
     register::register_state,
     request::{
         checked::{Checked, Room},
-        initial::{CaptureFrame, Simulated, Start, Starts, Wanted},
+        initial::{CaptureFrame, Start, StartSimulation, Starts, Wanted},
     },
     run::{
         execute::Execution,
@@ -51,7 +51,7 @@ pub use self::{
     },
     session::{
         Begun, Session, Sessions, Setup,
-        correct::{Seen, corrected},
+        correct::{CorrectionInput, corrected},
         idle, session_states,
     },
     twin::{rest_shape::RestShape, serve::Served, warm::Warm},

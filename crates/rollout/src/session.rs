@@ -1,6 +1,6 @@
-//! Sessions: simulations that stay here between calls. Each has slots with a state of their own. A
-//! rollout takes the state of a slot as it is; only an advance changes it, one at a time, and all of
-//! its slots together or none.
+//! Sessions: simulations that stay here between calls. Each has slots with separate states. A
+//! rollout reads the state of a slot; only an advance changes it, one at a time, and all of its
+//! slots together or none.
 
 mod begun;
 pub(crate) mod correct;
@@ -67,7 +67,7 @@ struct Slot {
 }
 
 impl Slot {
-    /// One that begins in a state.
+    /// A slot that begins in a state.
     fn new(now: Start) -> Self {
         Self { now, frames: 0, tracking: Tracking::default() }
     }
@@ -287,7 +287,7 @@ impl Sessions {
         lock(&self.0).remove(&id);
     }
 
-    /// The sessions that are here, as the server is told.
+    /// The sessions of this worker, for heartbeats.
     pub fn list(&self) -> Vec<HeldSession> {
         let mut sessions = lock(&self.0);
         end_idle(&mut sessions);

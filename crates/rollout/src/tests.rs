@@ -64,7 +64,7 @@ impl Bench {
         Self::of(twin(), backend)
     }
 
-    /// Of a twin.
+    /// A bench with a twin.
     fn of(twin: Twin, backend: Arc<dyn Backend>) -> Self {
         let backend = Direct::new(backend);
         let warm = Warm::load(TwinId::generate(), twin, &backend, None).unwrap();
@@ -382,7 +382,7 @@ fn too_much_work_or_reply_is_refused_with_advice() {
 
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(200))]
-    /// Whatever a request says: an answer or a refusal, never a panic.
+    /// Any request: an answer or a refusal, never a panic.
     #[test]
     fn no_request_panics(
         frames in prop_oneof![0u32..12, Just(u32::MAX)],

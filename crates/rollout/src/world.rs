@@ -25,7 +25,7 @@ use bendtwin_proto::v1::{
 
 pub use self::still::Still;
 pub(crate) use self::{ended::Ended, holds::Path};
-use self::{grasps::Held, shapes::three};
+use self::{grasps::HoldContext, shapes::three};
 use crate::{
     error::Error,
     request::{actions::Actions, plausible::Obstacles, vary::Factors},
@@ -80,7 +80,7 @@ impl Surroundings {
         model: &Model,
     ) -> Result<Self, Error> {
         let wire = request.world.take().unwrap_or_default();
-        let held = Held { twin, model, map };
+        let held = HoldContext { twin, model, map };
         let grasps = std::mem::take(&mut request.grasps);
         let carried = wire.colliders.iter().any(|collider| {
             matches!(collider.carrier, Some(Carrier::Gripper(_) | Carrier::Path(_)))

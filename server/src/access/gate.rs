@@ -14,13 +14,13 @@ use crate::{
     audit,
     client_token::{self, ClientToken},
     context::Context,
-    error::Refusal,
+    refusal::Refusal,
 };
 
 /// Token and keys that requests are compared with.
 #[derive(Clone, Debug)]
 pub(crate) struct Gate {
-    /// None if everyone may call.
+    /// `None` if everyone may call.
     token: Option<ClientToken>,
     keys: KeyRing,
     store: Store,
@@ -82,8 +82,8 @@ impl Gate {
         Ok(caller)
     }
 
-    /// Tells the audit of it, unless it has heard lately. Requests that showed nothing are not told:
-    /// every browser begins with one.
+    /// Reports it to the audit, unless that was done recently. Requests without credentials are not
+    /// reported: every browser begins with one.
     fn note(&self, denial: &Denial) {
         let Some(caller) = &denial.of else { return };
         // Strangers are remembered by themselves, so that however many there are they take no place
@@ -102,8 +102,7 @@ impl Gate {
 /// Refusal of a request for what it shows, or does not.
 struct Denial {
     refusal: Refusal,
-    /// Whoever showed a key that does not hold, or something that is no key; none if nothing was
-    /// shown.
+    /// Sender of an invalid key, or of something that is no key; `None` if nothing was sent.
     of: Option<Caller>,
 }
 

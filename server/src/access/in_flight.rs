@@ -8,7 +8,7 @@ use std::{
 
 use bendtwin_core::{Category, Fault};
 
-use crate::error::Refusal;
+use crate::refusal::Refusal;
 
 /// Counts by owner. Clones share them.
 #[derive(Clone, Debug, Default)]

@@ -28,9 +28,9 @@ pub(crate) struct Shown {
 /// Text that is no key.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Unreadable {
-    /// It does not look like one.
+    /// Not in the form of a key.
     Other,
-    /// It is one with letters missing or mistaken.
+    /// A key with missing or wrong letters.
     Mistyped,
 }
 

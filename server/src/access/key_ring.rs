@@ -12,7 +12,7 @@ use bendtwin_store::{Key, Store};
 use jiff::Timestamp;
 use tokio::time::Instant;
 
-use crate::failure::Result;
+use crate::error::Result;
 
 /// Time for which what was read counts.
 const FRESH: Duration = Duration::from_secs(10);

@@ -1,7 +1,7 @@
-//! Refusals in the audit: of calls for a scope, of keys that do not hold any more, and of strangers who
-//! show what is no key. A client may repeat such a call without end, so that for a caller and a call one
-//! line is written at once, and after that one in ten minutes at most, with the number of refusals since
-//! the one before.
+//! Refusals in the audit: of calls for a scope, of keys that are no longer valid, and of strangers
+//! without a valid key. A client may repeat such a call without end, so for a caller and a call one
+//! line is written immediately, and after that one in ten minutes at most, with the number of
+//! refusals since the previous one.
 
 use std::{
     collections::HashMap,
@@ -20,19 +20,19 @@ const MOST: usize = 4096;
 
 /// Refused calls, by caller and call. Clones share them.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Refusals(Arc<Mutex<HashMap<(Refused, String), Told>>>);
+pub(crate) struct Refusals(Arc<Mutex<HashMap<(Refused, String), Record>>>);
 
 /// The caller who was refused.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) enum Refused {
-    /// Whoever has a key; none with the client token.
+    /// The holder of a key; `None` with the client token.
     Holder(Option<KeyId>),
     /// Someone of a network; none if that is not known.
     Stranger(Option<IpAddr>),
 }
 
 #[derive(Debug)]
-struct Told {
+struct Record {
     at: Instant,
     /// Refusals since then.
     since: u64,
@@ -42,23 +42,23 @@ impl Refusals {
     /// Notes a refusal at a time. Returns the number to write, if it is time to write.
     pub(super) fn note(&self, refused: Refused, call: &str, now: Instant) -> Option<u64> {
         let mut all = self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        let is_old = |told: &Told| now.saturating_duration_since(told.at) >= INTERVAL;
-        if let Some(told) = all.get_mut(&(refused, call.to_owned())) {
-            told.since += 1;
-            if !is_old(told) {
+        let is_old = |record: &Record| now.saturating_duration_since(record.at) >= INTERVAL;
+        if let Some(record) = all.get_mut(&(refused, call.to_owned())) {
+            record.since += 1;
+            if !is_old(record) {
                 return None;
             }
-            let count = told.since;
-            *told = Told { at: now, since: 0 };
+            let count = record.since;
+            *record = Record { at: now, since: 0 };
             return Some(count);
         }
         if all.len() >= MOST {
-            all.retain(|_, told| !is_old(told));
+            all.retain(|_, record| !is_old(record));
         }
         if all.len() >= MOST {
             return None;
         }
-        all.insert((refused, call.to_owned()), Told { at: now, since: 0 });
+        all.insert((refused, call.to_owned()), Record { at: now, since: 0 });
         Some(1)
     }
 }
@@ -68,7 +68,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_is_repeated_is_counted_and_told_in_ten_minutes() {
+    fn repeated_refusals_are_counted_and_reported_in_ten_minutes() {
         let (refusals, start) = (Refusals::default(), Instant::now());
         let key = Refused::Holder(Some(KeyId::generate()));
         assert_eq!(refusals.note(key, "POST /v1/fits", start), Some(1));
@@ -87,14 +87,14 @@ mod tests {
     }
 
     #[test]
-    fn only_so_many_are_remembered_and_old_ones_give_way() {
+    fn a_limited_number_is_remembered_and_old_ones_are_dropped() {
         let (refusals, start) = (Refusals::default(), Instant::now());
-        let told = |now| {
+        let record = |now| {
             let key = || Refused::Holder(Some(KeyId::generate()));
             let call = |_| refusals.note(key(), "POST /v1/fits", now);
             (0..2 * MOST).filter_map(call).count()
         };
-        assert_eq!(told(start), MOST);
-        assert_eq!(told(start + INTERVAL), MOST);
+        assert_eq!(record(start), MOST);
+        assert_eq!(record(start + INTERVAL), MOST);
     }
 }

@@ -78,7 +78,7 @@ pub(crate) fn find(name: &str) -> Option<Access> {
     BY_NAME.get(name).copied()
 }
 
-/// The name of a route in the table. `HEAD` of a route that has none of its own is its `GET`.
+/// The name of a route in the table. `HEAD` of a route without a separate `HEAD` is its `GET`.
 pub(crate) fn route_name(method: &Method, pattern: &str) -> String {
     let name = format!("{method} {pattern}");
     match *method {

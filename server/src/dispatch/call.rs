@@ -14,7 +14,7 @@ use tonic_types::StatusExt as _;
 use super::{executing::SentCall, registry::Entry, untaken::was_not_taken};
 use crate::{
     context::Context,
-    failure::{Error, Result},
+    error::{Error, Result},
 };
 
 /// A call that a worker has taken.

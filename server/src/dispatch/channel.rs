@@ -5,7 +5,7 @@ use std::time::Duration;
 use bendtwin_tls::Connector;
 use tonic::transport::{Channel, Endpoint};
 
-use crate::failure::{Error, Result};
+use crate::error::{Error, Result};
 
 /// Replies of many megabytes should not wait for window updates.
 const WINDOW: u32 = 16 << 20;

@@ -13,7 +13,7 @@ use tokio::time::Instant;
 use super::{Dispatch, call, line::Ask, registry::Entry};
 use crate::{
     context::Context,
-    failure::{Error, Result},
+    error::{Error, Result},
 };
 
 /// Longest time of an evaluation without a deadline.

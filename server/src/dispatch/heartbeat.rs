@@ -6,7 +6,7 @@ use bendtwin_proto::worker::v1::{HeartbeatRequest, HeldSession as SessionMessage
 use super::{Heartbeat, HeldSession, Memory};
 use crate::{
     app,
-    failure::{Error, Result},
+    error::{Error, Result},
 };
 
 impl TryFrom<HeartbeatRequest> for Heartbeat {

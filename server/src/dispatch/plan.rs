@@ -23,7 +23,7 @@ use tokio_util::sync::CancellationToken;
 use self::{beside::beside, run::Run};
 use super::{Dispatch, rollout::LONGEST};
 use crate::{
-    failure::{Error, Result},
+    error::{Error, Result},
     memory::Shares,
 };
 

@@ -11,10 +11,10 @@ use bendtwin_proto::{
 };
 use tokio::time::Instant;
 
-use super::{Dispatch, call, line::Ask, registry::Entry, rollout::Held};
+use super::{Dispatch, call, line::Ask, registry::Entry, rollout::ReplyHold};
 use crate::{
     context::Context,
-    failure::{Error, Result},
+    error::{Error, Result},
     memory::Shares,
 };
 
@@ -35,7 +35,7 @@ pub(crate) struct Register {
 /// A registered state, and what is held until it has been sent.
 pub(crate) struct Registered {
     pub(crate) state: RegisteredState,
-    pub(crate) held: Held,
+    pub(crate) held: ReplyHold,
 }
 
 impl Dispatch {
@@ -66,7 +66,7 @@ impl Dispatch {
         let state =
             tokio::time::timeout_at(deadline, state).await.map_err(|_| Error::Deadline)??;
         drop(memory);
-        Ok(Registered { state, held: Held::of(share) })
+        Ok(Registered { state, held: ReplyHold::of(share) })
     }
 
     /// The request, if it is valid. Many points are checked in a separate thread.

@@ -25,7 +25,7 @@ use super::{
     route::Candidate,
 };
 use crate::{
-    failure::{Error, Result},
+    error::{Error, Result},
     options::Limits,
     tokens::Child,
 };

@@ -25,7 +25,7 @@ use super::{
 };
 use crate::{
     context::Context,
-    failure::{Error, Result},
+    error::{Error, Result},
     memory::Shares,
     metrics::Metrics,
 };
@@ -88,12 +88,12 @@ impl Ends {
 
 /// Held until a reply has been sent: its memory, and the place in the worker's line.
 #[derive(Clone, Debug)]
-pub(crate) struct Held {
+pub(crate) struct ReplyHold {
     share: Arc<Share>,
     place: Option<Arc<Place>>,
 }
 
-impl Held {
+impl ReplyHold {
     /// Memory of a reply whose workers have done with it.
     pub(super) fn of(share: Share) -> Self {
         Self { share: Arc::new(share), place: None }
@@ -114,13 +114,13 @@ impl Held {
 /// A reply in one part.
 pub(crate) struct Whole {
     pub(crate) response: RollOutResponse,
-    pub(crate) held: Held,
+    pub(crate) held: ReplyHold,
 }
 
 /// A reply in parts.
 pub(crate) struct InParts {
     pub(crate) parts: Parts,
-    pub(crate) held: Held,
+    pub(crate) held: ReplyHold,
 }
 
 /// Parts of a reply as they come.
@@ -219,7 +219,7 @@ impl Dispatch {
         // The worker has all of the request.
         drop(memory);
         let place = Some(Arc::clone(&running.place));
-        let held = Held { share: Arc::new(share), place };
+        let held = ReplyHold { share: Arc::new(share), place };
         let rest = stream::unfold(Some(running), |running| async {
             let mut running = running?;
             match running.next().await {

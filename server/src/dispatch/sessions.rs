@@ -28,11 +28,11 @@ use super::{
     Dispatch, call,
     line::Ask,
     registry::{Entry, HeldSession},
-    rollout::{Ends, Held, ReplyStream, RollOut, Whole},
+    rollout::{Ends, ReplyHold, ReplyStream, RollOut, Whole},
 };
 use crate::{
     context::Context,
-    failure::{Error, Result},
+    error::{Error, Result},
     memory::Shares,
 };
 
@@ -191,7 +191,7 @@ impl Dispatch {
         asked: GetSessionStatesRequest,
         timeout: Option<Duration>,
         as_lists: bool,
-    ) -> Result<(SessionStates, Held)> {
+    ) -> Result<(SessionStates, ReplyHold)> {
         let (id, entry, held) = self.named(&asked.name).await?;
         let known = self.twins.get(&self.store, held.twin).await?;
         let slots = match asked.slots.len() {
@@ -206,7 +206,7 @@ impl Dispatch {
         let bytes = rollout::states_bytes(slots as u64, grasps, &known.shape, &limits)?;
         let share = self.memory.reply(bytes).await?;
         let reply = self.manage_known(id, &entry, held.twin, Call::States(asked), timeout).await?;
-        Ok((reply.states.unwrap_or_default(), Held::of(share)))
+        Ok((reply.states.unwrap_or_default(), ReplyHold::of(share)))
     }
 
     /// Brings slots of a session closer to what is seen; the reply with its memory. `as_lists` if it is
@@ -216,7 +216,7 @@ impl Dispatch {
         correct: CorrectSessionRequest,
         timeout: Option<Duration>,
         as_lists: bool,
-    ) -> Result<(CorrectedSession, Held)> {
+    ) -> Result<(CorrectedSession, ReplyHold)> {
         let (id, entry, held) = self.named(&correct.name).await?;
         let known = self.twins.get(&self.store, held.twin).await?;
         let (slots, grasps) = (correct.slots.len().max(1) as u64, u64::from(held.parts.grasps));
@@ -231,7 +231,7 @@ impl Dispatch {
         let call = Call::Correct(correct);
         let reply = self.manage_known(id, &entry, held.twin, call, timeout).await?;
         let missing = || Error::Internal("a worker's reply has no correction".to_owned());
-        Ok((reply.corrected.ok_or_else(missing)?, Held::of(share)))
+        Ok((reply.corrected.ok_or_else(missing)?, ReplyHold::of(share)))
     }
 
     /// Ends a session; it is no error if it has ended.

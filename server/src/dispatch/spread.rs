@@ -16,10 +16,10 @@ use super::{
     Dispatch,
     line::Ask,
     registry::Entry,
-    rollout::{Held, Prepared, Whole},
+    rollout::{Prepared, ReplyHold, Whole},
     route,
 };
-use crate::failure::{Error, Result};
+use crate::error::{Error, Result};
 
 /// Least time of a part at a worker that has the twin loaded, and at one that has to load it [s].
 const WARM_PART_S: f64 = 0.05;
@@ -110,7 +110,7 @@ impl Dispatch {
         let join = move || split::join(replies).map_err(|e| Error::Internal(e.to_string()));
         let joined = tokio::task::spawn_blocking(join).await;
         let response = joined.map_err(|e| Error::Internal(format!("joining replies: {e}")))??;
-        Ok(Whole { response, held: Held::of(share) })
+        Ok(Whole { response, held: ReplyHold::of(share) })
     }
 }
 

@@ -24,11 +24,11 @@ use tokio_util::sync::CancellationToken;
 use super::{
     Dispatch, HeldSession,
     plan::{Plan, Ready},
-    rollout::{Held, LONGEST, Whole},
+    rollout::{LONGEST, ReplyHold, Whole},
 };
 use crate::{
     context::Context,
-    failure::{Error, Result},
+    error::{Error, Result},
     memory::Shares,
 };
 
@@ -55,7 +55,7 @@ pub(crate) struct Step {
 /// A step that was taken.
 pub(crate) struct Stepped {
     pub(crate) response: SteppedSession,
-    pub(crate) held: Held,
+    pub(crate) held: ReplyHold,
 }
 
 /// A step that has passed the check.

@@ -18,9 +18,9 @@ use tower::Service;
 use super::screened::Screened;
 use crate::{
     app::App,
-    dispatch::Held,
-    error::Refusal,
+    dispatch::ReplyHold,
     memory::{ReceiveError, Received, Shares},
+    refusal::Refusal,
 };
 
 /// Bytes before a message.
@@ -72,7 +72,7 @@ where
             let mut request = http::Request::from_parts(parts, Body::new(Full::new(bytes)));
             request.extensions_mut().insert(memory);
             let mut response = inner.call(request).await?;
-            Ok(match response.extensions_mut().remove::<Held>() {
+            Ok(match response.extensions_mut().remove::<ReplyHold>() {
                 Some(held) => response.map(|body| {
                     let (share, place) = held.apart();
                     let hold = move |bytes: Bytes| bendtwin_budget::held(bytes, share.clone());

@@ -20,8 +20,8 @@ use super::{Api, Reply, counted::memory_of};
 use crate::{
     app,
     context::Context,
-    dispatch::{Held, Step},
-    error::Refusal,
+    dispatch::{ReplyHold, Step},
+    refusal::Refusal,
 };
 
 #[tonic::async_trait]
@@ -168,7 +168,7 @@ fn session_name(given: &str) -> app::Result<String> {
 /// A stream that ends after its first error. The memory of a reply is held until the next one is
 /// there.
 fn one_by_one<T: Send>(
-    replies: impl futures::Stream<Item = Result<(T, Held), Status>> + Send,
+    replies: impl futures::Stream<Item = Result<(T, ReplyHold), Status>> + Send,
 ) -> impl futures::Stream<Item = Result<T, Status>> + Send {
     let begin = (false, None);
     replies.scan(begin, |(has_failed, last), reply| {

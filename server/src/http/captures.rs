@@ -21,7 +21,7 @@ use crate::{app::App, grpc::convert};
 const REPORT_POLICY: &str = "default-src 'none'; style-src 'unsafe-inline'; img-src data:; \
                              base-uri 'none'; form-action 'none'; frame-ancestors 'none'; sandbox";
 
-/// Media types of an upload: what it holds is told by its content.
+/// Media types of an upload: its kind is recognised by its content.
 const ARCHIVES: &[&str] =
     &["application/zip", "application/x-tar", "application/gzip", "application/octet-stream"];
 

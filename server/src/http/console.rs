@@ -61,7 +61,7 @@ struct Asset {
     compressed: &'static [u8],
     /// BLAKE3 of the compressed content, hex.
     digest: String,
-    /// The content as it is, for clients that take no gzip; made when the first one asks.
+    /// The uncompressed content, for clients that take no gzip; made when the first one asks.
     plain: OnceLock<Bytes>,
 }
 

@@ -12,7 +12,7 @@ use bendtwin_store::Content;
 use futures::TryStreamExt;
 
 use super::Result;
-use crate::error::Refusal;
+use crate::refusal::Refusal;
 
 /// Digests of RFC 9530: of what a response has, and of the whole that it is a part of.
 const CONTENT_DIGEST: HeaderName = HeaderName::from_static("content-digest");
@@ -94,8 +94,8 @@ fn digest(content: &Content) -> String {
     format!("blake3=:{}:", BASE64_STANDARD.encode(content.digest.as_bytes()))
 }
 
-/// Part that a request is for. Ranges that are not understood, several at once among them, are
-/// ignored, as RFC 9110 has it.
+/// The requested part. Ranges that are not understood, including several in one request, are
+/// ignored, as RFC 9110 requires.
 fn part(request: &HeaderMap, size: u64, tag: &str) -> Part {
     let text = |value: &HeaderValue| value.to_str().ok().map(str::to_owned);
     let condition = request.get(header::IF_RANGE);

@@ -12,7 +12,7 @@ use super::{
 };
 use crate::app::{self, App};
 
-/// Evaluate a twin: the quality table, and the motion that was asked for, in memory of its own.
+/// Evaluate a twin: the quality table, and the requested motion, in separate memory.
 pub(super) async fn create(
     State(app): State<App>,
     Id(id): Id,

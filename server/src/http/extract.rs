@@ -11,9 +11,9 @@ use serde::de::DeserializeOwned;
 
 use crate::{
     app::{self, App, Error},
-    error::Refusal,
     listen::is_too_slow,
     memory::{Kind, ReceiveError, Received},
+    refusal::Refusal,
 };
 
 /// The id of a path.

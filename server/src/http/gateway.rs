@@ -26,8 +26,8 @@ use super::{
 };
 use crate::{
     app::{App, Error},
-    error::Refusal,
     memory::Kind,
+    refusal::Refusal,
 };
 
 /// Bytes before a message of gRPC: whether it is compressed, and its length.

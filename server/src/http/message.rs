@@ -1,4 +1,4 @@
-//! Bodies and replies that are messages of `bendtwin.v1`: as JSON, or as they are.
+//! Bodies and replies that are messages of `bendtwin.v1`: as JSON, or binary.
 
 use std::sync::Arc;
 
@@ -16,9 +16,9 @@ use serde::{Serialize, de::DeserializeOwned};
 use super::{Result, extract, rollouts::document};
 use crate::{
     app::{App, Error},
-    dispatch::Held,
-    error::Refusal,
+    dispatch::ReplyHold,
     memory::{Kind, Shares},
+    refusal::Refusal,
 };
 
 /// Texts beyond this size are read beside the tasks of the runtime [bytes].
@@ -85,7 +85,7 @@ impl Form {
     }
 
     /// The answer, which holds its memory until it has been sent.
-    pub(super) fn answer<M>(self, message: M, held: Held) -> Result<Response>
+    pub(super) fn answer<M>(self, message: M, held: ReplyHold) -> Result<Response>
     where
         M: Message + 'static,
         for<'m> Write<'m, M>: Serialize,

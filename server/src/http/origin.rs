@@ -10,7 +10,7 @@ use axum::{
 };
 use bendtwin_core::{Category, Fault};
 
-use crate::error::Refusal;
+use crate::refusal::Refusal;
 
 /// The names by which a server may be called.
 #[derive(Clone, Debug)]
@@ -35,7 +35,7 @@ impl Hosts {
         if is_foreign(request.headers(), host.as_ref()) { Err(foreign()) } else { Ok(()) }
     }
 
-    /// `localhost`, any address, and the names that were given: a page elsewhere has none of them.
+    /// `localhost`, any address, and the configured names: a page elsewhere has no such name.
     fn allows(&self, host: &str) -> bool {
         host.eq_ignore_ascii_case("localhost")
             || host.trim_matches(['[', ']']).parse::<IpAddr>().is_ok()
@@ -74,7 +74,7 @@ fn is_foreign(headers: &HeaderMap, host: Option<&Authority>) -> bool {
     let Some(origin) = origins.next() else { return false };
     let origin = origin.to_str().ok().and_then(|o| o.parse::<Uri>().ok());
     match (origin.as_ref().and_then(Uri::authority), host) {
-        // Authorities are equal whatever their case.
+        // Authorities are equal regardless of case.
         (Some(origin), Some(host)) => origin != host || origins.next().is_some(),
         // `null`, or nothing to compare it with.
         _ => true,

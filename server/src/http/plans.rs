@@ -19,7 +19,7 @@ use crate::{
     app::{App, Error},
     context::Context,
     dispatch::Plan,
-    error::Refusal,
+    refusal::Refusal,
 };
 
 const KEEP_ALIVE: Duration = Duration::from_secs(15);

@@ -23,9 +23,9 @@ use crate::{
     app::{self, App, Error},
     client_token::TOKEN_PROTOCOL,
     context::Context,
-    error::Refusal,
     memory::Kind,
     play::{Document, Recording},
+    refusal::Refusal,
 };
 
 /// The protocol within the WebSocket.

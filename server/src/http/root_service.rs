@@ -24,8 +24,8 @@ use crate::{
     client_token,
     context::Context,
     deadline::{Call, Cut},
-    error::Refusal,
     metrics::Metrics,
+    refusal::Refusal,
 };
 
 /// Both transports behind one service.
@@ -158,7 +158,7 @@ impl RootService {
         }
         let path = request.uri().path();
         let access = if is_grpc { access::find(path) } else { None };
-        // Workers call by whatever name they were given, and show a token of their own.
+        // Workers call by any name that they were given, and show their own token.
         if access == Some(Access::Worker) {
             return Ok(Admission::Free);
         }
@@ -166,7 +166,7 @@ impl RootService {
         if access == Some(Access::Open) || !is_grpc && access::is_open(request.method(), path) {
             return Ok(Admission::Free);
         }
-        // A method that does not exist is told so by the router.
+        // The router reports a method that does not exist.
         let is_method = is_grpc && (access.is_some() || self.methods.contains(path));
         Ok(Admission::Identified { access: is_method.then_some(access) })
     }
@@ -222,7 +222,7 @@ pub(crate) async fn note_route(
     response
 }
 
-/// The code of a call that failed at once; others end in trailers, after this.
+/// The code of a call that failed immediately; others end in trailers, after this.
 fn grpc_code(response: &Response<Body>) -> String {
     let code = response.headers().get("grpc-status").and_then(|v| v.to_str().ok());
     code.unwrap_or("0").to_owned()

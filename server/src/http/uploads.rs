@@ -19,7 +19,7 @@ use super::{
 };
 use crate::{
     app::{self, ALGORITHMS, App, Append, NewUpload},
-    error::Refusal,
+    refusal::Refusal,
 };
 
 pub use protocol::read_upload_headers;

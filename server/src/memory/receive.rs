@@ -9,7 +9,7 @@ use bytes::{Buf as _, Bytes, BytesMut};
 use http_body_util::BodyExt as _;
 
 use super::{Memory, Received, Shares};
-use crate::failure::Error;
+use crate::error::Error;
 
 /// First step of a body of unknown length [bytes].
 const FIRST_STEP: u64 = 64 << 10;

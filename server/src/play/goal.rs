@@ -18,7 +18,7 @@ use super::{
     rows::{Pose, Rows},
     scene::Scene,
 };
-use crate::failure::{Error, Result};
+use crate::error::{Error, Result};
 
 /// Frames of a plan, and distance that is near enough [m], where a goal does not say.
 const FRAMES: u32 = 30;

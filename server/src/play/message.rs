@@ -13,7 +13,7 @@ use bendtwin_proto::{
 use serde::{Deserialize, Serialize};
 use tokio::sync::Notify;
 
-use crate::failure::{Error, Result};
+use crate::error::{Error, Result};
 
 /// Most messages that wait.
 const MOST_WAITING: usize = 256;

@@ -14,7 +14,7 @@ use prost::Message as _;
 use serde::{Deserialize, Serialize, Serializer, ser::SerializeSeq as _};
 
 use super::rows::{self, Rows};
-use crate::failure::{Error, Result};
+use crate::error::{Error, Result};
 
 /// Most memory of a recording [bytes]: as a document it takes about half as much again.
 const MOST_BYTES: usize = 8 << 20;

@@ -29,7 +29,7 @@ use super::{
 };
 use crate::{
     app::App,
-    failure::{Error, Result},
+    error::{Error, Result},
 };
 
 /// Longest time for one frame.

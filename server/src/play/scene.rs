@@ -14,7 +14,7 @@ use super::{
     message::{Factors, Target},
     rows::{self, Pose, Rows},
 };
-use crate::failure::{Error, Result};
+use crate::error::{Error, Result};
 
 pub(super) use self::motion::SPEED_LIMIT_M_S;
 

@@ -27,7 +27,7 @@ use bendtwin_proto::{
     },
 };
 use bendtwin_rollout::{
-    Begun, Checked, Execution, Plan, Room, Served, Sessions, Simulated, Starts, Still,
+    Begun, Checked, Execution, Plan, Room, Served, Sessions, StartSimulation, Starts, Still,
 };
 use bytes::Bytes;
 use futures::Stream;
@@ -52,7 +52,7 @@ pub(super) use self::call::Unary;
 use super::{
     Replays, WarmTwins,
     error::Error,
-    told::{Told, Words},
+    status::{StatusStream, WorkerStatus},
 };
 use crate::{
     budget::{self, Memory},
@@ -75,7 +75,7 @@ pub(super) struct Inner {
     pub(super) memory: Memory,
     /// Bounds on requests, as the server set them last.
     limits: RwLock<Limits>,
-    pub(super) told: Told,
+    pub(super) status: WorkerStatus,
     /// Rollouts answered concurrently.
     most: usize,
     slots: Arc<Semaphore>,
@@ -102,7 +102,7 @@ impl Rollouts {
             sessions,
             memory,
             limits,
-            told: Told::default(),
+            status: WorkerStatus::default(),
             most,
             slots,
         }))
@@ -122,7 +122,7 @@ impl Rollouts {
 
     /// A call with one reply.
     fn unary<T>(&self, request: &mut Request<T>) -> Result<Unary, Status> {
-        let held = request.extensions_mut().remove::<Held>().unwrap_or_default();
+        let held = request.extensions_mut().remove::<RequestHold>().unwrap_or_default();
         Ok(Unary { held, slot: Arc::new(self.slot()?), cancel: CancelToken::default() })
     }
 
@@ -162,7 +162,7 @@ where
             Err(Status::unauthenticated("the worker token is missing or wrong"))
         }
     };
-    rollouts.0.told.end_with(shutdown.clone());
+    rollouts.0.status.end_with(shutdown.clone());
     let service = Bounded(rollouts);
     let (health, health_service) = tonic_health::server::health_reporter();
     health.set_serving::<WorkerRolloutsServer<Rollouts>>().await;
@@ -199,7 +199,7 @@ impl Service<http::Request<Body>> for Bounded {
                 Ok(share) => share,
                 Err(error) => return Ok(fault::status(&error.fault()).into_http()),
             };
-            let held = Held { _request: Some(Arc::new(share)), rollout: Arc::default() };
+            let held = RequestHold { _request: Some(Arc::new(share)), rollout: Arc::default() };
             request.extensions_mut().insert(held.clone());
             let mut service = WorkerRolloutsServer::new(rollouts).max_decoding_message_size(length);
             let response = service.call(request).await?;
@@ -228,7 +228,7 @@ fn declared_length(request: &http::Request<Body>) -> Option<usize> {
 
 /// Memory of a call, held until its work has ended and its reply has been sent.
 #[derive(Clone, Default)]
-struct Held {
+struct RequestHold {
     _request: Option<Arc<Share>>,
     /// Set once it is known how much the rollout takes.
     rollout: Arc<OnceLock<Share>>,
@@ -241,9 +241,12 @@ impl NamedService for Bounded {
 #[tonic::async_trait]
 impl WorkerRollouts for Rollouts {
     type RollOutStream = Parts;
-    type WatchStream = Words;
+    type WatchStream = StatusStream;
 
-    async fn watch(&self, request: Request<WatchRequest>) -> Result<Response<Words>, Status> {
+    async fn watch(
+        &self,
+        request: Request<WatchRequest>,
+    ) -> Result<Response<StatusStream>, Status> {
         Ok(Response::new(self.words(request.get_ref().interval_s)))
     }
 
@@ -252,7 +255,7 @@ impl WorkerRollouts for Rollouts {
         mut request: Request<ExecuteRollOutRequest>,
     ) -> Result<Response<Parts>, Status> {
         let arrived = Instant::now();
-        let held = request.extensions_mut().remove::<Held>().unwrap_or_default();
+        let held = request.extensions_mut().remove::<RequestHold>().unwrap_or_default();
         let slot = self.slot()?;
         let deadline = timeout(request.metadata()).map(|t| arrived + t);
         let cancel = CancelToken::default();
@@ -316,7 +319,7 @@ struct Call {
     arrived: Instant,
     cancel: CancelToken,
     parts: mpsc::Sender<Result<ExecuteRollOutResponse, Status>>,
-    held: Held,
+    held: RequestHold,
 }
 
 impl Call {
@@ -354,7 +357,7 @@ impl Call {
             .map_err(|e: bendtwin_core::ids::InvalidName| Error::field("twin", e.to_string()))?;
         let fidelity = rollout::fidelity(wire.fidelity)?;
         let warm = inner.twins.get(id).await?;
-        inner.told.has_warm(inner.twins.ids());
+        inner.status.has_warm(inner.twins.ids());
         let starts = begun.as_ref().map(Begun::starts);
         let rests = starts.as_ref().map(Starts::rests).unwrap_or_default();
         let backend = Arc::new(inner.device.backend(Priority::Interactive));
@@ -371,14 +374,14 @@ impl Call {
         .await?;
         // A preceding simulation takes its memory first.
         let asked = checked.request();
-        let wanted = Simulated::wanted(asked.initial.as_ref(), &capture)?;
+        let wanted = StartSimulation::wanted(asked.initial.as_ref(), &capture)?;
         let (replays, cancel) = (&inner.replays, &self.cancel);
         let simulated = match wanted {
             None => None,
-            Some(Simulated::Frame(at)) => {
+            Some(StartSimulation::Frame(at)) => {
                 Some(replays.start(&warm, at, &backend, cancel, limits.work).await?)
             }
-            Some(Simulated::Settled) => {
+            Some(StartSimulation::Settled) => {
                 let world = Still::read(asked.world.as_ref())?;
                 Some(replays.settled(&warm, world, &backend, cancel, limits.work).await?)
             }
@@ -446,7 +449,7 @@ fn send(
 /// Runs work beside the tasks of the runtime, which holds the memory of its call even when the
 /// caller is gone.
 async fn blocking<T: Send + 'static>(
-    held: &Held,
+    held: &RequestHold,
     work: impl FnOnce() -> Result<T, Error> + Send + 'static,
 ) -> Result<T, Error> {
     let held = held.clone();

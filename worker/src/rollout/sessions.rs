@@ -16,7 +16,8 @@ use bendtwin_proto::{
     worker::v1::{ManageSessionRequest, ManageSessionResponse, manage_session_request::Call},
 };
 use bendtwin_rollout::{
-    Session, Setup, Simulated, Start, Starts, Still, Wanted, Warm, idle, session_states, shape,
+    Session, Setup, Start, StartSimulation, Starts, Still, Wanted, Warm, idle, session_states,
+    shape,
 };
 
 use super::{
@@ -83,7 +84,7 @@ impl Inner {
             Call::Close(close) => {
                 if let Ok(session) = self.sessions.get(&close.name) {
                     self.sessions.close(session.id);
-                    self.told.changed();
+                    self.status.changed();
                 }
                 return Ok((ManageSessionResponse::default(), None));
             }
@@ -144,7 +145,7 @@ impl Inner {
             session.id = SessionId::generate_at(worker);
         }
         let session = self.sessions.add(session)?;
-        self.told.changed();
+        self.status.changed();
         tracing::info!(session = %session.id, %twin, slots = session.slots(), "session opened");
         Ok(session)
     }
@@ -164,14 +165,14 @@ impl Inner {
         let wanted = Wanted::read(open.initial.clone(), &warm.twin().graph, slots)?;
         Ok(match (wanted, simulated) {
             (Wanted::Ready(Starts::Each(starts)), _) => starts,
-            (Wanted::Ready(Starts::Shared(start)), _) | (Wanted::Simulated, Some(start)) => {
+            (Wanted::Ready(Starts::Shared(start)), _) | (Wanted::Simulation, Some(start)) => {
                 vec![start; slots]
             }
-            (Wanted::Simulated, None) => return Err(Error::field("initial", "has no state")),
+            (Wanted::Simulation, None) => return Err(Error::field("initial", "has no state")),
         })
     }
 
-    /// The state that a simulation of its own leads to, if the initial state is such a one.
+    /// The state that a separate simulation leads to, if the initial state requires one.
     async fn simulated(
         &self,
         warm: &Arc<Warm>,
@@ -181,12 +182,12 @@ impl Inner {
     ) -> Result<Option<Start>, Error> {
         let backend = Arc::new(self.device.backend(Priority::Interactive));
         let work = self.limits().work;
-        Ok(match Simulated::wanted(open.initial.as_ref(), capture)? {
+        Ok(match StartSimulation::wanted(open.initial.as_ref(), capture)? {
             None => None,
-            Some(Simulated::Frame(at)) => {
+            Some(StartSimulation::Frame(at)) => {
                 Some(self.replays.start(warm, at, &backend, cancel, work).await?)
             }
-            Some(Simulated::Settled) => {
+            Some(StartSimulation::Settled) => {
                 let world = Still::read(open.world.as_ref())?;
                 Some(self.replays.settled(warm, world, &backend, cancel, work).await?)
             }

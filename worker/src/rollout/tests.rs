@@ -72,7 +72,7 @@ fn full() -> InjectedFault {
 }
 
 #[test]
-fn a_batch_that_finds_no_memory_is_refused_and_the_worker_goes_on() {
+fn a_batch_that_finds_no_memory_is_refused_and_the_worker_lives() {
     let (bench, script, mut died) = bench();
     inject(&script, full(), 1);
     let error = bench.run(request(2)).unwrap_err();
@@ -103,21 +103,21 @@ fn memory_that_can_be_spared_is_given_up_for_a_batch() {
 }
 
 #[test]
-fn a_failed_launch_is_told_to_the_caller_and_ends_the_worker() {
+fn a_failed_launch_is_reported_to_the_caller_and_ends_the_worker() {
     let (bench, script, mut died) = bench();
     let launch = backend::Error::Device("integrate<<<132, 256>>>: illegal address".into());
     inject(&script, InjectedFault::Fails(launch), 1);
     let error = bench.run(request(2)).unwrap_err();
     assert_eq!((error.category(), error.reason()), (Category::Internal, "DEVICE_FAILED"));
     assert!(error.to_string().contains("integrate"), "{error}");
-    let told = died.blocking_recv();
-    assert!(matches!(told, Some(crate::Error::DeviceFailed(why)) if why.contains("integrate")));
+    let fatal = died.blocking_recv();
+    assert!(matches!(fatal, Some(crate::Error::DeviceFailed(why)) if why.contains("integrate")));
     // What comes before the process has ended finds no device.
     assert!(bench.run(request(2)).is_err());
 }
 
 #[test]
-fn numbers_that_are_none_are_reported_as_divergence_and_the_worker_goes_on() {
+fn nan_is_reported_as_divergence_and_the_worker_lives() {
     let (bench, script, mut died) = bench();
     inject(&script, InjectedFault::Diverges, 1);
     let part = bench.run(request(2)).unwrap().remove(0);

@@ -44,7 +44,7 @@ fn what_a_message_leaves_out_is_none_or_refused() {
     assert!(serde_json::Value::from_wire("{".to_owned(), "settings").is_err());
 }
 
-/// What scripts read: `bendtwin --json` prints resources as they are.
+/// Format for scripts: `bendtwin --json` prints resources in this form.
 #[test]
 fn jobs_are_json_with_words_nulls_and_nested_settings() {
     let wire = v1::Job {

@@ -35,10 +35,10 @@ function asName(text: string): string {
 }
 
 /**
- * The captures in a folder, `root` being its name: each with the files that the server's reader reads of it,
- * as docs/formats/capture.md has them. Archives in it are captures of their own. Of a folder in
- * which no capture is recognised all files are sent, for the server to say what is missing, unless
- * no file in it is of a kind that captures have.
+ * The captures in a folder, `root` being its name: each with the files that the server's reader
+ * reads of it, as docs/formats/capture.md lists them. Archives in it are separate captures. Of a
+ * folder in which no capture is recognised all files are sent, for the server to say what is
+ * missing, unless no file in it is of a kind that captures have.
  */
 export async function packagesOf(root: string, given: readonly FolderFile[]): Promise<Package[]> {
   const files = given.filter(

@@ -8,7 +8,7 @@ use crate::rollout::{self, Batch, Limits, SessionParts, TwinShape, tensors::floa
 
 /// Most plans that are simulated for one: their costs are kept.
 pub const MOST_PLANS: u64 = 1_000_000;
-/// Copies of a plan's knots that a planner has at once, and of its actions on their way.
+/// Copies of a plan's knots that a planner holds together, and of its actions in transit.
 const KNOTS: usize = 8;
 const ACTIONS: usize = 4;
 
@@ -42,8 +42,8 @@ impl Checked {
     }
 }
 
-/// Checks a request for a twin with `frame_s` seconds a frame, whose rollout may be in a session with
-/// surroundings of its own.
+/// Checks a request for a twin with `frame_s` seconds a frame, whose rollout may be in a session
+/// with other surroundings.
 ///
 /// # Errors
 /// The first fault that is found; those of the rollout come first.

@@ -44,7 +44,7 @@ impl Template {
         Self { request, shape: shape.unwrap_or_default(), returns, refuses, strain_limit }
     }
 
-    /// Checks a batch of so many instances against the limits, with or without gradients by actions.
+    /// Checks a batch of `instances` against the limits, with or without gradients by actions.
     pub(super) fn check(
         &self,
         batch: &Batch,
@@ -76,8 +76,8 @@ impl Template {
         )
     }
 
-    /// The rollout of plans, shape [S, K, ...] of the actions; with gradients by them if asked for. Its
-    /// reply names the strain of each as implausible, whatever it is.
+    /// The rollout of plans, shape [S, K, ...] of the actions; with gradients by them if requested.
+    /// The reply lists the strain of each as implausible, regardless of its value.
     pub fn batch(&self, plans: &[Vec<f64>], gradients: bool) -> RollOutRequest {
         let mut request = self.unset_batch(gradients);
         self.set(&mut request, plans);

@@ -48,7 +48,7 @@ pub fn check_registration(
     within("the size of the reply in bytes", bytes, limits.reply_bytes, "use a coarser twin")
 }
 
-/// Checks a correction of so many slots of a session of a twin, with so many grasps.
+/// Checks a correction of slots of a twin's session, given the numbers of slots and grasps.
 ///
 /// # Errors
 /// The first fault that is found.

@@ -6,7 +6,7 @@ use crate::rollout::{TwinShape, states_size, world};
 
 /// Frames of physics where the request does not say.
 const SETTLE_FRAMES: u32 = 12;
-/// A point: as it came and as it is used, its place, its match, its distance.
+/// A point: as received and as used, its place, its match, its distance.
 const POINT: u64 = 640;
 /// A node or control point of the shape: positions, rotations, the vectors of conjugate gradients, and
 /// a simulated state.
@@ -46,7 +46,7 @@ pub fn registration_work(request: &RegisterStateRequest, twin: &TwinShape) -> u6
     work(points(request.observation.as_ref()), frames, surroundings, twin)
 }
 
-/// Work of registering so many points with so many frames of physics in surroundings.
+/// Work of registering `points` points with `frames` frames of physics in surroundings.
 fn work(points: u64, frames: u64, surroundings: u64, twin: &TwinShape) -> u64 {
     let nodes = twin.nodes.saturating_mul(1 + surroundings);
     let elements = nodes.saturating_add(twin.springs).saturating_add(twin.triplets);
@@ -58,7 +58,7 @@ fn work(points: u64, frames: u64, surroundings: u64, twin: &TwinShape) -> u64 {
         .saturating_add(met)
 }
 
-/// Work of registering so many slots, if a correction of them may come to that: twice, near and
+/// Work of registering slots, if their correction may require that: twice, near the state and
 /// anywhere; in element substeps.
 pub fn correction_work(
     observation: Option<&Observation>,
@@ -75,7 +75,8 @@ pub fn correction_work(
     each.saturating_mul(2).saturating_mul(slots)
 }
 
-/// Largest size of the reply to a correction of so many slots of a session with so many grasps [bytes].
+/// Largest size of the reply to a correction, given the session's numbers of slots and grasps
+/// [bytes].
 pub fn correction_reply_bytes(
     options: &CorrectOptions,
     slots: u64,

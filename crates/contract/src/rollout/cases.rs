@@ -151,7 +151,7 @@ fn actions(c: u64) -> Named<Option<Actions>> {
     actions.push(("no actions", "`actions`", None));
     let unknown = trajectories(Some(good), 99);
     actions.push(("interpolation 99", "`trajectories.interpolation`", unknown));
-    // A tensor with a zero in its shape has no bytes, whatever else it claims.
+    // A tensor with a zero in its shape has no bytes, with any other dimensions.
     let many = Tensor { dtype: 1, shape: vec![1 << 60, 2, 0, 3], ..Tensor::default() };
     actions.push(("2^60 instances of nothing", "instances", trajectories(Some(many), 0)));
     let many = Tensor { dtype: 1, shape: vec![1, 1 << 60, 0, 3], ..Tensor::default() };

@@ -29,7 +29,7 @@ pub struct Batch {
 pub struct SessionParts {
     /// Colliders of its world.
     pub colliders: u32,
-    /// Its grasps.
+    /// Number of grasps.
     pub grasps: u32,
 }
 
@@ -50,7 +50,7 @@ impl SessionParts {
 #[derive(Clone, Copy)]
 pub(super) struct Moves {
     pub(super) instances: u64,
-    /// None: the actions come later.
+    /// `None` if the actions come later.
     pub(super) knots: Option<u64>,
     pub(super) grippers: Grippers,
 }

@@ -38,7 +38,7 @@ pub enum Encoded {
     Correct,
     /// [`StepSessionRequest`](bendtwin_proto::v1::StepSessionRequest).
     Step,
-    /// One that has nothing below it.
+    /// A field without parts.
     Other,
 }
 
@@ -69,7 +69,7 @@ pub fn check_encoded(encoded: Encoded, bytes: &[u8], limits: &Limits) -> Result<
     let (mut costs, mut fields) = (0, 0);
     let (mut colliders, mut grasps) = (0, 0);
     walk(encoded.message(), false, bytes, &mut |seen| {
-        // A number that no request can hold is none of instances, but a wrong shape.
+        // A number that no request can hold is not one of instances, but a wrong shape.
         if let Some(instances) = seen.instances.filter(|n| *n <= limits.request_bytes) {
             let most = limits.instances;
             within("the number of instances", instances.into(), most, "split the batch")?;

@@ -20,7 +20,7 @@ impl ImplausibleReason {
     pub const ALL: [Self; 4] =
         [Self::StartGap, Self::ControlSpeed, Self::Strain, Self::ControlInObstacle];
 
-    /// The reason as it is in replies.
+    /// The reason, as replies name it.
     pub fn as_str(self) -> &'static str {
         match self {
             Self::StartGap => "START_GAP",

@@ -18,8 +18,8 @@ pub struct Memory {
 }
 
 impl Memory {
-    /// Bytes beside the request, with so many instances prepared at once, on a device that runs so
-    /// many at once.
+    /// Bytes beside the request, with `prepared` instances prepared together, on a device that runs
+    /// `lanes` concurrently.
     pub fn bytes(&self, prepared: usize, lanes: usize) -> u64 {
         let prepared = prepared as u64;
         let running = prepared.min(lanes as u64);
@@ -34,7 +34,7 @@ impl Memory {
     }
 }
 
-/// Memory of an encoded request of so many bytes.
+/// Memory of an encoded request of `encoded` bytes.
 pub fn request_bytes(encoded: u64) -> u64 {
     encoded.saturating_mul(REQUEST)
 }

@@ -27,7 +27,7 @@ pub(super) const INSTANCE: u64 = 1024;
 pub(super) const NODE: u64 = 256;
 /// A node in a recording, whose buffer may be twice as large.
 pub(super) const RECORDED_NODE: u64 = 24;
-/// An element's gradient as it is added up.
+/// Sum of an element's gradient.
 pub(super) const ELEMENT_GRADIENT: u64 = 64;
 /// Tag and length of a nested message below 128 bytes.
 pub(super) const HEAD: u64 = 2;
@@ -260,7 +260,7 @@ pub fn memory(
     asked.memory(&asked.price())
 }
 
-/// Memory of the models of a request whose instances have so many rest shapes beside the twin's own
+/// Memory of the models of a request whose instances have `rests` rest shapes beside the twin's own
 /// [bytes]: each is varied as the request says.
 pub fn models_bytes(request: &RollOutRequest, rests: u64, twin: &TwinShape) -> u64 {
     let set = vary::set_bytes(twin.most_elements(request.fidelity()));

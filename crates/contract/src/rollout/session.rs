@@ -68,7 +68,8 @@ pub fn check_advance(request: &RollOutRequest) -> Result<(), Error> {
     Ok(())
 }
 
-/// Size of the reply that holds the states of so many slots with so many grasps, at most [bytes].
+/// Largest size of the reply with the states of slots, given the numbers of slots and grasps
+/// [bytes].
 ///
 /// # Errors
 /// If it is larger than a reply may be.
@@ -90,7 +91,8 @@ pub fn states_bytes(
     Ok(bytes)
 }
 
-/// Size of the message that holds the states of so many slots with so many grasps, at most [bytes].
+/// Largest size of the message with the states of slots, given the numbers of slots and grasps
+/// [bytes].
 pub(crate) fn states_size(slots: u64, grasps: u64, twin: &TwinShape) -> u64 {
     let (n, c) = (twin.nodes, twin.controls);
     let mut grasping = Message::default();
@@ -98,7 +100,7 @@ pub(crate) fn states_size(slots: u64, grasps: u64, twin: &TwinShape) -> u64 {
         grasping.tensor(1, 4, &[slots, width]);
     }
     let mut given = Message::default();
-    // Rods have nodes of their own.
+    // Rods have separate nodes.
     let rods = twin.rods.unwrap_or(n);
     let (nodes, controls) = (n.saturating_mul(3), c.saturating_mul(3));
     for width in [nodes, nodes, rods, controls, controls] {

@@ -34,8 +34,8 @@ pub fn can_split(request: &RollOutRequest) -> bool {
 /// second on a large one.
 pub const SLICE_WORK: f64 = 1e10;
 
-/// Number of instances that a GPU with so many lanes simulates together: whole rounds of them within
-/// [`SLICE_WORK`], at least one. Parts of whole slices have the bits of the whole there.
+/// Number of instances that a GPU with `lanes` lanes simulates together: whole rounds of them
+/// within [`SLICE_WORK`], at least one. Parts of whole slices have the bits of the whole there.
 pub fn slice_instances(
     request: &RollOutRequest,
     batch: &Batch,
@@ -48,8 +48,8 @@ pub fn slice_instances(
     rounds.max(1).saturating_mul(round)
 }
 
-/// At most `count` runs of nearly equal length that cover `0..instances`, none of them empty, cut at
-/// multiples of `unit`.
+/// At most `count` nonempty runs of nearly equal length that cover `0..instances`, cut at multiples
+/// of `unit`.
 pub fn runs(instances: u64, count: u64, unit: u64) -> impl Iterator<Item = Range<u64>> {
     let unit = unit.max(1);
     let units = instances.div_ceil(unit);
@@ -120,7 +120,7 @@ pub(crate) fn by_instance(request: &mut RollOutRequest, see: impl Fn(Option<&mut
     }
 }
 
-/// Keeps some of the rows of a tensor that has so many.
+/// Keeps some of the `count` rows of a tensor.
 fn rows(tensor: &mut Tensor, count: u64, of: &Range<u64>) {
     let bytes = tensor.data.len() as u64;
     if tensor.shape.first() != Some(&count) || count == 0 || !bytes.is_multiple_of(count) {
@@ -234,7 +234,7 @@ fn renumber(reply: &mut RollOutResponse, first: u32) -> Result<(), Mismatch> {
     Ok(())
 }
 
-/// The rows of all tensors in one. None if there are none.
+/// The rows of all tensors in one; `None` without tensors.
 fn concatenated<'t>(
     tensors: impl Iterator<Item = Option<&'t Tensor>>,
 ) -> Result<Option<Tensor>, Mismatch> {

@@ -22,9 +22,9 @@ pub struct TwinShape {
     pub substeps: u32,
     /// Substeps per frame of its fast variant, if it has one.
     pub fast_substeps: Option<u32>,
-    /// Its planner's twin, if it has one.
+    /// Shape of the planner's twin, if there is one.
     pub planner: Option<PlannerShape>,
-    /// True if the twin names a capture of its own, in a frame of which rollouts may start.
+    /// True if the twin names its capture, in a frame of which rollouts may start.
     pub has_capture: bool,
 }
 
@@ -42,8 +42,8 @@ pub struct PlannerShape {
 }
 
 impl TwinShape {
-    /// Work of one instance over `frames` frames of one substep among surroundings that are as much
-    /// work for each node as so many elements, in element substeps.
+    /// Work of one instance over `frames` frames of one substep, among surroundings that cost each
+    /// node the work of `surroundings` elements; in element substeps.
     pub(super) fn substep_work(&self, fidelity: Fidelity, frames: u64, surroundings: u64) -> u128 {
         let [nodes, springs, triplets] = self.simulated(fidelity);
         u128::from(frames) * (nodes * (1 + u128::from(surroundings)) + springs + triplets)

@@ -80,24 +80,24 @@ pub enum Starts {
 pub enum Wanted {
     /// The state is there.
     Ready(Starts),
-    /// The result of a separate simulation, or the state of a session: [`Simulated::wanted`].
-    Simulated,
+    /// The result of a separate simulation, or the state of a session: [`StartSimulation::wanted`].
+    Simulation,
 }
 
 /// An initial state that a separate simulation leads to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Simulated {
+pub enum StartSimulation {
     /// The capture is replayed.
     Frame(CaptureFrame),
     /// The twin comes to rest.
     Settled,
 }
 
-impl Simulated {
+impl StartSimulation {
     /// The simulation that a request needs before it starts, if any; `own_capture` is the twin's.
     ///
     /// # Errors
-    /// If the name of the capture is none.
+    /// If the name of the capture is invalid.
     pub fn wanted(wire: Option<&InitialState>, own_capture: &str) -> Result<Option<Self>, Error> {
         Ok(match wire.and_then(|w| w.state.as_ref()) {
             Some(Wire::CaptureFrame(at)) => Some(Self::Frame(CaptureFrame::read(at, own_capture)?)),
@@ -161,7 +161,7 @@ impl Wanted {
                 Ok(Self::Ready(Starts::Shared(Start::new(state, controls))))
             }
             Some(Wire::CaptureFrame(_) | Wire::Settled(_) | Wire::Session(_)) => {
-                Ok(Self::Simulated)
+                Ok(Self::Simulation)
             }
             Some(Wire::Given(wire)) => given(wire, graph, instances).map(Self::Ready),
         }

@@ -15,12 +15,12 @@ use crate::error::Error;
 pub(crate) enum Recorded {
     /// Nodes; none means all.
     Nodes(Option<Arc<Vec<u32>>>),
-    Skin(Arc<Placed>),
+    Skin(Arc<SkinSelection>),
 }
 
 /// Points of a skin, and the nodes that they are placed from.
 #[derive(Debug)]
-pub(crate) struct Placed {
+pub(crate) struct SkinSelection {
     /// `None` means all.
     points: Option<Vec<u32>>,
     /// Nodes that the engine records, ascending.
@@ -44,7 +44,7 @@ impl Recorded {
         };
         if rollout::recorded(wire) == PointSet::Skin {
             let points = listed(&mut wire.skin_points, "returns.skin_points")?;
-            return Ok(Self::Skin(Arc::new(Placed::new(points, skin, nodes))));
+            return Ok(Self::Skin(Arc::new(SkinSelection::new(points, skin, nodes))));
         }
         Ok(Self::Nodes(listed(&mut wire.nodes, "returns.nodes")?.map(Arc::new)))
     }
@@ -75,7 +75,7 @@ impl Recorded {
     }
 }
 
-impl Placed {
+impl SkinSelection {
     fn new(points: Option<Vec<u32>>, skin: &Skin, nodes: usize) -> Self {
         let mut rows = vec![u32::MAX; nodes];
         let mut carry = |point: usize| skin.carriers(point).for_each(|i| rows[i as usize] = 0);

@@ -43,7 +43,7 @@ pub struct Execution<'a> {
 
 /// Instances that were simulated.
 #[derive(Default)]
-pub(crate) struct Simulated {
+pub(crate) struct BatchResult {
     rollouts: Vec<Rollout>,
     /// Extremes of their prescribed motion.
     extremes: Vec<Extremes>,
@@ -57,7 +57,7 @@ pub(crate) struct Simulated {
     unfinished: Vec<u32>,
 }
 
-impl Simulated {
+impl BatchResult {
     /// Instances whose other results are not kept.
     pub(crate) fn of(rollouts: Vec<Rollout>, extremes: Vec<Extremes>) -> Self {
         Self { rollouts, extremes, ..Self::default() }
@@ -112,7 +112,7 @@ impl Execution<'_> {
     }
 
     /// States in which instances end, with their control points, rest shapes and surroundings.
-    fn ends(&self, indices: &[usize], simulated: &Simulated) -> Vec<Option<Start>> {
+    fn ends(&self, indices: &[usize], simulated: &BatchResult) -> Vec<Option<Start>> {
         let width = self.plan.twin().graph.control_count();
         let (rollouts, members) = match &self.plan.ensemble.weights {
             None => (&simulated.rollouts, 1),
@@ -162,7 +162,7 @@ impl Execution<'_> {
         let simulated = if returns.has_recordings() || weighs_frames {
             Execution { until: None, ..*self }.roll_out(&chosen, Kept::Arrays)?
         } else {
-            Simulated::default()
+            BatchResult::default()
         };
         self.add_arrays(&chosen, simulated, &mut last)?;
         emit(self.signed(last))
@@ -172,10 +172,10 @@ impl Execution<'_> {
     fn add_arrays(
         &self,
         indices: &[usize],
-        simulated: Simulated,
+        simulated: BatchResult,
         part: &mut RollOutResponse,
     ) -> Result<(), Error> {
-        let Simulated { rollouts, means, controls, paths, .. } = simulated;
+        let BatchResult { rollouts, means, controls, paths, .. } = simulated;
         let arrays = reply::Arrays {
             indices,
             rollouts: &rollouts,
@@ -204,9 +204,9 @@ impl Execution<'_> {
     pub(crate) fn summary(
         &self,
         indices: &[usize],
-        simulated: &Simulated,
+        simulated: &BatchResult,
     ) -> Result<RollOutResponse, Error> {
-        let Simulated { rollouts, extremes, means, .. } = simulated;
+        let BatchResult { rollouts, extremes, means, .. } = simulated;
         let mut part = reply::summary(self.plan, indices, rollouts, extremes);
         self.plan.plausibility.refuse(&part.implausible)?;
         self.plan.ensemble.fold(&mut part);
@@ -242,7 +242,7 @@ impl Execution<'_> {
         Ok(())
     }
 
-    fn roll_out(&self, indices: &[usize], kept: Kept) -> Result<Simulated, Error> {
+    fn roll_out(&self, indices: &[usize], kept: Kept) -> Result<BatchResult, Error> {
         let (returns, costs) = (&self.plan.returns, &self.plan.costs);
         let arrays = kept == Kept::Arrays;
         let asked = if arrays { returns.outputs() } else { returns.summary() };
@@ -254,7 +254,7 @@ impl Execution<'_> {
         let mut means = MeanMotions::new(self.plan);
         let outputs = means.as_ref().map_or(outputs.clone(), |means| means.outputs(outputs));
         let keeps_frames = arrays && (returns.frame_costs || returns.has_gradients());
-        let mut simulated = Simulated::default();
+        let mut simulated = BatchResult::default();
         let width = self.plan.twin().graph.control_count();
         let cancel = self.until.map_or_else(|| self.cancel.clone(), |t| self.cancel.until(t));
         for run in cut::runs(0..indices.len(), self.plan.prepared) {

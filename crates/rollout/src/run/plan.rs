@@ -128,7 +128,7 @@ impl Plan {
                 Some(planner) => planner.own.thinned(starts),
             },
             (None, Wanted::Ready(starts)) => Ok(starts),
-            (None, Wanted::Simulated) => Err(Error::field("initial", "has no state")),
+            (None, Wanted::Simulation) => Err(Error::field("initial", "has no state")),
         }
     }
 

@@ -18,7 +18,7 @@ use crate::{
     twin::warm::Warm,
 };
 
-/// Memory of a control point in a frame of a replay: as it is kept, and as the engine reads it.
+/// Memory of a control point in a frame of a replay: as stored, and as the engine reads it.
 const REPLAYED: u64 = 40;
 
 /// The part of a capture's sequence that a twin needs.

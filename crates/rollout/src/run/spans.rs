@@ -17,7 +17,7 @@ use crate::{
     error::Error,
     reply::{self, Span},
     request::plausible::Extremes,
-    run::execute::{Execution, Simulated},
+    run::execute::{BatchResult, Execution},
 };
 
 impl Execution<'_> {
@@ -94,7 +94,7 @@ impl Execution<'_> {
             let rollouts: Vec<Rollout> = tracks.iter().map(|t| t.whole(&plan.costs)).collect();
             let extremes: Vec<Extremes> =
                 tracks.iter().map(|t| t.extremes_at_end(plan, self.starts)).collect();
-            self.summary(indices, &Simulated::of(rollouts, extremes))?
+            self.summary(indices, &BatchResult::of(rollouts, extremes))?
         } else {
             for track in tracks {
                 let judged =

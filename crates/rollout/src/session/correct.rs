@@ -1,6 +1,6 @@
-//! Corrections: states of a session that are brought closer to what is seen, and their rest shapes
-//! with them, all of the slots that a call names or none of them. A slot that is lost is registered
-//! instead, if the call says so.
+//! Corrections: states of a session are brought closer to observations, and their rest shapes with
+//! them, for all slots that a call names or for none. A slot that is lost is registered instead, if
+//! the call allows it.
 
 mod scene;
 
@@ -27,7 +27,7 @@ use crate::{
 };
 
 /// An observation and the options by which slots are corrected.
-pub struct Seen<'w> {
+pub struct CorrectionInput<'w> {
     warm: &'w Warm,
     backend: &'w dyn Backend,
     observation: Observation,
@@ -52,8 +52,8 @@ struct Refused {
     error: register::Error,
 }
 
-impl<'w> Seen<'w> {
-    /// Of a checked request to a session of a twin.
+impl<'w> CorrectionInput<'w> {
+    /// A correction from a checked request to a session of a twin.
     ///
     /// # Errors
     /// If a tensor is not what the check saw, or the world cannot be read.
@@ -212,7 +212,7 @@ impl<'w> Seen<'w> {
 pub fn corrected(
     session: &Session,
     slots: &[usize],
-    by: &Seen<'_>,
+    by: &CorrectionInput<'_>,
     memory: Vec<Share>,
     cancel: &CancelToken,
 ) -> Result<Vec<Correction>, Error> {

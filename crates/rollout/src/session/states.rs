@@ -18,7 +18,7 @@ pub fn session_states(session: &Session, warm: &Warm, slots: &[usize]) -> Sessio
     SessionStates { states, slots, frames }
 }
 
-/// States with so many grasps as an initial state takes them.
+/// States in the form that an initial state with `grasps` grasps takes.
 fn given(starts: &[Start], graph: &Graph, grasps: usize) -> GivenState {
     let (n, r, c) = (graph.node_count(), graph.rods.len(), graph.control_count());
     let points = |of: fn(&State) -> &Vec<Point>| {
@@ -47,7 +47,7 @@ fn given(starts: &[Start], graph: &Graph, grasps: usize) -> GivenState {
     }
 }
 
-/// One state with so many grasps as an initial state takes it, without a batch in front.
+/// A single state in the form that an initial state takes, without the batch dimension.
 pub(super) fn given_one(start: &Start, graph: &Graph, grasps: usize) -> GivenState {
     let mut state = given(std::slice::from_ref(start), graph, grasps);
     let GivenState { positions, velocities, twists, controls, grasping, commanded_controls } =

@@ -8,19 +8,19 @@ use crate::{
     request::initial::Start,
     session::{
         Begun, Session, Sessions,
-        correct::{Seen, corrected},
+        correct::{CorrectionInput, corrected},
     },
     tests::registration::{session, tracked},
 };
 
 /// A twin and a session of it.
-struct Running {
+struct RunningSession {
     bench: Bench,
     sessions: Sessions,
     session: Arc<Session>,
 }
 
-impl Running {
+impl RunningSession {
     /// A session with slots at rest, of a chain whose rest lengths have this factor.
     fn new(slots: usize, longer: f32) -> Self {
         let mut twin = twin();
@@ -91,7 +91,8 @@ impl Running {
         let options = CorrectOptions { carry: Some(carry), ..CorrectOptions::default() };
         let backend = &self.bench.backend;
         let warm = &self.bench.warm;
-        let by = Seen::new(warm, backend, &self.session.setup, tracked(there), options).unwrap();
+        let by = CorrectionInput::new(warm, backend, &self.session.setup, tracked(there), options)
+            .unwrap();
         corrected(&self.session, &[slot], &by, Vec::new(), &CancelToken::default()).unwrap();
     }
 
@@ -131,7 +132,7 @@ fn mean_apart(a: &[Point], b: &[Point]) -> f64 {
 
 #[tokio::test]
 async fn what_corrections_carry_stays_in_predictions() {
-    let (there, here) = (Running::new(1, 1.15), Running::new(2, 1.0));
+    let (there, here) = (RunningSession::new(1, 1.15), RunningSession::new(2, 1.0));
     for _ in 0..8 {
         there.advance(&[0], 5).await;
         here.advance(&[0, 1], 5).await;
@@ -146,7 +147,7 @@ async fn what_corrections_carry_stays_in_predictions() {
 
 #[tokio::test]
 async fn a_rest_shape_goes_where_its_slot_goes() {
-    let (there, here) = (Running::new(1, 1.15), Running::new(3, 1.0));
+    let (there, here) = (RunningSession::new(1, 1.15), RunningSession::new(3, 1.0));
     there.advance(&[0], 5).await;
     here.advance(&[0, 1, 2], 5).await;
     here.correct(0, &there.nodes(0), 1.0);
@@ -164,14 +165,14 @@ async fn a_rest_shape_goes_where_its_slot_goes() {
     // A reset slot is as one that never was corrected.
     here.session.reset(&[0, 1, 2], None);
     assert!(rest(0).is_none());
-    let untouched = Running::new(1, 1.0).predict(&[0], still(1, 5)).await;
+    let untouched = RunningSession::new(1, 1.0).predict(&[0], still(1, 5)).await;
     let after = here.predict(&[0, 1, 2], still(3, 5)).await;
     assert!(after.chunks(4).all(|nodes| nodes == untouched));
 }
 
 #[tokio::test]
 async fn instances_have_the_rest_shapes_of_their_slots_and_factors_on_top() {
-    let (there, here) = (Running::new(1, 1.15), Running::new(3, 1.0));
+    let (there, here) = (RunningSession::new(1, 1.15), RunningSession::new(3, 1.0));
     there.advance(&[0], 5).await;
     here.correct(0, &there.nodes(0), 1.0);
     here.session.fork(0, &[1]);
@@ -198,7 +199,7 @@ async fn instances_have_the_rest_shapes_of_their_slots_and_factors_on_top() {
             ..still(instances, 3)
         };
         let (plan, starts, _) = here.plan(&slots, &[], request).await;
-        let found = Running::springs(&plan, &starts, expected.len());
+        let found = RunningSession::springs(&plan, &starts, expected.len());
         for ((lengths, stiffness), (is_changed, factor)) in found.into_iter().zip(expected) {
             assert_eq!(stiffness, factor * own.params.spring_stiffness[0]);
             if is_changed {
@@ -213,7 +214,7 @@ async fn instances_have_the_rest_shapes_of_their_slots_and_factors_on_top() {
 
 #[tokio::test]
 async fn windows_and_gradients_are_of_the_same_rest_shape() {
-    let (there, here) = (Running::new(1, 1.15), Running::new(1, 1.0));
+    let (there, here) = (RunningSession::new(1, 1.15), RunningSession::new(1, 1.0));
     there.advance(&[0], 5).await;
     here.correct(0, &there.nodes(0), 1.0);
     let whole = here.predict(&[0], still(1, 6)).await;
@@ -239,11 +240,11 @@ async fn an_advance_by_the_mean_of_the_fits_leaves_their_mean_in_the_slot() {
     softer.params.spring_stiffness = vec![200.0; 4];
     let twin = twin();
     let members = vec![bendtwin_core::twin::Member::of(&softer, &twin).unwrap()];
-    let running = Running::of(Twin { members, ..twin }, 1);
+    let running = RunningSession::of(Twin { members, ..twin }, 1);
     let alone = |stiffness: f32| {
         let mut twin = super::twin();
         twin.params.spring_stiffness = vec![stiffness; 4];
-        Running::of(twin, 1)
+        RunningSession::of(twin, 1)
     };
     let of_mean = || {
         let mut request = still(1, 5);

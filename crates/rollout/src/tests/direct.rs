@@ -1,5 +1,5 @@
-//! A backend that simulates at once whatever it is asked for, an instance after another, so that a
-//! time limit ends between two of them.
+//! A backend that simulates everything immediately, one instance after another, so that a time
+//! limit ends between two of them.
 
 use std::{
     sync::{Arc, Mutex},

@@ -13,7 +13,7 @@ use crate::{
     request::initial::Start,
     session::{
         Begun, Session, Sessions,
-        correct::{Seen, corrected},
+        correct::{CorrectionInput, corrected},
     },
     tests::registration::{at_rest, session_in, tracked},
 };
@@ -44,7 +44,7 @@ fn correct_by(
     options: CorrectOptions,
 ) -> Result<Correction, Error> {
     let backend = &bench.backend;
-    let seen = Seen::new(&bench.warm, backend, &session.setup, observation, options)?;
+    let seen = CorrectionInput::new(&bench.warm, backend, &session.setup, observation, options)?;
     let done = corrected(session, &[0], &seen, Vec::new(), &CancelToken::default())?;
     Ok(done.into_iter().next().unwrap())
 }
@@ -132,8 +132,8 @@ async fn what_a_gripper_carries_is_where_the_last_advance_left_it() {
     let pose = |x: f32| [x, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0];
     let rows = [pose(0.0), pose(0.03)];
     let grippers = Some(Tensor::pack(&[2, 7], rows.as_flattened()));
-    let told = CorrectOptions { grippers, ..CorrectOptions::default() };
-    correct(&bench, &session, &there(), told).unwrap();
+    let options = CorrectOptions { grippers, ..CorrectOptions::default() };
+    correct(&bench, &session, &there(), options).unwrap();
     assert!((0.024..=0.03).contains(&right(&session)), "{:?}", nodes(&session));
     // After a reset the place of the gripper is unknown.
     session.reset(&[0], None);

@@ -13,7 +13,7 @@ use crate::{
     request::initial::Start,
     session::{
         Session, Setup,
-        correct::{Seen, corrected},
+        correct::{CorrectionInput, corrected},
     },
 };
 
@@ -147,7 +147,8 @@ fn a_correction_moves_the_slots_that_it_names_and_a_refused_one_none() {
     let backend = &bench.backend;
     let seen = |options: Option<CorrectOptions>| {
         let options = options.unwrap_or_default();
-        Seen::new(&bench.warm, backend, &session.setup, tracked(&there), options).unwrap()
+        CorrectionInput::new(&bench.warm, backend, &session.setup, tracked(&there), options)
+            .unwrap()
     };
     let cancel = CancelToken::default();
     let strict = CorrectOptions { max_residual_m: Some(0.0), ..CorrectOptions::default() };
@@ -177,7 +178,8 @@ fn the_ground_is_that_of_the_session() {
         let session = session_in(&bench, 2, world);
         let backend = &bench.backend;
         let options = CorrectOptions::default();
-        let by = Seen::new(&bench.warm, backend, &session.setup, tracked(&there), options);
+        let by =
+            CorrectionInput::new(&bench.warm, backend, &session.setup, tracked(&there), options);
         let by = by.unwrap();
         corrected(&session, &[0], &by, Vec::new(), &CancelToken::default()).unwrap();
         session.states(&[0]).0[0].state.positions[3][2]

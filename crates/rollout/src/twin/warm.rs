@@ -1,4 +1,4 @@
-//! A twin that is loaded and answers at once.
+//! A loaded twin, which answers immediately.
 
 use std::sync::{Arc, Mutex};
 
@@ -17,7 +17,7 @@ pub struct Warm {
     pub(super) fast: Mutex<Option<Loaded>>,
     /// The planner's twin, once somebody has asked for it.
     pub(super) planner: Mutex<Option<Arc<PlannersWarm>>>,
-    /// Its members, as many as somebody has asked for.
+    /// Members of the twin, as many as requests have asked for.
     pub(super) members: Mutex<Vec<Loaded>>,
     /// Memory of it all, where that is counted.
     _share: Option<Share>,

@@ -9,7 +9,7 @@ use bendtwin_engine::{
     model::State,
     world::{Pose, Region, Shape},
 };
-use bendtwin_register::{Around, PlacedBody as Placed};
+use bendtwin_register::{Around, PlacedBody};
 
 use super::Surroundings;
 
@@ -25,7 +25,7 @@ pub(crate) struct Ended {
     /// Gravity and ground.
     pub(crate) environment: Environment,
     /// Bodies, the grippers first, shape [B].
-    bodies: Vec<Option<Placed>>,
+    bodies: Vec<Option<PlacedBody>>,
     /// Number of grippers among them.
     grippers: usize,
     /// Memory of the world; none in tests.
@@ -55,19 +55,19 @@ impl Ended {
     pub(crate) fn around(&self, state: &State, grippers: &[Pose]) -> Around {
         let mut bodies = self.bodies.clone();
         for (body, pose) in bodies.iter_mut().take(self.grippers).zip(grippers) {
-            *body = Some(Placed { pose: *pose, rate: Pose::default() });
+            *body = Some(PlacedBody { pose: *pose, rate: Pose::default() });
         }
         Around::new(&self.world, &bodies, state)
     }
 }
 
-fn moving(now: &Pose, before: &Pose, frame_s: f64) -> Option<Placed> {
+fn moving(now: &Pose, before: &Pose, frame_s: f64) -> Option<PlacedBody> {
     let rate = |row: usize, column: usize| {
         (f64::from(now[row][column] - before[row][column]) / frame_s) as f32
     };
     let rate: [[f32; 4]; 3] =
         std::array::from_fn(|row| std::array::from_fn(|column| rate(row, column)));
-    Some(Placed { pose: *now, rate })
+    Some(PlacedBody { pose: *now, rate })
 }
 
 impl Surroundings {

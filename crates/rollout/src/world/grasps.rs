@@ -13,7 +13,7 @@ use super::{GripperOfControl, shapes::three};
 use crate::error::Error;
 
 /// The object that is held.
-pub(super) struct Held<'a> {
+pub(super) struct HoldContext<'a> {
     pub(super) twin: &'a Twin,
     /// The model of it that is simulated.
     pub(super) model: &'a Model,
@@ -21,7 +21,7 @@ pub(super) struct Held<'a> {
 }
 
 /// The `index`-th grasp of a checked request.
-pub(super) fn read(wire: v1::Grasp, index: usize, held: &Held<'_>) -> Result<Grasp, Error> {
+pub(super) fn read(wire: v1::Grasp, index: usize, held: &HoldContext<'_>) -> Result<Grasp, Error> {
     let field = |part: &str| format!("grasps[{index}].{part}");
     let attachment = attachment(&wire, held, &field)?;
     let region = match wire.region {
@@ -50,7 +50,7 @@ pub(super) fn read(wire: v1::Grasp, index: usize, held: &Held<'_>) -> Result<Gra
 fn controls(
     hand: u32,
     gripper: u32,
-    held: &Held<'_>,
+    held: &HoldContext<'_>,
     field: &impl Fn(&str) -> String,
 ) -> Result<Vec<u32>, Error> {
     let hands = held.twin.hands();
@@ -78,7 +78,7 @@ fn controls(
 /// independent of the twin's springs.
 fn attachment(
     wire: &v1::Grasp,
-    held: &Held<'_>,
+    held: &HoldContext<'_>,
     field: &impl Fn(&str) -> String,
 ) -> Result<Attachment, Error> {
     if wire.attachment() != grasp::Attachment::Springs {

@@ -15,7 +15,7 @@ use crate::{error::Error, request::quaternion::Quaternion};
 
 /// The shape of the `index`-th collider of a checked request.
 pub(super) fn read(wire: &Collider, index: usize) -> Result<Shape, Error> {
-    let placed = Placed::of(&wire.pose);
+    let placed = ShapePose::of(&wire.pose);
     let margin = wire.margin_m;
     Ok(match &wire.shape {
         None => return Err(Error::field(format!("world.colliders[{index}].shape"), "is missing")),
@@ -57,12 +57,12 @@ fn sides(low: Point, high: Point) -> Vec<Face> {
 }
 
 /// Pose of a shape on what carries it.
-struct Placed {
+struct ShapePose {
     position: Point,
     rotation: Quaternion,
 }
 
-impl Placed {
+impl ShapePose {
     fn of(pose: &[f32]) -> Self {
         match *pose {
             [x, y, z, qx, qy, qz, qw] => {

@@ -11,7 +11,7 @@ use bendtwin_engine::{
     world::{Pose, Shape},
 };
 use bendtwin_proto::v1::{self, collider::Carrier};
-use bendtwin_register::{Around, PlacedBody as Placed};
+use bendtwin_register::{Around, PlacedBody};
 use prost::Message as _;
 
 use super::Surroundings;
@@ -98,8 +98,8 @@ impl Still {
 
     /// Surroundings of an object in this world.
     pub(crate) fn around_now(&self) -> Around {
-        let still = |pose: &Pose| Some(Placed { pose: *pose, rate: Pose::default() });
-        let bodies: Vec<Option<Placed>> = self.poses.iter().map(still).collect();
+        let still = |pose: &Pose| Some(PlacedBody { pose: *pose, rate: Pose::default() });
+        let bodies: Vec<Option<PlacedBody>> = self.poses.iter().map(still).collect();
         Around::new(&self.surroundings.world, &bodies, &State::default())
     }
 

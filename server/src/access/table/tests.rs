@@ -43,7 +43,7 @@ fn the_description_has_every_route_and_what_it_takes() {
 #[test]
 fn every_rpc_has_an_entry_and_every_entry_an_rpc() {
     let mut methods: BTreeSet<String> = crate::grpc::methods().unwrap().into_iter().collect();
-    // The service of workers themselves is none of the server's.
+    // The service of workers themselves does not belong to the server.
     methods.retain(|name| !name.starts_with("/bendtwin.worker.v1.WorkerRollouts/"));
     assert_eq!(names(|name| name.starts_with('/')), methods);
 }

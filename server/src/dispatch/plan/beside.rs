@@ -1,6 +1,6 @@
 //! Work that takes a while, beside the tasks of the runtime.
 
-use crate::failure::{Error, Result};
+use crate::error::{Error, Result};
 
 /// Bytes of data up to which work is done in place.
 const SMALL: u64 = 1 << 18;

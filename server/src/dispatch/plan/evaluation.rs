@@ -7,7 +7,7 @@ use bendtwin_proto::{
     v1::{RollOutResponse, Tensor},
 };
 
-use crate::failure::{Error, Result};
+use crate::error::{Error, Result};
 
 /// Costs of a batch with their terms and strains.
 pub(super) struct Costs {

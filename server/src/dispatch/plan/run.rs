@@ -13,8 +13,8 @@ use tokio_util::sync::CancellationToken;
 use super::{beside::beside, evaluation::Costs, start::Parts};
 use crate::{
     context::Context,
-    dispatch::{Dispatch, Held, RollOut, Whole},
-    failure::{Error, Result},
+    dispatch::{Dispatch, ReplyHold, RollOut, Whole},
+    error::{Error, Result},
     memory::Shares,
 };
 
@@ -38,7 +38,7 @@ pub(super) struct Run {
     /// Memory of the request, of the plans, and of the reply for the best, until all was sent.
     _request: Arc<Shares>,
     _plans: Share,
-    held: Option<Held>,
+    held: Option<ReplyHold>,
     has_ended: bool,
 }
 

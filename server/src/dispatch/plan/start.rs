@@ -11,7 +11,7 @@ use tokio::time::Instant;
 
 use crate::{
     dispatch::Dispatch,
-    failure::{Error, Result},
+    error::{Error, Result},
 };
 
 /// Search, space and rollout of a plan.

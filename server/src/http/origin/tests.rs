@@ -6,7 +6,7 @@ fn request(uri: &str, headers: &[(&'static str, &str)]) -> Request<Body> {
     builder.body(Body::empty()).unwrap()
 }
 
-/// Status of the refusal; 200 if there is none.
+/// Status of the refusal; 200 without one.
 fn status(hosts: &Hosts, request: &Request<Body>) -> u16 {
     use axum::response::IntoResponse as _;
     hosts.check(request).map_or_else(|r| r.into_response().status().as_u16(), |()| 200)

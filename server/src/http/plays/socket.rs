@@ -14,15 +14,15 @@ use super::PATIENCE;
 use crate::{
     app::{App, Error},
     context::Context,
-    error::Refusal,
     play::{self, Begin, Message, Player, View},
+    refusal::Refusal,
 };
 
 /// States on their way that the browser has not drawn.
 const ON_THEIR_WAY: usize = 8;
 /// Longest message after the first one [bytes].
 const MESSAGE_BYTES: usize = 64 << 10;
-/// Messages that are taken in a second, and at once.
+/// Messages accepted in a second, and in a burst.
 const RATE: f64 = 200.0;
 const BURST: f64 = 400.0;
 /// Time for the browser to take the last message.
@@ -36,7 +36,7 @@ struct Gone;
 enum Event {
     Reply(Arc<str>),
     Ended,
-    /// None if the browser has gone.
+    /// `None` if the browser has gone.
     Heard(Option<Frame>),
     Facts,
     State,
@@ -90,7 +90,7 @@ async fn first(socket: &mut WebSocket) -> Option<Result<Begin, Error>> {
     }
 }
 
-/// One side of a play's socket.
+/// A side of a play's socket.
 struct Channel {
     app: App,
     socket: WebSocket,

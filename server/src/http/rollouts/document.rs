@@ -26,11 +26,11 @@ use tokio_stream::wrappers::ReceiverStream;
 use crate::{
     app::{self, Error},
     context::Context,
-    dispatch::{Held, Parts},
-    error::Refusal,
+    dispatch::{Parts, ReplyHold},
+    refusal::Refusal,
 };
 
-/// Replies up to this size are written at once [bytes, as protobuf].
+/// Replies up to this size are written in place [bytes, as protobuf].
 const SMALL: usize = 16 << 10;
 /// Bytes of a chunk.
 const CHUNK: usize = 64 << 10;
@@ -84,7 +84,7 @@ where
 
 /// The parts of a reply as events, written as they come; what the client does not read is not
 /// computed. What the reply holds is given back when the client has read it or has gone.
-pub(in crate::http) fn events(parts: Parts, held: Held, tensors: TensorFormat) -> Response {
+pub(in crate::http) fn events(parts: Parts, held: ReplyHold, tensors: TensorFormat) -> Response {
     let (sender, chunks) = mpsc::channel(WAITING_CHUNKS);
     let context = Context::current();
     tokio::spawn(send(parts, tensors, context, sender));
@@ -129,7 +129,7 @@ async fn send(
     }
 }
 
-/// One event; compact JSON is a single line.
+/// Writes an event; compact JSON is a single line.
 fn write_part(
     part: &RollOutResponse,
     tensors: TensorFormat,

@@ -11,7 +11,7 @@ use jiff::Timestamp;
 use super::super::{Result, extract};
 use crate::{
     app::{Checksum, Error, capture_name},
-    error::Refusal,
+    refusal::Refusal,
 };
 
 pub(super) const VERSION: &str = "1.0.0";

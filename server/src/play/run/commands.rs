@@ -12,7 +12,7 @@ use super::{Run, session};
 use crate::{
     context::Context,
     dispatch::Plan,
-    failure::Result,
+    error::Result,
     play::{
         goal::{Pursuit, Stage},
         message::{Goal, Message},

@@ -12,9 +12,9 @@ use tokio::time::Instant;
 use super::Run;
 use crate::{
     context::Context,
-    error::{ProblemDocument, Refusal},
-    failure::Error,
+    error::Error,
     play::{goal::Progress, message::Factors},
+    refusal::{ProblemDocument, Refusal},
 };
 
 /// Frames that were simulated lately.

@@ -22,7 +22,7 @@ use tokio_util::sync::CancellationToken;
 use super::{Replay, Run};
 use crate::{
     app::App,
-    failure::{Error, Result},
+    error::{Error, Result},
     play::{
         Play,
         message::Begin,

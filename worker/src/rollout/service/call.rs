@@ -6,13 +6,13 @@ use std::sync::Arc;
 use bendtwin_core::CancelToken;
 use tokio::sync::OwnedSemaphorePermit;
 
-use super::{Held, blocking};
+use super::{RequestHold, blocking};
 use crate::rollout::error::Error;
 
 /// A call with one reply. Dropped with the call, by a deadline or a caller that goes away, it stops
 /// the work.
 pub(in crate::rollout) struct Unary {
-    pub(super) held: Held,
+    pub(super) held: RequestHold,
     /// Released when the work has ended, also when the caller is gone.
     pub(super) slot: Arc<OwnedSemaphorePermit>,
     pub(super) cancel: CancelToken,

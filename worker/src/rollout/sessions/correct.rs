@@ -5,7 +5,7 @@ use std::sync::Arc;
 use bendtwin_budget::Share;
 use bendtwin_contract::registration;
 use bendtwin_proto::v1::{CorrectSessionRequest, CorrectedSession};
-use bendtwin_rollout::{RestShape, Seen, corrected, shape};
+use bendtwin_rollout::{CorrectionInput, RestShape, corrected, shape};
 
 use crate::{
     budget,
@@ -44,7 +44,8 @@ impl Inner {
         let backend = self.device.backend(Priority::Interactive);
         let corrections = call.blocking(move |cancel| {
             let (_share, _turn) = (share, turn);
-            let seen = Seen::new(&warm, &backend, &to.setup, request.observation, options)?;
+            let seen =
+                CorrectionInput::new(&warm, &backend, &to.setup, request.observation, options)?;
             Ok(corrected(&to, &slots, &seen, memory, cancel)?)
         });
         let corrections = corrections.await?;

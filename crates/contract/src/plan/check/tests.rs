@@ -112,7 +112,7 @@ fn what_is_said_of_the_one_instance_holds_for_all() {
 }
 
 #[test]
-fn every_strain_of_a_batch_is_told_and_its_limit_is_the_callers() {
+fn every_strain_of_a_batch_is_reported_and_its_limit_is_the_callers() {
     let limits = |plausibility| {
         let mut request = cases::sound(&TWIN);
         request.rollout.as_mut().unwrap().plausibility = plausibility;

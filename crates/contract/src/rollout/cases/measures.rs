@@ -9,7 +9,7 @@ use bendtwin_proto::v1::{
 
 use super::{Named, cloud, cost, keypoints, with, zeros};
 
-/// For a batch of 2 instances and 2 frames of a twin with so many nodes and control points.
+/// Costs for a batch of 2 instances and 2 frames of a twin with `n` nodes and `c` control points.
 pub(super) fn costs(n: u64, c: u64) -> Named<Vec<Cost>> {
     const POINTS: &str = "`costs[0].target_cloud.points`";
     const TARGETS: &str = "`costs[0].keypoints.targets`";

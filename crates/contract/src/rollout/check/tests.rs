@@ -313,7 +313,7 @@ fn a_rollout_of_a_planners_twin_is_counted_with_its_own_size() {
 }
 
 proptest! {
-    /// Whatever bytes and shapes arrive: an answer or a refusal, never a panic.
+    /// Any bytes and shapes: an answer or a refusal, never a panic.
     #[test]
     fn no_tensor_panics(
         dtype in -1i32..8,

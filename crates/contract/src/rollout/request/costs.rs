@@ -32,7 +32,7 @@ const OVERHEAD: u128 = 16;
 const TARGET: u64 = 32;
 /// A name of a cost beside its text [bytes].
 const NAME: u64 = 64;
-/// A cost in a frame: as it is added up, and as it is returned [bytes].
+/// A cost in a frame: its sum, and its value in the reply [bytes].
 const FRAME_COST: u64 = 16;
 /// A point of the skin where a cost is measured there: its place, and its part of the search for the
 /// nearest [bytes].
@@ -47,7 +47,7 @@ const SKIN_WORK: u128 = 8;
 /// Work of the distance between a node and a collider.
 const COLLIDER_WORK: u128 = 32;
 
-/// Checks costs beside so many colliders and grasps.
+/// Checks costs, given the numbers of colliders and grasps.
 pub(in crate::rollout) fn check(
     request: &RollOutRequest,
     parts: [usize; 2],

@@ -8,8 +8,8 @@ use crate::rollout::{
     request::vary::substeps,
 };
 
-/// A control point in a frame: its gradient as it is prepared, and as the engine adds it up and returns
-/// it.
+/// A control point in a frame: its prepared gradient, and the gradient that the engine sums and
+/// returns.
 const CONTROL: u64 = 12;
 const CONTROL_GRADIENT: u64 = 28;
 /// State of a node and of a rod at the end of a frame, kept for the way back, and the rest of a frame.
@@ -18,7 +18,7 @@ const ROD_STATE: u64 = 4;
 const FRAME: u64 = 64;
 /// A node and a control point on the tape of a substep.
 const NODE_TAPED: u64 = 48;
-/// A spring's, triplet's or rod's gradient as it is returned.
+/// Returned gradient of a spring, triplet or rod.
 const ELEMENT_RETURNED: u64 = 16;
 /// A tape up to this size is whole; of a larger one segments of about this size are kept.
 const WHOLE_TAPE: u64 = 64 << 20;

@@ -21,7 +21,7 @@ pub(super) fn vector(values: &[f32], field: &str, most: f32) -> Result<[f32; 3],
     }
 }
 
-/// Refuses a number that is given and lies outside a range, or is none.
+/// Refuses a given number that lies outside a range, or is NaN.
 pub(super) fn within_range(
     value: Option<f32>,
     field: &str,

@@ -1,4 +1,4 @@
-//! Replies that are less than the whole at once: parts in time, and what was done within a time limit.
+//! Replies in parts: parts in time, and the instances done within a time limit.
 
 use bendtwin_proto::v1::{Cost, RollOutRequest, cost::Kind};
 

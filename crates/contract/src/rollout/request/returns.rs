@@ -19,8 +19,7 @@ use crate::rollout::{
 const NODES: &str = "returns.nodes";
 const SKIN_POINTS: &str = "returns.skin_points";
 const POINT_SET: &str = "returns.point_set";
-/// Messages of a reply that are there at once when it is streamed: one is made, two wait, one is
-/// sent.
+/// Messages of a streamed reply that exist together: one is made, two wait, one is sent.
 const STREAMED_MESSAGES: u64 = 4;
 /// A part of a reply while it is made: results, whose buffers may be twice as large, their
 /// concatenation and the message.
@@ -111,13 +110,13 @@ pub(super) fn has_skin(twin: &TwinShape, field: &str) -> Result<(), Error> {
     Ok(())
 }
 
-/// Messages of the reply that are there together, with what they are made from, as so many of the
-/// message's own size.
+/// Messages of the reply that exist together, with their sources, as a multiple of the message's
+/// size.
 pub(in crate::rollout) fn messages(asked: &Asked<'_>) -> u64 {
     making(asked) + if asked.part_instances == 0 { 0 } else { STREAMED_MESSAGES }
 }
 
-/// A message while it is made, as so many of its own size.
+/// A message while it is made, as a multiple of its size.
 pub(super) fn making(asked: &Asked<'_>) -> u64 {
     if asked.returns.encoding() == Encoding::Int16 { MAKING_INT16 } else { MAKING }
 }

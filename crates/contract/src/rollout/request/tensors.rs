@@ -54,13 +54,13 @@ pub(crate) fn index_list<'t>(tensor: Option<&'t Tensor>, field: &str) -> Result<
     }
 }
 
-/// Refuses the first index that is none of the twin's nodes.
+/// Refuses the first index that is not a node of the twin.
 pub(crate) fn known_nodes(tensor: &Tensor, field: &str, nodes: u64) -> Result<(), Error> {
     known(tensor, field, "node", nodes)
 }
 
-/// Refuses the first index that is none of the points of a twin's skin. Where their number is not
-/// known, the worker refuses it.
+/// Refuses the first index that is not a point of the twin's skin. If their number is unknown, the
+/// worker refuses it.
 pub(crate) fn known_skin_points(
     tensor: &Tensor,
     field: &str,

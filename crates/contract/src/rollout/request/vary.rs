@@ -29,8 +29,8 @@ pub(in crate::rollout) const SET: u64 = 4096;
 const MOST_FINER: u64 = 64;
 /// Costs of a member, kept until those of all are there [bytes].
 const MEMBER: u64 = 64;
-/// A node in a frame of a mean: its sums in double precision, the mean, and as it is measured, with the
-/// gradient [bytes].
+/// A node in a frame of a mean: its sums in double precision, the mean, and its measured copy, with
+/// the gradient [bytes].
 const MEAN_NODE: u64 = 128;
 /// A node in a frame whose gradient is given to the engine: its target and number, twice [bytes].
 const SEED: u64 = 32;
@@ -198,7 +198,7 @@ fn mean(asked: &Asked<'_>) -> Price {
     let Asked { returns, twin, boundaries, .. } = asked;
     let has_gradients = has_gradients(returns);
     let mut price = Price {
-        // As it is added up, and as it is measured; and the model that tells strains.
+        // The sums, and the measured copy; and the model that strains need.
         fixed: sum(&[
             mul(&[MEAN_NODE, asked.kinds(), twin.nodes, *boundaries]),
             mul(&[ELEMENT_GRADIENT, asked.elements()]),
@@ -216,7 +216,7 @@ fn mean(asked: &Asked<'_>) -> Price {
     price
 }
 
-/// Memory of a set of parameters of so many elements [bytes].
+/// Memory of a set of parameters of `elements` elements [bytes].
 pub(in crate::rollout) fn set_bytes(elements: u64) -> u64 {
     sum(&[mul(&[elements, 3 * PARAMETER]), SET])
 }
@@ -224,11 +224,11 @@ pub(in crate::rollout) fn set_bytes(elements: u64) -> u64 {
 /// Substeps of the sets of parameters of a request, at most: a worker finds out what each needs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(in crate::rollout) struct Substeps {
-    /// Of all sets together.
+    /// Total of all sets.
     pub(in crate::rollout) total: u128,
     /// Number of sets.
     pub(in crate::rollout) sets: u64,
-    /// Of the set that needs most.
+    /// Largest of any set.
     pub(in crate::rollout) most: u32,
 }
 

@@ -11,7 +11,7 @@ use bendtwin_engine::{backend::Gradient, world::Pose};
 
 use super::{
     Shape, Trajectories,
-    poses::{Placed, Poses, unit},
+    poses::{GripperPose, Poses, unit},
     rolls,
 };
 use crate::request::{
@@ -43,13 +43,13 @@ struct ByPose {
 
 impl ByPose {
     /// Counts a gradient by a point `local` of the gripper, which is at `at`.
-    fn point(&mut self, at: &Placed, local: Vector, g: Vector) {
+    fn point(&mut self, at: &GripperPose, local: Vector, g: Vector) {
         add(&mut self.position, g, 1.0);
         add(&mut self.rotation, at.rotation.rotate_gradient(local, g), 1.0);
     }
 
     /// Counts a gradient by the entries of the pose's matrix.
-    fn matrix(&mut self, at: &Placed, g: &Pose) {
+    fn matrix(&mut self, at: &GripperPose, g: &Pose) {
         add(&mut self.position, g.map(|row| f64::from(row[3])), 1.0);
         for column in 0..3 {
             let along = g.map(|row| f64::from(row[column]));
@@ -71,7 +71,7 @@ impl Poses {
         let (width, bodies) = (start.len(), by.poses.len() / schedule.places().len().max(1));
         let mut sums = vec![ByPose::default(); shape.knots * grippers];
         let Some(first) = schedule.places().first() else { return Vec::new() };
-        let first: Vec<Placed> = (0..grippers).map(|g| knots.at(first, g)).collect();
+        let first: Vec<GripperPose> = (0..grippers).map(|g| knots.at(first, g)).collect();
         let held = start.iter().zip(&self.gripper_of_control);
         let held: Vec<Vector> = held.map(|(c, g)| first[*g].local(c.map(f64::from))).collect();
         let mut by_held = vec![[0.0f64; 3]; width];

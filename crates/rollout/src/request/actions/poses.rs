@@ -31,13 +31,13 @@ pub(crate) struct Poses {
 
 /// A gripper at some time.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Placed {
+pub(super) struct GripperPose {
     /// [m].
     pub(super) position: Vector,
     pub(super) rotation: Quaternion,
 }
 
-impl Placed {
+impl GripperPose {
     /// A point of the world in the gripper's coordinates.
     pub(super) fn local(&self, x: Vector) -> Vector {
         self.rotation.inverse().rotate(std::array::from_fn(|i| x[i] - self.position[i]))
@@ -60,7 +60,7 @@ impl Placed {
 /// The engine's form of a pose: position [m] and quaternion.
 pub(crate) fn pose([x, y, z, qx, qy, qz, qw]: [f32; 7]) -> Pose {
     let rotation = Quaternion::of([qx, qy, qz, qw]);
-    Placed { position: [x, y, z].map(f64::from), rotation }.matrix()
+    GripperPose { position: [x, y, z].map(f64::from), rotation }.matrix()
 }
 
 /// Knots of all grippers of an instance.
@@ -80,7 +80,7 @@ impl Knots<'_> {
 
     /// A gripper at a frame boundary. Its position lies on the curve through the knots, its rotation
     /// on the arc between two of them.
-    pub(super) fn at(&self, place: &Place, gripper: usize) -> Placed {
+    pub(super) fn at(&self, place: &Place, gripper: usize) -> GripperPose {
         let position = place.at(|k| {
             let [x, y, z, ..] = self.rows[k * self.grippers + gripper];
             [x, y, z]
@@ -91,7 +91,7 @@ impl Knots<'_> {
         } else {
             from.slerp(self.rotation(place.knot + 1, gripper), place.share)
         };
-        Placed { position: position.map(f64::from), rotation }
+        GripperPose { position: position.map(f64::from), rotation }
     }
 }
 
@@ -132,7 +132,7 @@ impl Poses {
         instance: usize,
         shape: Shape,
         schedule: &Schedule,
-    ) -> Vec<Vec<Placed>> {
+    ) -> Vec<Vec<GripperPose>> {
         let knots = self.knots(instance, shape);
         let at = |place| (0..self.grippers).map(|g| knots.at(place, g)).collect();
         schedule.places().iter().map(at).collect()
@@ -147,9 +147,9 @@ impl Poses {
     ) -> Vec<Point> {
         let knots = self.knots(instance, shape);
         let mut out = Vec::with_capacity(schedule.places().len() * start.len());
-        let mut before: Vec<Placed> = Vec::new();
+        let mut before: Vec<GripperPose> = Vec::new();
         for place in schedule.places() {
-            let now: Vec<Placed> = (0..self.grippers).map(|g| knots.at(place, g)).collect();
+            let now: Vec<GripperPose> = (0..self.grippers).map(|g| knots.at(place, g)).collect();
             if before.is_empty() {
                 out.extend_from_slice(start);
             } else {

@@ -15,7 +15,7 @@
 
 use bendtwin_core::{Graph, Point};
 
-use super::poses::Placed;
+use super::poses::GripperPose;
 use crate::request::quaternion::{Quaternion, Vector, cross, dot};
 
 /// Smallest step of a roll, 2⁻²⁰ [rad].
@@ -83,7 +83,7 @@ fn roll(from: &Quaternion, to: &Quaternion, before: Vector, after: Vector) -> f6
 pub(super) fn rolls(
     clamps: &[Clamp],
     rods: usize,
-    placed: &[Vec<Placed>],
+    placed: &[Vec<GripperPose>],
     controls: &[Point],
 ) -> Vec<f32> {
     let width = controls.len() / placed.len().max(1);
@@ -113,7 +113,7 @@ pub(super) fn rolls(
 /// every later direction with what the gripper has turned by until then.
 pub(super) fn gradient(
     clamps: &[Clamp],
-    placed: &[Vec<Placed>],
+    placed: &[Vec<GripperPose>],
     controls: &[Point],
     by: &[f32],
 ) -> Vec<Vec<Vector>> {

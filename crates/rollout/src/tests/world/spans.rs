@@ -171,9 +171,9 @@ fn a_divergence_comes_with_its_frame_and_what_follows_is_not_a_number() {
     let expected = bench.run(request.clone(), 0).unwrap().remove(0);
     let frame = expected.diverged[0].frame;
     let parts = bench.run(divided(&request, 1), 16).unwrap();
-    let told: Vec<usize> = parts.iter().map(|part| part.diverged.len()).collect();
-    assert_eq!(told.iter().sum::<usize>(), 1);
-    assert_eq!(told[frame as usize - 1], 1);
+    let diverged: Vec<usize> = parts.iter().map(|part| part.diverged.len()).collect();
+    assert_eq!(diverged.iter().sum::<usize>(), 1);
+    assert_eq!(diverged[frame as usize - 1], 1);
     assert_eq!(whole(&parts).encode_to_vec(), expected.encode_to_vec());
 }
 

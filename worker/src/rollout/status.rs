@@ -25,11 +25,11 @@ const INTERVAL_S: [f64; 2] = [0.05, 60.0];
 const DEFAULT_S: f64 = 5.0;
 
 /// Messages to a server that watches.
-pub(super) type Words = Pin<Box<dyn Stream<Item = Result<WatchResponse, Status>> + Send>>;
+pub(super) type StatusStream = Pin<Box<dyn Stream<Item = Result<WatchResponse, Status>> + Send>>;
 
 /// Facts that rollouts do not know of, and whether anything changed.
 #[derive(Debug, Default)]
-pub(super) struct Told {
+pub(super) struct WorkerStatus {
     changes: watch::Sender<()>,
     facts: Mutex<Facts>,
     /// Memory that a fit may take; zero if this worker takes none [bytes].
@@ -52,7 +52,7 @@ impl Facts {
     }
 }
 
-impl Told {
+impl WorkerStatus {
     /// Notifies the watching servers.
     pub(super) fn changed(&self) {
         self.changes.send_replace(());
@@ -80,12 +80,12 @@ impl Told {
 }
 
 /// A job in the heartbeats; dropping it reports the job's end.
-pub(crate) struct AtWork {
+pub(crate) struct StatusGuard {
     rollouts: Rollouts,
     kind: Kind,
 }
 
-impl Drop for AtWork {
+impl Drop for StatusGuard {
     fn drop(&mut self) {
         self.rollouts.set_job(self.kind, String::new());
     }
@@ -94,20 +94,20 @@ impl Drop for AtWork {
 impl Rollouts {
     /// Sets the memory that a fit may take; zero if this worker takes none [bytes].
     pub(crate) fn set_fit_bytes(&self, bytes: u64) {
-        self.inner().told.fit_bytes.store(bytes, Ordering::Relaxed);
+        self.inner().status.fit_bytes.store(bytes, Ordering::Relaxed);
     }
 
     /// Reports a job to servers, until the returned value is dropped.
-    pub(crate) fn at_work(&self, kind: Kind, lease: &Lease) -> AtWork {
+    pub(crate) fn at_work(&self, kind: Kind, lease: &Lease) -> StatusGuard {
         let job = if kind == Kind::Fit { &lease.job } else { &lease.capture };
         self.set_job(kind, job.clone());
-        AtWork { rollouts: self.clone(), kind }
+        StatusGuard { rollouts: self.clone(), kind }
     }
 
     fn set_job(&self, kind: Kind, job: String) {
-        let told = &self.inner().told;
-        *told.facts().of(kind) = job;
-        told.changed();
+        let status = &self.inner().status;
+        *status.facts().of(kind) = job;
+        status.changed();
     }
 
     /// The current heartbeat.
@@ -115,7 +115,7 @@ impl Rollouts {
         let inner = self.inner();
         let memory = inner.device.memory();
         let (fit, ingest) = {
-            let facts = inner.told.facts();
+            let facts = inner.status.facts();
             (facts.fit.clone(), facts.ingest.clone())
         };
         HeartbeatRequest {
@@ -124,7 +124,7 @@ impl Rollouts {
             rollouts_in_flight: u32::try_from(self.in_flight()).unwrap_or(u32::MAX),
             memory_used_bytes: memory.map_or(0, |m| m.used),
             memory_total_bytes: memory.map_or(0, |m| m.total),
-            fit_memory_bytes: inner.told.fit_bytes.load(Ordering::Relaxed),
+            fit_memory_bytes: inner.status.fit_bytes.load(Ordering::Relaxed),
             sessions: inner.sessions.list(),
             fit,
             ingest,
@@ -133,13 +133,13 @@ impl Rollouts {
 
     /// Heartbeats sent to a watching server: immediately, with every change, and at this interval
     /// [s].
-    pub(super) fn words(&self, interval_s: f64) -> Words {
+    pub(super) fn words(&self, interval_s: f64) -> StatusStream {
         let [least, most] = INTERVAL_S;
         let asked = interval_s.is_finite() && interval_s > 0.0;
         let interval_s = if asked { interval_s.clamp(least, most) } else { DEFAULT_S };
         let interval = Duration::from_secs_f64(interval_s);
-        let told = &self.inner().told;
-        let (changes, ended) = (told.changes.subscribe(), told.ended.get().cloned());
+        let status = &self.inner().status;
+        let (changes, ended) = (status.changes.subscribe(), status.ended.get().cloned());
         let begun = (self.clone(), changes, ended.unwrap_or_default(), false);
         let words =
             stream::unfold(begun, move |(rollouts, mut changes, ended, waits)| async move {
