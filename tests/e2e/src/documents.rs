@@ -36,7 +36,7 @@ const EFFORTS: &str = "| left open | body on a CPU | body on a GPU | cable |\n|-
 
 #[test]
 fn settings_that_are_left_open_are_documented_with_what_they_become() {
-    let old = document("settings.md");
+    let old = document("use/settings.md");
     let (before, rest) = old.split_once(EFFORTS).expect("the table of efforts");
     let rows = rest.split_inclusive('\n').take_while(|line| line.starts_with('|')).map(str::len);
     let after = &rest[rows.sum()..];
@@ -44,7 +44,7 @@ fn settings_that_are_left_open_are_documented_with_what_they_become() {
     if std::env::var_os("BENDTWIN_BLESS").is_some() {
         std::fs::write(workspace::root().join("docs/use/settings.md"), new).unwrap();
     } else {
-        assert_eq!(old, new, "`BENDTWIN_BLESS=1 cargo test -p bendtwin-e2e left_open` mends it");
+        assert_eq!(old, new, "`BENDTWIN_BLESS=1 cargo test -p bendtwin-e2e left_open` updates it");
     }
 }
 
