@@ -86,7 +86,7 @@ export interface paths {
         post?: never;
         /**
          * Delete capture
-         * @description Deletes its observation, playback and report, too. Refused with FAILED_PRECONDITION while a fit of it is queued or running. Twins stay.
+         * @description Deletes its observation, playback and report, too. Refused with FAILED_PRECONDITION while a fit of the capture is queued or running. Its twins are kept.
          */
         delete: operations["DeleteCapture"];
         options?: never;
@@ -124,7 +124,7 @@ export interface paths {
         };
         /**
          * Watch ingest
-         * @description The capture now and after every change of its ingest, until that has ended. Over HTTP events named `capture`, with the revision of the ingest as id; `Last-Event-ID` skips what is known.
+         * @description The capture now and after every change of its ingest, until the ingest has ended. Over HTTP events named `capture`, with the revision of the ingest as id; `Last-Event-ID` skips what is known.
          */
         get: operations["WatchIngest"];
         put?: never;
@@ -146,7 +146,7 @@ export interface paths {
         put?: never;
         /**
          * Ingest capture
-         * @description Runs the ingest again, for example with other settings. Refused with FAILED_PRECONDITION while it is under way, and while a fit of the capture is queued or running.
+         * @description Runs the ingest again, for example with other settings. Refused with FAILED_PRECONDITION while an ingest or a fit of the capture is queued or running.
          */
         post: operations["IngestCapture"];
         delete?: never;
@@ -166,7 +166,7 @@ export interface paths {
         put?: never;
         /**
          * Cancel ingest
-         * @description Asks the ingest to stop; one that has ended is returned as it is.
+         * @description Asks the ingest to stop; an ingest that has ended is returned unchanged.
          */
         post: operations["CancelIngest"];
         delete?: never;
@@ -204,7 +204,7 @@ export interface paths {
         };
         /**
          * Download the playback of a capture
-         * @description What a player shows, for reading by ranges: tracked points as 16-bit numbers and small images of the cameras (docs/playback.md). A capture that was read before there were playbacks has none until its ingest is run again.
+         * @description What a player shows, for reading by ranges: tracked points as 16-bit numbers and small images of the cameras (docs/formats/playback.md). A capture that was read before there were playbacks has none until its ingest is run again.
          */
         get: operations["GetPlayback"];
         put?: never;
@@ -286,7 +286,7 @@ export interface paths {
         post?: never;
         /**
          * Delete fit
-         * @description Refused with FAILED_PRECONDITION while it runs: cancel it first. Its twin stays.
+         * @description Refused with FAILED_PRECONDITION while the fit runs: cancel it first. Its twin is kept.
          */
         delete: operations["DeleteFit"];
         options?: never;
@@ -309,7 +309,7 @@ export interface paths {
         put?: never;
         /**
          * Cancel fit
-         * @description Asks a queued or running fit to stop; a fit that has ended is returned as it is.
+         * @description Asks a queued or running fit to stop; a fit that has ended is returned unchanged.
          */
         post: operations["CancelFit"];
         delete?: never;
@@ -367,13 +367,13 @@ export interface paths {
         };
         /**
          * List keys
-         * @description Newest first; revoked and expired keys are among them.
+         * @description All keys, newest first, revoked and expired ones included.
          */
         get: operations["ListKeys"];
         put?: never;
         /**
          * Create key
-         * @description Makes a key. Its text is in the reply and nowhere else: the server stores a hash of it.
+         * @description Creates a key. Its text is only in this reply: the server stores a hash.
          */
         post: operations["CreateKey"];
         delete?: never;
@@ -395,7 +395,7 @@ export interface paths {
         post?: never;
         /**
          * Delete key
-         * @description Revokes a key: no server accepts it 30 s later. It stays in the list, with its `revoke_time`.
+         * @description Revokes a key: after 30 s no server accepts it any more. The key stays in the list, with its `revoke_time`.
          */
         delete: operations["DeleteKey"];
         options?: never;
@@ -414,7 +414,7 @@ export interface paths {
         put?: never;
         /**
          * Plan
-         * @description One update after each iteration with the best so far, and a last one. The best is never worse than the nominal plan: whatever comes back was simulated, with that cost. A plan that strains the material beyond the limit counts as worse than every plan that does not, whatever its cost; of plans beyond it the one that is beyond it least is best. Over HTTP events named `update`; closing the connection stops the work.
+         * @description Sends an update with the best plan after each iteration, and a last one. The best plan is never worse than the nominal plan: every returned plan was simulated, with the returned cost. A plan that strains the material beyond the limit is worse than every plan within it, regardless of the cost; among plans beyond the limit the one with the least strain is best. Over HTTP events named `update`; closing the connection stops the work.
          */
         post: operations["Plan"];
         delete?: never;
@@ -519,7 +519,7 @@ export interface paths {
         put?: never;
         /**
          * Advance session
-         * @description Simulates the rollout from the states of slots, and leaves them in those that it ends in. Nothing changes if it fails or an instance diverges.
+         * @description Simulates a rollout from the states of slots, and stores the final states in the slots. The slots do not change if the rollout fails or an instance diverges.
          */
         post: operations["AdvanceSession"];
         delete?: never;
@@ -539,7 +539,7 @@ export interface paths {
         put?: never;
         /**
          * Correct session
-         * @description Brings the states of slots closer to what is seen, in place: smoothly, without touching what control points and grasps hold, and outside of the ground and of colliders, on the side of them where nodes were. Their rest shapes take part (CorrectOptions.carry), and belong to the slots from then on, in all that is simulated from them. Ends with FAILED_PRECONDITION if more than the stated residual is left at one of them, reason OBSERVATION_NOT_EXPLAINED, or OBJECT_LOST for a slot that is lost (Tracking); no state changes then.
+         * @description Moves the states of slots towards an observation, in place. The correction is smooth, leaves nodes held by control points and grasps where they are, and keeps nodes outside of the ground and of colliders, on the side where they were. The rest shapes of the slots are corrected too (CorrectOptions.carry), and apply to everything simulated from these slots afterwards. Ends with FAILED_PRECONDITION if the remaining residual of a slot is above the given limit, reason OBSERVATION_NOT_EXPLAINED, or OBJECT_LOST for a slot that is lost (Tracking); no state changes then.
          */
         post: operations["CorrectSession"];
         delete?: never;
@@ -559,7 +559,7 @@ export interface paths {
         put?: never;
         /**
          * Fork session
-         * @description Copies the state of a slot to others, and its rest shape.
+         * @description Copies the state and the rest shape of a slot to other slots.
          */
         post: operations["ForkSession"];
         delete?: never;
@@ -579,7 +579,7 @@ export interface paths {
         put?: never;
         /**
          * Reset session
-         * @description Sets slots back to the session's first state, or to a given one, and to the rest shape of the twin.
+         * @description Resets slots to the session's first state, or to a given one, and to the rest shape of the twin.
          */
         post: operations["ResetSession"];
         delete?: never;
@@ -619,7 +619,7 @@ export interface paths {
         put?: never;
         /**
          * Step session
-         * @description A step of a closed loop: corrects a slot by what is seen, plans from there, and advances the slot by the first frames of the best plan. All of the request is checked before anything changes. Later failures (EVERY_PLAN_DIVERGED, a lost worker, the deadline of the call) may leave the slot corrected, but not advanced.
+         * @description A step of a closed loop: corrects a slot by an observation, plans from the corrected state, and advances the slot by the first frames of the best plan. The whole request is checked before anything changes. Later failures (EVERY_PLAN_DIVERGED, a lost worker, the deadline of the call) may leave the slot corrected, but not advanced.
          */
         post: operations["StepSession"];
         delete?: never;
@@ -696,7 +696,7 @@ export interface paths {
         put?: never;
         /**
          * Evaluate twin
-         * @description The quality table of a twin on a capture. To a recording other than its own the twin is registered first: ends with FAILED_PRECONDITION, reason OBSERVATION_NOT_EXPLAINED, if that leaves too much. The capture's ingest has to have ended. The table is computed anew and kept nowhere. `motion` also asks for the predicted positions of nodes in a sequence, and for its errors frame by frame.
+         * @description The quality table of a twin on a capture. The twin is first registered to a recording that it was not fitted to; the call ends with FAILED_PRECONDITION, reason OBSERVATION_NOT_EXPLAINED, if the remaining distances are too large. The capture's ingest must have ended. The table is computed for this call and not stored. `motion` also asks for the predicted positions of nodes in a sequence, and for its errors frame by frame.
          */
         post: operations["EvaluateTwin"];
         delete?: never;
@@ -734,7 +734,7 @@ export interface paths {
         };
         /**
          * Play with a twin
-         * @description A WebSocket on which a simulation of the twin runs in real time. The first message says where it begins, `{"type": "begin"}` at least; docs/play.md has all messages. The play ends with the socket.
+         * @description A WebSocket on which a simulation of the twin runs in real time. The first message says where it begins, `{"type": "begin"}` at least; docs/formats/play.md has all messages. The play ends with the socket.
          */
         get: operations["Play"];
         put?: never;
@@ -756,7 +756,7 @@ export interface paths {
         put?: never;
         /**
          * Register state
-         * @description The state in which the twin explains an observation: a rigid motion, then a deformation, then frames of the twin's own physics under the pull of the points. Ends with FAILED_PRECONDITION, reason OBSERVATION_NOT_EXPLAINED, if more than the stated residual is left.
+         * @description The state in which the twin explains an observation: a rigid motion, then a deformation, then frames of the twin's own physics under the pull of the points. Ends with FAILED_PRECONDITION, reason OBSERVATION_NOT_EXPLAINED, if the remaining residual is above the given limit.
          */
         post: operations["RegisterState"];
         delete?: never;
@@ -796,7 +796,7 @@ export interface paths {
         put?: never;
         /**
          * Stream roll out
-         * @description The same in parts, as instances finish: each part covers `first_instance` onwards. On a GPU the last bits of a result may differ from those of RollOut, as they depend on how many instances are simulated together; on the CPU they do not. With `returns.best` there is one part. With `returns.part_frames` every part is divided in time as well. Over HTTP events named `part`.
+         * @description Like RollOut, with the reply in parts as instances finish: each part covers `first_instance` onwards. On a GPU the last bits of a result may differ from those of RollOut, because they depend on the number of instances simulated together; on the CPU they do not. With `returns.best` there is one part. With `returns.part_frames` every part is divided in time as well. Over HTTP events named `part`.
          */
         post: operations["StreamRollOut"];
         delete?: never;
@@ -920,20 +920,20 @@ export interface paths {
 export type webhooks = Record<string, never>;
 export interface components {
     schemas: {
-        /** @description Coordinates of a plan, and the points or grippers that they move. Motion of the nominal plan that no coordinate has stays in every plan. */
+        /** @description Coordinates of a plan, and the points or grippers that they move. Motion of the nominal plan outside of these coordinates is kept in every plan. */
         ActionSpace: {
             /** @enum {string} */
             coordinates?: "TOGETHER" | "PER_GROUP" | "POINTS" | "TRANSLATION" | "RIGID";
-            /** @description With PER_GROUP. UINT32 [C]: the group of each control point, of a hand say. */
+            /** @description With PER_GROUP: the group of each control point, UINT32 [C]; a hand, for example. */
             group_of_control?: components["schemas"]["Tensor"];
-            /** @description The place that coordinates, and their bounds, are counted from: FLOAT32 [C, 3] of trajectories, [G, 7] of poses; absent: row 0 of the nominal plan. */
+            /** @description Origin of the coordinates and their bounds: FLOAT32 [C, 3] for trajectories, [G, 7] for poses; absent: row 0 of the nominal plan. */
             start?: components["schemas"]["Tensor"];
         };
         AdvanceSessionRequest: {
             name?: string;
-            /** @description Its twin, initial state and fidelity are those of the session and must be left out. */
+            /** @description The rollout. Twin, initial state and fidelity are those of the session and must be left out. */
             rollout?: components["schemas"]["RollOutRequest"];
-            /** @description One for each instance of the rollout; empty: slot 0 alone. */
+            /** @description One slot for each instance of the rollout; empty: only slot 0. */
             slots?: number[];
         };
         Capsule: {
@@ -949,21 +949,21 @@ export interface components {
             /** @description BLAKE3 of the uploaded archive, hex. */
             digest: string;
             display_name: string;
-            /** @description The job that reads it. There is one for each; running it again replaces it. Fits of the capture fail with its fault. */
+            /** @description The job that reads the capture. Each capture has one; running the ingest again replaces it. When the ingest failed, fits of the capture fail with the same fault. */
             ingest: components["schemas"]["Job"];
-            /** @description Worker that its ingest asks for; absent: any. */
+            /** @description Worker that the ingest requires; absent: any. */
             ingest_requirements: components["schemas"]["WorkerRequirements"];
             /** @description captures/{uuid} */
             name: string;
-            /** @description Text that people write about it: up to 10,000 bytes. */
+            /** @description Note written by users, up to 10,000 bytes. */
             note: string;
-            /** @description Owner of the key with which it was uploaded; empty if that is not known. */
+            /** @description Owner of the key that uploaded the capture; empty if unknown. */
             owner: string;
             /** Format: int64 */
             size_bytes: number;
-            /** @description Up to 32 words of up to 50 characters, sorted. */
+            /** @description Up to 32 tags of up to 50 characters, sorted. */
             tags: string[];
-            /** @description The report's verdict in a word; empty until there is a report. */
+            /** @description Verdict of the report, one word; empty until the report exists. */
             verdict: string | null;
         };
         /** @description One condition of readiness. */
@@ -974,7 +974,7 @@ export interface components {
             name: string;
             ok: boolean;
         };
-        /** @description A rigid obstacle. It acts on nodes; control points and grippers pass through it, which a reply's diagnostics report. */
+        /** @description A rigid obstacle. It acts on nodes only: control points and grippers pass through it, which the diagnostics of a reply report. */
         Collider: {
             /** @description Only one of sphere, capsule, cuboid, convex_mesh may be given. */
             capsule?: components["schemas"]["Capsule"];
@@ -996,10 +996,10 @@ export interface components {
             gripper?: number;
             /**
              * Format: float
-             * @description Distance that nodes keep from the shape, metres: about the radius of a cable, or half of the distance between nodes.
+             * @description Distance that nodes keep from the shape, metres: about the radius of a cable, or half the node spacing.
              */
             margin_m?: number;
-            /** @description Reported under this name; default `collider{index}`. At most 128 bytes. */
+            /** @description Name in replies; default `collider{index}`. At most 128 bytes. */
             name?: string;
             /** @description FLOAT32 [K, 7] for all instances: x, y, z in metres, quaternion x, y, z, w, at knots as those of the actions. Only one of fixed, gripper, path may be given. */
             path?: components["schemas"]["Tensor"];
@@ -1018,7 +1018,7 @@ export interface components {
         ControlTrajectories: {
             /** @enum {string} */
             interpolation?: "LINEAR" | "CUBIC" | "ZERO";
-            /** @description FLOAT32 [B, K, C, 3], metres. K = F + 1 is dense: row 0 belongs to the initial state. Any other K >= 2 is spread evenly over the horizon and interpolated. */
+            /** @description FLOAT32 [B, K, C, 3], metres. K = F + 1 is dense: row 0 belongs to the initial state. Any other number of knots K >= 2 is spread evenly over the horizon and interpolated. */
             positions?: components["schemas"]["Tensor"];
         };
         /** @description The convex hull of points. */
@@ -1029,19 +1029,19 @@ export interface components {
         CorrectOptions: {
             /**
              * Format: double
-             * @description Share of the correction that the rest shape of the slot takes over, so that the slot does not go back to where it was: 0..1, times the share of the distances before that noise_m does not explain; default 1. With 0 the state alone is corrected. The rest shape follows what is seen if corrections are repeated, several times a second.
+             * @description Share of the correction that the rest shape of the slot takes over, so that the slot does not spring back: 0..1, multiplied by the share of the distances before the correction that noise_m does not explain; default 1. With 0 only the state is corrected. The rest shape follows the observations if corrections are repeated several times a second.
              */
             carry?: number;
             /**
              * Format: double
-             * @description Deviation of a spring by its length in one correction; default 0.03: how far the shape is doubted.
+             * @description Standard deviation of a spring's relative length in one correction; default 0.03. Larger values trust the predicted shape less.
              */
             give?: number;
-            /** @description FLOAT32 [G, 7]: poses of the first G grippers now, where they are not known from the slot's last advance, or are others: x, y, z in metres, quaternion x, y, z, w. */
+            /** @description Current poses of the first G grippers, FLOAT32 [G, 7]: x, y, z in metres, quaternion x, y, z, w. Needed where they differ from, or are unknown after, the slot's last advance. */
             grippers?: components["schemas"]["Tensor"];
             /**
              * Format: double
-             * @description Median distance of the points beyond which the correction is refused, metres; default: half the distance of neighbouring nodes, or 0.005 if that is more.
+             * @description Median distance of the points above which the correction is refused, metres; default: half the node spacing, at least 0.005.
              */
             max_residual_m?: number;
             /**
@@ -1051,35 +1051,35 @@ export interface components {
             most_added_strain?: number;
             /**
              * Format: double
-             * @description Deviation of a point from its place, metres; default 0.005: noise, and what a coarse twin cannot follow.
+             * @description Standard deviation of a point from its place, metres; default 0.005. It covers noise, and motion that a coarse twin cannot follow.
              */
             noise_m?: number;
-            /** @description Replies have no states. */
+            /** @description Leave the states out of the reply. */
             omit_state?: boolean;
-            /** @description A slot that is lost, with this observation counted, is registered by it: from where it is, and if that does not explain it, from the rest shape anywhere, with what control points and grasps hold in place, and outside of the surroundings. */
+            /** @description A slot that is lost, this observation included, is registered with it: first from its current state, and if that does not explain the observation, from the rest shape in any pose. Nodes held by control points and grasps stay in place, and the result is outside of the surroundings. */
             register_if_lost?: boolean;
             /**
              * Format: double
-             * @description Share of the displacement that is added to the velocity, per second, where velocities are not observed; default 0.
+             * @description Share of the displacement added to the velocity, per second, where velocities are not observed; default 0.
              */
             velocity_gain_per_s?: number;
             /**
              * Format: double
-             * @description Deviation of an observed velocity, metres per second; default 0.2.
+             * @description Standard deviation of an observed velocity, metres per second; default 0.2.
              */
             velocity_noise_m_s?: number;
-            /** @description Surroundings now. Absent: those of the slot's last advance where that ended, bodies included, or before one those of the session, with paths at their first pose and without what grippers carry. A path given here is at its first pose. */
+            /** @description Current surroundings. Absent: the surroundings at the end of the slot's last advance, moved bodies included. Before the first advance: those of the session, with paths at their first pose and without colliders carried by grippers. A path given here is at its first pose. */
             world?: components["schemas"]["World"];
         };
         CorrectSessionRequest: {
             name?: string;
             observation?: components["schemas"]["Observation"];
             options?: components["schemas"]["CorrectOptions"];
-            /** @description All by the same observation; empty: slot 0 alone. */
+            /** @description Slots, all corrected by the same observation; empty: only slot 0. */
             slots?: number[];
         };
         CorrectedSession: {
-            /** @description One for each slot, in the order of the request. */
+            /** @description One correction for each slot, in the order of the request. */
             corrections: components["schemas"]["CorrectedSession.Correction"][];
             session?: components["schemas"]["Session"];
         };
@@ -1092,13 +1092,13 @@ export interface components {
              * @description Largest displacement of a node, millimetres.
              */
             moved_mm: number;
-            /** @description True if the slot was lost and has been registered by this observation: it is at rest, with the rest shape of the twin, and `after` and `moved_mm` are those of the registration. */
+            /** @description True if the slot was lost and has been registered with this observation: it is then at rest, with the rest shape of the twin, and `after` and `moved_mm` describe the registration. */
             registered: boolean;
             /** Format: int64 */
             slot: number;
-            /** @description The corrected state, of this slot alone, unless CorrectOptions.omit_state is set. InitialState.given takes it as it is; the rest shape stays in the session. */
+            /** @description The corrected state of this slot, unless CorrectOptions.omit_state is set. InitialState.given accepts it unchanged; the rest shape stays in the session. */
             state?: components["schemas"]["InitialState.GivenState"];
-            /** @description With this observation. */
+            /** @description Tracking record, this observation included. */
             tracking?: components["schemas"]["Tracking"];
         };
         Cost: {
@@ -1114,7 +1114,7 @@ export interface components {
             height?: components["schemas"]["Cost.Height"];
             /** @description Only one of target_cloud, keypoints, smoothness, strain, force, height, within, clearance, control_path, control_speed may be given. */
             keypoints?: components["schemas"]["Cost.Keypoints"];
-            /** @description Reported under this name; default `cost{index}`. Names differ; at most 128 bytes each. */
+            /** @description Name in replies; default `cost{index}`. Names must differ; at most 128 bytes each. */
             name?: string;
             /** @description Only one of target_cloud, keypoints, smoothness, strain, force, height, within, clearance, control_path, control_speed may be given. */
             smoothness?: components["schemas"]["Cost.Smoothness"];
@@ -1124,16 +1124,16 @@ export interface components {
             target_cloud?: components["schemas"]["Cost.TargetCloud"];
             /**
              * Format: double
-             * @description Of SOFT_MIN: the cost difference at which frames count for clearly less, in the cost's own unit; above 0.
+             * @description Temperature of SOFT_MIN, above 0: the difference in cost at which frames count for clearly less, in the unit of the cost.
              */
             temperature?: number;
             /**
              * Format: double
-             * @description 1 if it is not given; 0 switches the cost off: it is reported as 0.
+             * @description Default: 1. With 0 the cost is switched off and reported as 0.
              */
             weight?: number;
             /**
-             * @description When it is counted, default: after the last frame.
+             * @description Frames at which the cost is counted; default: after the last frame.
              * @enum {string}
              */
             when?: "LAST_FRAME" | "EVERY_FRAME" | "SOFT_MIN";
@@ -1147,9 +1147,9 @@ export interface components {
             /** Format: float */
             margin_m?: number;
         };
-        /** @description Length of the way of the control points, mean over them, metres: counted whatever `when` says. */
+        /** @description Path length of the control points, mean over them, metres; `when` has no effect. */
         "Cost.ControlPath": Record<string, never>;
-        /** @description Mean over control points and frames of max(0, speed - limit)^2, square metres per square second: counted whatever `when` says. */
+        /** @description Mean over control points and frames of max(0, speed - limit)^2, square metres per square second; `when` has no effect. */
         "Cost.ControlSpeed": {
             /** Format: double */
             limit_m_s?: number;
@@ -1158,7 +1158,7 @@ export interface components {
         "Cost.Force": {
             /**
              * Format: int64
-             * @description Number of a collider of the request. Only one of controls, control, grasp, ground, collider may be given.
+             * @description Index of a collider of the request. Only one of controls, control, grasp, ground, collider may be given.
              */
             collider?: number;
             /**
@@ -1170,7 +1170,7 @@ export interface components {
             controls?: components["schemas"]["Cost.Force.All"];
             /**
              * Format: int64
-             * @description Number of a grasp of the request. Only one of controls, control, grasp, ground, collider may be given.
+             * @description Index of a grasp of the request. Only one of controls, control, grasp, ground, collider may be given.
              */
             grasp?: number;
             /** @description Only one of controls, control, grasp, ground, collider may be given. */
@@ -1191,9 +1191,9 @@ export interface components {
             nodes?: components["schemas"]["Tensor"];
             /** @description UINT32 [M]: points of the skin. */
             skin_points?: components["schemas"]["Tensor"];
-            /** @description Squared distances instead. */
+            /** @description Use squared distances. */
             squared?: boolean;
-            /** @description FLOAT32 [M, 3], [F, M, 3], [B, 1, M, 3] or [B, F, M, 3], metres, as those of a target cloud. */
+            /** @description FLOAT32 [M, 3], [F, M, 3], [B, 1, M, 3] or [B, F, M, 3], metres, like the points of a target cloud. */
             targets?: components["schemas"]["Tensor"];
         };
         /** @description Mean squared second difference of node positions over three frames, square metres. */
@@ -1206,11 +1206,11 @@ export interface components {
         /** @description Mean squared distance of the target's points to the nearest point of the twin's surface, square metres. */
         "Cost.TargetCloud": {
             /**
-             * @description The surface: SKIN, the default, or NODES for its surface nodes.
+             * @description Points of the surface: SKIN, the default, or NODES for the surface nodes.
              * @enum {string}
              */
             point_set?: "NODES" | "SKIN";
-            /** @description FLOAT32 [M, 3], metres, or [F, M, 3] by frame (with EVERY_FRAME or SOFT_MIN), or [B, 1, M, 3] or [B, F, M, 3] by instance too. */
+            /** @description FLOAT32 [M, 3], metres, or [F, M, 3] by frame (with EVERY_FRAME or SOFT_MIN), or [B, 1, M, 3] or [B, F, M, 3] by instance as well. */
             points?: components["schemas"]["Tensor"];
         };
         /** @description Mean over nodes of the squared distance to a box, square metres. */
@@ -1221,14 +1221,14 @@ export interface components {
         };
         CreateFitRequest: {
             capture: string;
-            /** @description Empty means the capture's. */
+            /** @description Default: the display name of the capture. */
             display_name?: string;
             /**
              * Format: int32
-             * @description Higher runs earlier; 0 is normal, -100..100.
+             * @description Priority, -100..100: fits with a higher one run earlier. Normal: 0.
              */
             priority?: number;
-            /** @description Worker that it asks for; absent means any. */
+            /** @description Worker that the fit requires; absent: any. */
             requirements?: components["schemas"]["WorkerRequirements"];
             /** @description FitSettings as JSON; empty means defaults. */
             settings?: {
@@ -1240,10 +1240,10 @@ export interface components {
             display_name: string;
             /**
              * Format: date-time
-             * @description Absent: it does not expire.
+             * @description Absent: the key does not expire.
              */
             expire_time?: string;
-            /** @description Up to 200 characters; empty means the display name. */
+            /** @description Up to 200 characters. Default: the display name. */
             owner?: string;
             quotas?: components["schemas"]["KeyQuotas"];
             /** @description At least one. */
@@ -1251,22 +1251,22 @@ export interface components {
         };
         CreateKeyResponse: {
             key: components["schemas"]["Key"];
-            /** @description The key itself, `bt_{id}_{secret}`: what clients show. */
+            /** @description The key itself, `bt_{id}_{secret}`, as clients present it. */
             secret_key: string;
         };
-        /** @description A box along the axes. */
+        /** @description A box aligned with the axes. */
         Cuboid: {
             high?: number[];
-            /** @description Least and greatest corner, three numbers each. */
+            /** @description Lowest and highest corner, three numbers each. */
             low?: number[];
         };
-        /** @description Every action is simulated under E sets of parameters, given by `vary`, and its cost is a statistic of their costs. Instances are then B x E, those of one action together: member e of action b is instance b E + e in `instances`, positions, final states, forces, diagnostics, `diverged` and `implausible`. Costs, gradients, `first_instance` and `returns.best` count actions. A member that diverges has the cost +inf, and so has the mean. MEAN_PREDICTION is no statistic of costs: there the members move the object together. */
+        /** @description Ensemble: every action is simulated with E sets of parameters (members), given by `vary`, and its cost is a statistic of the members' costs. There are then B x E instances, the members of one action side by side: member e of action b is instance b E + e in `instances`, positions, final states, forces, diagnostics, `diverged` and `implausible`. Costs, gradients, `first_instance` and `returns.best` count actions. The cost of a member that diverges is +inf, and so is the mean. MEAN_PREDICTION is not a statistic of costs: there the members predict one motion together. */
         Ensemble: {
             /** Format: int64 */
             members?: number;
             /**
              * Format: double
-             * @description Of CVAR: the share of the worst that is averaged, above 0 and at most 1; rounded up to whole members.
+             * @description Share of the worst members that CVAR averages, above 0 and at most 1; rounded up to whole members.
              */
             share?: number;
             /** @enum {string} */
@@ -1283,9 +1283,9 @@ export interface components {
         Evaluation: {
             /** @description captures/{uuid} */
             capture: string;
-            /** @description The motion that was asked for; missing if the twin could not be registered to its recording, which a warning of the table explains. */
+            /** @description The requested motion; missing if the twin could not be registered to the recording, which a warning in the table explains. */
             motion?: components["schemas"]["PredictedMotion"];
-            /** @description The quality table as JSON (docs/twin-format.md, `quality`), with its assessment and, of a capture that the twin was not fitted to, how well it was registered. All frames of such a capture count as future. */
+            /** @description The quality table as JSON (docs/formats/twin.md, `quality`), with its assessment and, for a capture that the twin was not fitted to, the quality of the registration. All frames of such a capture count as future. */
             quality: {
                 [key: string]: unknown;
             };
@@ -1298,101 +1298,101 @@ export interface components {
         Explained: {
             /**
              * Format: double
-             * @description Of the points that are within reach of the twin, 0..1.
+             * @description Share of the points that are within reach of the twin, 0..1.
              */
             points: number;
             /**
              * Format: double
-             * @description Of the surface that could have been seen and has a point within reach, 0..1. Tracks say nothing of the rest of the surface: there it is small.
+             * @description Share of the visible surface that has a point within reach, 0..1. Tracks say nothing about the rest of the surface, so that the share is small with tracks.
              */
             surface: number;
             /**
              * Format: double
-             * @description The reach.
+             * @description The reach, millimetres.
              */
             within_mm: number;
         };
-        /** @description Reason why something failed: the same triple that a failed call would carry. */
+        /** @description Reason for a failure: the same triple that a failed call carries. */
         Fault: {
             /** @description INVALID_ARGUMENT, NOT_FOUND, ...: the names of the gRPC codes. */
             category: string;
-            /** @description Text for a person: what happened and what to do about it. */
+            /** @description Text for people: what happened and what to do about it. */
             message: string;
             /** @description Stable UPPER_SNAKE_CASE word for programs. */
             reason: string;
         };
         Fit: {
             capture: string;
-            /** @description The capture's when the fit was created, unless one was given; its twin's, too, when it is made. */
+            /** @description The name given when the fit was created, by default that of its capture. The twin gets the same name. */
             display_name: string;
             /**
              * Format: double
-             * @description Error of its twin, metres, as in `Twin`.
+             * @description Error of the fitted twin, metres, as in `Twin`.
              */
             error_m: number | null;
             job: components["schemas"]["Job"];
             /** @description fits/{uuid} */
             name: string;
-            /** @description Text that people write about it: up to 10,000 bytes. */
+            /** @description Note written by users, up to 10,000 bytes. */
             note: string;
-            /** @description Owner of the key with which it was asked for, and of its twin; empty if that is not known. */
+            /** @description Owner of the key that created the fit, and of the fitted twin; empty if unknown. */
             owner: string;
             /** Format: int32 */
             priority: number;
-            /** @description Worker that it asks for; absent if any will do. */
+            /** @description Worker that the fit requires; absent: any. */
             requirements: components["schemas"]["WorkerRequirements"];
-            /** @description Up to 32 words of up to 50 characters, sorted. */
+            /** @description Up to 32 tags of up to 50 characters, sorted. */
             tags: string[];
-            /** @description twins/{uuid} once it has succeeded. */
+            /** @description twins/{uuid} once the fit has succeeded. */
             twin: string | null;
         };
         FitLosses: {
-            /** @description In the order in which they were computed: stages one after another, models side by side. */
+            /** @description Curves in the order of computation: stages one after another, models side by side. */
             curves: components["schemas"]["FitLosses.LossCurve"][];
         };
-        /** @description Losses of one model over the iterations of a stage. Of a long stage every second iteration is kept, every fourth and so on, and the last. */
+        /** @description Losses of one model over the iterations of a stage. Long stages are thinned: only every second, fourth, ... iteration is kept, and the last. */
         "FitLosses.LossCurve": {
-            /** @description The lowest up to each iteration. */
+            /** @description Lowest loss up to each iteration. */
             best_losses: (number | null)[];
-            /** @description Ascending, from 1. */
+            /** @description Iterations, ascending from 1. */
             iterations: number[];
-            /** @description One for each iteration; NaN where it was not finite. */
+            /** @description Loss of each iteration; NaN where it was not finite. */
             losses: (number | null)[];
-            /** @description search or refine. */
+            /** @description Stage: Stage: search or refine. */
             stage: string;
-            /** @description bending or axial, of several starts followed by which: `bending 2/3`. */
+            /** @description Model: bending or axial, with several starts followed by the start: `bending 2/3`. */
             variant: string;
         };
         ForkSessionRequest: {
             /** Format: int64 */
             from?: number;
             name?: string;
-            /** @description Empty: all others. */
+            /** @description Empty: all other slots. */
             to?: number[];
         };
         GradientOptions: {
             /**
              * Format: int64
-             * @description Frames through which a gradient reaches back at most: it is cut at every such number of frames; 0 for all of them. Gradients through many contacts grow until they say nothing; 15 is a good start where the object lies on something.
+             * @description Largest number of frames that a gradient reaches back: it is cut every `reach_frames` frames; 0 means no cut. Gradients through many contacts grow until they are useless; 15 is a good start where the object lies on something.
              */
             reach_frames?: number;
             /**
              * Format: double
-             * @description Width of the layer in which ground and colliders act as smooth forces, metres, in the simulation that gradients are of and in the costs and arrays that come with them; 0 for impacts. 0.001 is a good start where the object lies on something. Nothing changes in requests without gradients.
+             * @description Width of the layer in which ground and colliders act as smooth forces, metres; 0 means impacts instead. The layer is used in the simulation that is differentiated, and so in the costs and arrays returned with the gradients; requests without gradients are not affected. 0.001 is a good start where the object lies on something.
              */
             smoothing_m?: number;
         };
-        /** @description A hold of a gripper on the object. The twin's own control points hold as they were fitted, unless a grasp of their `hand` is open: to take hold elsewhere, release them by one that is never closed, whose `closed` is [0]. */
+        /** @description A gripper's grasp of the object. The twin's own control points hold the object as fitted, unless a grasp of their `hand` is open. To grasp elsewhere, first release them with a grasp of that `hand` that is never closed: its `closed` is [0]. */
         Grasp: {
             /** @enum {string} */
             attachment?: "PIN" | "SPRINGS";
-            /** @description UINT32 [K] for all instances or [B, K]: whether it is closed from each knot of the actions on, 1 or 0; [1]: from first to last, whatever the number of knots; absent: always closed. */
+            /** @description Closed (1) or open (0) from each knot of the actions on: UINT32 [K] for all instances, or [B, K]. [1] holds for all knots; absent: always closed. */
             closed?: components["schemas"]["Tensor"];
             /** @description Only one of sphere, cuboid, nodes, hand may be given. */
             cuboid?: components["schemas"]["Cuboid"];
             /**
              * Format: float
-             * @description Newton seconds per metre; 0 chooses critical damping.
+             * @description Damping of SPRINGS, newton seconds per metre; 0 chooses critical damping.
              */
             damping?: number;
             /**
@@ -1400,11 +1400,11 @@ export interface components {
              * @description The gripper, by its number in the actions' poses.
              */
             gripper?: number;
-            /** @description The twin's own control points of a hand of its capture (TwinGeometry.hands), held as they were fitted. Once it has opened it stays open. Only one of sphere, cuboid, nodes, hand may be given. */
+            /** @description The twin's own control points of a hand of its capture (TwinGeometry.hands), holding as fitted. Once this grasp has opened it stays open. Only one of sphere, cuboid, nodes, hand may be given. */
             hand?: components["schemas"]["Grasp.CaptureHand"];
             /**
              * Format: double
-             * @description Mean force over a frame beyond which it lets go, newtons; absent: never.
+             * @description Mean force over a frame beyond which the grasp slips, newtons; absent: never.
              */
             max_force_n?: number;
             /** @description UINT32 [M]. Only one of sphere, cuboid, nodes, hand may be given. */
@@ -1413,7 +1413,7 @@ export interface components {
             sphere?: components["schemas"]["Sphere"];
             /**
              * Format: float
-             * @description Of SPRINGS: newtons per metre and node (per unit mass without a mass_kg); 0 chooses what the twin's substeps allow.
+             * @description Stiffness of SPRINGS: newtons per metre and node (per unit mass without a mass_kg); 0 chooses what the twin's substeps allow.
              */
             stiffness?: number;
         };
@@ -1421,18 +1421,18 @@ export interface components {
             /** Format: int64 */
             hand?: number;
         };
-        /** @description Holds of grasps in a state: of G grasps and N nodes. All for one state, or with [B] in front. */
+        /** @description What G grasps hold of N nodes in a state. Shapes are those of one state; several states have [B] in front. */
         Grasping: {
-            /** @description UINT32 [N]: g + 1 for a node that grasp g holds; 0 for none. */
+            /** @description Grasp that holds each node, UINT32 [N]: g + 1 for grasp g; 0 for none. */
             holders?: components["schemas"]["Tensor"];
-            /** @description UINT32 [G]: 0 open, 1 closed, 2 slipped. */
+            /** @description Phase of each grasp, Phase of each grasp, UINT32 [G]: 0 open, 1 closed, 2 slipped. */
             phases?: components["schemas"]["Tensor"];
-            /** @description FLOAT32 [N, 3]: where a held node is in the coordinates of its gripper, metres. */
+            /** @description Positions of held nodes in the coordinates of their gripper, FLOAT32 [N, 3], metres. */
             places?: components["schemas"]["Tensor"];
         };
         /** @description Poses of rigid grippers that carry the control points attached to them. */
         GripperPoses: {
-            /** @description UINT32 [C]: the gripper of each control point; empty means gripper 0 for all. */
+            /** @description Gripper of each control point, UINT32 [C]; empty means gripper 0 for all. */
             gripper_of_control?: components["schemas"]["Tensor"];
             /** @enum {string} */
             interpolation?: "LINEAR" | "CUBIC" | "ZERO";
@@ -1440,7 +1440,7 @@ export interface components {
             poses?: components["schemas"]["Tensor"];
         };
         IngestCaptureRequest: {
-            /** @description Worker that it asks for; absent: any. */
+            /** @description Worker that the ingest requires; absent: any. */
             requirements?: components["schemas"]["WorkerRequirements"];
             /** @description IngestSettings as JSON; empty means defaults. */
             settings?: {
@@ -1450,13 +1450,13 @@ export interface components {
         InitialState: {
             /** @description The twin's state after following the capture's own controls up to a frame. Only one of rest, capture_frame, given, settled, session may be given. */
             capture_frame?: components["schemas"]["InitialState.CaptureFrame"];
-            /** @description A state that a rollout returned, or another one that the caller made. Only one of rest, capture_frame, given, settled, session may be given. */
+            /** @description A state that a rollout returned or that the caller made. Only one of rest, capture_frame, given, settled, session may be given. */
             given?: components["schemas"]["InitialState.GivenState"];
-            /** @description The twin's rest shape, not moving. The default. Only one of rest, capture_frame, given, settled, session may be given. */
+            /** @description The twin's rest shape, at rest. The default. Only one of rest, capture_frame, given, settled, session may be given. */
             rest?: components["schemas"]["InitialState.Rest"];
             /** @description The states of slots of a session. Only one of rest, capture_frame, given, settled, session may be given. */
             session?: components["schemas"]["InitialState.SessionSlots"];
-            /** @description The twin's shape where it comes to rest, held by its control points at rest, in the request's world as it is at the start: gravity, ground, colliders that stand still or begin a path. Grippers come later: what they carry is not there yet, and grasps hold nothing. Only one of rest, capture_frame, given, settled, session may be given. */
+            /** @description The twin's shape after it has come to rest, held by its control points at rest, in the request's world at the start: gravity, ground, static colliders, and colliders at the first pose of their path. Grippers are added afterwards: colliders that they carry are absent while the twin settles, and grasps hold nothing. Only one of rest, capture_frame, given, settled, session may be given. */
             settled?: components["schemas"]["InitialState.Settled"];
         };
         "InitialState.CaptureFrame": {
@@ -1468,14 +1468,14 @@ export interface components {
             sequence?: number;
         };
         "InitialState.GivenState": {
-            /** @description The shape of `controls`, metres: where grippers would have the control points if the ground did not hold them back, from where `poses` carry them on. Absent: where the control points are. */
+            /** @description Commanded positions of the control points, in the shape of `controls`, metres: where the grippers would hold them if the ground did not stop the grippers. `poses` carry them from there. Absent: equal to `controls`. */
             commanded_controls?: components["schemas"]["Tensor"];
-            /** @description FLOAT32 [C, 3] or [B, C, 3], metres: where the control points are. Absent: where pins say, others at rest; then `poses` carry control points that pin no node from there, so give it. */
+            /** @description Positions of the control points, FLOAT32 [C, 3] or [B, C, 3], metres. Absent: pinned ones at their nodes, others at rest. With `poses`, control points that pin no node are carried from there, so their positions should be given. */
             controls?: components["schemas"]["Tensor"];
             grasping?: components["schemas"]["Grasping"];
             /** @description FLOAT32 [N, 3] for all instances or [B, N, 3], metres. */
             positions?: components["schemas"]["Tensor"];
-            /** @description FLOAT32 [rods] for all instances or [B, rods], as the positions; radians since the twin's rods counted as untwisted. Empty means that none is twisted, and is what a twin without rods needs. */
+            /** @description FLOAT32 [rods] for all instances or [B, rods], like the positions; radians relative to the twin's untwisted rods. Empty: no rod is twisted, or the twin has no rods. */
             twists?: components["schemas"]["Tensor"];
             /** @description The same shape, metres per second; empty means at rest. */
             velocities?: components["schemas"]["Tensor"];
@@ -1484,7 +1484,7 @@ export interface components {
         "InitialState.SessionSlots": {
             /** @description sessions/{uuid}; the request's twin may be left out then. */
             session?: string;
-            /** @description One for all instances, or one for each; empty: slot 0 for all. */
+            /** @description One slot for all instances, or one for each; empty: slot 0 for all. */
             slots?: number[];
         };
         "InitialState.Settled": Record<string, never>;
@@ -1503,10 +1503,10 @@ export interface components {
             progress: null | components["schemas"]["Progress"];
             /**
              * Format: int64
-             * @description Number that grows with every change, and on from one run of an ingest to the next; the event id of server-sent events.
+             * @description Number that grows with every change, also from one run of an ingest to the next; it is the id of server-sent events.
              */
             revision: number;
-            /** @description The settings in force, as JSON (docs/settings.md). */
+            /** @description The settings in force, as JSON (docs/use/settings.md). */
             settings: {
                 [key: string]: unknown;
             };
@@ -1523,28 +1523,28 @@ export interface components {
             display_name: string;
             /**
              * Format: date-time
-             * @description From then on it is refused; absent: never.
+             * @description The key is refused from this time on; absent: never.
              */
             expire_time: string | null;
             /**
              * Format: date-time
-             * @description To about a minute; absent if it has not been used.
+             * @description Last use, accurate to about a minute; absent if the key has not been used.
              */
             last_use_time: string | null;
             /** @description keys/{uuid} */
             name: string;
-            /** @description Recorded as `owner` of the captures, fits and twins that are made with the key. */
+            /** @description Recorded as `owner` of captures, fits and twins created with the key. */
             owner: string;
             quotas: components["schemas"]["KeyQuotas"];
             /**
              * Format: date-time
-             * @description Absent unless it has been revoked.
+             * @description Absent unless the key has been revoked.
              */
             revoke_time: string | null;
-            /** @description Sorted: admin, captures:read, captures:write, fits:read, fits:write, rollouts:run, twins:read, twins:write. */
+            /** @description Scopes, sorted: admin, captures:read, captures:write, fits:read, fits:write, rollouts:run, twins:read, twins:write. */
             scopes: string[];
         };
-        /** @description Bounds on what the owner of a key may have when the key asks for more; none where a field is absent. */
+        /** @description Quotas: the server refuses requests with the key when its owner has reached one. An absent field sets no bound. */
         KeyQuotas: {
             /**
              * Format: int64
@@ -1554,7 +1554,7 @@ export interface components {
             queued_jobs: number | null;
             /**
              * Format: int64
-             * @description Rollouts, plans, registrations and evaluations under way at one server.
+             * @description Rollouts, plans, registrations and evaluations in progress at one server.
              * @default null
              */
             rollouts: number | null;
@@ -1565,13 +1565,13 @@ export interface components {
              */
             stored_bytes: number | null;
         };
-        /** @description When the knots of the actions are, if they are not spread evenly over the horizon. */
+        /** @description Times of the knots of the actions, if they are not spread evenly over the horizon. */
         KnotTimes: {
-            /** @description FLOAT32 [K], seconds from the start, rising; the first is 0, the last holds until the end. Only one of at_s, period_s may be given. */
+            /** @description FLOAT32 [K], seconds from the start, increasing; the first is 0, the last knot holds until the end. Only one of at_s, period_s may be given. */
             at_s?: components["schemas"]["Tensor"];
             /**
              * Format: double
-             * @description Seconds from knot to knot: the period of a controller, whatever the twin's frame rate. Only one of at_s, period_s may be given.
+             * @description Seconds from knot to knot: the period of a controller, independent of the twin's frame rate. Only one of at_s, period_s may be given.
              */
             period_s?: number;
         };
@@ -1597,7 +1597,7 @@ export interface components {
             next_page_token: string;
             workers: components["schemas"]["Worker"][];
         };
-        /** @description Loss of a model after an iteration. */
+        /** @description Loss of one model after one iteration. */
         ModelLoss: {
             /** Format: double */
             best_loss: number | null;
@@ -1605,25 +1605,25 @@ export interface components {
             iteration: number;
             /**
              * Format: double
-             * @description Absent where it was not finite.
+             * @description Absent where the loss was not finite.
              */
             loss: number | null;
-            /** @description search or refine. */
+            /** @description Stage: Stage: search or refine. */
             stage: string;
-            /** @description bending or axial, of several starts followed by which: `bending 2/3`. */
+            /** @description Model: bending or axial, with several starts followed by the start: `bending 2/3`. */
             variant: string;
         };
-        /** @description A sequence whose predicted motion is asked for. */
+        /** @description A sequence whose predicted motion is requested. */
         MotionRequest: {
             /**
              * Format: int64
-             * @description Its index among the sequences of all recordings of the capture, in their order.
+             * @description Index among the sequences of all recordings of the capture, in their order.
              */
             sequence?: number;
         };
-        /** @description Points on the surface of an object at one time, in the twin's coordinates. Points that were not seen are left out. */
+        /** @description Points on the surface of an object at one time, in the twin's coordinates. Unseen points are left out. */
         Observation: {
-            /** @description FLOAT32 [K, 3], metres, K up to 16: the cameras that saw the points, which say what part of the surface could have been seen. Absent: all of it. */
+            /** @description Positions of the cameras that saw the points, FLOAT32 [K, 3], metres, K up to 16. They determine the part of the surface that could have been seen; absent: all of it. */
             cameras?: components["schemas"]["Tensor"];
             /** @description UINT32 [M]: nodes of the twin. Only one of nodes, places may be given. */
             nodes?: components["schemas"]["Tensor"];
@@ -1631,16 +1631,16 @@ export interface components {
             places?: components["schemas"]["Observation.Places"];
             /** @description FLOAT32 [M, 3], metres, M in 1..200000. */
             points?: components["schemas"]["Tensor"];
-            /** @description FLOAT32 [M, 3], metres per second; absent: not known. Only a correction by tracks uses them. */
+            /** @description FLOAT32 [M, 3], metres per second; absent: unknown. Only corrections by tracks use velocities. */
             velocities?: components["schemas"]["Tensor"];
-            /** @description FLOAT32 [M], from 0; absent: equal ones. */
+            /** @description FLOAT32 [M], 0 or more; absent: equal weights. */
             weights?: components["schemas"]["Tensor"];
         };
         /** @description Points that move with the nodes around them, as tracked points do. */
         "Observation.Places": {
-            /** @description FLOAT32 [N, 3], metres: where the nodes were at that time; absent: at rest. */
+            /** @description Positions of the nodes at that time, FLOAT32 [N, 3], metres; absent: at rest. */
             node_positions?: components["schemas"]["Tensor"];
-            /** @description FLOAT32 [M, 3], metres: where they were at one time. */
+            /** @description Positions of the points at one time, FLOAT32 [M, 3], metres. */
             points?: components["schemas"]["Tensor"];
         };
         OpenSessionRequest: {
@@ -1649,10 +1649,10 @@ export interface components {
             grasps?: components["schemas"]["Grasp"][];
             /**
              * Format: double
-             * @description 1..3600; 0 means 300.
+             * @description Seconds, 1..3600. Default (0): 300.
              */
             idle_timeout_s?: number;
-            /** @description First state; default: the rest shape. A batch of given states has one for each slot. */
+            /** @description First state; default: the rest shape. A batch of given states has one state for each slot. */
             initial?: components["schemas"]["InitialState"];
             /**
              * Format: int64
@@ -1661,18 +1661,18 @@ export interface components {
             slots?: number;
             /** @description twins/{uuid} */
             twin?: string;
-            /** @description Surroundings of every rollout from here that names none itself. */
+            /** @description Surroundings of every rollout of the session that gives none. */
             world?: components["schemas"]["World"];
         };
-        /** @description Limits that every plan keeps, FLOAT32 [1] or by coordinate [D], absent: none. They hold at the knots, and between them as well along straight lines. */
+        /** @description Limits that every plan keeps, FLOAT32 [1] or by coordinate [D]; absent: none. They hold at the knots, and between knots with linear interpolation. */
         PlanBounds: {
             high?: components["schemas"]["Tensor"];
             /** @description Smallest and largest value of a coordinate, metres or radians from the start of the space. */
             low?: components["schemas"]["Tensor"];
-            /** @description Fastest change of a coordinate, per second. */
+            /** @description Highest rate of change of a coordinate, per second. */
             speed?: components["schemas"]["Tensor"];
         };
-        /** @description Way to propose plans and to learn from their costs. */
+        /** @description Method that proposes plans and learns from their costs. */
         PlanMethod: {
             /** @description Only one of mppi, cem, predictive_sampling, gradient may be given. */
             cem?: components["schemas"]["PlanMethod.Cem"];
@@ -1683,25 +1683,25 @@ export interface components {
             /** @description Only one of mppi, cem, predictive_sampling, gradient may be given. */
             predictive_sampling?: components["schemas"]["PlanMethod.PredictiveSampling"];
         };
-        /** @description Cross-entropy: mean and spread of the best samples, iteration by iteration. */
+        /** @description Cross-entropy method: each iteration samples with the mean and spread of the best samples before. */
         "PlanMethod.Cem": {
             /**
              * Format: int64
-             * @description 0 means 8.
+             * @description Default (0): 8.
              */
             elites?: number;
             /**
              * Format: double
-             * @description Share of the old mean and spread in the new ones, less than 1; absent: 0.1.
+             * @description Share of the old mean and spread in the new ones, below 1; absent: 0.1.
              */
             memory?: number;
             /**
              * Format: double
-             * @description Spread below which it does not shrink, as a share of sigma; absent: 0.05.
+             * @description Smallest spread, as a share of sigma; absent: 0.05.
              */
             smallest?: number;
         };
-        /** @description Adam along the gradient, from the nominal plan and others that begin sigma away. */
+        /** @description Adam along the gradient, from the nominal plan and from further starts sigma away. */
         "PlanMethod.Gradient": {
             /** @description FLOAT32 [1] or [D]: largest step of an iteration, metres or radians; absent: 0.005. */
             rate?: components["schemas"]["Tensor"];
@@ -1710,53 +1710,53 @@ export interface components {
         "PlanMethod.Mppi": {
             /**
              * Format: double
-             * @description As a share of the costs' spread; 0 means 0.1.
+             * @description Temperature as a share of the spread of the costs. Default (0): 0.1.
              */
             temperature?: number;
         };
-        /** @description The best sample around the best plan so far. */
+        /** @description Predictive sampling: takes the best of the samples around the best plan so far. */
         "PlanMethod.PredictiveSampling": Record<string, never>;
         PlanRequest: {
             bounds?: components["schemas"]["PlanBounds"];
             /**
              * Format: double
-             * @description Of neighbouring knots of a sample, 0 or more and less than 1: larger is smoother.
+             * @description Correlation of neighbouring knots of a sample, at least 0 and below 1: larger is smoother.
              */
             correlation?: number;
             /**
              * Format: double
-             * @description Time for the iterations, seconds; the best so far comes back then, the first iteration is always finished. 0 means as long as it takes.
+             * @description Time for the iterations, seconds, after which the best plan so far is returned; the first iteration is always finished. 0 means no deadline.
              */
             deadline_s?: number;
             /**
              * Format: double
-             * @description Samples have sigma times a factor, evenly spread in its logarithm from 1 to this, above 0 and at most 1; absent: 0.1, and 1 for methods that shrink their samples themselves.
+             * @description Smallest scale of the samples, above 0 and at most 1. Samples use sigma times scales from 1 down to this one, evenly spaced in the logarithm. Absent: 0.1, or 1 for methods that shrink their samples themselves.
              */
             finest?: number;
             /**
              * Format: int64
-             * @description 0 means 1, and 20 with a gradient. At most 1,000,000 plans are simulated in all.
+             * @description Default (0): 1, or 20 with a gradient. At most 1,000,000 plans are simulated in total.
              */
             iterations?: number;
             method?: components["schemas"]["PlanMethod"];
-            /** @description The rollout to minimize: twin or session, costs, horizon, surroundings, fidelity. Its actions, of one instance, are the nominal plan, which the first iteration begins with; knots that came back can be sent as they are. Row 0 is where things are, and stays: where the initial state tells the control points (a session, or given controls), row 0 of trajectories is taken from there. `plausibility.strain` is the limit of the strain (default: 1; infinity lifts it). With `plausibility.refuse` a plan beyond any of the limits counts as one that diverges. `returns` are those of one more rollout, of the best plan alone; without any there is none. */
+            /** @description The rollout to minimize: twin or session, costs, horizon, surroundings, fidelity. Its actions, of one instance, are the nominal plan, which the first iteration starts from; returned knots can be sent unchanged. Row 0 is the current position and is not changed: where the initial state has control points (a session, or given controls), row 0 of trajectories is taken from them. `plausibility.strain` is the limit of the strain (default: 1; infinity lifts it). With `plausibility.refuse` a plan beyond any of the limits counts as diverged. `returns` apply to one more rollout, of the best plan; without any, this rollout is left out. */
             rollout?: components["schemas"]["RollOutRequest"];
             /**
              * Format: int64
-             * @description Plans that are simulated in an iteration; 0 means 64, and 1 with a gradient.
+             * @description Plans simulated in an iteration. Default (0): 64, or 1 with a gradient.
              */
             samples?: number;
             /**
              * Format: int64
-             * @description Same seed, same plan, if no deadline stops it.
+             * @description The same seed gives the same plan, unless the deadline stops the search.
              */
             seed?: number;
             /**
              * Format: double
-             * @description Frames that were executed since the nominal plan was made: its actions are moved on by them, and stand still at their end. Closings of grasps and paths of colliders are taken as they are given.
+             * @description Frames executed since the nominal plan was made: its actions are shifted by these frames, and hold their last value at the end. `closed` of grasps and paths of colliders are not shifted.
              */
             shift_frames?: number;
-            /** @description FLOAT32 [1], by coordinate [D], or by knot and coordinate [K, D]: standard deviations of samples, metres or radians; absent: 0.02. */
+            /** @description Standard deviations of samples, metres or radians: FLOAT32 [1], by coordinate [D], or by knot and coordinate [K, D]; absent: 0.02. */
             sigma?: components["schemas"]["Tensor"];
             space?: components["schemas"]["ActionSpace"];
         };
@@ -1776,7 +1776,7 @@ export interface components {
             diverged: number;
             /**
              * Format: int64
-             * @description Iterations that were finished.
+             * @description Finished iterations.
              */
             iterations: number;
             /** @description FLOAT32, in the shape of the request's actions: [1, K, C, 3] or [1, K, G, 7]. */
@@ -1792,35 +1792,35 @@ export interface components {
             origin: "NOMINAL" | "MEAN" | "SAMPLE";
             /**
              * Format: int64
-             * @description Plans that did not diverge and were beyond the limit.
+             * @description Plans beyond the strain limit that did not diverge.
              */
             overstrained: number;
-            /** @description In the last update, if returns were asked for: the rollout of the best plan. */
+            /** @description In the last update, if returns were requested: the rollout of the best plan. */
             rollout?: components["schemas"]["RollOutResponse"];
             /**
              * Format: int64
-             * @description Plans that were simulated, and those of them that diverged.
+             * @description Simulated plans, and the diverged ones among them.
              */
             simulated: number;
             /** @description True if the deadline ended the search before all iterations were done. */
             stopped_by_deadline: boolean;
             /**
              * Format: double
-             * @description Largest strain of the material in the motion of the best plan, with an ensemble of its members, and the limit. It is above the limit only if that is so for every plan that was simulated.
+             * @description Largest strain of the material in the motion of the best plan (with an ensemble, over its members), and the limit. The strain is above the limit only if it is so for every simulated plan.
              */
             strain: number;
             /** Format: double */
             strain_limit: number;
             /**
              * Format: double
-             * @description Since planning began, seconds.
+             * @description Time since planning began, seconds.
              */
             time_s: number;
         };
         /** @description Points with normal . x >= offset are above it. */
         Plane: {
             /**
-             * @description Three numbers, of length 1, away from the ground; absent: upwards, 0 0 1.
+             * @description Unit normal pointing away from the ground, three numbers; absent: upwards, 0 0 1.
              * @default []
              */
             normal: number[];
@@ -1831,22 +1831,22 @@ export interface components {
              */
             offset_m: number;
         };
-        /** @description Limits of what is held to be possible. A reply flags instances beyond; with `refuse` it is an error instead (FAILED_PRECONDITION, reason IMPLAUSIBLE_MOTION), before anything is simulated where the actions alone tell. */
+        /** @description Limits of plausible motion. A reply flags instances beyond a limit; with `refuse` the call ends with FAILED_PRECONDITION, reason IMPLAUSIBLE_MOTION, instead, and does so before the simulation if the actions alone are beyond a limit. */
         Plausibility: {
             /**
              * Format: double
-             * @description Deepest that the middle of a grasp's sphere or box may be below the ground or in a collider that stands still, and that a control point may be beyond its depth in the initial state; default 0.005. Hands and grippers stop at that depth below the ground (Diagnostics.stopped_hand_m).
+             * @description Largest depth of the middle of a grasp's sphere or box below the ground or inside a static collider, and of a control point beyond its depth in the initial state; default 0.005. Hands and grippers stop at that depth below the ground (Diagnostics.stopped_hand_m).
              */
             control_depth_m?: number;
             /**
              * Format: double
-             * @description Fastest control point; default 5.
+             * @description Highest speed of a control point; default 5.
              */
             control_speed_m_s?: number;
             refuse?: boolean;
             /**
              * Format: double
-             * @description Largest distance between the initial state's control points and row 0 of the actions; default 0.005. It is 0.02 more if a given state does not say where they are.
+             * @description Largest distance between the initial state's control points and row 0 of the actions; default 0.005. The limit is 0.02 larger if a given state has no control points.
              */
             start_gap_m?: number;
             /**
@@ -1867,13 +1867,13 @@ export interface components {
             /** @description twins/{uuid} */
             twin: string;
         };
-        /** @description The prediction of a sequence by nodes, and its errors frame by frame. T frames of the sequence, the prediction starts in `start_frame` S. */
+        /** @description The predicted node positions of a sequence, and the errors of each frame. The sequence has T frames; the prediction starts in `start_frame` S. */
         PredictedMotion: {
-            /** @description One-sided Chamfer distance in the L1 norm, in each frame from S on [m], float32 [T - S]; not a number where that was not measured. */
+            /** @description One-sided Chamfer distance in the L1 norm, in each frame from S on [m], float32 [T - S]; NaN where it was not measured. */
             chamfer_l1_m?: components["schemas"]["Tensor"];
             /**
              * Format: int64
-             * @description Frames from one row of `positions` to the next: 1, or more where all would take more than 16 MiB.
+             * @description Frames from one row of `positions` to the next: 1, or more where all frames would take more than 16 MiB.
              */
             every_frames: number;
             /**
@@ -1886,15 +1886,15 @@ export interface components {
              * @description T
              */
             frame_count: number;
-            /** @description Its name. */
+            /** @description Name of the sequence. */
             name: string;
             /** @description Positions of nodes [m], float32 [R, N, 3]; row r is of frame `start_frame + r * every_frames`. */
             positions?: components["schemas"]["Tensor"];
-            /** @description Name of its recording. */
+            /** @description Name of the recording. */
             recording: string;
             /**
              * Format: int64
-             * @description The index that was asked for.
+             * @description The requested index.
              */
             sequence: number;
             /**
@@ -1902,11 +1902,11 @@ export interface components {
              * @description S
              */
             start_frame: number;
-            /** @description Mean distance of tracked points from where they were, in each frame from S on [m], float32 [T - S]; not a number where that was not measured. */
+            /** @description Mean distance of predicted from observed tracked points in each frame from S on [m], float32 [T - S]; NaN where it was not measured. */
             track_m?: components["schemas"]["Tensor"];
             /**
              * Format: int64
-             * @description Frames before this one were for fitting; 0 if the twin was fitted to none of them.
+             * @description Frames before this one were used for fitting; 0 if the twin was fitted to no frame of the sequence.
              */
             train_frame_count: number;
         };
@@ -1936,7 +1936,7 @@ export interface components {
             eta_s: number | null;
             /**
              * Format: double
-             * @description Of the whole job, 0..1.
+             * @description Fraction of the whole job that is done, 0..1.
              */
             fraction: number;
             /** Format: int64 */
@@ -1945,12 +1945,12 @@ export interface components {
             iterations: number;
             /** Format: double */
             loss: number | null;
-            /** @description The last loss of each model that is fitted side by side with others. */
+            /** @description The latest loss of each model, when several are fitted side by side. */
             models: components["schemas"]["ModelLoss"][];
             note: string | null;
-            /** @description ingest, search, refine or evaluate. */
+            /** @description Stage: Stage: ingest, search, refine or evaluate. */
             stage: string;
-            /** @description bending or axial; of an ingest its step. */
+            /** @description Model: bending or axial; for an ingest, the step. */
             variant: string;
         };
         /** @description State of the server as `/readyz` reports it. */
@@ -1972,59 +1972,59 @@ export interface components {
         RegisterOptions: {
             /**
              * Format: double
-             * @description Deviation of a spring by its length; default 0.1.
+             * @description Standard deviation of a spring's relative length; default 0.1.
              */
             give?: number;
             /**
              * Format: double
-             * @description Least share of the points that must be explained, 0..1; default 0.5.
+             * @description Smallest share of the points that must be explained, 0..1; default 0.5.
              */
             least_explained?: number;
             /**
              * Format: double
-             * @description Median distance of the points beyond which the registration is refused, metres; default: half the distance of neighbouring nodes, or 0.005 if that is more.
+             * @description Median distance of the points above which the registration is refused, metres; default: half the node spacing, at least 0.005.
              */
             max_residual_m?: number;
-            /** @description The object is near the shape to start from: no other pose is tried. */
+            /** @description The object is near the shape to start from, so that no other pose is tried. */
             near?: boolean;
             /**
              * Format: double
-             * @description Deviation of a point from the surface, metres; default 0.004.
+             * @description Standard deviation of a point from the surface, metres; default 0.004.
              */
             noise_m?: number;
             /**
              * Format: int64
-             * @description Frames of physics, 0..1000; default 12. Without any the shape is as the points have it.
+             * @description Frames of physics, 0..1000; default 12. With 0 the shape follows the points alone.
              */
             settle_frames?: number;
         };
         RegisterStateRequest: {
-            /** @description FLOAT32 [C, 3], metres: where the control points are, if that is known, say from the gripper. Absent: they go where the nodes go that they hold. */
+            /** @description Positions of the control points, FLOAT32 [C, 3], metres, if known, for example from the gripper. Absent: control points follow the nodes that they hold. */
             controls?: components["schemas"]["Tensor"];
-            /** @description FLOAT32 [G, 7]: poses of the grippers that carry colliders of the world: x, y, z in metres, quaternion x, y, z, w. Colliders of others are left out. */
+            /** @description Poses of the grippers that carry colliders of the world, FLOAT32 [G, 7]: x, y, z in metres, quaternion x, y, z, w. Colliders carried by other grippers are left out. */
             grippers?: components["schemas"]["Tensor"];
-            /** @description Shape to start from: a single state, of no session; default: the rest shape. */
+            /** @description Shape to start from: a single state, not one of a session; default: the rest shape. */
             initial?: components["schemas"]["InitialState"];
             observation?: components["schemas"]["Observation"];
             options?: components["schemas"]["RegisterOptions"];
             /** @description twins/{uuid} */
             twin?: string;
-            /** @description Gravity, ground and colliders, where they are not those of the twin. The state is outside of them, but for what control points hold. A collider on a path is at its first pose. */
+            /** @description Gravity, ground and colliders, where they differ from those of the twin. The state is outside of the ground and the colliders, except nodes held by control points. A collider on a path is at its first pose. */
             world?: components["schemas"]["World"];
         };
         RegisteredState: {
             after?: components["schemas"]["Residual"];
-            /** @description Distances of the points from the shape to start from, and from the state. */
+            /** @description Distances of the points from the shape to start from, and from the registered state. */
             before?: components["schemas"]["Residual"];
             /**
              * Format: double
-             * @description Mean distance by which nodes move in a frame when the points stop pulling, millimetres: how far the state is from where forces balance.
+             * @description Mean distance by which nodes move in a frame once the points stop pulling, millimetres: a measure of how far the state is from equilibrium.
              */
             drift_mm: number;
             explained?: components["schemas"]["Explained"];
             /** @description The rigid part of the motion from the shape to start from, about the origin: x, y, z in metres, quaternion x, y, z, w. */
             motion: number[];
-            /** @description At rest, with its control points; InitialState.given takes it as it is. */
+            /** @description The state, at rest, with its control points; InitialState.given accepts it unchanged. */
             state?: components["schemas"]["InitialState.GivenState"];
             /** @description workers/{uuid} */
             worker: string;
@@ -2033,10 +2033,10 @@ export interface components {
             /** @description Absent: the session's first state. */
             initial?: components["schemas"]["InitialState"];
             name?: string;
-            /** @description Empty: all. */
+            /** @description Empty: all slots. */
             slots?: number[];
         };
-        /** @description Distances between points and the twin, millimetres: of tracks from their places, of a cloud from the surface. */
+        /** @description Distances between points and the twin, millimetres: from tracks to their places, from the points of a cloud to the surface. */
         Residual: {
             /** Format: double */
             mean_mm: number;
@@ -2049,16 +2049,16 @@ export interface components {
             p95_mm: number;
         };
         Returns: {
-            /** @description d cost / d what the request gave as actions: knots or poses, in their shape. */
+            /** @description d cost / d actions as the request gave them: knots or poses, in their shape. */
             action_gradients?: boolean;
             /**
              * Format: int64
-             * @description Positions, final states and gradients of only the best k instances by cost; 0 means all. These are simulated once more: on a GPU they may differ in the last bits from what the costs were computed from.
+             * @description Return positions, final states and gradients only of the best k instances by cost; 0 means all. The best are simulated once more: on a GPU their motion may differ in the last bits from the one that the costs were computed from.
              */
             best?: number;
             /** @description d cost / d control positions, dense. */
             control_gradients?: boolean;
-            /** @description Control positions that were simulated, by frame. */
+            /** @description Control positions as simulated, by frame. */
             controls?: boolean;
             diagnostics?: boolean;
             /** @enum {string} */
@@ -2081,17 +2081,17 @@ export interface components {
             nodes?: components["schemas"]["Tensor"];
             /**
              * Format: int64
-             * @description Only of StreamRollOut: parts of at most so many frames, each sent as soon as it is simulated; 0 for whole instances. Not with `best` or gradients.
+             * @description Only for StreamRollOut: most frames in a part, which is sent as soon as it is simulated; 0 for whole instances. Not with `best` or gradients.
              */
             part_frames?: number;
             /**
-             * @description Points whose positions and velocities are recorded: NODES, the default, or SKIN. Final states and gradients are of nodes.
+             * @description Points whose positions and velocities are recorded: NODES, the default, or SKIN. Final states and gradients are always those of nodes.
              * @enum {string}
              */
             point_set?: "NODES" | "SKIN";
             /** @description UINT32 [K]: points of the skin to record, with the point set SKIN; empty means all. */
             skin_points?: components["schemas"]["Tensor"];
-            /** @description With an ensemble of two members or more, and every_frames: `spread` of the recorded points. Arrays beside it (positions, velocities, final states, forces, costs by frame, controls) are of member 0 of each action alone then, or of the mean with MEAN_PREDICTION. */
+            /** @description With an ensemble of two members or more, and every_frames: return the `spread` of the recorded points. The other arrays (positions, velocities, final states, forces, costs by frame, controls) are then those of member 0 of each action only, or of the mean with MEAN_PREDICTION. */
             spread?: boolean;
             /** @description Velocities where positions are recorded. */
             velocities?: boolean;
@@ -2104,7 +2104,7 @@ export interface components {
             fidelity?: "EXACT" | "FAST" | "PLANNER";
             /**
              * Format: int64
-             * @description Horizon F in frames, 1..100000; 0 means that of the dense actions.
+             * @description Horizon F in frames, 1..100000; 0 means the horizon of the dense actions.
              */
             frames?: number;
             gradient?: components["schemas"]["GradientOptions"];
@@ -2118,7 +2118,7 @@ export interface components {
             returns?: components["schemas"]["Returns"];
             /**
              * Format: double
-             * @description Seconds from the arrival of the request after which no more instances are simulated, above 0; absent: all are. The reply then names those that are missing in `unfinished`. Arrays of `returns.best` are simulated after that. Not with gradients or `returns.part_frames`.
+             * @description Time from the arrival of the request after which no further instances are started, seconds, above 0; absent: no limit. The reply lists the missing instances in `unfinished`. Arrays of `returns.best` are simulated after the limit. Not with gradients or `returns.part_frames`.
              */
             time_limit_s?: number;
             /** @description Only one of trajectories, poses may be given. */
@@ -2129,7 +2129,7 @@ export interface components {
             world?: components["schemas"]["World"];
         };
         RollOutResponse: {
-            /** @description In the actions' shape for R instances: [R, K, C, 3], or [R, K, G, 7] for poses; d cost / d quaternion along the sphere of unit quaternions. */
+            /** @description In the shape of the actions of R instances: [R, K, C, 3], or [R, K, G, 7] for poses. d cost / d quaternion is tangent to the sphere of unit quaternions. */
             action_gradients?: components["schemas"]["Tensor"];
             /** @description FLOAT32 [R, F + 1, C, 3]. */
             control_gradients?: components["schemas"]["Tensor"];
@@ -2138,9 +2138,9 @@ export interface components {
             cost_names: string[];
             /** @description FLOAT64 [B', terms], weighted. */
             cost_terms?: components["schemas"]["Tensor"];
-            /** @description FLOAT64 [B']: weighted sums; +inf where an instance diverged. */
+            /** @description Weighted sums of the costs, FLOAT64 [B']; +inf where an instance diverged. */
             costs?: components["schemas"]["Tensor"];
-            /** @description With FAST or PLANNER only: how far the answer strays where that was measured. */
+            /** @description With FAST or PLANNER only: deviation from the exact twin, as measured for the twin. */
             deviation?: components["schemas"]["RollOutResponse.Deviation"];
             diagnostics: components["schemas"]["RollOutResponse.Diagnostics"][];
             diverged: components["schemas"]["RollOutResponse.Divergence"][];
@@ -2149,20 +2149,20 @@ export interface components {
              * @enum {string}
              */
             fidelity: "EXACT" | "FAST" | "PLANNER";
-            /** @description FLOAT32 [R, C, 3], metres, with `poses`: InitialState.GivenState.commanded_controls of the final state. */
+            /** @description InitialState.GivenState.commanded_controls of the final state, with `poses`: FLOAT32 [R, C, 3], metres. */
             final_commanded_controls?: components["schemas"]["Tensor"];
             /** @description FLOAT32 [R, C, 3], metres: the control points of the final state. */
             final_controls?: components["schemas"]["Tensor"];
-            /** @description With [R] in front; absent without grasps. */
+            /** @description Shapes with [R] in front; absent without grasps. */
             final_grasping?: components["schemas"]["Grasping"];
             /** @description FLOAT32 [R, N, 3]. */
             final_positions?: components["schemas"]["Tensor"];
-            /** @description FLOAT32 [R, rods], radians; absent if the twin has no rods. With final_positions and final_velocities a whole state, to go on from by InitialState.given. */
+            /** @description FLOAT32 [R, rods], radians; absent if the twin has no rods. Together with final_positions and final_velocities this is a complete state, from which InitialState.given continues. */
             final_twists?: components["schemas"]["Tensor"];
             final_velocities?: components["schemas"]["Tensor"];
             /**
              * Format: int64
-             * @description The instances that this part covers: first_instance .. first_instance + B'.
+             * @description First of the instances that this part covers: first_instance .. first_instance + B'.
              */
             first_instance: number;
             forces?: components["schemas"]["RollOutResponse.Forces"];
@@ -2170,27 +2170,27 @@ export interface components {
             frame_costs?: components["schemas"]["Tensor"];
             /** @description UINT32 [T']: recorded frames, 1-based. */
             frames?: components["schemas"]["Tensor"];
-            /** @description True for an instance whose gradient exploded on its way back (docs/gradients.md): it says little. UINT32 [R]. */
+            /** @description 1 for an instance whose gradient exploded on its way back and is of little use (docs/use/gradients.md); UINT32 [R]. */
             gradient_exploded?: components["schemas"]["Tensor"];
             /** @description FLOAT64 [R, F + 1]. */
             gradient_norms?: components["schemas"]["Tensor"];
-            /** @description Instances that are not plausible, with the reason; limits in RollOutRequest.plausibility. */
+            /** @description Implausible instances, with the reason; RollOutRequest.plausibility has the limits. */
             implausible: components["schemas"]["RollOutResponse.Implausible"][];
             /** @description FLOAT32 [R, N, 3]. */
             initial_position_gradients?: components["schemas"]["Tensor"];
             initial_velocity_gradients?: components["schemas"]["Tensor"];
-            /** @description UINT32 [R]: the instances that positions, final states and gradients are of, best first if `best` was given, ascending otherwise. */
+            /** @description Instances of the rows of positions, final states and gradients, UINT32 [R]: best first if `best` was given, otherwise ascending. */
             instances?: components["schemas"]["Tensor"];
             /**
              * Format: double
-             * @description Kilograms of the object: forces are in newtons and energies in joules. Without it they are per unit mass, as if a node of the twin weighed 1 kg.
+             * @description Mass of the object, kilograms: forces are in newtons and energies in joules. Without a known mass they are per unit mass, as if a node of the twin weighed 1 kg.
              */
             mass_kg?: number;
-            /** @description With an ensemble: FLOAT64 [B', E], the costs of its members, which `costs` are statistics of (but for MEAN_PREDICTION). */
+            /** @description With an ensemble: the costs of the members, FLOAT64 [B', E]. `costs` are statistics of them, except with MEAN_PREDICTION. */
             member_costs?: components["schemas"]["Tensor"];
-            /** @description [R, T', K, 3], metres: of nodes, or of skin points (`returns.point_set`). */
+            /** @description Positions of nodes, or of skin points (`returns.point_set`), [R, T', K, 3], metres. */
             positions?: components["schemas"]["Tensor"];
-            /** @description FLOAT32 [actions, T', K], metres: root mean square distance of the other members' points from those of member 0, which positions are of (but for MEAN_PREDICTION). NaN where a member diverged. */
+            /** @description Root mean square distance of the other members' points from the points in `positions`, FLOAT32 [actions, T', K], metres. `positions` are those of member 0, except with MEAN_PREDICTION. NaN where a member diverged. */
             spread?: components["schemas"]["Tensor"];
             /**
              * Format: int64
@@ -2198,39 +2198,39 @@ export interface components {
              */
             substeps: number;
             timing?: components["schemas"]["RollOutResponse.Timing"];
-            /** @description UINT32: the instances that were not simulated within `time_limit_s`. Their costs are +inf, their arrays NaN. */
+            /** @description Instances that were not simulated within `time_limit_s`, UINT32. Their costs are +inf, their arrays NaN. */
             unfinished?: components["schemas"]["Tensor"];
-            /** @description [R, T', K, 3], metres per second, of the same points. */
+            /** @description Velocities of the recorded points, [R, T', K, 3], metres per second. */
             velocities?: components["schemas"]["Tensor"];
-            /** @description With `returns.part_frames`: what this part covers in time. */
+            /** @description With `returns.part_frames`: the frames that this part covers. */
             window?: components["schemas"]["RollOutResponse.Window"];
             /** @description workers/{uuid} */
             worker: string;
         };
-        /** @description Between the fast variant and the exact twin when both follow the twin's own capture from its start. It does not hold for this reply: with faster or larger motions, or other surroundings, 5 to 16 times as much was seen. With PLANNER between the planner's twin and the exact one under sampled actions that it was not fitted to. */
+        /** @description Deviation of the fast variant from the exact twin when both follow the twin's own capture from its start. The deviation in this reply may be larger: with faster or larger motions, or other surroundings, 5 to 16 times as much was seen. With PLANNER, deviation of the planner's twin from the exact twin under sampled actions that it was not fitted to. */
         "RollOutResponse.Deviation": {
             /**
              * Format: int64
-             * @description Frames of each recording or action, at most.
+             * @description Largest number of frames of a recording or action.
              */
             frames: number;
             /** Format: double */
             max_m: number;
             /**
              * Format: double
-             * @description Between a node here and there, over nodes and frames, metres; of points of the skin with PLANNER.
+             * @description Distance of a node in one from the same node in the other, over nodes and frames, metres; with PLANNER, of points of the skin.
              */
             mean_m: number;
             /**
              * Format: double
-             * @description To compare with: of the exact twin's nodes or skin from where they started, metres.
+             * @description For comparison: mean distance of the exact twin's nodes or skin points from their start, metres.
              */
             mean_travel_m: number;
         };
         "RollOutResponse.Diagnostics": {
             /**
              * Format: float
-             * @description Deepest that the middle of a grasp's sphere or box was below the ground or in a collider that stands still, and a control point or a held node beyond its depth at the start, metres; where hands stopped at the ground, as deep as the actions would have had them.
+             * @description Largest depth of the middle of a grasp's sphere or box below the ground or inside a static collider, and of a control point or a held node beyond its depth at the start, metres; where hands were stopped at the ground, the depth that the actions commanded.
              */
             control_depth_m: number;
             /** Format: float */
@@ -2239,27 +2239,27 @@ export interface components {
             ground_contacts: number;
             /**
              * Format: float
-             * @description At the end, joules; without a mass_kg as if a node of the twin weighed 1 kg.
+             * @description Energies at the end, joules; without a mass_kg as if a node of the twin weighed 1 kg.
              */
             kinetic_energy: number;
             /**
              * Format: float
-             * @description Of springs to control points.
+             * @description Largest strain of springs to control points.
              */
             max_control_strain: number;
             /**
              * Format: float
-             * @description Of a node at the end of any frame.
+             * @description Highest speed of a node at the end of any frame.
              */
             max_speed_m_s: number;
             /**
              * Format: float
-             * @description Of springs between nodes.
+             * @description Largest strain of springs between nodes.
              */
             max_strain: number;
             /**
              * Format: float
-             * @description Farthest that a hand or gripper was held back, metres; 0 if none was. It stops where a control point, a node pinned to it, or the middle of a grasp's sphere or box would get deeper below the ground than `plausibility.control_depth_m`; then all of it moves along the ground's normal. Control points may also be as deep as a frame earlier, and as the twin has them at rest below its own ground.
+             * @description Largest distance by which a hand or gripper was held back, metres; 0 if none was. A hand stops where one of its control points, a node pinned to one, or the middle of a grasp's sphere or box would be deeper below the ground than `plausibility.control_depth_m`; the whole hand is then shifted along the ground's normal. Control points may also be as deep as in the frame before, and as deep below the twin's own ground as they are at rest.
              */
             stopped_hand_m: number;
         };
@@ -2276,7 +2276,7 @@ export interface components {
         };
         /** @description Mean forces on the object over each frame. */
         "RollOutResponse.Forces": {
-            /** @description FLOAT32 [R, F, K, 6], as `grasps`; about the carrier's origin. */
+            /** @description FLOAT32 [R, F, K, 6], like `grasps`; torque about the carrier's origin. */
             colliders?: components["schemas"]["Tensor"];
             /** @description FLOAT32 [R, F, C, 3], newtons. */
             controls?: components["schemas"]["Tensor"];
@@ -2288,12 +2288,12 @@ export interface components {
         "RollOutResponse.Implausible": {
             /**
              * Format: double
-             * @description Most that was found, and the limit, in the unit of the limit.
+             * @description Largest value found, and the limit, in the unit of the limit.
              */
             found: number;
             /**
              * Format: int64
-             * @description The frame in which it was found, where it is known.
+             * @description Frame in which the value was found, where known.
              */
             frame: number;
             /** Format: int64 */
@@ -2309,11 +2309,11 @@ export interface components {
             /** Format: double */
             queue_s: number;
         };
-        /** @description Part of the horizon. Arrays by frame have the rows of these frames, so that those of all parts follow one another; the start, frame 0, is in the first. Costs, their terms, diagnostics, what is implausible and final states come with the last part of an instance, a divergence with the part that it happened in. */
+        /** @description Part of the horizon. Arrays by frame have the rows of these frames, so that the arrays of all parts can be concatenated; the start, frame 0, is in the first part. Costs, their terms, diagnostics, implausible instances and final states come with the last part of an instance; a divergence comes with the part in which it happened. */
         "RollOutResponse.Window": {
             /**
              * Format: int64
-             * @description 1-based; the last counts.
+             * @description 1-based, both inclusive.
              */
             first_frame: number;
             /** Format: int64 */
@@ -2326,10 +2326,10 @@ export interface components {
             frames: number[];
             /**
              * Format: double
-             * @description The session ends when nobody has used it for so long.
+             * @description Time without calls after which the session ends, seconds.
              */
             idle_timeout_s: number;
-            /** @description Slots that are lost, ascending: see Tracking. */
+            /** @description Lost slots, ascending: see Tracking. */
             lost: number[];
             /** @description sessions/{uuid} */
             name: string;
@@ -2343,56 +2343,56 @@ export interface components {
         SessionStates: {
             frames: number[];
             slots: number[];
-            /** @description With [S] in front for S slots; InitialState.given takes it as it is. */
+            /** @description Shapes with [S] in front for S slots; InitialState.given accepts it unchanged. */
             states?: components["schemas"]["InitialState.GivenState"];
         };
         Sphere: {
-            /** @description Three numbers; absent: the origin. */
+            /** @description Centre, three numbers; absent: the origin. */
             center?: number[];
             /** Format: float */
             radius_m?: number;
         };
         StepSessionRequest: {
-            /** @description Without name and slots, which are given above. Absent: nothing is corrected. */
+            /** @description The correction, without name and slots, which are given above. Absent: nothing is corrected. */
             correction?: components["schemas"]["CorrectSessionRequest"];
             /**
              * Format: double
-             * @description Time for all of it, seconds; 0 means as long as it takes. A correction takes what it takes, the search ends when nine tenths have passed, and its first iteration is always finished.
+             * @description Time for the whole step, seconds; 0 means no deadline. The correction is always completed; the search ends when nine tenths of the time have passed, but always finishes its first iteration.
              */
             deadline_s?: number;
             /**
              * Format: int64
-             * @description Frames of the best plan by which the slot is advanced, up to the horizon; 0 plans alone.
+             * @description Frames of the best plan by which the slot is advanced, up to the horizon; 0 only plans.
              */
             execute_frames?: number;
             /** @description sessions/{uuid} */
             name?: string;
-            /** @description Of the rollout of these frames. */
+            /** @description Returns of the rollout of these frames. */
             returns?: components["schemas"]["Returns"];
-            /** @description Its rollout without twin, initial state and returns; world and grasps are the session's where it names none. Its actions are the nominal plan: the knots of the step before, with the frames that were executed as `shift_frames`, continue that plan. Its fidelity and its ensemble are those of the search alone, but that a MEAN_PREDICTION advances the slot too. */
+            /** @description The plan, with a rollout without twin, initial state and returns; without world or grasps the rollout uses those of the session. The actions of the rollout are the nominal plan: to continue the plan of the step before, send its knots with the executed frames as `shift_frames`. Fidelity and ensemble apply only to the search, except that a MEAN_PREDICTION also advances the slot. */
             search?: components["schemas"]["PlanRequest"];
             /**
              * Format: int64
-             * @description The slot that is corrected, planned from and advanced.
+             * @description The slot to correct, to plan from and to advance.
              */
             slot?: number;
         };
         SteppedSession: {
-            /** @description The rollout of the frames that were executed; absent without any. If it diverged, the slot stays where the plan began. */
+            /** @description The rollout of the executed frames; absent without any. If it diverged, the slot keeps the state in which the plan began. */
             advanced?: components["schemas"]["RollOutResponse"];
-            /** @description Absent if none was asked for, or it was refused; without the corrected state. */
+            /** @description The correction, without the corrected state; absent if none was requested, or if it was refused. */
             corrected?: components["schemas"]["CorrectedSession"];
-            /** @description True if the slot does not follow its object any more: predictions and plans from it say nothing of the object until it is registered again. */
+            /** @description True if the slot no longer follows its object: predictions and plans from it are meaningless until it is registered again. */
             lost: boolean;
-            /** @description The best plan, as the last update of a search. */
+            /** @description The best plan, as in the last update of a search. */
             plan?: components["schemas"]["PlanUpdate"];
-            /** @description The reason, if the correction was refused because the slot does not explain the points: its state is as it was, and the plan begins where it was predicted to be. */
+            /** @description The reason, if the correction was refused because the slot does not explain the points: the state of the slot is unchanged, and the plan starts from the predicted state. */
             refused?: components["schemas"]["Fault"];
-            /** @description The state that the slot is in now, for all instances; InitialState.given takes it as it is. */
+            /** @description The current state of the slot, for all instances; InitialState.given accepts it unchanged. */
             state?: components["schemas"]["InitialState.GivenState"];
             times?: components["schemas"]["SteppedSession.Times"];
         };
-        /** @description Times of the parts, and of all of it, seconds. */
+        /** @description Times of the parts and of the whole step, seconds. */
         "SteppedSession.Times": {
             /** Format: double */
             advance_s: number;
@@ -2415,23 +2415,23 @@ export interface components {
             scale?: number;
             shape: number[];
         };
-        /** @description Record of how well a slot explains the observations that it is corrected by, refused ones included, since its state was last set or registered. The misfit of one is the median distance of its points after the correction, by the largest of half the distance of neighbouring nodes, 5 mm and noise_m; or, if that is more, the share of its points that are farther away than that and than three noise_m, by 1/2. Up to 1 the observation is explained. */
+        /** @description Record of how well a slot has explained its observations, refused ones included, since its state was last set or registered. The misfit of an observation is the larger of two ratios: the median distance of its points after the correction over a length, which is the largest of half the node spacing, 5 mm and noise_m; and the share of its points that are farther away than that length and than three noise_m, over 1/2. Up to a misfit of 1 the observation is explained. */
         Tracking: {
-            /** @description True if the last three observations in a row are not explained, or if the mean misfit is above 1: the slot does not follow its object any more. Register it again (CorrectOptions.register_if_lost). */
+            /** @description True if the last three observations in a row are not explained, or if the mean misfit is above 1: the slot no longer follows its object. Register it again (CorrectOptions.register_if_lost). */
             lost: boolean;
             /**
              * Format: double
-             * @description Mean misfit, each weighted by 3/4 of the one after it and counted as at most 1.5; 0 before the first.
+             * @description Weighted mean of the misfits, each counted as at most 1.5 and with 3/4 of the weight of the next; 0 before the first observation.
              */
             misfit: number;
             /**
              * Format: int64
-             * @description Last observations in a row that are not explained.
+             * @description Number of latest observations in a row that are not explained.
              */
             unexplained: number;
         };
         Twin: {
-            /** @description The capture and the fit that it came from; empty for an imported twin. */
+            /** @description The capture and the fit that the twin came from; empty for an imported twin. */
             capture: string | null;
             /** Format: int64 */
             control_count: number;
@@ -2442,7 +2442,7 @@ export interface components {
             display_name: string;
             /**
              * Format: double
-             * @description Error over frames that it was not fitted to, metres: of tracks, else of coordinates, else the Chamfer distance; of those of the quality table the first that there is.
+             * @description Error over frames that the twin was not fitted to, metres: the first of track error, coordinate error and Chamfer distance that the quality table has.
              */
             error_m: number | null;
             fit: string | null;
@@ -2450,18 +2450,18 @@ export interface components {
             fps: number;
             /**
              * Format: double
-             * @description Mass of the object, if it is known.
+             * @description Mass of the object, if known.
              */
             mass_kg?: number;
             /** @description twins/{uuid} */
             name: string;
             /** Format: int64 */
             node_count: number;
-            /** @description Text that people write about it: up to 10,000 bytes. */
+            /** @description Note written by users, up to 10,000 bytes. */
             note: string;
-            /** @description Owner of the key with which its fit was asked for, or with which it was imported; empty if that is not known. */
+            /** @description Owner of the key that created the fit or imported the twin; empty if unknown. */
             owner: string;
-            /** @description The quality table as JSON (docs/twin-format.md, `quality`). */
+            /** @description The quality table as JSON (docs/formats/twin.md, `quality`). */
             quality: {
                 [key: string]: unknown;
             };
@@ -2471,7 +2471,7 @@ export interface components {
             spring_count: number;
             /** Format: int64 */
             substeps: number;
-            /** @description Up to 32 words of up to 50 characters, sorted. */
+            /** @description Up to 32 tags of up to 50 characters, sorted. */
             tags: string[];
             /** Format: int64 */
             triplet_count: number;
@@ -2479,13 +2479,13 @@ export interface components {
         TwinGeometry: {
             /** @description FLOAT32 [T]: newton metres per radian, or per unit mass. */
             bend_stiffness?: components["schemas"]["Tensor"];
-            /** @description FLOAT32 [C, 3], metres: control points at rest. */
+            /** @description Control points at rest, FLOAT32 [C, 3], metres. */
             controls?: components["schemas"]["Tensor"];
-            /** @description UINT32 [E, 2]: springs between endpoints; from N on these are control points. */
+            /** @description Endpoints of the springs, UINT32 [E, 2]: nodes, or control points from number N on. */
             edges?: components["schemas"]["Tensor"];
             /**
              * Format: int64
-             * @description Number of fits: the twin and its members.
+             * @description Number of fits: the twin itself and its members.
              */
             fits: number;
             /** Format: double */
@@ -2498,33 +2498,33 @@ export interface components {
             ground_friction: number;
             /** Format: float */
             ground_restitution: number;
-            /** @description UINT32 [C]: the hand of the capture that each control point belongs to. */
+            /** @description The capture's hand to which each control point belongs, UINT32 [C]. */
             hands?: components["schemas"]["Tensor"];
-            /** @description UINT8 [N]: 0 observed surface, 1 completed surface, 2 interior. Surface nodes come first. */
+            /** @description Kinds of the nodes, Kinds of the nodes, UINT8 [N]: 0 observed surface, 1 completed surface, 2 interior. Surface nodes come first. */
             kinds?: components["schemas"]["Tensor"];
             /** Format: double */
             mass_kg?: number;
-            /** @description FLOAT32 [N]: masses; kilograms if `mass_kg` is known, else in units of a node. */
+            /** @description Node masses, FLOAT32 [N]: kilograms if `mass_kg` is known, else relative to one node. */
             masses?: components["schemas"]["Tensor"];
-            /** @description UINT8 [N]: the part of the object that each node belongs to, by its place among `regions` of the quality table's `identifiability`. Empty: the twin has no such report. */
+            /** @description The region of each node, UINT8 [N]: its index among `regions` of the quality table's `identifiability`. Empty: the twin has no such report. */
             node_regions?: components["schemas"]["Tensor"];
-            /** @description UINT32 [P, 2]: nodes that control points hold exactly, as pairs of node and control point. */
+            /** @description Nodes pinned to control points, UINT32 [P, 2]: pairs of node and control point. */
             pins?: components["schemas"]["Tensor"];
             /** @description FLOAT32 [E], metres. */
             rest_lengths?: components["schemas"]["Tensor"];
-            /** @description FLOAT32 [N, 3], metres: the rest shape. */
+            /** @description Rest shape, FLOAT32 [N, 3], metres. */
             rest_positions?: components["schemas"]["Tensor"];
             /** Format: int64 */
             rod_count: number;
             rod_nodes?: components["schemas"]["Tensor"];
-            /** @description UINT32 [rods + 1] and UINT32 [..]: nodes of each rod, one after another. */
+            /** @description Nodes of the rods, one rod after another: UINT32 [rods + 1] offsets into UINT32 [..] nodes. */
             rod_starts?: components["schemas"]["Tensor"];
             skin?: components["schemas"]["TwinGeometry.Skin"];
-            /** @description FLOAT32 [M], metres: standard deviation of each skin point that the recordings leave, root mean square over the motions of that report. */
+            /** @description Standard deviation that the recordings leave for each skin point, FLOAT32 [M], metres: root mean square over the motions of that report. */
             skin_sd?: components["schemas"]["Tensor"];
             /**
              * Format: double
-             * @description Mean length of springs between nodes, metres.
+             * @description Mean length of the springs between nodes, metres.
              */
             spacing_m: number;
             /** @description FLOAT32 [E]: newtons per unit strain if `mass_kg` is known, else per unit mass. */
@@ -2533,55 +2533,55 @@ export interface components {
             substeps: number;
             /** Format: int64 */
             surface_count: number;
-            /** @description UINT32 [T, 3]: bending triplets, the centre in the middle. */
+            /** @description Nodes of the bending triplets, UINT32 [T, 3], the centre in the middle. */
             triplets?: components["schemas"]["Tensor"];
         };
-        /** @description Points of a twin's surface, finer than its nodes, that the nodes carry: M points, K weights. Point m is at sum over its weights of w x(node), plus its offset along the axes of its frame. With nodes a, b, c of the frame these are e1 along x(b) - x(a), e2 = e3 x e1, and e3 along (x(b) - x(a)) x (x(c) - x(a)). A twin that was fitted without a skin has its surface nodes here. */
+        /** @description Points of a twin's surface, finer than its nodes, that the nodes carry: M points, K weights. Point m is at the sum over its weights of w x(node), plus its offset along the axes of its frame. With nodes a, b, c of the frame the axes are e1 along x(b) - x(a), e2 = e3 x e1, and e3 along (x(b) - x(a)) x (x(c) - x(a)). For a twin fitted without a skin, the skin points are the surface nodes. */
         "TwinGeometry.Skin": {
-            /** @description UINT32 [M, 3]: nodes a, b, c; 4294967295 for all three: the axes are those of the world. */
+            /** @description Nodes a, b, c of the frames, UINT32 [M, 3]; 4294967295 for all three: the world's axes. */
             frames?: components["schemas"]["Tensor"];
-            /** @description UINT32 [M]: the capture's observed point that each is; 4294967295: none. */
+            /** @description The capture's observed point for each skin point, UINT32 [M]; 4294967295: none. */
             observed_points?: components["schemas"]["Tensor"];
             /** @description FLOAT32 [M, 3], metres. Offsets of a frame whose nodes span no triangle count as 0. */
             offsets?: components["schemas"]["Tensor"];
-            /** @description FLOAT32 [M, 3], metres: with the nodes at rest. */
+            /** @description Positions with the nodes at rest, FLOAT32 [M, 3], metres. */
             rest_positions?: components["schemas"]["Tensor"];
-            /** @description UINT32 [M]: number of weights of each point, which follow one another. */
+            /** @description Number of weights of each point, UINT32 [M]; the weights of a point follow those of the point before. */
             weight_counts?: components["schemas"]["Tensor"];
             /** @description UINT32 [K]. */
             weight_nodes?: components["schemas"]["Tensor"];
-            /** @description FLOAT32 [K]; those of a point sum up to 1. */
+            /** @description FLOAT32 [K]; the weights of a point sum to 1. */
             weights?: components["schemas"]["Tensor"];
         };
         UpdateCaptureRequest: {
-            /** @description Tags to add to those that there are, and to take from them; not beside `tags` in the mask. */
+            /** @description Tags to add and to remove, leaving the others; not allowed together with `tags` in the mask. */
             add_tags?: string[];
             display_name?: string;
-            /** @description Text that people write about it: up to 10,000 bytes. */
+            /** @description Note written by users, up to 10,000 bytes. */
             note?: string;
             remove_tags?: string[];
-            /** @description Up to 32 words of up to 50 characters, sorted. */
+            /** @description Up to 32 tags of up to 50 characters, sorted. */
             tags?: string[];
         };
         UpdateFitRequest: {
-            /** @description Tags to add to those that there are, and to take from them; not beside `tags` in the mask. */
+            /** @description Tags to add and to remove, leaving the others; not allowed together with `tags` in the mask. */
             add_tags?: string[];
-            /** @description The capture's when the fit was created, unless one was given; its twin's, too, when it is made. */
+            /** @description The name given when the fit was created, by default that of its capture. The twin gets the same name. */
             display_name?: string;
-            /** @description Text that people write about it: up to 10,000 bytes. */
+            /** @description Note written by users, up to 10,000 bytes. */
             note?: string;
             remove_tags?: string[];
-            /** @description Up to 32 words of up to 50 characters, sorted. */
+            /** @description Up to 32 tags of up to 50 characters, sorted. */
             tags?: string[];
         };
         UpdateTwinRequest: {
-            /** @description Tags to add to those that there are, and to take from them; not beside `tags` in the mask. */
+            /** @description Tags to add and to remove, leaving the others; not allowed together with `tags` in the mask. */
             add_tags?: string[];
             display_name?: string;
-            /** @description Text that people write about it: up to 10,000 bytes. */
+            /** @description Note written by users, up to 10,000 bytes. */
             note?: string;
             remove_tags?: string[];
-            /** @description Up to 32 words of up to 50 characters, sorted. */
+            /** @description Up to 32 tags of up to 50 characters, sorted. */
             tags?: string[];
         };
         /** @description An upload that can be resumed. */
@@ -2616,22 +2616,22 @@ export interface components {
             next_page_token: string;
             uploads: components["schemas"]["Upload"][];
         };
-        /** @description Parameters by instance, as factors of the twin's own: B numbers each, FLOAT32 [B], or [E] with an ensemble. Absent: 1. An instance whose factors ask for more substeps than the twin has gets them, up to 100,000 a frame, and is as much more work. */
+        /** @description Parameters by instance, as factors of the twin's parameters: FLOAT32 [B], or [E] with an ensemble. Absent: 1. An instance whose factors need more substeps than the twin has gets them, up to 100,000 a frame, and counts as that much more work. */
         Vary: {
-            /** @description Of stiffness of bending and twist, 0..100. */
+            /** @description Factors of the stiffness of bending and twist, 0..100. */
             bending?: components["schemas"]["Tensor"];
-            /** @description Of dashpots, drag and damping of bending and twist, 0..100. */
+            /** @description Factors of dashpots, drag, and damping of bending and twist, 0..100. */
             damping?: components["schemas"]["Tensor"];
-            /** @description With an ensemble: member e is simulated on fit e of the twin, 0 being the twin itself and the others its members; at most as many as TwinGeometry.fits. Not with FAST or PLANNER, nor with rest shapes that corrections have changed. Factors apply on top of each fit. */
+            /** @description With an ensemble: member e is simulated with fit e of the twin. Fit 0 is the twin itself, the others are its members; TwinGeometry.fits bounds their number. Not with FAST or PLANNER, nor with rest shapes that corrections have changed. Factors apply on top of each fit. */
             fits?: boolean;
-            /** @description Of friction with ground, colliders and other nodes, 0..100; friction is at most 2. */
+            /** @description Factors of friction with ground, colliders and other nodes, 0..100; the resulting friction is at most 2. */
             friction?: components["schemas"]["Tensor"];
-            /** @description No factors, since captures hardly show them: the restitution of the ground and that between nodes, 0..1, in the place of the twin's and of the world's. */
+            /** @description Restitution of the ground and between nodes, 0..1, replacing that of the twin and of the world. These are values rather than factors, because captures hardly show restitution. */
             ground_restitution?: components["schemas"]["Tensor"];
-            /** @description Of the mass of all nodes, 0.01..100. */
+            /** @description Factors of the mass of all nodes, 0.01..100. */
             mass?: components["schemas"]["Tensor"];
             object_restitution?: components["schemas"]["Tensor"];
-            /** @description Of axial stiffness, 0.01..100. */
+            /** @description Factors of axial stiffness, 0.01..100. */
             stiffness?: components["schemas"]["Tensor"];
         };
         Worker: {
@@ -2639,13 +2639,13 @@ export interface components {
             backend: string;
             build: string;
             device: string;
-            /** @description True if it was asked to end. */
+            /** @description True if the worker was asked to exit. */
             draining: boolean;
-            /** @description fits/{uuid} under way, if any. */
+            /** @description fits/{uuid} of the running fit, if any. */
             fit: string | null;
-            /** @description captures/{uuid} whose ingest is under way, if any. */
+            /** @description captures/{uuid} of the running ingest, if any. */
             ingest: string | null;
-            /** @description Words that it was started with, which fits can ask for. */
+            /** @description Labels that the worker was started with and that fits can require. */
             labels: string[];
             /** Format: date-time */
             last_seen_time: string;
@@ -2653,21 +2653,21 @@ export interface components {
             memory_total_bytes: number | null;
             /**
              * Format: int64
-             * @description Memory of its device in use, by whomever, and in all [bytes]; zero where it is not known.
+             * @description Device memory in use by all processes, and in total [bytes]; zero where unknown.
              */
             memory_used_bytes: number | null;
             /** @description workers/{uuid}; a restarted worker is a new one. */
             name: string;
             /** Format: int64 */
             rollouts_in_flight: number;
-            /** @description servers/{uuid} of the server that started it, and whose rollouts alone it answers; empty if others started it. */
+            /** @description servers/{uuid} of the server that started the worker; the worker then answers only that server's rollouts. Empty if it was started otherwise. */
             server: string | null;
             /** Format: date-time */
             start_time: string;
-            /** @description Twins that are loaded and answer at once. */
+            /** @description Twins that are loaded, so that their rollouts start immediately. */
             warm_twins: string[];
         };
-        /** @description Worker that a fit or an ingest asks for. It waits until there is one. */
+        /** @description Requirements on the worker of a fit or an ingest. The job waits until such a worker is free. */
         WorkerRequirements: {
             /**
              * @description `cpu` or `cuda`; empty means either.
@@ -2675,13 +2675,13 @@ export interface components {
              */
             backend: string;
             /**
-             * @description Labels of which the worker has each: up to 32 of up to 50 characters without spaces and commas.
+             * @description Labels that the worker must all have: up to 32 of up to 50 characters without spaces and commas.
              * @default []
              */
             labels: string[];
             /**
              * Format: int64
-             * @description Memory of the device at least [bytes]; on a CPU, that which a fit may take.
+             * @description Least device memory [bytes]; on a CPU, least memory that a fit may take.
              * @default 0
              */
             memory_bytes: number;
@@ -2690,18 +2690,18 @@ export interface components {
         World: {
             /** @description At most 32. */
             colliders?: components["schemas"]["Collider"][];
-            /** @description Three numbers, m/s^2; absent: the twin's own. */
+            /** @description Gravity, three numbers, m/s^2; absent: that of the twin. */
             gravity?: number[];
-            /** @description Instead of the twin's own ground. Only one of ground, no_ground may be given. */
+            /** @description Replaces the twin's ground. Only one of ground, no_ground may be given. */
             ground?: components["schemas"]["Plane"];
             /**
              * Format: float
-             * @description Coulomb friction of the ground, 0..2, and its restitution, 0..1; absent: the twin's own.
+             * @description Coulomb friction of the ground, 0..2, and its restitution, 0..1; absent: those of the twin.
              */
             ground_friction?: number;
             /** Format: float */
             ground_restitution?: number;
-            /** @description No ground at all. Only one of ground, no_ground may be given. */
+            /** @description Removes the ground. Only one of ground, no_ground may be given. */
             no_ground?: boolean;
         };
     };
@@ -2794,17 +2794,17 @@ export interface operations {
     ListCaptures: {
         parameters: {
             query?: {
-                /** @description 0 means 50; more than 1000 counts as 1000. */
+                /** @description Default (0): 50. Values above 1000 count as 1000. */
                 page_size?: number;
-                /** @description Of the page before, with the same filters and order. */
+                /** @description `next_page_token` of the previous page; filters and order must be the same. */
                 page_token?: string;
-                /** @description Only those whose display name or note has this text, whatever its case; up to 200 characters. */
+                /** @description Only captures whose display name or note contains this text, ignoring case; up to 200 characters. */
                 search?: string;
-                /** @description Only those with this tag. */
+                /** @description Only captures with this tag. */
                 tag?: string;
-                /** @description `create_time` or `name`, ascending or, followed by ` desc`, descending; empty means `create_time desc`. */
+                /** @description `create_time` or `name`; ascending, or descending if followed by ` desc`. Default: `create_time desc`. */
                 order_by?: string;
-                /** @description Only those of this owner. */
+                /** @description Only captures of this owner. */
                 owner?: string;
             };
             header?: never;
@@ -2836,13 +2836,12 @@ export interface operations {
     CreateCapture: {
         parameters: {
             query?: {
-                /** @description Display name. */
                 display_name?: string;
-                /** @description BLAKE3 of the body, hex; checked. Headers may give it instead. */
+                /** @description BLAKE3 of the archive, hex; the server checks it if given. */
                 digest?: string;
-                /** @description Settings of the ingest that differ from the defaults, as JSON. */
+                /** @description IngestSettings as JSON; empty means defaults. */
                 ingest?: string;
-                /** @description Worker that the ingest asks for, as JSON. */
+                /** @description Worker that the ingest requires; absent: any. */
                 ingest_requirements?: string;
             };
             header?: {
@@ -3291,20 +3290,20 @@ export interface operations {
     ListFits: {
         parameters: {
             query?: {
-                /** @description 0 means 50; more than 1000 counts as 1000. */
+                /** @description Default (0): 50. Values above 1000 count as 1000. */
                 page_size?: number;
                 page_token?: string;
                 /** @description Only fits of this capture, if given. */
                 capture?: string;
                 /** @description Only fits in this state, if given. */
                 state?: "QUEUED" | "RUNNING" | "SUCCEEDED" | "FAILED" | "CANCELLED";
-                /** @description Only those whose display name or note has this text, whatever its case; up to 200 characters. */
+                /** @description Only fits whose display name or note contains this text, ignoring case; up to 200 characters. */
                 search?: string;
-                /** @description Only those with this tag. */
+                /** @description Only fits with this tag. */
                 tag?: string;
-                /** @description `create_time`, `name` or `error`, ascending or, followed by ` desc`, descending; empty means `create_time desc`. */
+                /** @description `create_time`, `name` or `error`; ascending, or descending if followed by ` desc`. Default: `create_time desc`. */
                 order_by?: string;
-                /** @description Only those of this owner. */
+                /** @description Only fits of this owner. */
                 owner?: string;
             };
             header?: never;
@@ -3569,7 +3568,7 @@ export interface operations {
     ListKeys: {
         parameters: {
             query?: {
-                /** @description 0 means 50; more than 1000 counts as 1000. */
+                /** @description Default (0): 50. Values above 1000 count as 1000. */
                 page_size?: number;
                 page_token?: string;
             };
@@ -4102,7 +4101,7 @@ export interface operations {
     GetSessionStates: {
         parameters: {
             query?: {
-                /** @description Empty: all. */
+                /** @description Empty: all slots. */
                 slots?: string;
                 /** @description `lists` (nested lists of numbers, the default) or `base64`. */
                 tensors?: string;
@@ -4182,18 +4181,18 @@ export interface operations {
     ListTwins: {
         parameters: {
             query?: {
-                /** @description 0 means 50; more than 1000 counts as 1000. */
+                /** @description Default (0): 50. Values above 1000 count as 1000. */
                 page_size?: number;
                 page_token?: string;
                 /** @description Only twins of this capture, if given. */
                 capture?: string;
-                /** @description Only those whose display name or note has this text, whatever its case; up to 200 characters. */
+                /** @description Only twins whose display name or note contains this text, ignoring case; up to 200 characters. */
                 search?: string;
-                /** @description Only those with this tag. */
+                /** @description Only twins with this tag. */
                 tag?: string;
-                /** @description `create_time`, `name` or `error`, ascending or, followed by ` desc`, descending; empty means `create_time desc`. */
+                /** @description `create_time`, `name` or `error`; ascending, or descending if followed by ` desc`. Default: `create_time desc`. */
                 order_by?: string;
-                /** @description Only those of this owner. */
+                /** @description Only twins of this owner. */
                 owner?: string;
             };
             header?: never;
@@ -4225,9 +4224,7 @@ export interface operations {
     CreateTwin: {
         parameters: {
             query?: {
-                /** @description Display name. */
                 display_name?: string;
-                /** @description BLAKE3 of the body, hex; checked. Headers may give it instead. */
                 digest?: string;
             };
             header?: {

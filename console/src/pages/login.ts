@@ -29,7 +29,7 @@ export const open: OpenPage = (context) => {
     'form',
     { class: 'login', onsubmit: (event) => void submit(event) },
     h('p', {}, 'This server requires its token. The page keeps it until this tab is closed.'),
-    field('Token', input, 'The token is in the file client-token in the server's data folder. For the default folder:'),
+    field('Token', input, 'The token is in the file client-token in the data folder of the server. For the default folder:'),
     command('cat bendtwin-data/client-token'),
     fault,
     h('div', { class: 'buttons' }, button),
