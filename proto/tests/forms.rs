@@ -96,3 +96,12 @@ fn a_query_is_a_message() {
     assert!(from_query::<CaptureMetadata>("ingest_requirements=%7B").is_err());
     assert!(from_query::<CaptureMetadata>("request_id=a").is_err());
 }
+
+#[test]
+fn an_empty_parameter_is_absent_and_its_name_is_checked() {
+    let read = from_query::<ListFitsRequest>;
+    assert_eq!(read("state=&page_size=&tag=").unwrap(), ListFitsRequest::default());
+    for wrong in ["colour=", "state=&state="] {
+        assert!(read(wrong).is_err(), "{wrong}");
+    }
+}

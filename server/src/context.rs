@@ -129,7 +129,7 @@ pub(crate) fn redact(fault: Fault, request_id: &str) -> Fault {
                 "stored data is missing or damaged"
             };
             let message = format!("{what}: report this with the request id {request_id}");
-            // A reply that passes two transports is told once.
+            // An error that passes both transports is logged once.
             if fault.message != message {
                 tracing::error!(reason = fault.reason, request_id, "{}", fault.message);
             }

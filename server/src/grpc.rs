@@ -50,6 +50,7 @@ use crate::{
 };
 
 use counted::Counted;
+pub(crate) use counted::InProcess;
 use health::ServerHealth;
 use token::TokenCheck;
 
@@ -75,6 +76,8 @@ pub(crate) async fn router(app: &App) -> Result<axum::Router, StartError> {
     let api = Api { app: app.clone() };
     let limits = app.options.limits.rollout;
     let bytes = |limit: u64| usize::try_from(limit).unwrap_or(usize::MAX);
+    // A body of JSON becomes one message, with its strings and a few fields.
+    let message = MESSAGE.max(app.options.limits.json_bytes.saturating_add(64 << 10));
     let reflection = || {
         tonic_reflection::server::Builder::configure()
             .register_encoded_file_descriptor_set(DESCRIPTORS)
@@ -98,12 +101,12 @@ pub(crate) async fn router(app: &App) -> Result<axum::Router, StartError> {
         .add_service(reflection().build_v1().map_err(broken)?)
         // The version that grpcio-reflection and older tools speak.
         .add_service(reflection().build_v1alpha().map_err(broken)?)
-        .add_service(CaptureServiceServer::new(api.clone()).max_decoding_message_size(MESSAGE))
-        .add_service(FitServiceServer::new(api.clone()).max_decoding_message_size(MESSAGE))
-        .add_service(TwinServiceServer::new(api.clone()).max_decoding_message_size(MESSAGE))
+        .add_service(CaptureServiceServer::new(api.clone()).max_decoding_message_size(message))
+        .add_service(FitServiceServer::new(api.clone()).max_decoding_message_size(message))
+        .add_service(TwinServiceServer::new(api.clone()).max_decoding_message_size(message))
         .add_service(WorkerServiceServer::new(api.clone()))
-        .add_service(KeyServiceServer::new(api.clone()).max_decoding_message_size(MESSAGE))
-        .add_service(EvaluationServiceServer::new(api.clone()).max_decoding_message_size(MESSAGE))
+        .add_service(KeyServiceServer::new(api.clone()).max_decoding_message_size(message))
+        .add_service(EvaluationServiceServer::new(api.clone()).max_decoding_message_size(message))
         .add_service(Counted {
             app: app.clone(),
             inner: RolloutServiceServer::new(api.clone())

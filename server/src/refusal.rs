@@ -84,7 +84,7 @@ impl Refusal {
         Self { status: http_status(fault.category), fault, retry_after: None }
     }
 
-    /// The refusal that a status tells of.
+    /// The refusal that a gRPC status carries.
     pub(crate) fn of_status(status: &Status) -> Self {
         let retry_after = status.get_details_retry_info().and_then(|info| info.retry_delay);
         Self::new(fault(status)).retry_after(retry_after)

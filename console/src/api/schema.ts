@@ -1358,7 +1358,7 @@ export interface components {
             iterations: number[];
             /** @description Loss of each iteration; NaN where it was not finite. */
             losses: (number | null)[];
-            /** @description Stage: Stage: search or refine. */
+            /** @description Stage: search or refine. */
             stage: string;
             /** @description Model: bending or axial, with several starts followed by the start: `bending 2/3`. */
             variant: string;
@@ -1425,7 +1425,7 @@ export interface components {
         Grasping: {
             /** @description Grasp that holds each node, UINT32 [N]: g + 1 for grasp g; 0 for none. */
             holders?: components["schemas"]["Tensor"];
-            /** @description Phase of each grasp, Phase of each grasp, UINT32 [G]: 0 open, 1 closed, 2 slipped. */
+            /** @description Phase of each grasp, UINT32 [G]: 0 open, 1 closed, 2 slipped. */
             phases?: components["schemas"]["Tensor"];
             /** @description Positions of held nodes in the coordinates of their gripper, FLOAT32 [N, 3], metres. */
             places?: components["schemas"]["Tensor"];
@@ -1608,7 +1608,7 @@ export interface components {
              * @description Absent where the loss was not finite.
              */
             loss: number | null;
-            /** @description Stage: Stage: search or refine. */
+            /** @description Stage: search or refine. */
             stage: string;
             /** @description Model: bending or axial, with several starts followed by the start: `bending 2/3`. */
             variant: string;
@@ -1948,7 +1948,7 @@ export interface components {
             /** @description The latest loss of each model, when several are fitted side by side. */
             models: components["schemas"]["ModelLoss"][];
             note: string | null;
-            /** @description Stage: Stage: ingest, search, refine or evaluate. */
+            /** @description Stage: ingest, search, refine or evaluate. */
             stage: string;
             /** @description Model: bending or axial; for an ingest, the step. */
             variant: string;
@@ -2500,7 +2500,7 @@ export interface components {
             ground_restitution: number;
             /** @description The capture's hand to which each control point belongs, UINT32 [C]. */
             hands?: components["schemas"]["Tensor"];
-            /** @description Kinds of the nodes, Kinds of the nodes, UINT8 [N]: 0 observed surface, 1 completed surface, 2 interior. Surface nodes come first. */
+            /** @description Kinds of the nodes, UINT8 [N]: 0 observed surface, 1 completed surface, 2 interior. Surface nodes come first. */
             kinds?: components["schemas"]["Tensor"];
             /** Format: double */
             mass_kg?: number;
@@ -3029,7 +3029,7 @@ export interface operations {
         parameters: {
             query?: never;
             header?: {
-                /** @description Skip revisions up to this one; what is no revision skips none. */
+                /** @description Skip revisions up to this one; an invalid id skips nothing. */
                 "Last-Event-ID"?: string;
             };
             path: {
@@ -3040,7 +3040,7 @@ export interface operations {
         };
         requestBody?: never;
         responses: {
-            /** @description Server-sent events with messages as data; one named `error` has a problem document and ends them. */
+            /** @description Server-sent events with messages as data. */
             200: {
                 headers: {
                     [name: string]: unknown;
@@ -3502,7 +3502,7 @@ export interface operations {
         parameters: {
             query?: never;
             header?: {
-                /** @description Skip revisions up to this one; what is no revision skips none. */
+                /** @description Skip revisions up to this one; an invalid id skips nothing. */
                 "Last-Event-ID"?: string;
             };
             path: {
@@ -3513,7 +3513,7 @@ export interface operations {
         };
         requestBody?: never;
         responses: {
-            /** @description Server-sent events with messages as data; one named `error` has a problem document and ends them. */
+            /** @description Server-sent events with messages as data. */
             200: {
                 headers: {
                     [name: string]: unknown;
@@ -3712,7 +3712,7 @@ export interface operations {
             };
         };
         responses: {
-            /** @description Server-sent events with messages as data; one named `error` has a problem document and ends them. */
+            /** @description Server-sent events with messages as data; an event named `error` has a problem document and ends them. */
             200: {
                 headers: {
                     [name: string]: unknown;
@@ -4620,7 +4620,7 @@ export interface operations {
             };
         };
         responses: {
-            /** @description Server-sent events with messages as data; one named `error` has a problem document and ends them. */
+            /** @description Server-sent events with messages as data; an event named `error` has a problem document and ends them. */
             200: {
                 headers: {
                     [name: string]: unknown;

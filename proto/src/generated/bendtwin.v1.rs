@@ -310,7 +310,7 @@ pub mod grasp {
 /// What G grasps hold of N nodes in a state. Shapes are those of one state; several states have \[B\] in front.
 #[derive(Clone, PartialEq, ::prost::Message)]
 pub struct Grasping {
-    /// Phase of each grasp, Phase of each grasp, UINT32 \[G\]: 0 open, 1 closed, 2 slipped.
+    /// Phase of each grasp, UINT32 \[G\]: 0 open, 1 closed, 2 slipped.
     #[prost(message, optional, tag = "1")]
     pub phases: ::core::option::Option<Tensor>,
     /// Grasp that holds each node, UINT32 \[N\]: g + 1 for grasp g; 0 for none.
@@ -362,10 +362,10 @@ pub struct Route {
     /// Status of success; 0 means 200, or 204 where the reply has no fields.
     #[prost(uint32, tag = "6")]
     pub status: u32,
-    /// The field of the reply with the name of what was made, which `Location` gives.
+    /// The field of the reply with the name of the created resource, which the header `Location` states.
     #[prost(string, tag = "7")]
     pub location: ::prost::alloc::string::String,
-    /// True if the reply must not be stored by anyone on its way.
+    /// True if no cache may store the reply.
     #[prost(bool, tag = "8")]
     pub secret: bool,
     /// True if body and reply may be protobuf as well, and the query says how tensors are written and how long to
@@ -404,12 +404,12 @@ pub struct JsonField {
     #[prost(bool, tag = "2")]
     pub changeable: bool,
     /// True if a body must have it.
-    #[prost(bool, tag = "5")]
+    #[prost(bool, tag = "3")]
     pub required: bool,
     /// Syntax of a parameter, and its longest text.
-    #[prost(string, tag = "3")]
+    #[prost(string, tag = "4")]
     pub pattern: ::prost::alloc::string::String,
-    #[prost(uint32, tag = "4")]
+    #[prost(uint32, tag = "5")]
     pub max_length: u32,
 }
 /// Nested message and enum types in `JsonField`.
@@ -428,11 +428,11 @@ pub mod json_field {
     #[repr(i32)]
     pub enum Form {
         Unspecified = 0,
-        /// The string is a JSON document, which stands there itself, under the name without `_json`.
+        /// The string is a JSON document, which is nested as an object, under the name without `_json`.
         Nested = 1,
         /// Null where it is empty, zero or absent; in a list of numbers, where one is not finite.
         Null = 2,
-        /// Always there, with its defaults where it is absent.
+        /// Always present, with its defaults if the message does not have it.
         Always = 3,
     }
     impl Form {
@@ -607,7 +607,7 @@ pub mod job {
 #[derive(serde::Serialize)]
 #[derive(Clone, PartialEq, ::prost::Message)]
 pub struct Progress {
-    /// Stage: Stage: ingest, search, refine or evaluate.
+    /// Stage: ingest, search, refine or evaluate.
     #[prost(string, tag = "1")]
     pub stage: ::prost::alloc::string::String,
     /// Model: bending or axial; for an ingest, the step.
@@ -636,7 +636,7 @@ pub struct Progress {
 #[derive(serde::Serialize)]
 #[derive(Clone, PartialEq, ::prost::Message)]
 pub struct ModelLoss {
-    /// Stage: Stage: search or refine.
+    /// Stage: search or refine.
     #[prost(string, tag = "1")]
     pub stage: ::prost::alloc::string::String,
     /// Model: bending or axial, with several starts followed by the start: `bending 2/3`.
@@ -2031,7 +2031,7 @@ pub mod fit_losses {
     /// iteration is kept, and the last.
     #[derive(Clone, PartialEq, ::prost::Message)]
     pub struct LossCurve {
-        /// Stage: Stage: search or refine.
+        /// Stage: search or refine.
         #[prost(string, tag = "1")]
         pub stage: ::prost::alloc::string::String,
         /// Model: bending or axial, with several starts followed by the start: `bending 2/3`.
@@ -2948,7 +2948,7 @@ pub struct TwinGeometry {
     /// Rest shape, FLOAT32 \[N, 3\], metres.
     #[prost(message, optional, tag = "1")]
     pub rest_positions: ::core::option::Option<Tensor>,
-    /// Kinds of the nodes, Kinds of the nodes, UINT8 \[N\]: 0 observed surface, 1 completed surface, 2 interior.
+    /// Kinds of the nodes, UINT8 \[N\]: 0 observed surface, 1 completed surface, 2 interior.
     /// Surface nodes come first.
     #[prost(message, optional, tag = "2")]
     pub kinds: ::core::option::Option<Tensor>,

@@ -1,6 +1,6 @@
 &[
 Rpc { path: "/bendtwin.v1.CaptureService/CreateCapture", scope: Scope::CapturesWrite, audited: true, routes: &[
-    Route { method: "POST", path: "/v1/captures", status: 200, location: "", secret: false, messages: None },] },
+    Route { method: "POST", path: "/v1/captures", status: 201, location: "", secret: false, messages: None },] },
 Rpc { path: "/bendtwin.v1.CaptureService/GetCapture", scope: Scope::CapturesRead, audited: false, routes: &[
     Route { method: "GET", path: "/v1/captures/{id}", status: 200, location: "", secret: false, messages: Some(Messages { source: Source::Nothing, has_request_id: false, read: |given| read::<crate::v1::GetCaptureRequest>(given, |message, given| { message.name = given.id.to_owned(); }), write: write::<crate::v1::Capture> }) },] },
 Rpc { path: "/bendtwin.v1.CaptureService/ListCaptures", scope: Scope::CapturesRead, audited: false, routes: &[
@@ -37,7 +37,7 @@ Rpc { path: "/bendtwin.v1.FitService/DeleteFit", scope: Scope::FitsWrite, audite
 Rpc { path: "/bendtwin.v1.FitService/WatchFit", scope: Scope::FitsRead, audited: false, routes: &[
     Route { method: "GET", path: "/v1/fits/{id}/events", status: 200, location: "", secret: false, messages: None },] },
 Rpc { path: "/bendtwin.v1.TwinService/CreateTwin", scope: Scope::TwinsWrite, audited: true, routes: &[
-    Route { method: "POST", path: "/v1/twins", status: 200, location: "", secret: false, messages: None },] },
+    Route { method: "POST", path: "/v1/twins", status: 201, location: "", secret: false, messages: None },] },
 Rpc { path: "/bendtwin.v1.TwinService/GetTwin", scope: Scope::TwinsRead, audited: false, routes: &[
     Route { method: "GET", path: "/v1/twins/{id}", status: 200, location: "", secret: false, messages: Some(Messages { source: Source::Nothing, has_request_id: false, read: |given| read::<crate::v1::GetTwinRequest>(given, |message, given| { message.name = given.id.to_owned(); }), write: write::<crate::v1::Twin> }) },] },
 Rpc { path: "/bendtwin.v1.TwinService/ListTwins", scope: Scope::TwinsRead, audited: false, routes: &[

@@ -9,15 +9,15 @@ use serde_json::Error;
 
 use super::{Read, document, fields::Fields};
 
-/// Reads a message from pairs. One with an empty text counts as none.
+/// Reads a message from pairs. A field with an empty text counts as absent.
 ///
 /// # Errors
 /// If a name is unknown or given twice, or a text is no value of its field.
 pub fn from_pairs<M: Fields>(
     pairs: impl IntoIterator<Item = (String, String)>,
 ) -> Result<M, Error> {
-    let given = pairs.into_iter().filter(|(_, text)| !text.is_empty());
-    let map = MapDeserializer::new(given.map(|(name, text)| (name, Text(text))));
+    let texts = pairs.into_iter().map(|(name, text)| (name, Text(text)));
+    let map = MapDeserializer::new(texts);
     Read::deserialize(map).map(|Read(message)| message)
 }
 
@@ -66,7 +66,7 @@ impl<'de> Deserializer<'de> for Text {
     }
 
     fn deserialize_option<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Error> {
-        visitor.visit_some(self)
+        if self.0.is_empty() { visitor.visit_none() } else { visitor.visit_some(self) }
     }
 
     fn deserialize_map<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Error> {
@@ -76,7 +76,7 @@ impl<'de> Deserializer<'de> for Text {
         Ok(value)
     }
 
-    /// Documents stay as they are: whoever reads them says what is wrong with them.
+    /// Documents stay text: the use case validates them.
     fn deserialize_newtype_struct<V: Visitor<'de>>(
         self,
         name: &'static str,

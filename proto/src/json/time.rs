@@ -24,7 +24,7 @@ pub(super) fn time<'de, A: MapAccess<'de>>(
     let Some(text) = map.next_value::<Option<String>>()? else { return Ok(None) };
     let time: Timestamp = text
         .parse()
-        .map_err(|_| A::Error::custom("is no time of RFC 3339, such as 2030-01-31T12:00:00Z"))?;
+        .map_err(|_| A::Error::custom("is not an RFC 3339 time, such as 2030-01-31T12:00:00Z"))?;
     // Whole nanoseconds since the epoch, split so that nanos are never negative.
     let nanos = time.as_nanosecond();
     const SECOND: i128 = 1_000_000_000;

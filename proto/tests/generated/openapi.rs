@@ -13,8 +13,10 @@ use super::{
 
 const ABOUT: &str = "Captures in, twins out, rollouts served. The same API over gRPC is bendtwin.v1, \
                      on the same port.";
-const EVENTS: &str = "Server-sent events with messages as data; one named `error` has a problem \
-                      document and ends them.";
+const EVENTS: &str = "Server-sent events with messages as data.";
+/// Of calls that compute.
+const EVENTS_WITH_ERROR: &str = "Server-sent events with messages as data; an event named `error` \
+                                 has a problem document and ends them.";
 const PROTOBUF: &str = "application/x-protobuf";
 /// Ids in paths.
 const ID: &str = "^[0-9a-f]{8}(-[0-9a-f]{4}){3}-[0-9a-f]{12}$";
@@ -182,7 +184,7 @@ fn operation(contract: &Contract, comments: &Comments, rpc: &Rpc, route: &Route)
                 parameters.push(header("Idempotency-Key", about));
             }
             "after_revision" => {
-                let about = "Skip revisions up to this one; what is no revision skips none.";
+                let about = "Skip revisions up to this one; an invalid id skips nothing.";
                 parameters.push(header("Last-Event-ID", about));
             }
             _ => {}
@@ -201,7 +203,8 @@ fn operation(contract: &Contract, comments: &Comments, rpc: &Rpc, route: &Route)
     let mut response = json!({});
     if rpc.is_streaming {
         response["content"] = json!({"text/event-stream": reply});
-        response["description"] = EVENTS.into();
+        let about = if route.tensors { EVENTS_WITH_ERROR } else { EVENTS };
+        response["description"] = about.into();
     } else if route.status != 204 {
         response["content"] = json!({"application/json": reply});
         if is_binary && contract.has_tensors(&rpc.output) {

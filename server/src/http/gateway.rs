@@ -26,6 +26,7 @@ use super::{
 };
 use crate::{
     app::{App, Error},
+    grpc::InProcess,
     memory::Kind,
     refusal::Refusal,
 };
@@ -78,7 +79,8 @@ impl Call {
         if !self.route.location.is_empty() {
             let document: Value = serde_json::from_slice(&json).map_err(|e| internal(&e))?;
             let name = document.pointer(self.route.location).and_then(Value::as_str);
-            let address = format!("/v1/{}", name.unwrap_or_default());
+            let name = name.ok_or_else(|| internal(&"a reply without its name"))?;
+            let address = format!("/v1/{name}");
             let address = HeaderValue::try_from(address).map_err(|e| internal(&e))?;
             headers.insert(header::LOCATION, address);
         }
@@ -128,6 +130,7 @@ impl Call {
         let request = http::Request::post(self.rpc)
             .header(header::CONTENT_TYPE, "application/grpc")
             .header(header::TE, "trailers")
+            .extension(InProcess)
             .body(Body::from(body.freeze()))
             .map_err(|e| internal(&e))?;
         let Ok(response) = self.grpc.clone().oneshot(request).await;

@@ -1,6 +1,6 @@
-//! The JSON of every resource, compared with samples that were recorded before HTTP came from the
-//! contract: names, nulls, nested documents, times, statuses and refusals. Ids become numbers in the
-//! order in which they appear.
+//! The JSON of captures, fits, twins, keys, workers and evaluations, compared with samples that were
+//! recorded before HTTP came from the contract: names, nulls, nested documents, times, statuses and
+//! refusals. Ids become numbers in the order in which they appear.
 //!
 //! ```sh
 //! BENDTWIN_BLESS=1 cargo test -p bendtwin-server --test it samples

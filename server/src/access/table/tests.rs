@@ -48,6 +48,23 @@ fn every_rpc_has_an_entry_and_every_entry_an_rpc() {
     assert_eq!(names(|name| name.starts_with('/')), methods);
 }
 
+/// Scopes are options of the contract alone, so that one that is too weak shows nowhere else.
+#[test]
+fn what_changes_something_needs_a_scope_that_allows_it() {
+    let reads = ["Get", "List", "Watch", "Export"];
+    for rpc in RPCS {
+        let method = rpc.path.rsplit('/').next().unwrap();
+        let access = find(rpc.path).unwrap();
+        let is_admin = access == Access::Scope(Scope::Admin);
+        assert!(is_admin || !rpc.path.contains(".KeyService/"), "{}", rpc.path);
+        assert!(is_admin || !method.starts_with("Drain"), "{}", rpc.path);
+        let weak = [Scope::CapturesRead, Scope::FitsRead, Scope::TwinsRead].map(Access::Scope);
+        let is_weak = weak.contains(&access) || matches!(access, Open | Anyone);
+        let is_read = reads.iter().any(|read| method.starts_with(read));
+        assert!(is_read || !is_weak, "{}: {access:?}", rpc.path);
+    }
+}
+
 #[test]
 fn no_name_is_listed_twice() {
     assert_eq!(names(|_| true).len(), TABLE.len());
