@@ -24,7 +24,7 @@ pub(crate) struct Arguments {
 
 #[derive(Debug, Subcommand)]
 pub(crate) enum Command {
-    /// Show the whole system at work in a few minutes: server, fit, comparison, rollouts, picture
+    /// Show the whole system at work in seconds: server, fit, comparison, rollouts, picture
     Demo(demo::Demo),
     /// Run the server, with its own workers
     Server(server::Server),
