@@ -53,7 +53,7 @@ fn times_are_read_as_they_are_written() {
     let time = key.expire_time.unwrap();
     assert_eq!((time.seconds, time.nanos), (-1, 250_000_000));
     let fault = read::<CreateKeyRequest>(&order("soon")).unwrap_err();
-    assert!(fault.starts_with("`expire_time` is no time"), "{fault}");
+    assert!(fault.starts_with("`expire_time` is not an RFC 3339 time"), "{fault}");
 }
 
 #[test]

@@ -67,7 +67,7 @@ fn parameters_that_are_refused_say_what_they_are() {
             |name: &str| parameters.as_array().unwrap().iter().find(|p| p["name"] == name).unwrap();
         let pattern = of("order_by")["schema"]["pattern"].as_str().unwrap();
         assert!(pattern.contains("create_time|name"), "{pattern}");
-        assert!(of("page_size")["description"].to_string().contains("counts as 1000"));
+        assert!(of("page_size")["description"].to_string().contains("count as 1000"));
         assert_eq!(of("search")["schema"]["maxLength"], 200);
     }
 }
