@@ -12,7 +12,7 @@
 //! ```
 //!
 //! `app/` has the use cases and knows no transport; `http/` and `grpc/` turn
-//! them into two APIs over one error table (`error.rs`); `access/` says who may call what; `dispatch/` knows the
+//! them into two APIs over one error table (`refusal.rs`); `access/` says who may call what; `dispatch/` knows the
 //! workers and routes rollouts; `play/` advances sessions in real time; `supervise.rs` keeps worker processes alive; `sweeps.rs` does what
 //! is to be done at intervals, and `readiness.rs` says whether requests can be served.
 

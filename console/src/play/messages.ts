@@ -23,7 +23,7 @@ export interface GoalTarget {
   readonly position: readonly number[];
 }
 
-/** What a page sends: docs/formats/play.md, What the browser sends. */
+/** Messages of a page: docs/formats/play.md, What the browser sends. */
 export type Message =
   | { readonly type: 'move'; readonly input: number; readonly grippers?: Target[]; readonly colliders?: Target[] }
   | {

@@ -1,6 +1,6 @@
 import { floats, indices, type PackedTensor } from '../view3d/tensor';
 
-/** What a recording has that a table of it needs: docs/formats/play.md, Recordings. */
+/** Fields of a recording that a table of it needs: docs/formats/play.md, Recordings. */
 export interface RecordingDocument {
   readonly fps: number;
   readonly segments: readonly {

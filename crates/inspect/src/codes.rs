@@ -35,7 +35,7 @@ macro_rules! codes {
 }
 
 codes! {
-    // Reported by the check of lifted points.
+    // This one is reported by the check of lifted points.
     GravityDirection "GRAVITY_DIRECTION",
         "gravity does not point straight down onto the ground",
         "check the up axis";

@@ -20,6 +20,7 @@
 //! caller, too.
 
 mod backend;
+// Not behind a feature: the binary and the tests of all crates then share one build.
 #[doc(hidden)]
 pub mod cases;
 pub mod cut;

@@ -92,7 +92,7 @@ pub struct Session {
 #[derive(Default)]
 pub struct Sessions(Mutex<HashMap<SessionId, Arc<Session>>>);
 
-/// Time after which a session ends if nobody uses it; 0 asks for the default.
+/// Time after which an unused session ends; 0 asks for the default.
 ///
 /// # Errors
 /// If it is too short or too long.
@@ -168,7 +168,7 @@ impl Session {
         slots.iter().filter_map(|&s| own.get(s)).map(|s| (s.now.clone(), s.frames)).unzip()
     }
 
-    /// Waits until nobody else advances the session.
+    /// Waits until no other call advances the session.
     pub async fn begin_advance(&self) -> tokio::sync::OwnedMutexGuard<()> {
         Arc::clone(&self.advancing).lock_owned().await
     }
@@ -243,7 +243,7 @@ impl Session {
         *lock(&self.last_use) = Instant::now();
     }
 
-    /// True if nobody uses it, and has not for as long as it may be idle.
+    /// True if the session is unused, and has been for as long as it may be idle.
     fn has_ended(&self, now: Instant) -> bool {
         let idle = now.saturating_duration_since(*lock(&self.last_use));
         idle > self.setup.idle && self.advancing.try_lock().is_ok()

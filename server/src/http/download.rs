@@ -43,12 +43,13 @@ pub(super) async fn download(
     match part(request, size, &tag) {
         Part::Whole => Ok((headers, inline(content, media_type)).into_response()),
         Part::Range(range) => {
-            let told = format!("bytes {}-{}/{size}", range.start, range.end - 1);
+            let content_range = format!("bytes {}-{}/{size}", range.start, range.end - 1);
             let length = range.end - range.start;
             let mut part = content.range(range).await?;
             part.size_bytes = length;
-            let told = [(header::CONTENT_RANGE, told)];
-            let response = (StatusCode::PARTIAL_CONTENT, headers, told, bytes(part, media_type));
+            let content_range = [(header::CONTENT_RANGE, content_range)];
+            let body = bytes(part, media_type);
+            let response = (StatusCode::PARTIAL_CONTENT, headers, content_range, body);
             Ok(response.into_response())
         }
         Part::Nothing => {

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 /// Folders and files at the root that have the project's own text.
-const PARTS: [&str; 16] = [
+const PARTS: [&str; 17] = [
     "proto",
     "crates",
     "server",
@@ -18,6 +18,7 @@ const PARTS: [&str; 16] = [
     "Cargo.toml",
     "README.md",
     "ARCHITECTURE.md",
+    "CHANGELOG.md",
     "CONTRIBUTING.md",
     "SECURITY.md",
 ];

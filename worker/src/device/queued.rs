@@ -222,7 +222,7 @@ impl Backend for QueuedBackend {
 }
 
 impl RolloutBackend for QueuedBackend {
-    /// Slices are those of the whole batch, and so are the bits of what is done.
+    /// Slices are those of the whole batch, so finished instances have the same bits.
     fn roll_out_in_time(
         &self,
         batch: &[Instance],

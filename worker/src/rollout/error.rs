@@ -1,4 +1,5 @@
-//! Why a call to this worker is refused or fails: what the work itself says, or what the worker lacks.
+//! Reasons for which a call to this worker is refused or fails: those of the work itself, and resources that the
+//! worker lacks.
 
 use bendtwin_budget::Exhausted;
 use bendtwin_contract::{registration, rollout as contract};

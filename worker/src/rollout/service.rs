@@ -247,7 +247,7 @@ impl WorkerRollouts for Rollouts {
         &self,
         request: Request<WatchRequest>,
     ) -> Result<Response<StatusStream>, Status> {
-        Ok(Response::new(self.words(request.get_ref().interval_s)))
+        Ok(Response::new(self.statuses(request.get_ref().interval_s)))
     }
 
     async fn roll_out(

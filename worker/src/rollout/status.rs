@@ -133,7 +133,7 @@ impl Rollouts {
 
     /// Heartbeats sent to a watching server: immediately, with every change, and at this interval
     /// [s].
-    pub(super) fn words(&self, interval_s: f64) -> StatusStream {
+    pub(super) fn statuses(&self, interval_s: f64) -> StatusStream {
         let [least, most] = INTERVAL_S;
         let asked = interval_s.is_finite() && interval_s > 0.0;
         let interval_s = if asked { interval_s.clamp(least, most) } else { DEFAULT_S };
@@ -141,7 +141,7 @@ impl Rollouts {
         let status = &self.inner().status;
         let (changes, ended) = (status.changes.subscribe(), status.ended.get().cloned());
         let begun = (self.clone(), changes, ended.unwrap_or_default(), false);
-        let words =
+        let statuses =
             stream::unfold(begun, move |(rollouts, mut changes, ended, waits)| async move {
                 if waits {
                     tokio::time::sleep(PAUSE).await;
@@ -152,9 +152,9 @@ impl Rollouts {
                     }
                 }
                 changes.borrow_and_update();
-                let word = WatchResponse { heartbeat: Some(rollouts.heartbeat()) };
-                Some((Ok(word), (rollouts, changes, ended, true)))
+                let status = WatchResponse { heartbeat: Some(rollouts.heartbeat()) };
+                Some((Ok(status), (rollouts, changes, ended, true)))
             });
-        words.boxed()
+        statuses.boxed()
     }
 }

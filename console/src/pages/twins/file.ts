@@ -3,7 +3,7 @@ import type { Api } from '../../api/client';
 /** Headers that are larger are not read [bytes]. */
 const MOST_BYTES = 16 * 2 ** 20;
 
-/** What is read of a twin's file (docs/formats/twin.md) without loading all of it. */
+/** Parts of a twin's file (docs/formats/twin.md), read without loading all of it. */
 export interface TwinFile {
   readonly document: TwinDocument;
   /** Values of a tensor of 32-bit floats; empty if the file has no such tensor. */

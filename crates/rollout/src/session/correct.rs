@@ -227,7 +227,7 @@ pub fn corrected(
         }
     }
     if cancel.is_cancelled() {
-        // Nobody would hear of it.
+        // The caller is gone.
         return Err(backend::Error::Cancelled.into());
     }
     if !refused.is_empty() {

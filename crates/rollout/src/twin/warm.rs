@@ -13,9 +13,9 @@ pub struct Warm {
     pub(crate) id: TwinId,
     pub(crate) twin: Twin,
     pub(crate) loaded: Loaded,
-    /// The fast variant, once somebody has asked for it.
+    /// The fast variant, once a request has asked for it.
     pub(super) fast: Mutex<Option<Loaded>>,
-    /// The planner's twin, once somebody has asked for it.
+    /// The planner's twin, once a request has asked for it.
     pub(super) planner: Mutex<Option<Arc<PlannersWarm>>>,
     /// Members of the twin, as many as requests have asked for.
     pub(super) members: Mutex<Vec<Loaded>>,

@@ -68,8 +68,8 @@ fn a_gripper_that_turns_about_the_cable_rolls_its_end() {
     assert!(rolls.is_empty());
 }
 
-/// Change of the part of the twist that nodes tell, of nodes that move from one place to another
-/// (docs/formats/twin.md), at the middle of the way.
+/// Change of the part of the twist that follows from nodes (docs/formats/twin.md), for nodes that move
+/// from one place to another, half way between them.
 fn geometric(from: &[Vector], to: &[Vector]) -> f64 {
     let sub = |a: Vector, b: Vector| -> Vector { std::array::from_fn(|i| a[i] - b[i]) };
     let middle: Vec<Vector> =
