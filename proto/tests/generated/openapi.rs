@@ -45,7 +45,8 @@ pub(crate) fn document(contract: &Contract, by_hand: &Value) -> String {
             let scope = scope_of(contract, by_hand, &name);
             let mut operation = completed(operation.clone(), path, &scope);
             let metadata = rpc_of(contract, &name).and_then(|rpc| contract.metadata(rpc));
-            if let Some(parameters) = operation["parameters"].as_array_mut() {
+            if let Some(parameters) = operation.get_mut("parameters").and_then(Value::as_array_mut)
+            {
                 let fields = metadata.into_iter().flat_map(|name| contract.shown(name));
                 parameters.extend(fields.map(|f| parameter(contract, &comments, &f)));
             }

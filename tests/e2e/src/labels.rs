@@ -125,7 +125,10 @@ async fn a_fit_continues_without_watchers() {
         assert!(!watching.wait().unwrap().success());
         let name = name.trim();
         let hints = [format!("fit watch {name}"), format!("fit cancel {name}")];
-        assert!(rest.contains("continues at the server") && hints.iter().all(|h| rest.contains(h)), "{rest}");
+        assert!(
+            rest.contains("continues at the server") && hints.iter().all(|h| rest.contains(h)),
+            "{rest}"
+        );
         let fit = run_json(&[&["fit", "show", name], &at[..]].concat());
         assert_eq!(fit["job"]["state"], "RUNNING", "{fit}");
         run_ok(&[&["fit", "cancel", name], &at[..]].concat());
