@@ -157,7 +157,7 @@ describe('fits and twins', () => {
     await page.getByLabel('Note', { exact: true }).fill('two lines\nof a note');
     await page.getByLabel('Tags', { exact: true }).fill('wet, wet no<good>');
     await page.getByRole('button', { name: 'Save' }).click();
-    await page.getByText('is no tag').waitFor();
+    await page.getByText('is not a tag').waitFor();
     await visit.stop('twin-edited');
     await page.getByLabel('Tags', { exact: true }).fill('wet slow');
     await page.getByRole('button', { name: 'Save' }).click();

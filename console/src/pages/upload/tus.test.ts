@@ -9,6 +9,7 @@ import { FilesChanged, nextPart, send } from './tus';
 class Server {
   stored = Buffer.alloc(0);
   created = 0;
+  deleted = 0;
   metadata = '';
   /** Called before each request with its method; may throw. */
   trouble: (method: string) => void = () => undefined;
@@ -28,6 +29,7 @@ class Server {
       this.created += 1;
       this.metadata = given['upload-metadata'] ?? '';
     }
+    if (method === 'DELETE') this.deleted += 1;
     const reply = new Headers({ location: '/v1/uploads/1', 'upload-offset': String(this.stored.length) });
     if (this.stored.length === this.length) reply.set('bendtwin-capture', 'captures/1');
     return new Response(null, { headers: reply });
@@ -124,6 +126,16 @@ describe('an upload', () => {
     gone.slice = () =>
       ({ arrayBuffer: () => Promise.reject(new DOMException('', 'NotReadableError')) }) as unknown as Blob;
     await expect(run(server, gone).capture).rejects.toThrow(FilesChanged);
+  });
+
+  test('leaves nothing at the server if it is cancelled while it is created', async () => {
+    const server = new Server(BYTES);
+    const abort = new AbortController();
+    server.trouble = (method) => {
+      if (method === 'POST') abort.abort();
+    };
+    await expect(run(server, CONTENT, abort.signal).capture).rejects.toThrow(/abort/i);
+    expect([server.created, server.deleted, server.stored.length]).toEqual([1, 1, 0]);
   });
 
   test('ends when it is cancelled, while it waits too', async () => {

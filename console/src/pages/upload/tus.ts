@@ -93,8 +93,11 @@ async function create(api: Api, { content, metadata, signal, onAddress }: Upload
       .map(([key, value]) => `${key} ${base64(value)}`)
       .join(','),
   };
-  const answer = await api.fetch('/v1/uploads', { method: 'POST', headers, signal });
+  // Not ended by the signal: the server would keep an upload whose address nobody knows.
+  const answer = await api.fetch('/v1/uploads', { method: 'POST', headers });
   const address = answer.headers.get('location') ?? '';
+  if (signal.aborted) await terminate(api, address);
+  signal.throwIfAborted();
   onAddress(address);
   return address;
 }
