@@ -99,21 +99,6 @@ DEVICE float3 held_force_bar(const BlockState& l, const ThreadNode& p, const Nod
     return zero3();
 }
 
-// Adds to the nine components of d loss / d (from, to, velocity); nothing where `sums` is null.
-DEVICE void add_path(float* sums, u32 stride, u32 i, float t, float3 x_bar, float3 v_bar) {
-    if (!sums) return;
-    float from = 1.0f - t;
-    sums[0 * stride + i] += from * x_bar.x;
-    sums[1 * stride + i] += from * x_bar.y;
-    sums[2 * stride + i] += from * x_bar.z;
-    sums[3 * stride + i] += t * x_bar.x;
-    sums[4 * stride + i] += t * x_bar.y;
-    sums[5 * stride + i] += t * x_bar.z;
-    sums[6 * stride + i] += v_bar.x;
-    sums[7 * stride + i] += v_bar.y;
-    sums[8 * stride + i] += v_bar.z;
-}
-
 // Adds to d loss / d the path of what holds a node.
 DEVICE void add_hold_path(
     const BlockState& l, const ThreadNode& p, const NodeHold& h, float t, float3 x_bar, float3 v_bar

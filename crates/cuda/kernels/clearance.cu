@@ -46,6 +46,24 @@ DEVICE float3 distance_bar(const FrameStart& s, u32 row, u32 node, float3 x, flo
     );
 }
 
+// Adds to d loss / d the place of a node where the frame begins. A node that is held stands where the
+// path begins of what holds it, as in `begin_frame_adjoint`; the state before has no part in that.
+DEVICE void add_place_bar(const FrameStart& s, u32 node, float3 bar) {
+    const InstanceArgs& instance = *s.instance;
+    const int pin = instance.topology.pin_of[node];
+    const bool pinned =
+        pin >= 0 && !is_released(instance, s.frame, instance.topology.pins[pin].control);
+    if (pinned) {
+        float* sums = instance.adjoint.pin_sums;
+        add_path(sums, instance.topology.pin_count, pin, 0.0f, bar, zero3());
+    } else if (inverse_mass_in(instance, s.frame, node) == 0.0f) {
+        add_path(instance.world.hold_sums, s.nodes.count, node, 0.0f, bar, zero3());
+    } else {
+        float4* to = instance.adjoint.bar_x + node;
+        *to = with_w(add(xyz(*to), bar), 0.0f);
+    }
+}
+
 struct FindClearancesArgs {
     const InstanceArgs* instances;
     u32 frame;
@@ -88,12 +106,20 @@ find_clearances(const __grid_constant__ FindClearancesArgs args) {
     }
 }
 
+// True if a point names the node at place `k` of the weights more than once, and here not first.
+DEVICE bool is_repeated(const SkinArgs& skin, u32 point, u32 k) {
+    for (u32 j = skin.starts[point]; j < k; j++)
+        if (skin.nodes[j] == skin.nodes[k]) return true;
+    return false;
+}
+
 struct ClearanceAdjointArgs {
     const InstanceArgs* instances;
 };
 
-// Adds to d loss / d positions where frame `StateArgs::first_frame` begins, and to that of the poses
-// of bodies, what comes from its clearances; d loss / d these are zero then.
+// Adds to d loss / d positions where frame `StateArgs::first_frame` begins, to that of what holds
+// nodes there, and to that of the poses of bodies, what comes from its clearances; d loss / d these
+// are zero then.
 extern "C" __global__ void __launch_bounds__(THREADS)
 clearance_adjoint(const __grid_constant__ ClearanceAdjointArgs args) {
     const InstanceArgs& instance = args.instances[blockIdx.x];
@@ -115,12 +141,13 @@ clearance_adjoint(const __grid_constant__ ClearanceAdjointArgs args) {
             c.by_points[at] = with_w(by_point, 0.0f);
             c.bars[at] = 0.0f;
         }
-        instance.adjoint.bar_x[i] = with_w(add(xyz(instance.adjoint.bar_x[i]), sum), 0.0f);
+        add_place_bar(s, i, sum);
     }
     __syncthreads();
     for (u32 p = threadIdx.x; p < m; p += THREADS) {
         float3 sum = zero3();
         for (u32 k = skin.starts[p]; k < skin.starts[p + 1]; k++) {
+            if (is_repeated(skin, p, k)) continue;
             for (u32 row = 0; row < s.rows; row++) {
                 const u64 at = (u64)row * n + skin.nodes[k];
                 if (c.points[at] == p) sum = add(sum, xyz(c.by_points[at]));
@@ -132,7 +159,6 @@ clearance_adjoint(const __grid_constant__ ClearanceAdjointArgs args) {
     }
     __syncthreads();
     for (u32 i = threadIdx.x; i < n; i += THREADS) {
-        const float3 by_skin = carried_bar(skin, s.nodes, c.places, i);
-        instance.adjoint.bar_x[i] = with_w(add(xyz(instance.adjoint.bar_x[i]), by_skin), 0.0f);
+        add_place_bar(s, i, carried_bar(skin, s.nodes, c.places, i));
     }
 }
