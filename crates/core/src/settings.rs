@@ -180,8 +180,8 @@ pub struct SearchSettings {
     /// left open, it depends on effort, capture and device.
     pub starts: Option<u32>,
     /// Several starts that differ in more than their seeds: in turn with hands that reach farther and
-    /// hold more firmly, with axial springs alone, with denser springs, and as set. If left open, it
-    /// depends on the object and on the device.
+    /// hold more firmly, with axial springs alone, with denser springs, and as set. If left open, they
+    /// do not.
     pub vary: Option<bool>,
     /// Share of each sequence's training frames, the last ones, that are held back from several
     /// starts to choose one of them, which is then refined on all; 0: the training loss chooses.
@@ -301,7 +301,7 @@ impl Default for FitSettings {
             substeps: Substeps::Auto { safety: default_safety(), max: None },
             control_velocity: ControlVelocity::True,
             self_contact: false,
-            skin_contact: false,
+            skin_contact: true,
             loss: LossSettings::default(),
             search: SearchSettings::default(),
             refine: RefineSettings::default(),
@@ -397,6 +397,7 @@ impl FitSettings {
             bending: false,
             substeps: Substeps::Fixed(667),
             control_velocity: ControlVelocity::Ignored,
+            skin_contact: false,
             graph: GraphSettings {
                 max_nodes: Some(usize::MAX),
                 interior: Some(true),
@@ -411,7 +412,6 @@ impl FitSettings {
                 generations: Some(20),
                 population: Some(0),
                 topology: true,
-                vary: Some(false),
                 ..SearchSettings::default()
             },
             refine: RefineSettings {

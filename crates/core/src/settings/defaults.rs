@@ -100,9 +100,7 @@ const SEQUENCES: Row<SequenceMean> =
     row([SequenceMean::Arithmetic; 3], [SequenceMean::Arithmetic; 3], [SequenceMean::Geometric; 3]);
 /// `search.starts`; searches of a cable are cheap, its optimum is narrow, and its training loss shows
 /// which of several starts predicts best.
-const STARTS: Row<u32> = row([1, 2, 4], [1, 3, 4], [1, 3, 6]);
-/// `search.vary`.
-const VARY: Row<bool> = row([false; 3], [true; 3], [false; 3]);
+const STARTS: Row<u32> = row([1, 2, 4], [1, 2, 4], [1, 3, 6]);
 /// `search.generations`.
 const GENERATIONS: Row<u32> = row([4, 12, 12], [8, 12, 25], [20, 60, 60]);
 /// `search.population`.
@@ -182,7 +180,6 @@ impl FitSettings {
         }
         fill.with(&mut filled.loss.sequences, &SEQUENCES);
         fill.with(&mut filled.search.starts, &STARTS);
-        fill.with(&mut filled.search.vary, &VARY);
         fill.with(&mut filled.search.generations, &GENERATIONS);
         fill.with(&mut filled.search.population, &POPULATION);
         fill.with(&mut filled.search.prior, &SEARCH_PRIOR);
