@@ -38,8 +38,9 @@ pub struct FitSettings {
     pub control_velocity: ControlVelocity,
     /// Contact between the nodes of one object.
     pub self_contact: bool,
-    /// Contact of the skin, not of the nodes alone, with ground and colliders.
-    pub skin_contact: bool,
+    /// Contact of the skin, not of the nodes alone, with ground and colliders. If left open, it depends
+    /// on the object and on the device.
+    pub skin_contact: Option<bool>,
     /// The loss.
     pub loss: LossSettings,
     /// Zeroth-order stage.
@@ -301,7 +302,7 @@ impl Default for FitSettings {
             substeps: Substeps::Auto { safety: default_safety(), max: None },
             control_velocity: ControlVelocity::True,
             self_contact: false,
-            skin_contact: true,
+            skin_contact: None,
             loss: LossSettings::default(),
             search: SearchSettings::default(),
             refine: RefineSettings::default(),
@@ -397,7 +398,7 @@ impl FitSettings {
             bending: false,
             substeps: Substeps::Fixed(667),
             control_velocity: ControlVelocity::Ignored,
-            skin_contact: false,
+            skin_contact: Some(false),
             graph: GraphSettings {
                 max_nodes: Some(usize::MAX),
                 interior: Some(true),

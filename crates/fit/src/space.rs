@@ -207,7 +207,7 @@ impl Space {
         }
         let contact = Contact {
             within_object: settings.self_contact,
-            skin: settings.skin_contact,
+            skin: settings.skin_contact.unwrap_or(false),
             ..Contact::default()
         };
         let mut start = Candidate {
