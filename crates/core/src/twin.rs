@@ -1,8 +1,14 @@
 //! A twin: the fitted result, everything that a rollout needs.
 
+pub mod appearance;
+pub mod fidelity;
 pub mod format;
+pub mod identifiability;
 mod mean;
 mod member;
+pub mod planner;
+pub mod quality;
+pub mod skin;
 
 use serde::{Deserialize, Serialize};
 

@@ -1,9 +1,10 @@
-use crate::{Appearance, Splats};
-
 use super::*;
 use crate::{
-    FastVariant, Identifiability, identifiability::Region, settings::MOST_MEMBERS, twin::Member,
+    Appearance, FastVariant, Identifiability, Splats,
+    settings::MOST_MEMBERS,
+    twin::{Member, identifiability::Region},
 };
+
 use proptest::prelude::*;
 
 fn twin() -> Twin {
