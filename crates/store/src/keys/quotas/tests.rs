@@ -1,8 +1,8 @@
 use super::*;
 use crate::{
     ListQuery, NewCapture, NewFit, NewTwin, TwinFacts,
+    database::testing::{On, on_both},
     store::tests::{Bench, lease_of, new_capture, new_fit},
-    test_database::{On, on_both},
 };
 
 on_both! {

@@ -17,8 +17,9 @@ use std::time::{Duration, Instant};
 use tokio::sync::RwLockReadGuard;
 use uuid::Uuid;
 
+use super::references;
 use crate::{
-    Error, Result, Staged, Store, references,
+    Error, Result, Staged, Store,
     sql::{Builder, query, query_scalar},
 };
 

@@ -63,10 +63,10 @@ fn there(variable: &str, what: &str) -> bool {
 /// Runs each of these tests on both databases, and with content in a bucket.
 macro_rules! on_both {
     ($($test:ident),* $(,)?) => {
-        $crate::test_database::on_databases!($($test),*);
+        $crate::database::testing::on_databases!($($test),*);
         mod bucket {
             $(#[tokio::test] async fn $test() {
-                if let Some(on) = $crate::test_database::On::bucket_or_skip() {
+                if let Some(on) = $crate::database::testing::On::bucket_or_skip() {
                     super::$test(on).await;
                 }
             })*
@@ -80,12 +80,12 @@ macro_rules! on_databases {
     ($($test:ident),* $(,)?) => {
         mod sqlite {
             $(#[tokio::test] async fn $test() {
-                super::$test($crate::test_database::On::Sqlite).await;
+                super::$test($crate::database::testing::On::Sqlite).await;
             })*
         }
         mod postgres {
             $(#[tokio::test] async fn $test() {
-                if let Some(on) = $crate::test_database::On::postgres_or_skip() {
+                if let Some(on) = $crate::database::testing::On::postgres_or_skip() {
                     super::$test(on).await;
                 }
             })*

@@ -8,10 +8,10 @@ use crate::{
     database::{
         self,
         postgres::{connect, migrate},
+        testing::{On, TestDatabase, on_databases},
     },
     sql::{query, query_scalar},
     store::tests::{Bench, new_fit},
-    test_database::{On, TestDatabase, on_databases},
 };
 
 /// The last migration before programs began to accept databases of newer ones.

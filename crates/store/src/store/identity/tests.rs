@@ -3,9 +3,11 @@ use std::{fs, path::Path, time::Duration};
 use crate::{
     Error, Options, Store,
     blobs::files,
-    database,
+    database::{
+        self,
+        testing::{On, on_databases},
+    },
     store::tests::Bench,
-    test_database::{On, on_databases},
 };
 
 on_databases! {

@@ -7,11 +7,12 @@ use sqlx::PgConnection;
 
 use crate::{
     Error, Result, Store,
-    clock::from_micros,
-    database::Database,
-    migrations,
-    row::{self, row},
-    sql::{Transaction, query, query_scalar},
+    database::{Database, migrations},
+    sql::{
+        Transaction, query, query_scalar,
+        row::{self, row},
+    },
+    store::clock::from_micros,
 };
 
 /// Time for which the row of a server that was killed may stand [us].

@@ -7,9 +7,11 @@ use uuid::Uuid;
 
 use crate::{
     Error, Result, Store,
-    clock::from_micros,
-    row::{self, row},
-    sql::query,
+    sql::{
+        query,
+        row::{self, row},
+    },
+    store::clock::from_micros,
 };
 
 /// A worker as it registered.

@@ -7,7 +7,8 @@ use sqlx::{PgConnection, migrate::Migrator};
 
 use super::{BREAKING, newest};
 use crate::{
-    Error, Result, servers,
+    Error, Result,
+    fleet::servers,
     sql::{Target, query, query_scalar},
 };
 

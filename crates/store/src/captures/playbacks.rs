@@ -5,8 +5,7 @@ use bendtwin_core::ids::CaptureId;
 
 use crate::{
     Captures, Content, Digest, Error, Result,
-    row::row,
-    sql::{Transaction, query, query_scalar},
+    sql::{Transaction, query, query_scalar, row::row},
 };
 
 row! {

@@ -5,11 +5,12 @@ use std::path::Path;
 
 use crate::{
     Error, Result,
-    blobs::Place,
+    blobs::{
+        Place,
+        references::{self, Reference},
+    },
     database::{self, Database},
-    references,
-    references::Reference,
-    servers,
+    fleet::servers,
     sql::{Readers, query, query_scalar},
 };
 

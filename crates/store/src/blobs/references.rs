@@ -2,8 +2,7 @@
 
 use crate::{
     Result,
-    row::row,
-    sql::{Target, query_scalar},
+    sql::{Target, query_scalar, row::row},
 };
 
 row! {

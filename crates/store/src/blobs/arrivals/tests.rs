@@ -7,8 +7,8 @@ use super::*;
 use crate::{
     Captures, Digest, ManualClock, ObjectsUrl,
     blobs::Place,
+    database::testing::{On, TestDatabase, own_bucket},
     store::tests::{Bench, new_capture},
-    test_database::{On, TestDatabase, own_bucket},
 };
 
 const CONTENT: &str = "contested";
@@ -41,7 +41,7 @@ async fn shared() -> Option<(Bench, tempfile::TempDir)> {
 
 async fn in_place(url: ObjectsUrl) -> Bench {
     let clock = Arc::new(ManualClock::default());
-    clock.set(crate::clock::micros(jiff::Timestamp::now()));
+    clock.set(crate::store::clock::micros(jiff::Timestamp::now()));
     let dir = tempfile::tempdir().unwrap();
     Bench::begin(dir, clock, Some(TestDatabase::new().await), Some(url)).await
 }

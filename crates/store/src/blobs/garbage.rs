@@ -7,11 +7,8 @@ use futures::TryStreamExt as _;
 use jiff::Timestamp;
 use tokio::sync::RwLockWriteGuard;
 
-use crate::{
-    Result, Store, arrivals,
-    blobs::{Bucket, Folder, Place},
-    identity, references,
-};
+use super::{Bucket, Folder, Place, arrivals, references};
+use crate::{Result, Store, store::identity};
 
 /// Age up to which content of a bucket is left alone.
 const LEFT_ALONE: Duration = Duration::from_secs(86_400);

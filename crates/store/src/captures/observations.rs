@@ -4,12 +4,11 @@
 use bendtwin_core::ids::CaptureId;
 use jiff::Timestamp;
 
+use super::playbacks;
 use crate::{
     Captures, Content, Digest, Error, Result,
-    clock::from_micros,
-    playbacks,
-    row::row,
-    sql::{Builder, Transaction, query, query_scalar},
+    sql::{Builder, Transaction, query, query_scalar, row::row},
+    store::clock::from_micros,
 };
 
 /// Observation of a capture, made by its last successful ingest.
