@@ -10,7 +10,7 @@ use bendtwin_capture::raw::{DepthImage, Image, Intrinsics};
 use bendtwin_core::settings::ingest::{LiftSettings, MaskSettings};
 use nalgebra::{Matrix3, Vector3};
 
-use crate::clean::{Label, edge_m};
+use super::clean::{Label, edge_m};
 
 /// Why a track was not lifted in a frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

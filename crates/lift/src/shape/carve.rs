@@ -15,15 +15,11 @@ use bendtwin_core::{CancelToken, Plane, Point};
 use rayon::prelude::*;
 
 use self::volume::Volume;
-use crate::{
-    Error,
-    clean::Label,
+use super::{
     complete::Shape,
-    error::check,
-    grid::Grid,
     sight::{FirstView, Sight},
-    thin::spread,
 };
+use crate::{Error, error::check, grid::Grid, survey::clean::Label, thin::spread};
 
 /// Cameras that must have a cell behind what they see. One alone sees a silhouette without an end.
 pub(crate) const LEAST_VIEWS: usize = 2;

@@ -1,11 +1,11 @@
 //! From one frame to the next: pyramidal Lucas-Kanade, there and back.
 
-use crate::{
-    FlowSettings,
+use super::{
     align::{Alignment, Warp, align},
     layer::Layer,
     patch::Patch,
 };
+use crate::FlowSettings;
 
 /// The place that a point moved to.
 #[derive(Clone, Copy, Debug, PartialEq)]

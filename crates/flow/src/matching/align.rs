@@ -2,7 +2,7 @@
 //! in that gradients are those of the patch, with a robust weight for every pixel, and indifferent
 //! to a gain and to an offset of each channel.
 
-use crate::{
+use super::{
     layer::Level,
     patch::{Patch, smallest_eigenvalue},
 };

@@ -4,7 +4,7 @@ use nalgebra::Vector3;
 use super::*;
 use crate::{
     rigid::distance,
-    sight::first_views,
+    shape::sight::first_views,
     testing::{BALL_M, HAND_M, TestScene, hand_middle, place, point},
 };
 

@@ -6,8 +6,8 @@ use bendtwin_core::{CancelToken, Point, settings::ingest::IngestSettings};
 
 use crate::{
     Error,
-    clean::{Label, clean},
     error::check,
+    survey::clean::{Label, clean},
 };
 
 /// Pixels beyond a mask that may still be what it shows: segmenters leave out rims.

@@ -1,6 +1,6 @@
 //! A square of an image around a point, cut out to be found again.
 
-use crate::layer::Level;
+use super::layer::Level;
 
 /// The pixels around a point.
 #[derive(Clone, Debug)]
