@@ -1,5 +1,7 @@
 //! Connections and bodies that only take: clients that are silent, slow, or do not read.
 
+mod tls;
+
 use std::{sync::Arc, time::Duration};
 
 use bendtwin_proto::v1::{ControlTrajectories, RollOutRequest, Tensor, roll_out_request::Actions};

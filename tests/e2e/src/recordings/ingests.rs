@@ -9,7 +9,7 @@ use flate2::{Compression, write::GzEncoder};
 use reqwest::{Method, StatusCode};
 use serde_json::{Value, json};
 
-use crate::broken_captures::{pack, unpack};
+use super::broken_captures::{pack, unpack};
 use crate::harness::{
     Api, Setup, TestCluster,
     api::has_ended,

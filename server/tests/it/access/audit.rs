@@ -11,10 +11,8 @@ use serde_json::{Value, json};
 use tracing::Level;
 use tracing_subscriber::{filter, fmt, prelude::*};
 
-use crate::{
-    harness::read,
-    keys::{bearer, locked, make, revoke},
-};
+use super::keys::{bearer, locked, make, revoke};
+use crate::harness::read;
 
 thread_local! {
     /// True on the thread of a test that reads the log.

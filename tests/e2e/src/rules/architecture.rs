@@ -5,7 +5,7 @@ use std::collections::{BTreeMap, VecDeque};
 
 use cargo_metadata::{DependencyKind, MetadataCommand, PackageId};
 
-use crate::{rust_code::code_only, workspace};
+use super::{rust_code::code_only, workspace};
 
 /// Crates that talk to a network or wait for one.
 const NETWORK: [&str; 7] = ["tokio", "tonic", "hyper", "axum", "reqwest", "object_store", "quinn"];

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use crate::workspace;
+use super::workspace;
 
 const MAX_LINES: usize = 600;
 

@@ -1,7 +1,7 @@
 //! Markdown has one sentence a line: a line of prose ends where a sentence does, so that an edit
 //! shows as the sentence that changed.
 
-use crate::workspace;
+use super::workspace;
 
 #[test]
 fn sentences_of_markdown_are_not_wrapped() {

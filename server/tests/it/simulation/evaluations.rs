@@ -3,7 +3,8 @@ use bendtwin_proto::v1::{EvaluateTwinRequest, evaluation_service_client::Evaluat
 use serde_json::json;
 use tonic::Code;
 
-use crate::{harness::Server, rollouts::twin, worker::Worker};
+use super::rollouts::twin;
+use crate::{harness::Server, worker::Worker};
 
 #[tokio::test]
 async fn an_evaluation_goes_to_a_worker_and_names_it() {

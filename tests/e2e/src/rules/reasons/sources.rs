@@ -2,7 +2,7 @@
 //! derive of `Problem` reads, from faults that are built by name, and from what the crates of captures
 //! report.
 
-#[path = "../../../../crates/problem-derive/src/attribute.rs"]
+#[path = "../../../../../crates/problem-derive/src/attribute.rs"]
 #[expect(dead_code, reason = "the derive reads more of an attribute")]
 mod attribute;
 
@@ -16,7 +16,7 @@ use syn::{
 };
 
 use self::attribute::{Category, Origin, Problem};
-use crate::workspace;
+use crate::rules::workspace;
 
 /// The file of the trait, the only one that may implement it by hand.
 const TRAIT: &str = "crates/core/src/error.rs";

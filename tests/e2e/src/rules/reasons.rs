@@ -15,7 +15,7 @@ use std::{
 use bendtwin_core::Category;
 use bendtwin_proto::fault::{category_name, code};
 
-use crate::workspace;
+use super::workspace;
 
 const REASONS: &str = "| reason | category | HTTP | gRPC | what to do |\n|---|---|--:|--:|---|\n";
 const CODES: &str = "| code | meaning | what to do |\n|---|---|---|\n";

@@ -12,7 +12,7 @@ use bendtwin_core::{
 };
 use serde_json::Value;
 
-use crate::workspace;
+use super::workspace;
 
 /// Rows of docs/use/settings.md whose field has no default.
 const ALTERNATIVES: [&str; 1] = ["substeps.fixed"];

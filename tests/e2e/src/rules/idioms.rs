@@ -4,7 +4,7 @@
 
 use std::collections::BTreeMap;
 
-use crate::{doc_comments::doc_comments, workspace};
+use super::{doc_comments::doc_comments, workspace};
 
 /// Idioms, word by word. "None" with a capital is Python's, so that `none` is compared exactly.
 const IDIOMS: [&[&str]; 19] = [
@@ -43,7 +43,7 @@ const OPENINGS: [&str; 7] = ["Its", "It", "Of", "As", "By", "One", "None"];
 const EXTENSIONS: [&str; 9] = ["rs", "md", "py", "ts", "proto", "cu", "cuh", "toml", "yaml"];
 
 /// The file that has the idioms themselves.
-const SELF: &str = "tests/e2e/src/idioms.rs";
+const SELF: &str = "tests/e2e/src/rules/idioms.rs";
 
 #[test]
 fn idioms_get_fewer() {

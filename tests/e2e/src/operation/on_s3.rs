@@ -7,15 +7,13 @@ use bytes::Bytes;
 use futures::StreamExt as _;
 use reqwest::{Body, Method, RequestBuilder, StatusCode};
 
-use crate::{
-    harness::{
-        Postgres, Setup, TestCluster,
-        command::bendtwin,
-        http::Http,
-        reference::{FIT, SETTINGS, capture},
-        until,
-    },
-    tls_terminator::TlsTerminator,
+use super::tls_terminator::TlsTerminator;
+use crate::harness::{
+    Postgres, Setup, TestCluster,
+    command::bendtwin,
+    http::Http,
+    reference::{FIT, SETTINGS, capture},
+    until,
 };
 
 /// Environment variable with the address of an S3 server (`tests/s3`).

@@ -10,15 +10,13 @@ use std::{
 
 use serde_json::Value;
 
-use crate::{
-    harness::{
-        Postgres,
-        command::{bendtwin, run_json, run_ok},
-        process::Processes,
-        reference::capture,
-        until, waiting,
-    },
-    on_s3,
+use super::on_s3;
+use crate::harness::{
+    Postgres,
+    command::{bendtwin, run_json, run_ok},
+    process::Processes,
+    reference::capture,
+    until, waiting,
 };
 
 const SOON: Duration = Duration::from_secs(60);

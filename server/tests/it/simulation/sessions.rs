@@ -5,7 +5,8 @@ use std::time::Duration;
 use bendtwin_proto::worker::v1::{HeartbeatRequest, HeldSession};
 use serde_json::{Value, json};
 
-use crate::{harness::Server, rollouts::twin, worker::Worker};
+use super::rollouts::twin;
+use crate::{harness::Server, worker::Worker};
 
 #[tokio::test]
 async fn a_session_is_found_despite_an_older_heartbeat() {

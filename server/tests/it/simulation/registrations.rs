@@ -20,9 +20,9 @@ use serde_json::json;
 use tokio::sync::Notify;
 use tonic::{Code, transport::Channel};
 
+use super::rollouts::twin;
 use crate::{
     harness::{Server, read},
-    rollouts::twin,
     worker::{Device, Worker},
 };
 

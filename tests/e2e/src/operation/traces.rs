@@ -19,13 +19,11 @@ use serde_json::json;
 use tokio::net::TcpListener;
 use tonic::{Request, Response, Status, transport::server::TcpIncoming};
 
-use crate::{
-    harness::{
-        Setup, TestCluster,
-        reference::{SETTINGS, capture},
-        until,
-    },
-    tls_terminator::TlsTerminator,
+use super::tls_terminator::TlsTerminator;
+use crate::harness::{
+    Setup, TestCluster,
+    reference::{SETTINGS, capture},
+    until,
 };
 
 /// Trace of a client.

@@ -1,0 +1,11 @@
+//! Rules of the source tree, and agreement of the documents with the code.
+
+mod architecture;
+mod doc_comments;
+mod documents;
+mod idioms;
+mod reasons;
+mod rust_code;
+mod sentences;
+mod tidy;
+mod workspace;
