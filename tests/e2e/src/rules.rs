@@ -3,6 +3,7 @@
 mod architecture;
 mod doc_comments;
 mod documents;
+mod folders;
 mod idioms;
 mod reasons;
 mod rust_code;

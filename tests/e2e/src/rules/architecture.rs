@@ -198,25 +198,6 @@ fn rules_and_rollouts_name_no_transport() {
 }
 
 #[test]
-fn folders_of_rules_and_rollouts_stay_small() {
-    const MOST: usize = 20;
-    let mut folders: BTreeMap<String, usize> = BTreeMap::new();
-    for (file, _) in workspace::files() {
-        let is_watched =
-            ["crates/contract/", "crates/rollout/"].iter().any(|c| file.starts_with(c));
-        if let Some((folder, name)) = file.rsplit_once('/')
-            && is_watched
-            && name.ends_with(".rs")
-        {
-            *folders.entry(folder.to_owned()).or_default() += 1;
-        }
-    }
-    assert!(folders.contains_key("crates/rollout/src/request"), "{folders:?}");
-    folders.retain(|_, files| *files > MOST);
-    assert!(folders.is_empty(), "more than {MOST} files: divide them by what they do: {folders:?}");
-}
-
-#[test]
 fn the_search_sees_indirect_dependencies() {
     let graph = Graph::read();
     let path = graph.path("bendtwin-cli", "bendtwin-store").unwrap();
