@@ -13,32 +13,20 @@ use prost::Message as _;
 use tokio::sync::Notify;
 use tonic::{Code, Status};
 
+use super::rollouts;
 use crate::{
     harness::{Server, read},
     worker::{Device, Worker},
 };
 
-/// The twin of the tests' workers.
-const TWIN: TwinShape = TwinShape {
-    nodes: 5,
-    springs: 4,
-    triplets: 3,
-    controls: 1,
-    skin_points: Some(9),
-    rods: None,
-    substeps: 10,
-    fast_substeps: None,
-    planner: None,
-    has_capture: false,
-};
+/// The twin of the tests' workers, as the cases have it.
+const TWIN: TwinShape = TwinShape { skin_points: Some(9), has_capture: false, ..rollouts::TWIN };
 
 /// A server with a worker whose costs are lowest at the origin, and a twin.
 async fn started(device: Device) -> (Server, Worker, String) {
     let server = Server::start().await;
     let mut worker = Worker::register_with(&server, Device { bowl: true, ..device }).await;
-    server.fit().await;
-    let lease = worker.lease(Duration::from_secs(5)).await.unwrap();
-    let twin = worker.complete(&lease, b"a twin").await.unwrap();
+    let twin = rollouts::twin(&server, &mut worker).await;
     (server, worker, twin)
 }
 

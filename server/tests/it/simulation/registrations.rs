@@ -2,7 +2,7 @@ use std::sync::Arc;
 
 use bendtwin_contract::{
     registration::{cases, check_registration},
-    rollout::{Limits, TwinShape},
+    rollout::Limits,
 };
 use bendtwin_core::Problem as _;
 use bendtwin_proto::{
@@ -20,7 +20,7 @@ use serde_json::json;
 use tokio::sync::Notify;
 use tonic::{Code, transport::Channel};
 
-use super::rollouts::twin;
+use super::rollouts::{TWIN, twin};
 use crate::{
     harness::{Server, read},
     worker::{Device, Worker},
@@ -44,21 +44,12 @@ async fn a_malformed_observation_gets_the_fault_of_the_check() {
     let server = Server::start().await;
     let mut worker = Worker::register(&server).await;
     let twin = twin(&server, &mut worker).await;
-    let shape = TwinShape {
-        nodes: 5,
-        springs: 4,
-        triplets: 3,
-        controls: 1,
-        substeps: 10,
-        has_capture: true,
-        ..TwinShape::default()
-    };
     let mut client = registrations(&server);
     let found = client.register_state(request(&twin)).await.unwrap().into_inner();
     assert_eq!(positions(&found), [[0.1; 3]; 2]);
-    for case in cases::malformed(&shape) {
+    for case in cases::malformed(&TWIN) {
         let request = RegisterStateRequest { twin: twin.clone(), ..case.request };
-        let expected = check_registration(&request, &shape, &Limits::default()).unwrap_err();
+        let expected = check_registration(&request, &TWIN, &Limits::default()).unwrap_err();
         let status = client.register_state(request).await.unwrap_err();
         assert_eq!(fault(&status), expected.fault(), "{}", case.what);
     }

@@ -18,6 +18,20 @@ use crate::{
     worker::{Device, Worker},
 };
 
+/// The shape of [`twin`].
+pub(crate) const TWIN: TwinShape = TwinShape {
+    nodes: 5,
+    springs: 4,
+    triplets: 3,
+    controls: 1,
+    skin_points: None,
+    rods: None,
+    substeps: 10,
+    fast_substeps: None,
+    planner: None,
+    has_capture: true,
+};
+
 /// A twin of 5 nodes and 1 control point.
 pub(crate) async fn twin(server: &Server, worker: &mut Worker) -> String {
     let fit = server.fit().await;
@@ -26,7 +40,7 @@ pub(crate) async fn twin(server: &Server, worker: &mut Worker) -> String {
     worker.complete(&lease, b"a twin").await.unwrap()
 }
 
-fn request(twin: &str, batch: usize) -> RollOutRequest {
+pub(crate) fn request(twin: &str, batch: usize) -> RollOutRequest {
     let positions = Some(Tensor::pack(&[batch, 2, 1, 3], &vec![0.0f32; batch * 6]));
     RollOutRequest {
         twin: twin.to_owned(),
@@ -108,22 +122,13 @@ async fn a_malformed_request_gets_the_fault_of_the_check() {
     let server = Server::start().await;
     let mut worker = Worker::register(&server).await;
     let twin = twin(&server, &mut worker).await;
-    let shape = TwinShape {
-        nodes: 5,
-        springs: 4,
-        triplets: 3,
-        controls: 1,
-        substeps: 10,
-        has_capture: true,
-        ..TwinShape::default()
-    };
     let of = |request| RollOutRequest { twin: twin.clone(), ..request };
     let mut rollouts = server.rollouts();
-    rollouts.roll_out(of(rollout::cases::sound(&shape))).await.unwrap();
+    rollouts.roll_out(of(rollout::cases::sound(&TWIN))).await.unwrap();
     let mut refused = 0;
-    for case in rollout::cases::malformed(&shape) {
+    for case in rollout::cases::malformed(&TWIN) {
         let request = of(case.request);
-        let checked = rollout::check_for(&request, &shape, &Limits::default(), 0);
+        let checked = rollout::check_for(&request, &TWIN, &Limits::default(), 0);
         // Twins here have a capture.
         let Err(expected) = checked else { continue };
         let status = rollouts.roll_out(request).await.unwrap_err();

@@ -1,7 +1,5 @@
 //! The routing to sessions, which live at workers and are listed in heartbeats.
 
-use std::time::Duration;
-
 use bendtwin_proto::worker::v1::{HeartbeatRequest, HeldSession};
 use serde_json::{Value, json};
 
@@ -12,10 +10,7 @@ use crate::{harness::Server, worker::Worker};
 async fn a_session_is_found_despite_an_older_heartbeat() {
     let server = Server::start().await;
     let mut worker = Worker::register(&server).await;
-    let fit = server.fit().await;
-    let lease = worker.lease(Duration::from_secs(5)).await.unwrap();
-    assert_eq!(lease.job, fit);
-    let twin = worker.complete(&lease, b"a twin").await.unwrap();
+    let twin = twin(&server, &mut worker).await;
     let (status, session) = server.post("/v1/sessions", json!({"twin": twin, "slots": 3})).await;
     assert_eq!((status, &session["slots"]), (201, &json!(3)), "{session}");
     // It was on its way when the session was opened, and does not know of it.

@@ -12,6 +12,7 @@ use serde_json::Value;
 use tokio::sync::Notify;
 use tonic::Code;
 
+use super::rollouts::twin;
 use crate::{
     harness::Server,
     worker::{Device, Worker},
@@ -29,12 +30,6 @@ fn request(twin: &str, batch: usize, frames: u32) -> RollOutRequest {
         frames,
         ..RollOutRequest::default()
     }
-}
-
-async fn twin(server: &Server, worker: &mut Worker) -> String {
-    server.fit().await;
-    let lease = worker.lease(Duration::from_secs(5)).await.unwrap();
-    worker.complete(&lease, b"a twin").await.unwrap()
 }
 
 /// Two workers whose instances cost what their actions say.

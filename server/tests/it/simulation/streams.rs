@@ -1,9 +1,8 @@
 //! Replies in parts over HTTP, and time limits.
 
-use std::time::Duration;
-
 use serde_json::{Value, json};
 
+use super::rollouts;
 use crate::{
     harness::{Server, read},
     worker::{Device, Worker},
@@ -11,9 +10,7 @@ use crate::{
 
 async fn twin(server: &Server, device: Device) -> (Worker, String) {
     let mut worker = Worker::register_with(server, device).await;
-    server.fit().await;
-    let lease = worker.lease(Duration::from_secs(5)).await.unwrap();
-    let twin = worker.complete(&lease, b"a twin").await.unwrap();
+    let twin = rollouts::twin(server, &mut worker).await;
     (worker, twin)
 }
 
