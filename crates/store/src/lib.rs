@@ -91,7 +91,7 @@
 //! # Content in a bucket
 //! Content is in the folder, in a folder that servers share, or in a bucket of S3: the *place*
 //! ([`blobs`](Blobs)). If several servers may use it, no lock of this process keeps deletions away
-//! from publications; `arrivals` has the protocol that does, in rows, and `uploads::lease` that by
+//! from publications; `blobs::arrivals` has the protocol that does, in rows, and `uploads::lease` that by
 //! which one server at a time writes to a resumable upload.
 
 pub mod bench;
