@@ -1,7 +1,7 @@
 //! The store as a whole: opening, closing, and access to the aggregates.
 
 pub(crate) mod clock;
-mod identity;
+pub(crate) mod identity;
 
 use std::{path::PathBuf, sync::Arc, time::Duration};
 

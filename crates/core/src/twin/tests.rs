@@ -1,5 +1,3 @@
-use crate::Contact;
-
 use super::*;
 
 fn twin(control_rest: Vec<[f32; 3]>) -> Twin {

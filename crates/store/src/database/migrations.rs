@@ -21,21 +21,21 @@ pub(crate) const BREAKING: &str = "breaking_";
 
 /// Version, description and SQL of every migration.
 const MIGRATIONS: [(i64, &str, &str); 15] = [
-    (1, "initial", include_str!("../migrations/0001_initial.sql")),
-    (2, "ingest", include_str!("../migrations/0002_ingest.sql")),
-    (3, "uploads", include_str!("../migrations/0003_uploads.sql")),
-    (4, "store", include_str!("../migrations/0004_store.sql")),
-    (5, "interrupted", include_str!("../migrations/0005_interrupted.sql")),
-    (6, "mass", include_str!("../migrations/0006_mass.sql")),
-    (7, "skin", include_str!("../migrations/0007_skin.sql")),
-    (8, "labels", include_str!("../migrations/0008_labels.sql")),
-    (9, "playback", include_str!("../migrations/0009_playback.sql")),
-    (10, "queue", include_str!("../migrations/0010_queue.sql")),
-    (11, "keys", include_str!("../migrations/0011_keys.sql")),
-    (12, "objects", include_str!("../migrations/0012_objects.sql")),
-    (13, "servers", include_str!("../migrations/0013_servers.sql")),
-    (14, "requirements", include_str!("../migrations/0014_requirements.sql")),
-    (15, "deleted_requests", include_str!("../migrations/0015_deleted_requests.sql")),
+    (1, "initial", include_str!("../../migrations/0001_initial.sql")),
+    (2, "ingest", include_str!("../../migrations/0002_ingest.sql")),
+    (3, "uploads", include_str!("../../migrations/0003_uploads.sql")),
+    (4, "store", include_str!("../../migrations/0004_store.sql")),
+    (5, "interrupted", include_str!("../../migrations/0005_interrupted.sql")),
+    (6, "mass", include_str!("../../migrations/0006_mass.sql")),
+    (7, "skin", include_str!("../../migrations/0007_skin.sql")),
+    (8, "labels", include_str!("../../migrations/0008_labels.sql")),
+    (9, "playback", include_str!("../../migrations/0009_playback.sql")),
+    (10, "queue", include_str!("../../migrations/0010_queue.sql")),
+    (11, "keys", include_str!("../../migrations/0011_keys.sql")),
+    (12, "objects", include_str!("../../migrations/0012_objects.sql")),
+    (13, "servers", include_str!("../../migrations/0013_servers.sql")),
+    (14, "requirements", include_str!("../../migrations/0014_requirements.sql")),
+    (15, "deleted_requests", include_str!("../../migrations/0015_deleted_requests.sql")),
 ];
 
 /// The migrations of SQLite.
