@@ -12,7 +12,7 @@ mod density;
 mod loss;
 mod parameters;
 
-use bendtwin_core::{Graph, Point, Skin, Splats, Twin, Views, appearance::MOST_SPLATS};
+use bendtwin_core::{Graph, Point, Skin, Splats, Twin, Views, twin::appearance::MOST_SPLATS};
 use bendtwin_graph::{SurfacePoints, bind_skin};
 use bendtwin_splat::{Carrier, GaussiansBar, Rasteriser};
 use rand::{SeedableRng, seq::SliceRandom};

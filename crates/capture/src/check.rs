@@ -7,6 +7,7 @@ mod geometry;
 mod motion;
 mod report;
 mod setting;
+pub(crate) mod structure;
 mod tracks;
 
 use std::path::Path;
@@ -16,7 +17,8 @@ use bendtwin_core::{Capture, Environment, Finding, Problem, Sequence, Severity};
 pub use report::CheckReport;
 pub(crate) use report::Note;
 
-use crate::{Limits, read::read_noting, structure::validate};
+use self::structure::validate;
+use crate::{Limits, read::read_noting};
 
 /// Checks a capture in memory, with all recordings of its object. Findings come with errors first.
 pub fn check(capture: &Capture) -> CheckReport {

@@ -1,6 +1,7 @@
 //! The files of a capture, from a folder or an archive (ZIP, tar), read into memory one by one
 //! under the caps of [`Limits`]. Nothing is ever extracted to disk.
 
+pub(crate) mod contents;
 mod listing;
 pub(crate) mod other;
 mod part;

@@ -16,7 +16,6 @@ pub mod several;
 pub mod views;
 
 mod array;
-mod contents;
 mod digest;
 mod error;
 mod files;
@@ -24,17 +23,15 @@ mod format;
 mod frame;
 mod limits;
 mod pickle;
-mod structure;
 mod torch;
 
 pub use bundle::{write_bundle, write_bundle_file};
-pub use check::{CheckReport, check, check_gravity, check_path};
-pub use contents::{FilesRead, files_read};
+pub use check::{CheckReport, check, check_gravity, check_path, structure::validate};
 pub use digest::digest;
 pub use error::Error;
+pub use files::contents::{FilesRead, files_read};
 pub use format::{is_npz, root};
 pub use limits::Limits;
 pub use read::{Opened, open, read, read_bytes};
 pub use several::Part;
-pub use structure::validate;
 pub use views::{read_views, write_observation};

@@ -14,11 +14,11 @@ use serde::Deserialize;
 use crate::{
     Error, Limits,
     bundle::index_in,
+    check::structure::validate,
     files::{Contents, Files, MAX_DOCUMENT},
     frame::Frame,
     npy,
     phystwin::json,
-    structure::validate,
 };
 
 /// Lowest height that both datasets record [m]: their floor, to which DEFORM clips.

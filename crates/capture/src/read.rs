@@ -6,13 +6,12 @@ use bendtwin_core::{Capture, Finding};
 
 use crate::{
     Error, Limits, bundle,
-    check::Note,
+    check::{Note, structure::validate},
     files::Files,
     format::{Format, Place, root, taken},
     mocap, phystwin,
     raw::{self, Recording},
     several::{self, Part},
-    structure::validate,
 };
 
 /// Reads a capture from a folder, a ZIP or tar archive, or an .npz of motion capture with its .json

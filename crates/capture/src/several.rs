@@ -6,14 +6,13 @@ use serde::{Deserialize, Serialize};
 
 use crate::{
     Error, Opened,
-    check::Note,
+    check::{Note, structure::validate},
     files::{Files, at_most},
     format::Format,
     limits::Budget,
     phystwin::json,
     raw,
     read::read_one,
-    structure::validate,
 };
 
 /// The document that says that folders are recordings of one object.

@@ -8,46 +8,42 @@
 // The derive of `Problem` names this crate by its path.
 extern crate self as bendtwin_core;
 
-pub mod appearance;
 pub mod cancel;
 pub mod capture;
 pub mod capture_files;
 pub mod checkpoint;
 pub mod environment;
 pub mod error;
-pub mod fidelity;
 pub mod finding;
 pub mod geometry;
 pub mod graph;
-pub mod identifiability;
 pub mod ids;
 pub mod observer;
 pub mod params;
-pub mod planner;
 pub mod progress;
-pub mod quality;
 pub mod settings;
-pub mod skin;
 pub mod twin;
 pub mod views;
 
-pub use appearance::{Appearance, Splats};
 pub use cancel::CancelToken;
 pub use capture::{Capture, Sequence};
 pub use environment::{Environment, FRAME_RATES, MASSES, Plane, Timing};
 pub use error::{Category, Fault, Problem};
-pub use fidelity::{FastVariant, Fidelity};
 pub use finding::{Finding, Severity};
 pub use graph::{Graph, NodeKind, Pin};
-pub use identifiability::Identifiability;
 pub use observer::{Observer, ObserverError};
 pub use params::{Contact, Params};
-pub use planner::{PlannerQuality, PlannersTwin};
 pub use progress::{ModelLoss, Progress, Stage};
-pub use quality::Quality;
 pub use settings::FitSettings;
-pub use skin::Skin;
-pub use twin::Twin;
+pub use twin::{
+    Twin,
+    appearance::{Appearance, Splats},
+    fidelity::{FastVariant, Fidelity},
+    identifiability::{self, Identifiability},
+    planner::{PlannerQuality, PlannersTwin},
+    quality::{self, Quality},
+    skin::Skin,
+};
 pub use views::{View, ViewCamera, Views};
 
 /// Name and version of this software, as twins, checkpoints and reports record them.

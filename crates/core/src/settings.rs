@@ -10,7 +10,7 @@ mod variation;
 use serde::{Deserialize, Serialize};
 
 pub use self::defaults::{Conditions, DeviceKind, Effort};
-use crate::{appearance::MOST_SPLATS, environment::ControlVelocity, ids::TwinId};
+use crate::{environment::ControlVelocity, ids::TwinId, twin::appearance::MOST_SPLATS};
 
 /// Settings of a fit job.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

@@ -1,8 +1,14 @@
 //! A twin: the fitted result, everything that a rollout needs.
 
+pub mod appearance;
+pub mod fidelity;
 pub mod format;
+pub mod identifiability;
 mod mean;
 mod member;
+pub mod planner;
+pub mod quality;
+pub mod skin;
 
 use serde::{Deserialize, Serialize};
 
@@ -50,6 +56,26 @@ pub struct Twin {
 }
 
 impl Twin {
+    /// A twin of a graph with these numbers, of unknown origin and quality, in
+    /// [`Environment::Z_UP`]; its nodes are its skin.
+    pub fn new(graph: Graph, params: Params, timing: Timing) -> Self {
+        Self {
+            skin: Skin::of_nodes(&graph),
+            graph,
+            params,
+            environment: Environment::Z_UP,
+            timing,
+            control_velocity: ControlVelocity::default(),
+            provenance: Provenance::default(),
+            quality: Quality::default(),
+            mass_kg: None,
+            control_hands: Vec::new(),
+            members: Vec::new(),
+            appearance: None,
+            planner: None,
+        }
+    }
+
     /// Newtons per unit of force: fitted forces are those on nodes of about unit mass. 1 if the mass is
     /// not known.
     pub fn newtons_per_unit(&self) -> f64 {

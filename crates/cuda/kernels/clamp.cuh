@@ -1,6 +1,6 @@
 // Clamps of rods: which part of each rod is twisted while hands hold what they do, how much stays of
-// its twist, and how fast clamps turn about it. The rules are those of `cpu/rod/span.rs` and
-// `cpu/clamp.rs`.
+// its twist, and how fast clamps turn about it. The rules are those of `cpu/elements/rod/span.rs` and
+// `cpu/surroundings/clamp.rs`.
 
 #define NO_HOLDER (-1)
 #define BY_CONTROLS 0x7fffffff

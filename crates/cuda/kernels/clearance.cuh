@@ -1,5 +1,5 @@
 // Contact of the skin: in a frame a node meets a surface at the distance at which the skin that it
-// bears does where the frame begins (`cpu/clearance.rs`). Row 0 is the ground, row 1 + k collider k.
+// bears does where the frame begins (`cpu/collision/clearance.rs`). Row 0 is the ground, row 1 + k collider k.
 
 #define NO_POINT 0xffffffffu
 

@@ -4,7 +4,7 @@
 // For the relative velocity v just before contact, s the same at the start of the substep, the unit
 // normal n, v_n = v . n < 0, v_t = v - v_n n:
 // r = e clamp(-s . n, 0, -v_n), J = -v_n + r, change = J n - min(1, mu J / |v_t|) v_t.
-// Restitution acts on the approach that the substep does not explain (`cpu/impulse.rs`).
+// Restitution acts on the approach that the substep does not explain (`cpu/collision/impulse.rs`).
 
 struct Law {
     float restitution, friction;

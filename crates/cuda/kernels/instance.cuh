@@ -181,7 +181,7 @@ struct Hold {
     int grasp;       // -1: none
 };
 
-// The part of a rod that is twisted in a frame, as `cpu/rod/span.rs` says.
+// The part of a rod that is twisted in a frame, as `cpu/elements/rod/span.rs` says.
 struct RodSpan {
     u32 first, end;       // inner nodes along the rod
     float inverse_share;  // of the rod's length

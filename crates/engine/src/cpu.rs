@@ -5,38 +5,17 @@
 // Lane arithmetic goes through several arrays side by side, by lane and coordinate.
 #![allow(clippy::needless_range_loop)]
 
-mod adjoint;
-pub(crate) mod bend;
-pub(crate) mod body;
+pub(crate) mod arithmetic;
 pub mod check;
-mod clamp;
-mod clearance;
-mod collider;
-mod contact;
-mod control;
+mod collision;
 mod diagnostics;
-mod force;
+pub(crate) mod elements;
+mod frame;
 mod gauge;
 pub(crate) mod gradient;
-pub(crate) mod grasp;
-mod ground;
-mod impulse;
-mod integrate;
-#[cfg(test)]
-mod jacobian;
-pub(crate) mod lanes;
 pub(crate) mod loss;
-mod machine;
-mod meet;
-mod nearest;
 pub(crate) mod parameters;
-pub(crate) mod real;
-pub(crate) mod rod;
 pub(crate) mod rollout;
-mod smooth;
-mod spring;
-mod strips;
-mod surrounded;
 pub(crate) mod surroundings;
 pub(crate) mod system;
 
@@ -47,12 +26,11 @@ use rayon::prelude::*;
 
 pub use self::gauge::{Gauge, PathGradient};
 use self::{
+    arithmetic::{Quad, Real, quad},
     diagnostics::{Observer, hold_of, state_of},
-    grasp::Hands,
     parameters::{Parameters, saturate},
-    real::{Quad, Real, quad},
     rollout::{Scorer, Simulation, nodes_of, twists_of},
-    surroundings::Surroundings,
+    surroundings::{Surroundings, grasp::Hands},
     system::{Layout, System},
 };
 use crate::{
@@ -232,12 +210,12 @@ impl Backend for CpuBackend {
             // Nothing was differentiated then, and zero would say that nothing matters.
             let unknown = |p: [f32; 3]| if diverged { [f32::NAN; 3] } else { p };
             let controls = g.controls.into_iter().map(|x| unknown(gradient_point(x)));
-            let by_hold = |h: &grasp::Hold<f32>| Hold {
+            let by_hold = |h: &surroundings::grasp::Hold<f32>| Hold {
                 place: unknown(gradient_point(h.place)),
                 ..hold_of(h)
             };
             let number = |x: f32| if diverged { f32::NAN } else { saturate(x) };
-            let by_pose = |p: &body::Pose<f32>| p.map(|row| row.map(number));
+            let by_pose = |p: &surroundings::body::Pose<f32>| p.map(|row| row.map(number));
             let rolls = g.rolls.iter().map(|&x| number(x));
             let initial = || State {
                 positions: g.initial.iter().map(|n| unknown(gradient_point(n.x))).collect(),

@@ -7,11 +7,9 @@ use bendtwin_core::{Graph, Point};
 use crate::{
     Model,
     cpu::{
-        bend,
-        lanes::{LANES, Node},
+        arithmetic::{LANES, Node, Real, dot, quad, sub},
+        elements::{Rod, bend},
         parameters::Parameters,
-        real::{Real, dot, quad, sub},
-        rod::Rod,
         rollout::{nodes_of, twists_of},
         system::{Layout, System},
     },

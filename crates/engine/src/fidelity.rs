@@ -16,7 +16,7 @@ use bendtwin_core::{FastVariant, Point};
 
 use crate::{
     Model,
-    cpu::{check, rod::turned_pattern},
+    cpu::{check, elements::turned_pattern},
     enough_substeps,
 };
 

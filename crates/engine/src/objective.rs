@@ -5,7 +5,10 @@ use std::sync::Arc;
 
 use bendtwin_core::Point;
 
-use crate::cpu::{lanes::Node, loss, real::quad};
+use crate::cpu::{
+    arithmetic::{Node, quad},
+    loss,
+};
 
 /// The loss of a distance.
 #[derive(Clone, Copy, Debug, PartialEq)]

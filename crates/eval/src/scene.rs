@@ -1,11 +1,8 @@
 //! Small captures and twins for this crate's tests.
 
 use bendtwin_core::{
-    Capture, Environment, Graph, NodeKind, Params, Pin, Point, Quality, Sequence, Skin, Timing,
-    Twin,
+    Capture, Environment, Graph, NodeKind, Params, Pin, Point, Sequence, Timing, Twin,
     capture::{HeldPoint, Object},
-    environment::ControlVelocity,
-    twin::Provenance,
 };
 
 /// A chain of `n` points 10 cm apart along x that moves by `step` per frame as a whole, both ends
@@ -72,18 +69,7 @@ pub(crate) fn chain_twin(n: usize) -> Twin {
         ..Params::default()
     };
     Twin {
-        skin: Skin::of_nodes(&graph),
-        graph,
-        params,
         environment: Environment { gravity: [0.0; 3], ground: None },
-        timing: Timing { fps: 100.0, substeps: 20 },
-        control_velocity: ControlVelocity::True,
-        provenance: Provenance::default(),
-        quality: Quality::default(),
-        mass_kg: None,
-        control_hands: Vec::new(),
-        members: Vec::new(),
-        appearance: None,
-        planner: None,
+        ..Twin::new(graph, params, Timing { fps: 100.0, substeps: 20 })
     }
 }

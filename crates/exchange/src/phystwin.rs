@@ -10,8 +10,8 @@ mod springs;
 
 use bendtwin_capture::phystwin::results::{SearchResult, TrainResult};
 use bendtwin_core::{
-    BUILD, Capture, Contact, Environment, Graph, NodeKind, Params, Plane, Point, Quality, Skin,
-    Timing, Twin, environment::ControlVelocity, params::MAX_SPRING_STIFFNESS, twin::Provenance,
+    BUILD, Capture, Contact, Environment, Graph, NodeKind, Params, Plane, Point, Timing, Twin,
+    environment::ControlVelocity, params::MAX_SPRING_STIFFNESS, twin::Provenance,
 };
 
 use self::springs::Springs;
@@ -72,14 +72,10 @@ pub fn of_phystwin(
     };
     let substeps = (1.0 / (capture.fps * DT_S)).round().clamp(1.0, 1e5);
     let twin = Twin {
-        skin: Skin::of_nodes(&graph),
-        params: params(search, train, lengths),
-        graph,
         environment: Environment {
             gravity: [0.0, 0.0, -GRAVITY],
             ground: Some(Plane { normal: [0.0, 0.0, 1.0], offset_m: 0.0 }),
         },
-        timing: Timing { fps: 1.0 / (substeps * DT_S), substeps: substeps as u32 },
         control_velocity: ControlVelocity::Ignored,
         provenance: Provenance {
             capture_digest: bendtwin_capture::digest(capture),
@@ -89,12 +85,11 @@ pub fn of_phystwin(
             source_to_world: capture.source_to_world,
             ..Provenance::default()
         },
-        quality: Quality::default(),
-        mass_kg: None,
-        control_hands: Vec::new(),
-        members: Vec::new(),
-        appearance: None,
-        planner: None,
+        ..Twin::new(
+            graph,
+            params(search, train, lengths),
+            Timing { fps: 1.0 / (substeps * DT_S), substeps: substeps as u32 },
+        )
     };
     twin.check()?;
     Ok(twin)

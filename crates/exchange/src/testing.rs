@@ -2,9 +2,7 @@
 
 use std::io::Cursor;
 
-use bendtwin_core::{
-    Contact, Environment, Graph, NodeKind, Params, Pin, Point, Skin, Timing, Twin,
-};
+use bendtwin_core::{Graph, NodeKind, Params, Pin, Point, Skin, Timing, Twin};
 use bendtwin_mesh::Mesh;
 
 use crate::{Format, Motion, Scene, encode};
@@ -38,23 +36,12 @@ pub(crate) fn twin() -> Twin {
         bend_damping: vec![0.01, 0.02],
         rest_angles_rad: vec![1.5, 1.2],
         drag: 2.0,
-        contact: Contact::default(),
         ..Params::default()
     };
     Twin {
-        graph,
         skin,
-        params,
-        environment: Environment::Z_UP,
-        timing: Timing { fps: 30.0, substeps: 100 },
-        control_velocity: Default::default(),
-        provenance: Default::default(),
-        quality: Default::default(),
         mass_kg: Some(0.55),
-        control_hands: Vec::new(),
-        members: Vec::new(),
-        appearance: None,
-        planner: None,
+        ..Twin::new(graph, params, Timing { fps: 30.0, substeps: 100 })
     }
 }
 

@@ -6,9 +6,11 @@ use bendtwin_core::Point;
 use nalgebra::{Matrix3, Vector3};
 
 use crate::{
-    align::{Alignment, Warp, align},
+    matching::{
+        align::{Alignment, Warp, align},
+        patch::Patch,
+    },
     motion::vector,
-    patch::Patch,
     view::View,
 };
 

@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use crate::{
     FlowSettings,
     appearance::{Appearance, PosedView},
-    follow::{FlowMatch, follow},
+    matching::follow::{FlowMatch, follow},
     motion::{Motion, distance},
     multi_view::{CrossChecks, contradicts},
     track::Track,

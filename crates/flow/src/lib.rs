@@ -16,20 +16,15 @@
 //! Colours are normalised by masks, so that neither the background nor a hand leaks into the
 //! object's patches.
 
-mod align;
 mod appearance;
-mod body;
 mod error;
-mod follow;
 mod frame;
-mod layer;
+mod matching;
 mod motion;
 mod multi_view;
 mod outcome;
-mod patch;
 mod quality;
 mod seed;
-mod seed_count;
 mod settings;
 mod shape_tracking;
 mod track;
@@ -42,6 +37,6 @@ mod tests;
 pub use error::Error;
 pub use outcome::CameraTracks;
 pub use quality::{Guide, Texture, TrackerQuality};
-pub use seed_count::seed_count;
+pub use seed::seed_count;
 pub use settings::FlowSettings;
 pub use tracker::track;

@@ -1,10 +1,10 @@
 //! Seeding of points: well inside a region, on one surface, where texture has two directions,
 //! spread evenly.
 
-use bendtwin_capture::raw::Region;
+use bendtwin_capture::raw::{ColorImage, DepthImage, Mask, Region};
 use rayon::prelude::*;
 
-use crate::{FlowSettings, patch::Patch, view::View};
+use crate::{FlowSettings, matching::patch::Patch, view::View};
 
 /// A place from which a point is followed.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -32,6 +32,30 @@ impl Seeds {
     pub(crate) fn median_texture(&self) -> Option<f64> {
         self.textures.get(self.textures.len() / 2).copied().map(f64::from)
     }
+}
+
+/// Number of spots of the object in an image from which [`crate::track`] would start with its default
+/// settings; 0 also if the images differ in size.
+pub fn seed_count(
+    color: &ColorImage,
+    depth: &DepthImage,
+    object: &Mask,
+    manipulator: Option<&Mask>,
+) -> usize {
+    let size = (color.width, color.height);
+    let fits = |width, height, pixels| (width, height) == size && pixels == width * height;
+    let alike = fits(color.width, color.height, color.pixels.len())
+        && fits(depth.width, depth.height, depth.pixels.len())
+        && [Some(object), manipulator]
+            .into_iter()
+            .flatten()
+            .all(|m| fits(m.width, m.height, m.pixels.len()));
+    if !alike {
+        return 0;
+    }
+    let settings = FlowSettings::default();
+    let view = View::new(color, depth, object, manipulator, &settings);
+    seeds(&view, Region::Object, &settings).seeds.len()
 }
 
 /// Seeds in `region`: best first, none nearer to a better one than the minimum distance, which

@@ -1,14 +1,16 @@
 //! Tracking of manipulators without texture by their shape: each rigid part is registered to the
 //! depth images, and points that were spread over it move with it.
 
+mod body;
+
 use bendtwin_capture::raw::Region;
 use bendtwin_core::Point;
 use nalgebra::Vector3;
 
+use self::body::{Body, Surfel, parts};
 use crate::{
     FlowSettings,
     appearance::PosedView,
-    body::{Body, Surfel, parts},
     motion::vector,
     seed::{MIN_INSET_PX, evenly},
 };

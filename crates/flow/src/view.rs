@@ -5,7 +5,7 @@ use std::ops::Range;
 
 use bendtwin_capture::raw::{Camera, ColorImage, DepthImage, Frames, Image, Mask, Region};
 
-use crate::{Error, FlowSettings, layer::Layer};
+use crate::{Error, FlowSettings, matching::layer::Layer};
 
 #[cfg(test)]
 mod tests;

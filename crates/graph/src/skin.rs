@@ -12,7 +12,7 @@ use std::{cmp::Reverse, collections::BinaryHeap};
 use bendtwin_core::{
     Graph, Point, Skin,
     geometry::{Vector, add, cross, distance, length, scaled, sub, wide},
-    skin::offset_in_frame,
+    twin::skin::offset_in_frame,
 };
 use kiddo::{ImmutableKdTree, SquaredEuclidean};
 use nalgebra::{Matrix3, Vector3};

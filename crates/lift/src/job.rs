@@ -3,6 +3,7 @@
 mod assemble;
 mod examine;
 mod gather;
+pub(crate) mod progress;
 mod refuse;
 
 use bendtwin_capture::raw::{Recording, Tracks};

@@ -17,30 +17,26 @@
 //! (`survey`); the rest takes seconds. Frames are read one at a time, so memory does not grow with
 //! their number or size. Results do not depend on the number of threads, nor on interruptions.
 
-mod carve;
 mod checkpoint;
-mod clean;
-mod complete;
 mod error;
 pub mod evidence;
 mod grid;
 mod hands;
 mod job;
-mod lift;
 mod motion;
-mod progress;
 mod rigid;
 mod score;
 mod shape;
-mod sight;
 mod survey;
 mod thin;
 mod tracks;
 
 pub use error::Error;
 pub use evidence::Evidence;
-pub use job::{Observation, lift};
-pub use progress::{Progress, Step};
+pub use job::{
+    Observation, lift,
+    progress::{Progress, Step},
+};
 pub use score::{Score, score};
 
 #[cfg(test)]

@@ -2,6 +2,10 @@
 //! carved out of what cameras did not see through, or a guess from the convex parts of what was
 //! observed.
 
+pub(crate) mod carve;
+pub(crate) mod complete;
+pub(crate) mod sight;
+
 use bendtwin_capture::raw::{Alignment, MeshFile, Recording};
 use bendtwin_core::{
     CancelToken, Finding, Point, Severity,
@@ -9,13 +13,12 @@ use bendtwin_core::{
 };
 use bendtwin_mesh::{Bvh, Limits, Mesh, Similarity, align, convex_interior, parse};
 
-use crate::{
-    Error,
+use self::{
     carve::{FirstFrame, carve},
     complete::Shape,
-    evidence::ShapeEvidence,
     sight::first_views,
 };
+use crate::{Error, evidence::ShapeEvidence};
 
 /// Most observed points whose distance from a mesh is measured.
 const MAX_MEASURED_POINTS: usize = 4000;

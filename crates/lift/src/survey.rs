@@ -1,18 +1,23 @@
 //! Reading frames: a unit of work is a block of frames of one camera, whose masks are cleaned and
 //! whose tracks are lifted.
 
+pub(crate) mod clean;
+pub(crate) mod lift;
+
 use bendtwin_capture::raw::{
     self, Camera, ColorImage, DepthImage, Frames, Mask, Recording, Region,
 };
 use bendtwin_core::{CancelToken, Point, settings::ingest::IngestSettings};
 use serde::{Deserialize, Serialize};
 
+use self::{
+    clean::{Label, clean},
+    lift::{LabelledDepth, Miss},
+};
 use crate::{
     Error,
-    clean::{Label, clean},
     error::check,
     evidence::{LiftCounts, MaskCounts},
-    lift::{LabelledDepth, Miss},
 };
 
 /// Frames of a unit: enough that opening a camera costs little, few enough that little is lost with

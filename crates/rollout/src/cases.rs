@@ -1,9 +1,6 @@
 //! A small twin and requests to it, for tests of this crate and of those that serve it.
 
-use bendtwin_core::{
-    Contact, Environment, Graph, NodeKind, Params, Quality, Skin, Timing, Twin,
-    environment::ControlVelocity, twin::Provenance,
-};
+use bendtwin_core::{Graph, NodeKind, Params, Timing, Twin};
 use bendtwin_proto::v1::{
     ControlTrajectories, Cost, RollOutRequest, Tensor,
     cost::{Keypoints, Kind},
@@ -33,24 +30,9 @@ pub fn twin() -> Twin {
         bend_damping: vec![0.0; 2],
         rest_angles_rad: vec![std::f32::consts::PI; 2],
         drag: 1.0,
-        contact: Contact::default(),
         ..Params::default()
     };
-    Twin {
-        skin: Skin::of_nodes(&graph),
-        graph,
-        params,
-        environment: Environment::Z_UP,
-        timing: Timing { fps: 30.0, substeps: 60 },
-        control_velocity: ControlVelocity::True,
-        provenance: Provenance::default(),
-        quality: Quality::default(),
-        mass_kg: None,
-        control_hands: Vec::new(),
-        members: Vec::new(),
-        appearance: None,
-        planner: None,
-    }
+    Twin::new(graph, params, Timing { fps: 30.0, substeps: 60 })
 }
 
 /// `b` instances whose control point moves to x = 0.02 i over 6 frames.

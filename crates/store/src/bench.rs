@@ -12,9 +12,9 @@ use serde::Serialize;
 use crate::{
     DatabaseUrl, Error, Kind, Lease, ListQuery, Options, Page, PageRequest, Result, Store,
     TwinFacts,
-    clock::micros,
     labels::Collection,
     sql::{Builder, query, query_scalar},
+    store::clock::micros,
 };
 
 /// Rows of one statement.
@@ -200,8 +200,8 @@ async fn fill(
 mod tests {
     use super::*;
     use crate::{
+        database::testing::{On, on_both},
         store::tests::Bench,
-        test_database::{On, on_both},
     };
 
     on_both! { nothing_is_lost_and_pages_are_where_they_should_be }

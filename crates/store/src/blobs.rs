@@ -12,12 +12,15 @@
 //! | `trash` | what no row referred to, for a day; not in a bucket |
 //! | `found` | what a repair found no row for; nothing removes it |
 
+pub(crate) mod arrivals;
 mod bucket;
 mod content;
 pub(crate) mod files;
 mod folder;
+pub(crate) mod garbage;
 mod partial;
 mod place;
+pub(crate) mod references;
 mod staged;
 mod trash;
 mod upload;
@@ -30,8 +33,8 @@ use tokio::sync::{RwLock, RwLockReadGuard, RwLockWriteGuard};
 
 use crate::{
     Result,
-    disk::Reserve,
     failpoint::{Armed, Failpoint},
+    folder::disk::Reserve,
 };
 
 pub(crate) use bucket::{Bucket, Multipart, PART};

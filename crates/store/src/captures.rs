@@ -1,5 +1,8 @@
 //! Captures: immutable content with a name, and the state of their ingest.
 
+pub(crate) mod observations;
+pub(crate) mod playbacks;
+
 use std::collections::HashMap;
 
 use bendtwin_core::ids::CaptureId;
@@ -9,15 +12,13 @@ use uuid::Uuid;
 use crate::{
     Content, Creator, Digest, Error, Job, LabelChange, Labels, ListQuery, Page, Report,
     Requirements, Result, Staged, Store,
-    clock::from_micros,
     deleted_requests::{self, Kind},
     failpoint::Failpoint,
     jobs::{self, JobOrigin},
+    keys::quotas::{self, More},
     labels::{self, Collection},
-    observations,
-    quotas::{self, More},
-    row::row,
-    sql::{query, query_scalar},
+    sql::{query, query_scalar, row::row},
+    store::clock::from_micros,
     uploads,
 };
 

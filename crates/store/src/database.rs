@@ -7,8 +7,11 @@
 //! is written, it is an advisory lock, which every transaction takes first.
 
 mod marker;
+pub(crate) mod migrations;
 pub(crate) mod postgres;
 pub(crate) mod sqlite;
+#[cfg(test)]
+pub(crate) mod testing;
 mod url;
 
 use std::{
@@ -22,8 +25,7 @@ use tokio::sync::{Notify, broadcast};
 
 use crate::{
     Error, JobId, Result,
-    disk::Reserve,
-    folder,
+    folder::{self, disk::Reserve},
     sql::{Readers, Transaction},
 };
 

@@ -5,7 +5,7 @@ use std::{path::PathBuf, time::Duration};
 use bendtwin_core::{Problem, ids::FitId};
 use bendtwin_tls::{FileError, TlsError};
 
-use crate::{Digest, JobId, database::plans, disk};
+use crate::{Digest, JobId, database::plans, folder::disk};
 
 /// Delay after which what another request or the database holds may be free.
 const SOON: Duration = Duration::from_secs(1);

@@ -1,6 +1,8 @@
 //! Folders and files that only the user of the server may read: captures and twins are private, and
 //! other users may have accounts on the same machine.
 
+pub(crate) mod disk;
+
 use std::{fs, io, path::Path};
 
 /// Permissions of a file.

@@ -1,15 +1,16 @@
 //! Keys with which clients identify themselves. Only a hash of each is stored. The meaning of its
 //! scopes is for others to decide.
 
+pub(crate) mod quotas;
+
 use bendtwin_core::ids::KeyId;
 use jiff::Timestamp;
 use uuid::Uuid;
 
 use crate::{
     Digest, Error, Page, PageRequest, Quotas, Result, Store,
-    clock::{from_micros, micros},
-    row::row,
-    sql::{Transaction, query},
+    sql::{Transaction, query, row::row},
+    store::clock::{from_micros, micros},
 };
 
 /// A stored key.

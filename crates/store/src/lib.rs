@@ -91,68 +91,63 @@
 //! # Content in a bucket
 //! Content is in the folder, in a folder that servers share, or in a bucket of S3: the *place*
 //! ([`blobs`](Blobs)). If several servers may use it, no lock of this process keeps deletions away
-//! from publications; `arrivals` has the protocol that does, in rows, and `uploads::lease` that by
+//! from publications; `blobs::arrivals` has the protocol that does, in rows, and `uploads::lease` that by
 //! which one server at a time writes to a resumable upload.
 
-mod arrivals;
 pub mod bench;
 mod blobs;
 mod captures;
-mod clock;
 mod database;
 mod deleted_requests;
-mod disk;
 mod error;
 pub mod failpoint;
+mod fleet;
 mod folder;
-mod garbage;
-mod identity;
 mod jobs;
 mod keys;
 mod labels;
 mod listing;
 pub mod maintenance;
-mod migrations;
-mod observations;
-mod page;
-mod playbacks;
-mod quotas;
-mod references;
-mod row;
-mod servers;
 mod sql;
 mod store;
-#[cfg(test)]
-mod test_database;
 mod twins;
 mod uploads;
-mod workers;
 
 pub use blobs::{Blobs, Content, ObjectsUrl, Staged, Upload};
-pub use captures::{Capture, Captures, NewCapture, Overview};
-pub use clock::{Clock, ManualClock, SystemClock};
+pub use captures::{
+    Capture, Captures, NewCapture, Overview,
+    observations::{Observation, Report},
+};
 pub use database::DatabaseUrl;
-pub use disk::Disk;
 pub use error::{Error, Result};
+pub use fleet::{
+    servers::{Server, Servers},
+    workers::{NewWorker, Worker, Workers},
+};
+pub use folder::disk::Disk;
 pub use jobs::{
     AttemptEnd, Capabilities, Claimant, IngestResult, Job, JobId, JobReport, Jobs, Kind, Lease,
     LeaseTerms, MAX_INTERRUPTED_ATTEMPTS, MAX_STALLED_ATTEMPTS, NewFit, NewIngest, NewReport,
     QueueDepth, Reported, Requirements, State, WorkerEnd,
 };
-pub use keys::{Key, Keys, NewKey};
+pub use keys::{
+    Key, Keys, NewKey,
+    quotas::{Creator, Quotas},
+};
 pub use labels::{LabelChange, Labels, MAX_TAGS};
-pub use listing::{ListQuery, Order, OrderKey};
-pub use observations::{Observation, Report};
-pub use page::{Page, PageRequest};
-pub use quotas::{Creator, Quotas};
-pub use servers::{Server, Servers};
-pub use store::{Options, Store};
+pub use listing::{
+    ListQuery, Order, OrderKey,
+    page::{Page, PageRequest},
+};
+pub use store::{
+    Options, Store,
+    clock::{Clock, ManualClock, SystemClock},
+};
 pub use twins::{NewTwin, Twin, TwinFacts, Twins};
 pub use uploads::{
     FIRST_ROOM, NewResumableUpload, ResumableUpload, UploadBounds, UploadState, UploadUse,
     UploadWriter, Uploads,
 };
-pub use workers::{NewWorker, Worker, Workers};
 
 /// BLAKE3 digest of a blob.
 pub use blake3::Hash as Digest;

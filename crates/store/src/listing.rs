@@ -5,9 +5,12 @@
 //! a list costs what the first one does. A search for text reads the rows in that order until the
 //! page is full.
 
+pub(crate) mod page;
+
 use bendtwin_core::ids::CaptureId;
 
-use crate::{Error, PageRequest, Result, State, labels::Collection, page::Place, sql::Builder};
+use self::page::Place;
+use crate::{Error, PageRequest, Result, State, labels::Collection, sql::Builder};
 
 /// Key by which a list is ordered.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

@@ -4,6 +4,7 @@
 //! database. A statement runs on an open transaction, on the connections that read, or
 //! on one connection of SQLite ([`Target`]).
 
+pub(crate) mod row;
 mod target;
 mod value;
 

@@ -1,21 +1,25 @@
 //! The store as a whole: opening, closing, and access to the aggregates.
 
+pub(crate) mod clock;
+pub(crate) mod identity;
+
 use std::{path::PathBuf, sync::Arc, time::Duration};
 
 use jiff::Timestamp;
 use tokio::sync::{Notify, broadcast};
 
+use self::clock::micros;
 use crate::{
     Blobs, Captures, Clock, DatabaseUrl, Error, JobId, Jobs, Keys, ObjectsUrl, Result, Servers,
-    SystemClock, Twins, Uploads, Workers, arrivals,
-    blobs::{Place, files, own},
-    clock::micros,
-    database::{self, Database, Wakes},
-    disk::{Disk, Reserve},
+    SystemClock, Twins, Uploads, Workers,
+    blobs::{Place, arrivals, files, own},
+    database::{self, Database, Wakes, migrations},
     failpoint::{Armed, Failpoint},
-    folder, identity,
+    folder::{
+        self,
+        disk::{Disk, Reserve},
+    },
     jobs::LeaseTimes,
-    migrations,
     sql::{Transaction, query},
     uploads::Seats,
 };

@@ -8,13 +8,12 @@ use uuid::Uuid;
 
 use crate::{
     Content, Creator, Digest, Error, LabelChange, Labels, ListQuery, Page, Result, Staged, Store,
-    clock::from_micros,
     deleted_requests::{self, Kind},
     failpoint::Failpoint,
+    keys::quotas::{self, More},
     labels::{self, Collection},
-    quotas::{self, More},
-    row::row,
-    sql::{Transaction, query},
+    sql::{Transaction, query, row::row},
+    store::clock::from_micros,
 };
 
 /// Facts of a twin, read from its file, for listings.

@@ -32,8 +32,8 @@ use uuid::Uuid;
 use crate::{
     Error, Page, PageRequest, Result, Store,
     blobs::{PART, Place, partial_objects},
-    clock::micros_after,
     sql::{Transaction, query, query_scalar},
+    store::clock::micros_after,
 };
 use lease::{WriteLease, locked};
 use row::Row;

@@ -1,5 +1,8 @@
 //! Callers that are let in: the token, the host, and what metrics reveal to strangers.
 
+mod audit;
+mod keys;
+
 use bendtwin_proto::worker::v1::{HeartbeatRequest, worker_link_client::WorkerLinkClient};
 use bendtwin_server::ClientTokenPolicy;
 use serde_json::json;

@@ -1,3 +1,6 @@
+mod ingests;
+mod tus;
+
 use base64::{Engine as _, prelude::BASE64_STANDARD};
 use bendtwin_proto::v1::{
     CaptureMetadata, CreateCaptureRequest, DeleteCaptureRequest, GetCaptureRequest,

@@ -1,8 +1,9 @@
 //! Connections and bodies that only take: clients that are silent, slow, or do not read.
 
+mod tls;
+
 use std::{sync::Arc, time::Duration};
 
-use bendtwin_proto::v1::{ControlTrajectories, RollOutRequest, Tensor, roll_out_request::Actions};
 use tokio::{
     io::{AsyncReadExt as _, AsyncWriteExt as _},
     net::TcpStream,
@@ -13,21 +14,12 @@ use tonic::Code;
 
 use crate::{
     harness::{Server, TOKEN, read},
+    simulation::rollouts::{request, twin},
     worker::{Device, Worker},
 };
 
 /// Ample time for anything that has to happen.
 const SOON: Duration = Duration::from_secs(30);
-
-fn request(twin: &str, batch: usize) -> RollOutRequest {
-    let positions = Some(Tensor::pack(&[batch, 2, 1, 3], &vec![0.0f32; batch * 6]));
-    RollOutRequest {
-        twin: twin.to_owned(),
-        actions: Some(Actions::Trajectories(ControlTrajectories { positions, interpolation: 0 })),
-        frames: 10,
-        ..RollOutRequest::default()
-    }
-}
 
 async fn connect(server: &Server) -> TcpStream {
     TcpStream::connect(server.handle.local_addr()).await.unwrap()
@@ -50,10 +42,7 @@ async fn one_slot(stream_idle_s: f64) -> (Server, Worker, String) {
     .await;
     let device = Device { part_costs: 1 << 17, ..Device::default() };
     let mut worker = Worker::register_with(&server, device).await;
-    let fit = server.fit().await;
-    let lease = worker.lease(Duration::from_secs(5)).await.unwrap();
-    assert_eq!(lease.job, fit);
-    let twin = worker.complete(&lease, b"a twin").await.unwrap();
+    let twin = twin(&server, &mut worker).await;
     (server, worker, twin)
 }
 
@@ -277,9 +266,7 @@ async fn a_shutdown_lets_requests_under_way_finish() {
     let hold = Arc::new(Notify::new());
     let device = Device { hold: Some(hold.clone()), ..Device::default() };
     let mut worker = Worker::register_with(&server, device.clone()).await;
-    server.fit().await;
-    let lease = worker.lease(Duration::from_secs(5)).await.unwrap();
-    let twin = worker.complete(&lease, b"a twin").await.unwrap();
+    let twin = twin(&server, &mut worker).await;
     let mut rollouts = server.rollouts();
     let running = tokio::spawn(async move { rollouts.roll_out(request(&twin, 1)).await });
     timeout(SOON, device.begun.notified()).await.unwrap();

@@ -239,7 +239,7 @@ async fn twins(server: &Server, samples: &mut Samples<'_>) {
     let change = json!({"display_name": "other", "tags": ["x"]});
     samples.call(Method::PATCH, &format!("/v1/{twin}"), Some(change)).await;
 
-    let fitted = crate::rollouts::twin(server, &mut worker).await;
+    let fitted = crate::simulation::rollouts::twin(server, &mut worker).await;
     let (_, shown) = server.get(&format!("/v1/{fitted}")).await;
     samples.get(&format!("/v1/{fitted}")).await;
     let path = format!("/v1/{fitted}/evaluations");

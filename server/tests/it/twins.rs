@@ -1,6 +1,5 @@
 use bendtwin_core::{
-    Environment, Graph, Identifiability, NodeKind, Params, Pin, Quality, Skin, Timing, Twin,
-    environment::ControlVelocity, identifiability::Region, twin::Provenance,
+    Graph, Identifiability, NodeKind, Params, Pin, Skin, Timing, Twin, identifiability::Region,
 };
 use bendtwin_proto::v1::{
     CreateTwinRequest, ExportTwinRequest, GetTwinGeometryRequest, ListTwinsRequest, Tensor,
@@ -28,21 +27,7 @@ pub(crate) fn twin_file() -> Vec<u8> {
         spring_dashpot: vec![1.0],
         ..Params::default()
     };
-    let twin = Twin {
-        skin: Skin::of_nodes(&graph),
-        graph,
-        params,
-        environment: Environment::Z_UP,
-        timing: Timing { fps: 30.0, substeps: 20 },
-        control_velocity: ControlVelocity::True,
-        provenance: Provenance::default(),
-        quality: Quality::default(),
-        mass_kg: None,
-        control_hands: Vec::new(),
-        members: Vec::new(),
-        appearance: None,
-        planner: None,
-    };
+    let twin = Twin::new(graph, params, Timing { fps: 30.0, substeps: 20 });
     twin.encode().unwrap()
 }
 

@@ -8,7 +8,7 @@ use crate::{
         Setup, TestCluster,
         command::{run_json, run_ok},
     },
-    several_recordings::QUICK,
+    recordings::several_recordings::QUICK,
 };
 
 /// Films a small toy. Returns its folder.

@@ -15,12 +15,9 @@ use bendtwin_capture::{
     write_bundle,
 };
 use bendtwin_core::{
-    Capture, Environment, Graph, NodeKind, Params, Pin, Point, Quality, Sequence, Skin, Timing,
-    Twin,
+    Capture, Environment, Graph, NodeKind, Params, Pin, Point, Sequence, Skin, Timing, Twin,
     capture::{HeldPoint, Object},
-    environment::ControlVelocity,
     geometry::IDENTITY,
-    twin::Provenance,
 };
 use bendtwin_mesh::Mesh;
 use zip::ZipArchive;
@@ -262,10 +259,9 @@ pub fn twin() -> Twin {
         pins: vec![Pin { node: 2, control: 0, offset_m: [-0.1, 0.0, 0.0] }],
         rods: Vec::new(),
     };
-    Twin {
-        skin: Skin::of_nodes(&graph),
+    Twin::new(
         graph,
-        params: Params {
+        Params {
             spring_stiffness: vec![1e3; 3],
             spring_dashpot: vec![1.0; 3],
             rest_lengths_m: vec![0.1; 3],
@@ -275,17 +271,8 @@ pub fn twin() -> Twin {
             drag: 1.0,
             ..Params::default()
         },
-        environment: Environment::Z_UP,
-        timing: Timing { fps: 30.0, substeps: 50 },
-        control_velocity: ControlVelocity::True,
-        provenance: Provenance::default(),
-        quality: Quality::default(),
-        mass_kg: None,
-        control_hands: Vec::new(),
-        members: Vec::new(),
-        appearance: None,
-        planner: None,
-    }
+        Timing { fps: 30.0, substeps: 50 },
+    )
 }
 
 /// A twin with two rods.

@@ -14,7 +14,7 @@ use super::{
     manifest::{Ground, MARKER, Manifest, SequenceEntry},
     reader::seen_twice,
 };
-use crate::{Error, npy, several, structure::validate};
+use crate::{Error, check::structure::validate, npy, several};
 
 /// Writes a capture as a bundle ZIP, several recordings of an object as as many bundles in one;
 /// returns the writer at its end. Flags that equal their defaults are left out, so motion capture

@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use bendtwin_core::skin::LEAST_SINE;
+use bendtwin_core::twin::skin::LEAST_SINE;
 use bendtwin_engine::constants;
 use bendtwin_splat::constants as splat;
 

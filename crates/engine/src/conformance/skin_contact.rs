@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use bendtwin_core::{Graph, Point, Skin, Timing, geometry::wide, skin::offset_in_frame};
+use bendtwin_core::{Graph, Point, Skin, Timing, geometry::wide, twin::skin::offset_in_frame};
 
 use super::{
     expect::{Outcome, close, ensure},

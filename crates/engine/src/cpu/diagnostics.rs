@@ -7,13 +7,14 @@
 use bendtwin_core::{Plane, Point};
 
 use super::{
-    force::{FrameForces, Wrench},
-    grasp::{Hands, Hold},
-    integrate::Workspace,
-    lanes::Node,
+    arithmetic::{Node, Real, dot},
+    frame::integrate::Workspace,
     parameters::narrow,
-    real::{Real, dot},
     rollout::Simulation,
+    surroundings::{
+        force::{FrameForces, Wrench},
+        grasp::{Hands, Hold},
+    },
     system::System,
 };
 use crate::{

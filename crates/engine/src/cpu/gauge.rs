@@ -4,12 +4,11 @@
 use bendtwin_core::Point;
 
 use super::{
+    arithmetic::{Node, quad},
     gradient::moment,
     gradient_point,
-    lanes::Node,
     loss::{TermBars, Terms},
     parameters::{Parameters, saturate},
-    real::quad,
     simulation_on,
     system::{Layout, System},
 };

@@ -3,21 +3,20 @@
 //! Memory is the frame-end states plus one frame's tape (less for large models).
 
 use super::{
-    adjoint::Adjoint,
-    body::Pose,
-    force::{ForceSeeds, FrameForces},
-    grasp::Hands,
-    lanes::Node,
+    arithmetic::{Node, Quad, Real, add},
+    frame::{adjoint::Adjoint, surrounded::begin_adjoint},
     loss::{Moment, TermBars, Terms},
     parameters::Parameters,
-    real::{Quad, Real, add},
     rollout::{Scorer, Simulation},
-    surrounded::begin_adjoint,
+    surroundings::{
+        body::Pose,
+        force::{ForceSeeds, FrameForces},
+        grasp::Hands,
+    },
     system::System,
 };
-use bendtwin_core::CancelToken;
-
 use crate::backend::{Error, Loss};
+use bendtwin_core::CancelToken;
 
 /// Loss and gradient in the simulation's scalar.
 #[derive(Debug)]

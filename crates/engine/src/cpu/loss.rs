@@ -3,17 +3,19 @@
 
 mod clearance;
 mod force;
+mod nearest;
 mod points;
 mod region;
 mod strain;
 
 use self::{points::Points, region::Region};
 use super::{
-    body::Pose,
-    force::{ForceSeeds, FrameForces},
-    lanes::Node,
-    real::{Quad, Real, add, add_scaled, dot},
-    surroundings::Surroundings,
+    arithmetic::{Node, Quad, Real, add, add_scaled, dot},
+    surroundings::{
+        Surroundings,
+        body::Pose,
+        force::{ForceSeeds, FrameForces},
+    },
     system::System,
 };
 use crate::objective::{Objective, Term, WeightedTerm};

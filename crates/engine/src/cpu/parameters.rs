@@ -2,7 +2,7 @@
 
 use bendtwin_core::{Contact, Params};
 
-use super::real::Real;
+use super::arithmetic::Real;
 
 /// [`Params`] over any scalar.
 #[derive(Clone, Debug, Default, PartialEq)]

@@ -3,18 +3,19 @@
 use bendtwin_core::{CancelToken, Graph};
 
 use super::{
-    control::FrameControls,
-    integrate::{Workspace, begin_frame, run_frame},
-    lanes::Node,
+    arithmetic::{Node, Quad, Real, quad},
+    frame::{
+        control::FrameControls,
+        integrate::{Workspace, begin_frame, run_frame},
+        surrounded::Frame,
+    },
     loss::{Moment, Terms},
-    real::{Quad, Real, quad},
-    surrounded::Frame,
     surroundings::Surroundings,
     system::System,
 };
-use crate::constants::MAX_COORDINATE_M;
 use crate::{
     backend::{Divergence, Error, Loss},
+    constants::MAX_COORDINATE_M,
     model::State,
     objective::Objective,
 };

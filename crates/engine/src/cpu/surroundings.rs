@@ -1,18 +1,23 @@
 //! Surroundings of an object, in the simulation's scalar: the constant part of an instance
 //! ([`Surroundings`]) and the part that changes from frame to frame ([`Around`]).
 
+pub(crate) mod body;
+pub(crate) mod clamp;
+pub(crate) mod force;
+pub(crate) mod grasp;
+
 use std::sync::Arc;
 
-use super::{
+use self::{
     body::{BodyFrame, Pose, into_body, pose_of},
     clamp::HeldRod,
-    collider::Collider,
     force::FrameForces,
     grasp::{Hand, Hands},
-    lanes::Node,
-    meet::Obstacle,
-    real::{Quad, Real, add, dot, scale, sub},
-    rod::Span,
+};
+use super::{
+    arithmetic::{Node, Quad, Real, add, dot, scale, sub},
+    collision::{collider::Collider, meet::Obstacle},
+    elements::Span,
     system::System,
 };
 use crate::world::{Motion, World};

@@ -7,12 +7,9 @@ use std::sync::{Arc, OnceLock};
 use bendtwin_core::{Graph, Skin, environment::ControlVelocity};
 
 use super::{
-    bend::{Triplet, Triplets},
+    arithmetic::{Quad, Real, quad},
+    elements::{OwnedElement, Rods, Span, Spring, Springs, Strips, Triplet, Triplets, strips},
     parameters::Parameters,
-    real::{Quad, Real, quad},
-    rod::{Rods, Span},
-    spring::{Spring, Springs},
-    strips::{self, OwnedElement, Strips},
 };
 use crate::Model;
 

@@ -3,7 +3,7 @@
 
 use crate::{
     Model, constants,
-    cpu::{bend, rod},
+    cpu::elements::{bend, turned_pattern},
 };
 
 pub(super) type Vector = [f64; 3];
@@ -96,7 +96,7 @@ impl Linear {
             let torque = stiffness * (rest.abs() + TWIST_RAD);
             let edges = rod.iter().zip(&rod[1..]).zip(points.windows(2));
             bars.extend(edges.map(|((&a, &b), x)| slanted([a, b], x, torque)));
-            let pattern = rod::turned_pattern(&points, graph.has_arm(rod));
+            let pattern = turned_pattern(&points, graph.has_arm(rod));
             twists.push(Twist { ends: rod.clone(), pattern, stiffness, damping });
         }
         Self { bars, roots, hinges, twists }

@@ -1,4 +1,4 @@
-use bendtwin_core::{Contact, Quality, capture::Object, twin::Provenance};
+use bendtwin_core::capture::Object;
 use bendtwin_engine::cpu_with_threads;
 use bendtwin_graph::bind_skin;
 
@@ -53,7 +53,6 @@ fn twin() -> Twin {
         bend_stiffness: vec![0.1, 0.2],
         bend_damping: vec![0.01, 0.02],
         rest_angles_rad: vec![3.0, 2.0],
-        contact: Contact::default(),
         ..Params::default()
     };
     let graph = Graph {
@@ -71,18 +70,9 @@ fn twin() -> Twin {
     let surface = SurfacePoints { observed_points: (0..n as u32).collect(), positions: nodes };
     Twin {
         skin: bind_skin(&graph, &surface),
-        graph,
-        params,
         environment: Environment { gravity: [0.0; 3], ground: None },
-        timing: Timing { fps: 30.0, substeps: 100 },
-        control_velocity: Default::default(),
-        provenance: Provenance::default(),
-        quality: Quality::default(),
-        mass_kg: None,
         control_hands: vec![0, 0],
-        members: Vec::new(),
-        appearance: None,
-        planner: None,
+        ..Twin::new(graph, params, Timing { fps: 30.0, substeps: 100 })
     }
 }
 

@@ -3,7 +3,7 @@
 
 use bendtwin_core::{
     Point, Twin,
-    appearance::{MOST_SPLATS, Splats},
+    twin::appearance::{MOST_SPLATS, Splats},
 };
 use bendtwin_graph::{SurfacePoints, bind_points};
 use bendtwin_mesh::{Mesh, Similarity, align};

@@ -1,6 +1,6 @@
 use std::io::Write;
 
-use bendtwin_core::{Problem, appearance::Appearance};
+use bendtwin_core::{Appearance, Problem};
 use flate2::{Compression, write::GzEncoder};
 
 use super::*;

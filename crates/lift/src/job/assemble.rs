@@ -13,12 +13,14 @@ use super::{
 };
 use crate::{
     Error, Evidence,
-    complete::{Shape, complete},
     error::check,
     evidence::TrackEvidence,
     hands::{self, Controls, MIN_TRACKS, contact::Contact},
     motion,
-    shape::shape,
+    shape::{
+        complete::{Shape, complete},
+        shape,
+    },
     survey::TrackLabel,
     thin::one_per_spot,
     tracks::Tracks,

@@ -3,8 +3,8 @@ use futures::TryStreamExt;
 
 use crate::{
     Digest, Error,
+    database::testing::{On, on_both},
     store::tests::{Bench, new_capture},
-    test_database::{On, on_both},
 };
 
 on_both! {

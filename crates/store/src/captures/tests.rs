@@ -2,8 +2,8 @@ use bendtwin_core::{Category, Problem, ids::CaptureId};
 
 use crate::{
     Error, ListQuery, NewCapture, PageRequest,
+    database::testing::{On, on_both},
     store::tests::{Bench, new_capture, new_fit},
-    test_database::{On, on_both},
 };
 
 on_both! {

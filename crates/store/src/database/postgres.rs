@@ -21,7 +21,8 @@ use tokio::task::JoinHandle;
 
 use super::{DatabaseUrl, Wakes};
 use crate::{
-    Error, JobId, Result, migrations,
+    Error, JobId, Result,
+    database::migrations,
     sql::{Readers, Transaction},
 };
 
@@ -151,7 +152,10 @@ impl Server {
         let mut open = self.writers.begin().await?;
         #[cfg(test)]
         if self.without_lock.load(std::sync::atomic::Ordering::SeqCst) {
-            return Ok(Transaction::postgres(open, crate::clock::micros(jiff::Timestamp::now())));
+            return Ok(Transaction::postgres(
+                open,
+                crate::store::clock::micros(jiff::Timestamp::now()),
+            ));
         }
         // A separate statement: if it fails, sqlx knows of the transaction and ends it.
         let (_, time): (Option<String>, i64) =

@@ -15,8 +15,8 @@ use sqlx::{
 
 use crate::{
     Error, Result,
-    disk::Reserve,
-    folder, migrations,
+    database::migrations,
+    folder::{self, disk::Reserve},
     sql::{Readers, Transaction},
 };
 

@@ -3,8 +3,8 @@ use bendtwin_core::{Category, Problem as _};
 use super::*;
 use crate::{
     Creator, NewCapture, NewFit, NewIngest, NewTwin, Requirements, Staged, TwinFacts,
+    database::testing::{On, on_both},
     store::tests::{Bench, new_capture, new_fit},
-    test_database::{On, on_both},
 };
 
 on_both! {

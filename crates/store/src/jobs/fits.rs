@@ -15,8 +15,8 @@ use crate::{
     Creator, Digest, Error, LabelChange, ListQuery, Page, Result, Staged, TwinFacts,
     deleted_requests,
     failpoint::Failpoint,
+    keys::quotas::{self, More},
     labels::{self, Collection},
-    quotas::{self, More},
     sql::{Transaction, query, query_scalar},
     twins,
 };

@@ -8,10 +8,11 @@ use super::{
     row::{self, Row, State},
 };
 use crate::{
-    Creator, Digest, Error, Result, Staged, deleted_requests,
+    Creator, Digest, Error, Result, Staged,
+    captures::observations,
+    deleted_requests,
     failpoint::Failpoint,
-    observations,
-    quotas::{self, More},
+    keys::quotas::{self, More},
     sql::{Builder, Transaction, query, query_scalar},
 };
 

@@ -11,8 +11,7 @@ use bendtwin_core::{ModelLoss, Stage, ids::FitId};
 use super::{Jobs, row::Row};
 use crate::{
     Error, Result,
-    row::row,
-    sql::{Transaction, query, query_scalar},
+    sql::{Transaction, query, query_scalar, row::row},
 };
 
 /// Most losses that are kept of a fit.

@@ -6,11 +6,9 @@ use uuid::Uuid;
 
 use super::{Job, JobId, Kind, Lease, Requirements};
 use crate::{
-    Digest, Error, Labels, Result,
-    clock::from_micros,
-    labels,
-    row::row,
-    sql::{Transaction, query, query_scalar},
+    Digest, Error, Labels, Result, labels,
+    sql::{Transaction, query, query_scalar, row::row},
+    store::clock::from_micros,
 };
 
 /// State of a job.

@@ -10,8 +10,8 @@ use bendtwin_core::{Category, Fault, Progress, Stage, ids::WorkerId};
 use super::{AttemptEnd, Job, Kind, MAX_INTERRUPTED_ATTEMPTS, State, WorkerEnd};
 use crate::{
     Error, NewFit, TwinFacts,
+    database::testing::{On, on_both},
     store::tests::{Bench, LEASE, lease_of, new_fit},
-    test_database::{On, on_both},
 };
 
 on_both! {

@@ -2,8 +2,8 @@ use std::time::Duration;
 
 use super::*;
 use crate::{
+    database::testing::{On, on_both},
     store::tests::Bench,
-    test_database::{On, on_both},
 };
 
 on_both! {

@@ -1,9 +1,9 @@
 use super::*;
 use crate::{
     Kind, ListQuery, NewFit, NewTwin, TwinFacts,
+    database::testing::{On, on_both},
     sql::{query, query_scalar},
     store::tests::{Bench, lease_of, new_capture, new_fit},
-    test_database::{On, on_both},
 };
 
 on_both! {

@@ -1,10 +1,9 @@
 use super::*;
 use crate::{
     Capture, Job, Kind, LabelChange, TwinFacts,
-    row::row,
-    sql::query,
+    database::testing::{On, on_both},
+    sql::{query, row::row},
     store::tests::{Bench, lease_of, new_fit},
-    test_database::{On, on_both},
 };
 
 on_both! {

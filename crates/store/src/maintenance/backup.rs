@@ -18,7 +18,11 @@ use super::{
     check, integrity,
     survey::{self, Damage, UPLOAD},
 };
-use crate::{Error, Result, blobs::files, database, folder, references::Reference};
+use crate::{
+    Error, Result,
+    blobs::{files, references::Reference},
+    database, folder,
+};
 
 /// Copies of the database after which a backup gives up.
 const MOST_ROUNDS: usize = 100;

@@ -8,7 +8,15 @@ use super::{
     integrity,
     survey::{self, Damage, Depth},
 };
-use crate::{Error, Result, blobs::files, database, references, references::Reference, sql::query};
+use crate::{
+    Error, Result,
+    blobs::{
+        files,
+        references::{self, Reference},
+    },
+    database,
+    sql::query,
+};
 
 /// Advice where content is not in the folder.
 const NOT_CHECKED: &str = "its storage checks it, and every reader compares the digest";

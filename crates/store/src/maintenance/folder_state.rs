@@ -6,7 +6,11 @@ use rustix::fs::{Access, access};
 use serde::Serialize;
 
 use super::integrity;
-use crate::{Error, Result, database, disk::Disk, migrations};
+use crate::{
+    Error, Result,
+    database::{self, migrations},
+    folder::disk::Disk,
+};
 
 /// State of a data folder.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]

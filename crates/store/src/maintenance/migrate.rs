@@ -16,10 +16,9 @@ use sqlx::{
 };
 
 use crate::{
-    DatabaseUrl, Digest, Error, Result, database,
-    database::{postgres, sqlite},
-    disk::Reserve,
-    folder, migrations,
+    DatabaseUrl, Digest, Error, Result,
+    database::{self, migrations, postgres, sqlite},
+    folder::{self, disk::Reserve},
     sql::{Builder, Readers, Value, query_scalar},
 };
 

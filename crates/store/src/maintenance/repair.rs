@@ -14,13 +14,14 @@ use super::{
 };
 use crate::{
     Error, Result,
-    blobs::{Place, files},
-    clock::micros,
+    blobs::{
+        Place, files,
+        references::{self, Reference},
+    },
     database::{self, Database},
-    disk::Reserve,
-    folder, identity, references,
-    references::Reference,
+    folder::{self, disk::Reserve},
     sql::query,
+    store::{clock::micros, identity},
 };
 
 /// Outcome of a repair.

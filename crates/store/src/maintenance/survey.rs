@@ -4,7 +4,10 @@ use std::{fs, io, path::Path};
 
 use serde::Serialize;
 
-use crate::{Digest, blobs::files, references::Reference};
+use crate::{
+    Digest,
+    blobs::{files, references::Reference},
+};
 
 /// Part of a reference to an upload that is whole and not yet a capture.
 pub(super) const UPLOAD: &str = "upload";

@@ -11,9 +11,8 @@ use super::*;
 use crate::{
     Capture, Error, IngestResult, Kind, NewReport, Options, State, Store,
     blobs::files,
-    database,
+    database::{self, testing::On},
     store::tests::{Bench, LEASE, lease_of, new_capture, new_fit},
-    test_database::On,
 };
 
 fn file(dir: &Path, content: &str) -> PathBuf {

@@ -11,9 +11,9 @@ use crate::{
     NewCapture, NewFit, ObjectsUrl, Options, Requirements, Staged, State, Store, TwinFacts,
     WorkerEnd,
     blobs::{Place, published},
+    database::testing::{On, TestDatabase, on_both},
     failpoint::Failpoint,
     sql,
-    test_database::{On, TestDatabase, on_both},
 };
 
 on_both! {
@@ -49,7 +49,7 @@ impl Bench {
         let clock = Arc::new(ManualClock::default());
         if on == On::Bucket {
             // Its objects have the true time.
-            clock.set(crate::clock::micros(jiff::Timestamp::now()));
+            clock.set(super::clock::micros(jiff::Timestamp::now()));
         }
         let postgres = match on {
             On::Sqlite | On::Bucket => None,

@@ -7,7 +7,7 @@ use bendtwin_core::ids::UploadId;
 use super::{IN_USE, ResumableUpload, UploadState, Uploads, row::Row};
 use crate::{
     Creator, Digest, Error, Result, deleted_requests,
-    quotas::{self, More},
+    keys::quotas::{self, More},
     sql::{Transaction, query, query_scalar},
 };
 

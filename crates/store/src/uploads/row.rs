@@ -4,7 +4,7 @@ use bendtwin_core::ids::{CaptureId, UploadId};
 use jiff::Timestamp;
 use uuid::Uuid;
 
-use crate::{Digest, Error, Result, clock::from_micros, row::row};
+use crate::{Digest, Error, Result, sql::row::row, store::clock::from_micros};
 
 /// State of an upload.
 #[derive(Clone, Debug, PartialEq, Eq)]

@@ -7,9 +7,9 @@ use futures::TryStreamExt;
 use super::*;
 use crate::{
     Capture, NewCapture,
+    database::testing::{On, on_both, on_databases},
     failpoint::Failpoint,
     store::tests::{Bench, new_capture},
-    test_database::{On, on_both, on_databases},
 };
 
 mod shared;

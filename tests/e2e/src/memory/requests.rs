@@ -1,9 +1,6 @@
 //! Requests that take much memory, and the twins that they are made for.
 
-use bendtwin_core::{
-    Contact, Environment, Graph, NodeKind, Params, Quality, Skin, Timing, Twin,
-    environment::ControlVelocity, twin::Provenance,
-};
+use bendtwin_core::{Graph, NodeKind, Params, Timing, Twin};
 use bendtwin_harness::Api;
 use bendtwin_proto::{
     json::{TensorFormat, Write},
@@ -54,24 +51,9 @@ fn twin(n: usize, controls: usize) -> Twin {
         spring_dashpot: vec![1.0; n],
         rest_lengths_m: vec![0.1; n],
         drag: 1.0,
-        contact: Contact::default(),
         ..Params::default()
     };
-    Twin {
-        skin: Skin::of_nodes(&graph),
-        graph,
-        params,
-        environment: Environment::Z_UP,
-        timing: Timing { fps: 30.0, substeps: 20 },
-        control_velocity: ControlVelocity::True,
-        provenance: Provenance::default(),
-        quality: Quality::default(),
-        mass_kg: None,
-        control_hands: Vec::new(),
-        members: Vec::new(),
-        appearance: None,
-        planner: None,
-    }
+    Twin::new(graph, params, Timing { fps: 30.0, substeps: 20 })
 }
 
 /// Control points that rest for `knots` knots; the horizon is short.

@@ -1,9 +1,10 @@
-use crate::{Appearance, Splats};
-
 use super::*;
 use crate::{
-    FastVariant, Identifiability, identifiability::Region, settings::MOST_MEMBERS, twin::Member,
+    Appearance, FastVariant, Identifiability, Splats,
+    settings::MOST_MEMBERS,
+    twin::{Member, identifiability::Region},
 };
+
 use proptest::prelude::*;
 
 fn twin() -> Twin {
@@ -19,10 +20,9 @@ fn twin() -> Twin {
         pins: vec![Pin { node: 2, control: 0, offset_m: [-0.1, 0.0, 0.0] }],
         rods: Vec::new(),
     };
-    Twin {
-        skin: Skin::of_nodes(&graph),
+    Twin::new(
         graph,
-        params: Params {
+        Params {
             spring_stiffness: vec![1e3, 2e3, 3e3],
             spring_dashpot: vec![1.0; 3],
             rest_lengths_m: vec![0.1; 3],
@@ -30,20 +30,10 @@ fn twin() -> Twin {
             bend_damping: vec![0.01],
             rest_angles_rad: vec![std::f32::consts::PI],
             drag: 1.0,
-            contact: Contact::default(),
             ..Params::default()
         },
-        environment: Environment::Z_UP,
-        timing: Timing { fps: 30.0, substeps: 50 },
-        control_velocity: ControlVelocity::True,
-        provenance: Provenance::default(),
-        quality: Quality::default(),
-        mass_kg: None,
-        control_hands: Vec::new(),
-        members: Vec::new(),
-        appearance: None,
-        planner: None,
-    }
+        Timing { fps: 30.0, substeps: 50 },
+    )
 }
 
 #[test]

@@ -2,10 +2,9 @@
 
 use super::{Moment, mean_over};
 use crate::cpu::{
-    body::{BodyFrame, Pose, into_body, into_body_adjoint},
-    collider::Collider,
-    lanes::Node,
-    real::{Real, add, scale},
+    arithmetic::{Node, Real, add, scale},
+    collision::collider::Collider,
+    surroundings::body::{BodyFrame, Pose, into_body, into_body_adjoint},
 };
 
 /// The collider and its pose at the frame's end.

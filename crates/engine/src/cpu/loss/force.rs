@@ -2,8 +2,8 @@
 
 use crate::{
     cpu::{
-        force::{ForceSeeds, FrameForces},
-        real::{Quad, Real, add, add_scaled, dot},
+        arithmetic::{Quad, Real, add, add_scaled, dot},
+        surroundings::force::{ForceSeeds, FrameForces},
     },
     objective::ForceBy,
 };

@@ -4,15 +4,11 @@ use std::cell::OnceCell;
 
 use bendtwin_core::Point;
 
-use super::{
-    super::{
-        lanes::Node,
-        nearest::nearest,
-        real::{Quad, Real, add_scaled, dot, quad, scale, sub},
-    },
-    Moment, mean_over,
+use super::{Moment, mean_over, nearest::nearest};
+use crate::{
+    cpu::arithmetic::{Node, Quad, Real, add_scaled, dot, quad, scale, sub},
+    objective::{PointLoss, PointSet},
 };
-use crate::objective::{PointLoss, PointSet};
 
 /// The points at a frame; those of the skin are placed when a term asks for the first of them.
 pub(super) struct Points<'a, T> {

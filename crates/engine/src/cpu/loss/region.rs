@@ -6,10 +6,7 @@ use std::sync::Arc;
 use bendtwin_core::Point;
 
 use super::mean_over;
-use crate::cpu::{
-    lanes::Node,
-    real::{Quad, Real, add_scaled, dot, quad, scale},
-};
+use crate::cpu::arithmetic::{Node, Quad, Real, add_scaled, dot, quad, scale};
 
 /// A half space or a box.
 #[derive(Clone, Copy, Debug)]

@@ -7,8 +7,7 @@
 
 use super::mean_over;
 use crate::cpu::{
-    lanes::{LANES, Node},
-    real::{Quad, Real, add_scaled, dot, sub},
+    arithmetic::{LANES, Node, Quad, Real, add_scaled, dot, sub},
     system::System,
 };
 

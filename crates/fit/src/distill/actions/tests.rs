@@ -1,7 +1,4 @@
-use bendtwin_core::{
-    Contact, Graph, Params, Plane, Quality, Skin, Timing, environment::ControlVelocity,
-    twin::Provenance,
-};
+use bendtwin_core::{Graph, Params, Plane, Skin, Timing};
 
 use super::*;
 
@@ -9,22 +6,17 @@ use super::*;
 fn twin() -> Twin {
     let controls = [[0.0, 0.0, 0.02], [0.02, 0.0, 0.02], [0.2, 0.0, 0.02], [0.22, 0.0, 0.02]];
     Twin {
-        graph: Graph { control_rest: controls.to_vec(), ..Graph::default() },
         skin: Skin::default(),
-        params: Params { contact: Contact::default(), ..Params::default() },
         environment: Environment {
             ground: Some(Plane { normal: [0.0, 0.0, 1.0], offset_m: 0.0 }),
             ..Environment::Z_UP
         },
-        timing: Timing { fps: 30.0, substeps: 1 },
-        control_velocity: ControlVelocity::True,
-        provenance: Provenance::default(),
-        quality: Quality::default(),
-        mass_kg: None,
         control_hands: vec![0, 0, 1, 1],
-        members: Vec::new(),
-        appearance: None,
-        planner: None,
+        ..Twin::new(
+            Graph { control_rest: controls.to_vec(), ..Graph::default() },
+            Params::default(),
+            Timing { fps: 30.0, substeps: 1 },
+        )
     }
 }
 

@@ -12,10 +12,12 @@ use jiff::Timestamp;
 use crate::{
     Clock, Error, Kind, LeaseTerms, NewFit, Options, State, Store, SystemClock, TwinFacts,
     WorkerEnd,
-    clock::micros,
+    database::testing::{On, TestDatabase, on_both},
     sql::{Query, query, query_scalar},
-    store::tests::{Bench, LEASE, lease_of, new_fit},
-    test_database::{On, TestDatabase, on_both},
+    store::{
+        clock::micros,
+        tests::{Bench, LEASE, lease_of, new_fit},
+    },
 };
 
 on_both! {

@@ -5,8 +5,8 @@ use sqlx::Connection as _;
 
 use crate::{
     Error, Kind, State,
+    database::testing::On,
     store::tests::{Bench, LEASE, lease_of, new_fit},
-    test_database::On,
 };
 
 /// Runs a statement on the connection that writes.

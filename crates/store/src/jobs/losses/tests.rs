@@ -3,8 +3,8 @@ use bendtwin_core::Problem as _;
 use super::*;
 use crate::{
     AttemptEnd, JobReport, Kind, Lease,
+    database::testing::{On, on_both},
     store::tests::{Bench, LEASE, lease_of, new_fit},
-    test_database::{On, on_both},
 };
 
 on_both! {

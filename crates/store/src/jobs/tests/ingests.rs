@@ -6,10 +6,10 @@ use super::{fault, progress};
 use crate::{
     AttemptEnd, Capture, Error, IngestResult, Job, Kind, Lease, NewIngest, NewReport, Requirements,
     State, WorkerEnd,
+    database::testing::{On, on_both},
     failpoint::Failpoint,
     sql::query,
     store::tests::{Bench, LEASE, lease_of, new_fit},
-    test_database::{On, on_both},
 };
 
 on_both! {

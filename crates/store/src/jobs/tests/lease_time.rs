@@ -4,8 +4,8 @@ use std::time::Duration;
 
 use super::claim;
 use crate::{
+    database::testing::{On, on_both},
     store::tests::{Bench, LEASE, lease_of, new_fit},
-    test_database::{On, on_both},
 };
 
 on_both! {

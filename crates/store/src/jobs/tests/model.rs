@@ -9,9 +9,9 @@ use proptest::prelude::*;
 use super::{fault, progress};
 use crate::{
     Kind, Lease, NewFit,
+    database::testing::On,
     jobs::{AttemptEnd, State, WorkerEnd},
     store::tests::{Bench, LEASE, TERMS, new_fit},
-    test_database::On,
 };
 use bendtwin_core::ids::WorkerId;
 

@@ -5,9 +5,9 @@ use bendtwin_core::Problem as _;
 use super::*;
 use crate::{
     Kind, LabelChange, ListQuery, Options, Store, TwinFacts,
+    database::testing::{On, TestDatabase},
     maintenance::{Depth, check},
     store::tests::{Bench, LEASE, lease_of, new_fit},
-    test_database::{On, TestDatabase},
 };
 
 #[tokio::test]

@@ -6,7 +6,7 @@ use super::*;
 use crate::{
     ManualClock,
     blobs::PART,
-    test_database::{TestDatabase, own_bucket},
+    database::testing::{TestDatabase, own_bucket},
 };
 
 /// More than two parts, with bytes after them.
@@ -48,7 +48,7 @@ async fn shared() -> Option<Bench> {
     On::postgres_or_skip()?;
     On::bucket_or_skip()?;
     let clock = Arc::new(ManualClock::default());
-    clock.set(crate::clock::micros(jiff::Timestamp::now()));
+    clock.set(crate::store::clock::micros(jiff::Timestamp::now()));
     let dir = tempfile::tempdir().unwrap();
     let database = Some(TestDatabase::new().await);
     Some(Bench::begin(dir, clock, database, Some(own_bucket())).await)

@@ -1,0 +1,14 @@
+//! Operation of a server and of a fleet by an administrator: databases, buckets, certificates, access,
+//! upgrades, traces, backup and repair.
+
+mod doctor;
+mod fleet;
+mod local_access;
+mod on_postgres;
+mod on_s3;
+mod replicas;
+mod revocation;
+mod stores;
+mod tls_terminator;
+mod traces;
+mod upgrades;

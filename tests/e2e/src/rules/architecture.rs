@@ -1,0 +1,308 @@
+//! The dependency rules of ARCHITECTURE.md, checked with `cargo metadata`: crates that others must
+//! not reach, directly or indirectly. Dependencies of tests do not count.
+
+use std::collections::{BTreeMap, VecDeque};
+
+use cargo_metadata::{DependencyKind, MetadataCommand, PackageId};
+
+use super::{rust_code::code_only, workspace};
+
+/// Crates that talk to a network or wait for one.
+const NETWORK: [&str; 7] = ["tokio", "tonic", "hyper", "axum", "reqwest", "object_store", "quinn"];
+const DATABASE: [&str; 5] = ["sqlx", "sqlx-core", "rusqlite", "libsqlite3-sys", "bendtwin-store"];
+const PHYSICS: [&str; 21] = [
+    "bendtwin-backends",
+    "bendtwin-bench",
+    "bendtwin-capture",
+    "bendtwin-cuda",
+    "bendtwin-engine",
+    "bendtwin-eval",
+    "bendtwin-exchange",
+    "bendtwin-fit",
+    "bendtwin-flow",
+    "bendtwin-graph",
+    "bendtwin-identify",
+    "bendtwin-ingest",
+    "bendtwin-inspect",
+    "bendtwin-lift",
+    "bendtwin-mesh",
+    "bendtwin-picture",
+    "bendtwin-register",
+    "bendtwin-rollout",
+    "bendtwin-splat",
+    "bendtwin-study",
+    "bendtwin-synth",
+];
+/// Crates that read, judge and lift captures, or write twins, without physics.
+const CAMERA_SIDE: [&str; 9] = [
+    "bendtwin-capture",
+    "bendtwin-exchange",
+    "bendtwin-flow",
+    "bendtwin-graph",
+    "bendtwin-ingest",
+    "bendtwin-inspect",
+    "bendtwin-lift",
+    "bendtwin-mesh",
+    "bendtwin-picture",
+];
+/// Crates that open captures.
+const CAPTURE_READERS: [&str; 4] =
+    ["bendtwin-capture", "bendtwin-ingest", "bendtwin-inspect", "bendtwin-lift"];
+const SIMULATION: [&str; 8] = [
+    "bendtwin-backends",
+    "bendtwin-cuda",
+    "bendtwin-engine",
+    "bendtwin-eval",
+    "bendtwin-fit",
+    "bendtwin-identify",
+    "bendtwin-register",
+    "bendtwin-synth",
+];
+
+struct Rule {
+    /// Crates that the rule applies to.
+    of: &'static [&'static str],
+    because: &'static str,
+    never: &'static [&'static [&'static str]],
+}
+
+const RULES: [Rule; 14] = [
+    Rule {
+        of: &["bendtwin-server", "bendtwin-store"],
+        because: "the control plane knows no physics",
+        never: &[&PHYSICS, &["bendtwin-worker"]],
+    },
+    Rule {
+        of: &["bendtwin-worker"],
+        because: "a worker knows no database",
+        never: &[&DATABASE, &["bendtwin-server"]],
+    },
+    Rule {
+        of: &[
+            "bendtwin-engine",
+            "bendtwin-fit",
+            "bendtwin-eval",
+            "bendtwin-identify",
+            "bendtwin-bench",
+            "bendtwin-backends",
+            "bendtwin-synth",
+        ],
+        because: "physics knows no network and no database",
+        never: &[&NETWORK, &DATABASE, &["bendtwin-proto", "bendtwin-server", "bendtwin-worker"]],
+    },
+    Rule {
+        of: &["bendtwin-cuda", "bendtwin-bench", "bendtwin-study"],
+        because: "physics knows no network and no database",
+        never: &[&NETWORK, &DATABASE, &["bendtwin-proto", "bendtwin-server", "bendtwin-worker"]],
+    },
+    Rule {
+        of: &CAMERA_SIDE,
+        because: "captures are read, judged and lifted, and twins written, without physics, network or database",
+        never: &[
+            &SIMULATION,
+            &NETWORK,
+            &DATABASE,
+            &["bendtwin-proto", "bendtwin-server", "bendtwin-worker"],
+        ],
+    },
+    Rule {
+        of: &["bendtwin-image-metrics"],
+        because: "images are compared without knowing where they come from",
+        never: &[&NETWORK, &DATABASE, &PHYSICS, &["bendtwin-proto", "bendtwin-core"]],
+    },
+    Rule {
+        of: &["bendtwin-plan"],
+        because: "planners lower an abstract cost",
+        never: &[&NETWORK, &DATABASE, &PHYSICS, &["bendtwin-proto", "bendtwin-core"]],
+    },
+    Rule {
+        of: &["bendtwin-core"],
+        because: "the nouns know neither I/O nor any other part",
+        never: &[&NETWORK, &DATABASE, &PHYSICS, &["bendtwin-proto", "zip"]],
+    },
+    Rule {
+        of: &["bendtwin-proto", "bendtwin-contract", "bendtwin-client"],
+        because: "the contract and its client know neither physics nor a database",
+        never: &[&PHYSICS, &DATABASE, &["bendtwin-server", "bendtwin-worker"]],
+    },
+    Rule {
+        of: &["bendtwin-proto"],
+        because: "messages are not built again when a rule changes",
+        never: &[&["bendtwin-contract", "bendtwin-plan"]],
+    },
+    Rule {
+        of: &["bendtwin-rollout"],
+        because: "what a rollout computes is the same in every process",
+        never: &[
+            &CAPTURE_READERS,
+            &DATABASE,
+            &["bendtwin-backends", "bendtwin-cuda", "bendtwin-fit"],
+            &["bendtwin-server", "bendtwin-telemetry", "bendtwin-tls", "bendtwin-worker"],
+        ],
+    },
+    Rule {
+        of: &["bendtwin-register"],
+        because: "registration takes points, from wherever they come",
+        never: &[
+            &CAPTURE_READERS,
+            &NETWORK,
+            &DATABASE,
+            &["bendtwin-proto", "bendtwin-server", "bendtwin-worker"],
+        ],
+    },
+    Rule {
+        of: &["bendtwin-splat"],
+        because: "a rasteriser draws Gaussians, wherever they come from",
+        never: &[
+            &SIMULATION,
+            &CAPTURE_READERS,
+            &NETWORK,
+            &DATABASE,
+            &["bendtwin-proto", "bendtwin-server", "bendtwin-worker"],
+        ],
+    },
+    Rule {
+        of: &["bendtwin-eval"],
+        because: "scores must not know how a twin was fitted",
+        never: &[&["bendtwin-fit"]],
+    },
+];
+
+#[test]
+fn no_crate_reaches_what_it_must_not_know() {
+    let graph = Graph::read();
+    let mut broken = Vec::new();
+    for rule in &RULES {
+        for from in rule.of {
+            for to in rule.never.iter().flat_map(|names| names.iter()) {
+                if let Some(path) = graph.path(from, to) {
+                    broken.push(format!("{}: {}", rule.because, path.join(" -> ")));
+                }
+            }
+        }
+    }
+    assert!(broken.is_empty(), "forbidden dependencies:\n{}", broken.join("\n"));
+}
+
+#[test]
+fn rules_and_rollouts_name_no_transport() {
+    let graph = Graph::read();
+    // They reach it through the messages, which implement its traits.
+    for transport in ["axum", "futures", "http", "http-body-util", "hyper", "reqwest", "tonic"] {
+        let users = graph.users(transport);
+        for name in ["bendtwin-contract", "bendtwin-rollout"] {
+            assert!(!users.contains(&name), "{name} names {transport}");
+        }
+    }
+    assert!(graph.users("tonic").contains(&"bendtwin-worker"));
+}
+
+#[test]
+fn the_search_sees_indirect_dependencies() {
+    let graph = Graph::read();
+    let path = graph.path("bendtwin-cli", "bendtwin-store").unwrap();
+    assert!(path.len() > 2, "{path:?}");
+    assert_eq!(graph.path("bendtwin-core", "bendtwin-cli"), None);
+}
+
+#[test]
+fn only_one_crate_names_cuda_and_only_one_opens_it() {
+    let graph = Graph::read();
+    let strangers = |to: &str, allowed: &[&str]| {
+        let mut users = graph.users(to);
+        users.retain(|name| name.starts_with("bendtwin-") && !allowed.contains(name));
+        users
+    };
+    let users = strangers("cudarc", &["bendtwin-cuda"]);
+    assert!(users.is_empty(), "cudarc belongs behind bendtwin-cuda, not in {users:?}");
+    let users = strangers("bendtwin-cuda", &["bendtwin-backends"]);
+    assert!(users.is_empty(), "a backend is opened by bendtwin-backends, not in {users:?}");
+}
+
+#[test]
+fn the_command_line_names_the_worker_only_where_it_starts_one() {
+    let name = concat!("bendtwin", "_worker::");
+    let mut found = Vec::new();
+    for (file, path) in workspace::files() {
+        let is_code = file.starts_with("client/cli/") && file.ends_with(".rs");
+        if is_code && std::fs::read_to_string(path).unwrap().contains(name) {
+            found.push(file);
+        }
+    }
+    assert_eq!(found, ["client/cli/src/worker.rs"]);
+}
+
+#[test]
+fn only_the_cuda_crate_is_unsafe() {
+    let has_word =
+        |line: &str| line.split(|c: char| !c.is_alphanumeric() && c != '_').any(|w| w == "unsafe");
+    let mut found = Vec::new();
+    for (name, path) in workspace::files() {
+        if !name.ends_with(".rs") || name.starts_with("crates/cuda/") {
+            continue;
+        }
+        let text = std::fs::read_to_string(path).unwrap();
+        let code = code_only(&text);
+        let lines = code.lines().enumerate().filter(|(_, line)| has_word(line));
+        found.extend(lines.map(|(number, _)| format!("{name}:{}", number + 1)));
+    }
+    assert!(found.is_empty(), "only crates/cuda may, where a kernel is launched: {found:?}");
+}
+
+/// Dependencies between crates, without those of tests.
+struct Graph {
+    names: BTreeMap<PackageId, String>,
+    edges: BTreeMap<PackageId, Vec<PackageId>>,
+}
+
+impl Graph {
+    fn read() -> Self {
+        let metadata = MetadataCommand::new()
+            .current_dir(workspace::root())
+            .other_options(["--locked".to_owned()])
+            .exec()
+            .unwrap();
+        let names = metadata.packages.iter().map(|p| (p.id.clone(), p.name.to_string())).collect();
+        let nodes = metadata.resolve.unwrap().nodes;
+        let edges = nodes
+            .into_iter()
+            .map(|node| {
+                let used = node
+                    .deps
+                    .into_iter()
+                    .filter(|d| d.dep_kinds.iter().any(|k| k.kind != DependencyKind::Development));
+                (node.id, used.map(|d| d.pkg).collect())
+            })
+            .collect();
+        Self { names, edges }
+    }
+
+    /// Crates that depend on a crate directly.
+    fn users(&self, of: &str) -> Vec<&str> {
+        let uses = |to: &Vec<PackageId>| to.iter().any(|id| self.names[id] == of);
+        let users = self.edges.iter().filter(|(_, to)| uses(to));
+        users.map(|(from, _)| self.names[from].as_str()).collect()
+    }
+
+    /// The shortest chain of dependencies between two crates, if one exists.
+    fn path(&self, from: &str, to: &str) -> Option<Vec<&str>> {
+        let start = self.names.iter().find(|(_, name)| *name == from).map(|(id, _)| id)?;
+        let mut came_from = BTreeMap::from([(start, None)]);
+        let mut queue = VecDeque::from([start]);
+        while let Some(id) = queue.pop_front() {
+            if self.names[id] == to {
+                let chain = std::iter::successors(Some(id), |id| came_from[*id]);
+                let mut path: Vec<_> = chain.map(|id| self.names[id].as_str()).collect();
+                path.reverse();
+                return Some(path);
+            }
+            for next in self.edges.get(id).into_iter().flatten() {
+                if !came_from.contains_key(next) {
+                    came_from.insert(next, Some(id));
+                    queue.push_back(next);
+                }
+            }
+        }
+        None
+    }
+}

@@ -1,0 +1,75 @@
+//! Sizes of folders: a folder of product code has at most [`MOST`] files, so that its list can be read.
+//! Generated code, kernels, migrations and tests do not count.
+
+use std::collections::BTreeMap;
+
+use super::workspace;
+
+/// Most files of a folder, without those of the folders in it.
+const MOST: usize = 20;
+
+/// Folders at the root that have the product.
+const PRODUCT: [&str; 6] = ["client/", "console/", "crates/", "proto/", "server/", "worker/"];
+
+/// Parts of paths of other code in these folders.
+const ASIDE: [&str; 4] = ["/kernels/", "/migrations/", "/tests/", "console/stories/"];
+
+/// Larger folders, with their numbers of files and the reasons. Entries may only shrink and go.
+const LARGER: [(&str, usize, &str); 7] = [
+    ("client/cli/src", 35, "a file for each command; the developers' commands have yet to leave"),
+    ("client/python/src/bendtwin", 32, "public modules, whose paths are those of imports"),
+    ("client/rust/src", 26, "a file for each resource, beside the transport"),
+    ("console/src/play", 23, "pages, world and input have yet to be divided"),
+    ("crates/engine/src/conformance", 24, "cases of tests, a file for each part of the physics"),
+    ("crates/fit/src", 24, "stages of a fit have yet to be divided"),
+    ("server/src", 23, "modules of one file each beside the folders of the server"),
+];
+
+#[test]
+fn folders_are_small() {
+    let names: Vec<_> = workspace::files().into_iter().map(|(name, _)| name).collect();
+    let sizes = sizes(names.iter().map(String::as_str));
+    assert!(sizes.contains_key("crates/engine/src/cpu"), "the source tree was not found");
+    let large: BTreeMap<_, _> = sizes.into_iter().filter(|(_, files)| *files > MOST).collect();
+    let known = BTreeMap::from(LARGER.map(|(folder, files, _)| (folder, files)));
+    assert!(
+        large == known,
+        "a folder has at most {MOST} files: divide it by what they do. If one became smaller, lower or remove its \
+         entry in LARGER.\nfound: {large:#?}\nknown: {known:#?}"
+    );
+}
+
+/// Number of files of each folder of product code.
+fn sizes<'a>(names: impl Iterator<Item = &'a str>) -> BTreeMap<&'a str, usize> {
+    let mut sizes = BTreeMap::new();
+    for name in names {
+        let is_product = PRODUCT.iter().any(|part| name.starts_with(part));
+        let is_aside = ASIDE.iter().any(|part| name.contains(part))
+            || name.ends_with("/tests.rs")
+            || name.ends_with(".test.ts");
+        if let Some((folder, _)) = name.rsplit_once('/')
+            && is_product
+            && !is_aside
+        {
+            *sizes.entry(folder).or_default() += 1;
+        }
+    }
+    sizes
+}
+
+#[test]
+fn tests_and_files_of_other_folders_do_not_count() {
+    let names = [
+        "crates/a/src/b.rs",
+        "crates/a/src/b/tests.rs",
+        "crates/a/src/b/c.rs",
+        "crates/a/src/tests.rs",
+        "crates/a/tests/it/d.rs",
+        "crates/cuda/kernels/e.cu",
+        "console/src/f.ts",
+        "console/src/f.test.ts",
+        "docs/g.md",
+    ];
+    let expected = [("console/src", 1), ("crates/a/src", 1), ("crates/a/src/b", 1)];
+    assert_eq!(sizes(names.into_iter()), BTreeMap::from(expected));
+}
