@@ -12,7 +12,7 @@ use bendtwin_store::{
 use bytes::Bytes;
 use futures::{StreamExt, stream::BoxStream};
 
-use super::{App, Attempt, Error, Result, requirements, results};
+use super::{App, Attempt, Error, Result, jobs::results, requirements};
 use crate::{audit, context::Context};
 
 /// Longest verdict.

@@ -1,5 +1,7 @@
 //! Jobs as workers see them: leased, reported, checkpointed, ended.
 
+pub(super) mod results;
+
 use std::{collections::HashSet, time::Duration};
 
 use bendtwin_core::{
@@ -11,7 +13,7 @@ use bendtwin_store::{
     Observation, State, TwinFacts, WorkerEnd,
 };
 
-use super::{App, Body, Error, Result, results};
+use super::{App, Body, Error, Result};
 
 /// An attempt at a job, as a worker names it in every call.
 #[derive(Clone, Copy, Debug)]

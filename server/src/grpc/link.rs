@@ -26,7 +26,6 @@ use super::{
 use crate::{
     app::{self, Attempt, Error, IngestPart, IngestUpload, LeasedJob, News, Offer},
     http::root_service::PeerCertificate,
-    tokens::Bearer,
 };
 
 fn attempt(shown: &Credentials, worker: &str, job: &str, epoch: u64) -> app::Result<Attempt> {
@@ -85,13 +84,14 @@ impl WorkerLink for Api {
             build: short(r.build),
             lanes: r.lanes,
             labels: r.labels,
-            server: matches!(shown.bearer, Bearer::Child(_)).then_some(self.app.id),
+            // The use case knows whose processes are its own.
+            server: None,
         };
         self.app.register_worker(new, shown.bearer, &shown.token).await?;
         Ok(Response::new(RegisterResponse {
-            heartbeat_interval_s: self.app.options.heartbeat_interval_s,
-            lease_s: self.app.options.lease_s,
-            rollout_limits: Some((&self.app.options.limits.rollout).into()),
+            heartbeat_interval_s: self.app.options().heartbeat_interval_s,
+            lease_s: self.app.options().lease_s,
+            rollout_limits: Some((&self.app.options().limits.rollout).into()),
         }))
     }
 

@@ -12,7 +12,7 @@ use bendtwin_core::ids::{ServerId, WorkerId};
 use bendtwin_store::{Server, Worker, WorkerEnd};
 use uuid::Uuid;
 
-use super::{App, Error, Result};
+use crate::app::{App, Error, Result};
 
 /// The last sign of each member, and when it was first seen, by the time of leases.
 #[derive(Debug, Default)]
