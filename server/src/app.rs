@@ -52,7 +52,7 @@ pub(crate) use crate::{
 pub(crate) use fits::FitOrder;
 pub(crate) use geometry::Geometry;
 pub(crate) use ingests::{IngestPart, IngestUpload};
-pub(crate) use jobs::{Attempt, LeasedJob, News, Offer};
+pub(crate) use jobs::{LeasedJob, News, Offer};
 pub(crate) use keys::KeyOrder;
 pub(crate) use labels::{Change, Listing};
 pub(crate) use operations::Check;
