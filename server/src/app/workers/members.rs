@@ -120,7 +120,7 @@ impl App {
     /// Signals to the other servers that this one runs, takes over what they know, and requeues the jobs
     /// of servers and workers that have been silent for a lease. Returns the processes of other
     /// living servers: these alone end the attempts of theirs.
-    pub(super) async fn sweep_members(&self, lease: Duration) -> Result<HashSet<WorkerId>> {
+    pub(in crate::app) async fn sweep_members(&self, lease: Duration) -> Result<HashSet<WorkerId>> {
         let now = self.store.lease_time();
         if self.members.is_due(self.id.uuid(), lease / 3, now) {
             self.store.servers().seen(self.id, bendtwin_core::BUILD).await?;
@@ -165,7 +165,7 @@ impl App {
 
     /// Notes for all servers that a worker of the fleet is heard of, now and then. False if none
     /// knows it any more.
-    pub(super) async fn tell_of(&self, worker: WorkerId) -> Result<bool> {
+    pub(in crate::app) async fn tell_of(&self, worker: WorkerId) -> Result<bool> {
         let (every, now) = (self.options.lease() / 3, self.store.lease_time());
         if !self.store.is_shared() || !self.members.is_due(worker.uuid(), every, now) {
             return Ok(true);
@@ -208,7 +208,7 @@ impl App {
     }
 
     /// Forgets a worker that ended with its server, or in good order: its attempts do not count.
-    pub(super) async fn forfeit(&self, worker: WorkerId) -> Result<()> {
+    pub(in crate::app) async fn forfeit(&self, worker: WorkerId) -> Result<()> {
         self.dispatch.remove(worker);
         for job in self.store.jobs().forfeit(worker, WorkerEnd::ByServer).await? {
             self.note_end(&job);
