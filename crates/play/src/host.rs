@@ -1,4 +1,4 @@
-//! The host of plays: whatever has sessions and a planner.
+//! The host of plays, which has sessions and a planner.
 
 use std::time::Duration;
 

@@ -89,7 +89,7 @@ pub struct Play {
 #[derive(Debug)]
 pub struct Player {
     play: Arc<Play>,
-    /// Its messages to the play.
+    /// Messages to the play.
     pub inbox: Arc<Inbox>,
     /// Answers to its messages.
     pub replies: mpsc::Receiver<Arc<str>>,

@@ -157,19 +157,19 @@ pub struct Target {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Factors {
-    /// Of stiffness.
+    /// Factor of stiffness.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub stiffness: Option<f32>,
-    /// Of damping.
+    /// Factor of damping.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub damping: Option<f32>,
-    /// Of bending.
+    /// Factor of bending.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub bending: Option<f32>,
-    /// Of friction.
+    /// Factor of friction.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub friction: Option<f32>,
-    /// Of the mass.
+    /// Factor of the mass.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub mass: Option<f32>,
 }
@@ -194,7 +194,7 @@ pub struct Goal {
 pub struct GoalTarget {
     /// The point: a node.
     pub node: u32,
-    /// Its place [m].
+    /// The place [m].
     pub position: [f32; 3],
 }
 

@@ -23,7 +23,7 @@ pub fn ended(problem: Option<Value>) -> String {
     text(&Ended { r#type: "ended", problem })
 }
 
-/// An event that the player is told of.
+/// An event, with a sentence for the player.
 pub(crate) fn notice(event: &'static str, said: &str) -> String {
     #[derive(Serialize)]
     struct Notice<'a> {

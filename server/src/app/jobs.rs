@@ -214,12 +214,7 @@ impl App {
         } else {
             self.dispatch.worker_end(worker)
         };
-        self.dispatch.remove(worker);
-        for job in self.store.jobs().forfeit(worker, end).await? {
-            self.note_end(&job);
-        }
-        self.store.workers().forget(worker).await?;
-        Ok(())
+        self.forfeit(worker, end).await
     }
 
     /// Lets the time of leases pass, ends the attempts of workers that fell silent, and forgets

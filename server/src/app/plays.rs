@@ -40,7 +40,7 @@ impl App {
 /// The server as plays see it.
 struct PlayHost {
     app: App,
-    /// Of the request that began the play.
+    /// The context of the request that began the play.
     context: Context,
 }
 

@@ -3,7 +3,7 @@
 mod members;
 
 use bendtwin_core::ids::WorkerId;
-use bendtwin_store::NewWorker;
+use bendtwin_store::{NewWorker, WorkerEnd};
 
 use super::{App, Error, Result, requirements};
 use crate::{
@@ -92,7 +92,7 @@ impl App {
     /// A worker ends in good order.
     pub(crate) async fn worker_left(&self, worker: WorkerId) -> Result<()> {
         tracing::info!(%worker, "worker ended");
-        self.forfeit(worker).await
+        self.forfeit(worker, WorkerEnd::ByServer).await
     }
 
     /// Asks a worker to take no more work and to end.
