@@ -1,12 +1,14 @@
 //! Access: which caller may make which call. A request shows the client token or a key; that makes it a [`Caller`] with
 //! scopes. The table says which scope a route or an RPC takes, over both transports alike.
 
+pub(crate) mod client_token;
 mod gate;
 mod in_flight;
 pub(crate) mod key;
 mod key_ring;
 mod refusals;
 mod table;
+mod tokens;
 
 use std::{sync::Arc, time::Instant};
 
@@ -21,6 +23,7 @@ pub(crate) use in_flight::{Flight, InFlight};
 pub(crate) use key_ring::KeyRing;
 pub use table::{Access, TABLE};
 pub(crate) use table::{find, is_open, route_name};
+pub(crate) use tokens::{Bearer, Child, Tokens};
 
 /// Right to a kind of calls, which a key may have.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]

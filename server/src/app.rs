@@ -1,50 +1,67 @@
-//! The use cases, free of transport: HTTP and gRPC both call them. Arguments are checked here, so
-//! that both refuse the same requests with the same words.
+//! The use cases, free of transport: HTTP, gRPC and plays call methods of [`App`] alone, and nothing
+//! outside of this module reaches the store, the routing or the memory behind it. Arguments are
+//! checked here, so that all refuse the same requests with the same words.
 
 mod captures;
 mod disk;
-mod evaluations;
 mod fits;
 mod geometry;
 mod ingests;
 mod jobs;
 mod keys;
 mod labels;
-mod members;
+mod operations;
+mod plans;
+mod plays;
+mod receive;
 mod requirements;
-mod results;
+mod rollouts;
+mod sessions;
+mod sweeps;
 mod twins;
-mod upload;
 mod uploads;
 mod watch;
 mod workers;
 
-use std::{str::FromStr, sync::Arc};
+use std::{str::FromStr, sync::Arc, time::Duration};
 
 use bendtwin_core::{
     ids::{InvalidName, ServerId},
     settings::layers,
 };
+use bendtwin_play::Plays;
 use bendtwin_store::Store;
 use serde::de::DeserializeOwned;
-use tokio_util::sync::CancellationToken;
+use tokio_util::sync::{CancellationToken, WaitForCancellationFutureOwned};
 
-pub(crate) use crate::error::{Error, Result};
 use crate::{
-    access::KeyRing, dispatch::Dispatch, memory::Memory, metrics::Metrics, options::Options,
-    play::Plays, readiness::Readiness, tls::Certificates, tokens::Tokens,
+    access::{Gate, KeyRing, Tokens},
+    dispatch::Dispatch,
+    memory::Memory,
+    metrics::Metrics,
+    options::Options,
+    tls::Certificates,
+};
+pub(crate) use crate::{
+    dispatch::{
+        InParts, Parts, Plan, Register, Registered, ReplyHold, RollOut, Step, Whole, WorkerView,
+    },
+    error::{Error, Result},
 };
 
 pub(crate) use fits::FitOrder;
 pub(crate) use geometry::Geometry;
 pub(crate) use ingests::{IngestPart, IngestUpload};
-pub(crate) use jobs::{Attempt, LeasedJob, News, Offer};
+pub(crate) use jobs::{LeasedJob, News, Offer};
 pub(crate) use keys::KeyOrder;
 pub(crate) use labels::{Change, Listing};
-use members::Members;
+pub(crate) use operations::Check;
+use operations::Readiness;
+pub(crate) use receive::Body;
 pub(crate) use requirements::of as requirements_of;
-pub(crate) use upload::Body;
+pub(crate) use sweeps::Sweeps;
 pub(crate) use uploads::{ALGORITHMS, Append, Checksum, NewUpload, capture_name};
+use workers::Members;
 
 /// The application. Clones share it.
 #[derive(Clone, Debug)]
@@ -52,25 +69,27 @@ pub(crate) struct App {
     inner: Arc<Inner>,
 }
 
+/// What the use cases work with; its fields are theirs alone.
 #[derive(Debug)]
 pub(crate) struct Inner {
     /// The id of this start.
-    pub(crate) id: ServerId,
-    pub(crate) options: Options,
-    pub(crate) store: Store,
-    pub(crate) dispatch: Dispatch,
-    pub(crate) tokens: Tokens,
-    pub(crate) keys: KeyRing,
-    pub(crate) metrics: Metrics,
-    pub(crate) readiness: Readiness,
-    pub(crate) memory: Memory,
-    pub(crate) plays: Plays,
+    id: ServerId,
+    options: Options,
+    store: Store,
+    dispatch: Dispatch,
+    tokens: Tokens,
+    keys: KeyRing,
+    metrics: Metrics,
+    readiness: Readiness,
+    memory: Memory,
+    plays: Plays,
     members: Members,
     /// Cancelled when the server begins to stop: streams end then.
-    pub(crate) stopping: CancellationToken,
-    pub(crate) certificates: Certificates,
+    stopping: CancellationToken,
+    certificates: Certificates,
 }
 
+/// For the use cases: outside of this module there is nothing to see.
 impl std::ops::Deref for App {
     type Target = Inner;
     fn deref(&self) -> &Inner {
@@ -79,27 +98,75 @@ impl std::ops::Deref for App {
 }
 
 impl App {
-    pub(crate) fn new(options: Options, store: Store, certificates: Certificates) -> Self {
-        let metrics = Metrics::new();
+    pub(crate) fn new(
+        options: Options,
+        store: Store,
+        certificates: Certificates,
+        metrics: Metrics,
+    ) -> Self {
         let memory = Memory::new(options.memory_bytes());
-        let (of_store, counted) = (store.clone(), metrics.clone());
-        let dialer = certificates.dialer();
+        let stopping = CancellationToken::new();
+        let dispatch = Dispatch::new(
+            &options,
+            store.clone(),
+            metrics.clone(),
+            memory.clone(),
+            certificates.dialer(),
+            stopping.clone(),
+        );
         let inner = Inner {
             id: ServerId::generate(),
             members: Members::default(),
-            dispatch: Dispatch::new(&options, of_store, counted, memory.clone(), dialer),
+            dispatch,
             tokens: Tokens::new(options.worker_token.as_deref()),
             keys: KeyRing::new(store.clone()),
             metrics,
             readiness: Readiness::default(),
             memory,
-            plays: Plays::new(&options.limits),
-            stopping: CancellationToken::new(),
+            plays: Plays::new(options.limits.plays(), stopping.clone()),
+            stopping,
             certificates,
             options,
             store,
         };
         Self { inner: Arc::new(inner) }
+    }
+
+    /// The options of the server.
+    pub(crate) fn options(&self) -> &Options {
+        &self.options
+    }
+
+    /// The gate of requests, which lets the token and the keys of this server in.
+    pub(crate) fn gate(&self, token: Option<&str>) -> Gate {
+        Gate::new(token, self.keys.clone(), self.store.clone())
+    }
+
+    /// Waits until the server begins to stop.
+    pub(crate) fn stopped(&self) -> WaitForCancellationFutureOwned {
+        self.stopping.clone().cancelled_owned()
+    }
+
+    /// True once the server has begun to stop.
+    pub(crate) fn is_stopping(&self) -> bool {
+        self.stopping.is_cancelled()
+    }
+
+    /// Begins to stop: streams end, and plays within this time, while there are workers to hear it.
+    pub(crate) async fn stop(&self, limit: Duration) {
+        self.stopping.cancel();
+        let _ = tokio::time::timeout(limit, self.plays.ended()).await;
+    }
+
+    /// Stores what is known only here, and closes the store.
+    pub(crate) async fn close(&self) {
+        if let Err(error) = self.keys.record_uses().await {
+            tracing::warn!(%error, "the last uses of keys are not recorded");
+        }
+        if let Err(error) = self.store.servers().forget(self.id).await {
+            tracing::warn!(%error, "other servers wait for a lease until they take this one for gone");
+        }
+        self.store.close().await;
     }
 }
 

@@ -32,20 +32,20 @@ use bendtwin_tls::Connector;
 use tokio_util::sync::CancellationToken;
 
 use crate::{
+    access::Child,
     error::{Error, Result},
     metrics::Metrics,
     options::{Limits, Options},
-    tokens::Child,
 };
 
 use line::Ask;
 pub(crate) use line::Size;
-pub(crate) use plan::Plan;
+pub(crate) use plan::{Plan, Updates};
 pub(crate) use registrations::{Register, Registered};
 use registry::{Entry, LastSign, Now};
 pub(crate) use registry::{FitRoom, Heartbeat, HeldSession, Memory, WorkerView};
 pub(crate) use rollout::{InParts, Parts, ReplyHold, RollOut, Whole};
-pub(crate) use steps::Step;
+pub(crate) use steps::{Step, Stepped};
 use twins::Twins;
 
 /// The routing table. Clones share it.
@@ -61,6 +61,8 @@ pub(crate) struct Dispatch {
     workers: Arc<Mutex<HashMap<WorkerId, Arc<Entry>>>>,
     twins: Twins,
     dialer: Connector,
+    /// Cancelled when the server begins to stop.
+    stopping: CancellationToken,
 }
 
 impl Dispatch {
@@ -70,6 +72,7 @@ impl Dispatch {
         metrics: Metrics,
         memory: crate::memory::Memory,
         dialer: Connector,
+        stopping: CancellationToken,
     ) -> Self {
         Self {
             store,
@@ -81,6 +84,7 @@ impl Dispatch {
             workers: Arc::default(),
             twins: Twins::default(),
             dialer,
+            stopping,
         }
     }
 

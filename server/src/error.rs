@@ -126,24 +126,8 @@ pub(crate) enum Error {
     #[error("the server is stopping: retry")]
     #[problem(Unavailable, "STOPPING", retry = SOON)]
     Stopping,
-    #[error("{most} {what} already: close one, or raise {option}")]
-    #[problem(ResourceExhausted, "PLAYS_FULL")]
-    PlayFull { what: &'static str, most: usize, option: &'static str },
-    #[error(
-        "{0} is not there: the page that played it was closed, or it is at another server. Plays live \
-         at the server that began them: call that one, or begin another"
-    )]
-    #[problem(NotFound, "PLAY_NOT_FOUND")]
-    PlayEnded(String),
-    #[error("nobody has touched the play for {} s: open it again", .0.as_secs())]
-    #[problem(Aborted, "PLAY_IDLE")]
-    PlayIdle(Duration),
-    #[error("messages come faster than they can be taken in: send at most 200 a second")]
-    #[problem(ResourceExhausted, "PLAY_TOO_FAST")]
-    PlayTooFast,
-    #[error("nothing was recorded in this play: record something, or put a recording")]
-    #[problem(FailedPrecondition, "NOTHING_RECORDED")]
-    NothingRecorded,
+    #[error(transparent)]
+    Play(#[from] bendtwin_play::Error),
     /// The answer of a worker, unchanged.
     #[error("{0}")]
     #[problem(_0.category, "WORKER_FAULT", retry = until_free(_0), fault = _0.clone())]
@@ -156,6 +140,17 @@ pub(crate) enum Error {
 impl Error {
     pub(crate) fn invalid(field: &'static str, fault: impl Into<String>) -> Self {
         Self::Invalid { field, fault: fault.into() }
+    }
+}
+
+/// An error of a call that a play made.
+impl From<Error> for bendtwin_play::Error {
+    fn from(error: Error) -> Self {
+        match error {
+            Error::Play(error) => error,
+            Error::Stopping => Self::Stopping,
+            error => Self::Host { retry_after: error.retry_after(), fault: error.fault() },
+        }
     }
 }
 

@@ -74,10 +74,10 @@ struct Api {
 /// All services as one router.
 pub(crate) async fn router(app: &App) -> Result<axum::Router, StartError> {
     let api = Api { app: app.clone() };
-    let limits = app.options.limits.rollout;
+    let limits = app.options().limits.rollout;
     let bytes = |limit: u64| usize::try_from(limit).unwrap_or(usize::MAX);
     // A body of JSON becomes one message, with its strings and a few fields.
-    let message = MESSAGE.max(app.options.limits.json_bytes.saturating_add(64 << 10));
+    let message = MESSAGE.max(app.options().limits.json_bytes.saturating_add(64 << 10));
     let reflection = || {
         tonic_reflection::server::Builder::configure()
             .register_encoded_file_descriptor_set(DESCRIPTORS)
@@ -135,7 +135,7 @@ pub(crate) async fn router(app: &App) -> Result<axum::Router, StartError> {
                 .max_encoding_message_size(bytes(limits.reply_bytes)),
         });
     // Workers that have to show a certificate do not connect where none is demanded.
-    if app.options.worker_tls.is_none() {
+    if app.options().worker_tls.is_none() {
         routes.add_service(worker_link(app));
     }
     Ok(routes.routes().into_axum_router())

@@ -12,14 +12,14 @@
 //! ```
 //!
 //! `app/` has the use cases and knows no transport; `http/` and `grpc/` turn
-//! them into two APIs over one error table (`refusal.rs`); `access/` says who may call what; `dispatch/` knows the
-//! workers and routes rollouts; `play/` advances sessions in real time; `supervise.rs` keeps worker processes alive; `sweeps.rs` does what
-//! is to be done at intervals, and `readiness.rs` says whether requests can be served.
+//! them into two APIs over one error table (`refusal.rs`), and call nothing else; `access/` says who
+//! may call what; `dispatch/` knows the workers and routes rollouts; `supervise.rs` keeps worker
+//! processes alive. Plays, which advance sessions in real time, are `bendtwin_play`, whose host is
+//! `app/plays.rs`.
 
 pub mod access;
 mod app;
 mod audit;
-mod client_token;
 mod context;
 mod deadline;
 mod dispatch;
@@ -30,14 +30,10 @@ mod listen;
 mod memory;
 mod metrics;
 mod options;
-mod play;
-mod readiness;
 mod refusal;
 mod service;
 mod supervise;
-mod sweeps;
 mod tls;
-mod tokens;
 
 /// Check, repair and backup of a data folder.
 pub use bendtwin_store::{DatabaseUrl, ObjectsUrl, bench as store_bench, maintenance};

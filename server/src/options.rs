@@ -398,6 +398,15 @@ fn machine_bytes() -> u64 {
 }
 
 impl Limits {
+    /// Limits of plays.
+    pub(crate) fn plays(&self) -> bendtwin_play::Limits {
+        bendtwin_play::Limits {
+            plays: self.plays,
+            watchers: self.play_watchers,
+            idle: Duration::from_secs_f64(self.play_idle_s),
+        }
+    }
+
     pub(crate) fn upload_idle(&self) -> Duration {
         Duration::from_secs_f64(self.upload_idle_s)
     }

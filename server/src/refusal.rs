@@ -127,6 +127,12 @@ impl Refusal {
         }
     }
 
+    /// The document as a value.
+    pub(crate) fn json(&self, context: &Context) -> serde_json::Value {
+        // Nothing in a document fails to be written.
+        serde_json::to_value(self.document(context)).unwrap_or_default()
+    }
+
     /// The gRPC form, for the request of that context.
     pub(crate) fn into_status(self, context: &Context) -> Status {
         let fault = context::redact(self.fault, &context.request_id);

@@ -9,18 +9,18 @@ use tokio::{net::TcpListener, task::JoinHandle, time::Instant};
 use tokio_util::sync::CancellationToken;
 
 use crate::{
-    access::Gate,
-    app::App,
-    client_token, grpc,
+    access::client_token,
+    app::{App, Sweeps},
+    grpc,
     http::{
         self,
         origin::Hosts,
         root_service::{RootService, Transport},
     },
     listen::{self, Bounds},
+    metrics::Metrics,
     options::{ClientTokenPolicy, Options},
     supervise,
-    sweeps::Sweeps,
     tls::Certificates,
 };
 
@@ -140,16 +140,17 @@ impl Service {
         let memory_mib = options.memory_bytes() >> 20;
         let worker_memory_mib = options.workers.each_memory_mib();
         tracing::info!(memory_mib, worker_memory_mib, "memory for requests, and of each worker");
-        let app = App::new(options, store, certificates);
+        let metrics = Metrics::new();
+        let app = App::new(options, store, certificates.clone(), metrics.clone());
         app.recover().await.map_err(|e| StartError::Recovery(e.to_string()))?;
         let grpc = grpc::router(&app).await?;
         let root_service = RootService {
             http: http::router(&app, &grpc),
             grpc,
-            metrics: app.metrics.clone(),
+            metrics: metrics.clone(),
             methods: grpc::methods()?.into(),
             hosts,
-            gate: Gate::new(client_token.as_deref(), app.keys.clone(), app.store.clone()),
+            gate: app.gate(client_token.as_deref()),
             transport: Transport::default(),
         };
         let for_workers = RootService {
@@ -161,20 +162,19 @@ impl Service {
         let cut = CancellationToken::new();
         let serve = |socket, service, bounds, tls, close: &CancellationToken| {
             let (close, cut) = (close.clone(), cut.clone());
-            let metrics = app.metrics.clone();
+            let metrics = metrics.clone();
             tokio::spawn(listen::serve(socket, service, bounds, tls, metrics, close, cut))
         };
-        let bounds = |name| Bounds::workers(&app.options, name);
-        let (public, to_close) = (Bounds::public(&app.options), &close_workers);
+        let bounds = |name| Bounds::workers(app.options(), name);
+        let (public, to_close) = (Bounds::public(app.options()), &close_workers);
         let mut listeners = vec![
-            serve(socket, root_service, public, app.certificates.public(), &close),
+            serve(socket, root_service, public, certificates.public(), &close),
             serve(worker_socket, for_workers.clone(), bounds("workers"), None, to_close),
         ];
         if let Some((socket, _)) = worker_tls {
-            let tls = app.certificates.workers();
+            let tls = certificates.workers();
             listeners.push(serve(socket, for_workers, bounds("workers_tls"), tls, to_close));
         }
-        app.certificates.watch(&app.stopping);
         let sweeps = Sweeps::start(&app);
         let workers = supervise::start(&app, program, worker_address);
         tracing::info!(%address, %worker_address, ?worker_tls_address, "listening");
@@ -259,12 +259,10 @@ impl Handle {
     /// finish within the grace period, the store closes.
     pub async fn shutdown(self) {
         tracing::info!("stopping");
-        self.app.stopping.cancel();
         let ends = Instant::now() + self.grace;
         // Silent connections are not waited for, but workers need their socket to hand jobs back.
         self.close.cancel();
-        // Plays end their sessions while there are workers to hear it.
-        let _ = tokio::time::timeout(self.grace.min(LAST_WORDS), self.app.plays.ended()).await;
+        self.app.stop(self.grace.min(LAST_WORDS)).await;
         self.workers.stop(self.grace).await;
         self.close_workers.cancel();
         let last = ends.max(Instant::now() + self.grace.min(LAST_WORDS));
@@ -276,13 +274,7 @@ impl Handle {
             let _ = listeners.await;
         }
         self.sweeps.stop();
-        if let Err(error) = self.app.keys.record_uses().await {
-            tracing::warn!(%error, "the last uses of keys are not recorded");
-        }
-        if let Err(error) = self.app.store.servers().forget(self.app.id).await {
-            tracing::warn!(%error, "other servers wait for a lease until they take this one for gone");
-        }
-        self.app.store.close().await;
+        self.app.close().await;
         tracing::info!("stopped");
     }
 }

@@ -15,7 +15,7 @@ use tokio::{
 };
 use tokio_util::{sync::CancellationToken, task::TaskTracker};
 
-use crate::{app::App, tokens::Child};
+use crate::{access::Child, app::App};
 
 pub(crate) use program::program;
 
@@ -80,7 +80,7 @@ impl SpawnOptions {
 
 /// Starts the children that the options ask for.
 pub(crate) fn start(app: &App, program: Option<PathBuf>, address: SocketAddr) -> Supervisor {
-    let policy = &app.options.workers;
+    let policy = &app.options().workers;
     let supervisor = Supervisor {
         stop: CancellationToken::new(),
         kill: CancellationToken::new(),
@@ -151,7 +151,7 @@ impl SlotSupervisor {
         while !self.stop.is_cancelled() {
             let child = Child(u64::from(generation) << 32 | u64::from(self.slot));
             if generation > 0 {
-                self.app.metrics.worker_restarted(self.slot);
+                self.app.child_restarted(self.slot);
             }
             generation = generation.wrapping_add(1);
             let started = Instant::now();
@@ -162,7 +162,7 @@ impl SlotSupervisor {
                     tracing::error!(%error, %program, "cannot start a worker");
                 }
             }
-            self.clean_up(child).await;
+            self.app.child_gone(child).await;
             if started.elapsed() >= HEALTHY_AFTER {
                 backoff = self.spawn_options.min_backoff;
             }
@@ -180,7 +180,7 @@ impl SlotSupervisor {
             command.env(DEVICE_VARIABLE, device.to_string());
         }
         if std::env::var_os(SCRATCH_VARIABLE).is_none() {
-            let folder = std::path::absolute(&self.app.options.data_dir)?.join(SCRATCH_FOLDER);
+            let folder = std::path::absolute(&self.app.options().data_dir)?.join(SCRATCH_FOLDER);
             command.env(SCRATCH_VARIABLE, folder);
         }
         // Of the environment of the server, the database and the bucket are nothing to workers and to
@@ -200,7 +200,7 @@ impl SlotSupervisor {
         command
             .args(&self.spawn_options.args)
             .env(SERVER_VARIABLE, &self.spawn_options.server)
-            .env(TOKEN_VARIABLE, self.app.tokens.issue(child))
+            .env(TOKEN_VARIABLE, self.app.admit_child(child))
             .env(BACKEND_VARIABLE, &self.spawn_options.backend)
             .env(MEMORY_VARIABLE, self.spawn_options.memory_mib.to_string())
             .stdin(Stdio::piped())
@@ -239,16 +239,6 @@ impl SlotSupervisor {
                 tracing::warn!(slot = self.slot, %status, ?child, "worker ended, restarting");
             }
             Err(error) => tracing::error!(slot = self.slot, %error, "cannot wait for the worker"),
-        }
-    }
-
-    /// Revokes the child's token, so that no further call gets through, and gives its jobs back.
-    async fn clean_up(&self, child: Child) {
-        self.app.tokens.revoke(child);
-        for worker in self.app.dispatch.of_child(child) {
-            if let Err(error) = self.app.worker_gone(worker).await {
-                tracing::error!(%error, %worker, "its jobs wait for their leases to run out");
-            }
         }
     }
 }

@@ -7,31 +7,26 @@ use std::{path::PathBuf, time::Duration};
 
 use bendtwin_core::{Category, Fault, FitSettings, Problem as _, Twin};
 use bendtwin_fit::OpenRasteriser;
-use bendtwin_proto::worker::v1::{Lease, lease_job_request::Kind};
+use bendtwin_proto::worker::v1::lease_job_request::Kind;
 use tokio::sync::{mpsc, oneshot};
 use tokio_util::sync::CancellationToken;
-use tracing::Instrument as _;
 
 use self::compute::{Compute, Finished, Inputs};
 use crate::{
-    Error, Limits, artifact,
+    Error, Limits,
     device::{Device, Priority},
     job::{
-        Job, checkpoints, deliver, report, resume,
+        Attempt, LeasedJob, deliver, report,
         stop::{Reason, Stop},
     },
     leasing::Execute,
-    observation, priority,
-    server_client::ServerClient,
+    priority,
 };
 
 /// Executor of fit jobs.
 #[derive(Clone)]
 pub(crate) struct Fits {
-    pub(crate) server: ServerClient,
     pub(crate) device: Device,
-    /// workers/{uuid}
-    pub(crate) worker: String,
     /// Folder for observations while they are read.
     pub(crate) dir: PathBuf,
     pub(crate) limits: Limits,
@@ -61,47 +56,19 @@ enum Outcome {
 impl Execute for Fits {
     const KIND: Kind = Kind::Fit;
 
-    fn server(&self) -> &ServerClient {
-        &self.server
-    }
-
-    fn worker(&self) -> &str {
-        &self.worker
-    }
-
-    async fn execute(&self, lease: Lease, drain: &CancellationToken) {
-        let span = tracing::info_span!(
-            "fit",
-            job = lease.job,
-            epoch = lease.epoch,
-            request_id = lease.request_id,
-            trace_parent = lease.trace_parent
-        );
-        bendtwin_telemetry::continue_from(&span, &lease.trace_parent);
-        self.execute_in_span(lease, drain).instrument(span).await;
-    }
-}
-
-impl Fits {
-    async fn execute_in_span(&self, lease: Lease, drain: &CancellationToken) {
-        tracing::info!(capture = lease.capture, resumed = lease.has_checkpoint, "fit leased");
-        let job = Job::new(self.server.clone(), self.worker.clone(), &lease);
-        let stop = Stop::default();
-        let (progress, reporter) = report::start(job.clone(), stop.clone());
-        let (checkpoints, saver) = checkpoints::start(job.clone(), stop.clone());
-        let draining = stop.on_drain(drain);
-        let compute = Compute { progress: progress.clone(), checkpoints, stop: stop.clone() };
-        let (outcome, straggler) = match self.begin(&lease, compute).await {
+    async fn execute(&self, job: LeasedJob, drain: &CancellationToken) {
+        tracing::info!(resumed = job.has_checkpoint(), "fit leased");
+        let mut attempt = Attempt::begin(job, drain, self.delivery_timeout);
+        let (outcome, straggler) = match self.begin(&attempt).await {
             Err(fault) => (Outcome::Failed(fault), None),
-            Ok(thread) => finish(thread, &stop).await,
+            Ok(thread) => finish(thread, &attempt.stop).await,
         };
-        if stop.reason().is_none() {
-            report::flush(&job, &progress).await;
+        if attempt.stop.reason().is_none() {
+            report::flush(&attempt.job, &attempt.progress).await;
         }
+        self.conclude(&mut attempt, outcome).await;
         // The lease is renewed until the end is written: only then may its renewal cease.
-        self.conclude(&job, outcome, &stop, saver, drain).await;
-        draining.abort();
-        reporter.abort();
+        drop(attempt);
         if let Some(straggler) = straggler {
             // Before the next job: two captures in memory may be one too many.
             tokio::select! {
@@ -110,13 +77,19 @@ impl Fits {
             }
         }
     }
+}
 
+impl Fits {
     /// Fetches the inputs and starts the thread that computes.
-    async fn begin(&self, lease: &Lease, compute: Compute) -> Result<Thread, Fault> {
-        let stop = compute.stop.clone();
+    async fn begin(&self, attempt: &Attempt<'_>) -> Result<Thread, Fault> {
         let inputs = tokio::select! {
-            fetched = self.fetch(lease) => fetched?,
-            () = stop.stopped() => return Err(cancelled()),
+            fetched = self.fetch(&attempt.job) => fetched?,
+            () = attempt.stop.stopped() => return Err(cancelled()),
+        };
+        let compute = Compute {
+            progress: attempt.progress.clone(),
+            checkpoints: attempt.checkpoints.clone(),
+            stop: attempt.stop.clone(),
         };
         let (device, limits) = (self.device.clone(), self.limits);
         let rasteriser = self.rasteriser.clone();
@@ -145,23 +118,21 @@ impl Fits {
         }
     }
 
-    async fn fetch(&self, lease: &Lease) -> Result<Inputs, Fault> {
-        let settings = settings_of(&lease.settings_json)?;
-        let (name, digest) = (observation::name(&lease.capture), &lease.observation_digest);
-        let observation = artifact::fetch_file(&self.server, &name, Some(digest), &self.dir)
-            .await
-            .map_err(|e| e.fault())?;
-        let checkpoint = resume::checkpoint(&self.server, lease).await.map_err(|e| e.fault())?;
+    async fn fetch(&self, job: &LeasedJob) -> Result<Inputs, Fault> {
+        let settings = settings_of(job.settings_json())?;
+        let observation = job.fetch_observation(&self.dir).await.map_err(|e| e.fault())?;
+        let checkpoint = job.fetch_checkpoint().await.map_err(|e| e.fault())?;
         let start = match &settings.start_from {
-            Some(name) => Some(self.twin(name).await?),
+            Some(name) => Some(self.twin(job, name).await?),
             None => None,
         };
-        Ok(Inputs { lease: lease.clone(), settings, start, observation, checkpoint })
+        let capture_name = job.capture_display_name().to_owned();
+        Ok(Inputs { capture_name, settings, start, observation, checkpoint })
     }
 
     /// The twin that a fit begins with.
-    async fn twin(&self, name: &str) -> Result<Twin, Fault> {
-        let fetched = artifact::fetch(&self.server, name, self.limits.twin_bytes).await;
+    async fn twin(&self, job: &LeasedJob, name: &str) -> Result<Twin, Fault> {
+        let fetched = job.fetch_twin(name, self.limits.twin_bytes).await;
         let file = fetched.map_err(|e| e.fault())?;
         let read = tokio::task::spawn_blocking(move || Twin::decode(&file)).await;
         let read = read.map_err(|e| e.to_string()).and_then(|r| r.map_err(|e| e.to_string()));
@@ -174,34 +145,24 @@ impl Fits {
     }
 
     /// Reports the outcome to the server.
-    async fn conclude(
-        &self,
-        job: &Job,
-        outcome: Outcome,
-        stop: &Stop,
-        saver: checkpoints::Saver,
-        drain: &CancellationToken,
-    ) {
-        if stop.reason() == Some(Reason::Stale) {
+    async fn conclude(&self, attempt: &mut Attempt<'_>, outcome: Outcome) {
+        if attempt.stop.reason() == Some(Reason::Stale) {
             tracing::warn!("the lease is stale: another worker has the job");
-            return saver.abort();
+            return;
         }
-        let delivery = deliver::Delivery { job, drain, delivery_timeout: self.delivery_timeout };
-        match (outcome, stop.reason()) {
+        match (outcome, attempt.stop.reason()) {
             (Outcome::Finished(finished), _) => {
-                saver.abort();
-                twin::deliver(&delivery, *finished).await;
+                attempt.drop_checkpoint();
+                twin::deliver(attempt, *finished).await;
             }
             (Outcome::Failed(fault), None) if self.met_a_broken_device(&fault) => {
                 tracing::warn!("a rollout broke the device: the fit is handed back");
-                saver.flush().await;
-                delivery.fail(fault, deliver::Failure::Interrupted).await;
+                attempt.save_last_checkpoint().await;
+                attempt.fail(fault, deliver::Failure::Interrupted).await;
             }
-            (Outcome::Failed(fault), stopped) => {
-                delivery.fail_unfinished("fit", fault, stopped, saver).await;
-            }
+            (Outcome::Failed(fault), _) => attempt.fail_unfinished("fit", fault).await,
             (Outcome::Panicked(text), _) => {
-                saver.flush().await;
+                attempt.save_last_checkpoint().await;
                 tracing::error!("fit panicked: {text}");
                 let fault = Fault {
                     category: Category::Internal,
@@ -210,7 +171,7 @@ impl Fits {
                               its log has the details"
                         .to_owned(),
                 };
-                delivery.fail(fault, deliver::Failure::Passing).await;
+                attempt.fail(fault, deliver::Failure::Passing).await;
                 let _ = self.fatal.send(Error::Panicked(text));
             }
         }

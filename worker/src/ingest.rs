@@ -19,10 +19,9 @@ mod sandbox;
 use std::{path::PathBuf, time::Duration};
 
 use bendtwin_core::{Category, Fault, Problem as _};
-use bendtwin_proto::worker::v1::{Lease, lease_job_request::Kind};
+use bendtwin_proto::worker::v1::lease_job_request::Kind;
 use tempfile::TempDir;
 use tokio_util::sync::CancellationToken;
-use tracing::Instrument as _;
 
 use self::{
     child::Child,
@@ -33,15 +32,8 @@ pub use self::{
     sandbox::{Enforced, Layer, Resources, Sandbox, available, confine},
 };
 use crate::{
-    artifact,
-    job::{
-        Job, checkpoints,
-        deliver::Delivery,
-        report as reporting, resume,
-        stop::{Reason, Stop},
-    },
+    job::{Attempt, LeasedJob, stop::Reason},
     leasing::Execute,
-    server_client::ServerClient,
 };
 
 /// Bytes of an archive for which the child gets another second.
@@ -50,9 +42,6 @@ const BYTES_PER_SECOND: u64 = 1 << 20;
 /// Executor of ingest jobs.
 #[derive(Clone)]
 pub(crate) struct Ingests {
-    pub(crate) server: ServerClient,
-    /// workers/{uuid}
-    pub(crate) worker: String,
     /// Folder for captures while they are read.
     pub(crate) dir: PathBuf,
     /// The program whose command `ingest-capture` reads them.
@@ -70,68 +59,38 @@ pub(crate) struct Ingests {
 impl Execute for Ingests {
     const KIND: Kind = Kind::Ingest;
 
-    fn server(&self) -> &ServerClient {
-        &self.server
-    }
-
-    fn worker(&self) -> &str {
-        &self.worker
-    }
-
-    async fn execute(&self, lease: Lease, drain: &CancellationToken) {
-        let span = tracing::info_span!(
-            "ingest",
-            job = lease.job,
-            epoch = lease.epoch,
-            capture = lease.capture,
-            trace_parent = lease.trace_parent
-        );
-        bendtwin_telemetry::continue_from(&span, &lease.trace_parent);
-        self.execute_in_span(lease, drain).instrument(span).await;
+    async fn execute(&self, job: LeasedJob, drain: &CancellationToken) {
+        tracing::info!(resumed = job.has_checkpoint(), "ingest leased");
+        let mut attempt = Attempt::begin(job, drain, self.delivery_timeout);
+        let work = async {
+            let (folder, time) = self.prepare(&attempt.job).await?;
+            let child = Child { program: &self.program, folder: folder.path(), time };
+            let ended = child.run(&attempt.progress, &attempt.checkpoints).await?;
+            Ok::<_, Fault>((folder, ended))
+        };
+        let outcome = tokio::select! {
+            outcome = work => outcome,
+            // Dropping the work kills the child.
+            () = attempt.stop.stopped() => Err(stopped()),
+        };
+        match (outcome, attempt.stop.reason()) {
+            (_, Some(Reason::Stale)) => {
+                tracing::warn!("the job is gone, or another worker has it");
+            }
+            (Err(fault), _) => attempt.fail_unfinished("ingest", fault).await,
+            // A finished result is delivered even if the job was asked to stop meanwhile.
+            (Ok((folder, ended)), _) => {
+                attempt.drop_checkpoint();
+                deliver::deliver(&attempt, folder.path(), ended).await;
+            }
+        }
     }
 }
 
 impl Ingests {
-    async fn execute_in_span(&self, lease: Lease, drain: &CancellationToken) {
-        tracing::info!(resumed = lease.has_checkpoint, "ingest leased");
-        let job = Job::new(self.server.clone(), self.worker.clone(), &lease);
-        let stop = Stop::default();
-        let (progress, reporter) = reporting::start(job.clone(), stop.clone());
-        let (checkpoints, saver) = checkpoints::start(job.clone(), stop.clone());
-        let draining = stop.on_drain(drain);
-        let attempt = async {
-            let (folder, time) = self.prepare(&lease).await?;
-            let child = Child { program: &self.program, folder: folder.path(), time };
-            let ended = child.run(&progress, &checkpoints).await?;
-            Ok::<_, Fault>((folder, ended))
-        };
-        let outcome = tokio::select! {
-            outcome = attempt => outcome,
-            // Dropping the attempt kills the child.
-            () = stop.stopped() => Err(stopped()),
-        };
-        let delivery = Delivery { job: &job, drain, delivery_timeout: self.delivery_timeout };
-        match (outcome, stop.reason()) {
-            (_, Some(Reason::Stale)) => {
-                tracing::warn!("the job is gone, or another worker has it");
-                saver.abort();
-            }
-            (Err(fault), stopped) => {
-                delivery.fail_unfinished("ingest", fault, stopped, saver).await;
-            }
-            // A finished result is delivered even if the job was asked to stop meanwhile.
-            (Ok((folder, ended)), _) => {
-                saver.abort();
-                deliver::deliver(&delivery, folder.path(), ended, &lease).await;
-            }
-        }
-        draining.abort();
-        reporter.abort();
-    }
-
     /// Prepares a folder for the child: archive, checkpoint and request. Also returns the time that
     /// the child may take.
-    async fn prepare(&self, lease: &Lease) -> Result<(TempDir, Duration), Fault> {
+    async fn prepare(&self, job: &LeasedJob) -> Result<(TempDir, Duration), Fault> {
         let disk = |source: std::io::Error| Fault {
             category: Category::ResourceExhausted,
             reason: "NO_DISK_SPACE".to_owned(),
@@ -139,20 +98,17 @@ impl Ingests {
         };
         let folder =
             tempfile::Builder::new().prefix("ingest-").tempdir_in(&self.dir).map_err(disk)?;
-        let digest = Some(lease.capture_digest.as_str());
-        let archive = artifact::fetch_file(&self.server, &lease.capture, digest, folder.path())
-            .await
-            .map_err(|e| e.fault())?;
+        let archive = job.fetch_capture(folder.path()).await.map_err(|e| e.fault())?;
         let archive = archive.persist(folder.path().join(ARCHIVE)).map_err(|e| disk(e.error))?;
         let bytes = archive.metadata().map_err(disk)?.len();
         let time = self.time + Duration::from_secs(bytes / BYTES_PER_SECOND);
-        let checkpoint = resume::checkpoint(&self.server, lease).await.map_err(|e| e.fault())?;
+        let checkpoint = job.fetch_checkpoint().await.map_err(|e| e.fault())?;
         if let Some(checkpoint) = checkpoint {
             std::fs::write(folder.path().join(CHECKPOINT), checkpoint).map_err(disk)?;
         }
         let request = Request {
-            name: lease.capture_display_name.clone(),
-            settings: lease.settings_json.clone(),
+            name: job.capture_display_name().to_owned(),
+            settings: job.settings_json().to_owned(),
             resources: Resources {
                 memory_bytes: self.memory_bytes,
                 // More than that passes only if the worker did not end it in time.

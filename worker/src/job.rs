@@ -1,45 +1,108 @@
-//! A leased job of either kind. Separate tasks renew its lease, report progress, save checkpoints
-//! and deliver the result, so that no computation can delay these.
+//! A leased job of either kind, which owns its lease. Separate tasks renew it, report progress, save
+//! checkpoints and deliver the result, so that no computation can delay these.
 
+mod attempt;
 pub(crate) mod checkpoints;
 pub(crate) mod deliver;
 pub(crate) mod report;
-pub(crate) mod resume;
+mod resume;
 mod stages;
 pub(crate) mod stop;
+
+use std::{path::Path, sync::Arc};
 
 use bendtwin_core::{Fault, ModelLoss, Progress};
 use bendtwin_proto::{
     v1,
-    worker::v1::{FailJobRequest, JobWrite, Lease, ReportJobRequest, fail_job_request::End},
+    worker::v1::{
+        FailJobRequest, JobWrite, Lease, ReportJobRequest, fail_job_request::End,
+        lease_job_request::Kind,
+    },
 };
 use bytes::Bytes;
+use tempfile::NamedTempFile;
+use tracing::Span;
 
+pub(crate) use self::attempt::Attempt;
 use self::{deliver::Failure, report::News};
-use crate::server_client::{CallError, ServerClient};
+use crate::{
+    artifact::{self, FetchError},
+    observation,
+    server_client::{CallError, ServerClient},
+};
 
-/// A leased job: every write carries the lease's epoch.
+/// A job that is leased to this worker. Its inputs are fetched under the lease, and every write
+/// carries the lease's epoch. Clones share the lease.
 #[derive(Clone)]
-pub(crate) struct Job {
+pub(crate) struct LeasedJob {
     server: ServerClient,
-    worker: String,
-    /// fits/{uuid} or ingests/{uuid}
-    name: String,
-    epoch: u64,
+    /// workers/{uuid}
+    worker: Arc<str>,
+    lease: Arc<Lease>,
 }
 
-impl Job {
-    pub(crate) fn new(server: ServerClient, worker: String, lease: &Lease) -> Self {
-        Self { server, worker, name: lease.job.clone(), epoch: lease.epoch }
+impl LeasedJob {
+    pub(crate) fn new(server: ServerClient, worker: &str, lease: Lease) -> Self {
+        Self { server, worker: worker.into(), lease: Arc::new(lease) }
+    }
+
+    /// fits/{uuid} or ingests/{uuid}
+    pub(crate) fn name(&self) -> &str {
+        &self.lease.job
+    }
+
+    /// captures/{uuid}
+    pub(crate) fn capture(&self) -> &str {
+        &self.lease.capture
+    }
+
+    /// Name that people gave the capture; empty if they gave none.
+    pub(crate) fn capture_display_name(&self) -> &str {
+        &self.lease.capture_display_name
+    }
+
+    /// Settings of the job, as JSON.
+    pub(crate) fn settings_json(&self) -> &str {
+        &self.lease.settings_json
+    }
+
+    /// The span of the work on it, within the trace of the call that asked for the job.
+    pub(crate) fn span(&self, kind: Kind) -> Span {
+        let Lease { job, epoch, capture, request_id, trace_parent, .. } = &*self.lease;
+        let span = match kind {
+            Kind::Ingest => tracing::info_span!("ingest", job, epoch, capture, trace_parent),
+            Kind::Fit | Kind::Unspecified => {
+                tracing::info_span!("fit", job, epoch, capture, request_id, trace_parent)
+            }
+        };
+        bendtwin_telemetry::continue_from(&span, trace_parent);
+        span
+    }
+
+    /// The archive of the capture, in a temporary file in `dir`.
+    pub(crate) async fn fetch_capture(&self, dir: &Path) -> Result<NamedTempFile, FetchError> {
+        let digest = Some(self.lease.capture_digest.as_str());
+        artifact::fetch_file(&self.server, self.capture(), digest, dir).await
+    }
+
+    /// The observation that the ingest of the capture made, in a temporary file in `dir`.
+    pub(crate) async fn fetch_observation(&self, dir: &Path) -> Result<NamedTempFile, FetchError> {
+        let digest = Some(self.lease.observation_digest.as_str());
+        artifact::fetch_file(&self.server, &observation::name(self.capture()), digest, dir).await
+    }
+
+    /// A twin that the settings name, of at most `limit` bytes.
+    pub(crate) async fn fetch_twin(&self, name: &str, limit: u64) -> Result<Bytes, FetchError> {
+        artifact::fetch(&self.server, name, limit).await
     }
 
     /// Renews the lease and stores progress and losses. Returns true if the job has been asked to
     /// stop.
     pub(crate) async fn report(&self, news: &News) -> Result<bool, CallError> {
         let request = ReportJobRequest {
-            worker: self.worker.clone(),
-            job: self.name.clone(),
-            epoch: self.epoch,
+            worker: self.worker.to_string(),
+            job: self.lease.job.clone(),
+            epoch: self.lease.epoch,
             progress: news.progress.as_ref().map(wire_progress),
             losses: news.losses.iter().map(wire_loss).collect(),
         };
@@ -56,9 +119,9 @@ impl Job {
 
     pub(crate) async fn fail(&self, fault: &Fault, kind: Failure) -> Result<(), CallError> {
         let request = FailJobRequest {
-            worker: self.worker.clone(),
-            job: self.name.clone(),
-            epoch: self.epoch,
+            worker: self.worker.to_string(),
+            job: self.lease.job.clone(),
+            epoch: self.lease.epoch,
             end: End::from(kind).into(),
             fault: Some(fault.into()),
         };
@@ -73,9 +136,9 @@ impl Job {
     /// Header of a write of several contents.
     pub(crate) fn write(&self) -> JobWrite {
         JobWrite {
-            worker: self.worker.clone(),
-            job: self.name.clone(),
-            epoch: self.epoch,
+            worker: self.worker.to_string(),
+            job: self.lease.job.clone(),
+            epoch: self.lease.epoch,
             digest: String::new(),
         }
     }

@@ -3,13 +3,15 @@
 use std::time::Duration;
 
 use bendtwin_core::Category;
-use bendtwin_proto::worker::v1::{Lease, lease_job_request::Kind};
+use bendtwin_proto::worker::v1::lease_job_request::Kind;
 use tokio_util::sync::CancellationToken;
+use tracing::Instrument as _;
 
 use crate::{
     Error,
-    registration::{Registration, is_unknown},
-    server_client::{Backoff, CallError, ServerClient},
+    job::LeasedJob,
+    registration::{Offer, Registration, is_unknown},
+    server_client::{Backoff, CallError},
 };
 
 /// Longest time for which the server may hold a call for a job.
@@ -47,13 +49,9 @@ pub(crate) trait Execute: Send + Sync {
     /// The kind of jobs.
     const KIND: Kind;
 
-    fn server(&self) -> &ServerClient;
-
-    /// workers/{uuid}
-    fn worker(&self) -> &str;
-
     /// Works on a job until it has ended, here or elsewhere. `drain` asks to hand it back.
-    fn execute(&self, lease: Lease, drain: &CancellationToken) -> impl Future<Output = ()> + Send;
+    fn execute(&self, job: LeasedJob, drain: &CancellationToken)
+    -> impl Future<Output = ()> + Send;
 }
 
 /// Leases and executes jobs.
@@ -68,19 +66,17 @@ pub(crate) async fn lease<E: Execute>(
     let mut backoff = Backoff::default();
     while !stop.closed.is_cancelled() {
         let leased = tokio::select! {
-            leased = executor.server().lease_job(E::KIND, executor.worker().to_owned(), LEASE_WAIT) => leased,
+            leased = registration.lease_job(E::KIND, LEASE_WAIT) => leased,
             () = stop.closed.cancelled() => return Ok(()),
         };
         match leased {
-            Ok(answer) if answer.drain => {
-                stop.end_as_asked();
-            }
-            Ok(answer) => {
+            Ok(Offer::Drain) => stop.end_as_asked(),
+            Ok(Offer::Nothing) => backoff = Backoff::default(),
+            Ok(Offer::Job(job)) => {
                 backoff = Backoff::default();
-                if let Some(lease) = answer.lease {
-                    let _at_work = registration.at_work(E::KIND, &lease);
-                    executor.execute(lease, &stop.drained).await;
-                }
+                let _at_work = registration.at_work(E::KIND, &job);
+                let span = job.span(E::KIND);
+                executor.execute(job, &stop.drained).instrument(span).await;
             }
             Err(CallError::Refused(fault))
                 if matches!(

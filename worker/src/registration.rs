@@ -9,11 +9,12 @@ use std::{
 };
 
 use bendtwin_core::Category;
-use bendtwin_proto::worker::v1::{Lease, RegisterRequest, lease_job_request::Kind};
+use bendtwin_proto::worker::v1::{LeaseJobResponse, RegisterRequest, lease_job_request::Kind};
 use tokio::time::Instant;
 
 use crate::{
     Error,
+    job::LeasedJob,
     leasing::StopSignals,
     rollout::{Rollouts, StatusGuard},
     server_client::{Backoff, CallError, ServerClient},
@@ -27,6 +28,16 @@ pub(crate) struct Registration {
     rollouts: Rollouts,
     /// Interval that the server asked for [ms].
     heartbeat_interval_ms: Arc<AtomicU64>,
+}
+
+/// Answer of a server to a worker that asks for a job.
+pub(crate) enum Offer {
+    /// A job, which is leased to the worker.
+    Job(LeasedJob),
+    /// No job within the wait.
+    Nothing,
+    /// The worker is to end.
+    Drain,
 }
 
 impl Registration {
@@ -78,9 +89,21 @@ impl Registration {
         }
     }
 
+    /// Waits for a job of a kind.
+    pub(crate) async fn lease_job(&self, kind: Kind, wait: Duration) -> Result<Offer, CallError> {
+        let worker = &self.request.worker;
+        let LeaseJobResponse { lease, drain } =
+            self.server.lease_job(kind, worker.clone(), wait).await?;
+        Ok(match lease {
+            _ if drain => Offer::Drain,
+            Some(lease) => Offer::Job(LeasedJob::new(self.server.clone(), worker, lease)),
+            None => Offer::Nothing,
+        })
+    }
+
     /// Reports a job to servers, until it ends.
-    pub(crate) fn at_work(&self, kind: Kind, lease: &Lease) -> StatusGuard {
-        self.rollouts.at_work(kind, lease)
+    pub(crate) fn at_work(&self, kind: Kind, job: &LeasedJob) -> StatusGuard {
+        self.rollouts.at_work(kind, job)
     }
 
     /// Registers after the server has forgotten the worker, for example because it was away for

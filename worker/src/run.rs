@@ -107,17 +107,13 @@ async fn run_on(
     let rasteriser = move || bendtwin_backends::rasteriser(&opening).map_err(|e| e.to_string());
     let fits = Fits {
         rasteriser: std::sync::Arc::new(rasteriser),
-        server: server.clone(),
         device: device.clone(),
-        worker: id.to_string(),
         dir: dir.clone(),
         limits,
         delivery_timeout: options.delivery_timeout,
         fatal,
     };
     let ingests = Ingests {
-        server: server.clone(),
-        worker: id.to_string(),
         dir,
         program: options.ingest_program.clone().unwrap_or_else(this_program),
         memory_bytes: limits.ingest_bytes,

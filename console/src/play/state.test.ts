@@ -1,7 +1,7 @@
 import { describe, expect, it } from 'vitest';
 import { decodeState } from './state';
 
-/** A state as server/src/play/shown.rs writes it: a gripper, a collider, two nodes. */
+/** A state as crates/play/src/shown.rs writes it: a gripper, a collider, two nodes. */
 function message(): ArrayBuffer {
   const buffer = new ArrayBuffer(36 + 44 + 28 + 12);
   const view = new DataView(buffer);

@@ -89,7 +89,7 @@ pub async fn queue(
         let (worker, mut completed) = (WorkerId::generate(), 0_u64);
         while began.elapsed() < time {
             let Some(job) = store.jobs().claim(Kind::Fit, worker, LEASE).await? else { break };
-            let lease = Lease { job: job.id, epoch: job.lease_epoch };
+            let lease = Lease { job: job.id, epoch: job.lease_epoch, worker };
             store.jobs().complete_published(lease, &facts, digest, size_bytes).await?;
             completed += 1;
         }

@@ -22,8 +22,8 @@
 //!   (a fit only once its capture's ingest has ended, small captures before large ones), adds 1 to
 //!   `lease_epoch` and sets `lease_until`. One statement, so two claimants never
 //!   get the same job.
-//! * **Fencing**: every write of a worker names its epoch and applies only
-//!   `where lease_epoch = $mine and state = 'running'`; else [`Error::StaleLease`]
+//! * **Fencing**: every write of a worker shows its [`Lease`] and applies only while the job runs
+//!   under that epoch at that worker; else [`Error::StaleLease`]
 //!   and nothing changes. A lease that has run out but was not taken over still
 //!   writes: expiry by itself changes nothing, the sweeper does.
 //! * **Leases** end by the time for which this process has run ([`Store::lease_time`]), so that

@@ -7,15 +7,12 @@ use bendtwin_core::{Category, Fault};
 use bendtwin_store::Store;
 
 use super::{
-    Caller, InFlight, KeyRing, key,
+    Caller, InFlight, KeyRing,
+    client_token::{self, ClientToken},
+    key,
     refusals::{Refusals, Refused},
 };
-use crate::{
-    audit,
-    client_token::{self, ClientToken},
-    context::Context,
-    refusal::Refusal,
-};
+use crate::{audit, context::Context, refusal::Refusal};
 
 /// Token and keys that requests are compared with.
 #[derive(Clone, Debug)]

@@ -6,13 +6,13 @@ use bendtwin_core::{
     settings::ingest::IngestSettings,
 };
 use bendtwin_store::{
-    AttemptEnd, Blobs, Content, Digest, IngestResult, NewIngest, NewReport, Observation, Overview,
-    Requirements, Staged, Upload,
+    AttemptEnd, Blobs, Content, Digest, IngestResult, Lease, NewIngest, NewReport, Observation,
+    Overview, Requirements, Staged, Upload,
 };
 use bytes::Bytes;
 use futures::{StreamExt, stream::BoxStream};
 
-use super::{App, Attempt, Error, Result, requirements, results};
+use super::{App, Error, Result, jobs::results, requirements};
 use crate::{audit, context::Context};
 
 /// Longest verdict.
@@ -132,14 +132,14 @@ impl App {
     }
 
     /// Stores the result of an ingest, which ends its attempt.
-    pub(crate) async fn end_ingest(&self, attempt: Attempt, upload: IngestUpload) -> Result<()> {
+    pub(crate) async fn end_ingest(&self, lease: Lease, upload: IngestUpload) -> Result<()> {
         let verdict = upload.verdict.clone();
         let is_word = |b: u8| b.is_ascii_lowercase() || b == b'_';
         if verdict.is_empty() || verdict.len() > MAX_VERDICT || !verdict.bytes().all(is_word) {
             return Err(Error::invalid("verdict", "must be one lower-case word"));
         }
         let fault = upload.fault.clone();
-        self.require_lease(attempt).await?;
+        self.store.jobs().check_lease(lease).await?;
         let ResultFiles { observation, playback, json, html } = self.receive_parts(upload).await?;
         self.check_report(&json, &verdict).await?;
         if let Some(observation) = &observation {
@@ -169,9 +169,9 @@ impl App {
             }
         };
         let store = self.store.clone();
-        let end = async move { store.jobs().end_ingest(attempt.lease, result).await };
+        let end = async move { store.jobs().end_ingest(lease, result).await };
         let job = self.change(end).await?;
-        self.record_end(attempt.worker, &job);
+        self.record_end(lease.worker, &job);
         Ok(())
     }
 

@@ -1,5 +1,7 @@
 //! Jobs as workers see them: leased, reported, checkpointed, ended.
 
+pub(super) mod results;
+
 use std::{collections::HashSet, time::Duration};
 
 use bendtwin_core::{
@@ -8,17 +10,10 @@ use bendtwin_core::{
 };
 use bendtwin_store::{
     AttemptEnd, Capture, Claimant, Content, Job, JobId, JobReport, Kind, Lease, LeaseTerms,
-    Observation, State, TwinFacts, WorkerEnd,
+    Observation, TwinFacts, WorkerEnd,
 };
 
-use super::{App, Body, Error, Result, results};
-
-/// An attempt at a job, as a worker names it in every call.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Attempt {
-    pub(crate) worker: WorkerId,
-    pub(crate) lease: Lease,
-}
+use super::{App, Body, Error, Result};
 
 /// News of a worker about its job.
 #[derive(Clone, Debug, Default)]
@@ -108,7 +103,7 @@ impl App {
         };
         let Some(job) = claimed else { return Ok(Offer::Nothing) };
         // From here on, every return without an answer to the worker gives the job back.
-        let mut guard = LeaseGuard { app: self.clone(), lease: Some(lease_of(&job)) };
+        let mut guard = LeaseGuard { app: self.clone(), lease: job.lease() };
         // A process that ended while it waited must not hold the job until the lease runs out:
         // its registration was dropped before its leases were.
         self.require_known(worker).await?;
@@ -124,65 +119,60 @@ impl App {
     }
 
     /// Renews a lease and keeps what is new. Returns true if the job has been asked to stop.
-    pub(crate) async fn report_job(&self, attempt: Attempt, news: &News) -> Result<bool> {
-        self.require_lease(attempt).await?;
+    pub(crate) async fn report_job(&self, lease: Lease, news: &News) -> Result<bool> {
         // Ingests have none.
-        let is_fit = attempt.lease.job.fit().is_some();
+        let is_fit = lease.job.fit().is_some();
         let losses = if is_fit { &news.losses[..] } else { &[] };
         let (report, renew) =
             (JobReport { progress: news.progress.as_ref(), losses }, self.options.lease());
-        let reported = self.store.jobs().report(attempt.lease, report, renew).await?;
-        self.dispatch.seen(attempt.worker);
+        let reported = self.store.jobs().report(lease, report, renew).await?;
+        self.dispatch.seen(lease.worker);
         Ok(reported.cancel_requested)
     }
 
     pub(crate) async fn save_checkpoint(
         &self,
-        attempt: Attempt,
+        lease: Lease,
         digest: &str,
         body: Body,
     ) -> Result<()> {
-        self.require_lease(attempt).await?;
+        self.store.jobs().check_lease(lease).await?;
         let limit = self.options.limits.checkpoint_bytes;
         let content = self.receive(body, limit, super::digest(digest)?, |_| ()).await?;
         let (store, renew) = (self.store.clone(), self.options.lease());
-        self.change(
-            async move { store.jobs().save_checkpoint(attempt.lease, content, renew).await },
-        )
-        .await?;
-        self.dispatch.seen(attempt.worker);
+        self.change(async move { store.jobs().save_checkpoint(lease, content, renew).await })
+            .await?;
+        self.dispatch.seen(lease.worker);
         Ok(())
     }
 
     pub(crate) async fn complete_fit(
         &self,
-        attempt: Attempt,
+        lease: Lease,
         facts: TwinFacts,
         digest: &str,
         body: Body,
     ) -> Result<TwinId> {
-        self.require_lease(attempt).await?;
+        self.store.jobs().check_lease(lease).await?;
         let limit = self.options.limits.twin_bytes;
         let content = self.receive(body, limit, super::digest(digest)?, |_| ()).await?;
         let found = self.check_twin(&content).await?;
         results::compare_facts(&facts, &found)?;
         let facts = found;
         let store = self.store.clone();
-        let complete =
-            async move { store.jobs().complete_fit(attempt.lease, &facts, content).await };
+        let complete = async move { store.jobs().complete_fit(lease, &facts, content).await };
         let twin = self.change(complete).await?;
-        self.dispatch.set_job(attempt.worker, Kind::Fit, None);
+        self.dispatch.set_job(lease.worker, Kind::Fit, None);
         self.metrics.job_ended(Kind::Fit, "succeeded");
-        tracing::info!(fit = %attempt.lease.job, %twin, "fit succeeded");
+        tracing::info!(fit = %lease.job, %twin, "fit succeeded");
         Ok(twin)
     }
 
-    pub(crate) async fn end_attempt(&self, attempt: Attempt, end: AttemptEnd) -> Result<()> {
-        self.require_lease(attempt).await?;
+    pub(crate) async fn end_attempt(&self, lease: Lease, end: AttemptEnd) -> Result<()> {
         let store = self.store.clone();
-        let change = async move { store.jobs().end_attempt(attempt.lease, end).await };
+        let change = async move { store.jobs().end_attempt(lease, end).await };
         let job = self.change(change).await?;
-        self.record_end(attempt.worker, &job);
+        self.record_end(lease.worker, &job);
         Ok(())
     }
 
@@ -216,17 +206,6 @@ impl App {
         })
     }
 
-    /// Refuses an attempt whose lease another worker has: the epoch of a lease is no secret.
-    pub(super) async fn require_lease(&self, attempt: Attempt) -> Result<()> {
-        let Lease { job, epoch } = attempt.lease;
-        let row = self.store.jobs().get(job).await?;
-        // What has ended is repeated or refused by the store.
-        if row.state == State::Running && row.worker != Some(attempt.worker) {
-            return Err(bendtwin_store::Error::StaleLease { job, epoch }.into());
-        }
-        Ok(())
-    }
-
     /// Ends the attempts of a worker process that has ended: its jobs are requeued immediately. If
     /// the server itself ended it, the attempts do not count.
     pub(crate) async fn worker_gone(&self, worker: WorkerId) -> Result<()> {
@@ -235,12 +214,7 @@ impl App {
         } else {
             self.dispatch.worker_end(worker)
         };
-        self.dispatch.remove(worker);
-        for job in self.store.jobs().forfeit(worker, end).await? {
-            self.note_end(&job);
-        }
-        self.store.workers().forget(worker).await?;
-        Ok(())
+        self.forfeit(worker, end).await
     }
 
     /// Lets the time of leases pass, ends the attempts of workers that fell silent, and forgets
@@ -278,10 +252,6 @@ impl App {
         tracing::info!(job = %job.id, state, reason, attempts = job.attempts, "attempt ended");
         self.metrics.job_ended(job.id.kind(), state);
     }
-}
-
-fn lease_of(job: &Job) -> Lease {
-    Lease { job: job.id, epoch: job.lease_epoch }
 }
 
 /// Gives a leased job back when dropped, unless the lease has been handed to the worker.

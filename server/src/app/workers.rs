@@ -1,19 +1,49 @@
 //! Workers: their registration, what they say of themselves, and what users see of them.
 
+mod members;
+
 use bendtwin_core::ids::WorkerId;
-use bendtwin_store::NewWorker;
+use bendtwin_store::{NewWorker, WorkerEnd};
 
 use super::{App, Error, Result, requirements};
 use crate::{
+    access::{Bearer, Child},
     dispatch::{Heartbeat, WorkerView},
-    tokens::Bearer,
 };
 
+pub(super) use members::Members;
+
 impl App {
+    /// A token for a worker process that is about to be started.
+    pub(crate) fn admit_child(&self, child: Child) -> String {
+        self.tokens.issue(child)
+    }
+
+    /// A worker process was started in the place of one that had ended.
+    pub(crate) fn child_restarted(&self, slot: u32) {
+        self.metrics.worker_restarted(slot);
+    }
+
+    /// Revokes the token of a worker process that has ended, so that no further call gets through,
+    /// and gives its jobs back.
+    pub(crate) async fn child_gone(&self, child: Child) {
+        self.tokens.revoke(child);
+        for worker in self.dispatch.of_child(child) {
+            if let Err(error) = self.worker_gone(worker).await {
+                tracing::error!(%error, %worker, "its jobs wait for their leases to run out");
+            }
+        }
+    }
+
+    /// The holder of a worker's token, if it is valid.
+    pub(crate) fn bearer(&self, token: &str) -> Option<Bearer> {
+        self.tokens.bearer(token)
+    }
+
     /// Registers a worker. `token` is the one that it showed, and that it expects in calls.
     pub(crate) async fn register_worker(
         &self,
-        new: NewWorker,
+        mut new: NewWorker,
         bearer: Bearer,
         token: &str,
     ) -> Result<()> {
@@ -22,6 +52,7 @@ impl App {
             Bearer::Child(child) => Some(child),
             Bearer::External => None,
         };
+        new.server = child.map(|_| self.id);
         let worker = self.store.workers().register(new).await?;
         let id = worker.registration.id;
         tracing::info!(worker = %id, device = worker.registration.device, "worker registered");
@@ -61,7 +92,7 @@ impl App {
     /// A worker ends in good order.
     pub(crate) async fn worker_left(&self, worker: WorkerId) -> Result<()> {
         tracing::info!(%worker, "worker ended");
-        self.forfeit(worker).await
+        self.forfeit(worker, WorkerEnd::ByServer).await
     }
 
     /// Asks a worker to take no more work and to end.

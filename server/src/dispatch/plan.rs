@@ -18,7 +18,6 @@ use bendtwin_proto::v1::{PlanRequest, PlanUpdate};
 use futures::stream::{self, BoxStream, StreamExt as _};
 use prost::Message as _;
 use tokio::time::Instant;
-use tokio_util::sync::CancellationToken;
 
 use self::{beside::beside, run::Run};
 use super::{Dispatch, rollout::LONGEST};
@@ -36,8 +35,6 @@ pub(crate) struct Plan {
     pub(crate) as_lists: bool,
     /// Memory of the request, held until the plan is made.
     pub(crate) memory: Arc<Shares>,
-    /// Ends it when the server stops.
-    pub(crate) stopping: CancellationToken,
 }
 
 /// A plan that has passed the check.
@@ -49,11 +46,10 @@ pub(super) struct Ready {
     deadline: Instant,
     memory: Arc<Shares>,
     share: Share,
-    stopping: CancellationToken,
 }
 
 /// Updates of a plan as they come.
-pub(super) type Updates = BoxStream<'static, Result<PlanUpdate>>;
+pub(crate) type Updates = BoxStream<'static, Result<PlanUpdate>>;
 
 impl Dispatch {
     /// Checks a request and prepares it; faults are refused before the first update.
@@ -64,7 +60,7 @@ impl Dispatch {
 
     /// Checks a request.
     pub(super) async fn ready(&self, plan: Plan) -> Result<Ready> {
-        let Plan { mut request, timeout, as_lists, memory, stopping } = plan;
+        let Plan { mut request, timeout, as_lists, memory } = plan;
         let deadline = Instant::now() + timeout.unwrap_or(LONGEST).min(LONGEST);
         let missing = || plan::Error::Field {
             field: "rollout".to_owned(),
@@ -81,15 +77,15 @@ impl Dispatch {
             self.fits_lists(last_reply_bytes(&checked, &known.shape))?;
         }
         let share = self.memory.plan(checked.bytes)?;
-        Ok(Ready { checked, bytes: bytes as u64, deadline, memory, share, stopping })
+        Ok(Ready { checked, bytes: bytes as u64, deadline, memory, share })
     }
 
     /// Begins the search where the control points are now.
     pub(super) async fn search(&self, ready: Ready) -> Result<Updates> {
-        let Ready { checked, bytes, deadline, memory, share, stopping } = ready;
+        let Ready { checked, bytes, deadline, memory, share } = ready;
         let controls = self.controls(checked.template.request(), deadline).await?;
         let parts = beside(bytes, move || start::search(checked, controls)).await??;
-        let run = Run::new(self.clone(), parts, deadline, stopping, memory, share);
+        let run = Run::new(self.clone(), parts, deadline, memory, share);
         Ok(stream::unfold(Some(Box::new(run)), |run| async { run?.update().await }).boxed())
     }
 }

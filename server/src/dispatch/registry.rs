@@ -25,9 +25,9 @@ use super::{
     route::Candidate,
 };
 use crate::{
+    access::Child,
     error::{Error, Result},
     options::Limits,
-    tokens::Child,
 };
 
 /// Time for which a worker that broke a connection is left alone.

@@ -19,7 +19,6 @@ use bendtwin_proto::v1::{
 };
 use futures::StreamExt as _;
 use tokio::{sync::oneshot, time::Instant};
-use tokio_util::sync::CancellationToken;
 
 use super::{
     Dispatch, HeldSession,
@@ -48,8 +47,6 @@ pub(crate) struct Step {
     pub(crate) as_lists: bool,
     /// Memory of the request, held until the slot is advanced.
     pub(crate) memory: Arc<Shares>,
-    /// Ends it when the server stops.
-    pub(crate) stopping: CancellationToken,
 }
 
 /// A step that was taken.
@@ -145,7 +142,7 @@ impl Dispatch {
 
     /// Checks all of a step.
     async fn checked_step(&self, step: Step) -> Result<Checked> {
-        let Step { request, timeout, as_lists, memory, stopping } = step;
+        let Step { request, timeout, as_lists, memory } = step;
         let StepSessionRequest { name, slot, correction, search, execute_frames, returns, .. } =
             request;
         let (_, _, HeldSession { twin, slots, parts }) = self.named(&name).await?;
@@ -163,7 +160,7 @@ impl Dispatch {
         let correction = correction.transpose()?;
         let request = search_from(search, &name, slot)?;
         // Of its updates only the last is used, which is written with the rest.
-        let plan = Plan { request, timeout, as_lists, memory, stopping };
+        let plan = Plan { request, timeout, as_lists, memory };
         let plan = self.ready(plan).await?;
         let horizon = plan.checked.settings.frames;
         if execute_frames as usize > horizon {

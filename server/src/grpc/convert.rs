@@ -5,10 +5,7 @@ use bendtwin_proto::v1;
 use bendtwin_store::{Job, Key, Overview, PageRequest, Quotas, Requirements, State, Twin};
 use jiff::Timestamp;
 
-use crate::{
-    app::{Change, Error, Result},
-    dispatch::WorkerView,
-};
+use crate::app::{Change, Error, Result, WorkerView};
 
 pub(super) fn time(time: Timestamp) -> prost_types::Timestamp {
     // Whole nanoseconds since the epoch, split so that nanos are never negative.

@@ -17,8 +17,7 @@ use tower::Service;
 
 use super::screened::Screened;
 use crate::{
-    app::App,
-    dispatch::ReplyHold,
+    app::{App, ReplyHold},
     memory::{ReceiveError, Received, Shares},
     refusal::Refusal,
 };
@@ -67,7 +66,7 @@ where
             let encoded = match encoded(parts.uri.path()) {
                 Message::One(encoded) => encoded,
                 Message::Several(encoded) => {
-                    let limits = app.options.limits.rollout;
+                    let limits = app.options().limits.rollout;
                     let body = Body::new(Screened::new(body, encoded, limits));
                     return inner.call(http::Request::from_parts(parts, body)).await;
                 }
@@ -117,9 +116,9 @@ fn encoded(path: &str) -> Message {
 }
 
 async fn receive(app: &App, body: Body, encoded: Encoded) -> Result<Received, Status> {
-    let limits = app.options.limits.rollout;
+    let limits = app.options().limits.rollout;
     let look = |beginning: &[u8]| rollout::check_encoded(encoded, beginning, &limits);
-    let received = app.memory.receive_message(body, limits.request_bytes, look).await;
+    let received = app.receive_message(body, limits.request_bytes, look).await;
     let received = received.map_err(|error| match error {
         ReceiveError::Memory(error) => Status::from(Refusal::from(error)),
         ReceiveError::Refused(error) => fault::status(&error.fault()),

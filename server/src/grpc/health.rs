@@ -72,12 +72,12 @@ impl Health for ServerHealth {
         let statuses = stream::unfold((self.clone(), None), |(health, before)| async move {
             loop {
                 if before.is_some() {
-                    if health.app.stopping.is_cancelled() {
+                    if health.app.is_stopping() {
                         return None;
                     }
                     tokio::select! {
                         () = tokio::time::sleep(WATCH_INTERVAL) => {}
-                        () = health.app.stopping.cancelled() => {}
+                        () = health.app.stopped() => {}
                     }
                 }
                 let status = health.status().await;

@@ -24,21 +24,20 @@ use super::{
     upload,
 };
 use crate::{
-    app::{self, Attempt, Error, IngestPart, IngestUpload, LeasedJob, News, Offer},
+    app::{self, Error, IngestPart, IngestUpload, LeasedJob, News, Offer},
     http::root_service::PeerCertificate,
-    tokens::Bearer,
 };
 
-fn attempt(shown: &Credentials, worker: &str, job: &str, epoch: u64) -> app::Result<Attempt> {
-    let lease = Lease { job: app::name(job)?, epoch };
-    Ok(Attempt { worker: shown.worker(worker)?, lease })
+/// The lease under which a worker writes.
+fn lease(shown: &Credentials, worker: &str, job: &str, epoch: u64) -> app::Result<Lease> {
+    Ok(Lease { job: app::name(job)?, epoch, worker: shown.worker(worker)? })
 }
 
-fn attempt_of(shown: &Credentials, job: &JobWrite) -> app::Result<Attempt> {
-    attempt(shown, &job.worker, &job.job, job.epoch)
+fn lease_of(shown: &Credentials, write: &JobWrite) -> app::Result<Lease> {
+    lease(shown, &write.worker, &write.job, write.epoch)
 }
 
-fn lease_of(leased: LeasedJob) -> LeaseMessage {
+fn lease_message(leased: LeasedJob) -> LeaseMessage {
     let LeasedJob { job, capture, observation } = leased;
     LeaseMessage {
         job: job.id.to_string(),
@@ -85,13 +84,14 @@ impl WorkerLink for Api {
             build: short(r.build),
             lanes: r.lanes,
             labels: r.labels,
-            server: matches!(shown.bearer, Bearer::Child(_)).then_some(self.app.id),
+            // The use case knows whose processes are its own.
+            server: None,
         };
         self.app.register_worker(new, shown.bearer, &shown.token).await?;
         Ok(Response::new(RegisterResponse {
-            heartbeat_interval_s: self.app.options.heartbeat_interval_s,
-            lease_s: self.app.options.lease_s,
-            rollout_limits: Some((&self.app.options.limits.rollout).into()),
+            heartbeat_interval_s: self.app.options().heartbeat_interval_s,
+            lease_s: self.app.options().lease_s,
+            rollout_limits: Some((&self.app.options().limits.rollout).into()),
         }))
     }
 
@@ -123,7 +123,9 @@ impl WorkerLink for Api {
             }
         };
         Ok(Response::new(match self.app.lease_job(kind, worker, wait).await? {
-            Offer::Job(leased) => LeaseJobResponse { lease: Some(lease_of(*leased)), drain: false },
+            Offer::Job(leased) => {
+                LeaseJobResponse { lease: Some(lease_message(*leased)), drain: false }
+            }
             Offer::Nothing => LeaseJobResponse::default(),
             Offer::Drain => LeaseJobResponse { lease: None, drain: true },
         }))
@@ -135,10 +137,10 @@ impl WorkerLink for Api {
     ) -> Result<Response<ReportJobResponse>, Status> {
         let shown = token::shown(&request)?;
         let r = request.into_inner();
-        let attempt = attempt(&shown, &r.worker, &r.job, r.epoch)?;
+        let lease = lease(&shown, &r.worker, &r.job, r.epoch)?;
         let progress = r.progress.map(convert::read_progress).transpose()?;
         let news = News { progress, losses: convert::read_losses(r.losses)? };
-        let cancel_requested = self.app.report_job(attempt, &news).await?;
+        let cancel_requested = self.app.report_job(lease, &news).await?;
         Ok(Response::new(ReportJobResponse { cancel_requested }))
     }
 
@@ -153,7 +155,7 @@ impl WorkerLink for Api {
             None => upload::Part::Neither,
         })
         .await?;
-        self.app.save_checkpoint(attempt_of(&shown, &job)?, &job.digest, body).await?;
+        self.app.save_checkpoint(lease_of(&shown, &job)?, &job.digest, body).await?;
         Ok(Response::new(SaveCheckpointResponse {}))
     }
 
@@ -180,8 +182,8 @@ impl WorkerLink for Api {
             mass_kg: None,
             skin_point_count: None,
         };
-        let attempt = attempt_of(&shown, &job)?;
-        let twin = self.app.complete_fit(attempt, facts, &job.digest, body).await?;
+        let lease = lease_of(&shown, &job)?;
+        let twin = self.app.complete_fit(lease, facts, &job.digest, body).await?;
         Ok(Response::new(CompleteFitResponse { twin: twin.to_string() }))
     }
 
@@ -206,7 +208,7 @@ impl WorkerLink for Api {
             Ok(_) => Err(Error::invalid("part", "must be in every message after the first")),
             Err(status) => Err(broken(status)),
         });
-        let attempt = attempt_of(&shown, &made.job.unwrap_or_default())?;
+        let lease = lease_of(&shown, &made.job.unwrap_or_default())?;
         let upload = IngestUpload {
             verdict: made.verdict,
             observation_digest: made.observation_digest,
@@ -216,7 +218,7 @@ impl WorkerLink for Api {
             fault: made.fault.as_ref().map(Fault::from),
             body: body.boxed(),
         };
-        self.app.end_ingest(attempt, upload).await?;
+        self.app.end_ingest(lease, upload).await?;
         Ok(Response::new(EndIngestResponse {}))
     }
 
@@ -226,7 +228,7 @@ impl WorkerLink for Api {
     ) -> Result<Response<FailJobResponse>, Status> {
         let shown = token::shown(&request)?;
         let r = request.into_inner();
-        let attempt = attempt(&shown, &r.worker, &r.job, r.epoch)?;
+        let lease = lease(&shown, &r.worker, &r.job, r.epoch)?;
         let fault = r.fault.as_ref().map_or_else(
             || Fault {
                 category: Category::Internal,
@@ -245,7 +247,7 @@ impl WorkerLink for Api {
                 return Err(Error::invalid("end", "is unknown to this server").into());
             }
         };
-        self.app.end_attempt(attempt, end).await?;
+        self.app.end_attempt(lease, end).await?;
         Ok(Response::new(FailJobResponse {}))
     }
 

@@ -7,7 +7,7 @@ use bendtwin_proto::{
 use tonic::{Request, Response, Status};
 
 use super::{Api, Reply, counted::memory_of, reply};
-use crate::dispatch::Plan;
+use crate::app::Plan;
 
 #[tonic::async_trait]
 impl PlanningService for Api {
@@ -18,9 +18,8 @@ impl PlanningService for Api {
         request: Request<PlanRequest>,
     ) -> Result<Response<Self::PlanStream>, Status> {
         let (timeout, memory) = (timeout(request.metadata()), memory_of(&request));
-        let (stopping, as_lists) = (self.app.stopping.clone(), false);
-        let plan = Plan { request: request.into_inner(), timeout, as_lists, memory, stopping };
-        let updates = self.app.dispatch.plan(plan).await?;
+        let plan = Plan { request: request.into_inner(), timeout, as_lists: false, memory };
+        let updates = self.app.plan(plan).await?;
         Ok(Response::new(reply(updates, |update| update)))
     }
 }

@@ -7,7 +7,7 @@ use bendtwin_proto::{
 use tonic::{Request, Response, Status};
 
 use super::{Api, counted::memory_of};
-use crate::dispatch::{Register, Registered};
+use crate::app::{Register, Registered};
 
 #[tonic::async_trait]
 impl RegistrationService for Api {
@@ -19,7 +19,7 @@ impl RegistrationService for Api {
         let memory = memory_of(&request);
         let request = request.into_inner();
         let register = Register { request, timeout, as_lists: false, memory };
-        let Registered { state, held } = self.app.dispatch.register_state(register).await?;
+        let Registered { state, held } = self.app.register_state(register).await?;
         let mut response = Response::new(state);
         response.extensions_mut().insert(held);
         Ok(response)

@@ -7,7 +7,7 @@ use bendtwin_proto::v1::{RollOutRequest, RollOutResponse, rollout_service_server
 use tonic::{Request, Response, Status};
 
 use super::{Api, Reply, counted::memory_of, reply};
-use crate::dispatch::{InParts, RollOut, Whole};
+use crate::app::{InParts, RollOut, Whole};
 
 #[tonic::async_trait]
 impl RolloutService for Api {
@@ -16,8 +16,7 @@ impl RolloutService for Api {
         request: Request<RollOutRequest>,
     ) -> Result<Response<RollOutResponse>, Status> {
         let timeout = timeout(request.metadata());
-        let Whole { response, held } =
-            self.app.dispatch.roll_out(rollout(request, timeout, false)).await?;
+        let Whole { response, held } = self.app.roll_out(rollout(request, timeout, false)).await?;
         let mut response = Response::new(response);
         response.extensions_mut().insert(held.memory());
         Ok(response)
@@ -31,7 +30,7 @@ impl RolloutService for Api {
     ) -> Result<Response<Self::StreamRollOutStream>, Status> {
         let timeout = timeout(request.metadata());
         let InParts { parts, held } =
-            self.app.dispatch.parts(rollout(request, timeout, true)).await?;
+            self.app.roll_out_in_parts(rollout(request, timeout, true)).await?;
         let mut response = Response::new(reply(parts, |part| part));
         response.extensions_mut().insert(held.memory());
         Ok(response)

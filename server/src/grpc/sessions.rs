@@ -18,9 +18,8 @@ use tonic::{Request, Response, Status, Streaming};
 
 use super::{Api, Reply, counted::memory_of};
 use crate::{
-    app,
+    app::{self, ReplyHold, Step},
     context::Context,
-    dispatch::{ReplyHold, Step},
     refusal::Refusal,
 };
 
@@ -33,7 +32,7 @@ impl SessionService for Api {
         let timeout = timeout(request.metadata());
         // Held until the worker has the request.
         let _memory = memory_of(&request);
-        let session = self.app.dispatch.open_session(request.into_inner(), timeout).await?;
+        let session = self.app.open_session(request.into_inner(), timeout).await?;
         Ok(Response::new(session))
     }
 
@@ -44,7 +43,7 @@ impl SessionService for Api {
         let timeout = timeout(request.metadata());
         let name = session_name(&request.get_ref().name)?;
         let call = Call::Get(GetSessionRequest { name: name.clone() });
-        let session = self.app.dispatch.session_call(&name, call, timeout).await?;
+        let session = self.app.session_call(&name, call, timeout).await?;
         Ok(Response::new(session))
     }
 
@@ -54,7 +53,7 @@ impl SessionService for Api {
     ) -> Result<Response<SessionStates>, Status> {
         let timeout = timeout(request.metadata());
         let asked = request.into_inner();
-        let (states, held) = self.app.dispatch.session_states(asked, timeout, false).await?;
+        let (states, held) = self.app.session_states(asked, timeout, false).await?;
         let mut response = Response::new(states);
         response.extensions_mut().insert(held);
         Ok(response)
@@ -67,7 +66,7 @@ impl SessionService for Api {
         let timeout = timeout(request.metadata());
         let memory = memory_of(&request);
         let advance = request.into_inner();
-        let advanced = self.app.dispatch.advance_session(advance, timeout, false, memory).await?;
+        let advanced = self.app.advance_session(advance, timeout, false, memory).await?;
         let mut response = Response::new(advanced.response);
         response.extensions_mut().insert(advanced.held.memory());
         Ok(response)
@@ -79,16 +78,15 @@ impl SessionService for Api {
         &self,
         request: Request<Streaming<AdvanceSessionRequest>>,
     ) -> Result<Response<Self::ControlSessionStream>, Status> {
-        let dispatch = self.app.dispatch.clone();
-        let stopping = self.app.stopping.clone();
+        let app = self.app.clone();
         let context = Context::current();
-        let messages = request.into_inner().take_until(stopping.cancelled_owned());
+        let messages = request.into_inner().take_until(app.stopped());
         // One after another: each waits until the one before has been answered.
         let replies = messages.then(move |message| {
-            let (dispatch, context) = (dispatch.clone(), context.clone());
+            let (app, context) = (app.clone(), context.clone());
             let of = context.clone();
             of.scope(async move {
-                let advance = dispatch.advance_session(message?, None, false, Arc::default());
+                let advance = app.advance_session(message?, None, false, Arc::default());
                 let refused = |e| Refusal::from(e).into_status(&context);
                 let advanced = advance.await.map_err(refused)?;
                 Ok((advanced.response, advanced.held.memory()))
@@ -104,7 +102,7 @@ impl SessionService for Api {
         let timeout = timeout(request.metadata());
         let call = request.into_inner();
         let name = call.name.clone();
-        let session = self.app.dispatch.session_call(&name, Call::Fork(call), timeout).await?;
+        let session = self.app.session_call(&name, Call::Fork(call), timeout).await?;
         Ok(Response::new(session))
     }
 
@@ -117,7 +115,7 @@ impl SessionService for Api {
         let _memory = memory_of(&request);
         let call = request.into_inner();
         let name = call.name.clone();
-        let session = self.app.dispatch.session_call(&name, Call::Reset(call), timeout).await?;
+        let session = self.app.session_call(&name, Call::Reset(call), timeout).await?;
         Ok(Response::new(session))
     }
 
@@ -129,7 +127,7 @@ impl SessionService for Api {
         // Held until the worker has the request.
         let _memory = memory_of(&request);
         let correct = request.into_inner();
-        let (corrected, held) = self.app.dispatch.correct_session(correct, timeout, false).await?;
+        let (corrected, held) = self.app.correct_session(correct, timeout, false).await?;
         let mut response = Response::new(corrected);
         response.extensions_mut().insert(held);
         Ok(response)
@@ -140,9 +138,8 @@ impl SessionService for Api {
         request: Request<StepSessionRequest>,
     ) -> Result<Response<SteppedSession>, Status> {
         let (timeout, memory) = (timeout(request.metadata()), memory_of(&request));
-        let (stopping, as_lists) = (self.app.stopping.clone(), false);
-        let step = Step { request: request.into_inner(), timeout, as_lists, memory, stopping };
-        let stepped = self.app.dispatch.step_session(step).await?;
+        let step = Step { request: request.into_inner(), timeout, as_lists: false, memory };
+        let stepped = self.app.step_session(step).await?;
         let mut response = Response::new(stepped.response);
         response.extensions_mut().insert(stepped.held);
         Ok(response)
@@ -154,7 +151,7 @@ impl SessionService for Api {
     ) -> Result<Response<CloseSessionResponse>, Status> {
         let timeout = timeout(request.metadata());
         let close = CloseSessionRequest { name: session_name(&request.get_ref().name)? };
-        self.app.dispatch.close_session(close, timeout).await?;
+        self.app.close_session(close, timeout).await?;
         Ok(Response::new(CloseSessionResponse {}))
     }
 }

@@ -5,8 +5,8 @@ use bendtwin_core::ids::WorkerId;
 use tonic::{Request, Status, service::Interceptor};
 
 use crate::{
+    access::Bearer,
     app::{self, App, Error},
-    tokens::Bearer,
 };
 
 /// Interceptor that refuses calls without a valid worker token, and notes on the others whose it
@@ -47,7 +47,7 @@ impl Interceptor for TokenCheck {
         let token = entry("authorization")
             .and_then(|v| v.strip_prefix("Bearer "))
             .ok_or(Error::BadToken)?;
-        let bearer = self.0.tokens.bearer(token).ok_or(Error::BadToken)?;
+        let bearer = self.0.bearer(token).ok_or(Error::BadToken)?;
         let key = entry(worker_key::METADATA).unwrap_or_default().to_owned();
         let shown = Credentials { bearer, token: token.to_owned(), key };
         request.extensions_mut().insert(shown);

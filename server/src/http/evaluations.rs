@@ -22,6 +22,6 @@ pub(super) async fn create(
     let twin: TwinId = app::name(&id)?;
     request.twin = of_twin(twin, &request.twin)?;
     let evaluation = app.evaluate_twin(request, params.timeout()?).await?;
-    let share = app.memory.reply(evaluation.encoded_len() as u64).await?;
+    let share = app.reply_memory(evaluation.encoded_len() as u64).await?;
     Ok(answer(evaluation, share, params.tensors())?)
 }

@@ -56,7 +56,7 @@ impl<T: DeserializeOwned> FromRequest<App> for Json<T> {
     type Rejection = Refusal;
     async fn from_request(request: Request, app: &App) -> Result<Self, Refusal> {
         expect_type(request.headers(), &["application/json"])?;
-        let limit = app.options.limits.json_bytes as u64;
+        let limit = app.options().limits.json_bytes as u64;
         let received = whole(app, request, Kind::Document, limit, |_| Ok(())).await?;
         json(&received.bytes).map(Self)
     }
@@ -89,7 +89,7 @@ pub(super) async fn whole(
     limit: u64,
     look: impl Fn(&[u8]) -> Result<(), rollout::Error>,
 ) -> Result<Received, Refusal> {
-    let received = app.memory.receive(request.into_body(), kind, limit, look).await;
+    let received = app.receive_whole(request.into_body(), kind, limit, look).await;
     received.map_err(|error| match error {
         ReceiveError::TooLong => {
             let advice = match kind {

@@ -109,7 +109,7 @@ impl Call {
                 .map_err(|fault| Error::invalid("query", fault).into()),
             Source::Body => {
                 extract::expect_type(&parts.headers, &["application/json"])?;
-                let limit = app.options.limits.json_bytes as u64;
+                let limit = app.options().limits.json_bytes as u64;
                 let request = Request::from_parts(parts, body);
                 let received =
                     extract::whole(app, request, Kind::Document, limit, |_| Ok(())).await?;

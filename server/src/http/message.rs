@@ -15,8 +15,7 @@ use serde::{Serialize, de::DeserializeOwned};
 
 use super::{Result, extract, rollouts::document};
 use crate::{
-    app::{App, Error},
-    dispatch::ReplyHold,
+    app::{App, Error, ReplyHold},
     memory::{Kind, Shares},
     refusal::Refusal,
 };
@@ -55,7 +54,7 @@ where
         extract::expect_type(request.headers(), &["application/json", PROTOBUF])?;
         let wants_protobuf = names_protobuf(&request, header::ACCEPT);
         let sends_protobuf = names_protobuf(&request, header::CONTENT_TYPE);
-        let limits = app.options.limits.rollout;
+        let limits = app.options().limits.rollout;
         let (kind, most) = match sends_protobuf {
             true => (Kind::Protobuf, limits.request_bytes),
             false => (Kind::Json, limits.json_bytes),

@@ -9,7 +9,7 @@ use axum::{
 use serde::Serialize;
 
 use super::Result;
-use crate::{app::App, dispatch::Size, metrics::Gauges, readiness::Check};
+use crate::app::{App, Check};
 
 /// State of the server as `/readyz` reports it.
 #[derive(Serialize)]
@@ -36,7 +36,7 @@ pub(super) async fn healthz() -> &'static str {
 pub(super) async fn readyz(State(app): State<App>) -> Response {
     let checks = app.readiness().await;
     let ready = checks.iter().all(|check| check.ok);
-    let (workers, rollouts) = app.dispatch.counts();
+    let (workers, rollouts) = app.counts();
     let status = if ready { StatusCode::OK } else { StatusCode::SERVICE_UNAVAILABLE };
     let build = bendtwin_core::BUILD;
     (status, Json(Readiness { ready, checks, workers, rollouts, build })).into_response()
@@ -44,18 +44,6 @@ pub(super) async fn readyz(State(app): State<App>) -> Response {
 
 /// Metrics for Prometheus
 pub(super) async fn metrics(State(app): State<App>) -> Result<Response> {
-    // Sets the gauges of readiness and of the disk.
-    app.readiness().await;
-    let depth = app.store.jobs().depth().await?;
-    let uploads = app.store.uploads().in_use().await?;
-    let (workers, rollouts) = app.dispatch.counts();
-    for (size, waiting) in Size::ALL.into_iter().zip(app.dispatch.waiting()) {
-        app.metrics.rollouts_waiting(size.as_str(), waiting);
-    }
-    let gauges = Gauges { workers, rollouts, memory: app.dispatch.memory(), uploads };
-    let (used, total) = app.memory.state();
-    app.metrics.memory_budget(used, total);
-    app.certificates.measure(&app.metrics);
-    let text = app.metrics.render(&depth, &gauges);
+    let text = app.metrics_text().await?;
     Ok(([(header::CONTENT_TYPE, "text/plain; version=0.0.4")], text).into_response())
 }

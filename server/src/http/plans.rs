@@ -16,9 +16,8 @@ use prost::Message as _;
 
 use super::{Result, extract::Params, message::Body, rollouts::ReplyParams};
 use crate::{
-    app::{App, Error},
+    app::{App, Error, Plan},
     context::Context,
-    dispatch::Plan,
     refusal::Refusal,
 };
 
@@ -36,9 +35,8 @@ pub(super) async fn create(
         Body::read(&app, request, Encoded::Plan, params.tensors()).await?;
     let Body { message: request, memory, .. } = body;
     let (timeout, tensors) = (params.timeout()?, params.tensors());
-    let (as_lists, stopping) = (tensors == TensorFormat::Lists, app.stopping.clone());
-    let plan = Plan { request, timeout, as_lists, memory, stopping };
-    let updates = app.dispatch.plan(plan).await?;
+    let as_lists = tensors == TensorFormat::Lists;
+    let updates = app.plan(Plan { request, timeout, as_lists, memory }).await?;
     // Streams outlive the scope of the request's context.
     let context = Context::current();
     let events = updates.then(move |update| {

@@ -13,18 +13,17 @@ use axum::{
     http::{StatusCode, header, request::Parts},
     response::{IntoResponse, Response},
 };
-use bendtwin_core::ids::{PlayId, TwinId};
+use bendtwin_play::{Document, Recording};
 
 use super::{
     Result,
     extract::{self, Id},
 };
 use crate::{
-    app::{self, App, Error},
-    client_token::TOKEN_PROTOCOL,
+    access::client_token::TOKEN_PROTOCOL,
+    app::{App, Error},
     context::Context,
     memory::Kind,
-    play::{Document, Recording},
     refusal::Refusal,
 };
 
@@ -67,8 +66,7 @@ impl Upgrade {
 
 /// Play with a twin
 pub(super) async fn play(State(app): State<App>, Id(id): Id, upgrade: Upgrade) -> Result<Response> {
-    let twin: TwinId = app::name(&id)?;
-    app.store.twins().get(twin).await?;
+    let twin = app.twin(&id).await?.id;
     let context = Context::current();
     let socket = upgrade.bounded(FIRST_BYTES);
     Ok(socket.on_upgrade(move |socket| context.scope(socket::play(app, twin, socket))))
@@ -80,18 +78,17 @@ pub(super) async fn watch(
     Id(id): Id,
     upgrade: Upgrade,
 ) -> Result<Response> {
-    let play: PlayId = app::name(&id)?;
-    let view = app.plays.watch(play)?;
+    let view = app.watch_play(&id)?;
     let socket = upgrade.bounded(WATCHER_BYTES);
     Ok(socket.on_upgrade(move |socket| socket::watch(app, view, socket)))
 }
 
 /// Recording of a play
 pub(super) async fn recording(State(app): State<App>, Id(id): Id) -> Result<Response> {
-    let play = app.plays.get(app::name(&id)?)?;
-    let recording = play.recording()?;
-    let held = app.memory.reply(recording.document_bytes()).await?;
-    let (twin, frame_s) = (play.twin, play.frame_s());
+    let play = app.play(&id)?;
+    let recording = play.recording().map_err(Error::from)?;
+    let held = app.reply_memory(recording.document_bytes()).await?;
+    let (twin, frame_s) = (play.twin(), play.frame_s());
     let written = tokio::task::spawn_blocking(move || recording.write(twin, frame_s)).await;
     let text = written
         .map_err(|e| Error::Internal(format!("writing a recording: {e}")))?
@@ -106,14 +103,14 @@ pub(super) async fn put_recording(
     Id(id): Id,
     request: Request,
 ) -> Result<StatusCode> {
-    let play = app.plays.get(app::name(&id)?)?;
+    let play = app.play(&id)?;
     extract::expect_type(request.headers(), &["application/json"])?;
-    let most = app.options.limits.rollout.json_bytes;
+    let most = app.options().limits.rollout.json_bytes;
     let received = extract::whole(&app, request, Kind::Json, most, |_| Ok(())).await?;
-    let twin = play.twin;
+    let twin = play.twin();
     let read = tokio::task::spawn_blocking(move || {
         let document = extract::json::<Document>(&received.bytes)?;
-        Ok::<_, Refusal>(Recording::read(document, twin)?)
+        Ok::<_, Refusal>(Recording::read(document, twin).map_err(Error::from)?)
     });
     let recording =
         read.await.map_err(|e| Error::Internal(format!("reading a recording: {e}")))??;

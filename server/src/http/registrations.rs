@@ -15,10 +15,7 @@ use super::{
     message::Body,
     rollouts::{ReplyParams, of_twin},
 };
-use crate::{
-    app::{self, App},
-    dispatch::{Register, Registered},
-};
+use crate::app::{self, App, Register, Registered};
 
 /// Register a state
 pub(super) async fn register(
@@ -34,6 +31,6 @@ pub(super) async fn register(
     let request = RegisterStateRequest { twin: of_twin(twin, &message.twin)?, ..message };
     let (timeout, as_lists) = (params.timeout()?, form.is_lists());
     let register = Register { request, timeout, as_lists, memory };
-    let Registered { state, held } = app.dispatch.register_state(register).await?;
+    let Registered { state, held } = app.register_state(register).await?;
     form.answer(state, held)
 }

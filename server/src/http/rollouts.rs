@@ -20,10 +20,7 @@ use super::{
     extract::{Id, Params},
     message::{Body, Form},
 };
-use crate::{
-    app::{self, App, Error},
-    dispatch::{RollOut, Whole},
-};
+use crate::app::{self, App, Error, RollOut, Whole};
 
 /// Form of the reply, and the time for it.
 #[derive(Deserialize)]
@@ -58,7 +55,7 @@ pub(super) async fn create(
     request: Request,
 ) -> Result<Response> {
     let Asked { rollout, form } = read(&app, &id, &params, request).await?;
-    let Whole { response, held } = app.dispatch.roll_out(rollout).await?;
+    let Whole { response, held } = app.roll_out(rollout).await?;
     form.answer(response, held)
 }
 

@@ -20,8 +20,7 @@ use tracing::Instrument;
 
 use super::{origin::Hosts, uploads};
 use crate::{
-    access::{self, Access, Caller, Flight, Gate},
-    client_token,
+    access::{self, Access, Caller, Flight, Gate, client_token},
     context::Context,
     deadline::{Call, Cut},
     metrics::Metrics,

@@ -24,10 +24,7 @@ use super::{
     message::{Body, Form, document},
     rollouts::ReplyParams,
 };
-use crate::{
-    app::{self, App, Error},
-    dispatch::{Step, Whole},
-};
+use crate::app::{self, App, Error, Step, Whole};
 
 /// Slots to ask for.
 #[derive(Deserialize)]
@@ -51,7 +48,7 @@ pub(super) async fn open(
         Body::read(&app, request, Encoded::Open, params.tensors()).await?;
     // Held until the worker has the request.
     let Body { message, memory: _memory, .. } = body;
-    let session = app.dispatch.open_session(message, params.timeout()?).await?;
+    let session = app.open_session(message, params.timeout()?).await?;
     let location = [(header::LOCATION, format!("/v1/{}", session.name))];
     Ok((StatusCode::CREATED, location, document(&session)).into_response())
 }
@@ -69,7 +66,7 @@ pub(super) async fn states(
         .map_err(|_| Error::invalid("slots", "is no list of numbers such as 0,1,5"))?;
     let asked = GetSessionStatesRequest { name: name(&id, String::new())?, slots };
     let form = Form::Json(params.tensors);
-    let (states, held) = app.dispatch.session_states(asked, None, form.is_lists()).await?;
+    let (states, held) = app.session_states(asked, None, form.is_lists()).await?;
     form.answer(states, held)
 }
 
@@ -85,7 +82,7 @@ pub(super) async fn advance(
     let Body { mut message, memory, form } = body;
     message.name = name(&id, message.name)?;
     let (timeout, as_lists) = (params.timeout()?, form.is_lists());
-    let advanced = app.dispatch.advance_session(message, timeout, as_lists, memory).await?;
+    let advanced = app.advance_session(message, timeout, as_lists, memory).await?;
     let Whole { response, held } = advanced;
     form.answer(response, held)
 }
@@ -103,7 +100,7 @@ pub(super) async fn fork(
     let name = name(&id, std::mem::take(&mut message.name))?;
     message.name.clone_from(&name);
     let call = Call::Fork(message);
-    Ok(document(&app.dispatch.session_call(&name, call, params.timeout()?).await?))
+    Ok(document(&app.session_call(&name, call, params.timeout()?).await?))
 }
 
 /// Correct slots by what is seen
@@ -119,7 +116,7 @@ pub(super) async fn correct(
     let Body { mut message, memory: _memory, form } = body;
     message.name = name(&id, message.name)?;
     let (timeout, as_lists) = (params.timeout()?, form.is_lists());
-    let (corrected, held) = app.dispatch.correct_session(message, timeout, as_lists).await?;
+    let (corrected, held) = app.correct_session(message, timeout, as_lists).await?;
     form.answer(corrected, held)
 }
 
@@ -136,7 +133,7 @@ pub(super) async fn reset(
     let name = name(&id, std::mem::take(&mut message.name))?;
     message.name.clone_from(&name);
     let call = Call::Reset(message);
-    Ok(document(&app.dispatch.session_call(&name, call, params.timeout()?).await?))
+    Ok(document(&app.session_call(&name, call, params.timeout()?).await?))
 }
 
 /// Take a step of a closed loop
@@ -150,9 +147,9 @@ pub(super) async fn step(
         Body::read(&app, request, Encoded::Step, params.tensors()).await?;
     let Body { message: mut request, memory, form } = body;
     request.name = name(&id, request.name)?;
-    let (timeout, as_lists, stopping) = (params.timeout()?, form.is_lists(), app.stopping.clone());
-    let step = Step { request, timeout, as_lists, memory, stopping };
-    let stepped = app.dispatch.step_session(step).await?;
+    let (timeout, as_lists) = (params.timeout()?, form.is_lists());
+    let step = Step { request, timeout, as_lists, memory };
+    let stepped = app.step_session(step).await?;
     form.answer(stepped.response, stepped.held)
 }
 

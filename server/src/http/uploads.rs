@@ -48,7 +48,7 @@ async fn options(State(app): State<App>) -> Response {
     let headers = [
         (TUS_VERSION, VERSION.to_owned()),
         (TUS_EXTENSION, EXTENSIONS.join(",")),
-        (TUS_MAX_SIZE, app.options.limits.capture_bytes.to_string()),
+        (TUS_MAX_SIZE, app.options().limits.capture_bytes.to_string()),
         (TUS_CHECKSUM_ALGORITHM, ALGORITHMS.join(",")),
     ];
     (StatusCode::NO_CONTENT, headers).into_response()

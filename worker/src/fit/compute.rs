@@ -6,7 +6,6 @@ use bendtwin_core::{
     Fault, FitSettings, Observer, ObserverError, Problem as _, Progress, Stage, Twin,
 };
 use bendtwin_fit::{FitJob, Look, OpenRasteriser};
-use bendtwin_proto::worker::v1::Lease;
 use bytes::Bytes;
 use tempfile::NamedTempFile;
 
@@ -26,7 +25,8 @@ pub(super) struct Compute {
 
 /// Inputs of a fit.
 pub(super) struct Inputs {
-    pub(super) lease: Lease,
+    /// Name that people gave the capture; empty if they gave none.
+    pub(super) capture_name: String,
     pub(super) settings: FitSettings,
     /// The twin that is refined, if the settings name one.
     pub(super) start: Option<Twin>,
@@ -56,7 +56,7 @@ impl Compute {
         rasteriser: OpenRasteriser,
         limits: &Limits,
     ) -> Result<Finished, Fault> {
-        let Inputs { lease, mut settings, start, observation, checkpoint } = inputs;
+        let Inputs { capture_name, mut settings, start, observation, checkpoint } = inputs;
         if let Some(twin) = &start {
             // Its graph is what takes memory.
             settings.graph.max_nodes = Some(twin.graph.node_count().max(1));
@@ -71,8 +71,8 @@ impl Compute {
         // It may be gigabytes, and everything is in memory now.
         drop(observation);
         // People may have given the capture a name since it was recorded.
-        if !lease.capture_display_name.is_empty() {
-            capture.name = lease.capture_display_name;
+        if !capture_name.is_empty() {
+            capture.name = capture_name;
         }
         let backend = Arc::new(device.backend(Priority::Background));
         let most = limits.fit_bytes;

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use bendtwin_core::{Category, Fault};
 use bendtwin_ingest::unread;
 use bendtwin_inspect::Verdict;
-use bendtwin_proto::worker::v1::{EndIngestRequest, IngestWrite, Lease, end_ingest_request::Part};
+use bendtwin_proto::worker::v1::{EndIngestRequest, IngestWrite, end_ingest_request::Part};
 use bytes::Bytes;
 use futures::{Stream, StreamExt as _, stream};
 use tokio_util::io::ReaderStream;
@@ -18,8 +18,8 @@ use super::{
 };
 use crate::{
     job::{
-        Job,
-        deliver::{Delivery, Failure, Undelivered},
+        Attempt, LeasedJob,
+        deliver::{Failure, Undelivered},
     },
     server_client::CallError,
 };
@@ -28,21 +28,16 @@ use crate::{
 const CHUNK: usize = 256 << 10;
 
 /// Sends the results in the folder, which ends the job.
-pub(super) async fn deliver(
-    delivery: &Delivery<'_>,
-    folder: &Path,
-    ended: ChildOutcome,
-    lease: &Lease,
-) {
+pub(super) async fn deliver(attempt: &Attempt<'_>, folder: &Path, ended: ChildOutcome) {
     let (verdict, fault) = match ended {
         ChildOutcome::Observed { verdict } => (verdict, None),
         ChildOutcome::Refused { verdict, fault } => (verdict, Some(fault)),
         ChildOutcome::Exceeded { fault } => {
             // The child could not write a report.
-            let report = unread(&lease.capture_display_name, &fault).report;
+            let report = unread(attempt.job.capture_display_name(), &fault).report;
             if let Err(error) = write_report(folder, &report) {
                 tracing::warn!(%error, "no report can be written");
-                return delivery.fail(fault, Failure::Permanent).await;
+                return attempt.fail(fault, Failure::Permanent).await;
             }
             (Verdict::Unusable, Some(fault))
         }
@@ -50,21 +45,21 @@ pub(super) async fn deliver(
     if let Some(fault) = &fault {
         tracing::warn!(reason = fault.reason, "the capture cannot be fitted: {fault}");
     }
-    let made = match measure(delivery.job, folder, verdict, fault).await {
+    let made = match measure(&attempt.job, folder, verdict, fault).await {
         Ok(made) => made,
         Err(error) => {
-            return delivery.fail(unreadable(&error), Failure::Passing).await;
+            return attempt.fail(unreadable(&error), Failure::Passing).await;
         }
     };
     let parts = parts(folder, made.fault.is_none());
-    match delivery
-        .send_until_acknowledged("what the ingest made", || send(delivery.job, &made, &parts))
+    match attempt
+        .send_until_acknowledged("what the ingest made", || send(&attempt.job, &made, &parts))
         .await
     {
         Ok(()) => tracing::info!(verdict = made.verdict, "ingest ended"),
         // Too large, for example: another attempt would have the same result and be refused, too.
         Err(Undelivered::Refused(fault)) if fault.category == Category::InvalidArgument => {
-            delivery.fail(fault, Failure::Permanent).await;
+            attempt.fail(fault, Failure::Permanent).await;
         }
         Err(_) => {}
     }
@@ -81,7 +76,7 @@ fn parts(folder: &Path, observed: bool) -> Vec<(PathBuf, Wrap)> {
 }
 
 async fn measure(
-    job: &Job,
+    job: &LeasedJob,
     folder: &Path,
     verdict: Verdict,
     fault: Option<Fault>,
@@ -110,7 +105,11 @@ async fn measure(
     measured.await.map_err(std::io::Error::other)?
 }
 
-async fn send(job: &Job, made: &IngestWrite, parts: &[(PathBuf, Wrap)]) -> Result<(), CallError> {
+async fn send(
+    job: &LeasedJob,
+    made: &IngestWrite,
+    parts: &[(PathBuf, Wrap)],
+) -> Result<(), CallError> {
     let mut files = Vec::with_capacity(parts.len());
     for (path, wrap) in parts {
         let file = open_result(path).map_err(|e| CallError::Unavailable(unreadable(&e)))?;

@@ -11,7 +11,7 @@ use tokio::{sync::Notify, task::JoinHandle, time::Instant};
 use tracing::Instrument as _;
 
 use super::{
-    Job,
+    LeasedJob,
     stop::{Reason, Stop},
 };
 use crate::server_client::{Backoff, CallError};
@@ -41,9 +41,9 @@ struct PendingCheckpoint {
 }
 
 /// The saving task.
-pub(crate) struct Saver {
+pub(super) struct Saver {
     slot: Arc<Slot>,
-    job: Job,
+    job: LeasedJob,
     task: JoinHandle<()>,
 }
 
@@ -85,7 +85,7 @@ impl Slot {
 }
 
 /// Starts the saving task, whose lines in the log name the job.
-pub(crate) fn start(job: Job, stop: Stop) -> (Checkpoints, Saver) {
+pub(super) fn start(job: LeasedJob, stop: Stop) -> (Checkpoints, Saver) {
     let slot = Arc::new(Slot {
         waiting: Mutex::default(),
         sending: Mutex::default(),
@@ -97,16 +97,16 @@ pub(crate) fn start(job: Job, stop: Stop) -> (Checkpoints, Saver) {
 
 impl Saver {
     /// Drops the checkpoint that waits: it is not needed any more.
-    pub(crate) fn abort(self) {
+    pub(super) fn abort(&self) {
         self.task.abort();
     }
 
     /// Saves the checkpoint that waits, so that the next worker loses nothing, unless that takes
     /// too long.
-    pub(crate) async fn flush(self) {
+    pub(super) async fn flush(&mut self) {
         self.task.abort();
         // What it was sending is sent again at worst.
-        let _ = self.task.await;
+        let _ = (&mut self.task).await;
         if let Some(content) = self.slot.take() {
             let saved =
                 tokio::time::timeout(FLUSH_TIMEOUT, self.job.save_checkpoint(content)).await;
@@ -117,7 +117,7 @@ impl Saver {
     }
 }
 
-async fn run(slot: Arc<Slot>, job: Job, stop: Stop) {
+async fn run(slot: Arc<Slot>, job: LeasedJob, stop: Stop) {
     let mut next = Instant::now();
     loop {
         slot.changed.notified().await;

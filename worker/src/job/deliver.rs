@@ -4,9 +4,8 @@ use std::time::Duration;
 
 use bendtwin_core::{Category, Fault};
 use tokio::time::Instant;
-use tokio_util::sync::CancellationToken;
 
-use super::{Job, checkpoints::Saver, stop::Reason};
+use super::{Attempt, stop::Reason};
 use crate::server_client::{Backoff, CallError};
 
 /// Time for which a worker that has to end still tries.
@@ -38,32 +37,19 @@ pub(crate) enum Undelivered {
     GivenUp,
 }
 
-/// Delivers the end of a job to the server.
-pub(crate) struct Delivery<'a> {
-    pub(crate) job: &'a Job,
-    pub(crate) drain: &'a CancellationToken,
-    pub(crate) delivery_timeout: Duration,
-}
-
-impl Delivery<'_> {
+impl Attempt<'_> {
     /// Reports that this attempt has no result.
     pub(crate) async fn fail(&self, fault: Fault, kind: Failure) {
         let _ = self.send_until_acknowledged("the failure", || self.job.fail(&fault, kind)).await;
     }
 
-    /// Ends an attempt of `work` without a result. The kind of failure follows from `stopped`, else
-    /// from the category of the fault. The last checkpoint is saved first, unless the job was
-    /// cancelled.
-    pub(crate) async fn fail_unfinished(
-        &self,
-        work: &str,
-        fault: Fault,
-        stopped: Option<Reason>,
-        saver: Saver,
-    ) {
-        let kind = match stopped {
+    /// Ends an attempt of `work` without a result. The kind of failure follows from the reason to
+    /// stop, else from the category of the fault. The last checkpoint is saved first, unless the job
+    /// was cancelled.
+    pub(crate) async fn fail_unfinished(&mut self, work: &str, fault: Fault) {
+        let kind = match self.stop.reason() {
             Some(Reason::Cancelled) => {
-                saver.abort();
+                self.drop_checkpoint();
                 tracing::info!("{work} cancelled");
                 return self.fail(fault, Failure::Cancelled).await;
             }
@@ -77,7 +63,7 @@ impl Delivery<'_> {
                 if permanent { Failure::Permanent } else { Failure::Passing }
             }
         };
-        saver.flush().await;
+        self.save_last_checkpoint().await;
         if kind == Failure::Passing && fault.category == Category::ResourceExhausted {
             tokio::select! {
                 () = tokio::time::sleep(SHORTAGE_PAUSE) => {}

@@ -11,7 +11,7 @@ use tokio::{task::JoinHandle, time::MissedTickBehavior};
 use tracing::Instrument as _;
 
 use super::{
-    Job,
+    LeasedJob,
     stages::StageSpans,
     stop::{Reason, Stop},
 };
@@ -111,7 +111,7 @@ fn beside(mut models: Vec<ModelLoss>, loss: &ModelLoss) -> Vec<ModelLoss> {
 }
 
 /// Reports the losses that still wait, so that they are kept with the fit that ends.
-pub(crate) async fn flush(job: &Job, latest: &LatestProgress) {
+pub(crate) async fn flush(job: &LeasedJob, latest: &LatestProgress) {
     let reports = async {
         loop {
             let news = latest.news();
@@ -126,13 +126,13 @@ pub(crate) async fn flush(job: &Job, latest: &LatestProgress) {
 }
 
 /// Starts reporting, which continues until the task is aborted.
-pub(crate) fn start(job: Job, stop: Stop) -> (LatestProgress, JoinHandle<()>) {
+pub(super) fn start(job: LeasedJob, stop: Stop) -> (LatestProgress, JoinHandle<()>) {
     let latest = LatestProgress::default();
     let task = tokio::spawn(run(job, stop, latest.clone()).in_current_span());
     (latest, task)
 }
 
-async fn run(job: Job, stop: Stop, latest: LatestProgress) {
+async fn run(job: LeasedJob, stop: Stop, latest: LatestProgress) {
     let mut ticks = tokio::time::interval(REPORT_INTERVAL);
     ticks.set_missed_tick_behavior(MissedTickBehavior::Delay);
     let mut reachable = true;

@@ -5,31 +5,32 @@ use bendtwin_core::Category;
 use bendtwin_proto::worker::v1::Lease;
 use bytes::Bytes;
 
-use super::checkpoints::MAX_BYTES;
-use crate::{
-    artifact::{self, FetchError},
-    server_client::ServerClient,
-};
+use super::{LeasedJob, checkpoints::MAX_BYTES};
+use crate::artifact::{self, FetchError};
 
-/// Fetches the checkpoint of a leased job; `None` without a usable one.
-///
-/// # Errors
-/// If the server cannot be reached or another worker has the job: the checkpoint may be there.
-pub(crate) async fn checkpoint(
-    server: &ServerClient,
-    lease: &Lease,
-) -> Result<Option<Bytes>, FetchError> {
-    if !lease.has_checkpoint {
-        return Ok(None);
+impl LeasedJob {
+    /// True if there is a checkpoint.
+    pub(crate) fn has_checkpoint(&self) -> bool {
+        self.lease.has_checkpoint
     }
-    let fetched = artifact::fetch(server, &lease.job, MAX_BYTES).await;
-    match fetched.and_then(|content| checked(lease, content)) {
-        Ok(content) => Ok(Some(content)),
-        Err(error) if is_of_no_use(&error) => {
-            tracing::warn!("the job begins anew without its checkpoint: {error}");
-            Ok(None)
+
+    /// Fetches the checkpoint; `None` without a usable one.
+    ///
+    /// # Errors
+    /// If the server cannot be reached or another worker has the job: the checkpoint may be there.
+    pub(crate) async fn fetch_checkpoint(&self) -> Result<Option<Bytes>, FetchError> {
+        if !self.has_checkpoint() {
+            return Ok(None);
         }
-        Err(error) => Err(error),
+        let fetched = artifact::fetch(&self.server, self.name(), MAX_BYTES).await;
+        match fetched.and_then(|content| checked(&self.lease, content)) {
+            Ok(content) => Ok(Some(content)),
+            Err(error) if is_of_no_use(&error) => {
+                tracing::warn!("the job begins anew without its checkpoint: {error}");
+                Ok(None)
+            }
+            Err(error) => Err(error),
+        }
     }
 }
 

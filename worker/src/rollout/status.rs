@@ -10,13 +10,14 @@ use std::{
 };
 
 use bendtwin_core::ids::TwinId;
-use bendtwin_proto::worker::v1::{HeartbeatRequest, Lease, WatchResponse, lease_job_request::Kind};
+use bendtwin_proto::worker::v1::{HeartbeatRequest, WatchResponse, lease_job_request::Kind};
 use futures::{Stream, StreamExt as _, stream};
 use tokio::sync::watch;
 use tokio_util::sync::CancellationToken;
 use tonic::Status;
 
 use super::Rollouts;
+use crate::job::LeasedJob;
 
 /// Least time between two messages to one server.
 const PAUSE: Duration = Duration::from_millis(20);
@@ -98,9 +99,9 @@ impl Rollouts {
     }
 
     /// Reports a job to servers, until the returned value is dropped.
-    pub(crate) fn at_work(&self, kind: Kind, lease: &Lease) -> StatusGuard {
-        let job = if kind == Kind::Fit { &lease.job } else { &lease.capture };
-        self.set_job(kind, job.clone());
+    pub(crate) fn at_work(&self, kind: Kind, job: &LeasedJob) -> StatusGuard {
+        let shown = if kind == Kind::Fit { job.name() } else { job.capture() };
+        self.set_job(kind, shown.to_owned());
         StatusGuard { rollouts: self.clone(), kind }
     }
 

@@ -116,7 +116,7 @@ impl Jobs<'_> {
             statement(kind, worker, times, &allowed).fetch_optional(&mut tx).await?;
         let Some(row) = row else { return Ok(None) };
         let job = Job::try_from(row)?;
-        self.renew(Lease { job: job.id, epoch: job.lease_epoch }, lease);
+        self.renew(Lease { job: job.id, epoch: job.lease_epoch, worker }, lease);
         self.store.pass(Failpoint::BeforeCommit)?;
         tx.commit().await?;
         self.changed(&job);

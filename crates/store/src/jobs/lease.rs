@@ -10,13 +10,31 @@ use super::{
 };
 use crate::{Content, Digest, Error, Result, Staged, failpoint::Failpoint, sql::query};
 
-/// The right of one worker to write to one job, until another claims it.
+/// The right of one worker to write to one job, until the job is claimed again. Every write of a
+/// worker shows it, and is refused if the job has another lease by then.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Lease {
     /// The job.
     pub job: JobId,
     /// The fencing number.
     pub epoch: u64,
+    /// The worker: the fencing number is no secret.
+    pub worker: WorkerId,
+}
+
+impl Lease {
+    /// The error of a write under this lease while the job has another, or none.
+    pub(super) fn stale(self) -> Error {
+        Error::StaleLease { job: self.job, epoch: self.epoch }
+    }
+}
+
+impl Job {
+    /// The lease of the job, while it runs.
+    pub fn lease(&self) -> Option<Lease> {
+        let worker = self.worker?;
+        Some(Lease { job: self.id, epoch: self.lease_epoch, worker })
+    }
 }
 
 /// News of a worker about its job.
@@ -52,6 +70,18 @@ impl Jobs<'_> {
             .fetch_all(self.store.inner.database.read())
             .await?;
         rows.into_iter().map(Job::try_from).collect()
+    }
+
+    /// Refuses a lease of a job that runs under another one, before a result is received. What has
+    /// ended is repeated or refused by the write itself.
+    ///
+    /// # Errors
+    /// [`Error::NotFound`], [`Error::StaleLease`].
+    pub async fn check_lease(&self, lease: Lease) -> Result<()> {
+        match self.get(lease.job).await?.lease() {
+            Some(running) if running != lease => Err(lease.stale()),
+            _ => Ok(()),
+        }
     }
 
     /// Renews the lease and stores progress and losses, if any.

@@ -98,9 +98,15 @@ impl Row {
         self.lease_epoch.max(0) as u64
     }
 
-    /// True if the job's last lease is this one.
+    /// True if the job's last claim made this lease.
     pub(super) fn is_of(&self, lease: Lease) -> bool {
         self.lease_epoch == i64::try_from(lease.epoch).unwrap_or(-1)
+    }
+
+    /// True if the job runs under this very lease.
+    fn runs_under(&self, lease: Lease) -> Result<bool> {
+        let has_worker = self.worker == Some(lease.worker.uuid().to_string());
+        Ok(self.state()? == State::Running && self.is_of(lease) && has_worker)
     }
 
     /// The name that was given when it was created; empty if none was.
@@ -177,10 +183,7 @@ pub(super) async fn fetch(tx: &mut Transaction, id: JobId) -> Result<Row> {
 /// The row of a job, if it runs under this very lease.
 pub(super) async fn fetch_leased(tx: &mut Transaction, lease: Lease) -> Result<Row> {
     let row = fetch(tx, lease.job).await?;
-    if row.state()? != State::Running || !row.is_of(lease) {
-        return Err(Error::StaleLease { job: lease.job, epoch: lease.epoch });
-    }
-    Ok(row)
+    if row.runs_under(lease)? { Ok(row) } else { Err(lease.stale()) }
 }
 
 /// The job that was created under a request id.

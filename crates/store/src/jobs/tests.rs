@@ -7,7 +7,7 @@ use std::time::Duration;
 
 use bendtwin_core::{Category, Fault, Progress, Stage, ids::WorkerId};
 
-use super::{AttemptEnd, Job, Kind, MAX_INTERRUPTED_ATTEMPTS, State, WorkerEnd};
+use super::{AttemptEnd, Job, Kind, Lease, MAX_INTERRUPTED_ATTEMPTS, State, WorkerEnd};
 use crate::{
     Error, NewFit, TwinFacts,
     database::testing::{On, on_both},
@@ -140,6 +140,13 @@ async fn a_stale_lease_changes_nothing(on: On) {
     stale(fits.save_checkpoint(old, bench.stage("late").await, LEASE).await.err());
     stale(fits.complete_fit(old, &TwinFacts::default(), bench.stage("late").await).await.err());
     stale(fits.end_attempt(old, AttemptEnd::Released).await.err());
+    stale(fits.check_lease(old).await.err());
+    // The epoch alone is no lease.
+    let guessed = Lease { worker: WorkerId::generate(), ..lease_of(&new) };
+    stale(fits.report(guessed, None, LEASE).await.err());
+    stale(fits.end_attempt(guessed, AttemptEnd::Released).await.err());
+    stale(fits.check_lease(guessed).await.err());
+    fits.check_lease(lease_of(&new)).await.unwrap();
     assert_eq!(bench.store.jobs().get(new.id).await.unwrap(), before);
     assert_eq!(bench.blob_count().await, 1);
 }

@@ -237,7 +237,7 @@ pub(crate) fn new_capture(name: &str, content: Staged) -> NewCapture {
 }
 
 pub(crate) fn lease_of(job: &Job) -> Lease {
-    Lease { job: job.id, epoch: job.lease_epoch }
+    job.lease().unwrap()
 }
 
 pub(crate) fn new_fit(capture: &Capture) -> NewFit {

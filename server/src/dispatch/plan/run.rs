@@ -8,7 +8,6 @@ use bendtwin_proto::v1::{
     PlanUpdate, RollOutRequest, RollOutResponse, Tensor, plan_update::Origin as WireOrigin,
 };
 use tokio::time::Instant;
-use tokio_util::sync::CancellationToken;
 
 use super::{beside::beside, evaluation::Costs, start::Parts};
 use crate::{
@@ -27,7 +26,6 @@ pub(super) struct Run {
     began: Instant,
     /// The end of the call.
     deadline: Instant,
-    stopping: CancellationToken,
     /// Names of the cost terms, and their values and the strain for the best plan so far.
     names: Vec<String>,
     terms: Vec<f64>,
@@ -50,7 +48,6 @@ impl Run {
         dispatch: Dispatch,
         parts: Parts,
         deadline: Instant,
-        stopping: CancellationToken,
         request: Arc<Shares>,
         plans: Share,
     ) -> Self {
@@ -60,7 +57,6 @@ impl Run {
             parts,
             began: Instant::now(),
             deadline,
-            stopping,
             names: Vec::new(),
             terms: Vec::new(),
             strain: 0.0,
@@ -78,7 +74,7 @@ impl Run {
         if self.has_ended {
             return None;
         }
-        let stopping = self.stopping.clone();
+        let stopping = self.dispatch.stopping.clone();
         let made = tokio::select! {
             biased;
             () = stopping.cancelled() => Err(Error::Stopping),

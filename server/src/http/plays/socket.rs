@@ -5,6 +5,7 @@ use std::{sync::Arc, time::Duration};
 
 use axum::extract::ws::{CloseFrame, Message as Frame, WebSocket, close_code};
 use bendtwin_core::ids::TwinId;
+use bendtwin_play::{self as plays, Begin, Error as PlayError, Message, Player, View};
 use tokio::{
     sync::watch,
     time::{Instant, MissedTickBehavior},
@@ -14,7 +15,6 @@ use super::PATIENCE;
 use crate::{
     app::{App, Error},
     context::Context,
-    play::{self, Begin, Message, Player, View},
     refusal::Refusal,
 };
 
@@ -53,7 +53,7 @@ pub(super) async fn play(app: App, twin: TwinId, mut socket: WebSocket) {
     let player = match begun {
         Ok(begin) => {
             // One that goes away while a session is opened leaves it to its idle time.
-            app.plays.begin(&app, twin, begin).await
+            app.begin_play(twin, begin).await
         }
         Err(error) => Err(error),
     };
@@ -63,7 +63,7 @@ pub(super) async fn play(app: App, twin: TwinId, mut socket: WebSocket) {
             Channel::new(app, socket, view).run(Some(player)).await;
         }
         Err(error) => {
-            let text = refusal(error);
+            let text = plays::ended(Some(problem(error)));
             let _ = send(&mut socket, Frame::Text(text.into())).await;
             farewell(&mut socket, close_code::POLICY, "refused").await;
         }
@@ -115,11 +115,11 @@ impl Channel {
     }
 
     async fn pass(&mut self, player: &mut Option<Player>) -> Result<(), Gone> {
-        let ready = self.view.play.ready().to_owned();
+        let ready = self.view.ready().to_owned();
         send(&mut self.socket, Frame::Text(ready.into())).await?;
         self.view.states.mark_changed();
         self.view.facts.mark_changed();
-        let stopping = self.app.stopping.clone();
+        let mut stopping = Box::pin(self.app.stopped());
         let mut ping = tokio::time::interval(PING_INTERVAL);
         ping.set_missed_tick_behavior(MissedTickBehavior::Delay);
         loop {
@@ -128,7 +128,7 @@ impl Channel {
                 biased;
                 reply = reply(player) => Event::Reply(reply),
                 () = ended(&mut self.view.farewell) => Event::Ended,
-                () = stopping.cancelled(), if player.is_none() => Event::Ended,
+                () = &mut stopping, if player.is_none() => Event::Ended,
                 frame = self.socket.recv() => Event::Heard(frame.and_then(Result::ok)),
                 Ok(()) = self.view.facts.changed() => Event::Facts,
                 Ok(()) = self.view.states.changed(), if has_room => Event::State,
@@ -179,36 +179,34 @@ impl Channel {
         self.heard = Instant::now();
         let taken = match frame {
             Frame::Close(_) => return Ok(false),
-            _ if !self.may_speak() => Err(Error::PlayTooFast),
+            _ if !self.may_speak() => Err(PlayError::TooFast),
             Frame::Ping(_) | Frame::Pong(_) => return Ok(true),
-            Frame::Binary(_) => Err(Error::invalid("message", "is not a text")),
+            Frame::Binary(_) => Err(PlayError::invalid("message", "is not a text")),
             Frame::Text(text) if text.len() > MESSAGE_BYTES => {
                 let fault = format!("is longer than {MESSAGE_BYTES} bytes");
-                Err(Error::invalid("message", fault))
+                Err(PlayError::invalid("message", fault))
             }
-            Frame::Text(text) => match play::read(&text) {
+            Frame::Text(text) => match plays::read(&text) {
                 Ok(Message::Seen { frame }) => {
                     self.on_their_way.retain(|number| *number > frame);
                     return Ok(true);
                 }
                 Ok(message) => match player {
                     Some(player) => player.inbox.push(message),
-                    None => Err(Error::invalid("message", "moves something: this is to watch")),
+                    None => Err(PlayError::invalid("message", "moves something: this is to watch")),
                 },
                 Err(error) => Err(error),
             },
         };
         match taken {
             Ok(()) => Ok(true),
-            Err(error @ Error::PlayTooFast) => {
-                let text = refusal(error);
+            Err(error @ PlayError::TooFast) => {
+                let text = plays::ended(Some(problem(error.into())));
                 self.leave(Some(text.into())).await?;
                 Ok(false)
             }
             Err(error) => {
-                let problem = Refusal::from(error).document(&Context::current());
-                let text = serde_json::json!({"type": "refused", "problem": problem}).to_string();
-                self.text(&text).await?;
+                self.text(&plays::refused(problem(error.into()))).await?;
                 Ok(true)
             }
         }
@@ -267,8 +265,7 @@ async fn farewell(socket: &mut WebSocket, code: u16, reason: &'static str) {
     let _ = tokio::time::timeout(LAST_WORDS, rest).await;
 }
 
-/// The last message, with what went wrong.
-fn refusal(error: Error) -> String {
-    let problem = Refusal::from(error).document(&Context::current());
-    serde_json::json!({"type": "ended", "problem": problem}).to_string()
+/// The document that shows an error to the client.
+fn problem(error: Error) -> serde_json::Value {
+    Refusal::from(error).json(&Context::current())
 }

@@ -24,9 +24,8 @@ use tokio::sync::mpsc;
 use tokio_stream::wrappers::ReceiverStream;
 
 use crate::{
-    app::{self, Error},
+    app::{self, Error, Parts, ReplyHold},
     context::Context,
-    dispatch::{Parts, ReplyHold},
     refusal::Refusal,
 };
 

@@ -9,8 +9,7 @@ use bendtwin_proto::json::TensorFormat;
 
 use super::{Asked, ReplyParams, document, read};
 use crate::{
-    app::App,
-    dispatch::{InParts, RollOut},
+    app::{App, InParts, RollOut},
     http::{
         Result,
         extract::{Id, Params},
@@ -27,6 +26,6 @@ pub(in crate::http) async fn stream(
     let Asked { rollout, .. } = read(&app, &id, &params, request).await?;
     let as_lists = params.tensors == TensorFormat::Lists;
     let rollout = RollOut { in_parts: true, as_lists, ..rollout };
-    let InParts { parts, held } = app.dispatch.parts(rollout).await?;
+    let InParts { parts, held } = app.roll_out_in_parts(rollout).await?;
     Ok(document::events(parts, held, params.tensors))
 }

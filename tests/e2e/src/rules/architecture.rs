@@ -66,7 +66,7 @@ struct Rule {
     never: &'static [&'static [&'static str]],
 }
 
-const RULES: [Rule; 14] = [
+const RULES: [Rule; 15] = [
     Rule {
         of: &["bendtwin-server", "bendtwin-store"],
         because: "the control plane knows no physics",
@@ -141,6 +141,15 @@ const RULES: [Rule; 14] = [
         ],
     },
     Rule {
+        of: &["bendtwin-play"],
+        because: "a play knows sessions and plans, not how they are reached",
+        never: &[
+            &PHYSICS,
+            &DATABASE,
+            &["bendtwin-contract", "bendtwin-plan", "bendtwin-server", "bendtwin-worker"],
+        ],
+    },
+    Rule {
         of: &["bendtwin-register"],
         because: "registration takes points, from wherever they come",
         never: &[
@@ -185,16 +194,38 @@ fn no_crate_reaches_what_it_must_not_know() {
 }
 
 #[test]
-fn rules_and_rollouts_name_no_transport() {
+fn rules_rollouts_and_plays_name_no_transport() {
     let graph = Graph::read();
     // They reach it through the messages, which implement its traits.
-    for transport in ["axum", "futures", "http", "http-body-util", "hyper", "reqwest", "tonic"] {
+    for transport in ["axum", "http", "http-body-util", "hyper", "reqwest", "tonic"] {
         let users = graph.users(transport);
-        for name in ["bendtwin-contract", "bendtwin-rollout"] {
+        for name in ["bendtwin-contract", "bendtwin-play", "bendtwin-rollout"] {
             assert!(!users.contains(&name), "{name} names {transport}");
         }
     }
+    // A play waits for time and messages.
+    for name in ["bendtwin-contract", "bendtwin-rollout"] {
+        assert!(!graph.users("futures").contains(&name), "{name} names futures");
+    }
     assert!(graph.users("tonic").contains(&"bendtwin-worker"));
+}
+
+/// The fields of `App` are private; this is for what could be reached around it.
+#[test]
+fn transports_call_the_use_cases_alone() {
+    let mut found = Vec::new();
+    for (file, path) in workspace::files() {
+        let is_transport =
+            ["server/src/grpc", "server/src/http"].iter().any(|f| file.starts_with(f));
+        if !is_transport || !file.ends_with(".rs") {
+            continue;
+        }
+        let text = std::fs::read_to_string(path).unwrap();
+        let code = code_only(&text);
+        let around = ["dispatch::", "KeyRing", "Tokens", "Plays", "Store::", "Memory::"];
+        found.extend(around.iter().filter(|a| code.contains(**a)).map(|a| format!("{file}: {a}")));
+    }
+    assert!(found.is_empty(), "these belong behind a method of `App`: {found:?}");
 }
 
 #[test]

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use super::*;
 use crate::{
-    job::{Job, checkpoints, report},
+    job::{Attempt, LeasedJob},
     server_client::ServerClient,
 };
 use bendtwin_proto::worker::v1::Lease;
@@ -23,15 +23,11 @@ async fn run_within(script: &str, time: Duration) -> Result<ChildOutcome, Fault>
     // Nothing listens there: a report that cannot be sent is not waited for.
     let server =
         ServerClient::new(&["http://127.0.0.1:1".to_owned()], "token", "key", None).unwrap();
-    let job = Job::new(server, String::new(), &Lease::default());
-    let stop = crate::job::stop::Stop::default();
-    let (progress, reporter) = report::start(job.clone(), stop.clone());
-    let (checkpoints, saver) = checkpoints::start(job, stop);
+    let job = LeasedJob::new(server, "", Lease::default());
+    let drain = tokio_util::sync::CancellationToken::new();
+    let attempt = Attempt::begin(job, &drain, Duration::ZERO);
     let child = Child { program: &program, folder: folder.path(), time };
-    let ended = child.run(&progress, &checkpoints).await;
-    reporter.abort();
-    saver.abort();
-    ended
+    child.run(&attempt.progress, &attempt.checkpoints).await
 }
 
 #[tokio::test]

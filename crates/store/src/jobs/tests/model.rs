@@ -123,7 +123,7 @@ async fn run(on: On, steps: Vec<Step>) {
     let fits = bench.store.jobs();
     let mut model: Vec<Job> = Vec::new();
     let mut ids = Vec::new();
-    let mut leases: Vec<(usize, Lease, WorkerId)> = Vec::new();
+    let mut leases: Vec<(usize, Lease)> = Vec::new();
     let mut time = Time::default();
     bench.sweep().await;
     for step in steps {
@@ -160,11 +160,11 @@ async fn run(on: On, steps: Vec<Step>) {
                     model[i].epoch += 1;
                     model[i].stalled += 1;
                     model[i].until = time.now() + LEASE;
-                    leases.push((i, Lease { job: fit.id, epoch: fit.lease_epoch }, worker));
+                    leases.push((i, fit.lease().unwrap()));
                 }
             }
             Step::Report { lease, fraction } => {
-                let Some(&(i, lease, _)) = leases.get(lease) else { continue };
+                let Some(&(i, lease)) = leases.get(lease) else { continue };
                 let job = &mut model[i];
                 let live = job.state == State::Running && job.epoch == lease.epoch;
                 let done = fits.report(lease, Some(&progress(fraction)), LEASE).await;
@@ -177,7 +177,7 @@ async fn run(on: On, steps: Vec<Step>) {
                 }
             }
             Step::End { lease, how } => {
-                let Some(&(i, lease, _)) = leases.get(lease) else { continue };
+                let Some(&(i, lease)) = leases.get(lease) else { continue };
                 let job = &mut model[i];
                 let live = job.state == State::Running && job.epoch == lease.epoch;
                 let end = match how {
@@ -205,10 +205,10 @@ async fn run(on: On, steps: Vec<Step>) {
                 }
             }
             Step::Lose { lease, loss } => {
-                let Some(&(i, lease, worker)) = leases.get(lease) else { continue };
+                let Some(&(i, lease)) = leases.get(lease) else { continue };
                 let job = &mut model[i];
                 let live = job.state == State::Running && job.epoch == lease.epoch;
-                let ended = fits.forfeit(worker, loss).await.unwrap();
+                let ended = fits.forfeit(lease.worker, loss).await.unwrap();
                 assert_eq!(ended.len(), usize::from(live));
                 match loss {
                     _ if !live => {}

@@ -18,7 +18,7 @@ use super::{
     rows::{Pose, Rows},
     scene::Scene,
 };
-use crate::error::{Error, Result};
+use crate::{Error, Result};
 
 /// Frames of a plan, and distance that is near enough [m], where a goal does not say.
 const FRAMES: u32 = 30;
@@ -166,7 +166,7 @@ impl Pursuit {
     /// # Errors
     /// If the plan has another shape.
     pub(super) fn path(&mut self, update: &PlanUpdate) -> Result<VecDeque<Vec<Pose>>> {
-        let internal = |fault: String| Error::Internal(format!("a plan of a play: {fault}"));
+        let internal = |fault: String| Error::Unreadable(format!("a plan of a play: {fault}"));
         let knots = update.knots.as_ref().ok_or_else(|| internal("no knots".to_owned()))?;
         let (shape, values) = knots.unpack::<f32>("knots").map_err(|e| internal(e.to_string()))?;
         let (count, grippers) = match shape[..] {

@@ -8,8 +8,7 @@ use std::{
 
 use bendtwin_core::ids::{PlayId, TwinId};
 use bendtwin_proto::v1::{
-    CloseSessionRequest, Fidelity, GetSessionStatesRequest, Grasp, InitialState,
-    OpenSessionRequest, RollOutResponse, Tensor, TwinGeometry,
+    Fidelity, Grasp, InitialState, OpenSessionRequest, RollOutResponse, Tensor, TwinGeometry,
     grasp::Region,
     initial_state::{GivenState, State},
     roll_out_request::Actions,
@@ -21,14 +20,11 @@ use tokio_util::sync::CancellationToken;
 
 use super::{Replay, Run};
 use crate::{
-    app::App,
-    error::{Error, Result},
-    play::{
-        Play,
-        message::Begin,
-        recording::Recording,
-        scene::{MOST_COLLIDERS, SPEED_LIMIT_M_S, Scene, Setting},
-    },
+    Error, Host, Play, Result,
+    goal::Stage,
+    message::Begin,
+    recording::Recording,
+    scene::{MOST_COLLIDERS, SPEED_LIMIT_M_S, Scene, Setting},
 };
 
 /// Time for a first state.
@@ -48,8 +44,12 @@ pub(super) struct NewPlay {
 }
 
 /// Opens a session for a play of a twin.
-pub(super) async fn open(app: &App, twin: TwinId, begin: Begin) -> Result<NewPlay> {
-    let geometry = app.twin_geometry(&twin.to_string(), false).await?.message;
+pub(super) async fn open(
+    host: &dyn Host,
+    twin: TwinId,
+    geometry: &TwinGeometry,
+    begin: Begin,
+) -> Result<NewPlay> {
     let hands = match geometry.hands.as_ref().filter(|hands| !hands.is_absent()) {
         None => Vec::new(),
         Some(hands) => sound(hands.unpack::<u32>("hands"))?.1,
@@ -72,10 +72,8 @@ pub(super) async fn open(app: &App, twin: TwinId, begin: Begin) -> Result<NewPla
     scene.surround(world.clone(), begin.vary)?;
     let initial = begin.initial.map(|initial| initial.0);
     let open = request(twin, initial, scene.template().grasps, fidelity, &scene);
-    let session = app.dispatch.open_session(open, Some(OPEN_TIMEOUT)).await?.name;
-    let asked = GetSessionStatesRequest { name: session.clone(), slots: Vec::new() };
-    let (states, _held) = app.dispatch.session_states(asked, Some(OPEN_TIMEOUT), false).await?;
-    let first = states.states.unwrap_or_default();
+    let session = host.open_session(open, OPEN_TIMEOUT).await?;
+    let first = host.session_state(session.clone(), OPEN_TIMEOUT).await?;
     let mut scene =
         Scene::new(setting(points(first.controls.as_ref())?, points(first.positions.as_ref())?))?;
     scene.surround(world, begin.vary)?;
@@ -84,7 +82,7 @@ pub(super) async fn open(app: &App, twin: TwinId, begin: Begin) -> Result<NewPla
     }
     // A state of a session says nothing of grasps until its first frame.
     let first = GivenState { grasping: None, ..first };
-    let play = Arc::new(play(twin, frame_s, &geometry, &scene, &first)?);
+    let play = Arc::new(play(twin, frame_s, geometry, &scene, &first)?);
     Ok(NewPlay { play, session, scene, first })
 }
 
@@ -169,7 +167,7 @@ pub(super) fn points(tensor: Option<&Tensor>) -> Result<Vec<[f32; 3]>> {
 }
 
 fn sound<T>(read: Result<T, bendtwin_proto::tensor::TensorError>) -> Result<T> {
-    read.map_err(|e| Error::Internal(format!("a state of a play: {e}")))
+    read.map_err(|e| Error::Unreadable(format!("a state of a play: {e}")))
 }
 
 /// Force and torque of each grasp on the object, shape [E, 6].
@@ -185,9 +183,9 @@ impl Run {
         tracing::warn!(play = %self.play.id, %error, "the session of a play is lost");
         self.notice("reopening", "the worker was lost: looking for another one");
         self.leave_replay();
-        self.end_pursuit(Some(crate::play::goal::Stage::Stopped));
+        self.end_pursuit(Some(Stage::Stopped));
         let given_up = Instant::now() + REOPEN_TIMEOUT;
-        let (over, stopping) = (self.play.over.clone(), self.app.stopping.clone());
+        let (over, stopping) = (self.play.over.clone(), self.stopping.clone());
         let mut error = error;
         while Instant::now() < given_up {
             tokio::select! {
@@ -223,18 +221,17 @@ impl Run {
     }
 
     async fn switch(&mut self, open: OpenSessionRequest) -> Result<()> {
-        let session = self.app.dispatch.open_session(open, Some(OPEN_TIMEOUT)).await?;
-        let name = std::mem::replace(&mut self.session, session.name);
+        let session = self.host.open_session(open, OPEN_TIMEOUT).await?;
+        let before = std::mem::replace(&mut self.session, session);
         // If it is lost it needs no end.
-        let _ =
-            self.app.dispatch.close_session(CloseSessionRequest { name }, Some(OPEN_TIMEOUT)).await;
+        let _ = self.host.close_session(before, OPEN_TIMEOUT).await;
         Ok(())
     }
 
     /// Shows the recording again.
     pub(super) async fn begin_replay(&mut self) -> Result<()> {
         self.end_recording();
-        self.end_pursuit(Some(crate::play::goal::Stage::Stopped));
+        self.end_pursuit(Some(Stage::Stopped));
         let recording = self.play.recording()?;
         self.fits(&recording)?;
         self.replay = Some(Replay { recording, segment: 0, frame: 0 });

@@ -32,7 +32,7 @@ fn the_order_of_other_messages_stays_and_their_number_is_bounded() {
     let refused = (0..10_000).find_map(|i| inbox.push(step()).err().map(|e| (i, e)));
     let (after, error) = refused.unwrap();
     assert_eq!(after, MOST_WAITING);
-    assert!(matches!(error, Error::PlayTooFast));
+    assert!(matches!(error, Error::TooFast));
 }
 
 #[test]

@@ -14,7 +14,7 @@ use prost::Message as _;
 use serde::{Deserialize, Serialize, Serializer, ser::SerializeSeq as _};
 
 use super::rows::{self, Rows};
-use crate::error::{Error, Result};
+use crate::{Error, Result};
 
 /// Most memory of a recording [bytes]: as a document it takes about half as much again.
 const MOST_BYTES: usize = 8 << 20;
@@ -32,7 +32,7 @@ pub(super) struct Segment {
 
 /// The actions of a play.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Recording {
+pub struct Recording {
     pub(super) segments: Vec<Segment>,
     bytes: usize,
 }
@@ -40,7 +40,7 @@ pub(crate) struct Recording {
 /// A recording as a document.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(crate) struct Document {
+pub struct Document {
     twin: String,
     #[serde(default, rename = "fps")]
     _fps: f64,
@@ -92,12 +92,15 @@ impl Recording {
     }
 
     /// Memory of the document, about [bytes].
-    pub(crate) fn document_bytes(&self) -> u64 {
+    pub fn document_bytes(&self) -> u64 {
         2 * self.bytes as u64
     }
 
     /// The document.
-    pub(crate) fn write(&self, twin: TwinId, frame_s: f64) -> serde_json::Result<Vec<u8>> {
+    ///
+    /// # Errors
+    /// If it cannot be written as JSON.
+    pub fn write(&self, twin: TwinId, frame_s: f64) -> serde_json::Result<Vec<u8>> {
         #[derive(Serialize)]
         struct Out<'r> {
             twin: String,
@@ -124,7 +127,7 @@ impl Recording {
     ///
     /// # Errors
     /// If it is of another twin, or has requests that no play makes.
-    pub(crate) fn read(document: Document, twin: TwinId) -> Result<Self> {
+    pub fn read(document: Document, twin: TwinId) -> Result<Self> {
         if document.twin.parse() != Ok(twin) {
             let fault = format!("is {}, the play is of {twin}", document.twin);
             return Err(Error::invalid("twin", fault));

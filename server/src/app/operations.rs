@@ -1,6 +1,6 @@
-//! Readiness: whether a request that comes now can be served. Changes are made durable as a proof,
-//! which may take long on a bad disk, so the checks run beside requests, and callers get the newest
-//! report within a bounded time.
+//! What operators ask for: readiness, which is whether a request that comes now can be served, and
+//! metrics. Changes are made durable as a proof of readiness, which may take long on a bad disk, so
+//! the checks run beside requests, and callers get the newest report within a bounded time.
 
 use std::{
     sync::atomic::{AtomicBool, Ordering},
@@ -10,7 +10,8 @@ use std::{
 use serde::Serialize;
 use tokio::{sync::watch, time::Instant};
 
-use crate::app::App;
+use super::{App, Result};
+use crate::{dispatch::Size, metrics::Gauges};
 
 /// Age up to which a report is reused.
 const FRESH: Duration = Duration::from_secs(1);
@@ -50,6 +51,28 @@ impl Default for Readiness {
 }
 
 impl App {
+    /// Number of workers, and of the rollouts that they are at.
+    pub(crate) fn counts(&self) -> (usize, usize) {
+        self.dispatch.counts()
+    }
+
+    /// All metrics of the server, in the text format of Prometheus.
+    pub(crate) async fn metrics_text(&self) -> Result<String> {
+        // Sets the gauges of readiness and of the disk.
+        self.readiness().await;
+        let depth = self.store.jobs().depth().await?;
+        let uploads = self.store.uploads().in_use().await?;
+        let (workers, rollouts) = self.counts();
+        for (size, waiting) in Size::ALL.into_iter().zip(self.dispatch.waiting()) {
+            self.metrics.rollouts_waiting(size.as_str(), waiting);
+        }
+        let gauges = Gauges { workers, rollouts, memory: self.dispatch.memory(), uploads };
+        let (used, total) = self.memory.state();
+        self.metrics.memory_budget(used, total);
+        self.certificates.measure(&self.metrics);
+        Ok(self.metrics.render(&depth, &gauges))
+    }
+
     /// All checks, within two seconds.
     pub(crate) async fn readiness(&self) -> Vec<Check> {
         let younger = |age: Duration| {

@@ -3,21 +3,15 @@
 use bendtwin_proto::{
     json::Read,
     v1::{InitialState, ResetSessionRequest, initial_state::State},
-    worker::v1::manage_session_request::Call,
 };
-use futures::StreamExt as _;
-use tokio::{sync::mpsc, time::Instant};
+use tokio::time::Instant;
 
-use super::{Run, session};
+use super::{FRAME_TIMEOUT, Run, session};
 use crate::{
-    context::Context,
-    dispatch::Plan,
-    error::Result,
-    play::{
-        goal::{Pursuit, Stage},
-        message::{Goal, Message},
-        recording::Recording,
-    },
+    Result,
+    goal::{Pursuit, Stage},
+    message::{Goal, Message},
+    recording::Recording,
 };
 
 /// Most frames that wait while it is paused.
@@ -27,7 +21,7 @@ impl Run {
     /// Executes a command; a wrong one is answered with its fault, and changes nothing.
     pub(super) async fn take_messages(&mut self) -> Result<()> {
         self.last_message = Instant::now();
-        for message in self.inbox.take() {
+        for message in self.lines.inbox.take() {
             if let Err(error) = self.take(message).await {
                 match bendtwin_core::Problem::category(&error) {
                     bendtwin_core::Category::Unavailable | bendtwin_core::Category::Aborted => {
@@ -117,11 +111,8 @@ impl Run {
         let (first, poses) = self.first.clone();
         let initial = Some(InitialState { state: Some(State::Given(first.clone())) });
         let name = self.session.clone();
-        let reset = ResetSessionRequest { name: name.clone(), slots: Vec::new(), initial };
-        self.app
-            .dispatch
-            .session_call(&name, Call::Reset(reset), Some(super::FRAME_TIMEOUT))
-            .await?;
+        let reset = ResetSessionRequest { name, slots: Vec::new(), initial };
+        self.host.reset_session(reset, FRAME_TIMEOUT).await?;
         self.scene.see(session::points(first.positions.as_ref())?);
         self.scene.begin_again(&poses);
         self.known = first;
@@ -159,29 +150,8 @@ impl Run {
     pub(super) async fn ask_for_a_plan(&mut self) -> Result<()> {
         let Some(pursuit) = &mut self.pursuit else { return Ok(()) };
         let seed = u64::from(self.number);
-        let plan = Plan {
-            request: pursuit.request(&self.session, &self.scene, seed),
-            timeout: Some(3 * super::FRAME_TIMEOUT),
-            as_lists: false,
-            memory: std::sync::Arc::default(),
-            stopping: self.app.stopping.clone(),
-        };
-        let mut updates = Box::pin(self.app.dispatch.plan(plan)).await?;
-        // In a separate task, since its future is large and this one is part of others.
-        let (sender, plan) = mpsc::channel(1);
-        tokio::spawn(Context::current().scope(async move {
-            loop {
-                let update = tokio::select! {
-                    () = sender.closed() => return,
-                    update = updates.next() => update,
-                };
-                let Some(update) = update else { return };
-                if sender.send(update).await.is_err() {
-                    return;
-                }
-            }
-        }));
-        self.plan = Some(plan);
+        let request = pursuit.request(&self.session, &self.scene, seed);
+        self.plan = Some(self.host.plan(request, 3 * FRAME_TIMEOUT).await?);
         self.tell();
         Ok(())
     }

@@ -7,7 +7,7 @@ use bendtwin_store::{
 };
 
 use super::*;
-use crate::{options::Options, tls::Certificates};
+use crate::{metrics::Metrics, options::Options, tls::Certificates};
 
 const LEASE: Duration = Duration::from_secs(12);
 const STEP: Duration = Duration::from_secs(1);
@@ -44,7 +44,8 @@ impl Fleet {
             clock: clock.clone(),
             ..bendtwin_store::Options::new(folder.path())
         });
-        let app = App::new(Options::default(), store.await.unwrap(), Certificates::default());
+        let (certificates, metrics) = (Certificates::default(), Metrics::new());
+        let app = App::new(Options::default(), store.await.unwrap(), certificates, metrics);
         app.recover().await.unwrap();
         let other = ServerId::generate();
         Some(Self { app, clock, other, _folder: folder, _postgres: postgres })

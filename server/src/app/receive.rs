@@ -1,16 +1,49 @@
 //! Receiving content over any transport: streamed to disk, bounded in size, abandoned after a
 //! silence. A broken upload leaves nothing behind.
 
+use axum::body::HttpBody;
+use bendtwin_contract::rollout;
 use bendtwin_store::{Digest, Staged};
 use bytes::Bytes;
 use futures::{StreamExt, stream::BoxStream};
 
 use super::{App, Error, Result};
+use crate::memory::{Kind, ReceiveError, Received};
 
 /// The chunks of an upload; an error describes how the transport broke.
 pub(crate) type Body = BoxStream<'static, Result<Bytes>>;
 
 impl App {
+    /// Receives a body of at most `limit` bytes that is kept in memory. `look` sees its beginning,
+    /// as far as it has come, and may refuse it before the rest is sent.
+    pub(crate) async fn receive_whole<B>(
+        &self,
+        body: B,
+        kind: Kind,
+        limit: u64,
+        look: impl Fn(&[u8]) -> Result<(), rollout::Error>,
+    ) -> Result<Received, ReceiveError>
+    where
+        B: HttpBody<Data = Bytes> + Unpin,
+        B::Error: Into<axum::BoxError>,
+    {
+        self.memory.receive(body, kind, limit, look).await
+    }
+
+    /// Receives the message of a gRPC call, as [`Memory::receive_message`](crate::memory::Memory).
+    pub(crate) async fn receive_message<B>(
+        &self,
+        body: B,
+        limit: u64,
+        look: impl Fn(&[u8]) -> Result<(), rollout::Error>,
+    ) -> Result<Received, ReceiveError>
+    where
+        B: HttpBody<Data = Bytes> + Unpin,
+        B::Error: Into<axum::BoxError>,
+    {
+        self.memory.receive_message(body, limit, look).await
+    }
+
     /// Receives a body of at most `limit` bytes. `tap` sees every chunk.
     pub(super) async fn receive(
         &self,

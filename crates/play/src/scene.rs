@@ -14,7 +14,7 @@ use super::{
     message::{Factors, Target},
     rows::{self, Pose, Rows},
 };
-use crate::error::{Error, Result};
+use crate::{Error, Result};
 
 pub(super) use self::motion::SPEED_LIMIT_M_S;
 

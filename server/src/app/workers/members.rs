@@ -12,7 +12,7 @@ use bendtwin_core::ids::{ServerId, WorkerId};
 use bendtwin_store::{Server, Worker, WorkerEnd};
 use uuid::Uuid;
 
-use super::{App, Error, Result};
+use crate::app::{App, Error, Result};
 
 /// The last sign of each member, and when it was first seen, by the time of leases.
 #[derive(Debug, Default)]
@@ -77,7 +77,7 @@ impl App {
             if let Err(error) = added {
                 // It registers again if it is alive.
                 tracing::info!(worker = %id, %error, "a worker of an earlier run is forgotten");
-                self.forfeit(id).await?;
+                self.forfeit(id, WorkerEnd::ByServer).await?;
             }
         }
         for server in self.others(self.store.servers().all().await?) {
@@ -94,8 +94,14 @@ impl App {
         let rows: HashSet<WorkerId> = workers.iter().map(|w| w.registration.id).collect();
         for worker in &workers {
             let id = worker.registration.id;
+            let is_new = !self.dispatch.knows(id);
             if let Err(error) = self.dispatch.learn(worker.clone()) {
                 tracing::warn!(worker = %id, %error, "a worker of the fleet cannot be used");
+            }
+            // It may have left since its row was read.
+            if is_new && self.store.workers().find(id).await?.is_none() {
+                self.dispatch.remove(id);
+                continue;
             }
             if worker.is_draining {
                 self.dispatch.drain(id);
@@ -120,7 +126,7 @@ impl App {
     /// Signals to the other servers that this one runs, takes over what they know, and requeues the jobs
     /// of servers and workers that have been silent for a lease. Returns the processes of other
     /// living servers: these alone end the attempts of theirs.
-    pub(super) async fn sweep_members(&self, lease: Duration) -> Result<HashSet<WorkerId>> {
+    pub(in crate::app) async fn sweep_members(&self, lease: Duration) -> Result<HashSet<WorkerId>> {
         let now = self.store.lease_time();
         if self.members.is_due(self.id.uuid(), lease / 3, now) {
             self.store.servers().seen(self.id, bendtwin_core::BUILD).await?;
@@ -150,8 +156,10 @@ impl App {
                 Some(server) if servers.contains(&server) => {
                     elsewhere.insert(id);
                 }
-                Some(_) => self.forfeit(id).await?,
-                None if worker.is_supervised && silent => self.forfeit(id).await?,
+                Some(_) => self.forfeit(id, WorkerEnd::ByServer).await?,
+                None if worker.is_supervised && silent => {
+                    self.forfeit(id, WorkerEnd::ByServer).await?
+                }
                 None if silent && self.dispatch.silence(id) > lease => {
                     tracing::warn!(worker = %id, "worker fell silent");
                     self.worker_gone(id).await?;
@@ -165,7 +173,7 @@ impl App {
 
     /// Notes for all servers that a worker of the fleet is heard of, now and then. False if none
     /// knows it any more.
-    pub(super) async fn tell_of(&self, worker: WorkerId) -> Result<bool> {
+    pub(in crate::app) async fn tell_of(&self, worker: WorkerId) -> Result<bool> {
         let (every, now) = (self.options.lease() / 3, self.store.lease_time());
         if !self.store.is_shared() || !self.members.is_due(worker.uuid(), every, now) {
             return Ok(true);
@@ -207,13 +215,16 @@ impl App {
         servers.into_iter().filter(move |server| server.id != own)
     }
 
-    /// Forgets a worker that ended with its server, or in good order: its attempts do not count.
-    pub(super) async fn forfeit(&self, worker: WorkerId) -> Result<()> {
+    /// Forgets a worker that has ended, and requeues its jobs. The attempts of one that ended with its
+    /// server, or in good order, do not count.
+    pub(in crate::app) async fn forfeit(&self, worker: WorkerId, end: WorkerEnd) -> Result<()> {
         self.dispatch.remove(worker);
-        for job in self.store.jobs().forfeit(worker, WorkerEnd::ByServer).await? {
+        for job in self.store.jobs().forfeit(worker, end).await? {
             self.note_end(&job);
         }
         self.store.workers().forget(worker).await?;
+        // It may have been learned again from its row.
+        self.dispatch.remove(worker);
         Ok(())
     }
 }

@@ -1,6 +1,6 @@
 //! Facts of a play beside its states, as JSON.
 
-use std::sync::{Arc, atomic::Ordering};
+use std::sync::atomic::Ordering;
 
 use bendtwin_proto::{
     json::{TensorFormat, Write},
@@ -10,12 +10,7 @@ use serde::Serialize;
 use tokio::time::Instant;
 
 use super::Run;
-use crate::{
-    context::Context,
-    error::Error,
-    play::{goal::Progress, message::Factors},
-    refusal::{ProblemDocument, Refusal},
-};
+use crate::{Error, goal::Progress, message::Factors, reply};
 
 /// Frames that were simulated lately.
 #[derive(Debug, Default)]
@@ -106,44 +101,20 @@ impl Run {
 
     /// Answers that something is not done, and why.
     pub(super) fn refuse(&self, error: Error) {
-        #[derive(Serialize)]
-        struct Refused {
-            r#type: &'static str,
-            problem: ProblemDocument,
-        }
-        let problem = Refusal::from(error).document(&Context::current());
-        self.answer(&Refused { r#type: "refused", problem });
+        self.answer(reply::refused(self.host.problem(error)));
     }
 
     /// Says what happened.
     pub(super) fn notice(&self, event: &'static str, text: &str) {
-        #[derive(Serialize)]
-        struct Notice<'a> {
-            r#type: &'static str,
-            event: &'static str,
-            text: &'a str,
-        }
-        self.answer(&Notice { r#type: "notice", event, text });
+        self.answer(reply::notice(event, text));
     }
 
-    fn answer(&self, reply: &impl Serialize) {
-        let text = serde_json::to_string(reply).unwrap_or_default();
+    fn answer(&self, reply: String) {
         // One that does not read its answers does not play any more.
-        if self.replies.try_send(text.into()).is_err() {
+        if self.lines.replies.try_send(reply.into()).is_err() {
             self.play.over.cancel();
         }
     }
-}
-
-/// The last message of a play.
-pub(super) fn farewell(error: Option<Error>) -> Arc<str> {
-    #[derive(Serialize)]
-    struct Ended {
-        r#type: &'static str,
-        problem: Option<ProblemDocument>,
-    }
-    let problem = error.map(|error| Refusal::from(error).document(&Context::current()));
-    serde_json::to_string(&Ended { r#type: "ended", problem }).unwrap_or_default().into()
 }
 
 fn rounded(x: f64) -> f64 {

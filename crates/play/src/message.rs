@@ -13,7 +13,7 @@ use bendtwin_proto::{
 use serde::{Deserialize, Serialize};
 use tokio::sync::Notify;
 
-use crate::error::{Error, Result};
+use crate::{Error, Result};
 
 /// Most messages that wait.
 const MOST_WAITING: usize = 256;
@@ -27,24 +27,27 @@ const MOST_TARGETS: usize = 64;
 /// The first message: where and how the play begins.
 #[derive(Clone, Debug, Default, Deserialize)]
 #[serde(default, deny_unknown_fields)]
-pub(crate) struct Begin {
+pub struct Begin {
     /// Always `begin`.
     #[serde(rename = "type")]
-    pub(crate) kind: BeginType,
+    pub kind: BeginType,
     /// Initial state, like that of a rollout; default: the rest shape.
-    pub(crate) initial: Option<Read<InitialState>>,
-    pub(crate) world: Option<Read<v1::World>>,
-    pub(crate) vary: Factors,
+    pub initial: Option<Read<InitialState>>,
+    /// World; default: the twin's.
+    pub world: Option<Read<v1::World>>,
+    /// Factors of the twin's parameters.
+    pub vary: Factors,
     /// True for the twin's fast variant.
-    pub(crate) fast: bool,
+    pub fast: bool,
     /// Hands that hold the object no more.
-    pub(crate) dropped: Vec<u32>,
+    pub dropped: Vec<u32>,
 }
 
 /// The type of the first message.
 #[derive(Clone, Copy, Debug, Default, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub(crate) enum BeginType {
+pub enum BeginType {
+    /// The only one.
     #[default]
     Begin,
 }
@@ -52,22 +55,29 @@ pub(crate) enum BeginType {
 /// A message of the browser that plays.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(tag = "type", rename_all = "snake_case", deny_unknown_fields)]
-pub(crate) enum Message {
+pub enum Message {
     /// New targets of grippers and colliders.
     Move {
+        /// Number of the input, which states repeat once they follow it.
         #[serde(default)]
         input: u32,
+        /// Targets of grippers.
         #[serde(default)]
         grippers: Vec<Target>,
+        /// Targets of colliders.
         #[serde(default)]
         colliders: Vec<Target>,
     },
     /// A gripper takes hold of a node and of those around it.
     Grasp {
+        /// Number of the input.
         #[serde(default)]
         input: u32,
+        /// Number of the gripper.
         gripper: u32,
+        /// The node.
         node: u32,
+        /// Distance up to which other nodes are held, too [m].
         #[serde(default)]
         radius_m: f32,
         /// Hold by springs instead of exactly.
@@ -76,35 +86,48 @@ pub(crate) enum Message {
     },
     /// Releases everything in a gripper.
     Release {
+        /// Number of the input.
         #[serde(default)]
         input: u32,
+        /// Number of the gripper.
         gripper: u32,
     },
     /// Another world, and other parameters.
     World {
+        /// Number of the input.
         #[serde(default)]
         input: u32,
+        /// The world.
         #[serde(default)]
         world: Read<v1::World>,
+        /// Factors of the twin's parameters.
         #[serde(default)]
         vary: Factors,
     },
+    /// Stops and continues the simulation.
     Pause {
+        /// True to stop.
         paused: bool,
     },
     /// Frames to simulate while it is paused.
     Step {
+        /// Number of frames; 0 means one.
         #[serde(default)]
         frames: u32,
     },
+    /// Another speed.
     Speed {
+        /// Simulated over real time.
         factor: f64,
     },
     /// Back to the first state.
     Reset {},
+    /// Begins or ends a recording.
     Record {
+        /// True to begin.
         on: bool,
     },
+    /// Shows the last recording again.
     Replay {},
     /// Points that grippers are to bring to places.
     Goal(Goal),
@@ -112,6 +135,7 @@ pub(crate) enum Message {
     Stop {},
     /// States up to this one were drawn.
     Seen {
+        /// Number of the state.
         frame: u32,
     },
 }
@@ -119,59 +143,66 @@ pub(crate) enum Message {
 /// A place to go to.
 #[derive(Clone, Copy, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(crate) struct Target {
+pub struct Target {
     /// Number of the gripper or collider.
-    pub(crate) index: u32,
-    /// [m]
-    pub(crate) position: [f32; 3],
+    pub index: u32,
+    /// The place [m].
+    pub position: [f32; 3],
     /// Quaternion x, y, z, w; default: unchanged.
     #[serde(default)]
-    pub(crate) orientation: Option<[f32; 4]>,
+    pub orientation: Option<[f32; 4]>,
 }
 
 /// Factors of a twin's own parameters.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
-pub(crate) struct Factors {
+pub struct Factors {
+    /// Factor of stiffness.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub(crate) stiffness: Option<f32>,
+    pub stiffness: Option<f32>,
+    /// Factor of damping.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub(crate) damping: Option<f32>,
+    pub damping: Option<f32>,
+    /// Factor of bending.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub(crate) bending: Option<f32>,
+    pub bending: Option<f32>,
+    /// Factor of friction.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub(crate) friction: Option<f32>,
+    pub friction: Option<f32>,
+    /// Factor of the mass.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub(crate) mass: Option<f32>,
+    pub mass: Option<f32>,
 }
 
 /// Points and the places that they are to come to.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(crate) struct Goal {
-    pub(crate) targets: Vec<GoalTarget>,
+pub struct Goal {
+    /// The points, 1 to 64.
+    pub targets: Vec<GoalTarget>,
     /// Mean distance that is near enough [m]; default 0.01.
     #[serde(default)]
-    pub(crate) tolerance_m: Option<f64>,
+    pub tolerance_m: Option<f64>,
     /// Frames of a plan, 5..=120; default 30.
     #[serde(default)]
-    pub(crate) frames: Option<u32>,
+    pub frames: Option<u32>,
 }
 
 /// A point of a goal.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(crate) struct GoalTarget {
-    pub(crate) node: u32,
-    /// [m]
-    pub(crate) position: [f32; 3],
+pub struct GoalTarget {
+    /// The point: a node.
+    pub node: u32,
+    /// The place [m].
+    pub position: [f32; 3],
 }
 
 /// Reads a message.
 ///
 /// # Errors
 /// If the text is no message, or has numbers beyond their bounds.
-pub(crate) fn read(text: &str) -> Result<Message> {
+pub fn read(text: &str) -> Result<Message> {
     let fault = |e: serde_json::Error| Error::invalid("message", format!("is not understood: {e}"));
     let message: Message = serde_json::from_str(text).map_err(fault)?;
     match &message {
@@ -227,7 +258,7 @@ fn rotation(q: [f32; 4]) -> Result<()> {
 
 /// Messages that wait for the next frame.
 #[derive(Debug, Default)]
-pub(crate) struct Inbox {
+pub struct Inbox {
     waiting: Mutex<VecDeque<Message>>,
     came: Notify,
 }
@@ -237,7 +268,7 @@ impl Inbox {
     ///
     /// # Errors
     /// If too many wait.
-    pub(crate) fn push(&self, message: Message) -> Result<()> {
+    pub fn push(&self, message: Message) -> Result<()> {
         let mut waiting = self.waiting.lock().unwrap_or_else(PoisonError::into_inner);
         match (waiting.back_mut(), message) {
             (
@@ -252,7 +283,7 @@ impl Inbox {
             (Some(last @ Message::World { .. }), newer @ Message::World { .. }) => *last = newer,
             (_, message) => {
                 if waiting.len() >= MOST_WAITING {
-                    return Err(Error::PlayTooFast);
+                    return Err(Error::TooFast);
                 }
                 waiting.push_back(message);
             }

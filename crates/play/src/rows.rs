@@ -8,7 +8,7 @@ use bendtwin_proto::v1::{
     roll_out_request::Actions,
 };
 
-use crate::error::{Error, Result};
+use crate::{Error, Result};
 
 /// Position [m] and quaternion.
 pub(super) type Pose = [f32; 7];

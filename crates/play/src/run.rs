@@ -8,28 +8,27 @@ use std::{sync::Arc, time::Duration};
 
 use bendtwin_core::{Category, Problem as _, ids::TwinId};
 use bendtwin_proto::v1::{
-    AdvanceSessionRequest, CloseSessionRequest, PlanUpdate, RollOutRequest, RollOutResponse,
+    AdvanceSessionRequest, PlanUpdate, RollOutRequest, RollOutResponse, TwinGeometry,
     initial_state::GivenState,
 };
+use futures::StreamExt as _;
 use tokio::{
     sync::mpsc,
     time::{Instant, Interval, MissedTickBehavior},
 };
+use tokio_util::sync::CancellationToken;
 
 use self::{facts::Rate, session::NewPlay};
-use super::{
-    Play,
+use crate::{
+    Error, Host, Play, Result, Updates,
     clock::Clock,
     goal::{Progress, Pursuit, Stage},
     message::{Begin, Inbox},
     recording::Recording,
+    reply,
     rows::{Pose, Rows},
     scene::Scene,
     shown::{Bodies, StateMessage},
-};
-use crate::{
-    app::App,
-    error::{Error, Result},
 };
 
 /// Longest time for one frame.
@@ -41,10 +40,10 @@ const RETRY: Duration = Duration::from_millis(50);
 
 /// A play under way.
 pub(super) struct Run {
-    app: App,
+    host: Arc<dyn Host>,
     play: Arc<Play>,
-    inbox: Arc<Inbox>,
-    replies: mpsc::Sender<Arc<str>>,
+    lines: Lines,
+    stopping: CancellationToken,
     idle: Duration,
     last_message: Instant,
     /// The session at a worker.
@@ -62,12 +61,18 @@ pub(super) struct Run {
     steps: u32,
     recording: Option<Recording>,
     replay: Option<Replay>,
-    plan: Option<mpsc::Receiver<Result<PlanUpdate>>>,
+    plan: Option<Updates>,
     pursuit: Option<Pursuit>,
     /// The last goal, once it is not pursued any more.
     goal: Option<Progress>,
     rate: Rate,
     tick: Interval,
+}
+
+/// Both directions of the talk with the browser that plays.
+pub(super) struct Lines {
+    pub(super) inbox: Arc<Inbox>,
+    pub(super) replies: mpsc::Sender<Arc<str>>,
 }
 
 /// A frame that was simulated.
@@ -88,24 +93,26 @@ struct Replay {
 impl Run {
     /// Opens a session for a play.
     pub(super) async fn open(
-        app: &App,
+        host: Arc<dyn Host>,
         twin: TwinId,
+        geometry: &TwinGeometry,
         begin: Begin,
-        inbox: Arc<Inbox>,
-        replies: mpsc::Sender<Arc<str>>,
+        lines: Lines,
+        stopping: CancellationToken,
         idle: Duration,
     ) -> Result<Self> {
-        let NewPlay { play, session, scene, first } = session::open(app, twin, begin).await?;
+        let NewPlay { play, session, scene, first } =
+            session::open(&*host, twin, geometry, begin).await?;
         let now = Instant::now();
         let mut tick = tokio::time::interval(FACTS_INTERVAL);
         tick.set_missed_tick_behavior(MissedTickBehavior::Delay);
         let poses = scene.poses();
         let run = Self {
-            app: app.clone(),
             clock: Clock::new(play.frame_s, now),
+            host,
             play,
-            inbox,
-            replies,
+            lines,
+            stopping,
             idle,
             last_message: now,
             session,
@@ -135,16 +142,15 @@ impl Run {
     pub(super) async fn play_out(mut self) {
         self.show(None);
         let ended = self.go_on().await;
-        let farewell = facts::farewell(ended.err());
-        let _ = self.play.farewell.send(Some(farewell));
+        let problem = ended.err().map(|error| self.host.problem(error));
+        let _ = self.play.farewell.send(Some(reply::ended(problem).into()));
         self.play.over.cancel();
-        let close = CloseSessionRequest { name: self.session.clone() };
         // It ends by itself otherwise.
-        let _ = self.app.dispatch.close_session(close, Some(FRAME_TIMEOUT)).await;
+        let _ = self.host.close_session(self.session, FRAME_TIMEOUT).await;
     }
 
     async fn go_on(&mut self) -> Result<()> {
-        let (over, stopping) = (self.play.over.clone(), self.app.stopping.clone());
+        let (over, stopping) = (self.play.over.clone(), self.stopping.clone());
         loop {
             let begins = self.begins();
             let idle_end = self.last_message + self.idle;
@@ -152,7 +158,7 @@ impl Run {
                 biased;
                 () = over.cancelled() => return Ok(()),
                 () = stopping.cancelled() => return Err(Error::Stopping),
-                () = self.inbox.came() => Box::pin(self.take_messages()).await?,
+                () = self.lines.inbox.came() => Box::pin(self.take_messages()).await?,
                 update = next(&mut self.plan), if self.plan.is_some() => Box::pin(self.planned(update)).await?,
                 _ = self.tick.tick() => self.tell(),
                 () = tokio::time::sleep_until(begins.unwrap_or(idle_end)), if begins.is_some() => {
@@ -162,7 +168,7 @@ impl Run {
                         stepped = Box::pin(self.step()) => stepped?,
                     }
                 }
-                () = tokio::time::sleep_until(idle_end) => return Err(Error::PlayIdle(self.idle)),
+                () = tokio::time::sleep_until(idle_end) => return Err(Error::Idle(self.idle)),
             }
         }
     }
@@ -195,10 +201,7 @@ impl Run {
     async fn advance(&mut self, request: RollOutRequest) -> Result<RollOutResponse> {
         let name = self.session.clone();
         let advance = AdvanceSessionRequest { name, slots: Vec::new(), rollout: Some(request) };
-        let advanced =
-            self.app.dispatch.advance_session(advance, Some(FRAME_TIMEOUT), false, Arc::default());
-        // On the heap, as the future of a rollout is large and this one is part of others.
-        Ok(Box::pin(advanced).await?.response)
+        self.host.advance_session(advance, FRAME_TIMEOUT).await
     }
 
     /// Takes in a frame that was simulated.
@@ -379,9 +382,9 @@ impl FrameResult<'_> {
 }
 
 /// The next update of a plan.
-async fn next(plan: &mut Option<mpsc::Receiver<Result<PlanUpdate>>>) -> Option<Result<PlanUpdate>> {
+async fn next(plan: &mut Option<Updates>) -> Option<Result<PlanUpdate>> {
     match plan {
-        Some(plan) => plan.recv().await,
+        Some(plan) => plan.next().await,
         None => std::future::pending().await,
     }
 }

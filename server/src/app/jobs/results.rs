@@ -9,7 +9,7 @@ use bendtwin_core::{
 use bendtwin_store::{Staged, TwinFacts};
 use serde::Deserialize;
 
-use super::{App, Error, Result};
+use crate::app::{App, Error, Result};
 
 /// First bytes of an entry of a ZIP archive.
 const ENTRY: &[u8] = b"PK\x03\x04";
@@ -19,7 +19,7 @@ const NAME_LENGTH: std::ops::Range<usize> = 26..28;
 
 impl App {
     /// Decodes and checks a twin file. Returns the facts that listings show.
-    pub(super) async fn check_twin(&self, content: &Staged) -> Result<TwinFacts> {
+    pub(in crate::app) async fn check_twin(&self, content: &Staged) -> Result<TwinFacts> {
         // Only when it is whole, so that a slow upload holds no memory.
         let share = self.memory.twin_file(content.size_bytes()).await?;
         let bytes = content.bytes().await?;
@@ -32,7 +32,7 @@ impl App {
     }
 
     /// Checks that a report is one, and that it has this verdict.
-    pub(super) async fn check_report(&self, content: &Staged, verdict: &str) -> Result<()> {
+    pub(in crate::app) async fn check_report(&self, content: &Staged, verdict: &str) -> Result<()> {
         let unsound = |fault: String| Error::Unsound { what: "a report", fault };
         let share = self.memory.report(content.size_bytes()).await?;
         let bytes = content.bytes().await?;
@@ -53,7 +53,7 @@ impl App {
 }
 
 /// Refuses a twin that is not what its worker says it is.
-pub(super) fn compare_facts(said: &TwinFacts, found: &TwinFacts) -> Result<()> {
+pub(in crate::app) fn compare_facts(said: &TwinFacts, found: &TwinFacts) -> Result<()> {
     let of = |f: &TwinFacts| {
         let counts = [f.node_count, f.spring_count, f.triplet_count, f.control_count, f.substeps];
         (counts, f.fps.to_bits())
@@ -75,7 +75,7 @@ struct ReportHead {
 
 /// Checks that an observation begins like a capture bundle. Workers check the rest when they read
 /// it: the server does not know captures.
-pub(super) async fn check_observation(content: &Staged) -> Result<()> {
+pub(in crate::app) async fn check_observation(content: &Staged) -> Result<()> {
     let head = content.head((ENTRY_HEAD + OBSERVATION_MARKER.len()) as u64).await?;
     let length = head.get(NAME_LENGTH).and_then(|b| b.try_into().ok()).map(u16::from_le_bytes);
     let sound = head.starts_with(ENTRY)
@@ -89,7 +89,7 @@ pub(super) async fn check_observation(content: &Staged) -> Result<()> {
 }
 
 /// Checks that a playback begins like one. It is for browsers: no program here reads it.
-pub(super) async fn check_playback(content: &Staged) -> Result<()> {
+pub(in crate::app) async fn check_playback(content: &Staged) -> Result<()> {
     if content.head(PLAYBACK_MAGIC.len() as u64).await?.starts_with(PLAYBACK_MAGIC) {
         return Ok(());
     }

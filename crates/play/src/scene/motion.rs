@@ -1,9 +1,9 @@
 //! The way of a gripper or collider to its target, within a speed that springs can follow.
 
-use crate::play::rows::Pose;
+use crate::rows::Pose;
 
 /// Fastest motion of grippers and colliders [m/s].
-pub(in crate::play) const SPEED_LIMIT_M_S: f64 = 3.0;
+pub(crate) const SPEED_LIMIT_M_S: f64 = 3.0;
 /// Fastest rotation [rad/s].
 const TURN_LIMIT_RAD_S: f64 = 12.0;
 

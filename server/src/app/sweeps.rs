@@ -1,5 +1,5 @@
 //! The work that a server repeats by itself: leases end, uploads expire, unused content goes, uses
-//! of keys are recorded, and the health that gRPC reports follows readiness.
+//! of keys are recorded, and certificates are read again.
 
 use std::time::Duration;
 
@@ -9,7 +9,8 @@ use tokio::{
     time::{Instant, Interval, MissedTickBehavior},
 };
 
-use crate::{app::App, options::Options};
+use super::App;
+use crate::options::Options;
 
 /// Longest interval between checks of leases.
 const LEASE_INTERVAL: Duration = Duration::from_secs(1);
@@ -27,6 +28,7 @@ pub(crate) struct Sweeps([JoinHandle<()>; 4]);
 
 impl Sweeps {
     pub(crate) fn start(app: &App) -> Self {
+        app.certificates.watch(&app.stopping);
         Self([
             tokio::spawn(leases(app.clone())),
             tokio::spawn(uploads(app.clone())),
