@@ -13,7 +13,6 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use bendtwin_tls::{Certificate, files as pem};
 use jiff::{SignedDuration, Timestamp};
 use rcgen::{
     BasicConstraints, CertificateParams, DnType, ExtendedKeyUsagePurpose, IsCa, Issuer, KeyPair,
@@ -21,8 +20,11 @@ use rcgen::{
 };
 use time::OffsetDateTime;
 
-pub use error::Error;
-pub use revocation::{Issued, Revocation, issued};
+pub use self::{
+    error::Error,
+    revocation::{Issued, Revocation, issued},
+};
+use crate::{Certificate, files as pem};
 
 /// Validity of an authority's certificate [days].
 pub const AUTHORITY_DAYS: u32 = 3650;

@@ -3,10 +3,10 @@
 use std::path::PathBuf;
 
 use bendtwin_core::Problem;
-use bendtwin_tls::FileError;
 use jiff::Timestamp;
 
-use crate::AUTHORITY_DAYS;
+use super::AUTHORITY_DAYS;
+use crate::FileError;
 
 /// An error of an authority.
 #[derive(Debug, thiserror::Error, Problem)]

@@ -6,7 +6,7 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use crate::Error;
+use super::Error;
 
 /// Creates a folder that only this user can enter; an existing folder is left unchanged.
 pub(crate) fn make_folder(folder: &Path) -> Result<(), Error> {

@@ -1,6 +1,6 @@
 //! Names of certificates and hosts.
 
-use crate::Error;
+use super::Error;
 
 /// Longest label of a host name, which a name here is as a whole.
 const LONGEST: usize = 63;

@@ -9,11 +9,11 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use bendtwin_tls::{Certificate, RevocationList, files as pem};
 use jiff::Timestamp;
 use rcgen::{CertificateRevocationListParams, KeyIdMethod, RevokedCertParams, SerialNumber};
 
-use crate::{Authority, Error, files, moment};
+use super::{Authority, Error, files, moment};
+use crate::{Certificate, RevocationList, files as pem};
 
 /// Certificate that an authority issued.
 #[derive(Clone, Debug, PartialEq, Eq)]

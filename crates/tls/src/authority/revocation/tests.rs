@@ -1,7 +1,7 @@
 use bendtwin_core::Problem as _;
 
 use super::*;
-use crate::{Order, Role, tests::order};
+use crate::authority::{Order, Role, tests::order};
 
 fn authority() -> (tempfile::TempDir, Authority) {
     let folder = tempfile::tempdir().unwrap();
