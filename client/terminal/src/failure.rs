@@ -9,11 +9,11 @@ use serde_json::json;
 /// The command was used wrongly.
 #[derive(Debug, thiserror::Error)]
 #[error("{0}")]
-pub(crate) struct Usage(pub(crate) String);
+pub struct Usage(pub String);
 
 impl Usage {
     /// The usage error as an error of a command.
-    pub(crate) fn error(message: impl Into<String>) -> anyhow::Error {
+    pub fn error(message: impl Into<String>) -> anyhow::Error {
         Self(message.into()).into()
     }
 }
@@ -21,25 +21,25 @@ impl Usage {
 /// A fault that keeps its category and reason on the way to the user.
 #[derive(Debug, thiserror::Error)]
 #[error("{0}")]
-pub(crate) struct Failed(pub(crate) Fault);
+pub struct Failed(pub Fault);
 
 /// A fault that a report on the terminal has already shown; only scripts see it again.
 #[derive(Debug, thiserror::Error)]
 #[error("{0}")]
-pub(crate) struct Shown(pub(crate) Fault);
+pub struct Shown(pub Fault);
 
 /// An error whose message was shown.
-pub(crate) fn shown(error: impl Problem) -> anyhow::Error {
+pub fn shown(error: impl Problem) -> anyhow::Error {
     Shown(error.fault()).into()
 }
 
 /// An error of one of the project's libraries, with its category and reason.
-pub(crate) fn failed(error: impl Problem) -> anyhow::Error {
+pub fn failed(error: impl Problem) -> anyhow::Error {
     Failed(error.fault()).into()
 }
 
 /// Prints the error; returns the exit code.
-pub(crate) fn report(error: &anyhow::Error, json: bool) -> ExitCode {
+pub fn report(error: &anyhow::Error, json: bool) -> ExitCode {
     let report = ErrorReport::of(error);
     if json {
         let document = json!({ "error": {

@@ -6,31 +6,31 @@ use bendtwin_client::{Client, token};
 use clap::Args;
 
 /// Address of a server on this machine with default options.
-pub(crate) const DEFAULT_SERVER: &str = "http://127.0.0.1:7070";
+pub const DEFAULT_SERVER: &str = "http://127.0.0.1:7070";
 
 /// Options of every command.
 #[derive(Clone, Debug, Args)]
-pub(crate) struct Global {
+pub struct Global {
     /// Address of the server
     #[arg(long, global = true, env = "BENDTWIN_SERVER", value_name = "URL", default_value = DEFAULT_SERVER)]
-    pub(crate) server: String,
+    pub server: String,
     /// File with a key, or with the token of the server, `client-token` in its data folder; other
     /// users must not be able to read it [default: BENDTWIN_TOKEN, or the token of a server of this
     /// user on this machine]
     #[arg(long, global = true, env = "BENDTWIN_TOKEN_FILE", value_name = "FILE")]
-    pub(crate) token_file: Option<PathBuf>,
+    pub token_file: Option<PathBuf>,
     /// File with the certificate of the authority of the server, for https:// [default: the
     /// authorities of this system]
     #[arg(long, global = true, env = "BENDTWIN_CA", value_name = "FILE")]
-    pub(crate) ca: Option<PathBuf>,
+    pub ca: Option<PathBuf>,
     /// Print results as JSON, for scripts
     #[arg(long, global = true)]
-    pub(crate) json: bool,
+    pub json: bool,
 }
 
 impl Global {
     /// Connects to the server.
-    pub(crate) async fn connect(&self) -> anyhow::Result<Client> {
+    pub async fn connect(&self) -> anyhow::Result<Client> {
         let token = match &self.token_file {
             Some(path) => Some(token::read(path)?),
             None => token::find(&self.server)?,

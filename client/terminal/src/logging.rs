@@ -8,7 +8,7 @@ use tracing_subscriber::{EnvFilter, fmt, prelude::*};
 
 /// Format of the log.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub(crate) enum Format {
+pub enum Format {
     /// Text for people
     Text,
     /// A JSON document per line
@@ -17,7 +17,7 @@ pub(crate) enum Format {
 
 /// Options of logging.
 #[derive(Clone, Debug, Args)]
-pub(crate) struct Options {
+pub struct Options {
     /// Log filter, for example `warn` or `bendtwin_worker=debug,info` [default: info for server and
     /// worker, else warn]
     #[arg(
@@ -42,7 +42,7 @@ pub(crate) struct Options {
 
 /// Starts logging: at level info for a process that runs as a service, at level warn for other
 /// commands. Panics are logged, too, and `traces` get its spans.
-pub(crate) fn start(options: &Options, is_service: bool, traces: Option<&Exporter>) {
+pub fn start(options: &Options, is_service: bool, traces: Option<&Exporter>) {
     let standard = if is_service { "info" } else { "warn" };
     let filter = match &options.log {
         Some(filter) => EnvFilter::try_new(filter).unwrap_or_else(|error| {

@@ -5,30 +5,33 @@ use std::path::Path;
 
 use bendtwin_capture::Limits;
 use bendtwin_client::JobProgress;
-use bendtwin_core::{CancelToken, Fault, Observer, Stage, settings::ingest::IngestSettings};
+use bendtwin_core::{
+    CancelToken, Capture, Fault, Observer, Stage, Views, settings::ingest::IngestSettings,
+};
 use bendtwin_ingest::{Progress, Step, ingest, views};
-use bendtwin_study::Captured;
 
 use crate::progress::FitBar;
 
-/// Reads the capture at a path, and the views of a raw recording, which is lifted with a progress bar
-/// unless `quiet`.
+/// A capture, and the views of the cameras of its first recording if it is a raw recording.
+pub type Observed = (Capture, Option<Views>);
+
+/// Reads the capture at a path. A raw recording is lifted, with a progress bar unless `quiet`.
 ///
 /// # Errors
 /// If there is no capture, nothing can be fitted to it, or `cancel` was set.
-pub(crate) fn read(path: &Path, cancel: &CancelToken, quiet: bool) -> Result<Captured, Fault> {
+pub fn read(path: &Path, cancel: &CancelToken, quiet: bool) -> Result<Observed, Fault> {
     let (name, settings) = (path.display().to_string(), IngestSettings::default());
     let mut bar = Bar { quiet, shown: None };
     let limits = Limits::default();
-    let observed = ingest(path, &name, &settings, &limits, None, &mut bar, cancel);
+    let read = ingest(path, &name, &settings, &limits, None, &mut bar, cancel);
     if let Some(bar) = bar.shown {
         bar.finish();
     }
-    let observed = observed?;
-    let capture = observed.capture?;
-    let recording = observed.recorded.first().and_then(Option::as_ref);
+    let read = read?;
+    let capture = read.capture?;
+    let recording = read.recorded.first().and_then(Option::as_ref);
     let views = recording.and_then(|recording| views(recording, &mut |_| {}));
-    Ok(Captured { capture, views })
+    Ok((capture, views))
 }
 
 /// Progress bar, shown only if there is more to do than to read.

@@ -1,13 +1,14 @@
 //! Results on stdout: text for people, or JSON for scripts.
 
-use std::io::Write as _;
+use std::{io::Write as _, path::Path};
 
+use anyhow::Context as _;
 use serde::Serialize;
 
 use crate::global::Global;
 
 /// Prints a result as JSON or, for people, as `text`.
-pub(crate) fn print<T: Serialize>(
+pub fn print<T: Serialize>(
     global: &Global,
     value: &T,
     text: impl FnOnce() -> String,
@@ -17,15 +18,22 @@ pub(crate) fn print<T: Serialize>(
 }
 
 /// Prints a line. A reader that has gone (`| head`) is no failure.
-pub(crate) fn line(text: &str) -> anyhow::Result<()> {
+pub fn line(text: &str) -> anyhow::Result<()> {
     match writeln!(std::io::stdout(), "{}", text.trim_end()) {
         Err(error) if error.kind() == std::io::ErrorKind::BrokenPipe => Ok(()),
         result => Ok(result?),
     }
 }
 
+/// Writes a report as JSON to a file, if one is named.
+pub fn write(path: Option<&Path>, report: &impl Serialize) -> anyhow::Result<()> {
+    let Some(path) = path else { return Ok(()) };
+    let json = serde_json::to_string_pretty(report)?;
+    std::fs::write(path, json).with_context(|| format!("cannot write {}", path.display()))
+}
+
 /// A duration for people: `8 s`, `2 min 05 s`.
-pub(crate) fn duration(seconds: f64) -> String {
+pub fn duration(seconds: f64) -> String {
     let whole = seconds.max(0.0).round() as u64;
     match whole {
         0..60 => format!("{whole} s"),
@@ -35,7 +43,7 @@ pub(crate) fn duration(seconds: f64) -> String {
 }
 
 /// A size for people.
-pub(crate) fn bytes(bytes: u64) -> String {
+pub fn bytes(bytes: u64) -> String {
     indicatif::HumanBytes(bytes).to_string()
 }
 

@@ -11,7 +11,7 @@ use crate::output;
 const LINE_EVERY: Duration = Duration::from_secs(10);
 
 /// Progress bar of a fit.
-pub(crate) struct FitBar {
+pub struct FitBar {
     bar: ProgressBar,
     started: Instant,
     /// Stage and time of the last line.
@@ -24,7 +24,7 @@ pub(crate) struct FitBar {
 
 impl FitBar {
     /// `quiet` shows nothing (for `--json`).
-    pub(crate) fn new(quiet: bool) -> Self {
+    pub fn new(quiet: bool) -> Self {
         let bar = if quiet { ProgressBar::hidden() } else { ProgressBar::new(1000) };
         let style = ProgressStyle::with_template("  {prefix:<16} [{bar:30}] {percent:>3}%  {msg}");
         if let Ok(style) = style {
@@ -35,7 +35,7 @@ impl FitBar {
     }
 
     /// Prints a line above the bar.
-    pub(crate) fn print(&self, text: &str) {
+    pub fn print(&self, text: &str) {
         if self.quiet {
         } else if self.bar.is_hidden() {
             eprintln!("  {text}");
@@ -45,7 +45,7 @@ impl FitBar {
     }
 
     /// Shows progress.
-    pub(crate) fn show(&mut self, progress: &JobProgress) {
+    pub fn show(&mut self, progress: &JobProgress) {
         if !progress.note.is_empty() && progress.note != self.last_note {
             self.print(&format!("note: {}", progress.note));
             self.last_note.clone_from(&progress.note);
@@ -63,7 +63,7 @@ impl FitBar {
     }
 
     /// Removes the bar; returns the time since its start.
-    pub(crate) fn finish(self) -> Duration {
+    pub fn finish(self) -> Duration {
         self.bar.finish_and_clear();
         self.started.elapsed()
     }
@@ -151,7 +151,7 @@ fn details(progress: &JobProgress, models: &[ModelLoss]) -> String {
 }
 
 /// Progress bar in bytes, of an upload or of reading and writing files.
-pub(crate) fn byte_bar(what: &'static str, bytes: u64, quiet: bool) -> ProgressBar {
+pub fn byte_bar(what: &'static str, bytes: u64, quiet: bool) -> ProgressBar {
     if quiet {
         return ProgressBar::hidden();
     }

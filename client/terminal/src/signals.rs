@@ -2,13 +2,14 @@
 
 use std::{io::Read as _, time::Duration};
 
+use bendtwin_core::CancelToken;
 use tokio_util::sync::CancellationToken;
 
 /// Time within which a second signal counts as the same one.
 const SIGNAL_DEBOUNCE: Duration = Duration::from_secs(1);
 
 /// A token that the first Ctrl-C or SIGTERM cancels; the second one ends the process immediately.
-pub(crate) fn shutdown() -> CancellationToken {
+pub fn shutdown() -> CancellationToken {
     let token = CancellationToken::new();
     let cancel = token.clone();
     tokio::spawn(async move {
@@ -22,8 +23,19 @@ pub(crate) fn shutdown() -> CancellationToken {
     token
 }
 
+/// [`shutdown`] for computations.
+pub fn cancellation() -> CancelToken {
+    let (shutdown, cancel) = (shutdown(), CancelToken::default());
+    let token = cancel.clone();
+    tokio::spawn(async move {
+        shutdown.cancelled().await;
+        token.cancel();
+    });
+    cancel
+}
+
 /// Cancels the token when the standard input ends: the parent, which holds the pipe, is gone.
-pub(crate) fn end_with_parent(token: CancellationToken) {
+pub fn end_with_parent(token: CancellationToken) {
     // A thread, because a blocking read cannot be cancelled.
     std::thread::spawn(move || {
         let mut buffer = [0; 256];

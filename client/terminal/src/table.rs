@@ -2,25 +2,25 @@
 
 /// Rows of cells under a header.
 #[derive(Clone, Debug)]
-pub(crate) struct Table {
+pub struct Table {
     header: Vec<String>,
     rows: Vec<Vec<String>>,
 }
 
 impl Table {
-    pub(crate) fn new<'h>(header: impl IntoIterator<Item = &'h str>) -> Self {
+    pub fn new<'h>(header: impl IntoIterator<Item = &'h str>) -> Self {
         Self { header: header.into_iter().map(str::to_owned).collect(), rows: Vec::new() }
     }
 
     /// Adds a row; missing cells are empty.
-    pub(crate) fn row(&mut self, cells: impl IntoIterator<Item = String>) {
+    pub fn row(&mut self, cells: impl IntoIterator<Item = String>) {
         let mut cells: Vec<_> = cells.into_iter().take(self.header.len()).collect();
         cells.resize(self.header.len(), String::new());
         self.rows.push(cells);
     }
 
     /// The table as text, with columns aligned by spaces.
-    pub(crate) fn text(&self) -> String {
+    pub fn text(&self) -> String {
         let widths = self.widths();
         let line = |cells: &[String]| {
             let padded = cells.iter().zip(&widths).map(|(c, w)| format!("{c:<w$}"));
@@ -31,7 +31,7 @@ impl Table {
     }
 
     /// The table as Markdown, with columns aligned, too.
-    pub(crate) fn markdown(&self) -> String {
+    pub fn markdown(&self) -> String {
         let widths = self.widths();
         let line = |cells: &[String]| {
             let padded = cells.iter().zip(&widths).map(|(c, w)| format!("{c:<w$}"));

@@ -60,8 +60,6 @@ mod several_recordings;
 #[cfg(test)]
 mod stores;
 #[cfg(test)]
-mod suites;
-#[cfg(test)]
 mod survival;
 #[cfg(test)]
 mod tidy;

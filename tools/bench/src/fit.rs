@@ -36,7 +36,7 @@ pub enum Scheme {
 
 /// Learning rate of [`Scheme::Cut`]: of 0.05, 0.1, 0.2 and 0.4 the one with the least final loss
 /// (4.7, 4.3, 0.9 and 1.4 in 1e-9) in
-/// `bendtwin bench rope --backend cpu --bending without --fit cut --frames 10 --generations 2`.
+/// `cargo lab bench rope --backend cpu --bending without --fit cut --frames 10 --generations 2`.
 const CUT_RATE: f64 = 0.2;
 
 impl Scheme {

@@ -1,28 +1,20 @@
-//! `bendtwin bench`: speed of the physics on this machine, on named scenes or one's own twin; and
-//! what load on a server leaves to others.
+//! `bendtwin-lab bench`: speed of the physics on this machine, on named scenes; what load on a server
+//! leaves to others; and speed of a database.
 
 mod load;
 mod memory;
-mod own;
-mod size;
 mod store;
 mod tables;
 
-use std::{
-    path::{Path, PathBuf},
-    sync::Arc,
-    time::Duration,
-};
+use std::{path::PathBuf, sync::Arc, time::Duration};
 
-use anyhow::Context as _;
 use bendtwin_bench::{FitPlan, Plan, Report, SceneName, Scheme, Setup};
 use bendtwin_core::CancelToken;
 use bendtwin_engine::Backend;
+use bendtwin_terminal::{
+    backend::BackendArgs, failure, global::Global, measurement::seconds, output, signals,
+};
 use clap::{Args, Subcommand, ValueEnum, builder::RangedU64ValueParser};
-use serde::Serialize;
-
-use self::size::Size;
-use crate::{backend::BackendArgs, failure, global::Global, output, signals};
 
 /// Most instances of a batch, more than planners use.
 const MOST_INSTANCES: u64 = 16_384;
@@ -32,29 +24,15 @@ const MOST_INSTANCES: u64 = 16_384;
     args_conflicts_with_subcommands = true,
     after_help = "\
 The defaults are for a data centre's GPU. On a laptop, choose scenes and sizes:
-  bendtwin bench n500 --batches 1,16 --quick
-Your own twin, as planners use it:
-  bendtwin bench --twin twin.safetensors
+  cargo lab bench n500 --batches 1,16 --quick
 A whole fit takes minutes on a GPU and hours on a CPU; it is measured only on request:
-  bendtwin bench n2000 --bending without --fit frame,pass,cut"
+  cargo lab bench n2000 --bending without --fit frame,pass,cut"
 )]
 pub(crate) struct Bench {
     #[command(subcommand)]
     command: Option<Command>,
     /// Scenes [default: all; with --quick: rope and n500]
     scenes: Vec<SceneName>,
-    /// Time this twin file instead of the scenes: costs and gradients, exact and fast
-    #[arg(long, value_name = "FILE", conflicts_with_all = ["scenes", "list", "fit"])]
-    twin: Option<PathBuf>,
-    /// Sizes of the twin's batches: instances x frames
-    #[arg(
-        long,
-        value_name = "BxF,...",
-        value_delimiter = ',',
-        requires = "twin",
-        default_value = "1x1,8x5,128x20,1000x30"
-    )]
-    sizes: Vec<Size>,
     /// List the scenes and exit
     #[arg(long)]
     list: bool,
@@ -171,16 +149,6 @@ impl Bench {
     }
 }
 
-/// Parses the time of a measurement.
-fn seconds(text: &str) -> Result<f64, String> {
-    let value: f64 = text.parse().map_err(|_| format!("`{text}` is not a number of seconds"))?;
-    if (0.0..=86_400.0).contains(&value) {
-        Ok(value)
-    } else {
-        Err(format!("{value} s: give 0 to 86400"))
-    }
-}
-
 pub(crate) async fn run(args: Bench, global: &Global) -> anyhow::Result<()> {
     match args.command {
         Some(Command::Load(load)) => return load::run(load, global).await,
@@ -195,15 +163,7 @@ pub(crate) async fn run(args: Bench, global: &Global) -> anyhow::Result<()> {
         });
         return output::print(global, &names, tables::names);
     }
-    let cancel = CancelToken::default();
-    let (shutdown, token) = (signals::shutdown(), cancel.clone());
-    tokio::spawn(async move {
-        shutdown.cancelled().await;
-        token.cancel();
-    });
-    if let Some(twin) = &args.twin {
-        return time_twin(twin.clone(), &args, global, cancel).await;
-    }
+    let cancel = signals::cancellation();
     let (plan, opening, quiet) = (args.plan(), args.backend.clone(), global.json);
     let (report, result) = tokio::task::spawn_blocking(move || {
         let backend = opening.open()?;
@@ -211,40 +171,9 @@ pub(crate) async fn run(args: Bench, global: &Global) -> anyhow::Result<()> {
     })
     .await??;
     // Measurements from before a failure are reported, too.
-    write(args.out.as_deref(), &report)?;
+    output::write(args.out.as_deref(), &report)?;
     output::print(global, &report, || tables::report(&report))?;
     result.map_err(failure::failed)
-}
-
-/// Times one's own twin.
-async fn time_twin(
-    twin: PathBuf,
-    args: &Bench,
-    global: &Global,
-    cancel: CancelToken,
-) -> anyhow::Result<()> {
-    let Plan { measurement, patience, .. } = args.plan();
-    let plan = own::Plan { sizes: args.sizes.clone(), measurement, patience };
-    let (opening, quiet) = (args.backend.clone(), global.json);
-    let report = tokio::task::spawn_blocking(move || {
-        let backend = opening.open()?;
-        let say = |what: &str| {
-            if !quiet {
-                eprintln!("  {what}");
-            }
-        };
-        own::measure(&twin, &plan, &*backend, &cancel, say)
-    })
-    .await??;
-    write(args.out.as_deref(), &report)?;
-    output::print(global, &report, || own::text(&report))
-}
-
-/// Writes a report as JSON, if there is a file for it.
-fn write(path: Option<&Path>, report: &impl Serialize) -> anyhow::Result<()> {
-    let Some(path) = path else { return Ok(()) };
-    let json = serde_json::to_string_pretty(report)?;
-    std::fs::write(path, json).with_context(|| format!("cannot write {}", path.display()))
 }
 
 /// Runs the measurements. Returns the report so far together with the error that ended them, if

@@ -1,71 +1,117 @@
-//! `bendtwin eval --correct-at`: predictions from states that are corrected by what is seen.
+//! `bendtwin-lab corrections`: predictions of a twin from states that are corrected by observed points,
+//! beside those that are not.
 
-use bendtwin_core::{CancelToken, Capture, Twin};
+use std::{
+    path::{Path, PathBuf},
+    sync::Arc,
+};
+
+use anyhow::Context as _;
+use bendtwin_core::{CancelToken, Twin};
 use bendtwin_engine::Backend;
-use bendtwin_eval::{CorrectionPlan, CorrectionScore, corrections};
+use bendtwin_eval::{CorrectionPlan, CorrectionScore, corrections, in_recording};
 use bendtwin_register::CorrectOptions;
+use bendtwin_terminal::{
+    backend::BackendArgs,
+    failure::{self, Failed},
+    global::Global,
+    observation, output, signals,
+};
 use clap::Args;
 use serde_json::{Value, json};
 
-use crate::failure;
-
 #[derive(Clone, Debug, Args)]
-pub(super) struct CorrectArgs {
-    /// Also predict from these frames, for example 30,60,70, with states corrected by the points
-    /// observed up to there
-    #[arg(long, value_name = "FRAMES", value_delimiter = ',')]
-    correct_at: Vec<usize>,
+pub(crate) struct Corrections {
+    /// Captures: folders, ZIP archives, or motion capture as .npz with its .json
+    #[arg(required = true)]
+    paths: Vec<PathBuf>,
+    /// The twin file. On another recording of its object the twin is registered to the first frame
+    #[arg(long, value_name = "FILE")]
+    twin: PathBuf,
+    #[command(flatten)]
+    backend: BackendArgs,
+    /// Frames to predict from, for example 30,60,70, with states corrected by the points observed up to
+    /// there
+    #[arg(long, value_name = "FRAMES", value_delimiter = ',', required = true)]
+    at: Vec<usize>,
     /// Frames to predict from each corrected state
-    #[arg(long, value_name = "N", default_value_t = 30, requires = "correct_at")]
+    #[arg(long, value_name = "N", default_value_t = 30)]
     horizon: usize,
     /// Percentages of the visible points that are observed
-    #[arg(
-        long,
-        value_name = "PERCENT",
-        value_delimiter = ',',
-        default_value = "10,30,100",
-        requires = "correct_at"
-    )]
+    #[arg(long, value_name = "PERCENT", value_delimiter = ',', default_value = "10,30,100")]
     observe: Vec<f64>,
     /// Frames between corrections, in the frames before those; 0 for a single correction in each
-    #[arg(long, value_name = "N", default_value_t = 5, requires = "correct_at")]
-    correct_every: usize,
+    #[arg(long, value_name = "N", default_value_t = 5)]
+    every: usize,
     /// Frames over which the velocities of the points are observed as well; 0 for only positions
-    #[arg(long, value_name = "N", default_value_t = 2, requires = "correct_at")]
+    #[arg(long, value_name = "N", default_value_t = 2)]
     velocity_frames: usize,
     /// Percentage of each correction that the twin's rest shape takes over, less where the points
     /// are within their noise
-    #[arg(long, value_name = "PERCENT", default_value_t = 100.0, requires = "correct_at")]
+    #[arg(long, value_name = "PERCENT", default_value_t = 100.0)]
     carry: f64,
 }
 
-impl CorrectArgs {
-    /// Comparisons that were asked for.
-    pub(super) fn compare(
-        &self,
-        backend: &dyn Backend,
-        twin: &Twin,
-        capture: &Capture,
-        cancel: &CancelToken,
-    ) -> anyhow::Result<Vec<CorrectionScore>> {
-        if self.correct_at.is_empty() {
-            return Ok(Vec::new());
-        }
-        let plan = CorrectionPlan {
-            frames: self.correct_at.clone(),
+impl Corrections {
+    fn plan(&self) -> CorrectionPlan {
+        CorrectionPlan {
+            frames: self.at.clone(),
             horizon: self.horizon.max(1),
             shares: self.observe.iter().map(|p| (p / 100.0).clamp(0.0, 1.0)).collect(),
-            every: self.correct_every,
+            every: self.every,
             velocity_frames: self.velocity_frames,
             carry: (self.carry / 100.0).clamp(0.0, 1.0),
             options: CorrectOptions::default(),
-        };
-        corrections(backend, twin, capture, &plan, cancel).map_err(failure::failed)
+        }
     }
 }
 
+pub(crate) async fn run(args: Corrections, global: &Global) -> anyhow::Result<()> {
+    let cancel = signals::cancellation();
+    let (args, quiet) = (Arc::new(args), global.json);
+    let opening = Arc::clone(&args);
+    let opened = tokio::task::spawn_blocking(move || {
+        anyhow::Ok((opening.backend.open()?, read_twin(&opening.twin)?))
+    });
+    let (backend, twin) = opened.await??;
+    let twin = Arc::new(twin);
+    for path in args.paths.clone() {
+        let name = path.display().to_string();
+        let (args, backend, twin) = (args.clone(), backend.clone(), twin.clone());
+        let cancel = cancel.clone();
+        let compared = tokio::task::spawn_blocking(move || {
+            compare(&path, &twin, &args.plan(), &*backend, &cancel, quiet)
+        });
+        let scores = compared.await??;
+        let document = json!({ "path": name, "corrections": document(&scores) });
+        output::print(global, &document, || format!("{name}\n\n{}", table(&scores)))?;
+    }
+    Ok(())
+}
+
+fn read_twin(path: &Path) -> anyhow::Result<Twin> {
+    let bytes = std::fs::read(path).with_context(|| format!("cannot read {}", path.display()))?;
+    Twin::decode(&bytes).map_err(failure::failed).with_context(|| path.display().to_string())
+}
+
+fn compare(
+    path: &Path,
+    twin: &Twin,
+    plan: &CorrectionPlan,
+    backend: &dyn Backend,
+    cancel: &CancelToken,
+    quiet: bool,
+) -> anyhow::Result<Vec<CorrectionScore>> {
+    let (capture, _) = observation::read(path, cancel, quiet).map_err(Failed)?;
+    // Elsewhere the twin has the recording's control points.
+    let there = in_recording(twin, &capture, cancel).map_err(failure::failed)?;
+    let (twin, recording) =
+        there.as_ref().map_or((twin, &capture), |(twin, recording)| (twin, recording));
+    corrections(backend, twin, recording, plan, cancel).map_err(failure::failed)
+}
+
 /// The comparisons as JSON, errors in metres.
-pub(super) fn document(scores: &[CorrectionScore]) -> Value {
+fn document(scores: &[CorrectionScore]) -> Value {
     let one = |s: &CorrectionScore| {
         json!({
             "frame": s.frame,
@@ -83,7 +129,7 @@ pub(super) fn document(scores: &[CorrectionScore]) -> Value {
 }
 
 /// The comparisons as a table.
-pub(super) fn table(scores: &[CorrectionScore]) -> String {
+fn table(scores: &[CorrectionScore]) -> String {
     let mut text = String::from(
         "| corrected at | points | median residual, mm | CD open / corrected, mm | | track open / last residual / corrected, mm | |\n\
          |---|---|---|---|---|---|---|\n",

@@ -1,5 +1,6 @@
-//! `bendtwin suite`: fits every capture of a list under every configuration, and compares.
+//! `bendtwin-lab suite`: fits every capture of a list under every configuration, and compares.
 
+mod devices;
 mod progress;
 
 use std::{
@@ -13,20 +14,20 @@ use bendtwin_study::{
     Devices, Folder, Invocation, Plan, PlanOptions, Selection, Suite, Summary, Table, draw_figure,
     draw_pictures,
 };
-use clap::{Args, builder::RangedU64ValueParser};
-
-use self::progress::{SuiteProgress, run_count};
-use crate::{
+use bendtwin_terminal::{
     backend::BackendArgs,
     failure::{self, Failed},
     global::Global,
     observation, output, signals,
 };
+use clap::{Args, builder::RangedU64ValueParser};
+
+use self::progress::{SuiteProgress, run_count};
 
 #[derive(Debug, Args)]
 #[command(after_help = "\
 A run whose result is in the folder is not repeated, unless its capture, its settings or this program changed; a fit that
-was interrupted resumes from its checkpoint. Ctrl-C keeps finished runs. docs/use/suites.md describes the file and the table.")]
+was interrupted resumes from its checkpoint. Ctrl-C keeps finished runs. docs/develop/suites.md describes the file and the table.")]
 pub(crate) struct SuiteArgs {
     /// The suite, a JSON file
     suite: PathBuf,
@@ -61,12 +62,7 @@ pub(crate) struct SuiteArgs {
 }
 
 pub(crate) async fn run(args: SuiteArgs, global: &Global) -> anyhow::Result<()> {
-    let cancel = CancelToken::default();
-    let (shutdown, token) = (signals::shutdown(), cancel.clone());
-    tokio::spawn(async move {
-        shutdown.cancelled().await;
-        token.cancel();
-    });
+    let cancel = signals::cancellation();
     let (args, quiet) = (Arc::new(args), global.json);
     let working = Arc::clone(&args);
     let (table, failed, left) =
@@ -94,7 +90,7 @@ fn work(
     let read = |path: &Path| observation::read(path, cancel, quiet);
     let mut plan = Plan::new(&suite, &folder, options, &read).map_err(failure::failed)?;
     let work = if args.table_only { 0 } else { plan.pending() };
-    let backends = args.backend.open_several(args.jobs, work)?;
+    let backends = devices::open(&args.backend, args.jobs, work)?;
     let result = if args.table_only {
         Ok(Summary::default())
     } else {

@@ -1,5 +1,5 @@
-//! A suite that is killed in the middle, resumed, and ends in the same table as an undisturbed one.
-//! Each of its runs can be repeated by the command in the table.
+//! `bendtwin-lab suite`: a suite that is killed in the middle, resumed, and ends in the same table as an undisturbed one.
+//! Each of its runs can be repeated by the command in its record, which is one of `bendtwin`.
 
 use std::{
     path::Path,
@@ -7,12 +7,11 @@ use std::{
     time::Duration,
 };
 
-use serde_json::Value;
-
-use crate::harness::{
-    command::{bendtwin, binary},
-    until, waiting,
+use bendtwin_harness::{
+    command::{bendtwin, binary, isolated},
+    until,
 };
+use serde_json::Value;
 
 /// Fits of about a second, two at a time; one configuration has too few substeps for any capture.
 const SUITE: &str = r#"{
@@ -45,7 +44,7 @@ const SUITE_ARGUMENTS: [&str; 10] = [
 const DEADLINE: Duration = Duration::from_secs(120);
 
 fn start(place: &Path) -> Child {
-    let mut command = bendtwin();
+    let mut command = isolated(env!("CARGO_BIN_EXE_bendtwin-lab"));
     command.args(SUITE_ARGUMENTS).current_dir(place);
     command.stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap()
 }
@@ -108,7 +107,6 @@ fn ended_with_failures(output: &Output) {
 
 #[tokio::test]
 async fn a_suite_that_was_killed_ends_in_the_same_table() {
-    let _slots = waiting::shared_slot().await;
     let peace = tempfile::tempdir().unwrap();
     let war = tempfile::tempdir().unwrap();
     prepare(peace.path());

@@ -19,7 +19,7 @@ pub struct Invocation {
 impl Invocation {
     /// The command that makes the whole table.
     pub fn command(&self) -> String {
-        let mut words = vec!["bendtwin suite".to_owned(), path(&self.suite)];
+        let mut words = vec!["cargo lab suite".to_owned(), path(&self.suite)];
         if let Some(data) = &self.data {
             words.push(format!("--data {}", path(data)));
         }
@@ -85,7 +85,7 @@ mod tests {
     fn an_invocation_is_recorded_verbatim() {
         let mut invocation =
             Invocation { suite: "studies/a.json".into(), data: None, out: "it's".into() };
-        assert_eq!(invocation.command(), r"bendtwin suite studies/a.json --out 'it'\''s'");
+        assert_eq!(invocation.command(), r"cargo lab suite studies/a.json --out 'it'\''s'");
         invocation.data = Some("data".into());
         assert!(invocation.command().contains("--data data --out"));
     }

@@ -1,7 +1,7 @@
 //! Suites of fits: every capture of a list, fitted under every configuration with every seed, and
 //! one table of the results.
 //!
-//! A [`Suite`] is a JSON file (docs/use/suites.md). A [`Plan`] reads its captures and lists the
+//! A [`Suite`] is a JSON file (docs/develop/suites.md). A [`Plan`] reads its captures and lists the
 //! pending runs: a run's result is kept in a [`Folder`] under the digest of its capture, its
 //! settings and the build, so that an interrupted suite continues where it stopped, and one whose
 //! settings changed repeats only the runs that they change. [`Plan::run`] executes runs in
@@ -17,7 +17,6 @@ mod execute;
 mod figure;
 mod fit_observer;
 mod folder;
-mod leave_out;
 mod picture;
 mod plan;
 mod record;
@@ -31,9 +30,8 @@ pub use error::Error;
 pub use execute::{Devices, Event, Summary};
 pub use figure::draw_figure;
 pub use folder::Folder;
-pub use leave_out::{LeaveOneOut, LeftOut, Prediction, Scores, left_out_table};
 pub use picture::draw_pictures;
-pub use plan::{Captured, Plan, PlanOptions, Read};
+pub use plan::{Plan, PlanOptions, Read};
 pub use record::{Finished, GraphCounts, Losses, Outcome, Record};
 pub use suite::{
     CaptureEntry, Comparison, Configuration, FigureEntry, Reference, RunId, Selection, Series,

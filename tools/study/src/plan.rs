@@ -32,17 +32,9 @@ pub struct PlanOptions {
     pub checkpoint_every: Duration,
 }
 
-/// A capture, and the views of its cameras if it is a raw recording.
-#[derive(Debug)]
-pub struct Captured {
-    /// The capture.
-    pub capture: Capture,
-    /// Views of its first recording.
-    pub views: Option<Views>,
-}
-
-/// Reader of the capture at a path; the fault is the reason why it cannot be fitted.
-pub type Read<'r> = dyn Fn(&Path) -> Result<Captured, Fault> + 'r;
+/// Reader of the capture at a path, with the views of its cameras if it is a raw recording; the fault is
+/// the reason why it cannot be fitted.
+pub type Read<'r> = dyn Fn(&Path) -> Result<(Capture, Option<Views>), Fault> + 'r;
 
 /// A capture as it was read.
 #[derive(Debug)]

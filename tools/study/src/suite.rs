@@ -1,4 +1,4 @@
-//! A suite: captures, configurations, seeds, and comparisons. docs/use/suites.md specifies the file.
+//! A suite: captures, configurations, seeds, and comparisons. docs/develop/suites.md specifies the file.
 
 mod figure;
 mod parse;

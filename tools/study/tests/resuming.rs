@@ -6,7 +6,7 @@ use bendtwin_capture::{Limits, write_bundle_file};
 use bendtwin_core::{CancelToken, Fault, Problem};
 use bendtwin_engine::cpu_with_threads;
 use bendtwin_study::{
-    Captured, Devices, Event, Folder, Invocation, Outcome, Plan, PlanOptions, Suite, Summary,
+    Devices, Event, Folder, Invocation, Outcome, Plan, PlanOptions, Suite, Summary,
     Table, draw_pictures,
 };
 use bendtwin_synth::{MakeOptions, Scene, make};
@@ -52,9 +52,9 @@ fn options() -> PlanOptions {
     }
 }
 
-fn read(path: &Path) -> Result<Captured, Fault> {
+fn read(path: &Path) -> Result<(Capture, Option<Views>), Fault> {
     let capture = bendtwin_capture::read(path, &Limits::default()).map_err(|e| e.fault())?;
-    Ok(Captured { capture, views: None })
+    Ok((capture, None))
 }
 
 fn devices(count: usize) -> Devices {

@@ -21,7 +21,7 @@ fn the_suites_that_come_along_can_be_read() {
 
 #[test]
 fn the_documented_example_can_be_read() {
-    let text = std::fs::read_to_string(Path::new(ROOT).join("docs/use/suites.md")).unwrap();
+    let text = std::fs::read_to_string(Path::new(ROOT).join("docs/develop/suites.md")).unwrap();
     let example = text.split("```json").nth(1).and_then(|rest| rest.split("```").next()).unwrap();
     let place = tempfile::tempdir().unwrap();
     let file = place.path().join("example.json");

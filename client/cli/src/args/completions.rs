@@ -3,7 +3,8 @@
 use clap::{Args, CommandFactory as _};
 use clap_complete::Shell;
 
-use crate::{args::Arguments, output};
+use super::Arguments;
+use crate::output;
 
 #[derive(Debug, Args)]
 #[command(

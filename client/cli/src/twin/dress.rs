@@ -9,7 +9,8 @@ use clap::Args;
 use serde_json::json;
 
 use super::source::Source;
-use crate::{exchange::Points, failure, global::Global, output};
+use super::exchange::Points;
+use crate::{failure, global::Global, output};
 
 #[derive(Debug, Args)]
 pub(super) struct Dress {

@@ -1,4 +1,4 @@
-//! `bendtwin bench load`: what a fit and greedy clients leave to others on a running server. Small
+//! `bendtwin-lab bench load`: what a fit and greedy clients leave to others on a running server. Small
 //! rollouts are timed one after another, as a closed loop sends them: alone, beside a fit, and beside
 //! the fit and clients that keep sending large rollouts. The fit's speed is measured meanwhile.
 
@@ -11,14 +11,15 @@ use bendtwin_client::{
     CaptureId, Client, Cost, Fidelity, Fit, FitId, FitSettings, ListQuery, Point, Rollout, TwinId,
 };
 use bendtwin_core::Twin;
+use bendtwin_terminal::{
+    fidelity::Mode, global::Global, measurement::Size, output, signals, table::Table,
+};
 use clap::Args;
 use futures::future::join_all;
 use serde::Serialize;
 use tokio_util::sync::CancellationToken;
 
 use self::spread::Spread;
-use super::size::Size;
-use crate::{global::Global, output, rollout::Mode, signals, table::Table};
 
 /// Pause of a refused client. Greedy clients do not wait for the requested delay.
 const PAUSE: Duration = Duration::from_secs(1);
@@ -29,14 +30,14 @@ const FIT_START: Duration = Duration::from_secs(300);
 #[command(after_help = "\
 It needs a server with a twin; its capture is fitted beside the rollouts (the fit is deleted afterwards):
   bendtwin server &
-  bendtwin bench load --clients 64
+  cargo lab bench load --clients 64
 A closed loop of one instance and one frame beside a fit, without greedy clients:
-  bendtwin bench load --clients 0 --small 1x1
+  cargo lab bench load --clients 0 --small 1x1
 A planner's step:
-  bendtwin bench load --clients 0 --small 128x20 --fidelity fast --costs
+  cargo lab bench load --clients 0 --small 128x20 --fidelity fast --costs
 The gain of several workers over one on a batch, in one run:
   bendtwin server --workers 4 &
-  bendtwin bench load --no-fit --clients 0 --spread 1000x30")]
+  cargo lab bench load --no-fit --clients 0 --spread 1000x30")]
 pub(crate) struct Load {
     /// Twin to roll out [default: the newest that has a capture]
     #[arg(long, value_name = "NAME")]

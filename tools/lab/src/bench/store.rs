@@ -1,15 +1,14 @@
-//! `bendtwin bench store`: the queue and the list of captures, in SQLite or in PostgreSQL.
+//! `bendtwin-lab bench store`: the queue and the list of captures, in SQLite or in PostgreSQL.
 
 use std::{path::PathBuf, time::Duration};
 
-use bendtwin_server::{
+use bendtwin_store::{
     DatabaseUrl,
-    store_bench::{self, PageTime, QueueSpeed},
+    bench::{self, PageTime, QueueSpeed},
 };
+use bendtwin_terminal::{failure, global::Global, output, table::Table};
 use clap::Args;
 use serde::Serialize;
-
-use crate::{failure, global::Global, output, table::Table};
 
 #[derive(Debug, Args)]
 pub(super) struct Store {
@@ -43,12 +42,12 @@ pub(super) async fn run(args: Store, global: &Global) -> anyhow::Result<()> {
     let url = args.database.as_deref().map(DatabaseUrl::parse).transpose();
     let url = url.map_err(failure::failed)?;
     let database = url.as_ref().map_or_else(|| "SQLite".to_owned(), ToString::to_string);
-    let store = store_bench::open(&args.folder, url).await.map_err(failure::failed)?;
+    let store = bench::open(&args.folder, url).await.map_err(failure::failed)?;
     let (clients, queued) = (usize::from(args.clients), args.queued as usize);
     let time = Duration::from_secs(u64::from(args.seconds));
-    let queue = store_bench::queue(&store, clients, queued, time).await.map_err(failure::failed)?;
+    let queue = bench::queue(&store, clients, queued, time).await.map_err(failure::failed)?;
     let pages =
-        store_bench::pages(&store, args.captures as usize).await.map_err(failure::failed)?;
+        bench::pages(&store, args.captures as usize).await.map_err(failure::failed)?;
     store.close().await;
     let measured = Measured { database, queue, pages };
     output::print(global, &measured, || text(&measured))

@@ -5,8 +5,7 @@ use bendtwin_bench::{
     fit::FitRun,
     report::{Measured, Run, SceneReport},
 };
-
-use crate::{output, table::Table};
+use bendtwin_terminal::{output, table::Table};
 
 /// The table of scenes.
 pub(super) fn names() -> String {

@@ -8,9 +8,8 @@ use std::{
 use bendtwin_core::{Progress, quality::ErrorSummary};
 use bendtwin_engine::Backend;
 use bendtwin_study::{Event, Outcome, Plan, Record, RunId};
+use bendtwin_terminal::output;
 use indicatif::{ProgressBar, ProgressStyle};
-
-use crate::output;
 
 /// Time between two lines where there is no terminal.
 const LINE_EVERY: Duration = Duration::from_secs(30);

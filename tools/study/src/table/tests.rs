@@ -157,7 +157,7 @@ fn rows_are_means_over_seeds_and_captures() {
     assert_eq!((bending.seeds, bending.size.unwrap().nodes), (2, 10.0));
     assert_eq!(
         bending.command.as_deref().unwrap(),
-        "bendtwin suite suite.json --out out --only a/bending"
+        "cargo lab suite suite.json --out out --only a/bending"
     );
     // Standing still is the same for all and stands there once; last residuals are not.
     let of_a = |label: &str| {

@@ -18,7 +18,7 @@ use serde::Serialize;
 
 /// Recordings of one object, and the fits to them.
 #[derive(Clone)]
-pub struct LeaveOneOut {
+pub(super) struct LeaveOneOut {
     /// Each without others.
     recordings: Vec<Capture>,
     settings: FitSettings,
@@ -27,39 +27,39 @@ pub struct LeaveOneOut {
 
 /// A recording, predicted by twins fitted without it.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct LeftOut {
+pub(super) struct LeftOut {
     /// Name of the recording.
-    pub recording: String,
+    pub(super) recording: String,
     /// Predictions of a twin of each other recording alone.
-    pub from_one: Vec<Prediction>,
+    pub(super) from_one: Vec<Prediction>,
     /// Prediction of a twin of all other recordings; none if there is a single one.
-    pub from_all: Option<Prediction>,
+    pub(super) from_all: Option<Prediction>,
 }
 
 /// A prediction of a recording that was left out.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Prediction {
+pub(super) struct Prediction {
     /// Names of the recordings that the twin was fitted to, the reference first.
-    pub fitted_to: Vec<String>,
+    pub(super) fitted_to: Vec<String>,
     /// Errors; none if there is no such twin, or it could not be registered.
-    pub scores: Option<Scores>,
+    pub(super) scores: Option<Scores>,
     /// The reason for missing predictions.
-    pub refused: Option<Fault>,
+    pub(super) refused: Option<Fault>,
 }
 
 /// Errors in a recording that was left out.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
-pub struct Scores {
+pub(super) struct Scores {
     /// The twin's, over all frames.
-    pub twin: ErrorSummary,
+    pub(super) twin: ErrorSummary,
     /// The twin's in the first frame after the start: what the registration leaves.
-    pub first_frame: ErrorSummary,
+    pub(super) first_frame: ErrorSummary,
     /// Errors of the mean prediction of the twin and its members; `None` without members.
-    pub mean_of_fits: Option<ErrorSummary>,
+    pub(super) mean_of_fits: Option<ErrorSummary>,
     /// Errors of an object that does not move.
-    pub standing_still: ErrorSummary,
+    pub(super) standing_still: ErrorSummary,
     /// Distances of the first frame from the registered twin.
-    pub registered: RegistrationScore,
+    pub(super) registered: RegistrationScore,
 }
 
 /// A twin, or the reason why it is missing.
@@ -73,7 +73,7 @@ impl LeaveOneOut {
     ///
     /// # Errors
     /// If fewer than two of them may be fitted, or there are too many.
-    pub fn new(
+    pub(super) fn new(
         captures: Vec<Capture>,
         settings: FitSettings,
         backend: Arc<dyn Backend>,
@@ -108,7 +108,7 @@ impl LeaveOneOut {
     }
 
     /// Number of fits that are made.
-    pub fn fits(&self) -> usize {
+    pub(super) fn fits(&self) -> usize {
         let alone = self.recordings.iter().filter(|r| is_fitted(r)).count();
         let joint = (0..self.recordings.len()).filter(|&left| self.others(left).count() > 1);
         alone + joint.count()
@@ -119,7 +119,7 @@ impl LeaveOneOut {
     ///
     /// # Errors
     /// On cancellation, or if the device fails.
-    pub fn run(
+    pub(super) fn run(
         &self,
         tell: &mut dyn FnMut(usize, Progress),
         cancel: &CancelToken,
@@ -252,13 +252,13 @@ impl LeftOut {
     }
 
     /// Error of the twins of one recording, a mean over them [m].
-    pub fn one_m(&self) -> Option<f64> {
+    pub(super) fn one_m(&self) -> Option<f64> {
         let measure = self.measure()?;
         mean(self.from_one.iter().filter_map(|p| measure(&p.scores?.twin)))
     }
 
     /// Error of the twin of all other recordings [m].
-    pub fn all_m(&self) -> Option<f64> {
+    pub(super) fn all_m(&self) -> Option<f64> {
         self.measure()?(&self.from_all.as_ref()?.scores?.twin)
     }
 
@@ -274,7 +274,7 @@ fn mean(values: impl Iterator<Item = f64>) -> Option<f64> {
 }
 
 /// The results as a Markdown table in millimetres, with the reasons of what is missing below.
-pub fn left_out_table(results: &[LeftOut]) -> String {
+pub(super) fn left_out_table(results: &[LeftOut]) -> String {
     let mm = |x: Option<f64>| x.map_or("-".to_owned(), |x| format!("{:.1}", 1e3 * x));
     let change = |one: Option<f64>, all: Option<f64>| match (one, all) {
         (Some(one), Some(all)) => format!("{:+.0} %", 100.0 * (all / one - 1.0)),

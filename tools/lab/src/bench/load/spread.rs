@@ -4,10 +4,10 @@
 use std::time::{Duration, Instant};
 
 use bendtwin_client::Client;
+use bendtwin_terminal::measurement::Size;
 use serde::Serialize;
 
 use super::{Still, percentile};
-use crate::bench::size::Size;
 
 /// Fewest runs of either.
 const LEAST_RUNS: usize = 3;
