@@ -6,25 +6,19 @@
 //! simulation; a five-point stencil keeps the truncation below it.
 
 use bendtwin_core::{CancelToken, Params, Point};
+use bendtwin_engine::{Backend, backend::{Gradient, GradientRequest}};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-use crate::{
-    Backend,
-    backend::{Gradient, GradientRequest},
-    conformance::{
-        expect::{Outcome, close, ensure},
-        scene::Scene,
-    },
-};
+use crate::{expect::{Outcome, close, ensure}, scene::Scene};
 
 /// A kind of variable that a loss is differentiated by.
-pub(in crate::conformance) struct Kind {
-    pub(in crate::conformance) name: &'static str,
+pub(crate) struct Kind {
+    pub(crate) name: &'static str,
     /// The variables of a scene.
     variables: fn(&mut Scene) -> Vec<&mut f32>,
     /// Their derivatives.
-    pub(in crate::conformance) derivatives: fn(&Gradient) -> Vec<f32>,
+    pub(crate) derivatives: fn(&Gradient) -> Vec<f32>,
     /// Largest step of a variable.
     largest_step: fn(f32) -> f32,
 }
@@ -47,7 +41,7 @@ macro_rules! parameter {
 }
 
 /// Every kind of variable.
-pub(in crate::conformance) fn kinds() -> Vec<Kind> {
+pub(crate) fn kinds() -> Vec<Kind> {
     vec![
         parameter!("spring stiffness", 0.05, |p| p.spring_stiffness.clone(), |p| p
             .spring_stiffness
@@ -153,7 +147,7 @@ fn flat(points: &[Point]) -> Vec<f32> {
 }
 
 /// Everything that a gradient can have.
-pub(in crate::conformance) const REQUEST: GradientRequest = GradientRequest {
+pub(crate) const REQUEST: GradientRequest = GradientRequest {
     cut_every: 0,
     controls: true,
     initial: true,
@@ -163,13 +157,13 @@ pub(in crate::conformance) const REQUEST: GradientRequest = GradientRequest {
 };
 
 /// Parameters of a check.
-pub(in crate::conformance) struct Check {
+pub(crate) struct Check {
     /// Seed of the random direction; names the scene in messages.
-    pub(in crate::conformance) seed: u64,
+    pub(crate) seed: u64,
     /// Allowed error, relative to the sum of |derivative · step|.
-    pub(in crate::conformance) tolerance: f64,
+    pub(crate) tolerance: f64,
     /// Kinds that must have a derivative other than zero.
-    pub(in crate::conformance) must_matter: &'static [&'static str],
+    pub(crate) must_matter: &'static [&'static str],
 }
 
 /// Rounding of a loss, relative to it: an f32 simulation of a few hundred substeps moves each node
@@ -179,7 +173,7 @@ const ROUNDING: f64 = 1e-6;
 const CHANGE: f64 = 1e-3;
 
 /// Compares all derivatives of a scene's loss with finite differences.
-pub(in crate::conformance) fn matches_differences(
+pub(crate) fn matches_differences(
     backend: &dyn Backend,
     scene: &Scene,
     check: &Check,

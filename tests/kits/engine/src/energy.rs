@@ -3,14 +3,14 @@
 use std::f64::consts::PI;
 
 use bendtwin_core::Point;
+use bendtwin_engine::{model::State};
 
-use super::scene::{Scene, cross, difference, dot, norm};
-use crate::model::State;
+use crate::{scene::{Scene, cross, difference, dot, norm}};
 
 type Point64 = [f64; 3];
 
 /// All endpoints of a scene in `f64`: nodes of `state`, then the first row of controls.
-pub(super) fn endpoints(scene: &Scene, state: &State) -> Vec<Point64> {
+pub(crate) fn endpoints(scene: &Scene, state: &State) -> Vec<Point64> {
     let controls = scene.controls.iter().take(scene.graph.control_count());
     state.positions.iter().chain(controls).map(|p| p.map(f64::from)).collect()
 }
@@ -20,14 +20,14 @@ fn minus(a: Point64, b: Point64) -> Point64 {
 }
 
 /// Angle of a triplet [rad].
-pub(super) fn angle(points: &[Point64], [i, j, k]: [u32; 3]) -> f64 {
+pub(crate) fn angle(points: &[Point64], [i, j, k]: [u32; 3]) -> f64 {
     let at = points[j as usize];
     let (u, w) = (minus(points[i as usize], at), minus(points[k as usize], at));
     norm(cross(u, w)).atan2(dot(u, w))
 }
 
 /// Length of a spring [m].
-pub(super) fn length(points: &[Point64], [a, b]: [u32; 2]) -> f64 {
+pub(crate) fn length(points: &[Point64], [a, b]: [u32; 2]) -> f64 {
     norm(minus(points[b as usize], points[a as usize]))
 }
 
@@ -40,7 +40,7 @@ fn bend(angle: f64, rest: f64) -> f64 {
 
 /// Sum of k (l - l0)² / (2 l0) over springs and k_theta (q - q0)² / 2 over triplets, q by [`bend`]
 /// [J].
-pub(super) fn elastic(scene: &Scene, points: &[Point64]) -> f64 {
+pub(crate) fn elastic(scene: &Scene, points: &[Point64]) -> f64 {
     let p = &scene.params;
     let springs = scene.graph.springs.iter().enumerate().map(|(e, &ends)| {
         let l0 = f64::from(p.rest_lengths_m[e]);
@@ -55,7 +55,7 @@ pub(super) fn elastic(scene: &Scene, points: &[Point64]) -> f64 {
 }
 
 /// Elastic force on every node [N]: central differences of [`elastic`] with a step of 1 µm.
-pub(super) fn elastic_forces(scene: &Scene, state: &State) -> Vec<Point64> {
+pub(crate) fn elastic_forces(scene: &Scene, state: &State) -> Vec<Point64> {
     let h = 1e-6;
     let mut points = endpoints(scene, state);
     let mut forces = vec![[0.0; 3]; state.positions.len()];
@@ -75,7 +75,7 @@ pub(super) fn elastic_forces(scene: &Scene, state: &State) -> Vec<Point64> {
 
 /// Power that the dampers take out [W]: gamma (dl/dt)² over springs and c_b (dq/dt)² over triplets,
 /// q by [`bend`], the rates by central differences along the velocities.
-pub(super) fn dissipation(scene: &Scene, state: &State) -> f64 {
+pub(crate) fn dissipation(scene: &Scene, state: &State) -> f64 {
     let h = 1e-6;
     let points = endpoints(scene, state);
     let moved = |sign: f64| -> Vec<Point64> {
@@ -101,7 +101,7 @@ pub(super) fn dissipation(scene: &Scene, state: &State) -> f64 {
 }
 
 /// Kinetic energy [J].
-pub(super) fn kinetic(scene: &Scene, state: &State) -> f64 {
+pub(crate) fn kinetic(scene: &Scene, state: &State) -> f64 {
     let of = |(v, m): (&Point, &f32)| {
         let v = v.map(f64::from);
         f64::from(*m) * dot(v, v) / 2.0
@@ -110,7 +110,7 @@ pub(super) fn kinetic(scene: &Scene, state: &State) -> f64 {
 }
 
 /// Linear [kg m/s] and angular momentum about the origin [kg m²/s].
-pub(super) fn momentum(scene: &Scene, state: &State) -> (Point64, Point64) {
+pub(crate) fn momentum(scene: &Scene, state: &State) -> (Point64, Point64) {
     let (mut linear, mut angular) = ([0.0; 3], [0.0; 3]);
     for ((x, v), m) in state.positions.iter().zip(&state.velocities).zip(&scene.graph.masses) {
         let p = v.map(|v| f64::from(v) * f64::from(*m));

@@ -1,23 +1,23 @@
 //! Comparisons whose failures state the expected and the actual values.
 
-use crate::model::State;
+use bendtwin_engine::{model::State};
 
-pub(super) type Outcome = Result<(), String>;
+pub(crate) type Outcome = Result<(), String>;
 
 /// Fails unless `got` lies within `tolerance` of `expected`. NaN fails.
-pub(super) fn close(what: &str, got: f64, expected: f64, tolerance: f64) -> Outcome {
+pub(crate) fn close(what: &str, got: f64, expected: f64, tolerance: f64) -> Outcome {
     ensure((got - expected).abs() <= tolerance, || {
         format!("{what} is {got:.9}, expected {expected:.9} within {tolerance:.1e}")
     })
 }
 
 /// Fails with `message` unless `ok`.
-pub(super) fn ensure(ok: bool, message: impl FnOnce() -> String) -> Outcome {
+pub(crate) fn ensure(ok: bool, message: impl FnOnce() -> String) -> Outcome {
     if ok { Ok(()) } else { Err(message()) }
 }
 
 /// Fails unless all positions and velocities are finite.
-pub(super) fn finite(what: &str, state: &State) -> Outcome {
+pub(crate) fn finite(what: &str, state: &State) -> Outcome {
     let all = state.positions.iter().chain(&state.velocities).flatten();
     ensure(all.clone().all(|x| x.is_finite()), || format!("{what}: the state is not finite"))
 }

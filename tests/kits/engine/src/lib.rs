@@ -2,46 +2,36 @@
 //! into a separate test:
 //!
 //! ```ignore
-//! bendtwin_engine::conformance_tests!(MyBackend::new());
+//! bendtwin_engine_kit::conformance_tests!(MyBackend::new());
 //! ```
 //!
 //! A case derives the physics from first principles (closed forms, `f64` energies, conservation
 //! laws) or compares a backend with itself (batches, repeats, finite differences of its
 //! losses). Every tolerance is stated at its use, with its reason.
 
-mod batches;
-mod bending;
-mod clamps;
-mod colliders;
-mod conservation;
-mod contact;
-mod degenerate;
+mod differences;
 mod energy;
 mod expect;
-mod forces;
-mod gradients;
-mod grasps;
-mod ground;
-mod objectives;
-mod optimizer;
+mod interface;
+mod physics;
 mod random;
-mod refusals;
-mod rest;
 mod scene;
-mod skin;
-mod skin_contact;
-mod smooth;
-mod springs;
-mod twist;
 
-use crate::Backend;
+use bendtwin_engine::Backend;
 
 pub use self::{
+    physics::skin::in_frames,
     random::{
         RandomOptions, random_model, random_motion,
         world::{WorldOptions, count_forces, random_world},
     },
-    skin::in_frames,
+};
+use self::{
+    interface::{batches, degenerate, gradients, objectives, optimizer, refusals},
+    physics::{
+        bending, clamps, colliders, conservation, contact, forces, grasps, ground, rest, skin,
+        skin_contact, smooth, springs, twist,
+    },
 };
 
 /// A named case.
@@ -121,7 +111,7 @@ macro_rules! suite {
                     #[test]
                     $d(#[$d attribute])*
                     fn $case() {
-                        let case = $d crate::conformance::case(stringify!($case));
+                        let case = $d crate::case(stringify!($case));
                         let case = case.expect("the suite has a case of this name");
                         if let Err(why) = (case.check)(&$d backend) {
                             panic!("{why}");

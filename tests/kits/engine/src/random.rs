@@ -1,6 +1,6 @@
 //! Seeded random models and motions, public so that backends can be compared on them.
 
-pub(super) mod world;
+pub(crate) mod world;
 
 use std::sync::Arc;
 
@@ -8,13 +8,12 @@ use bendtwin_core::{
     Contact, Environment, Graph, NodeKind, Params, Pin, Plane, Point, Timing,
     environment::ControlVelocity, settings::TripletReference,
 };
+use bendtwin_engine::{Model, Objective, PointLoss, PointSet, Term, model::State, objective::WeightedTerm};
 use bendtwin_graph::{
     Connectivity, LeftOut, NodeSample, SurfacePoints, Triplets, bind_skin, connect, rest_geometry,
 };
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-
-use crate::{Model, Objective, PointLoss, PointSet, Term, model::State, objective::WeightedTerm};
 
 /// Composition of a random model.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -281,7 +280,7 @@ fn regions(model: &Model, nodes: Option<Arc<Vec<u32>>>) -> [Term; 2] {
 }
 
 /// A random objective over surface nodes with every kind of term, a group each.
-pub(super) fn random_objective(seed: u64, model: &Model, frames: usize) -> Objective {
+pub(crate) fn random_objective(seed: u64, model: &Model, frames: usize) -> Objective {
     let mut rng = ChaCha8Rng::seed_from_u64(seed ^ 0x006c_6f73_7300);
     let mut terms = Vec::new();
     let surface = model.graph.surface_count();

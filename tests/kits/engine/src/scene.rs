@@ -6,38 +6,30 @@ use bendtwin_core::{
     CancelToken, Contact, Environment, Graph, NodeKind, Params, Pin, Plane, Point, Skin, Timing,
     environment::ControlVelocity,
 };
-
+use bendtwin_engine::{Backend, Error, Loaded, Model, Objective, PointLoss, PointSet, Term, backend::{Diagnose, Forces, Gradient, GradientRequest, Instance, Loss, Outputs, Rollout}, model::State, objective::WeightedTerm, world::{Face, Grasp, Motion, Pose, Shape, World}};
 use bendtwin_graph::{NodeSample, rest_geometry};
-
-use crate::{
-    Backend, Error, Loaded, Model, Objective, PointLoss, PointSet, Term,
-    backend::{Diagnose, Forces, Gradient, GradientRequest, Instance, Loss, Outputs, Rollout},
-    model::State,
-    objective::WeightedTerm,
-    world::{Face, Grasp, Motion, Pose, Shape, World},
-};
 
 /// Nodes of mass 1 in empty space: no gravity, ground, drag or contact until asked for.
 #[derive(Clone, Debug)]
-pub(super) struct Scene {
-    pub(super) graph: Graph,
-    pub(super) skin: Skin,
-    pub(super) params: Params,
-    pub(super) environment: Environment,
-    pub(super) timing: Timing,
-    pub(super) control_velocity: ControlVelocity,
-    pub(super) initial: State,
+pub(crate) struct Scene {
+    pub(crate) graph: Graph,
+    pub(crate) skin: Skin,
+    pub(crate) params: Params,
+    pub(crate) environment: Environment,
+    pub(crate) timing: Timing,
+    pub(crate) control_velocity: ControlVelocity,
+    pub(crate) initial: State,
     /// Control points, shape [F + 1, C, 3].
-    pub(super) controls: Vec<Point>,
-    pub(super) frames: usize,
-    pub(super) objective: Objective,
-    pub(super) world: World,
-    pub(super) motion: Motion,
+    pub(crate) controls: Vec<Point>,
+    pub(crate) frames: usize,
+    pub(crate) objective: Objective,
+    pub(crate) world: World,
+    pub(crate) motion: Motion,
 }
 
 impl Scene {
     /// Nodes at rest at these positions; 100 frames a second, 20 substeps each.
-    pub(super) fn of(positions: &[Point]) -> Self {
+    pub(crate) fn of(positions: &[Point]) -> Self {
         let n = positions.len();
         let graph = Graph {
             rest_positions: positions.to_vec(),
@@ -66,7 +58,7 @@ impl Scene {
     }
 
     /// A scene around a finished model.
-    pub(super) fn around(
+    pub(crate) fn around(
         model: Model,
         initial: State,
         controls: Vec<Point>,
@@ -89,7 +81,7 @@ impl Scene {
     }
 
     /// Adds a spring whose rest length is the rest positions' distance.
-    pub(super) fn spring(&mut self, ends: [u32; 2], stiffness: f32, dashpot: f32) {
+    pub(crate) fn spring(&mut self, ends: [u32; 2], stiffness: f32, dashpot: f32) {
         let (a, b) = (self.graph.rest_endpoint(ends[0]), self.graph.rest_endpoint(ends[1]));
         let squared: f32 = a.iter().zip(b).map(|(a, b)| (a - b) * (a - b)).sum();
         self.graph.springs.push(ends);
@@ -99,7 +91,7 @@ impl Scene {
     }
 
     /// Adds a triplet with the given rest angle.
-    pub(super) fn triplet(
+    pub(crate) fn triplet(
         &mut self,
         ends: [u32; 3],
         rest_angle: f32,
@@ -113,7 +105,7 @@ impl Scene {
     }
 
     /// Adds a rod along these nodes.
-    pub(super) fn rod(&mut self, path: Vec<u32>, stiffness: f32, damping: f32, rest_twist: f32) {
+    pub(crate) fn rod(&mut self, path: Vec<u32>, stiffness: f32, damping: f32, rest_twist: f32) {
         self.graph.rods.push(path);
         self.params.twist_stiffness.push(stiffness);
         self.params.twist_damping.push(damping);
@@ -122,13 +114,13 @@ impl Scene {
     }
 
     /// Adds a control point, resting where it is until driven; returns its endpoint.
-    pub(super) fn control(&mut self, at: Point) -> u32 {
+    pub(crate) fn control(&mut self, at: Point) -> u32 {
         self.graph.control_rest.push(at);
         (self.graph.node_count() + self.graph.control_count() - 1) as u32
     }
 
     /// Pins a node to control point `control` at their present offset.
-    pub(super) fn pin(&mut self, node: u32, control: u32) {
+    pub(crate) fn pin(&mut self, node: u32, control: u32) {
         let (x, c) =
             (self.graph.rest_positions[node as usize], self.graph.control_rest[control as usize]);
         let offset_m = [x[0] - c[0], x[1] - c[1], x[2] - c[2]];
@@ -136,14 +128,14 @@ impl Scene {
     }
 
     /// Pins a node where it is.
-    pub(super) fn fix(&mut self, node: u32) {
+    pub(crate) fn fix(&mut self, node: u32) {
         let at = self.graph.rest_positions[node as usize];
         let control = self.control(at) - self.graph.node_count() as u32;
         self.pin(node, control);
     }
 
     /// Runs for `frames`, control points displaced by `path(frame)`.
-    pub(super) fn drive(&mut self, frames: usize, path: impl Fn(usize) -> Point) {
+    pub(crate) fn drive(&mut self, frames: usize, path: impl Fn(usize) -> Point) {
         self.frames = frames;
         self.controls = (0..=frames)
             .flat_map(|f| {
@@ -154,12 +146,12 @@ impl Scene {
     }
 
     /// Runs for `frames`, control points resting.
-    pub(super) fn last(&mut self, frames: usize) {
+    pub(crate) fn last(&mut self, frames: usize) {
         self.drive(frames, |_| [0.0; 3]);
     }
 
     /// Has nodes at targets [m] in the last frame: the only term of the objective.
-    pub(super) fn track(&mut self, points: Vec<u32>, targets: Vec<Point>) {
+    pub(crate) fn track(&mut self, points: Vec<u32>, targets: Vec<Point>) {
         let (of, loss) = (PointSet::Nodes, PointLoss::SquaredDistance);
         let term = Term::Track { of, points, targets, loss };
         self.objective.groups = vec!["track".into()];
@@ -168,20 +160,20 @@ impl Scene {
     }
 
     /// [`Scene::track`] for all nodes, with targets along x and down.
-    pub(super) fn track_all(&mut self) {
+    pub(crate) fn track_all(&mut self) {
         let rest = self.graph.rest_positions.iter();
         let targets = rest.map(|p| [p[0] + 0.08, p[1], p[2] - 0.05]).collect();
         self.track((0..self.graph.node_count() as u32).collect(), targets);
     }
 
-    pub(super) fn ground(&mut self, normal: Point, offset_m: f32, restitution: f32, friction: f32) {
+    pub(crate) fn ground(&mut self, normal: Point, offset_m: f32, restitution: f32, friction: f32) {
         self.environment.ground = Some(Plane { normal, offset_m });
         self.params.contact.ground_restitution = restitution;
         self.params.contact.ground_friction = friction;
     }
 
     /// Rest lengths and angles as the rest positions have them.
-    pub(super) fn relax(&mut self) {
+    pub(crate) fn relax(&mut self) {
         let sample = NodeSample {
             positions: self.graph.rest_positions.clone(),
             kinds: self.graph.kinds.clone(),
@@ -200,7 +192,7 @@ impl Scene {
             rest_geometry(&self.graph, &sample);
     }
 
-    pub(super) fn model(&self) -> Model {
+    pub(crate) fn model(&self) -> Model {
         Model {
             graph: Arc::new(self.graph.clone()),
             skin: Arc::new(self.skin.clone()),
@@ -211,12 +203,12 @@ impl Scene {
         }
     }
 
-    pub(super) fn load(&self, backend: &dyn Backend) -> Result<Loaded, String> {
+    pub(crate) fn load(&self, backend: &dyn Backend) -> Result<Loaded, String> {
         backend.load(Arc::new(self.model())).map_err(|e| format!("load: {e}"))
     }
 
     /// Raises the substeps to what the backend asks for, where it refuses the present number.
-    pub(super) fn stabilise(&mut self, backend: &dyn Backend) -> Result<(), String> {
+    pub(crate) fn stabilise(&mut self, backend: &dyn Backend) -> Result<(), String> {
         match backend.load(Arc::new(self.model())) {
             Err(Error::Unstable { needed, .. }) => {
                 // Room for stretched states, which are stiffer than the rest shape.
@@ -227,7 +219,7 @@ impl Scene {
         }
     }
 
-    pub(super) fn instance(&self, model: Loaded) -> Instance {
+    pub(crate) fn instance(&self, model: Loaded) -> Instance {
         Instance {
             model,
             initial: Arc::new(self.initial.clone()),
@@ -240,7 +232,7 @@ impl Scene {
     }
 
     /// Rolls out alone: every frame, the initial one too, final state and diagnostics.
-    pub(super) fn roll_out(&self, backend: &dyn Backend) -> Result<Rollout, String> {
+    pub(crate) fn roll_out(&self, backend: &dyn Backend) -> Result<Rollout, String> {
         let outputs = Outputs {
             every: 1,
             initial: true,
@@ -257,7 +249,7 @@ impl Scene {
         }
     }
 
-    pub(super) fn roll_out_raw(
+    pub(crate) fn roll_out_raw(
         &self,
         backend: &dyn Backend,
         outputs: &Outputs,
@@ -268,13 +260,13 @@ impl Scene {
     }
 
     /// State after the last frame.
-    pub(super) fn end(&self, backend: &dyn Backend) -> Result<State, String> {
+    pub(crate) fn end(&self, backend: &dyn Backend) -> Result<State, String> {
         self.roll_out(backend)?.final_state.ok_or_else(|| "no final state came back".to_owned())
     }
 
     /// States after each frame, the initial one first. Restarts every frame, as velocities are
     /// returned for the last frame only.
-    pub(super) fn states(&self, backend: &dyn Backend) -> Result<Vec<State>, String> {
+    pub(crate) fn states(&self, backend: &dyn Backend) -> Result<Vec<State>, String> {
         let outputs = Outputs { final_state: true, ..Outputs::default() };
         let loaded = self.load(backend)?;
         let c = self.graph.control_count();
@@ -297,7 +289,7 @@ impl Scene {
     }
 
     /// The motion of the surroundings in some frames, from this one on.
-    pub(super) fn motion_of(&self, frame: usize, frames: usize) -> Motion {
+    pub(crate) fn motion_of(&self, frame: usize, frames: usize) -> Motion {
         let rows = |each: usize| frame * each..(frame + frames + 1) * each;
         let (b, g, r) = (self.world.bodies, self.world.grasps.len(), self.graph.rods.len());
         let Motion { poses, closed, rolls } = &self.motion;
@@ -309,7 +301,7 @@ impl Scene {
     }
 
     /// Adds a body at these poses, one a frame boundary; returns its number.
-    pub(super) fn body(&mut self, path: impl Fn(usize) -> Pose) -> u32 {
+    pub(crate) fn body(&mut self, path: impl Fn(usize) -> Pose) -> u32 {
         let bodies = self.world.bodies;
         let old = std::mem::take(&mut self.motion.poses);
         for f in 0..=self.frames {
@@ -321,7 +313,7 @@ impl Scene {
     }
 
     /// Adds a grasp that is closed in these frames.
-    pub(super) fn grasp(&mut self, grasp: Grasp, closed: impl Fn(usize) -> bool) {
+    pub(crate) fn grasp(&mut self, grasp: Grasp, closed: impl Fn(usize) -> bool) {
         let grasps = self.world.grasps.len();
         let old = std::mem::take(&mut self.motion.closed);
         for f in 0..self.frames {
@@ -332,18 +324,18 @@ impl Scene {
     }
 
     /// Every frame's forces.
-    pub(super) fn forces(&self, backend: &dyn Backend) -> Result<Forces, String> {
+    pub(crate) fn forces(&self, backend: &dyn Backend) -> Result<Forces, String> {
         let outputs = Outputs { forces: true, ..Outputs::NONE };
         let rollout = self.roll_out_raw(backend, &outputs)?;
         rollout.forces.ok_or_else(|| "no forces came back".to_owned())
     }
 
-    pub(super) fn loss(&self, backend: &dyn Backend) -> Result<Loss, String> {
+    pub(crate) fn loss(&self, backend: &dyn Backend) -> Result<Loss, String> {
         let batch = [self.instance(self.load(backend)?)];
         only(backend.losses(&batch, &CancelToken::default()).map_err(|e| format!("losses: {e}"))?)
     }
 
-    pub(super) fn gradient(
+    pub(crate) fn gradient(
         &self,
         backend: &dyn Backend,
         request: &GradientRequest,
@@ -353,20 +345,20 @@ impl Scene {
         only(gradients.map_err(|e| format!("gradients: {e}"))?)
     }
 
-    pub(super) fn dt(&self) -> f64 {
+    pub(crate) fn dt(&self) -> f64 {
         self.timing.dt_s()
     }
 }
 
 /// The pose of a body that is shifted and turned about z.
-pub(super) fn pose(at: [f64; 3], about_z: f64) -> Pose {
+pub(crate) fn pose(at: [f64; 3], about_z: f64) -> Pose {
     let (s, c) = about_z.sin_cos();
     let rows = [[c, -s, 0.0, at[0]], [s, c, 0.0, at[1]], [0.0, 0.0, 1.0, at[2]]];
     rows.map(|row| row.map(|x| x as f32))
 }
 
 /// A box around the origin with these half sides.
-pub(super) fn cuboid(half: Point) -> Shape {
+pub(crate) fn cuboid(half: Point) -> Shape {
     let face = |c: usize, sign: f32| Face {
         normal: std::array::from_fn(|i| if i == c { sign } else { 0.0 }),
         offset_m: half[c],
@@ -375,7 +367,7 @@ pub(super) fn cuboid(half: Point) -> Shape {
 }
 
 /// The one result of a batch of one.
-pub(super) fn only<T>(results: Vec<T>) -> Result<T, String> {
+pub(crate) fn only<T>(results: Vec<T>) -> Result<T, String> {
     let count = results.len();
     let mut results = results.into_iter();
     match (results.next(), results.next()) {
@@ -385,18 +377,18 @@ pub(super) fn only<T>(results: Vec<T>) -> Result<T, String> {
 }
 
 /// `a - b` in double precision.
-pub(super) fn difference(a: Point, b: Point) -> [f64; 3] {
+pub(crate) fn difference(a: Point, b: Point) -> [f64; 3] {
     [0, 1, 2].map(|i| f64::from(a[i]) - f64::from(b[i]))
 }
 
-pub(super) fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
+pub(crate) fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
-pub(super) fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+pub(crate) fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
     [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 
-pub(super) fn norm(a: [f64; 3]) -> f64 {
+pub(crate) fn norm(a: [f64; 3]) -> f64 {
     dot(a, a).sqrt()
 }

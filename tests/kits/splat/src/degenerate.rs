@@ -1,14 +1,15 @@
 //! Degenerate scenes: nothing to see, too much of it, no extent.
 
+use bendtwin_splat::{
+    Camera, Gaussians, GaussiansBar, Image, Rasteriser,
+    constants::{MOST_ALPHA, NEAR_M},
+};
+
 use super::{
     expect::{Outcome, arrays, ensure, finite_bar, finite_image, is_image},
     images::on_axis,
     reference::Reference,
     scene::{SceneOptions, random_bar, random_camera, random_gaussians},
-};
-use crate::{
-    Camera, Gaussians, GaussiansBar, Image, Rasteriser,
-    constants::{MOST_ALPHA, NEAR_M},
 };
 
 /// An image and gradients, finite and of the right sizes.
@@ -18,7 +19,7 @@ fn all(
     gaussians: &Gaussians,
     camera: &Camera,
 ) -> Result<(Image, GaussiansBar), String> {
-    let failed = |e: crate::Error| format!("{what}: {e}");
+    let failed = |e: bendtwin_splat::Error| format!("{what}: {e}");
     let image = r.render(gaussians, camera).map_err(failed)?;
     finite_image(what, &image)?;
     let pixels = camera.pixel_count();

@@ -1,7 +1,8 @@
 //! Comparisons whose failures state the expected and the actual values.
 
+use bendtwin_splat::{GaussiansBar, Image};
+
 use super::reference::Reference;
-use crate::{GaussiansBar, Image};
 
 pub(super) type Outcome = Result<(), String>;
 

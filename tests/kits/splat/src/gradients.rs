@@ -1,13 +1,14 @@
 //! Gradients: against central differences of the plain rasteriser, for a loss that is linear in all
 //! channels of the image. Pixels where rounding can change a decision have no weight.
 
+use bendtwin_splat::{Camera, Gaussians, Rasteriser};
+
 use super::{
     expect::{Outcome, arrays, ensure, finite_bar},
     images::on_axis,
     reference::{COLOR, NUMBERS, Numbers, OPACITY, ROTATION, Reference, SCALE, SHIFT},
     scene::{SceneOptions, random_bar, random_camera, random_gaussians},
 };
-use crate::{Camera, Gaussians, Rasteriser};
 
 /// Error of a whole array relative to its length, from f32's rounding of distances of pixels and of
 /// what stands behind a Gaussian.
@@ -118,7 +119,7 @@ pub(super) fn gradients_beside_the_image(r: &mut dyn Rasteriser) -> Outcome {
 
 /// The same bits after a rendering and without one.
 pub(super) fn gradients_stand_by_themselves(r: &mut dyn Rasteriser) -> Outcome {
-    let failed = |e: crate::Error| e.to_string();
+    let failed = |e: bendtwin_splat::Error| e.to_string();
     let gaussians = random_gaussians(33, &SceneOptions::default());
     let other = random_gaussians(34, &SceneOptions::default());
     let camera = random_camera(33, 48, 40);

@@ -1,13 +1,14 @@
 //! Images: against the plain rasteriser, a closed form, and themselves.
 
+use bendtwin_splat::{
+    Camera, Gaussians, Rasteriser,
+    constants::{BLUR_PX2, MOST_ALPHA},
+};
+
 use super::{
     expect::{Outcome, arrays, ensure, is_image},
     reference::Reference,
     scene::{SceneOptions, random_bar, random_camera, random_gaussians},
-};
-use crate::{
-    Camera, Gaussians, Rasteriser,
-    constants::{BLUR_PX2, MOST_ALPHA},
 };
 
 /// Rounding of a pixel's distance from a centre, 1e-5 px, times the slope of a Gaussian, and sums

@@ -2,7 +2,7 @@
 //! each case into a separate test:
 //!
 //! ```ignore
-//! bendtwin_splat::conformance_tests!(MyRasteriser::new());
+//! bendtwin_splat_kit::conformance_tests!(MyRasteriser::new());
 //! ```
 //!
 //! A case compares with a plain second implementation in f64, whose gradients are finite
@@ -17,7 +17,7 @@ mod reference;
 mod refusals;
 mod scene;
 
-use crate::Rasteriser;
+use bendtwin_splat::Rasteriser;
 
 pub use self::scene::{SceneOptions, random_bar, random_camera, random_gaussians};
 
@@ -54,7 +54,7 @@ macro_rules! suite {
                     #[test]
                     $d(#[$d attribute])*
                     fn $case() {
-                        let case = $d crate::conformance::case(stringify!($case));
+                        let case = $d crate::case(stringify!($case));
                         let case = case.expect("the suite has a case of this name");
                         if let Err(why) = (case.check)(&mut $d rasteriser) {
                             panic!("{why}");

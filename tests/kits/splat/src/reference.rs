@@ -2,12 +2,11 @@
 //! matrices, no tiles. Its decisions at a pixel, once made, can be held while parameters change, so
 //! that finite differences are those of a smooth function.
 
-use nalgebra::{Matrix2, Matrix2x3, Matrix3, Quaternion, UnitQuaternion, Vector2, Vector3};
-
-use crate::{
+use bendtwin_splat::{
     Camera, Gaussians, ImageBar,
     constants::{BLUR_PX2, LEAST_ALPHA, LEAST_TRANSMITTANCE, MOST_ALPHA, MOST_TANGENT, NEAR_M},
 };
+use nalgebra::{Matrix2, Matrix2x3, Matrix3, Quaternion, UnitQuaternion, Vector2, Vector3};
 
 /// Relative distance from its threshold within which a decision in f32 may fall otherwise: alpha
 /// has the rounding of a pixel's distance, 1e-5 px, times its slope, up to 3 / px.

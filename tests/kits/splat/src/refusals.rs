@@ -1,11 +1,12 @@
 //! Wrong input: an immediate error that names the fault.
 
+use bendtwin_splat::{Camera, Error, Gaussians, ImageBar, Rasteriser};
+
 use super::{
     expect::{Outcome, ensure},
     images::on_axis,
     scene::{SceneOptions, random_bar, random_gaussians},
 };
-use crate::{Camera, Error, Gaussians, ImageBar, Rasteriser};
 
 /// Fails unless both calls are refused with an error that has this text.
 fn refused(

@@ -1,9 +1,8 @@
 //! Random Gaussians, cameras and derivatives, by seed.
 
+use bendtwin_splat::{Camera, Gaussians, ImageBar};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-
-use crate::{Camera, Gaussians, ImageBar};
 
 /// Properties of random Gaussians.
 #[derive(Clone, Copy, Debug, PartialEq)]

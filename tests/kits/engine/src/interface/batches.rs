@@ -1,16 +1,9 @@
 //! Batches, repeats, resuming and cancelling: bit for bit.
 
-use super::{
-    expect::{Outcome, ensure},
-    random::{RandomOptions, random_model, random_motion, random_objective},
-    scene::{Scene, only},
-};
 use bendtwin_core::CancelToken;
+use bendtwin_engine::{Backend, Error, backend::{Diagnose, GradientRequest, Instance, Outputs}};
 
-use crate::{
-    Backend, Error,
-    backend::{Diagnose, GradientRequest, Instance, Outputs},
-};
+use crate::{expect::{Outcome, ensure}, random::{RandomOptions, random_model, random_motion, random_objective}, scene::{Scene, only}};
 
 /// Scenes of different sizes, lengths and features.
 fn mixed() -> Vec<Scene> {
@@ -79,7 +72,7 @@ fn same(what: &str, a: &[String], b: &[String]) -> Outcome {
 }
 
 /// A batch of different graphs gives what its instances give alone, in order.
-pub(super) fn batch_equals_one_by_one(backend: &dyn Backend) -> Outcome {
+pub(crate) fn batch_equals_one_by_one(backend: &dyn Backend) -> Outcome {
     let batch = instances(backend)?;
     let together = everything(backend, &batch)?;
     let mut alone = Vec::new();
@@ -91,7 +84,7 @@ pub(super) fn batch_equals_one_by_one(backend: &dyn Backend) -> Outcome {
 }
 
 /// The same batch again, newly loaded: identical.
-pub(super) fn repeats_are_identical(backend: &dyn Backend) -> Outcome {
+pub(crate) fn repeats_are_identical(backend: &dyn Backend) -> Outcome {
     let first = everything(backend, &instances(backend)?)?;
     for _ in 0..3 {
         same("repeated", &first, &everything(backend, &instances(backend)?)?)?;
@@ -100,7 +93,7 @@ pub(super) fn repeats_are_identical(backend: &dyn Backend) -> Outcome {
 }
 
 /// Frame by frame from each final state is the same as in one go, contact included.
-pub(super) fn resuming_continues_exactly(backend: &dyn Backend) -> Outcome {
+pub(crate) fn resuming_continues_exactly(backend: &dyn Backend) -> Outcome {
     for (i, scene) in mixed().into_iter().enumerate() {
         let whole = scene.end(backend)?;
         let stepped = scene.states(backend)?.pop();
@@ -110,7 +103,7 @@ pub(super) fn resuming_continues_exactly(backend: &dyn Backend) -> Outcome {
 }
 
 /// with_params is load with other parameters: identical results, wrong ones refused.
-pub(super) fn new_params_equal_a_new_model(backend: &dyn Backend) -> Outcome {
+pub(crate) fn new_params_equal_a_new_model(backend: &dyn Backend) -> Outcome {
     for mut scene in mixed() {
         let before = scene.load(backend)?;
         let p = &mut scene.params;
@@ -146,7 +139,7 @@ pub(super) fn new_params_equal_a_new_model(backend: &dyn Backend) -> Outcome {
 /// A cancelled token stops every call before it starts, and a running one long before its end:
 /// sooner than another caller gets a twentieth of its work done. No clock is asked, so that this
 /// holds on a device of any speed and under a memory checker.
-pub(super) fn cancellation_stops_everything(backend: &dyn Backend) -> Outcome {
+pub(crate) fn cancellation_stops_everything(backend: &dyn Backend) -> Outcome {
     let mut scene = mixed().swap_remove(2);
     let loaded = scene.load(backend)?;
     let cancelled = CancelToken::default();

@@ -3,21 +3,10 @@
 
 use std::{f32::consts::PI, sync::Arc};
 
-use super::{
-    expect::{Outcome, close, ensure, finite},
-    random::{
-        RandomOptions, random_model, random_motion, random_objective,
-        world::{WorldOptions, count_forces, random_world},
-    },
-    scene::Scene,
-};
 use bendtwin_core::CancelToken;
+use bendtwin_engine::{Backend, PointLoss, PointSet, Term, backend::{Diagnose, Gradient, GradientRequest, Outputs}, objective::WeightedTerm};
 
-use crate::{
-    Backend, PointLoss, PointSet, Term,
-    backend::{Diagnose, Gradient, GradientRequest, Outputs},
-    objective::WeightedTerm,
-};
+use crate::{expect::{Outcome, close, ensure, finite}, random::{ RandomOptions, random_model, random_motion, random_objective, world::{WorldOptions, count_forces, random_world}, }, scene::Scene};
 
 const EVERYTHING: GradientRequest = GradientRequest {
     cut_every: 0,
@@ -80,7 +69,7 @@ fn runs_finite(what: &str, scene: &mut Scene, backend: &dyn Backend) -> Outcome 
 
 /// Twenty random worlds with every part on and off, over the ground and in the air: finite states,
 /// costs of forces, and gradients, those by poses included.
-pub(super) fn random_worlds_stay_finite(backend: &dyn Backend) -> Outcome {
+pub(crate) fn random_worlds_stay_finite(backend: &dyn Backend) -> Outcome {
     for seed in 0..20_u64 {
         let bit = |i: u32| (seed >> i) & 1 == 1;
         let options = RandomOptions { ground: bit(0), pins: 3, ..RandomOptions::default() };
@@ -112,7 +101,7 @@ pub(super) fn random_worlds_stay_finite(backend: &dyn Backend) -> Outcome {
 }
 
 /// Forty random graphs with every feature on and off: finite states, losses and gradients.
-pub(super) fn random_graphs_stay_finite(backend: &dyn Backend) -> Outcome {
+pub(crate) fn random_graphs_stay_finite(backend: &dyn Backend) -> Outcome {
     for seed in 0..40_u64 {
         let bit = |i: u32| (seed >> i) & 1 == 1;
         let options = RandomOptions {
@@ -142,7 +131,7 @@ pub(super) fn random_graphs_stay_finite(backend: &dyn Backend) -> Outcome {
 }
 
 /// Geometry for which directions and angles do not exist.
-pub(super) fn degenerate_geometry_stays_finite(backend: &dyn Backend) -> Outcome {
+pub(crate) fn degenerate_geometry_stays_finite(backend: &dyn Backend) -> Outcome {
     let line = [[0.0; 3], [0.1, 0.0, 0.0], [0.2, 0.0, 0.0]];
     let folded = [[0.1, 0.0, 0.0], [0.0; 3], [0.1, 0.0, 0.0]];
     let together = [[0.1, 0.1, 0.1]; 3];
@@ -189,14 +178,14 @@ pub(super) fn degenerate_geometry_stays_finite(backend: &dyn Backend) -> Outcome
     scene.params.rest_lengths_m[0] = 0.0;
     scene.last(5);
     match backend.load(Arc::new(scene.model())) {
-        Err(crate::Error::InvalidModel(_) | crate::Error::Unstable { .. }) => Ok(()),
+        Err(bendtwin_engine::Error::InvalidModel(_) | bendtwin_engine::Error::Unstable { .. }) => Ok(()),
         _ => runs_finite("a rest length of zero", &mut scene, backend),
     }
 }
 
 /// No nodes, one node, nodes without springs: all run, and free fall is free fall (to 0.1 %:
 /// one substep of 0.5 ms in a second).
-pub(super) fn empty_and_lonely_graphs_work(backend: &dyn Backend) -> Outcome {
+pub(crate) fn empty_and_lonely_graphs_work(backend: &dyn Backend) -> Outcome {
     for nodes in [0, 1, 5] {
         let points: Vec<_> = (0..nodes).map(|i| [0.1 * i as f32, 0.0, 0.0]).collect();
         let mut scene = Scene::of(&points);
@@ -232,7 +221,7 @@ pub(super) fn empty_and_lonely_graphs_work(backend: &dyn Backend) -> Outcome {
 /// A node that flies away is reported with its frame and index, costs infinitely, and does not
 /// disturb its neighbours in the batch. What is not known of it is no number: zero would look like a
 /// perfect rollout. Only gradients by parameters are zero, for a fit to add up.
-pub(super) fn divergence_says_where(backend: &dyn Backend) -> Outcome {
+pub(crate) fn divergence_says_where(backend: &dyn Backend) -> Outcome {
     let mut scene = Scene::of(&[[0.0; 3], [0.1, 0.0, 0.0], [0.2, 0.0, 0.0]]);
     scene.spring([0, 1], 10.0, 0.1);
     scene.control([1.0, 0.0, 0.0]);

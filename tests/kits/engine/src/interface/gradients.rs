@@ -1,28 +1,15 @@
 //! Gradients of whole rollouts, with and without contact, of every term, and cut in time.
 
-pub(super) mod differences;
-
 use std::sync::Arc;
 
+use bendtwin_engine::{Backend, Objective, PointLoss, PointSet, Term, backend::GradientRequest, objective::{ForceBy, WeightedTerm}};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-use self::differences::{Check, REQUEST, kinds, matches_differences};
-use super::{
-    expect::{Outcome, close, ensure},
-    grasps::grasping,
-    random::{RandomOptions, random_model, random_motion, random_objective},
-    scene::Scene,
-    twist::{branched_cable, cable},
-};
-use crate::{
-    Backend, Objective, PointLoss, PointSet, Term,
-    backend::GradientRequest,
-    objective::{ForceBy, WeightedTerm},
-};
+use crate::{differences::{Check, REQUEST, kinds, matches_differences}, expect::{Outcome, close, ensure}, physics::grasps::grasping, random::{RandomOptions, random_model, random_motion, random_objective}, scene::Scene, physics::twist::{branched_cable, cable}};
 
 /// A random scene with terms of one kind only, tracks by default.
-pub(super) fn tracked(seed: u64, options: &RandomOptions, frames: usize) -> Scene {
+pub(crate) fn tracked(seed: u64, options: &RandomOptions, frames: usize) -> Scene {
     let model = random_model(seed, options);
     let (mut state, controls) = random_motion(seed, &model, frames);
     // A common velocity, or drag and friction would cancel between the nodes.
@@ -34,14 +21,14 @@ pub(super) fn tracked(seed: u64, options: &RandomOptions, frames: usize) -> Scen
     scene
 }
 
-pub(super) fn keep(objective: &mut Objective, wanted: impl Fn(&Term) -> bool) {
+pub(crate) fn keep(objective: &mut Objective, wanted: impl Fn(&Term) -> bool) {
     let mut terms = (*objective.terms).clone();
     terms.retain(|t| wanted(&t.term));
     objective.terms = Arc::new(terms);
 }
 
 /// Whole rollouts of random networks without contact: to 1 % of the sum of all contributions.
-pub(super) fn gradients_match_finite_differences(backend: &dyn Backend) -> Outcome {
+pub(crate) fn gradients_match_finite_differences(backend: &dyn Backend) -> Outcome {
     for seed in 0..4 {
         let scene = tracked(seed, &RandomOptions::default(), 5);
         let check = Check {
@@ -68,7 +55,7 @@ pub(super) fn gradients_match_finite_differences(backend: &dyn Backend) -> Outco
 /// A rod that stays perfectly straight, its bending force 0/0 in every substep, yet bends as soon
 /// as a node is moved: to 1 %. (By rest angle and damping there is no derivative there: both only
 /// have a size, no direction.)
-pub(super) fn gradients_of_a_straight_rod(backend: &dyn Backend) -> Outcome {
+pub(crate) fn gradients_of_a_straight_rod(backend: &dyn Backend) -> Outcome {
     let points: Vec<_> = (0..5).map(|i| [0.1 * i as f32, 0.0, 0.0]).collect();
     let mut scene = Scene::of(&points);
     (0..4).for_each(|i| scene.spring([i, i + 1], 50.0, 0.5));
@@ -84,7 +71,7 @@ pub(super) fn gradients_of_a_straight_rod(backend: &dyn Backend) -> Outcome {
 
 /// Through a rod, whose twist remembers the whole rollout, with clamps that move and turn, and with
 /// a branch at its end: to 1 %.
-pub(super) fn gradients_of_a_twisting_rod(backend: &dyn Backend) -> Outcome {
+pub(crate) fn gradients_of_a_twisting_rod(backend: &dyn Backend) -> Outcome {
     let cases = [(0, 3.0, cable()), (1, -2.0, cable()), (2, 0.7, branched_cable())];
     for (seed, twist, mut scene) in cases {
         scene.params.twist_stiffness[0] = 0.3;
@@ -124,7 +111,7 @@ pub(super) fn gradients_of_a_twisting_rod(backend: &dyn Backend) -> Outcome {
 }
 
 /// Gradients by the rolls of the clamps of a rod that bends and twists: to 1 %.
-pub(super) fn gradients_of_a_rolling_clamp(backend: &dyn Backend) -> Outcome {
+pub(crate) fn gradients_of_a_rolling_clamp(backend: &dyn Backend) -> Outcome {
     let mut scene = cable();
     scene.params.twist_stiffness[0] = 0.3;
     scene.params.twist_damping[0] = 3e-2;
@@ -139,7 +126,7 @@ pub(super) fn gradients_of_a_rolling_clamp(backend: &dyn Backend) -> Outcome {
 
 /// Through hands that close, hold and open, by pins, springs and control points, and by the forces
 /// with which they pull: to 1 %.
-pub(super) fn gradients_through_grasps(backend: &dyn Backend) -> Outcome {
+pub(crate) fn gradients_through_grasps(backend: &dyn Backend) -> Outcome {
     for seed in [0, 2] {
         let whole = in_the_air(seed);
         let states = whole.states(backend)?;
@@ -186,7 +173,7 @@ fn in_the_air(seed: u64) -> Scene {
 /// Through impacts on the ground in the middle of the first substep, however the variables are
 /// moved, sliding and sticking: to 1 %. (An impact that moves to another substep makes the
 /// velocity jump by (1 + e) a dt, which no derivative sees and every difference does.)
-pub(super) fn gradients_through_ground_contact(backend: &dyn Backend) -> Outcome {
+pub(crate) fn gradients_through_ground_contact(backend: &dyn Backend) -> Outcome {
     for seed in 0..3 {
         let options = RandomOptions { ground: true, pins: 0, ..RandomOptions::default() };
         let mut scene = tracked(seed, &options, 3);
@@ -235,7 +222,7 @@ pub(super) fn gradients_through_ground_contact(backend: &dyn Backend) -> Outcome
 
 /// Through collisions between objects that happen in the first substep, however the variables are
 /// moved: to 1 %. (The substep of a later collision jumps, as its time of impact is not resolved.)
-pub(super) fn gradients_through_object_contact(backend: &dyn Backend) -> Outcome {
+pub(crate) fn gradients_through_object_contact(backend: &dyn Backend) -> Outcome {
     for (seed, sideways) in [(0, 0.05), (1, 0.9), (2, 0.0)] {
         let mut scene = Scene::of(&[[0.0; 3], [0.015, 0.004, 0.002], [0.08, 0.01, 0.0]]);
         scene.graph.object_ids = vec![0, 1, 1];
@@ -260,7 +247,7 @@ pub(super) fn gradients_through_object_contact(backend: &dyn Backend) -> Outcome
 
 /// Every kind of term, and every way in which a distance counts: to 1 %. Chamfer's targets lie so
 /// near to where nodes come that the nearest node stays the same within a step.
-pub(super) fn gradients_of_every_term(backend: &dyn Backend) -> Outcome {
+pub(crate) fn gradients_of_every_term(backend: &dyn Backend) -> Outcome {
     let wanted: [fn(&Term) -> bool; 8] = [
         |t| matches!(t, Term::Chamfer { of: PointSet::Nodes, .. }),
         |t| matches!(t, Term::Acceleration),
@@ -291,7 +278,7 @@ pub(super) fn gradients_of_every_term(backend: &dyn Backend) -> Outcome {
 
 /// The norm at a frame boundary is that of the gradient by initial positions of a rollout that
 /// starts there with the terms from there on: to 1e-4. Cut, it is that of the terms of the window.
-pub(super) fn norms_are_those_of_restarts(backend: &dyn Backend) -> Outcome {
+pub(crate) fn norms_are_those_of_restarts(backend: &dyn Backend) -> Outcome {
     for cut in [0, 2] {
         let scene = tracked(1, &RandomOptions { pins: 2, ..RandomOptions::default() }, 5);
         let states = scene.states(backend)?;
@@ -340,7 +327,7 @@ fn near_nodes(backend: &dyn Backend, scene: &mut Scene) -> Outcome {
 
 /// A gradient cut at every k-th frame boundary is the sum of the gradients of the windows between,
 /// each started from the state at its boundary as a constant. To 1e-4 of the largest entry.
-pub(super) fn cut_gradients_are_sums_of_windows(backend: &dyn Backend) -> Outcome {
+pub(crate) fn cut_gradients_are_sums_of_windows(backend: &dyn Backend) -> Outcome {
     for (seed, cut) in [(0, 1), (1, 2), (2, 3)] {
         let options = RandomOptions { ground: true, ..RandomOptions::default() };
         let scene = tracked(seed, &options, 5);

@@ -3,17 +3,9 @@
 use std::sync::Arc;
 
 use bendtwin_core::Point;
+use bendtwin_engine::{Backend, PointLoss, PointSet, Term, backend::{Diagnose, Diagnostics, GradientRequest, Outputs}};
 
-use super::{
-    energy,
-    expect::{Outcome, close, ensure},
-    random::{RandomOptions, random_model, random_motion, random_objective},
-    scene::{Scene, difference, dot, norm},
-};
-use crate::{
-    Backend, PointLoss, PointSet, Term,
-    backend::{Diagnose, Diagnostics, GradientRequest, Outputs},
-};
+use crate::{energy, expect::{Outcome, close, ensure}, random::{RandomOptions, random_model, random_motion, random_objective}, scene::{Scene, difference, dot, norm}};
 
 fn measured(seed: u64) -> Scene {
     let options = RandomOptions { ground: true, ..RandomOptions::default() };
@@ -132,7 +124,7 @@ fn expected_costs(scene: &Scene, positions: &[Point]) -> Vec<f64> {
 /// Losses are the weighted sums of their terms' definitions on the recorded positions, to 1e-4
 /// of each group (f32 differences of coordinates), and roll_out, losses and gradients agree:
 /// exactly, as they run the same simulation.
-pub(super) fn losses_match_their_definitions(backend: &dyn Backend) -> Outcome {
+pub(crate) fn losses_match_their_definitions(backend: &dyn Backend) -> Outcome {
     for seed in 0..4 {
         let scene = measured(seed);
         let rollout = scene.roll_out(backend)?;
@@ -164,7 +156,7 @@ pub(super) fn losses_match_their_definitions(backend: &dyn Backend) -> Outcome {
 
 /// Costs by frame are their terms' definitions, to 1e-4 as above, and their sums the costs; a weight
 /// of zero costs nothing and a negative one takes away.
-pub(super) fn frame_costs_match_their_definitions(backend: &dyn Backend) -> Outcome {
+pub(crate) fn frame_costs_match_their_definitions(backend: &dyn Backend) -> Outcome {
     for seed in 0..2 {
         let mut scene = measured(seed);
         let terms = Arc::make_mut(&mut scene.objective.terms);
@@ -192,7 +184,7 @@ pub(super) fn frame_costs_match_their_definitions(backend: &dyn Backend) -> Outc
 }
 
 /// Every k-th frame, selected nodes, with and without frame 0: the same numbers as in full.
-pub(super) fn outputs_are_as_asked(backend: &dyn Backend) -> Outcome {
+pub(crate) fn outputs_are_as_asked(backend: &dyn Backend) -> Outcome {
     let mut scene = measured(1);
     scene.objective = Default::default();
     let n = scene.graph.node_count();
@@ -217,7 +209,7 @@ pub(super) fn outputs_are_as_asked(backend: &dyn Backend) -> Outcome {
 
 /// Recorded velocities are bit for bit those of the states in which rollouts of as many frames end,
 /// and in frame 0 those of the initial state.
-pub(super) fn velocities_are_those_of_the_states(backend: &dyn Backend) -> Outcome {
+pub(crate) fn velocities_are_those_of_the_states(backend: &dyn Backend) -> Outcome {
     let mut scene = measured(2);
     scene.objective = Default::default();
     let n = scene.graph.node_count();
@@ -248,7 +240,7 @@ pub(super) fn velocities_are_those_of_the_states(backend: &dyn Backend) -> Outco
 
 /// Strains and speed are bit for bit the same whether the rest is asked for or not, with and without
 /// a frame or a final state; what was not asked for is unknown.
-pub(super) fn extremes_are_those_of_all_diagnostics(backend: &dyn Backend) -> Outcome {
+pub(crate) fn extremes_are_those_of_all_diagnostics(backend: &dyn Backend) -> Outcome {
     let mut scene = measured(3);
     // All nodes lie on it.
     scene.ground([0.0, 0.0, 1.0], 10.0, 0.0, 0.0);
@@ -276,7 +268,7 @@ pub(super) fn extremes_are_those_of_all_diagnostics(backend: &dyn Backend) -> Ou
 
 /// Diagnostics against the recorded motion and the final state: energies to 0.1 % (f32 sums),
 /// strains to 1e-5, speed to its rounding.
-pub(super) fn diagnostics_match_the_motion(backend: &dyn Backend) -> Outcome {
+pub(crate) fn diagnostics_match_the_motion(backend: &dyn Backend) -> Outcome {
     for seed in 0..4 {
         let scene = measured(seed);
         let rollout = scene.roll_out(backend)?;

@@ -4,24 +4,14 @@
 mod pair;
 
 use self::pair::{Pair, REQUEST, by_hand, distance};
-use super::{
-    expect::{Outcome, close, ensure},
-    scene::Scene,
-};
-use crate::{
-    Backend, Error, PointLoss, PointSet, Term,
-    backend::GradientRequest,
-    objective::WeightedTerm,
-    optimizer::{
-        Adam, GradientNorm, GradientSample, OptimizerInit, Parameter, Parameterization, Position,
-        Scale,
-    },
-};
 use bendtwin_core::CancelToken;
+use bendtwin_engine::{Backend, Error, PointLoss, PointSet, Term, backend::GradientRequest, objective::WeightedTerm, optimizer::{ Adam, GradientNorm, GradientSample, OptimizerInit, Parameter, Parameterization, Position, Scale, }};
+
+use crate::{expect::{Outcome, close, ensure}, scene::Scene};
 
 /// Losses, lengths and final states are those of `gradients` through the chain rule: to 1e-5, which
 /// leaves room for a sum in f32 and another order.
-pub(super) fn optimizer_measures_gradients(backend: &dyn Backend) -> Outcome {
+pub(crate) fn optimizer_measures_gradients(backend: &dyn Backend) -> Outcome {
     let pair = Pair::new(backend)?;
     let mut optimizer = pair.optimizer(backend)?;
     let samples = pair.samples();
@@ -51,7 +41,7 @@ pub(super) fn optimizer_measures_gradients(backend: &dyn Backend) -> Outcome {
 /// Steps are Adam's down the weighted sum. The first is the same to 1e-4 of its rate; later ones
 /// see parameters that were rounded differently, and then coordinates whose gradient is nearly
 /// nothing may go elsewhere: all together to 2 % of the way.
-pub(super) fn optimizer_steps_like_adam(backend: &dyn Backend) -> Outcome {
+pub(crate) fn optimizer_steps_like_adam(backend: &dyn Backend) -> Outcome {
     let pair = Pair::new(backend)?;
     let mut optimizer = pair.optimizer(backend)?;
     let weights = [vec![0.7, 0.2], vec![1.5]];
@@ -100,7 +90,7 @@ fn moments_match(got: &[f64], expected: &[f64]) -> Outcome {
 }
 
 /// However measurements are cut into calls and mixed between runs: the same bits.
-pub(super) fn optimizer_slices_equal_one_batch(backend: &dyn Backend) -> Outcome {
+pub(crate) fn optimizer_slices_equal_one_batch(backend: &dyn Backend) -> Outcome {
     let pair = Pair::new(backend)?;
     let (mut whole, mut cut) = (pair.optimizer(backend)?, pair.optimizer(backend)?);
     for _ in 0..2 {
@@ -124,7 +114,7 @@ pub(super) fn optimizer_slices_equal_one_batch(backend: &dyn Backend) -> Outcome
 
 /// `loaded` is the model at the point: its parameters are the parameterization's there, its losses
 /// those that the optimizer measures, and later steps do not change it. Its parameters to 1e-5.
-pub(super) fn optimizer_hands_out_its_model(backend: &dyn Backend) -> Outcome {
+pub(crate) fn optimizer_hands_out_its_model(backend: &dyn Backend) -> Outcome {
     let pair = Pair::new(backend)?;
     let mut optimizer = pair.optimizer(backend)?;
     measure(&mut *optimizer, &pair.samples())?;
@@ -153,7 +143,7 @@ pub(super) fn optimizer_hands_out_its_model(backend: &dyn Backend) -> Outcome {
 
 /// Discarded gradients leave no trace; back at an earlier position, with or without momentum, a run
 /// repeats its steps from there with the same bits.
-pub(super) fn optimizer_goes_back_exactly(backend: &dyn Backend) -> Outcome {
+pub(crate) fn optimizer_goes_back_exactly(backend: &dyn Backend) -> Outcome {
     let pair = Pair::new(backend)?;
     let mut optimizer = pair.optimizer(backend)?;
     let timing = pair.inits[0].loaded.model().timing;
@@ -197,7 +187,7 @@ pub(super) fn optimizer_goes_back_exactly(backend: &dyn Backend) -> Outcome {
 }
 
 /// Steps of any size end within the bounds, and the parameters there are valid.
-pub(super) fn optimizer_stays_within_bounds(backend: &dyn Backend) -> Outcome {
+pub(crate) fn optimizer_stays_within_bounds(backend: &dyn Backend) -> Outcome {
     let pair = Pair::new(backend)?;
     let mut optimizer = pair.optimizer(backend)?;
     let mut reached = 0;
@@ -224,7 +214,7 @@ pub(super) fn optimizer_stays_within_bounds(backend: &dyn Backend) -> Outcome {
 }
 
 /// Contradictory input is refused and changes nothing.
-pub(super) fn optimizer_refuses_nonsense(backend: &dyn Backend) -> Outcome {
+pub(crate) fn optimizer_refuses_nonsense(backend: &dyn Backend) -> Outcome {
     let pair = Pair::new(backend)?;
     let mut optimizer = pair.optimizer(backend)?;
     let before = [0, 1].map(|run| optimizer.position(run));
@@ -265,7 +255,7 @@ pub(super) fn optimizer_refuses_nonsense(backend: &dyn Backend) -> Outcome {
 
 /// A gradient beyond f32 is marked as such, and its norm is not finite: here a weight of 1e38 and
 /// an error of 20 m.
-pub(super) fn overflowing_gradients_say_so(backend: &dyn Backend) -> Outcome {
+pub(crate) fn overflowing_gradients_say_so(backend: &dyn Backend) -> Outcome {
     let mut scene = Scene::of(&[[0.0; 3], [0.1, 0.0, 0.0]]);
     scene.spring([0, 1], 10.0, 0.1);
     scene.initial.positions[1][0] = 0.12;
@@ -291,7 +281,7 @@ pub(super) fn overflowing_gradients_say_so(backend: &dyn Backend) -> Outcome {
             parameterization.with(Parameter::SpringStiffness, Scale::Logarithmic, 1.0, |x| [x, x]);
         let position = parameterization.at_rest(parameterization.start());
         let sample = GradientSample { run: 0, instance: scene.instance(loaded.clone()) };
-        let decay = crate::optimizer::Decay { beta1: 0.9, beta2: 0.99, prior: 0.7 };
+        let decay = bendtwin_engine::optimizer::Decay { beta1: 0.9, beta2: 0.99, prior: 0.7 };
         let mut optimizer = backend
             .optimizer(vec![OptimizerInit { loaded, parameterization, position }], decay)
             .map_err(|e| format!("optimizer: {e}"))?;
@@ -303,7 +293,7 @@ pub(super) fn overflowing_gradients_say_so(backend: &dyn Backend) -> Outcome {
 }
 
 fn measure(
-    optimizer: &mut dyn crate::optimizer::Optimizer,
+    optimizer: &mut dyn bendtwin_engine::optimizer::Optimizer,
     samples: &[GradientSample],
 ) -> Result<Vec<GradientNorm>, String> {
     let norms = optimizer.measure(samples, &REQUEST, &CancelToken::default());

@@ -3,21 +3,9 @@
 use std::sync::Arc;
 
 use bendtwin_core::{CancelToken, Pin, Plane, environment::ControlVelocity};
+use bendtwin_engine::{Backend, Error, Loaded, PointLoss, PointSet, Term, backend::{GradientRequest, Instance, Outputs}, objective::WeightedTerm, world::{ Attachment, Collider, Face, Grasp, Hold, IDENTITY, MAX_FACES, MAX_PARTS, Phase, Region, Shape, }};
 
-use super::{
-    expect::{Outcome, ensure},
-    random::{RandomOptions, random_model, random_motion, random_objective},
-    scene::Scene,
-};
-use crate::{
-    Backend, Error, Loaded, PointLoss, PointSet, Term,
-    backend::{GradientRequest, Instance, Outputs},
-    objective::WeightedTerm,
-    world::{
-        Attachment, Collider, Face, Grasp, Hold, IDENTITY, MAX_FACES, MAX_PARTS, Phase, Region,
-        Shape,
-    },
-};
+use crate::{expect::{Outcome, ensure}, random::{RandomOptions, random_model, random_motion, random_objective}, scene::Scene};
 
 fn scene() -> Scene {
     let options = RandomOptions { ground: true, rod: true, pins: 4, ..RandomOptions::default() };
@@ -32,7 +20,7 @@ fn scene() -> Scene {
 /// A substep beyond the stability limit is refused with the number that would do and the node
 /// that needs it; that number then is accepted and runs finite. The limit of semi-implicit Euler is
 /// w dt < 2, so `needed` is at least the exact w dt / 2 and, as an estimate, at most 4 times that.
-pub(super) fn unstable_substeps_are_refused(backend: &dyn Backend) -> Outcome {
+pub(crate) fn unstable_substeps_are_refused(backend: &dyn Backend) -> Outcome {
     let spring = |stiffness: f32, dashpot: f32| {
         let mut scene = Scene::of(&[[0.0; 3], [0.1, 0.0, 0.0], [0.2, 0.0, 0.0], [0.21, 0.0, 0.0]]);
         scene.spring([0, 1], 1.0, 0.01);
@@ -78,7 +66,7 @@ pub(super) fn unstable_substeps_are_refused(backend: &dyn Backend) -> Outcome {
 type Break<T> = (&'static str, fn(&mut T));
 
 /// Every contradiction in a model is InvalidModel.
-pub(super) fn wrong_models_are_refused(backend: &dyn Backend) -> Outcome {
+pub(crate) fn wrong_models_are_refused(backend: &dyn Backend) -> Outcome {
     let breaks: [Break<Scene>; 32] = [
         ("a spring to nowhere", |s| s.graph.springs[0] = [0, 10_000]),
         ("a spring to itself", |s| s.graph.springs[0] = [4, 4]),
@@ -144,7 +132,7 @@ struct Request {
     outputs: Outputs,
 }
 
-fn state(request: &mut Request) -> &mut crate::model::State {
+fn state(request: &mut Request) -> &mut bendtwin_engine::model::State {
     Arc::make_mut(&mut request.instance.initial)
 }
 
@@ -159,7 +147,7 @@ fn track(nodes: Vec<u32>, targets: Vec<[f32; 3]>) -> Term {
 
 /// Every input that does not fit its model is InvalidInput, in all three calls (wrong outputs:
 /// in the one that records), and a good input after it still runs.
-pub(super) fn wrong_inputs_are_refused(backend: &dyn Backend) -> Outcome {
+pub(crate) fn wrong_inputs_are_refused(backend: &dyn Backend) -> Outcome {
     let breaks: [Break<Request>; 25] = [
         ("a position too few", |r| {
             state(r).positions.pop();
@@ -270,7 +258,7 @@ fn convex(scene: &mut Scene, normal: [f32; 3], count: usize) {
 }
 
 /// Everything about surroundings that cannot be is InvalidInput.
-pub(super) fn wrong_surroundings_are_refused(backend: &dyn Backend) -> Outcome {
+pub(crate) fn wrong_surroundings_are_refused(backend: &dyn Backend) -> Outcome {
     let breaks: [Break<Scene>; 28] = [
         ("a pose too few", |s| {
             s.motion.poses.pop();

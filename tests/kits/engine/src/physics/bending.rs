@@ -3,14 +3,9 @@
 use std::f32::consts::PI;
 
 use bendtwin_core::Timing;
+use bendtwin_engine::{Backend};
 
-use super::{
-    energy,
-    expect::{Outcome, close},
-    random::{RandomOptions, random_model, random_motion},
-    scene::{Scene, difference, dot, norm},
-};
-use crate::Backend;
+use crate::{energy, expect::{Outcome, close}, random::{RandomOptions, random_model, random_motion}, scene::{Scene, difference, dot, norm}};
 
 /// A random free network in a random state, to run for one substep of 0.1 ms.
 fn one_substep(seed: u64) -> Scene {
@@ -26,7 +21,7 @@ fn one_substep(seed: u64) -> Scene {
 
 /// After one substep from rest, v = -dt/m dE/dx. To 0.1 % of the largest force: strains of
 /// 0.1 are known to 1e-6 in f32.
-pub(super) fn forces_are_minus_the_energy_gradient(backend: &dyn Backend) -> Outcome {
+pub(crate) fn forces_are_minus_the_energy_gradient(backend: &dyn Backend) -> Outcome {
     for seed in 0..8 {
         let mut scene = one_substep(seed);
         scene.initial.velocities.fill([0.0; 3]);
@@ -48,7 +43,7 @@ pub(super) fn forces_are_minus_the_energy_gradient(backend: &dyn Backend) -> Out
 /// The power of all damping forces is minus the sum of gamma (dl/dt)² and c_b (dtheta/dt)²: f.v
 /// of the difference between a substep with velocities and one without. To 0.5 % of that sum
 /// plus the rounding of the elastic force times the speed.
-pub(super) fn damping_forces_take_power(backend: &dyn Backend) -> Outcome {
+pub(crate) fn damping_forces_take_power(backend: &dyn Backend) -> Outcome {
     for seed in 0..8 {
         let mut moving = one_substep(seed);
         // Control points stand still: their own velocity adds no power.
@@ -137,7 +132,7 @@ fn small_deflections(links: usize, gravity: f64) -> Vec<f64> {
 /// (deflection 1 % of the length, where the linear closed form holds to 0.1 % too) and for a large
 /// one (half of the length). To 0.2 % of the tip's deflection plus 20 µm: at the small
 /// load f32 resolves the angles, of 0.001 to 0.006 rad, to some 1e-6.
-pub(super) fn cantilever_bends_like_the_discrete_beam(backend: &dyn Backend) -> Outcome {
+pub(crate) fn cantilever_bends_like_the_discrete_beam(backend: &dyn Backend) -> Outcome {
     let links = 8;
     for gravity in [0.25, 20.0] {
         let scene = cantilever(links as u32, gravity as f32);
@@ -162,7 +157,7 @@ pub(super) fn cantilever_bends_like_the_discrete_beam(backend: &dyn Backend) -> 
 /// line is never left by more than 4e-5 rad. To 1 % of the amplitude: f32 resolves the
 /// angle of the larger swing, 0.02 rad, to 1e-6 at best, over 2,000 substeps; the smaller one's
 /// differences of coordinates are exact, as they cross zero.
-pub(super) fn straight_rod_stays_smooth_through_pi(backend: &dyn Backend) -> Outcome {
+pub(crate) fn straight_rod_stays_smooth_through_pi(backend: &dyn Backend) -> Outcome {
     for a in [1e-3_f64, 2e-6] {
         let mut scene = Scene::of(&[[-0.1, 0.0, 0.0], [0.0; 3], [0.1, 0.0, 0.0]]);
         scene.triplet([0, 1, 2], PI, 1.0, 0.0);

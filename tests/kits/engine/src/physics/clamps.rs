@@ -3,19 +3,9 @@
 use std::sync::Arc;
 
 use bendtwin_core::Point;
+use bendtwin_engine::{Backend, model::State, world::{Attachment, Grasp, IDENTITY, Phase, Pose, Region}};
 
-use super::{
-    expect::{Outcome, close, ensure},
-    gradients::differences::{Check, matches_differences},
-    grasps::pins,
-    scene::{Scene, cross, difference, dot, norm, pose},
-    twist::{branched_cable, cable},
-};
-use crate::{
-    Backend,
-    model::State,
-    world::{Attachment, Grasp, IDENTITY, Phase, Pose, Region},
-};
+use crate::{expect::{Outcome, close, ensure}, differences::{Check, matches_differences}, physics::grasps::pins, scene::{Scene, cross, difference, dot, norm, pose}, physics::twist::{branched_cable, cable}};
 
 fn nodes(of: &[u32]) -> Region {
     Region::Nodes(Arc::new(of.to_vec()))
@@ -68,7 +58,7 @@ fn twist(state: &State) -> f64 {
 
 /// An end that a clamp releases falls, and is not twisted any more; the other end stays where it is
 /// held. A rollout that is cut anywhere resumes bit for bit.
-pub(super) fn an_opened_clamp_lets_the_twist_out(backend: &dyn Backend) -> Outcome {
+pub(crate) fn an_opened_clamp_lets_the_twist_out(backend: &dyn Backend) -> Outcome {
     let mut scene = held_cable(20, [|_| true, |f| f < 10]);
     scene.params.rest_twists_rad[0] = 0.25;
     scene.initial.twists = vec![2.0];
@@ -101,7 +91,7 @@ pub(super) fn an_opened_clamp_lets_the_twist_out(backend: &dyn Backend) -> Outco
 /// A hand that closes on the middle of a cable while the clamp behind it opens leaves everything
 /// before it unchanged at that moment: twist, positions, velocities and energy between the clamps
 /// are continuous. The hand holds the cable's direction there.
-pub(super) fn a_hand_takes_a_cable_anywhere(backend: &dyn Backend) -> Outcome {
+pub(crate) fn a_hand_takes_a_cable_anywhere(backend: &dyn Backend) -> Outcome {
     let mut scene = held_cable(30, [|_| true, |f| f < 10]);
     scene.initial.twists = vec![1.5];
     let body = scene.body(|_| IDENTITY);
@@ -130,7 +120,7 @@ pub(super) fn a_hand_takes_a_cable_anywhere(backend: &dyn Backend) -> Outcome {
 /// against the sense along the rod, at the near end with it, whether it holds by springs or by
 /// pins. A hand in the middle twists the part between it and the clamp, which is shorter in
 /// proportion.
-pub(super) fn a_hand_rolls_what_it_holds(backend: &dyn Backend) -> Outcome {
+pub(crate) fn a_hand_rolls_what_it_holds(backend: &dyn Backend) -> Outcome {
     let (angle, frames) = (1.2, 10);
     let springs = Attachment::Spring { stiffness: 200.0, damping: 1.0 };
     // The hand's nodes, the clamp that opens, the expected twist.
@@ -166,7 +156,7 @@ pub(super) fn a_hand_rolls_what_it_holds(backend: &dyn Backend) -> Outcome {
 
 /// If two hands turn a whole cable as one body about any axis, it is not twisted: their rolls
 /// cancel the turns of the nodes.
-pub(super) fn hands_that_turn_a_cable_do_not_twist_it(backend: &dyn Backend) -> Outcome {
+pub(crate) fn hands_that_turn_a_cable_do_not_twist_it(backend: &dyn Backend) -> Outcome {
     let mut scene = cable();
     scene.last(20);
     let still = scene.body(|_| IDENTITY);
@@ -185,7 +175,7 @@ pub(super) fn hands_that_turn_a_cable_do_not_twist_it(backend: &dyn Backend) -> 
 
 /// Where the span of a twisted rod grows, the twist spreads over it and loses energy, and nothing
 /// moves at that moment; where all hands open, the twist is lost.
-pub(super) fn twist_spreads_over_a_longer_span(backend: &dyn Backend) -> Outcome {
+pub(crate) fn twist_spreads_over_a_longer_span(backend: &dyn Backend) -> Outcome {
     let mut scene = cable();
     scene.params.bend_stiffness.fill(0.0);
     scene.last(12);
@@ -210,7 +200,7 @@ pub(super) fn twist_spreads_over_a_longer_span(backend: &dyn Backend) -> Outcome
 
 /// Through clamps that open and hands that take a cable, with and without a branch at its end, move
 /// and turn it: to 1 %.
-pub(super) fn gradients_through_regrasps(backend: &dyn Backend) -> Outcome {
+pub(crate) fn gradients_through_regrasps(backend: &dyn Backend) -> Outcome {
     for (seed, mut scene) in [(0, cable()), (1, cable()), (2, branched_cable())] {
         let branches = seed == 2;
         scene.params.twist_stiffness[0] = 0.3;

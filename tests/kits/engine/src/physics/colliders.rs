@@ -3,15 +3,9 @@
 use std::f64::consts::TAU;
 
 use bendtwin_core::{Point, Timing};
+use bendtwin_engine::{Backend, world::{Collider, Shape}};
 
-use super::{
-    expect::{Outcome, close, ensure},
-    scene::{Scene, cuboid, difference, norm, pose},
-};
-use crate::{
-    Backend,
-    world::{Collider, Shape},
-};
+use crate::{expect::{Outcome, close, ensure}, scene::{Scene, cuboid, difference, norm, pose}};
 
 const G: f64 = 9.81;
 
@@ -20,7 +14,7 @@ fn collider(body: Option<u32>, shape: Shape, friction: f32, restitution: f32) ->
 }
 
 /// A node dropped on the top of a box stays there, within 0.1 mm, and one beside it falls past.
-pub(super) fn a_node_rests_on_a_box(backend: &dyn Backend) -> Outcome {
+pub(crate) fn a_node_rests_on_a_box(backend: &dyn Backend) -> Outcome {
     let mut scene = Scene::of(&[[0.02, 0.03, 0.06], [0.2, 0.0, 0.06]]);
     scene.environment.gravity = [0.0, 0.0, -G as f32];
     scene.last(60);
@@ -33,7 +27,7 @@ pub(super) fn a_node_rests_on_a_box(backend: &dyn Backend) -> Outcome {
 
 /// A node on the tilted top of a box is held by friction above the slope's tangent, and below it
 /// slides with g (sin - mu cos): to 1 %.
-pub(super) fn friction_on_an_inclined_box(backend: &dyn Backend) -> Outcome {
+pub(crate) fn friction_on_an_inclined_box(backend: &dyn Backend) -> Outcome {
     let angle = 0.4_f64;
     let slide = |mu: f64| -> Result<f64, String> {
         let (s, c) = angle.sin_cos();
@@ -56,7 +50,7 @@ pub(super) fn friction_on_an_inclined_box(backend: &dyn Backend) -> Outcome {
 
 /// A tray that moves sideways carries a node along: immediately with enough friction, with an
 /// acceleration of mu g if friction is low. To 2 %.
-pub(super) fn a_moving_tray_carries_by_friction(backend: &dyn Backend) -> Outcome {
+pub(crate) fn a_moving_tray_carries_by_friction(backend: &dyn Backend) -> Outcome {
     let carried = |mu: f64, speed: f64| -> Result<f64, String> {
         let mut scene = Scene::of(&[[0.0, 0.0, 0.05]]);
         scene.environment.gravity = [0.0, 0.0, -G as f32];
@@ -73,7 +67,7 @@ pub(super) fn a_moving_tray_carries_by_friction(backend: &dyn Backend) -> Outcom
 
 /// A wall that moves with w hits a resting node: it leaves with (1 + e) w, to 0.1 %, and the forces
 /// say so.
-pub(super) fn a_moving_wall_gives_momentum(backend: &dyn Backend) -> Outcome {
+pub(crate) fn a_moving_wall_gives_momentum(backend: &dyn Backend) -> Outcome {
     for e in [0.0, 0.6] {
         let mut scene = Scene::of(&[[0.12, 0.01, 0.0]]);
         scene.graph.masses[0] = 3.0;
@@ -96,7 +90,7 @@ pub(super) fn a_moving_wall_gives_momentum(backend: &dyn Backend) -> Outcome {
 
 /// A node that flies at a capsule without friction is reflected at its true normal, on the cylinder
 /// and at its ends: angles to 0.01 rad (a substep of 5 mm at 1 m/s ends up to 0.05 mm off).
-pub(super) fn capsules_reflect_along_their_normals(backend: &dyn Backend) -> Outcome {
+pub(crate) fn capsules_reflect_along_their_normals(backend: &dyn Backend) -> Outcome {
     let shape = Shape::Capsule { from: [-0.1, 0.0, 0.0], to: [0.1, 0.0, 0.0], radius_m: 0.05 };
     for (across, along, expected_along) in [(0.02, 0.03, 0.0), (0.02, 0.12, 0.02), (0.0, 0.0, 0.0)]
     {
@@ -119,7 +113,7 @@ pub(super) fn capsules_reflect_along_their_normals(backend: &dyn Backend) -> Out
 
 /// A node that a body overtakes is pushed out within some hundredths of a second, and a prescribed
 /// node inside a collider stays where it is held.
-pub(super) fn colliders_push_out(backend: &dyn Backend) -> Outcome {
+pub(crate) fn colliders_push_out(backend: &dyn Backend) -> Outcome {
     let mut scene = Scene::of(&[[0.045, 0.0, 0.0], [0.0, 0.0, 0.02]]);
     scene.fix(1);
     scene.last(20);

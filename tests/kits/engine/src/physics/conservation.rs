@@ -1,12 +1,8 @@
 //! Budgets of energy and momentum, on random networks.
 
-use super::{
-    energy,
-    expect::{Outcome, close, ensure},
-    random::{RandomOptions, random_model, random_motion},
-    scene::{Scene, norm},
-};
-use crate::Backend;
+use bendtwin_engine::{Backend};
+
+use crate::{energy, expect::{Outcome, close, ensure}, random::{RandomOptions, random_model, random_motion}, scene::{Scene, norm}};
 
 /// A free network in empty space, without drag.
 fn free(seed: u64, frames: usize, damping: bool) -> Scene {
@@ -19,7 +15,7 @@ fn free(seed: u64, frames: usize, damping: bool) -> Scene {
     scene
 }
 
-fn total(scene: &Scene, state: &crate::model::State) -> f64 {
+fn total(scene: &Scene, state: &bendtwin_engine::model::State) -> f64 {
     energy::elastic(scene, &energy::endpoints(scene, state)) + energy::kinetic(scene, state)
 }
 
@@ -28,7 +24,7 @@ fn total(scene: &Scene, state: &crate::model::State) -> f64 {
 /// stiffest mode) about a constant; the mean over a second keeps a tenth of that. The rest of the
 /// tolerance is for triplets that pass through the straight line, where their force reverses
 /// abruptly.
-pub(super) fn energy_of_an_undamped_network(backend: &dyn Backend) -> Outcome {
+pub(crate) fn energy_of_an_undamped_network(backend: &dyn Backend) -> Outcome {
     for seed in 0..3 {
         let scene = free(seed, 400, false);
         let states = scene.states(backend)?;
@@ -43,7 +39,7 @@ pub(super) fn energy_of_an_undamped_network(backend: &dyn Backend) -> Outcome {
 /// Springs, triplets and both dampings are internal forces: linear and angular momentum of a free
 /// body stay, to 0.01 % of the sum of all nodes' |p| and |p| · size: the rounding of 4,000
 /// substeps.
-pub(super) fn momentum_of_a_free_body(backend: &dyn Backend) -> Outcome {
+pub(crate) fn momentum_of_a_free_body(backend: &dyn Backend) -> Outcome {
     for seed in 0..3 {
         let scene = free(seed, 100, true);
         let end = scene.end(backend)?;
@@ -94,11 +90,11 @@ fn only_falls(backend: &dyn Backend, axial: bool) -> Outcome {
 }
 
 /// Axial dashpots alone only take energy.
-pub(super) fn axial_dashpots_never_raise_energy(backend: &dyn Backend) -> Outcome {
+pub(crate) fn axial_dashpots_never_raise_energy(backend: &dyn Backend) -> Outcome {
     only_falls(backend, true)
 }
 
 /// Bending damping alone only takes energy.
-pub(super) fn bend_damping_never_raises_energy(backend: &dyn Backend) -> Outcome {
+pub(crate) fn bend_damping_never_raises_energy(backend: &dyn Backend) -> Outcome {
     only_falls(backend, false)
 }

@@ -1,10 +1,8 @@
 //! Contact between nodes: the impulse formula, its mean over pairs, self contact.
 
-use super::{
-    expect::{Outcome, close, ensure},
-    scene::{Scene, cross, difference, dot, norm},
-};
-use crate::Backend;
+use bendtwin_engine::{Backend};
+
+use crate::{expect::{Outcome, close, ensure}, scene::{Scene, cross, difference, dot, norm}};
 
 const DISTANCE: f32 = 0.02;
 
@@ -44,7 +42,7 @@ fn impulse(scene: &Scene, one: usize, two: usize) -> [f64; 3] {
 /// Two nodes of unequal masses collide head on, sliding (friction limited by Coulomb's law), and
 /// sticking (friction takes the whole tangential velocity). Velocities after it to 10 µm/s of 1
 /// m/s, total momentum to the same; nodes that separate are left alone.
-pub(super) fn colliding_objects_exchange_momentum(backend: &dyn Backend) -> Outcome {
+pub(crate) fn colliding_objects_exchange_momentum(backend: &dyn Backend) -> Outcome {
     for sideways in [0.0, 0.9, 0.05] {
         let mut scene = colliding(
             &[[0.0; 3], [0.015, 0.002, 0.0]],
@@ -77,7 +75,7 @@ pub(super) fn colliding_objects_exchange_momentum(backend: &dyn Backend) -> Outc
 }
 
 /// A node between two others takes the mean of both impulses, each of the others its own.
-pub(super) fn a_node_takes_the_mean_of_its_contacts(backend: &dyn Backend) -> Outcome {
+pub(crate) fn a_node_takes_the_mean_of_its_contacts(backend: &dyn Backend) -> Outcome {
     let scene = colliding(
         &[[0.0; 3], [0.013, 0.011, 0.0], [0.014, -0.01, 0.001]],
         &[[1.0, 0.0, 0.0], [0.0; 3], [-0.2, 0.1, 0.0]],
@@ -99,7 +97,7 @@ pub(super) fn a_node_takes_the_mean_of_its_contacts(backend: &dyn Backend) -> Ou
 /// Two sheets of one object, 4 cm apart, fly at each other: with self contact no two nodes of
 /// them come nearer than 80 % of the collision distance (a substep's motion, and
 /// pairs that share a mean, cost the rest); without it they pass through.
-pub(super) fn self_contact_keeps_distance(backend: &dyn Backend) -> Outcome {
+pub(crate) fn self_contact_keeps_distance(backend: &dyn Backend) -> Outcome {
     let mut points = Vec::new();
     for z in [0.0, 0.04] {
         points.extend((0..16).map(|i| [0.018 * (i % 4) as f32, 0.018 * (i / 4) as f32, z]));
@@ -135,7 +133,7 @@ pub(super) fn self_contact_keeps_distance(backend: &dyn Backend) -> Outcome {
 
 /// Nodes joined by a spring never collide, however near: the same motion with and without.
 /// Neighbours of neighbours do.
-pub(super) fn self_contact_spares_neighbours(backend: &dyn Backend) -> Outcome {
+pub(crate) fn self_contact_spares_neighbours(backend: &dyn Backend) -> Outcome {
     let mut scene = Scene::of(&[[0.0; 3], [0.01, 0.0, 0.0]]);
     scene.spring([0, 1], 1.0, 0.0);
     scene.initial.velocities = vec![[0.05, 0.0, 0.0], [-0.05, 0.01, 0.0]];

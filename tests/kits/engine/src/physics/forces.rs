@@ -3,18 +3,9 @@
 use std::sync::Arc;
 
 use bendtwin_core::Point;
+use bendtwin_engine::{Backend, backend::Forces, model::State, world::{Attachment, Collider, Grasp, IDENTITY, Region}};
 
-use super::{
-    expect::{Outcome, close, ensure},
-    grasps::{grasping, pins},
-    scene::{Scene, cuboid, pose},
-};
-use crate::{
-    Backend,
-    backend::Forces,
-    model::State,
-    world::{Attachment, Collider, Grasp, IDENTITY, Region},
-};
+use crate::{expect::{Outcome, close, ensure}, physics::grasps::{grasping, pins}, scene::{Scene, cuboid, pose}};
 
 const G: f64 = 9.81;
 
@@ -44,7 +35,7 @@ fn chain() -> Scene {
 
 /// A chain hangs with its whole weight on its control point, by a pin, by a spring, and in a grasp of
 /// either kind: to 0.6 %, as drag takes 0.5 % of what a substep adds. A grasp's torque is weight times arm.
-pub(super) fn a_chain_hangs_by_its_weight(backend: &dyn Backend) -> Outcome {
+pub(crate) fn a_chain_hangs_by_its_weight(backend: &dyn Backend) -> Outcome {
     let weight = 5.0 * G;
     let last = |f: &[Point]| wide(f[f.len() - 1]);
     let mut pinned = chain();
@@ -72,7 +63,7 @@ pub(super) fn a_chain_hangs_by_its_weight(backend: &dyn Backend) -> Outcome {
 }
 
 /// The ground and a collider carry what lies on them: weight and friction to 1 %.
-pub(super) fn contact_carries_the_weight(backend: &dyn Backend) -> Outcome {
+pub(crate) fn contact_carries_the_weight(backend: &dyn Backend) -> Outcome {
     let mut scene = Scene::of(&[[0.0; 3], [0.5, 0.0, 0.1]]);
     scene.graph.masses = vec![2.0, 3.0];
     scene.environment.gravity = [1.0, 0.0, -G as f32];
@@ -100,7 +91,7 @@ pub(super) fn contact_carries_the_weight(backend: &dyn Backend) -> Outcome {
 /// In every frame, the change of the object's momentum equals the impulse of all forces, gravity
 /// included, for every kind of hold and contact: to 1e-3 of the largest. Without drag, and without
 /// contact between nodes, whose impulses are internal.
-pub(super) fn forces_balance_momentum(backend: &dyn Backend) -> Outcome {
+pub(crate) fn forces_balance_momentum(backend: &dyn Backend) -> Outcome {
     for (seed, smoothing_m) in [(0, 0.0), (1, 0.0), (2, 0.0), (2, 2e-3)] {
         let mut scene = grasping(seed, 8);
         scene.params.drag = 0.0;
@@ -155,7 +146,7 @@ fn of_frame(forces: &Forces, f: usize, scene: &Scene) -> Vec<[f64; 3]> {
 
 /// A grasp of control points exerts what these exert, and asking for forces changes no bit of the
 /// motion.
-pub(super) fn measuring_changes_nothing(backend: &dyn Backend) -> Outcome {
+pub(crate) fn measuring_changes_nothing(backend: &dyn Backend) -> Outcome {
     for seed in 0..3 {
         let mut scene = grasping(seed, 5);
         if seed == 0 {
@@ -163,10 +154,10 @@ pub(super) fn measuring_changes_nothing(backend: &dyn Backend) -> Outcome {
             scene.motion = Default::default();
         }
         let plain = scene.end(backend)?;
-        let outputs = crate::backend::Outputs {
+        let outputs = bendtwin_engine::backend::Outputs {
             forces: true,
             final_state: true,
-            ..crate::backend::Outputs::NONE
+            ..bendtwin_engine::backend::Outputs::NONE
         };
         let measured = scene.roll_out_raw(backend, &outputs)?;
         ensure(measured.final_state.as_ref() == Some(&plain), || {

@@ -2,22 +2,13 @@
 
 use std::{f64::consts::TAU, sync::Arc};
 
-use super::{
-    expect::{Outcome, close, ensure},
-    random::{RandomOptions, random_model, random_motion, random_objective},
-    scene::{Scene, difference, norm, pose},
-    twist::cable,
-};
-use crate::{
-    Backend,
-    backend::Outputs,
-    model::State,
-    world::{Attachment, Grasp, IDENTITY, Phase, Pose, Region},
-};
 use bendtwin_core::{CancelToken, Point};
+use bendtwin_engine::{Backend, backend::Outputs, model::State, world::{Attachment, Grasp, IDENTITY, Phase, Pose, Region}};
+
+use crate::{expect::{Outcome, close, ensure}, random::{RandomOptions, random_model, random_motion, random_objective}, scene::{Scene, difference, norm, pose}, physics::twist::cable};
 
 /// A grasp by pins that never slips.
-pub(super) fn pins(body: u32, region: Region) -> Grasp {
+pub(crate) fn pins(body: u32, region: Region) -> Grasp {
     Grasp { body, region, attachment: Attachment::Pin, max_force: f32::INFINITY }
 }
 
@@ -35,7 +26,7 @@ fn moved(pose: &Pose, o: [f64; 3]) -> [f64; 3] {
 
 /// A held node is at its place on the body at every frame's end, to 1 µm of rounding, with the
 /// velocity of the straight line there.
-pub(super) fn a_held_node_follows_its_body(backend: &dyn Backend) -> Outcome {
+pub(crate) fn a_held_node_follows_its_body(backend: &dyn Backend) -> Outcome {
     let mut scene = Scene::of(&[[0.1, 0.02, 0.0], [0.3, 0.0, 0.0]]);
     scene.environment.gravity = [0.0, 0.0, -9.81];
     scene.last(12);
@@ -64,7 +55,7 @@ pub(super) fn a_held_node_follows_its_body(backend: &dyn Backend) -> Outcome {
 
 /// A node on a spring of a grasp swings with the frequency of stiffness and mass: it is back after a
 /// period, within 1 % of the amplitude.
-pub(super) fn a_spring_hold_has_its_frequency(backend: &dyn Backend) -> Outcome {
+pub(crate) fn a_spring_hold_has_its_frequency(backend: &dyn Backend) -> Outcome {
     let (stiffness, amplitude) = (400.0, 0.01);
     let mut scene = Scene::of(&[[0.0; 3]]);
     scene.graph.masses[0] = 4.0;
@@ -87,7 +78,7 @@ pub(super) fn a_spring_hold_has_its_frequency(backend: &dyn Backend) -> Outcome 
 
 /// A hand takes exactly the nodes in its region, sphere or box, in its own coordinates; nodes that
 /// are pinned, or in another hand, stay where they are held.
-pub(super) fn a_hand_takes_what_is_inside(backend: &dyn Backend) -> Outcome {
+pub(crate) fn a_hand_takes_what_is_inside(backend: &dyn Backend) -> Outcome {
     let points: Vec<Point> = (0..8).map(|i| [0.01 * i as f32, 0.0, 0.0]).collect();
     let mut scene = Scene::of(&points);
     scene.fix(2);
@@ -117,7 +108,7 @@ pub(super) fn a_hand_takes_what_is_inside(backend: &dyn Backend) -> Outcome {
 
 /// A released node keeps its velocity and falls: a parabola, to 1 %. Another hand that closes at
 /// the same moment takes over.
-pub(super) fn opening_lets_fall(backend: &dyn Backend) -> Outcome {
+pub(crate) fn opening_lets_fall(backend: &dyn Backend) -> Outcome {
     let mut scene = Scene::of(&[[0.0; 3], [0.5, 0.0, 0.0]]);
     scene.environment.gravity = [0.0, 0.0, -9.81];
     scene.timing.substeps = 100;
@@ -134,7 +125,7 @@ pub(super) fn opening_lets_fall(backend: &dyn Backend) -> Outcome {
 }
 
 /// A control point's springs and pins hold until its hand opens, and never again after that.
-pub(super) fn control_points_release(backend: &dyn Backend) -> Outcome {
+pub(crate) fn control_points_release(backend: &dyn Backend) -> Outcome {
     let mut scene = Scene::of(&[[0.0; 3], [0.1, 0.0, 0.0], [0.2, 0.0, 0.0], [0.3, 0.0, 0.0]]);
     scene.environment.gravity = [0.0, 0.0, -9.81];
     scene.timing.substeps = 100;
@@ -165,7 +156,7 @@ pub(super) fn control_points_release(backend: &dyn Backend) -> Outcome {
 
 /// A hand releases at the end of the first frame in which it would have to pull harder than its
 /// limit, and holds again only after commands to open and to close.
-pub(super) fn a_hand_slips_above_its_force(backend: &dyn Backend) -> Outcome {
+pub(crate) fn a_hand_slips_above_its_force(backend: &dyn Backend) -> Outcome {
     let mut scene = Scene::of(&[[0.0; 3]]);
     scene.graph.masses[0] = 2.0;
     scene.environment.gravity = [0.0, 0.0, -10.0];
@@ -195,7 +186,7 @@ pub(super) fn a_hand_slips_above_its_force(backend: &dyn Backend) -> Outcome {
 
 /// Instances with their own schedules behave in a batch as they do alone, and a rollout that is
 /// split at any frame resumes bit for bit.
-pub(super) fn grasps_resume_exactly(backend: &dyn Backend) -> Outcome {
+pub(crate) fn grasps_resume_exactly(backend: &dyn Backend) -> Outcome {
     let mut batch = Vec::new();
     let mut ends = Vec::new();
     for seed in 0..4 {
@@ -220,7 +211,7 @@ pub(super) fn grasps_resume_exactly(backend: &dyn Backend) -> Outcome {
 
 /// A random network with two hands, of pins that may slip and of springs, that open and close at
 /// various times, over the ground and near a collider.
-pub(super) fn grasping(seed: u64, frames: usize) -> Scene {
+pub(crate) fn grasping(seed: u64, frames: usize) -> Scene {
     let options = RandomOptions { ground: true, contact: seed == 3, ..RandomOptions::default() };
     let model = random_model(seed, &options);
     let (state, controls) = random_motion(seed, &model, frames);
@@ -245,7 +236,7 @@ pub(super) fn grasping(seed: u64, frames: usize) -> Scene {
 
 /// A rod between two clamps that roll against one another is twisted by the same angle, to 1e-4,
 /// and stores it; a rollout that resumes there adds to it.
-pub(super) fn a_rolling_clamp_twists_its_rod(backend: &dyn Backend) -> Outcome {
+pub(crate) fn a_rolling_clamp_twists_its_rod(backend: &dyn Backend) -> Outcome {
     let mut scene = cable();
     scene.params.twist_stiffness[0] = 0.05;
     scene.params.spring_dashpot.fill(1.0);

@@ -1,15 +1,9 @@
 //! The ground: restitution, time of impact, Coulomb friction.
 
 use bendtwin_core::{Point, Timing};
+use bendtwin_engine::{Backend, backend::{Diagnose, Outputs}};
 
-use super::{
-    expect::{Outcome, close, ensure},
-    scene::{Scene, difference, dot},
-};
-use crate::{
-    Backend,
-    backend::{Diagnose, Outputs},
-};
+use crate::{expect::{Outcome, close, ensure}, scene::{Scene, difference, dot}};
 
 const G: f64 = 9.81;
 
@@ -22,7 +16,7 @@ fn scaled(direction: [f64; 3], by: f64) -> Point {
 /// first height: a fall's last substep of 0.1 ms is 0.03 % of its speed, and each bounce adds one.
 /// The first apex after the bounce comes at t_fall (1 + e) within 2 ms, the flat top of a
 /// parabola seen at 1 ms. Nothing ever passes the ground by more than f32 rounding (1 µm).
-pub(super) fn bouncing_node_loses_restitution_squared(backend: &dyn Backend) -> Outcome {
+pub(crate) fn bouncing_node_loses_restitution_squared(backend: &dyn Backend) -> Outcome {
     let (h0, e) = (0.5_f64, 0.7_f64);
     for (up, offset) in [([0.0, 0.0, 1.0], 0.0), ([0.6, 0.0, 0.8], 0.3), ([0.0, -1.0, 0.0], -0.2)] {
         let mut scene = Scene::of(&[scaled(up, offset + h0)]);
@@ -52,7 +46,7 @@ pub(super) fn bouncing_node_loses_restitution_squared(backend: &dyn Backend) -> 
 
 /// A node sliding on level ground stops after v0²/(2 mu g): without restitution to 0.5 % (one
 /// substep's path is 0.06 %), with and without restitution, which what slides does not need.
-pub(super) fn sliding_node_stops_by_coulomb_friction(backend: &dyn Backend) -> Outcome {
+pub(crate) fn sliding_node_stops_by_coulomb_friction(backend: &dyn Backend) -> Outcome {
     let (v0, mu) = (1.0_f64, 0.3_f64);
     for restitution in [0.0, 0.5] {
         let tolerance = 5e-3;
@@ -74,7 +68,7 @@ pub(super) fn sliding_node_stops_by_coulomb_friction(backend: &dyn Backend) -> O
 
 /// On a slope below the angle of friction a node at rest stays (to 1 µm in a second); above it,
 /// it slides with g (sin - mu cos), to 1 %.
-pub(super) fn friction_holds_on_a_slope(backend: &dyn Backend) -> Outcome {
+pub(crate) fn friction_holds_on_a_slope(backend: &dyn Backend) -> Outcome {
     let mu = 0.5_f64;
     for slope in [0.3_f64, 0.8] {
         // The plane stays level and gravity leans, so that heights stay near zero.
@@ -95,7 +89,7 @@ pub(super) fn friction_holds_on_a_slope(backend: &dyn Backend) -> Outcome {
 /// A sheet that lies on the ground reports that it is at rest, though gravity pushes its nodes into
 /// the ground in every substep: below 0.1 mm/s after a second, of the nodes and of a rollout from
 /// there.
-pub(super) fn what_lies_still_reports_no_speed(backend: &dyn Backend) -> Outcome {
+pub(crate) fn what_lies_still_reports_no_speed(backend: &dyn Backend) -> Outcome {
     let points: Vec<Point> =
         (0..16).map(|i| [0.05 * (i % 4) as f32, 0.05 * (i / 4) as f32, 0.0]).collect();
     let mut scene = Scene::of(&points);
@@ -123,7 +117,7 @@ pub(super) fn what_lies_still_reports_no_speed(backend: &dyn Backend) -> Outcome
 
 /// In a layer of smooth contact a node comes to rest half the width deep, to 5 % of the width, and
 /// one that slides stops after v0²/(2 mu g), to 3 %.
-pub(super) fn smooth_contact_is_near_the_hard_one(backend: &dyn Backend) -> Outcome {
+pub(crate) fn smooth_contact_is_near_the_hard_one(backend: &dyn Backend) -> Outcome {
     let (width, v0, mu) = (1e-3_f32, 1.0_f64, 0.3_f64);
     let mut scene = Scene::of(&[[0.0, 0.0, 0.03], [1.0, 0.0, -0.5 * width]]);
     scene.environment.gravity[2] = -G as f32;

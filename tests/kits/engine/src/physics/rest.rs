@@ -4,18 +4,9 @@
 use std::sync::Arc;
 
 use bendtwin_core::{Point, Timing};
+use bendtwin_engine::{Backend, PointLoss, PointSet, Term, model::State, objective::WeightedTerm, world::{Collider, Face, Shape}};
 
-use super::{
-    expect::{Outcome, close, ensure},
-    gradients::differences::{Check, matches_differences},
-    scene::{Scene, difference, norm},
-};
-use crate::{
-    Backend, PointLoss, PointSet, Term,
-    model::State,
-    objective::WeightedTerm,
-    world::{Collider, Face, Shape},
-};
+use crate::{expect::{Outcome, close, ensure}, differences::{Check, matches_differences}, scene::{Scene, difference, norm}};
 
 const G: f64 = 9.81;
 const BOUNCY: f32 = 0.8;
@@ -66,18 +57,18 @@ fn sheet(under: Under, slope: f64, away: f64, friction: f32) -> Scene {
     scene
 }
 
-pub(super) fn fastest(state: &State) -> f64 {
+pub(crate) fn fastest(state: &State) -> f64 {
     state.velocities.iter().map(|v| norm(v.map(f64::from))).fold(0.0, f64::max)
 }
 
-pub(super) fn farthest(from: &[Point], to: &[Point]) -> f64 {
+pub(crate) fn farthest(from: &[Point], to: &[Point]) -> f64 {
     from.iter().zip(to).map(|(a, b)| norm(difference(*a, *b))).fold(0.0, f64::max)
 }
 
 /// Nodes that springs press on the ground or on a box with hundreds of times their weight lie still
 /// after a second: below 0.1 mm/s in the state, and without kinetic energy. With the restitution on
 /// all of the approach they would leave with e f dt / m, metres per second, in every substep.
-pub(super) fn what_is_pressed_does_not_bounce(backend: &dyn Backend) -> Outcome {
+pub(crate) fn what_is_pressed_does_not_bounce(backend: &dyn Backend) -> Outcome {
     for under in [Under::Ground, Under::Box] {
         let mut scene = sheet(under, 0.0, 0.0, 0.3);
         for i in 0..16_u32 {
@@ -101,7 +92,7 @@ pub(super) fn what_is_pressed_does_not_bounce(backend: &dyn Backend) -> Outcome 
 
 /// A sheet at rest on a slope below the angle of friction stays within 10 µm for twelve seconds, a
 /// metre from the origin, where positions are rounded to 60 nm; above that angle it slides.
-pub(super) fn what_rests_does_not_creep(backend: &dyn Backend) -> Outcome {
+pub(crate) fn what_rests_does_not_creep(backend: &dyn Backend) -> Outcome {
     for under in [Under::Ground, Under::Box] {
         for slope in [0.151, 0.255] {
             let mut scene = sheet(under, slope, 1.0, 0.3);
@@ -127,7 +118,7 @@ pub(super) fn what_rests_does_not_creep(backend: &dyn Backend) -> Outcome {
 /// Four nodes in the hollows of a bed of other nodes lie still: they sink by less than 10 µm in
 /// three seconds, and are no faster than 1 mm/s. A mean of four impulses stops a fall only in part,
 /// so that without a push they would sink by g dt, 2 mm/s, and more.
-pub(super) fn what_lies_on_nodes_does_not_sink(backend: &dyn Backend) -> Outcome {
+pub(crate) fn what_lies_on_nodes_does_not_sink(backend: &dyn Backend) -> Outcome {
     let bed = (0..16).map(|i| [0.02 * (i % 4) as f32, 0.02 * (i / 4) as f32, 0.0]);
     let top = (0..4).map(|i| [0.02 * (i % 2) as f32 + 0.01, 0.02 * (i / 2) as f32 + 0.01, 0.015]);
     let points: Vec<Point> = bed.chain(top).collect();
@@ -156,7 +147,7 @@ pub(super) fn what_lies_on_nodes_does_not_sink(backend: &dyn Backend) -> Outcome
 
 /// Through contact that lasts: a sheet slides down a slope with much restitution, pressed on it by
 /// its weight alone, so far below the ground that no difference takes a node out. To 1 %.
-pub(super) fn gradients_through_resting_contact(backend: &dyn Backend) -> Outcome {
+pub(crate) fn gradients_through_resting_contact(backend: &dyn Backend) -> Outcome {
     let mut scene = sheet(Under::Ground, 0.3, 0.0, 0.1);
     scene.timing = Timing { fps: 100.0, substeps: 12 };
     let (s, c) = 0.3_f32.atan().sin_cos();

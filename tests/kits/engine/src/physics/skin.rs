@@ -3,19 +3,11 @@
 use std::sync::Arc;
 
 use bendtwin_core::{Graph, Point, Skin};
+use bendtwin_engine::{Backend, PointLoss, PointSet, Term, model::State, objective::WeightedTerm};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-use super::{
-    expect::{Outcome, close, ensure},
-    gradients::{
-        differences::{Check, matches_differences},
-        keep, tracked,
-    },
-    random::{RandomOptions, random_model, random_objective},
-    scene::{Scene, difference, norm},
-};
-use crate::{Backend, PointLoss, PointSet, Term, model::State, objective::WeightedTerm};
+use crate::{expect::{Outcome, close, ensure}, differences::{Check, matches_differences}, interface::gradients::{keep, tracked}, random::{RandomOptions, random_model, random_objective}, scene::{Scene, difference, norm}};
 
 /// Row-major.
 type Matrix = [[f32; 3]; 3];
@@ -66,13 +58,13 @@ fn carried(backend: &dyn Backend, by: &Matrix, wanted: fn(&Skin, usize) -> bool)
 }
 
 /// Points without offset follow every affine motion of their nodes.
-pub(super) fn skins_follow_affine_motions(backend: &dyn Backend) -> Outcome {
+pub(crate) fn skins_follow_affine_motions(backend: &dyn Backend) -> Outcome {
     let shear = [[1.1, 0.3, -0.1], [-0.2, 0.8, 0.2], [0.1, -0.4, 1.3]];
     carried(backend, &shear, |skin, m| skin.offsets_m[m] == [0.0; 3])
 }
 
 /// Points in a frame of nodes follow their rigid motions too.
-pub(super) fn skins_follow_rigid_motions(backend: &dyn Backend) -> Outcome {
+pub(crate) fn skins_follow_rigid_motions(backend: &dyn Backend) -> Outcome {
     let (s, c) = 0.9_f32.sin_cos();
     let turn = [[c, -s, 0.0], [0.6 * s, 0.6 * c, -0.8], [0.8 * s, 0.8 * c, 0.6]];
     carried(backend, &turn, |skin, m| {
@@ -82,7 +74,7 @@ pub(super) fn skins_follow_rigid_motions(backend: &dyn Backend) -> Outcome {
 
 /// Nodes on a line, and a node named twice, give a frame no direction in any precision: what is off
 /// them in it is at the weighted mean. To 2e-6 m.
-pub(super) fn frames_without_a_triangle_hold_nothing_off(backend: &dyn Backend) -> Outcome {
+pub(crate) fn frames_without_a_triangle_hold_nothing_off(backend: &dyn Backend) -> Outcome {
     let line = [0.0, 1.0, 2.0].map(|i: f32| [0.013 * i, 0.037 * i, 0.029 * i]);
     for corners in [[0, 1, 2], [2, 0, 1], [0, 1, 1], [0, 0, 1]] {
         let mut scene = Scene::of(&line);
@@ -105,7 +97,7 @@ pub(super) fn frames_without_a_triangle_hold_nothing_off(backend: &dyn Backend) 
 
 /// Every term at the skin: to 1 %. Chamfer's targets lie so near to where points come that the
 /// nearest point stays the same within a step.
-pub(super) fn gradients_of_skin_terms(backend: &dyn Backend) -> Outcome {
+pub(crate) fn gradients_of_skin_terms(backend: &dyn Backend) -> Outcome {
     let wanted: [fn(&Term) -> bool; 4] = [
         |t| matches!(t, Term::Chamfer { of: PointSet::Skin, .. }),
         |t| matches!(t, Term::Track { of: PointSet::Skin, loss: PointLoss::Distance, .. }),
@@ -155,7 +147,7 @@ fn near_skin(backend: &dyn Backend, scene: &mut Scene) -> Outcome {
 }
 
 /// Terms at a skin that is the surface nodes are those at the nodes: to 1e-6 of each.
-pub(super) fn a_skin_of_nodes_is_the_nodes(backend: &dyn Backend) -> Outcome {
+pub(crate) fn a_skin_of_nodes_is_the_nodes(backend: &dyn Backend) -> Outcome {
     let mut scene = tracked(3, &RandomOptions::default(), 4);
     scene.skin = Skin::of_nodes(&scene.graph);
     scene.objective = random_objective(3, &scene.model(), 4);
@@ -165,14 +157,14 @@ pub(super) fn a_skin_of_nodes_is_the_nodes(backend: &dyn Backend) -> Outcome {
             Term::Chamfer { of: PointSet::Nodes, .. } | Term::Track { of: PointSet::Nodes, .. }
         )
     });
-    let at_nodes = scene.gradient(backend, &super::gradients::differences::REQUEST)?;
+    let at_nodes = scene.gradient(backend, &crate::differences::REQUEST)?;
     for term in Arc::make_mut(&mut scene.objective.terms) {
         match &mut term.term {
             Term::Chamfer { of, .. } | Term::Track { of, .. } => *of = PointSet::Skin,
             other => return Err(format!("{other:?} is no term of points")),
         }
     }
-    let at_skin = scene.gradient(backend, &super::gradients::differences::REQUEST)?;
+    let at_skin = scene.gradient(backend, &crate::differences::REQUEST)?;
     let (nodes, skin) = (at_nodes.loss.total, at_skin.loss.total);
     ensure(nodes > 1e-6, || format!("the loss is {nodes}"))?;
     close("the loss at the skin", skin, nodes, 1e-6 * nodes)?;

@@ -3,19 +3,9 @@
 use std::sync::Arc;
 
 use bendtwin_core::{Graph, Point, Skin, Timing, geometry::wide, skin::offset_in_frame};
+use bendtwin_engine::{Backend, backend::Outputs, model::State, world::{Collider, Face, Shape}};
 
-use super::{
-    expect::{Outcome, close, ensure},
-    gradients::differences::{Check, matches_differences},
-    rest::{farthest, fastest},
-    scene::{Scene, cuboid, difference, dot, pose},
-};
-use crate::{
-    Backend,
-    backend::Outputs,
-    model::State,
-    world::{Collider, Face, Shape},
-};
+use crate::{expect::{Outcome, close, ensure}, differences::{Check, matches_differences}, physics::rest::{farthest, fastest}, scene::{Scene, cuboid, difference, dot, pose}};
 
 const G: f64 = 9.81;
 /// Depth of the skin around the nodes of a block [m].
@@ -107,7 +97,7 @@ fn depth(scene: &Scene, nodes: &[Point], slope: f64) -> f64 {
 /// The skin of a block that falls on the ground or on a box stays above it to 1 mm, in every frame of
 /// two seconds, though nodes that bear little of it fall on; without contact of the skin it would be
 /// 8 mm deep.
-pub(super) fn a_skin_does_not_sink(backend: &dyn Backend) -> Outcome {
+pub(crate) fn a_skin_does_not_sink(backend: &dyn Backend) -> Outcome {
     for under in [Under::Ground, Under::Box] {
         let mut scene = block(under, 0.0);
         scene.initial.velocities.fill([0.1, 0.0, -0.5]);
@@ -129,7 +119,7 @@ pub(super) fn a_skin_does_not_sink(backend: &dyn Backend) -> Outcome {
 /// A block that lies on its skin, level or on a slope below the angle of friction, stays within
 /// 10 µm for ten seconds and is slower than 0.1 mm/s; pressed on the ground by springs it also lies
 /// still.
-pub(super) fn what_rests_on_its_skin_does_not_creep(backend: &dyn Backend) -> Outcome {
+pub(crate) fn what_rests_on_its_skin_does_not_creep(backend: &dyn Backend) -> Outcome {
     for (under, slope, pressed) in
         [(Under::Ground, 0.0, true), (Under::Ground, 0.2, false), (Under::Box, 0.2, false)]
     {
@@ -165,7 +155,7 @@ pub(super) fn what_rests_on_its_skin_does_not_creep(backend: &dyn Backend) -> Ou
 }
 
 /// The ground bears a block that lies on its skin: to 1 % of its weight.
-pub(super) fn the_ground_bears_what_lies_on_its_skin(backend: &dyn Backend) -> Outcome {
+pub(crate) fn the_ground_bears_what_lies_on_its_skin(backend: &dyn Backend) -> Outcome {
     let mut scene = block(Under::Ground, 0.0);
     scene.params.drag = 2.0;
     scene.last(90);
@@ -176,7 +166,7 @@ pub(super) fn the_ground_bears_what_lies_on_its_skin(backend: &dyn Backend) -> O
 }
 
 /// Where the skin is at the nodes, contact of the skin equals that of the nodes, bit for bit.
-pub(super) fn a_skin_at_its_nodes_touches_as_they_do(backend: &dyn Backend) -> Outcome {
+pub(crate) fn a_skin_at_its_nodes_touches_as_they_do(backend: &dyn Backend) -> Outcome {
     let mut scene = block(Under::Ground, 0.1);
     scene.skin = Skin::of_nodes(&scene.graph);
     scene.last(20);
@@ -190,7 +180,7 @@ pub(super) fn a_skin_at_its_nodes_touches_as_they_do(backend: &dyn Backend) -> O
 /// Through impacts of the skin in the middle of the first substep, at points that are carried from
 /// elsewhere and in a frame of nodes, on the ground and on a body that moves and turns, by impacts
 /// and in a smooth layer: to 1 %.
-pub(super) fn gradients_through_skin_contact(backend: &dyn Backend) -> Outcome {
+pub(crate) fn gradients_through_skin_contact(backend: &dyn Backend) -> Outcome {
     for (seed, on_body, smoothing_m) in
         [(0, false, 0.0), (1, true, 0.0), (2, false, 4e-3), (3, true, 4e-3)]
     {

@@ -3,18 +3,9 @@
 
 use std::sync::Arc;
 
-use super::{
-    expect::{Outcome, ensure},
-    gradients::differences::{Check, matches_differences},
-    grasps::pins,
-    random::{RandomOptions, random_model, random_motion, world::shifted},
-    scene::{Scene, cuboid, difference, dot, pose},
-};
-use crate::{
-    Backend, PointLoss, PointSet, Term,
-    objective::{ForceBy, WeightedTerm},
-    world::{Collider, Face, Region, Shape},
-};
+use bendtwin_engine::{Backend, PointLoss, PointSet, Term, objective::{ForceBy, WeightedTerm}, world::{Collider, Face, Region, Shape}};
+
+use crate::{expect::{Outcome, ensure}, differences::{Check, matches_differences}, physics::grasps::pins, random::{RandomOptions, random_model, random_motion, world::shifted}, scene::{Scene, cuboid, difference, dot, pose}};
 
 /// Frames of every scene.
 const FRAMES: usize = 4;
@@ -113,7 +104,7 @@ fn with_colliders(seed: u64) -> Scene {
 }
 
 /// Over the ground, on which a third of the nodes lie and slide: to 1 %.
-pub(super) fn gradients_through_smooth_ground(backend: &dyn Backend) -> Outcome {
+pub(crate) fn gradients_through_smooth_ground(backend: &dyn Backend) -> Outcome {
     for seed in 0..3 {
         let mut scene = scene(seed, true);
         let touch = scene.forces(backend)?.ground;
@@ -136,7 +127,7 @@ pub(super) fn gradients_through_smooth_ground(backend: &dyn Backend) -> Outcome 
 
 /// Among colliders of every shape, each of which is the fixed one once, with friction, and by the
 /// forces that they exert: to 1 %.
-pub(super) fn gradients_through_smooth_colliders(backend: &dyn Backend) -> Outcome {
+pub(crate) fn gradients_through_smooth_colliders(backend: &dyn Backend) -> Outcome {
     for seed in 0..4 {
         let mut scene = with_colliders(seed);
         let forces = scene.forces(backend)?.colliders;
@@ -156,7 +147,7 @@ pub(super) fn gradients_through_smooth_colliders(backend: &dyn Backend) -> Outco
 
 /// A hand that carries nodes over the ground and past its own collider, by the poses of its body
 /// and by all forces: to 1 %.
-pub(super) fn gradients_of_a_hand_over_the_ground(backend: &dyn Backend) -> Outcome {
+pub(crate) fn gradients_of_a_hand_over_the_ground(backend: &dyn Backend) -> Outcome {
     for seed in 0..2 {
         let mut scene = scene(seed, true);
         let node = scene.graph.node_count() - 1;

@@ -1,12 +1,9 @@
 //! Axial springs, drag, pins and control springs against closed forms.
 
 use bendtwin_core::environment::ControlVelocity;
+use bendtwin_engine::{Backend, backend::Rollout};
 
-use super::{
-    expect::{Outcome, close, ensure},
-    scene::{Scene, difference, norm},
-};
-use crate::{Backend, backend::Rollout};
+use crate::{expect::{Outcome, close, ensure}, scene::{Scene, difference, norm}};
 
 const G: f64 = 9.81;
 
@@ -29,7 +26,7 @@ fn extensions(rollout: &Rollout) -> impl Iterator<Item = (usize, f64)> {
 /// Semi-implicit Euler from rest gives e_n = A [cos(n p) - tan(p/2) sin(n p)] with
 /// cos p = 1 - (w dt)²/2: to be met to 0.2 % of A (rounding of 2,000 f32 steps at 0.5 m),
 /// and cos(w t) within its phase error w dt/2 + w t (w dt)²/24.
-pub(super) fn oscillator_frequency(backend: &dyn Backend) -> Outcome {
+pub(crate) fn oscillator_frequency(backend: &dyn Backend) -> Outcome {
     let scene = pair(50.0, 0.0);
     let (a, w, dt) = (0.05, (50.0_f64 / 0.5 * 1.5).sqrt(), scene.dt());
     let p = (1.0 - (w * dt).powi(2) / 2.0).acos();
@@ -46,7 +43,7 @@ pub(super) fn oscillator_frequency(backend: &dyn Backend) -> Outcome {
 }
 
 /// e'' = -w² e - 2 z w e': the closed form within 2 w dt of A, as the integrator is of first order.
-pub(super) fn damped_oscillator_decays(backend: &dyn Backend) -> Outcome {
+pub(crate) fn damped_oscillator_decays(backend: &dyn Backend) -> Outcome {
     let scene = pair(50.0, 2.0);
     let a = 0.05;
     let w = (50.0_f64 / 0.5 * 1.5).sqrt();
@@ -64,7 +61,7 @@ pub(super) fn damped_oscillator_decays(backend: &dyn Backend) -> Outcome {
 
 /// Link i carries all nodes below it: k (l/l0 - 1) = g · their number. To 5 µm:
 /// f32 positions resolve 0.06 µm, and each link adds its own rounding.
-pub(super) fn hanging_chain_stretches(backend: &dyn Backend) -> Outcome {
+pub(crate) fn hanging_chain_stretches(backend: &dyn Backend) -> Outcome {
     let (links, k, l0) = (6_u32, 1000.0_f64, 0.1_f64);
     let points: Vec<_> = (0..=links).map(|i| [0.0, 0.0, -0.1 * i as f32]).collect();
     let mut scene = Scene::of(&points);
@@ -84,7 +81,7 @@ pub(super) fn hanging_chain_stretches(backend: &dyn Backend) -> Outcome {
 
 /// v(t) = v0 exp(-drag t) and x(t) = v0 (1 - exp(-drag t)) / drag: drag is applied
 /// exactly each substep, so v to 0.01 % (rounding) and x to a substep's motion.
-pub(super) fn drag_decays_exponentially(backend: &dyn Backend) -> Outcome {
+pub(crate) fn drag_decays_exponentially(backend: &dyn Backend) -> Outcome {
     let mut scene = Scene::of(&[[0.1, 0.2, 0.3]]);
     scene.params.drag = 3.0;
     scene.initial.velocities[0] = [1.0, -2.0, 0.5];
@@ -102,7 +99,7 @@ pub(super) fn drag_decays_exponentially(backend: &dyn Backend) -> Outcome {
 
 /// A pinned node is where its control point is, plus its offset, at every frame end and at the
 /// start even if the initial state has it elsewhere. To 1 µm: rounding of one sum.
-pub(super) fn pinned_node_follows_its_control(backend: &dyn Backend) -> Outcome {
+pub(crate) fn pinned_node_follows_its_control(backend: &dyn Backend) -> Outcome {
     let mut scene = Scene::of(&[[0.0; 3], [0.1, 0.0, 0.0]]);
     scene.spring([0, 1], 100.0, 1.0);
     scene.environment.gravity[2] = -9.81;
@@ -132,7 +129,7 @@ fn towed(control_velocity: ControlVelocity) -> Scene {
 
 /// Towed at constant velocity the node ends at rest length behind its control, at its
 /// velocity. To 0.4 mm: one substep's motion (the control steps before or after the node does).
-pub(super) fn control_spring_drags_a_node(backend: &dyn Backend) -> Outcome {
+pub(crate) fn control_spring_drags_a_node(backend: &dyn Backend) -> Outcome {
     let end = towed(ControlVelocity::True).end(backend)?;
     close("final velocity", f64::from(end.velocities[0][0]), 0.5, 1e-3)?;
     close("final position", f64::from(end.positions[0][0]), 1.0, 4e-4)
@@ -141,7 +138,7 @@ pub(super) fn control_spring_drags_a_node(backend: &dyn Backend) -> Outcome {
 /// With the control's velocity counted as zero, the dashpot holds the node back by gamma v, which
 /// the spring balances at an extension of gamma v l0 / k = 2 cm. To 0.4 mm: one substep's motion
 /// as above.
-pub(super) fn ignored_control_velocity_leaves_a_lag(backend: &dyn Backend) -> Outcome {
+pub(crate) fn ignored_control_velocity_leaves_a_lag(backend: &dyn Backend) -> Outcome {
     let end = towed(ControlVelocity::Ignored).end(backend)?;
     close("final velocity", f64::from(end.velocities[0][0]), 0.5, 1e-3)?;
     close("final position", f64::from(end.positions[0][0]), 1.0 - 0.02, 4e-4)

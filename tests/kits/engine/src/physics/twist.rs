@@ -3,21 +3,16 @@
 use std::f64::consts::TAU;
 
 use bendtwin_core::Point;
+use bendtwin_engine::{Backend, backend::GradientRequest, model::State};
 
-use super::{
-    energy,
-    expect::{Outcome, close, ensure},
-    random::{RandomOptions, random_model, random_motion, random_objective},
-    scene::{Scene, cross, difference, dot, norm},
-};
-use crate::{Backend, backend::GradientRequest, model::State};
+use crate::{energy, expect::{Outcome, close, ensure}, random::{RandomOptions, random_model, random_motion, random_objective}, scene::{Scene, cross, difference, dot, norm}};
 
 /// Distance of nodes along a cable [m].
 const LINK_M: f32 = 0.05;
 
 /// A cable of ten nodes between two clamps in empty space, bent in three dimensions; its rod,
 /// without parameters yet, is straight and untwisted at rest.
-pub(super) fn cable() -> Scene {
+pub(crate) fn cable() -> Scene {
     let mut points: Vec<Point> = vec![[0.0; 3]];
     for i in 0..9 {
         let t = 0.7 * i as f32;
@@ -38,7 +33,7 @@ pub(super) fn cable() -> Scene {
 
 /// [`cable`] with one clamp only: at node 8 a branch of two nodes begins, 9 and 10, and the rod
 /// ends in it; the trunk continues to node 11, which is also free.
-pub(super) fn branched_cable() -> Scene {
+pub(crate) fn branched_cable() -> Scene {
     let mut points = cable().graph.rest_positions;
     let [x, y, z] = points[8];
     points[9] = [x, y + LINK_M, z];
@@ -71,7 +66,7 @@ fn solid_angle([a, b, c]: [[f64; 3]; 3]) -> f64 {
 /// When a clamp's direction returns after a trip around a solid angle, and everything with it, its
 /// frame has turned by that angle, and the rod is twisted by the same angle. To 1 % for the
 /// quadrature over substeps, and with the opposite sign in the opposite direction.
-pub(super) fn clamps_twist_by_the_solid_angle(backend: &dyn Backend) -> Outcome {
+pub(crate) fn clamps_twist_by_the_solid_angle(backend: &dyn Backend) -> Outcome {
     let (half_angle, steps) = (0.9, 60);
     for sense in [1.0, -1.0] {
         let mut scene = cable();
@@ -132,7 +127,7 @@ fn total(scene: &Scene, state: &State) -> f64 {
 /// A twisted cable whips about when released; the sum of kinetic, elastic and twist energy is
 /// conserved. Means over a second do not drift over four seconds: to 2 %, as for other networks,
 /// including the quadrature of the twist.
-pub(super) fn energy_of_a_twisted_rod(backend: &dyn Backend) -> Outcome {
+pub(crate) fn energy_of_a_twisted_rod(backend: &dyn Backend) -> Outcome {
     for scene in [cable(), branched_cable()] {
         energy_stays(backend, scene)?;
     }
@@ -155,7 +150,7 @@ fn energy_stays(backend: &dyn Backend, mut scene: Scene) -> Outcome {
 /// A straight cable between a clamp and a branch that stands off it at a right angle is a torsion
 /// pendulum: its branch of mass m swings about the cable with k / (m r²), and as far to one side as
 /// to the other. To 2 %.
-pub(super) fn a_branch_swings_about_its_rod(backend: &dyn Backend) -> Outcome {
+pub(crate) fn a_branch_swings_about_its_rod(backend: &dyn Backend) -> Outcome {
     let (arm_m, stiffness) = (0.1, 0.5);
     let mut points: Vec<Point> = (0..5).map(|i| [LINK_M * i as f32, 0.0, 0.0]).collect();
     points.push([4.0 * LINK_M, arm_m, 0.0]);
@@ -182,7 +177,7 @@ pub(super) fn a_branch_swings_about_its_rod(backend: &dyn Backend) -> Outcome {
 }
 
 /// Twist damping alone only takes kinetic energy, rounding aside, and takes a good part of it.
-pub(super) fn twist_damping_never_raises_energy(backend: &dyn Backend) -> Outcome {
+pub(crate) fn twist_damping_never_raises_energy(backend: &dyn Backend) -> Outcome {
     let mut scene = cable();
     scene.params.spring_stiffness.fill(0.0);
     scene.params.bend_stiffness.fill(0.0);
@@ -208,7 +203,7 @@ pub(super) fn twist_damping_never_raises_energy(backend: &dyn Backend) -> Outcom
 /// A twisted bow, more curved at its top than at its feet, turns out of its plane, one half to each
 /// side, and the other way around if it is twisted the other way. (A straight rod or an even arc
 /// would stay where it is.)
-pub(super) fn twist_turns_a_bow_out_of_its_plane(backend: &dyn Backend) -> Outcome {
+pub(crate) fn twist_turns_a_bow_out_of_its_plane(backend: &dyn Backend) -> Outcome {
     let bow = |twist: f32| -> Result<f64, String> {
         let points: Vec<Point> = (0..9)
             .map(|i| {
@@ -236,7 +231,7 @@ pub(super) fn twist_turns_a_bow_out_of_its_plane(backend: &dyn Backend) -> Outco
 }
 
 /// A rod without stiffness and damping changes no bit of anything else.
-pub(super) fn rods_without_stiffness_change_nothing(backend: &dyn Backend) -> Outcome {
+pub(crate) fn rods_without_stiffness_change_nothing(backend: &dyn Backend) -> Outcome {
     let options = RandomOptions { rod: true, pins: 4, ..RandomOptions::default() };
     let model = random_model(2, &options);
     let (state, controls) = random_motion(2, &model, 4);

@@ -4,17 +4,11 @@
 use std::{f32::consts::TAU, sync::Arc};
 
 use bendtwin_core::Point;
+use bendtwin_engine::{Model, Objective, Term, objective::{ForceBy, WeightedTerm}, world::{ Attachment, Collider, Face, Grasp, Motion, Pose, Region, Shape, World, largest_stiffness, }};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
 use super::SPACING_M;
-use crate::{
-    Model, Objective, Term,
-    objective::{ForceBy, WeightedTerm},
-    world::{
-        Attachment, Collider, Face, Grasp, Motion, Pose, Region, Shape, World, largest_stiffness,
-    },
-};
 
 /// Composition of random surroundings.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -179,7 +173,7 @@ fn shape(rng: &mut ChaCha8Rng, k: usize) -> Shape {
 }
 
 /// A shape put elsewhere.
-pub(in crate::conformance) fn shifted(shape: &Shape, by: Point) -> Shape {
+pub(crate) fn shifted(shape: &Shape, by: Point) -> Shape {
     let add = |p: &Point| std::array::from_fn(|c| p[c] + by[c]);
     match shape {
         Shape::Capsule { from, to, radius_m } => {

@@ -3,21 +3,11 @@
 use std::sync::Arc;
 
 use bendtwin_core::CancelToken;
+use bendtwin_engine::{Backend, backend::GradientRequest, optimizer::{ Bounds, Decay, GradientSample, Optimizer, OptimizerInit, Parameter, Parameterization, Position, Scale, }};
 
-use crate::{
-    Backend,
-    backend::GradientRequest,
-    conformance::{
-        random::{RandomOptions, random_model, random_motion, random_objective},
-        scene::Scene,
-    },
-    optimizer::{
-        Bounds, Decay, GradientSample, Optimizer, OptimizerInit, Parameter, Parameterization,
-        Position, Scale,
-    },
-};
+use crate::{random::{RandomOptions, random_model, random_motion, random_objective}, scene::Scene};
 
-pub(super) const REQUEST: GradientRequest = GradientRequest {
+pub(crate) const REQUEST: GradientRequest = GradientRequest {
     cut_every: 0,
     controls: false,
     initial: false,
@@ -26,14 +16,14 @@ pub(super) const REQUEST: GradientRequest = GradientRequest {
 };
 
 /// Two runs, with their initial states and scenes.
-pub(super) struct Pair {
-    pub(super) inits: Vec<OptimizerInit>,
-    pub(super) decay: Decay,
+pub(crate) struct Pair {
+    pub(crate) inits: Vec<OptimizerInit>,
+    pub(crate) decay: Decay,
     scenes: Vec<Scene>,
 }
 
 impl Pair {
-    pub(super) fn new(backend: &dyn Backend) -> Result<Self, String> {
+    pub(crate) fn new(backend: &dyn Backend) -> Result<Self, String> {
         let scene = |seed: u64, nodes: usize, bending: bool| {
             let (rod, pins) = if bending { (true, 4) } else { (false, 1) };
             let options =
@@ -62,12 +52,12 @@ impl Pair {
         Ok(Self { inits, decay: Decay { beta1: 0.9, beta2: 0.99, prior: 0.7 }, scenes })
     }
 
-    pub(super) fn optimizer(&self, backend: &dyn Backend) -> Result<Box<dyn Optimizer>, String> {
+    pub(crate) fn optimizer(&self, backend: &dyn Backend) -> Result<Box<dyn Optimizer>, String> {
         backend.optimizer(self.inits.clone(), self.decay).map_err(|e| format!("optimizer: {e}"))
     }
 
     /// Two instances of the first run, of different lengths, around one of the second.
-    pub(super) fn samples(&self) -> Vec<GradientSample> {
+    pub(crate) fn samples(&self) -> Vec<GradientSample> {
         let sample = |run: usize| {
             let instance = self.scenes[run].instance(self.inits[run].loaded.clone());
             GradientSample { run, instance }
@@ -108,7 +98,7 @@ fn parameterization(scene: &Scene) -> Parameterization {
 
 /// Positions of the runs after steps with these weights and rates, computed from `gradients`,
 /// parameterizations and Adam.
-pub(super) fn by_hand(
+pub(crate) fn by_hand(
     backend: &dyn Backend,
     pair: &Pair,
     weights: &[Vec<f64>],
@@ -122,7 +112,7 @@ pub(super) fn by_hand(
         for rate in rates {
             let own = pair.samples().into_iter().filter(|p| p.run == run);
             let batch: Vec<_> = own
-                .map(|p| crate::backend::Instance { model: loaded.clone(), ..p.instance })
+                .map(|p| bendtwin_engine::backend::Instance { model: loaded.clone(), ..p.instance })
                 .collect();
             let gradients = backend.gradients(&batch, &REQUEST, &CancelToken::default());
             let mut sum = vec![0.0; parameterization.len()];
@@ -149,7 +139,7 @@ pub(super) fn by_hand(
 }
 
 /// Root of the mean squared difference.
-pub(super) fn distance(a: &[f64], b: &[f64]) -> f64 {
+pub(crate) fn distance(a: &[f64], b: &[f64]) -> f64 {
     let squares: f64 = a.iter().zip(b).map(|(a, b)| (a - b) * (a - b)).sum();
     (squares / a.len().max(1) as f64).sqrt()
 }

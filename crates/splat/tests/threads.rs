@@ -1,5 +1,7 @@
-use super::*;
-use crate::conformance::{SceneOptions, random_bar, random_camera, random_gaussians};
+//! The CPU rasteriser on several threads.
+
+use bendtwin_splat::{Cpu, Rasteriser as _};
+use bendtwin_splat_kit::{SceneOptions, random_bar, random_camera, random_gaussians};
 
 fn on_threads<T: Send>(threads: usize, work: impl FnOnce() -> T + Send) -> T {
     rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap().install(work)
