@@ -1,9 +1,10 @@
 //! A coloured ball that falls, and views of it, for this crate's tests.
 
 use bendtwin_core::{
-    Contact, Environment, Graph, NodeKind, Params, Point, Quality, Skin, Splats, Timing, Twin,
-    View, ViewCamera, Views, environment::ControlVelocity, twin::Provenance, views::Label,
+    Contact, Graph, NodeKind, Params, Point, Skin, Splats, Twin,
+    View, ViewCamera, Views, views::Label,
 };
+use bendtwin_core_kit::twin_of;
 use bendtwin_graph::{SurfacePoints, bind_skin};
 use bendtwin_splat::{Cpu, Rasteriser};
 
@@ -105,19 +106,8 @@ fn twin() -> Twin {
     };
     let skin = bind_skin(&graph, &sphere(600));
     Twin {
-        params: Params { contact: Contact::default(), ..Params::default() },
-        environment: Environment::Z_UP,
-        timing: Timing { fps: 30.0, substeps: 1 },
-        control_velocity: ControlVelocity::True,
-        provenance: Provenance::default(),
-        quality: Quality::default(),
-        mass_kg: None,
-        control_hands: Vec::new(),
-        members: Vec::new(),
-        appearance: None,
-        planner: None,
         skin: Skin { observed_points: vec![Graph::NOT_OBSERVED; skin.len()], ..skin },
-        graph,
+        ..twin_of(graph, Params { contact: Contact::default(), ..Params::default() })
     }
 }
 

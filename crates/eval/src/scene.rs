@@ -1,12 +1,11 @@
 //! Small captures and twins for this crate's tests.
 
 use bendtwin_core::{
-    Capture, Environment, Graph, NodeKind, Params, Pin, Point, Quality, Sequence, Skin, Timing,
+    Capture, Environment, Graph, NodeKind, Params, Pin, Point, Sequence, Timing,
     Twin,
     capture::{HeldPoint, Object},
-    environment::ControlVelocity,
-    twin::Provenance,
-};
+        };
+use bendtwin_core_kit::twin_of;
 
 /// A chain of `n` points 10 cm apart along x that moves by `step` per frame as a whole, both ends
 /// held.
@@ -72,18 +71,8 @@ pub(crate) fn chain_twin(n: usize) -> Twin {
         ..Params::default()
     };
     Twin {
-        skin: Skin::of_nodes(&graph),
-        graph,
-        params,
         environment: Environment { gravity: [0.0; 3], ground: None },
         timing: Timing { fps: 100.0, substeps: 20 },
-        control_velocity: ControlVelocity::True,
-        provenance: Provenance::default(),
-        quality: Quality::default(),
-        mass_kg: None,
-        control_hands: Vec::new(),
-        members: Vec::new(),
-        appearance: None,
-        planner: None,
+        ..twin_of(graph, params)
     }
 }

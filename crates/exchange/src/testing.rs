@@ -3,8 +3,9 @@
 use std::io::Cursor;
 
 use bendtwin_core::{
-    Contact, Environment, Graph, NodeKind, Params, Pin, Point, Skin, Timing, Twin,
+    Contact, Graph, NodeKind, Params, Pin, Point, Skin, Timing, Twin,
 };
+use bendtwin_core_kit::twin_of;
 use bendtwin_mesh::Mesh;
 
 use crate::{Format, Motion, Scene, encode};
@@ -42,19 +43,10 @@ pub(crate) fn twin() -> Twin {
         ..Params::default()
     };
     Twin {
-        graph,
         skin,
-        params,
-        environment: Environment::Z_UP,
         timing: Timing { fps: 30.0, substeps: 100 },
-        control_velocity: Default::default(),
-        provenance: Default::default(),
-        quality: Default::default(),
         mass_kg: Some(0.55),
-        control_hands: Vec::new(),
-        members: Vec::new(),
-        appearance: None,
-        planner: None,
+        ..twin_of(graph, params)
     }
 }
 

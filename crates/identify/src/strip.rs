@@ -3,10 +3,8 @@
 use std::sync::Arc;
 
 use bendtwin_core::{
-    CancelToken, Capture, Environment, Graph, NodeKind, Params, Pin, Plane, Point, Quality,
-    Sequence, Skin, Timing, Twin, capture::Object, environment::ControlVelocity,
-    geometry::point_distance, twin::Provenance,
-};
+    CancelToken, Capture, Environment, Graph, NodeKind, Params, Pin, Plane, Point,     Sequence, Timing, Twin, capture::Object,     geometry::point_distance, };
+use bendtwin_core_kit::twin_of;
 use bendtwin_engine::{
     Model, Objective,
     backend::{Instance, Outputs},
@@ -69,19 +67,10 @@ pub(crate) fn strip(on_ground: bool) -> Twin {
     };
     params.contact.ground_friction = 1.0;
     let mut twin = Twin {
-        skin: Skin::of_nodes(&graph),
-        graph,
-        params,
         environment: Environment { gravity: [0.0, 0.0, -9.81], ground: on_ground.then_some(plane) },
         timing: Timing { fps: FPS, substeps: 1 },
-        control_velocity: ControlVelocity::True,
-        provenance: Provenance::default(),
-        quality: Quality::default(),
-        mass_kg: None,
         control_hands: vec![0; 4],
-        members: Vec::new(),
-        appearance: None,
-        planner: None,
+        ..twin_of(graph, params)
     };
     twin.timing.substeps = stable_substeps(&Model::from(&twin)).needed * 3 / 2;
     twin

@@ -1,9 +1,10 @@
 //! Results as workers send them.
 
 use bendtwin_core::{
-    Environment, Graph, NodeKind, Params, Quality, Skin, Timing, Twin,
-    environment::ControlVelocity, twin::Provenance,
+    Graph, NodeKind, Params, Timing, Twin,
+    twin::Provenance,
 };
+use bendtwin_core_kit::twin_of;
 
 /// A twin file of 5 nodes, 4 springs, 3 triplets and 1 control point, different for each label.
 pub(crate) fn twin_file(label: &[u8]) -> Vec<u8> {
@@ -30,19 +31,9 @@ pub(crate) fn twin_file(label: &[u8]) -> Vec<u8> {
     };
     let label = String::from_utf8_lossy(label).into_owned();
     let twin = Twin {
-        skin: Skin::of_nodes(&graph),
-        graph,
-        params,
-        environment: Environment::Z_UP,
         timing: Timing { fps: 30.0, substeps: 10 },
-        control_velocity: ControlVelocity::True,
         provenance: Provenance { build: label, ..Provenance::default() },
-        quality: Quality::default(),
-        mass_kg: None,
-        control_hands: Vec::new(),
-        members: Vec::new(),
-        appearance: None,
-        planner: None,
+        ..twin_of(graph, params)
     };
     twin.encode().unwrap()
 }

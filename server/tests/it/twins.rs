@@ -1,7 +1,7 @@
 use bendtwin_core::{
-    Environment, Graph, Identifiability, NodeKind, Params, Pin, Quality, Skin, Timing, Twin,
-    environment::ControlVelocity, identifiability::Region, twin::Provenance,
-};
+    Graph, Identifiability, NodeKind, Params, Pin, Skin, Timing, Twin,
+    identifiability::Region, };
+use bendtwin_core_kit::twin_of;
 use bendtwin_proto::v1::{
     CreateTwinRequest, ExportTwinRequest, GetTwinGeometryRequest, ListTwinsRequest, Tensor,
     TwinMetadata, create_twin_request::Part,
@@ -29,19 +29,8 @@ pub(crate) fn twin_file() -> Vec<u8> {
         ..Params::default()
     };
     let twin = Twin {
-        skin: Skin::of_nodes(&graph),
-        graph,
-        params,
-        environment: Environment::Z_UP,
         timing: Timing { fps: 30.0, substeps: 20 },
-        control_velocity: ControlVelocity::True,
-        provenance: Provenance::default(),
-        quality: Quality::default(),
-        mass_kg: None,
-        control_hands: Vec::new(),
-        members: Vec::new(),
-        appearance: None,
-        planner: None,
+        ..twin_of(graph, params)
     };
     twin.encode().unwrap()
 }

@@ -15,13 +15,12 @@ use bendtwin_capture::{
     write_bundle,
 };
 use bendtwin_core::{
-    Capture, Environment, Graph, NodeKind, Params, Pin, Point, Quality, Sequence, Skin, Timing,
+    Capture, Environment, Graph, NodeKind, Params, Pin, Point, Sequence, Skin, Timing,
     Twin,
     capture::{HeldPoint, Object},
-    environment::ControlVelocity,
-    geometry::IDENTITY,
-    twin::Provenance,
-};
+        geometry::IDENTITY,
+    };
+use bendtwin_core_kit::twin_of;
 use bendtwin_mesh::Mesh;
 use zip::ZipArchive;
 
@@ -263,9 +262,8 @@ pub fn twin() -> Twin {
         rods: Vec::new(),
     };
     Twin {
-        skin: Skin::of_nodes(&graph),
-        graph,
-        params: Params {
+        timing: Timing { fps: 30.0, substeps: 50 },
+        ..twin_of(graph, Params {
             spring_stiffness: vec![1e3; 3],
             spring_dashpot: vec![1.0; 3],
             rest_lengths_m: vec![0.1; 3],
@@ -274,17 +272,7 @@ pub fn twin() -> Twin {
             rest_angles_rad: vec![std::f32::consts::PI],
             drag: 1.0,
             ..Params::default()
-        },
-        environment: Environment::Z_UP,
-        timing: Timing { fps: 30.0, substeps: 50 },
-        control_velocity: ControlVelocity::True,
-        provenance: Provenance::default(),
-        quality: Quality::default(),
-        mass_kg: None,
-        control_hands: Vec::new(),
-        members: Vec::new(),
-        appearance: None,
-        planner: None,
+        })
     }
 }
 

@@ -1,3 +1,10 @@
+//! The check of plans.
+
+use bendtwin_contract::{
+    plan::{Checked, Error, MOST_PLANS, check},
+    rollout::{self, Limits, TwinShape},
+};
+use bendtwin_contract_kit::plan as cases;
 use bendtwin_core::{Category, Problem as _};
 use bendtwin_proto::v1::{
     ActionSpace, Cost, Ensemble, InitialState, KnotTimes, PlanBounds, Plausibility, Returns,
@@ -11,8 +18,6 @@ use bendtwin_proto::v1::{
 };
 use proptest::{collection::vec, num, prelude::*};
 
-use super::*;
-use crate::plan::cases;
 
 /// 5 nodes that hang from two control points.
 const TWIN: TwinShape = TwinShape {
@@ -44,7 +49,7 @@ fn each_fault_is_refused_and_named() {
 
 #[test]
 fn faults_of_the_rollout_are_those_of_a_rollout() {
-    for case in crate::rollout::cases::malformed(&TWIN) {
+    for case in bendtwin_contract_kit::rollout::malformed(&TWIN) {
         let mut request = cases::sound(&TWIN);
         request.rollout = Some(case.request);
         let error = checked(request).expect_err(case.what);

@@ -5,6 +5,8 @@ mod memory;
 mod reply;
 mod surroundings;
 
+use bendtwin_contract::rollout::{Batch, PlannerShape, TwinShape, memory, reply_bytes, work};
+use bendtwin_contract_kit::rollout as cases;
 use bendtwin_proto::v1::{
     Collider, ConvexMesh, Cost, Cuboid, Ensemble, Fidelity, InitialState, Plausibility, PointSet,
     Returns, RollOutRequest, Tensor, Vary,
@@ -16,8 +18,6 @@ use bendtwin_proto::v1::{
     returns::Encoding,
 };
 
-use super::{memory, reply_bytes, work};
-use crate::rollout::{Batch, PlannerShape, TwinShape, cases};
 
 const TWIN: TwinShape = TwinShape {
     nodes: 100,

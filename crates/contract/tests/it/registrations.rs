@@ -1,3 +1,7 @@
+//! The check of registrations and corrections.
+
+use bendtwin_contract::registration::*;
+use bendtwin_contract_kit::registration as cases;
 use bendtwin_core::{Category, Problem as _};
 use bendtwin_proto::v1::{
     Collider, CorrectOptions, InitialState, RegisterOptions, Sphere, World,
@@ -5,8 +9,6 @@ use bendtwin_proto::v1::{
     initial_state::Settled,
 };
 
-use super::*;
-use crate::registration::cases;
 
 /// 5 nodes that hang from a control point.
 const TWIN: TwinShape = TwinShape {

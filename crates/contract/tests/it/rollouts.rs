@@ -1,3 +1,9 @@
+//! The check of rollouts.
+
+use bendtwin_contract::rollout::{
+    Error, Limits, MOST_SUBSTEPS, PlannerShape, TwinShape, check, check_for, finer_substeps, memory, work,
+};
+use bendtwin_contract_kit::rollout as cases;
 use bendtwin_core::{Category, Problem as _};
 use bendtwin_proto::v1::{
     ControlTrajectories, Cost, Cuboid, Ensemble, GripperPoses, InitialState, Plane, PointSet,
@@ -15,12 +21,6 @@ use bendtwin_proto::v1::{
 };
 use proptest::prelude::*;
 
-use super::*;
-use crate::rollout::{
-    MOST_SUBSTEPS, PlannerShape, cases, finer_substeps, memory,
-    request::costs::{own_targets, targets},
-    work,
-};
 
 /// 5 nodes that hang from a control point.
 const TWIN: TwinShape = TwinShape {
@@ -234,31 +234,6 @@ fn finer_substeps_are_enough_and_few_numbers() {
     assert!(seen.len() < 3 * 30, "{}", seen.len());
     assert_eq!(finer_substeps(154, 1e9), MOST_SUBSTEPS);
     assert_eq!(finer_substeps(200_000, 1e9), 200_000);
-}
-
-#[test]
-fn targets_may_differ_by_frame_and_instance() {
-    let limits = Limits::default();
-    let with = |shape: &[usize], when: When, temperature: f64| {
-        let points = Some(Tensor::pack(shape, &vec![0.0f32; shape.iter().product()]));
-        let kind = Some(Kind::TargetCloud(TargetCloud { points, point_set: 0 }));
-        let cost = Cost { when: when.into(), temperature, kind, ..Cost::default() };
-        RollOutRequest { costs: vec![cost], ..sound() }
-    };
-    let total = |request: &RollOutRequest| {
-        let batch = check_for(request, &TWIN, &limits, 0).unwrap();
-        [
-            targets(&request.costs, &batch),
-            own_targets(&request.costs, &batch, false),
-            own_targets(&request.costs, &batch, true),
-        ]
-    };
-    // 2 instances, 2 frames, and 16 for each list.
-    assert_eq!(total(&with(&[7, 3], When::LastFrame, 0.0)), [23, 0, 23]);
-    assert_eq!(total(&with(&[2, 7, 3], When::EveryFrame, 0.0)), [46, 0, 46]);
-    assert_eq!(total(&with(&[2, 1, 7, 3], When::LastFrame, 0.0)), [46, 23, 23]);
-    assert_eq!(total(&with(&[2, 1, 7, 3], When::EveryFrame, 0.0)), [92, 46, 46]);
-    assert_eq!(total(&with(&[2, 2, 7, 3], When::SoftMin, 0.1)), [92, 46, 46]);
 }
 
 #[test]

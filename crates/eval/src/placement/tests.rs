@@ -1,4 +1,5 @@
-use bendtwin_core::{Contact, Quality, capture::Object, twin::Provenance};
+use bendtwin_core::{Contact, capture::Object, };
+use bendtwin_core_kit::twin_of;
 use bendtwin_engine::cpu_with_threads;
 use bendtwin_graph::bind_skin;
 
@@ -71,18 +72,10 @@ fn twin() -> Twin {
     let surface = SurfacePoints { observed_points: (0..n as u32).collect(), positions: nodes };
     Twin {
         skin: bind_skin(&graph, &surface),
-        graph,
-        params,
         environment: Environment { gravity: [0.0; 3], ground: None },
         timing: Timing { fps: 30.0, substeps: 100 },
-        control_velocity: Default::default(),
-        provenance: Provenance::default(),
-        quality: Quality::default(),
-        mass_kg: None,
         control_hands: vec![0, 0],
-        members: Vec::new(),
-        appearance: None,
-        planner: None,
+        ..twin_of(graph, params)
     }
 }
 

@@ -1,9 +1,9 @@
 //! Requests that take much memory, and the twins that they are made for.
 
 use bendtwin_core::{
-    Contact, Environment, Graph, NodeKind, Params, Quality, Skin, Timing, Twin,
-    environment::ControlVelocity, twin::Provenance,
-};
+    Contact, Graph, NodeKind, Params, Timing, Twin,
+    };
+use bendtwin_core_kit::twin_of;
 use bendtwin_harness::Api;
 use bendtwin_proto::{
     json::{TensorFormat, Write},
@@ -58,19 +58,8 @@ fn twin(n: usize, controls: usize) -> Twin {
         ..Params::default()
     };
     Twin {
-        skin: Skin::of_nodes(&graph),
-        graph,
-        params,
-        environment: Environment::Z_UP,
         timing: Timing { fps: 30.0, substeps: 20 },
-        control_velocity: ControlVelocity::True,
-        provenance: Provenance::default(),
-        quality: Quality::default(),
-        mass_kg: None,
-        control_hands: Vec::new(),
-        members: Vec::new(),
-        appearance: None,
-        planner: None,
+        ..twin_of(graph, params)
     }
 }
 

@@ -1,9 +1,7 @@
-//! A small twin and requests to it, for tests of this crate and of those that serve it.
+//! A small twin, and requests to it that are sound.
 
-use bendtwin_core::{
-    Contact, Environment, Graph, NodeKind, Params, Quality, Skin, Timing, Twin,
-    environment::ControlVelocity, twin::Provenance,
-};
+use bendtwin_core::{Contact, Graph, NodeKind, Params, Timing, Twin};
+use bendtwin_core_kit::twin_of;
 use bendtwin_proto::v1::{
     ControlTrajectories, Cost, RollOutRequest, Tensor,
     cost::{Keypoints, Kind},
@@ -37,19 +35,8 @@ pub fn twin() -> Twin {
         ..Params::default()
     };
     Twin {
-        skin: Skin::of_nodes(&graph),
-        graph,
-        params,
-        environment: Environment::Z_UP,
         timing: Timing { fps: 30.0, substeps: 60 },
-        control_velocity: ControlVelocity::True,
-        provenance: Provenance::default(),
-        quality: Quality::default(),
-        mass_kg: None,
-        control_hands: Vec::new(),
-        members: Vec::new(),
-        appearance: None,
-        planner: None,
+        ..twin_of(graph, params)
     }
 }
 

@@ -1,6 +1,6 @@
-//! Requests for plans that are right but for one thing, for tests: the check and the server must
-//! refuse each of them with the same fault.
+//! Requests for plans.
 
+use bendtwin_contract::rollout::TwinShape;
 use bendtwin_proto::v1::{
     ActionSpace, GripperPoses, PlanBounds, PlanMethod, PlanRequest, RollOutRequest, Tensor,
     action_space::Coordinates,
@@ -8,7 +8,7 @@ use bendtwin_proto::v1::{
     roll_out_request::Actions,
 };
 
-use crate::rollout::{TwinShape, cases};
+use crate::rollout;
 
 /// A malformed request.
 #[derive(Clone, Debug)]
@@ -23,7 +23,7 @@ pub struct Case {
 
 /// A plan of three knots for a twin.
 pub fn sound(twin: &TwinShape) -> PlanRequest {
-    let mut rollout = cases::sound(twin);
+    let mut rollout = rollout::sound(twin);
     if let Some(Actions::Trajectories(t)) = &mut rollout.actions {
         let shape = [1, 3, twin.controls as usize];
         t.positions = Some(Tensor::pack_points(&shape, &vec![[0.0; 3]; shape.iter().product()]));
@@ -53,7 +53,7 @@ pub fn malformed(twin: &TwinShape) -> Vec<Case> {
         request.rollout.as_mut().map(change);
         request
     };
-    add("two instances", "`rollout.actions`", with(&|r| r.actions = cases::sound(twin).actions));
+    add("two instances", "`rollout.actions`", with(&|r| r.actions = rollout::sound(twin).actions));
     add("no costs", "`rollout.costs`", with(&|r| r.costs.clear()));
     add("no actions", "`rollout.actions`", with(&|r| r.actions = None));
     add("100001 frames", "`rollout.frames`", with(&|r| r.frames = 100_001));

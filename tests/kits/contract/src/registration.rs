@@ -1,6 +1,6 @@
-//! Observations that are right but for one thing, for tests: the check, the server and the worker must
-//! refuse each of them with the same fault.
+//! Requests with observations.
 
+use bendtwin_contract::rollout::TwinShape;
 use bendtwin_proto::v1::{
     Collider, InitialState, Observation, RegisterOptions, RegisterStateRequest, Tensor, World,
     initial_state::{GivenState, SessionSlots, State},
@@ -8,8 +8,6 @@ use bendtwin_proto::v1::{
     tensor::Dtype,
 };
 use bytes::Bytes;
-
-use crate::rollout::TwinShape;
 
 /// A malformed request.
 #[derive(Clone, Debug)]

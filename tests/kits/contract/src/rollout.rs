@@ -1,10 +1,10 @@
-//! Requests that are right but for one thing, for tests: the check, the server and the worker must
-//! refuse each of them with the same fault.
+//! Requests for rollouts.
 
 mod measures;
 mod points;
 mod surroundings;
 
+use bendtwin_contract::rollout::TwinShape;
 use bendtwin_proto::v1::{
     ControlTrajectories, Cost, Grasping, GripperPoses, InitialState, KnotTimes, Returns,
     RollOutRequest, Tensor,
@@ -15,8 +15,6 @@ use bendtwin_proto::v1::{
     tensor::Dtype,
 };
 use bytes::Bytes;
-
-use super::TwinShape;
 
 /// A malformed request.
 #[derive(Clone, Debug)]

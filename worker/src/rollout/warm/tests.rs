@@ -1,5 +1,5 @@
 use bendtwin_core::{Category, Problem as _};
-use bendtwin_rollout::cases::twin;
+use bendtwin_contract_kit::hanging::twin;
 use tokio::sync::mpsc;
 
 use super::*;

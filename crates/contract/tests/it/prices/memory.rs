@@ -1,5 +1,6 @@
 //! Memory, part by part.
 
+use bendtwin_contract::rollout::{Error, Limits, Memory, PlannerShape, TwinShape, check_for, memory};
 use bendtwin_proto::v1::{
     ControlTrajectories, Cost, Fidelity, GripperPoses, InitialState, PointSet, Returns,
     RollOutRequest, Tensor,
@@ -8,8 +9,6 @@ use bendtwin_proto::v1::{
     roll_out_request::Actions,
 };
 use prost::Message as _;
-
-use crate::rollout::{Error, Limits, Memory, PlannerShape, TwinShape, check_for, memory};
 
 const MIB: u64 = 1 << 20;
 

@@ -1,5 +1,8 @@
 //! The formula beside the encoding of a reply with all that was asked for.
 
+use bendtwin_contract::rollout::{
+    Batch, ImplausibleReason, TwinShape, has_gradients, part_frames, reply_bytes,
+};
 use bendtwin_proto::v1::{
     ControlTrajectories, Cost, Fidelity, Grasp, Grasping, PointSet, Returns, RollOutRequest,
     RollOutResponse, Tensor,
@@ -9,10 +12,6 @@ use bendtwin_proto::v1::{
 };
 use proptest::prelude::*;
 use prost::Message as _;
-
-use crate::rollout::{
-    Batch, ImplausibleReason, TwinShape, has_gradients, part_frames, reply_bytes,
-};
 
 /// What an instance of a batch can do that is not plausible.
 fn implausible(batch: &Batch) -> Vec<Implausible> {

@@ -1,14 +1,16 @@
 //! The formula beside the encoding of what surroundings add to a reply.
 
+use bendtwin_contract::rollout::{
+    Limits, TwinShape, check_for, memory, reply_bytes,
+};
+use bendtwin_contract_kit::rollout as cases;
 use bendtwin_proto::v1::{
     Ensemble, Returns, RollOutRequest, Tensor, Vary, roll_out_response::Forces,
 };
 use prost::Message as _;
 
-use crate::rollout::{
-    Limits, TwinShape, cases, check_for, memory, reply_bytes, request::vary::SET,
-};
-
+/// Memory of a set of parameters beside its arrays [bytes].
+const SET: u64 = 4096;
 const TWIN: TwinShape = TwinShape {
     nodes: 5,
     springs: 4,

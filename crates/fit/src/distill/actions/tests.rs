@@ -1,7 +1,6 @@
 use bendtwin_core::{
-    Contact, Graph, Params, Plane, Quality, Skin, Timing, environment::ControlVelocity,
-    twin::Provenance,
-};
+    Contact, Graph, Params, Plane, Skin,     };
+use bendtwin_core_kit::twin_of;
 
 use super::*;
 
@@ -11,20 +10,12 @@ fn twin() -> Twin {
     Twin {
         graph: Graph { control_rest: controls.to_vec(), ..Graph::default() },
         skin: Skin::default(),
-        params: Params { contact: Contact::default(), ..Params::default() },
         environment: Environment {
             ground: Some(Plane { normal: [0.0, 0.0, 1.0], offset_m: 0.0 }),
             ..Environment::Z_UP
         },
-        timing: Timing { fps: 30.0, substeps: 1 },
-        control_velocity: ControlVelocity::True,
-        provenance: Provenance::default(),
-        quality: Quality::default(),
-        mass_kg: None,
         control_hands: vec![0, 0, 1, 1],
-        members: Vec::new(),
-        appearance: None,
-        planner: None,
+        ..twin_of(graph, Params { contact: Contact::default(), ..Params::default() })
     }
 }
 

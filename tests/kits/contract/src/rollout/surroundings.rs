@@ -1,5 +1,6 @@
 //! Faults of worlds, grasps, parameters by instance and limits of what is plausible.
 
+use bendtwin_contract::rollout::TwinShape;
 use bendtwin_proto::v1::{
     Capsule, Collider, ConvexMesh, Cost, Cuboid, Ensemble, GradientOptions, Grasp, GripperPoses,
     Plane, Plausibility, Returns, RollOutRequest, Sphere, Tensor, Vary, World,
@@ -15,7 +16,6 @@ use bendtwin_proto::v1::{
 };
 
 use super::{Case, zeros};
-use crate::rollout::TwinShape;
 
 /// Two instances of three knots of one gripper, with a cost, in a world with a collider and a grasp.
 pub(super) fn sound(good: &RollOutRequest) -> RollOutRequest {
