@@ -150,6 +150,3 @@ impl PlannerQuality {
         }
     }
 }
-
-#[cfg(test)]
-mod tests;

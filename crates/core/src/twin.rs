@@ -116,6 +116,3 @@ pub struct Provenance {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub loss: Option<f64>,
 }
-
-#[cfg(test)]
-mod tests;

@@ -1,23 +1,10 @@
-use crate::Contact;
-
-use super::*;
+use bendtwin_core::{Contact, Graph, Params, Skin, Twin, twin::Member};
+use bendtwin_core_kit::twin_of;
 
 fn twin(control_rest: Vec<[f32; 3]>) -> Twin {
-    Twin {
-        skin: Skin::default(),
-        graph: Graph { masses: vec![0.5, 1.5, 2.0], control_rest, ..Graph::default() },
-        params: Params { contact: Contact::default(), ..Params::default() },
-        environment: Environment::Z_UP,
-        timing: Timing { fps: 30.0, substeps: 1 },
-        control_velocity: ControlVelocity::True,
-        provenance: Provenance::default(),
-        quality: Quality::default(),
-        mass_kg: None,
-        control_hands: Vec::new(),
-        members: Vec::new(),
-        appearance: None,
-        planner: None,
-    }
+    let graph = Graph { masses: vec![0.5, 1.5, 2.0], control_rest, ..Graph::default() };
+    let params = Params { contact: Contact::default(), ..Params::default() };
+    Twin { skin: Skin::default(), ..twin_of(graph, params) }
 }
 
 #[test]

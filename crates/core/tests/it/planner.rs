@@ -1,8 +1,7 @@
-use super::*;
-use crate::{
-    Contact, Environment, Graph, NodeKind, Params, Quality, Timing, environment::ControlVelocity,
-    twin::Provenance,
+use bendtwin_core::{
+    Contact, Graph, NodeKind, Params, PlannerQuality, PlannersTwin, Quality, Skin, Timing, Twin,
 };
+use bendtwin_core_kit::twin_of;
 
 /// A twin of some nodes on a line, without springs.
 fn twin(places: &[f32]) -> Twin {
@@ -14,21 +13,8 @@ fn twin(places: &[f32]) -> Twin {
         observed_points: vec![Graph::NOT_OBSERVED; places.len()],
         ..Graph::default()
     };
-    Twin {
-        skin: Skin::of_nodes(&graph),
-        graph,
-        params: Params { contact: Contact::default(), ..Params::default() },
-        environment: Environment::Z_UP,
-        timing: Timing { fps: 30.0, substeps: 9 },
-        control_velocity: ControlVelocity::True,
-        provenance: Provenance::default(),
-        quality: Quality::default(),
-        mass_kg: None,
-        control_hands: Vec::new(),
-        members: Vec::new(),
-        appearance: None,
-        planner: None,
-    }
+    let params = Params { contact: Contact::default(), ..Params::default() };
+    Twin { timing: Timing { fps: 30.0, substeps: 9 }, ..twin_of(graph, params) }
 }
 
 const FIGURES: PlannerQuality = PlannerQuality {

@@ -1,0 +1,4 @@
+//! Twins and their planner's twins.
+
+mod planner;
+mod twin;
