@@ -1,8 +1,8 @@
 //! A coloured ball that falls, and views of it, for this crate's tests.
 
 use bendtwin_core::{
-    Contact, Graph, NodeKind, Params, Point, Skin, Splats, Twin,
-    View, ViewCamera, Views, views::Label,
+    Contact, Graph, NodeKind, Params, Point, Skin, Splats, Twin, View, ViewCamera, Views,
+    views::Label,
 };
 use bendtwin_core_kit::twin_of;
 use bendtwin_graph::{SurfacePoints, bind_skin};

@@ -1,10 +1,9 @@
 //! Small captures and twins for this crate's tests.
 
 use bendtwin_core::{
-    Capture, Environment, Graph, NodeKind, Params, Pin, Point, Sequence, Timing,
-    Twin,
+    Capture, Environment, Graph, NodeKind, Params, Pin, Point, Sequence, Timing, Twin,
     capture::{HeldPoint, Object},
-        };
+};
 use bendtwin_core_kit::twin_of;
 
 /// A chain of `n` points 10 cm apart along x that moves by `step` per frame as a whole, both ends

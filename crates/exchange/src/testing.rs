@@ -2,9 +2,7 @@
 
 use std::io::Cursor;
 
-use bendtwin_core::{
-    Contact, Graph, NodeKind, Params, Pin, Point, Skin, Timing, Twin,
-};
+use bendtwin_core::{Contact, Graph, NodeKind, Params, Pin, Point, Skin, Timing, Twin};
 use bendtwin_core_kit::twin_of;
 use bendtwin_mesh::Mesh;
 

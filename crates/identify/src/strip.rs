@@ -3,7 +3,9 @@
 use std::sync::Arc;
 
 use bendtwin_core::{
-    CancelToken, Capture, Environment, Graph, NodeKind, Params, Pin, Plane, Point,     Sequence, Timing, Twin, capture::Object,     geometry::point_distance, };
+    CancelToken, Capture, Environment, Graph, NodeKind, Params, Pin, Plane, Point, Sequence,
+    Timing, Twin, capture::Object, geometry::point_distance,
+};
 use bendtwin_core_kit::twin_of;
 use bendtwin_engine::{
     Model, Objective,

@@ -1,9 +1,6 @@
 //! Results as workers send them.
 
-use bendtwin_core::{
-    Graph, NodeKind, Params, Timing, Twin,
-    twin::Provenance,
-};
+use bendtwin_core::{Graph, NodeKind, Params, Timing, Twin, twin::Provenance};
 use bendtwin_core_kit::twin_of;
 
 /// A twin file of 5 nodes, 4 springs, 3 triplets and 1 control point, different for each label.

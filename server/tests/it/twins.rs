@@ -1,6 +1,6 @@
 use bendtwin_core::{
-    Graph, Identifiability, NodeKind, Params, Pin, Skin, Timing, Twin,
-    identifiability::Region, };
+    Graph, Identifiability, NodeKind, Params, Pin, Skin, Timing, Twin, identifiability::Region,
+};
 use bendtwin_core_kit::twin_of;
 use bendtwin_proto::v1::{
     CreateTwinRequest, ExportTwinRequest, GetTwinGeometryRequest, ListTwinsRequest, Tensor,
@@ -28,10 +28,7 @@ pub(crate) fn twin_file() -> Vec<u8> {
         spring_dashpot: vec![1.0],
         ..Params::default()
     };
-    let twin = Twin {
-        timing: Timing { fps: 30.0, substeps: 20 },
-        ..twin_of(graph, params)
-    };
+    let twin = Twin { timing: Timing { fps: 30.0, substeps: 20 }, ..twin_of(graph, params) };
     twin.encode().unwrap()
 }
 

@@ -15,11 +15,10 @@ use bendtwin_capture::{
     write_bundle,
 };
 use bendtwin_core::{
-    Capture, Environment, Graph, NodeKind, Params, Pin, Point, Sequence, Skin, Timing,
-    Twin,
+    Capture, Environment, Graph, NodeKind, Params, Pin, Point, Sequence, Skin, Timing, Twin,
     capture::{HeldPoint, Object},
-        geometry::IDENTITY,
-    };
+    geometry::IDENTITY,
+};
 use bendtwin_core_kit::twin_of;
 use bendtwin_mesh::Mesh;
 use zip::ZipArchive;
@@ -263,16 +262,19 @@ pub fn twin() -> Twin {
     };
     Twin {
         timing: Timing { fps: 30.0, substeps: 50 },
-        ..twin_of(graph, Params {
-            spring_stiffness: vec![1e3; 3],
-            spring_dashpot: vec![1.0; 3],
-            rest_lengths_m: vec![0.1; 3],
-            bend_stiffness: vec![0.5],
-            bend_damping: vec![0.01],
-            rest_angles_rad: vec![std::f32::consts::PI],
-            drag: 1.0,
-            ..Params::default()
-        })
+        ..twin_of(
+            graph,
+            Params {
+                spring_stiffness: vec![1e3; 3],
+                spring_dashpot: vec![1.0; 3],
+                rest_lengths_m: vec![0.1; 3],
+                bend_stiffness: vec![0.5],
+                bend_damping: vec![0.01],
+                rest_angles_rad: vec![std::f32::consts::PI],
+                drag: 1.0,
+                ..Params::default()
+            },
+        )
     }
 }
 

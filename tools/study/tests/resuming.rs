@@ -6,8 +6,8 @@ use bendtwin_capture::{Limits, write_bundle_file};
 use bendtwin_core::{CancelToken, Fault, Problem};
 use bendtwin_engine::cpu_with_threads;
 use bendtwin_study::{
-    Devices, Event, Folder, Invocation, Outcome, Plan, PlanOptions, Suite, Summary,
-    Table, draw_pictures,
+    Devices, Event, Folder, Invocation, Outcome, Plan, PlanOptions, Suite, Summary, Table,
+    draw_pictures,
 };
 use bendtwin_synth::{MakeOptions, Scene, make};
 

@@ -7,9 +7,7 @@ use bendtwin_contract_kit::hanging::{request, twin};
 use bendtwin_core::{CancelToken, Category, Problem as _, ids::TwinId};
 use bendtwin_engine::backend;
 use bendtwin_proto::v1::{RollOutRequest, RollOutResponse};
-use bendtwin_rollout::{
-    Checked, Error, Execution, Plan, Room, Served, Warm,
-};
+use bendtwin_rollout::{Checked, Error, Execution, Plan, Room, Served, Warm};
 use tokio::sync::mpsc;
 
 use crate::{

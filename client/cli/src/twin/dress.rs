@@ -8,8 +8,8 @@ use bendtwin_exchange::{Format, splats};
 use clap::Args;
 use serde_json::json;
 
-use super::source::Source;
 use super::exchange::Points;
+use super::source::Source;
 use crate::{failure, global::Global, output};
 
 #[derive(Debug, Args)]

@@ -5,15 +5,14 @@ use bendtwin_contract_kit::rollout as cases;
 use bendtwin_proto::{
     tensor::MOST_DIMENSIONS,
     v1::{
-    AdvanceSessionRequest, ControlTrajectories, Cost, InitialState, PlanRequest, Returns,
-    RollOutRequest, StepSessionRequest, Tensor,
-    cost::{Keypoints, Kind},
-    initial_state::{GivenState, State},
-    roll_out_request::Actions,
-},
+        AdvanceSessionRequest, ControlTrajectories, Cost, InitialState, PlanRequest, Returns,
+        RollOutRequest, StepSessionRequest, Tensor,
+        cost::{Keypoints, Kind},
+        initial_state::{GivenState, State},
+        roll_out_request::Actions,
+    },
 };
 use prost::Message as _;
-
 
 fn encoded(change: impl FnOnce(&mut RollOutRequest)) -> Vec<u8> {
     let twin = TwinShape { nodes: 5, controls: 2, ..TwinShape::default() };

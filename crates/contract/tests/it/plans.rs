@@ -18,7 +18,6 @@ use bendtwin_proto::v1::{
 };
 use proptest::{collection::vec, num, prelude::*};
 
-
 /// 5 nodes that hang from two control points.
 const TWIN: TwinShape = TwinShape {
     nodes: 5,

@@ -18,7 +18,6 @@ use bendtwin_proto::v1::{
     returns::Encoding,
 };
 
-
 const TWIN: TwinShape = TwinShape {
     nodes: 100,
     springs: 400,

@@ -9,7 +9,6 @@ use bendtwin_proto::v1::{
     initial_state::Settled,
 };
 
-
 /// 5 nodes that hang from a control point.
 const TWIN: TwinShape = TwinShape {
     nodes: 5,

@@ -1,7 +1,8 @@
 //! The check of rollouts.
 
 use bendtwin_contract::rollout::{
-    Error, Limits, MOST_SUBSTEPS, PlannerShape, TwinShape, check, check_for, finer_substeps, memory, work,
+    Error, Limits, MOST_SUBSTEPS, PlannerShape, TwinShape, check, check_for, finer_substeps,
+    memory, work,
 };
 use bendtwin_contract_kit::rollout as cases;
 use bendtwin_core::{Category, Problem as _};
@@ -20,7 +21,6 @@ use bendtwin_proto::v1::{
     world::GroundChoice,
 };
 use proptest::prelude::*;
-
 
 /// 5 nodes that hang from a control point.
 const TWIN: TwinShape = TwinShape {

@@ -1,4 +1,7 @@
-use bendtwin_core::{Contact, Graph, Params, Skin, Twin, twin::Member};
+use bendtwin_core::{
+    Contact, Graph, Params, Skin, Twin,
+    twin::{Mean, Member},
+};
 use bendtwin_core_kit::twin_of;
 
 fn twin(control_rest: Vec<[f32; 3]>) -> Twin {

@@ -10,9 +10,7 @@ use bendtwin_engine::{
     backend::{GradientRequest, Instance, Outputs, Rollout},
     world::{Motion, Pose},
 };
-use bendtwin_engine_kit::{
-    RandomOptions, WorldOptions, count_forces, random_model, random_world,
-};
+use bendtwin_engine_kit::{RandomOptions, WorldOptions, count_forces, random_model, random_world};
 
 use super::{both, instance, relative_within, seed};
 

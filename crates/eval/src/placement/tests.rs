@@ -1,4 +1,4 @@
-use bendtwin_core::{Contact, capture::Object, };
+use bendtwin_core::{Contact, capture::Object};
 use bendtwin_core_kit::twin_of;
 use bendtwin_engine::cpu_with_threads;
 use bendtwin_graph::bind_skin;

@@ -1,8 +1,6 @@
 //! Requests that take much memory, and the twins that they are made for.
 
-use bendtwin_core::{
-    Contact, Graph, NodeKind, Params, Timing, Twin,
-    };
+use bendtwin_core::{Contact, Graph, NodeKind, Params, Timing, Twin};
 use bendtwin_core_kit::twin_of;
 use bendtwin_harness::Api;
 use bendtwin_proto::{
@@ -57,10 +55,7 @@ fn twin(n: usize, controls: usize) -> Twin {
         contact: Contact::default(),
         ..Params::default()
     };
-    Twin {
-        timing: Timing { fps: 30.0, substeps: 20 },
-        ..twin_of(graph, params)
-    }
+    Twin { timing: Timing { fps: 30.0, substeps: 20 }, ..twin_of(graph, params) }
 }
 
 /// Control points that rest for `knots` knots; the horizon is short.

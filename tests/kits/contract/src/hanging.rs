@@ -34,10 +34,7 @@ pub fn twin() -> Twin {
         contact: Contact::default(),
         ..Params::default()
     };
-    Twin {
-        timing: Timing { fps: 30.0, substeps: 60 },
-        ..twin_of(graph, params)
-    }
+    Twin { timing: Timing { fps: 30.0, substeps: 60 }, ..twin_of(graph, params) }
 }
 
 /// `b` instances whose control point moves to x = 0.02 i over 6 frames.

@@ -6,11 +6,17 @@
 //! simulation; a five-point stencil keeps the truncation below it.
 
 use bendtwin_core::{CancelToken, Params, Point};
-use bendtwin_engine::{Backend, backend::{Gradient, GradientRequest}};
+use bendtwin_engine::{
+    Backend,
+    backend::{Gradient, GradientRequest},
+};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-use crate::{expect::{Outcome, close, ensure}, scene::Scene};
+use crate::{
+    expect::{Outcome, close, ensure},
+    scene::Scene,
+};
 
 /// A kind of variable that a loss is differentiated by.
 pub(crate) struct Kind {
@@ -173,11 +179,7 @@ const ROUNDING: f64 = 1e-6;
 const CHANGE: f64 = 1e-3;
 
 /// Compares all derivatives of a scene's loss with finite differences.
-pub(crate) fn matches_differences(
-    backend: &dyn Backend,
-    scene: &Scene,
-    check: &Check,
-) -> Outcome {
+pub(crate) fn matches_differences(backend: &dyn Backend, scene: &Scene, check: &Check) -> Outcome {
     let gradient = scene.gradient(backend, &REQUEST)?;
     ensure(gradient.loss.diverged.is_none(), || "the scene diverges".into())?;
     let mut rng = ChaCha8Rng::seed_from_u64(check.seed);

@@ -3,9 +3,9 @@
 use std::f64::consts::PI;
 
 use bendtwin_core::Point;
-use bendtwin_engine::{model::State};
+use bendtwin_engine::model::State;
 
-use crate::{scene::{Scene, cross, difference, dot, norm}};
+use crate::scene::{Scene, cross, difference, dot, norm};
 
 type Point64 = [f64; 3];
 

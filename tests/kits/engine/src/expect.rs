@@ -1,6 +1,6 @@
 //! Comparisons whose failures state the expected and the actual values.
 
-use bendtwin_engine::{model::State};
+use bendtwin_engine::model::State;
 
 pub(crate) type Outcome = Result<(), String>;
 

@@ -19,18 +19,18 @@ mod scene;
 
 use bendtwin_engine::Backend;
 
-pub use self::{
-    physics::skin::in_frames,
-    random::{
-        RandomOptions, random_model, random_motion,
-        world::{WorldOptions, count_forces, random_world},
-    },
-};
 use self::{
     interface::{batches, degenerate, gradients, objectives, optimizer, refusals},
     physics::{
         bending, clamps, colliders, conservation, contact, forces, grasps, ground, rest, skin,
         skin_contact, smooth, springs, twist,
+    },
+};
+pub use self::{
+    physics::skin::in_frames,
+    random::{
+        RandomOptions, random_model, random_motion,
+        world::{WorldOptions, count_forces, random_world},
     },
 };
 

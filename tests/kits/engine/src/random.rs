@@ -8,7 +8,9 @@ use bendtwin_core::{
     Contact, Environment, Graph, NodeKind, Params, Pin, Plane, Point, Timing,
     environment::ControlVelocity, settings::TripletReference,
 };
-use bendtwin_engine::{Model, Objective, PointLoss, PointSet, Term, model::State, objective::WeightedTerm};
+use bendtwin_engine::{
+    Model, Objective, PointLoss, PointSet, Term, model::State, objective::WeightedTerm,
+};
 use bendtwin_graph::{
     Connectivity, LeftOut, NodeSample, SurfacePoints, Triplets, bind_skin, connect, rest_geometry,
 };

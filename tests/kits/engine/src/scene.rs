@@ -6,7 +6,13 @@ use bendtwin_core::{
     CancelToken, Contact, Environment, Graph, NodeKind, Params, Pin, Plane, Point, Skin, Timing,
     environment::ControlVelocity,
 };
-use bendtwin_engine::{Backend, Error, Loaded, Model, Objective, PointLoss, PointSet, Term, backend::{Diagnose, Forces, Gradient, GradientRequest, Instance, Loss, Outputs, Rollout}, model::State, objective::WeightedTerm, world::{Face, Grasp, Motion, Pose, Shape, World}};
+use bendtwin_engine::{
+    Backend, Error, Loaded, Model, Objective, PointLoss, PointSet, Term,
+    backend::{Diagnose, Forces, Gradient, GradientRequest, Instance, Loss, Outputs, Rollout},
+    model::State,
+    objective::WeightedTerm,
+    world::{Face, Grasp, Motion, Pose, Shape, World},
+};
 use bendtwin_graph::{NodeSample, rest_geometry};
 
 /// Nodes of mass 1 in empty space: no gravity, ground, drag or contact until asked for.

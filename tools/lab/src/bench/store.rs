@@ -46,8 +46,7 @@ pub(super) async fn run(args: Store, global: &Global) -> anyhow::Result<()> {
     let (clients, queued) = (usize::from(args.clients), args.queued as usize);
     let time = Duration::from_secs(u64::from(args.seconds));
     let queue = bench::queue(&store, clients, queued, time).await.map_err(failure::failed)?;
-    let pages =
-        bench::pages(&store, args.captures as usize).await.map_err(failure::failed)?;
+    let pages = bench::pages(&store, args.captures as usize).await.map_err(failure::failed)?;
     store.close().await;
     let measured = Measured { database, queue, pages };
     output::print(global, &measured, || text(&measured))

@@ -1,6 +1,8 @@
 //! Memory, part by part.
 
-use bendtwin_contract::rollout::{Error, Limits, Memory, PlannerShape, TwinShape, check_for, memory};
+use bendtwin_contract::rollout::{
+    Error, Limits, Memory, PlannerShape, TwinShape, check_for, memory,
+};
 use bendtwin_proto::v1::{
     ControlTrajectories, Cost, Fidelity, GripperPoses, InitialState, PointSet, Returns,
     RollOutRequest, Tensor,

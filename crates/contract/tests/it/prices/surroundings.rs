@@ -1,8 +1,6 @@
 //! The formula beside the encoding of what surroundings add to a reply.
 
-use bendtwin_contract::rollout::{
-    Limits, TwinShape, check_for, memory, reply_bytes,
-};
+use bendtwin_contract::rollout::{Limits, TwinShape, check_for, memory, reply_bytes};
 use bendtwin_contract_kit::rollout as cases;
 use bendtwin_proto::v1::{
     Ensemble, Returns, RollOutRequest, Tensor, Vary, roll_out_response::Forces,

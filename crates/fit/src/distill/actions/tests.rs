@@ -1,5 +1,4 @@
-use bendtwin_core::{
-    Contact, Graph, Params, Plane, Skin,     };
+use bendtwin_core::{Contact, Graph, Params, Plane, Skin};
 use bendtwin_core_kit::twin_of;
 
 use super::*;

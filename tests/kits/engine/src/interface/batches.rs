@@ -1,9 +1,16 @@
 //! Batches, repeats, resuming and cancelling: bit for bit.
 
 use bendtwin_core::CancelToken;
-use bendtwin_engine::{Backend, Error, backend::{Diagnose, GradientRequest, Instance, Outputs}};
+use bendtwin_engine::{
+    Backend, Error,
+    backend::{Diagnose, GradientRequest, Instance, Outputs},
+};
 
-use crate::{expect::{Outcome, ensure}, random::{RandomOptions, random_model, random_motion, random_objective}, scene::{Scene, only}};
+use crate::{
+    expect::{Outcome, ensure},
+    random::{RandomOptions, random_model, random_motion, random_objective},
+    scene::{Scene, only},
+};
 
 /// Scenes of different sizes, lengths and features.
 fn mixed() -> Vec<Scene> {

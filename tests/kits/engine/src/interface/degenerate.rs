@@ -4,9 +4,20 @@
 use std::{f32::consts::PI, sync::Arc};
 
 use bendtwin_core::CancelToken;
-use bendtwin_engine::{Backend, PointLoss, PointSet, Term, backend::{Diagnose, Gradient, GradientRequest, Outputs}, objective::WeightedTerm};
+use bendtwin_engine::{
+    Backend, PointLoss, PointSet, Term,
+    backend::{Diagnose, Gradient, GradientRequest, Outputs},
+    objective::WeightedTerm,
+};
 
-use crate::{expect::{Outcome, close, ensure, finite}, random::{ RandomOptions, random_model, random_motion, random_objective, world::{WorldOptions, count_forces, random_world}, }, scene::Scene};
+use crate::{
+    expect::{Outcome, close, ensure, finite},
+    random::{
+        RandomOptions, random_model, random_motion, random_objective,
+        world::{WorldOptions, count_forces, random_world},
+    },
+    scene::Scene,
+};
 
 const EVERYTHING: GradientRequest = GradientRequest {
     cut_every: 0,
@@ -178,7 +189,9 @@ pub(crate) fn degenerate_geometry_stays_finite(backend: &dyn Backend) -> Outcome
     scene.params.rest_lengths_m[0] = 0.0;
     scene.last(5);
     match backend.load(Arc::new(scene.model())) {
-        Err(bendtwin_engine::Error::InvalidModel(_) | bendtwin_engine::Error::Unstable { .. }) => Ok(()),
+        Err(bendtwin_engine::Error::InvalidModel(_) | bendtwin_engine::Error::Unstable { .. }) => {
+            Ok(())
+        }
         _ => runs_finite("a rest length of zero", &mut scene, backend),
     }
 }

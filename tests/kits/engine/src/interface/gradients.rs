@@ -2,11 +2,22 @@
 
 use std::sync::Arc;
 
-use bendtwin_engine::{Backend, Objective, PointLoss, PointSet, Term, backend::GradientRequest, objective::{ForceBy, WeightedTerm}};
+use bendtwin_engine::{
+    Backend, Objective, PointLoss, PointSet, Term,
+    backend::GradientRequest,
+    objective::{ForceBy, WeightedTerm},
+};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-use crate::{differences::{Check, REQUEST, kinds, matches_differences}, expect::{Outcome, close, ensure}, physics::grasps::grasping, random::{RandomOptions, random_model, random_motion, random_objective}, scene::Scene, physics::twist::{branched_cable, cable}};
+use crate::{
+    differences::{Check, REQUEST, kinds, matches_differences},
+    expect::{Outcome, close, ensure},
+    physics::grasps::grasping,
+    physics::twist::{branched_cable, cable},
+    random::{RandomOptions, random_model, random_motion, random_objective},
+    scene::Scene,
+};
 
 /// A random scene with terms of one kind only, tracks by default.
 pub(crate) fn tracked(seed: u64, options: &RandomOptions, frames: usize) -> Scene {

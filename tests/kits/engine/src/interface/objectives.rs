@@ -3,9 +3,17 @@
 use std::sync::Arc;
 
 use bendtwin_core::Point;
-use bendtwin_engine::{Backend, PointLoss, PointSet, Term, backend::{Diagnose, Diagnostics, GradientRequest, Outputs}};
+use bendtwin_engine::{
+    Backend, PointLoss, PointSet, Term,
+    backend::{Diagnose, Diagnostics, GradientRequest, Outputs},
+};
 
-use crate::{energy, expect::{Outcome, close, ensure}, random::{RandomOptions, random_model, random_motion, random_objective}, scene::{Scene, difference, dot, norm}};
+use crate::{
+    energy,
+    expect::{Outcome, close, ensure},
+    random::{RandomOptions, random_model, random_motion, random_objective},
+    scene::{Scene, difference, dot, norm},
+};
 
 fn measured(seed: u64) -> Scene {
     let options = RandomOptions { ground: true, ..RandomOptions::default() };

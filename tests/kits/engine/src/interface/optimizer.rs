@@ -5,9 +5,20 @@ mod pair;
 
 use self::pair::{Pair, REQUEST, by_hand, distance};
 use bendtwin_core::CancelToken;
-use bendtwin_engine::{Backend, Error, PointLoss, PointSet, Term, backend::GradientRequest, objective::WeightedTerm, optimizer::{ Adam, GradientNorm, GradientSample, OptimizerInit, Parameter, Parameterization, Position, Scale, }};
+use bendtwin_engine::{
+    Backend, Error, PointLoss, PointSet, Term,
+    backend::GradientRequest,
+    objective::WeightedTerm,
+    optimizer::{
+        Adam, GradientNorm, GradientSample, OptimizerInit, Parameter, Parameterization, Position,
+        Scale,
+    },
+};
 
-use crate::{expect::{Outcome, close, ensure}, scene::Scene};
+use crate::{
+    expect::{Outcome, close, ensure},
+    scene::Scene,
+};
 
 /// Losses, lengths and final states are those of `gradients` through the chain rule: to 1e-5, which
 /// leaves room for a sum in f32 and another order.

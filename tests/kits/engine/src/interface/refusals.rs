@@ -3,9 +3,21 @@
 use std::sync::Arc;
 
 use bendtwin_core::{CancelToken, Pin, Plane, environment::ControlVelocity};
-use bendtwin_engine::{Backend, Error, Loaded, PointLoss, PointSet, Term, backend::{GradientRequest, Instance, Outputs}, objective::WeightedTerm, world::{ Attachment, Collider, Face, Grasp, Hold, IDENTITY, MAX_FACES, MAX_PARTS, Phase, Region, Shape, }};
+use bendtwin_engine::{
+    Backend, Error, Loaded, PointLoss, PointSet, Term,
+    backend::{GradientRequest, Instance, Outputs},
+    objective::WeightedTerm,
+    world::{
+        Attachment, Collider, Face, Grasp, Hold, IDENTITY, MAX_FACES, MAX_PARTS, Phase, Region,
+        Shape,
+    },
+};
 
-use crate::{expect::{Outcome, ensure}, random::{RandomOptions, random_model, random_motion, random_objective}, scene::Scene};
+use crate::{
+    expect::{Outcome, ensure},
+    random::{RandomOptions, random_model, random_motion, random_objective},
+    scene::Scene,
+};
 
 fn scene() -> Scene {
     let options = RandomOptions { ground: true, rod: true, pins: 4, ..RandomOptions::default() };

@@ -3,9 +3,14 @@
 use std::f32::consts::PI;
 
 use bendtwin_core::Timing;
-use bendtwin_engine::{Backend};
+use bendtwin_engine::Backend;
 
-use crate::{energy, expect::{Outcome, close}, random::{RandomOptions, random_model, random_motion}, scene::{Scene, difference, dot, norm}};
+use crate::{
+    energy,
+    expect::{Outcome, close},
+    random::{RandomOptions, random_model, random_motion},
+    scene::{Scene, difference, dot, norm},
+};
 
 /// A random free network in a random state, to run for one substep of 0.1 ms.
 fn one_substep(seed: u64) -> Scene {

@@ -3,9 +3,19 @@
 use std::sync::Arc;
 
 use bendtwin_core::Point;
-use bendtwin_engine::{Backend, model::State, world::{Attachment, Grasp, IDENTITY, Phase, Pose, Region}};
+use bendtwin_engine::{
+    Backend,
+    model::State,
+    world::{Attachment, Grasp, IDENTITY, Phase, Pose, Region},
+};
 
-use crate::{expect::{Outcome, close, ensure}, differences::{Check, matches_differences}, physics::grasps::pins, scene::{Scene, cross, difference, dot, norm, pose}, physics::twist::{branched_cable, cable}};
+use crate::{
+    differences::{Check, matches_differences},
+    expect::{Outcome, close, ensure},
+    physics::grasps::pins,
+    physics::twist::{branched_cable, cable},
+    scene::{Scene, cross, difference, dot, norm, pose},
+};
 
 fn nodes(of: &[u32]) -> Region {
     Region::Nodes(Arc::new(of.to_vec()))

@@ -3,9 +3,15 @@
 use std::f64::consts::TAU;
 
 use bendtwin_core::{Point, Timing};
-use bendtwin_engine::{Backend, world::{Collider, Shape}};
+use bendtwin_engine::{
+    Backend,
+    world::{Collider, Shape},
+};
 
-use crate::{expect::{Outcome, close, ensure}, scene::{Scene, cuboid, difference, norm, pose}};
+use crate::{
+    expect::{Outcome, close, ensure},
+    scene::{Scene, cuboid, difference, norm, pose},
+};
 
 const G: f64 = 9.81;
 

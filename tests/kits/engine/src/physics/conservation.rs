@@ -1,8 +1,13 @@
 //! Budgets of energy and momentum, on random networks.
 
-use bendtwin_engine::{Backend};
+use bendtwin_engine::Backend;
 
-use crate::{energy, expect::{Outcome, close, ensure}, random::{RandomOptions, random_model, random_motion}, scene::{Scene, norm}};
+use crate::{
+    energy,
+    expect::{Outcome, close, ensure},
+    random::{RandomOptions, random_model, random_motion},
+    scene::{Scene, norm},
+};
 
 /// A free network in empty space, without drag.
 fn free(seed: u64, frames: usize, damping: bool) -> Scene {

@@ -1,8 +1,11 @@
 //! Contact between nodes: the impulse formula, its mean over pairs, self contact.
 
-use bendtwin_engine::{Backend};
+use bendtwin_engine::Backend;
 
-use crate::{expect::{Outcome, close, ensure}, scene::{Scene, cross, difference, dot, norm}};
+use crate::{
+    expect::{Outcome, close, ensure},
+    scene::{Scene, cross, difference, dot, norm},
+};
 
 const DISTANCE: f32 = 0.02;
 

@@ -3,9 +3,18 @@
 use std::sync::Arc;
 
 use bendtwin_core::Point;
-use bendtwin_engine::{Backend, backend::Forces, model::State, world::{Attachment, Collider, Grasp, IDENTITY, Region}};
+use bendtwin_engine::{
+    Backend,
+    backend::Forces,
+    model::State,
+    world::{Attachment, Collider, Grasp, IDENTITY, Region},
+};
 
-use crate::{expect::{Outcome, close, ensure}, physics::grasps::{grasping, pins}, scene::{Scene, cuboid, pose}};
+use crate::{
+    expect::{Outcome, close, ensure},
+    physics::grasps::{grasping, pins},
+    scene::{Scene, cuboid, pose},
+};
 
 const G: f64 = 9.81;
 

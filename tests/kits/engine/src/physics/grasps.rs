@@ -3,9 +3,19 @@
 use std::{f64::consts::TAU, sync::Arc};
 
 use bendtwin_core::{CancelToken, Point};
-use bendtwin_engine::{Backend, backend::Outputs, model::State, world::{Attachment, Grasp, IDENTITY, Phase, Pose, Region}};
+use bendtwin_engine::{
+    Backend,
+    backend::Outputs,
+    model::State,
+    world::{Attachment, Grasp, IDENTITY, Phase, Pose, Region},
+};
 
-use crate::{expect::{Outcome, close, ensure}, random::{RandomOptions, random_model, random_motion, random_objective}, scene::{Scene, difference, norm, pose}, physics::twist::cable};
+use crate::{
+    expect::{Outcome, close, ensure},
+    physics::twist::cable,
+    random::{RandomOptions, random_model, random_motion, random_objective},
+    scene::{Scene, difference, norm, pose},
+};
 
 /// A grasp by pins that never slips.
 pub(crate) fn pins(body: u32, region: Region) -> Grasp {

@@ -1,9 +1,15 @@
 //! The ground: restitution, time of impact, Coulomb friction.
 
 use bendtwin_core::{Point, Timing};
-use bendtwin_engine::{Backend, backend::{Diagnose, Outputs}};
+use bendtwin_engine::{
+    Backend,
+    backend::{Diagnose, Outputs},
+};
 
-use crate::{expect::{Outcome, close, ensure}, scene::{Scene, difference, dot}};
+use crate::{
+    expect::{Outcome, close, ensure},
+    scene::{Scene, difference, dot},
+};
 
 const G: f64 = 9.81;
 

@@ -4,9 +4,18 @@
 use std::sync::Arc;
 
 use bendtwin_core::{Point, Timing};
-use bendtwin_engine::{Backend, PointLoss, PointSet, Term, model::State, objective::WeightedTerm, world::{Collider, Face, Shape}};
+use bendtwin_engine::{
+    Backend, PointLoss, PointSet, Term,
+    model::State,
+    objective::WeightedTerm,
+    world::{Collider, Face, Shape},
+};
 
-use crate::{expect::{Outcome, close, ensure}, differences::{Check, matches_differences}, scene::{Scene, difference, norm}};
+use crate::{
+    differences::{Check, matches_differences},
+    expect::{Outcome, close, ensure},
+    scene::{Scene, difference, norm},
+};
 
 const G: f64 = 9.81;
 const BOUNCY: f32 = 0.8;

@@ -7,7 +7,13 @@ use bendtwin_engine::{Backend, PointLoss, PointSet, Term, model::State, objectiv
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-use crate::{expect::{Outcome, close, ensure}, differences::{Check, matches_differences}, interface::gradients::{keep, tracked}, random::{RandomOptions, random_model, random_objective}, scene::{Scene, difference, norm}};
+use crate::{
+    differences::{Check, matches_differences},
+    expect::{Outcome, close, ensure},
+    interface::gradients::{keep, tracked},
+    random::{RandomOptions, random_model, random_objective},
+    scene::{Scene, difference, norm},
+};
 
 /// Row-major.
 type Matrix = [[f32; 3]; 3];

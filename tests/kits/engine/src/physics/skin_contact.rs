@@ -3,9 +3,19 @@
 use std::sync::Arc;
 
 use bendtwin_core::{Graph, Point, Skin, Timing, geometry::wide, skin::offset_in_frame};
-use bendtwin_engine::{Backend, backend::Outputs, model::State, world::{Collider, Face, Shape}};
+use bendtwin_engine::{
+    Backend,
+    backend::Outputs,
+    model::State,
+    world::{Collider, Face, Shape},
+};
 
-use crate::{expect::{Outcome, close, ensure}, differences::{Check, matches_differences}, physics::rest::{farthest, fastest}, scene::{Scene, cuboid, difference, dot, pose}};
+use crate::{
+    differences::{Check, matches_differences},
+    expect::{Outcome, close, ensure},
+    physics::rest::{farthest, fastest},
+    scene::{Scene, cuboid, difference, dot, pose},
+};
 
 const G: f64 = 9.81;
 /// Depth of the skin around the nodes of a block [m].

@@ -3,9 +3,19 @@
 
 use std::sync::Arc;
 
-use bendtwin_engine::{Backend, PointLoss, PointSet, Term, objective::{ForceBy, WeightedTerm}, world::{Collider, Face, Region, Shape}};
+use bendtwin_engine::{
+    Backend, PointLoss, PointSet, Term,
+    objective::{ForceBy, WeightedTerm},
+    world::{Collider, Face, Region, Shape},
+};
 
-use crate::{expect::{Outcome, ensure}, differences::{Check, matches_differences}, physics::grasps::pins, random::{RandomOptions, random_model, random_motion, world::shifted}, scene::{Scene, cuboid, difference, dot, pose}};
+use crate::{
+    differences::{Check, matches_differences},
+    expect::{Outcome, ensure},
+    physics::grasps::pins,
+    random::{RandomOptions, random_model, random_motion, world::shifted},
+    scene::{Scene, cuboid, difference, dot, pose},
+};
 
 /// Frames of every scene.
 const FRAMES: usize = 4;

@@ -3,7 +3,10 @@
 use bendtwin_core::environment::ControlVelocity;
 use bendtwin_engine::{Backend, backend::Rollout};
 
-use crate::{expect::{Outcome, close, ensure}, scene::{Scene, difference, norm}};
+use crate::{
+    expect::{Outcome, close, ensure},
+    scene::{Scene, difference, norm},
+};
 
 const G: f64 = 9.81;
 

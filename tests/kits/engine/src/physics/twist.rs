@@ -5,7 +5,12 @@ use std::f64::consts::TAU;
 use bendtwin_core::Point;
 use bendtwin_engine::{Backend, backend::GradientRequest, model::State};
 
-use crate::{energy, expect::{Outcome, close, ensure}, random::{RandomOptions, random_model, random_motion, random_objective}, scene::{Scene, cross, difference, dot, norm}};
+use crate::{
+    energy,
+    expect::{Outcome, close, ensure},
+    random::{RandomOptions, random_model, random_motion, random_objective},
+    scene::{Scene, cross, difference, dot, norm},
+};
 
 /// Distance of nodes along a cable [m].
 const LINK_M: f32 = 0.05;

@@ -4,7 +4,13 @@
 use std::{f32::consts::TAU, sync::Arc};
 
 use bendtwin_core::Point;
-use bendtwin_engine::{Model, Objective, Term, objective::{ForceBy, WeightedTerm}, world::{ Attachment, Collider, Face, Grasp, Motion, Pose, Region, Shape, World, largest_stiffness, }};
+use bendtwin_engine::{
+    Model, Objective, Term,
+    objective::{ForceBy, WeightedTerm},
+    world::{
+        Attachment, Collider, Face, Grasp, Motion, Pose, Region, Shape, World, largest_stiffness,
+    },
+};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 

@@ -3,9 +3,19 @@
 use std::sync::Arc;
 
 use bendtwin_core::CancelToken;
-use bendtwin_engine::{Backend, backend::GradientRequest, optimizer::{ Bounds, Decay, GradientSample, Optimizer, OptimizerInit, Parameter, Parameterization, Position, Scale, }};
+use bendtwin_engine::{
+    Backend,
+    backend::GradientRequest,
+    optimizer::{
+        Bounds, Decay, GradientSample, Optimizer, OptimizerInit, Parameter, Parameterization,
+        Position, Scale,
+    },
+};
 
-use crate::{random::{RandomOptions, random_model, random_motion, random_objective}, scene::Scene};
+use crate::{
+    random::{RandomOptions, random_model, random_motion, random_objective},
+    scene::Scene,
+};
 
 pub(crate) const REQUEST: GradientRequest = GradientRequest {
     cut_every: 0,
