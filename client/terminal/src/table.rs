@@ -8,6 +8,7 @@ pub struct Table {
 }
 
 impl Table {
+    /// A table without rows.
     pub fn new<'h>(header: impl IntoIterator<Item = &'h str>) -> Self {
         Self { header: header.into_iter().map(str::to_owned).collect(), rows: Vec::new() }
     }

@@ -150,7 +150,7 @@ impl<'a> Plan<'a> {
 impl Source {
     fn new(path: PathBuf, read: &Read<'_>) -> Result<Self, Error> {
         let (capture, views) = match read(&path) {
-            Ok(captured) => (Ok(captured.capture), captured.views),
+            Ok((capture, views)) => (Ok(capture), views),
             Err(fault) => (Err(fault), None),
         };
         if capture.as_ref().is_err_and(|fault| fault.category == Category::Cancelled) {

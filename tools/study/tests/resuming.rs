@@ -3,7 +3,7 @@
 use std::{path::Path, sync::Arc, time::Duration};
 
 use bendtwin_capture::{Limits, write_bundle_file};
-use bendtwin_core::{CancelToken, Fault, Problem};
+use bendtwin_core::{CancelToken, Capture, Fault, Problem, Views};
 use bendtwin_engine::cpu_with_threads;
 use bendtwin_study::{
     Devices, Event, Folder, Invocation, Outcome, Plan, PlanOptions, Suite, Summary, Table,

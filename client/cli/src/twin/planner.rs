@@ -101,7 +101,7 @@ fn make(
     let (nodes, substeps) =
         choice.map_or((args.nodes as usize, args.substeps), |c| (c.nodes, c.substeps));
     let wanted = Distillation { nodes, substeps, seed: args.seed };
-    let capture = captured.as_ref().map(|captured| &captured.capture);
+    let capture = captured.as_ref().map(|(capture, _)| capture);
     let twin = wanted.of(&twin, capture, &backend, cancel).map_err(failure::failed)?;
     Ok((twin, choice))
 }

@@ -2,13 +2,14 @@
 
 use bendtwin_contract::{
     plan::{Checked, Error, MOST_PLANS, check},
-    rollout::{self, Limits, TwinShape},
+    rollout::{self, Limits, SessionParts, TwinShape},
 };
 use bendtwin_contract_kit::plan as cases;
 use bendtwin_core::{Category, Problem as _};
+use bendtwin_plan::Movement;
 use bendtwin_proto::v1::{
-    ActionSpace, Cost, Ensemble, InitialState, KnotTimes, PlanBounds, Plausibility, Returns,
-    Tensor, Vary, World,
+    ActionSpace, Cost, Ensemble, InitialState, KnotTimes, PlanBounds, PlanRequest, Plausibility,
+    Returns, Tensor, Vary, World,
     action_space::Coordinates,
     cost::{Clearance, Force, Kind, force::By},
     ensemble::Statistic,

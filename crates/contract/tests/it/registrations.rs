@@ -1,12 +1,16 @@
 //! The check of registrations and corrections.
 
-use bendtwin_contract::registration::*;
+use bendtwin_contract::{
+    registration::{carry, check_correction, check_registration, registration_work},
+    rollout::{Limits, TwinShape},
+};
 use bendtwin_contract_kit::registration as cases;
 use bendtwin_core::{Category, Problem as _};
 use bendtwin_proto::v1::{
-    Collider, CorrectOptions, InitialState, RegisterOptions, Sphere, World,
+    Collider, CorrectOptions, CorrectSessionRequest, InitialState, RegisterOptions,
+    RegisterStateRequest, Sphere, Tensor, World,
     collider::{Carrier, Shape},
-    initial_state::Settled,
+    initial_state::{Settled, State},
 };
 
 /// 5 nodes that hang from a control point.

@@ -1,14 +1,14 @@
 //! The check of rollouts.
 
 use bendtwin_contract::rollout::{
-    Error, Limits, MOST_SUBSTEPS, PlannerShape, TwinShape, check, check_for, finer_substeps,
+    Batch, Error, Limits, MOST_SUBSTEPS, PlannerShape, TwinShape, check, check_for, finer_substeps,
     memory, work,
 };
 use bendtwin_contract_kit::rollout as cases;
 use bendtwin_core::{Category, Problem as _};
 use bendtwin_proto::v1::{
     ControlTrajectories, Cost, Cuboid, Ensemble, GripperPoses, InitialState, Plane, PointSet,
-    Returns, Tensor, Vary,
+    Returns, RollOutRequest, Tensor, Vary,
     collider::Carrier,
     cost::{
         Clearance, ControlPath, ControlSpeed, Force, Height, Keypoints, Kind, Strain, TargetCloud,

@@ -7,16 +7,20 @@ fn methods(text: &str, from: &str) -> Vec<String> {
 
 #[test]
 fn every_method_of_a_backend_is_passed_on() {
-    let wanted =
-        methods(include_str!("../../../engine/src/backend.rs"), "pub trait Backend: Send + Sync {");
+    let wanted = methods(
+        include_str!("../../../../crates/engine/src/backend.rs"),
+        "pub trait Backend: Send + Sync {",
+    );
     assert!(wanted.len() >= 6, "{wanted:?}");
     assert_eq!(methods(include_str!("../timed.rs"), "impl Backend for TimedBackend {"), wanted);
 }
 
 #[test]
 fn every_method_of_an_optimizer_is_passed_on() {
-    let wanted =
-        methods(include_str!("../../../engine/src/optimizer.rs"), "pub trait Optimizer: Send {");
+    let wanted = methods(
+        include_str!("../../../../crates/engine/src/optimizer.rs"),
+        "pub trait Optimizer: Send {",
+    );
     assert!(wanted.len() >= 4, "{wanted:?}");
     assert_eq!(
         methods(include_str!("optimizer.rs"), "impl Optimizer for TimedOptimizer {"),

@@ -1,7 +1,7 @@
 use bendtwin_core::Problem as _;
 
 use super::*;
-use crate::authority::{Order, Role, tests::order};
+use crate::authority::{Order, Role, Written, tests::order};
 
 fn authority() -> (tempfile::TempDir, Authority) {
     let folder = tempfile::tempdir().unwrap();
@@ -10,7 +10,7 @@ fn authority() -> (tempfile::TempDir, Authority) {
     (folder, authority)
 }
 
-fn issue(authority: &Authority, name: &str) -> crate::Written {
+fn issue(authority: &Authority, name: &str) -> Written {
     let order = Order { renew: true, ..order(name, Role::Worker) };
     authority.issue(&order).unwrap()
 }
