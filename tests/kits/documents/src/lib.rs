@@ -46,13 +46,19 @@ pub fn compare(program: &str, mut definition: Command) -> (usize, Vec<String>) {
 /// What is wrong with the words of a command.
 fn fault(definition: &Command, words: &[String]) -> Option<String> {
     let (mut command, mut is_open) = (definition, true);
-    for word in words {
+    let mut words = words.iter();
+    while let Some(word) = words.next() {
         if let Some(option) = word.strip_prefix("--") {
-            let name = option.split('=').next().unwrap_or_default();
+            let (name, value) =
+                option.split_once('=').map_or((option, None), |(n, v)| (n, Some(v)));
             let mut arguments = command.get_arguments();
-            let is_known = arguments.any(|a| a.get_long() == Some(name)) || name == "help";
-            if !is_known && !name.is_empty() {
-                return Some(format!("`{}` has no option --{name}", command.get_name()));
+            match arguments.find(|argument| argument.get_long() == Some(name)) {
+                Some(argument) if argument.get_action().takes_values() && value.is_none() => {
+                    words.next();
+                }
+                Some(_) => {}
+                None if name.is_empty() => {}
+                None => return Some(format!("`{}` has no option --{name}", command.get_name())),
             }
         } else if is_open && command.has_subcommands() {
             match command.find_subcommand(word) {
@@ -99,8 +105,11 @@ fn collect(root: &Path, name: &str, files: &mut Vec<(String, PathBuf)>) {
     }
 }
 
+/// Words before a command in the same line that run it, beside variables of the environment.
+const RUNNERS: [&str; 3] = ["$", "chrt", "docker"];
+
 /// Commands of a Markdown text, each with the number of its line: those that begin a span of code, and
-/// those in blocks of code, up to the end of the command.
+/// those that begin a line in a block of code or follow a runner there, up to the end of the command.
 fn in_text(program: &str, text: &str) -> Vec<(usize, Vec<String>)> {
     let mut found = Vec::new();
     let mut lines = text.lines().enumerate();
@@ -116,9 +125,12 @@ fn in_text(program: &str, text: &str) -> Vec<(usize, Vec<String>)> {
         }
         let starts = line.match_indices(program).filter(|(at, _)| {
             let (before, after) = (&line[..*at], &line[at + program.len()..]);
-            let begins = before.ends_with('`')
-                || is_block && before.chars().next_back().is_none_or(|c| c == ' ');
-            begins && after.starts_with(' ')
+            let runner = before.split_whitespace().next().unwrap_or(RUNNERS[0]);
+            let runs = (RUNNERS.contains(&runner) || runner.contains('='))
+                && !before.ends_with(|c: char| c != ' ');
+            let is_command = before.ends_with('`') || is_block && runs;
+            let is_version = after.trim_start().starts_with(|c: char| c.is_ascii_digit());
+            is_command && after.starts_with(' ') && !is_version
         });
         for (at, _) in starts {
             let rest = &line[at + program.len()..];
@@ -144,7 +156,8 @@ mod tests {
 
     fn definition() -> Command {
         let flag = |name: &'static str| Arg::new(name).long(name).action(ArgAction::SetTrue);
-        let start = Command::new("start").arg(flag("watch")).arg(Arg::new("name"));
+        let seed = Arg::new("seed").long("seed");
+        let start = Command::new("start").arg(flag("watch")).arg(seed).arg(Arg::new("name"));
         let fit = Command::new("fit").subcommand(start);
         let json = flag("json").global(true);
         let mut program = Command::new("twin").arg(json).subcommand(fit);
@@ -154,7 +167,7 @@ mod tests {
 
     #[test]
     fn commands_are_found_in_blocks_and_in_spans() {
-        let text = "Text about twin fits.\n\n    nice twin fit start \\\n        a --watch   # comment\n\
+        let text = "Text about twin fits.\n\n    chrt twin fit start \\\n        a --watch   # comment\n\
                     Or `twin fit` and `twin --json | jq`.\n";
         let found = in_text("twin", text);
         let words = |words: &[&str]| words.iter().map(|w| (*w).to_owned()).collect::<Vec<_>>();
@@ -171,7 +184,7 @@ mod tests {
     #[test]
     fn unknown_commands_and_options_are_faults() {
         let fault = |text: &str| fault(&definition(), &words(text));
-        assert_eq!(fault(" fit start captures/... [--watch] --json"), None);
+        assert_eq!(fault(" --json fit start captures/... [--watch] --seed 3 --help"), None);
         assert!(fault(" fits start").unwrap().contains("no command fits"));
         assert!(fault(" fit stop").unwrap().contains("no command stop"));
         assert!(fault(" fit start a --wait").unwrap().contains("no option --wait"));
