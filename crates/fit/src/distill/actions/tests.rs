@@ -1,4 +1,4 @@
-use bendtwin_core::{Contact, Graph, Params, Plane, Skin};
+use bendtwin_core::{Contact, Graph, Params, Plane};
 use bendtwin_core_kit::twin_of;
 
 use super::*;
@@ -6,15 +6,15 @@ use super::*;
 /// A twin that two hands of two control points hold, 20 cm apart, 2 cm above the ground.
 fn twin() -> Twin {
     let controls = [[0.0, 0.0, 0.02], [0.02, 0.0, 0.02], [0.2, 0.0, 0.02], [0.22, 0.0, 0.02]];
+    let graph = Graph { control_rest: controls.to_vec(), ..Graph::default() };
+    let params = Params { contact: Contact::default(), ..Params::default() };
     Twin {
-        graph: Graph { control_rest: controls.to_vec(), ..Graph::default() },
-        skin: Skin::default(),
         environment: Environment {
             ground: Some(Plane { normal: [0.0, 0.0, 1.0], offset_m: 0.0 }),
             ..Environment::Z_UP
         },
         control_hands: vec![0, 0, 1, 1],
-        ..twin_of(graph, Params { contact: Contact::default(), ..Params::default() })
+        ..twin_of(graph, params)
     }
 }
 
