@@ -81,7 +81,7 @@ pub fn malformed(twin: &TwinShape) -> Vec<Case> {
     add("2^32 - 1 frames", "`frames`", RollOutRequest { frames: u32::MAX, ..good.clone() });
     for limit in [0.0, -1.0, f64::NAN, f64::INFINITY] {
         let request = RollOutRequest { time_limit_s: Some(limit), ..good.clone() };
-        add("a time limit that is none", "`time_limit_s`", request);
+        add("a time limit that is not one", "`time_limit_s`", request);
     }
     let returns = Some(Returns { control_gradients: true, ..Returns::default() });
     let limited = RollOutRequest { returns, time_limit_s: Some(1.0), ..good.clone() };

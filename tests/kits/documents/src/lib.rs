@@ -63,7 +63,7 @@ fn fault(definition: &Command, words: &[String]) -> Option<String> {
         } else if is_open && command.has_subcommands() {
             match command.find_subcommand(word) {
                 Some(next) => command = next,
-                // A command may have arguments of its own instead.
+                // A command may have arguments instead.
                 None if command.get_positionals().next().is_some() => is_open = false,
                 None => return Some(format!("`{}` has no command {word}", command.get_name())),
             }

@@ -1,5 +1,5 @@
-//! Motion of the control points of a scene: gently out and back, each instance in a direction of
-//! its own.
+//! Motion of the control points of a scene: gently out and back, each instance in a
+//! different direction.
 
 use std::f32::consts::TAU;
 

@@ -29,7 +29,7 @@ fn wrong_usage_is_refused() {
     }
 }
 
-/// Every command in the documents works as it is written there, apart from the values.
+/// Every command in the documents exists, with all options that are written there.
 #[test]
 fn commands_in_documents_exist() {
     let (count, wrong) = bendtwin_documents_kit::compare("cargo lab", Arguments::command());

@@ -179,7 +179,7 @@ pub(crate) fn cancellation_stops_everything(backend: &dyn Backend) -> Outcome {
         let mut pieces = 0;
         while !running.is_finished() {
             pieces += 1;
-            ensure(pieces <= PIECES / 20, || "a cancelled call goes on".to_owned())?;
+            ensure(pieces <= PIECES / 20, || "a cancelled call continues".to_owned())?;
             work()?;
         }
         let error = running.join().map_err(|_| "a cancelled call panicked".to_owned())?;
