@@ -36,7 +36,7 @@ mod supervise;
 mod tls;
 
 /// Check, repair and backup of a data folder.
-pub use bendtwin_store::{DatabaseUrl, ObjectsUrl, bench as store_bench, maintenance};
+pub use bendtwin_store::{DatabaseUrl, ObjectsUrl, maintenance};
 #[doc(hidden)]
 pub use http::uploads::read_upload_headers;
 pub use options::{ClientTokenPolicy, Limits, Options, Tls, WorkerPolicy, WorkerTls};

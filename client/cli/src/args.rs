@@ -1,10 +1,12 @@
 //! The command line as a whole: shared options and the list of commands.
 
+pub(crate) mod completions;
+
 use clap::{Parser, Subcommand};
 
 use crate::{
-    bench, ca, capture, completions, demo, doctor, eval, fit, global::Global, key, logging,
-    rollout, server, store, suite, twin, worker,
+    bench, ca, capture, demo, doctor, eval, fit, global::Global, key, logging, rollout, server,
+    store, twin, worker,
 };
 
 /// Turns recordings of soft objects into physical twins, and predicts what robot actions do to
@@ -47,9 +49,7 @@ pub(crate) enum Command {
     Ca(ca::Ca),
     /// Fit and score captures on this machine, without a server
     Eval(eval::Eval),
-    /// Fit and compare a list of captures and configurations, without a server
-    Suite(suite::SuiteArgs),
-    /// Time the physics on this machine, on named scenes
+    /// Time a twin on this machine, as planners use it
     Bench(bench::Bench),
     /// Check, repair and back up the data folder of a server
     Store(store::Store),

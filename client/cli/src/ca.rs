@@ -3,8 +3,11 @@
 use std::path::{Path, PathBuf};
 
 use anyhow::Context as _;
-use bendtwin_ca::{AUTHORITY_DAYS, Authority, DAYS, Issued, Order, Role, Written, issued};
-use bendtwin_tls::{Certificate, Validity, files};
+use bendtwin_tls::{
+    Certificate, Validity,
+    authority::{AUTHORITY_DAYS, Authority, DAYS, Issued, Order, Role, Written, issued},
+    files,
+};
 use clap::{Args, Subcommand, ValueEnum};
 use jiff::Timestamp;
 use serde::Serialize;

@@ -1,6 +1,5 @@
 //! `bendtwin eval`: fits captures on this machine and scores the twins, without a server.
 
-mod corrections;
 mod leave_out;
 mod local;
 mod video;
@@ -10,24 +9,20 @@ use std::{path::PathBuf, sync::Arc};
 use bendtwin_core::{CancelToken, Quality, Twin, quality::Assessment};
 use bendtwin_engine::Backend;
 use bendtwin_eval::{
-    CorrectionScore, EvaluateOptions, TableStyle, evaluate, fast_variant, format_table,
-    in_recording,
+    EvaluateOptions, TableStyle, evaluate, fast_variant, format_table, in_recording,
 };
 use bendtwin_fit::{Look, LookInput};
 use bendtwin_image_metrics::Lpips;
-use bendtwin_study::Captured;
 use clap::Args;
 use serde_json::json;
 
-use self::{
-    corrections::CorrectArgs,
-    local::{Fitted, fit},
-};
+use self::local::{Fitted, fit};
 use crate::{
     backend::BackendArgs,
     failure::{self, Failed, Usage},
     global::Global,
-    identifiability, observation, output, picture, quality,
+    observation, output,
+    quality::{self, identifiability, picture},
     settings::SettingsArgs,
     signals,
 };
@@ -55,7 +50,7 @@ pub(crate) struct Eval {
     /// Treat the captures as recordings of one object, leave out each in turn, and report how well
     /// twins of the others predict it: twins of one other recording, and one of all others
     /// together. All frames of the others are fitted
-    #[arg(long, conflicts_with_all = ["twin", "from", "axial", "out", "picture", "video", "lpips", "per_frame", "correct_at"])]
+    #[arg(long, conflicts_with_all = ["twin", "from", "axial", "out", "picture", "video", "lpips", "per_frame"])]
     leave_out: bool,
     /// Draw predicted against observed into this PNG file
     #[arg(long, value_name = "FILE")]
@@ -71,8 +66,6 @@ pub(crate) struct Eval {
     /// Include the errors of every frame (with --json)
     #[arg(long)]
     per_frame: bool,
-    #[command(flatten)]
-    correct: CorrectArgs,
 }
 
 pub(crate) async fn run(args: Eval, global: &Global) -> anyhow::Result<()> {
@@ -80,12 +73,7 @@ pub(crate) async fn run(args: Eval, global: &Global) -> anyhow::Result<()> {
     if args.paths.len() > 1 && files.into_iter().any(Option::is_some) {
         return Err(Usage::error("--out, --picture and --video take one capture at a time"));
     }
-    let cancel = CancelToken::default();
-    let (shutdown, token) = (signals::shutdown(), cancel.clone());
-    tokio::spawn(async move {
-        shutdown.cancelled().await;
-        token.cancel();
-    });
+    let cancel = signals::cancellation();
     let settings = args.settings.resolve()?;
     let opening = args.backend.clone();
     let backend = tokio::task::spawn_blocking(move || opening.open()).await??;
@@ -107,7 +95,6 @@ pub(crate) async fn run(args: Eval, global: &Global) -> anyhow::Result<()> {
             "assessment": scored.assessment,
             "substeps": scored.substeps,
             "fit_s": scored.fit_s,
-            "corrections": corrections::document(&scored.corrections),
             "videos": scored.videos,
         });
         output::print(global, &document, || text(&name, &scored))?;
@@ -122,7 +109,6 @@ struct Scored {
     /// Substeps of the twin [per frame].
     substeps: u32,
     fit_s: Option<f64>,
-    corrections: Vec<CorrectionScore>,
     /// Videos that were written.
     videos: Vec<PathBuf>,
 }
@@ -135,7 +121,7 @@ fn score(
     cancel: &CancelToken,
     quiet: bool,
 ) -> anyhow::Result<Scored> {
-    let Captured { capture, views } = observation::read(path, cancel, quiet).map_err(Failed)?;
+    let (capture, views) = observation::read(path, cancel, quiet).map_err(Failed)?;
     let rasteriser = args.backend.rasteriser();
     let lpips = args.lpips.as_deref().map(Lpips::open).transpose();
     let lpips = lpips.map_err(|e| Usage::error(e.to_string()))?.map(Arc::new);
@@ -206,10 +192,9 @@ fn score(
             videos.extend(filmed.write("-axial", drawn(axial), cancel)?);
         }
     }
-    let corrections = args.correct.compare(&**backend, shown, recording, cancel)?;
     let assessment = quality::of_twin(&fitted.twin, &quality);
     let substeps = fitted.twin.timing.substeps;
-    Ok(Scored { quality, assessment, substeps, fit_s, corrections, videos })
+    Ok(Scored { quality, assessment, substeps, fit_s, videos })
 }
 
 fn read_twin(path: &std::path::Path) -> anyhow::Result<Twin> {
@@ -229,9 +214,6 @@ fn text(name: &str, scored: &Scored) -> String {
     }
     if let Some(sentences) = identifiability::sentences(&scored.quality) {
         text += &format!("\n{sentences}\n");
-    }
-    if !scored.corrections.is_empty() {
-        text += &format!("\n{}", corrections::table(&scored.corrections));
     }
     for video in &scored.videos {
         text += &format!("\nwrote {}", video.display());

@@ -14,9 +14,9 @@ use self::watch::watch_here;
 pub(crate) use self::watch::{ended_well, watch};
 use crate::{
     global::Global,
-    identifiability,
     labels::{self, Changes, Choice},
-    output, quality,
+    output,
+    quality::{self, identifiability},
     table::Table,
 };
 

@@ -1,43 +1,32 @@
 //! The `bendtwin` command: the whole system in one binary.
 
 mod args;
-mod backend;
 mod bench;
 mod ca;
 mod capture;
-mod completions;
 mod demo;
 mod doctor;
 mod eval;
-mod exchange;
-mod failure;
 mod fit;
-mod global;
-mod identifiability;
 mod key;
 mod labels;
-mod logging;
-mod npy;
-mod observation;
-mod output;
-mod picture;
 mod process;
-mod progress;
 mod quality;
 mod requirements;
 mod rollout;
 mod server;
 mod settings;
-mod signals;
 mod store;
-mod suite;
-mod table;
 mod twin;
 mod worker;
 
 use std::process::ExitCode;
 
 use bendtwin_telemetry::Exporter;
+// Modules name these as `crate::output` and so on, like their own.
+use bendtwin_terminal::{
+    backend, failure, global, logging, observation, output, progress, signals, table,
+};
 use clap::Parser as _;
 use tokio::runtime::Runtime;
 
@@ -113,10 +102,9 @@ async fn run(arguments: Arguments) -> anyhow::Result<()> {
         Command::Twin(args) => twin::run(args, global).await,
         Command::Rollout(args) => rollout::run(args, global).await,
         Command::Eval(args) => eval::run(args, global).await,
-        Command::Suite(args) => suite::run(args, global).await,
         Command::Bench(args) => bench::run(args, global).await,
         Command::Store(args) => store::run(args, global).await,
         Command::Doctor(args) => doctor::run(args, global).await,
-        Command::Completions(args) => completions::run(&args),
+        Command::Completions(args) => args::completions::run(&args),
     }
 }

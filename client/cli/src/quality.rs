@@ -1,4 +1,8 @@
-//! A quality table in words.
+//! A quality table in words, and beside it what recordings leave open ([`identifiability`]) and a
+//! drawing of predicted motion ([`picture`]).
+
+pub(crate) mod identifiability;
+pub(crate) mod picture;
 
 use bendtwin_client::{Client, TwinId};
 use bendtwin_core::{Quality, Twin, quality::Assessment};

@@ -3,11 +3,13 @@
 mod actions;
 mod fits;
 mod implausible;
+mod npy;
 mod recording;
 
 use std::path::{Path, PathBuf};
 
-use bendtwin_client::{Cost, Fidelity, Point, Reply, TwinId};
+use bendtwin_client::{Cost, Point, Reply, TwinId};
+use bendtwin_terminal::fidelity::Mode;
 use clap::Args;
 use serde_json::json;
 
@@ -16,7 +18,7 @@ use self::{
     fits::Fits,
     recording::{Recording, RecordingOptions},
 };
-use crate::{failure::Usage, global::Global, npy, output, table::Table};
+use crate::{failure::Usage, global::Global, output, table::Table};
 
 /// Most rows of a batch that are printed.
 const ROWS_SHOWN: usize = 10;
@@ -71,23 +73,6 @@ pub(crate) struct Rollout {
     /// Predict the mean motion of the twin and its other fits, weighted by how well they fit
     #[arg(long, conflicts_with = "fidelity")]
     mean: bool,
-}
-
-#[derive(Clone, Copy, Debug, clap::ValueEnum)]
-pub(crate) enum Mode {
-    Exact,
-    Fast,
-    Planner,
-}
-
-impl From<Mode> for Fidelity {
-    fn from(mode: Mode) -> Self {
-        match mode {
-            Mode::Exact => Self::Exact,
-            Mode::Fast => Self::Fast,
-            Mode::Planner => Self::Planner,
-        }
-    }
 }
 
 fn point(text: &str) -> Result<Point, String> {

@@ -1,6 +1,7 @@
 //! `bendtwin twin`: list, inspect, edit, export, import, dress, make ready for plans.
 
 mod dress;
+pub(crate) mod exchange;
 mod export;
 mod import;
 mod planner;
@@ -16,9 +17,9 @@ use serde_json::json;
 
 use crate::{
     global::Global,
-    identifiability,
     labels::{self, Changes, Choice},
-    output, quality,
+    output,
+    quality::{self, identifiability},
     table::Table,
 };
 

@@ -2,9 +2,6 @@
 //! rollouts and a twin's shape, which leaves what a planner needs. A plan is bounded by the same
 //! limits: its largest batch as one rollout, and all its batches together by the work of one.
 
-// Not behind a feature, as those of rollouts.
-#[doc(hidden)]
-pub mod cases;
 mod check;
 mod error;
 mod settings;

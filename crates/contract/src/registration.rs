@@ -2,9 +2,6 @@
 //! observation and of its options against limits and a twin's [`TwinShape`](crate::rollout::TwinShape),
 //! and the work and the memory that they take at a worker.
 
-// Not behind a feature: the binary and the tests of all crates then share one build.
-#[doc(hidden)]
-pub mod cases;
 mod check;
 mod cost;
 mod error;

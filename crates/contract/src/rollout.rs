@@ -4,9 +4,6 @@
 //! with the same limits (a worker gets those of its server when it registers), so no request passes one
 //! and is refused by the other.
 
-// Not behind a feature: the binary and the tests of all crates then share one build.
-#[doc(hidden)]
-pub mod cases;
 mod check;
 mod encoded;
 mod error;

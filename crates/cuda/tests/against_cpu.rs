@@ -13,10 +13,10 @@ use bendtwin_cuda::{Options, cuda};
 use bendtwin_engine::{
     Backend, Model, Objective, PointLoss, PointSet, Term,
     backend::{GradientRequest, Instance, Outputs},
-    conformance::{RandomOptions, in_frames, random_model, random_motion},
     cpu,
     objective::WeightedTerm,
 };
+use bendtwin_engine_kit::{RandomOptions, in_frames, random_model, random_motion};
 
 fn backend() -> Arc<dyn Backend> {
     static BACKEND: OnceLock<Arc<dyn Backend>> = OnceLock::new();

@@ -11,4 +11,4 @@ fn backend() -> Arc<dyn Backend> {
     BACKEND.get_or_init(|| cuda(&Options::default()).expect("a CUDA device")).clone()
 }
 
-bendtwin_engine::conformance_tests!(*backend(), #[ignore = "needs a CUDA device"]);
+bendtwin_engine_kit::conformance_tests!(*backend(), #[ignore = "needs a CUDA device"]);

@@ -5,16 +5,14 @@
 use std::sync::OnceLock;
 
 use bendtwin_cuda::{CudaRasteriser, Options};
-use bendtwin_splat::{
-    Cpu, Error, GaussiansBar, Image, Rasteriser,
-    conformance::{SceneOptions, random_bar, random_camera, random_gaussians},
-};
+use bendtwin_splat::{Cpu, Error, GaussiansBar, Image, Rasteriser};
+use bendtwin_splat_kit::{SceneOptions, random_bar, random_camera, random_gaussians};
 
 fn rasteriser() -> CudaRasteriser {
     CudaRasteriser::new(&Options::default()).expect("a CUDA device")
 }
 
-bendtwin_splat::conformance_tests!(rasteriser(), #[ignore = "needs a CUDA device"]);
+bendtwin_splat_kit::conformance_tests!(rasteriser(), #[ignore = "needs a CUDA device"]);
 
 fn seed() -> u64 {
     static SEED: OnceLock<u64> = OnceLock::new();

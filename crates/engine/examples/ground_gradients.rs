@@ -3,7 +3,7 @@
 //!
 //! ```sh
 //! bendtwin capture make rope DIR/rope.zip
-//! bendtwin suite studies/ground.json --data DIR --out OUT
+//! cargo lab suite studies/ground.json --data DIR --out OUT
 //! cargo run --release -p bendtwin-engine --example ground_gradients -- 15 OUT/twins/*/*/0.twin
 //! ```
 //!

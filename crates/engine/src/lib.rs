@@ -1,9 +1,8 @@
-//! The physics: the [`Backend`] trait, the CPU backend that defines what is correct, its
-//! hand-written adjoint, and the conformance suite that every backend must pass. It uses no network
-//! and no files; of fitting it has only the gradient steps ([`optimizer`]).
+//! The physics: the [`Backend`] trait, the CPU backend that defines what is correct, and its
+//! hand-written adjoint. It uses no network and no files; of fitting it has only the gradient steps
+//! ([`optimizer`]). `tests/kits/engine` has the conformance suite that every backend must pass.
 
 pub mod backend;
-pub mod conformance;
 pub mod constants;
 mod cpu;
 mod energy;

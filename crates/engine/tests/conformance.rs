@@ -2,4 +2,4 @@
 
 use bendtwin_engine::CpuBackend;
 
-bendtwin_engine::conformance_tests!(CpuBackend::new(2));
+bendtwin_engine_kit::conformance_tests!(CpuBackend::new(2));

@@ -20,9 +20,6 @@
 //! caller, too.
 
 mod backend;
-// Not behind a feature: the binary and the tests of all crates then share one build.
-#[doc(hidden)]
-pub mod cases;
 pub mod cut;
 mod error;
 mod evaluate;

@@ -17,6 +17,10 @@ mod world;
 use std::{sync::Arc, time::Instant};
 
 use bendtwin_contract::rollout::{self, Limits};
+use bendtwin_contract_kit::{
+    hanging::{keypoint_cost, request, twin},
+    rollout as cases,
+};
 use bendtwin_core::{
     CancelToken, Category, Environment, Graph, NodeKind, Params, Problem as _, Skin, Twin,
     ids::TwinId,
@@ -36,7 +40,6 @@ use prost::Message as _;
 
 use self::direct::Direct;
 use crate::{
-    cases::{keypoint_cost, request, twin},
     error::Error,
     request::{
         checked::{Checked, Room},
@@ -297,8 +300,8 @@ fn refusals_name_the_field() {
 fn a_malformed_request_gets_the_fault_of_the_check() {
     let bench = Bench::new();
     let shape = shape(&bench.warm.twin, false);
-    assert!(bench.plan(rollout::cases::sound(&shape), 0).is_ok());
-    for case in rollout::cases::malformed(&shape) {
+    assert!(bench.plan(cases::sound(&shape), 0).is_ok());
+    for case in cases::malformed(&shape) {
         let expected = rollout::check_for(&case.request, &shape, &limits(), 0).unwrap_err();
         let error = bench.plan(case.request, 0).map(|_| ()).unwrap_err();
         assert_eq!(error.fault(), expected.fault(), "{}", case.what);

@@ -177,6 +177,3 @@ impl Rasteriser for Cpu {
         "CPU".into()
     }
 }
-
-#[cfg(test)]
-mod tests;

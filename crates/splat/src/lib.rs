@@ -1,13 +1,12 @@
 //! Gaussian splats: images of sets of Gaussians, and gradients of losses of images.
 //!
 //! [`Rasteriser`] is one coarse interface with two implementations: [`Cpu`] here, which defines the
-//! correct result, and the one of `crates/cuda`. [`conformance`] holds both to a plain second
+//! correct result, and the one of `crates/cuda`. `tests/kits/splat` holds both to a plain second
 //! implementation in f64. [`Carrier`] moves Gaussians with the nodes of a twin. Training, losses and
 //! files belong to others.
 
 mod camera;
 mod carry;
-pub mod conformance;
 pub mod constants;
 mod cpu;
 mod error;

@@ -2,4 +2,4 @@
 
 use bendtwin_splat::Cpu;
 
-bendtwin_splat::conformance_tests!(Cpu::default());
+bendtwin_splat_kit::conformance_tests!(Cpu::default());

@@ -1,10 +1,12 @@
 //! TLS from files of certificates and keys (PEM): they are read and checked ([`files`]), read again
 //! when they change ([`Reloaded`]), and become settings of listeners ([`Public`]), of clients
 //! ([`client_config`]) and of peers that show each other certificates of one private authority
-//! ([`Mutual`]), which may have revoked some of them ([`RevocationList`]). [`Connector`] opens the
-//! connections of clients, and [`TlsError`] says what to do about one that failed.
+//! ([`Mutual`]), which may have revoked some of them ([`RevocationList`]). [`authority`] is such an
+//! authority. [`Connector`] opens the connections of clients, and [`TlsError`] says what to do about
+//! one that failed.
 
 mod accept;
+pub mod authority;
 mod certificate;
 mod config;
 mod connect;

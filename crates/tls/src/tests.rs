@@ -5,9 +5,10 @@ use std::{
     sync::Arc,
 };
 
-use bendtwin_ca::{Authority, Order, Role};
-
-use crate::{MutualPaths, PairPaths};
+use crate::{
+    MutualPaths, PairPaths,
+    authority::{Authority, Order, Role},
+};
 
 /// The folder of an authority.
 pub(crate) struct Folder {

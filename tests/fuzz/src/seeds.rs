@@ -1,7 +1,7 @@
 //! Inputs to start from: for each target valid files, and each fault that hostile files of its
 //! format have.
 
-use bendtwin_contract::{registration, rollout::cases};
+use bendtwin_contract_kit::{registration, rollout};
 use bendtwin_hostile::{
     Fault, Rng, arrays, damage, documents, images, meshes, pickles, recordings, requests, samples,
     splats, torch_files, twin_files,
@@ -157,8 +157,8 @@ pub(crate) fn rollout_json() -> Vec<Vec<u8>> {
 
 pub(crate) fn rollout_message() -> Vec<Vec<u8>> {
     let read = serde_json::from_slice::<Read<RollOutRequest>>(&requests::valid());
-    let malformed = cases::malformed(&SHAPE).into_iter().map(|case| case.request);
-    let all = read.into_iter().map(|Read(request)| request).chain([cases::sound(&SHAPE)]);
+    let malformed = rollout::malformed(&SHAPE).into_iter().map(|case| case.request);
+    let all = read.into_iter().map(|Read(request)| request).chain([rollout::sound(&SHAPE)]);
     let mut all: Vec<Vec<u8>> =
         all.chain(malformed).map(|request| request.encode_to_vec()).collect();
     all.retain(|seed| seed.len() <= MOST_BYTES);
@@ -166,8 +166,8 @@ pub(crate) fn rollout_message() -> Vec<Vec<u8>> {
 }
 
 pub(crate) fn registration_message() -> Vec<Vec<u8>> {
-    let malformed = registration::cases::malformed(&SHAPE).into_iter().map(|case| case.request);
-    let all = malformed.chain([registration::cases::sound()]);
+    let malformed = registration::malformed(&SHAPE).into_iter().map(|case| case.request);
+    let all = malformed.chain([registration::sound()]);
     all.map(|request| request.encode_to_vec()).filter(|seed| seed.len() <= MOST_BYTES).collect()
 }
 

@@ -1,6 +1,7 @@
 //! The `bendtwin` command.
 
 use std::{
+    ffi::OsStr,
     path::PathBuf,
     process::{Command, Output},
 };
@@ -21,7 +22,12 @@ pub fn binary() -> PathBuf {
 
 /// The command without settings from the environment.
 pub fn bendtwin() -> Command {
-    let mut command = Command::new(binary());
+    isolated(binary())
+}
+
+/// A program of the project without settings from the environment.
+pub fn isolated(program: impl AsRef<OsStr>) -> Command {
+    let mut command = Command::new(program);
     for variable in [
         "BENDTWIN_LOG",
         "BENDTWIN_SERVER",

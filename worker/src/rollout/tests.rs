@@ -3,13 +3,11 @@
 use std::{sync::Arc, time::Instant};
 
 use bendtwin_contract::rollout::Limits;
+use bendtwin_contract_kit::hanging::{request, twin};
 use bendtwin_core::{CancelToken, Category, Problem as _, ids::TwinId};
 use bendtwin_engine::backend;
 use bendtwin_proto::v1::{RollOutRequest, RollOutResponse};
-use bendtwin_rollout::{
-    Checked, Error, Execution, Plan, Room, Served, Warm,
-    cases::{request, twin},
-};
+use bendtwin_rollout::{Checked, Error, Execution, Plan, Room, Served, Warm};
 use tokio::sync::mpsc;
 
 use crate::{

@@ -28,9 +28,7 @@ fn what_the_readme_shows_parses() {
         format!("bendtwin rollout twins/{id} --shift -0.1,0,0.2 --out p.npy"),
         "bendtwin eval a b.zip --axial --json".to_owned(),
         "bendtwin eval a --twin t.safetensors --picture p.png".to_owned(),
-        "bendtwin bench --list --json".to_owned(),
-        "bendtwin bench rope n2000 --batches 1,100 --out b.json".to_owned(),
-        "bendtwin bench n500 --batches 1,16 --quick".to_owned(),
+        "bendtwin bench --twin t.safetensors --sizes 1x1,48x15 --out b.json".to_owned(),
         "bendtwin store check --data-dir d --sizes --json".to_owned(),
         "bendtwin store repair".to_owned(),
         "bendtwin store backup copy --data-dir d".to_owned(),
@@ -51,13 +49,20 @@ fn wrong_usage_is_refused() {
         "bendtwin eval",
         "bendtwin eval a --twin t --axial",
         "bendtwin rollout twins/none",
-        "bendtwin bench n1",
+        "bendtwin bench",
         "bendtwin store backup",
-        "bendtwin bench --batches 0",
-        "bendtwin bench --seconds nan",
-        "bendtwin bench --passes 3",
+        "bendtwin bench --twin t --sizes 0x1",
+        "bendtwin bench --twin t --seconds nan",
         "bendtwin rollout 0199aaaa-0000-7000-8000-000000000001 --frames 9999999",
     ] {
         assert!(parse(line).is_err(), "{line}");
     }
+}
+
+/// Every command in the documents exists, with all options that are written there.
+#[test]
+fn commands_in_documents_exist() {
+    let (count, wrong) = bendtwin_documents_kit::compare("bendtwin", Arguments::command());
+    assert!(count > 150, "only {count} commands were found");
+    assert!(wrong.is_empty(), "\n{}", wrong.join("\n"));
 }

@@ -1,6 +1,6 @@
-//! `bendtwin bench --twin FILE`: times batches of a user's twin on this machine, as planners send
-//! them: costs come back, with or without gradients, of the exact twin, of its fast variant and of
-//! its planner's twin. The wire and the queue of a server are not included; `bench load` has those.
+//! Times of a user's twin: batches as planners send them, whose costs come back, with or without
+//! gradients, of the exact twin, of its fast variant and of its planner's twin. The wire and the queue
+//! of a server are not included.
 
 use std::{
     path::Path,
@@ -17,9 +17,9 @@ use bendtwin_engine::{
     model::State,
     objective::WeightedTerm,
 };
+use bendtwin_terminal::measurement::Size;
 use serde::Serialize;
 
-use super::size::Size;
 use crate::{failure, table::Table};
 
 /// Most repeats of one measurement.

@@ -15,7 +15,11 @@ use super::{
     server::{Connection, DemoServer},
     verdict,
 };
-use crate::{backend::BackendArgs, capture, failure, fit, output, picture, quality};
+use crate::{
+    backend::BackendArgs,
+    capture, failure, fit, output,
+    quality::{self, picture},
+};
 
 /// Candidate actions of the batch.
 const CANDIDATES: usize = 64;

@@ -1,12 +1,14 @@
 //! `bendtwin eval --leave-out`: how well recordings of an object predict each other.
 
+mod comparison;
+
 use std::{path::PathBuf, sync::Arc};
 
 use bendtwin_core::{CancelToken, FitSettings, Observer as _};
 use bendtwin_engine::Backend;
-use bendtwin_study::{LeaveOneOut, LeftOut, left_out_table};
 use serde_json::json;
 
+use self::comparison::{LeaveOneOut, LeftOut, left_out_table};
 use super::{Eval, local::BarObserver};
 use crate::{failure::Failed, global::Global, observation, output};
 
@@ -44,7 +46,7 @@ fn left_out(
 ) -> anyhow::Result<Vec<LeftOut>> {
     let read = |path: &PathBuf| observation::read(path, cancel, quiet);
     let captures = args.paths.iter().map(read).collect::<Result<Vec<_>, _>>().map_err(Failed)?;
-    let captures = captures.into_iter().map(|captured| captured.capture).collect();
+    let captures = captures.into_iter().map(|(capture, _)| capture).collect();
     let study = LeaveOneOut::new(captures, settings, backend).map_err(Failed)?;
     let (fits, mut bar, mut shown) = (study.fits(), BarObserver::new(quiet), None);
     let results = study.run(

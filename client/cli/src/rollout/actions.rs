@@ -5,7 +5,8 @@ use std::path::Path;
 use anyhow::Context as _;
 use bendtwin_client::Point;
 
-use crate::{failure::Usage, npy};
+use super::npy;
+use crate::failure::Usage;
 
 /// A batch of control trajectories.
 #[derive(Clone, Debug, PartialEq)]

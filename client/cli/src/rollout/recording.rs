@@ -11,10 +11,10 @@ use bendtwin_client::{Client, Reply, Rollout, TwinId};
 use bendtwin_exchange::{Error, Format, Motion};
 use clap::Args;
 
+use super::npy;
 use crate::{
-    exchange::{self, Points},
     failure::{self, Usage},
-    npy,
+    twin::exchange::{self, Points},
 };
 
 #[derive(Debug, Args)]

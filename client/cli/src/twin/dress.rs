@@ -8,8 +8,9 @@ use bendtwin_exchange::{Format, splats};
 use clap::Args;
 use serde_json::json;
 
+use super::exchange::Points;
 use super::source::Source;
-use crate::{exchange::Points, failure, global::Global, output};
+use crate::{failure, global::Global, output};
 
 #[derive(Debug, Args)]
 pub(super) struct Dress {

@@ -8,13 +8,9 @@ use bendtwin_exchange::{Error, Format};
 use clap::Args;
 use serde_json::json;
 
+use super::exchange::{self, Points};
 use super::source::Source;
-use crate::{
-    exchange::{self, Points},
-    failure,
-    global::Global,
-    output,
-};
+use crate::{failure, global::Global, output};
 
 #[derive(Debug, Args)]
 pub(super) struct Export {

@@ -15,8 +15,8 @@ use bendtwin_exchange::{Format, of_phystwin};
 use clap::Args;
 use serde_json::json;
 
+use super::exchange::Points;
 use crate::{
-    exchange::Points,
     failure::{self, Usage},
     global::Global,
     output,

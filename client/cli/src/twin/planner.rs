@@ -58,12 +58,7 @@ pub(super) async fn run(args: Planner, global: &Global) -> anyhow::Result<()> {
         return Err(Usage::error("name the twin file to write with --out"));
     }
     let (name, content) = args.twin.read(global).await?;
-    let cancel = CancelToken::default();
-    let (shutdown, token) = (signals::shutdown(), cancel.clone());
-    tokio::spawn(async move {
-        shutdown.cancelled().await;
-        token.cancel();
-    });
+    let cancel = signals::cancellation();
     let (out, quiet) = (args.out.clone(), global.json);
     let (twin, choice) =
         tokio::task::spawn_blocking(move || make(&args, &content, &cancel, quiet)).await??;
@@ -106,7 +101,7 @@ fn make(
     let (nodes, substeps) =
         choice.map_or((args.nodes as usize, args.substeps), |c| (c.nodes, c.substeps));
     let wanted = Distillation { nodes, substeps, seed: args.seed };
-    let capture = captured.as_ref().map(|captured| &captured.capture);
+    let capture = captured.as_ref().map(|(capture, _)| capture);
     let twin = wanted.of(&twin, capture, &backend, cancel).map_err(failure::failed)?;
     Ok((twin, choice))
 }

@@ -111,6 +111,3 @@ fn largest(one: &Batch, settings: &Settings) -> Result<Batch, Error> {
     )?;
     Ok(Batch { instances, ..*one })
 }
-
-#[cfg(test)]
-mod tests;

@@ -213,6 +213,3 @@ fn within(what: &'static str, asked: u64, limit: u64, advice: &'static str) -> R
     }
     Ok(())
 }
-
-#[cfg(test)]
-mod tests;

@@ -243,6 +243,3 @@ pub(crate) fn within(
     }
     Ok(())
 }
-
-#[cfg(test)]
-mod tests;

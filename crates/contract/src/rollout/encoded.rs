@@ -166,6 +166,3 @@ fn content<'b>(rest: &mut &'b [u8]) -> Option<&'b [u8]> {
     *rest = later;
     Some(content)
 }
-
-#[cfg(test)]
-mod tests;

@@ -275,6 +275,3 @@ pub(super) fn sum(terms: &[u64]) -> u64 {
 pub(super) fn mul(factors: &[u64]) -> u64 {
     factors.iter().fold(1, |product, factor| product.saturating_mul(*factor))
 }
-
-#[cfg(test)]
-mod tests;

@@ -8,9 +8,9 @@ use bendtwin_cuda::{Options, cuda};
 use bendtwin_engine::{
     Model, Objective,
     backend::{GradientRequest, Instance, Outputs, Rollout},
-    conformance::{RandomOptions, WorldOptions, count_forces, random_model, random_world},
     world::{Motion, Pose},
 };
+use bendtwin_engine_kit::{RandomOptions, WorldOptions, count_forces, random_model, random_world};
 
 use super::{both, instance, relative_within, seed};
 

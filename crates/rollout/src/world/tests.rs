@@ -1,3 +1,4 @@
+use bendtwin_contract_kit::hanging::twin;
 use bendtwin_core::Problem as _;
 use bendtwin_engine::world::{IDENTITY, Shape, spring_share};
 use bendtwin_proto::v1::{
@@ -6,7 +7,7 @@ use bendtwin_proto::v1::{
 };
 
 use super::*;
-use crate::{cases::twin, request::actions::Horizon};
+use crate::request::actions::Horizon;
 
 const FRAMES: usize = 4;
 

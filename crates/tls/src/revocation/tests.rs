@@ -1,10 +1,9 @@
 use std::{fs, io::Write as _};
 
-use bendtwin_ca::Authority;
 use rcgen::{CertificateRevocationListParams, Issuer, KeyIdMethod, KeyPair, date_time_ymd};
 
 use super::*;
-use crate::{Mutual, MutualPaths, tests::Folder};
+use crate::{Mutual, MutualPaths, authority::Authority, tests::Folder};
 
 /// Fault for which a file is refused as the list beside an authority.
 fn refusal(paths: &MutualPaths) -> String {

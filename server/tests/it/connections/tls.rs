@@ -6,7 +6,6 @@ use std::{
     time::Duration,
 };
 
-use bendtwin_ca::{Authority, Order, Role};
 use bendtwin_client::{Client, ListQuery};
 use bendtwin_contract::worker_key;
 use bendtwin_proto::{
@@ -15,7 +14,9 @@ use bendtwin_proto::{
 };
 use bendtwin_server::{Tls, WorkerTls};
 use bendtwin_tls::{
-    ClientConfig, Connector, Mutual, MutualPaths, PairPaths, TlsError, client_config,
+    ClientConfig, Connector, Mutual, MutualPaths, PairPaths, TlsError,
+    authority::{Authority, Order, Role},
+    client_config,
 };
 use tokio::{
     io::{AsyncReadExt as _, AsyncWriteExt as _},

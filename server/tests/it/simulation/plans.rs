@@ -2,7 +2,8 @@
 
 use std::{sync::Arc, time::Duration};
 
-use bendtwin_contract::{plan::cases, rollout::TwinShape};
+use bendtwin_contract::rollout::TwinShape;
+use bendtwin_contract_kit::plan as cases;
 use bendtwin_proto::v1::{
     ControlTrajectories, PlanMethod, PlanRequest, PlanUpdate, Plausibility, Returns, Tensor,
     plan_method::{Cem, Gradient, Method, Mppi, PredictiveSampling},

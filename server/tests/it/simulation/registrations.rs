@@ -1,9 +1,10 @@
 use std::sync::Arc;
 
 use bendtwin_contract::{
-    registration::{cases, check_registration},
+    registration::check_registration,
     rollout::Limits,
 };
+use bendtwin_contract_kit::registration as cases;
 use bendtwin_core::Problem as _;
 use bendtwin_proto::{
     fault::fault,

@@ -2,6 +2,7 @@ use std::{sync::Arc, time::Duration};
 
 use base64::{Engine, prelude::BASE64_STANDARD};
 use bendtwin_contract::rollout::{self, Limits, TwinShape};
+use bendtwin_contract_kit::rollout as cases;
 use bendtwin_core::Problem as _;
 use bendtwin_proto::v1::{
     ControlTrajectories, Returns, RollOutRequest, RollOutResponse, Tensor,
@@ -124,9 +125,9 @@ async fn a_malformed_request_gets_the_fault_of_the_check() {
     let twin = twin(&server, &mut worker).await;
     let of = |request| RollOutRequest { twin: twin.clone(), ..request };
     let mut rollouts = server.rollouts();
-    rollouts.roll_out(of(rollout::cases::sound(&TWIN))).await.unwrap();
+    rollouts.roll_out(of(cases::sound(&TWIN))).await.unwrap();
     let mut refused = 0;
-    for case in rollout::cases::malformed(&TWIN) {
+    for case in cases::malformed(&TWIN) {
         let request = of(case.request);
         let checked = rollout::check_for(&request, &TWIN, &Limits::default(), 0);
         // Twins here have a capture.

@@ -1,6 +1,7 @@
 //! Malformed requests over gRPC.
 
-use bendtwin_contract::{registration, rollout::TwinShape};
+use bendtwin_contract::rollout::TwinShape;
+use bendtwin_contract_kit::registration;
 use bendtwin_proto::v1::{
     CaptureMetadata, CreateCaptureRequest, CreateFitRequest, CreateTwinRequest, GetTwinRequest,
     ListFitsRequest, PlanRequest, RegisterStateRequest, Twin, TwinMetadata, create_capture_request,
@@ -117,11 +118,11 @@ fn registrations(twin: &Twin) -> Vec<Call> {
         controls: u64::from(twin.control_count),
         ..TwinShape::default()
     };
-    let call = |case: registration::cases::Case| {
+    let call = |case: registration::Case| {
         let request = RegisterStateRequest { twin: twin.name.clone(), ..case.request };
         call(case.what, "RegistrationService/RegisterState", &request)
     };
-    registration::cases::malformed(&shape).into_iter().map(call).collect()
+    registration::malformed(&shape).into_iter().map(call).collect()
 }
 
 fn lists() -> Vec<Call> {

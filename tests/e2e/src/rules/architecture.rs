@@ -3,7 +3,7 @@
 
 use std::collections::{BTreeMap, VecDeque};
 
-use cargo_metadata::{DependencyKind, MetadataCommand, PackageId};
+use cargo_metadata::{DependencyKind, MetadataCommand, PackageId, camino::Utf8Path};
 
 use super::{rust_code::code_only, workspace};
 
@@ -229,6 +229,26 @@ fn transports_call_the_use_cases_alone() {
 }
 
 #[test]
+fn no_crate_of_the_product_reaches_tools_or_tests() {
+    let graph = Graph::read();
+    let is_outside = |name: &str| {
+        let folder = &graph.folders[name];
+        folder.starts_with("tools/") || folder.starts_with("tests/")
+    };
+    let (outside, product): (Vec<&str>, Vec<&str>) =
+        graph.folders.keys().map(String::as_str).partition(|name| is_outside(name));
+    for name in ["bendtwin-lab", "bendtwin-study", "bendtwin-engine-kit", "bendtwin-harness"] {
+        assert!(outside.contains(&name), "{outside:?}");
+    }
+    assert!(product.contains(&"bendtwin-cli") && product.len() > 30, "{product:?}");
+    let mut broken = Vec::new();
+    for from in product {
+        broken.extend(outside.iter().filter_map(|to| graph.path(from, to)));
+    }
+    assert!(broken.is_empty(), "only tools and tests may depend on these: {broken:?}");
+}
+
+#[test]
 fn the_search_sees_indirect_dependencies() {
     let graph = Graph::read();
     let path = graph.path("bendtwin-cli", "bendtwin-store").unwrap();
@@ -283,6 +303,8 @@ fn only_the_cuda_crate_is_unsafe() {
 /// Dependencies between crates, without those of tests.
 struct Graph {
     names: BTreeMap<PackageId, String>,
+    /// Folders of the crates of the workspace, relative to its root.
+    folders: BTreeMap<String, String>,
     edges: BTreeMap<PackageId, Vec<PackageId>>,
 }
 
@@ -294,6 +316,14 @@ impl Graph {
             .exec()
             .unwrap();
         let names = metadata.packages.iter().map(|p| (p.id.clone(), p.name.to_string())).collect();
+        let folder = |path: &Utf8Path| {
+            path.parent()?.strip_prefix(&metadata.workspace_root).ok().map(ToString::to_string)
+        };
+        let folders = metadata
+            .workspace_packages()
+            .into_iter()
+            .filter_map(|p| Some((p.name.to_string(), folder(&p.manifest_path)?)))
+            .collect();
         let nodes = metadata.resolve.unwrap().nodes;
         let edges = nodes
             .into_iter()
@@ -305,7 +335,7 @@ impl Graph {
                 (node.id, used.map(|d| d.pkg).collect())
             })
             .collect();
-        Self { names, edges }
+        Self { names, folders, edges }
     }
 
     /// Crates that depend on a crate directly.

@@ -3,18 +3,20 @@
 use std::path::{Path, PathBuf};
 
 /// Folders and files at the root that have the project's own text.
-const PARTS: [&str; 17] = [
+const PARTS: [&str; 19] = [
     "proto",
     "crates",
     "server",
     "worker",
     "client",
+    "tools",
     "console",
     "tests",
     "docs",
     "studies",
     "deploy",
     ".ci",
+    ".cargo",
     "Cargo.toml",
     "README.md",
     "ARCHITECTURE.md",

@@ -1,5 +1,5 @@
+use bendtwin_contract_kit::hanging::twin;
 use bendtwin_core::{Category, Problem as _};
-use bendtwin_rollout::cases::twin;
 use tokio::sync::mpsc;
 
 use super::*;

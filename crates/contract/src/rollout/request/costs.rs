@@ -346,3 +346,6 @@ fn frames(cost: &Cost, batch: &Batch) -> u128 {
         _ => 1,
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -2,7 +2,7 @@ mod halos;
 
 use std::collections::BTreeSet;
 
-use bendtwin_engine::conformance::{RandomOptions, random_model};
+use bendtwin_engine_kit::{RandomOptions, random_model};
 
 use super::*;
 

@@ -1,4 +1,4 @@
-use bendtwin_engine::conformance::{RandomOptions, random_model};
+use bendtwin_engine_kit::{RandomOptions, random_model};
 
 use super::*;
 

@@ -1,4 +1,4 @@
-use bendtwin_splat::conformance::{SceneOptions, random_gaussians};
+use bendtwin_splat_kit::{SceneOptions, random_gaussians};
 
 use super::*;
 

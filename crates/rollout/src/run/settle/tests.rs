@@ -2,7 +2,7 @@ use bendtwin_core::{Environment, Problem as _, Twin, ids::TwinId};
 use bendtwin_proto::v1::{Collider, Cuboid, Plane, Tensor, World, collider, world::GroundChoice};
 
 use super::*;
-use crate::cases::twin;
+use bendtwin_contract_kit::hanging::twin;
 
 const WORK: u64 = 1_000_000_000;
 

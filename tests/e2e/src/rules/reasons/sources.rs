@@ -32,11 +32,10 @@ const FINDERS: [&str; 6] = [
 ];
 
 /// Files with words in capitals of other vocabularies.
-const OTHERS: [&str; 7] = [
+const OTHERS: [&str; 6] = [
     "client/cli/src/demo/playground.rs",
     "client/cli/src/rollout/implausible.rs",
     "crates/capture/src/raw/nerfstudio/",
-    "crates/contract/src/rollout/cases.rs",
     "crates/contract/src/rollout/implausible.rs",
     "crates/cuda/",
     "proto/src/fault.rs",
