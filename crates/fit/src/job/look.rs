@@ -6,11 +6,10 @@ use bendtwin_appearance::{Dressed, Motion, Scene, Training, TrainingOptions, sco
 use bendtwin_core::{Appearance, Splats, Stage, Twin, quality::RenderedScore};
 use bendtwin_splat::Rasteriser;
 
-use super::{Outcome, Run};
+use super::{Outcome, Run, model_fit::model_name, time_limit::TimeLimit};
 use crate::{
     Error,
     look::{Look, Predicted},
-    model_fit::model_name,
     progress::ModelProgress,
 };
 
@@ -152,7 +151,7 @@ impl Run<'_> {
     /// True if the user's time is up.
     fn is_out_of_time(&self) -> bool {
         let limit_s = self.task.settings.within_s;
-        let spent_s = self.limit.as_ref().map(crate::time_limit::TimeLimit::spent_s);
+        let spent_s = self.limit.as_ref().map(TimeLimit::spent_s);
         limit_s.zip(spent_s).is_some_and(|(limit_s, spent_s)| spent_s > limit_s)
     }
 }
