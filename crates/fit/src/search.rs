@@ -21,8 +21,7 @@ use self::{
 use crate::{
     Error,
     built_graph::{BuiltGraph, GraphCache, LoadError, build_model, load},
-    memory,
-    submit,
+    memory, submit,
     task::{Task, Training},
 };
 

@@ -218,11 +218,6 @@ impl<'a> Task<'a> {
         set
     }
 
-    /// Number of starts of each model.
-    pub(crate) fn starts(&self) -> u32 {
-        self.settings.search.start_count()
-    }
-
     /// Number of generations of a search.
     pub(crate) fn generations(&self) -> u32 {
         self.settings.search.generations.unwrap_or_default()

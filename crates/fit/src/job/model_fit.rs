@@ -38,7 +38,7 @@ impl ModelFit {
     /// All starts of the twin's own model, then all starts of the one to compare with; each before
     /// its search.
     pub(crate) fn all(task: &Task<'_>) -> Vec<Self> {
-        let starts = task.starts();
+        let starts = task.settings.search.start_count();
         let mut models = vec![task.settings.bending];
         if task.settings.bending && task.settings.compare_axial {
             models.push(false);
