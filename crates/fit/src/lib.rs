@@ -19,6 +19,7 @@ mod search;
 mod submit;
 mod task;
 
+pub use bendtwin_appearance::ComparedPair;
 pub use distill::{Budget, Choice, Distillation};
 pub use error::Error;
 pub use job::{FitJob, Outcome};

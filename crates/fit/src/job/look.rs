@@ -92,8 +92,7 @@ impl Run<'_> {
         let appearance = Appearance { skin_colors, splats };
         let dressed = Dressed::in_appearance(twin, &appearance)?;
         let held_out = &settings.held_out_cameras;
-        let lpips = look.lpips.as_deref();
-        let scene = Scene { dressed: &dressed, motion, views: look.views, held_out, lpips };
+        let scene = Scene { dressed: &dressed, motion, views: look.views, held_out };
         let rendered = score(&scene, rasteriser, false, &mut || !cancel.is_cancelled())?;
         self.check_cancelled()?;
         twin.appearance = Some(appearance);
