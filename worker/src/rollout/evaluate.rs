@@ -25,11 +25,11 @@ impl Inner {
         let capture: CaptureId = Error::parsed("capture", &request.capture)?;
         let warm = self.twins.get(twin).await?;
         let (recording, share) = self.replays.recording(capture).await?;
-        let asked = request.motion.map(|motion| motion.sequence);
+        let sequence = request.motion.map(|motion| motion.sequence);
         let backend = self.device.backend(Priority::Interactive);
         let evaluated = call.blocking(move |cancel| {
             let _share = share;
-            Ok(evaluate_twin(&warm, &recording, asked, &backend, cancel)?)
+            Ok(evaluate_twin(&warm, &recording, sequence, &backend, cancel)?)
         });
         let (quality_json, motion) = evaluated.await?;
         Ok(Evaluation {

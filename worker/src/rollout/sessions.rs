@@ -44,8 +44,8 @@ impl Inner {
         let session = match call {
             Call::Open(open) => self.open(open, request.capture, under_way.cancel()).await?,
             Call::Get(get) => self.sessions.get(&get.name)?,
-            Call::States(asked) => {
-                let (states, share) = self.states(&asked).await?;
+            Call::States(states) => {
+                let (states, share) = self.states(&states).await?;
                 let reply = ManageSessionResponse { states: Some(states), ..Default::default() };
                 return Ok((reply, Some(share)));
             }
@@ -98,10 +98,10 @@ impl Inner {
     /// The states of slots, in memory that was taken before.
     async fn states(
         &self,
-        asked: &GetSessionStatesRequest,
+        request: &GetSessionStatesRequest,
     ) -> Result<(SessionStates, Share), Error> {
-        let session = self.sessions.get(&asked.name)?;
-        let slots = session.distinct(&asked.slots, 0..session.slots())?;
+        let session = self.sessions.get(&request.name)?;
+        let slots = session.distinct(&request.slots, 0..session.slots())?;
         let warm = self.twins.get(session.setup.twin).await?;
         let (twin, limits) = (shape(warm.twin(), true), self.limits());
         let grasps = session.setup.grasps.len() as u64;
