@@ -152,7 +152,8 @@ impl Dispatch {
     /// the whole batch, and 16-bit positions have one scale. Several may share it.
     pub(crate) async fn roll_out(&self, rollout: RollOut) -> Result<Whole> {
         // Boxed: a request is large, and each of these steps has a place for it on the stack.
-        let checked = Box::pin(self.checked(RollOut { in_parts: false, ..rollout })).await?;
+        let checked =
+            Box::pin(self.checked_rollout(RollOut { in_parts: false, ..rollout })).await?;
         let sharers = self.sharers(&checked);
         if sharers.len() > 1 {
             return Box::pin(self.spread(checked, sharers)).await;
@@ -168,12 +169,12 @@ impl Dispatch {
 
     /// The reply in the parts that the worker sends. The first has arrived when this returns.
     pub(crate) async fn parts(&self, rollout: RollOut) -> Result<InParts> {
-        let checked = Box::pin(self.checked(rollout)).await?;
+        let checked = Box::pin(self.checked_rollout(rollout)).await?;
         Box::pin(self.by_one(checked)).await
     }
 
     /// Checks a rollout.
-    async fn checked(&self, rollout: RollOut) -> Result<CheckedRollOut> {
+    async fn checked_rollout(&self, rollout: RollOut) -> Result<CheckedRollOut> {
         let arrived = Instant::now();
         let RollOut { mut request, timeout, in_parts, as_lists, commit_slots, memory } = rollout;
         let (session, parts) = self.session_of(&mut request).await?;
