@@ -105,13 +105,9 @@ fn keys() -> Vec<String> {
 fn every_flag_sets_a_key_of_the_file() {
     for key in keys() {
         let mut table = Table::new();
-        put(
-            &mut table,
-            &key,
-            Value::Datetime(toml::value::Date { year: 1, month: 1, day: 1 }.into()),
-        );
-        let error = table.try_into::<Options>().unwrap_err().to_string();
-        assert!(!error.contains("unknown field"), "{key}: {error}");
+        put(&mut table, &key, Value::Boolean(true));
+        let read = table.try_into::<Options>().map_err(|e| e.to_string());
+        assert!(!read.is_err_and(|fault| fault.contains("unknown field")), "{key}");
     }
 }
 
