@@ -36,5 +36,5 @@ mod tls;
 
 pub use error::Error;
 pub use ingest::{Enforced, Layer, Resources, Sandbox, available, confine, ingest_capture};
-pub use options::{Limits, Options};
+pub use options::{FIT_SHARE, LISTEN, Limits, Options};
 pub use run::run;

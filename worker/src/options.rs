@@ -1,6 +1,10 @@
 //! Options of a worker.
 
-use std::{net::SocketAddr, path::PathBuf, time::Duration};
+use std::{
+    net::{IpAddr, Ipv4Addr, SocketAddr},
+    path::PathBuf,
+    time::Duration,
+};
 
 use bendtwin_backends as backends;
 use bendtwin_tls::MutualPaths;
@@ -17,7 +21,10 @@ const LEAST_INGEST_BYTES: u64 = 64 << 20;
 const LEAST_BYTES: u64 = 128 << 20;
 
 /// Default of [`Options::fit_share`].
-const FIT_SHARE: f64 = 0.25;
+pub const FIT_SHARE: f64 = 0.25;
+
+/// Default of [`Options::listen`].
+pub const LISTEN: SocketAddr = SocketAddr::new(IpAddr::V4(Ipv4Addr::LOCALHOST), 0);
 
 /// Options of a worker process.
 #[derive(Clone)]
@@ -116,7 +123,7 @@ impl Options {
             servers: servers.map(str::to_owned).collect(),
             token: token.into(),
             backend: backends::Options::default(),
-            listen: SocketAddr::from(([127, 0, 0, 1], 0)),
+            listen: LISTEN,
             tls: None,
             advertise: None,
             scratch_dir: None,

@@ -56,6 +56,16 @@ pub async fn run(options: Options, shutdown: CancellationToken) -> Result<(), Er
     }
 }
 
+/// A worker that answers rollouts, before it leases jobs.
+struct Ready {
+    id: WorkerId,
+    endpoint: String,
+    server: ServerClient,
+    scratch: Scratch,
+    registration: Registration,
+    serving: Serving,
+}
+
 async fn run_on(
     device: &Device,
     options: &Options,
@@ -63,38 +73,13 @@ async fn run_on(
     fatal: mpsc::UnboundedSender<Error>,
     died: &mut mpsc::UnboundedReceiver<Error>,
 ) -> Result<(), Error> {
-    let (key, id) = worker_key::generate();
-    let limits = options.limits;
-    let tls = options.tls.as_ref().map(tls::load).transpose()?;
-    if let Some(tls) = &tls {
-        tokio::spawn(tls.clone().watch(shutdown.clone()));
-    }
-    let server = ServerClient::new(&options.servers, &options.token, &key, tls.as_ref())?;
-    let base = options.scratch_dir.clone().or_else(|| options.cache_dir.clone());
-    let base = base.unwrap_or_else(std::env::temp_dir);
-    let scratch = Scratch::new(&base)
-        .map_err(|source| Error::System { what: "make a folder for captures", source })?;
-    let dir = scratch.path().to_owned();
-
-    let memory = Memory::new(options.memory_bytes);
-    let memory_mib = options.memory_bytes >> 20;
-    tracing::info!(memory_mib, "memory for rollouts, twins and fits");
-    let twins = WarmTwins::new(server.clone(), device.clone(), limits, memory.clone(), dir.clone());
-    let replays = Replays::new(server.clone(), dir.clone(), limits, memory.clone());
-    let rollouts =
-        Rollouts::new(id.to_string(), device.clone(), twins, replays, memory, limits.rollouts);
-    let (endpoint, serving) = serve(options, rollouts.clone(), tls).await?;
-
-    let request = register_request(id, &endpoint, device, &options.labels);
-    let fit_bytes = if options.fits { limits.fit_bytes } else { 0 };
-    rollouts.set_fit_bytes(fit_bytes);
-    let registration = Registration::new(server.clone(), request, rollouts);
+    let ready = Ready::new(device, options, &shutdown).await?;
     tokio::select! {
-        registered = registration.register(options.delivery_timeout) => registered?,
+        registered = ready.registration.register(options.delivery_timeout) => registered?,
         () = shutdown.cancelled() => return Ok(()),
     }
     let name = &device.description().name;
-    tracing::info!(worker = %id, endpoint, device = name, "worker ready");
+    tracing::info!(worker = %ready.id, endpoint = ready.endpoint, device = name, "worker ready");
     // Leasing ends before the job under way does: the job of a worker that must die is not
     // handed back as unharmed, or it would kill one worker after another.
     let stop = StopSignals {
@@ -102,59 +87,111 @@ async fn run_on(
         drained: shutdown.clone(),
         asked: CancellationToken::new(),
     };
-    let heartbeat = tokio::spawn(registration.clone().heartbeat(stop.clone()));
-    let opening = options.backend.clone();
-    let rasteriser = move || bendtwin_backends::rasteriser(&opening).map_err(|e| e.to_string());
-    let fits = Fits {
-        rasteriser: std::sync::Arc::new(rasteriser),
-        device: device.clone(),
-        dir: dir.clone(),
-        limits,
-        delivery_timeout: options.delivery_timeout,
-        fatal,
-    };
-    let ingests = Ingests {
-        dir,
-        program: options.ingest_program.clone().unwrap_or_else(this_program),
-        memory_bytes: limits.ingest_bytes,
-        time: limits.ingest_time,
-        sandbox: options.ingest_sandbox,
-        delivery_timeout: options.delivery_timeout,
-    };
-    let (leases, ends) = (options.fits, stop.clone());
-    let mut leasing = tokio::spawn(async move {
-        if !leases {
-            return pending().await;
-        }
-        // Side by side: the report of an uploaded capture should not wait for the fits of others.
-        tokio::try_join!(
-            leasing::lease(&fits, &registration, &ends),
-            leasing::lease(&ingests, &registration, &ends)
-        )
-        .map(drop)
-    });
+    let heartbeat = tokio::spawn(ready.registration.clone().heartbeat(stop.clone()));
+    let mut leasing = tokio::spawn(ready.lease(device, options, &stop, fatal));
     let result = tokio::select! {
         ended = &mut leasing => ended.unwrap_or_else(|e| Err(Error::Panicked(e.to_string()))),
         error = died.recv() => error.map_or(Ok(()), Err),
         () = shutdown.cancelled() => Ok(()),
     };
     stop.closed.cancel();
-    if leases
+    if options.fits
         && !leasing.is_finished()
         && tokio::time::timeout(SHUTDOWN_GRACE, &mut leasing).await.is_err()
     {
         tracing::warn!("the jobs under way did not end in time: their leases will run out");
     }
     leasing.abort();
-    // Rollouts under way are finished, and heartbeats continue until then.
-    serving.stop(if stop.is_asked() { DRAIN_GRACE } else { SHUTDOWN_GRACE }).await;
-    heartbeat.abort();
-    let left = tokio::time::timeout(LEAVE_TIMEOUT, server.leave(id.to_string())).await;
-    if !matches!(left, Ok(Ok(()))) {
-        tracing::info!("no server heard that this worker ends: one will notice");
-    }
-    tracing::info!("worker ended");
+    ready.leave(&heartbeat, stop.is_asked()).await;
     result
+}
+
+impl Ready {
+    /// Reads certificates, makes the folder for captures and answers rollouts.
+    async fn new(
+        device: &Device,
+        options: &Options,
+        shutdown: &CancellationToken,
+    ) -> Result<Self, Error> {
+        let (key, id) = worker_key::generate();
+        let limits = options.limits;
+        let tls = options.tls.as_ref().map(tls::load).transpose()?;
+        if let Some(tls) = &tls {
+            tokio::spawn(tls.clone().watch(shutdown.clone()));
+        }
+        let server = ServerClient::new(&options.servers, &options.token, &key, tls.as_ref())?;
+        let base = options.scratch_dir.clone().or_else(|| options.cache_dir.clone());
+        let base = base.unwrap_or_else(std::env::temp_dir);
+        let scratch = Scratch::new(&base)
+            .map_err(|source| Error::System { what: "make a folder for captures", source })?;
+        let dir = scratch.path().to_owned();
+
+        let memory = Memory::new(options.memory_bytes);
+        let memory_mib = options.memory_bytes >> 20;
+        tracing::info!(memory_mib, "memory for rollouts, twins and fits");
+        let twins =
+            WarmTwins::new(server.clone(), device.clone(), limits, memory.clone(), dir.clone());
+        let replays = Replays::new(server.clone(), dir, limits, memory.clone());
+        let rollouts =
+            Rollouts::new(id.to_string(), device.clone(), twins, replays, memory, limits.rollouts);
+        let (endpoint, serving) = serve(options, rollouts.clone(), tls).await?;
+        rollouts.set_fit_bytes(if options.fits { limits.fit_bytes } else { 0 });
+        let request = register_request(id, &endpoint, device, &options.labels);
+        let registration = Registration::new(server.clone(), request, rollouts);
+        Ok(Self { id, endpoint, server, scratch, registration, serving })
+    }
+
+    /// Leases jobs until `stop`, if the options say so.
+    fn lease(
+        &self,
+        device: &Device,
+        options: &Options,
+        stop: &StopSignals,
+        fatal: mpsc::UnboundedSender<Error>,
+    ) -> impl Future<Output = Result<(), Error>> + Send + use<> {
+        let (limits, dir) = (options.limits, self.scratch.path().to_owned());
+        let opening = options.backend.clone();
+        let rasteriser = move || bendtwin_backends::rasteriser(&opening).map_err(|e| e.to_string());
+        let fits = Fits {
+            rasteriser: std::sync::Arc::new(rasteriser),
+            device: device.clone(),
+            dir: dir.clone(),
+            limits,
+            delivery_timeout: options.delivery_timeout,
+            fatal,
+        };
+        let ingests = Ingests {
+            dir,
+            program: options.ingest_program.clone().unwrap_or_else(this_program),
+            memory_bytes: limits.ingest_bytes,
+            time: limits.ingest_time,
+            sandbox: options.ingest_sandbox,
+            delivery_timeout: options.delivery_timeout,
+        };
+        let (leases, stop, registration) = (options.fits, stop.clone(), self.registration.clone());
+        async move {
+            if !leases {
+                return pending().await;
+            }
+            // Side by side: the report of an uploaded capture should not wait for the fits of others.
+            tokio::try_join!(
+                leasing::lease(&fits, &registration, &stop),
+                leasing::lease(&ingests, &registration, &stop)
+            )
+            .map(drop)
+        }
+    }
+
+    /// Finishes the rollouts under way, while heartbeats continue, and tells a server.
+    async fn leave(self, heartbeat: &JoinHandle<()>, is_asked: bool) {
+        self.serving.stop(if is_asked { DRAIN_GRACE } else { SHUTDOWN_GRACE }).await;
+        heartbeat.abort();
+        let leave = self.server.leave(self.id.to_string());
+        if !matches!(tokio::time::timeout(LEAVE_TIMEOUT, leave).await, Ok(Ok(()))) {
+            tracing::info!("no server heard that this worker ends: one will notice");
+        }
+        tracing::info!("worker ended");
+    }
 }
 
 /// The program of this process, even if its file has been replaced since the start: worker and

@@ -12,7 +12,6 @@ use bendtwin_eval::{
     EvaluateOptions, TableStyle, evaluate, fast_variant, format_table, in_recording,
 };
 use bendtwin_fit::{Look, LookInput};
-use bendtwin_image_metrics::Lpips;
 use clap::Args;
 use serde_json::json;
 
@@ -50,7 +49,7 @@ pub(crate) struct Eval {
     /// Treat the captures as recordings of one object, leave out each in turn, and report how well
     /// twins of the others predict it: twins of one other recording, and one of all others
     /// together. All frames of the others are fitted
-    #[arg(long, conflicts_with_all = ["twin", "from", "axial", "out", "picture", "video", "lpips", "per_frame"])]
+    #[arg(long, conflicts_with_all = ["twin", "from", "axial", "out", "picture", "video", "pairs", "per_frame"])]
     leave_out: bool,
     /// Draw predicted against observed into this PNG file
     #[arg(long, value_name = "FILE")]
@@ -59,19 +58,21 @@ pub(crate) struct Eval {
     /// rendered prediction and their difference, as animated PNG, which browsers play
     #[arg(long, value_name = "DIR")]
     video: Option<PathBuf>,
-    /// Also measure LPIPS of renderings, with the network in this ONNX file (docs/use/looks.md says
-    /// how to make it)
-    #[arg(long, value_name = "FILE")]
-    lpips: Option<PathBuf>,
+    /// Write every recorded image of a raw recording beside its rendering into this folder, as the
+    /// measures compare them, for other measures
+    #[arg(long, value_name = "DIR")]
+    pairs: Option<PathBuf>,
     /// Include the errors of every frame (with --json)
     #[arg(long)]
     per_frame: bool,
 }
 
 pub(crate) async fn run(args: Eval, global: &Global) -> anyhow::Result<()> {
-    let files = [&args.out, &args.picture, &args.video];
+    let files = [&args.out, &args.picture, &args.video, &args.pairs];
     if args.paths.len() > 1 && files.into_iter().any(Option::is_some) {
-        return Err(Usage::error("--out, --picture and --video take one capture at a time"));
+        return Err(Usage::error(
+            "--out, --picture, --video and --pairs take one capture at a time",
+        ));
     }
     let cancel = signals::cancellation();
     let settings = args.settings.resolve()?;
@@ -123,11 +124,9 @@ fn score(
 ) -> anyhow::Result<Scored> {
     let (capture, views) = observation::read(path, cancel, quiet).map_err(Failed)?;
     let rasteriser = args.backend.rasteriser();
-    let lpips = args.lpips.as_deref().map(Lpips::open).transpose();
-    let lpips = lpips.map_err(|e| Usage::error(e.to_string()))?.map(Arc::new);
-    let look = views.as_ref().map(|views| Look { views, rasteriser, lpips });
-    let folder = args.video.as_deref();
-    let filmed = folder.map(|folder| video::into(folder, look.as_ref())).transpose()?;
+    let look = views.as_ref().map(|views| Look { views, rasteriser });
+    let filmed = video::into("--video", args.video.as_deref(), look.as_ref())?;
+    let paired = video::into("--pairs", args.pairs.as_deref(), look.as_ref())?;
     let (fitted, fit_s) = match &args.twin {
         Some(file) => (Fitted { twin: read_twin(file)?, axial: None }, None),
         None => {
@@ -186,10 +185,13 @@ fn score(
         picture::draw(file, shown, axial, recording, &**backend, cancel)?;
     }
     let mut videos = Vec::new();
-    if let Some(filmed) = filmed {
-        videos.extend(filmed.write("", drawn(&fitted.twin), cancel)?);
-        if let Some(axial) = &fitted.axial {
-            videos.extend(filmed.write("-axial", drawn(axial), cancel)?);
+    let twins = std::iter::once(("", &fitted.twin));
+    for (kind, twin) in twins.chain(fitted.axial.as_ref().map(|axial| ("-axial", axial))) {
+        if let Some(filmed) = &filmed {
+            videos.extend(filmed.videos(kind, drawn(twin), cancel)?);
+        }
+        if let Some(paired) = &paired {
+            paired.pairs(kind, drawn(twin), cancel)?;
         }
     }
     let assessment = quality::of_twin(&fitted.twin, &quality);

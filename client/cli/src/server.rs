@@ -9,15 +9,18 @@ use bendtwin_backends as backends;
 use bendtwin_client::token;
 use bendtwin_server::Service;
 use clap::Args;
+use serde::Serialize;
 
 use crate::{failure, output, signals};
 
 /// Options of the server. Flags take precedence over the environment, that over the file, and that
 /// over the defaults.
-#[derive(Debug, Args)]
+// Serialized, a flag has the name of its key in the file, with dots between tables.
+#[derive(Debug, Args, Serialize)]
 pub(crate) struct Server {
     /// TOML file with options (deploy/config.toml has all of them)
     #[arg(long, env = "BENDTWIN_CONFIG", value_name = "FILE")]
+    #[serde(skip)]
     config: Option<PathBuf>,
     /// Address for HTTP and gRPC; port 0 takes a free one [default: 127.0.0.1:7070]
     #[arg(long, env = "BENDTWIN_LISTEN", value_name = "ADDRESS")]
@@ -37,9 +40,11 @@ pub(crate) struct Server {
     client_token: Option<String>,
     /// Certificate for clients, for https://: a PEM file, reloaded when it changes
     #[arg(long, env = "BENDTWIN_TLS_CERTIFICATE", value_name = "FILE", requires = "tls_key")]
+    #[serde(rename = "tls.certificate")]
     tls_certificate: Option<PathBuf>,
     /// Key of this certificate: a PEM file that other users cannot read
     #[arg(long, env = "BENDTWIN_TLS_KEY", value_name = "FILE", requires = "tls_certificate")]
+    #[serde(rename = "tls.key")]
     tls_key: Option<PathBuf>,
     /// Address for workers on other hosts, which need a certificate [default: none]. Requires the
     /// three files below, and --worker-token
@@ -49,6 +54,7 @@ pub(crate) struct Server {
         value_name = "ADDRESS",
         requires_all = ["worker_tls_certificate", "worker_tls_key", "worker_tls_ca"]
     )]
+    #[serde(rename = "worker_tls.listen")]
     worker_tls_listen: Option<std::net::SocketAddr>,
     /// Certificate of the server for its workers: a PEM file, reloaded when it changes
     #[arg(
@@ -57,6 +63,7 @@ pub(crate) struct Server {
         value_name = "FILE",
         requires = "worker_tls_listen"
     )]
+    #[serde(rename = "worker_tls.certificate")]
     worker_tls_certificate: Option<PathBuf>,
     /// Key of this certificate: a PEM file that other users cannot read
     #[arg(
@@ -65,6 +72,7 @@ pub(crate) struct Server {
         value_name = "FILE",
         requires = "worker_tls_listen"
     )]
+    #[serde(rename = "worker_tls.key")]
     worker_tls_key: Option<PathBuf>,
     /// Certificate of the authority of the workers' certificates: a PEM file
     #[arg(
@@ -73,6 +81,7 @@ pub(crate) struct Server {
         value_name = "FILE",
         requires = "worker_tls_listen"
     )]
+    #[serde(rename = "worker_tls.client_ca")]
     worker_tls_ca: Option<PathBuf>,
     /// List of the workers' certificates that this authority has revoked (`bendtwin ca revoke`): a
     /// PEM file, reloaded when it changes [default: none]
@@ -82,6 +91,7 @@ pub(crate) struct Server {
         value_name = "FILE",
         requires = "worker_tls_listen"
     )]
+    #[serde(rename = "worker_tls.crl")]
     worker_tls_crl: Option<PathBuf>,
     /// Listen on an address that is not loopback, behind a proxy that terminates TLS [default:
     /// false]
@@ -112,19 +122,24 @@ pub(crate) struct Server {
     /// [default: SQLite in the data folder]. Other users of the machine see arguments: give a
     /// password by the environment, or in PostgreSQL's password file
     #[arg(long, env = "BENDTWIN_DATABASE_URL", value_name = "URL", hide_env_values = true)]
+    #[serde(rename = "database_url")]
     database: Option<String>,
     /// Place of all content, s3://BUCKET/PREFIX (keys and region from AWS_* in the environment) or
     /// file:///FOLDER [default: the data folder]
     #[arg(long, env = "BENDTWIN_OBJECTS", value_name = "URL")]
+    #[serde(rename = "objects_url")]
     objects: Option<String>,
     /// Number of worker processes that the server starts itself [default: 1]
     #[arg(long, env = "BENDTWIN_WORKERS", value_name = "N")]
+    #[serde(rename = "workers.count")]
     workers: Option<u32>,
     /// Backend of these workers: auto (CUDA if this machine has it), cpu or cuda [default: auto]
     #[arg(long, env = "BENDTWIN_BACKEND", value_name = "BACKEND")]
+    #[serde(rename = "workers.backend", serialize_with = "as_text")]
     backend: Option<backends::Choice>,
     /// CUDA devices of these workers, assigned in turn, counted from 0 [default: 0]
     #[arg(long, env = "BENDTWIN_DEVICES", value_name = "N,...", value_delimiter = ',')]
+    #[serde(rename = "workers.devices")]
     devices: Option<Vec<u32>>,
     /// Memory of all current requests together [MiB; default: an eighth of the machine's, at most
     /// 2048]
@@ -132,6 +147,7 @@ pub(crate) struct Server {
     memory_mib: Option<u64>,
     /// Memory of the server's own workers together [MiB; default: half of the machine's]
     #[arg(long, env = "BENDTWIN_WORKERS_MEMORY_MIB", value_name = "MIB")]
+    #[serde(rename = "workers.memory_mib")]
     workers_memory_mib: Option<u64>,
     /// Token of separately started workers; at least 16 characters
     #[arg(long, env = "BENDTWIN_WORKER_TOKEN", value_name = "TOKEN", hide_env_values = true)]
@@ -142,6 +158,7 @@ pub(crate) struct Server {
     /// Time for which an interrupted upload can be resumed after its last byte [s] [default:
     /// 604800]
     #[arg(long, env = "BENDTWIN_UPLOAD_EXPIRY", value_name = "SECONDS")]
+    #[serde(rename = "upload_expiry_s")]
     upload_expiry: Option<f64>,
     /// Free space of the disk below which new captures, twins and fits are refused [MiB] [default:
     /// 256]
@@ -149,10 +166,19 @@ pub(crate) struct Server {
     disk_floor_mib: Option<u64>,
     /// Write the port to this file once the server answers
     #[arg(long, value_name = "FILE")]
+    #[serde(skip)]
     port_file: Option<PathBuf>,
     /// Exit when the standard input ends
     #[arg(long)]
+    #[serde(skip)]
     exit_with_parent: bool,
+}
+
+fn as_text<S: serde::Serializer>(
+    choice: &Option<backends::Choice>,
+    serializer: S,
+) -> Result<S::Ok, S::Error> {
+    choice.map(|choice| choice.to_string()).serialize(serializer)
 }
 
 pub(crate) async fn run(args: Server) -> anyhow::Result<()> {

@@ -47,7 +47,7 @@ pub(crate) struct Worker {
         long,
         env = "BENDTWIN_WORKER_LISTEN",
         value_name = "ADDRESS",
-        default_value = "127.0.0.1:0"
+        default_value_t = bendtwin_worker::LISTEN
     )]
     worker_listen: SocketAddr,
     /// URL at which the server reaches this worker, where it differs: http://host:port, https:// with
@@ -77,10 +77,10 @@ pub(crate) struct Worker {
     #[arg(long, env = "BENDTWIN_WORKER_MEMORY_MIB", value_name = "MIB")]
     memory_mib: Option<u64>,
     /// Memory of the process that reads an uploaded capture [MiB]
-    #[arg(long, env = "BENDTWIN_INGEST_MEMORY_MIB", value_name = "MIB", default_value_t = 1500)]
+    #[arg(long, env = "BENDTWIN_INGEST_MEMORY_MIB", value_name = "MIB", default_value_t = mib(Limits::default().ingest_bytes))]
     ingest_memory_mib: u64,
     /// Time limit of that process, plus a second for each MiB of the capture [s]
-    #[arg(long, env = "BENDTWIN_INGEST_TIMEOUT_S", value_name = "S", default_value_t = 600)]
+    #[arg(long, env = "BENDTWIN_INGEST_TIMEOUT_S", value_name = "S", default_value_t = Limits::default().ingest_time.as_secs())]
     ingest_timeout_s: u64,
     /// Confinement of that process: `required` reads nothing on systems without Landlock and
     /// seccomp, `best-effort` uses what the system supports
@@ -93,20 +93,28 @@ pub(crate) struct Worker {
     )]
     ingest_sandbox: SandboxArg,
     /// Memory of one observation in a fit [MiB]
-    #[arg(long, env = "BENDTWIN_CAPTURE_MEMORY_MIB", value_name = "MIB", default_value_t = 2048)]
+    #[arg(long, env = "BENDTWIN_CAPTURE_MEMORY_MIB", value_name = "MIB", default_value_t = mib(Limits::default().capture_bytes))]
     capture_memory_mib: u64,
     /// Memory of a fit, its capture included [MiB, estimated; default: half of the worker's memory]
     #[arg(long, env = "BENDTWIN_FIT_MEMORY_MIB", value_name = "MIB")]
     fit_memory_mib: Option<u64>,
     /// Smallest share of the device's time for fits while rollouts would use all of it, 0 to 0.9
-    #[arg(long, env = "BENDTWIN_FIT_SHARE", value_name = "SHARE", default_value_t = 0.25)]
+    #[arg(long, env = "BENDTWIN_FIT_SHARE", value_name = "SHARE", default_value_t = bendtwin_worker::FIT_SHARE)]
     fit_share: f64,
     /// Memory of the loaded twins [MiB, estimated]
-    #[arg(long, env = "BENDTWIN_WARM_MEMORY_MIB", value_name = "MIB", default_value_t = 1024)]
+    #[arg(long, env = "BENDTWIN_WARM_MEMORY_MIB", value_name = "MIB", default_value_t = mib(Limits::default().warm_bytes))]
     warm_memory_mib: u64,
     /// Exit when the standard input ends: the server that started this worker is gone
     #[arg(long)]
     exit_with_parent: bool,
+}
+
+fn mib(bytes: u64) -> u64 {
+    bytes >> 20
+}
+
+fn bytes(mib: u64) -> u64 {
+    mib.saturating_mul(1 << 20)
 }
 
 #[derive(Debug, Subcommand)]
@@ -175,10 +183,8 @@ impl Worker {
             }
             (None, _) => None,
         };
-        let bytes = |mib: u64| mib.saturating_mul(1 << 20);
         let memory_bytes = self.memory_mib.map_or(defaults.memory_bytes, bytes);
         let fit_bytes = self.fit_memory_mib.map_or(memory_bytes / 2, bytes);
-        let limits = defaults.limits;
         Ok(Options {
             tls,
             memory_bytes,
@@ -193,11 +199,11 @@ impl Worker {
             fit_share: self.fit_share,
             limits: Limits {
                 ingest_time: Duration::from_secs(self.ingest_timeout_s),
-                ingest_bytes: self.ingest_memory_mib.saturating_mul(1 << 20),
-                capture_bytes: self.capture_memory_mib.saturating_mul(1 << 20),
+                ingest_bytes: bytes(self.ingest_memory_mib),
+                capture_bytes: bytes(self.capture_memory_mib),
                 fit_bytes,
-                warm_bytes: self.warm_memory_mib.saturating_mul(1 << 20),
-                ..limits
+                warm_bytes: bytes(self.warm_memory_mib),
+                ..defaults.limits
             },
             ..defaults
         })

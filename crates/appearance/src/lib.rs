@@ -7,6 +7,7 @@ mod colors;
 mod dressed;
 mod error;
 mod motion;
+mod pairs;
 mod score;
 mod side_by_side;
 mod target;
@@ -19,6 +20,7 @@ pub use self::{
     dressed::Dressed,
     error::Error,
     motion::Motion,
+    pairs::{ComparedPair, compared_pairs},
     score::{Scene, score},
     side_by_side::side_by_side,
     train::{Step, Training, TrainingOptions},

@@ -4,7 +4,7 @@ use bendtwin_core::{
     View, ViewCamera, Views,
     quality::{CameraScore, Likeness, RenderedScore},
 };
-use bendtwin_image_metrics::{Image as Compared, Lpips, Pair, Whole, flip, iou, psnr, ssim};
+use bendtwin_image_metrics::{Image as Compared, Pair, Whole, flip, iou, psnr, ssim};
 use bendtwin_splat::{Camera, Gaussians, Image, Rasteriser};
 
 use crate::{
@@ -32,8 +32,6 @@ pub struct Scene<'a> {
     pub views: &'a Views,
     /// Cameras, counted from 0, that its looks were made without.
     pub held_out: &'a [u32],
-    /// The network of LPIPS, if it is at hand.
-    pub lpips: Option<&'a Lpips>,
 }
 
 /// Renders every frame of the motion into every camera that has a view of it and compares the images.
@@ -63,7 +61,7 @@ pub fn score(
         let mut of_frame = Sum::default();
         for (index, camera) in cameras.iter().enumerate() {
             let Some(view) = camera.view(number) else { continue };
-            let likeness = compare(&gaussians, camera, view, rasteriser, scene.lpips)?;
+            let likeness = compare(&gaussians, camera, view, rasteriser)?;
             sums[index][span].add(&likeness);
             if !is_held_out(index) {
                 whole[span].add(&likeness);
@@ -91,20 +89,16 @@ pub fn score(
 /// Sums of likenesses.
 #[derive(Clone, Copy, Default)]
 struct Sum {
-    /// IoU, PSNR, SSIM, FLIP.
-    sums: [f64; 4],
-    /// LPIPS, where there is a network.
-    lpips: Option<f64>,
+    sums: OfImage,
     count: u32,
 }
 
-/// IoU, PSNR, SSIM and FLIP of one image, and LPIPS where there is a network.
-type OfImage = ([f64; 4], Option<f64>);
+/// IoU, PSNR, SSIM and FLIP of one image.
+type OfImage = [f64; 4];
 
 impl Sum {
-    fn add(&mut self, (likeness, lpips): &OfImage) {
+    fn add(&mut self, likeness: &OfImage) {
         self.sums.iter_mut().zip(likeness).for_each(|(sum, x)| *sum += x);
-        self.lpips = lpips.map(|x| self.lpips.unwrap_or_default() + x);
         self.count += 1;
     }
 
@@ -113,8 +107,7 @@ impl Sum {
             return Likeness::default();
         }
         let [iou, psnr_db, ssim, flip] = self.sums.map(|sum| Some(sum / f64::from(self.count)));
-        let lpips = self.lpips.map(|sum| sum / f64::from(self.count));
-        Likeness { iou, psnr_db, ssim, flip, lpips }
+        Likeness { iou, psnr_db, ssim, flip, lpips: None }
     }
 }
 
@@ -124,21 +117,15 @@ fn compare(
     camera: &ViewCamera,
     view: &View,
     rasteriser: &mut dyn Rasteriser,
-    lpips: Option<&Lpips>,
 ) -> Result<OfImage, Error> {
     let whole = camera::whole(camera, view.frame);
     let area = around(gaussians, &whole, view);
     let [left, top] = area.corner;
     let image = rasteriser.render(gaussians, &whole.crop(left, top, area.size[0], area.size[1]))?;
-    likeness(&image, &Target::new(view, area), whole.pixel_count(), lpips)
+    likeness(&image, &Target::new(view, area), whole.pixel_count())
 }
 
-fn likeness(
-    image: &Image,
-    target: &Target,
-    whole: usize,
-    lpips: Option<&Lpips>,
-) -> Result<OfImage, Error> {
+fn likeness(image: &Image, target: &Target, whole: usize) -> Result<OfImage, Error> {
     let failed = |e: bendtwin_image_metrics::Error| Error::Compare(e.to_string());
     let [width, height] = target.area.size;
     let rendered = Compared::new(width, height, &image.color).map_err(failed)?;
@@ -146,17 +133,12 @@ fn likeness(
     let pair = Pair::new(rendered, recorded, Some(&target.valid)).map_err(failed)?;
     let covered: Vec<bool> = image.alpha.iter().map(|a| *a > COVERED).collect();
     let of_whole = Whole::new(target.area.pixel_count(), whole).map_err(failed)?;
-    // Its mean runs over the image, too, and equal surroundings add nothing.
-    let share = target.area.pixel_count() as f64 / whole.max(1) as f64;
-    let distance = lpips.map(|network| network.distance(&pair)).transpose();
-    let distance = distance.map_err(|e| Error::Compare(e.to_string()))?;
-    let alike = [
+    Ok([
         iou(&covered, &target.object, Some(&target.valid)),
         of_whole.psnr(psnr(&pair)).min(MOST_PSNR_DB),
         of_whole.ssim(ssim(&pair)),
         of_whole.flip(flip(&pair)),
-    ];
-    Ok((alike, distance.map(|d| share * d)))
+    ])
 }
 
 /// The part of an image that a view or a Gaussian reaches, with a margin.

@@ -5,6 +5,7 @@ pub(crate) mod backend;
 pub(crate) mod backward;
 mod clearance;
 mod contact;
+mod gradient;
 pub(crate) mod group;
 pub(crate) mod objective;
 pub(crate) mod optimizer;

@@ -8,29 +8,18 @@
 //! same twin as one that was never interrupted.
 
 mod built_graph;
-mod checkpoint;
-pub mod cmaes;
 mod distill;
 mod error;
 mod job;
 mod look;
 pub mod memory;
-mod model_fit;
-mod nodes;
-mod others;
-mod parameterization;
 mod progress;
 mod refine;
 mod search;
-mod sequences;
-mod source;
-mod space;
 mod submit;
 mod task;
-mod time_limit;
-mod validation;
-mod warnings;
 
+pub use bendtwin_appearance::ComparedPair;
 pub use distill::{Budget, Choice, Distillation};
 pub use error::Error;
 pub use job::{FitJob, Outcome};

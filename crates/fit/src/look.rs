@@ -2,11 +2,12 @@
 
 use std::{io::Write, sync::Arc};
 
-use bendtwin_appearance::{Dressed, Motion, Scene, score, side_by_side};
+use bendtwin_appearance::{
+    ComparedPair, Dressed, Motion, Scene, compared_pairs, score, side_by_side,
+};
 use bendtwin_core::{CancelToken, Capture, FitSettings, Twin, Views, quality::RenderedScore};
 use bendtwin_engine::Backend;
 use bendtwin_eval::{Trajectory, predict};
-use bendtwin_image_metrics::Lpips;
 use bendtwin_splat::Rasteriser;
 
 use crate::Error;
@@ -24,8 +25,6 @@ pub struct Look<'a> {
     pub views: &'a Views,
     /// Opens the rasteriser that draws them.
     pub rasteriser: OpenRasteriser,
-    /// The network of LPIPS, if it is at hand.
-    pub lpips: Option<Arc<Lpips>>,
 }
 
 /// A twin that is drawn into the views of a recording.
@@ -89,6 +88,25 @@ impl Look<'_> {
         })
     }
 
+    /// Hands every image that the measures compare to `write`, with its rendering. None if the twin has
+    /// neither Gaussians nor a coloured skin.
+    ///
+    /// # Errors
+    /// Those of [`Look::score`], and if `write` fails.
+    pub fn pairs(
+        &self,
+        drawn: LookInput<'_>,
+        write: &mut dyn FnMut(ComparedPair) -> std::io::Result<()>,
+        cancel: &CancelToken,
+    ) -> Result<Option<()>, Error> {
+        self.in_scene(drawn, cancel, &mut |scene, rasteriser| {
+            compared_pairs(scene, rasteriser, &mut |pair| {
+                write(pair).map_err(|e| bendtwin_picture::Error::Encoding(e.to_string()))?;
+                Ok(!cancel.is_cancelled())
+            })
+        })
+    }
+
     /// Calls `work` with the twin's Gaussians and its predicted motion.
     fn in_scene<T>(
         &self,
@@ -115,7 +133,6 @@ impl Look<'_> {
             motion: predicted.motion(),
             views: self.views,
             held_out: &held_out,
-            lpips: self.lpips.as_deref(),
         };
         Ok(Some(work(&scene, &mut *rasteriser)?))
     }

@@ -36,6 +36,14 @@ pub(crate) struct ModelProgress {
     pub(crate) note: Option<String>,
 }
 
+impl ModelProgress {
+    /// Progress without losses and note.
+    pub(crate) fn new(model: &str, stage: Stage, iteration: u32) -> Self {
+        let (loss, best_loss, note) = (None, None, None);
+        Self { model: model.to_owned(), stage, iteration, loss, best_loss, note }
+    }
+}
+
 impl ProgressEstimator {
     pub(crate) fn new(task: &Task<'_>, search_frames: usize, population: usize) -> Self {
         let frames: usize = task.training.iter().map(|t| t.frames).sum();

@@ -4,6 +4,7 @@
 
 mod average;
 mod optimizer_run;
+mod parameterization;
 mod schedule;
 mod step_control;
 mod windows;

@@ -2,6 +2,9 @@
 //! every candidate with its own graph; the host's threads prepare the candidates in parallel, as
 //! many at a time as a bound on their memory allows.
 
+pub(crate) mod cmaes;
+pub(crate) mod space;
+
 use std::sync::Arc;
 
 use bendtwin_core::{
@@ -11,13 +14,14 @@ use bendtwin_core::{
 use bendtwin_engine::{Backend, Loaded, backend};
 use rayon::prelude::*;
 
+use self::{
+    cmaes::{CmaEs, Sample},
+    space::{Candidate, Space},
+};
 use crate::{
     Error,
     built_graph::{BuiltGraph, GraphCache, LoadError, build_model, load},
-    cmaes::{CmaEs, Sample},
-    memory,
-    space::{Candidate, Space},
-    submit,
+    memory, submit,
     task::{Task, Training},
 };
 

@@ -1,5 +1,10 @@
 //! The constant part of a fit: nodes, training sequences, and the objective of each.
 
+mod nodes;
+pub(crate) mod others;
+pub(crate) mod sequences;
+mod source;
+
 use std::sync::Arc;
 
 use bendtwin_core::{
@@ -13,13 +18,13 @@ use bendtwin_engine::{
 use bendtwin_eval::in_recording;
 use bendtwin_graph::{Connectivity, NodeSample, bind_skin, connect, mean_spacing, sample_nodes};
 
-use crate::{
-    Error,
+pub(crate) use self::nodes::of_start;
+use self::{
     nodes::Nodes,
     others::{OtherControls, join},
-    sequences,
-    source::{self, Measure, Source},
+    source::{Measure, Source},
 };
+use crate::Error;
 
 /// The data of a fit that no iteration changes.
 pub(crate) struct Task<'a> {
@@ -211,11 +216,6 @@ impl<'a> Task<'a> {
             set.push(training);
         }
         set
-    }
-
-    /// Number of starts of each model.
-    pub(crate) fn starts(&self) -> u32 {
-        self.settings.search.start_count()
     }
 
     /// Number of generations of a search.

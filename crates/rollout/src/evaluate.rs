@@ -31,17 +31,17 @@ fn keep_rendered(quality: &mut Quality, twin: &Twin, recording: &Capture) {
 pub fn evaluate_twin(
     warm: &Warm,
     recording: &Capture,
-    asked: Option<u32>,
+    sequence: Option<u32>,
     backend: &dyn Backend,
     cancel: &CancelToken,
 ) -> Result<(String, Option<PredictedMotion>), Error> {
     let there: usize = recording.recordings().map(|r| r.sequences.len()).sum();
-    if let Some(index) = asked.filter(|index| *index as usize >= there) {
+    if let Some(index) = sequence.filter(|index| *index as usize >= there) {
         let fault = format!("is {index}, but the capture has {there}, counted from 0");
         return Err(Error::field("motion.sequence", fault));
     }
     let (twin, options) = (&warm.twin, EvaluateOptions::default());
-    let (mut quality, motion) = match asked {
+    let (mut quality, motion) = match sequence {
         None => (evaluate(backend, twin, recording, &options, cancel)?, None),
         Some(index) => {
             let at = index as usize;

@@ -54,7 +54,7 @@ pub(crate) struct RollOut {
 }
 
 /// A rollout that has passed the check.
-pub(super) struct Prepared {
+pub(super) struct CheckedRollOut {
     pub(super) twin: TwinId,
     pub(super) shape: TwinShape,
     /// The session that it begins in, and its worker: no other has the state.
@@ -152,12 +152,13 @@ impl Dispatch {
     /// the whole batch, and 16-bit positions have one scale. Several may share it.
     pub(crate) async fn roll_out(&self, rollout: RollOut) -> Result<Whole> {
         // Boxed: a request is large, and each of these steps has a place for it on the stack.
-        let prepared = Box::pin(self.prepared(RollOut { in_parts: false, ..rollout })).await?;
-        let sharers = self.sharers(&prepared);
+        let checked =
+            Box::pin(self.checked_rollout(RollOut { in_parts: false, ..rollout })).await?;
+        let sharers = self.sharers(&checked);
         if sharers.len() > 1 {
-            return Box::pin(self.spread(prepared, sharers)).await;
+            return Box::pin(self.spread(checked, sharers)).await;
         }
-        let InParts { mut parts, held } = Box::pin(self.by_one(prepared)).await?;
+        let InParts { mut parts, held } = Box::pin(self.by_one(checked)).await?;
         let response = parts.next().await.ok_or(Error::WorkerEnded)??;
         match parts.next().await {
             None => Ok(Whole { response, held }),
@@ -168,12 +169,12 @@ impl Dispatch {
 
     /// The reply in the parts that the worker sends. The first has arrived when this returns.
     pub(crate) async fn parts(&self, rollout: RollOut) -> Result<InParts> {
-        let prepared = Box::pin(self.prepared(rollout)).await?;
-        Box::pin(self.by_one(prepared)).await
+        let checked = Box::pin(self.checked_rollout(rollout)).await?;
+        Box::pin(self.by_one(checked)).await
     }
 
     /// Checks a rollout.
-    async fn prepared(&self, rollout: RollOut) -> Result<Prepared> {
+    async fn checked_rollout(&self, rollout: RollOut) -> Result<CheckedRollOut> {
         let arrived = Instant::now();
         let RollOut { mut request, timeout, in_parts, as_lists, commit_slots, memory } = rollout;
         let (session, parts) = self.session_of(&mut request).await?;
@@ -199,12 +200,12 @@ impl Dispatch {
         };
         let deadline = Instant::now() + timeout.unwrap_or(LONGEST).min(LONGEST);
         let (twin, shape, ends) = (id, twin.shape, Ends { deadline, limit });
-        Ok(Prepared { twin, shape, session, batch, ask, execute, ends, reply_bytes, memory })
+        Ok(CheckedRollOut { twin, shape, session, batch, ask, execute, ends, reply_bytes, memory })
     }
 
     /// The reply of one worker.
-    async fn by_one(&self, prepared: Prepared) -> Result<InParts> {
-        let Prepared { twin, session, ask, execute, ends, reply_bytes, memory, .. } = prepared;
+    async fn by_one(&self, checked: CheckedRollOut) -> Result<InParts> {
+        let CheckedRollOut { twin, session, ask, execute, ends, reply_bytes, memory, .. } = checked;
         let deadline = ends.deadline;
         let share = tokio::time::timeout_at(deadline, self.memory.reply(reply_bytes));
         let share = share.await.map_err(|_| Error::Deadline)??;

@@ -188,15 +188,15 @@ impl Dispatch {
     /// JSON.
     pub(crate) async fn session_states(
         &self,
-        asked: GetSessionStatesRequest,
+        request: GetSessionStatesRequest,
         timeout: Option<Duration>,
         as_lists: bool,
     ) -> Result<(SessionStates, ReplyHold)> {
-        let (id, entry, held) = self.named(&asked.name).await?;
+        let (id, entry, held) = self.named(&request.name).await?;
         let known = self.twins.get(&self.store, held.twin).await?;
-        let slots = match asked.slots.len() {
+        let slots = match request.slots.len() {
             0 => held.slots as usize,
-            asked => asked,
+            count => count,
         };
         let mut limits = self.limits.rollout;
         if as_lists {
@@ -205,7 +205,8 @@ impl Dispatch {
         let grasps = u64::from(held.parts.grasps);
         let bytes = rollout::states_bytes(slots as u64, grasps, &known.shape, &limits)?;
         let share = self.memory.reply(bytes).await?;
-        let reply = self.manage_known(id, &entry, held.twin, Call::States(asked), timeout).await?;
+        let reply =
+            self.manage_known(id, &entry, held.twin, Call::States(request), timeout).await?;
         Ok((reply.states.unwrap_or_default(), ReplyHold::of(share)))
     }
 

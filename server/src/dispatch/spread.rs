@@ -16,7 +16,7 @@ use super::{
     Dispatch,
     line::Ask,
     registry::Entry,
-    rollout::{Prepared, ReplyHold, Whole},
+    rollout::{CheckedRollOut, ReplyHold, Whole},
     route,
 };
 use crate::error::{Error, Result};
@@ -32,10 +32,10 @@ const MOST_PREPARED: u64 = 128 << 20;
 impl Dispatch {
     /// The workers to share a batch: none or one if it is not to be split. All of them are
     /// equivalent, so that any worker may simulate any part.
-    pub(super) fn sharers(&self, prepared: &Prepared) -> Vec<Arc<Entry>> {
-        let Some(request) = &prepared.execute.request else { return Vec::new() };
-        if prepared.session.is_some()
-            || prepared.reply_bytes > MOST_JOINED
+    pub(super) fn sharers(&self, checked: &CheckedRollOut) -> Vec<Arc<Entry>> {
+        let Some(request) = &checked.execute.request else { return Vec::new() };
+        if checked.session.is_some()
+            || checked.reply_bytes > MOST_JOINED
             || !split::can_split(request)
         {
             return Vec::new();
@@ -44,15 +44,15 @@ impl Dispatch {
         let (fresh, now) = (self.fresh(), self.store.lease_time());
         let candidates: Vec<route::Candidate> = entries
             .iter()
-            .map(|e| e.candidate(prepared.twin, &prepared.ask, e.silence(now) <= fresh))
+            .map(|e| e.candidate(checked.twin, &checked.ask, e.silence(now) <= fresh))
             .collect();
-        let idle = route::idle(prepared.twin, &candidates);
+        let idle = route::idle(checked.twin, &candidates);
         let Some(first) = idle.first().and_then(|i| entries.get(*i)) else { return Vec::new() };
-        let seconds = prepared.ask.work / first.line.per_second();
-        let Some(unit) = prepared.unit(first, request) else { return Vec::new() };
-        let most_by_instances = match prepared.batch.instances / u64::from(first.lanes().max(1)) {
+        let seconds = checked.ask.work / first.line.per_second();
+        let Some(unit) = checked.unit(first, request) else { return Vec::new() };
+        let most_by_instances = match checked.batch.instances / u64::from(first.lanes().max(1)) {
             0 => 1,
-            rounds => rounds.min(prepared.batch.instances.div_ceil(unit)),
+            rounds => rounds.min(checked.batch.instances.div_ceil(unit)),
         };
         let mut sharers: Vec<Arc<Entry>> = Vec::new();
         for i in idle {
@@ -74,12 +74,12 @@ impl Dispatch {
     /// and the others stop.
     pub(super) async fn spread(
         &self,
-        prepared: Prepared,
+        checked: CheckedRollOut,
         sharers: Vec<Arc<Entry>>,
     ) -> Result<Whole> {
-        let request = prepared.execute.request.as_ref();
-        let unit = request.zip(sharers.first()).and_then(|(r, first)| prepared.unit(first, r));
-        let Prepared { twin, batch, ask, execute, ends, reply_bytes, memory, .. } = prepared;
+        let request = checked.execute.request.as_ref();
+        let unit = request.zip(sharers.first()).and_then(|(r, first)| checked.unit(first, r));
+        let CheckedRollOut { twin, batch, ask, execute, ends, reply_bytes, memory, .. } = checked;
         let deadline = ends.deadline;
         let (Some(request), Some(unit)) = (&execute.request, unit) else {
             return Err(Error::Internal("a rollout that cannot be shared".to_owned()));
@@ -114,7 +114,7 @@ impl Dispatch {
     }
 }
 
-impl Prepared {
+impl CheckedRollOut {
     /// Number of instances at whose multiples the batch may be cut for workers like this one; none
     /// if it may not be cut.
     fn unit(&self, worker: &Entry, request: &RollOutRequest) -> Option<u64> {

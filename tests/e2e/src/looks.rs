@@ -29,7 +29,8 @@ fn a_fit_on_this_machine_colours_its_twin_and_measures_it() {
     let file = root.path().join("toy.twin").display().to_string();
     let videos = root.path().join("videos");
     let into = videos.display().to_string();
-    let options = ["eval", &folder, "--axial", "--out", &file, "--video", &into];
+    let pairs = root.path().join("pairs").display().to_string();
+    let options = ["eval", &folder, "--axial", "--out", &file, "--video", &into, "--pairs", &pairs];
     let fitted = run_json(&[&options[..], &QUICK[..]].concat());
     let scores = fitted["quality"]["scores"].as_array().unwrap();
     let of = |predictor: &str| scores.iter().find(|s| s["predictor"] == predictor).unwrap();
@@ -44,6 +45,11 @@ fn a_fit_on_this_machine_colours_its_twin_and_measures_it() {
         assert!(bytes.windows(4).any(|w| w == b"acTL"), "{name}");
     }
     assert_eq!(fitted["videos"].as_array().unwrap().len(), 4);
+    let names = |part: &str| {
+        let all = std::fs::read_dir(&pairs).unwrap().map(|e| e.unwrap().file_name());
+        all.filter(|name| name.to_str().unwrap().starts_with(part)).count()
+    };
+    assert!(names("camera0-training-0") > 3 && names("camera1-axial-future-0") > 0, "{pairs}");
     // What is measured again is the same, frame by frame.
     let again = run_json(&["eval", &folder, "--twin", &file, "--per-frame"]);
     let rendered = &again["quality"]["scores"][0]["rendered"];

@@ -100,11 +100,11 @@ impl PendingRun {
             capture_digest: self.source.digest.clone(),
             settings: self.settings.clone(),
             backend: context.backend.clone(),
-            look: self.source.views.as_ref().map(|views| Look {
-                views,
-                rasteriser: context.rasteriser.clone(),
-                lpips: None,
-            }),
+            look: self
+                .source
+                .views
+                .as_ref()
+                .map(|views| Look { views, rasteriser: context.rasteriser.clone() }),
         };
         let mut from = Resumption::find(context.folder, &self.id, &self.digest);
         loop {

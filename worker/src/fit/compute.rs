@@ -87,7 +87,7 @@ impl Compute {
             capture_digest: bendtwin_capture::digest(&capture),
             settings,
             backend,
-            look: views.as_ref().map(|views| Look { views, rasteriser, lpips: None }),
+            look: views.as_ref().map(|views| Look { views, rasteriser }),
         };
         let token = self.stop.token().clone();
         let mut observer = JobObserver { compute: self, stage_ended: false };

@@ -1,9 +1,11 @@
 //! Reasons for which a call to this worker is refused or fails: those of the work itself, and resources that the
 //! worker lacks.
 
+use std::str::FromStr;
+
 use bendtwin_budget::Exhausted;
 use bendtwin_contract::{registration, rollout as contract};
-use bendtwin_core::{Problem, twin::format::FormatError};
+use bendtwin_core::{Problem, ids::InvalidName, twin::format::FormatError};
 use bendtwin_engine::backend;
 
 use crate::artifact::FetchError;
@@ -55,6 +57,14 @@ impl Error {
     /// A wrong field.
     pub(super) fn field(field: impl Into<String>, fault: impl Into<String>) -> Self {
         bendtwin_rollout::Error::field(field, fault).into()
+    }
+
+    /// The resource that a field names.
+    pub(super) fn parsed<T: FromStr<Err = InvalidName>>(
+        field: &str,
+        name: &str,
+    ) -> Result<T, Self> {
+        name.parse().map_err(|e: InvalidName| Self::field(field, e.to_string()))
     }
 }
 

@@ -3,7 +3,7 @@
 
 use std::sync::Arc;
 
-use bendtwin_core::ids::{CaptureId, InvalidName, TwinId};
+use bendtwin_core::ids::{CaptureId, TwinId};
 use bendtwin_proto::{v1::Evaluation, worker::v1::ExecuteEvaluateTwinRequest};
 use bendtwin_rollout::evaluate_twin;
 
@@ -20,17 +20,16 @@ impl Inner {
         request: ExecuteEvaluateTwinRequest,
         call: &Unary,
     ) -> Result<Evaluation, Error> {
-        let wire = request.request.ok_or_else(|| Error::field("request", "is missing"))?;
-        let wrong = |field| move |e: InvalidName| Error::field(field, e.to_string());
-        let twin: TwinId = wire.twin.parse().map_err(wrong("twin"))?;
-        let capture: CaptureId = wire.capture.parse().map_err(wrong("capture"))?;
+        let request = request.request.ok_or_else(|| Error::field("request", "is missing"))?;
+        let twin: TwinId = Error::parsed("twin", &request.twin)?;
+        let capture: CaptureId = Error::parsed("capture", &request.capture)?;
         let warm = self.twins.get(twin).await?;
         let (recording, share) = self.replays.recording(capture).await?;
-        let asked = wire.motion.map(|motion| motion.sequence);
+        let sequence = request.motion.map(|motion| motion.sequence);
         let backend = self.device.backend(Priority::Interactive);
         let evaluated = call.blocking(move |cancel| {
             let _share = share;
-            Ok(evaluate_twin(&warm, &recording, asked, &backend, cancel)?)
+            Ok(evaluate_twin(&warm, &recording, sequence, &backend, cancel)?)
         });
         let (quality_json, motion) = evaluated.await?;
         Ok(Evaluation {

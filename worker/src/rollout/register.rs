@@ -4,7 +4,6 @@
 use std::sync::Arc;
 
 use bendtwin_contract::registration;
-use bendtwin_core::ids::{InvalidName, TwinId};
 use bendtwin_proto::{v1::RegisteredState, worker::v1::ExecuteRegisterStateRequest};
 use bendtwin_rollout::{register_state, shape};
 
@@ -21,24 +20,23 @@ impl Inner {
         request: ExecuteRegisterStateRequest,
         call: &Unary,
     ) -> Result<RegisteredState, Error> {
-        let wire = request.request.ok_or_else(|| Error::field("request", "is missing"))?;
-        let twin: TwinId =
-            wire.twin.parse().map_err(|e: InvalidName| Error::field("twin", e.to_string()))?;
-        let warm = self.twins.get(twin).await?;
-        let shape = shape(warm.twin(), !request.capture.is_empty());
-        registration::check_registration(&wire, &shape, &self.limits())?;
+        let ExecuteRegisterStateRequest { request, capture, .. } = request;
+        let request = request.ok_or_else(|| Error::field("request", "is missing"))?;
+        let warm = self.twins.get(Error::parsed("twin", &request.twin)?).await?;
+        let shape = shape(warm.twin(), !capture.is_empty());
+        registration::check_registration(&request, &shape, &self.limits())?;
         // A preceding simulation takes its memory first.
-        let begun = registration::begun(&wire);
-        let starts = self.first_states(&warm, &begun, &request.capture, call.cancel()).await?;
+        let begun = registration::begun(&request);
+        let starts = self.first_states(&warm, &begun, &capture, call.cancel()).await?;
         let start = starts.into_iter().next();
         let start = start.ok_or_else(|| Error::field("initial", "has no state"))?;
-        let bytes = registration::memory_bytes(wire.observation.as_ref(), &shape);
+        let bytes = registration::memory_bytes(request.observation.as_ref(), &shape);
         let purpose = "the registration: send fewer points";
         let share = budget::take(&self.memory.rollouts, bytes, purpose).await?;
         let backend = self.device.backend(Priority::Interactive);
         call.blocking(move |cancel| {
             let _share = share;
-            Ok(register_state(&warm, start, wire, &backend, cancel)?)
+            Ok(register_state(&warm, start, request, &backend, cancel)?)
         })
         .await
     }

@@ -2,10 +2,10 @@
 //! cancellation when the caller goes away.
 
 mod call;
+mod roll_out;
 
 use std::{
     convert::Infallible,
-    pin::Pin,
     sync::{Arc, OnceLock, PoisonError, RwLock},
     task::{Context, Poll},
     time::{Duration, Instant},
@@ -13,30 +13,25 @@ use std::{
 
 use bendtwin_budget::Share;
 use bendtwin_contract::rollout::{self, Limits};
-use bendtwin_core::{CancelToken, Problem as _, ids::TwinId};
-use bendtwin_engine::backend;
+use bendtwin_core::{CancelToken, Problem as _};
 use bendtwin_proto::{
     deadline::timeout,
     fault,
-    v1::RollOutResponse,
     worker::v1::{
         ExecuteEvaluateTwinRequest, ExecuteEvaluateTwinResponse, ExecuteRegisterStateRequest,
-        ExecuteRegisterStateResponse, ExecuteRollOutRequest, ExecuteRollOutResponse,
-        ManageSessionRequest, ManageSessionResponse, WatchRequest,
+        ExecuteRegisterStateResponse, ExecuteRollOutRequest, ManageSessionRequest,
+        ManageSessionResponse, WatchRequest,
         worker_rollouts_server::{WorkerRollouts, WorkerRolloutsServer},
     },
 };
-use bendtwin_rollout::{
-    Begun, Checked, Execution, Plan, Room, Served, Sessions, StartSimulation, Starts, Still,
-};
+use bendtwin_rollout::Sessions;
 use bytes::Bytes;
 use futures::Stream;
 use http_body_util::BodyExt as _;
 use tokio::{
     io::{AsyncRead, AsyncWrite},
-    sync::{OwnedSemaphorePermit, Semaphore, mpsc},
+    sync::{OwnedSemaphorePermit, Semaphore},
 };
-use tokio_stream::wrappers::ReceiverStream;
 use tokio_util::sync::CancellationToken;
 use tonic::{
     Request, Response, Status,
@@ -49,6 +44,7 @@ use tonic::{
 use tracing::{Instrument as _, Span};
 
 pub(super) use self::call::Unary;
+use self::roll_out::{Parts, RollOutCall};
 use super::{
     Replays, WarmTwins,
     error::Error,
@@ -56,11 +52,8 @@ use super::{
 };
 use crate::{
     budget::{self, Memory},
-    device::{Device, Priority},
+    device::Device,
 };
-
-/// Parts that may wait for a slow reader: backpressure, so memory stays bounded.
-const WAITING_PARTS: usize = 2;
 
 /// Answers rollouts.
 #[derive(Clone)]
@@ -258,13 +251,9 @@ impl WorkerRollouts for Rollouts {
         let held = request.extensions_mut().remove::<RequestHold>().unwrap_or_default();
         let slot = self.slot()?;
         let deadline = timeout(request.metadata()).map(|t| arrived + t);
-        let cancel = CancelToken::default();
-        let (parts, receiver) = mpsc::channel(WAITING_PARTS);
-        let inner = Arc::clone(&self.0);
-        let slot = Arc::new(slot);
-        let call = Call { slot, arrived, cancel: cancel.clone(), parts, held };
-        tokio::spawn(call.serve(inner, request.into_inner(), deadline).in_current_span());
-        Ok(Response::new(Parts { parts: ReceiverStream::new(receiver), cancel }))
+        let (call, parts) = RollOutCall::new(Arc::clone(&self.0), slot, arrived, held);
+        tokio::spawn(call.serve(request.into_inner(), deadline).in_current_span());
+        Ok(Response::new(parts))
     }
 
     async fn manage_session(
@@ -312,140 +301,6 @@ fn refused(what: &str, request_id: &str, error: &Error) -> Status {
     fault::status(&fault)
 }
 
-/// A call under way.
-struct Call {
-    /// Held until the work has ended, also when the caller is gone.
-    slot: Arc<OwnedSemaphorePermit>,
-    arrived: Instant,
-    cancel: CancelToken,
-    parts: mpsc::Sender<Result<ExecuteRollOutResponse, Status>>,
-    held: RequestHold,
-}
-
-impl Call {
-    async fn serve(
-        self,
-        inner: Arc<Inner>,
-        request: ExecuteRollOutRequest,
-        deadline: Option<Instant>,
-    ) {
-        let request_id = request.request_id.clone();
-        let work = self.work(&inner, request);
-        let result = match deadline {
-            None => work.await,
-            Some(deadline) => {
-                tokio::time::timeout_at(deadline.into(), work).await.unwrap_or(Err(Error::Deadline))
-            }
-        };
-        if let Err(error) = result {
-            // Stops the simulation too if it was the deadline.
-            self.cancel.cancel();
-            let fault = error.fault();
-            tracing::info!(request_id, reason = fault.reason, "rollout refused: {fault}");
-            let _ = self.parts.send(Err(fault::status(&fault))).await;
-        }
-        drop(self.slot);
-    }
-
-    async fn work(&self, inner: &Arc<Inner>, request: ExecuteRollOutRequest) -> Result<(), Error> {
-        let mut wire = request.request.ok_or_else(|| Error::field("request", "is missing"))?;
-        let until = wire.time_limit_s.map(|_| self.arrived + seconds(request.time_left_s));
-        let begun = Begun::new(&inner.sessions, &mut wire, request.commit_slots).await?;
-        let id: TwinId = wire
-            .twin
-            .parse()
-            .map_err(|e: bendtwin_core::ids::InvalidName| Error::field("twin", e.to_string()))?;
-        let fidelity = rollout::fidelity(wire.fidelity)?;
-        let warm = inner.twins.get(id).await?;
-        inner.status.has_warm(inner.twins.ids());
-        let starts = begun.as_ref().map(Begun::starts);
-        let rests = starts.as_ref().map(Starts::rests).unwrap_or_default();
-        let backend = Arc::new(inner.device.backend(Priority::Interactive));
-        let limits = inner.limits();
-        let budget = &inner.memory.rollouts;
-        let room = Room { bytes: budget.most(), lanes: inner.device.description().lanes };
-        let (capture, part_instances) = (request.capture, request.part_instances);
-        // Loading a model takes a while, and so does checking a hundred megabytes of actions.
-        let (own, twin, on) = (capture.clone(), Arc::clone(&warm), Arc::clone(&backend));
-        let checked = blocking(&self.held, move || {
-            let served = Served::choose(twin, fidelity, &*on)?.with_rests(rests)?;
-            Ok(Checked::new(wire, &own, part_instances, served, &limits, room)?)
-        })
-        .await?;
-        // A preceding simulation takes its memory first.
-        let asked = checked.request();
-        let wanted = StartSimulation::wanted(asked.initial.as_ref(), &capture)?;
-        let (replays, cancel) = (&inner.replays, &self.cancel);
-        let simulated = match wanted {
-            None => None,
-            Some(StartSimulation::Frame(at)) => {
-                Some(replays.start(&warm, at, &backend, cancel, limits.work).await?)
-            }
-            Some(StartSimulation::Settled) => {
-                let world = Still::read(asked.world.as_ref())?;
-                Some(replays.settled(&warm, world, &backend, cancel, limits.work).await?)
-            }
-        };
-        let share =
-            budget::take(budget, checked.bytes(), "the rollout: ask for less at once").await?;
-        // It is set here alone.
-        let _ = self.held.rollout.set(share);
-        let (on, cancel) = (Arc::clone(&backend), self.cancel.clone());
-        let (mut plan, wanted) =
-            blocking(&self.held, move || Ok(Plan::new(checked, &*on, &cancel)?)).await?;
-        if begun.as_ref().is_some_and(Begun::commits) {
-            let (bytes, advice) = (plan.surroundings_bytes(), "the surroundings: close sessions");
-            plan.keep_surroundings(budget::take(&inner.memory.sessions, bytes, advice).await?);
-        }
-        let starts = plan.starts(wanted, starts.or(simulated.map(Starts::Shared)))?;
-        let (cancel, parts, arrived) = (self.cancel.clone(), self.parts.clone(), self.arrived);
-        let worker = inner.worker.clone();
-        // A deadline ends the waiting, not this work: until it has heard, its place stays taken.
-        let slot = Arc::clone(&self.slot);
-        blocking(&self.held, move || {
-            let _slot = slot;
-            let execution = Execution {
-                plan: &plan,
-                starts: &starts,
-                backend: &*backend,
-                cancel: &cancel,
-                until,
-                arrived,
-                worker: &worker,
-                keeps_states: begun.as_ref().is_some_and(Begun::commits),
-            };
-            let mut replies = Vec::new();
-            let kept = execution.run(|response| {
-                if execution.keeps_states {
-                    // What was not committed is not answered.
-                    replies.push(response);
-                    return Ok(());
-                }
-                send(&parts, response)
-            })?;
-            if let Some(begun) = begun {
-                begun.commit(kept, plan.frames())?;
-            }
-            Ok(replies.into_iter().try_for_each(|response| send(&parts, response))?)
-        })
-        .await
-    }
-}
-
-/// A span of time; `None` for an invalid number.
-fn seconds(seconds: f64) -> Duration {
-    Duration::try_from_secs_f64(seconds).unwrap_or_default()
-}
-
-/// Sends a part, if the caller still listens.
-fn send(
-    parts: &mpsc::Sender<Result<ExecuteRollOutResponse, Status>>,
-    response: RollOutResponse,
-) -> Result<(), bendtwin_rollout::Error> {
-    let message = ExecuteRollOutResponse { response: Some(response) };
-    parts.blocking_send(Ok(message)).map_err(|_| backend::Error::Cancelled.into())
-}
-
 /// Runs work beside the tasks of the runtime, which holds the memory of its call even when the
 /// caller is gone.
 async fn blocking<T: Send + 'static>(
@@ -458,24 +313,4 @@ async fn blocking<T: Send + 'static>(
         work()
     });
     work.await.map_err(|_| Error::Panicked)?
-}
-
-/// The reply stream. Dropping it, as happens when the caller goes away, stops the simulation.
-pub(crate) struct Parts {
-    parts: ReceiverStream<Result<ExecuteRollOutResponse, Status>>,
-    cancel: CancelToken,
-}
-
-impl Stream for Parts {
-    type Item = Result<ExecuteRollOutResponse, Status>;
-
-    fn poll_next(mut self: Pin<&mut Self>, context: &mut Context<'_>) -> Poll<Option<Self::Item>> {
-        Pin::new(&mut self.parts).poll_next(context)
-    }
-}
-
-impl Drop for Parts {
-    fn drop(&mut self) {
-        self.cancel.cancel();
-    }
 }

@@ -7,12 +7,11 @@ use std::sync::Arc;
 
 use bendtwin_budget::Share;
 use bendtwin_contract::rollout;
-use bendtwin_core::{
-    CancelToken,
-    ids::{InvalidName, SessionId, TwinId},
-};
+use bendtwin_core::{CancelToken, ids::SessionId};
 use bendtwin_proto::{
-    v1::{Fidelity, GetSessionStatesRequest, OpenSessionRequest, SessionStates},
+    v1::{
+        Fidelity, GetSessionStatesRequest, InitialState, OpenSessionRequest, SessionStates, World,
+    },
     worker::v1::{ManageSessionRequest, ManageSessionResponse, manage_session_request::Call},
 };
 use bendtwin_rollout::{
@@ -24,7 +23,10 @@ use super::{
     error::Error,
     service::{Inner, Unary},
 };
-use crate::{budget, device::Priority};
+use crate::{
+    budget,
+    device::{Priority, QueuedBackend},
+};
 
 /// States of a slot: its first one and the present one, and one that an advance makes.
 const STATES: u64 = 3;
@@ -42,8 +44,8 @@ impl Inner {
         let session = match call {
             Call::Open(open) => self.open(open, request.capture, under_way.cancel()).await?,
             Call::Get(get) => self.sessions.get(&get.name)?,
-            Call::States(asked) => {
-                let (states, share) = self.states(&asked).await?;
+            Call::States(states) => {
+                let (states, share) = self.states(&states).await?;
                 let reply = ManageSessionResponse { states: Some(states), ..Default::default() };
                 return Ok((reply, Some(share)));
             }
@@ -96,10 +98,10 @@ impl Inner {
     /// The states of slots, in memory that was taken before.
     async fn states(
         &self,
-        asked: &GetSessionStatesRequest,
+        request: &GetSessionStatesRequest,
     ) -> Result<(SessionStates, Share), Error> {
-        let session = self.sessions.get(&asked.name)?;
-        let slots = session.distinct(&asked.slots, 0..session.slots())?;
+        let session = self.sessions.get(&request.name)?;
+        let slots = session.distinct(&request.slots, 0..session.slots())?;
         let warm = self.twins.get(session.setup.twin).await?;
         let (twin, limits) = (shape(warm.twin(), true), self.limits());
         let grasps = session.setup.grasps.len() as u64;
@@ -116,8 +118,7 @@ impl Inner {
         capture: String,
         cancel: &CancelToken,
     ) -> Result<Arc<Session>, Error> {
-        let twin: TwinId =
-            open.twin.parse().map_err(|e: InvalidName| Error::field("twin", e.to_string()))?;
+        let twin = Error::parsed("twin", &open.twin)?;
         let idle = idle(open.idle_timeout_s)?;
         let warm = self.twins.get(twin).await?;
         let first = self.first_states(&warm, &open, &capture, cancel).await?;
@@ -161,7 +162,9 @@ impl Inner {
         let limits = self.limits();
         rollout::check_session(open, &shape(warm.twin(), !capture.is_empty()), &limits)?;
         let slots = rollout::slots(open)? as usize;
-        let simulated = self.simulated(warm, open, capture, cancel).await?;
+        let backend = Arc::new(self.device.backend(Priority::Interactive));
+        let initial = (open.initial.as_ref(), open.world.as_ref());
+        let simulated = self.simulated(warm, initial, capture, &backend, cancel).await?;
         let wanted = Wanted::read(open.initial.clone(), &warm.twin().graph, slots)?;
         Ok(match (wanted, simulated) {
             (Wanted::Ready(Starts::Each(starts)), _) => starts,
@@ -172,24 +175,25 @@ impl Inner {
         })
     }
 
-    /// The state that a separate simulation leads to, if the initial state requires one.
-    async fn simulated(
+    /// The state that a separate simulation leads to, if the initial state requires one; `initial`
+    /// comes with the world that it is in.
+    pub(super) async fn simulated(
         &self,
         warm: &Arc<Warm>,
-        open: &OpenSessionRequest,
+        (initial, world): (Option<&InitialState>, Option<&World>),
         capture: &str,
+        backend: &Arc<QueuedBackend>,
         cancel: &CancelToken,
     ) -> Result<Option<Start>, Error> {
-        let backend = Arc::new(self.device.backend(Priority::Interactive));
         let work = self.limits().work;
-        Ok(match StartSimulation::wanted(open.initial.as_ref(), capture)? {
+        Ok(match StartSimulation::wanted(initial, capture)? {
             None => None,
             Some(StartSimulation::Frame(at)) => {
-                Some(self.replays.start(warm, at, &backend, cancel, work).await?)
+                Some(self.replays.start(warm, at, backend, cancel, work).await?)
             }
             Some(StartSimulation::Settled) => {
-                let world = Still::read(open.world.as_ref())?;
-                Some(self.replays.settled(warm, world, &backend, cancel, work).await?)
+                let world = Still::read(world)?;
+                Some(self.replays.settled(warm, world, backend, cancel, work).await?)
             }
         })
     }

@@ -1,4 +1,5 @@
-//! Videos of what cameras recorded beside what a twin predicts.
+//! What cameras recorded beside what a twin predicts: videos for people, and pairs of images for other
+//! measures.
 
 use std::{
     fs::File,
@@ -8,34 +9,58 @@ use std::{
 
 use anyhow::Context as _;
 use bendtwin_core::CancelToken;
-use bendtwin_fit::{Look, LookInput};
+use bendtwin_fit::{ComparedPair, Look, LookInput};
 
 use crate::failure::{self, Usage};
 
-/// A folder for videos, and what draws them.
-pub(super) struct Videos<'a> {
+const NO_APPEARANCE: &str =
+    "the twin has no appearance, so that there is nothing to draw: fit it to this recording";
+
+/// A folder for videos or pairs of images, and what draws them.
+pub(super) struct Drawings<'a> {
     folder: &'a Path,
     look: &'a Look<'a>,
 }
 
-/// A folder for videos, made if it is not there.
+/// The folder of an option, made if it is not there.
 ///
 /// # Errors
 /// If there are no images, or there can be no folder.
-pub(super) fn into<'a>(folder: &'a Path, look: Option<&'a Look<'a>>) -> anyhow::Result<Videos<'a>> {
+pub(super) fn into<'a>(
+    option: &str,
+    folder: Option<&'a Path>,
+    look: Option<&'a Look<'a>>,
+) -> anyhow::Result<Option<Drawings<'a>>> {
+    let Some(folder) = folder else { return Ok(None) };
     let Some(look) = look else {
-        let what =
-            "--video needs a raw recording with images: this capture has only tracked points";
-        return Err(Usage::error(what));
+        let needs = "needs a raw recording with images: this capture has only tracked points";
+        return Err(Usage::error(format!("{option} {needs}")));
     };
     let shown = folder.display();
     std::fs::create_dir_all(folder).with_context(|| format!("{shown} cannot be made"))?;
-    Ok(Videos { folder, look })
+    Ok(Some(Drawings { folder, look }))
 }
 
-impl Videos<'_> {
-    /// Writes `camera0.png` and so on, with `kind` behind the number; returns their paths.
-    pub(super) fn write(
+impl Drawings<'_> {
+    /// Writes `camera0-training-00012.png` and so on, with `kind` behind the number of the camera.
+    pub(super) fn pairs(
+        &self,
+        kind: &str,
+        drawn: LookInput<'_>,
+        cancel: &CancelToken,
+    ) -> anyhow::Result<()> {
+        let mut write = |pair: ComparedPair| {
+            let span = if pair.is_training { "training" } else { "future" };
+            let name = format!("camera{}{kind}-{span}-{:05}.png", pair.camera, pair.frame);
+            let file = pair.canvas.to_png().map_err(std::io::Error::other)?;
+            std::fs::write(self.folder.join(name), file)
+        };
+        let drawn = self.look.pairs(drawn, &mut write, cancel).map_err(failure::failed)?;
+        drawn.ok_or_else(|| Usage::error(NO_APPEARANCE))
+    }
+
+    /// Writes the video `camera0.png` and so on, with `kind` behind the number; returns their paths.
+    pub(super) fn videos(
         &self,
         kind: &str,
         drawn: LookInput<'_>,
@@ -47,10 +72,7 @@ impl Videos<'_> {
             Ok(Box::new(BufWriter::new(file)) as Box<dyn Write>)
         };
         let written = self.look.videos(drawn, &mut open, cancel).map_err(failure::failed)?;
-        let Some(cameras) = written else {
-            let what = "the twin has no appearance, so that there is nothing to draw: fit it to this recording";
-            return Err(Usage::error(what));
-        };
+        let cameras = written.ok_or_else(|| Usage::error(NO_APPEARANCE))?;
         Ok(cameras.into_iter().map(path).collect())
     }
 }

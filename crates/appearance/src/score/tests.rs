@@ -10,8 +10,7 @@ fn a_rendering_equals_itself_and_no_other() {
     let ball = Ball::new(3);
     let dressed = Dressed::new(&ball.twin.graph, &ball.splats).unwrap();
     let motion = motion_of(&ball.nodes, 2);
-    let scene =
-        Scene { dressed: &dressed, motion, views: &ball.views, held_out: &[1], lpips: None };
+    let scene = Scene { dressed: &dressed, motion, views: &ball.views, held_out: &[1] };
     let scored = score(&scene, &mut Cpu::default(), true, &mut || true).unwrap().unwrap();
     let [train, future] = [scored.train, scored.future];
     // Masks cut the soft rim off.
@@ -44,7 +43,7 @@ fn pixels_of_a_hand_do_not_count() {
         }
     }
     let motion = motion_of(&ball.nodes, 1);
-    let scene = Scene { dressed: &dressed, motion, views: &ball.views, held_out: &[], lpips: None };
+    let scene = Scene { dressed: &dressed, motion, views: &ball.views, held_out: &[] };
     let scored = score(&scene, &mut Cpu::default(), false, &mut || true).unwrap().unwrap();
     assert!(scored.train.iou.unwrap() > 0.99 && scored.train.psnr_db.unwrap() > 29.0);
     assert_eq!(scored.future, Likeness::default());

@@ -14,7 +14,7 @@ use crate::{
 fn filmed(ball: &Ball, views: &Views) -> Vec<u8> {
     let dressed = Dressed::new(&ball.twin.graph, &ball.splats).unwrap();
     let motion = motion_of(&ball.nodes, 2);
-    let scene = Scene { dressed: &dressed, motion, views, held_out: &[], lpips: None };
+    let scene = Scene { dressed: &dressed, motion, views, held_out: &[] };
     let mut bytes = Vec::new();
     let mut rasteriser = Cpu::default();
     assert!(side_by_side(&scene, 0, 30.0, &mut rasteriser, &mut bytes, &mut || true).unwrap());
@@ -102,7 +102,7 @@ fn cameras_without_views_have_no_video() {
     let dressed = Dressed::new(&ball.twin.graph, &ball.splats).unwrap();
     let views = Views::default();
     let motion = motion_of(&ball.nodes, 1);
-    let scene = Scene { dressed: &dressed, motion, views: &views, held_out: &[], lpips: None };
+    let scene = Scene { dressed: &dressed, motion, views: &views, held_out: &[] };
     let mut bytes = Vec::new();
     let wrote =
         side_by_side(&scene, 0, 30.0, &mut Cpu::default(), &mut bytes, &mut || true).unwrap();

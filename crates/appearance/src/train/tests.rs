@@ -26,7 +26,7 @@ fn training<'a>(ball: &'a Ball, options: TrainingOptions) -> Training<'a> {
 fn psnr_db(ball: &Ball, splats: &Splats) -> f64 {
     let dressed = Dressed::new(&ball.twin.graph, splats).unwrap();
     let motion = motion_of(&ball.nodes, 3);
-    let scene = Scene { dressed: &dressed, motion, views: &ball.views, held_out: &[], lpips: None };
+    let scene = Scene { dressed: &dressed, motion, views: &ball.views, held_out: &[] };
     let scored = score(&scene, &mut Cpu::default(), false, &mut || true).unwrap().unwrap();
     scored.future.psnr_db.unwrap()
 }

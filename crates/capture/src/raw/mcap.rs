@@ -18,18 +18,17 @@ mod transforms;
 
 use std::path::{Path, PathBuf};
 
+use ::mcap::MAGIC;
+
 use self::{index::Index, place::Store};
 use super::Recording;
 use crate::{Error, Limits, files::SharedFile};
-
-/// First bytes of every MCAP file.
-const MAGIC: [u8; 8] = *b"\x89MCAP0\r\n";
 
 /// The MCAP file at a path: the file itself, or the only one in a folder, as `ros2 bag record`
 /// leaves it.
 pub(super) fn file_at(path: &Path) -> Result<Option<PathBuf>, Error> {
     let is_mcap = |path: &Path| {
-        let mut start = [0; MAGIC.len()];
+        let mut start = [0; 8];
         SharedFile::open(path).is_ok_and(|f| f.read_exact_at(&mut start, 0).is_ok())
             && start == MAGIC
     };

@@ -2,14 +2,13 @@
 
 use std::{ops::Range, sync::Arc};
 
-use bendtwin_core::{CancelToken, Environment, Graph, Params, Skin, graph::Pin};
+use bendtwin_core::{CancelToken, Environment, Graph, Params, Skin};
 use bendtwin_engine::{
     Backend, Device as Description, Error, Loaded, Model,
     backend::{Divergence, Gradient, GradientRequest, Instance, Loss, Memory, Outputs, Rollout},
     check,
     model::State,
     optimizer::{Decay, Optimizer, OptimizerInit},
-    world::Grasping,
 };
 
 use crate::{
@@ -17,19 +16,19 @@ use crate::{
     plan::{
         choice::{Purpose, choose, fits_one_block},
         graph::DeviceGraph,
-        resident::{Resident, resident, unflatten},
+        resident::{Resident, resident},
         shared::Shared,
         skin::DeviceSkin,
         tape::RolloutTapes,
     },
     run::{
         backward::{self, ForwardPass, Gradients},
+        gradient::FetchedGradients,
         objective::Objectives,
         optimizer::DeviceOptimizer,
         outputs::{RecordedOutputs, retained_states},
         scoring::{Scores, loss, refuse_too_long, unless_diverged},
         simulation::{self, RetainedStates, Simulation},
-        world,
     },
 };
 
@@ -218,129 +217,13 @@ impl CudaBackend {
         cancel: &CancelToken,
     ) -> Result<Vec<Gradient>, Error> {
         let (simulated, gradients) = self.measure(batch, request, cancel)?;
-        let params = self.queue.fetch(&gradients.params)?;
-        let controls = self.queue.fetch(&gradients.controls)?;
-        let initial = if request.initial || request.controls {
-            self.queue.fetch(&gradients.initial)?
-        } else {
-            Vec::new()
-        };
-        let initial_twists =
-            if request.initial { self.queue.fetch(&gradients.initial_twists)? } else { Vec::new() };
-        let poses = self.queue.fetch(&gradients.poses)?;
-        let rolls = self.queue.fetch(&gradients.rolls)?;
-        let places =
-            if request.initial { self.queue.fetch(&gradients.places)? } else { Vec::new() };
-        let norms = self.queue.fetch(&gradients.norms)?;
-        let mut final_states = simulated.final_states(request.final_state)?;
-        let mut out = Vec::with_capacity(batch.len());
-        for (i, (instance, loss)) in batch.iter().zip(simulated.losses()?).enumerate() {
-            let model = instance.model.model();
-            let ended = loss.diverged.is_none();
-            let own = &params[gradients.starts[i]..gradients.starts[i + 1]];
-            let zeros = vec![0.0; if ended { 0 } else { own.len() }];
-            let own = if ended { own } else { &zeros };
-            let n = model.graph.node_count();
-            let start = gradients.initial_starts[i];
-            let point = |p: &[f32; 4]| [p[0], p[1], p[2]].map(saturate);
-            let r = model.graph.rods.len();
-            let at = gradients.initial_twist_starts[i];
-            let twist_bars = match initial_twists.get(at..at + r) {
-                Some(bars) if ended => bars.iter().map(|&x| saturate(x)).collect(),
-                _ => vec![0.0; r],
-            };
-            let mut at_start = match initial.get(start..start + 2 * n) {
-                Some(bars) if ended => State {
-                    positions: bars[..n].iter().map(point).collect(),
-                    velocities: bars[n..].iter().map(point).collect(),
-                    twists: twist_bars,
-                    grasping: Grasping::default(),
-                },
-                _ => State {
-                    positions: vec![[0.0; 3]; n],
-                    velocities: vec![[0.0; 3]; n],
-                    twists: twist_bars,
-                    grasping: Grasping::default(),
-                },
-            };
-            let span = gradients.control_starts[i]..gradients.control_starts[i + 1];
-            let mut paths: Vec<[f32; 3]> = if ended {
-                controls[span].iter().map(|p| p.map(saturate)).collect()
-            } else {
-                vec![[0.0; 3]; span.len()]
-            };
-            // Pinned nodes start on their control points.
-            let is_held = |pin: &&Pin| !world::begins_released(instance, pin.control);
-            for pin in model.graph.pins.iter().filter(is_held) {
-                let x = std::mem::take(&mut at_start.positions[pin.node as usize]);
-                if let Some(path) = paths.get_mut(pin.control as usize) {
-                    (0..3).for_each(|k| path[k] += x[k]);
-                }
-            }
-            let mut norms = norms[gradients.norm_starts[i]..gradients.norm_starts[i + 1]].to_vec();
-            if !ended {
-                // Nothing was differentiated, and zero would say that nothing matters.
-                norms.fill(f64::NAN);
-                at_start.positions.fill([f32::NAN; 3]);
-                at_start.velocities.fill([f32::NAN; 3]);
-                at_start.twists.fill(f32::NAN);
-                paths.fill([f32::NAN; 3]);
-            }
-            if let Some(bars) = places.get(gradients.place_starts[i]..gradients.place_starts[i + 1])
-            {
-                at_start.grasping = world::start(instance, |node| match bars.get(node) {
-                    Some(bar) if ended => point(bar),
-                    _ => [0.0; 3],
-                });
-            }
-            let motion = |bars: &[f32]| -> Vec<f32> {
-                bars.iter().map(|&x| if ended { narrow(x) } else { f32::NAN }).collect()
-            };
-            let narrowed: Vec<f32> = own.iter().map(|&x| narrow(x)).collect();
-            out.push(Gradient {
-                loss,
-                overflowed: own.iter().any(|x| !x.is_finite()),
-                params: gradient_params(model, &narrowed),
-                controls: paths,
-                poses: motion(&poses[gradients.pose_starts[i]..gradients.pose_starts[i + 1]])
-                    .as_chunks()
-                    .0
-                    .iter()
-                    .map(|rows: &[f32; 12]| {
-                        std::array::from_fn(|r| std::array::from_fn(|c| rows[4 * r + c]))
-                    })
-                    .collect(),
-                rolls: motion(&rolls[gradients.roll_starts[i]..gradients.roll_starts[i + 1]]),
-                norms,
-                initial: request.initial.then_some(at_start),
-                final_state: std::mem::take(&mut final_states[i]),
-            });
-        }
-        Ok(out)
+        let fetched = FetchedGradients::new(&self.queue, &gradients, request)?;
+        let final_states = simulated.final_states(request.final_state)?;
+        let each = batch.iter().zip(simulated.losses()?).zip(final_states).enumerate();
+        Ok(each
+            .map(|(i, ((instance, loss), end))| fetched.gradient(i, instance, loss, end))
+            .collect())
     }
-}
-
-/// Gradients as parameters; those without a derivative stay at their default or zero.
-fn gradient_params(model: &Model, flat: &[f32]) -> Params {
-    let mut params = unflatten(&model.params, flat);
-    params.contact = bendtwin_core::Contact {
-        collision_distance_m: 0.0,
-        between_objects: bendtwin_core::Contact::default().between_objects,
-        within_object: bendtwin_core::Contact::default().within_object,
-        skin: bendtwin_core::Contact::default().skin,
-        ..params.contact
-    };
-    params
-}
-
-/// A number in the range of f32; NaN becomes zero.
-fn narrow(x: f32) -> f32 {
-    if x.is_nan() { 0.0 } else { saturate(x) }
-}
-
-/// A number in the range of f32, or NaN.
-fn saturate(x: f32) -> f32 {
-    x.clamp(-f32::MAX, f32::MAX)
 }
 
 impl SimulatedBatch<'_> {

@@ -3,8 +3,8 @@
 use bendtwin_core::Twin;
 use bendtwin_identify::identify;
 
-use super::Run;
-use crate::{Error, time_limit::TimeLimit};
+use super::{Run, time_limit::TimeLimit};
+use crate::Error;
 
 impl Run<'_> {
     /// Adds the report to a twin that has been evaluated. A twin that cannot be asked, or not within the

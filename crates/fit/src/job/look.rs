@@ -6,11 +6,10 @@ use bendtwin_appearance::{Dressed, Motion, Scene, Training, TrainingOptions, sco
 use bendtwin_core::{Appearance, Splats, Stage, Twin, quality::RenderedScore};
 use bendtwin_splat::Rasteriser;
 
-use super::{Outcome, Run};
+use super::{Outcome, Run, model_fit::model_name, time_limit::TimeLimit};
 use crate::{
     Error,
     look::{Look, Predicted},
-    model_fit::model_name,
     progress::ModelProgress,
 };
 
@@ -93,8 +92,7 @@ impl Run<'_> {
         let appearance = Appearance { skin_colors, splats };
         let dressed = Dressed::in_appearance(twin, &appearance)?;
         let held_out = &settings.held_out_cameras;
-        let lpips = look.lpips.as_deref();
-        let scene = Scene { dressed: &dressed, motion, views: look.views, held_out, lpips };
+        let scene = Scene { dressed: &dressed, motion, views: look.views, held_out };
         let rendered = score(&scene, rasteriser, false, &mut || !cancel.is_cancelled())?;
         self.check_cancelled()?;
         twin.appearance = Some(appearance);
@@ -152,7 +150,7 @@ impl Run<'_> {
     /// True if the user's time is up.
     fn is_out_of_time(&self) -> bool {
         let limit_s = self.task.settings.within_s;
-        let spent_s = self.limit.as_ref().map(crate::time_limit::TimeLimit::spent_s);
+        let spent_s = self.limit.as_ref().map(TimeLimit::spent_s);
         limit_s.zip(spent_s).is_some_and(|(limit_s, spent_s)| spent_s > limit_s)
     }
 }

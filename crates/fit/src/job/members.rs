@@ -1,6 +1,6 @@
 //! Other starts of a fit that fit nearly as well as the chosen one: the twin's members.
 
-use bendtwin_core::{Twin, twin::Member};
+use bendtwin_core::{Twin, quality::Choice, twin::Member};
 
 use super::Run;
 use crate::{Error, refine::Refinement};
@@ -16,22 +16,15 @@ impl Run<'_> {
         &mut self,
         twin: &mut Twin,
         chosen: usize,
+        choice: &Choice,
         refinement: &Refinement<'_>,
     ) -> Result<(), Error> {
         let most = self.task.settings.search.members as usize;
-        let losses = match self.choice(chosen, refinement) {
-            Some(choice) if most > 0 => choice.losses,
-            _ => return Ok(()),
-        };
-        let bending = self.models[chosen].bending;
-        let of_kind: Vec<usize> =
-            (0..self.models.len()).filter(|&m| self.models[m].bending == bending).collect();
-        let own = of_kind.iter().zip(&losses).find(|(m, _)| **m == chosen).and_then(|(_, l)| *l);
-        let Some(own) = own else { return Ok(()) };
-        let mut others: Vec<(usize, f64)> = of_kind
-            .into_iter()
-            .zip(losses)
-            .filter_map(|(model, loss)| Some((model, loss?)))
+        let start = choice.start as usize;
+        let Some(own) = choice.losses.get(start).copied().flatten() else { return Ok(()) };
+        let losses = (chosen - start..).zip(&choice.losses);
+        let mut others: Vec<(usize, f64)> = losses
+            .filter_map(|(model, loss)| Some((model, (*loss)?)))
             .filter(|&(model, loss)| model != chosen && loss <= WORST * own)
             .collect();
         others.sort_by(|a, b| a.1.total_cmp(&b.1));
@@ -51,15 +44,11 @@ impl Run<'_> {
 
     /// The twin of a start that is not kept.
     fn other_fit(&mut self, model: usize, refinement: &Refinement<'_>) -> Result<Twin, Error> {
-        let (job, refined_from) = (self.job, self.refined_from.clone());
-        let generations = self.generations;
         if let Some(run) = refinement.runs.iter().find(|r| r.model == model) {
-            let fit = &self.models[model];
-            return fit.twin(job, self.task, refined_from.as_deref(), generations, run);
+            return self.twin_of(&self.models[model], self.task, run);
         }
         let task = self.validation.map_or(self.task, |v| &v.shorter);
-        let fit = &mut self.models[model];
-        let (run, _) = fit.begin_run(model, task, &*job.backend)?;
-        fit.twin(job, task, refined_from.as_deref(), generations, &run)
+        let (run, _) = self.models[model].begin_run(model, task, &*self.job.backend)?;
+        self.twin_of(&self.models[model], task, &run)
     }
 }

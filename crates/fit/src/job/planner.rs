@@ -19,14 +19,9 @@ impl Run<'_> {
             ));
             return Ok(());
         }
-        self.report(ModelProgress {
-            model: self.models[0].name.clone(),
-            stage: Stage::Evaluate,
-            iteration: 1,
-            loss: None,
-            best_loss: None,
-            note: Some("distilling a planner's twin".into()),
-        });
+        let progress = ModelProgress::new(&self.models[0].name, Stage::Evaluate, 1);
+        let note = Some("distilling a planner's twin".into());
+        self.report(ModelProgress { note, ..progress });
         let substeps = settings.substeps.unwrap_or_default();
         let wanted =
             Distillation { nodes: nodes as usize, substeps, seed: self.task.settings.seed };

@@ -1,5 +1,6 @@
 use bendtwin_core::{
-    ObserverError, Problem,
+    ObserverError, Problem, Stage,
+    quality::Predictor,
     settings::{GradientWindow, Substeps},
 };
 use bendtwin_synth::{MakeOptions, Scene, make};

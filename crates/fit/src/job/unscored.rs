@@ -2,8 +2,8 @@
 
 use bendtwin_core::{CancelToken, Observer, Progress, Twin};
 
-use super::{FitJob, Run};
-use crate::{Error, task::Task, validation::Validation};
+use super::{FitJob, Run, validation::Validation};
+use crate::{Error, task::Task};
 
 impl FitJob<'_> {
     /// The twin alone, without quality table, report and look: for those who score it elsewhere.

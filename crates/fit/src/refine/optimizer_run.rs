@@ -14,14 +14,13 @@ use serde::{Deserialize, Serialize};
 use crate::{
     Error,
     built_graph::{LoadError, build_model, load},
-    parameterization::parameterization,
     refine::{
         average::Average,
+        parameterization::parameterization,
         schedule,
         step_control::{Schedule, StepControl},
     },
-    sequences,
-    task::Task,
+    task::{Task, sequences},
 };
 
 /// Margin of stability below which substeps are added.

@@ -16,7 +16,7 @@ use bendtwin_synth::{MakeOptions, Scene, make};
 use bendtwin_core::settings::DeviceKind;
 
 use super::*;
-use crate::{checkpoint::ModelFitState, model_fit::ModelFit};
+use crate::job::{checkpoint::ModelFitState, model_fit::ModelFit};
 
 /// Counts the models that are loaded at a time, and notes the sizes of batches.
 #[derive(Default)]

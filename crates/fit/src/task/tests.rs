@@ -95,7 +95,13 @@ fn cables_are_fitted_in_their_own_way() {
         let capture = make(scene, &MakeOptions::tiny(1)).unwrap();
         let task = Task::new(&capture, settings, DeviceKind::Cpu, &CancelToken::default()).unwrap();
         let rods = task.has_rods(&Connectivity::from_settings(&settings.graph, true));
-        (task.starts(), task.generations(), task.searches_gravity(), task.sequence_mean(), rods)
+        (
+            task.settings.search.start_count(),
+            task.generations(),
+            task.searches_gravity(),
+            task.sequence_mean(),
+            rods,
+        )
     };
     assert_eq!(of(Scene::Rope, &open), (2, 12, false, SequenceMean::Arithmetic, false));
     assert_eq!(of(Scene::Cable, &open), (3, 60, true, SequenceMean::Geometric, true));

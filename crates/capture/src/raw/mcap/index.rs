@@ -2,14 +2,13 @@
 
 use std::collections::BTreeMap;
 
+use mcap::{MAGIC, records::op};
+
 use super::{
-    MAGIC,
     chunk::{Chunk, Compression, MAX_CHUNK},
     messages::{self, Calibration, ImageHead, Kind, Wire},
     place::{Place, Store},
-    record::{
-        ATTACHMENT, CHANNEL, CHUNK, DATA_END, Fields, MESSAGE, METADATA, Record, Region, SCHEMA,
-    },
+    record::{Fields, Record, Region},
     transforms::Tree,
 };
 use crate::{Error, Limits, files::at_most, raw::stored::MAX_MESH};
@@ -122,13 +121,13 @@ impl Pass<'_> {
         while let Some(record) = region.record(self.store, at)? {
             at = record.end();
             match record.opcode {
-                DATA_END => return Ok(true),
-                CHUNK if within == Within::File => self.chunk(&record)?,
-                SCHEMA => self.schema(&record)?,
-                CHANNEL => self.channel(&record)?,
-                MESSAGE => self.message(&record, region, within)?,
-                METADATA => self.metadata(&record, region)?,
-                ATTACHMENT => self.attachment(&record, region)?,
+                op::DATA_END => return Ok(true),
+                op::CHUNK if within == Within::File => self.chunk(&record)?,
+                op::SCHEMA => self.schema(&record)?,
+                op::CHANNEL => self.channel(&record)?,
+                op::MESSAGE => self.message(&record, region, within)?,
+                op::METADATA => self.metadata(&record, region)?,
+                op::ATTACHMENT => self.attachment(&record, region)?,
                 _ => {}
             }
         }

@@ -1,19 +1,14 @@
-//! MCAP's records, found without believing what they say about their lengths. Written here rather
-//! than taken from the `mcap` crate because images are to be found again in the file, and lengths
-//! are hostile until checked.
+//! MCAP's records, found without believing what they say about their lengths.
+//!
+//! The reader of the `mcap` crate (0.26) trusts its file: for a text it allocates the length that the
+//! file claims, up to 4 GiB, it panics on an attachment that is cut off, and it reads every image to
+//! pass over it. Here a length is compared with what there is before anything is allocated, and images
+//! are found without being read.
 
 use std::borrow::Cow;
 
 use super::place::Store;
 use crate::Error;
-
-pub(super) const SCHEMA: u8 = 0x03;
-pub(super) const CHANNEL: u8 = 0x04;
-pub(super) const MESSAGE: u8 = 0x05;
-pub(super) const CHUNK: u8 = 0x06;
-pub(super) const ATTACHMENT: u8 = 0x09;
-pub(super) const METADATA: u8 = 0x0C;
-pub(super) const DATA_END: u8 = 0x0F;
 
 /// Opcode and length.
 const HEAD: u64 = 9;

@@ -6,15 +6,13 @@ use std::sync::Arc;
 use bendtwin_core::{Environment, FitSettings, Params, Twin, twin::Provenance};
 use bendtwin_engine::{Backend, optimizer::OptimizerInit};
 
+use super::checkpoint::ModelFitState;
 use crate::{
     Error, FitJob,
     built_graph::BuiltGraph,
-    checkpoint::ModelFitState,
-    cmaes::CmaEs,
-    nodes, others,
     refine::{OptimizerRun, RunState},
-    space::Space,
-    task::Task,
+    search::{cmaes::CmaEs, space::Space},
+    task::{Task, of_start, others},
 };
 
 /// Difference between the seeds of several starts. The schedule of mini-batches has a stream of its
@@ -40,7 +38,7 @@ impl ModelFit {
     /// All starts of the twin's own model, then all starts of the one to compare with; each before
     /// its search.
     pub(crate) fn all(task: &Task<'_>) -> Vec<Self> {
-        let starts = task.starts();
+        let starts = task.settings.search.start_count();
         let mut models = vec![task.settings.bending];
         if task.settings.bending && task.settings.compare_axial {
             models.push(false);
@@ -71,7 +69,7 @@ impl ModelFit {
     /// refined.
     fn build(&self, task: &Task<'_>, point: &[f64]) -> (Arc<BuiltGraph>, Params, Environment) {
         if let Some(twin) = &task.start {
-            let (built, params, environment) = nodes::of_start(task, twin);
+            let (built, params, environment) = of_start(task, twin);
             return (Arc::new(built), params, environment);
         }
         let candidate = self.space.candidate(point);

@@ -35,7 +35,7 @@ impl<'a> Validation<'a> {
     /// hold back.
     pub(crate) fn new(task: &'a Task<'a>) -> Option<Self> {
         let share = task.settings.search.held_back;
-        if task.starts() < 2 || share <= 0.0 {
+        if task.settings.search.start_count() < 2 || share <= 0.0 {
             return None;
         }
         let mut shorter = task.without_last(share)?;

@@ -20,7 +20,7 @@ const MIN_CONDITION: f64 = 1e-14;
 
 /// A CMA-ES strategy. Its serialized form is a complete checkpoint.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct CmaEs {
+pub(crate) struct CmaEs {
     seed: u64,
     population: usize,
     generation: u64,
@@ -35,7 +35,7 @@ pub struct CmaEs {
 
 /// The best point so far.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Best {
+pub(crate) struct Best {
     /// The point, in the unit cube.
     pub point: Vec<f64>,
     /// Loss of the candidate.
@@ -46,7 +46,7 @@ pub struct Best {
 
 /// A sample: its unbounded coordinates, and the point of the cube that they map to.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Sample {
+pub(crate) struct Sample {
     /// Unbounded coordinates, for [`CmaEs::tell`].
     genotype: Vec<f64>,
     /// The point to evaluate, in the unit cube.
@@ -54,14 +54,14 @@ pub struct Sample {
 }
 
 /// The population that Hansen recommends for this many variables.
-pub fn default_population(variables: usize) -> usize {
+pub(crate) fn default_population(variables: usize) -> usize {
     4 + (3.0 * (variables.max(1) as f64).ln()).floor() as usize
 }
 
 impl CmaEs {
     /// Starts at `mean` (in the unit cube) with step size `sigma`; a population of 0 means the
     /// default.
-    pub fn new(mean: Vec<f64>, sigma: f64, population: usize, seed: u64) -> Self {
+    pub(crate) fn new(mean: Vec<f64>, sigma: f64, population: usize, seed: u64) -> Self {
         let n = mean.len();
         let population = if population == 0 { default_population(n) } else { population.max(2) };
         let covariance = DMatrix::<f64>::identity(n, n).as_slice().to_vec();
@@ -79,32 +79,17 @@ impl CmaEs {
     }
 
     /// Number of completed generations.
-    pub fn generation(&self) -> u64 {
+    pub(crate) fn generation(&self) -> u64 {
         self.generation
     }
 
-    /// Samples a generation has.
-    pub fn population(&self) -> usize {
-        self.population
-    }
-
-    /// The step size.
-    pub fn sigma(&self) -> f64 {
-        self.sigma
-    }
-
-    /// The centre of the distribution, in the unit cube.
-    pub fn mean(&self) -> Vec<f64> {
-        self.mean.iter().map(|&x| reflect(x)).collect()
-    }
-
     /// The best point so far; `None` while no loss was finite.
-    pub fn best(&self) -> Option<&Best> {
+    pub(crate) fn best(&self) -> Option<&Best> {
         self.best.as_ref()
     }
 
     /// The samples of the current generation, unchanged until the next [`CmaEs::tell`].
-    pub fn ask(&self) -> Vec<Sample> {
+    pub(crate) fn ask(&self) -> Vec<Sample> {
         let n = self.mean.len();
         let mut rng = ChaCha8Rng::seed_from_u64(self.seed);
         rng.set_stream(self.generation);
@@ -123,7 +108,7 @@ impl CmaEs {
 
     /// Updates the strategy with the losses of [`CmaEs::ask`]'s samples. NaN and infinity rank last
     /// and do not contribute; a generation without any finite loss only lets the step size shrink.
-    pub fn tell(&mut self, samples: &[Sample], losses: &[f64]) {
+    pub(crate) fn tell(&mut self, samples: &[Sample], losses: &[f64]) {
         let mut order: Vec<usize> =
             (0..samples.len().min(losses.len())).filter(|&i| losses[i].is_finite()).collect();
         order.sort_by(|&a, &b| losses[a].total_cmp(&losses[b]).then(a.cmp(&b)));

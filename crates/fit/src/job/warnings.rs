@@ -1,6 +1,7 @@
 //! Warnings for the user about a fit or its data.
 
-use crate::{built_graph::BuiltGraph, model_fit::ModelFit, task::Task};
+use super::model_fit::ModelFit;
+use crate::{built_graph::BuiltGraph, task::Task};
 
 /// Warnings about the graph and the search's result.
 pub(crate) fn of_fit(task: &Task<'_>, model: &ModelFit) -> Vec<String> {

@@ -19,11 +19,11 @@ use bendtwin_eval::Placement;
 use bendtwin_graph::{Connectivity, MIN_REST_LENGTH_M, hold};
 use nalgebra::{Rotation3, Vector3};
 
-use crate::{
-    Error,
+use super::{
+    Task,
     source::{Source, observed},
-    task::Task,
 };
+use crate::Error;
 
 /// Largest angle between the grounds of two recordings whose gravity is aligned [rad].
 const LEVEL_RAD: f64 = 0.05;

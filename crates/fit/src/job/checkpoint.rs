@@ -4,7 +4,7 @@
 use bendtwin_core::{FitSettings, checkpoint::Kind};
 use serde::{Deserialize, Serialize};
 
-use crate::{Error, cmaes::CmaEs, refine::RunState};
+use crate::{Error, refine::RunState, search::cmaes::CmaEs};
 
 /// Checkpoints of fits. The version rises with every change of [`Checkpoint`] or of what a stage
 /// computes from it.
