@@ -1,5 +1,7 @@
 //! Captures.
 
+mod uploads;
+
 use std::{path::Path, time::Duration};
 
 use bendtwin_core::{ids::CaptureId, settings::ingest::IngestSettings};
@@ -19,15 +21,13 @@ use uuid::Uuid;
 
 use crate::{
     Capture, Error, ListQuery, Requirements, Update, Watch,
-    channel::Channel,
-    http::Http,
+    client::{Channel, http::Http, problem},
     labels::{list_request, update_request},
     page::{self, Page},
-    problem,
     resources::{if_any, json_if_any},
-    uploads::Sender,
     watch,
 };
+use uploads::Sender;
 
 /// Most attempts at an upload.
 const ATTEMPTS: u32 = 3;

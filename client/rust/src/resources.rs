@@ -1,5 +1,7 @@
 //! The server's resources as Rust types.
 
+pub(crate) mod value;
+
 use bendtwin_core::{
     Fault, Quality,
     ids::{CaptureId, FitId, TwinId, WorkerId},
@@ -8,7 +10,9 @@ use bendtwin_proto::v1;
 use jiff::Timestamp;
 use serde::Serialize;
 
-use crate::{Error, JobProgress, JobState, Requirements, value::resource};
+use crate::{Error, JobProgress, JobState, Requirements};
+
+pub(crate) use value::resource;
 
 resource! { v1::Capture =>
 /// A stored capture.

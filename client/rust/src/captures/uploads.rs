@@ -25,8 +25,10 @@ use url::Url;
 
 use crate::{
     Error, Requirements,
-    http::{Http, Request, Response},
-    problem,
+    client::{
+        http::{Http, Request, Response},
+        problem,
+    },
     resources::json_if_any,
 };
 
