@@ -552,8 +552,6 @@ pub struct Job {
 }
 /// Nested message and enum types in `Job`.
 pub mod job {
-    #[derive(serde::Serialize)]
-    #[serde(rename_all = "SCREAMING_SNAKE_CASE")]
     #[derive(
         Clone,
         Copy,
@@ -604,7 +602,6 @@ pub mod job {
     }
 }
 /// Progress of a running job.
-#[derive(serde::Serialize)]
 #[derive(Clone, PartialEq, ::prost::Message)]
 pub struct Progress {
     /// Stage: ingest, search, refine or evaluate.
@@ -633,7 +630,6 @@ pub struct Progress {
     pub models: ::prost::alloc::vec::Vec<ModelLoss>,
 }
 /// Loss of one model after one iteration.
-#[derive(serde::Serialize)]
 #[derive(Clone, PartialEq, ::prost::Message)]
 pub struct ModelLoss {
     /// Stage: search or refine.
@@ -651,7 +647,6 @@ pub struct ModelLoss {
     pub best_loss: ::core::option::Option<f64>,
 }
 /// Requirements on the worker of a fit or an ingest. The job waits until such a worker is free.
-#[derive(serde::Serialize)]
 #[derive(Clone, PartialEq, Eq, Hash, ::prost::Message)]
 pub struct WorkerRequirements {
     /// `cpu` or `cuda`; empty means either.
@@ -4433,7 +4428,6 @@ pub struct Key {
 }
 /// Quotas: the server refuses requests with the key when its owner has reached one. An absent field sets no
 /// bound.
-#[derive(serde::Serialize)]
 #[derive(Clone, Copy, PartialEq, Eq, Hash, ::prost::Message)]
 pub struct KeyQuotas {
     /// Fits and ingests that wait for a worker.
@@ -5798,7 +5792,6 @@ pub mod roll_out_response {
         #[prost(uint32, tag = "3")]
         pub node: u32,
     }
-    #[derive(serde::Serialize)]
     #[derive(Clone, Copy, PartialEq, ::prost::Message)]
     pub struct Timing {
         #[prost(double, tag = "1")]
@@ -5810,7 +5803,6 @@ pub mod roll_out_response {
     /// The deviation in this reply may be larger: with faster or larger motions, or other surroundings, 5 to 16
     /// times as much was seen. With PLANNER, deviation of the planner's twin from the exact twin under sampled
     /// actions that it was not fitted to.
-    #[derive(serde::Serialize)]
     #[derive(Clone, Copy, PartialEq, ::prost::Message)]
     pub struct Deviation {
         /// Distance of a node in one from the same node in the other, over nodes and frames, metres; with PLANNER,

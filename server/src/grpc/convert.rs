@@ -1,7 +1,7 @@
 //! Rows of the store as messages.
 
 use bendtwin_core::{ModelLoss, Progress, Stage};
-use bendtwin_proto::v1;
+use bendtwin_proto::{json::timestamp as time, v1};
 use bendtwin_store::{Job, Key, Overview, PageRequest, Quotas, Requirements, State, Twin};
 use jiff::Timestamp;
 
@@ -9,16 +9,6 @@ use crate::{
     app::{Change, Error, Result},
     dispatch::WorkerView,
 };
-
-pub(super) fn time(time: Timestamp) -> prost_types::Timestamp {
-    // Whole nanoseconds since the epoch, split so that nanos are never negative.
-    let nanos = time.as_nanosecond();
-    const SECOND: i128 = 1_000_000_000;
-    prost_types::Timestamp {
-        seconds: i64::try_from(nanos.div_euclid(SECOND)).unwrap_or_default(),
-        nanos: i32::try_from(nanos.rem_euclid(SECOND)).unwrap_or_default(),
-    }
-}
 
 pub(super) fn page(size: u32, token: String) -> PageRequest {
     PageRequest { size, token }
