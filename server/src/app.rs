@@ -40,7 +40,7 @@ pub(crate) use geometry::Geometry;
 pub(crate) use ingests::{IngestPart, IngestUpload};
 pub(crate) use jobs::{Attempt, LeasedJob, News, Offer};
 pub(crate) use keys::KeyOrder;
-pub(crate) use labels::{Change, Listing};
+pub(crate) use labels::Listing;
 use members::Members;
 pub(crate) use requirements::of as requirements_of;
 pub(crate) use upload::Body;

@@ -49,19 +49,39 @@ pub struct Overview {
     pub report: Option<Report>,
 }
 
-/// A capture to be stored.
-#[derive(Debug)]
-pub struct NewCapture {
+/// Facts of a capture that its uploader states.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct CaptureFacts {
     /// Display name.
     pub display_name: String,
-    /// Idempotency key, if given.
-    pub request_id: Option<String>,
-    /// The archive.
-    pub content: Staged,
     /// Settings of its ingest as JSON, the same text for the same settings.
     pub ingest: String,
     /// Worker that its ingest asks for.
     pub requirements: Requirements,
+}
+
+/// A change of what people state about a capture.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct CaptureChange {
+    /// Changes of display name, note and tags.
+    pub labels: LabelChange,
+}
+
+impl From<LabelChange> for CaptureChange {
+    fn from(labels: LabelChange) -> Self {
+        Self { labels }
+    }
+}
+
+/// A capture to be stored.
+#[derive(Debug)]
+pub struct NewCapture {
+    /// What the uploader states about it.
+    pub facts: CaptureFacts,
+    /// Idempotency key, if given.
+    pub request_id: Option<String>,
+    /// The archive.
+    pub content: Staged,
     /// The uploader.
     pub creator: Creator,
     /// W3C traceparent of the call.
@@ -122,8 +142,8 @@ impl Captures<'_> {
     /// [`Error::TooManyRequirements`], database and file errors.
     pub async fn create(&self, new: NewCapture) -> Result<Capture> {
         self.store.admit()?;
-        let NewCapture { display_name, request_id, content, creator, .. } = new;
-        let requirements = new.requirements.to_text()?;
+        let NewCapture { facts, request_id, content, creator, trace_parent } = new;
+        let requirements = facts.requirements.to_text()?;
         let (digest, size_bytes) = (content.digest(), content.size_bytes());
         let upload = content.upload();
         let guard = self.store.publish(content).await?;
@@ -134,7 +154,7 @@ impl Captures<'_> {
                 .fetch_optional(&mut tx)
                 .await?;
             if let Some(row) = row {
-                let same_name = row.first_name() == display_name;
+                let same_name = row.first_name() == facts.display_name;
                 let before = Capture::try_from(row)?;
                 if before.digest == digest && same_name {
                     if let Some(upload) = upload {
@@ -169,13 +189,13 @@ impl Captures<'_> {
              values ($1, $2, $3, $4, $5, $6, $7, $8, $9) returning *",
         )
         .bind(id.uuid().to_string())
-        .bind(&display_name)
+        .bind(&facts.display_name)
         .bind(self.store.now_micros())
         .bind(i64::try_from(size_bytes).unwrap_or(i64::MAX))
         .bind(digest.to_hex().as_str())
         .bind(request_id)
-        .bind(labels::name_key(&display_name))
-        .bind(labels::search_text(&display_name, ""))
+        .bind(labels::name_key(&facts.display_name))
+        .bind(labels::search_text(&facts.display_name, ""))
         .bind(&creator.owner)
         .fetch_one(&mut tx)
         .await?;
@@ -184,11 +204,11 @@ impl Captures<'_> {
         }
         let asked = JobOrigin {
             owner: &creator.owner,
-            trace_parent: new.trace_parent.as_deref(),
+            trace_parent: trace_parent.as_deref(),
             requirements: &requirements,
         };
         let now = self.store.now_micros();
-        let ingest = jobs::enqueue(&mut tx, &row.id, &new.ingest, asked, now).await?;
+        let ingest = jobs::enqueue(&mut tx, &row.id, &facts.ingest, asked, now).await?;
         self.store.pass(Failpoint::BeforeCommit)?;
         tx.commit().await?;
         drop(guard);
@@ -259,18 +279,18 @@ impl Captures<'_> {
         }))
     }
 
-    /// Changes name, note and tags of a capture.
+    /// Changes what people state about a capture.
     ///
     /// # Errors
     /// [`Error::NotFound`], [`Error::TooManyTags`].
-    pub async fn update(&self, id: CaptureId, change: &LabelChange) -> Result<Capture> {
+    pub async fn update(&self, id: CaptureId, change: &CaptureChange) -> Result<Capture> {
         let key = id.uuid().to_string();
         let mut tx = self.store.inner.database.write().await?;
         let find = "select * from captures where id = $1";
         let row: Option<Row> = query(find).bind(&key).fetch_optional(&mut tx).await?;
         let row = row.ok_or_else(|| Error::NotFound { name: id.to_string() })?;
         let before = Capture::try_from(row)?.labels;
-        labels::change(&mut tx, Collection::Captures, &key, &before, change).await?;
+        labels::change(&mut tx, Collection::Captures, &key, &before, &change.labels).await?;
         let row: Row = query(find).bind(&key).fetch_one(&mut tx).await?;
         tx.commit().await?;
         row.try_into()

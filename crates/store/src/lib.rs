@@ -129,7 +129,7 @@ mod uploads;
 mod workers;
 
 pub use blobs::{Blobs, Content, ObjectsUrl, Staged, Upload};
-pub use captures::{Capture, Captures, NewCapture, Overview};
+pub use captures::{Capture, CaptureChange, CaptureFacts, Captures, NewCapture, Overview};
 pub use clock::{Clock, ManualClock, SystemClock};
 pub use database::DatabaseUrl;
 pub use disk::Disk;

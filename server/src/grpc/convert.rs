@@ -6,53 +6,12 @@ use bendtwin_store::{Job, Key, Overview, PageRequest, Quotas, Requirements, Stat
 use jiff::Timestamp;
 
 use crate::{
-    app::{Change, Error, Result},
+    app::{Error, Result},
     dispatch::WorkerView,
 };
 
 pub(super) fn page(size: u32, token: String) -> PageRequest {
     PageRequest { size, token }
-}
-
-/// Labels that an update may change.
-pub(super) struct GivenLabels {
-    pub(super) display_name: String,
-    pub(super) note: String,
-    pub(super) tags: Vec<String>,
-}
-
-/// The change that an update asks for (AIP-134): the fields of its mask, or, without one, those that
-/// are not empty.
-pub(super) fn change(
-    given: GivenLabels,
-    mask: Option<prost_types::FieldMask>,
-    add_tags: Vec<String>,
-    remove_tags: Vec<String>,
-) -> Result<Change> {
-    const FIELDS: [&str; 3] = ["display_name", "note", "tags"];
-    let GivenLabels { display_name, note, tags } = given;
-    let paths: Vec<String> = match mask {
-        Some(mask) if mask.paths == ["*"] => FIELDS.map(str::to_owned).into(),
-        Some(mask) => mask.paths,
-        None => [!display_name.is_empty(), !note.is_empty(), !tags.is_empty()]
-            .into_iter()
-            .zip(FIELDS)
-            .filter(|(given, _)| *given)
-            .map(|(_, field)| field.to_owned())
-            .collect(),
-    };
-    if !paths.iter().all(|path| FIELDS.contains(&path.as_str())) {
-        let fault = "has a path other than display_name, note, tags";
-        return Err(Error::invalid("update_mask", fault));
-    }
-    let has = |field: &str| paths.iter().any(|path| path == field);
-    Ok(Change {
-        display_name: has("display_name").then_some(display_name),
-        note: has("note").then_some(note),
-        tags: has("tags").then_some(tags),
-        add_tags,
-        remove_tags,
-    })
 }
 
 pub(crate) fn capture(overview: Overview) -> v1::Capture {
