@@ -93,7 +93,7 @@ pub(crate) async fn run(args: Capture, global: &Global) -> anyhow::Result<()> {
             output::print(global, &capture, || shown(&capture))
         }
         Command::Edit { name, changes } => {
-            let update = changes.update()?;
+            let update = labels::update(changes)?;
             let capture = global.connect().await?.captures().update(name, &update).await?;
             output::print(global, &capture, || shown(&capture))
         }

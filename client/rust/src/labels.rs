@@ -1,9 +1,57 @@
-//! Labels of captures, fits and twins, and lists that are searched and ordered by them.
+//! What people state about captures, fits and twins, and lists that are searched and ordered by it.
 
-use bendtwin_core::ids::CaptureId;
+use bendtwin_core::{ids::CaptureId, settings::ingest::IngestSettings};
+use bendtwin_proto::v1::{ListCapturesRequest, UpdateCaptureRequest};
 use prost_types::FieldMask;
+use serde::Serialize;
+use serde_json::Value;
 
-use crate::{JobState, PageRequest};
+use crate::{Error, JobState, PageRequest, Requirements, resources::are_none};
+
+/// Facts about a capture that accompany its upload; those that are empty are not stated. A text
+/// alone is the display name.
+///
+/// ```
+/// use bendtwin_client::CaptureFacts;
+///
+/// let facts = CaptureFacts::from("rope");
+/// # let _ = facts;
+/// ```
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[cfg_attr(feature = "clap", derive(clap::Args))]
+pub struct CaptureFacts {
+    /// Display name [default: the file's name]
+    #[cfg_attr(feature = "clap", arg(long = "name", value_name = "NAME"))]
+    pub display_name: Option<String>,
+    /// Settings of the ingest; none means the defaults
+    #[cfg_attr(feature = "clap", arg(skip))]
+    pub ingest: Option<IngestSettings>,
+    /// Worker that the ingest asks for
+    #[serde(skip_serializing_if = "are_none")]
+    #[cfg_attr(feature = "clap", arg(skip))]
+    pub ingest_requirements: Requirements,
+}
+
+impl From<&str> for CaptureFacts {
+    fn from(display_name: &str) -> Self {
+        Self { display_name: Some(display_name.to_owned()), ..Self::default() }
+    }
+}
+
+impl CaptureFacts {
+    /// The facts by name: texts unchanged, others as JSON.
+    pub(crate) fn pairs(&self) -> Result<Vec<(String, String)>, Error> {
+        let facts = serde_json::to_value(self).map_err(Error::malformed)?;
+        let pairs = facts.as_object().into_iter().flatten();
+        Ok(pairs
+            .filter_map(|(name, value)| match value {
+                Value::Null => None,
+                Value::String(text) => Some((name.clone(), text.clone())),
+                value => Some((name.clone(), value.to_string())),
+            })
+            .collect())
+    }
+}
 
 /// A change of name, note and tags; what is not set stays.
 ///
@@ -129,6 +177,16 @@ macro_rules! list_request {
 
 pub(crate) use {list_request, update_request};
 
+/// The message that changes what is stated about a capture.
+pub(crate) fn capture_update(name: CaptureId, update: &Update) -> UpdateCaptureRequest {
+    update_request!(UpdateCaptureRequest { capture: Capture }, name, update)
+}
+
+/// The message that asks for a page of captures.
+pub(crate) fn capture_list(query: ListQuery) -> ListCapturesRequest {
+    list_request!(ListCapturesRequest {}, query)
+}
+
 /// Selection of a list; the default is everything, newest first.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct ListQuery {
@@ -158,3 +216,6 @@ impl ListQuery {
         self.capture.map(|c| c.to_string()).unwrap_or_default()
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -99,7 +99,7 @@ pub use self::{
     evaluations::Evaluations,
     fits::{FitOrder, Fits, LossCurve},
     keys::{Key, Keys, MadeKey, NewKey},
-    labels::{ListQuery, Order, Update},
+    labels::{CaptureFacts, ListQuery, Order, Update},
     page::{Page, PageRequest},
     plans::{PlanUpdate, Planning, Plans},
     registrations::{Observation, Registered, Registration, Registrations, Residual},

@@ -10,7 +10,7 @@ use bendtwin_proto::v1;
 use jiff::Timestamp;
 use serde::Serialize;
 
-use crate::{Error, JobProgress, JobState, Requirements};
+use crate::{JobProgress, JobState, Requirements};
 
 pub(crate) use value::resource;
 
@@ -196,11 +196,10 @@ pub struct DeviceMemory {
 
 /// Requirements as a field of a message; none if any worker will do.
 pub(crate) fn if_any(requirements: &Requirements) -> Option<Requirements> {
-    Some(requirements).filter(|asked| **asked != Requirements::default()).cloned()
+    (!are_none(requirements)).then(|| requirements.clone())
 }
 
-/// Requirements as JSON; none if any worker will do.
-pub(crate) fn json_if_any(requirements: &Requirements) -> Result<Option<String>, Error> {
-    let asked = if_any(requirements);
-    asked.map(|asked| serde_json::to_string(&asked).map_err(Error::malformed)).transpose()
+/// True if any worker will do.
+pub(crate) fn are_none(requirements: &Requirements) -> bool {
+    *requirements == Requirements::default()
 }
