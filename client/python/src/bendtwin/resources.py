@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import enum
-import json
-from dataclasses import asdict, dataclass, field
+from dataclasses import dataclass, field
 from datetime import datetime
 from typing import Any
 
@@ -142,10 +141,6 @@ class Requirements(FromMessage):
     memory_bytes: int = 0
     #: Labels that the worker must all have.
     labels: tuple[str, ...] = ()
-
-    def to_json(self) -> str:
-        """Writes it as JSON."""
-        return json.dumps(asdict(self))
 
     def to_proto(self) -> job_pb2.WorkerRequirements | None:
         """Writes the wire form; None if any worker will do."""
