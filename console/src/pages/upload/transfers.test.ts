@@ -43,7 +43,7 @@ class Server {
   }
 }
 
-const LABELS = { name: 'rope', note: 'wet', tags: ['a'] };
+const LABELS = { name: 'rope', texts: {}, note: 'wet', tags: ['a'] };
 const FILE: Package = { kind: 'file', name: 'rope', file: new File(['PK'], 'rope.zip', { lastModified: 5 }) };
 
 function begun(server: Server): Transfers {
@@ -80,7 +80,7 @@ test('an interrupted one resumes when its files are chosen again', async () => {
   const after = begun(server);
   expect(after.interrupted).toMatchObject([{ name: 'rope', address: '/v1/uploads/1' }]);
   const again: Package = { kind: 'file', name: 'rope', file: new File(['PK'], 'rope.zip', { lastModified: 5 }) };
-  after.add(again, { name: 'another', note: '', tags: [] }, '');
+  after.add(again, { name: 'another', texts: {}, note: '', tags: [] }, '');
   expect(await until(after, 'stored')).toMatchObject({ name: 'rope' });
   expect(server.metadata[1]).toBe(server.metadata[0]);
   expect(after.interrupted).toEqual([]);
