@@ -23,6 +23,9 @@ pub struct CaptureFacts {
     /// Display name [default: the file's name]
     #[cfg_attr(feature = "clap", arg(long = "name", value_name = "NAME"))]
     pub display_name: Option<String>,
+    /// Who recorded the capture
+    #[cfg_attr(feature = "clap", arg(long, value_name = "NAME"))]
+    pub recorded_by: Option<String>,
     /// Settings of the ingest; none means the defaults
     #[cfg_attr(feature = "clap", arg(skip))]
     pub ingest: Option<IngestSettings>,
@@ -73,6 +76,8 @@ pub struct Update {
     pub add_tags: Vec<String>,
     /// Tags to take from those that there are.
     pub remove_tags: Vec<String>,
+    /// New name of who recorded it, of captures.
+    pub recorded_by: Option<String>,
 }
 
 impl Update {
@@ -94,6 +99,12 @@ impl Update {
         self
     }
 
+    /// A new name of who recorded a capture.
+    pub fn recorded_by(mut self, name: impl Into<String>) -> Self {
+        self.recorded_by = Some(name.into());
+        self
+    }
+
     /// Removes a tag.
     pub fn remove_tag(mut self, tag: impl Into<String>) -> Self {
         self.remove_tags.push(tag.into());
@@ -106,6 +117,7 @@ impl Update {
             ("display_name", self.display_name.is_some()),
             ("note", self.note.is_some()),
             ("tags", self.tags.is_some()),
+            ("recorded_by", self.recorded_by.is_some()),
         ];
         let paths = set.into_iter().filter(|(_, set)| *set).map(|(field, _)| field.to_owned());
         Some(FieldMask { paths: paths.collect() })
@@ -179,12 +191,16 @@ pub(crate) use {list_request, update_request};
 
 /// The message that changes what is stated about a capture.
 pub(crate) fn capture_update(name: CaptureId, update: &Update) -> UpdateCaptureRequest {
-    update_request!(UpdateCaptureRequest { capture: Capture }, name, update)
+    let mut request = update_request!(UpdateCaptureRequest { capture: Capture }, name, update);
+    let capture = request.capture.get_or_insert_default();
+    capture.recorded_by = update.recorded_by.clone().unwrap_or_default();
+    request
 }
 
 /// The message that asks for a page of captures.
 pub(crate) fn capture_list(query: ListQuery) -> ListCapturesRequest {
-    list_request!(ListCapturesRequest {}, query)
+    let recorded_by = query.recorded_by.clone();
+    list_request!(ListCapturesRequest { recorded_by }, query)
 }
 
 /// Selection of a list; the default is everything, newest first.
@@ -196,6 +212,8 @@ pub struct ListQuery {
     pub tag: String,
     /// An owner; empty means any.
     pub owner: String,
+    /// Who recorded it, of captures; empty means any.
+    pub recorded_by: String,
     /// A capture, of fits and twins.
     pub capture: Option<CaptureId>,
     /// A state, of fits.

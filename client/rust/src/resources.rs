@@ -41,6 +41,8 @@ pub struct Capture {
     pub owner: String,
     /// Worker that its ingest asks for.
     pub ingest_requirements: Requirements,
+    /// Who recorded it; empty if that was not stated.
+    pub recorded_by: String,
 }
 }
 

@@ -36,6 +36,8 @@ pub struct Capture {
     pub digest: Digest,
     /// Owner of the key with which it was uploaded; empty if that is not known.
     pub owner: String,
+    /// Who recorded it; empty if that was not stated.
+    pub recorded_by: String,
 }
 
 /// A capture with its ingest and its report.
@@ -54,6 +56,8 @@ pub struct Overview {
 pub struct CaptureFacts {
     /// Display name.
     pub display_name: String,
+    /// Who recorded it; empty if that is not stated.
+    pub recorded_by: String,
     /// Settings of its ingest as JSON, the same text for the same settings.
     pub ingest: String,
     /// Worker that its ingest asks for.
@@ -65,11 +69,13 @@ pub struct CaptureFacts {
 pub struct CaptureChange {
     /// Changes of display name, note and tags.
     pub labels: LabelChange,
+    /// New name of who recorded it.
+    pub recorded_by: Option<String>,
 }
 
 impl From<LabelChange> for CaptureChange {
     fn from(labels: LabelChange) -> Self {
-        Self { labels }
+        Self { labels, ..Self::default() }
     }
 }
 
@@ -105,6 +111,7 @@ row! {
         tags: String,
         first_name: Option<String>,
         owner: String,
+        recorded_by: String,
     }
 }
 
@@ -129,6 +136,7 @@ impl TryFrom<Row> for Capture {
             digest: Digest::from_hex(&row.digest).map_err(|_| corrupt("digest"))?,
             labels: Labels::of_row(row.display_name, row.note, &row.tags),
             owner: row.owner,
+            recorded_by: row.recorded_by,
         })
     }
 }
@@ -185,8 +193,8 @@ impl Captures<'_> {
         let id = CaptureId::generate();
         let row: Row = query(
             "insert into captures (id, display_name, created_at, size_bytes, digest, request_id,
-                 name_key, search_text, owner)
-             values ($1, $2, $3, $4, $5, $6, $7, $8, $9) returning *",
+                 name_key, search_text, owner, recorded_by)
+             values ($1, $2, $3, $4, $5, $6, $7, $8, $9, $10) returning *",
         )
         .bind(id.uuid().to_string())
         .bind(&facts.display_name)
@@ -197,6 +205,7 @@ impl Captures<'_> {
         .bind(labels::name_key(&facts.display_name))
         .bind(labels::search_text(&facts.display_name, ""))
         .bind(&creator.owner)
+        .bind(&facts.recorded_by)
         .fetch_one(&mut tx)
         .await?;
         if let Some(upload) = upload {
@@ -291,6 +300,10 @@ impl Captures<'_> {
         let row = row.ok_or_else(|| Error::NotFound { name: id.to_string() })?;
         let before = Capture::try_from(row)?.labels;
         labels::change(&mut tx, Collection::Captures, &key, &before, &change.labels).await?;
+        if let Some(recorded_by) = &change.recorded_by {
+            let update = "update captures set recorded_by = $2 where id = $1";
+            query(update).bind(&key).bind(recorded_by).execute(&mut tx).await?;
+        }
         let row: Row = query(find).bind(&key).fetch_one(&mut tx).await?;
         tx.commit().await?;
         row.try_into()

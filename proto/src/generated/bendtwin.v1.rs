@@ -692,6 +692,9 @@ pub struct Capture {
     /// Worker that the ingest requires; absent: any.
     #[prost(message, optional, tag = "11")]
     pub ingest_requirements: ::core::option::Option<WorkerRequirements>,
+    /// Who recorded the capture, up to 200 characters; empty if not stated.
+    #[prost(string, tag = "12")]
+    pub recorded_by: ::prost::alloc::string::String,
 }
 #[derive(Clone, PartialEq, Eq, Hash, ::prost::Message)]
 pub struct CreateCaptureRequest {
@@ -724,6 +727,9 @@ pub struct CaptureMetadata {
     /// Worker that the ingest requires; absent: any.
     #[prost(message, optional, tag = "5")]
     pub ingest_requirements: ::core::option::Option<WorkerRequirements>,
+    /// Who recorded the capture, up to 200 characters.
+    #[prost(string, tag = "6")]
+    pub recorded_by: ::prost::alloc::string::String,
 }
 #[derive(Clone, PartialEq, ::prost::Message)]
 pub struct CreateCaptureResponse {
@@ -755,6 +761,9 @@ pub struct ListCapturesRequest {
     /// Only captures of this owner.
     #[prost(string, tag = "6")]
     pub owner: ::prost::alloc::string::String,
+    /// Only captures recorded by this person.
+    #[prost(string, tag = "7")]
+    pub recorded_by: ::prost::alloc::string::String,
 }
 #[derive(Clone, PartialEq, ::prost::Message)]
 pub struct ListCapturesResponse {
@@ -769,7 +778,7 @@ pub struct UpdateCaptureRequest {
     /// The capture to change is identified by its `name`.
     #[prost(message, optional, tag = "1")]
     pub capture: ::core::option::Option<Capture>,
-    /// Fields to change: `display_name`, `note` and `tags`. Default: all of these that are not empty.
+    /// Fields to change: `display_name`, `note`, `tags` and `recorded_by`. Default: all of these that are not empty.
     #[prost(message, optional, tag = "2")]
     pub update_mask: ::core::option::Option<::prost_types::FieldMask>,
     /// Tags to add and to remove, leaving the others; not allowed together with `tags` in the mask.
@@ -1044,7 +1053,7 @@ pub mod capture_service_client {
                 .insert(GrpcMethod::new("bendtwin.v1.CaptureService", "ListCaptures"));
             self.inner.unary(req, path, codec).await
         }
-        /// Changes display name, note and tags.
+        /// Changes display name, note, tags and who recorded it.
         pub async fn update_capture(
             &mut self,
             request: impl tonic::IntoRequest<super::UpdateCaptureRequest>,
@@ -1252,7 +1261,7 @@ pub mod capture_service_server {
             tonic::Response<super::ListCapturesResponse>,
             tonic::Status,
         >;
-        /// Changes display name, note and tags.
+        /// Changes display name, note, tags and who recorded it.
         async fn update_capture(
             &self,
             request: tonic::Request<super::UpdateCaptureRequest>,

@@ -529,7 +529,7 @@ written!(crate::v1::WorkerRequirements);
 
 impl Fields for crate::v1::Capture {
     const NAME: &'static str = "Capture";
-    const FIELDS: &'static [&'static str] = &["name", "display_name", "create_time", "size_bytes", "digest", "ingest", "verdict", "note", "tags", "owner", "ingest_requirements"];
+    const FIELDS: &'static [&'static str] = &["name", "display_name", "create_time", "size_bytes", "digest", "ingest", "verdict", "note", "tags", "owner", "ingest_requirements", "recorded_by"];
     const REQUIRED: &'static [&'static str] = &[];
     #[allow(unused_variables)]
     fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
@@ -545,6 +545,7 @@ impl Fields for crate::v1::Capture {
 8 => { self.tags = map.next_value::<Option<_>>()?.unwrap_or_default(); }
 9 => { self.owner = map.next_value::<Option<_>>()?.unwrap_or_default(); }
 10 => { self.ingest_requirements = message(map)?; }
+11 => { self.recorded_by = map.next_value::<Option<_>>()?.unwrap_or_default(); }
 
             _ => {}
         }
@@ -563,6 +564,7 @@ map.serialize_entry("note", &self.note)?;
 map.serialize_entry("tags", &self.tags)?;
 map.serialize_entry("owner", &self.owner)?;
 write_message(map, "ingest_requirements", Some(self.ingest_requirements.as_ref().unwrap_or(&Default::default())), tensors)?;
+map.serialize_entry("recorded_by", &self.recorded_by)?;
 
         Ok(())
     }
@@ -571,7 +573,7 @@ written!(crate::v1::Capture);
 
 impl Fields for crate::v1::CaptureMetadata {
     const NAME: &'static str = "CaptureMetadata";
-    const FIELDS: &'static [&'static str] = &["display_name", "digest", "ingest", "ingest_requirements"];
+    const FIELDS: &'static [&'static str] = &["display_name", "digest", "ingest", "ingest_requirements", "recorded_by"];
     const REQUIRED: &'static [&'static str] = &[];
     #[allow(unused_variables)]
     fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
@@ -580,6 +582,7 @@ impl Fields for crate::v1::CaptureMetadata {
 1 => { self.digest = map.next_value::<Option<_>>()?.unwrap_or_default(); }
 2 => { self.ingest_json = document(map)?; }
 3 => { self.ingest_requirements = message(map)?; }
+4 => { self.recorded_by = map.next_value::<Option<_>>()?.unwrap_or_default(); }
 
             _ => {}
         }
@@ -591,6 +594,7 @@ impl Fields for crate::v1::CaptureMetadata {
 map.serialize_entry("digest", &self.digest)?;
 write_document(map, "ingest", &self.ingest_json)?;
 write_message(map, "ingest_requirements", self.ingest_requirements.as_ref(), tensors)?;
+map.serialize_entry("recorded_by", &self.recorded_by)?;
 
         Ok(())
     }
@@ -619,7 +623,7 @@ written!(crate::v1::GetCaptureRequest);
 
 impl Fields for crate::v1::ListCapturesRequest {
     const NAME: &'static str = "ListCapturesRequest";
-    const FIELDS: &'static [&'static str] = &["page_size", "page_token", "search", "tag", "order_by", "owner"];
+    const FIELDS: &'static [&'static str] = &["page_size", "page_token", "search", "tag", "order_by", "owner", "recorded_by"];
     const REQUIRED: &'static [&'static str] = &[];
     #[allow(unused_variables)]
     fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
@@ -630,6 +634,7 @@ impl Fields for crate::v1::ListCapturesRequest {
 3 => { self.tag = map.next_value::<Option<_>>()?.unwrap_or_default(); }
 4 => { self.order_by = map.next_value::<Option<_>>()?.unwrap_or_default(); }
 5 => { self.owner = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+6 => { self.recorded_by = map.next_value::<Option<_>>()?.unwrap_or_default(); }
 
             _ => {}
         }
@@ -643,6 +648,7 @@ map.serialize_entry("search", &self.search)?;
 map.serialize_entry("tag", &self.tag)?;
 map.serialize_entry("order_by", &self.order_by)?;
 map.serialize_entry("owner", &self.owner)?;
+map.serialize_entry("recorded_by", &self.recorded_by)?;
 
         Ok(())
     }
@@ -675,7 +681,7 @@ written!(crate::v1::ListCapturesResponse);
 
 impl Fields for crate::v1::UpdateCaptureRequest {
     const NAME: &'static str = "UpdateCaptureRequest";
-    const FIELDS: &'static [&'static str] = &["display_name", "note", "tags", "add_tags", "remove_tags"];
+    const FIELDS: &'static [&'static str] = &["display_name", "note", "tags", "recorded_by", "add_tags", "remove_tags"];
     const REQUIRED: &'static [&'static str] = &[];
     #[allow(unused_variables)]
     fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
@@ -683,8 +689,9 @@ impl Fields for crate::v1::UpdateCaptureRequest {
             0 => { if let Some(value) = map.next_value::<Option<_>>()? { self.capture.get_or_insert_default().display_name = value; self.update_mask.get_or_insert_default().paths.push("display_name".to_owned()); } }
 1 => { if let Some(value) = map.next_value::<Option<_>>()? { self.capture.get_or_insert_default().note = value; self.update_mask.get_or_insert_default().paths.push("note".to_owned()); } }
 2 => { if let Some(value) = map.next_value::<Option<_>>()? { self.capture.get_or_insert_default().tags = value; self.update_mask.get_or_insert_default().paths.push("tags".to_owned()); } }
-3 => { self.add_tags = map.next_value::<Option<_>>()?.unwrap_or_default(); }
-4 => { self.remove_tags = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+3 => { if let Some(value) = map.next_value::<Option<_>>()? { self.capture.get_or_insert_default().recorded_by = value; self.update_mask.get_or_insert_default().paths.push("recorded_by".to_owned()); } }
+4 => { self.add_tags = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+5 => { self.remove_tags = map.next_value::<Option<_>>()?.unwrap_or_default(); }
 
             _ => {}
         }
@@ -693,6 +700,7 @@ impl Fields for crate::v1::UpdateCaptureRequest {
     #[allow(unused_variables)]
     fn write<M: SerializeMap>(&self, tensors: TensorFormat, map: &mut M) -> Result<(), M::Error> {
         
+
 
 
 map.serialize_entry("add_tags", &self.add_tags)?;

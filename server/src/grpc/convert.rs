@@ -28,6 +28,7 @@ pub(crate) fn capture(overview: Overview) -> v1::Capture {
         note: capture.labels.note,
         tags: capture.labels.tags,
         owner: capture.owner,
+        recorded_by: capture.recorded_by,
     }
 }
 

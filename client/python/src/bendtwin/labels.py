@@ -23,6 +23,8 @@ class CaptureArguments(TypedDict, total=False):
     ingest: dict[str, Any] | None
     #: Worker that reads the capture; by default any.
     ingest_requirements: Requirements | None
+    #: Who recorded it.
+    recorded_by: str | None
 
 
 class LabelArguments(TypedDict, total=False):
@@ -41,6 +43,9 @@ class LabelArguments(TypedDict, total=False):
 class CaptureLabelArguments(LabelArguments, total=False):
     """A change of what is stated about a capture; omitted facts stay."""
 
+    #: Who recorded it; empty removes it.
+    recorded_by: str
+
 
 class ListArguments(TypedDict, total=False):
     """Selection of a list; without any of it everything, newest first."""
@@ -56,6 +61,9 @@ class ListArguments(TypedDict, total=False):
 
 class CaptureListArguments(ListArguments, total=False):
     """Selection of a list of captures."""
+
+    #: Who recorded them.
+    recorded_by: str
 
 
 def named(facts: CaptureArguments, name: str) -> CaptureArguments:

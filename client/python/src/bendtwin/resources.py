@@ -174,6 +174,8 @@ class Capture(FromMessage):
     owner: str = ""
     #: Worker that the ingest requires.
     ingest_requirements: Requirements = Requirements()
+    #: Who recorded it; empty if not stated.
+    recorded_by: str = ""
 
 
 @dataclass(frozen=True)

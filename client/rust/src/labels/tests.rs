@@ -21,12 +21,17 @@ fn facts_of_an_upload_are_those_of_its_message() {
 fn texts_are_sent_plain_and_others_as_json() {
     let labels = vec!["lab=2".to_owned()];
     let facts = CaptureFacts {
+        recorded_by: Some("Ada".to_owned()),
         ingest_requirements: Requirements { labels, ..Requirements::default() },
         ..CaptureFacts::from("a \"rope\"")
     };
     let requirements = r#"{"backend":"","labels":["lab=2"],"memory_bytes":0}"#;
     let pair = |name: &str, text: &str| (name.to_owned(), text.to_owned());
-    let expected = [pair("display_name", "a \"rope\""), pair("ingest_requirements", requirements)];
+    let expected = [
+        pair("display_name", "a \"rope\""),
+        pair("ingest_requirements", requirements),
+        pair("recorded_by", "Ada"),
+    ];
     assert_eq!(facts.pairs().unwrap(), expected);
     assert_eq!(CaptureFacts::default().pairs().unwrap(), []);
 }

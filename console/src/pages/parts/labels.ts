@@ -13,6 +13,8 @@ export interface Labelled extends Texts {
 /** Texts of one line that people state about a resource. */
 export interface Texts {
   readonly display_name: string;
+  /** Of captures. */
+  readonly recorded_by?: string;
 }
 
 type List = 'captures' | 'fits' | 'twins';
@@ -21,7 +23,7 @@ const NAME = { key: 'display_name', label: 'Name' } as const;
 
 /** The texts of each kind of resource: fields of the editor, and of the form of an upload. */
 export const TEXTS: Readonly<Record<List, readonly { key: keyof Texts; label: string }[]>> = {
-  captures: [NAME],
+  captures: [NAME, { key: 'recorded_by', label: 'Recorded by' }],
   fits: [NAME],
   twins: [NAME],
 };

@@ -22,6 +22,7 @@ impl App {
         let Ingest { settings, requirements } = self.ingest(&metadata.ingest_json, asked)?;
         Ok(CaptureFacts {
             display_name: labels::display_name(metadata.display_name)?,
+            recorded_by: labels::line("recorded_by", metadata.recorded_by)?,
             ingest: settings,
             requirements,
         })
@@ -31,10 +32,13 @@ impl App {
 /// The change that an update requests.
 pub(super) fn change(request: UpdateCaptureRequest) -> Result<CaptureChange> {
     let UpdateCaptureRequest { capture, update_mask, add_tags, remove_tags } = request;
-    let Capture { display_name, note, tags, .. } = capture.unwrap_or_default();
+    let Capture { display_name, note, tags, recorded_by, .. } = capture.unwrap_or_default();
     let mut mask = Mask::new(update_mask);
     let given = GivenLabels { display_name, note, tags, add_tags, remove_tags };
-    let change = CaptureChange { labels: given.change(&mut mask)? };
+    let labels = given.change(&mut mask)?;
+    let recorded_by = mask.changed("recorded_by", recorded_by);
+    let recorded_by = recorded_by.map(|text| labels::line("recorded_by", text)).transpose()?;
+    let change = CaptureChange { labels, recorded_by };
     mask.finish()?;
     Ok(change)
 }
@@ -49,5 +53,6 @@ pub(super) fn query(request: ListCapturesRequest) -> Result<ListQuery> {
         order_by: request.order_by,
         ..Listing::default()
     };
-    listing.query(&ORDERS)
+    let recorded_by = labels::line("recorded_by", request.recorded_by)?;
+    Ok(ListQuery { recorded_by, ..listing.query(&ORDERS)? })
 }
