@@ -29,6 +29,7 @@ pub use self::{
     fields::Fields,
     pairs::{from_pairs, from_query},
     tensor::TensorFormat,
+    time::timestamp,
 };
 
 /// A message read from JSON.
@@ -70,6 +71,28 @@ impl<'de, T: Fields> Visitor<'de> for MessageVisitor<T> {
     fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<T, A::Error> {
         fields::read(map)
     }
+}
+
+/// Lets values that contain a message be written, with tensors as lists.
+macro_rules! written {
+    ($message:ty) => {
+        impl Serialize for $message {
+            fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+                Write { message: self, tensors: TensorFormat::Lists }.serialize(serializer)
+            }
+        }
+    };
+}
+
+/// Lets values that contain an enum be written.
+macro_rules! word_written {
+    ($words:ty) => {
+        impl Serialize for $words {
+            fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+                serializer.serialize_str(self.as_str_name())
+            }
+        }
+    };
 }
 
 #[allow(clippy::all)]

@@ -37,8 +37,6 @@ pub struct Route {
     pub path: &'static str,
     /// Status of success.
     pub status: u16,
-    /// Path in the JSON of the reply to the name of what was made, `/key/name`; empty if nothing is.
-    pub location: &'static str,
     /// True if nobody may store the reply.
     pub secret: bool,
     /// The translation of request and reply. None where the server has a handler of its own: bytes,
@@ -46,8 +44,8 @@ pub struct Route {
     pub messages: Option<Messages>,
 }
 
-/// A message in another form, or the fault in it.
-pub type Translated = Result<Vec<u8>, Box<dyn std::error::Error>>;
+/// Fault in a message.
+pub type Fault = Box<dyn std::error::Error>;
 
 /// The messages of an RPC as JSON.
 #[derive(Debug)]
@@ -57,9 +55,18 @@ pub struct Messages {
     /// True if the request has an id that makes it idempotent.
     pub has_request_id: bool,
     /// Reads a request, to its encoded message.
-    pub read: fn(Given<'_>) -> Translated,
+    pub read: fn(Given<'_>) -> Result<Vec<u8>, Fault>,
     /// Writes a reply from its encoded message.
-    pub write: fn(&[u8]) -> Translated,
+    pub write: fn(&[u8]) -> Result<Written, Fault>,
+}
+
+/// A reply as JSON.
+#[derive(Debug)]
+pub struct Written {
+    /// The document.
+    pub json: Vec<u8>,
+    /// Name of the resource that the call made, if the route states its address.
+    pub made: Option<String>,
 }
 
 /// The part of an HTTP request that has the fields of the message.
@@ -95,7 +102,7 @@ pub const BY_HAND: &[(&str, Scope)] = include!("generated/routes_by_hand.rs");
 fn read<M: Message + Default + Fields>(
     given: Given<'_>,
     bind: fn(&mut M, Given<'_>),
-) -> Translated {
+) -> Result<Vec<u8>, Fault> {
     let mut message = match given.source {
         Source::Nothing => M::default(),
         Source::Query => json::from_query(std::str::from_utf8(given.text)?)?,
@@ -105,7 +112,11 @@ fn read<M: Message + Default + Fields>(
     Ok(message.encode_to_vec())
 }
 
-fn write<M: Message + Default + Fields>(reply: &[u8]) -> Translated {
+fn write<M: Message + Default + Fields>(
+    reply: &[u8],
+    made: fn(&M) -> Option<&String>,
+) -> Result<Written, Fault> {
     let message = &M::decode(reply)?;
-    Ok(serde_json::to_vec(&Write { message, tensors: TensorFormat::Lists })?)
+    let json = serde_json::to_vec(&Write { message, tensors: TensorFormat::Lists })?;
+    Ok(Written { json, made: made(message).cloned() })
 }

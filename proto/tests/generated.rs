@@ -40,16 +40,6 @@ const FILES: [&str; 15] = [
     "bendtwin/worker/v1/worker_link.proto",
 ];
 
-/// Messages that the Rust client hands on as they are, in values that are printed as JSON.
-const WRITTEN_BY_SERDE: [&str; 6] = [
-    "bendtwin.v1.KeyQuotas",
-    "bendtwin.v1.ModelLoss",
-    "bendtwin.v1.Progress",
-    "bendtwin.v1.RollOutResponse.Deviation",
-    "bendtwin.v1.RollOutResponse.Timing",
-    "bendtwin.v1.WorkerRequirements",
-];
-
 #[test]
 fn the_generated_code_is_that_of_the_proto_files() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
@@ -91,12 +81,8 @@ fn generate(root: &Path) -> BTreeMap<String, Vec<u8>> {
     write("routes.rs", routes::table(&contract).as_bytes());
     write("routes_by_hand.rs", routes::by_hand(&contract, &by_hand).as_bytes());
     write("openapi.json", openapi::document(&contract, &by_hand).as_bytes());
-    let mut code = tonic_prost_build::configure().bytes(".").out_dir(folder.path());
-    for message in WRITTEN_BY_SERDE {
-        code = code.type_attribute(message, "#[derive(serde::Serialize)]");
-    }
-    let states = r#"#[derive(serde::Serialize)] #[serde(rename_all = "SCREAMING_SNAKE_CASE")]"#;
-    code.type_attribute("bendtwin.v1.Job.State", states).compile_fds(descriptors).unwrap();
+    let code = tonic_prost_build::configure().bytes(".").out_dir(folder.path());
+    code.compile_fds(descriptors).unwrap();
     read(folder.path())
 }
 

@@ -54,7 +54,7 @@ pub(crate) use geometry::Geometry;
 pub(crate) use ingests::{IngestPart, IngestUpload};
 pub(crate) use jobs::{LeasedJob, News, Offer};
 pub(crate) use keys::KeyOrder;
-pub(crate) use labels::{Change, Listing};
+pub(crate) use labels::Listing;
 pub(crate) use operations::Check;
 use operations::Readiness;
 pub(crate) use receive::Body;

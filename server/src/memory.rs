@@ -15,7 +15,7 @@ use bytes::Bytes;
 
 use crate::error::{Error, Result};
 
-pub(crate) use receive::{Kind, ReceiveError};
+pub(crate) use receive::{GRPC_PREFIX, Kind, ReceiveError};
 
 /// Longest wait for memory that others hold.
 const LONGEST_WAIT: Duration = Duration::from_secs(30);

@@ -11,7 +11,7 @@ mod report;
 
 use std::path::PathBuf;
 
-use bendtwin_client::CaptureId;
+use bendtwin_client::{CaptureId, ListQuery, Update};
 use clap::{Args, Subcommand};
 
 use crate::{
@@ -44,13 +44,22 @@ enum Command {
     /// Check a capture and upload it
     Push(push::Push),
     /// List the captures of the server
-    List(Choice),
-    /// Change name, note and tags of a capture
+    List {
+        #[command(flatten)]
+        choice: Choice,
+        /// List only those recorded by this person
+        #[arg(long, value_name = "NAME", default_value = "", hide_default_value = true)]
+        recorded_by: String,
+    },
+    /// Change name, note, tags and recorder of a capture
     Edit {
         /// captures/{uuid}
         name: CaptureId,
         #[command(flatten)]
         changes: Changes,
+        /// New name of who recorded it; an empty one removes it
+        #[arg(long, value_name = "NAME")]
+        recorded_by: Option<String>,
     },
     /// Show one capture
     Show {
@@ -74,8 +83,9 @@ pub(crate) async fn run(args: Capture, global: &Global) -> anyhow::Result<()> {
         Command::Report(args) => report::run(args, global).await,
         Command::Export(args) => export::run(args, global).await,
         Command::Push(args) => push::run(args, global).await,
-        Command::List(choice) => {
-            let captures = global.connect().await?.captures().all(&choice.query()).await?;
+        Command::List { choice, recorded_by } => {
+            let query = ListQuery { recorded_by, ..choice.query() };
+            let captures = global.connect().await?.captures().all(&query).await?;
             output::print(global, &captures, || {
                 let mut table = Table::new(["NAME", "CREATED", "SIZE", "READ", "OWNER", "WHAT"]);
                 for c in &captures {
@@ -92,8 +102,8 @@ pub(crate) async fn run(args: Capture, global: &Global) -> anyhow::Result<()> {
             let capture = global.connect().await?.captures().get(name).await?;
             output::print(global, &capture, || shown(&capture))
         }
-        Command::Edit { name, changes } => {
-            let update = changes.update()?;
+        Command::Edit { name, changes, recorded_by } => {
+            let update = labels::update(Update { recorded_by, ..changes.into() })?;
             let capture = global.connect().await?.captures().update(name, &update).await?;
             output::print(global, &capture, || shown(&capture))
         }
@@ -110,10 +120,12 @@ pub(crate) async fn run(args: Capture, global: &Global) -> anyhow::Result<()> {
 
 fn shown(capture: &bendtwin_client::Capture) -> String {
     let fault = capture.ingest.fault.as_ref();
+    let recorder = Some(&capture.recorded_by).filter(|name| !name.is_empty());
     format!(
-        "{}\n  what     {}{}\n  created  {:.0}\n  size     {}\n  digest   {}\n  read     {}{}",
+        "{}\n  what     {}{}{}\n  created  {:.0}\n  size     {}\n  digest   {}\n  read     {}{}",
         capture.name,
         capture.display_name,
+        recorder.map(|name| format!("\n  recorded by {name}")).unwrap_or_default(),
         labels::lines(&capture.note, &capture.tags, 9),
         capture.create_time,
         output::bytes(capture.size_bytes),

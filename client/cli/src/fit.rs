@@ -108,7 +108,7 @@ pub(crate) async fn run(args: Fit, global: &Global) -> anyhow::Result<()> {
         }
         Command::Show { name } => show::run(name, global).await,
         Command::Edit { name, changes } => {
-            let fit = client.fits().update(name, &changes.update()?).await?;
+            let fit = client.fits().update(name, &labels::update(changes)?).await?;
             output::print(global, &fit, || shown(&fit, None))
         }
         Command::Cancel { names } => {

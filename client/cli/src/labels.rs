@@ -19,23 +19,27 @@ pub(crate) struct Changes {
     tags: Vec<String>,
 }
 
-impl Changes {
-    /// The change as a request has it.
-    pub(crate) fn update(self) -> anyhow::Result<Update> {
-        let mut update =
-            Update { display_name: self.display_name, note: self.note, ..Update::default() };
-        for tag in &self.tags {
+impl From<Changes> for Update {
+    fn from(Changes { display_name, note, tags }: Changes) -> Self {
+        let mut update = Self { display_name, note, ..Self::default() };
+        for tag in tags {
             match (tag.strip_prefix('+'), tag.strip_prefix('-')) {
                 (Some(tag), _) => update.add_tags.push(tag.to_owned()),
                 (_, Some(tag)) => update.remove_tags.push(tag.to_owned()),
-                _ => update.add_tags.push(tag.clone()),
+                _ => update.add_tags.push(tag),
             }
         }
-        if update == Update::default() {
-            return Err(Usage::error("name a change: --name, --note, --tag +WORD or --tag -WORD"));
-        }
-        Ok(update)
+        update
     }
+}
+
+/// An update, refused if it changes nothing.
+pub(crate) fn update(update: impl Into<Update>) -> anyhow::Result<Update> {
+    let update = update.into();
+    if update == Update::default() {
+        return Err(Usage::error("name a change, for example --note TEXT or --tag +WORD"));
+    }
+    Ok(update)
 }
 
 /// Search and order of a list.
@@ -117,11 +121,13 @@ mod tests {
     fn tags_are_added_and_taken_away() {
         let tags = ["+wet", "-dry", "blue"].map(str::to_owned).into();
         let changes = Changes { tags, ..Changes::default() };
-        let update = changes.update().unwrap();
-        assert_eq!(update, Update::default().add_tag("wet").remove_tag("dry").add_tag("blue"));
-        assert!(Changes::default().update().is_err());
+        assert_eq!(
+            Update::from(changes),
+            Update::default().add_tag("wet").remove_tag("dry").add_tag("blue")
+        );
+        assert!(update(Changes::default()).is_err());
         let emptied = Changes { note: Some(String::new()), ..Changes::default() };
-        assert_eq!(emptied.update().unwrap().note.as_deref(), Some(""));
+        assert_eq!(update(emptied).unwrap().note.as_deref(), Some(""));
     }
 
     #[test]

@@ -127,7 +127,7 @@ pub(crate) async fn run(args: Twin, global: &Global) -> anyhow::Result<()> {
         Command::Planner(args) => planner::run(args, global).await,
         Command::Import(args) => import::run(args, global).await,
         Command::Edit { name, changes } => {
-            let update = changes.update()?;
+            let update = labels::update(changes)?;
             let twin = global.connect().await?.twins().update(name, &update).await?;
             output::print(global, &twin, || shown(&twin))
         }

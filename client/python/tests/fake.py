@@ -114,6 +114,7 @@ class Fake(
         yield capture_pb2.ExportObservationResponse(chunk=b"points")
 
     def ListCaptures(self, request, context):
+        self.listed = request
         page = int(request.page_token or 0)
         return capture_pb2.ListCapturesResponse(
             captures=[capture_pb2.Capture(name=f"captures/{page}-{i}") for i in range(2)],

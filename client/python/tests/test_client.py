@@ -1,6 +1,7 @@
 import zipfile
 from io import BytesIO
 
+import numpy as np
 import pytest
 from fake import CAPTURE, FIT, TWIN
 
@@ -11,8 +12,10 @@ from bendtwin import (
     FitFailed,
     IngestFailed,
     JobState,
+    Motion,
     Requirements,
 )
+from bendtwin.labels import texts
 from bendtwin.v1 import job_pb2
 
 
@@ -87,6 +90,24 @@ def test_an_ingest_can_ask_for_a_worker(client, fake, tmp_path):
     assert not fake.metadata.HasField("ingest_requirements")
     client.ingest_capture(CAPTURE, requirements=requirements)
     assert Requirements.from_proto(fake.ingest_request.requirements) == requirements
+
+
+def test_who_recorded_a_capture_is_stated_and_changed(client, fake, tmp_path):
+    path = tmp_path / "rope.zip"
+    path.write_bytes(b"x")
+    client.upload_capture(path, recorded_by="Ada")
+    assert (fake.metadata.recorded_by, fake.metadata.display_name) == ("Ada", "rope")
+    motion = Motion(np.zeros((2, 3, 3)), np.zeros((2, 1, 3)))
+    client.upload_motion(motion, fps=30, recorded_by="Ada")
+    assert (fake.metadata.recorded_by, fake.metadata.display_name) == ("Ada", "motion")
+    client.update_capture(CAPTURE, recorded_by="")
+    assert fake.update.update_mask.paths == ["recorded_by"]
+    list(client.captures(recorded_by="Ada"))
+    assert fake.listed.recorded_by == "Ada"
+    assert texts({"recorded_by": "Ada", "ingest": {"spacing_m": 0.01}, "request_id": None}) == {
+        "recorded_by": "Ada",
+        "ingest": '{"spacing_m": 0.01}',
+    }
 
 
 def test_a_failed_fit_says_why(client, fake):

@@ -3,12 +3,16 @@
 import pickle
 from dataclasses import fields
 from datetime import datetime, timezone
+from typing import get_type_hints
 
 import numpy as np
 import pytest
 
 from bendtwin import (
     Capture,
+    CaptureArguments,
+    CaptureLabelArguments,
+    CaptureListArguments,
     Category,
     Correction,
     Deviation,
@@ -76,6 +80,24 @@ MESSAGES = {
 def test_a_resource_has_the_fields_of_its_message(kind):
     names = {field.name for field in MESSAGES[kind].DESCRIPTOR.fields}
     assert {field.name for field in fields(kind)} == {n.removesuffix("_json") for n in names}
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message", "beside"),
+    [
+        # The digest is of the archive, which is packed on the way.
+        (CaptureArguments, capture_pb2.CaptureMetadata, {"digest"}),
+        (CaptureListArguments, capture_pb2.ListCapturesRequest, {"page_size", "page_token"}),
+    ],
+)
+def test_arguments_are_the_fields_of_their_message(arguments, message, beside):
+    names = {field.name.removesuffix("_json") for field in message.DESCRIPTOR.fields}
+    assert get_type_hints(arguments).keys() == names - beside
+
+
+def test_what_can_be_changed_of_a_capture_are_fields_of_it():
+    names = {field.name for field in capture_pb2.Capture.DESCRIPTOR.fields}
+    assert get_type_hints(CaptureLabelArguments).keys() - {"add_tags", "remove_tags"} <= names
 
 
 def test_a_message_is_read_with_all_that_is_inside():

@@ -224,7 +224,7 @@ def test_what_a_push_cannot_mend_is_an_error(server, archive, tmp_path):
             client.push_capture(archive, request_id="key")
     assert refused.value.category is Category.ALREADY_EXISTS
     assert refused.value.reason == "REQUEST_ID_TAKEN"
-    nobody = uploads.Sender("127.0.0.1:1", archive, "rope", patience_s=0.1)
+    nobody = uploads.Sender("127.0.0.1:1", archive, {"display_name": "rope"}, patience_s=0.1)
     with pytest.raises(BendTwinError) as unreachable:
         nobody.send()
     assert unreachable.value.category is Category.UNAVAILABLE

@@ -1,13 +1,14 @@
 //! Captures.
 
+mod uploads;
+
 use std::{path::Path, time::Duration};
 
 use bendtwin_core::{ids::CaptureId, settings::ingest::IngestSettings};
 use bendtwin_proto::v1::{
     CancelIngestRequest, DeleteCaptureRequest, ExportObservationRequest, GetCaptureReportRequest,
-    GetCaptureRequest, IngestCaptureRequest, ListCapturesRequest, UpdateCaptureRequest,
-    WatchIngestRequest, capture_service_client::CaptureServiceClient,
-    get_capture_report_request::Format,
+    GetCaptureRequest, IngestCaptureRequest, WatchIngestRequest,
+    capture_service_client::CaptureServiceClient, get_capture_report_request::Format,
 };
 use futures::TryStreamExt as _;
 use hyper::Method;
@@ -18,16 +19,14 @@ use url::Url;
 use uuid::Uuid;
 
 use crate::{
-    Capture, Error, ListQuery, Requirements, Update, Watch,
-    channel::Channel,
-    http::Http,
-    labels::{list_request, update_request},
+    Capture, CaptureFacts, Error, ListQuery, Requirements, Update, Watch,
+    client::{Channel, http::Http, problem},
+    labels::{capture_list, capture_update},
     page::{self, Page},
-    problem,
-    resources::{if_any, json_if_any},
-    uploads::Sender,
+    resources::if_any,
     watch,
 };
+use uploads::Sender;
 
 /// Most attempts at an upload.
 const ATTEMPTS: u32 = 3;
@@ -40,7 +39,6 @@ pub struct Captures {
     service: CaptureServiceClient<Channel>,
     http: Http,
     url: String,
-    requirements: Requirements,
 }
 
 /// The part of the HTTP response that is needed; the rest is fetched by name.
@@ -51,14 +49,7 @@ struct Created {
 
 impl Captures {
     pub(crate) fn new(service: CaptureServiceClient<Channel>, http: Http, url: String) -> Self {
-        Self { service, http, url, requirements: Requirements::default() }
-    }
-
-    /// The options with requirements on the worker of ingests: those of uploads, and those that are
-    /// run again. An upload that was begun before keeps its requirements.
-    #[must_use]
-    pub fn read_by(self, requirements: Requirements) -> Self {
-        Self { requirements, ..self }
+        Self { service, http, url }
     }
 
     /// Uploads a capture archive (ZIP) over HTTP, streamed from disk, its digest checked by the
@@ -67,8 +58,12 @@ impl Captures {
     ///
     /// # Errors
     /// If the file cannot be read, or the server refuses it or cannot be reached.
-    pub async fn upload(&self, file: &Path, display_name: &str) -> Result<Capture, Error> {
-        self.upload_with(file, display_name, |_| ()).await
+    pub async fn upload(
+        &self,
+        file: &Path,
+        facts: impl Into<CaptureFacts>,
+    ) -> Result<Capture, Error> {
+        self.upload_with(file, facts, |_| ()).await
     }
 
     /// [`Captures::upload`] with progress; `sent` gets the number of bytes sent so far.
@@ -78,14 +73,14 @@ impl Captures {
     pub async fn upload_with(
         &self,
         file: &Path,
-        display_name: &str,
+        facts: impl Into<CaptureFacts>,
         sent: impl Fn(u64) + Clone + Send + Sync + 'static,
     ) -> Result<Capture, Error> {
-        let digest = digest_of(file).await?;
+        let (facts, digest) = (facts.into(), digest_of(file).await?);
         let key = Uuid::new_v4().to_string();
         let mut attempt = 1;
         loop {
-            match self.send(file, display_name, &digest, &key, sent.clone()).await {
+            match self.send(file, &facts, &digest, &key, sent.clone()).await {
                 Ok(name) => return self.get(name).await,
                 Err(error) if error.is_transient() && attempt < ATTEMPTS => {
                     attempt += 1;
@@ -101,7 +96,7 @@ impl Captures {
     /// process, the same call resumes. `sent` gets the number of bytes on the server, which may
     /// decrease a little.
     ///
-    /// The same content under the same name is one capture, even if it is uploaded repeatedly, and
+    /// The same content with the same facts is one capture, even if it is uploaded repeatedly, and
     /// is not sent again.
     ///
     /// # Errors
@@ -109,12 +104,11 @@ impl Captures {
     pub async fn upload_resumable(
         &self,
         file: &Path,
-        display_name: &str,
+        facts: impl Into<CaptureFacts>,
         sent: impl Fn(u64) + Clone + Send + Sync + 'static,
     ) -> Result<Capture, Error> {
         let digest = digest_of(file).await?;
-        let sender = Sender::new(&self.http, &self.url, file, &digest, display_name).await?;
-        let sender = sender.asking(&self.requirements)?;
+        let sender = Sender::new(&self.http, &self.url, file, &digest, &facts.into()).await?;
         let name = sender.send(&sent).await?;
         let mut attempt = 1;
         loop {
@@ -132,7 +126,7 @@ impl Captures {
     async fn send(
         &self,
         path: &Path,
-        display_name: &str,
+        facts: &CaptureFacts,
         digest: &str,
         key: &str,
         sent: impl Fn(u64) + Send + Sync + 'static,
@@ -146,10 +140,7 @@ impl Captures {
             sent(total);
         });
         let mut url = Url::parse(&format!("{}/v1/captures", self.url)).map_err(Error::malformed)?;
-        url.query_pairs_mut().append_pair("display_name", display_name);
-        if let Some(json) = json_if_any(&self.requirements)? {
-            url.query_pairs_mut().append_pair("ingest_requirements", &json);
-        }
+        url.query_pairs_mut().extend_pairs(facts.pairs()?);
         let response = self
             .http
             .request(Method::POST, url.as_str())
@@ -183,7 +174,7 @@ impl Captures {
         self.watch(name).last().await
     }
 
-    /// Reads a capture again, for example with other settings.
+    /// Reads a capture again, for example with other settings or by another worker.
     ///
     /// # Errors
     /// If the settings are wrong, it is being read, a fit of it is queued or running, or the server
@@ -192,16 +183,16 @@ impl Captures {
         &self,
         name: CaptureId,
         settings: &IngestSettings,
+        requirements: &Requirements,
     ) -> Result<Capture, Error> {
         let settings_json = serde_json::to_string(settings)
             .map_err(|e| Error::invalid(format!("the settings cannot be written as JSON: {e}")))?;
         let request_id = Uuid::new_v4().to_string();
-        let requirements = if_any(&self.requirements);
         let request = IngestCaptureRequest {
             name: name.to_string(),
             settings_json,
             request_id,
-            requirements,
+            requirements: if_any(requirements),
         };
         self.service.clone().ingest_capture(request).await?.into_inner().try_into()
     }
@@ -272,8 +263,7 @@ impl Captures {
     /// # Errors
     /// If the query is not allowed, or the server cannot be asked.
     pub async fn list(&self, query: ListQuery) -> Result<Page<Capture>, Error> {
-        let request = list_request!(ListCapturesRequest {}, query);
-        let reply = self.service.clone().list_captures(request).await?.into_inner();
+        let reply = self.service.clone().list_captures(capture_list(query)).await?.into_inner();
         Page::new(reply.captures, reply.next_page_token, Capture::try_from)
     }
 
@@ -285,12 +275,12 @@ impl Captures {
         page::all(|page| self.list(ListQuery { page, ..query.clone() })).await
     }
 
-    /// Changes name, note and tags.
+    /// Changes what is stated about a capture.
     ///
     /// # Errors
     /// If a change is not allowed, the capture does not exist, or the server cannot be asked.
     pub async fn update(&self, name: CaptureId, update: &Update) -> Result<Capture, Error> {
-        let request = update_request!(UpdateCaptureRequest { capture: Capture }, name, update);
+        let request = capture_update(name, update);
         self.service.clone().update_capture(request).await?.into_inner().try_into()
     }
 

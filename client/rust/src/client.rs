@@ -1,5 +1,10 @@
 //! The connection to a server.
 
+pub(crate) mod channel;
+pub(crate) mod http;
+pub(crate) mod problem;
+mod readiness;
+
 use std::{
     borrow::Cow,
     path::{Path, PathBuf},
@@ -20,12 +25,14 @@ use tonic::transport::Endpoint;
 use url::Url;
 
 use crate::{
-    Captures, Error, Evaluations, Fits, Keys, Plans, Readiness, Registrations, Rollouts, Sessions,
-    Twins, Workers,
-    channel::{Channel, Credentials},
-    http::Http,
-    token,
+    Captures, Error, Evaluations, Fits, Keys, Plans, Registrations, Rollouts, Sessions, Twins,
+    Workers, token,
 };
+use channel::Credentials;
+use http::Http;
+
+pub(crate) use channel::Channel;
+pub use readiness::{Readiness, ReadinessCheck};
 
 /// Longest message that is accepted: the largest reply of a rollout [bytes].
 const MAX_MESSAGE: usize = 1 << 30;

@@ -6,7 +6,7 @@ use bendtwin_core::{
 };
 use bendtwin_proto::v1::{EvaluateTwinRequest, evaluation_service_client::EvaluationServiceClient};
 
-use crate::{Error, channel::Channel};
+use crate::{Error, client::Channel};
 
 /// Calls that score twins.
 #[derive(Clone, Debug)]

@@ -1,5 +1,7 @@
 //! Fit jobs.
 
+mod losses;
+
 use bendtwin_core::{
     FitSettings,
     ids::{CaptureId, FitId},
@@ -11,13 +13,15 @@ use bendtwin_proto::v1::{
 use uuid::Uuid;
 
 use crate::{
-    Error, Fit, ListQuery, LossCurve, Requirements, Update, Watch,
-    channel::Channel,
+    Error, Fit, ListQuery, Requirements, Update, Watch,
+    client::Channel,
     labels::{list_request, update_request},
     page::{self, Page},
     resources::if_any,
     watch,
 };
+
+pub use losses::LossCurve;
 
 /// Properties of a new fit beside its settings.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]

@@ -11,9 +11,9 @@ use serde::Serialize;
 
 use crate::{
     Error,
-    channel::Channel,
+    client::Channel,
     page::{self, Page, PageRequest},
-    value::resource,
+    resources::resource,
 };
 
 resource! { v1::Key =>

@@ -1,9 +1,60 @@
-//! Labels of captures, fits and twins, and lists that are searched and ordered by them.
+//! What people state about captures, fits and twins, and lists that are searched and ordered by it.
 
-use bendtwin_core::ids::CaptureId;
+use bendtwin_core::{ids::CaptureId, settings::ingest::IngestSettings};
+use bendtwin_proto::v1::{ListCapturesRequest, UpdateCaptureRequest};
 use prost_types::FieldMask;
+use serde::Serialize;
+use serde_json::Value;
 
-use crate::{JobState, PageRequest};
+use crate::{Error, JobState, PageRequest, Requirements, resources::are_none};
+
+/// Facts about a capture that accompany its upload; those that are empty are not stated. A text
+/// alone is the display name.
+///
+/// ```
+/// use bendtwin_client::CaptureFacts;
+///
+/// let facts = CaptureFacts::from("rope");
+/// # let _ = facts;
+/// ```
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[cfg_attr(feature = "clap", derive(clap::Args))]
+pub struct CaptureFacts {
+    /// Display name [default: the file's name]
+    #[cfg_attr(feature = "clap", arg(long = "name", value_name = "NAME"))]
+    pub display_name: Option<String>,
+    /// Who recorded the capture
+    #[cfg_attr(feature = "clap", arg(long, value_name = "NAME"))]
+    pub recorded_by: Option<String>,
+    /// Settings of the ingest; none means the defaults
+    #[cfg_attr(feature = "clap", arg(skip))]
+    pub ingest: Option<IngestSettings>,
+    /// Worker that the ingest asks for
+    #[serde(skip_serializing_if = "are_none")]
+    #[cfg_attr(feature = "clap", arg(skip))]
+    pub ingest_requirements: Requirements,
+}
+
+impl From<&str> for CaptureFacts {
+    fn from(display_name: &str) -> Self {
+        Self { display_name: Some(display_name.to_owned()), ..Self::default() }
+    }
+}
+
+impl CaptureFacts {
+    /// The facts by name: texts unchanged, others as JSON.
+    pub(crate) fn pairs(&self) -> Result<Vec<(String, String)>, Error> {
+        let facts = serde_json::to_value(self).map_err(Error::malformed)?;
+        let pairs = facts.as_object().into_iter().flatten();
+        Ok(pairs
+            .filter_map(|(name, value)| match value {
+                Value::Null => None,
+                Value::String(text) => Some((name.clone(), text.clone())),
+                value => Some((name.clone(), value.to_string())),
+            })
+            .collect())
+    }
+}
 
 /// A change of name, note and tags; what is not set stays.
 ///
@@ -25,6 +76,8 @@ pub struct Update {
     pub add_tags: Vec<String>,
     /// Tags to take from those that there are.
     pub remove_tags: Vec<String>,
+    /// New name of who recorded it, of captures.
+    pub recorded_by: Option<String>,
 }
 
 impl Update {
@@ -46,6 +99,12 @@ impl Update {
         self
     }
 
+    /// A new name of who recorded a capture.
+    pub fn recorded_by(mut self, name: impl Into<String>) -> Self {
+        self.recorded_by = Some(name.into());
+        self
+    }
+
     /// Removes a tag.
     pub fn remove_tag(mut self, tag: impl Into<String>) -> Self {
         self.remove_tags.push(tag.into());
@@ -58,6 +117,7 @@ impl Update {
             ("display_name", self.display_name.is_some()),
             ("note", self.note.is_some()),
             ("tags", self.tags.is_some()),
+            ("recorded_by", self.recorded_by.is_some()),
         ];
         let paths = set.into_iter().filter(|(_, set)| *set).map(|(field, _)| field.to_owned());
         Some(FieldMask { paths: paths.collect() })
@@ -129,6 +189,20 @@ macro_rules! list_request {
 
 pub(crate) use {list_request, update_request};
 
+/// The message that changes what is stated about a capture.
+pub(crate) fn capture_update(name: CaptureId, update: &Update) -> UpdateCaptureRequest {
+    let mut request = update_request!(UpdateCaptureRequest { capture: Capture }, name, update);
+    let capture = request.capture.get_or_insert_default();
+    capture.recorded_by = update.recorded_by.clone().unwrap_or_default();
+    request
+}
+
+/// The message that asks for a page of captures.
+pub(crate) fn capture_list(query: ListQuery) -> ListCapturesRequest {
+    let recorded_by = query.recorded_by.clone();
+    list_request!(ListCapturesRequest { recorded_by }, query)
+}
+
 /// Selection of a list; the default is everything, newest first.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct ListQuery {
@@ -138,6 +212,8 @@ pub struct ListQuery {
     pub tag: String,
     /// An owner; empty means any.
     pub owner: String,
+    /// Who recorded it, of captures; empty means any.
+    pub recorded_by: String,
     /// A capture, of fits and twins.
     pub capture: Option<CaptureId>,
     /// A state, of fits.
@@ -158,3 +234,6 @@ impl ListQuery {
         self.capture.map(|c| c.to_string()).unwrap_or_default()
     }
 }
+
+#[cfg(test)]
+mod tests;

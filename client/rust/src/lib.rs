@@ -64,28 +64,20 @@
 //! message and request id.
 
 mod captures;
-mod channel;
 mod client;
 mod error;
 mod evaluations;
 mod fits;
-mod geometry;
-mod http;
 mod keys;
 mod labels;
-mod losses;
 mod page;
 mod plans;
-mod problem;
-mod readiness;
 mod registrations;
 mod resources;
 mod rollouts;
 mod sessions;
 pub mod token;
 mod twins;
-mod uploads;
-mod value;
 mod watch;
 mod workers;
 
@@ -102,17 +94,14 @@ pub use bendtwin_proto::v1::{
 
 pub use self::{
     captures::Captures,
-    client::{CA_VARIABLE, Client},
+    client::{CA_VARIABLE, Client, Readiness, ReadinessCheck},
     error::Error,
     evaluations::Evaluations,
-    fits::{FitOrder, Fits},
-    geometry::Geometry,
+    fits::{FitOrder, Fits, LossCurve},
     keys::{Key, Keys, MadeKey, NewKey},
-    labels::{ListQuery, Order, Update},
-    losses::LossCurve,
+    labels::{CaptureFacts, ListQuery, Order, Update},
     page::{Page, PageRequest},
     plans::{PlanUpdate, Planning, Plans},
-    readiness::{Readiness, ReadinessCheck},
     registrations::{Observation, Registered, Registration, Registrations, Residual},
     resources::{Capture, DeviceMemory, Fit, Job, Twin, Worker},
     rollouts::{
@@ -123,7 +112,7 @@ pub use self::{
     sessions::{
         Corrected, Correction, NewSession, Session, Sessions, Step, StepTimes, Stepped, Tracking,
     },
-    twins::Twins,
+    twins::{Geometry, Twins},
     watch::Watch,
     workers::Workers,
 };

@@ -9,7 +9,7 @@ use bendtwin_proto::v1::{
 };
 use futures::{Stream, StreamExt as _};
 
-use crate::{Error, Reply, Rollout, channel::Channel, value::resource};
+use crate::{Error, Reply, Rollout, client::Channel, resources::resource};
 
 /// Calls for plans.
 #[derive(Clone, Debug)]

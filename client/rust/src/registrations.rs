@@ -11,7 +11,7 @@ use bendtwin_proto::v1::{
 };
 
 pub use self::observation::Observation;
-use crate::{Error, State, WirePose, World, channel::Channel};
+use crate::{Error, State, WirePose, World, client::Channel};
 
 /// Calls that find objects.
 #[derive(Clone, Debug)]

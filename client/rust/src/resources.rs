@@ -1,5 +1,7 @@
 //! The server's resources as Rust types.
 
+pub(crate) mod value;
+
 use bendtwin_core::{
     Fault, Quality,
     ids::{CaptureId, FitId, TwinId, WorkerId},
@@ -8,7 +10,9 @@ use bendtwin_proto::v1;
 use jiff::Timestamp;
 use serde::Serialize;
 
-use crate::{Error, JobProgress, JobState, Requirements, value::resource};
+use crate::{JobProgress, JobState, Requirements};
+
+pub(crate) use value::resource;
 
 resource! { v1::Capture =>
 /// A stored capture.
@@ -37,6 +41,8 @@ pub struct Capture {
     pub owner: String,
     /// Worker that its ingest asks for.
     pub ingest_requirements: Requirements,
+    /// Who recorded it; empty if that was not stated.
+    pub recorded_by: String,
 }
 }
 
@@ -192,11 +198,10 @@ pub struct DeviceMemory {
 
 /// Requirements as a field of a message; none if any worker will do.
 pub(crate) fn if_any(requirements: &Requirements) -> Option<Requirements> {
-    Some(requirements).filter(|asked| **asked != Requirements::default()).cloned()
+    (!are_none(requirements)).then(|| requirements.clone())
 }
 
-/// Requirements as JSON; none if any worker will do.
-pub(crate) fn json_if_any(requirements: &Requirements) -> Result<Option<String>, Error> {
-    let asked = if_any(requirements);
-    asked.map(|asked| serde_json::to_string(&asked).map_err(Error::malformed)).transpose()
+/// True if any worker will do.
+pub(crate) fn are_none(requirements: &Requirements) -> bool {
+    *requirements == Requirements::default()
 }

@@ -17,7 +17,7 @@ pub use self::{
     state::{Grasping, State},
     world::{Collider, Grasp, Shape, Statistic, Vary, WirePose, World},
 };
-use crate::{Error, channel::Channel};
+use crate::{Error, client::Channel};
 
 /// Calls for predictions.
 #[derive(Clone, Debug)]

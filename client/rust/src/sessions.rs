@@ -26,7 +26,7 @@ pub use self::{
     new::NewSession,
     step::{Step, StepTimes, Stepped},
 };
-use crate::{Error, Reply, Rollout, State, channel::Channel, value::resource};
+use crate::{Error, Reply, Rollout, State, client::Channel, resources::resource};
 
 /// Calls about sessions. If the worker of a session is lost, or the session was unused for a while,
 /// they fail with the reason `SESSION_LOST`: open another from the last [`State`] in a reply.

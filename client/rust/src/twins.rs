@@ -1,5 +1,7 @@
 //! Fitted twins.
 
+mod geometry;
+
 use bendtwin_core::{Twin as TwinModel, ids::TwinId};
 use bendtwin_proto::v1::{
     CreateTwinRequest, DeleteTwinRequest, ExportTwinRequest, GetTwinGeometryRequest,
@@ -10,11 +12,13 @@ use bytes::Bytes;
 use uuid::Uuid;
 
 use crate::{
-    Category, Error, Geometry, ListQuery, Twin, Update,
-    channel::Channel,
+    Category, Error, ListQuery, Twin, Update,
+    client::Channel,
     labels::{list_request, update_request},
     page::{self, Page},
 };
+
+pub use geometry::Geometry;
 
 /// Bytes of one chunk of an upload.
 const CHUNK: usize = 256 << 10;

@@ -8,7 +8,7 @@ use bendtwin_proto::v1::{
 
 use crate::{
     Error, Worker,
-    channel::Channel,
+    client::Channel,
     page::{self, Page, PageRequest},
 };
 

@@ -93,7 +93,7 @@ export interface paths {
         head?: never;
         /**
          * Update capture
-         * @description Changes display name, note and tags.
+         * @description Changes display name, note, tags and who recorded it.
          */
         patch: operations["UpdateCapture"];
         trace?: never;
@@ -959,6 +959,8 @@ export interface components {
             note: string;
             /** @description Owner of the key that uploaded the capture; empty if unknown. */
             owner: string;
+            /** @description Who recorded the capture, up to 200 characters; empty if not stated. */
+            recorded_by: string;
             /** Format: int64 */
             size_bytes: number;
             /** @description Up to 32 tags of up to 50 characters, sorted. */
@@ -2559,6 +2561,8 @@ export interface components {
             display_name?: string;
             /** @description Note written by users, up to 10,000 bytes. */
             note?: string;
+            /** @description Who recorded the capture, up to 200 characters; empty if not stated. */
+            recorded_by?: string;
             remove_tags?: string[];
             /** @description Up to 32 tags of up to 50 characters, sorted. */
             tags?: string[];
@@ -2806,6 +2810,8 @@ export interface operations {
                 order_by?: string;
                 /** @description Only captures of this owner. */
                 owner?: string;
+                /** @description Only captures recorded by this person. */
+                recorded_by?: string;
             };
             header?: never;
             path?: never;
@@ -2843,6 +2849,8 @@ export interface operations {
                 ingest?: string;
                 /** @description Worker that the ingest requires; absent: any. */
                 ingest_requirements?: string;
+                /** @description Who recorded the capture, up to 200 characters. */
+                recorded_by?: string;
             };
             header?: {
                 /** @description Makes the upload idempotent */

@@ -37,6 +37,8 @@ pub struct Capture {
     pub digest: Digest,
     /// Owner of the key with which it was uploaded; empty if that is not known.
     pub owner: String,
+    /// Who recorded it; empty if that was not stated.
+    pub recorded_by: String,
 }
 
 /// A capture with its ingest and its report.
@@ -50,19 +52,43 @@ pub struct Overview {
     pub report: Option<Report>,
 }
 
-/// A capture to be stored.
-#[derive(Debug)]
-pub struct NewCapture {
+/// Facts of a capture that its uploader states.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct CaptureFacts {
     /// Display name.
     pub display_name: String,
-    /// Idempotency key, if given.
-    pub request_id: Option<String>,
-    /// The archive.
-    pub content: Staged,
+    /// Who recorded it; empty if that is not stated.
+    pub recorded_by: String,
     /// Settings of its ingest as JSON, the same text for the same settings.
     pub ingest: String,
     /// Worker that its ingest asks for.
     pub requirements: Requirements,
+}
+
+/// A change of what people state about a capture.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct CaptureChange {
+    /// Changes of display name, note and tags.
+    pub labels: LabelChange,
+    /// New name of who recorded it.
+    pub recorded_by: Option<String>,
+}
+
+impl From<LabelChange> for CaptureChange {
+    fn from(labels: LabelChange) -> Self {
+        Self { labels, ..Self::default() }
+    }
+}
+
+/// A capture to be stored.
+#[derive(Debug)]
+pub struct NewCapture {
+    /// What the uploader states about it.
+    pub facts: CaptureFacts,
+    /// Idempotency key, if given.
+    pub request_id: Option<String>,
+    /// The archive.
+    pub content: Staged,
     /// The uploader.
     pub creator: Creator,
     /// W3C traceparent of the call.
@@ -86,6 +112,7 @@ row! {
         tags: String,
         first_name: Option<String>,
         owner: String,
+        recorded_by: String,
     }
 }
 
@@ -110,6 +137,7 @@ impl TryFrom<Row> for Capture {
             digest: Digest::from_hex(&row.digest).map_err(|_| corrupt("digest"))?,
             labels: Labels::of_row(row.display_name, row.note, &row.tags),
             owner: row.owner,
+            recorded_by: row.recorded_by,
         })
     }
 }
@@ -123,8 +151,8 @@ impl Captures<'_> {
     /// [`Error::TooManyRequirements`], database and file errors.
     pub async fn create(&self, new: NewCapture) -> Result<Capture> {
         self.store.admit()?;
-        let NewCapture { display_name, request_id, content, creator, .. } = new;
-        let requirements = new.requirements.to_text()?;
+        let NewCapture { facts, request_id, content, creator, trace_parent } = new;
+        let requirements = facts.requirements.to_text()?;
         let (digest, size_bytes) = (content.digest(), content.size_bytes());
         let upload = content.upload();
         let guard = self.store.publish(content).await?;
@@ -135,7 +163,7 @@ impl Captures<'_> {
                 .fetch_optional(&mut tx)
                 .await?;
             if let Some(row) = row {
-                let same_name = row.first_name() == display_name;
+                let same_name = row.first_name() == facts.display_name;
                 let before = Capture::try_from(row)?;
                 if before.digest == digest && same_name {
                     if let Some(upload) = upload {
@@ -166,18 +194,19 @@ impl Captures<'_> {
         let id = CaptureId::generate();
         let row: Row = query(
             "insert into captures (id, display_name, created_at, size_bytes, digest, request_id,
-                 name_key, search_text, owner)
-             values ($1, $2, $3, $4, $5, $6, $7, $8, $9) returning *",
+                 name_key, search_text, owner, recorded_by)
+             values ($1, $2, $3, $4, $5, $6, $7, $8, $9, $10) returning *",
         )
         .bind(id.uuid().to_string())
-        .bind(&display_name)
+        .bind(&facts.display_name)
         .bind(self.store.now_micros())
         .bind(i64::try_from(size_bytes).unwrap_or(i64::MAX))
         .bind(digest.to_hex().as_str())
         .bind(request_id)
-        .bind(labels::name_key(&display_name))
-        .bind(labels::search_text(&display_name, ""))
+        .bind(labels::name_key(&facts.display_name))
+        .bind(labels::search_text(&facts.display_name, ""))
         .bind(&creator.owner)
+        .bind(&facts.recorded_by)
         .fetch_one(&mut tx)
         .await?;
         if let Some(upload) = upload {
@@ -185,11 +214,11 @@ impl Captures<'_> {
         }
         let asked = JobOrigin {
             owner: &creator.owner,
-            trace_parent: new.trace_parent.as_deref(),
+            trace_parent: trace_parent.as_deref(),
             requirements: &requirements,
         };
         let now = self.store.now_micros();
-        let ingest = jobs::enqueue(&mut tx, &row.id, &new.ingest, asked, now).await?;
+        let ingest = jobs::enqueue(&mut tx, &row.id, &facts.ingest, asked, now).await?;
         self.store.pass(Failpoint::BeforeCommit)?;
         tx.commit().await?;
         drop(guard);
@@ -260,18 +289,22 @@ impl Captures<'_> {
         }))
     }
 
-    /// Changes name, note and tags of a capture.
+    /// Changes what people state about a capture.
     ///
     /// # Errors
     /// [`Error::NotFound`], [`Error::TooManyTags`].
-    pub async fn update(&self, id: CaptureId, change: &LabelChange) -> Result<Capture> {
+    pub async fn update(&self, id: CaptureId, change: &CaptureChange) -> Result<Capture> {
         let key = id.uuid().to_string();
         let mut tx = self.store.inner.database.write().await?;
         let find = "select * from captures where id = $1";
         let row: Option<Row> = query(find).bind(&key).fetch_optional(&mut tx).await?;
         let row = row.ok_or_else(|| Error::NotFound { name: id.to_string() })?;
         let before = Capture::try_from(row)?.labels;
-        labels::change(&mut tx, Collection::Captures, &key, &before, change).await?;
+        labels::change(&mut tx, Collection::Captures, &key, &before, &change.labels).await?;
+        if let Some(recorded_by) = &change.recorded_by {
+            let update = "update captures set recorded_by = $2 where id = $1";
+            query(update).bind(&key).bind(recorded_by).execute(&mut tx).await?;
+        }
         let row: Row = query(find).bind(&key).fetch_one(&mut tx).await?;
         tx.commit().await?;
         row.try_into()

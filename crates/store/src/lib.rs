@@ -115,7 +115,7 @@ mod uploads;
 
 pub use blobs::{Blobs, Content, ObjectsUrl, Staged, Upload};
 pub use captures::{
-    Capture, Captures, NewCapture, Overview,
+    Capture, CaptureChange, CaptureFacts, Captures, NewCapture, Overview,
     observations::{Observation, Report},
 };
 pub use database::DatabaseUrl;

@@ -57,6 +57,8 @@ pub struct ListQuery {
     pub state: Option<State>,
     /// An owner; empty means any.
     pub owner: String,
+    /// Who recorded it, of captures; empty means any.
+    pub recorded_by: String,
 }
 
 impl From<PageRequest> for ListQuery {
@@ -68,8 +70,9 @@ impl From<PageRequest> for ListQuery {
 impl ListQuery {
     /// Identity of the listing that tokens belong to: all but the page.
     pub(crate) fn listing(&self, collection: Collection) -> String {
-        let Self { order, search, tag, capture, state, owner, .. } = self;
-        format!("{} {:?}", collection.name(), (order, search, tag, capture, state, owner))
+        let Self { page: _, order, search, tag, capture, state, owner, recorded_by } = self;
+        let selection = (order, search, tag, capture, state, owner, recorded_by);
+        format!("{} {selection:?}", collection.name())
     }
 
     /// The statement for a page, `select *` and one row more than the page.
@@ -97,6 +100,9 @@ impl ListQuery {
         }
         if !self.owner.is_empty() {
             sql.push(" and t.owner = ").push_bind(self.owner.clone());
+        }
+        if !self.recorded_by.is_empty() {
+            sql.push(" and t.recorded_by = ").push_bind(self.recorded_by.clone());
         }
         if !self.search.is_empty() {
             sql.push(" and t.search_text like ").push_bind(pattern(&self.search));

@@ -552,8 +552,6 @@ pub struct Job {
 }
 /// Nested message and enum types in `Job`.
 pub mod job {
-    #[derive(serde::Serialize)]
-    #[serde(rename_all = "SCREAMING_SNAKE_CASE")]
     #[derive(
         Clone,
         Copy,
@@ -604,7 +602,6 @@ pub mod job {
     }
 }
 /// Progress of a running job.
-#[derive(serde::Serialize)]
 #[derive(Clone, PartialEq, ::prost::Message)]
 pub struct Progress {
     /// Stage: ingest, search, refine or evaluate.
@@ -633,7 +630,6 @@ pub struct Progress {
     pub models: ::prost::alloc::vec::Vec<ModelLoss>,
 }
 /// Loss of one model after one iteration.
-#[derive(serde::Serialize)]
 #[derive(Clone, PartialEq, ::prost::Message)]
 pub struct ModelLoss {
     /// Stage: search or refine.
@@ -651,7 +647,6 @@ pub struct ModelLoss {
     pub best_loss: ::core::option::Option<f64>,
 }
 /// Requirements on the worker of a fit or an ingest. The job waits until such a worker is free.
-#[derive(serde::Serialize)]
 #[derive(Clone, PartialEq, Eq, Hash, ::prost::Message)]
 pub struct WorkerRequirements {
     /// `cpu` or `cuda`; empty means either.
@@ -697,6 +692,9 @@ pub struct Capture {
     /// Worker that the ingest requires; absent: any.
     #[prost(message, optional, tag = "11")]
     pub ingest_requirements: ::core::option::Option<WorkerRequirements>,
+    /// Who recorded the capture, up to 200 characters; empty if not stated.
+    #[prost(string, tag = "12")]
+    pub recorded_by: ::prost::alloc::string::String,
 }
 #[derive(Clone, PartialEq, Eq, Hash, ::prost::Message)]
 pub struct CreateCaptureRequest {
@@ -729,6 +727,9 @@ pub struct CaptureMetadata {
     /// Worker that the ingest requires; absent: any.
     #[prost(message, optional, tag = "5")]
     pub ingest_requirements: ::core::option::Option<WorkerRequirements>,
+    /// Who recorded the capture, up to 200 characters.
+    #[prost(string, tag = "6")]
+    pub recorded_by: ::prost::alloc::string::String,
 }
 #[derive(Clone, PartialEq, ::prost::Message)]
 pub struct CreateCaptureResponse {
@@ -760,6 +761,9 @@ pub struct ListCapturesRequest {
     /// Only captures of this owner.
     #[prost(string, tag = "6")]
     pub owner: ::prost::alloc::string::String,
+    /// Only captures recorded by this person.
+    #[prost(string, tag = "7")]
+    pub recorded_by: ::prost::alloc::string::String,
 }
 #[derive(Clone, PartialEq, ::prost::Message)]
 pub struct ListCapturesResponse {
@@ -774,7 +778,7 @@ pub struct UpdateCaptureRequest {
     /// The capture to change is identified by its `name`.
     #[prost(message, optional, tag = "1")]
     pub capture: ::core::option::Option<Capture>,
-    /// Fields to change: `display_name`, `note` and `tags`. Default: all of these that are not empty.
+    /// Fields to change: `display_name`, `note`, `tags` and `recorded_by`. Default: all of these that are not empty.
     #[prost(message, optional, tag = "2")]
     pub update_mask: ::core::option::Option<::prost_types::FieldMask>,
     /// Tags to add and to remove, leaving the others; not allowed together with `tags` in the mask.
@@ -1049,7 +1053,7 @@ pub mod capture_service_client {
                 .insert(GrpcMethod::new("bendtwin.v1.CaptureService", "ListCaptures"));
             self.inner.unary(req, path, codec).await
         }
-        /// Changes display name, note and tags.
+        /// Changes display name, note, tags and who recorded it.
         pub async fn update_capture(
             &mut self,
             request: impl tonic::IntoRequest<super::UpdateCaptureRequest>,
@@ -1257,7 +1261,7 @@ pub mod capture_service_server {
             tonic::Response<super::ListCapturesResponse>,
             tonic::Status,
         >;
-        /// Changes display name, note and tags.
+        /// Changes display name, note, tags and who recorded it.
         async fn update_capture(
             &self,
             request: tonic::Request<super::UpdateCaptureRequest>,
@@ -4433,7 +4437,6 @@ pub struct Key {
 }
 /// Quotas: the server refuses requests with the key when its owner has reached one. An absent field sets no
 /// bound.
-#[derive(serde::Serialize)]
 #[derive(Clone, Copy, PartialEq, Eq, Hash, ::prost::Message)]
 pub struct KeyQuotas {
     /// Fits and ingests that wait for a worker.
@@ -5798,7 +5801,6 @@ pub mod roll_out_response {
         #[prost(uint32, tag = "3")]
         pub node: u32,
     }
-    #[derive(serde::Serialize)]
     #[derive(Clone, Copy, PartialEq, ::prost::Message)]
     pub struct Timing {
         #[prost(double, tag = "1")]
@@ -5810,7 +5812,6 @@ pub mod roll_out_response {
     /// The deviation in this reply may be larger: with faster or larger motions, or other surroundings, 5 to 16
     /// times as much was seen. With PLANNER, deviation of the planner's twin from the exact twin under sampled
     /// actions that it was not fitted to.
-    #[derive(serde::Serialize)]
     #[derive(Clone, Copy, PartialEq, ::prost::Message)]
     pub struct Deviation {
         /// Distance of a node in one from the same node in the other, over nodes and frames, metres; with PLANNER,

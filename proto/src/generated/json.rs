@@ -23,6 +23,7 @@ map.serialize_entry("message", &self.message)?;
         Ok(())
     }
 }
+written!(crate::v1::Fault);
 
 impl Fields for crate::v1::World {
     const NAME: &'static str = "World";
@@ -54,6 +55,7 @@ write_messages(map, "colliders", &self.colliders, tensors)?;
         Ok(())
     }
 }
+written!(crate::v1::World);
 
 impl Fields for crate::v1::Plane {
     const NAME: &'static str = "Plane";
@@ -77,6 +79,7 @@ map.serialize_entry("offset_m", &self.offset_m)?;
         Ok(())
     }
 }
+written!(crate::v1::Plane);
 
 impl Fields for crate::v1::Collider {
     const NAME: &'static str = "Collider";
@@ -120,6 +123,7 @@ map.serialize_entry("pose", &self.pose)?;
         Ok(())
     }
 }
+written!(crate::v1::Collider);
 
 impl Fields for crate::v1::collider::Fixed {
     const NAME: &'static str = "Fixed";
@@ -139,6 +143,7 @@ impl Fields for crate::v1::collider::Fixed {
         Ok(())
     }
 }
+written!(crate::v1::collider::Fixed);
 
 impl Fields for crate::v1::Sphere {
     const NAME: &'static str = "Sphere";
@@ -162,6 +167,7 @@ map.serialize_entry("radius_m", &self.radius_m)?;
         Ok(())
     }
 }
+written!(crate::v1::Sphere);
 
 impl Fields for crate::v1::Capsule {
     const NAME: &'static str = "Capsule";
@@ -187,6 +193,7 @@ map.serialize_entry("radius_m", &self.radius_m)?;
         Ok(())
     }
 }
+written!(crate::v1::Capsule);
 
 impl Fields for crate::v1::Cuboid {
     const NAME: &'static str = "Cuboid";
@@ -210,6 +217,7 @@ map.serialize_entry("high", &self.high)?;
         Ok(())
     }
 }
+written!(crate::v1::Cuboid);
 
 impl Fields for crate::v1::ConvexMesh {
     const NAME: &'static str = "ConvexMesh";
@@ -231,6 +239,7 @@ impl Fields for crate::v1::ConvexMesh {
         Ok(())
     }
 }
+written!(crate::v1::ConvexMesh);
 
 impl Fields for crate::v1::Grasp {
     const NAME: &'static str = "Grasp";
@@ -270,6 +279,7 @@ if let Some(value) = &self.max_force_n { map.serialize_entry("max_force_n", valu
         Ok(())
     }
 }
+written!(crate::v1::Grasp);
 
 impl Fields for crate::v1::grasp::CaptureHand {
     const NAME: &'static str = "CaptureHand";
@@ -291,6 +301,7 @@ impl Fields for crate::v1::grasp::CaptureHand {
         Ok(())
     }
 }
+written!(crate::v1::grasp::CaptureHand);
 
 impl Words for crate::v1::grasp::Attachment {
     const KNOWN: &'static [&'static str] = &["PIN", "SPRINGS"];
@@ -301,6 +312,7 @@ impl Words for crate::v1::grasp::Attachment {
         Self::try_from(number).ok().map(|value| value.as_str_name())
     }
 }
+word_written!(crate::v1::grasp::Attachment);
 
 impl Fields for crate::v1::Grasping {
     const NAME: &'static str = "Grasping";
@@ -326,6 +338,7 @@ write_tensor(map, "places", self.places.as_ref(), tensors)?;
         Ok(())
     }
 }
+written!(crate::v1::Grasping);
 
 impl Fields for crate::v1::Vary {
     const NAME: &'static str = "Vary";
@@ -361,6 +374,7 @@ write_tensor(map, "object_restitution", self.object_restitution.as_ref(), tensor
         Ok(())
     }
 }
+written!(crate::v1::Vary);
 
 impl Fields for crate::v1::Job {
     const NAME: &'static str = "Job";
@@ -404,6 +418,7 @@ map.serialize_entry("revision", &self.revision)?;
         Ok(())
     }
 }
+written!(crate::v1::Job);
 
 impl Words for crate::v1::job::State {
     const KNOWN: &'static [&'static str] = &["QUEUED", "RUNNING", "SUCCEEDED", "FAILED", "CANCELLED"];
@@ -414,6 +429,7 @@ impl Words for crate::v1::job::State {
         Self::try_from(number).ok().map(|value| value.as_str_name())
     }
 }
+word_written!(crate::v1::job::State);
 
 impl Fields for crate::v1::Progress {
     const NAME: &'static str = "Progress";
@@ -453,6 +469,7 @@ write_messages(map, "models", &self.models, tensors)?;
         Ok(())
     }
 }
+written!(crate::v1::Progress);
 
 impl Fields for crate::v1::ModelLoss {
     const NAME: &'static str = "ModelLoss";
@@ -482,6 +499,7 @@ map.serialize_entry("best_loss", &self.best_loss)?;
         Ok(())
     }
 }
+written!(crate::v1::ModelLoss);
 
 impl Fields for crate::v1::WorkerRequirements {
     const NAME: &'static str = "WorkerRequirements";
@@ -507,10 +525,11 @@ map.serialize_entry("labels", &self.labels)?;
         Ok(())
     }
 }
+written!(crate::v1::WorkerRequirements);
 
 impl Fields for crate::v1::Capture {
     const NAME: &'static str = "Capture";
-    const FIELDS: &'static [&'static str] = &["name", "display_name", "create_time", "size_bytes", "digest", "ingest", "verdict", "note", "tags", "owner", "ingest_requirements"];
+    const FIELDS: &'static [&'static str] = &["name", "display_name", "create_time", "size_bytes", "digest", "ingest", "verdict", "note", "tags", "owner", "ingest_requirements", "recorded_by"];
     const REQUIRED: &'static [&'static str] = &[];
     #[allow(unused_variables)]
     fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
@@ -526,6 +545,7 @@ impl Fields for crate::v1::Capture {
 8 => { self.tags = map.next_value::<Option<_>>()?.unwrap_or_default(); }
 9 => { self.owner = map.next_value::<Option<_>>()?.unwrap_or_default(); }
 10 => { self.ingest_requirements = message(map)?; }
+11 => { self.recorded_by = map.next_value::<Option<_>>()?.unwrap_or_default(); }
 
             _ => {}
         }
@@ -544,14 +564,16 @@ map.serialize_entry("note", &self.note)?;
 map.serialize_entry("tags", &self.tags)?;
 map.serialize_entry("owner", &self.owner)?;
 write_message(map, "ingest_requirements", Some(self.ingest_requirements.as_ref().unwrap_or(&Default::default())), tensors)?;
+map.serialize_entry("recorded_by", &self.recorded_by)?;
 
         Ok(())
     }
 }
+written!(crate::v1::Capture);
 
 impl Fields for crate::v1::CaptureMetadata {
     const NAME: &'static str = "CaptureMetadata";
-    const FIELDS: &'static [&'static str] = &["display_name", "digest", "ingest", "ingest_requirements"];
+    const FIELDS: &'static [&'static str] = &["display_name", "digest", "ingest", "ingest_requirements", "recorded_by"];
     const REQUIRED: &'static [&'static str] = &[];
     #[allow(unused_variables)]
     fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
@@ -560,6 +582,7 @@ impl Fields for crate::v1::CaptureMetadata {
 1 => { self.digest = map.next_value::<Option<_>>()?.unwrap_or_default(); }
 2 => { self.ingest_json = document(map)?; }
 3 => { self.ingest_requirements = message(map)?; }
+4 => { self.recorded_by = map.next_value::<Option<_>>()?.unwrap_or_default(); }
 
             _ => {}
         }
@@ -571,10 +594,12 @@ impl Fields for crate::v1::CaptureMetadata {
 map.serialize_entry("digest", &self.digest)?;
 write_document(map, "ingest", &self.ingest_json)?;
 write_message(map, "ingest_requirements", self.ingest_requirements.as_ref(), tensors)?;
+map.serialize_entry("recorded_by", &self.recorded_by)?;
 
         Ok(())
     }
 }
+written!(crate::v1::CaptureMetadata);
 
 impl Fields for crate::v1::GetCaptureRequest {
     const NAME: &'static str = "GetCaptureRequest";
@@ -594,10 +619,11 @@ impl Fields for crate::v1::GetCaptureRequest {
         Ok(())
     }
 }
+written!(crate::v1::GetCaptureRequest);
 
 impl Fields for crate::v1::ListCapturesRequest {
     const NAME: &'static str = "ListCapturesRequest";
-    const FIELDS: &'static [&'static str] = &["page_size", "page_token", "search", "tag", "order_by", "owner"];
+    const FIELDS: &'static [&'static str] = &["page_size", "page_token", "search", "tag", "order_by", "owner", "recorded_by"];
     const REQUIRED: &'static [&'static str] = &[];
     #[allow(unused_variables)]
     fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
@@ -608,6 +634,7 @@ impl Fields for crate::v1::ListCapturesRequest {
 3 => { self.tag = map.next_value::<Option<_>>()?.unwrap_or_default(); }
 4 => { self.order_by = map.next_value::<Option<_>>()?.unwrap_or_default(); }
 5 => { self.owner = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+6 => { self.recorded_by = map.next_value::<Option<_>>()?.unwrap_or_default(); }
 
             _ => {}
         }
@@ -621,10 +648,12 @@ map.serialize_entry("search", &self.search)?;
 map.serialize_entry("tag", &self.tag)?;
 map.serialize_entry("order_by", &self.order_by)?;
 map.serialize_entry("owner", &self.owner)?;
+map.serialize_entry("recorded_by", &self.recorded_by)?;
 
         Ok(())
     }
 }
+written!(crate::v1::ListCapturesRequest);
 
 impl Fields for crate::v1::ListCapturesResponse {
     const NAME: &'static str = "ListCapturesResponse";
@@ -648,10 +677,11 @@ map.serialize_entry("next_page_token", &self.next_page_token)?;
         Ok(())
     }
 }
+written!(crate::v1::ListCapturesResponse);
 
 impl Fields for crate::v1::UpdateCaptureRequest {
     const NAME: &'static str = "UpdateCaptureRequest";
-    const FIELDS: &'static [&'static str] = &["display_name", "note", "tags", "add_tags", "remove_tags"];
+    const FIELDS: &'static [&'static str] = &["display_name", "note", "tags", "recorded_by", "add_tags", "remove_tags"];
     const REQUIRED: &'static [&'static str] = &[];
     #[allow(unused_variables)]
     fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
@@ -659,8 +689,9 @@ impl Fields for crate::v1::UpdateCaptureRequest {
             0 => { if let Some(value) = map.next_value::<Option<_>>()? { self.capture.get_or_insert_default().display_name = value; self.update_mask.get_or_insert_default().paths.push("display_name".to_owned()); } }
 1 => { if let Some(value) = map.next_value::<Option<_>>()? { self.capture.get_or_insert_default().note = value; self.update_mask.get_or_insert_default().paths.push("note".to_owned()); } }
 2 => { if let Some(value) = map.next_value::<Option<_>>()? { self.capture.get_or_insert_default().tags = value; self.update_mask.get_or_insert_default().paths.push("tags".to_owned()); } }
-3 => { self.add_tags = map.next_value::<Option<_>>()?.unwrap_or_default(); }
-4 => { self.remove_tags = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+3 => { if let Some(value) = map.next_value::<Option<_>>()? { self.capture.get_or_insert_default().recorded_by = value; self.update_mask.get_or_insert_default().paths.push("recorded_by".to_owned()); } }
+4 => { self.add_tags = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+5 => { self.remove_tags = map.next_value::<Option<_>>()?.unwrap_or_default(); }
 
             _ => {}
         }
@@ -671,12 +702,14 @@ impl Fields for crate::v1::UpdateCaptureRequest {
         
 
 
+
 map.serialize_entry("add_tags", &self.add_tags)?;
 map.serialize_entry("remove_tags", &self.remove_tags)?;
 
         Ok(())
     }
 }
+written!(crate::v1::UpdateCaptureRequest);
 
 impl Fields for crate::v1::DeleteCaptureRequest {
     const NAME: &'static str = "DeleteCaptureRequest";
@@ -696,6 +729,7 @@ impl Fields for crate::v1::DeleteCaptureRequest {
         Ok(())
     }
 }
+written!(crate::v1::DeleteCaptureRequest);
 
 impl Fields for crate::v1::DeleteCaptureResponse {
     const NAME: &'static str = "DeleteCaptureResponse";
@@ -715,6 +749,7 @@ impl Fields for crate::v1::DeleteCaptureResponse {
         Ok(())
     }
 }
+written!(crate::v1::DeleteCaptureResponse);
 
 impl Fields for crate::v1::IngestCaptureRequest {
     const NAME: &'static str = "IngestCaptureRequest";
@@ -738,6 +773,7 @@ write_message(map, "requirements", self.requirements.as_ref(), tensors)?;
         Ok(())
     }
 }
+written!(crate::v1::IngestCaptureRequest);
 
 impl Fields for crate::v1::CancelIngestRequest {
     const NAME: &'static str = "CancelIngestRequest";
@@ -757,6 +793,7 @@ impl Fields for crate::v1::CancelIngestRequest {
         Ok(())
     }
 }
+written!(crate::v1::CancelIngestRequest);
 
 impl Fields for crate::v1::WatchIngestRequest {
     const NAME: &'static str = "WatchIngestRequest";
@@ -776,6 +813,7 @@ impl Fields for crate::v1::WatchIngestRequest {
         Ok(())
     }
 }
+written!(crate::v1::WatchIngestRequest);
 
 impl Fields for crate::v1::Fit {
     const NAME: &'static str = "Fit";
@@ -817,6 +855,7 @@ write_message(map, "requirements", Some(self.requirements.as_ref().unwrap_or(&De
         Ok(())
     }
 }
+written!(crate::v1::Fit);
 
 impl Fields for crate::v1::CreateFitRequest {
     const NAME: &'static str = "CreateFitRequest";
@@ -846,6 +885,7 @@ write_message(map, "requirements", self.requirements.as_ref(), tensors)?;
         Ok(())
     }
 }
+written!(crate::v1::CreateFitRequest);
 
 impl Fields for crate::v1::GetFitRequest {
     const NAME: &'static str = "GetFitRequest";
@@ -865,6 +905,7 @@ impl Fields for crate::v1::GetFitRequest {
         Ok(())
     }
 }
+written!(crate::v1::GetFitRequest);
 
 impl Fields for crate::v1::ListFitsRequest {
     const NAME: &'static str = "ListFitsRequest";
@@ -900,6 +941,7 @@ map.serialize_entry("owner", &self.owner)?;
         Ok(())
     }
 }
+written!(crate::v1::ListFitsRequest);
 
 impl Fields for crate::v1::ListFitsResponse {
     const NAME: &'static str = "ListFitsResponse";
@@ -923,6 +965,7 @@ map.serialize_entry("next_page_token", &self.next_page_token)?;
         Ok(())
     }
 }
+written!(crate::v1::ListFitsResponse);
 
 impl Fields for crate::v1::UpdateFitRequest {
     const NAME: &'static str = "UpdateFitRequest";
@@ -952,6 +995,7 @@ map.serialize_entry("remove_tags", &self.remove_tags)?;
         Ok(())
     }
 }
+written!(crate::v1::UpdateFitRequest);
 
 impl Fields for crate::v1::GetFitLossesRequest {
     const NAME: &'static str = "GetFitLossesRequest";
@@ -971,6 +1015,7 @@ impl Fields for crate::v1::GetFitLossesRequest {
         Ok(())
     }
 }
+written!(crate::v1::GetFitLossesRequest);
 
 impl Fields for crate::v1::FitLosses {
     const NAME: &'static str = "FitLosses";
@@ -992,6 +1037,7 @@ impl Fields for crate::v1::FitLosses {
         Ok(())
     }
 }
+written!(crate::v1::FitLosses);
 
 impl Fields for crate::v1::fit_losses::LossCurve {
     const NAME: &'static str = "LossCurve";
@@ -1021,6 +1067,7 @@ map.serialize_entry("best_losses", &self.best_losses)?;
         Ok(())
     }
 }
+written!(crate::v1::fit_losses::LossCurve);
 
 impl Fields for crate::v1::CancelFitRequest {
     const NAME: &'static str = "CancelFitRequest";
@@ -1040,6 +1087,7 @@ impl Fields for crate::v1::CancelFitRequest {
         Ok(())
     }
 }
+written!(crate::v1::CancelFitRequest);
 
 impl Fields for crate::v1::DeleteFitRequest {
     const NAME: &'static str = "DeleteFitRequest";
@@ -1059,6 +1107,7 @@ impl Fields for crate::v1::DeleteFitRequest {
         Ok(())
     }
 }
+written!(crate::v1::DeleteFitRequest);
 
 impl Fields for crate::v1::DeleteFitResponse {
     const NAME: &'static str = "DeleteFitResponse";
@@ -1078,6 +1127,7 @@ impl Fields for crate::v1::DeleteFitResponse {
         Ok(())
     }
 }
+written!(crate::v1::DeleteFitResponse);
 
 impl Fields for crate::v1::WatchFitRequest {
     const NAME: &'static str = "WatchFitRequest";
@@ -1097,6 +1147,7 @@ impl Fields for crate::v1::WatchFitRequest {
         Ok(())
     }
 }
+written!(crate::v1::WatchFitRequest);
 
 impl Fields for crate::v1::Twin {
     const NAME: &'static str = "Twin";
@@ -1154,6 +1205,7 @@ map.serialize_entry("owner", &self.owner)?;
         Ok(())
     }
 }
+written!(crate::v1::Twin);
 
 impl Fields for crate::v1::GetTwinGeometryRequest {
     const NAME: &'static str = "GetTwinGeometryRequest";
@@ -1173,6 +1225,7 @@ impl Fields for crate::v1::GetTwinGeometryRequest {
         Ok(())
     }
 }
+written!(crate::v1::GetTwinGeometryRequest);
 
 impl Fields for crate::v1::TwinGeometry {
     const NAME: &'static str = "TwinGeometry";
@@ -1246,6 +1299,7 @@ write_tensor(map, "skin_sd", self.skin_sd.as_ref(), tensors)?;
         Ok(())
     }
 }
+written!(crate::v1::TwinGeometry);
 
 impl Fields for crate::v1::twin_geometry::Skin {
     const NAME: &'static str = "Skin";
@@ -1279,6 +1333,7 @@ write_tensor(map, "offsets", self.offsets.as_ref(), tensors)?;
         Ok(())
     }
 }
+written!(crate::v1::twin_geometry::Skin);
 
 impl Fields for crate::v1::TwinMetadata {
     const NAME: &'static str = "TwinMetadata";
@@ -1302,6 +1357,7 @@ map.serialize_entry("digest", &self.digest)?;
         Ok(())
     }
 }
+written!(crate::v1::TwinMetadata);
 
 impl Fields for crate::v1::GetTwinRequest {
     const NAME: &'static str = "GetTwinRequest";
@@ -1321,6 +1377,7 @@ impl Fields for crate::v1::GetTwinRequest {
         Ok(())
     }
 }
+written!(crate::v1::GetTwinRequest);
 
 impl Fields for crate::v1::ListTwinsRequest {
     const NAME: &'static str = "ListTwinsRequest";
@@ -1354,6 +1411,7 @@ map.serialize_entry("owner", &self.owner)?;
         Ok(())
     }
 }
+written!(crate::v1::ListTwinsRequest);
 
 impl Fields for crate::v1::ListTwinsResponse {
     const NAME: &'static str = "ListTwinsResponse";
@@ -1377,6 +1435,7 @@ map.serialize_entry("next_page_token", &self.next_page_token)?;
         Ok(())
     }
 }
+written!(crate::v1::ListTwinsResponse);
 
 impl Fields for crate::v1::UpdateTwinRequest {
     const NAME: &'static str = "UpdateTwinRequest";
@@ -1406,6 +1465,7 @@ map.serialize_entry("remove_tags", &self.remove_tags)?;
         Ok(())
     }
 }
+written!(crate::v1::UpdateTwinRequest);
 
 impl Fields for crate::v1::DeleteTwinRequest {
     const NAME: &'static str = "DeleteTwinRequest";
@@ -1425,6 +1485,7 @@ impl Fields for crate::v1::DeleteTwinRequest {
         Ok(())
     }
 }
+written!(crate::v1::DeleteTwinRequest);
 
 impl Fields for crate::v1::DeleteTwinResponse {
     const NAME: &'static str = "DeleteTwinResponse";
@@ -1444,6 +1505,7 @@ impl Fields for crate::v1::DeleteTwinResponse {
         Ok(())
     }
 }
+written!(crate::v1::DeleteTwinResponse);
 
 impl Fields for crate::v1::Worker {
     const NAME: &'static str = "Worker";
@@ -1493,6 +1555,7 @@ map.serialize_entry("labels", &self.labels)?;
         Ok(())
     }
 }
+written!(crate::v1::Worker);
 
 impl Fields for crate::v1::GetWorkerRequest {
     const NAME: &'static str = "GetWorkerRequest";
@@ -1512,6 +1575,7 @@ impl Fields for crate::v1::GetWorkerRequest {
         Ok(())
     }
 }
+written!(crate::v1::GetWorkerRequest);
 
 impl Fields for crate::v1::DrainWorkerRequest {
     const NAME: &'static str = "DrainWorkerRequest";
@@ -1531,6 +1595,7 @@ impl Fields for crate::v1::DrainWorkerRequest {
         Ok(())
     }
 }
+written!(crate::v1::DrainWorkerRequest);
 
 impl Fields for crate::v1::ListWorkersRequest {
     const NAME: &'static str = "ListWorkersRequest";
@@ -1554,6 +1619,7 @@ map.serialize_entry("page_token", &self.page_token)?;
         Ok(())
     }
 }
+written!(crate::v1::ListWorkersRequest);
 
 impl Fields for crate::v1::ListWorkersResponse {
     const NAME: &'static str = "ListWorkersResponse";
@@ -1577,6 +1643,7 @@ map.serialize_entry("next_page_token", &self.next_page_token)?;
         Ok(())
     }
 }
+written!(crate::v1::ListWorkersResponse);
 
 impl Fields for crate::v1::Key {
     const NAME: &'static str = "Key";
@@ -1614,6 +1681,7 @@ write_message(map, "quotas", Some(self.quotas.as_ref().unwrap_or(&Default::defau
         Ok(())
     }
 }
+written!(crate::v1::Key);
 
 impl Fields for crate::v1::KeyQuotas {
     const NAME: &'static str = "KeyQuotas";
@@ -1639,6 +1707,7 @@ map.serialize_entry("rollouts", &self.rollouts)?;
         Ok(())
     }
 }
+written!(crate::v1::KeyQuotas);
 
 impl Fields for crate::v1::CreateKeyRequest {
     const NAME: &'static str = "CreateKeyRequest";
@@ -1668,6 +1737,7 @@ write_message(map, "quotas", self.quotas.as_ref(), tensors)?;
         Ok(())
     }
 }
+written!(crate::v1::CreateKeyRequest);
 
 impl Fields for crate::v1::CreateKeyResponse {
     const NAME: &'static str = "CreateKeyResponse";
@@ -1691,6 +1761,7 @@ map.serialize_entry("secret_key", &self.secret_key)?;
         Ok(())
     }
 }
+written!(crate::v1::CreateKeyResponse);
 
 impl Fields for crate::v1::GetKeyRequest {
     const NAME: &'static str = "GetKeyRequest";
@@ -1710,6 +1781,7 @@ impl Fields for crate::v1::GetKeyRequest {
         Ok(())
     }
 }
+written!(crate::v1::GetKeyRequest);
 
 impl Fields for crate::v1::ListKeysRequest {
     const NAME: &'static str = "ListKeysRequest";
@@ -1733,6 +1805,7 @@ map.serialize_entry("page_token", &self.page_token)?;
         Ok(())
     }
 }
+written!(crate::v1::ListKeysRequest);
 
 impl Fields for crate::v1::ListKeysResponse {
     const NAME: &'static str = "ListKeysResponse";
@@ -1756,6 +1829,7 @@ map.serialize_entry("next_page_token", &self.next_page_token)?;
         Ok(())
     }
 }
+written!(crate::v1::ListKeysResponse);
 
 impl Fields for crate::v1::DeleteKeyRequest {
     const NAME: &'static str = "DeleteKeyRequest";
@@ -1775,6 +1849,7 @@ impl Fields for crate::v1::DeleteKeyRequest {
         Ok(())
     }
 }
+written!(crate::v1::DeleteKeyRequest);
 
 impl Fields for crate::v1::DeleteKeyResponse {
     const NAME: &'static str = "DeleteKeyResponse";
@@ -1794,6 +1869,7 @@ impl Fields for crate::v1::DeleteKeyResponse {
         Ok(())
     }
 }
+written!(crate::v1::DeleteKeyResponse);
 
 impl Fields for crate::v1::RollOutRequest {
     const NAME: &'static str = "RollOutRequest";
@@ -1845,6 +1921,7 @@ if let Some(value) = &self.time_limit_s { map.serialize_entry("time_limit_s", va
         Ok(())
     }
 }
+written!(crate::v1::RollOutRequest);
 
 impl Fields for crate::v1::KnotTimes {
     const NAME: &'static str = "KnotTimes";
@@ -1868,6 +1945,7 @@ if let Some(crate::v1::knot_times::Times::PeriodS(value)) = &self.times { map.se
         Ok(())
     }
 }
+written!(crate::v1::KnotTimes);
 
 impl Fields for crate::v1::Ensemble {
     const NAME: &'static str = "Ensemble";
@@ -1893,6 +1971,7 @@ map.serialize_entry("share", &self.share)?;
         Ok(())
     }
 }
+written!(crate::v1::Ensemble);
 
 impl Words for crate::v1::ensemble::Statistic {
     const KNOWN: &'static [&'static str] = &["MEAN", "WORST", "CVAR", "MEAN_PREDICTION"];
@@ -1903,6 +1982,7 @@ impl Words for crate::v1::ensemble::Statistic {
         Self::try_from(number).ok().map(|value| value.as_str_name())
     }
 }
+word_written!(crate::v1::ensemble::Statistic);
 
 impl Fields for crate::v1::GradientOptions {
     const NAME: &'static str = "GradientOptions";
@@ -1926,6 +2006,7 @@ map.serialize_entry("smoothing_m", &self.smoothing_m)?;
         Ok(())
     }
 }
+written!(crate::v1::GradientOptions);
 
 impl Fields for crate::v1::Plausibility {
     const NAME: &'static str = "Plausibility";
@@ -1955,6 +2036,7 @@ if let Some(value) = &self.control_depth_m { map.serialize_entry("control_depth_
         Ok(())
     }
 }
+written!(crate::v1::Plausibility);
 
 impl Fields for crate::v1::ControlTrajectories {
     const NAME: &'static str = "ControlTrajectories";
@@ -1978,6 +2060,7 @@ write_word::<crate::v1::Interpolation, M>(map, "interpolation", self.interpolati
         Ok(())
     }
 }
+written!(crate::v1::ControlTrajectories);
 
 impl Fields for crate::v1::GripperPoses {
     const NAME: &'static str = "GripperPoses";
@@ -2003,6 +2086,7 @@ write_word::<crate::v1::Interpolation, M>(map, "interpolation", self.interpolati
         Ok(())
     }
 }
+written!(crate::v1::GripperPoses);
 
 impl Fields for crate::v1::InitialState {
     const NAME: &'static str = "InitialState";
@@ -2032,6 +2116,7 @@ if let Some(crate::v1::initial_state::State::Session(value)) = &self.state { wri
         Ok(())
     }
 }
+written!(crate::v1::InitialState);
 
 impl Fields for crate::v1::initial_state::Rest {
     const NAME: &'static str = "Rest";
@@ -2051,6 +2136,7 @@ impl Fields for crate::v1::initial_state::Rest {
         Ok(())
     }
 }
+written!(crate::v1::initial_state::Rest);
 
 impl Fields for crate::v1::initial_state::Settled {
     const NAME: &'static str = "Settled";
@@ -2070,6 +2156,7 @@ impl Fields for crate::v1::initial_state::Settled {
         Ok(())
     }
 }
+written!(crate::v1::initial_state::Settled);
 
 impl Fields for crate::v1::initial_state::SessionSlots {
     const NAME: &'static str = "SessionSlots";
@@ -2093,6 +2180,7 @@ map.serialize_entry("slots", &self.slots)?;
         Ok(())
     }
 }
+written!(crate::v1::initial_state::SessionSlots);
 
 impl Fields for crate::v1::initial_state::CaptureFrame {
     const NAME: &'static str = "CaptureFrame";
@@ -2118,6 +2206,7 @@ map.serialize_entry("frame", &self.frame)?;
         Ok(())
     }
 }
+written!(crate::v1::initial_state::CaptureFrame);
 
 impl Fields for crate::v1::initial_state::GivenState {
     const NAME: &'static str = "GivenState";
@@ -2149,6 +2238,7 @@ write_tensor(map, "commanded_controls", self.commanded_controls.as_ref(), tensor
         Ok(())
     }
 }
+written!(crate::v1::initial_state::GivenState);
 
 impl Fields for crate::v1::Cost {
     const NAME: &'static str = "Cost";
@@ -2196,6 +2286,7 @@ map.serialize_entry("temperature", &self.temperature)?;
         Ok(())
     }
 }
+written!(crate::v1::Cost);
 
 impl Fields for crate::v1::cost::TargetCloud {
     const NAME: &'static str = "TargetCloud";
@@ -2219,6 +2310,7 @@ write_word::<crate::v1::PointSet, M>(map, "point_set", self.point_set)?;
         Ok(())
     }
 }
+written!(crate::v1::cost::TargetCloud);
 
 impl Fields for crate::v1::cost::Keypoints {
     const NAME: &'static str = "Keypoints";
@@ -2246,6 +2338,7 @@ write_tensor(map, "skin_points", self.skin_points.as_ref(), tensors)?;
         Ok(())
     }
 }
+written!(crate::v1::cost::Keypoints);
 
 impl Fields for crate::v1::cost::Smoothness {
     const NAME: &'static str = "Smoothness";
@@ -2265,6 +2358,7 @@ impl Fields for crate::v1::cost::Smoothness {
         Ok(())
     }
 }
+written!(crate::v1::cost::Smoothness);
 
 impl Fields for crate::v1::cost::Strain {
     const NAME: &'static str = "Strain";
@@ -2286,6 +2380,7 @@ impl Fields for crate::v1::cost::Strain {
         Ok(())
     }
 }
+written!(crate::v1::cost::Strain);
 
 impl Fields for crate::v1::cost::Force {
     const NAME: &'static str = "Force";
@@ -2317,6 +2412,7 @@ map.serialize_entry("limit_n", &self.limit_n)?;
         Ok(())
     }
 }
+written!(crate::v1::cost::Force);
 
 impl Fields for crate::v1::cost::force::All {
     const NAME: &'static str = "All";
@@ -2336,6 +2432,7 @@ impl Fields for crate::v1::cost::force::All {
         Ok(())
     }
 }
+written!(crate::v1::cost::force::All);
 
 impl Fields for crate::v1::cost::Height {
     const NAME: &'static str = "Height";
@@ -2359,6 +2456,7 @@ write_tensor(map, "nodes", self.nodes.as_ref(), tensors)?;
         Ok(())
     }
 }
+written!(crate::v1::cost::Height);
 
 impl Fields for crate::v1::cost::Within {
     const NAME: &'static str = "Within";
@@ -2382,6 +2480,7 @@ write_tensor(map, "nodes", self.nodes.as_ref(), tensors)?;
         Ok(())
     }
 }
+written!(crate::v1::cost::Within);
 
 impl Fields for crate::v1::cost::Clearance {
     const NAME: &'static str = "Clearance";
@@ -2405,6 +2504,7 @@ map.serialize_entry("margin_m", &self.margin_m)?;
         Ok(())
     }
 }
+written!(crate::v1::cost::Clearance);
 
 impl Fields for crate::v1::cost::ControlPath {
     const NAME: &'static str = "ControlPath";
@@ -2424,6 +2524,7 @@ impl Fields for crate::v1::cost::ControlPath {
         Ok(())
     }
 }
+written!(crate::v1::cost::ControlPath);
 
 impl Fields for crate::v1::cost::ControlSpeed {
     const NAME: &'static str = "ControlSpeed";
@@ -2445,6 +2546,7 @@ impl Fields for crate::v1::cost::ControlSpeed {
         Ok(())
     }
 }
+written!(crate::v1::cost::ControlSpeed);
 
 impl Words for crate::v1::cost::When {
     const KNOWN: &'static [&'static str] = &["LAST_FRAME", "EVERY_FRAME", "SOFT_MIN"];
@@ -2455,6 +2557,7 @@ impl Words for crate::v1::cost::When {
         Self::try_from(number).ok().map(|value| value.as_str_name())
     }
 }
+word_written!(crate::v1::cost::When);
 
 impl Fields for crate::v1::Returns {
     const NAME: &'static str = "Returns";
@@ -2510,6 +2613,7 @@ map.serialize_entry("spread", &self.spread)?;
         Ok(())
     }
 }
+written!(crate::v1::Returns);
 
 impl Words for crate::v1::returns::Encoding {
     const KNOWN: &'static [&'static str] = &["FLOAT32", "INT16"];
@@ -2520,6 +2624,7 @@ impl Words for crate::v1::returns::Encoding {
         Self::try_from(number).ok().map(|value| value.as_str_name())
     }
 }
+word_written!(crate::v1::returns::Encoding);
 
 impl Fields for crate::v1::RollOutResponse {
     const NAME: &'static str = "RollOutResponse";
@@ -2611,6 +2716,7 @@ write_tensor(map, "spread", self.spread.as_ref(), tensors)?;
         Ok(())
     }
 }
+written!(crate::v1::RollOutResponse);
 
 impl Fields for crate::v1::roll_out_response::Window {
     const NAME: &'static str = "Window";
@@ -2634,6 +2740,7 @@ map.serialize_entry("last_frame", &self.last_frame)?;
         Ok(())
     }
 }
+written!(crate::v1::roll_out_response::Window);
 
 impl Fields for crate::v1::roll_out_response::Forces {
     const NAME: &'static str = "Forces";
@@ -2661,6 +2768,7 @@ write_tensor(map, "colliders", self.colliders.as_ref(), tensors)?;
         Ok(())
     }
 }
+written!(crate::v1::roll_out_response::Forces);
 
 impl Fields for crate::v1::roll_out_response::Implausible {
     const NAME: &'static str = "Implausible";
@@ -2690,6 +2798,7 @@ map.serialize_entry("frame", &self.frame)?;
         Ok(())
     }
 }
+written!(crate::v1::roll_out_response::Implausible);
 
 impl Fields for crate::v1::roll_out_response::Diagnostics {
     const NAME: &'static str = "Diagnostics";
@@ -2725,6 +2834,7 @@ map.serialize_entry("stopped_hand_m", &self.stopped_hand_m)?;
         Ok(())
     }
 }
+written!(crate::v1::roll_out_response::Diagnostics);
 
 impl Fields for crate::v1::roll_out_response::Divergence {
     const NAME: &'static str = "Divergence";
@@ -2750,6 +2860,7 @@ map.serialize_entry("node", &self.node)?;
         Ok(())
     }
 }
+written!(crate::v1::roll_out_response::Divergence);
 
 impl Fields for crate::v1::roll_out_response::Timing {
     const NAME: &'static str = "Timing";
@@ -2773,6 +2884,7 @@ map.serialize_entry("compute_s", &self.compute_s)?;
         Ok(())
     }
 }
+written!(crate::v1::roll_out_response::Timing);
 
 impl Fields for crate::v1::roll_out_response::Deviation {
     const NAME: &'static str = "Deviation";
@@ -2800,6 +2912,7 @@ map.serialize_entry("frames", &self.frames)?;
         Ok(())
     }
 }
+written!(crate::v1::roll_out_response::Deviation);
 
 impl Words for crate::v1::Fidelity {
     const KNOWN: &'static [&'static str] = &["EXACT", "FAST", "PLANNER"];
@@ -2810,6 +2923,7 @@ impl Words for crate::v1::Fidelity {
         Self::try_from(number).ok().map(|value| value.as_str_name())
     }
 }
+word_written!(crate::v1::Fidelity);
 
 impl Words for crate::v1::PointSet {
     const KNOWN: &'static [&'static str] = &["NODES", "SKIN"];
@@ -2820,6 +2934,7 @@ impl Words for crate::v1::PointSet {
         Self::try_from(number).ok().map(|value| value.as_str_name())
     }
 }
+word_written!(crate::v1::PointSet);
 
 impl Words for crate::v1::Interpolation {
     const KNOWN: &'static [&'static str] = &["LINEAR", "CUBIC", "ZERO"];
@@ -2830,6 +2945,7 @@ impl Words for crate::v1::Interpolation {
         Self::try_from(number).ok().map(|value| value.as_str_name())
     }
 }
+word_written!(crate::v1::Interpolation);
 
 impl Fields for crate::v1::PlanRequest {
     const NAME: &'static str = "PlanRequest";
@@ -2873,6 +2989,7 @@ map.serialize_entry("shift_frames", &self.shift_frames)?;
         Ok(())
     }
 }
+written!(crate::v1::PlanRequest);
 
 impl Fields for crate::v1::ActionSpace {
     const NAME: &'static str = "ActionSpace";
@@ -2898,6 +3015,7 @@ write_tensor(map, "start", self.start.as_ref(), tensors)?;
         Ok(())
     }
 }
+written!(crate::v1::ActionSpace);
 
 impl Words for crate::v1::action_space::Coordinates {
     const KNOWN: &'static [&'static str] = &["TOGETHER", "PER_GROUP", "POINTS", "TRANSLATION", "RIGID"];
@@ -2908,6 +3026,7 @@ impl Words for crate::v1::action_space::Coordinates {
         Self::try_from(number).ok().map(|value| value.as_str_name())
     }
 }
+word_written!(crate::v1::action_space::Coordinates);
 
 impl Fields for crate::v1::PlanMethod {
     const NAME: &'static str = "PlanMethod";
@@ -2935,6 +3054,7 @@ if let Some(crate::v1::plan_method::Method::Gradient(value)) = &self.method { wr
         Ok(())
     }
 }
+written!(crate::v1::PlanMethod);
 
 impl Fields for crate::v1::plan_method::Mppi {
     const NAME: &'static str = "Mppi";
@@ -2956,6 +3076,7 @@ impl Fields for crate::v1::plan_method::Mppi {
         Ok(())
     }
 }
+written!(crate::v1::plan_method::Mppi);
 
 impl Fields for crate::v1::plan_method::Cem {
     const NAME: &'static str = "Cem";
@@ -2981,6 +3102,7 @@ if let Some(value) = &self.smallest { map.serialize_entry("smallest", value)?; }
         Ok(())
     }
 }
+written!(crate::v1::plan_method::Cem);
 
 impl Fields for crate::v1::plan_method::PredictiveSampling {
     const NAME: &'static str = "PredictiveSampling";
@@ -3000,6 +3122,7 @@ impl Fields for crate::v1::plan_method::PredictiveSampling {
         Ok(())
     }
 }
+written!(crate::v1::plan_method::PredictiveSampling);
 
 impl Fields for crate::v1::plan_method::Gradient {
     const NAME: &'static str = "Gradient";
@@ -3021,6 +3144,7 @@ impl Fields for crate::v1::plan_method::Gradient {
         Ok(())
     }
 }
+written!(crate::v1::plan_method::Gradient);
 
 impl Fields for crate::v1::PlanBounds {
     const NAME: &'static str = "PlanBounds";
@@ -3046,6 +3170,7 @@ write_tensor(map, "speed", self.speed.as_ref(), tensors)?;
         Ok(())
     }
 }
+written!(crate::v1::PlanBounds);
 
 impl Fields for crate::v1::PlanUpdate {
     const NAME: &'static str = "PlanUpdate";
@@ -3099,6 +3224,7 @@ map.serialize_entry("overstrained", &self.overstrained)?;
         Ok(())
     }
 }
+written!(crate::v1::PlanUpdate);
 
 impl Words for crate::v1::plan_update::Origin {
     const KNOWN: &'static [&'static str] = &["NOMINAL", "MEAN", "SAMPLE"];
@@ -3109,6 +3235,7 @@ impl Words for crate::v1::plan_update::Origin {
         Self::try_from(number).ok().map(|value| value.as_str_name())
     }
 }
+word_written!(crate::v1::plan_update::Origin);
 
 impl Fields for crate::v1::Observation {
     const NAME: &'static str = "Observation";
@@ -3140,6 +3267,7 @@ write_tensor(map, "cameras", self.cameras.as_ref(), tensors)?;
         Ok(())
     }
 }
+written!(crate::v1::Observation);
 
 impl Fields for crate::v1::observation::Places {
     const NAME: &'static str = "Places";
@@ -3163,6 +3291,7 @@ write_tensor(map, "node_positions", self.node_positions.as_ref(), tensors)?;
         Ok(())
     }
 }
+written!(crate::v1::observation::Places);
 
 impl Fields for crate::v1::RegisterStateRequest {
     const NAME: &'static str = "RegisterStateRequest";
@@ -3196,6 +3325,7 @@ write_tensor(map, "grippers", self.grippers.as_ref(), tensors)?;
         Ok(())
     }
 }
+written!(crate::v1::RegisterStateRequest);
 
 impl Fields for crate::v1::RegisterOptions {
     const NAME: &'static str = "RegisterOptions";
@@ -3227,6 +3357,7 @@ if let Some(value) = &self.least_explained { map.serialize_entry("least_explaine
         Ok(())
     }
 }
+written!(crate::v1::RegisterOptions);
 
 impl Fields for crate::v1::RegisteredState {
     const NAME: &'static str = "RegisteredState";
@@ -3260,6 +3391,7 @@ map.serialize_entry("worker", &self.worker)?;
         Ok(())
     }
 }
+written!(crate::v1::RegisteredState);
 
 impl Fields for crate::v1::Residual {
     const NAME: &'static str = "Residual";
@@ -3285,6 +3417,7 @@ map.serialize_entry("p95_mm", &self.p95_mm)?;
         Ok(())
     }
 }
+written!(crate::v1::Residual);
 
 impl Fields for crate::v1::Explained {
     const NAME: &'static str = "Explained";
@@ -3310,6 +3443,7 @@ map.serialize_entry("within_mm", &self.within_mm)?;
         Ok(())
     }
 }
+written!(crate::v1::Explained);
 
 impl Fields for crate::v1::CorrectOptions {
     const NAME: &'static str = "CorrectOptions";
@@ -3351,6 +3485,7 @@ map.serialize_entry("omit_state", &self.omit_state)?;
         Ok(())
     }
 }
+written!(crate::v1::CorrectOptions);
 
 impl Fields for crate::v1::EvaluateTwinRequest {
     const NAME: &'static str = "EvaluateTwinRequest";
@@ -3376,6 +3511,7 @@ write_message(map, "motion", self.motion.as_ref(), tensors)?;
         Ok(())
     }
 }
+written!(crate::v1::EvaluateTwinRequest);
 
 impl Fields for crate::v1::MotionRequest {
     const NAME: &'static str = "MotionRequest";
@@ -3397,6 +3533,7 @@ impl Fields for crate::v1::MotionRequest {
         Ok(())
     }
 }
+written!(crate::v1::MotionRequest);
 
 impl Fields for crate::v1::PredictedMotion {
     const NAME: &'static str = "PredictedMotion";
@@ -3438,6 +3575,7 @@ write_tensor(map, "chamfer_l1_m", self.chamfer_l1_m.as_ref(), tensors)?;
         Ok(())
     }
 }
+written!(crate::v1::PredictedMotion);
 
 impl Fields for crate::v1::Evaluation {
     const NAME: &'static str = "Evaluation";
@@ -3467,6 +3605,7 @@ write_message(map, "motion", self.motion.as_ref(), tensors)?;
         Ok(())
     }
 }
+written!(crate::v1::Evaluation);
 
 impl Fields for crate::v1::Session {
     const NAME: &'static str = "Session";
@@ -3502,6 +3641,7 @@ map.serialize_entry("lost", &self.lost)?;
         Ok(())
     }
 }
+written!(crate::v1::Session);
 
 impl Fields for crate::v1::Tracking {
     const NAME: &'static str = "Tracking";
@@ -3527,6 +3667,7 @@ map.serialize_entry("unexplained", &self.unexplained)?;
         Ok(())
     }
 }
+written!(crate::v1::Tracking);
 
 impl Fields for crate::v1::OpenSessionRequest {
     const NAME: &'static str = "OpenSessionRequest";
@@ -3560,6 +3701,7 @@ map.serialize_entry("idle_timeout_s", &self.idle_timeout_s)?;
         Ok(())
     }
 }
+written!(crate::v1::OpenSessionRequest);
 
 impl Fields for crate::v1::GetSessionRequest {
     const NAME: &'static str = "GetSessionRequest";
@@ -3579,6 +3721,7 @@ impl Fields for crate::v1::GetSessionRequest {
         Ok(())
     }
 }
+written!(crate::v1::GetSessionRequest);
 
 impl Fields for crate::v1::GetSessionStatesRequest {
     const NAME: &'static str = "GetSessionStatesRequest";
@@ -3600,6 +3743,7 @@ impl Fields for crate::v1::GetSessionStatesRequest {
         Ok(())
     }
 }
+written!(crate::v1::GetSessionStatesRequest);
 
 impl Fields for crate::v1::SessionStates {
     const NAME: &'static str = "SessionStates";
@@ -3625,6 +3769,7 @@ map.serialize_entry("frames", &self.frames)?;
         Ok(())
     }
 }
+written!(crate::v1::SessionStates);
 
 impl Fields for crate::v1::AdvanceSessionRequest {
     const NAME: &'static str = "AdvanceSessionRequest";
@@ -3650,6 +3795,7 @@ write_message(map, "rollout", self.rollout.as_ref(), tensors)?;
         Ok(())
     }
 }
+written!(crate::v1::AdvanceSessionRequest);
 
 impl Fields for crate::v1::ForkSessionRequest {
     const NAME: &'static str = "ForkSessionRequest";
@@ -3675,6 +3821,7 @@ map.serialize_entry("to", &self.to)?;
         Ok(())
     }
 }
+written!(crate::v1::ForkSessionRequest);
 
 impl Fields for crate::v1::ResetSessionRequest {
     const NAME: &'static str = "ResetSessionRequest";
@@ -3700,6 +3847,7 @@ write_message(map, "initial", self.initial.as_ref(), tensors)?;
         Ok(())
     }
 }
+written!(crate::v1::ResetSessionRequest);
 
 impl Fields for crate::v1::CorrectSessionRequest {
     const NAME: &'static str = "CorrectSessionRequest";
@@ -3727,6 +3875,7 @@ write_message(map, "options", self.options.as_ref(), tensors)?;
         Ok(())
     }
 }
+written!(crate::v1::CorrectSessionRequest);
 
 impl Fields for crate::v1::CorrectedSession {
     const NAME: &'static str = "CorrectedSession";
@@ -3750,6 +3899,7 @@ write_messages(map, "corrections", &self.corrections, tensors)?;
         Ok(())
     }
 }
+written!(crate::v1::CorrectedSession);
 
 impl Fields for crate::v1::corrected_session::Correction {
     const NAME: &'static str = "Correction";
@@ -3783,6 +3933,7 @@ map.serialize_entry("registered", &self.registered)?;
         Ok(())
     }
 }
+written!(crate::v1::corrected_session::Correction);
 
 impl Fields for crate::v1::StepSessionRequest {
     const NAME: &'static str = "StepSessionRequest";
@@ -3816,6 +3967,7 @@ map.serialize_entry("deadline_s", &self.deadline_s)?;
         Ok(())
     }
 }
+written!(crate::v1::StepSessionRequest);
 
 impl Fields for crate::v1::SteppedSession {
     const NAME: &'static str = "SteppedSession";
@@ -3849,6 +4001,7 @@ map.serialize_entry("lost", &self.lost)?;
         Ok(())
     }
 }
+written!(crate::v1::SteppedSession);
 
 impl Fields for crate::v1::stepped_session::Times {
     const NAME: &'static str = "Times";
@@ -3876,6 +4029,7 @@ map.serialize_entry("total_s", &self.total_s)?;
         Ok(())
     }
 }
+written!(crate::v1::stepped_session::Times);
 
 impl Fields for crate::v1::CloseSessionRequest {
     const NAME: &'static str = "CloseSessionRequest";
@@ -3895,6 +4049,7 @@ impl Fields for crate::v1::CloseSessionRequest {
         Ok(())
     }
 }
+written!(crate::v1::CloseSessionRequest);
 
 impl Fields for crate::v1::CloseSessionResponse {
     const NAME: &'static str = "CloseSessionResponse";
@@ -3914,3 +4069,4 @@ impl Fields for crate::v1::CloseSessionResponse {
         Ok(())
     }
 }
+written!(crate::v1::CloseSessionResponse);

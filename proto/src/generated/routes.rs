@@ -1,98 +1,98 @@
 &[
 Rpc { path: "/bendtwin.v1.CaptureService/CreateCapture", scope: Scope::CapturesWrite, audited: true, routes: &[
-    Route { method: "POST", path: "/v1/captures", status: 201, location: "", secret: false, messages: None },] },
+    Route { method: "POST", path: "/v1/captures", status: 201, secret: false, messages: None },] },
 Rpc { path: "/bendtwin.v1.CaptureService/GetCapture", scope: Scope::CapturesRead, audited: false, routes: &[
-    Route { method: "GET", path: "/v1/captures/{id}", status: 200, location: "", secret: false, messages: Some(Messages { source: Source::Nothing, has_request_id: false, read: |given| read::<crate::v1::GetCaptureRequest>(given, |message, given| { message.name = given.id.to_owned(); }), write: write::<crate::v1::Capture> }) },] },
+    Route { method: "GET", path: "/v1/captures/{id}", status: 200, secret: false, messages: Some(Messages { source: Source::Nothing, has_request_id: false, read: |given| read::<crate::v1::GetCaptureRequest>(given, |message, given| { message.name = given.id.to_owned(); }), write: |reply| write::<crate::v1::Capture>(reply, |_| None) }) },] },
 Rpc { path: "/bendtwin.v1.CaptureService/ListCaptures", scope: Scope::CapturesRead, audited: false, routes: &[
-    Route { method: "GET", path: "/v1/captures", status: 200, location: "", secret: false, messages: Some(Messages { source: Source::Query, has_request_id: false, read: |given| read::<crate::v1::ListCapturesRequest>(given, |_, _| {  }), write: write::<crate::v1::ListCapturesResponse> }) },] },
+    Route { method: "GET", path: "/v1/captures", status: 200, secret: false, messages: Some(Messages { source: Source::Query, has_request_id: false, read: |given| read::<crate::v1::ListCapturesRequest>(given, |_, _| {  }), write: |reply| write::<crate::v1::ListCapturesResponse>(reply, |_| None) }) },] },
 Rpc { path: "/bendtwin.v1.CaptureService/UpdateCapture", scope: Scope::CapturesWrite, audited: true, routes: &[
-    Route { method: "PATCH", path: "/v1/captures/{id}", status: 200, location: "", secret: false, messages: Some(Messages { source: Source::Body, has_request_id: false, read: |given| read::<crate::v1::UpdateCaptureRequest>(given, |message, given| { message.capture.get_or_insert_default().name = given.id.to_owned(); }), write: write::<crate::v1::Capture> }) },] },
+    Route { method: "PATCH", path: "/v1/captures/{id}", status: 200, secret: false, messages: Some(Messages { source: Source::Body, has_request_id: false, read: |given| read::<crate::v1::UpdateCaptureRequest>(given, |message, given| { message.capture.get_or_insert_default().name = given.id.to_owned(); }), write: |reply| write::<crate::v1::Capture>(reply, |_| None) }) },] },
 Rpc { path: "/bendtwin.v1.CaptureService/DeleteCapture", scope: Scope::CapturesWrite, audited: true, routes: &[
-    Route { method: "DELETE", path: "/v1/captures/{id}", status: 204, location: "", secret: false, messages: Some(Messages { source: Source::Nothing, has_request_id: false, read: |given| read::<crate::v1::DeleteCaptureRequest>(given, |message, given| { message.name = given.id.to_owned(); }), write: write::<crate::v1::DeleteCaptureResponse> }) },] },
+    Route { method: "DELETE", path: "/v1/captures/{id}", status: 204, secret: false, messages: Some(Messages { source: Source::Nothing, has_request_id: false, read: |given| read::<crate::v1::DeleteCaptureRequest>(given, |message, given| { message.name = given.id.to_owned(); }), write: |reply| write::<crate::v1::DeleteCaptureResponse>(reply, |_| None) }) },] },
 Rpc { path: "/bendtwin.v1.CaptureService/IngestCapture", scope: Scope::CapturesWrite, audited: true, routes: &[
-    Route { method: "POST", path: "/v1/captures/{id}/ingest", status: 202, location: "", secret: false, messages: Some(Messages { source: Source::Body, has_request_id: true, read: |given| read::<crate::v1::IngestCaptureRequest>(given, |message, given| { message.name = given.id.to_owned(); message.request_id = given.request_id.to_owned(); }), write: write::<crate::v1::Capture> }) },] },
+    Route { method: "POST", path: "/v1/captures/{id}/ingest", status: 202, secret: false, messages: Some(Messages { source: Source::Body, has_request_id: true, read: |given| read::<crate::v1::IngestCaptureRequest>(given, |message, given| { message.name = given.id.to_owned(); message.request_id = given.request_id.to_owned(); }), write: |reply| write::<crate::v1::Capture>(reply, |_| None) }) },] },
 Rpc { path: "/bendtwin.v1.CaptureService/CancelIngest", scope: Scope::CapturesWrite, audited: true, routes: &[
-    Route { method: "POST", path: "/v1/captures/{id}/ingest/cancel", status: 200, location: "", secret: false, messages: Some(Messages { source: Source::Nothing, has_request_id: false, read: |given| read::<crate::v1::CancelIngestRequest>(given, |message, given| { message.name = given.id.to_owned(); }), write: write::<crate::v1::Capture> }) },] },
+    Route { method: "POST", path: "/v1/captures/{id}/ingest/cancel", status: 200, secret: false, messages: Some(Messages { source: Source::Nothing, has_request_id: false, read: |given| read::<crate::v1::CancelIngestRequest>(given, |message, given| { message.name = given.id.to_owned(); }), write: |reply| write::<crate::v1::Capture>(reply, |_| None) }) },] },
 Rpc { path: "/bendtwin.v1.CaptureService/WatchIngest", scope: Scope::CapturesRead, audited: false, routes: &[
-    Route { method: "GET", path: "/v1/captures/{id}/events", status: 200, location: "", secret: false, messages: None },] },
+    Route { method: "GET", path: "/v1/captures/{id}/events", status: 200, secret: false, messages: None },] },
 Rpc { path: "/bendtwin.v1.CaptureService/GetCaptureReport", scope: Scope::CapturesRead, audited: false, routes: &[
-    Route { method: "GET", path: "/v1/captures/{id}/report", status: 200, location: "", secret: false, messages: None },
-    Route { method: "GET", path: "/v1/captures/{id}/report.html", status: 200, location: "", secret: false, messages: None },] },
+    Route { method: "GET", path: "/v1/captures/{id}/report", status: 200, secret: false, messages: None },
+    Route { method: "GET", path: "/v1/captures/{id}/report.html", status: 200, secret: false, messages: None },] },
 Rpc { path: "/bendtwin.v1.CaptureService/ExportObservation", scope: Scope::CapturesRead, audited: false, routes: &[
-    Route { method: "GET", path: "/v1/captures/{id}/observation", status: 200, location: "", secret: false, messages: None },] },
+    Route { method: "GET", path: "/v1/captures/{id}/observation", status: 200, secret: false, messages: None },] },
 Rpc { path: "/bendtwin.v1.FitService/CreateFit", scope: Scope::FitsWrite, audited: true, routes: &[
-    Route { method: "POST", path: "/v1/fits", status: 202, location: "/name", secret: false, messages: Some(Messages { source: Source::Body, has_request_id: true, read: |given| read::<crate::v1::CreateFitRequest>(given, |message, given| { message.request_id = given.request_id.to_owned(); }), write: write::<crate::v1::Fit> }) },] },
+    Route { method: "POST", path: "/v1/fits", status: 202, secret: false, messages: Some(Messages { source: Source::Body, has_request_id: true, read: |given| read::<crate::v1::CreateFitRequest>(given, |message, given| { message.request_id = given.request_id.to_owned(); }), write: |reply| write::<crate::v1::Fit>(reply, |message| Some(&message.name)) }) },] },
 Rpc { path: "/bendtwin.v1.FitService/GetFit", scope: Scope::FitsRead, audited: false, routes: &[
-    Route { method: "GET", path: "/v1/fits/{id}", status: 200, location: "", secret: false, messages: Some(Messages { source: Source::Nothing, has_request_id: false, read: |given| read::<crate::v1::GetFitRequest>(given, |message, given| { message.name = given.id.to_owned(); }), write: write::<crate::v1::Fit> }) },] },
+    Route { method: "GET", path: "/v1/fits/{id}", status: 200, secret: false, messages: Some(Messages { source: Source::Nothing, has_request_id: false, read: |given| read::<crate::v1::GetFitRequest>(given, |message, given| { message.name = given.id.to_owned(); }), write: |reply| write::<crate::v1::Fit>(reply, |_| None) }) },] },
 Rpc { path: "/bendtwin.v1.FitService/ListFits", scope: Scope::FitsRead, audited: false, routes: &[
-    Route { method: "GET", path: "/v1/fits", status: 200, location: "", secret: false, messages: Some(Messages { source: Source::Query, has_request_id: false, read: |given| read::<crate::v1::ListFitsRequest>(given, |_, _| {  }), write: write::<crate::v1::ListFitsResponse> }) },] },
+    Route { method: "GET", path: "/v1/fits", status: 200, secret: false, messages: Some(Messages { source: Source::Query, has_request_id: false, read: |given| read::<crate::v1::ListFitsRequest>(given, |_, _| {  }), write: |reply| write::<crate::v1::ListFitsResponse>(reply, |_| None) }) },] },
 Rpc { path: "/bendtwin.v1.FitService/UpdateFit", scope: Scope::FitsWrite, audited: true, routes: &[
-    Route { method: "PATCH", path: "/v1/fits/{id}", status: 200, location: "", secret: false, messages: Some(Messages { source: Source::Body, has_request_id: false, read: |given| read::<crate::v1::UpdateFitRequest>(given, |message, given| { message.fit.get_or_insert_default().name = given.id.to_owned(); }), write: write::<crate::v1::Fit> }) },] },
+    Route { method: "PATCH", path: "/v1/fits/{id}", status: 200, secret: false, messages: Some(Messages { source: Source::Body, has_request_id: false, read: |given| read::<crate::v1::UpdateFitRequest>(given, |message, given| { message.fit.get_or_insert_default().name = given.id.to_owned(); }), write: |reply| write::<crate::v1::Fit>(reply, |_| None) }) },] },
 Rpc { path: "/bendtwin.v1.FitService/GetFitLosses", scope: Scope::FitsRead, audited: false, routes: &[
-    Route { method: "GET", path: "/v1/fits/{id}/losses", status: 200, location: "", secret: false, messages: Some(Messages { source: Source::Nothing, has_request_id: false, read: |given| read::<crate::v1::GetFitLossesRequest>(given, |message, given| { message.name = given.id.to_owned(); }), write: write::<crate::v1::FitLosses> }) },] },
+    Route { method: "GET", path: "/v1/fits/{id}/losses", status: 200, secret: false, messages: Some(Messages { source: Source::Nothing, has_request_id: false, read: |given| read::<crate::v1::GetFitLossesRequest>(given, |message, given| { message.name = given.id.to_owned(); }), write: |reply| write::<crate::v1::FitLosses>(reply, |_| None) }) },] },
 Rpc { path: "/bendtwin.v1.FitService/CancelFit", scope: Scope::FitsWrite, audited: true, routes: &[
-    Route { method: "POST", path: "/v1/fits/{id}/cancel", status: 200, location: "", secret: false, messages: Some(Messages { source: Source::Nothing, has_request_id: false, read: |given| read::<crate::v1::CancelFitRequest>(given, |message, given| { message.name = given.id.to_owned(); }), write: write::<crate::v1::Fit> }) },] },
+    Route { method: "POST", path: "/v1/fits/{id}/cancel", status: 200, secret: false, messages: Some(Messages { source: Source::Nothing, has_request_id: false, read: |given| read::<crate::v1::CancelFitRequest>(given, |message, given| { message.name = given.id.to_owned(); }), write: |reply| write::<crate::v1::Fit>(reply, |_| None) }) },] },
 Rpc { path: "/bendtwin.v1.FitService/DeleteFit", scope: Scope::FitsWrite, audited: true, routes: &[
-    Route { method: "DELETE", path: "/v1/fits/{id}", status: 204, location: "", secret: false, messages: Some(Messages { source: Source::Nothing, has_request_id: false, read: |given| read::<crate::v1::DeleteFitRequest>(given, |message, given| { message.name = given.id.to_owned(); }), write: write::<crate::v1::DeleteFitResponse> }) },] },
+    Route { method: "DELETE", path: "/v1/fits/{id}", status: 204, secret: false, messages: Some(Messages { source: Source::Nothing, has_request_id: false, read: |given| read::<crate::v1::DeleteFitRequest>(given, |message, given| { message.name = given.id.to_owned(); }), write: |reply| write::<crate::v1::DeleteFitResponse>(reply, |_| None) }) },] },
 Rpc { path: "/bendtwin.v1.FitService/WatchFit", scope: Scope::FitsRead, audited: false, routes: &[
-    Route { method: "GET", path: "/v1/fits/{id}/events", status: 200, location: "", secret: false, messages: None },] },
+    Route { method: "GET", path: "/v1/fits/{id}/events", status: 200, secret: false, messages: None },] },
 Rpc { path: "/bendtwin.v1.TwinService/CreateTwin", scope: Scope::TwinsWrite, audited: true, routes: &[
-    Route { method: "POST", path: "/v1/twins", status: 201, location: "", secret: false, messages: None },] },
+    Route { method: "POST", path: "/v1/twins", status: 201, secret: false, messages: None },] },
 Rpc { path: "/bendtwin.v1.TwinService/GetTwin", scope: Scope::TwinsRead, audited: false, routes: &[
-    Route { method: "GET", path: "/v1/twins/{id}", status: 200, location: "", secret: false, messages: Some(Messages { source: Source::Nothing, has_request_id: false, read: |given| read::<crate::v1::GetTwinRequest>(given, |message, given| { message.name = given.id.to_owned(); }), write: write::<crate::v1::Twin> }) },] },
+    Route { method: "GET", path: "/v1/twins/{id}", status: 200, secret: false, messages: Some(Messages { source: Source::Nothing, has_request_id: false, read: |given| read::<crate::v1::GetTwinRequest>(given, |message, given| { message.name = given.id.to_owned(); }), write: |reply| write::<crate::v1::Twin>(reply, |_| None) }) },] },
 Rpc { path: "/bendtwin.v1.TwinService/ListTwins", scope: Scope::TwinsRead, audited: false, routes: &[
-    Route { method: "GET", path: "/v1/twins", status: 200, location: "", secret: false, messages: Some(Messages { source: Source::Query, has_request_id: false, read: |given| read::<crate::v1::ListTwinsRequest>(given, |_, _| {  }), write: write::<crate::v1::ListTwinsResponse> }) },] },
+    Route { method: "GET", path: "/v1/twins", status: 200, secret: false, messages: Some(Messages { source: Source::Query, has_request_id: false, read: |given| read::<crate::v1::ListTwinsRequest>(given, |_, _| {  }), write: |reply| write::<crate::v1::ListTwinsResponse>(reply, |_| None) }) },] },
 Rpc { path: "/bendtwin.v1.TwinService/UpdateTwin", scope: Scope::TwinsWrite, audited: true, routes: &[
-    Route { method: "PATCH", path: "/v1/twins/{id}", status: 200, location: "", secret: false, messages: Some(Messages { source: Source::Body, has_request_id: false, read: |given| read::<crate::v1::UpdateTwinRequest>(given, |message, given| { message.twin.get_or_insert_default().name = given.id.to_owned(); }), write: write::<crate::v1::Twin> }) },] },
+    Route { method: "PATCH", path: "/v1/twins/{id}", status: 200, secret: false, messages: Some(Messages { source: Source::Body, has_request_id: false, read: |given| read::<crate::v1::UpdateTwinRequest>(given, |message, given| { message.twin.get_or_insert_default().name = given.id.to_owned(); }), write: |reply| write::<crate::v1::Twin>(reply, |_| None) }) },] },
 Rpc { path: "/bendtwin.v1.TwinService/DeleteTwin", scope: Scope::TwinsWrite, audited: true, routes: &[
-    Route { method: "DELETE", path: "/v1/twins/{id}", status: 204, location: "", secret: false, messages: Some(Messages { source: Source::Nothing, has_request_id: false, read: |given| read::<crate::v1::DeleteTwinRequest>(given, |message, given| { message.name = given.id.to_owned(); }), write: write::<crate::v1::DeleteTwinResponse> }) },] },
+    Route { method: "DELETE", path: "/v1/twins/{id}", status: 204, secret: false, messages: Some(Messages { source: Source::Nothing, has_request_id: false, read: |given| read::<crate::v1::DeleteTwinRequest>(given, |message, given| { message.name = given.id.to_owned(); }), write: |reply| write::<crate::v1::DeleteTwinResponse>(reply, |_| None) }) },] },
 Rpc { path: "/bendtwin.v1.TwinService/ExportTwin", scope: Scope::TwinsRead, audited: false, routes: &[
-    Route { method: "GET", path: "/v1/twins/{id}/content", status: 200, location: "", secret: false, messages: None },] },
+    Route { method: "GET", path: "/v1/twins/{id}/content", status: 200, secret: false, messages: None },] },
 Rpc { path: "/bendtwin.v1.TwinService/GetTwinGeometry", scope: Scope::TwinsRead, audited: false, routes: &[
-    Route { method: "GET", path: "/v1/twins/{id}/geometry", status: 200, location: "", secret: false, messages: None },] },
+    Route { method: "GET", path: "/v1/twins/{id}/geometry", status: 200, secret: false, messages: None },] },
 Rpc { path: "/bendtwin.v1.WorkerService/GetWorker", scope: Scope::Anyone, audited: false, routes: &[
-    Route { method: "GET", path: "/v1/workers/{id}", status: 200, location: "", secret: false, messages: Some(Messages { source: Source::Nothing, has_request_id: false, read: |given| read::<crate::v1::GetWorkerRequest>(given, |message, given| { message.name = given.id.to_owned(); }), write: write::<crate::v1::Worker> }) },] },
+    Route { method: "GET", path: "/v1/workers/{id}", status: 200, secret: false, messages: Some(Messages { source: Source::Nothing, has_request_id: false, read: |given| read::<crate::v1::GetWorkerRequest>(given, |message, given| { message.name = given.id.to_owned(); }), write: |reply| write::<crate::v1::Worker>(reply, |_| None) }) },] },
 Rpc { path: "/bendtwin.v1.WorkerService/ListWorkers", scope: Scope::Anyone, audited: false, routes: &[
-    Route { method: "GET", path: "/v1/workers", status: 200, location: "", secret: false, messages: Some(Messages { source: Source::Query, has_request_id: false, read: |given| read::<crate::v1::ListWorkersRequest>(given, |_, _| {  }), write: write::<crate::v1::ListWorkersResponse> }) },] },
+    Route { method: "GET", path: "/v1/workers", status: 200, secret: false, messages: Some(Messages { source: Source::Query, has_request_id: false, read: |given| read::<crate::v1::ListWorkersRequest>(given, |_, _| {  }), write: |reply| write::<crate::v1::ListWorkersResponse>(reply, |_| None) }) },] },
 Rpc { path: "/bendtwin.v1.WorkerService/DrainWorker", scope: Scope::Admin, audited: false, routes: &[
-    Route { method: "POST", path: "/v1/workers/{id}/drain", status: 200, location: "", secret: false, messages: Some(Messages { source: Source::Nothing, has_request_id: false, read: |given| read::<crate::v1::DrainWorkerRequest>(given, |message, given| { message.name = given.id.to_owned(); }), write: write::<crate::v1::Worker> }) },] },
+    Route { method: "POST", path: "/v1/workers/{id}/drain", status: 200, secret: false, messages: Some(Messages { source: Source::Nothing, has_request_id: false, read: |given| read::<crate::v1::DrainWorkerRequest>(given, |message, given| { message.name = given.id.to_owned(); }), write: |reply| write::<crate::v1::Worker>(reply, |_| None) }) },] },
 Rpc { path: "/bendtwin.v1.KeyService/CreateKey", scope: Scope::Admin, audited: true, routes: &[
-    Route { method: "POST", path: "/v1/keys", status: 201, location: "/key/name", secret: true, messages: Some(Messages { source: Source::Body, has_request_id: false, read: |given| read::<crate::v1::CreateKeyRequest>(given, |_, _| {  }), write: write::<crate::v1::CreateKeyResponse> }) },] },
+    Route { method: "POST", path: "/v1/keys", status: 201, secret: true, messages: Some(Messages { source: Source::Body, has_request_id: false, read: |given| read::<crate::v1::CreateKeyRequest>(given, |_, _| {  }), write: |reply| write::<crate::v1::CreateKeyResponse>(reply, |message| message.key.as_ref().map(|made| &made.name)) }) },] },
 Rpc { path: "/bendtwin.v1.KeyService/GetKey", scope: Scope::Admin, audited: false, routes: &[
-    Route { method: "GET", path: "/v1/keys/{id}", status: 200, location: "", secret: false, messages: Some(Messages { source: Source::Nothing, has_request_id: false, read: |given| read::<crate::v1::GetKeyRequest>(given, |message, given| { message.name = given.id.to_owned(); }), write: write::<crate::v1::Key> }) },] },
+    Route { method: "GET", path: "/v1/keys/{id}", status: 200, secret: false, messages: Some(Messages { source: Source::Nothing, has_request_id: false, read: |given| read::<crate::v1::GetKeyRequest>(given, |message, given| { message.name = given.id.to_owned(); }), write: |reply| write::<crate::v1::Key>(reply, |_| None) }) },] },
 Rpc { path: "/bendtwin.v1.KeyService/ListKeys", scope: Scope::Admin, audited: false, routes: &[
-    Route { method: "GET", path: "/v1/keys", status: 200, location: "", secret: false, messages: Some(Messages { source: Source::Query, has_request_id: false, read: |given| read::<crate::v1::ListKeysRequest>(given, |_, _| {  }), write: write::<crate::v1::ListKeysResponse> }) },] },
+    Route { method: "GET", path: "/v1/keys", status: 200, secret: false, messages: Some(Messages { source: Source::Query, has_request_id: false, read: |given| read::<crate::v1::ListKeysRequest>(given, |_, _| {  }), write: |reply| write::<crate::v1::ListKeysResponse>(reply, |_| None) }) },] },
 Rpc { path: "/bendtwin.v1.KeyService/DeleteKey", scope: Scope::Admin, audited: true, routes: &[
-    Route { method: "DELETE", path: "/v1/keys/{id}", status: 204, location: "", secret: false, messages: Some(Messages { source: Source::Nothing, has_request_id: false, read: |given| read::<crate::v1::DeleteKeyRequest>(given, |message, given| { message.name = given.id.to_owned(); }), write: write::<crate::v1::DeleteKeyResponse> }) },] },
+    Route { method: "DELETE", path: "/v1/keys/{id}", status: 204, secret: false, messages: Some(Messages { source: Source::Nothing, has_request_id: false, read: |given| read::<crate::v1::DeleteKeyRequest>(given, |message, given| { message.name = given.id.to_owned(); }), write: |reply| write::<crate::v1::DeleteKeyResponse>(reply, |_| None) }) },] },
 Rpc { path: "/bendtwin.v1.RolloutService/RollOut", scope: Scope::RolloutsRun, audited: false, routes: &[
-    Route { method: "POST", path: "/v1/twins/{id}/rollouts", status: 200, location: "", secret: false, messages: None },] },
+    Route { method: "POST", path: "/v1/twins/{id}/rollouts", status: 200, secret: false, messages: None },] },
 Rpc { path: "/bendtwin.v1.RolloutService/StreamRollOut", scope: Scope::RolloutsRun, audited: false, routes: &[
-    Route { method: "POST", path: "/v1/twins/{id}/rollouts/stream", status: 200, location: "", secret: false, messages: None },] },
+    Route { method: "POST", path: "/v1/twins/{id}/rollouts/stream", status: 200, secret: false, messages: None },] },
 Rpc { path: "/bendtwin.v1.PlanningService/Plan", scope: Scope::RolloutsRun, audited: false, routes: &[
-    Route { method: "POST", path: "/v1/plans", status: 200, location: "", secret: false, messages: None },] },
+    Route { method: "POST", path: "/v1/plans", status: 200, secret: false, messages: None },] },
 Rpc { path: "/bendtwin.v1.RegistrationService/RegisterState", scope: Scope::RolloutsRun, audited: false, routes: &[
-    Route { method: "POST", path: "/v1/twins/{id}/register", status: 200, location: "", secret: false, messages: None },] },
+    Route { method: "POST", path: "/v1/twins/{id}/register", status: 200, secret: false, messages: None },] },
 Rpc { path: "/bendtwin.v1.EvaluationService/EvaluateTwin", scope: Scope::RolloutsRun, audited: false, routes: &[
-    Route { method: "POST", path: "/v1/twins/{id}/evaluations", status: 200, location: "", secret: false, messages: None },] },
+    Route { method: "POST", path: "/v1/twins/{id}/evaluations", status: 200, secret: false, messages: None },] },
 Rpc { path: "/bendtwin.v1.SessionService/OpenSession", scope: Scope::RolloutsRun, audited: false, routes: &[
-    Route { method: "POST", path: "/v1/sessions", status: 201, location: "/name", secret: false, messages: None },] },
+    Route { method: "POST", path: "/v1/sessions", status: 201, secret: false, messages: None },] },
 Rpc { path: "/bendtwin.v1.SessionService/GetSession", scope: Scope::RolloutsRun, audited: false, routes: &[
-    Route { method: "GET", path: "/v1/sessions/{id}", status: 200, location: "", secret: false, messages: Some(Messages { source: Source::Nothing, has_request_id: false, read: |given| read::<crate::v1::GetSessionRequest>(given, |message, given| { message.name = given.id.to_owned(); }), write: write::<crate::v1::Session> }) },] },
+    Route { method: "GET", path: "/v1/sessions/{id}", status: 200, secret: false, messages: Some(Messages { source: Source::Nothing, has_request_id: false, read: |given| read::<crate::v1::GetSessionRequest>(given, |message, given| { message.name = given.id.to_owned(); }), write: |reply| write::<crate::v1::Session>(reply, |_| None) }) },] },
 Rpc { path: "/bendtwin.v1.SessionService/GetSessionStates", scope: Scope::RolloutsRun, audited: false, routes: &[
-    Route { method: "GET", path: "/v1/sessions/{id}/states", status: 200, location: "", secret: false, messages: None },] },
+    Route { method: "GET", path: "/v1/sessions/{id}/states", status: 200, secret: false, messages: None },] },
 Rpc { path: "/bendtwin.v1.SessionService/AdvanceSession", scope: Scope::RolloutsRun, audited: false, routes: &[
-    Route { method: "POST", path: "/v1/sessions/{id}/advance", status: 200, location: "", secret: false, messages: None },] },
+    Route { method: "POST", path: "/v1/sessions/{id}/advance", status: 200, secret: false, messages: None },] },
 Rpc { path: "/bendtwin.v1.SessionService/ControlSession", scope: Scope::RolloutsRun, audited: false, routes: &[] },
 Rpc { path: "/bendtwin.v1.SessionService/ForkSession", scope: Scope::RolloutsRun, audited: false, routes: &[
-    Route { method: "POST", path: "/v1/sessions/{id}/fork", status: 200, location: "", secret: false, messages: None },] },
+    Route { method: "POST", path: "/v1/sessions/{id}/fork", status: 200, secret: false, messages: None },] },
 Rpc { path: "/bendtwin.v1.SessionService/ResetSession", scope: Scope::RolloutsRun, audited: false, routes: &[
-    Route { method: "POST", path: "/v1/sessions/{id}/reset", status: 200, location: "", secret: false, messages: None },] },
+    Route { method: "POST", path: "/v1/sessions/{id}/reset", status: 200, secret: false, messages: None },] },
 Rpc { path: "/bendtwin.v1.SessionService/CorrectSession", scope: Scope::RolloutsRun, audited: false, routes: &[
-    Route { method: "POST", path: "/v1/sessions/{id}/correct", status: 200, location: "", secret: false, messages: None },] },
+    Route { method: "POST", path: "/v1/sessions/{id}/correct", status: 200, secret: false, messages: None },] },
 Rpc { path: "/bendtwin.v1.SessionService/StepSession", scope: Scope::RolloutsRun, audited: false, routes: &[
-    Route { method: "POST", path: "/v1/sessions/{id}/step", status: 200, location: "", secret: false, messages: None },] },
+    Route { method: "POST", path: "/v1/sessions/{id}/step", status: 200, secret: false, messages: None },] },
 Rpc { path: "/bendtwin.v1.SessionService/CloseSession", scope: Scope::RolloutsRun, audited: false, routes: &[
-    Route { method: "DELETE", path: "/v1/sessions/{id}", status: 204, location: "", secret: false, messages: Some(Messages { source: Source::Nothing, has_request_id: false, read: |given| read::<crate::v1::CloseSessionRequest>(given, |message, given| { message.name = given.id.to_owned(); }), write: write::<crate::v1::CloseSessionResponse> }) },] },
+    Route { method: "DELETE", path: "/v1/sessions/{id}", status: 204, secret: false, messages: Some(Messages { source: Source::Nothing, has_request_id: false, read: |given| read::<crate::v1::CloseSessionRequest>(given, |message, given| { message.name = given.id.to_owned(); }), write: |reply| write::<crate::v1::CloseSessionResponse>(reply, |_| None) }) },] },
 Rpc { path: "/bendtwin.worker.v1.WorkerLink/Register", scope: Scope::Worker, audited: false, routes: &[] },
 Rpc { path: "/bendtwin.worker.v1.WorkerLink/Heartbeat", scope: Scope::Worker, audited: false, routes: &[] },
 Rpc { path: "/bendtwin.worker.v1.WorkerLink/LeaseJob", scope: Scope::Worker, audited: false, routes: &[] },

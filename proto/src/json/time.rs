@@ -1,4 +1,4 @@
-//! Times as JSON: RFC 3339 in UTC, with as many digits of a second as it takes.
+//! Times as messages and as JSON: RFC 3339 in UTC, with as many digits of a second as it takes.
 
 use jiff::Timestamp;
 use serde::{
@@ -25,11 +25,17 @@ pub(super) fn time<'de, A: MapAccess<'de>>(
     let time: Timestamp = text
         .parse()
         .map_err(|_| A::Error::custom("is not an RFC 3339 time, such as 2030-01-31T12:00:00Z"))?;
+    Ok(Some(timestamp(time)))
+}
+
+/// A time as a message.
+pub fn timestamp(time: Timestamp) -> prost_types::Timestamp {
     // Whole nanoseconds since the epoch, split so that nanos are never negative.
     let nanos = time.as_nanosecond();
     const SECOND: i128 = 1_000_000_000;
-    Ok(Some(prost_types::Timestamp {
-        seconds: i64::try_from(nanos.div_euclid(SECOND)).map_err(A::Error::custom)?,
-        nanos: i32::try_from(nanos.rem_euclid(SECOND)).map_err(A::Error::custom)?,
-    }))
+    // Times end with the year 9999, so neither is cut.
+    prost_types::Timestamp {
+        seconds: nanos.div_euclid(SECOND) as i64,
+        nanos: nanos.rem_euclid(SECOND) as i32,
+    }
 }

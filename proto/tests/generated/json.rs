@@ -93,6 +93,7 @@ impl Fields for {path} {{
         Ok(())
     }}
 }}
+written!({path});
 "#,
         path = rust_path(full),
         name = message.name(),
@@ -119,6 +120,7 @@ impl Words for {path} {{
         Self::try_from(number).ok().map(|value| value.as_str_name())
     }}
 }}
+word_written!({path});
 "#,
         path = rust_path(&full),
     )

@@ -38,10 +38,6 @@ pub(crate) fn by_hand(contract: &Contract, by_hand: &Value) -> String {
 
 fn route(contract: &Contract, rpc: &Rpc, route: &Route) -> String {
     let Route { method, path, status, secret, .. } = route;
-    let location = match route.location.as_str() {
-        "" => String::new(),
-        location => format!("/{}", location.replace('.', "/")),
-    };
     let is_plain = !route.by_hand && !route.tensors && !rpc.is_streaming;
     let messages = match is_plain {
         true => format!("Some({})", messages(contract, rpc, route)),
@@ -49,7 +45,7 @@ fn route(contract: &Contract, rpc: &Rpc, route: &Route) -> String {
     };
     format!(
         "\n    Route {{ method: \"{method}\", path: \"{path}\", status: {status}, \
-         location: \"{location}\", secret: {secret}, messages: {messages} }},"
+         secret: {secret}, messages: {messages} }},"
     )
 }
 
@@ -75,9 +71,19 @@ fn messages(contract: &Contract, rpc: &Rpc, route: &Route) -> String {
         bind.push("message.request_id = given.request_id.to_owned();".to_owned());
     }
     let names = if bind.is_empty() { "_, _" } else { "message, given" };
+    let made = match route.location.split_once('.') {
+        Some((resource, field)) => {
+            format!("|message| message.{resource}.as_ref().map(|made| &made.{field})")
+        }
+        None if !route.location.is_empty() => {
+            format!("|message| Some(&message.{})", route.location)
+        }
+        None => "|_| None".to_owned(),
+    };
     format!(
         "Messages {{ source: Source::{source}, has_request_id: {has_request_id}, \
-         read: |given| read::<{input}>(given, |{names}| {{ {bind} }}), write: write::<{output}> }}",
+         read: |given| read::<{input}>(given, |{names}| {{ {bind} }}), \
+         write: |reply| write::<{output}>(reply, {made}) }}",
         input = rust_path(&rpc.input),
         output = rust_path(&rpc.output),
         bind = bind.join(" "),

@@ -1,27 +1,24 @@
-//! Captures. Their content is opaque here; workers read it.
+//! Captures. Their content is opaque here; workers read it. What people state about them is in
+//! `facts`.
+
+mod facts;
 
 use bendtwin_core::ids::CaptureId;
-use bendtwin_proto::v1::CaptureMetadata;
-use bendtwin_store::{Capture, Content, Creator, NewCapture, Overview, Page, Staged};
+use bendtwin_proto::v1::{CaptureMetadata, ListCapturesRequest, UpdateCaptureRequest};
+use bendtwin_store::{Capture, CaptureFacts, Content, Creator, NewCapture, Overview, Page, Staged};
 
-use super::{
-    App, Body, Error, Result,
-    ingests::Ingest,
-    labels::{CAPTURE_ORDERS, Listing},
-};
+use super::{App, Body, Error, Result};
 use crate::{audit, context::Context};
 
 impl App {
     pub(crate) async fn create_capture(
         &self,
-        metadata: CaptureMetadata,
+        mut metadata: CaptureMetadata,
         body: Body,
     ) -> Result<Overview> {
-        let display_name = super::labels::display_name(metadata.display_name)?;
-        let request_id = super::request_id(metadata.request_id)?;
+        let request_id = super::request_id(std::mem::take(&mut metadata.request_id))?;
         let digest = super::digest(&metadata.digest)?;
-        let requirements = super::requirements::of(metadata.ingest_requirements);
-        let ingest = self.ingest(&metadata.ingest_json, requirements)?;
+        let facts = self.capture_facts(metadata)?;
         self.require_room(0)?;
         let limit = self.options.limits.capture_bytes;
         let _buffers = self.memory.upload().await?;
@@ -30,30 +27,20 @@ impl App {
             return Err(Error::invalid("content", "is empty: send the capture archive"));
         }
         let creator = Context::current().caller.creator();
-        self.store_capture(display_name, request_id, ingest, content, creator).await
+        self.store_capture(facts, request_id, content, creator).await
     }
 
     /// Makes a capture of received content, the last step of every upload.
     pub(super) async fn store_capture(
         &self,
-        display_name: String,
+        facts: CaptureFacts,
         request_id: Option<String>,
-        ingest: Ingest,
         content: Staged,
         creator: Creator,
     ) -> Result<Overview> {
         let done: Result<Overview> = async {
             let trace_parent = Context::current().trace_parent();
-            let Ingest { settings: ingest, requirements } = ingest;
-            let new = NewCapture {
-                display_name,
-                request_id,
-                content,
-                ingest,
-                requirements,
-                creator,
-                trace_parent,
-            };
+            let new = NewCapture { facts, request_id, content, creator, trace_parent };
             let store = self.store.clone();
             let capture = self.change(async move { store.captures().create(new).await }).await?;
             tracing::info!(capture = %capture.id, bytes = capture.size_bytes, "capture stored");
@@ -68,9 +55,22 @@ impl App {
         Ok(self.store.captures().overview(super::name(name)?).await?)
     }
 
-    pub(crate) async fn captures(&self, listing: Listing) -> Result<Page<Overview>> {
-        let query = listing.query(&CAPTURE_ORDERS)?;
-        Ok(self.store.captures().overviews(&query).await?)
+    pub(crate) async fn captures(&self, request: ListCapturesRequest) -> Result<Page<Overview>> {
+        Ok(self.store.captures().overviews(&facts::query(request)?).await?)
+    }
+
+    pub(crate) async fn update_capture(&self, request: UpdateCaptureRequest) -> Result<Overview> {
+        let name = request.capture.as_ref().map(|capture| capture.name.clone()).unwrap_or_default();
+        let done: Result<Overview> = async {
+            let (id, change) = (super::name(&name)?, facts::change(request)?);
+            self.require_room(0)?;
+            let store = self.store.clone();
+            self.change(async move { store.captures().update(id, &change).await }).await?;
+            Ok(self.store.captures().overview(id).await?)
+        }
+        .await;
+        audit::changed("UpdateCapture", &name, &done);
+        done
     }
 
     pub(crate) async fn capture_content(&self, name: &str) -> Result<(Capture, Content)> {

@@ -1,15 +1,17 @@
 //! Names, notes and tags that people give, and the lists that are searched and sorted by them.
 
 use bendtwin_core::ids::{CaptureId, FitId};
+use bendtwin_proto::v1::{self, Fit, UpdateFitRequest, UpdateTwinRequest};
 use bendtwin_store::{
-    Job, LabelChange, ListQuery, MAX_TAGS, Order, OrderKey, Overview, PageRequest, State, Twin,
+    Job, LabelChange, ListQuery, MAX_TAGS, Order, OrderKey, PageRequest, State, Twin,
 };
+use prost_types::FieldMask;
 
 use super::{App, Error, Result};
 use crate::audit;
 
-/// Longest display name [characters].
-const NAME_LENGTH: usize = 200;
+/// Longest text of one line, such as a display name [characters].
+const LINE_LENGTH: usize = 200;
 /// Longest note [bytes].
 const NOTE_BYTES: usize = 10_000;
 /// Longest tag [characters].
@@ -17,14 +19,22 @@ const TAG_LENGTH: usize = 50;
 /// Longest text to search for [characters].
 const SEARCH_LENGTH: usize = 200;
 
-/// A requested change of name, note and tags; `None` keeps a value.
+/// Labels in a request that updates a resource.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Change {
-    pub(crate) display_name: Option<String>,
-    pub(crate) note: Option<String>,
-    pub(crate) tags: Option<Vec<String>>,
+pub(crate) struct GivenLabels {
+    pub(crate) display_name: String,
+    pub(crate) note: String,
+    pub(crate) tags: Vec<String>,
     pub(crate) add_tags: Vec<String>,
     pub(crate) remove_tags: Vec<String>,
+}
+
+/// The fields that an update changes (AIP-134): those of its mask, or, without one, those that are
+/// not empty.
+pub(super) struct Mask {
+    given: Option<FieldMask>,
+    /// Fields that were asked for.
+    known: Vec<&'static str>,
 }
 
 /// A requested list; empty fields mean no filter, and newest first.
@@ -39,10 +49,49 @@ pub(crate) struct Listing {
     pub(crate) order_by: String,
 }
 
-impl Change {
-    /// The change, if it is one that may be made.
-    fn check(self) -> Result<LabelChange> {
+impl Mask {
+    pub(super) fn new(given: Option<FieldMask>) -> Self {
+        Self { given, known: Vec::new() }
+    }
+
+    /// The value of a field, if the update changes it.
+    pub(super) fn changed<T: Default + PartialEq>(
+        &mut self,
+        field: &'static str,
+        value: T,
+    ) -> Option<T> {
+        self.known.push(field);
+        let is_changed = match &self.given {
+            Some(mask) => is_whole(mask) || mask.paths.iter().any(|path| path == field),
+            None => value != T::default(),
+        };
+        is_changed.then_some(value)
+    }
+
+    /// Refuses paths of other fields than those that were asked for.
+    pub(super) fn finish(self) -> Result<()> {
+        let Self { given, known } = self;
+        let is_known = |path: &String| known.contains(&path.as_str());
+        match given {
+            Some(mask) if !is_whole(&mask) && !mask.paths.iter().all(is_known) => {
+                let fault = format!("has a path other than {}", known.join(", "));
+                Err(Error::invalid("update_mask", fault))
+            }
+            _ => Ok(()),
+        }
+    }
+}
+
+fn is_whole(mask: &FieldMask) -> bool {
+    mask.paths == ["*"]
+}
+
+impl GivenLabels {
+    /// The change, if it may be made.
+    pub(super) fn change(self, mask: &mut Mask) -> Result<LabelChange> {
         let Self { display_name, note, tags, add_tags, remove_tags } = self;
+        let display_name = mask.changed("display_name", display_name);
+        let (note, tags) = (mask.changed("note", note), mask.changed("tags", tags));
         if tags.is_some() && !(add_tags.is_empty() && remove_tags.is_empty()) {
             let fault = "replaces all tags: leave add_tags and remove_tags out beside it";
             return Err(Error::invalid("tags", fault));
@@ -54,6 +103,14 @@ impl Change {
             add_tags: self::tags("add_tags", add_tags)?,
             remove_tags: self::tags("remove_tags", remove_tags)?,
         })
+    }
+
+    /// The change of a resource that has nothing else to change.
+    fn whole_change(self, mask: Option<FieldMask>) -> Result<LabelChange> {
+        let mut mask = Mask::new(mask);
+        let change = self.change(&mut mask)?;
+        mask.finish()?;
+        Ok(change)
     }
 }
 
@@ -67,13 +124,10 @@ impl Listing {
         }
         let capture: Option<CaptureId> = super::optional_name(&capture)?;
         let (owner, order) = (self::owner(owner)?, order(&order_by, keys)?);
-        Ok(ListQuery { page, search, tag, capture, state, owner, order })
+        Ok(ListQuery { search, tag, capture, state, owner, order, ..page.into() })
     }
 }
 
-/// Orders of captures.
-pub(super) const CAPTURE_ORDERS: [(&str, OrderKey); 2] =
-    [("create_time", OrderKey::CreateTime), ("name", OrderKey::Name)];
 /// Orders of fits and twins.
 pub(super) const ORDERS: [(&str, OrderKey); 3] =
     [("create_time", OrderKey::CreateTime), ("name", OrderKey::Name), ("error", OrderKey::Error)];
@@ -101,21 +155,21 @@ fn order(text: &str, keys: &[(&str, OrderKey)]) -> Result<Order> {
 
 /// Checks a display name.
 pub(super) fn display_name(text: String) -> Result<String> {
-    if text.chars().count() > NAME_LENGTH {
-        let fault = format!("is longer than {NAME_LENGTH} characters");
-        return Err(Error::invalid("display_name", fault));
-    }
-    if text.chars().any(char::is_control) {
-        return Err(Error::invalid("display_name", "has control characters"));
-    }
-    Ok(text)
+    line("display_name", text)
 }
 
 /// Checks the name of an owner.
 pub(super) fn owner(text: String) -> Result<String> {
-    if text.chars().count() > NAME_LENGTH || text.chars().any(char::is_control) {
-        let fault = format!("must be up to {NAME_LENGTH} characters without control characters");
-        return Err(Error::invalid("owner", fault));
+    line("owner", text)
+}
+
+/// Checks a text of one line.
+pub(super) fn line(field: &'static str, text: String) -> Result<String> {
+    if text.chars().count() > LINE_LENGTH {
+        return Err(Error::invalid(field, format!("is longer than {LINE_LENGTH} characters")));
+    }
+    if text.chars().any(char::is_control) {
+        return Err(Error::invalid(field, "has control characters"));
     }
     Ok(text)
 }
@@ -153,40 +207,33 @@ fn tags(field: &'static str, tags: Vec<String>) -> Result<Vec<String>> {
 }
 
 impl App {
-    pub(crate) async fn update_capture(&self, name: &str, change: Change) -> Result<Overview> {
-        let done: Result<Overview> = async {
-            let (id, change) = (super::name(name)?, change.check()?);
-            self.require_room(0)?;
-            let store = self.store.clone();
-            self.change(async move { store.captures().update(id, &change).await }).await?;
-            Ok(self.store.captures().overview(id).await?)
-        }
-        .await;
-        audit::changed("UpdateCapture", name, &done);
-        done
-    }
-
-    pub(crate) async fn update_fit(&self, name: &str, change: Change) -> Result<Job> {
+    pub(crate) async fn update_fit(&self, request: UpdateFitRequest) -> Result<Job> {
+        let UpdateFitRequest { fit, update_mask, add_tags, remove_tags } = request;
+        let Fit { name, display_name, note, tags, .. } = fit.unwrap_or_default();
+        let given = GivenLabels { display_name, note, tags, add_tags, remove_tags };
         let done: Result<Job> = async {
-            let (id, change): (FitId, _) = (super::name(name)?, change.check()?);
+            let (id, change): (FitId, _) = (super::name(&name)?, given.whole_change(update_mask)?);
             self.require_room(0)?;
             let store = self.store.clone();
             self.change(async move { store.jobs().update_fit(id, &change).await }).await
         }
         .await;
-        audit::changed("UpdateFit", name, &done);
+        audit::changed("UpdateFit", &name, &done);
         done
     }
 
-    pub(crate) async fn update_twin(&self, name: &str, change: Change) -> Result<Twin> {
+    pub(crate) async fn update_twin(&self, request: UpdateTwinRequest) -> Result<Twin> {
+        let UpdateTwinRequest { twin, update_mask, add_tags, remove_tags } = request;
+        let v1::Twin { name, display_name, note, tags, .. } = twin.unwrap_or_default();
+        let given = GivenLabels { display_name, note, tags, add_tags, remove_tags };
         let done: Result<Twin> = async {
-            let (id, change) = (super::name(name)?, change.check()?);
+            let (id, change) = (super::name(&name)?, given.whole_change(update_mask)?);
             self.require_room(0)?;
             let store = self.store.clone();
             self.change(async move { store.twins().update(id, &change).await }).await
         }
         .await;
-        audit::changed("UpdateTwin", name, &done);
+        audit::changed("UpdateTwin", &name, &done);
         done
     }
 }

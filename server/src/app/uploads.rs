@@ -23,7 +23,7 @@ use metadata::Metadata;
 
 /// Display name of the capture that an upload with this metadata would become.
 pub(crate) fn capture_name(metadata: &str) -> Result<String> {
-    super::labels::display_name(Metadata::parse(metadata)?.capture_name())
+    super::labels::display_name(Metadata::parse(metadata)?.capture.display_name)
 }
 
 /// Time for which a request waits for the request before it to release the upload.
@@ -63,15 +63,13 @@ impl App {
         let done: Result<ResumableUpload> = async {
             let metadata = Metadata::parse(&new.metadata)?;
             let request_id = super::request_id(metadata.one_request_id(new.request_id)?)?;
-            let display_name = super::labels::display_name(metadata.capture_name())?;
-            let capture = metadata.capture;
+            let expected_digest = super::digest(&metadata.capture.digest)?;
+            let facts = self.capture_facts(metadata.capture)?;
             self.check_length(new.length_bytes)?;
-            let requirements = super::requirements::of(capture.ingest_requirements);
-            self.ingest(&capture.ingest_json, requirements)?;
             let new = NewResumableUpload {
-                display_name,
+                display_name: facts.display_name,
                 request_id,
-                expected_digest: super::digest(&capture.digest)?,
+                expected_digest,
                 metadata: new.metadata,
                 length_bytes: new.length_bytes,
                 has_content: new.has_content,
@@ -308,13 +306,10 @@ impl App {
         upload: &ResumableUpload,
         quotas: Quotas,
     ) -> Result<()> {
-        let capture = Metadata::parse(&upload.metadata)?.capture;
-        let requirements = super::requirements::of(capture.ingest_requirements);
-        let ingest = self.ingest(&capture.ingest_json, requirements)?;
+        let facts = self.capture_facts(Metadata::parse(&upload.metadata)?.capture)?;
         let content = writer.stage().await?;
-        let (name, request_id) = (upload.display_name.clone(), upload.request_id.clone());
         let creator = Creator { owner: upload.owner.clone(), quotas };
-        self.store_capture(name, request_id, ingest, content, creator).await?;
+        self.store_capture(facts, upload.request_id.clone(), content, creator).await?;
         Ok(())
     }
 

@@ -10,8 +10,8 @@ use bendtwin_proto::v1::{
 };
 use tonic::{Request, Response, Status, Streaming};
 
-use super::{Api, Reply, chunks, convert, convert::GivenLabels, reply, upload};
-use crate::app::{Listing, requirements_of};
+use super::{Api, Reply, chunks, convert, reply, upload};
+use crate::app::requirements_of;
 
 #[tonic::async_trait]
 impl CaptureService for Api {
@@ -41,18 +41,7 @@ impl CaptureService for Api {
         &self,
         request: Request<ListCapturesRequest>,
     ) -> Result<Response<ListCapturesResponse>, Status> {
-        let r = request.into_inner();
-        let page = self
-            .app
-            .captures(Listing {
-                page: convert::page(r.page_size, r.page_token),
-                search: r.search,
-                tag: r.tag,
-                owner: r.owner,
-                order_by: r.order_by,
-                ..Listing::default()
-            })
-            .await?;
+        let page = self.app.captures(request.into_inner()).await?;
         Ok(Response::new(ListCapturesResponse {
             captures: page.items.into_iter().map(convert::capture).collect(),
             next_page_token: page.next_token,
@@ -63,11 +52,8 @@ impl CaptureService for Api {
         &self,
         request: Request<UpdateCaptureRequest>,
     ) -> Result<Response<Capture>, Status> {
-        let r = request.into_inner();
-        let Capture { name, display_name, note, tags, .. } = r.capture.unwrap_or_default();
-        let given = GivenLabels { display_name, note, tags };
-        let change = convert::change(given, r.update_mask, r.add_tags, r.remove_tags)?;
-        Ok(Response::new(convert::capture(self.app.update_capture(&name, change).await?)))
+        let capture = self.app.update_capture(request.into_inner()).await?;
+        Ok(Response::new(convert::capture(capture)))
     }
 
     async fn delete_capture(

@@ -1,65 +1,14 @@
 //! Rows of the store as messages.
 
 use bendtwin_core::{ModelLoss, Progress, Stage};
-use bendtwin_proto::v1;
+use bendtwin_proto::{json::timestamp as time, v1};
 use bendtwin_store::{Job, Key, Overview, PageRequest, Quotas, Requirements, State, Twin};
 use jiff::Timestamp;
 
-use crate::app::{Change, Error, Result, WorkerView};
-
-pub(super) fn time(time: Timestamp) -> prost_types::Timestamp {
-    // Whole nanoseconds since the epoch, split so that nanos are never negative.
-    let nanos = time.as_nanosecond();
-    const SECOND: i128 = 1_000_000_000;
-    prost_types::Timestamp {
-        seconds: i64::try_from(nanos.div_euclid(SECOND)).unwrap_or_default(),
-        nanos: i32::try_from(nanos.rem_euclid(SECOND)).unwrap_or_default(),
-    }
-}
+use crate::app::{Error, Result, WorkerView};
 
 pub(super) fn page(size: u32, token: String) -> PageRequest {
     PageRequest { size, token }
-}
-
-/// Labels that an update may change.
-pub(super) struct GivenLabels {
-    pub(super) display_name: String,
-    pub(super) note: String,
-    pub(super) tags: Vec<String>,
-}
-
-/// The change that an update asks for (AIP-134): the fields of its mask, or, without one, those that
-/// are not empty.
-pub(super) fn change(
-    given: GivenLabels,
-    mask: Option<prost_types::FieldMask>,
-    add_tags: Vec<String>,
-    remove_tags: Vec<String>,
-) -> Result<Change> {
-    const FIELDS: [&str; 3] = ["display_name", "note", "tags"];
-    let GivenLabels { display_name, note, tags } = given;
-    let paths: Vec<String> = match mask {
-        Some(mask) if mask.paths == ["*"] => FIELDS.map(str::to_owned).into(),
-        Some(mask) => mask.paths,
-        None => [!display_name.is_empty(), !note.is_empty(), !tags.is_empty()]
-            .into_iter()
-            .zip(FIELDS)
-            .filter(|(given, _)| *given)
-            .map(|(_, field)| field.to_owned())
-            .collect(),
-    };
-    if !paths.iter().all(|path| FIELDS.contains(&path.as_str())) {
-        let fault = "has a path other than display_name, note, tags";
-        return Err(Error::invalid("update_mask", fault));
-    }
-    let has = |field: &str| paths.iter().any(|path| path == field);
-    Ok(Change {
-        display_name: has("display_name").then_some(display_name),
-        note: has("note").then_some(note),
-        tags: has("tags").then_some(tags),
-        add_tags,
-        remove_tags,
-    })
 }
 
 pub(crate) fn capture(overview: Overview) -> v1::Capture {
@@ -76,6 +25,7 @@ pub(crate) fn capture(overview: Overview) -> v1::Capture {
         note: capture.labels.note,
         tags: capture.labels.tags,
         owner: capture.owner,
+        recorded_by: capture.recorded_by,
     }
 }
 

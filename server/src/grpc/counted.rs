@@ -18,16 +18,13 @@ use tower::Service;
 use super::screened::Screened;
 use crate::{
     app::{App, ReplyHold},
-    memory::{ReceiveError, Received, Shares},
+    memory::{GRPC_PREFIX, ReceiveError, Received, Shares},
     refusal::Refusal,
 };
 
 /// Mark of a request that HTTP makes in this process: its bytes are in memory already, within the limit of a JSON body.
 #[derive(Clone, Copy)]
 pub(crate) struct InProcess;
-
-/// Bytes before a message.
-const PREFIX: usize = 5;
 
 /// A service whose calls have one message, but for streams of them.
 #[derive(Clone)]
@@ -126,7 +123,7 @@ async fn receive(app: &App, body: Body, encoded: Encoded) -> Result<Received, St
         ReceiveError::TooLong => Status::out_of_range("the message is too long"),
         ReceiveError::Broken(error) => Status::cancelled(format!("the body broke off: {error}")),
     })?;
-    if let Some((&[0, ..], message)) = received.bytes.split_at_checked(PREFIX) {
+    if let Some((&[0, ..], message)) = received.bytes.split_at_checked(GRPC_PREFIX) {
         rollout::check_encoded(encoded, message, &limits).map_err(|e| fault::status(&e.fault()))?;
     }
     Ok(received)

@@ -7,7 +7,7 @@ use bendtwin_proto::v1::{
 };
 use tonic::{Request, Response, Status};
 
-use super::{Api, Reply, convert, convert::GivenLabels, reply};
+use super::{Api, Reply, convert, reply};
 use crate::app::{FitOrder, Listing, requirements_of};
 
 #[tonic::async_trait]
@@ -61,11 +61,7 @@ impl FitService for Api {
         &self,
         request: Request<UpdateFitRequest>,
     ) -> Result<Response<Fit>, Status> {
-        let r = request.into_inner();
-        let Fit { name, display_name, note, tags, .. } = r.fit.unwrap_or_default();
-        let given = GivenLabels { display_name, note, tags };
-        let change = convert::change(given, r.update_mask, r.add_tags, r.remove_tags)?;
-        Ok(Response::new(convert::fit(self.app.update_fit(&name, change).await?)))
+        Ok(Response::new(convert::fit(self.app.update_fit(request.into_inner()).await?)))
     }
 
     async fn get_fit_losses(

@@ -12,8 +12,8 @@ use bytes::{Buf as _, Bytes, BytesMut};
 use hyper::body::{Body as HttpBody, Frame};
 use tonic::{Status, body::Body};
 
-/// Bytes before a message: a flag and the length.
-const PREFIX: usize = 5;
+use crate::memory::GRPC_PREFIX;
+
 /// Longest message of a stream [bytes]: what a robot does in a moment is short.
 const LONGEST: usize = 1 << 20;
 
@@ -33,7 +33,7 @@ impl Screened {
 
     /// The next whole message with its prefix, if it has arrived.
     fn message(&mut self) -> Result<Option<Bytes>, Status> {
-        let Some(mut prefix) = self.waiting.get(..PREFIX) else { return Ok(None) };
+        let Some(mut prefix) = self.waiting.get(..GRPC_PREFIX) else { return Ok(None) };
         let is_compressed = prefix.get_u8() != 0;
         let length = prefix.get_u32() as usize;
         if length > LONGEST {
@@ -41,12 +41,12 @@ impl Screened {
                 "a message of {length} bytes: {LONGEST} are the most in a stream"
             )));
         }
-        if self.waiting.len() < PREFIX + length {
+        if self.waiting.len() < GRPC_PREFIX + length {
             return Ok(None);
         }
-        let message = self.waiting.split_to(PREFIX + length).freeze();
+        let message = self.waiting.split_to(GRPC_PREFIX + length).freeze();
         if !is_compressed {
-            rollout::check_encoded(self.encoded, &message[PREFIX..], &self.limits)
+            rollout::check_encoded(self.encoded, &message[GRPC_PREFIX..], &self.limits)
                 .map_err(|e| fault::status(&e.fault()))?;
         }
         Ok(Some(message))

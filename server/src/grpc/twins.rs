@@ -8,7 +8,7 @@ use bendtwin_proto::v1::{
 };
 use tonic::{Request, Response, Status, Streaming};
 
-use super::{Api, Reply, chunks, convert, convert::GivenLabels, upload};
+use super::{Api, Reply, chunks, convert, upload};
 use crate::app::Listing;
 
 #[tonic::async_trait]
@@ -58,11 +58,7 @@ impl TwinService for Api {
         &self,
         request: Request<UpdateTwinRequest>,
     ) -> Result<Response<Twin>, Status> {
-        let r = request.into_inner();
-        let Twin { name, display_name, note, tags, .. } = r.twin.unwrap_or_default();
-        let given = GivenLabels { display_name, note, tags };
-        let change = convert::change(given, r.update_mask, r.add_tags, r.remove_tags)?;
-        Ok(Response::new(convert::twin(self.app.update_twin(&name, change).await?)))
+        Ok(Response::new(convert::twin(self.app.update_twin(request.into_inner()).await?)))
     }
 
     async fn delete_twin(

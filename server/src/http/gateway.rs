@@ -12,10 +12,9 @@ use axum::{
     response::{IntoResponse, Response},
     routing,
 };
-use bendtwin_proto::routes::{Given, Messages, RPCS, Route, Source};
+use bendtwin_proto::routes::{Given, Messages, RPCS, Route, Source, Written};
 use bytes::{Buf as _, BufMut as _, Bytes, BytesMut};
 use http_body_util::BodyExt as _;
-use serde_json::Value;
 use tonic::{Code, Status};
 use tower::ServiceExt as _;
 
@@ -27,16 +26,13 @@ use super::{
 use crate::{
     app::{App, Error},
     grpc::InProcess,
-    memory::Kind,
+    memory::{GRPC_PREFIX, Kind},
     refusal::Refusal,
 };
 
-/// Bytes before a message of gRPC: whether it is compressed, and its length.
-const PREFIX: usize = 5;
-
-/// An RPC that a route calls.
+/// A route, and the RPC that answers it.
 #[derive(Clone)]
-struct Call {
+struct RpcRoute {
     /// `/package.Service/Method`.
     rpc: &'static str,
     route: &'static Route,
@@ -50,10 +46,10 @@ pub(super) fn router(grpc: &Router) -> Router<App> {
     for rpc in RPCS {
         for route in rpc.routes {
             let Some(messages) = &route.messages else { continue };
-            let call = Call { rpc: rpc.path, route, messages, grpc: grpc.clone() };
+            let rpc_route = RpcRoute { rpc: rpc.path, route, messages, grpc: grpc.clone() };
             let handler = move |State(app): State<App>, request: Request| {
-                let call = call.clone();
-                async move { call.answer(&app, request).await }
+                let rpc_route = rpc_route.clone();
+                async move { rpc_route.answer(&app, request).await }
             };
             let handler = routing::on(method_filter(route.method), handler);
             router = router.route(route.path, handler);
@@ -62,7 +58,7 @@ pub(super) fn router(grpc: &Router) -> Router<App> {
     router
 }
 
-impl Call {
+impl RpcRoute {
     async fn answer(self, app: &App, request: Request) -> Result<Response> {
         let message = self.read(app, request).await?;
         let reply = self.call(message).await?;
@@ -70,16 +66,13 @@ impl Call {
         if status == StatusCode::NO_CONTENT {
             return Ok(status.into_response());
         }
-        let json = (self.messages.write)(&reply).map_err(|e| internal(&*e))?;
+        let Written { json, made } = (self.messages.write)(&reply).map_err(|e| internal(&*e))?;
         let mut headers = HeaderMap::new();
         headers.insert(header::CONTENT_TYPE, HeaderValue::from_static("application/json"));
         if self.route.secret {
             headers.insert(header::CACHE_CONTROL, HeaderValue::from_static("no-store"));
         }
-        if !self.route.location.is_empty() {
-            let document: Value = serde_json::from_slice(&json).map_err(|e| internal(&e))?;
-            let name = document.pointer(self.route.location).and_then(Value::as_str);
-            let name = name.ok_or_else(|| internal(&"a reply without its name"))?;
+        if let Some(name) = made {
             let address = format!("/v1/{name}");
             let address = HeaderValue::try_from(address).map_err(|e| internal(&e))?;
             headers.insert(header::LOCATION, address);
@@ -123,7 +116,7 @@ impl Call {
 
     /// The reply of the service.
     async fn call(&self, message: Vec<u8>) -> Result<Bytes> {
-        let mut body = BytesMut::with_capacity(PREFIX + message.len());
+        let mut body = BytesMut::with_capacity(GRPC_PREFIX + message.len());
         body.put_u8(0);
         body.put_u32(u32::try_from(message.len()).map_err(|e| internal(&e))?);
         body.extend_from_slice(&message);
@@ -143,7 +136,7 @@ impl Call {
             None => Err(internal(&"a reply without a status").into()),
             Some(_) => {
                 let mut reply = collected.to_bytes();
-                reply.advance(PREFIX.min(reply.len()));
+                reply.advance(GRPC_PREFIX.min(reply.len()));
                 Ok(reply)
             }
         }

@@ -13,8 +13,8 @@ use crate::error::Error;
 
 /// First step of a body of unknown length [bytes].
 const FIRST_STEP: u64 = 64 << 10;
-/// Bytes before a message of gRPC: a flag and the length.
-const GRPC_PREFIX: usize = 5;
+/// Bytes before a message of gRPC: whether it is compressed, and its length in 4 bytes.
+pub(crate) const GRPC_PREFIX: usize = 5;
 /// The beginning of a message, which is checked while the rest is arriving [bytes].
 const BEGINNING: usize = 64 << 10;
 /// Memory of a body and of what is decoded from it, in times its length: a text of JSON becomes

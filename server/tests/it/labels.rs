@@ -2,9 +2,11 @@
 
 use std::time::Duration;
 
+use base64::{Engine as _, prelude::BASE64_STANDARD};
 use bendtwin_proto::v1::{
-    Fit, GetFitLossesRequest, ListFitsRequest, ListTwinsRequest, ModelLoss, UpdateCaptureRequest,
-    UpdateFitRequest, job::State,
+    Capture, CaptureMetadata, CreateCaptureRequest, Fit, GetFitLossesRequest, ListFitsRequest,
+    ListTwinsRequest, ModelLoss, UpdateCaptureRequest, UpdateFitRequest,
+    create_capture_request::Part, job::State,
 };
 use prost_types::FieldMask;
 use serde_json::{Value, json};
@@ -79,6 +81,65 @@ async fn name_note_and_tags_are_changed_over_both_transports() {
     let nothing = UpdateCaptureRequest::default();
     let refused = server.captures().update_capture(nothing).await.unwrap_err();
     assert_eq!(refused.code(), Code::InvalidArgument);
+}
+
+/// Stated with every kind of upload, changed over both transports, and listed by.
+#[tokio::test]
+async fn who_recorded_a_capture_is_stated_and_changed() {
+    let server = Server::start().await;
+    let upload = async |recorder: &str| {
+        let request = server.http.post(server.url("/v1/captures")).body("an archive");
+        let request = request.query(&[("recorded_by", recorder), ("display_name", "whole")]);
+        read(request.send().await.unwrap()).await
+    };
+    let (status, whole) = upload("Ada Lovelace").await;
+    assert_eq!((status, &whole["recorded_by"]), (201, &json!("Ada Lovelace")), "{whole}");
+    for wrong in ["x".repeat(201), "a\nb".to_owned()] {
+        let (status, problem) = upload(&wrong).await;
+        assert_eq!((status, &problem["reason"]), (400, &json!("INVALID_FIELD")), "{problem}");
+        assert!(problem["detail"].as_str().unwrap().contains("recorded_by"), "{problem}");
+    }
+    let pair = |key: &str, value: &str| format!("{key} {}", BASE64_STANDARD.encode(value));
+    let metadata = [pair("display_name", "resumed"), pair("recorded_by", "Ada Lovelace")].join(",");
+    let tus = server.http.post(server.url("/v1/uploads")).header("tus-resumable", "1.0.0");
+    let tus = tus.header("content-type", "application/offset+octet-stream");
+    let tus = tus.header("upload-metadata", metadata).header("upload-length", "10");
+    let resumed = tus.body("an archive").send().await.unwrap();
+    let resumed = resumed.headers()["bendtwin-capture"].to_str().unwrap().to_owned();
+    assert_eq!(server.get(&format!("/v1/{resumed}")).await.1["recorded_by"], "Ada Lovelace");
+    let metadata = CaptureMetadata {
+        display_name: "streamed".to_owned(),
+        recorded_by: "Grace".to_owned(),
+        ..CaptureMetadata::default()
+    };
+    let parts = [Part::Metadata(metadata), Part::Chunk("an archive".into())];
+    let parts = parts.map(|part| CreateCaptureRequest { part: Some(part) });
+    let streamed = server.captures().create_capture(futures::stream::iter(parts)).await.unwrap();
+    let streamed = streamed.into_inner().capture.unwrap();
+    assert_eq!(streamed.recorded_by, "Grace");
+    assert_eq!(listed(&server, "captures?recorded_by=Grace").await, ["streamed"]);
+    let ada = "captures?recorded_by=Ada%20Lovelace";
+    assert_eq!(listed(&server, ada).await, ["resumed", "whole"]);
+
+    let change = json!({"recorded_by": "Ada Lovelace", "note": "slow"});
+    let (status, changed) = patch(&server, &streamed.name, change).await;
+    assert_eq!((status, &changed["recorded_by"]), (200, &json!("Ada Lovelace")), "{changed}");
+    let (_, changed) = patch(&server, &streamed.name, json!({"display_name": "renamed"})).await;
+    assert_eq!(changed["recorded_by"], "Ada Lovelace", "what a change does not name stays");
+    assert_eq!(listed(&server, ada).await, ["renamed", "resumed", "whole"]);
+    let capture = Capture { name: streamed.name.clone(), ..Capture::default() };
+    let emptied = UpdateCaptureRequest {
+        capture: Some(capture),
+        update_mask: Some(FieldMask { paths: vec!["recorded_by".to_owned()] }),
+        ..UpdateCaptureRequest::default()
+    };
+    let emptied = server.captures().update_capture(emptied).await.unwrap().into_inner();
+    assert_eq!((emptied.recorded_by.as_str(), emptied.note.as_str()), ("", "slow"));
+    let change = json!({"recorded_by": "x".repeat(201)});
+    assert_eq!(patch(&server, &streamed.name, change).await.0, 400);
+    // Only captures have it.
+    let twin = twin(&server, "toy").await;
+    assert_eq!(patch(&server, &twin, json!({"recorded_by": "Ada"})).await.0, 400);
 }
 
 #[tokio::test]

@@ -34,7 +34,13 @@ async fn fits_are_named_tagged_searched_and_compared() {
         let json = |arguments: &[&str]| run_json(&[arguments, &at[..]].concat());
         let ok = |arguments: &[&str]| run_ok(&[arguments, &at[..]].concat());
         ok(&["capture", "make", "rope", &archive]);
-        let capture = text(&json(&["capture", "push", &archive]), "name");
+        let pushed = json(&["capture", "push", &archive, "--recorded-by", "Ada"]);
+        assert_eq!(pushed["recorded_by"], "Ada", "{pushed}");
+        let capture = text(&pushed, "name");
+        assert!(ok(&["capture", "show", &capture]).contains("  recorded by Ada\n"));
+        ok(&["capture", "edit", &capture, "--recorded-by", "Grace"]);
+        assert_eq!(names(&json(&["capture", "list", "--recorded-by", "Grace"])), ["rope"]);
+        assert!(names(&json(&["capture", "list", "--recorded-by", "Ada"])).is_empty());
         let edit = ["capture", "edit", &capture, "--name", "blue rope", "--note", "Left hand"];
         let edited = json(&[&edit[..], &["--tag", "+wet", "--tag", "+long"]].concat());
         assert_eq!(edited["tags"].as_array().unwrap().len(), 2, "{edited}");

@@ -37,11 +37,10 @@ pub(super) async fn run(args: IngestArgs, global: &Global) -> anyhow::Result<()>
         }
     };
     let client = global.connect().await?;
-    let captures = client.captures().read_by(args.requirements.into());
     let capture = if args.cancel {
-        captures.cancel_ingest(args.name).await?
+        client.captures().cancel_ingest(args.name).await?
     } else {
-        captures.ingest(args.name, &settings).await?
+        client.captures().ingest(args.name, &settings, &args.requirements.into()).await?
     };
     if args.watch {
         return follow(&client, args.name, global).await;

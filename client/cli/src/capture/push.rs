@@ -8,7 +8,7 @@ use std::{
 };
 
 use bendtwin_capture::{FilesRead, Limits};
-use bendtwin_client::Captures;
+use bendtwin_client::{Capture, CaptureFacts, Captures};
 use bendtwin_core::Severity;
 use clap::Args;
 use tempfile::NamedTempFile;
@@ -25,9 +25,8 @@ pub(crate) struct Push {
     /// A folder, of which only the needed files are sent; a ZIP or tar archive; an MCAP file; or
     /// motion capture as .npz with its .json
     path: PathBuf,
-    /// Display name [default: the file's name]
-    #[arg(long, value_name = "NAME")]
-    name: Option<String>,
+    #[command(flatten)]
+    facts: CaptureFacts,
     /// Do not check the capture on this machine first
     #[arg(long)]
     no_check: bool,
@@ -52,10 +51,12 @@ pub(super) async fn run(args: Push, global: &Global) -> anyhow::Result<()> {
         }
     }
     let client = global.connect().await?;
-    let captures = client.captures().read_by(args.requirements.into());
-    let name = args.name.unwrap_or_else(|| display_name(&args.path));
+    let captures = client.captures();
+    let mut facts = args.facts;
+    facts.display_name.get_or_insert_with(|| display_name(&args.path));
+    facts.ingest_requirements = args.requirements.into();
     let capture = tokio::select! {
-        capture = upload(&captures, &args.path, &name, global.json) => capture?,
+        capture = upload(&captures, &args.path, facts, global.json) => capture?,
         () = signals::shutdown().cancelled_owned() => {
             anyhow::bail!("interrupted: push it again to resume the upload")
         }
@@ -72,16 +73,16 @@ pub(super) async fn run(args: Push, global: &Global) -> anyhow::Result<()> {
 pub(crate) async fn upload(
     captures: &Captures,
     path: &Path,
-    name: &str,
+    facts: CaptureFacts,
     quiet: bool,
-) -> anyhow::Result<bendtwin_client::Capture> {
+) -> anyhow::Result<Capture> {
     let packed = pack(path, quiet).await?;
     let archive = packed.as_ref().map_or(path, NamedTempFile::path);
     let size = std::fs::metadata(archive).map_or(0, |m| m.len());
     let bar = progress::byte_bar("uploading", size, quiet);
     let sent = bar.clone();
     let uploaded =
-        captures.upload_resumable(archive, name, move |bytes| sent.set_position(bytes)).await;
+        captures.upload_resumable(archive, facts, move |bytes| sent.set_position(bytes)).await;
     bar.finish_and_clear();
     Ok(uploaded?)
 }

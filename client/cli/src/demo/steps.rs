@@ -99,9 +99,9 @@ impl DemoRun {
         let observed = capture::make::write(self.object.scene(), options, &path).await?;
         self.print(&format!("  {}", Object::split(&observed)));
         self.step("Upload it over HTTP", &format!("bendtwin capture push {file}"));
-        let name = format!("demo {}", self.object.name());
+        let facts = format!("demo {}", self.object.name()).as_str().into();
         let stored =
-            capture::push::upload(&connection.client.captures(), &path, &name, self.quiet).await?;
+            capture::push::upload(&connection.client.captures(), &path, facts, self.quiet).await?;
         self.print(&format!("  {} ({})", stored.name, output::bytes(stored.size_bytes)));
         Ok((observed, stored.name))
     }

@@ -29,7 +29,13 @@ from bendtwin.costs import (
 from bendtwin.errors import BendTwinError, Category, FitFailed, IngestFailed
 from bendtwin.geometry import Geometry, Ground
 from bendtwin.interpolation import Interpolation, interpolate, interpolate_poses
-from bendtwin.labels import LabelArguments, ListArguments
+from bendtwin.labels import (
+    CaptureArguments,
+    CaptureLabelArguments,
+    CaptureListArguments,
+    LabelArguments,
+    ListArguments,
+)
 from bendtwin.motion import Motion
 from bendtwin.plan import PlanArguments, PlanUpdate, Search
 from bendtwin.registration import Correction, Registration, Residual, Tracking
@@ -91,7 +97,10 @@ __all__ = [
     "Bounds",
     "Capsule",
     "Capture",
+    "CaptureArguments",
     "CaptureFrame",
+    "CaptureLabelArguments",
+    "CaptureListArguments",
     "Category",
     "Clearance",
     "Client",

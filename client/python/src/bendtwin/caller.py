@@ -54,7 +54,7 @@ class Caller:
                 yield call.read(part)
 
     def last(self, call: calls.Call[_Read], timeout_s: float | None = None) -> _Read | None:
-        """The last part of an answer; None if there is none."""
+        """The last part of an answer; None for an empty answer."""
         last: _Read | None = None
         for part in self.parts(call, timeout_s):
             last = part
@@ -172,7 +172,7 @@ class AsyncCaller:
                 yield call.read(part)
 
     async def last(self, call: calls.Call[_Read], timeout_s: float | None = None) -> _Read | None:
-        """The last part of an answer; None if there is none."""
+        """The last part of an answer; None for an empty answer."""
         last: _Read | None = None
         async for part in self.parts(call, timeout_s):
             last = part

@@ -17,7 +17,16 @@ from typing import Any, Generic, TypeVar
 from bendtwin.archive import chunks_of
 from bendtwin.errors import BendTwinError, Category
 from bendtwin.geometry import Geometry
-from bendtwin.labels import LabelArguments, ListArguments, beside, fields
+from bendtwin.labels import (
+    CaptureArguments,
+    CaptureLabelArguments,
+    CaptureListArguments,
+    LabelArguments,
+    ListArguments,
+    beside,
+    fields,
+    metadata,
+)
 from bendtwin.plan import PlanUpdate
 from bendtwin.resources import (
     Capture,
@@ -138,23 +147,13 @@ class Following(Generic[_Read]):
 # Captures
 
 
-def create_capture(
-    archive: Path,
-    display_name: str,
-    request_id: str | None,
-    ingest: _Settings,
-    requirements: Requirements | None,
-) -> Call[Capture]:
+def create_capture(archive: Path, facts: CaptureArguments) -> Call[Capture]:
     """Uploads a ZIP archive."""
-    metadata = capture_pb2.CaptureMetadata(
-        display_name=display_name,
-        request_id=request_id or str(uuid.uuid4()),
-        ingest_json=_json(ingest),
-        ingest_requirements=requirements.to_proto() if requirements else None,
-    )
+    stated = capture_pb2.CaptureMetadata(**metadata(facts))
+    stated.request_id = stated.request_id or str(uuid.uuid4())
 
     def messages() -> Iterator[capture_pb2.CreateCaptureRequest]:
-        yield capture_pb2.CreateCaptureRequest(metadata=metadata)
+        yield capture_pb2.CreateCaptureRequest(metadata=stated)
         for chunk in chunks_of(archive):
             yield capture_pb2.CreateCaptureRequest(chunk=chunk)
 
@@ -171,7 +170,7 @@ def get_capture(name: str) -> Call[Capture]:
     return Call(lambda s: s.captures.GetCapture, request, Capture.from_proto)
 
 
-def list_captures(choice: ListArguments) -> Pages[Capture]:
+def list_captures(choice: CaptureListArguments) -> Pages[Capture]:
     """Captures."""
     request = capture_pb2.ListCapturesRequest(**choice)
     return Pages(
@@ -181,8 +180,8 @@ def list_captures(choice: ListArguments) -> Pages[Capture]:
     )
 
 
-def update_capture(name: str, change: LabelArguments) -> Call[Capture]:
-    """Changes name, note and tags of a capture."""
+def update_capture(name: str, change: CaptureLabelArguments) -> Call[Capture]:
+    """Changes what is stated about a capture."""
     capture = capture_pb2.Capture(name=name, **fields(change))
     request = capture_pb2.UpdateCaptureRequest(capture=capture, **beside(change))
     return Call(lambda s: s.captures.UpdateCapture, request, Capture.from_proto)
@@ -346,13 +345,13 @@ def create_twin(
 ) -> Call[TwinInfo]:
     """Uploads the file of a twin."""
     path = Path(path)
-    metadata = twin_pb2.TwinMetadata(
+    stated = twin_pb2.TwinMetadata(
         display_name=path.stem if display_name is None else display_name,
         request_id=request_id or str(uuid.uuid4()),
     )
 
     def messages() -> Iterator[twin_pb2.CreateTwinRequest]:
-        yield twin_pb2.CreateTwinRequest(metadata=metadata)
+        yield twin_pb2.CreateTwinRequest(metadata=stated)
         for chunk in chunks_of(path):
             yield twin_pb2.CreateTwinRequest(chunk=chunk)
 

@@ -1,11 +1,30 @@
-"""Names, notes and tags of captures, fits and twins: how they are changed, and listed by."""
+"""What people state about captures, fits and twins: at an upload, in a change, and to list them."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from typing import Any, TypedDict
+import json
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import asdict
+from typing import Any, TypedDict, cast
 
 from google.protobuf.field_mask_pb2 import FieldMask
+
+from bendtwin.resources import Requirements
+
+
+class CaptureArguments(TypedDict, total=False):
+    """Facts that accompany the upload of a capture; None is the same as omitted."""
+
+    #: By default the name of the file or folder.
+    display_name: str | None
+    #: The same content with the same `request_id` is one capture.
+    request_id: str | None
+    #: Settings of the ingest that differ from the defaults (docs/use/settings.md).
+    ingest: dict[str, Any] | None
+    #: Worker that reads the capture; by default any.
+    ingest_requirements: Requirements | None
+    #: Who recorded it.
+    recorded_by: str | None
 
 
 class LabelArguments(TypedDict, total=False):
@@ -21,6 +40,13 @@ class LabelArguments(TypedDict, total=False):
     remove_tags: Iterable[str]
 
 
+class CaptureLabelArguments(LabelArguments, total=False):
+    """A change of what is stated about a capture; omitted facts stay."""
+
+    #: Who recorded it; empty removes it.
+    recorded_by: str
+
+
 class ListArguments(TypedDict, total=False):
     """Selection of a list; without any of it everything, newest first."""
 
@@ -33,16 +59,56 @@ class ListArguments(TypedDict, total=False):
     order_by: str
 
 
+class CaptureListArguments(ListArguments, total=False):
+    """Selection of a list of captures."""
+
+    #: Who recorded them.
+    recorded_by: str
+
+
+def named(facts: CaptureArguments, name: str) -> CaptureArguments:
+    """The facts of an upload, with a display name where none is stated."""
+    return facts if facts.get("display_name") is not None else {**facts, "display_name": name}
+
+
+def metadata(facts: CaptureArguments) -> dict[str, Any]:
+    """The facts of an upload as fields of its message."""
+    fields: dict[str, Any] = {}
+    for name, fact in _stated(facts):
+        if isinstance(fact, Requirements):
+            fields[name] = fact.to_proto()
+        elif isinstance(fact, dict):
+            fields[f"{name}_json"] = json.dumps(fact)
+        else:
+            fields[name] = fact
+    return fields
+
+
+def texts(facts: CaptureArguments) -> dict[str, str]:
+    """The facts of an upload as the metadata of tus: texts unchanged, others as JSON."""
+    return {
+        name: fact
+        if isinstance(fact, str)
+        else json.dumps(asdict(fact) if isinstance(fact, Requirements) else fact)
+        for name, fact in _stated(facts)
+    }
+
+
+def _stated(facts: CaptureArguments) -> Iterator[tuple[str, Any]]:
+    for name, fact in facts.items():
+        if fact is not None and fact not in ({}, Requirements()):
+            yield name, fact
+
+
 def fields(change: LabelArguments) -> dict[str, Any]:
     """The fields of a resource that a change sets."""
-    given: dict[str, Any] = {}
-    if "display_name" in change:
-        given["display_name"] = change["display_name"]
-    if "note" in change:
-        given["note"] = change["note"]
-    if "tags" in change:
-        given["tags"] = list(change["tags"])
-    return given
+    given = cast("Mapping[str, Any]", change).items()
+    # All are texts but the tags.
+    return {
+        name: value if isinstance(value, str) else list(value)
+        for name, value in given
+        if name not in ("add_tags", "remove_tags")
+    }
 
 
 def beside(change: LabelArguments) -> dict[str, Any]:

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import enum
-import json
-from dataclasses import asdict, dataclass, field
+from dataclasses import dataclass, field
 from datetime import datetime
 from typing import Any
 
@@ -143,10 +142,6 @@ class Requirements(FromMessage):
     #: Labels that the worker must all have.
     labels: tuple[str, ...] = ()
 
-    def to_json(self) -> str:
-        """Writes it as JSON."""
-        return json.dumps(asdict(self))
-
     def to_proto(self) -> job_pb2.WorkerRequirements | None:
         """Writes the wire form; None if any worker will do."""
         if self == Requirements():
@@ -179,6 +174,8 @@ class Capture(FromMessage):
     owner: str = ""
     #: Worker that the ingest requires.
     ingest_requirements: Requirements = Requirements()
+    #: Who recorded it; empty if not stated.
+    recorded_by: str = ""
 
 
 @dataclass(frozen=True)

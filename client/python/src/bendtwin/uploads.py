@@ -1,7 +1,7 @@
 """Uploads over tus 1.0.0 that survive broken connections and restarts of either side.
 
 There is no file of state: an upload is found again by its request id, which is made of the
-content's digest and of its name. So the same content resumes where it stopped, from any process,
+content's digest and of its facts. So the same content resumes where it stopped, from any process,
 and bytes that the server has are not sent again.
 """
 
@@ -18,7 +18,7 @@ from pathlib import Path
 from urllib.parse import urljoin, urlsplit
 
 from bendtwin.errors import BendTwinError, Category, category_named
-from bendtwin.resources import Requirements
+from bendtwin.labels import CaptureArguments, texts
 from bendtwin.transport import Transport, tls_fault, transport
 
 #: Bytes of one request: what a dead server costs at most.
@@ -49,11 +49,9 @@ class Sender:
         self,
         server: Transport | str,
         path: Path,
-        display_name: str,
-        request_id: str | None = None,
+        facts: CaptureArguments,
         patience_s: float = PATIENCE_S,
         token: str | None = None,
-        requirements: Requirements | None = None,
     ) -> None:
         self._transport = transport(server, None) if isinstance(server, str) else server
         self._server = self._transport.url
@@ -65,20 +63,14 @@ class Sender:
         self._headers = {"tus-resumable": "1.0.0"}
         if token is not None:
             self._headers["authorization"] = f"Bearer {token}"
-        if request_id is None:
+        pairs = {"filename": path.name, **texts(facts)}
+        if "request_id" not in pairs:
             key = hashlib.sha256()
             with path.open("rb") as file:
                 while chunk := file.read(_CHUNK_BYTES):
                     key.update(chunk)
-            key.update(display_name.encode())
-            request_id = f"tus-{key.hexdigest()[:32]}"
-        pairs = {
-            "filename": path.name,
-            "display_name": display_name,
-            "request_id": request_id,
-        }
-        if requirements is not None and requirements != Requirements():
-            pairs["ingest_requirements"] = requirements.to_json()
+            key.update("\0".join(text for _, text in sorted(texts(facts).items())).encode())
+            pairs["request_id"] = f"tus-{key.hexdigest()[:32]}"
         self._metadata = ",".join(
             f"{key} {b64encode(value.encode()).decode()}" for key, value in pairs.items()
         )

@@ -10,7 +10,7 @@ use bendtwin_proto::v1::{
 use serde::Serialize;
 
 use super::Grasping;
-use crate::value::resource;
+use crate::resources::resource;
 
 resource! { RollOutResponse =>
 /// The reply to a rollout, or a part of it.

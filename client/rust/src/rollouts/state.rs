@@ -4,7 +4,7 @@ use bendtwin_core::Point;
 use bendtwin_proto::v1::{self, Tensor, initial_state::GivenState};
 
 use super::Reply;
-use crate::value::resource;
+use crate::resources::resource;
 
 resource! { GivenState =>
 /// A state of a twin with N nodes and C control points. A rollout that starts from the final state

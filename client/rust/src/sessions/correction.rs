@@ -7,7 +7,7 @@ use bendtwin_proto::v1::{
 };
 
 use crate::{
-    Observation, Residual, State, WirePose, World, registrations::packed, value::resource,
+    Observation, Residual, State, WirePose, World, registrations::packed, resources::resource,
 };
 
 /// A correction of states by an observation.

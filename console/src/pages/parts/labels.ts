@@ -1,29 +1,46 @@
 import type { PageContext } from '../../page';
 import { h } from '../../ui/dom';
-import { field } from '../../ui/form';
+import { facts, field } from '../../ui/form';
 import { problemBox } from '../../ui/problem';
 import { readTags } from './tags';
 
 /** A resource with labels: a capture, a fit or a twin. */
-export interface Labelled {
-  readonly display_name: string;
+export interface Labelled extends Texts {
   readonly note: string;
   readonly tags: readonly string[];
 }
 
+/** Texts of one line that people state about a resource. */
+export interface Texts {
+  readonly display_name: string;
+  /** Of captures. */
+  readonly recorded_by?: string;
+}
+
+type List = 'captures' | 'fits' | 'twins';
+
+const NAME = { key: 'display_name', label: 'Name' } as const;
+
+/** The texts of each kind of resource: fields of the editor, and of the form of an upload. */
+export const TEXTS: Readonly<Record<List, readonly { key: keyof Texts; label: string }[]>> = {
+  captures: [NAME, { key: 'recorded_by', label: 'Recorded by' }],
+  fits: [NAME],
+  twins: [NAME],
+};
+
 /** Tags as links to the list with that tag. */
-export function tagLinks(list: 'captures' | 'fits' | 'twins', tags: readonly string[]): HTMLElement[] {
+export function tagLinks(list: List, tags: readonly string[]): HTMLElement[] {
   return tags.map((tag) => h('a', { class: 'tag', href: `#/${list}?${new URLSearchParams({ tag })}` }, tag));
 }
 
-/** Note and tags of a resource, with a form that changes them and its name. */
+/** Texts, note and tags of a resource, with a form that changes them and its name. */
 export class LabelEditor<T extends Labelled> {
   readonly element = h('section', { class: 'labels', 'aria-label': 'Note and tags' });
   #shown: T;
 
   constructor(
     private readonly context: PageContext,
-    private readonly list: 'captures' | 'fits' | 'twins',
+    private readonly list: List,
     /** `/v1/twins/{uuid}`. */
     private readonly path: string,
     resource: T,
@@ -41,7 +58,10 @@ export class LabelEditor<T extends Labelled> {
       { type: 'button', class: 'small', onclick: () => this.edit() },
       'Edit name, note and tags',
     );
+    const stated = TEXTS[this.list].map(({ key, label }) => [key, label, this.#shown[key] ?? ''] as const);
+    const others = stated.filter(([key, , text]) => key !== 'display_name' && text !== '');
     this.element.replaceChildren(
+      others.length > 0 ? facts(others.map(([, label, text]) => [label, h('bdi', {}, text)])) : '',
       note !== '' ? h('p', { class: 'note' }, h('bdi', {}, note)) : '',
       h('div', { class: 'tags' }, ...tagLinks(this.list, tags), edit),
     );
@@ -49,8 +69,11 @@ export class LabelEditor<T extends Labelled> {
   }
 
   private edit(): void {
-    const { display_name, note: text, tags } = this.#shown;
-    const named = h('input', { value: display_name, maxlength: '200' });
+    const { note: text, tags } = this.#shown;
+    const texts = TEXTS[this.list].map(({ key, label }) => {
+      const input = h('input', { value: this.#shown[key] ?? '', maxlength: '200' });
+      return { key, label, input };
+    });
     const note = h('textarea', { rows: '4', maxlength: '10000' });
     note.value = text;
     const words = h('input', { value: tags.join(' '), spellcheck: 'false' });
@@ -62,7 +85,8 @@ export class LabelEditor<T extends Labelled> {
       if (read.faults.length > 0) return fault.replaceChildren(problemBox(new Error(read.faults.join(' '))));
       save.disabled = true;
       try {
-        const change = { display_name: named.value.trim(), note: note.value.trim(), tags: read.tags };
+        const stated = Object.fromEntries(texts.map(({ key, input }) => [key, input.value.trim()]));
+        const change = { ...stated, note: note.value.trim(), tags: read.tags };
         this.#shown = await this.context.api.send<T>('PATCH', this.path, change, this.context.signal);
         this.onChange(this.#shown);
         this.show(true);
@@ -75,7 +99,7 @@ export class LabelEditor<T extends Labelled> {
     const form = h(
       'form',
       { class: 'card', onsubmit: (event) => void submit(event) },
-      field('Name', named),
+      ...texts.map(({ label, input }) => field(label, input)),
       field('Note', note),
       field('Tags', words, 'Words, separated by spaces.'),
       fault,
@@ -83,6 +107,6 @@ export class LabelEditor<T extends Labelled> {
     );
     form.addEventListener('keydown', (event) => event.key === 'Escape' && this.show(true));
     this.element.replaceChildren(form);
-    named.focus();
+    texts[0]?.input.focus();
   }
 }

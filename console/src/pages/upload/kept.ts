@@ -1,8 +1,12 @@
+import type { Texts } from '../parts/labels';
+
 const KEY = 'bendtwin.uploads';
 
 /** Labels of a capture, given when it is sent. */
 export interface Labels {
   readonly name: string;
+  /** Texts beside the name, without those that are empty. */
+  readonly texts: Readonly<Partial<Texts>>;
   readonly note: string;
   readonly tags: readonly string[];
 }
@@ -25,7 +29,8 @@ export interface Kept extends Labels {
 export function kept(storage: Storage = localStorage): Kept[] {
   try {
     const all: unknown = JSON.parse(storage.getItem(KEY) ?? '[]');
-    return Array.isArray(all) ? all.filter(isKept) : [];
+    // Pages of before had no texts.
+    return Array.isArray(all) ? all.filter(isKept).map((upload) => ({ ...upload, texts: upload.texts ?? {} })) : [];
   } catch {
     return [];
   }
@@ -55,7 +60,7 @@ function store(all: readonly Kept[], storage: Storage): void {
 }
 
 /** Checks an entry of the storage, which may be of another version of this page. */
-function isKept(value: unknown): value is Kept {
+function isKept(value: unknown): value is Omit<Kept, 'texts'> & Partial<Pick<Kept, 'texts'>> {
   if (typeof value !== 'object' || value === null) return false;
   const upload = value as Record<string, unknown>;
   const texts = ['files', 'source', 'kind', 'name', 'note', 'ingest'].every((key) => typeof upload[key] === 'string');

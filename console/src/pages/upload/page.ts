@@ -3,6 +3,7 @@ import { h } from '../../ui/dom';
 import { cli, command } from '../../ui/empty';
 import { field } from '../../ui/form';
 import { count, name, size } from '../../ui/format';
+import { TEXTS, type Texts } from '../parts/labels';
 import { readSettings } from '../parts/settings';
 import { readTags } from '../parts/tags';
 import { forget, type Kept } from './kept';
@@ -83,6 +84,12 @@ function chooser(text: string, api: PageContext['api'], isFolder: boolean): HTML
 function labels(): HTMLElement {
   const given = intake.options;
   const named = h('input', { maxlength: '200', value: given.labels.name });
+  const texts = TEXTS.captures
+    .filter(({ key }) => key !== 'display_name')
+    .map(({ key, label }) => {
+      const input = h('input', { maxlength: '200', value: given.labels.texts[key] ?? '' });
+      return { key, label, input };
+    });
   const note = h('textarea', { rows: '3', maxlength: '10000' }, given.labels.note);
   const tags = h('input', { value: given.labels.tags.join(' '), spellcheck: 'false' });
   const settings = h('textarea', { rows: '2', spellcheck: 'false', class: 'code' });
@@ -97,17 +104,24 @@ function labels(): HTMLElement {
     const read = readSettings(settings.value);
     const wrong = readTags(tags.value).faults;
     fault.textContent = [...read.faults.map(({ text }) => text), ...wrong].join(' ');
+    const stated = texts.map(({ key, input }) => [key, input.value.trim()]).filter(([, text]) => text !== '');
     intake.options = {
-      labels: { name: named.value.trim(), note: note.value.trim(), tags: readTags(tags.value).tags },
+      labels: {
+        name: named.value.trim(),
+        texts: Object.fromEntries(stated) as Partial<Texts>,
+        note: note.value.trim(),
+        tags: readTags(tags.value).tags,
+      },
       ingest: read.isEmpty ? '' : JSON.stringify(read.value),
     };
   };
-  for (const control of [named, note, tags, settings]) control.addEventListener('input', update);
+  for (const control of [named, ...texts.map(({ input }) => input), note, tags, settings]) control.addEventListener('input', update);
   return h(
     'details',
     { class: 'card' },
     h('summary', {}, 'Name, note, tags and settings of the next files'),
     field('Name', named, 'Default: the name of the file or folder. Applies only to a single file or folder.'),
+    ...texts.map(({ label, input }) => field(label, input)),
     field('Note', note),
     field('Tags', tags, 'Words, separated by spaces.'),
     field('Settings of the ingest', settings, [

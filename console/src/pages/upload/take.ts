@@ -20,7 +20,7 @@ const NOTHING_READ =
 
 /** Event `said` with a sentence about files that were not taken. */
 class Intake extends EventTarget {
-  options: Options = { labels: { name: '', note: '', tags: [] }, ingest: '' };
+  options: Options = { labels: { name: '', texts: {}, note: '', tags: [] }, ingest: '' };
   sentences: readonly string[] = [];
   /** Number of drops whose files are being looked through. */
   busy = 0;

@@ -43,7 +43,7 @@ class Server {
   }
 }
 
-const LABELS = { name: 'rope', note: 'wet', tags: ['a'] };
+const LABELS = { name: 'rope', texts: { recorded_by: 'Ada' }, note: 'wet', tags: ['a'] };
 const FILE: Package = { kind: 'file', name: 'rope', file: new File(['PK'], 'rope.zip', { lastModified: 5 }) };
 
 function begun(server: Server): Transfers {
@@ -63,6 +63,7 @@ test('an upload ends as a capture with its labels, and is forgotten', async () =
   transfers.add(FILE, LABELS, '');
   expect(kept()).toMatchObject([{ name: 'rope', source: 'rope.zip', kind: 'file', sizeBytes: 2 }]);
   expect(await until(transfers, 'stored')).toMatchObject({ capture: 'captures/1', offset: 2 });
+  expect(server.metadata[0]).toContain(`recorded_by ${btoa('Ada')}`);
   expect(server.labels).toEqual([['PATCH', '/v1/captures/1', { note: 'wet', add_tags: ['a'] }]]);
   expect(kept()).toEqual([]);
   transfers.remove(transfers.all[0]?.id ?? 0);
@@ -80,7 +81,7 @@ test('an interrupted one resumes when its files are chosen again', async () => {
   const after = begun(server);
   expect(after.interrupted).toMatchObject([{ name: 'rope', address: '/v1/uploads/1' }]);
   const again: Package = { kind: 'file', name: 'rope', file: new File(['PK'], 'rope.zip', { lastModified: 5 }) };
-  after.add(again, { name: 'another', note: '', tags: [] }, '');
+  after.add(again, { name: 'another', texts: {}, note: '', tags: [] }, '');
   expect(await until(after, 'stored')).toMatchObject({ name: 'rope' });
   expect(server.metadata[1]).toBe(server.metadata[0]);
   expect(after.interrupted).toEqual([]);
@@ -107,6 +108,12 @@ test('a cancelled one is given up here and at the server', async () => {
   expect(transfers.all[0]?.state).toBe('cancelled');
   expect(server.requests.at(-1)).toBe('DELETE /v1/uploads/1');
   expect(kept()).toEqual([]);
+});
+
+test('an upload that an older page began resumes', () => {
+  const { texts: _, ...older } = { ...LABELS, files: 'f', source: 'rope.zip', kind: 'file', ingest: '', sizeBytes: 2 };
+  localStorage.setItem('bendtwin.uploads', JSON.stringify([older]));
+  expect(kept()).toEqual([{ ...older, texts: {} }]);
 });
 
 test('a refused one says why, and entries of other versions are ignored', async () => {

@@ -149,7 +149,8 @@ export class Transfers extends EventTarget {
       metadata: {
         filename: own.source,
         display_name: own.name,
-        request_id: `console-${fingerprint(JSON.stringify([own.files, own.name, own.ingest]))}`,
+        ...own.texts,
+        request_id: `console-${fingerprint(JSON.stringify([own.files, own.name, own.ingest, ...Object.values(own.texts)]))}`,
         ...(own.ingest === '' ? {} : { ingest: own.ingest }),
       },
       signal: abort.signal,

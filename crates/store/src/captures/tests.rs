@@ -1,7 +1,7 @@
 use bendtwin_core::{Category, Problem, ids::CaptureId};
 
 use crate::{
-    Error, ListQuery, NewCapture, PageRequest,
+    CaptureChange, Error, LabelChange, ListQuery, NewCapture, PageRequest,
     database::testing::{On, on_both},
     store::tests::{Bench, new_capture, new_fit},
 };
@@ -10,6 +10,7 @@ on_both! {
     a_request_id_makes_creation_idempotent,
     stays_while_fits_need_it,
     pages_newest_first_without_gaps,
+    who_recorded_it_is_kept_changed_and_listed_by,
 }
 
 async fn create(bench: &Bench, content: &'static str, key: &str) -> crate::Result<CaptureId> {
@@ -40,6 +41,34 @@ async fn stays_while_fits_need_it(on: On) {
     assert!(matches!(gone, Err(Error::NotFound { .. })));
     let orphan = bench.store.jobs().create_fit(new_fit(&capture)).await;
     assert!(matches!(orphan, Err(Error::NotFound { .. })));
+}
+
+async fn who_recorded_it_is_kept_changed_and_listed_by(on: On) {
+    let bench = Bench::new(on).await;
+    let captures = bench.store.captures();
+    let mut new = new_capture("rope", bench.stage("a").await);
+    new.facts.recorded_by = "Ada".to_owned();
+    let capture = captures.create(new).await.unwrap();
+    let other = bench.capture("b").await;
+    assert_eq!((capture.recorded_by.as_str(), other.recorded_by.as_str()), ("Ada", ""));
+    let by = async |name: &str| {
+        let query = ListQuery { recorded_by: name.to_owned(), ..ListQuery::default() };
+        let items = captures.list(&query).await.unwrap().items;
+        items.into_iter().map(|capture| capture.id).collect::<Vec<_>>()
+    };
+    assert_eq!(by("Ada").await, [capture.id]);
+    assert_eq!(by("ada").await, []);
+    let change = CaptureChange { recorded_by: Some("Grace".into()), ..CaptureChange::default() };
+    let changed = captures.update(other.id, &change).await.unwrap();
+    assert_eq!((changed.recorded_by.as_str(), &changed.labels), ("Grace", &other.labels));
+    let renamed = LabelChange { display_name: Some("b".into()), ..LabelChange::default() };
+    let renamed = captures.update(other.id, &renamed.into()).await.unwrap();
+    assert_eq!((renamed.recorded_by.as_str(), &*renamed.labels.display_name), ("Grace", "b"));
+    let mut query = ListQuery::from(PageRequest { size: 1, token: String::new() });
+    query.page.token = captures.list(&query).await.unwrap().next_token;
+    query.recorded_by = "Grace".to_owned();
+    let refused = captures.list(&query).await;
+    assert!(matches!(refused, Err(Error::InvalidPageToken)), "a token belongs to its filters");
 }
 
 async fn pages_newest_first_without_gaps(on: On) {

@@ -20,7 +20,7 @@ pub(crate) use compatibility::{newer, require_alone};
 pub(crate) const BREAKING: &str = "breaking_";
 
 /// Version, description and SQL of every migration.
-const MIGRATIONS: [(i64, &str, &str); 15] = [
+const MIGRATIONS: [(i64, &str, &str); 16] = [
     (1, "initial", include_str!("../../migrations/0001_initial.sql")),
     (2, "ingest", include_str!("../../migrations/0002_ingest.sql")),
     (3, "uploads", include_str!("../../migrations/0003_uploads.sql")),
@@ -36,6 +36,7 @@ const MIGRATIONS: [(i64, &str, &str); 15] = [
     (13, "servers", include_str!("../../migrations/0013_servers.sql")),
     (14, "requirements", include_str!("../../migrations/0014_requirements.sql")),
     (15, "deleted_requests", include_str!("../../migrations/0015_deleted_requests.sql")),
+    (16, "recorded_by", include_str!("../../migrations/0016_recorded_by.sql")),
 ];
 
 /// The migrations of SQLite.

@@ -29,21 +29,21 @@ async fn what_a_change_does_not_name_stays(on: On) {
     assert_eq!(capture.labels, Labels { display_name: "a rope".into(), ..Labels::default() });
     let captures = bench.store.captures();
     let note = LabelChange { note: Some("left hand\nslow".into()), ..tagged(&["wet", "blue"]) };
-    let first = captures.update(capture.id, &note).await.unwrap().labels;
+    let first = captures.update(capture.id, &note.into()).await.unwrap().labels;
     assert_eq!((first.display_name.as_str(), first.note.as_str()), ("a rope", "left hand\nslow"));
     assert_eq!(first.tags, ["blue", "wet"]);
     // Two clients that change different tags do not undo each other.
     let less = LabelChange { remove_tags: vec!["wet".into()], ..tagged(&["blue", "long"]) };
-    let second = captures.update(capture.id, &less).await.unwrap().labels;
+    let second = captures.update(capture.id, &less.into()).await.unwrap().labels;
     assert_eq!(second, Labels { tags: vec!["blue".into(), "long".into()], ..first });
     let whole = LabelChange { tags: Some(vec!["only".into()]), ..named("b") };
-    let third = captures.update(capture.id, &whole).await.unwrap();
+    let third = captures.update(capture.id, &whole.clone().into()).await.unwrap();
     assert_eq!(
         (third.labels.display_name.as_str(), &third.labels.tags[..]),
         ("b", &["only".to_owned()][..])
     );
     assert_eq!(captures.get(capture.id).await.unwrap(), third);
-    let gone = captures.update(bendtwin_core::ids::CaptureId::generate(), &whole).await;
+    let gone = captures.update(bendtwin_core::ids::CaptureId::generate(), &whole.into()).await;
     assert!(matches!(gone, Err(Error::NotFound { .. })));
 }
 
@@ -53,8 +53,8 @@ async fn tags_are_bounded_and_go_with_their_resource(on: On) {
     let captures = bench.store.captures();
     let many: Vec<String> = (0..MAX_TAGS).map(|i| format!("t{i:02}")).collect();
     let all = LabelChange { tags: Some(many.clone()), ..LabelChange::default() };
-    captures.update(capture.id, &all).await.unwrap();
-    let refused = captures.update(capture.id, &tagged(&["one-more"])).await;
+    captures.update(capture.id, &all.into()).await.unwrap();
+    let refused = captures.update(capture.id, &tagged(&["one-more"]).into()).await;
     assert!(matches!(refused, Err(Error::TooManyTags { limit: MAX_TAGS, .. })));
     assert_eq!(captures.get(capture.id).await.unwrap().labels.tags, many);
     captures.delete(capture.id).await.unwrap();
@@ -74,7 +74,7 @@ async fn a_creation_is_repeatable_after_a_change_of_name(on: On) {
         ..new_capture("a rope", bench.stage("a").await)
     };
     let capture = store.captures().create(again().await).await.unwrap();
-    store.captures().update(capture.id, &named("renamed")).await.unwrap();
+    store.captures().update(capture.id, &named("renamed").into()).await.unwrap();
     assert_eq!(store.captures().create(again().await).await.unwrap().id, capture.id);
 
     for name in ["", "first try"] {

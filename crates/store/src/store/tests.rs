@@ -7,9 +7,9 @@ use bytes::Bytes;
 use futures::TryStreamExt as _;
 
 use crate::{
-    Capture, Creator, DatabaseUrl, Digest, Error, Job, Kind, Lease, LeaseTerms, ManualClock,
-    NewCapture, NewFit, ObjectsUrl, Options, Requirements, Staged, State, Store, TwinFacts,
-    WorkerEnd,
+    Capture, CaptureFacts, Creator, DatabaseUrl, Digest, Error, Job, Kind, Lease, LeaseTerms,
+    ManualClock, NewCapture, NewFit, ObjectsUrl, Options, Requirements, Staged, State, Store,
+    TwinFacts, WorkerEnd,
     blobs::{Place, published},
     database::testing::{On, TestDatabase, on_both},
     failpoint::Failpoint,
@@ -223,14 +223,11 @@ impl Bench {
 }
 
 pub(crate) fn new_capture(name: &str, content: Staged) -> NewCapture {
-    let display_name = name.to_owned();
-    let (request_id, ingest) = (None, "{}".to_owned());
+    let (display_name, ingest) = (name.to_owned(), "{}".to_owned());
     NewCapture {
-        display_name,
-        request_id,
+        facts: CaptureFacts { display_name, ingest, ..CaptureFacts::default() },
+        request_id: None,
         content,
-        ingest,
-        requirements: Requirements::default(),
         creator: Creator::default(),
         trace_parent: None,
     }

@@ -16,9 +16,9 @@ const MAX_LENGTH: usize = 4096;
 /// The pairs with a meaning here; empty if not given.
 #[derive(Debug, Default, PartialEq)]
 pub(super) struct Metadata {
-    pub(super) filename: String,
     pub(super) request_id: String,
-    /// The facts of the capture that the upload becomes.
+    /// The facts of the capture that the upload becomes. Without a display name it is called like
+    /// the file, without its extension.
     pub(super) capture: CaptureMetadata,
 }
 
@@ -29,7 +29,7 @@ impl Metadata {
             return Err(invalid(&format!("is longer than {MAX_LENGTH} bytes")));
         }
         let (mut metadata, mut seen) = (Self::default(), Vec::new());
-        let mut facts = Vec::new();
+        let (mut filename, mut facts) = (String::new(), Vec::new());
         for pair in text.split(',').map(str::trim).filter(|_| !text.trim().is_empty()) {
             let (key, value) = pair.split_once(' ').unwrap_or((pair, ""));
             if key.is_empty() {
@@ -49,24 +49,16 @@ impl Metadata {
             let value = String::from_utf8(value)
                 .map_err(|_| invalid(&format!("has a value of `{key}` that is not UTF-8")))?;
             match key {
-                "filename" => metadata.filename = value,
+                "filename" => filename = value,
                 "request_id" => metadata.request_id = value,
                 _ => facts.push((key.to_owned(), value)),
             }
         }
         metadata.capture = from_pairs(facts).map_err(|e| invalid(&e.to_string()))?;
-        Ok(metadata)
-    }
-
-    /// Display name of the capture: the given one, else the file name without its extension.
-    pub(super) fn capture_name(&self) -> String {
-        if !self.capture.display_name.is_empty() {
-            return self.capture.display_name.clone();
+        if metadata.capture.display_name.is_empty() {
+            metadata.capture.display_name = stem(&filename).to_owned();
         }
-        let name = self.filename.rsplit(['/', '\\']).next().unwrap_or_default();
-        let endings = [".zip", ".tar.gz", ".tgz", ".tar", ".mcap"];
-        let ending = endings.iter().find_map(|ending| name.strip_suffix(ending));
-        ending.unwrap_or(name).to_owned()
+        Ok(metadata)
     }
 
     /// The request id, given here or as a header; if both, the same.
@@ -80,6 +72,13 @@ impl Metadata {
     }
 }
 
+/// The name of a file without folders and extension.
+fn stem(path: &str) -> &str {
+    let name = path.rsplit(['/', '\\']).next().unwrap_or_default();
+    let endings = [".zip", ".tar.gz", ".tgz", ".tar", ".mcap"];
+    endings.iter().find_map(|ending| name.strip_suffix(ending)).unwrap_or(name)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -87,16 +86,11 @@ mod tests {
     #[test]
     fn pairs_are_read_and_others_are_left_alone() {
         let text = "filename cm9wZS56aXA=,is_confidential,display_name w4Q=, other AAEC";
-        let metadata = Metadata::parse(text).unwrap();
-        assert_eq!(
-            (metadata.filename.as_str(), metadata.capture_name().as_str()),
-            ("rope.zip", "Ä")
-        );
+        assert_eq!(Metadata::parse(text).unwrap().capture.display_name, "Ä");
         assert_eq!(Metadata::parse("").unwrap(), Metadata::default());
         let named = Metadata::parse("filename Yy9yb3BlLnppcA==").unwrap();
-        assert_eq!(named.capture_name(), "rope");
-        let packed = Metadata { filename: "toy.v2.tar.gz".into(), ..Metadata::default() };
-        assert_eq!(packed.capture_name(), "toy.v2");
+        assert_eq!(named.capture.display_name, "rope");
+        assert_eq!(stem("toy.v2.tar.gz"), "toy.v2");
     }
 
     #[test]

@@ -15,7 +15,7 @@ use crate::harness::{
 };
 
 const MIB: u64 = 1 << 20;
-/// Bytes of one request of the Rust client, as in `client/rust/src/uploads.rs`.
+/// Bytes of one request of the Rust client, as in `client/rust/src/captures/uploads.rs`.
 const PART: u64 = 16 * MIB;
 /// Bytes that the server makes durable at a time, as in `server/src/app/uploads.rs`.
 const COMMIT: u64 = 32 * MIB;

@@ -16,7 +16,14 @@ from bendtwin.aio.twin import Twin
 from bendtwin.archive import archive_of
 from bendtwin.caller import AsyncCaller
 from bendtwin.errors import FitFailed, IngestFailed
-from bendtwin.labels import LabelArguments, ListArguments
+from bendtwin.labels import (
+    CaptureArguments,
+    CaptureLabelArguments,
+    CaptureListArguments,
+    LabelArguments,
+    ListArguments,
+    named,
+)
 from bendtwin.motion import Motion, bundle, bundle_file
 from bendtwin.resources import (
     Capture,
@@ -75,55 +82,43 @@ class Client:
     # Captures
 
     async def upload_capture(
-        self,
-        path: str | PathLike[str],
-        *,
-        display_name: str | None = None,
-        request_id: str | None = None,
-        ingest: dict[str, Any] | None = None,
-        ingest_requirements: Requirements | None = None,
+        self, path: str | PathLike[str], **facts: Unpack[CaptureArguments]
     ) -> Capture:
         """Uploads a capture: an archive, or a folder that is packed first.
 
-        Motion capture (`.npz`) is packed with the `.json` beside it.
-        `ingest` has the settings of the ingest that differ from the defaults
-        (docs/use/settings.md), and `ingest_requirements` restricts the worker that reads it. The
-        same content with the same `request_id` returns the existing capture.
+        Motion capture (`.npz`) is packed with the `.json` beside it. The same content with the same
+        `request_id` returns the existing capture.
         """
         path = Path(path)
-        name = path.stem if display_name is None else display_name
+        stated = named(facts, path.stem)
         async with self._caller.packed(path) as archive:
-            return await self._caller.run(
-                calls.create_capture(archive, name, request_id, ingest, ingest_requirements)
-            )
+            return await self._caller.run(calls.create_capture(archive, stated))
 
     async def upload_motion(
         self,
         motions: Motion | Sequence[Motion],
         *,
         fps: float,
-        display_name: str = "motion",
-        request_id: str | None = None,
-        ingest: dict[str, Any] | None = None,
-        ingest_requirements: Requirements | None = None,
         units: str = "m",
         up_axis: str = "+z",
         ground: float | None = 0.0,
         edges: ArrayLike | None = None,
         rest_points: ArrayLike | None = None,
         pins: ArrayLike | None = None,
+        **facts: Unpack[CaptureArguments],
     ) -> Capture:
         """Uploads motion capture: tracked points, as one or several motions.
 
         `ground` is the ground's height along `up_axis`, in `units`; None means no ground. `edges`
         [E, 2] are pairs of joined points, `rest_points` [P, 3] the undeformed shape, `pins` [H, 2]
-        pairs of a point and the control point that holds it. `request_id`, `ingest` and
-        `ingest_requirements` are as in `upload_capture`.
+        pairs of a point and the control point that holds it. The default `display_name` is
+        `motion`; other facts are those of `upload_capture`.
         """
+        stated = named(facts, "motion")
         content = bundle(
             motions,
             fps=fps,
-            name=display_name,
+            name=stated["display_name"] or "",
             units=units,
             up_axis=up_axis,
             ground=ground,
@@ -132,46 +127,28 @@ class Client:
             pins=pins,
         )
         with bundle_file(content) as path:
-            return await self.upload_capture(
-                path,
-                display_name=display_name,
-                request_id=request_id,
-                ingest=ingest,
-                ingest_requirements=ingest_requirements,
-            )
+            return await self.upload_capture(path, **stated)
 
     async def push_capture(
         self,
         path: str | PathLike[str],
         *,
-        display_name: str | None = None,
-        request_id: str | None = None,
-        ingest_requirements: Requirements | None = None,
         on_progress: Callable[[int, int], None] | None = None,
+        **facts: Unpack[CaptureArguments],
     ) -> Capture:
         """Uploads a capture resumably (tus 1.0.0): an archive, or a folder that is packed first.
 
         Motion capture (`.npz`) is packed with the `.json` beside it.
         The upload survives broken connections and restarts of the server and, if called again, of
-        the calling process. The same content with the same name is one capture and is not sent
-        twice. `ingest_requirements` restricts the worker that reads it; `on_progress` gets the
-        bytes that the server has, and the total.
+        the calling process. The same content with the same facts is one capture and is not sent
+        twice. `on_progress` gets the bytes that the server has, and the total.
         """
         file = Path(path)
-        called = file.resolve().name if file.is_dir() else file.stem
-        name = called if display_name is None else display_name
+        stated = named(facts, file.resolve().name if file.is_dir() else file.stem)
 
         def send() -> str:
             with archive_of(file) as archive:
-                sender = Sender(
-                    self._transport,
-                    archive,
-                    name,
-                    request_id,
-                    token=self._token,
-                    requirements=ingest_requirements,
-                )
-                return sender.send(on_progress)
+                return Sender(self._transport, archive, stated, token=self._token).send(on_progress)
 
         return await self.capture(await self._caller.blocking(send))
 
@@ -179,12 +156,12 @@ class Client:
         """The capture with a name."""
         return await self._caller.run(calls.get_capture(name))
 
-    def captures(self, **choice: Unpack[ListArguments]) -> AsyncIterator[Capture]:
+    def captures(self, **choice: Unpack[CaptureListArguments]) -> AsyncIterator[Capture]:
         """All captures, newest first, or those with a text or a tag, in another order."""
         return self._caller.pages(calls.list_captures(choice))
 
-    async def update_capture(self, name: str, **change: Unpack[LabelArguments]) -> Capture:
-        """Changes display name, note and tags of a capture; omitted ones stay."""
+    async def update_capture(self, name: str, **change: Unpack[CaptureLabelArguments]) -> Capture:
+        """Changes what is stated about a capture; omitted facts stay."""
         return await self._caller.run(calls.update_capture(name, change))
 
     async def delete_capture(self, name: str) -> None:

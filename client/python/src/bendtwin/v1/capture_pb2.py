@@ -28,7 +28,7 @@ from google.protobuf import timestamp_pb2 as google_dot_protobuf_dot_timestamp__
 from bendtwin.v1 import job_pb2 as bendtwin_dot_v1_dot_job__pb2
 
 
-DESCRIPTOR = _descriptor_pool.Default().AddSerializedFile(b'\n\x19\x62\x65ndtwin/v1/capture.proto\x12\x0b\x62\x65ndtwin.v1\x1a\x19\x62\x65ndtwin/v1/options.proto\x1a google/protobuf/field_mask.proto\x1a\x1fgoogle/protobuf/timestamp.proto\x1a\x15\x62\x65ndtwin/v1/job.proto\"\xd6\x02\n\x07\x43\x61pture\x12\x0c\n\x04name\x18\x01 \x01(\t\x12\x1c\n\x0c\x64isplay_name\x18\x02 \x01(\tB\x06\x8a\xb5\x18\x02\x10\x01\x12\x37\n\x0b\x63reate_time\x18\x03 \x01(\x0b\x32\x1a.google.protobuf.TimestampB\x06\x8a\xb5\x18\x02\x08\x03\x12\x12\n\nsize_bytes\x18\x04 \x01(\x04\x12\x0e\n\x06\x64igest\x18\x05 \x01(\t\x12(\n\x06ingest\x18\x06 \x01(\x0b\x32\x10.bendtwin.v1.JobB\x06\x8a\xb5\x18\x02\x08\x03\x12\x17\n\x07verdict\x18\x07 \x01(\tB\x06\x8a\xb5\x18\x02\x08\x02\x12\x14\n\x04note\x18\x08 \x01(\tB\x06\x8a\xb5\x18\x02\x10\x01\x12\x14\n\x04tags\x18\t \x03(\tB\x06\x8a\xb5\x18\x02\x10\x01\x12\r\n\x05owner\x18\n \x01(\t\x12\x44\n\x13ingest_requirements\x18\x0b \x01(\x0b\x32\x1f.bendtwin.v1.WorkerRequirementsB\x06\x8a\xb5\x18\x02\x08\x03\"a\n\x14\x43reateCaptureRequest\x12\x30\n\x08metadata\x18\x01 \x01(\x0b\x32\x1c.bendtwin.v1.CaptureMetadataH\x00\x12\x0f\n\x05\x63hunk\x18\x02 \x01(\x0cH\x00\x42\x06\n\x04part\"\xa6\x01\n\x0f\x43\x61ptureMetadata\x12\x14\n\x0c\x64isplay_name\x18\x01 \x01(\t\x12\x12\n\nrequest_id\x18\x02 \x01(\t\x12\x0e\n\x06\x64igest\x18\x03 \x01(\t\x12\x1b\n\x0bingest_json\x18\x04 \x01(\tB\x06\x8a\xb5\x18\x02\x08\x01\x12<\n\x13ingest_requirements\x18\x05 \x01(\x0b\x32\x1f.bendtwin.v1.WorkerRequirements\">\n\x15\x43reateCaptureResponse\x12%\n\x07\x63\x61pture\x18\x01 \x01(\x0b\x32\x14.bendtwin.v1.Capture\"!\n\x11GetCaptureRequest\x12\x0c\n\x04name\x18\x01 \x01(\t\"\xb8\x01\n\x13ListCapturesRequest\x12\x11\n\tpage_size\x18\x01 \x01(\r\x12\x12\n\npage_token\x18\x02 \x01(\t\x12\x17\n\x06search\x18\x03 \x01(\tB\x07\x8a\xb5\x18\x03(\xc8\x01\x12\x0b\n\x03tag\x18\x04 \x01(\t\x12<\n\x08order_by\x18\x05 \x01(\tB*\x8a\xb5\x18&\"$^((create_time|name)( asc| desc)?)?$\x12\x16\n\x05owner\x18\x06 \x01(\tB\x07\x8a\xb5\x18\x03(\xc8\x01\"W\n\x14ListCapturesResponse\x12&\n\x08\x63\x61ptures\x18\x01 \x03(\x0b\x32\x14.bendtwin.v1.Capture\x12\x17\n\x0fnext_page_token\x18\x02 \x01(\t\"\x95\x01\n\x14UpdateCaptureRequest\x12%\n\x07\x63\x61pture\x18\x01 \x01(\x0b\x32\x14.bendtwin.v1.Capture\x12/\n\x0bupdate_mask\x18\x02 \x01(\x0b\x32\x1a.google.protobuf.FieldMask\x12\x10\n\x08\x61\x64\x64_tags\x18\x03 \x03(\t\x12\x13\n\x0bremove_tags\x18\x04 \x03(\t\"$\n\x14\x44\x65leteCaptureRequest\x12\x0c\n\x04name\x18\x01 \x01(\t\"\x17\n\x15\x44\x65leteCaptureResponse\"\x8e\x01\n\x14IngestCaptureRequest\x12\x0c\n\x04name\x18\x01 \x01(\t\x12\x1d\n\rsettings_json\x18\x02 \x01(\tB\x06\x8a\xb5\x18\x02\x08\x01\x12\x12\n\nrequest_id\x18\x03 \x01(\t\x12\x35\n\x0crequirements\x18\x04 \x01(\x0b\x32\x1f.bendtwin.v1.WorkerRequirements\"#\n\x13\x43\x61ncelIngestRequest\x12\x0c\n\x04name\x18\x01 \x01(\t\":\n\x12WatchIngestRequest\x12\x0c\n\x04name\x18\x01 \x01(\t\x12\x16\n\x0e\x61\x66ter_revision\x18\x02 \x01(\x04\"\x9a\x01\n\x17GetCaptureReportRequest\x12\x0c\n\x04name\x18\x01 \x01(\t\x12;\n\x06\x66ormat\x18\x02 \x01(\x0e\x32+.bendtwin.v1.GetCaptureReportRequest.Format\"4\n\x06\x46ormat\x12\x16\n\x12\x46ORMAT_UNSPECIFIED\x10\x00\x12\x08\n\x04JSON\x10\x01\x12\x08\n\x04HTML\x10\x02\")\n\x18GetCaptureReportResponse\x12\r\n\x05\x63hunk\x18\x01 \x01(\x0c\"(\n\x18\x45xportObservationRequest\x12\x0c\n\x04name\x18\x01 \x01(\t\"*\n\x19\x45xportObservationResponse\x12\r\n\x05\x63hunk\x18\x01 \x01(\x0c\x32\xe4\t\n\x0e\x43\x61ptureService\x12y\n\rCreateCapture\x12!.bendtwin.v1.CreateCaptureRequest\x1a\".bendtwin.v1.CreateCaptureResponse\"\x1f\x88\xb5\x18\x06\x90\xb5\x18\x01\x9a\xb5\x18\x13\x12\x0c/v1/captures0\xc9\x01P\x01(\x01\x12_\n\nGetCapture\x12\x1e.bendtwin.v1.GetCaptureRequest\x1a\x14.bendtwin.v1.Capture\"\x1b\x88\xb5\x18\x05\x9a\xb5\x18\x13\n\x11/v1/captures/{id}\x12k\n\x0cListCaptures\x12 .bendtwin.v1.ListCapturesRequest\x1a!.bendtwin.v1.ListCapturesResponse\"\x16\x88\xb5\x18\x05\x9a\xb5\x18\x0e\n\x0c/v1/captures\x12w\n\rUpdateCapture\x12!.bendtwin.v1.UpdateCaptureRequest\x1a\x14.bendtwin.v1.Capture\"-\x88\xb5\x18\x06\x90\xb5\x18\x01\x9a\xb5\x18!\x1a\x11/v1/captures/{id}*\x0c\x63\x61pture.name\x12w\n\rDeleteCapture\x12!.bendtwin.v1.DeleteCaptureRequest\x1a\".bendtwin.v1.DeleteCaptureResponse\"\x1f\x88\xb5\x18\x06\x90\xb5\x18\x01\x9a\xb5\x18\x13\"\x11/v1/captures/{id}\x12s\n\rIngestCapture\x12!.bendtwin.v1.IngestCaptureRequest\x1a\x14.bendtwin.v1.Capture\")\x88\xb5\x18\x06\x90\xb5\x18\x01\x9a\xb5\x18\x1d\x12\x18/v1/captures/{id}/ingest0\xca\x01\x12u\n\x0c\x43\x61ncelIngest\x12 .bendtwin.v1.CancelIngestRequest\x1a\x14.bendtwin.v1.Capture\"-\x88\xb5\x18\x06\x90\xb5\x18\x01\x9a\xb5\x18!\x12\x1f/v1/captures/{id}/ingest/cancel\x12j\n\x0bWatchIngest\x12\x1f.bendtwin.v1.WatchIngestRequest\x1a\x14.bendtwin.v1.Capture\"\"\x88\xb5\x18\x05\x9a\xb5\x18\x1a\n\x18/v1/captures/{id}/events0\x01\x12\xac\x01\n\x10GetCaptureReport\x12$.bendtwin.v1.GetCaptureReportRequest\x1a%.bendtwin.v1.GetCaptureReportResponse\"I\x88\xb5\x18\x05\x9a\xb5\x18\x1c\n\x18/v1/captures/{id}/reportP\x01\x9a\xb5\x18!\n\x1d/v1/captures/{id}/report.htmlP\x01\x30\x01\x12\x8f\x01\n\x11\x45xportObservation\x12%.bendtwin.v1.ExportObservationRequest\x1a&.bendtwin.v1.ExportObservationResponse\")\x88\xb5\x18\x05\x9a\xb5\x18!\n\x1d/v1/captures/{id}/observationP\x01\x30\x01\x62\x06proto3')
+DESCRIPTOR = _descriptor_pool.Default().AddSerializedFile(b'\n\x19\x62\x65ndtwin/v1/capture.proto\x12\x0b\x62\x65ndtwin.v1\x1a\x19\x62\x65ndtwin/v1/options.proto\x1a google/protobuf/field_mask.proto\x1a\x1fgoogle/protobuf/timestamp.proto\x1a\x15\x62\x65ndtwin/v1/job.proto\"\xf3\x02\n\x07\x43\x61pture\x12\x0c\n\x04name\x18\x01 \x01(\t\x12\x1c\n\x0c\x64isplay_name\x18\x02 \x01(\tB\x06\x8a\xb5\x18\x02\x10\x01\x12\x37\n\x0b\x63reate_time\x18\x03 \x01(\x0b\x32\x1a.google.protobuf.TimestampB\x06\x8a\xb5\x18\x02\x08\x03\x12\x12\n\nsize_bytes\x18\x04 \x01(\x04\x12\x0e\n\x06\x64igest\x18\x05 \x01(\t\x12(\n\x06ingest\x18\x06 \x01(\x0b\x32\x10.bendtwin.v1.JobB\x06\x8a\xb5\x18\x02\x08\x03\x12\x17\n\x07verdict\x18\x07 \x01(\tB\x06\x8a\xb5\x18\x02\x08\x02\x12\x14\n\x04note\x18\x08 \x01(\tB\x06\x8a\xb5\x18\x02\x10\x01\x12\x14\n\x04tags\x18\t \x03(\tB\x06\x8a\xb5\x18\x02\x10\x01\x12\r\n\x05owner\x18\n \x01(\t\x12\x44\n\x13ingest_requirements\x18\x0b \x01(\x0b\x32\x1f.bendtwin.v1.WorkerRequirementsB\x06\x8a\xb5\x18\x02\x08\x03\x12\x1b\n\x0brecorded_by\x18\x0c \x01(\tB\x06\x8a\xb5\x18\x02\x10\x01\"a\n\x14\x43reateCaptureRequest\x12\x30\n\x08metadata\x18\x01 \x01(\x0b\x32\x1c.bendtwin.v1.CaptureMetadataH\x00\x12\x0f\n\x05\x63hunk\x18\x02 \x01(\x0cH\x00\x42\x06\n\x04part\"\xbb\x01\n\x0f\x43\x61ptureMetadata\x12\x14\n\x0c\x64isplay_name\x18\x01 \x01(\t\x12\x12\n\nrequest_id\x18\x02 \x01(\t\x12\x0e\n\x06\x64igest\x18\x03 \x01(\t\x12\x1b\n\x0bingest_json\x18\x04 \x01(\tB\x06\x8a\xb5\x18\x02\x08\x01\x12<\n\x13ingest_requirements\x18\x05 \x01(\x0b\x32\x1f.bendtwin.v1.WorkerRequirements\x12\x13\n\x0brecorded_by\x18\x06 \x01(\t\">\n\x15\x43reateCaptureResponse\x12%\n\x07\x63\x61pture\x18\x01 \x01(\x0b\x32\x14.bendtwin.v1.Capture\"!\n\x11GetCaptureRequest\x12\x0c\n\x04name\x18\x01 \x01(\t\"\xd6\x01\n\x13ListCapturesRequest\x12\x11\n\tpage_size\x18\x01 \x01(\r\x12\x12\n\npage_token\x18\x02 \x01(\t\x12\x17\n\x06search\x18\x03 \x01(\tB\x07\x8a\xb5\x18\x03(\xc8\x01\x12\x0b\n\x03tag\x18\x04 \x01(\t\x12<\n\x08order_by\x18\x05 \x01(\tB*\x8a\xb5\x18&\"$^((create_time|name)( asc| desc)?)?$\x12\x16\n\x05owner\x18\x06 \x01(\tB\x07\x8a\xb5\x18\x03(\xc8\x01\x12\x1c\n\x0brecorded_by\x18\x07 \x01(\tB\x07\x8a\xb5\x18\x03(\xc8\x01\"W\n\x14ListCapturesResponse\x12&\n\x08\x63\x61ptures\x18\x01 \x03(\x0b\x32\x14.bendtwin.v1.Capture\x12\x17\n\x0fnext_page_token\x18\x02 \x01(\t\"\x95\x01\n\x14UpdateCaptureRequest\x12%\n\x07\x63\x61pture\x18\x01 \x01(\x0b\x32\x14.bendtwin.v1.Capture\x12/\n\x0bupdate_mask\x18\x02 \x01(\x0b\x32\x1a.google.protobuf.FieldMask\x12\x10\n\x08\x61\x64\x64_tags\x18\x03 \x03(\t\x12\x13\n\x0bremove_tags\x18\x04 \x03(\t\"$\n\x14\x44\x65leteCaptureRequest\x12\x0c\n\x04name\x18\x01 \x01(\t\"\x17\n\x15\x44\x65leteCaptureResponse\"\x8e\x01\n\x14IngestCaptureRequest\x12\x0c\n\x04name\x18\x01 \x01(\t\x12\x1d\n\rsettings_json\x18\x02 \x01(\tB\x06\x8a\xb5\x18\x02\x08\x01\x12\x12\n\nrequest_id\x18\x03 \x01(\t\x12\x35\n\x0crequirements\x18\x04 \x01(\x0b\x32\x1f.bendtwin.v1.WorkerRequirements\"#\n\x13\x43\x61ncelIngestRequest\x12\x0c\n\x04name\x18\x01 \x01(\t\":\n\x12WatchIngestRequest\x12\x0c\n\x04name\x18\x01 \x01(\t\x12\x16\n\x0e\x61\x66ter_revision\x18\x02 \x01(\x04\"\x9a\x01\n\x17GetCaptureReportRequest\x12\x0c\n\x04name\x18\x01 \x01(\t\x12;\n\x06\x66ormat\x18\x02 \x01(\x0e\x32+.bendtwin.v1.GetCaptureReportRequest.Format\"4\n\x06\x46ormat\x12\x16\n\x12\x46ORMAT_UNSPECIFIED\x10\x00\x12\x08\n\x04JSON\x10\x01\x12\x08\n\x04HTML\x10\x02\")\n\x18GetCaptureReportResponse\x12\r\n\x05\x63hunk\x18\x01 \x01(\x0c\"(\n\x18\x45xportObservationRequest\x12\x0c\n\x04name\x18\x01 \x01(\t\"*\n\x19\x45xportObservationResponse\x12\r\n\x05\x63hunk\x18\x01 \x01(\x0c\x32\xe4\t\n\x0e\x43\x61ptureService\x12y\n\rCreateCapture\x12!.bendtwin.v1.CreateCaptureRequest\x1a\".bendtwin.v1.CreateCaptureResponse\"\x1f\x88\xb5\x18\x06\x90\xb5\x18\x01\x9a\xb5\x18\x13\x12\x0c/v1/captures0\xc9\x01P\x01(\x01\x12_\n\nGetCapture\x12\x1e.bendtwin.v1.GetCaptureRequest\x1a\x14.bendtwin.v1.Capture\"\x1b\x88\xb5\x18\x05\x9a\xb5\x18\x13\n\x11/v1/captures/{id}\x12k\n\x0cListCaptures\x12 .bendtwin.v1.ListCapturesRequest\x1a!.bendtwin.v1.ListCapturesResponse\"\x16\x88\xb5\x18\x05\x9a\xb5\x18\x0e\n\x0c/v1/captures\x12w\n\rUpdateCapture\x12!.bendtwin.v1.UpdateCaptureRequest\x1a\x14.bendtwin.v1.Capture\"-\x88\xb5\x18\x06\x90\xb5\x18\x01\x9a\xb5\x18!\x1a\x11/v1/captures/{id}*\x0c\x63\x61pture.name\x12w\n\rDeleteCapture\x12!.bendtwin.v1.DeleteCaptureRequest\x1a\".bendtwin.v1.DeleteCaptureResponse\"\x1f\x88\xb5\x18\x06\x90\xb5\x18\x01\x9a\xb5\x18\x13\"\x11/v1/captures/{id}\x12s\n\rIngestCapture\x12!.bendtwin.v1.IngestCaptureRequest\x1a\x14.bendtwin.v1.Capture\")\x88\xb5\x18\x06\x90\xb5\x18\x01\x9a\xb5\x18\x1d\x12\x18/v1/captures/{id}/ingest0\xca\x01\x12u\n\x0c\x43\x61ncelIngest\x12 .bendtwin.v1.CancelIngestRequest\x1a\x14.bendtwin.v1.Capture\"-\x88\xb5\x18\x06\x90\xb5\x18\x01\x9a\xb5\x18!\x12\x1f/v1/captures/{id}/ingest/cancel\x12j\n\x0bWatchIngest\x12\x1f.bendtwin.v1.WatchIngestRequest\x1a\x14.bendtwin.v1.Capture\"\"\x88\xb5\x18\x05\x9a\xb5\x18\x1a\n\x18/v1/captures/{id}/events0\x01\x12\xac\x01\n\x10GetCaptureReport\x12$.bendtwin.v1.GetCaptureReportRequest\x1a%.bendtwin.v1.GetCaptureReportResponse\"I\x88\xb5\x18\x05\x9a\xb5\x18\x1c\n\x18/v1/captures/{id}/reportP\x01\x9a\xb5\x18!\n\x1d/v1/captures/{id}/report.htmlP\x01\x30\x01\x12\x8f\x01\n\x11\x45xportObservation\x12%.bendtwin.v1.ExportObservationRequest\x1a&.bendtwin.v1.ExportObservationResponse\")\x88\xb5\x18\x05\x9a\xb5\x18!\n\x1d/v1/captures/{id}/observationP\x01\x30\x01\x62\x06proto3')
 
 _globals = globals()
 _builder.BuildMessageAndEnumDescriptors(DESCRIPTOR, _globals)
@@ -49,6 +49,8 @@ if not _descriptor._USE_C_DESCRIPTORS:
   _globals['_CAPTURE'].fields_by_name['tags']._serialized_options = b'\212\265\030\002\020\001'
   _globals['_CAPTURE'].fields_by_name['ingest_requirements']._loaded_options = None
   _globals['_CAPTURE'].fields_by_name['ingest_requirements']._serialized_options = b'\212\265\030\002\010\003'
+  _globals['_CAPTURE'].fields_by_name['recorded_by']._loaded_options = None
+  _globals['_CAPTURE'].fields_by_name['recorded_by']._serialized_options = b'\212\265\030\002\020\001'
   _globals['_CAPTUREMETADATA'].fields_by_name['ingest_json']._loaded_options = None
   _globals['_CAPTUREMETADATA'].fields_by_name['ingest_json']._serialized_options = b'\212\265\030\002\010\001'
   _globals['_LISTCAPTURESREQUEST'].fields_by_name['search']._loaded_options = None
@@ -57,6 +59,8 @@ if not _descriptor._USE_C_DESCRIPTORS:
   _globals['_LISTCAPTURESREQUEST'].fields_by_name['order_by']._serialized_options = b'\212\265\030&\"$^((create_time|name)( asc| desc)?)?$'
   _globals['_LISTCAPTURESREQUEST'].fields_by_name['owner']._loaded_options = None
   _globals['_LISTCAPTURESREQUEST'].fields_by_name['owner']._serialized_options = b'\212\265\030\003(\310\001'
+  _globals['_LISTCAPTURESREQUEST'].fields_by_name['recorded_by']._loaded_options = None
+  _globals['_LISTCAPTURESREQUEST'].fields_by_name['recorded_by']._serialized_options = b'\212\265\030\003(\310\001'
   _globals['_INGESTCAPTUREREQUEST'].fields_by_name['settings_json']._loaded_options = None
   _globals['_INGESTCAPTUREREQUEST'].fields_by_name['settings_json']._serialized_options = b'\212\265\030\002\010\001'
   _globals['_CAPTURESERVICE'].methods_by_name['CreateCapture']._loaded_options = None
@@ -80,41 +84,41 @@ if not _descriptor._USE_C_DESCRIPTORS:
   _globals['_CAPTURESERVICE'].methods_by_name['ExportObservation']._loaded_options = None
   _globals['_CAPTURESERVICE'].methods_by_name['ExportObservation']._serialized_options = b'\210\265\030\005\232\265\030!\n\035/v1/captures/{id}/observationP\001'
   _globals['_CAPTURE']._serialized_start=160
-  _globals['_CAPTURE']._serialized_end=502
-  _globals['_CREATECAPTUREREQUEST']._serialized_start=504
-  _globals['_CREATECAPTUREREQUEST']._serialized_end=601
-  _globals['_CAPTUREMETADATA']._serialized_start=604
-  _globals['_CAPTUREMETADATA']._serialized_end=770
-  _globals['_CREATECAPTURERESPONSE']._serialized_start=772
-  _globals['_CREATECAPTURERESPONSE']._serialized_end=834
-  _globals['_GETCAPTUREREQUEST']._serialized_start=836
-  _globals['_GETCAPTUREREQUEST']._serialized_end=869
-  _globals['_LISTCAPTURESREQUEST']._serialized_start=872
-  _globals['_LISTCAPTURESREQUEST']._serialized_end=1056
-  _globals['_LISTCAPTURESRESPONSE']._serialized_start=1058
-  _globals['_LISTCAPTURESRESPONSE']._serialized_end=1145
-  _globals['_UPDATECAPTUREREQUEST']._serialized_start=1148
-  _globals['_UPDATECAPTUREREQUEST']._serialized_end=1297
-  _globals['_DELETECAPTUREREQUEST']._serialized_start=1299
-  _globals['_DELETECAPTUREREQUEST']._serialized_end=1335
-  _globals['_DELETECAPTURERESPONSE']._serialized_start=1337
-  _globals['_DELETECAPTURERESPONSE']._serialized_end=1360
-  _globals['_INGESTCAPTUREREQUEST']._serialized_start=1363
-  _globals['_INGESTCAPTUREREQUEST']._serialized_end=1505
-  _globals['_CANCELINGESTREQUEST']._serialized_start=1507
-  _globals['_CANCELINGESTREQUEST']._serialized_end=1542
-  _globals['_WATCHINGESTREQUEST']._serialized_start=1544
-  _globals['_WATCHINGESTREQUEST']._serialized_end=1602
-  _globals['_GETCAPTUREREPORTREQUEST']._serialized_start=1605
-  _globals['_GETCAPTUREREPORTREQUEST']._serialized_end=1759
-  _globals['_GETCAPTUREREPORTREQUEST_FORMAT']._serialized_start=1707
-  _globals['_GETCAPTUREREPORTREQUEST_FORMAT']._serialized_end=1759
-  _globals['_GETCAPTUREREPORTRESPONSE']._serialized_start=1761
-  _globals['_GETCAPTUREREPORTRESPONSE']._serialized_end=1802
-  _globals['_EXPORTOBSERVATIONREQUEST']._serialized_start=1804
-  _globals['_EXPORTOBSERVATIONREQUEST']._serialized_end=1844
-  _globals['_EXPORTOBSERVATIONRESPONSE']._serialized_start=1846
-  _globals['_EXPORTOBSERVATIONRESPONSE']._serialized_end=1888
-  _globals['_CAPTURESERVICE']._serialized_start=1891
-  _globals['_CAPTURESERVICE']._serialized_end=3143
+  _globals['_CAPTURE']._serialized_end=531
+  _globals['_CREATECAPTUREREQUEST']._serialized_start=533
+  _globals['_CREATECAPTUREREQUEST']._serialized_end=630
+  _globals['_CAPTUREMETADATA']._serialized_start=633
+  _globals['_CAPTUREMETADATA']._serialized_end=820
+  _globals['_CREATECAPTURERESPONSE']._serialized_start=822
+  _globals['_CREATECAPTURERESPONSE']._serialized_end=884
+  _globals['_GETCAPTUREREQUEST']._serialized_start=886
+  _globals['_GETCAPTUREREQUEST']._serialized_end=919
+  _globals['_LISTCAPTURESREQUEST']._serialized_start=922
+  _globals['_LISTCAPTURESREQUEST']._serialized_end=1136
+  _globals['_LISTCAPTURESRESPONSE']._serialized_start=1138
+  _globals['_LISTCAPTURESRESPONSE']._serialized_end=1225
+  _globals['_UPDATECAPTUREREQUEST']._serialized_start=1228
+  _globals['_UPDATECAPTUREREQUEST']._serialized_end=1377
+  _globals['_DELETECAPTUREREQUEST']._serialized_start=1379
+  _globals['_DELETECAPTUREREQUEST']._serialized_end=1415
+  _globals['_DELETECAPTURERESPONSE']._serialized_start=1417
+  _globals['_DELETECAPTURERESPONSE']._serialized_end=1440
+  _globals['_INGESTCAPTUREREQUEST']._serialized_start=1443
+  _globals['_INGESTCAPTUREREQUEST']._serialized_end=1585
+  _globals['_CANCELINGESTREQUEST']._serialized_start=1587
+  _globals['_CANCELINGESTREQUEST']._serialized_end=1622
+  _globals['_WATCHINGESTREQUEST']._serialized_start=1624
+  _globals['_WATCHINGESTREQUEST']._serialized_end=1682
+  _globals['_GETCAPTUREREPORTREQUEST']._serialized_start=1685
+  _globals['_GETCAPTUREREPORTREQUEST']._serialized_end=1839
+  _globals['_GETCAPTUREREPORTREQUEST_FORMAT']._serialized_start=1787
+  _globals['_GETCAPTUREREPORTREQUEST_FORMAT']._serialized_end=1839
+  _globals['_GETCAPTUREREPORTRESPONSE']._serialized_start=1841
+  _globals['_GETCAPTUREREPORTRESPONSE']._serialized_end=1882
+  _globals['_EXPORTOBSERVATIONREQUEST']._serialized_start=1884
+  _globals['_EXPORTOBSERVATIONREQUEST']._serialized_end=1924
+  _globals['_EXPORTOBSERVATIONRESPONSE']._serialized_start=1926
+  _globals['_EXPORTOBSERVATIONRESPONSE']._serialized_end=1968
+  _globals['_CAPTURESERVICE']._serialized_start=1971
+  _globals['_CAPTURESERVICE']._serialized_end=3223
 # @@protoc_insertion_point(module_scope)

@@ -14,7 +14,7 @@ from typing import ClassVar as _ClassVar, Optional as _Optional, Union as _Union
 DESCRIPTOR: _descriptor.FileDescriptor
 
 class Capture(_message.Message):
-    __slots__ = ("name", "display_name", "create_time", "size_bytes", "digest", "ingest", "verdict", "note", "tags", "owner", "ingest_requirements")
+    __slots__ = ("name", "display_name", "create_time", "size_bytes", "digest", "ingest", "verdict", "note", "tags", "owner", "ingest_requirements", "recorded_by")
     NAME_FIELD_NUMBER: _ClassVar[int]
     DISPLAY_NAME_FIELD_NUMBER: _ClassVar[int]
     CREATE_TIME_FIELD_NUMBER: _ClassVar[int]
@@ -26,6 +26,7 @@ class Capture(_message.Message):
     TAGS_FIELD_NUMBER: _ClassVar[int]
     OWNER_FIELD_NUMBER: _ClassVar[int]
     INGEST_REQUIREMENTS_FIELD_NUMBER: _ClassVar[int]
+    RECORDED_BY_FIELD_NUMBER: _ClassVar[int]
     name: str
     display_name: str
     create_time: _timestamp_pb2.Timestamp
@@ -37,7 +38,8 @@ class Capture(_message.Message):
     tags: _containers.RepeatedScalarFieldContainer[str]
     owner: str
     ingest_requirements: _job_pb2.WorkerRequirements
-    def __init__(self, name: _Optional[str] = ..., display_name: _Optional[str] = ..., create_time: _Optional[_Union[datetime.datetime, _timestamp_pb2.Timestamp, _Mapping]] = ..., size_bytes: _Optional[int] = ..., digest: _Optional[str] = ..., ingest: _Optional[_Union[_job_pb2.Job, _Mapping]] = ..., verdict: _Optional[str] = ..., note: _Optional[str] = ..., tags: _Optional[_Iterable[str]] = ..., owner: _Optional[str] = ..., ingest_requirements: _Optional[_Union[_job_pb2.WorkerRequirements, _Mapping]] = ...) -> None: ...
+    recorded_by: str
+    def __init__(self, name: _Optional[str] = ..., display_name: _Optional[str] = ..., create_time: _Optional[_Union[datetime.datetime, _timestamp_pb2.Timestamp, _Mapping]] = ..., size_bytes: _Optional[int] = ..., digest: _Optional[str] = ..., ingest: _Optional[_Union[_job_pb2.Job, _Mapping]] = ..., verdict: _Optional[str] = ..., note: _Optional[str] = ..., tags: _Optional[_Iterable[str]] = ..., owner: _Optional[str] = ..., ingest_requirements: _Optional[_Union[_job_pb2.WorkerRequirements, _Mapping]] = ..., recorded_by: _Optional[str] = ...) -> None: ...
 
 class CreateCaptureRequest(_message.Message):
     __slots__ = ("metadata", "chunk")
@@ -48,18 +50,20 @@ class CreateCaptureRequest(_message.Message):
     def __init__(self, metadata: _Optional[_Union[CaptureMetadata, _Mapping]] = ..., chunk: _Optional[bytes] = ...) -> None: ...
 
 class CaptureMetadata(_message.Message):
-    __slots__ = ("display_name", "request_id", "digest", "ingest_json", "ingest_requirements")
+    __slots__ = ("display_name", "request_id", "digest", "ingest_json", "ingest_requirements", "recorded_by")
     DISPLAY_NAME_FIELD_NUMBER: _ClassVar[int]
     REQUEST_ID_FIELD_NUMBER: _ClassVar[int]
     DIGEST_FIELD_NUMBER: _ClassVar[int]
     INGEST_JSON_FIELD_NUMBER: _ClassVar[int]
     INGEST_REQUIREMENTS_FIELD_NUMBER: _ClassVar[int]
+    RECORDED_BY_FIELD_NUMBER: _ClassVar[int]
     display_name: str
     request_id: str
     digest: str
     ingest_json: str
     ingest_requirements: _job_pb2.WorkerRequirements
-    def __init__(self, display_name: _Optional[str] = ..., request_id: _Optional[str] = ..., digest: _Optional[str] = ..., ingest_json: _Optional[str] = ..., ingest_requirements: _Optional[_Union[_job_pb2.WorkerRequirements, _Mapping]] = ...) -> None: ...
+    recorded_by: str
+    def __init__(self, display_name: _Optional[str] = ..., request_id: _Optional[str] = ..., digest: _Optional[str] = ..., ingest_json: _Optional[str] = ..., ingest_requirements: _Optional[_Union[_job_pb2.WorkerRequirements, _Mapping]] = ..., recorded_by: _Optional[str] = ...) -> None: ...
 
 class CreateCaptureResponse(_message.Message):
     __slots__ = ("capture",)
@@ -74,20 +78,22 @@ class GetCaptureRequest(_message.Message):
     def __init__(self, name: _Optional[str] = ...) -> None: ...
 
 class ListCapturesRequest(_message.Message):
-    __slots__ = ("page_size", "page_token", "search", "tag", "order_by", "owner")
+    __slots__ = ("page_size", "page_token", "search", "tag", "order_by", "owner", "recorded_by")
     PAGE_SIZE_FIELD_NUMBER: _ClassVar[int]
     PAGE_TOKEN_FIELD_NUMBER: _ClassVar[int]
     SEARCH_FIELD_NUMBER: _ClassVar[int]
     TAG_FIELD_NUMBER: _ClassVar[int]
     ORDER_BY_FIELD_NUMBER: _ClassVar[int]
     OWNER_FIELD_NUMBER: _ClassVar[int]
+    RECORDED_BY_FIELD_NUMBER: _ClassVar[int]
     page_size: int
     page_token: str
     search: str
     tag: str
     order_by: str
     owner: str
-    def __init__(self, page_size: _Optional[int] = ..., page_token: _Optional[str] = ..., search: _Optional[str] = ..., tag: _Optional[str] = ..., order_by: _Optional[str] = ..., owner: _Optional[str] = ...) -> None: ...
+    recorded_by: str
+    def __init__(self, page_size: _Optional[int] = ..., page_token: _Optional[str] = ..., search: _Optional[str] = ..., tag: _Optional[str] = ..., order_by: _Optional[str] = ..., owner: _Optional[str] = ..., recorded_by: _Optional[str] = ...) -> None: ...
 
 class ListCapturesResponse(_message.Message):
     __slots__ = ("captures", "next_page_token")

@@ -114,7 +114,7 @@ class CaptureServiceServicer(object):
         raise NotImplementedError('Method not implemented!')
 
     def UpdateCapture(self, request, context):
-        """Changes display name, note and tags.
+        """Changes display name, note, tags and who recorded it.
         """
         context.set_code(grpc.StatusCode.UNIMPLEMENTED)
         context.set_details('Method not implemented!')

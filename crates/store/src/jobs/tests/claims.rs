@@ -4,7 +4,7 @@ use semver::Version;
 
 use super::*;
 use crate::{
-    Capabilities, Claimant, Creator, NewCapture, NewIngest, Quotas, Requirements,
+    Capabilities, Claimant, Creator, NewIngest, Quotas, Requirements,
     jobs::requirements::MAX_DIFFERENT, sql, store::tests::new_capture,
 };
 
@@ -160,7 +160,8 @@ async fn an_ingest_waits_for_a_worker_that_it_asks_for(on: On) {
     let bench = Bench::new(on).await;
     let requirements = Requirements { labels: labels(&["lab=2"]), ..Requirements::default() };
     let content = bench.stage("a").await;
-    let new = NewCapture { requirements: requirements.clone(), ..new_capture("a", content) };
+    let mut new = new_capture("a", content);
+    new.facts.requirements = requirements.clone();
     let capture = bench.store.captures().create(new).await.unwrap();
     let claim_with = async |of_worker: &[&str]| {
         let capabilities = Capabilities { labels: labels(of_worker), ..Capabilities::default() };

@@ -33,7 +33,7 @@ async fn filled() -> Bench {
         add_tags: vec!["b-c".into(), "bc".into(), "B".into()],
         ..LabelChange::default()
     };
-    bench.store.captures().update(capture.id, &change).await.unwrap();
+    bench.store.captures().update(capture.id, &change.into()).await.unwrap();
     for _ in 0..BATCH {
         bench.store.jobs().create_fit(new_fit(&capture)).await.unwrap();
     }

@@ -2,8 +2,8 @@ use std::sync::Arc;
 
 use bendtwin_harness::Postgres;
 use bendtwin_store::{
-    Creator, DatabaseUrl, JobId, Kind, LeaseTerms, ManualClock, NewCapture, NewWorker,
-    Requirements, State, Store,
+    CaptureFacts, Creator, DatabaseUrl, JobId, Kind, LeaseTerms, ManualClock, NewCapture,
+    NewWorker, State, Store,
 };
 
 use super::*;
@@ -67,11 +67,9 @@ impl Fleet {
         let worker = store.workers().register(registration).await.unwrap().registration.id;
         let content = store.blobs().upload(1).await.unwrap().finish(None).await.unwrap();
         let new = NewCapture {
-            display_name: "a rope".to_owned(),
+            facts: CaptureFacts { ingest: "{}".to_owned(), ..CaptureFacts::default() },
             request_id: None,
             content,
-            ingest: "{}".to_owned(),
-            requirements: Requirements::default(),
             creator: Creator::default(),
             trace_parent: None,
         };

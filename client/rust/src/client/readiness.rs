@@ -6,7 +6,8 @@ use bendtwin_core::Category;
 use hyper::{Method, StatusCode};
 use serde::Deserialize;
 
-use crate::{Error, http::Http, problem};
+use super::{http::Http, problem};
+use crate::Error;
 
 /// Longest time for the answer, in which the server may prove that its disk can be written.
 const TIMEOUT: Duration = Duration::from_secs(10);

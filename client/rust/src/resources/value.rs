@@ -43,21 +43,21 @@ macro_rules! resource {
 
             fn try_from(message: $message) -> Result<Self, $crate::Error> {
                 Ok(Self {
-                    $($field: $crate::value::FromWire::from_wire(
-                        $crate::value::field!(message, $field $(, $($wire),+)?),
+                    $($field: $crate::resources::value::FromWire::from_wire(
+                        $crate::resources::value::field!(message, $field $(, $($wire),+)?),
                         stringify!($field),
                     )?,)*
                 })
             }
         }
 
-        impl $crate::value::FromWire<Option<$message>> for Option<$name> {
+        impl $crate::resources::value::FromWire<Option<$message>> for Option<$name> {
             fn from_wire(wire: Option<$message>, _: &str) -> Result<Self, $crate::Error> {
                 wire.map(TryInto::try_into).transpose()
             }
         }
 
-        impl $crate::value::FromWire<Vec<$message>> for Vec<$name> {
+        impl $crate::resources::value::FromWire<Vec<$message>> for Vec<$name> {
             fn from_wire(wire: Vec<$message>, _: &str) -> Result<Self, $crate::Error> {
                 wire.into_iter().map(TryInto::try_into).collect()
             }

@@ -2,8 +2,8 @@
 //! the uploading process.
 //!
 //! There is no state file: the upload is found again by its request id, which is derived from the
-//! content's digest and the metadata. So the same file under the same name is resumed from any
-//! process or folder, and a file that the server already has is not sent again.
+//! content's digest and the facts. So the same file with the same facts is resumed from any process
+//! or folder, and a file that the server already has is not sent again.
 
 use std::{
     io::SeekFrom,
@@ -24,10 +24,11 @@ use tokio::{
 use url::Url;
 
 use crate::{
-    Error, Requirements,
-    http::{Http, Request, Response},
-    problem,
-    resources::json_if_any,
+    CaptureFacts, Error,
+    client::{
+        http::{Http, Request, Response},
+        problem,
+    },
 };
 
 /// Bytes of one request: the most that a wrong checksum or a dead server costs.
@@ -66,25 +67,20 @@ impl<'a> Sender<'a> {
         server: &'a str,
         path: &'a Path,
         digest: &str,
-        display_name: &str,
+        facts: &CaptureFacts,
     ) -> Result<Self, Error> {
         let length = tokio::fs::metadata(path).await.map_err(|e| Error::file(path, &e))?.len();
+        let facts = facts.pairs()?;
+        let texts: Vec<&str> = facts.iter().map(|(_, text)| text.as_str()).collect();
         let mut key = blake3::Hasher::new();
-        key.update(digest.as_bytes()).update(display_name.as_bytes());
+        key.update(digest.as_bytes()).update(texts.join("\0").as_bytes());
         let request_id = format!("tus-{}", &key.finalize().to_hex()[..32]);
-        let pairs =
-            [("display_name", display_name), ("request_id", &request_id), ("digest", digest)];
+        let own = [("request_id", &*request_id), ("digest", digest)];
+        let own = own.map(|(key, value)| (key.to_owned(), value.to_owned()));
+        let pairs = facts.into_iter().chain(own);
         let pairs = pairs.map(|(key, value)| format!("{key} {}", BASE64_STANDARD.encode(value)));
-        Ok(Self { http, server, path, length, metadata: pairs.join(",") })
-    }
-
-    /// The upload, with requirements on the worker of its ingest.
-    pub(crate) fn asking(mut self, requirements: &Requirements) -> Result<Self, Error> {
-        if let Some(json) = json_if_any(requirements)? {
-            let pair = format!(",ingest_requirements {}", BASE64_STANDARD.encode(json));
-            self.metadata.push_str(&pair);
-        }
-        Ok(self)
+        let metadata = pairs.collect::<Vec<_>>().join(",");
+        Ok(Self { http, server, path, length, metadata })
     }
 
     /// Sends the missing bytes and returns the capture made of them. `sent` gets the number of

@@ -15,7 +15,8 @@ use hyper::{
 use hyper_util::{client::legacy, rt::TokioExecutor};
 use serde::de::DeserializeOwned;
 
-use crate::{Error, client};
+use super::unreachable;
+use crate::Error;
 
 /// Longest body of a response that is read whole [bytes].
 const MAX_BODY: usize = 16 << 20;
@@ -108,7 +109,7 @@ impl Request<'_> {
         *request.uri_mut() = uri;
         *request.headers_mut() = self.headers?;
         let sent = self.http.client.request(request).await;
-        let (parts, body) = sent.map_err(|e| client::unreachable(&self.url, &e))?.into_parts();
+        let (parts, body) = sent.map_err(|e| unreachable(&self.url, &e))?.into_parts();
         Ok(Response { status: parts.status, headers: parts.headers, body })
     }
 }

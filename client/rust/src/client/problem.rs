@@ -5,7 +5,8 @@ use bendtwin_proto::fault::category_named;
 use hyper::StatusCode;
 use serde::Deserialize;
 
-use crate::{Error, http::Response};
+use super::http::Response;
+use crate::Error;
 
 /// The members of a problem document that are used here.
 #[derive(Deserialize)]

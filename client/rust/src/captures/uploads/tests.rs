@@ -66,7 +66,7 @@ async fn push(exchanges: Vec<Exchange>) -> Result<CaptureId, Error> {
     std::fs::write(file.path(), b"0123456789").unwrap();
     let (url, left) = serve_script(exchanges).await;
     let http = Http::new(Connector::new(Duration::from_secs(10)), None).unwrap();
-    let sender = Sender::new(&http, &url, file.path(), "digest", "rope").await.unwrap();
+    let sender = Sender::new(&http, &url, file.path(), "digest", &"rope".into()).await.unwrap();
     let pushed = sender.send(&|_| ()).await;
     assert!(left.lock().unwrap().is_empty(), "the client gave up early: {pushed:?}");
     pushed
