@@ -2,9 +2,9 @@ import type { Browser } from 'playwright-core';
 import { afterAll, beforeAll, describe, expect, it } from 'vitest';
 import { Server } from '../scripts/server.mjs';
 import { ROUTES, match } from '../src/routes';
-import { call } from './made';
-import { fittedRope } from './rope';
-import { Visit, launch } from './visit';
+import { call } from './kit/made';
+import { fittedRope } from './kit/rope';
+import { Visit, launch } from './kit/visit';
 
 /** Routes that need more than something stored: a play that is under way has a story of its own. */
 const ELSEWHERE = ['/plays/:id'];

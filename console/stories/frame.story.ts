@@ -2,7 +2,7 @@ import type { Browser } from 'playwright-core';
 import { afterAll, beforeAll, describe, expect, it } from 'vitest';
 import { Server } from '../scripts/server.mjs';
 import { BUILT, MOST_BYTES, read } from '../scripts/built.mjs';
-import { Visit, launch } from './visit';
+import { Visit, launch } from './kit/visit';
 
 const ENTRIES = ['Captures', 'Fits', 'Twins', 'Workers', 'Upload'];
 

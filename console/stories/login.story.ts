@@ -1,7 +1,7 @@
 import type { Browser } from 'playwright-core';
 import { afterAll, beforeAll, describe, expect, it } from 'vitest';
 import { Server } from '../scripts/server.mjs';
-import { Visit, launch } from './visit';
+import { Visit, launch } from './kit/visit';
 
 describe('the token', () => {
   let server: Server;

@@ -4,10 +4,10 @@ import { afterAll, afterEach, beforeAll, describe, expect, it } from 'vitest';
 import { Server } from '../scripts/server.mjs';
 import type { Api } from '../src/api/client';
 import { loadAppearance } from '../src/view3d/appearance';
-import { lift } from './drag';
-import { call, folder, makeCapture, sendCapture, until } from './made';
-import { changed, distance, mean, meanRow, settled, type Colour, type Picture } from './pixels';
-import { Visit, launch } from './visit';
+import { lift } from './kit/drag';
+import { call, folder, makeCapture, sendCapture, until } from './kit/made';
+import { changed, distance, mean, meanRow, settled, type Colour, type Picture } from './kit/pixels';
+import { Visit, launch } from './kit/visit';
 
 /** Settings with which a fit with Gaussians takes seconds, and their number grows once. */
 const QUICK = { search: { generations: 1 }, refine: { passes: 1 }, appearance: { gaussians: 3000, steps: 300 } };

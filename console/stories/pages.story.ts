@@ -3,8 +3,8 @@ import { join } from 'node:path';
 import type { Browser } from 'playwright-core';
 import { afterAll, beforeAll, describe, expect, it } from 'vitest';
 import { Server } from '../scripts/server.mjs';
-import { call, folder, makeCapture, sendCapture, until } from './made';
-import { Visit, launch } from './visit';
+import { call, folder, makeCapture, sendCapture, until } from './kit/made';
+import { Visit, launch } from './kit/visit';
 
 const NAME = '<img src=x onerror="document.title=1">\u202E"><script>document.title=2</script>';
 const NOTE = `</p><svg onload=document.title=3> ${'wide'.repeat(400)}\n\`code\` javascript:alert(1)`;

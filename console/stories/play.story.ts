@@ -2,9 +2,9 @@ import { readFileSync } from 'node:fs';
 import type { Browser, Download, Page } from 'playwright-core';
 import { afterAll, afterEach, beforeAll, describe, expect, it } from 'vitest';
 import { Server } from '../scripts/server.mjs';
-import { lift, middle } from './drag';
-import { fittedRope } from './rope';
-import { Visit, launch, type VisitOptions } from './visit';
+import { lift, middle } from './kit/drag';
+import { fittedRope } from './kit/rope';
+import { Visit, launch, type VisitOptions } from './kit/visit';
 
 describe('the playground', () => {
   let server: Server;

@@ -4,8 +4,8 @@ import { join } from 'node:path';
 import type { Browser } from 'playwright-core';
 import { afterAll, beforeAll, describe, it } from 'vitest';
 import { Server } from '../scripts/server.mjs';
-import { fittedRope } from './rope';
-import { Visit, launch } from './visit';
+import { fittedRope } from './kit/rope';
+import { Visit, launch } from './kit/visit';
 
 describe('a play that nobody touches', () => {
   const folder = mkdtempSync(join(tmpdir(), 'bendtwin-config-'));

@@ -2,8 +2,8 @@ import { join } from 'node:path';
 import type { Browser, Page } from 'playwright-core';
 import { afterAll, afterEach, beforeAll, describe, expect, it } from 'vitest';
 import { Server } from '../scripts/server.mjs';
-import { call, folder, makeCapture, sendCapture, until } from './made';
-import { Visit, launch } from './visit';
+import { call, folder, makeCapture, sendCapture, until } from './kit/made';
+import { Visit, launch } from './kit/visit';
 
 /** Settings with which a fit takes seconds. */
 const QUICK = { search: { generations: 1 }, refine: { passes: 1 } };

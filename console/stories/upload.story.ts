@@ -3,8 +3,8 @@ import { join, relative } from 'node:path';
 import type { Browser, Page } from 'playwright-core';
 import { afterAll, beforeAll, describe, expect, it } from 'vitest';
 import { Server } from '../scripts/server.mjs';
-import { call, folder, makeCapture, padded, until } from './made';
-import { Visit, launch } from './visit';
+import { call, folder, makeCapture, padded, until } from './kit/made';
+import { Visit, launch } from './kit/visit';
 
 interface Captures {
   captures: { display_name: string; verdict: string | null; note: string; tags: string[]; size_bytes: number }[];

@@ -1,8 +1,8 @@
 import type { Browser } from 'playwright-core';
 import { afterAll, beforeAll, describe, expect, it } from 'vitest';
 import { Server } from '../scripts/server.mjs';
-import { barriers } from './barriers';
-import { Visit, launch } from './visit';
+import { barriers } from './kit/barriers';
+import { Visit, launch } from './kit/visit';
 
 /** Faults that no page may have, what makes them, and how they are told. */
 const FAULTS: readonly (readonly [string, string, RegExp])[] = [

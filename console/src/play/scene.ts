@@ -8,11 +8,11 @@ import { Legend, number } from '../view3d/legend';
 import { planeOf, type TwinShape } from '../view3d/shape';
 import { Stage } from '../view3d/stage';
 import { TwinView } from '../view3d/twin_view';
-import type { Driver } from './driver';
+import type { Driver } from './input/driver';
 import { GoalLayer } from './goal_layer';
-import type { Facts, Ready } from './messages';
+import type { Facts, Ready } from './protocol/messages';
 import { Motion, carry } from './motion';
-import type { PlayState } from './state';
+import type { PlayState } from './protocol/state';
 
 /** The least force that is shown [N]. */
 const LEAST_FORCE = 0.02;

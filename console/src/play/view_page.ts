@@ -10,7 +10,7 @@ import { Stage } from '../view3d/stage';
 import { TwinView } from '../view3d/twin_view';
 import { panel } from './panels/parts';
 import { coloursOf, pictureControls, readLook, writeLook, type Look } from './panels/picture';
-import { shareMenu } from './share';
+import { shareMenu } from './share/menu';
 import './play.css';
 
 /** Fields of a twin that are read. */

@@ -1,7 +1,7 @@
 import type { OpenPage } from '../page';
-import type { Ready, Text } from './messages';
+import type { Ready, Text } from './protocol/messages';
 import { openTwin } from './page';
-import { openSocket } from './socket';
+import { openSocket } from './protocol/socket';
 
 /** A play of someone else, to be watched. */
 export const open: OpenPage = async (context) => {

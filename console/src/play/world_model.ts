@@ -1,6 +1,6 @@
 import type { Collider } from '../view3d/layers/colliders';
 import { planeOf, type Plane } from '../view3d/shape';
-import type { Factors, World } from './messages';
+import type { Factors, World } from './protocol/messages';
 
 /** The world of a play as one changes it: gravity, ground, obstacles, factors of the twin's parameters. */
 export class WorldModel {

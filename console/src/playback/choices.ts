@@ -3,7 +3,7 @@ import type { Twin } from '../api/types';
 import type { PageContext } from '../page';
 import { h } from '../ui/dom';
 import { moment } from '../ui/format';
-import type { Head } from './head';
+import type { Head } from './file/head';
 
 /** Twins to choose from. */
 const MOST_TWINS = 100;

@@ -1,6 +1,6 @@
-import { Blocks } from './blocks';
-import type { CameraHead } from './head';
-import type { Read } from './motion';
+import { Blocks } from '../file/blocks';
+import type { CameraHead } from '../file/head';
+import type { Read } from '../file/motion';
 
 /** Images that one request is for. */
 const TOGETHER = 8;

@@ -1,8 +1,8 @@
 import { describe, expect, it } from 'vitest';
-import type { Api } from '../api/client';
+import type { Api } from '../../api/client';
 import { PlaybackFile } from './file';
 import { readHead } from './head';
-import { camera, fileOf, int16, sequence } from './testing';
+import { camera, fileOf, int16, sequence } from '../testing';
 import { Motion } from './motion';
 
 /** A server of one file that answers to ranges, and the ranges that it was asked for. */

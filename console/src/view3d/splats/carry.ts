@@ -1,4 +1,4 @@
-import { pointCount, placeSkin, type Skin } from './skin';
+import { pointCount, placeSkin, type Skin } from '../skin';
 
 /** Steps towards the rotation nearest to a matrix. */
 const STEPS = 40;

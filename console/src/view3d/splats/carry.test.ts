@@ -1,7 +1,7 @@
 import { expect, it } from 'vitest';
 import fixture from './carry.fixture.json';
 import { Carrier } from './carry';
-import { startsOf } from './skin';
+import { startsOf } from '../skin';
 
 it('carries Gaussians as crates/splat does', () => {
   const skin = {

@@ -1,8 +1,8 @@
-import type { PageContext } from '../page';
-import { h } from '../ui/dom';
-import type { Stage } from '../view3d/stage';
+import type { PageContext } from '../../page';
+import { h } from '../../ui/dom';
+import type { Stage } from '../../view3d/stage';
 import { download, fileName } from './download';
-import { panel } from './panels/parts';
+import { panel } from '../panels/parts';
 
 /** Longest video [s]. */
 const LONGEST_S = 60;

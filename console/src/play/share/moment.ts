@@ -1,5 +1,5 @@
-import { base64, bytesOfBase64, packed } from '../view3d/tensor';
-import type { Factors, World } from './messages';
+import { base64, bytesOfBase64, packed } from '../../view3d/tensor';
+import type { Factors, World } from '../protocol/messages';
 
 /** A moment of a play that another play can begin with. */
 export interface Moment {

@@ -1,6 +1,6 @@
 import { Vector3 } from 'three';
 import type { Driver } from './driver';
-import type { PlayScene } from './scene';
+import type { PlayScene } from '../scene';
 
 /** Speed of a gripper that keys or a stick move, as a share of the object's size in a second. */
 export const SPEED = 0.6;

@@ -1,6 +1,6 @@
 import { Vector3 } from 'three';
-import type { Message, Ready } from './messages';
-import type { PlayState } from './state';
+import type { Message, Ready } from '../protocol/messages';
+import type { PlayState } from '../protocol/state';
 
 /** Least time between two messages that move something [ms]: the server takes 200 a second of all kinds. */
 const MOVE_MS = 10;

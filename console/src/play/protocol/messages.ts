@@ -1,4 +1,4 @@
-import type { Collider } from '../view3d/layers/colliders';
+import type { Collider } from '../../view3d/layers/colliders';
 
 /** A world as requests have it; what is left out is as in the twin. */
 export interface World {

@@ -1,8 +1,8 @@
 import { Vector3 } from 'three';
 import { describe, expect, it } from 'vitest';
 import { Driver } from './driver';
-import type { Message, Ready } from './messages';
-import type { PlayState } from './state';
+import type { Message, Ready } from '../protocol/messages';
+import type { PlayState } from '../protocol/state';
 
 const READY = {
   type: 'ready', play: 'plays/1', twin: 'twins/1', fps: 30, nodes: 4, controls: [], hands: [], mass_kg: null,

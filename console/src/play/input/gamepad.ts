@@ -1,7 +1,7 @@
 import { Vector3 } from 'three';
 import type { Driver } from './driver';
 import { push, toggleGrasp } from './keys';
-import type { PlayScene } from './scene';
+import type { PlayScene } from '../scene';
 
 /** Sticks that are moved less than this are at rest. */
 const DEAD = 0.15;

@@ -1,6 +1,6 @@
 import { describe, expect, it } from 'vitest';
 import { Images } from './images';
-import { camera } from './testing';
+import { camera } from '../testing';
 
 /** Images whose files have their own numbers as content, and how many of them are open. */
 function images(lengths: number[], every = 1): { images: Images; open: Set<number>; reads: number[] } {

@@ -1,4 +1,4 @@
-import type { Api } from '../api/client';
+import type { Api } from '../../api/client';
 import { PREFIX, headLength, readHead, type Head, type Range } from './head';
 
 /** Bytes of the first request, which most heads fit in. */

@@ -1,5 +1,5 @@
 import { expect, it } from 'vitest';
-import { SplatOrder, byImportance } from './splat_order';
+import { SplatOrder, byImportance } from './order';
 
 it('orders from far to near', () => {
   const means = new Float32Array([0, 0, 1, 0, 0, 3, 0, 0, 2, 0, 0, 9]);

@@ -1,6 +1,6 @@
 import { describe, expect, it } from 'vitest';
 import { Projection } from './projection';
-import { camera } from './testing';
+import { camera } from '../testing';
 
 const HERE = [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0];
 /** Turned by 90 degrees about y: its z looks along x of the world; it stands at (1, 2, 3). */

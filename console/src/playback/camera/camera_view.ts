@@ -1,7 +1,7 @@
-import { h } from '../ui/dom';
-import type { CameraHead } from './head';
+import { h } from '../../ui/dom';
+import type { CameraHead } from '../file/head';
 import { Images } from './images';
-import type { Read } from './motion';
+import type { Read } from '../file/motion';
 import { Projection } from './projection';
 
 /** Points that are drawn into an image. */

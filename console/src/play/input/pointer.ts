@@ -1,6 +1,6 @@
 import { Plane, Raycaster, Vector2, Vector3 } from 'three';
 import type { Driver } from './driver';
-import type { PlayScene } from './scene';
+import type { PlayScene } from '../scene';
 
 /** Object under the mouse or a finger. */
 export type Hit =

@@ -1,5 +1,5 @@
 import { expect, it } from 'vitest';
-import { SplatBudget } from './splat_budget';
+import { SplatBudget } from './budget';
 
 function after(gap: number, pictures: number, count = 50_000): number {
   const budget = new SplatBudget(count);

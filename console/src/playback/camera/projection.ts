@@ -1,4 +1,4 @@
-import type { CameraHead } from './head';
+import type { CameraHead } from '../file/head';
 
 /** Nearest depth that is seen [m]. */
 const NEAREST_M = 1e-6;

@@ -3,10 +3,10 @@ import { fileURLToPath } from 'node:url';
 import { chromium } from 'playwright-core';
 import type { Browser, BrowserContextOptions, Page } from 'playwright-core';
 import { expect } from 'vitest';
-import type { Server } from '../scripts/server.mjs';
+import type { Server } from '../../scripts/server.mjs';
 import { barriers } from './barriers';
 
-const SCREENSHOTS = fileURLToPath(new URL('../screenshots/', import.meta.url));
+const SCREENSHOTS = fileURLToPath(new URL('../../screenshots/', import.meta.url));
 /** No network but the machine's own, and WebGL in software. */
 const ARGUMENTS = [
   '--no-sandbox',

@@ -1,5 +1,5 @@
-import { pauseMs, sleep } from '../api/backoff';
-import { token } from '../api/token';
+import { pauseMs, sleep } from '../../api/backoff';
+import { token } from '../../api/token';
 import type { Message, ProblemText, Text } from './messages';
 import { decodeState, type PlayState } from './state';
 

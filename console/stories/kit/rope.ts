@@ -1,4 +1,4 @@
-import type { Server } from '../scripts/server.mjs';
+import type { Server } from '../../scripts/server.mjs';
 import { call, until } from './made';
 
 /** Settings with which a fit takes a second. */

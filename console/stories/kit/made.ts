@@ -2,8 +2,8 @@ import { execFileSync } from 'node:child_process';
 import { mkdtempSync, readFileSync } from 'node:fs';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
-import { binary, type Server } from '../scripts/server.mjs';
-import { tar } from '../src/pages/upload/tar';
+import { binary, type Server } from '../../scripts/server.mjs';
+import { tar } from '../../src/pages/upload/tar';
 
 /** A folder for the files of a story. */
 export function folder(): string {

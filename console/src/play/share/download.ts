@@ -1,4 +1,4 @@
-import { h } from '../ui/dom';
+import { h } from '../../ui/dom';
 
 /** Saves a file from the page. */
 export function download(content: Blob, name: string): void {

@@ -1,4 +1,4 @@
-import { h } from '../ui/dom';
+import { h } from '../../ui/dom';
 
 /** A line over the picture that says how many splats are drawn. */
 export class SplatCount {
