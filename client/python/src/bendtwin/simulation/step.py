@@ -9,11 +9,11 @@ from typing import Any
 import numpy.typing as npt
 
 from bendtwin.calls import Call
-from bendtwin.plan import PlanArguments, PlanUpdate, plan_request
-from bendtwin.registration import CorrectArguments, Correction, correct_session
 from bendtwin.resources import Fault
-from bendtwin.rollout import Returns, RolloutResult, warned
-from bendtwin.state import State
+from bendtwin.simulation.plan import PlanArguments, PlanUpdate, plan_request
+from bendtwin.simulation.registration import CorrectArguments, Correction, correct_session
+from bendtwin.simulation.rollout import Returns, RolloutResult, warned
+from bendtwin.simulation.state import State
 from bendtwin.v1 import session_pb2
 
 

@@ -17,9 +17,9 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from urllib.parse import urljoin, urlsplit
 
+from bendtwin.connection.transport import Transport, tls_fault, transport
 from bendtwin.errors import BendTwinError, Category, category_named
 from bendtwin.resources import Requirements
-from bendtwin.transport import Transport, tls_fault, transport
 
 #: Bytes of one request: what a dead server costs at most.
 PART_BYTES = 16 * 1024 * 1024

@@ -8,9 +8,9 @@ from typing import Any, Literal, Protocol
 import numpy as np
 import numpy.typing as npt
 
-from bendtwin.arguments import RolloutArguments, rollout_request
-from bendtwin.bounds import Bounds
-from bendtwin.rollout import RolloutResult, warned
+from bendtwin.simulation.arguments import RolloutArguments, rollout_request
+from bendtwin.simulation.bounds import Bounds
+from bendtwin.simulation.rollout import RolloutResult, warned
 from bendtwin.tensors import unpack
 from bendtwin.v1 import planning_pb2, tensor_pb2
 

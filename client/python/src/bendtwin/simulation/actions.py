@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy.typing as npt
 
-from bendtwin.interpolation import Interpolation
-from bendtwin.state import CaptureFrame, GivenState, InitialState, Rest
+from bendtwin.simulation.interpolation import Interpolation
+from bendtwin.simulation.state import CaptureFrame, GivenState, InitialState, Rest
 from bendtwin.tensors import pack_floats, pack_indices
 from bendtwin.v1 import rollout_pb2
 

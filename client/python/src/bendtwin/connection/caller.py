@@ -18,10 +18,10 @@ import grpc
 import grpc.aio
 
 from bendtwin import calls
-from bendtwin.archive import archive_of
+from bendtwin.captures.archive import archive_of
+from bendtwin.connection.token import aio_interceptors, with_token
+from bendtwin.connection.transport import Transport
 from bendtwin.errors import BendTwinError, translated
-from bendtwin.token import aio_interceptors, with_token
-from bendtwin.transport import Transport
 
 _Read = TypeVar("_Read")
 

@@ -7,13 +7,12 @@ from typing import TypedDict
 
 import numpy.typing as npt
 
-from bendtwin.actions import control_trajectories, gripper_poses, knot_times
-from bendtwin.costs import Cost
-from bendtwin.interpolation import Interpolation
-from bendtwin.rollout import FIDELITIES, Fidelity, Returns
-from bendtwin.state import InitialState, Rest
-from bendtwin.v1 import rollout_pb2
-from bendtwin.world import (
+from bendtwin.simulation.actions import control_trajectories, gripper_poses, knot_times
+from bendtwin.simulation.costs import Cost
+from bendtwin.simulation.interpolation import Interpolation
+from bendtwin.simulation.rollout import FIDELITIES, Fidelity, Returns
+from bendtwin.simulation.state import InitialState, Rest
+from bendtwin.simulation.world import (
     Ensemble,
     GradientOptions,
     Grasp,
@@ -22,6 +21,7 @@ from bendtwin.world import (
     Vary,
     World,
 )
+from bendtwin.v1 import rollout_pb2
 
 
 class RolloutArguments(TypedDict, total=False):

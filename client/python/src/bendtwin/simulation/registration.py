@@ -11,10 +11,10 @@ import numpy.typing as npt
 
 from bendtwin.calls import Call
 from bendtwin.messages import FromMessage
-from bendtwin.state import InitialState, State
+from bendtwin.simulation.state import InitialState, State
+from bendtwin.simulation.world import World
 from bendtwin.tensors import pack_floats, pack_indices
 from bendtwin.v1 import registration_pb2, session_pb2
-from bendtwin.world import World
 
 
 class ObservationArguments(TypedDict, total=False):

@@ -9,10 +9,10 @@ from typing import Literal
 import numpy as np
 import numpy.typing as npt
 
+from bendtwin.simulation.world import Cuboid, Plane
 from bendtwin.skin import POINT_SETS, PointSet
 from bendtwin.tensors import pack_floats, pack_indices
 from bendtwin.v1 import rollout_pb2, tensor_pb2
-from bendtwin.world import Cuboid, Plane
 
 When = Literal["last_frame", "every_frame", "soft_min"]
 

@@ -10,8 +10,8 @@ import numpy as np
 import numpy.typing as npt
 
 from bendtwin.messages import FromMessage
+from bendtwin.simulation.state import Grasping, State, state_of
 from bendtwin.skin import POINT_SETS, PointSet
-from bendtwin.state import Grasping, State, state_of
 from bendtwin.tensors import pack_indices
 from bendtwin.v1 import rollout_pb2
 
