@@ -53,7 +53,7 @@ export class PlayPage implements Page, SocketListener {
   #world: ReturnType<typeof setTimeout> | null = null;
   #silence: ReturnType<typeof setTimeout> | null = null;
 
-  constructor(context: PageContext, shape: TwinShape, name: string, id: string) {
+  constructor(context: PageContext, id: string, { shape, name }: { shape: TwinShape; name: string }) {
     this.#context = context;
     this.#shape = shape;
     this.#first = readMoment(context.query, shape.rest.length / 3, shape.controls.length / 3);

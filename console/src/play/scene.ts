@@ -1,7 +1,8 @@
 import { Vector3 } from 'three';
+import type { Collider } from '../api/types';
 import { h } from '../ui/dom';
 import { ArrowsLayer, type Arrow } from '../view3d/layers/arrows';
-import { CollidersLayer, type Collider } from '../view3d/layers/colliders';
+import { CollidersLayer } from '../view3d/layers/colliders';
 import { GroundLayer } from '../view3d/layers/ground';
 import { HandsLayer } from '../view3d/layers/hands';
 import { Legend, number } from '../view3d/legend';

@@ -1,5 +1,4 @@
 import { Problem } from '../api/client';
-import type { Capture } from '../api/types';
 import type { OpenPage, PageContext } from '../page';
 import { shareMenu } from '../play/share/menu';
 import { h } from '../ui/dom';
@@ -30,7 +29,7 @@ const ADDRESS_MS = 300;
 export const open: OpenPage = async (context) => {
   const { api, signal } = context;
   const id = context.parameters['id'] ?? '';
-  const capture = await api.json<Capture>(`/v1/captures/${encodeURIComponent(id)}`, { signal });
+  const capture = await api.get('/v1/captures/{id}', { id, signal });
   const title = capture.display_name || 'Capture without a name';
   context.setTitle(`Playback of ${title}`);
   let file: PlaybackFile;

@@ -1,12 +1,4 @@
-import type { Collider } from '../../view3d/layers/colliders';
-
-/** A world as requests have it; what is left out is as in the twin. */
-export interface World {
-  readonly gravity?: readonly number[];
-  readonly ground?: { readonly normal?: readonly number[]; readonly offset_m?: number };
-  readonly no_ground?: boolean;
-  readonly colliders?: readonly Collider[];
-}
+import type { World } from '../../api/types';
 
 /** Factors of a twin's own parameters. */
 export type Factors = Partial<Record<'stiffness' | 'damping' | 'bending' | 'friction' | 'mass', number>>;

@@ -1,5 +1,6 @@
 import { base64, bytesOfBase64, packed } from '../../view3d/tensor';
-import type { Factors, World } from '../protocol/messages';
+import type { World } from '../../api/types';
+import type { Factors } from '../protocol/messages';
 
 /** A moment of a play that another play can begin with. */
 export interface Moment {

@@ -3,7 +3,7 @@ import { base64, packed } from '../../view3d/tensor';
 import { csvOf } from './recording';
 
 it('lists places and holds of grippers, segment by segment', () => {
-  const closed = { dtype: 'UINT32', shape: [2], data: base64(new Uint8Array(new Uint32Array([0, 1]).buffer)) };
+  const closed = { dtype: 'UINT32' as const, shape: [2], data: base64(new Uint8Array(new Uint32Array([0, 1]).buffer)) };
   const segment = {
     poses: { poses: packed(new Float32Array([0.1, 0, 0, 0, 0, 0, 1, 0.2, 0, 0, 0, 0, 0, 1]), [1, 2, 1, 7]) },
     grasps: [{ closed }],
