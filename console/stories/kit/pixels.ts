@@ -1,11 +1,14 @@
 import type { Page } from 'playwright-core';
 
-/** A picture of the page's 3D view: columns, rows, and red, green, blue, opacity of each pixel. */
+/** A picture of a part of the page: columns, rows, and red, green, blue, opacity of each pixel. */
 export interface Picture {
   readonly width: number;
   readonly height: number;
   readonly data: Uint8ClampedArray;
 }
+
+/** A rectangle of the page [pixels]. */
+export type Area = { readonly x: number; readonly y: number; readonly width: number; readonly height: number };
 
 export type Colour = readonly [number, number, number];
 
@@ -22,11 +25,11 @@ export async function settled(page: Page): Promise<Picture> {
   throw new Error('the picture goes on changing');
 }
 
-/** What a person sees of the 3D view. */
-async function pictureOf(page: Page): Promise<Picture> {
-  const box = await page.locator('.stage canvas').boundingBox();
-  if (box === null) throw new Error('there is no picture');
-  const png = (await page.screenshot({ clip: box })).toString('base64');
+/** What a person sees of an area of the page, by default of the 3D view. */
+export async function pictureOf(page: Page, area?: Area): Promise<Picture> {
+  const clip = area ?? (await page.locator('.stage canvas').boundingBox());
+  if (clip === null) throw new Error('there is no picture');
+  const png = (await page.screenshot({ clip })).toString('base64');
   const decoded = await page.evaluate(async (text) => {
     const bytes = Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0));
     const image = await createImageBitmap(new Blob([bytes]));
@@ -65,6 +68,6 @@ export function distance(a: Colour, b: Colour): number {
   return Math.hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]);
 }
 
-function colourAt({ data }: Picture, pixel: number): Colour {
+export function colourAt({ data }: Picture, pixel: number): Colour {
   return [data[4 * pixel]!, data[4 * pixel + 1]!, data[4 * pixel + 2]!];
 }

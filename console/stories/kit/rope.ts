@@ -4,12 +4,22 @@ import { call, until } from './made';
 /** Settings with which a fit takes a second. */
 const QUICK = ['search.generations=1', 'refine.passes=1'];
 
-/** The id of a twin of a simulated rope, which is recorded and fitted at a server. */
+/** The id of a twin of a small simulated rope, which is recorded and fitted at a server. */
 export async function fittedRope(server: Server, name = 'rope'): Promise<string> {
-  await server.run('capture', 'make', 'rope', 'rope.zip', '--tiny', '--force');
-  const capture = JSON.parse(await server.run('--json', 'capture', 'push', 'rope.zip')) as { name: string };
-  const settings = QUICK.flatMap((setting) => ['--set', setting]);
-  const started = await server.run('--json', 'fit', 'start', capture.name, '--name', name, ...settings);
+  return (await fitted(server, name, ['rope', '--tiny'])).twin;
+}
+
+/** Ids of a capture of a simulated scene (options of `capture make`), and of a twin that is fitted to it. */
+export async function fitted(
+  server: Server,
+  name: string,
+  scene: readonly string[],
+  settings = QUICK,
+): Promise<{ capture: string; twin: string }> {
+  await server.run('capture', 'make', ...scene, 'made.zip', '--force');
+  const capture = JSON.parse(await server.run('--json', 'capture', 'push', 'made.zip', '--name', name)) as { name: string };
+  const set = settings.flatMap((setting) => ['--set', setting]);
+  const started = await server.run('--json', 'fit', 'start', capture.name, '--name', name, ...set);
   const fit = JSON.parse(started) as { name: string };
   let twin: string | null = null;
   await until(async () => {
@@ -18,7 +28,7 @@ export async function fittedRope(server: Server, name = 'rope'): Promise<string>
     twin = now.twin;
     return twin !== null;
   });
-  return String(twin).replace('twins/', '');
+  return { capture: capture.name.replace('captures/', ''), twin: String(twin).replace('twins/', '') };
 }
 
 interface Fit {

@@ -6,7 +6,7 @@ import { expect } from 'vitest';
 import type { Server } from '../../scripts/server.mjs';
 import { barriers } from './barriers';
 
-const SCREENSHOTS = fileURLToPath(new URL('../../screenshots/', import.meta.url));
+export const SCREENSHOTS = fileURLToPath(new URL('../../screenshots/', import.meta.url));
 /** No network but the machine's own, and WebGL in software. */
 const ARGUMENTS = [
   '--no-sandbox',
