@@ -1,23 +1,18 @@
 import { readFileSync, rmSync } from 'node:fs';
 import { join } from 'node:path';
-import type { Browser } from 'playwright-core';
 import { afterAll, beforeAll, describe, expect, it } from 'vitest';
-import { Server } from '../scripts/server.mjs';
 import { call, folder, makeCapture, sendCapture, until } from './kit/made';
-import { Visit, launch } from './kit/visit';
+import { browser, server, withServer } from './kit/server';
+import { Visit } from './kit/visit';
 
 describe('fits and twins', () => {
-  let server: Server;
-  let browser: Browser;
+  withServer();
   let capture = '';
   const files = folder();
   beforeAll(async () => {
-    [server, browser] = await Promise.all([Server.start(['--client-token', 'none']), launch()]);
     capture = await sendCapture(server, makeCapture(join(files, 'rope.zip'), 'rope'), 'rope');
   });
   afterAll(async () => {
-    await browser.close();
-    await server.remove();
     rmSync(files, { recursive: true });
   });
 

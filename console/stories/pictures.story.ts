@@ -1,11 +1,11 @@
 import { writeFileSync } from 'node:fs';
-import type { Browser, Page } from 'playwright-core';
-import { afterAll, beforeAll, describe, expect, it } from 'vitest';
-import { Server } from '../scripts/server.mjs';
+import type { Page } from 'playwright-core';
+import { describe, expect, it } from 'vitest';
 import { animation } from './kit/animation';
 import { colourAt, distance, pictureOf, type Picture } from './kit/pixels';
 import { fitted } from './kit/rope';
-import { SCREENSHOTS, Visit, launch } from './kit/visit';
+import { browser, server, withServer } from './kit/server';
+import { SCREENSHOTS, Visit } from './kit/visit';
 
 type Place = readonly [x: number, y: number];
 
@@ -26,15 +26,7 @@ const STEPS: readonly (Place | null)[] = [
 
 /** `docs/pictures/console-*.png`: copies of the screenshots of these names. */
 describe('pictures of the documents', () => {
-  let server: Server;
-  let browser: Browser;
-  beforeAll(async () => {
-    [server, browser] = await Promise.all([Server.start(['--client-token', 'none']), launch()]);
-  });
-  afterAll(async () => {
-    await browser.close();
-    await server.remove();
-  });
+  withServer();
 
   it('show a rope that is lifted, bent and dropped', async () => {
     const { twin } = await fitted(server, 'blue rope', ['rope']);

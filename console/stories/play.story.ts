@@ -1,26 +1,16 @@
 import { readFileSync } from 'node:fs';
-import type { Browser, Download, Page } from 'playwright-core';
-import { afterAll, afterEach, beforeAll, describe, expect, it } from 'vitest';
-import { Server } from '../scripts/server.mjs';
+import type { Download, Page } from 'playwright-core';
+import { beforeAll, describe, expect, it } from 'vitest';
 import { lift, middle } from './kit/drag';
 import { fittedRope } from './kit/rope';
-import { Visit, launch, type VisitOptions } from './kit/visit';
+import { browser, server, withServer } from './kit/server';
+import { Visit, type VisitOptions } from './kit/visit';
 
 describe('the playground', () => {
-  let server: Server;
-  let browser: Browser;
+  withServer();
   let twin: string;
   beforeAll(async () => {
-    [server, browser] = await Promise.all([Server.start(['--client-token', 'none']), launch()]);
     twin = await fittedRope(server, 'blue rope');
-  });
-  // What a story that failed has left open would be played on.
-  afterEach(async () => {
-    await Promise.all(browser.contexts().map((context) => context.close()));
-  });
-  afterAll(async () => {
-    await browser.close();
-    await server.remove();
   });
 
   async function play(options: VisitOptions = {}): Promise<Visit> {

@@ -1,18 +1,18 @@
 import { readFileSync, readdirSync, rmSync, statSync, writeFileSync } from 'node:fs';
 import { join, relative } from 'node:path';
-import type { Browser, Page } from 'playwright-core';
+import type { Page } from 'playwright-core';
 import { afterAll, beforeAll, describe, expect, it } from 'vitest';
 import { Server } from '../scripts/server.mjs';
 import { call, folder, makeCapture, padded, until } from './kit/made';
-import { Visit, launch } from './kit/visit';
+import { browser, server, withServer } from './kit/server';
+import { Visit } from './kit/visit';
 
 interface Captures {
   captures: { display_name: string; verdict: string | null; note: string; tags: string[]; size_bytes: number }[];
 }
 
 describe('uploads', () => {
-  let server: Server;
-  let browser: Browser;
+  withServer();
   const files = folder();
   const rope = join(files, 'rope.zip');
   const toy = join(files, 'toy');
@@ -20,11 +20,8 @@ describe('uploads', () => {
     makeCapture(rope, 'rope');
     makeCapture(toy, 'toy', '--raw');
     writeFileSync(join(toy, 'film.mp4'), new Uint8Array(3_000_000));
-    [server, browser] = await Promise.all([Server.start(['--client-token', 'none']), launch()]);
   });
   afterAll(async () => {
-    await browser.close();
-    await server.remove();
     rmSync(files, { recursive: true });
   });
 
