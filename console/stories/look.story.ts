@@ -37,7 +37,7 @@ describe('the look of a twin', () => {
     await until(async () => (await fitted()) !== null);
     twin = (await fitted())!.replace('twins/', '');
     own = await colourOf(server, twin);
-  }, 180_000);
+  });
 
   it('is that of the object', async () => {
     const visit = await Visit.open(browser, server, { at: `/twins/${twin}/view` });

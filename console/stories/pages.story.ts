@@ -119,7 +119,7 @@ describe('the pages of captures, fits and twins', () => {
     await keyboard.type('4');
     await keyboard.press('Enter');
     await visit.heading('by keyboard');
-    await page.getByRole('link', { name: 'Play with the twin' }).waitFor({ timeout: 150_000 });
+    await page.getByRole('link', { name: 'Play with the twin' }).waitFor({ timeout: 600_000 });
     await tabTo(visit, /^Edit name, note and tags/);
     await keyboard.press('Enter');
     await keyboard.press('End');

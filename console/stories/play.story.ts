@@ -154,7 +154,7 @@ describe('the playground', () => {
     await page.getByRole('button', { name: 'Ask the planner' }).click();
     await page.getByText(/The planner is searching for a motion|On the way/).first().waitFor();
     await visit.stop('play-goal');
-    await page.getByText(/Reached|Not reached/).first().waitFor({ timeout: 120_000 });
+    await page.getByText(/Reached|Not reached/).first().waitFor({ timeout: 600_000 });
     await visit.stop('play-goal-end');
     await visit.close();
   });
@@ -252,7 +252,7 @@ describe('the playground', () => {
     await page.getByText('The connection is lost').waitFor();
     await visit.stop('play-lost');
     await server.start();
-    await page.getByText('The play continues from what you saw').waitFor({ timeout: 120_000 });
+    await page.getByText('The play continues from what you saw').waitFor({ timeout: 600_000 });
     await page.getByText('frames/s simulated').waitFor();
     // The pointer has taken hold again.
     await page.getByText('Pointer 1 holds').waitFor();

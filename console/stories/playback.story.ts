@@ -25,7 +25,7 @@ describe('the playback', () => {
     const fit = await call<Fit>(server, 'POST', '/v1/fits', { capture: name, settings: QUICK });
     await until(async () => (await call<Fit>(server, 'GET', `/v1/${fit.name}`)).twin !== null);
     twin = (await call<Fit>(server, 'GET', `/v1/${fit.name}`)).twin!.replace('twins/', '');
-  }, 120_000);
+  });
 
   const time = (page: Page): Promise<string> => page.locator('.playback-time').innerText();
 

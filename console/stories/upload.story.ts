@@ -109,7 +109,7 @@ describe('uploads', () => {
     await row.getByText('uploading', { exact: true }).waitFor();
     await expect.poll(offset).toBeGreaterThanOrEqual(before);
     await slow(page, -1);
-    await row.getByText('uploaded', { exact: true }).waitFor({ timeout: 100_000 });
+    await row.getByText('uploaded', { exact: true }).waitFor({ timeout: 600_000 });
     const stored = (await all()).filter(({ display_name }) => display_name === 'long');
     expect(stored).toMatchObject([{ note: 'left hand', tags: ['slow', 'wet'], size_bytes: statSync(archive).size }]);
     expect(await page.evaluate(() => localStorage.getItem('bendtwin.uploads'))).toBe('[]');

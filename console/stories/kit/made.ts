@@ -38,7 +38,7 @@ export async function call<T>(server: Server, method: string, path: string, body
 }
 
 /** Asks again until it is so. */
-export async function until(isSo: () => Promise<boolean>, seconds = 150): Promise<void> {
+export async function until(isSo: () => Promise<boolean>, seconds = 600): Promise<void> {
   const end = Date.now() + 1000 * seconds;
   while (!(await isSo())) {
     if (Date.now() > end) throw new Error('it did not come to that in time');

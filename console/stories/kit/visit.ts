@@ -22,6 +22,9 @@ export function launch(): Promise<Browser> {
   return chromium.launch({ executablePath, args: ARGUMENTS });
 }
 
+/** Longest wait for something on a page: a bound, not an expectation, for machines that are busy otherwise [ms]. */
+const DEADLINE_MS = 120_000;
+
 export interface VisitOptions extends BrowserContextOptions {
   /** Address behind the `#`, as `/captures`. */
   readonly at?: string;
@@ -41,6 +44,7 @@ export class Visit {
   static async open(browser: Browser, server: Server, { at = '/', ...options }: VisitOptions = {}): Promise<Visit> {
     const context = await browser.newContext({ viewport: { width: 1200, height: 800 }, ...options });
     const page = await context.newPage();
+    page.setDefaultTimeout(DEADLINE_MS);
     const visit = new Visit(page, server);
     page.on('pageerror', (error) => visit.note(`error: ${error.message}`));
     page.on('console', (message) => {
