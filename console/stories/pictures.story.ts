@@ -63,7 +63,7 @@ describe('pictures of the documents', () => {
   });
 
   it('show a foam bar with its prediction, and the error of every frame', async () => {
-    const { capture, twin } = await fitted(server, 'foam bar', ['bar', '--raw'], ['effort=draft']);
+    const { capture, twin } = await fitted(server, 'foam bar', ['bar', '--raw'], ['effort=draft', 'seed=1']);
     const at = `/captures/${capture}/playback?twin=${twin}&frame=${FRAME}`;
     const visit = await Visit.open(browser, server, { at, viewport: { width: 1200, height: 700 } });
     const { page } = visit;
