@@ -1,5 +1,5 @@
 """Writes the client for asyncio, src/bendtwin/aio, from the synchronous one. Run it after a change
-of client.py, session.py, twin.py or caller.py:
+of client.py, session.py, twin.py or connection/caller.py:
 
     pip install -e 'client/python[test]' && python3 client/python/generate_aio.py
 
@@ -196,7 +196,8 @@ def main() -> None:
     sources = "".join((PACKAGE / f"{module}.py").read_text() for module in CLASSES)
     if missing := [word for word in WORDS if word not in sources]:
         sys.exit(f"no documentation has {missing} any more: see WORDS in {Path(__file__).name}")
-    of_caller = Calls(class_named(ast.parse((PACKAGE / "caller.py").read_text()), "AsyncCaller"))
+    caller = ast.parse((PACKAGE / "connection" / "caller.py").read_text())
+    of_caller = Calls(class_named(caller, "AsyncCaller"))
     for module in CLASSES:
         (folder / f"{module}.py").write_text(asynchronous(module, of_caller))
 

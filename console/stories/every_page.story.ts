@@ -1,27 +1,21 @@
-import type { Browser } from 'playwright-core';
-import { afterAll, beforeAll, describe, expect, it } from 'vitest';
+import { beforeAll, describe, expect, it } from 'vitest';
 import { Server } from '../scripts/server.mjs';
 import { ROUTES, match } from '../src/routes';
-import { call } from './made';
-import { fittedRope } from './rope';
-import { Visit, launch } from './visit';
+import { call } from './kit/made';
+import { fittedRope } from './kit/rope';
+import { browser, server, withServer } from './kit/server';
+import { Visit } from './kit/visit';
 
 /** Routes that need more than something stored: a play that is under way has a story of its own. */
 const ELSEWHERE = ['/plays/:id'];
 
 describe('every page', () => {
-  let server: Server;
-  let browser: Browser;
+  withServer();
   let ids: Record<string, string[]>;
   beforeAll(async () => {
-    [server, browser] = await Promise.all([Server.start(['--client-token', 'none']), launch()]);
     for (const name of ['rope', 'another rope']) await fittedRope(server, name);
     const captures = await listed(server, 'captures');
     ids = { captures, fits: await listed(server, 'fits'), twins: await listed(server, 'twins') };
-  });
-  afterAll(async () => {
-    await browser.close();
-    await server.remove();
   });
 
   for (const { path } of ROUTES.filter((route) => !ELSEWHERE.includes(route.path))) {

@@ -1,23 +1,18 @@
 import { readFileSync, rmSync } from 'node:fs';
 import { join } from 'node:path';
-import type { Browser } from 'playwright-core';
 import { afterAll, beforeAll, describe, expect, it } from 'vitest';
-import { Server } from '../scripts/server.mjs';
-import { call, folder, makeCapture, sendCapture, until } from './made';
-import { Visit, launch } from './visit';
+import { call, folder, makeCapture, sendCapture, until } from './kit/made';
+import { browser, server, withServer } from './kit/server';
+import { Visit } from './kit/visit';
 
 describe('fits and twins', () => {
-  let server: Server;
-  let browser: Browser;
+  withServer();
   let capture = '';
   const files = folder();
   beforeAll(async () => {
-    [server, browser] = await Promise.all([Server.start(['--client-token', 'none']), launch()]);
     capture = await sendCapture(server, makeCapture(join(files, 'rope.zip'), 'rope'), 'rope');
   });
   afterAll(async () => {
-    await browser.close();
-    await server.remove();
     rmSync(files, { recursive: true });
   });
 
@@ -60,7 +55,7 @@ describe('fits and twins', () => {
     await page.getByRole('heading', { name: 'Losses' }).waitFor();
     await page.locator('.chart canvas').first().waitFor();
     await visit.stop('fit-running');
-    await page.getByRole('link', { name: 'Play with the twin' }).waitFor({ timeout: 150_000 });
+    await page.getByRole('link', { name: 'Play with the twin' }).waitFor({ timeout: 600_000 });
     await page.getByText('On frames that it never saw').waitFor();
     await expect.poll(() => page.locator('.chart').count()).toBe(2);
     await page
@@ -80,11 +75,11 @@ describe('fits and twins', () => {
     const visit = await Visit.open(browser, server, { at: `/${name}` });
     visit.allow(/ERR_CONNECTION|ERR_EMPTY_RESPONSE|ERR_INCOMPLETE|ERR_FAILED/);
     const bar = visit.page.getByRole('region', { name: 'Fit', exact: true }).getByRole('progressbar');
-    await expect.poll(async () => Number(await bar.getAttribute('value')), { timeout: 100_000 }).toBeGreaterThan(0.1);
+    await expect.poll(async () => Number(await bar.getAttribute('value')), { timeout: 600_000 }).toBeGreaterThan(0.1);
     await server.kill();
     await visit.page.getByText('The server does not answer').waitFor();
     await server.start();
-    await visit.page.getByRole('link', { name: 'Play with the twin' }).waitFor({ timeout: 150_000 });
+    await visit.page.getByRole('link', { name: 'Play with the twin' }).waitFor({ timeout: 600_000 });
     await visit.stop('fit-after-kill');
     await visit.close();
     await call(server, 'DELETE', `/v1/${name}`);

@@ -1,21 +1,12 @@
-import type { Browser } from 'playwright-core';
-import { afterAll, beforeAll, describe, expect, it } from 'vitest';
-import { Server } from '../scripts/server.mjs';
+import { describe, expect, it } from 'vitest';
 import { BUILT, MOST_BYTES, read } from '../scripts/built.mjs';
-import { Visit, launch } from './visit';
+import { browser, server, withServer } from './kit/server';
+import { Visit } from './kit/visit';
 
 const ENTRIES = ['Captures', 'Fits', 'Twins', 'Workers', 'Upload'];
 
 describe('the frame of all pages', () => {
-  let server: Server;
-  let browser: Browser;
-  beforeAll(async () => {
-    [server, browser] = await Promise.all([Server.start(['--client-token', 'none']), launch()]);
-  });
-  afterAll(async () => {
-    await browser.close();
-    await server.remove();
-  });
+  withServer();
 
   it('can be used with the keyboard alone', async () => {
     const visit = await Visit.open(browser, server);

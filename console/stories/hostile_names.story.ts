@@ -1,7 +1,6 @@
-import type { Browser } from 'playwright-core';
-import { afterAll, beforeAll, describe, expect, it } from 'vitest';
-import { Server } from '../scripts/server.mjs';
-import { Visit, launch } from './visit';
+import { describe, expect, it } from 'vitest';
+import { browser, server, withServer } from './kit/server';
+import { Visit } from './kit/visit';
 
 const ZIP = { 'content-type': 'application/zip' };
 
@@ -21,15 +20,7 @@ const NAMES = [
 const ELEMENTS = 'main [src=x], main script, main b, main [onload], main [onerror]';
 
 describe('hostile names', () => {
-  let server: Server;
-  let browser: Browser;
-  beforeAll(async () => {
-    [server, browser] = await Promise.all([Server.start(['--client-token', 'none', '--workers', '0']), launch()]);
-  });
-  afterAll(async () => {
-    await browser.close();
-    await server.remove();
-  });
+  withServer(['--client-token', 'none', '--workers', '0']);
 
   it('are text wherever they are shown', async () => {
     const names: string[] = [];

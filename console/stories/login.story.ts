@@ -1,18 +1,9 @@
-import type { Browser } from 'playwright-core';
-import { afterAll, beforeAll, describe, expect, it } from 'vitest';
-import { Server } from '../scripts/server.mjs';
-import { Visit, launch } from './visit';
+import { describe, expect, it } from 'vitest';
+import { browser, server, withServer } from './kit/server';
+import { Visit } from './kit/visit';
 
 describe('the token', () => {
-  let server: Server;
-  let browser: Browser;
-  beforeAll(async () => {
-    [server, browser] = await Promise.all([Server.start(['--workers', '0']), launch()]);
-  });
-  afterAll(async () => {
-    await browser.close();
-    await server.remove();
-  });
+  withServer(['--workers', '0']);
 
   it('is asked for, a wrong one is refused, and the right one leads back', async () => {
     const visit = await Visit.open(browser, server, { at: '/workers?x=1' });

@@ -1,13 +1,14 @@
 import { join } from 'node:path';
-import type { Browser, Locator } from 'playwright-core';
-import { afterAll, afterEach, beforeAll, describe, expect, it } from 'vitest';
+import type { Locator } from 'playwright-core';
+import { beforeAll, describe, expect, it } from 'vitest';
 import { Server } from '../scripts/server.mjs';
 import type { Api } from '../src/api/client';
 import { loadAppearance } from '../src/view3d/appearance';
-import { lift } from './drag';
-import { call, folder, makeCapture, sendCapture, until } from './made';
-import { changed, distance, mean, meanRow, settled, type Colour, type Picture } from './pixels';
-import { Visit, launch } from './visit';
+import { lift } from './kit/drag';
+import { call, folder, makeCapture, sendCapture, until } from './kit/made';
+import { changed, distance, mean, meanRow, settled, type Colour, type Picture } from './kit/pixels';
+import { browser, server, withServer } from './kit/server';
+import { Visit } from './kit/visit';
 
 /** Settings with which a fit with Gaussians takes seconds, and their number grows once. */
 const QUICK = { search: { generations: 1 }, refine: { passes: 1 }, appearance: { gaussians: 3000, steps: 300 } };
@@ -24,27 +25,18 @@ interface Fit {
 }
 
 describe('the look of a twin', () => {
-  let server: Server;
-  let browser: Browser;
+  withServer();
   let capture: string;
   let twin: string;
   /** Mean colour of its splats. */
   let own: Colour;
   beforeAll(async () => {
-    [server, browser] = await Promise.all([Server.start(['--client-token', 'none']), launch()]);
     capture = await sendCapture(server, makeCapture(join(folder(), 'toy.zip'), 'toy', '--raw'), 'a toy');
     const fit = await call<Fit>(server, 'POST', '/v1/fits', { capture, settings: QUICK });
     const fitted = async (): Promise<string | null> => (await call<Fit>(server, 'GET', `/v1/${fit.name}`)).twin;
     await until(async () => (await fitted()) !== null);
     twin = (await fitted())!.replace('twins/', '');
     own = await colourOf(server, twin);
-  }, 180_000);
-  afterEach(async () => {
-    await Promise.all(browser.contexts().map((context) => context.close()));
-  });
-  afterAll(async () => {
-    await browser.close();
-    await server.remove();
   });
 
   it('is that of the object', async () => {

@@ -1,22 +1,19 @@
 import { rmSync } from 'node:fs';
 import { join } from 'node:path';
-import type { Browser } from 'playwright-core';
 import { afterAll, beforeAll, describe, expect, it } from 'vitest';
-import { Server } from '../scripts/server.mjs';
-import { call, folder, makeCapture, sendCapture, until } from './made';
-import { Visit, launch } from './visit';
+import { call, folder, makeCapture, sendCapture, until } from './kit/made';
+import { browser, server, withServer } from './kit/server';
+import { Visit } from './kit/visit';
 
 const NAME = '<img src=x onerror="document.title=1">\u202E"><script>document.title=2</script>';
 const NOTE = `</p><svg onload=document.title=3> ${'wide'.repeat(400)}\n\`code\` javascript:alert(1)`;
 
 describe('the pages of captures, fits and twins', () => {
-  let server: Server;
-  let browser: Browser;
+  withServer();
   const files = folder();
   /** Addresses of all of them. */
   let addresses: string[] = [];
   beforeAll(async () => {
-    [server, browser] = await Promise.all([Server.start(['--client-token', 'none']), launch()]);
     const capture = await sendCapture(server, makeCapture(join(files, 'rope.zip'), 'rope'), NAME);
     const settings = { effort: 'draft', search: { generations: 2 }, refine: { passes: 4 } };
     for (const seed of [1, 2]) await call(server, 'POST', '/v1/fits', { capture, settings: { ...settings, seed } });
@@ -46,8 +43,6 @@ describe('the pages of captures, fits and twins', () => {
     ];
   });
   afterAll(async () => {
-    await browser.close();
-    await server.remove();
     rmSync(files, { recursive: true });
   });
 
@@ -124,7 +119,7 @@ describe('the pages of captures, fits and twins', () => {
     await keyboard.type('4');
     await keyboard.press('Enter');
     await visit.heading('by keyboard');
-    await page.getByRole('link', { name: 'Play with the twin' }).waitFor({ timeout: 150_000 });
+    await page.getByRole('link', { name: 'Play with the twin' }).waitFor({ timeout: 600_000 });
     await tabTo(visit, /^Edit name, note and tags/);
     await keyboard.press('Enter');
     await keyboard.press('End');

@@ -1,26 +1,16 @@
 import { readFileSync } from 'node:fs';
-import type { Browser, Download, Page } from 'playwright-core';
-import { afterAll, afterEach, beforeAll, describe, expect, it } from 'vitest';
-import { Server } from '../scripts/server.mjs';
-import { lift, middle } from './drag';
-import { fittedRope } from './rope';
-import { Visit, launch, type VisitOptions } from './visit';
+import type { Download, Page } from 'playwright-core';
+import { beforeAll, describe, expect, it } from 'vitest';
+import { lift, middle } from './kit/drag';
+import { fittedRope } from './kit/rope';
+import { browser, server, withServer } from './kit/server';
+import { Visit, type VisitOptions } from './kit/visit';
 
 describe('the playground', () => {
-  let server: Server;
-  let browser: Browser;
+  withServer();
   let twin: string;
   beforeAll(async () => {
-    [server, browser] = await Promise.all([Server.start(['--client-token', 'none']), launch()]);
     twin = await fittedRope(server, 'blue rope');
-  });
-  // What a story that failed has left open would be played on.
-  afterEach(async () => {
-    await Promise.all(browser.contexts().map((context) => context.close()));
-  });
-  afterAll(async () => {
-    await browser.close();
-    await server.remove();
   });
 
   async function play(options: VisitOptions = {}): Promise<Visit> {
@@ -164,7 +154,7 @@ describe('the playground', () => {
     await page.getByRole('button', { name: 'Ask the planner' }).click();
     await page.getByText(/The planner is searching for a motion|On the way/).first().waitFor();
     await visit.stop('play-goal');
-    await page.getByText(/Reached|Not reached/).first().waitFor({ timeout: 120_000 });
+    await page.getByText(/Reached|Not reached/).first().waitFor({ timeout: 600_000 });
     await visit.stop('play-goal-end');
     await visit.close();
   });
@@ -262,7 +252,7 @@ describe('the playground', () => {
     await page.getByText('The connection is lost').waitFor();
     await visit.stop('play-lost');
     await server.start();
-    await page.getByText('The play continues from what you saw').waitFor({ timeout: 120_000 });
+    await page.getByText('The play continues from what you saw').waitFor({ timeout: 600_000 });
     await page.getByText('frames/s simulated').waitFor();
     // The pointer has taken hold again.
     await page.getByText('Pointer 1 holds').waitFor();

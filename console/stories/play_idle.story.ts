@@ -1,26 +1,17 @@
 import { mkdtempSync, rmSync, writeFileSync } from 'node:fs';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
-import type { Browser } from 'playwright-core';
-import { afterAll, beforeAll, describe, it } from 'vitest';
-import { Server } from '../scripts/server.mjs';
-import { fittedRope } from './rope';
-import { Visit, launch } from './visit';
+import { afterAll, describe, it } from 'vitest';
+import { fittedRope } from './kit/rope';
+import { browser, server, withServer } from './kit/server';
+import { Visit } from './kit/visit';
 
 describe('a play that nobody touches', () => {
   const folder = mkdtempSync(join(tmpdir(), 'bendtwin-config-'));
   const config = join(folder, 'config.toml');
-  let server: Server;
-  let browser: Browser;
-  beforeAll(async () => {
-    writeFileSync(config, '[limits]\nplay_idle_s = 4.0\n');
-    [server, browser] = await Promise.all([Server.start(['--client-token', 'none', '--config', config]), launch()]);
-  });
-  afterAll(async () => {
-    await browser.close();
-    await server.remove();
-    rmSync(folder, { recursive: true });
-  });
+  writeFileSync(config, '[limits]\nplay_idle_s = 4.0\n');
+  withServer(['--client-token', 'none', '--config', config]);
+  afterAll(() => rmSync(folder, { recursive: true }));
 
   it('ends, and goes on from there when one wants to', async () => {
     const twin = await fittedRope(server);

@@ -1,9 +1,10 @@
 import { join } from 'node:path';
-import type { Browser, Page } from 'playwright-core';
-import { afterAll, afterEach, beforeAll, describe, expect, it } from 'vitest';
+import type { Page } from 'playwright-core';
+import { beforeAll, describe, expect, it } from 'vitest';
 import { Server } from '../scripts/server.mjs';
-import { call, folder, makeCapture, sendCapture, until } from './made';
-import { Visit, launch } from './visit';
+import { call, folder, makeCapture, sendCapture, until } from './kit/made';
+import { browser, server, withServer } from './kit/server';
+import { Visit } from './kit/visit';
 
 /** Settings with which a fit takes seconds. */
 const QUICK = { search: { generations: 1 }, refine: { passes: 1 } };
@@ -14,25 +15,16 @@ interface Fit {
 }
 
 describe('the playback', () => {
-  let server: Server;
-  let browser: Browser;
+  withServer();
   let capture: string;
   let twin: string;
   beforeAll(async () => {
-    [server, browser] = await Promise.all([Server.start(['--client-token', 'none']), launch()]);
     const made = makeCapture(join(folder(), 'toy.zip'), 'toy', '--raw');
     const name = await sendCapture(server, made, 'a toy');
     capture = name.replace('captures/', '');
     const fit = await call<Fit>(server, 'POST', '/v1/fits', { capture: name, settings: QUICK });
     await until(async () => (await call<Fit>(server, 'GET', `/v1/${fit.name}`)).twin !== null);
     twin = (await call<Fit>(server, 'GET', `/v1/${fit.name}`)).twin!.replace('twins/', '');
-  }, 120_000);
-  afterEach(async () => {
-    await Promise.all(browser.contexts().map((context) => context.close()));
-  });
-  afterAll(async () => {
-    await browser.close();
-    await server.remove();
   });
 
   const time = (page: Page): Promise<string> => page.locator('.playback-time').innerText();

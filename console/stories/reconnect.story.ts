@@ -1,18 +1,9 @@
-import type { Browser } from 'playwright-core';
-import { afterAll, beforeAll, describe, expect, it } from 'vitest';
-import { Server } from '../scripts/server.mjs';
-import { Visit, launch } from './visit';
+import { describe, expect, it } from 'vitest';
+import { browser, server, withServer } from './kit/server';
+import { Visit } from './kit/visit';
 
 describe('a server that is killed', () => {
-  let server: Server;
-  let browser: Browser;
-  beforeAll(async () => {
-    [server, browser] = await Promise.all([Server.start(['--client-token', 'none']), launch()]);
-  });
-  afterAll(async () => {
-    await browser.close();
-    await server.remove();
-  });
+  withServer();
 
   it('is asked until it answers again, and the page goes on', async () => {
     const visit = await Visit.open(browser, server, { at: '/workers' });

@@ -1,18 +1,18 @@
 import { readFileSync, readdirSync, rmSync, statSync, writeFileSync } from 'node:fs';
 import { join, relative } from 'node:path';
-import type { Browser, Page } from 'playwright-core';
+import type { Page } from 'playwright-core';
 import { afterAll, beforeAll, describe, expect, it } from 'vitest';
 import { Server } from '../scripts/server.mjs';
-import { call, folder, makeCapture, padded, until } from './made';
-import { Visit, launch } from './visit';
+import { call, folder, makeCapture, padded, until } from './kit/made';
+import { browser, server, withServer } from './kit/server';
+import { Visit } from './kit/visit';
 
 interface Captures {
   captures: { display_name: string; verdict: string | null; note: string; tags: string[]; size_bytes: number }[];
 }
 
 describe('uploads', () => {
-  let server: Server;
-  let browser: Browser;
+  withServer();
   const files = folder();
   const rope = join(files, 'rope.zip');
   const toy = join(files, 'toy');
@@ -20,11 +20,8 @@ describe('uploads', () => {
     makeCapture(rope, 'rope');
     makeCapture(toy, 'toy', '--raw');
     writeFileSync(join(toy, 'film.mp4'), new Uint8Array(3_000_000));
-    [server, browser] = await Promise.all([Server.start(['--client-token', 'none']), launch()]);
   });
   afterAll(async () => {
-    await browser.close();
-    await server.remove();
     rmSync(files, { recursive: true });
   });
 
@@ -112,7 +109,7 @@ describe('uploads', () => {
     await row.getByText('uploading', { exact: true }).waitFor();
     await expect.poll(offset).toBeGreaterThanOrEqual(before);
     await slow(page, -1);
-    await row.getByText('uploaded', { exact: true }).waitFor({ timeout: 100_000 });
+    await row.getByText('uploaded', { exact: true }).waitFor({ timeout: 600_000 });
     const stored = (await all()).filter(({ display_name }) => display_name === 'long');
     expect(stored).toMatchObject([{ note: 'left hand', tags: ['slow', 'wet'], size_bytes: statSync(archive).size }]);
     expect(await page.evaluate(() => localStorage.getItem('bendtwin.uploads'))).toBe('[]');

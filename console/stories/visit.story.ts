@@ -1,8 +1,7 @@
-import type { Browser } from 'playwright-core';
-import { afterAll, beforeAll, describe, expect, it } from 'vitest';
-import { Server } from '../scripts/server.mjs';
-import { barriers } from './barriers';
-import { Visit, launch } from './visit';
+import { describe, expect, it } from 'vitest';
+import { barriers } from './kit/barriers';
+import { browser, server, withServer } from './kit/server';
+import { Visit } from './kit/visit';
 
 /** Faults that no page may have, what makes them, and how they are told. */
 const FAULTS: readonly (readonly [string, string, RegExp])[] = [
@@ -26,15 +25,7 @@ function add(tag: string, name: string, value: string): string {
 }
 
 describe('a story', () => {
-  let server: Server;
-  let browser: Browser;
-  beforeAll(async () => {
-    [server, browser] = await Promise.all([Server.start(['--client-token', 'none', '--workers', '0']), launch()]);
-  });
-  afterAll(async () => {
-    await browser.close();
-    await server.remove();
-  });
+  withServer(['--client-token', 'none', '--workers', '0']);
 
   for (const [what, script, told] of FAULTS) {
     it(`finds ${what}`, async () => {

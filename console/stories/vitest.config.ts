@@ -5,8 +5,8 @@ export default defineConfig({
   test: {
     include: ['stories/**/*.story.ts'],
     environment: 'node',
-    testTimeout: 300_000,
-    hookTimeout: 180_000,
+    testTimeout: 1_200_000,
+    hookTimeout: 1_200_000,
     // Bounds, not expectations: what is waited for comes late where other programs take the processor.
     expect: { poll: { timeout: 60_000 } },
     // Chromium draws in software: more than two at once would be slow, not quicker.

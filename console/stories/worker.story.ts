@@ -1,28 +1,21 @@
 import { rmSync, writeFileSync } from 'node:fs';
 import { join } from 'node:path';
-import type { Browser } from 'playwright-core';
 import { afterAll, beforeAll, describe, expect, it } from 'vitest';
-import { Server } from '../scripts/server.mjs';
-import { call, folder, makeCapture, sendCapture } from './made';
-import { Visit, launch } from './visit';
+import { call, folder, makeCapture, sendCapture } from './kit/made';
+import { browser, server, withServer } from './kit/server';
+import { Visit } from './kit/visit';
 
 describe('a fit that asks for a worker', () => {
-  let server: Server;
-  let browser: Browser;
   let capture = '';
   const files = folder();
+  const config = join(files, 'config.toml');
+  const args = ['worker', '--backend', 'cpu', '--label', 'lab=2', '--label', 'quiet'];
+  writeFileSync(config, `client_token = "none"\n[workers]\nargs = ${JSON.stringify(args)}\n`);
+  withServer(['--config', config]);
   beforeAll(async () => {
-    const config = join(files, 'config.toml');
-    const args = ['worker', '--backend', 'cpu', '--label', 'lab=2', '--label', 'quiet'];
-    writeFileSync(config, `client_token = "none"\n[workers]\nargs = ${JSON.stringify(args)}\n`);
-    [server, browser] = await Promise.all([Server.start(['--config', config]), launch()]);
     capture = await sendCapture(server, makeCapture(join(files, 'rope.zip'), 'rope'), 'rope');
   });
-  afterAll(async () => {
-    await browser.close();
-    await server.remove();
-    rmSync(files, { recursive: true });
-  });
+  afterAll(() => rmSync(files, { recursive: true }));
 
   it('is offered what the workers have, and told whether one can take it', async () => {
     const visit = await Visit.open(browser, server, { at: `/fits/new?capture=${capture.split('/')[1]}` });

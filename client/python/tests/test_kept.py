@@ -3,9 +3,9 @@
 import numpy as np
 
 from bendtwin import Ensemble, RolloutResult, State
-from bendtwin.arguments import rollout_request
 from bendtwin.kept import Kept
-from bendtwin.rollout import Divergence
+from bendtwin.simulation.arguments import rollout_request
+from bendtwin.simulation.rollout import Divergence
 
 ROLLOUT = rollout_request("", {"trajectories": np.zeros((1, 4, 1, 3))})
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from bendtwin import Motion
-from bendtwin.motion import bundle
+from bendtwin.captures.motion import bundle
 
 
 def read(content):

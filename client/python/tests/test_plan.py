@@ -20,8 +20,8 @@ from bendtwin import (
     aio,
     interpolate,
 )
-from bendtwin.plan import plan_request
 from bendtwin.planners import Grippers, Mppi, OnServer, PerHand, Points, Task, Together
+from bendtwin.simulation.plan import plan_request
 from bendtwin.tensors import unpack
 from bendtwin.v1 import planning_pb2
 

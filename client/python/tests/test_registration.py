@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from bendtwin import Collider, Plane, Registration, Settled, Sphere, World
-from bendtwin.registration import correct_session, register_state
+from bendtwin.simulation.registration import correct_session, register_state
 from bendtwin.tensors import unpack
 from bendtwin.v1 import registration_pb2, session_pb2
 

@@ -36,7 +36,7 @@ from bendtwin import (
     TwinInfo,
     Worker,
 )
-from bendtwin.rollout import FIDELITIES
+from bendtwin.simulation.rollout import FIDELITIES
 from bendtwin.tensors import pack_floats
 from bendtwin.v1 import (
     capture_pb2,

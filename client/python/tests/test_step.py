@@ -18,7 +18,7 @@ from bendtwin import (
     World,
     aio,
 )
-from bendtwin.step import step_session
+from bendtwin.simulation.step import step_session
 
 STILL = np.zeros((1, 3, 2, 3), np.float32)
 POINTS = np.array([[0.1, 0.0, 0.2], [0.2, 0.0, 0.2], [np.nan] * 3])

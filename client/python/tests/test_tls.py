@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from bendtwin import BendTwinError, Client, Returns
-from bendtwin.transport import tls_fault, transport
+from bendtwin.connection.transport import tls_fault, transport
 
 BINARY = os.environ.get("BENDTWIN_BIN")
 TOKEN = "a-token-of-workers"

@@ -2,7 +2,7 @@ import pytest
 from fake import FIT, serve
 
 from bendtwin import Client
-from bendtwin.token import find_token
+from bendtwin.connection.token import find_token
 
 
 @pytest.fixture

@@ -14,7 +14,8 @@ import requests
 from tusclient.client import TusClient
 from tusclient.exceptions import TusCommunicationError, TusUploadFailed
 
-from bendtwin import BendTwinError, Category, Client, aio, uploads
+from bendtwin import BendTwinError, Category, Client, aio
+from bendtwin.captures import uploads
 
 BINARY = os.environ.get("BENDTWIN_BIN")
 START_S = 60

@@ -6,13 +6,24 @@ type Schemas = components['schemas'];
 export type Fault = Schemas['Fault'];
 export type Progress = Schemas['Progress'];
 export type Job = Schemas['Job'];
-export type JobState = Job['state'];
 export type Capture = Schemas['Capture'];
 export type Fit = Schemas['Fit'];
 export type Twin = Schemas['Twin'];
 export type Worker = Schemas['Worker'];
+export type LossCurve = Schemas['FitLosses.LossCurve'];
+export type Evaluation = Schemas['Evaluation'];
+export type PredictedMotion = Schemas['PredictedMotion'];
+export type TwinGeometry = Schemas['TwinGeometry'];
+export type World = Schemas['World'];
+export type Collider = Schemas['Collider'];
+export type Tensor = Schemas['Tensor'];
 
 /** True if a job will not change any more. */
 export function hasEnded(job: Job): boolean {
   return job.state !== 'QUEUED' && job.state !== 'RUNNING';
+}
+
+/** Time from the start of a job to its end [s]; null before. */
+export function tookS({ start_time, end_time }: Job): number | null {
+  return start_time && end_time ? (Date.parse(end_time) - Date.parse(start_time)) / 1000 : null;
 }

@@ -10,7 +10,7 @@ import {
   Vector3,
 } from 'three';
 import type { Layer } from '../view3d/stage';
-import type { GoalTarget } from './messages';
+import type { GoalTarget } from './protocol/messages';
 
 /** Goals of nodes: a ball for each target, and a line from its node. */
 export class GoalLayer implements Layer {

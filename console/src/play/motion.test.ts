@@ -1,6 +1,6 @@
 import { describe, expect, it } from 'vitest';
 import { Motion, carry } from './motion';
-import type { PlayState } from './state';
+import type { PlayState } from './protocol/state';
 
 function state(x: number, colliders = 0): PlayState {
   return {

@@ -1,4 +1,4 @@
-import type { PlayState } from './state';
+import type { PlayState } from './protocol/state';
 
 /** Bounds of the time between two states [ms]. */
 const LEAST_MS = 8;

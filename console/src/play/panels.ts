@@ -3,7 +3,7 @@ import { counted } from '../ui/format';
 import { pointCount } from '../view3d/skin';
 import type { TwinShape } from '../view3d/shape';
 import type { ColourBy } from '../view3d/twin_view';
-import type { Facts, Ready } from './messages';
+import type { Facts, Ready } from './protocol/messages';
 import { goalPanel, type GoalPanel } from './panels/goal';
 import { grippersPanel } from './panels/grippers';
 import { helpPanel } from './panels/help';
@@ -14,7 +14,7 @@ import { recordingPanel } from './panels/recording';
 import { timePanel } from './panels/time';
 import { worldPanel } from './panels/world';
 import type { Playing } from './playing';
-import { shareMenu } from './share';
+import { shareMenu } from './share/menu';
 
 /** All panels of a play's page. */
 export interface Panels {

@@ -2,17 +2,17 @@ import { Vector3 } from 'three';
 import type { Page, PageContext } from '../page';
 import { h } from '../ui/dom';
 import type { TwinShape } from '../view3d/shape';
-import { Driver } from './driver';
-import { GamepadDrive } from './gamepad';
-import { GripperKeys } from './keys';
-import type { Facts, Message, ProblemText, Ready, Text } from './messages';
-import { beginOf, readMoment, writeMoment, type Moment } from './moment';
+import { Driver } from './input/driver';
+import { GamepadDrive } from './input/gamepad';
+import { GripperKeys } from './input/keys';
+import type { Facts, Message, ProblemText, Ready, Text } from './protocol/messages';
+import { beginOf, readMoment, writeMoment, type Moment } from './share/moment';
 import { panelsOf, type Panels } from './panels';
-import { PointerDrag } from './pointer';
+import { PointerDrag } from './input/pointer';
 import type { Playing } from './playing';
 import { PlayScene } from './scene';
-import { PlaySocket, type SocketListener } from './socket';
-import type { PlayState } from './state';
+import { PlaySocket, type SocketListener } from './protocol/socket';
+import type { PlayState } from './protocol/state';
 import { StatusLine } from './status_line';
 import { WorldModel } from './world_model';
 import './play.css';
@@ -53,7 +53,7 @@ export class PlayPage implements Page, SocketListener {
   #world: ReturnType<typeof setTimeout> | null = null;
   #silence: ReturnType<typeof setTimeout> | null = null;
 
-  constructor(context: PageContext, shape: TwinShape, name: string, id: string) {
+  constructor(context: PageContext, id: string, { shape, name }: { shape: TwinShape; name: string }) {
     this.#context = context;
     this.#shape = shape;
     this.#first = readMoment(context.query, shape.rest.length / 3, shape.controls.length / 3);

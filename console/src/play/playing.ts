@@ -1,6 +1,6 @@
 import type { PageContext } from '../page';
-import type { Driver } from './driver';
-import type { Facts, Message, Ready } from './messages';
+import type { Driver } from './input/driver';
+import type { Facts, Message, Ready } from './protocol/messages';
 import type { PlayScene } from './scene';
 import type { WorldModel } from './world_model';
 

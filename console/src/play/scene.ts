@@ -1,18 +1,19 @@
 import { Vector3 } from 'three';
+import type { Collider } from '../api/types';
 import { h } from '../ui/dom';
 import { ArrowsLayer, type Arrow } from '../view3d/layers/arrows';
-import { CollidersLayer, type Collider } from '../view3d/layers/colliders';
+import { CollidersLayer } from '../view3d/layers/colliders';
 import { GroundLayer } from '../view3d/layers/ground';
 import { HandsLayer } from '../view3d/layers/hands';
 import { Legend, number } from '../view3d/legend';
 import { planeOf, type TwinShape } from '../view3d/shape';
 import { Stage } from '../view3d/stage';
 import { TwinView } from '../view3d/twin_view';
-import type { Driver } from './driver';
+import type { Driver } from './input/driver';
 import { GoalLayer } from './goal_layer';
-import type { Facts, Ready } from './messages';
+import type { Facts, Ready } from './protocol/messages';
 import { Motion, carry } from './motion';
-import type { PlayState } from './state';
+import type { PlayState } from './protocol/state';
 
 /** The least force that is shown [N]. */
 const LEAST_FORCE = 0.02;

@@ -1,6 +1,6 @@
 import { h } from '../ui/dom';
 import type { Stage } from '../view3d/stage';
-import type { Facts } from './messages';
+import type { Facts } from './protocol/messages';
 import type { PlayScene } from './scene';
 
 /** Times that the shown one is the middle of. */

@@ -4,33 +4,25 @@ import { h } from '../ui/dom';
 import { counted } from '../ui/format';
 import { GroundLayer } from '../view3d/layers/ground';
 import { Legend } from '../view3d/legend';
-import { loadShape, type TwinShape } from '../view3d/shape';
+import type { TwinShape } from '../view3d/shape';
 import { pointCount } from '../view3d/skin';
 import { Stage } from '../view3d/stage';
 import { TwinView } from '../view3d/twin_view';
 import { panel } from './panels/parts';
 import { coloursOf, pictureControls, readLook, writeLook, type Look } from './panels/picture';
-import { shareMenu } from './share';
+import { shareMenu } from './share/menu';
+import { loadTwin } from './twin';
 import './play.css';
-
-/** Fields of a twin that are read. */
-interface TwinReply {
-  readonly display_name: string;
-}
 
 /** A twin at rest, viewed from any side. */
 export const open: OpenPage = async (context) => {
-  const id = encodeURIComponent(context.parameters['id'] ?? '');
-  const [shape, twin] = await Promise.all([
-    loadShape(context.api, id, context.signal),
-    context.api.json<TwinReply>(`/v1/twins/${id}`, { signal: context.signal }),
-  ]);
-  context.setTitle(twin.display_name || 'Twin');
-  const stage = new Stage(`The twin ${twin.display_name} at rest`);
+  const id = context.parameters['id'] ?? '';
+  const { shape, name } = await loadTwin(context, id);
+  const stage = new Stage(`The twin ${name} at rest`);
   const view = placed(stage, shape);
   const look = readLook(context.query, shape);
   if (!stage.setView(context.query.get('view') ?? '')) stage.lookAt(shape.rest);
-  const element = elementOf(context, { id, name: twin.display_name, stage, shape, view, look });
+  const element = elementOf(context, { id, name, stage, shape, view, look });
   return {
     element,
     dispose: () => {

@@ -1,13 +1,15 @@
+import { idOf } from '../api/routes';
 import type { OpenPage } from '../page';
-import type { Ready, Text } from './messages';
-import { openTwin } from './page';
-import { openSocket } from './socket';
+import { PlayPage } from './play_page';
+import type { Ready, Text } from './protocol/messages';
+import { openSocket } from './protocol/socket';
+import { loadTwin } from './twin';
 
 /** A play of someone else, to be watched. */
 export const open: OpenPage = async (context) => {
   const path = `/v1/plays/${encodeURIComponent(context.parameters['id'] ?? '')}/watch`;
-  const twin = await twinOf(path, context.signal);
-  const page = await openTwin(context, encodeURIComponent(twin.replace(/^twins\//, '')));
+  const id = idOf(await twinOf(path, context.signal));
+  const page = new PlayPage(context, id, await loadTwin(context, id));
   page.connect(path, false);
   return page;
 };

@@ -1,6 +1,6 @@
-import type { Collider } from '../view3d/layers/colliders';
+import type { Collider, World } from '../api/types';
 import { planeOf, type Plane } from '../view3d/shape';
-import type { Factors, World } from './messages';
+import type { Factors } from './protocol/messages';
 
 /** The world of a play as one changes it: gravity, ground, obstacles, factors of the twin's parameters. */
 export class WorldModel {
@@ -58,7 +58,7 @@ export class WorldModel {
     const { own, ground } = this;
     if (ground === null) return own.ground === null ? {} : { no_ground: true };
     if (ground === 0 && own.ground !== null) return {};
-    return { ground: { normal: own.ground?.normal ?? [0, 0, 1], offset_m: (own.ground?.offset_m ?? 0) + ground } };
+    return { ground: { normal: [...(own.ground?.normal ?? [0, 0, 1])], offset_m: (own.ground?.offset_m ?? 0) + ground } };
   }
 }
 

@@ -1,9 +1,8 @@
 import { idOf } from '../api/routes';
-import type { Twin } from '../api/types';
 import type { PageContext } from '../page';
 import { h } from '../ui/dom';
 import { moment } from '../ui/format';
-import type { Head } from './head';
+import type { Head } from './file/head';
 
 /** Twins to choose from. */
 const MOST_TWINS = 100;
@@ -42,7 +41,7 @@ export async function twinChoice(
   const { api, signal } = context;
   const query = { capture: `captures/${capture}`, page_size: MOST_TWINS };
   const { twins } = await api.get('/v1/twins', { query, signal });
-  const known = (twins as unknown as Twin[]).map((twin) => {
+  const known = twins.map((twin) => {
     return [idOf(twin.name), `${twin.display_name || 'without a name'}, ${moment(twin.create_time)}`] as const;
   });
   const isKnown = chosen === '' || known.some(([id]) => id === chosen);

@@ -1,9 +1,9 @@
 import type { TwinShape } from '../view3d/shape';
 import { placeSkin, pointCount } from '../view3d/skin';
 import { rangeOf, type Range } from '../view3d/colour';
-import type { CameraView, Dots } from './camera_view';
+import type { CameraView, Dots } from './camera/camera_view';
 import type { Look } from './look';
-import type { Frame, Motion } from './motion';
+import type { Frame, Motion } from './file/motion';
 import { Nearest } from './nearest';
 import type { Prediction } from './prediction';
 import { COLOURS, coloursOf, type Scene } from './scene';

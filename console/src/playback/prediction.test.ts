@@ -4,12 +4,17 @@ import { Prediction } from './prediction';
 
 const floats = (...values: number[]): Float32Array => Float32Array.from(values);
 
+/** The reply for a sequence of four frames, predicted from the first one on. */
+const MOTION = {
+  name: '', recording: '', sequence: 0, fps: 30,
+  frame_count: 4, start_frame: 0, train_frame_count: 2, every_frames: 1,
+};
+
 describe('a prediction', () => {
   it('has the nodes and the errors of its frames', () => {
     const prediction = new Prediction({
-      frame_count: 4,
+      ...MOTION,
       start_frame: 1,
-      train_frame_count: 2,
       positions: packed(floats(1, 1, 1, 2, 2, 2, 3, 3, 3), [3, 1, 3]),
       track_m: packed(floats(0, NaN, 0.5), [3]),
     });
@@ -21,11 +26,11 @@ describe('a prediction', () => {
 
   it('of every third frame stays until the next', () => {
     const positions = packed(floats(0, 0, 0, 3, 3, 3), [2, 1, 3]);
-    const prediction = new Prediction({ every_frames: 3, positions });
+    const prediction = new Prediction({ ...MOTION, every_frames: 3, positions });
     expect([0, 2, 3, 5, 6].map((frame) => prediction.nodes(frame)![0])).toEqual([0, 0, 3, 3, 3]);
   });
 
   it('needs nodes', () => {
-    expect(() => new Prediction({ frame_count: 3 })).toThrow('no nodes');
+    expect(() => new Prediction(MOTION)).toThrow('no nodes');
   });
 });

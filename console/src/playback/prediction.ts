@@ -1,26 +1,12 @@
 import type { Api } from '../api/client';
-import { floats, type PackedTensor } from '../view3d/tensor';
+import type { Evaluation, PredictedMotion } from '../api/types';
+import type { Quality } from '../pages/twins/quality';
+import { floats } from '../view3d/tensor';
 
 /** Errors of a frame [m]; null where they were not measured. */
 export interface FrameErrors {
   readonly track: number | null;
   readonly chamfer: number | null;
-}
-
-/** The `motion` of an evaluation: docs/formats/http-api.md. Fields that hold nothing are left out. */
-export interface MotionReply {
-  readonly frame_count?: number;
-  readonly start_frame?: number;
-  readonly train_frame_count?: number;
-  readonly every_frames?: number;
-  readonly positions?: PackedTensor;
-  readonly track_m?: PackedTensor;
-  readonly chamfer_l1_m?: PackedTensor;
-}
-
-interface EvaluationReply {
-  readonly quality: { readonly warnings?: readonly string[] };
-  readonly motion?: MotionReply | null;
 }
 
 /** The predicted motion of a sequence, and its errors. */
@@ -36,15 +22,15 @@ export class Prediction {
   readonly #chamfer: Float32Array;
 
   constructor(
-    reply: MotionReply,
+    reply: PredictedMotion,
     /** Warnings about the prediction. */
     readonly warnings: readonly string[] = [],
   ) {
-    this.startFrame = reply.start_frame ?? 0;
-    this.trainFrameCount = reply.train_frame_count ?? 0;
-    this.#every = Math.max(reply.every_frames ?? 1, 1);
+    this.startFrame = reply.start_frame;
+    this.trainFrameCount = reply.train_frame_count;
+    this.#every = Math.max(reply.every_frames, 1);
     this.#positions = floats(reply.positions, 'positions');
-    this.nodeCount = reply.positions?.shape[1] ?? 0;
+    this.nodeCount = Array.isArray(reply.positions) ? 0 : (reply.positions?.shape[1] ?? 0);
     if (this.nodeCount === 0) throw new Error('the prediction has no nodes');
     this.#track = floats(reply.track_m, 'track_m');
     this.#chamfer = floats(reply.chamfer_l1_m, 'chamfer_l1_m');
@@ -58,9 +44,9 @@ export class Prediction {
   ): Promise<Prediction> {
     const body = { capture: `captures/${ids.capture}`, motion: { sequence: ids.sequence } };
     const path = `/v1/twins/${encodeURIComponent(ids.twin)}/evaluations?tensors=base64`;
-    const { motion, quality } = await api.send<EvaluationReply>('POST', path, body, signal);
-    const warnings = quality.warnings ?? [];
-    if (motion == null) throw new Error(warnings[0] ?? 'the twin has no prediction of this sequence');
+    const { motion, quality } = await api.send<Evaluation>('POST', path, body, signal);
+    const { warnings = [] } = quality as Quality;
+    if (motion === undefined) throw new Error(warnings[0] ?? 'the twin has no prediction of this sequence');
     return new Prediction(motion, warnings);
   }
 

@@ -6,8 +6,8 @@ import { Legend } from '../view3d/legend';
 import type { TwinShape } from '../view3d/shape';
 import { Stage } from '../view3d/stage';
 import { TwinView, type TwinLayer } from '../view3d/twin_view';
-import type { SequenceHead } from './head';
-import type { Frame } from './motion';
+import type { SequenceHead } from './file/head';
+import type { Frame } from './file/motion';
 
 /** Colours of observed points without own ones, of control points and of predicted nodes. */
 export const COLOURS = { observed: 0x2f6fd0, controls: 0xf08c00, predicted: 0x0ca678 };

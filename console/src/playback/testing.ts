@@ -1,4 +1,4 @@
-import type { CameraHead, SequenceHead } from './head';
+import type { CameraHead, SequenceHead } from './file/head';
 
 /** A camera at the origin that looks along z, with images of 100 x 80 pixels. */
 export function camera(changes: Partial<CameraHead> = {}): CameraHead {

@@ -1,4 +1,5 @@
 import type { Api } from '../api/client';
+import { openTwinFile, type Entry } from '../api/twin_file';
 import { startsOf, type Skin } from './skin';
 
 /** Gaussians that nodes carry, G of them: docs/formats/twin.md. */
@@ -21,39 +22,16 @@ export interface Appearance {
   readonly splats: Splats | null;
 }
 
-/** A tensor in the header of a safetensors file. */
-interface Entry {
-  readonly dtype: string;
-  readonly data_offsets: readonly [number, number];
-}
-
-/** Bytes of a file that are asked for first: most headers are shorter. */
-const FIRST = 1 << 16;
+/** Sizes of numbers [bytes]. */
 const WIDTHS: Readonly<Record<string, number>> = { F32: 4, U32: 4, U8: 1 };
 
 /** The look of a twin, read from the parts of its file that have it; null if it has none. */
 export async function loadAppearance(api: Api, twin: string, signal: AbortSignal): Promise<Appearance | null> {
-  const path = `/v1/twins/${encodeURIComponent(twin)}/content`;
-  const range = async (start: number, end: number): Promise<Uint8Array<ArrayBuffer>> => {
-    const answer = await api.fetch(path, { signal, headers: { range: `bytes=${start}-${end - 1}` } });
-    const bytes = new Uint8Array(await answer.arrayBuffer());
-    return answer.status === 206 ? bytes : bytes.slice(start, end);
-  };
-  let head = await range(0, FIRST);
-  const start = 8 + Number(new DataView(head.buffer).getBigUint64(0, true));
-  if (start > head.length) head = await range(0, start);
-  const entries = readHeader(head.subarray(8, start));
-  const found = [...entries].filter(([name]) => name === 'skin.color' || name.startsWith('splats.'));
+  const { tensors, read } = await openTwinFile(api, twin, signal);
+  const found = [...tensors].filter(([name]) => name === 'skin.color' || name.startsWith('splats.'));
   const offsets = found.flatMap(([, entry]) => entry.data_offsets);
   const [low, high] = [Math.min(...offsets), Math.max(...offsets)];
-  if (!(high > low)) return null;
-  return readAppearance(new Map(found), await range(start + low, start + high), low);
-}
-
-/** Tensors of a header. */
-function readHeader(bytes: Uint8Array): Map<string, Entry> {
-  const header = JSON.parse(new TextDecoder().decode(bytes)) as Record<string, Entry>;
-  return new Map(Object.entries(header).filter(([name]) => name !== '__metadata__'));
+  return high > low ? readAppearance(new Map(found), await read(low, high), low) : null;
 }
 
 /** Reads tensors whose bytes begin at `low` of the file's data; throws if they do not belong together. */

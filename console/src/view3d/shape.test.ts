@@ -1,13 +1,14 @@
 import { describe, expect, it } from 'vitest';
-import { readShape, type GeometryReply } from './shape';
+import type { TwinGeometry } from '../api/types';
+import { readShape } from './shape';
 import { base64, packed } from './tensor';
 
-function packedIndices(values: readonly number[], shape: readonly number[]): ReturnType<typeof packed> {
+function packedIndices(values: readonly number[], shape: number[]): ReturnType<typeof packed> {
   const numbers = new Uint32Array(values);
   return { dtype: 'UINT32', shape, data: base64(new Uint8Array(numbers.buffer)) };
 }
 
-function reply(): GeometryReply {
+function reply(): Partial<TwinGeometry> {
   return {
     rest_positions: packed(new Float32Array([0, 0, 0, 0.1, 0, 0]), [2, 3]),
     controls: packed(new Float32Array([0.1, 0, 0.2]), [1, 3]),
@@ -16,7 +17,7 @@ function reply(): GeometryReply {
     rest_lengths: packed(new Float32Array([0.1, 0.2]), [2]),
     rod_starts: packedIndices([0, 2], [2]),
     rod_nodes: packedIndices([1, 0], [2]),
-    ground: { offset_m: 0.5 },
+    ground: { normal: [], offset_m: 0.5 },
     gravity: [0, 0, -9.81],
   };
 }
@@ -38,7 +39,7 @@ describe('readShape', () => {
     expect(() => readShape({ ...reply(), skin_sd: sd })).toThrow('skin_sd has 1 values');
     const short = { ...packed(new Float32Array(3), [1, 3]), shape: [2, 3] };
     expect(() => readShape({ ...reply(), rest_positions: short })).toThrow('12 bytes');
-    const bytes = { ...packed(new Float32Array(6), [2, 3]), dtype: 'FLOAT64' };
+    const bytes = { ...packed(new Float32Array(6), [2, 3]), dtype: 'FLOAT64' as const };
     expect(() => readShape({ ...reply(), rest_positions: bytes })).toThrow('FLOAT64');
   });
 });

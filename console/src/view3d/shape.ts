@@ -1,7 +1,8 @@
 import type { Api } from '../api/client';
+import type { TwinGeometry, World } from '../api/types';
 import { loadAppearance, type Appearance } from './appearance';
 import { startsOf, type Skin } from './skin';
-import { floats, indices, type PackedTensor } from './tensor';
+import { floats, indices } from './tensor';
 
 /** Points with normal . x >= offset are above it. */
 export interface Plane {
@@ -44,32 +45,15 @@ export interface TwinShape {
   readonly spacing: number;
 }
 
-type Tensors<Name extends string> = { readonly [name in Name]?: PackedTensor };
-
-/** The reply to `GET /v1/twins/{id}/geometry?tensors=base64`. */
-export interface GeometryReply
-  extends Tensors<
-    'rest_positions' | 'masses' | 'controls' | 'hands' | 'edges' | 'rest_lengths' | 'triplets' | 'spring_stiffness' |
-    'bend_stiffness' | 'rod_starts' | 'rod_nodes' | 'skin_sd'
-  > {
-  readonly skin?: Tensors<'weight_counts' | 'weight_nodes' | 'weights' | 'frames' | 'offsets'>;
-  readonly ground?: { readonly normal?: readonly number[]; readonly offset_m?: number };
-  readonly gravity?: readonly number[];
-  readonly fps?: number;
-  readonly mass_kg?: number;
-  readonly spacing_m?: number;
-}
-
 /** Asks for the shape of a twin. */
 export async function loadShape(api: Api, twin: string, signal: AbortSignal): Promise<TwinShape> {
-  const path = `/v1/twins/${encodeURIComponent(twin)}/geometry?tensors=base64`;
-  const reply = api.json<GeometryReply>(path, { signal });
+  const reply = api.get('/v1/twins/{id}/geometry', { id: twin, query: { tensors: 'base64' }, signal });
   const [geometry, appearance] = await Promise.all([reply, loadAppearance(api, twin, signal)]);
   return { ...readShape(geometry), appearance };
 }
 
 /** Reads a reply; throws if its arrays do not belong together. */
-export function readShape(reply: GeometryReply): TwinShape {
+export function readShape(reply: Partial<TwinGeometry>): TwinShape {
   const rest = floats(reply.rest_positions, 'rest_positions');
   const controls = floats(reply.controls, 'controls');
   const nodes = rest.length / 3;
@@ -105,7 +89,7 @@ export function readShape(reply: GeometryReply): TwinShape {
 }
 
 /** A plane as the wire has it. */
-export function planeOf(plane: { readonly normal?: readonly number[]; readonly offset_m?: number }): Plane {
+export function planeOf(plane: Partial<NonNullable<World['ground']>>): Plane {
   return { normal: vectorOf(plane.normal, [0, 0, 1]), offset_m: plane.offset_m ?? 0 };
 }
 
@@ -114,7 +98,7 @@ function vectorOf(values: readonly number[] | undefined, absent: [number, number
   return x === undefined || y === undefined || z === undefined ? absent : [x, y, z];
 }
 
-function readSkin(reply: NonNullable<GeometryReply['skin']>, nodes: number): Skin {
+function readSkin(reply: NonNullable<TwinGeometry['skin']>, nodes: number): Skin {
   const starts = startsOf(indices(reply.weight_counts, 'skin.weight_counts'));
   const points = starts.length - 1;
   const carriers = ofLength(indices(reply.weight_nodes, 'skin.weight_nodes'), starts[points]!, 'skin.weight_nodes');

@@ -1,24 +1,23 @@
-/** A tensor of a reply with `?tensors=base64`: little-endian, row-major. */
-export interface PackedTensor {
-  readonly dtype: string;
-  readonly shape: readonly number[];
-  readonly data: string;
-}
+import type { Tensor } from '../api/types';
 
-const SIZES: Readonly<Record<string, number>> = { FLOAT32: 4, UINT32: 4, UINT8: 1 };
+/** A tensor as raw bytes, as replies with `?tensors=base64` have it: little-endian, row-major. */
+export type PackedTensor = Exclude<Tensor, unknown[]>;
+
+/** Bytes of a number. */
+const SIZE = 4;
 
 /** Values of a FLOAT32 tensor; none if it was left out. Throws if it is something else. */
-export function floats(tensor: PackedTensor | null | undefined, name: string): Float32Array {
-  return tensor == null ? new Float32Array(0) : new Float32Array(bytesOf(tensor, 'FLOAT32', name));
+export function floats(tensor: Tensor | undefined, name: string): Float32Array {
+  return tensor === undefined ? new Float32Array(0) : new Float32Array(bytesOf(tensor, 'FLOAT32', name));
 }
 
 /** Values of a UINT32 tensor; none if it was left out. Throws if it is something else. */
-export function indices(tensor: PackedTensor | null | undefined, name: string): Uint32Array {
-  return tensor == null ? new Uint32Array(0) : new Uint32Array(bytesOf(tensor, 'UINT32', name));
+export function indices(tensor: Tensor | undefined, name: string): Uint32Array {
+  return tensor === undefined ? new Uint32Array(0) : new Uint32Array(bytesOf(tensor, 'UINT32', name));
 }
 
 /** A FLOAT32 tensor of rows, as requests have it. */
-export function packed(values: Float32Array, shape: readonly number[]): PackedTensor {
+export function packed(values: Float32Array, shape: number[]): PackedTensor {
   return { dtype: 'FLOAT32', shape, data: base64(new Uint8Array(values.buffer, values.byteOffset, values.byteLength)) };
 }
 
@@ -35,11 +34,12 @@ export function bytesOfBase64(text: string): Uint8Array<ArrayBuffer> {
   return Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0));
 }
 
-function bytesOf(tensor: PackedTensor, dtype: string, name: string): ArrayBuffer {
+function bytesOf(tensor: Tensor, dtype: PackedTensor['dtype'], name: string): ArrayBuffer {
+  if (Array.isArray(tensor)) throw new Error(`${name} is a list, not base64`);
   if (tensor.dtype !== dtype) throw new Error(`${name} is ${tensor.dtype}, not ${dtype}`);
   const bytes = bytesOfBase64(tensor.data);
   const count = tensor.shape.reduce((product, length) => product * length, 1);
-  if (bytes.length !== count * (SIZES[dtype] ?? 1)) {
+  if (bytes.length !== count * SIZE) {
     throw new Error(`${name} has ${bytes.length} bytes, which its shape [${tensor.shape.join(', ')}] does not say`);
   }
   return bytes.buffer;

@@ -7,8 +7,8 @@ import { SplatsLayer } from './layers/splats';
 import type { Legend } from './legend';
 import type { Plane, TwinShape } from './shape';
 import { placeSkin, pointCount } from './skin';
-import { SplatBudget } from './splat_budget';
-import { SplatCount } from './splat_count';
+import { SplatBudget } from './splats/budget';
+import { SplatCount } from './splats/count';
 import type { Stage } from './stage';
 
 /** Layers of a twin that can be switched on and off; `appearance` is the skin in its own colours. */

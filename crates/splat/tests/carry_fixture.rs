@@ -1,5 +1,5 @@
-//! `console/src/view3d/carry.fixture.json`: Gaussians on a bent and turned sheet, which a test of
-//! the console carries, too. `BENDTWIN_BLESS=1` rewrites it.
+//! `console/src/view3d/splats/carry.fixture.json`: Gaussians on a bent and turned sheet, which a test
+//! of the console carries, too. `BENDTWIN_BLESS=1` rewrites it.
 
 use std::path::Path;
 
@@ -10,8 +10,8 @@ use serde_json::{Value, json};
 #[test]
 fn the_console_is_held_to_these_numbers() {
     let made = fixture();
-    let path =
-        Path::new(env!("CARGO_MANIFEST_DIR")).join("../../console/src/view3d/carry.fixture.json");
+    let path = Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("../../console/src/view3d/splats/carry.fixture.json");
     let stored: Value = serde_json::from_str(&std::fs::read_to_string(&path).unwrap()).unwrap();
     let differs = |(name, value): (&String, &Value)| {
         let (made, stored) = (numbers(value), numbers(&stored[name]));

@@ -10,25 +10,10 @@ with Client("127.0.0.1:7070") as client:
     result.positions  # [B, T, N, 3], metres
 """
 
-from bendtwin.arguments import RolloutArguments
-from bendtwin.bounds import Bounds
+from bendtwin.captures.motion import Motion
 from bendtwin.client import Client
-from bendtwin.costs import (
-    Clearance,
-    ControlPath,
-    ControlSpeed,
-    Cost,
-    Force,
-    Height,
-    Keypoints,
-    Smoothness,
-    Strain,
-    TargetCloud,
-    Within,
-)
 from bendtwin.errors import BendTwinError, Category, FitFailed, IngestFailed
 from bendtwin.geometry import Geometry, Ground
-from bendtwin.interpolation import Interpolation, interpolate, interpolate_poses
 from bendtwin.labels import (
     CaptureArguments,
     CaptureLabelArguments,
@@ -36,9 +21,6 @@ from bendtwin.labels import (
     LabelArguments,
     ListArguments,
 )
-from bendtwin.motion import Motion
-from bendtwin.plan import PlanArguments, PlanUpdate, Search
-from bendtwin.registration import Correction, Registration, Residual, Tracking
 from bendtwin.resources import (
     Capture,
     Fault,
@@ -53,7 +35,26 @@ from bendtwin.resources import (
     TwinInfo,
     Worker,
 )
-from bendtwin.rollout import (
+from bendtwin.session import Session
+from bendtwin.simulation.arguments import RolloutArguments
+from bendtwin.simulation.bounds import Bounds
+from bendtwin.simulation.costs import (
+    Clearance,
+    ControlPath,
+    ControlSpeed,
+    Cost,
+    Force,
+    Height,
+    Keypoints,
+    Smoothness,
+    Strain,
+    TargetCloud,
+    Within,
+)
+from bendtwin.simulation.interpolation import Interpolation, interpolate, interpolate_poses
+from bendtwin.simulation.plan import PlanArguments, PlanUpdate, Search
+from bendtwin.simulation.registration import Correction, Registration, Residual, Tracking
+from bendtwin.simulation.rollout import (
     Deviation,
     Diagnostics,
     Divergence,
@@ -63,9 +64,7 @@ from bendtwin.rollout import (
     RolloutResult,
     Timing,
 )
-from bendtwin.session import Session
-from bendtwin.skin import Skin
-from bendtwin.state import (
+from bendtwin.simulation.state import (
     CaptureFrame,
     GivenState,
     Grasping,
@@ -75,9 +74,8 @@ from bendtwin.state import (
     Settled,
     State,
 )
-from bendtwin.step import Step
-from bendtwin.twin import Twin
-from bendtwin.world import (
+from bendtwin.simulation.step import Step
+from bendtwin.simulation.world import (
     Capsule,
     Collider,
     ConvexMesh,
@@ -91,6 +89,8 @@ from bendtwin.world import (
     Vary,
     World,
 )
+from bendtwin.skin import Skin
+from bendtwin.twin import Twin
 
 __all__ = [
     "BendTwinError",

@@ -14,7 +14,7 @@ from os import PathLike
 from pathlib import Path
 from typing import Any, Generic, TypeVar
 
-from bendtwin.archive import chunks_of
+from bendtwin.captures.archive import chunks_of
 from bendtwin.errors import BendTwinError, Category
 from bendtwin.geometry import Geometry
 from bendtwin.labels import (
@@ -27,7 +27,6 @@ from bendtwin.labels import (
     fields,
     metadata,
 )
-from bendtwin.plan import PlanUpdate
 from bendtwin.resources import (
     Capture,
     Fit,
@@ -37,7 +36,8 @@ from bendtwin.resources import (
     TwinInfo,
     Worker,
 )
-from bendtwin.rollout import RolloutResult, warned
+from bendtwin.simulation.plan import PlanUpdate
+from bendtwin.simulation.rollout import RolloutResult, warned
 from bendtwin.v1 import (
     capture_pb2,
     capture_pb2_grpc,

@@ -11,8 +11,12 @@ from typing import TYPE_CHECKING, Any
 from numpy.typing import ArrayLike
 
 from bendtwin import calls, session_calls
-from bendtwin.archive import archive_of
-from bendtwin.caller import Caller
+from bendtwin.captures.archive import archive_of
+from bendtwin.captures.motion import Motion, bundle, bundle_file
+from bendtwin.captures.uploads import Sender
+from bendtwin.connection.caller import Caller
+from bendtwin.connection.token import shown_token
+from bendtwin.connection.transport import transport
 from bendtwin.errors import FitFailed, IngestFailed
 from bendtwin.labels import (
     CaptureArguments,
@@ -22,7 +26,6 @@ from bendtwin.labels import (
     ListArguments,
     named,
 )
-from bendtwin.motion import Motion, bundle, bundle_file
 from bendtwin.resources import (
     Capture,
     Fit,
@@ -32,14 +35,11 @@ from bendtwin.resources import (
     TwinInfo,
     Worker,
 )
-from bendtwin.rollout import Fidelity
 from bendtwin.session import Session
-from bendtwin.state import InitialState
-from bendtwin.token import shown_token
-from bendtwin.transport import transport
+from bendtwin.simulation.rollout import Fidelity
+from bendtwin.simulation.state import InitialState
+from bendtwin.simulation.world import Grasp, Vary, World
 from bendtwin.twin import Twin
-from bendtwin.uploads import Sender
-from bendtwin.world import Grasp, Vary, World
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack

@@ -11,7 +11,7 @@ import grpc
 from google.protobuf.message import DecodeError
 from google.rpc import error_details_pb2, status_pb2
 
-from bendtwin.transport import tls_fault
+from bendtwin.connection.transport import tls_fault
 
 if TYPE_CHECKING:
     from bendtwin.resources import Capture, Fit

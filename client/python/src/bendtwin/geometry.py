@@ -9,11 +9,11 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from bendtwin.simulation.state import State
+from bendtwin.simulation.world import Grasp
 from bendtwin.skin import Skin
-from bendtwin.state import State
 from bendtwin.tensors import unpack
 from bendtwin.v1 import twin_pb2
-from bendtwin.world import Grasp
 
 FloatArray = npt.NDArray[np.floating[Any]]
 IndexArray = npt.NDArray[np.uint32]

@@ -6,8 +6,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from bendtwin.rollout import RolloutResult
-from bendtwin.state import InitialState, State, state_of
+from bendtwin.simulation.rollout import RolloutResult
+from bendtwin.simulation.state import InitialState, State, state_of
 from bendtwin.v1 import rollout_pb2
 
 

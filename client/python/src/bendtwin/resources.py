@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from bendtwin.errors import Category, category_named
 from bendtwin.messages import FromMessage
-from bendtwin.rollout import Fidelity
+from bendtwin.simulation.rollout import Fidelity
 from bendtwin.v1 import fault_pb2, fit_pb2, job_pb2
 
 

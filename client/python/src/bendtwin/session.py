@@ -11,18 +11,18 @@ import numpy as np
 import numpy.typing as npt
 
 from bendtwin import calls, session_calls
-from bendtwin.arguments import RolloutArguments, rollout_request
-from bendtwin.caller import Caller
+from bendtwin.connection.caller import Caller
 from bendtwin.kept import Kept
-from bendtwin.plan import PlanArguments, PlanUpdate, plan_request, whole
-from bendtwin.registration import CorrectArguments, Correction, correct_session
 from bendtwin.resources import SessionInfo
-from bendtwin.rollout import Returns, RolloutResult
-from bendtwin.state import InitialState, SessionSlots, State
-from bendtwin.step import Step, step_session
+from bendtwin.simulation.arguments import RolloutArguments, rollout_request
+from bendtwin.simulation.plan import PlanArguments, PlanUpdate, plan_request, whole
+from bendtwin.simulation.registration import CorrectArguments, Correction, correct_session
+from bendtwin.simulation.rollout import Returns, RolloutResult
+from bendtwin.simulation.state import InitialState, SessionSlots, State
+from bendtwin.simulation.step import Step, step_session
+from bendtwin.simulation.world import Vary
 from bendtwin.twin import Twin
 from bendtwin.v1 import planning_pb2, session_pb2
-from bendtwin.world import Vary
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack

@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-from bendtwin.arguments import RolloutArguments, rollout_request
 from bendtwin.calls import Call, read_rollout
 from bendtwin.resources import SessionInfo
-from bendtwin.rollout import FIDELITIES, Fidelity, RolloutResult
-from bendtwin.state import InitialState, State, state_of
+from bendtwin.simulation.arguments import RolloutArguments, rollout_request
+from bendtwin.simulation.rollout import FIDELITIES, Fidelity, RolloutResult
+from bendtwin.simulation.state import InitialState, State, state_of
+from bendtwin.simulation.world import Grasp, Surroundings, Vary, World
 from bendtwin.v1 import rollout_pb2, session_pb2
-from bendtwin.world import Grasp, Surroundings, Vary, World
 
 
 def open_request(

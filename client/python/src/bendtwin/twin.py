@@ -8,13 +8,13 @@ from typing import TYPE_CHECKING, Any, Generic, TypeVar
 import numpy.typing as npt
 
 from bendtwin import calls
-from bendtwin.arguments import RolloutArguments, rollout_request
-from bendtwin.caller import Caller
+from bendtwin.connection.caller import Caller
 from bendtwin.geometry import Geometry
-from bendtwin.plan import PlanArguments, PlanUpdate, plan_request, whole
-from bendtwin.registration import RegisterArguments, Registration, register_state
 from bendtwin.resources import TwinInfo
-from bendtwin.rollout import RolloutResult
+from bendtwin.simulation.arguments import RolloutArguments, rollout_request
+from bendtwin.simulation.plan import PlanArguments, PlanUpdate, plan_request, whole
+from bendtwin.simulation.registration import RegisterArguments, Registration, register_state
+from bendtwin.simulation.rollout import RolloutResult
 from bendtwin.v1 import rollout_pb2
 
 if TYPE_CHECKING:

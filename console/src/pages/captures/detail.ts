@@ -1,4 +1,3 @@
-import { watch } from '../../api/events';
 import { hasEnded, type Capture } from '../../api/types';
 import type { OpenPage, PageContext } from '../../page';
 import { h } from '../../ui/dom';
@@ -6,7 +5,7 @@ import { facts } from '../../ui/form';
 import { size, time } from '../../ui/format';
 import { problemBox } from '../../ui/problem';
 import { actionButton, deleteButton, download, faultPlace } from '../parts/actions';
-import { JobView } from '../parts/job';
+import { JobView, follow } from '../parts/job';
 import { LabelEditor } from '../parts/labels';
 import { settingsView } from '../parts/settings_view';
 import { findingsView } from './findings';
@@ -20,7 +19,7 @@ import type { Report } from './report';
 export const open: OpenPage = async (context) => {
   const id = context.parameters['id'] ?? '';
   const path = `/v1/captures/${id}`;
-  const capture = await context.api.json<Capture>(path, { signal: context.signal });
+  const capture = await context.api.get('/v1/captures/{id}', { id, signal: context.signal });
   const page = new CapturePage(context, id, path, capture);
   void page.follow();
   return { element: page.element };
@@ -70,17 +69,8 @@ class CapturePage {
 
   /** Follows the ingest until it has ended. */
   async follow(): Promise<void> {
-    const { context } = this;
     if (hasEnded(this.capture.ingest)) return;
-    try {
-      await watch<Capture>(context.api, `${this.path}/events`, {
-        signal: context.signal,
-        onData: (capture) => this.update(capture),
-        isLast: ({ ingest }) => hasEnded(ingest),
-      });
-    } catch (error) {
-      if (!context.signal.aborted) this.#faults.replaceChildren(problemBox(error));
-    }
+    await follow<Capture>(this.context, this.path, ({ ingest }) => ingest, (capture) => this.update(capture), this.#faults);
   }
 
   private update(capture: Capture): void {

@@ -6,8 +6,9 @@ import { h, type Child } from '../../ui/dom';
 import { cli, empty } from '../../ui/empty';
 import { name, percent, size, time } from '../../ui/format';
 import { list } from '../../ui/list';
+import { refresh } from '../../ui/refresh';
 import { tagLinks } from '../parts/labels';
-import { filters, refresh } from '../parts/query';
+import { filters } from '../parts/query';
 
 /** Interval at which captures that are being read are refreshed [ms]. */
 const REFRESH_MS = 2000;
@@ -34,11 +35,10 @@ export const open: OpenPage = (context) => {
     ],
     load: async (page) => {
       const query = { ...page, ...shown.query() };
-      const { captures: found, next_page_token } = await context.api.get('/v1/captures', {
+      const { captures: rows, next_page_token } = await context.api.get('/v1/captures', {
         query,
         signal: context.signal,
       });
-      const rows = found as unknown as Capture[];
       isReading = rows.some(({ ingest }) => !hasEnded(ingest));
       return { rows, next_page_token };
     },
@@ -54,7 +54,7 @@ export const open: OpenPage = (context) => {
             `bendtwin capture make rope && ${cli('bendtwin capture push rope.zip')}`,
           ),
   });
-  refresh(context, REFRESH_MS, () => isReading, captures.reload);
+  void refresh(context, REFRESH_MS, async () => (isReading ? captures.reload() : undefined));
   const upload = h('div', { class: 'buttons' }, h('a', { class: 'button primary', href: '#/upload' }, 'Upload'));
   return { element: h('div', {}, upload, shown.element, captures.element) };
 };

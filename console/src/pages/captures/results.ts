@@ -5,7 +5,7 @@ import { badge } from '../../ui/badge';
 import { h } from '../../ui/dom';
 import { millimetres, name, percent, time } from '../../ui/format';
 import { list } from '../../ui/list';
-import { refresh } from '../parts/query';
+import { refresh } from '../../ui/refresh';
 
 /** Rows that are shown of each [rows]. */
 const MOST = 10;
@@ -27,14 +27,13 @@ export function fitsOf(context: PageContext, capture: string): HTMLElement {
     ],
     load: async ({ page_token }) => {
       const query = { capture, page_token, page_size: MOST };
-      const { fits: found, next_page_token } = await context.api.get('/v1/fits', { query, signal: context.signal });
-      const rows = found as unknown as Fit[];
+      const { fits: rows, next_page_token } = await context.api.get('/v1/fits', { query, signal: context.signal });
       isRunning = rows.some(({ job }) => !hasEnded(job));
       return { rows, next_page_token };
     },
     empty: () => h('p', { class: 'muted' }, 'None yet.'),
   });
-  refresh(context, 2000, () => isRunning, fits.reload);
+  void refresh(context, 2000, async () => (isRunning ? fits.reload() : undefined));
   return h('section', {}, h('h2', {}, 'Fits'), fits.element);
 }
 

@@ -1,8 +1,9 @@
 import uPlot from 'uplot';
 import 'uplot/dist/uPlot.min.css';
 
+import type { LossCurve } from '../../api/types';
 import { h } from '../../ui/dom';
-import { chartsOf, type LossCurve, type StageChart } from './losses';
+import { chartsOf, type StageChart } from './losses';
 
 const TITLES: Record<string, string> = { search: 'Search', refine: 'Refinement' };
 const HEIGHT = 260;

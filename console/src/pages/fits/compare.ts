@@ -1,5 +1,5 @@
 import { idOf } from '../../api/routes';
-import type { Fit } from '../../api/types';
+import { tookS, type Fit, type LossCurve } from '../../api/types';
 import type { OpenPage } from '../../page';
 import { badge } from '../../ui/badge';
 import { h } from '../../ui/dom';
@@ -10,7 +10,7 @@ import { isolated } from '../parts/text';
 import { comparedText } from '../twins/quality';
 import { LossCharts } from './chart';
 import { captureLink } from '../parts/capture';
-import { lastLosses, lossText, type LossCurve } from './losses';
+import { lastLosses, lossText } from './losses';
 
 /** Fits beside each other: their results, losses, and settings that differ. */
 export const open: OpenPage = async (context) => {
@@ -18,10 +18,8 @@ export const open: OpenPage = async (context) => {
   const ids = comparedIds(context.query);
   if (ids.length < 2) return { element: empty('Choose two or more fits in the list of fits.') };
   const { api, signal } = context;
-  const fits = await Promise.all(ids.map((id) => api.json<Fit>(`/v1/fits/${id}`, { signal })));
-  const losses = await Promise.all(
-    ids.map((id) => api.json<{ curves: LossCurve[] }>(`/v1/fits/${id}/losses`, { signal })),
-  );
+  const fits = await Promise.all(ids.map((id) => api.get('/v1/fits/{id}', { id, signal })));
+  const losses = await Promise.all(ids.map((id) => api.get('/v1/fits/{id}/losses', { id, signal })));
   const names = distinctNames(fits.map(({ display_name }) => display_name));
   const charts = new LossCharts();
   charts.update(
@@ -37,7 +35,7 @@ export const open: OpenPage = async (context) => {
     { text: 'State', cells: fits.map(({ job }) => badge(job.state)) },
     { text: 'Error in future frames', cells: fits.map(({ error_m }) => millimetres(error_m)) },
     { text: 'Lowest loss', cells: losses.map(({ curves }) => lowest(curves)) },
-    { text: 'Took', cells: fits.map(tookOf) },
+    { text: 'Took', cells: fits.map(({ job }) => duration(tookS(job))) },
     { text: 'Created', cells: fits.map(({ job }) => time(job.create_time)) },
   ];
   const element = h(
@@ -69,9 +67,4 @@ function sentences(fits: readonly Fit[], names: readonly string[]): HTMLElement 
 function lowest(curves: readonly LossCurve[]): string {
   const all = lastLosses(curves).flatMap(({ best }) => (best === null ? [] : [best]));
   return all.length === 0 ? '–' : lossText(Math.min(...all));
-}
-
-function tookOf({ job }: Fit): string {
-  if (!job.start_time || !job.end_time) return '–';
-  return duration((Date.parse(job.end_time) - Date.parse(job.start_time)) / 1000);
 }

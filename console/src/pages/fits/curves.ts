@@ -1,9 +1,10 @@
+import type { LossCurve } from '../../api/types';
 import type { PageContext } from '../../page';
 import { h } from '../../ui/dom';
 import { count } from '../../ui/format';
 import { table } from '../../ui/table';
 import { LossCharts } from './chart';
-import { lastLosses, lossText, type LastLoss, type LossCurve } from './losses';
+import { lastLosses, lossText, type LastLoss } from './losses';
 
 /** Least time between two questions for the losses of a fit that runs [ms]. */
 const PAUSE_MS = 1500;
@@ -18,8 +19,8 @@ export class LossView {
 
   constructor(
     private readonly context: PageContext,
-    /** `/v1/fits/{uuid}` */
-    private readonly path: string,
+    /** The fit's uuid. */
+    private readonly id: string,
   ) {
     this.element.append(this.#charts.element, this.#table);
   }
@@ -31,10 +32,9 @@ export class LossView {
     this.#isAsking = true;
     this.#asked = now;
     try {
-      const { curves } = await this.context.api.json<{ curves: LossCurve[] }>(`${this.path}/losses`, {
-        signal: this.context.signal,
-      });
-      if (!this.context.signal.aborted) this.show(curves);
+      const { api, signal } = this.context;
+      const { curves } = await api.get('/v1/fits/{id}/losses', { id: this.id, signal });
+      if (!signal.aborted) this.show(curves);
     } catch {
       // The next event asks again; the page shows faults of the server.
     }

@@ -1,7 +1,6 @@
 import { idOf } from '../../api/routes';
 import { Problem } from '../../api/problem';
-import { watch } from '../../api/events';
-import { hasEnded, type Capture, type Fit, type Twin } from '../../api/types';
+import { hasEnded, type Capture, type Fit } from '../../api/types';
 import type { OpenPage, PageContext } from '../../page';
 import { h } from '../../ui/dom';
 import { facts } from '../../ui/form';
@@ -9,7 +8,7 @@ import { time } from '../../ui/format';
 import { problemBox } from '../../ui/problem';
 import { actionButton, deleteButton, faultPlace } from '../parts/actions';
 import { captureText, findCapture } from '../parts/capture';
-import { JobView } from '../parts/job';
+import { JobView, follow } from '../parts/job';
 import { LabelEditor } from '../parts/labels';
 import { wanted } from '../parts/requirements';
 import { settingsView } from '../parts/settings_view';
@@ -20,8 +19,9 @@ import { LossView } from './curves';
 
 /** The page of a fit: how far it is, its losses, and what came of it. */
 export const open: OpenPage = async (context) => {
-  const path = `/v1/fits/${encodeURIComponent(context.parameters['id'] ?? '')}`;
-  const fit = await context.api.json<Fit>(path, { signal: context.signal });
+  const id = context.parameters['id'] ?? '';
+  const path = `/v1/fits/${encodeURIComponent(id)}`;
+  const fit = await context.api.get('/v1/fits/{id}', { id, signal: context.signal });
   const page = new FitPage(context, path, fit, await findCapture(context, fit.capture));
   void page.follow();
   return { element: page.element, dispose: () => page.dispose() };
@@ -43,7 +43,7 @@ class FitPage {
     private fit: Fit,
     private readonly capture: Capture | null,
   ) {
-    this.#losses = new LossView(context, path);
+    this.#losses = new LossView(context, idOf(fit.name));
     const labels = new LabelEditor<Fit>(context, 'fits', path, fit, (changed) => this.update(changed));
     this.element = h(
       'div',
@@ -72,17 +72,8 @@ class FitPage {
 
   /** Follows the fit until it has ended. */
   async follow(): Promise<void> {
-    const { context } = this;
     if (hasEnded(this.fit.job)) return;
-    try {
-      await watch<Fit>(context.api, `${this.path}/events`, {
-        signal: context.signal,
-        onData: (fit) => this.update(fit),
-        isLast: ({ job }) => hasEnded(job),
-      });
-    } catch (error) {
-      if (!context.signal.aborted) this.#faults.replaceChildren(problemBox(error));
-    }
+    await follow<Fit>(this.context, this.path, ({ job }) => job, (fit) => this.update(fit), this.#faults);
   }
 
   private update(fit: Fit): void {
@@ -136,11 +127,11 @@ class FitPage {
   private async showResult(twin: string): Promise<void> {
     const { context } = this;
     try {
-      const { quality } = await context.api.json<Twin>(`/v1/${twin}`, { signal: context.signal });
+      const { quality } = await context.api.get('/v1/twins/{id}', { id: idOf(twin), signal: context.signal });
       const asked = (): Promise<unknown> => Promise.resolve(this.fit.job.settings);
       this.#result.replaceChildren(
         ...[assessmentView(quality as Quality), qualityView(quality as Quality)].filter((view) => view !== null),
-        parametersView(context, `/v1/${twin}`, asked),
+        parametersView(context, idOf(twin), asked),
       );
     } catch (error) {
       if (context.signal.aborted) return;

@@ -1,14 +1,15 @@
 import { idOf } from '../../api/routes';
-import { hasEnded, type Fit } from '../../api/types';
+import { hasEnded, tookS, type Fit } from '../../api/types';
 import type { OpenPage } from '../../page';
 import { badge } from '../../ui/badge';
 import { h, type Child } from '../../ui/dom';
 import { cli, empty } from '../../ui/empty';
 import { duration, millimetres, name, percent, time } from '../../ui/format';
 import { list } from '../../ui/list';
+import { refresh } from '../../ui/refresh';
 import { Selection } from '../parts/compare';
 import { tagLinks } from '../parts/labels';
-import { filters, refresh } from '../parts/query';
+import { filters } from '../parts/query';
 
 /** Interval at which running fits are refreshed [ms]. */
 const REFRESH_MS = 2000;
@@ -43,15 +44,14 @@ export const open: OpenPage = (context) => {
       },
       { header: 'State', cell: stateOf },
       { header: 'Error', orderBy: 'error', isNumeric: true, cell: ({ error_m }) => millimetres(error_m) },
-      { header: 'Took', isNumeric: true, cell: tookOf },
+      { header: 'Took', isNumeric: true, cell: ({ job }) => duration(tookS(job)) },
       { header: 'Tags', cell: ({ tags }) => tagLinks('fits', tags) },
       { header: 'Created', orderBy: 'create_time', cell: ({ job }) => time(job.create_time) },
       { header: 'Compare', cell: (fit) => selection.box(idOf(fit.name), fit.display_name) },
     ],
     load: async (page) => {
       const query = { ...page, ...shown.query() };
-      const { fits: found, next_page_token } = await context.api.get('/v1/fits', { query, signal: context.signal });
-      const rows = found as unknown as Fit[];
+      const { fits: rows, next_page_token } = await context.api.get('/v1/fits', { query, signal: context.signal });
       mayChange = rows.some(({ job }) => !hasEnded(job));
       return { rows, next_page_token };
     },
@@ -63,7 +63,7 @@ export const open: OpenPage = (context) => {
             cli('bendtwin fit start CAPTURE --watch'),
           ),
   });
-  refresh(context, REFRESH_MS, () => mayChange, fits.reload);
+  void refresh(context, REFRESH_MS, async () => (mayChange ? fits.reload() : undefined));
   const start = h(
     'div',
     { class: 'buttons' },
@@ -78,9 +78,4 @@ function stateOf({ job }: Fit): Child {
   const eta = job.progress?.eta_s;
   const left = eta === null || eta === undefined ? '' : `, ${duration(eta)} left`;
   return [badge(job.state), ` ${percent(job.progress?.fraction ?? 0)}${left}`];
-}
-
-function tookOf({ job }: Fit): string {
-  if (!job.start_time || !job.end_time) return '–';
-  return duration((Date.parse(job.end_time) - Date.parse(job.start_time)) / 1000);
 }

@@ -1,6 +1,7 @@
 import { expect, test } from 'vitest';
 
-import { chartsOf, lastLosses, lossText, type LossCurve } from './losses';
+import type { LossCurve } from '../../api/types';
+import { chartsOf, lastLosses, lossText } from './losses';
 
 const CURVES: LossCurve[] = [
   { stage: 'search', variant: 'bending 1/2', iterations: [1, 2, 4], losses: [3, null, 1], best_losses: [3, 3, 1] },

@@ -1,11 +1,4 @@
-/** Losses of one model over the iterations of a stage, as `/v1/fits/{id}/losses` has them. */
-export interface LossCurve {
-  readonly stage: string;
-  readonly variant: string;
-  readonly iterations: readonly number[];
-  readonly losses: readonly (number | null)[];
-  readonly best_losses: readonly (number | null)[];
-}
+import type { LossCurve } from '../../api/types';
 
 /** A line of a chart. */
 export interface Line {

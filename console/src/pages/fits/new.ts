@@ -130,15 +130,14 @@ class NewFit {
 async function choices(context: PageContext): Promise<Capture[]> {
   const { api, query, signal } = context;
   const { captures } = await api.get('/v1/captures', { query: { page_size: CHOICES }, signal });
-  const found = captures as unknown as Capture[];
   const wanted = query.get('capture');
-  if (wanted === null || found.some(({ name }) => idOf(name) === wanted)) return found;
-  const older = await findCapture(context, `captures/${encodeURIComponent(wanted)}`);
-  return older === null ? found : [older, ...found];
+  if (wanted === null || captures.some(({ name }) => idOf(name) === wanted)) return captures;
+  const older = await findCapture(context, `captures/${wanted}`);
+  return older === null ? captures : [older, ...captures];
 }
 
 function fitOf({ api, signal }: PageContext, id: string): Promise<Fit> {
-  return api.json<Fit>(`/v1/fits/${encodeURIComponent(id)}`, { signal });
+  return api.get('/v1/fits/{id}', { id, signal });
 }
 
 function newKey(): string {

@@ -1,5 +1,5 @@
 import { jobs, parseMetrics, total } from '../../api/metrics';
-import type { Capture, Fit, Twin, Worker } from '../../api/types';
+import type { Capture, Fit, Twin } from '../../api/types';
 import type { PageContext } from '../../page';
 
 /** Most twins that are counted: there is no other way than to list them. */
@@ -32,10 +32,10 @@ export interface Numbers {
 export async function ask({ api, signal }: PageContext): Promise<Numbers> {
   const [text, captures, fits, twins, workers] = await Promise.all([
     api.fetch('/metrics', { signal }).then((answer) => answer.text()),
-    api.json<{ captures: Capture[] }>(`/v1/captures?page_size=${SHOWN}`, { signal }),
-    api.json<{ fits: Fit[] }>(`/v1/fits?page_size=${SHOWN}`, { signal }),
-    api.json<{ twins: Twin[]; next_page_token: string }>(`/v1/twins?page_size=${COUNTED}`, { signal }),
-    api.json<{ workers: Worker[] }>('/v1/workers', { signal }),
+    api.get('/v1/captures', { query: { page_size: SHOWN }, signal }),
+    api.get('/v1/fits', { query: { page_size: SHOWN }, signal }),
+    api.get('/v1/twins', { query: { page_size: COUNTED }, signal }),
+    api.get('/v1/workers', { signal }),
   ]);
   const metrics = parseMetrics(text);
   const ingests = jobs(metrics, 'ingests');

@@ -8,7 +8,7 @@ import { name } from '../../ui/format';
 /** The capture that a fit or a twin is of, or null if it was deleted. */
 export async function findCapture({ api, signal }: PageContext, resource: string): Promise<Capture | null> {
   try {
-    return await api.json<Capture>(`/v1/${resource}`, { signal });
+    return await api.get('/v1/captures/{id}', { id: idOf(resource), signal });
   } catch (error) {
     if (error instanceof Problem && error.status === 404) return null;
     throw error;

@@ -1,8 +1,11 @@
-import { hasEnded, type Fault, type Job } from '../../api/types';
+import { watch } from '../../api/events';
+import { hasEnded, tookS, type Fault, type Job } from '../../api/types';
+import type { PageContext } from '../../page';
 import { badge } from '../../ui/badge';
 import { h } from '../../ui/dom';
 import { progress } from '../../ui/form';
 import { counted, duration, percent, time } from '../../ui/format';
+import { problemBox } from '../../ui/problem';
 import { prose } from './text';
 
 /** Words for the stages of a job, and for the steps of an ingest. */
@@ -41,7 +44,7 @@ export class JobView {
 
   update(job: Job): void {
     const fraction = job.progress?.fraction ?? 0;
-    const took = job.start_time && job.end_time ? (Date.parse(job.end_time) - Date.parse(job.start_time)) / 1000 : null;
+    const took = tookS(job);
     this.#head.replaceChildren(
       badge(job.state),
       ...(job.state === 'RUNNING' ? [` ${percent(fraction)}`] : []),
@@ -55,6 +58,21 @@ export class JobView {
     if (this.#text.textContent !== text) this.#text.textContent = text;
     this.#text.hidden = text === '';
     this.#faults.replaceChildren(...faultBoxes(job));
+  }
+}
+
+/** Follows the events of a resource, `path` in the API, until its job has ended; `faults` shows what interrupts it. */
+export async function follow<T>(
+  { api, signal }: PageContext,
+  path: string,
+  jobOf: (resource: T) => Job,
+  update: (resource: T) => void,
+  faults: HTMLElement,
+): Promise<void> {
+  try {
+    await watch<T>(api, `${path}/events`, { signal, onData: update, isLast: (resource) => hasEnded(jobOf(resource)) });
+  } catch (error) {
+    if (!signal.aborted) faults.replaceChildren(problemBox(error));
   }
 }
 

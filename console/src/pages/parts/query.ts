@@ -55,16 +55,3 @@ export function filters(context: PageContext, choices: readonly Choice[], onChan
   element.addEventListener('input', change);
   return { element, query };
 }
-
-/** Reloads something at intervals while it may change and the window is visible. */
-export function refresh(
-  context: PageContext,
-  ms: number,
-  mayChange: () => boolean,
-  load: () => Promise<unknown>,
-): void {
-  const timer = setInterval(() => {
-    if (!document.hidden && mayChange() && !context.api.connection.isLost) void load();
-  }, ms);
-  context.signal.addEventListener('abort', () => clearInterval(timer));
-}

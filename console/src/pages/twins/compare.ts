@@ -18,7 +18,7 @@ export const open: OpenPage = async (context) => {
   const ids = comparedIds(context.query);
   if (ids.length < 2) return { element: empty('Choose two or more twins in the list of twins.') };
   const { api, signal } = context;
-  const twins = await Promise.all(ids.map((id) => api.json<Twin>(`/v1/twins/${id}`, { signal })));
+  const twins = await Promise.all(ids.map((id) => api.get('/v1/twins/{id}', { id, signal })));
   const settings = await Promise.all(ids.map((id) => settingsOf(context, id)));
   const names = distinctNames(twins.map(({ display_name }) => display_name));
   const differing = differingSettings(settings);
@@ -89,7 +89,7 @@ function errorLines(twins: readonly Twin[]): Line[] {
 /** The settings in force when a twin was fitted; null if its file does not say. */
 async function settingsOf({ api, signal }: PageContext, id: string): Promise<unknown> {
   try {
-    const { document } = await readTwinFile(api, `/v1/twins/${id}/content`, signal);
+    const { document } = await readTwinFile(api, id, signal);
     return document.provenance?.settings ?? null;
   } catch {
     return null;

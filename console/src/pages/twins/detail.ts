@@ -1,5 +1,5 @@
 import { idOf } from '../../api/routes';
-import type { Capture, Fit, Twin } from '../../api/types';
+import type { Capture, Twin } from '../../api/types';
 import type { OpenPage, PageContext } from '../../page';
 import { h } from '../../ui/dom';
 import { facts } from '../../ui/form';
@@ -18,13 +18,13 @@ import type { Quality } from './quality';
 export const open: OpenPage = async (context) => {
   const id = context.parameters['id'] ?? '';
   const path = `/v1/twins/${encodeURIComponent(id)}`;
-  const twin = await context.api.json<Twin>(path, { signal: context.signal });
+  const twin = await context.api.get('/v1/twins/{id}', { id, signal: context.signal });
   const capture = twin.capture ? await findCapture(context, twin.capture) : null;
   const setTitle = ({ display_name }: Twin): void => context.setTitle(display_name || 'Twin without a name');
   setTitle(twin);
   const faults = faultPlace();
   const quality = twin.quality as Quality;
-  const losses = twin.fit ? new LossView(context, `/v1/${twin.fit}`) : null;
+  const losses = twin.fit ? new LossView(context, idOf(twin.fit)) : null;
   void losses?.update(true);
   const element = h(
     'div',
@@ -37,7 +37,7 @@ export const open: OpenPage = async (context) => {
     qualityView(quality),
     ...[identifiabilityView(quality, `#/twins/${id}/view?colour=uncertainty&layers=skin,shadow`)].filter((view) => view !== null),
     evaluationView(context, twin),
-    parametersView(context, path, () => settingsAsked(context, twin.fit ?? null)),
+    parametersView(context, id, () => settingsAsked(context, twin.fit ?? null)),
     losses?.element ?? '',
   );
   return { element, dispose: () => losses?.dispose() };
@@ -84,7 +84,7 @@ function twinFacts(twin: Twin, capture: Capture | null): HTMLElement {
 async function settingsAsked({ api, signal }: PageContext, fit: string | null): Promise<unknown> {
   if (fit === null) return null;
   try {
-    return (await api.json<Fit>(`/v1/${fit}`, { signal })).job.settings;
+    return (await api.get('/v1/fits/{id}', { id: idOf(fit), signal })).job.settings;
   } catch {
     return null;
   }

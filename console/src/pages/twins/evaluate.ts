@@ -1,5 +1,5 @@
 import { idOf } from '../../api/routes';
-import type { Capture, Twin } from '../../api/types';
+import type { Evaluation, Twin } from '../../api/types';
 import type { PageContext } from '../../page';
 import { h } from '../../ui/dom';
 import { field } from '../../ui/form';
@@ -22,12 +22,9 @@ export function evaluationView(context: PageContext, twin: Twin): HTMLElement {
     button.disabled = true;
     result.replaceChildren(h('p', { class: 'muted' }, 'The twin is simulated and compared…'));
     try {
-      const { quality } = await api.send<{ quality: Quality }>(
-        'POST',
-        `/v1/${twin.name}/evaluations`,
-        { capture: select.value },
-        signal,
-      );
+      const path = `/v1/${twin.name}/evaluations`;
+      const evaluation = await api.send<Evaluation>('POST', path, { capture: select.value }, signal);
+      const quality = evaluation.quality as Quality;
       result.replaceChildren(...[assessmentView(quality), qualityView(quality)].filter((view) => view !== null));
     } catch (error) {
       if (!signal.aborted) result.replaceChildren(problemBox(error));
@@ -36,9 +33,8 @@ export function evaluationView(context: PageContext, twin: Twin): HTMLElement {
   };
   const fill = async (): Promise<void> => {
     const { captures } = await api.get('/v1/captures', { query: { page_size: CHOICES }, signal });
-    const all = captures as unknown as Capture[];
     select.replaceChildren(
-      ...all.map(({ name, display_name, create_time }) => {
+      ...captures.map(({ name, display_name, create_time }) => {
         const own = name === twin.capture ? ', its own' : '';
         return h(
           'option',
@@ -47,7 +43,7 @@ export function evaluationView(context: PageContext, twin: Twin): HTMLElement {
         );
       }),
     );
-    button.disabled = all.length === 0;
+    button.disabled = captures.length === 0;
   };
   const form = h(
     'form',

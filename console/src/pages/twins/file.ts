@@ -1,7 +1,5 @@
 import type { Api } from '../../api/client';
-
-/** Headers that are larger are not read [bytes]. */
-const MOST_BYTES = 16 * 2 ** 20;
+import { openTwinFile } from '../../api/twin_file';
 
 /** Parts of a twin's file (docs/formats/twin.md), read without loading all of it. */
 export interface TwinFile {
@@ -22,28 +20,15 @@ export interface TwinDocument {
   };
 }
 
-/** Reads the header of a twin's file by two requests for ranges. */
-export async function readTwinFile(api: Api, path: string, signal: AbortSignal): Promise<TwinFile> {
-  const range = async (from: number, bytes: number): Promise<ArrayBuffer> => {
-    const answer = await api.fetch(path, { headers: { range: `bytes=${from}-${from + bytes - 1}` }, signal });
-    const got = await answer.arrayBuffer();
-    return answer.status === 206 ? got : got.slice(from, from + bytes);
-  };
-  const length = Number(new DataView(await range(0, 8)).getBigUint64(0, true));
-  if (length > MOST_BYTES) throw new Error('The header of the twin is too large.');
-  const header = JSON.parse(new TextDecoder().decode(await range(8, length))) as Header;
+/** Opens the file of a twin by its id. */
+export async function readTwinFile(api: Api, twin: string, signal: AbortSignal): Promise<TwinFile> {
+  const { document, tensors, read } = await openTwinFile(api, twin, signal);
   const floats = async (name: string): Promise<Float32Array> => {
-    const place = header[name];
-    if (place === undefined || !('data_offsets' in place) || place.dtype !== 'F32') return new Float32Array();
-    const [from, to] = place.data_offsets;
-    return to > from ? new Float32Array(await range(8 + length + from, to - from)) : new Float32Array();
+    const tensor = tensors.get(name);
+    return tensor?.dtype === 'F32' ? new Float32Array((await read(...tensor.data_offsets)).buffer) : new Float32Array();
   };
-  return { document: JSON.parse(header.__metadata__?.['bendtwin.twin'] ?? '{}') as TwinDocument, floats };
+  return { document: document as TwinDocument, floats };
 }
-
-type Header = { readonly __metadata__?: Record<string, string> } & {
-  readonly [name: string]: { readonly dtype: string; readonly data_offsets: readonly [number, number] } | undefined;
-};
 
 /** Median of values, and what nine of ten lie between; null of none. */
 export function spreadOf(values: Float32Array): { low: number; median: number; high: number } | null {

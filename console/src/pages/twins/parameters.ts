@@ -17,10 +17,10 @@ const TENSORS: readonly (readonly [string, string, string])[] = [
 ];
 
 /** Parameters and settings of the fit, from the twin's file; `own` are the settings of the request. */
-export function parametersView(context: PageContext, path: string, own: () => Promise<unknown>): HTMLElement {
+export function parametersView(context: PageContext, twin: string, own: () => Promise<unknown>): HTMLElement {
   const element = h('section', {}, h('h2', {}, 'Parameters'));
   const load = async (): Promise<void> => {
-    const file = await readTwinFile(context.api, `${path}/content`, context.signal);
+    const file = await readTwinFile(context.api, twin, context.signal);
     const [tensors, asked] = await Promise.all([tensorTable(file), own()]);
     const { provenance } = file.document;
     const settings = provenance?.settings ?? null;

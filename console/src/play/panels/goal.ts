@@ -1,7 +1,7 @@
 import { Vector3 } from 'three';
 import { h } from '../../ui/dom';
 import { millimetres } from '../../ui/format';
-import type { GoalProgress } from '../messages';
+import type { GoalProgress } from '../protocol/messages';
 import type { Panel, Playing } from '../playing';
 import { button, panel, press, toggle } from './parts';
 

@@ -1,5 +1,5 @@
 import { h } from '../../ui/dom';
-import { toggleGrasp } from '../keys';
+import { toggleGrasp } from '../input/keys';
 import type { Panel, Playing } from '../playing';
 import { button, panel } from './parts';
 

@@ -1,6 +1,6 @@
 import { Vector3 } from 'three';
+import type { Collider } from '../../api/types';
 import { h } from '../../ui/dom';
-import type { Collider } from '../../view3d/layers/colliders';
 import type { Panel, Playing } from '../playing';
 import { button, panel } from './parts';
 

@@ -1,7 +1,7 @@
 import { h } from '../../ui/dom';
-import { download, fileName } from '../download';
+import { download, fileName } from '../share/download';
 import type { Panel, Playing } from '../playing';
-import { csvOf, type RecordingDocument } from '../recording';
+import { csvOf, type RecordingDocument } from '../share/recording';
 import { button, panel, press, toggle } from './parts';
 
 /** Recordings: begin and end one, show it again, save it. */

@@ -1,6 +1,6 @@
 import { h } from '../../ui/dom';
 import { number } from '../../view3d/legend';
-import type { Factors } from '../messages';
+import type { Factors } from '../protocol/messages';
 import type { Panel, Playing } from '../playing';
 import { button, panel, slider } from './parts';
 

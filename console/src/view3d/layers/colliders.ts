@@ -1,18 +1,7 @@
 import { BoxGeometry, CapsuleGeometry, Group, Mesh, MeshLambertMaterial, SphereGeometry, Vector3 } from 'three';
 import type { BufferGeometry } from 'three';
+import type { Collider } from '../../api/types';
 import type { Layer } from '../stage';
-
-/** An obstacle as a world has it (proto/bendtwin/v1/world.proto, Collider). */
-export interface Collider {
-  readonly name?: string;
-  readonly sphere?: { readonly center?: readonly number[]; readonly radius_m: number };
-  readonly capsule?: { readonly from: readonly number[]; readonly to: readonly number[]; readonly radius_m: number };
-  readonly cuboid?: { readonly low: readonly number[]; readonly high: readonly number[] };
-  readonly friction?: number;
-  readonly restitution?: number;
-  readonly margin_m?: number;
-  readonly pose?: readonly number[];
-}
 
 /** Obstacles: spheres, capsules and boxes. Convex meshes are described in words only. */
 export class CollidersLayer implements Layer {

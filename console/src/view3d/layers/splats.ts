@@ -13,8 +13,8 @@ import {
   type PerspectiveCamera,
 } from 'three';
 import type { Splats } from '../appearance';
-import { Carrier } from '../carry';
-import { SplatOrder, byImportance } from '../splat_order';
+import { Carrier } from '../splats/carry';
+import { SplatOrder, byImportance } from '../splats/order';
 import type { Layer } from '../stage';
 
 /** Splats in a row of the texture, each with four texels: mean and opacity, covariance (two), colour. */

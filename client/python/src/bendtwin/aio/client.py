@@ -13,8 +13,12 @@ from numpy.typing import ArrayLike
 from bendtwin import calls, session_calls
 from bendtwin.aio.session import Session
 from bendtwin.aio.twin import Twin
-from bendtwin.archive import archive_of
-from bendtwin.caller import AsyncCaller
+from bendtwin.captures.archive import archive_of
+from bendtwin.captures.motion import Motion, bundle, bundle_file
+from bendtwin.captures.uploads import Sender
+from bendtwin.connection.caller import AsyncCaller
+from bendtwin.connection.token import shown_token
+from bendtwin.connection.transport import transport
 from bendtwin.errors import FitFailed, IngestFailed
 from bendtwin.labels import (
     CaptureArguments,
@@ -24,7 +28,6 @@ from bendtwin.labels import (
     ListArguments,
     named,
 )
-from bendtwin.motion import Motion, bundle, bundle_file
 from bendtwin.resources import (
     Capture,
     Fit,
@@ -34,12 +37,9 @@ from bendtwin.resources import (
     TwinInfo,
     Worker,
 )
-from bendtwin.rollout import Fidelity
-from bendtwin.state import InitialState
-from bendtwin.token import shown_token
-from bendtwin.transport import transport
-from bendtwin.uploads import Sender
-from bendtwin.world import Grasp, Vary, World
+from bendtwin.simulation.rollout import Fidelity
+from bendtwin.simulation.state import InitialState
+from bendtwin.simulation.world import Grasp, Vary, World
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack

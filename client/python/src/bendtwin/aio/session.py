@@ -10,15 +10,15 @@ import numpy.typing as npt
 
 from bendtwin import calls, session_calls
 from bendtwin.aio.twin import Twin
-from bendtwin.arguments import RolloutArguments
-from bendtwin.caller import AsyncCaller
-from bendtwin.plan import PlanArguments, PlanUpdate, whole
-from bendtwin.registration import CorrectArguments, Correction
+from bendtwin.connection.caller import AsyncCaller
 from bendtwin.resources import SessionInfo
-from bendtwin.rollout import Returns, RolloutResult
 from bendtwin.session import SessionCalls
-from bendtwin.state import InitialState, State
-from bendtwin.step import Step
+from bendtwin.simulation.arguments import RolloutArguments
+from bendtwin.simulation.plan import PlanArguments, PlanUpdate, whole
+from bendtwin.simulation.registration import CorrectArguments, Correction
+from bendtwin.simulation.rollout import Returns, RolloutResult
+from bendtwin.simulation.state import InitialState, State
+from bendtwin.simulation.step import Step
 from bendtwin.v1 import session_pb2
 
 if TYPE_CHECKING:

@@ -8,12 +8,12 @@ from typing import TYPE_CHECKING, Any
 import numpy.typing as npt
 
 from bendtwin import calls
-from bendtwin.arguments import RolloutArguments
-from bendtwin.caller import AsyncCaller
+from bendtwin.connection.caller import AsyncCaller
 from bendtwin.geometry import Geometry
-from bendtwin.plan import PlanArguments, PlanUpdate, plan_request, whole
-from bendtwin.registration import RegisterArguments, Registration, register_state
-from bendtwin.rollout import RolloutResult
+from bendtwin.simulation.arguments import RolloutArguments
+from bendtwin.simulation.plan import PlanArguments, PlanUpdate, plan_request, whole
+from bendtwin.simulation.registration import RegisterArguments, Registration, register_state
+from bendtwin.simulation.rollout import RolloutResult
 from bendtwin.twin import TwinFacts
 
 if TYPE_CHECKING:

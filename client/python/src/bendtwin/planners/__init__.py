@@ -9,13 +9,13 @@ result = twin.rollout(**plan.actions(frames=3), initial=state)
 planner.shift(frames=3)
 """
 
-from bendtwin.bounds import Bounds
 from bendtwin.planners.methods import Cem, GradientDescent, Mppi, PredictiveSampling
 from bendtwin.planners.on_server import OnServer
 from bendtwin.planners.plan import Plan, Planned, ServerPlan
 from bendtwin.planners.planner import EveryPlanDiverged, Planner
 from bendtwin.planners.spaces import ActionSpace, Grippers, PerHand, Points, Together
 from bendtwin.planners.task import Evaluation, Problem, Task
+from bendtwin.simulation.bounds import Bounds
 
 __all__ = [
     "ActionSpace",

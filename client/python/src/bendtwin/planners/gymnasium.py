@@ -21,8 +21,8 @@ from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 
 from bendtwin.planners.task import Task
-from bendtwin.rollout import Returns
-from bendtwin.state import Grasping, State
+from bendtwin.simulation.rollout import Returns
+from bendtwin.simulation.state import Grasping, State
 
 #: Whether each of the states [B] is a success, [B].
 Success = Callable[[State], npt.ArrayLike]

@@ -34,7 +34,7 @@ from mujoco import mjx
 
 from bendtwin.planners.task import Task
 from bendtwin.planners.velocity import model_xml, simulate
-from bendtwin.state import InitialState
+from bendtwin.simulation.state import InitialState
 
 
 class TwinTask(HydraxTask):

@@ -30,7 +30,7 @@ from judo.utils.rollout_backend import RolloutBackend
 from bendtwin.planners.knots import Array
 from bendtwin.planners.task import Task
 from bendtwin.planners.velocity import model_xml, simulate
-from bendtwin.state import InitialState
+from bendtwin.simulation.state import InitialState
 
 
 @dataclass

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from bendtwin.interpolation import Interpolation
+from bendtwin.simulation.interpolation import Interpolation
 
 Array = npt.NDArray[np.float64]
 

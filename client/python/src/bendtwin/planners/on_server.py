@@ -9,12 +9,12 @@ import numpy as np
 import numpy.typing as npt
 
 from bendtwin.errors import BendTwinError
-from bendtwin.plan import PlanUpdate, Search, ServerSpace
 from bendtwin.planners.knots import Array, shifted
 from bendtwin.planners.plan import ServerPlan
 from bendtwin.planners.planner import EveryPlanDiverged
 from bendtwin.planners.task import ACTIONS, Task
-from bendtwin.state import InitialState
+from bendtwin.simulation.plan import PlanUpdate, Search, ServerSpace
+from bendtwin.simulation.state import InitialState
 
 _SEARCH = Search()
 

@@ -15,13 +15,13 @@ from typing import ClassVar
 import numpy as np
 import numpy.typing as npt
 
-from bendtwin.bounds import Bounds
 from bendtwin.errors import BendTwinError, Category
 from bendtwin.planners.knots import Array, shifted
 from bendtwin.planners.noise import correlated, deviations
 from bendtwin.planners.plan import Origin, Plan
 from bendtwin.planners.task import Evaluation, Problem
-from bendtwin.state import InitialState
+from bendtwin.simulation.bounds import Bounds
+from bendtwin.simulation.state import InitialState
 
 _NO_BOUNDS = Bounds()
 

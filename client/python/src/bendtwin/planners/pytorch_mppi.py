@@ -16,7 +16,7 @@ import torch
 from pytorch_mppi import MPPI
 
 from bendtwin.planners.task import Task
-from bendtwin.state import InitialState
+from bendtwin.simulation.state import InitialState
 
 
 class TwinMppi(MPPI):

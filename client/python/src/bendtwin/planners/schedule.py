@@ -13,8 +13,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from bendtwin.interpolation import Interpolation, interpolate_poses
-from bendtwin.world import Grasp, World
+from bendtwin.simulation.interpolation import Interpolation, interpolate_poses
+from bendtwin.simulation.world import Grasp, World
 
 
 class Schedule:

@@ -10,15 +10,15 @@ import numpy as np
 import numpy.typing as npt
 
 from bendtwin.calls import roll_out
-from bendtwin.costs import Cost
-from bendtwin.interpolation import Interpolation, interpolate, interpolate_poses
 from bendtwin.planners.knots import Array, curve_matrix
 from bendtwin.planners.schedule import Schedule, check_rows
 from bendtwin.planners.spaces import ActionSpace
-from bendtwin.rollout import Fidelity, Returns, RolloutResult, warned
-from bendtwin.state import InitialState, Rest
+from bendtwin.simulation.costs import Cost
+from bendtwin.simulation.interpolation import Interpolation, interpolate, interpolate_poses
+from bendtwin.simulation.rollout import Fidelity, Returns, RolloutResult, warned
+from bendtwin.simulation.state import InitialState, Rest
+from bendtwin.simulation.world import Ensemble, GradientOptions, Grasp, Plausibility, Vary, World
 from bendtwin.twin import Twin
-from bendtwin.world import Ensemble, GradientOptions, Grasp, Plausibility, Vary, World
 
 _COSTS_ALONE = Returns()
 _REST = Rest()

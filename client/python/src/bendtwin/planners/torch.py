@@ -15,8 +15,8 @@ from typing import Any
 import torch
 
 from bendtwin.planners.task import Problem, Task
-from bendtwin.state import InitialState
-from bendtwin.world import GradientOptions
+from bendtwin.simulation.state import InitialState
+from bendtwin.simulation.world import GradientOptions
 
 _SMOOTHED = GradientOptions(smoothing_m=0.001)
 

@@ -16,9 +16,9 @@ import numpy.typing as npt
 
 from bendtwin.planners.knots import Array
 from bendtwin.planners.task import Task
-from bendtwin.rollout import Returns
-from bendtwin.state import InitialState
-from bendtwin.world import Ensemble
+from bendtwin.simulation.rollout import Returns
+from bendtwin.simulation.state import InitialState
+from bendtwin.simulation.world import Ensemble
 
 
 @dataclass(frozen=True)

@@ -1,0 +1,235 @@
+"""Plans made at the server: settings of the search, and its results."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, Literal, Protocol
+
+import numpy as np
+import numpy.typing as npt
+
+from bendtwin.simulation.arguments import RolloutArguments, rollout_request
+from bendtwin.simulation.bounds import Bounds
+from bendtwin.simulation.rollout import RolloutResult, warned
+from bendtwin.tensors import unpack
+from bendtwin.v1 import planning_pb2, tensor_pb2
+
+Method = Literal["mppi", "cem", "predictive_sampling", "gradient"]
+Coordinates = Literal["together", "points", "translation", "rigid"]
+Origin = Literal["nominal", "mean", "sample"]
+
+_COORDINATES: dict[str, planning_pb2.ActionSpace.Coordinates] = {
+    "together": planning_pb2.ActionSpace.TOGETHER,
+    "points": planning_pb2.ActionSpace.POINTS,
+    "translation": planning_pb2.ActionSpace.TRANSLATION,
+    "rigid": planning_pb2.ActionSpace.RIGID,
+}
+_ORIGINS: dict[int, Origin] = {
+    planning_pb2.PlanUpdate.MEAN: "mean",
+    planning_pb2.PlanUpdate.SAMPLE: "sample",
+}
+_NO_BOUNDS = Bounds()
+
+
+class ServerSpace(Protocol):
+    """Action space that the server supports, such as those of `bendtwin.planners`."""
+
+    def to_proto(self) -> planning_pb2.ActionSpace:
+        """Makes the wire form."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Search:
+    """Settings of the server's search for a plan, explained in `bendtwin.planners`."""
+
+    method: Method = "mppi"
+    #: Plans simulated in an iteration; None: 64, or 1 with "gradient".
+    samples: int | None = None
+    #: Iterations; None: 1, or 20 with "gradient".
+    iterations: int | None = None
+    #: Standard deviation of samples: a number, one by coordinate [D], or by knot and coordinate
+    #: [K, D]; metres, radians for rotations.
+    sigma: npt.ArrayLike = 0.02
+    #: Correlation of neighbouring knots of a sample, 0..1: larger is smoother.
+    correlation: float = 0.0
+    #: Samples have sigma times a factor from 1 to this: large ones find ways, small ones the goal.
+    #: None: 0.1, and 1 for methods that shrink their samples themselves.
+    finest: float | None = None
+    bounds: Bounds = _NO_BOUNDS
+    #: Time for the iterations, after which the best plan so far is returned; the first iteration is
+    #: always finished.
+    deadline_s: float | None = None
+    #: The same seed gives the same plan.
+    seed: int = 0
+    #: Temperature of "mppi", as a share of the spread of the costs.
+    temperature: float = 0.1
+    #: Number of best samples that "cem" uses for the next iteration.
+    elites: int = 8
+    #: Share of the old mean and spread in the new ones of "cem".
+    memory: float = 0.1
+    #: Smallest spread of "cem", as a share of sigma.
+    smallest: float = 0.05
+    #: Largest step of an iteration of "gradient", a number or by coordinate [D].
+    rate: npt.ArrayLike = 0.005
+
+    def add_to(self, request: planning_pb2.PlanRequest) -> None:
+        """Adds the settings to a request."""
+        request.method.CopyFrom(self._method())
+        # Of these 0 is the server's default, which is not what was asked for.
+        for name, value in (("samples", self.samples), ("iterations", self.iterations)):
+            if value is not None and value < 1:
+                raise ValueError(f"{name} is {value}: give 1 or more")
+        if self.deadline_s is not None and not self.deadline_s > 0.0:
+            raise ValueError(f"deadline_s is {self.deadline_s}: give more than 0, or None")
+        request.samples = self.samples or 0
+        request.iterations = self.iterations or 0
+        request.deadline_s = self.deadline_s or 0.0
+        request.correlation, request.seed = self.correlation, self.seed
+        if self.finest is not None:
+            request.finest = self.finest
+        request.sigma.CopyFrom(_flat("sigma", self.sigma))
+        for name in ("low", "high", "speed"):
+            limit = getattr(self.bounds, name)
+            if limit is not None:
+                getattr(request.bounds, name).CopyFrom(_flat(f"bounds.{name}", limit))
+
+    def _method(self) -> planning_pb2.PlanMethod:
+        wire = planning_pb2.PlanMethod
+        if self.method == "mppi":
+            if not self.temperature > 0.0:
+                raise ValueError("the temperature must be above 0")
+            return wire(mppi=wire.Mppi(temperature=self.temperature))
+        if self.method == "cem":
+            if self.elites < 1:
+                raise ValueError("give one elite or more")
+            settings = {"memory": self.memory, "smallest": self.smallest}
+            return wire(cem=wire.Cem(elites=self.elites, **settings))
+        if self.method == "predictive_sampling":
+            return wire(predictive_sampling=wire.PredictiveSampling())
+        if self.method == "gradient":
+            return wire(gradient=wire.Gradient(rate=_flat("rate", self.rate)))
+        raise ValueError(f"method is {self.method!r}: give {Method}")
+
+
+@dataclass(frozen=True)
+class PlanUpdate:
+    """The best plan that the server has found so far."""
+
+    #: Knots in the shape of the actions, [1, K, C, 3] or [1, K, G, 7]: the next nominal plan.
+    knots: npt.NDArray[np.float32]
+    #: The same in the coordinates of the action space [K, D].
+    coordinates: npt.NDArray[np.float64]
+    #: Cost of exactly these knots, as simulated.
+    cost: float
+    #: Weighted terms of the cost by name.
+    cost_terms: dict[str, float]
+    #: The nominal plan, the mean that the method arrived at, or one of its samples.
+    origin: Origin
+    #: +inf if the nominal plan diverges.
+    nominal_cost: float
+    #: Iterations that were finished.
+    iterations: int
+    #: Simulated plans, and the diverged ones among them.
+    simulated: int
+    diverged: int
+    #: True if the deadline ended the search before all iterations were done.
+    stopped_by_deadline: bool
+    #: Since planning began at the server.
+    time_s: float
+    #: True for the last update.
+    last: bool
+    #: The rollout of the best plan, in the last update, if returns were requested.
+    rollout: RolloutResult | None = None
+    #: Largest strain of the material in the plan's motion, and the limit. A plan beyond the limit
+    #: is worse than every plan within, so that this is above the limit only if all plans were.
+    strain: float = 0.0
+    strain_limit: float = float("inf")
+    #: Plans beyond the limit that did not diverge.
+    overstrained: int = 0
+
+    @property
+    def actions(self) -> dict[str, npt.NDArray[np.float32]]:
+        """The knots under their name among the arguments of a rollout."""
+        return {"trajectories" if self.knots.shape[-1] == 3 else "poses": self.knots}
+
+    @classmethod
+    def from_proto(cls, message: planning_pb2.PlanUpdate) -> PlanUpdate:
+        """Reads the wire form."""
+        knots: Any = unpack(message.knots)
+        coordinates: Any = unpack(message.coordinates)
+        terms: Any = unpack(message.cost_terms)
+        names = list(message.cost_names)
+        has_rollout = message.HasField("rollout")
+        return cls(
+            knots=knots,
+            coordinates=coordinates,
+            cost=message.cost,
+            cost_terms={} if terms is None else dict(zip(names, terms.tolist(), strict=False)),
+            origin=_ORIGINS.get(message.origin, "nominal"),
+            nominal_cost=message.nominal_cost,
+            iterations=message.iterations,
+            simulated=message.simulated,
+            diverged=message.diverged,
+            stopped_by_deadline=message.stopped_by_deadline,
+            time_s=message.time_s,
+            last=message.last,
+            rollout=warned(RolloutResult.from_proto(message.rollout)) if has_rollout else None,
+            strain=message.strain,
+            strain_limit=message.strain_limit,
+            overstrained=message.overstrained,
+        )
+
+
+class PlanArguments(RolloutArguments, total=False):
+    """Arguments of a plan, in addition to those of the rollout whose costs it lowers. The actions
+    are the nominal plan, of one instance: row 0 is the current position and is not changed.
+    `returns` apply only to the best plan."""
+
+    #: How the server searches.
+    search: Search
+    #: What the coordinates of a plan move: a space of `bendtwin.planners`, or "together", "points"
+    #: (trajectories), "translation" or "rigid" (poses), counted from row 0. By default all control
+    #: points together, or rigid grippers.
+    space: ServerSpace | Coordinates | None
+    #: Frames executed since the nominal plan was made, by which it is shifted.
+    shift_frames: float
+
+
+def plan_request(twin: str, arguments: PlanArguments) -> planning_pb2.PlanRequest:
+    """The request message of a plan with a twin.
+
+    Raises:
+        TypeError: If a plan has no argument of a name.
+        ValueError: If a setting, or an array's shape or content, is wrong.
+    """
+    own = PlanArguments.__annotations__.keys() - RolloutArguments.__annotations__.keys()
+    rollout: Any = {name: value for name, value in arguments.items() if name not in own}
+    shift_frames = arguments.get("shift_frames", 0.0)
+    request = planning_pb2.PlanRequest(
+        rollout=rollout_request(twin, rollout), shift_frames=shift_frames
+    )
+    arguments.get("search", Search()).add_to(request)
+    space = arguments.get("space")
+    if isinstance(space, str):
+        if space not in _COORDINATES:
+            raise ValueError(f"space is {space!r}: give one of {sorted(_COORDINATES)}")
+        request.space.coordinates = _COORDINATES[space]
+    elif space is not None:
+        request.space.CopyFrom(space.to_proto())
+    return request
+
+
+def whole(last: PlanUpdate | None) -> PlanUpdate:
+    """The last update of a plan that the server ended."""
+    if last is None or not last.last:
+        raise RuntimeError("the server ended a plan without its last update")
+    return last
+
+
+def _flat(name: str, values: npt.ArrayLike) -> tensor_pb2.Tensor:
+    """Numbers in row-major order. The server counts them; limits may be infinite."""
+    array = np.asarray(values, dtype="<f4").reshape(-1)
+    if not array.size or np.isnan(array).any():
+        raise ValueError(f"{name} has no values, or some that are not numbers")
+    dtype = tensor_pb2.Tensor.FLOAT32
+    return tensor_pb2.Tensor(dtype=dtype, shape=array.shape, data=array.tobytes())

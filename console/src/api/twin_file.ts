@@ -1,0 +1,44 @@
+import type { Api } from './client';
+
+/** Bytes of the first request, which most headers fit in. */
+const FIRST = 64 << 10;
+/** Headers that are larger are not read [bytes]. */
+const MOST_BYTES = 16 << 20;
+
+/** A tensor in the header of a file. */
+export interface Entry {
+  readonly dtype: string;
+  readonly data_offsets: readonly [number, number];
+}
+
+/** The file of a twin (docs/formats/twin.md), whose data is read in parts. */
+export interface OpenTwinFile {
+  /** JSON document that describes the twin. */
+  readonly document: unknown;
+  readonly tensors: ReadonlyMap<string, Entry>;
+  /** Reads bytes of the data. */
+  readonly read: (from: number, to: number) => Promise<Uint8Array<ArrayBuffer>>;
+}
+
+/** Opens the file of a twin by its id: reads the header by requests for ranges. */
+export async function openTwinFile(api: Api, twin: string, signal: AbortSignal): Promise<OpenTwinFile> {
+  const path = `/v1/twins/${encodeURIComponent(twin)}/content`;
+  const range = async (from: number, to: number): Promise<Uint8Array<ArrayBuffer>> => {
+    const answer = await api.fetch(path, { signal, headers: { range: `bytes=${from}-${to - 1}` } });
+    const bytes = new Uint8Array(await answer.arrayBuffer());
+    return answer.status === 206 ? bytes : bytes.slice(from, to);
+  };
+  let head = await range(0, FIRST);
+  const length = Number(new DataView(head.buffer).getBigUint64(0, true));
+  if (length > MOST_BYTES) throw new Error('The header of the twin is too large.');
+  const start = 8 + length;
+  if (start > head.length) head = await range(0, start);
+  const { __metadata__: metadata, ...tensors } = JSON.parse(new TextDecoder().decode(head.subarray(8, start))) as Header;
+  return {
+    document: JSON.parse(metadata?.['bendtwin.twin'] ?? '{}'),
+    tensors: new Map(Object.entries(tensors)),
+    read: async (from, to) => (to > from ? range(start + from, start + to) : new Uint8Array(0)),
+  };
+}
+
+type Header = { readonly __metadata__?: Record<string, string> } & Record<string, Entry>;

@@ -1,0 +1,73 @@
+import { Blocks } from '../file/blocks';
+import type { CameraHead } from '../file/head';
+import type { Read } from '../file/motion';
+
+/** Images that one request is for. */
+const TOGETHER = 8;
+/** Blocks of images that are kept decoded: 96 images of 424 x 240 pixels take 39 MB. */
+const KEPT = 12;
+
+/** Images of a camera, fetched on demand. */
+export class Images {
+  readonly #starts: readonly number[];
+  readonly #blocks: Blocks<(ImageBitmap | null)[]>;
+
+  constructor(
+    private readonly camera: CameraHead,
+    read: Read,
+    decode: (file: Blob) => Promise<ImageBitmap> = createImageBitmap,
+  ) {
+    const { lengths, bytes } = camera.images;
+    let at = 0;
+    this.#starts = [0, ...lengths.map((length) => (at += length))];
+    const starts = this.#starts;
+    this.#blocks = new Blocks(
+      TOGETHER,
+      KEPT,
+      async (block) => {
+        const first = block * TOGETHER;
+        const end = Math.min(first + TOGETHER, lengths.length);
+        const from = starts[first]!;
+        const files = await read([bytes[0] + from, starts[end]! - from]);
+        return Promise.all(
+          lengths.slice(first, end).map(async (length, i) => {
+            if (length === 0) return null;
+            const start = starts[first + i]! - from;
+            const file = new Blob([files.subarray(start, start + length)], { type: 'image/jpeg' });
+            // One that does not decode is shown as one that was not recorded.
+            return decode(file).catch(() => null);
+          }),
+        );
+      },
+      (images) => images.forEach((image) => image?.close()),
+    );
+  }
+
+  /** Number of the image shown in a frame, its own or the last one before it; null without any. */
+  indexAt(frame: number): number | null {
+    const { every, lengths } = this.camera.images;
+    const index = Math.min(Math.floor(frame / every), lengths.length - 1);
+    return index >= 0 && (lengths[index] ?? 0) > 0 ? index : null;
+  }
+
+  /** The image of a frame: undefined while it is not here, null if none was recorded. */
+  at(frame: number): ImageBitmap | null | undefined {
+    const index = this.indexAt(frame);
+    if (index === null) return null;
+    const block = this.#blocks.peek(index);
+    return block === undefined ? undefined : (block[index % TOGETHER] ?? null);
+  }
+
+  /** Loads the image of a frame, and begins to load those after it. */
+  async load(frame: number): Promise<void> {
+    const index = this.indexAt(frame);
+    if (index === null) return;
+    await this.#blocks.get(index);
+    const next = (Math.floor(index / TOGETHER) + 1) * TOGETHER;
+    if (next < this.camera.images.lengths.length) void this.#blocks.get(next).catch(() => undefined);
+  }
+
+  dispose(): void {
+    this.#blocks.clear();
+  }
+}

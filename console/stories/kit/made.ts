@@ -1,0 +1,56 @@
+import { execFileSync } from 'node:child_process';
+import { mkdtempSync, readFileSync } from 'node:fs';
+import { tmpdir } from 'node:os';
+import { join } from 'node:path';
+import { binary, type Server } from '../../scripts/server.mjs';
+import { tar } from '../../src/pages/upload/tar';
+
+/** A folder for the files of a story. */
+export function folder(): string {
+  return mkdtempSync(join(tmpdir(), 'bendtwin-story-'));
+}
+
+/** A small simulated capture, as `bendtwin capture make` writes it: an archive or, by its name, a folder. */
+export function makeCapture(path: string, ...options: string[]): string {
+  execFileSync(binary(), ['capture', 'make', ...options, path, '--tiny'], { stdio: 'ignore' });
+  return path;
+}
+
+/** Sends a capture by the API and waits until it has been read. */
+export async function sendCapture(server: Server, path: string, displayName: string): Promise<string> {
+  const query = new URLSearchParams({ display_name: displayName });
+  const { name } = await call<{ name: string }>(server, 'POST', `/v1/captures?${query}`, readFileSync(path));
+  await until(async () => {
+    const { ingest } = await call<{ ingest: { state: string } }>(server, 'GET', `/v1/${name}`);
+    return ['SUCCEEDED', 'FAILED'].includes(ingest.state);
+  });
+  return name;
+}
+
+/** A request to the API with JSON or bytes. */
+export async function call<T>(server: Server, method: string, path: string, body?: unknown): Promise<T> {
+  const isBytes = body instanceof Uint8Array;
+  const headers: Record<string, string> = isBytes ? {} : { 'content-type': 'application/json' };
+  const content = body === undefined ? {} : { body: isBytes ? new Uint8Array(body) : JSON.stringify(body) };
+  const answer = await fetch(server.url + path, { method, headers, ...content });
+  if (!answer.ok) throw new Error(`${method} ${path}: ${await answer.text()}`);
+  return answer.status === 204 ? (undefined as T) : ((await answer.json()) as T);
+}
+
+/** Asks again until it is so. */
+export async function until(isSo: () => Promise<boolean>, seconds = 600): Promise<void> {
+  const end = Date.now() + 1000 * seconds;
+  while (!(await isSo())) {
+    if (Date.now() > end) throw new Error('it did not come to that in time');
+    await new Promise((resolve) => setTimeout(resolve, 100));
+  }
+}
+
+/** An archive of some files and of `bytes` bytes that no reader reads. */
+export async function padded(files: Record<string, string>, bytes: number): Promise<Uint8Array> {
+  const all = Object.entries(files).map(([path, from]) => ({ path, file: new Blob([readFileSync(from)]) }));
+  const padding = new Uint8Array(bytes).map((_, index) => (index * 2654435761) >>> 24);
+  return new Uint8Array(
+    await tar([...all, { path: 'toy/notes/padding.bin', file: new Blob([padding]) }]).arrayBuffer(),
+  );
+}
