@@ -14,7 +14,7 @@ mod thread;
 mod turns;
 
 use std::{
-    sync::Arc,
+    sync::{Arc, Mutex, PoisonError},
     time::{Duration, Instant},
 };
 
@@ -159,6 +159,25 @@ impl Device {
         flow: &Arc<Flow>,
         task: impl FnOnce(&dyn Backend) -> Result<R, backend::Error> + Send + 'static,
     ) -> Result<(R, Duration), backend::Error> {
+        // Only this is compiled for each type of a value; the channel is not.
+        let value = Arc::new(Mutex::new(None));
+        let slot = Arc::clone(&value);
+        let task = move |backend: &dyn Backend| {
+            let value = task(backend)?;
+            *slot.lock().unwrap_or_else(PoisonError::into_inner) = Some(value);
+            Ok(())
+        };
+        let took = self.run(flow, Box::new(task))?;
+        let value = value.lock().unwrap_or_else(PoisonError::into_inner).take();
+        Ok((value.ok_or_else(dropped)?, took))
+    }
+
+    /// Runs a task on the device and waits for it. Returns the time it ran.
+    fn run(
+        &self,
+        flow: &Arc<Flow>,
+        task: Box<dyn FnOnce(&dyn Backend) -> Result<(), backend::Error> + Send>,
+    ) -> Result<Duration, backend::Error> {
         let (reply, result) = std::sync::mpsc::sync_channel(1);
         let watch = self.blame.watch(flow.priority);
         let rollouts = self.alternation.as_ref().filter(|_| flow.priority == Priority::Interactive);
@@ -168,9 +187,9 @@ impl Device {
             let _under_way = under_way;
             let watch = watch;
             let started = Instant::now();
-            let value = task(backend);
+            let done = task(backend);
             let took = started.elapsed();
-            let broken = match &value {
+            let broken = match &done {
                 Err(backend::Error::Device(why)) => {
                     watch.broke();
                     Err(BrokenDevice(why.clone()))
@@ -178,15 +197,18 @@ impl Device {
                 _ => Ok(()),
             };
             // The caller waits below, so sending cannot fail while it lives.
-            let _ = reply.send(value.map(|value| (value, took)));
+            let _ = reply.send(done.map(|()| took));
             broken
         };
         self.queue(flow.priority).push(flow, Box::new(task));
-        result.recv().unwrap_or_else(|_| {
-            let why = "it failed in other work, or the worker ends: try again";
-            Err(backend::Error::Device(why.to_owned()))
-        })
+        result.recv().unwrap_or_else(|_| Err(dropped()))
     }
+}
+
+/// The error of a task that was dropped before its end.
+fn dropped() -> backend::Error {
+    let why = "it failed in other work, or the worker ends: try again";
+    backend::Error::Device(why.to_owned())
 }
 
 #[cfg(test)]

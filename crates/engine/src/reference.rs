@@ -26,6 +26,9 @@ pub type Point64 = [f64; 3];
 pub type Pose64 = [[f64; 4]; 3];
 
 /// A simulation in double precision. Fields may be changed at will; lengths must not change.
+///
+/// What runs it is `#[inline]`, so that the kernels are compiled in `f64` only by crates that use
+/// it, which are tests.
 #[derive(Clone, Debug)]
 pub struct Reference {
     model: Model,
@@ -121,6 +124,7 @@ impl Reference {
     ///
     /// # Errors
     /// If a length or the objective does not fit.
+    #[inline]
     pub fn roll_out(&self) -> Result<Vec<ReferenceState>, Error> {
         let objective = Objective::default();
         let mut states = Vec::new();
@@ -141,6 +145,7 @@ impl Reference {
     ///
     /// # Errors
     /// If a length or the objective does not fit.
+    #[inline]
     pub fn loss(&self, objective: &Objective) -> Result<Loss, Error> {
         self.with_simulation(objective, |simulation| losses(simulation, &CancelToken::default()))
     }
@@ -149,6 +154,7 @@ impl Reference {
     ///
     /// # Errors
     /// If a length or the objective does not fit.
+    #[inline]
     pub fn gradient(
         &self,
         objective: &Objective,

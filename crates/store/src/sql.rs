@@ -11,8 +11,9 @@ mod value;
 use std::fmt::Write as _;
 
 use sqlx::{
-    AssertSqlSafe, FromRow, Postgres, SqlSafeStr, SqlStr, Sqlite, postgres::PgRow,
-    sqlite::SqliteRow,
+    AssertSqlSafe, FromRow, Postgres, SqlSafeStr, SqlStr, Sqlite,
+    postgres::{PgQueryResult, PgRow},
+    sqlite::{SqliteQueryResult, SqliteRow},
 };
 
 use crate::Result;
@@ -49,26 +50,29 @@ pub(crate) fn query_scalar(sql: impl SqlSafeStr) -> Scalar {
     Scalar(query(sql))
 }
 
-/// Runs a statement with sqlx, whichever the database is.
+/// Runs a statement with sqlx on its target; `$then` takes what either database answers.
+///
+/// Only three functions contain sqlx's futures, for rows that are not read yet. Otherwise those would
+/// be compiled for each record.
 macro_rules! run {
-    ($query:ident, $target:ident, $constructor:ident $(<$row:ident>)?, $call:ident, $then:expr) => {{
+    ($query:ident, $target:ident, $call:ident, $sqlite:expr, $postgres:expr) => {{
         let Query { sql, values } = $query;
-        match $target.into() {
+        match $target {
             Target::SqliteReaders(readers) => {
-                let query = sqlx::$constructor::<Sqlite, $($row,)? _>(sql, arguments::<Sqlite>(values)?);
-                $then(query.$call(readers).await?)
+                let query = sqlx::query_with::<Sqlite, _>(sql, arguments::<Sqlite>(values)?);
+                $sqlite(query.$call(readers).await?)
             }
             Target::Sqlite(connection) => {
-                let query = sqlx::$constructor::<Sqlite, $($row,)? _>(sql, arguments::<Sqlite>(values)?);
-                $then(query.$call(connection).await?)
+                let query = sqlx::query_with::<Sqlite, _>(sql, arguments::<Sqlite>(values)?);
+                $sqlite(query.$call(connection).await?)
             }
             Target::PostgresReaders(readers) => {
-                let query = sqlx::$constructor::<Postgres, $($row,)? _>(sql, arguments::<Postgres>(values)?);
-                $then(query.$call(readers).await?)
+                let query = sqlx::query_with::<Postgres, _>(sql, arguments::<Postgres>(values)?);
+                $postgres(query.$call(readers).await?)
             }
             Target::Postgres(connection) => {
-                let query = sqlx::$constructor::<Postgres, $($row,)? _>(sql, arguments::<Postgres>(values)?);
-                $then(query.$call(connection).await?)
+                let query = sqlx::query_with::<Postgres, _>(sql, arguments::<Postgres>(values)?);
+                $postgres(query.$call(connection).await?)
             }
         }
     }};
@@ -90,7 +94,7 @@ impl Query {
 
     /// Runs it. Returns the number of rows that it changed.
     pub(crate) async fn execute<'t>(self, target: impl Into<Target<'t>>) -> Result<u64> {
-        Ok(run!(self, target, query_with, execute, |done| affected(&done)))
+        self.execute_on(target.into()).await
     }
 
     /// All rows.
@@ -98,7 +102,10 @@ impl Query {
         self,
         target: impl Into<Target<'t>>,
     ) -> Result<Vec<T>> {
-        Ok(run!(self, target, query_as_with<T>, fetch_all, Vec::from))
+        Ok(match self.all_rows(target.into()).await? {
+            Rows::Sqlite(rows) => rows.iter().map(T::from_row).collect::<sqlx::Result<_>>()?,
+            Rows::Postgres(rows) => rows.iter().map(T::from_row).collect::<sqlx::Result<_>>()?,
+        })
     }
 
     /// The first row, if there is one.
@@ -106,34 +113,49 @@ impl Query {
         self,
         target: impl Into<Target<'t>>,
     ) -> Result<Option<T>> {
-        Ok(run!(self, target, query_as_with<T>, fetch_optional, Option::from))
+        self.first_row(target.into()).await?.map(|row| read(&row)).transpose()
     }
 
     /// The first row; without rows, an error of the database.
     pub(crate) async fn fetch_one<'t, T: Record>(self, target: impl Into<Target<'t>>) -> Result<T> {
-        Ok(run!(self, target, query_as_with<T>, fetch_one, T::from))
+        let row = self.first_row(target.into()).await?.ok_or(sqlx::Error::RowNotFound)?;
+        read(&row)
+    }
+
+    async fn execute_on(self, target: Target<'_>) -> Result<u64> {
+        let sqlite = |done: SqliteQueryResult| done.rows_affected();
+        let postgres = |done: PgQueryResult| done.rows_affected();
+        Ok(run!(self, target, execute, sqlite, postgres))
+    }
+
+    async fn all_rows(self, target: Target<'_>) -> Result<Rows> {
+        Ok(run!(self, target, fetch_all, Rows::Sqlite, Rows::Postgres))
+    }
+
+    async fn first_row(self, target: Target<'_>) -> Result<Option<Row>> {
+        let sqlite = |row: Option<SqliteRow>| row.map(Row::Sqlite);
+        let postgres = |row: Option<PgRow>| row.map(Row::Postgres);
+        Ok(run!(self, target, fetch_optional, sqlite, postgres))
     }
 }
 
-/// Number of rows that a statement changed.
-trait Affected {
-    fn rows(&self) -> u64;
+/// A row of either database.
+enum Row {
+    Sqlite(SqliteRow),
+    Postgres(PgRow),
 }
 
-impl Affected for sqlx::sqlite::SqliteQueryResult {
-    fn rows(&self) -> u64 {
-        self.rows_affected()
-    }
+/// Rows of either database.
+enum Rows {
+    Sqlite(Vec<SqliteRow>),
+    Postgres(Vec<PgRow>),
 }
 
-impl Affected for sqlx::postgres::PgQueryResult {
-    fn rows(&self) -> u64 {
-        self.rows_affected()
-    }
-}
-
-fn affected(done: &impl Affected) -> u64 {
-    done.rows()
+fn read<T: Record>(row: &Row) -> Result<T> {
+    Ok(match row {
+        Row::Sqlite(row) => T::from_row(row)?,
+        Row::Postgres(row) => T::from_row(row)?,
+    })
 }
 
 /// A statement whose rows have one column.

@@ -1,7 +1,7 @@
 //! The dependency rules of ARCHITECTURE.md, checked with `cargo metadata`: crates that others must
 //! not reach, directly or indirectly. Dependencies of tests do not count.
 
-use std::collections::{BTreeMap, VecDeque};
+use std::collections::{BTreeMap, BTreeSet, VecDeque};
 
 use cargo_metadata::{DependencyKind, MetadataCommand, PackageId, camino::Utf8Path};
 
@@ -298,6 +298,22 @@ fn only_the_cuda_crate_is_unsafe() {
         found.extend(lines.map(|(number, _)| format!("{name}:{}", number + 1)));
     }
     assert!(found.is_empty(), "only crates/cuda may, where a kernel is launched: {found:?}");
+}
+
+/// A release gives every crate that is not listed `opt-level = "z"`. Kits of tests are in none.
+#[test]
+fn arithmetic_is_optimised_in_both_profiles() {
+    let text = std::fs::read_to_string(workspace::root().join("Cargo.toml")).unwrap();
+    let manifest: toml::Table = text.parse().unwrap();
+    let fast = |profile: &str| -> BTreeSet<String> {
+        let packages = manifest["profile"][profile]["package"].as_table().unwrap();
+        let is_fast = |options: &toml::Value| options.get("opt-level") == Some(&3.into());
+        packages.iter().filter(|(_, o)| is_fast(o)).map(|(name, _)| name.clone()).collect()
+    };
+    let (dev, release) = (fast("dev"), fast("release"));
+    assert!(dev.contains("bendtwin-engine"), "{dev:?}");
+    let slow: Vec<_> = dev.difference(&release).filter(|name| !name.ends_with("-kit")).collect();
+    assert!(slow.is_empty(), "fast in tests and slow in a release: {slow:?}");
 }
 
 /// Dependencies between crates, without those of tests.

@@ -154,10 +154,14 @@ impl Real for f32 {
         (m.splat(PI) - angle).or(m.splat(0.0).above(x), angle)
     }
     fn dispatch<W: Work<Self>>(work: W) -> W::Output {
+        // Not pulp's dispatch on x86-64, which would compile everything for AVX2 once more, for a
+        // processor that has it and is here without it.
         #[cfg(target_arch = "x86_64")]
-        if let Some(v3) = pulp::x86::V3::try_new() {
-            return Simd::vectorize(v3, OnAvx2(work, Avx2::new(v3)));
+        match pulp::x86::V3::try_new() {
+            Some(v3) => Simd::vectorize(v3, OnAvx2(work, Avx2::new(v3))),
+            None => work.run(Portable),
         }
+        #[cfg(not(target_arch = "x86_64"))]
         Arch::new().dispatch(OnPortable(work, PhantomData::<Self>))
     }
     #[inline(always)]
