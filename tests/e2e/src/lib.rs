@@ -16,7 +16,6 @@ mod recordings;
 mod rollouts;
 mod rules;
 mod sessions;
-mod suites;
 mod survival;
 
 use bendtwin_harness as harness;
