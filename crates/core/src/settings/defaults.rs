@@ -92,8 +92,8 @@ const MAX_NODES: Row<usize> = row([100, 200, 600], [300, 600, 600], [ALL; 3]);
 const MAX_NEIGHBOURS: Row<usize> = row([12, 12, 30], [30; 3], [12; 3]);
 /// `graph.interior`.
 const INTERIOR: Row<bool> = by_effort([true; 3]);
-/// `skin_contact`; with the few nodes of a CPU, drafts with it predict worse. What motion capture records
-/// has no skin.
+/// `skin_contact`; on a CPU it takes up to 40 % longer, and drafts predict no better with it. What motion
+/// capture records has no skin.
 const SKIN_CONTACT: Row<bool> = row([false; 3], [true; 3], [false; 3]);
 /// `substeps.auto.max`; the search of a cable would spend its time on stiff candidates, and a body with
 /// many nodes needs more.
