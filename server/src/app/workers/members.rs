@@ -158,7 +158,7 @@ impl App {
                 }
                 Some(_) => self.forfeit(id, WorkerEnd::ByServer).await?,
                 None if worker.is_supervised && silent => {
-                    self.forfeit(id, WorkerEnd::ByServer).await?
+                    self.forfeit(id, WorkerEnd::ByServer).await?;
                 }
                 None if silent && self.dispatch.silence(id) > lease => {
                     tracing::warn!(worker = %id, "worker fell silent");
