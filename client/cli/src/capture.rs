@@ -42,7 +42,7 @@ enum Command {
     /// splatting, without a server
     Export(export::Export),
     /// Check a capture and upload it
-    Push(push::Push),
+    Push(Box<push::Push>),
     /// List the captures of the server
     List {
         #[command(flatten)]
@@ -82,7 +82,7 @@ pub(crate) async fn run(args: Capture, global: &Global) -> anyhow::Result<()> {
         Command::Check { path } => check::run(&path, global).await,
         Command::Report(args) => report::run(args, global).await,
         Command::Export(args) => export::run(args, global).await,
-        Command::Push(args) => push::run(args, global).await,
+        Command::Push(args) => push::run(*args, global).await,
         Command::List { choice, recorded_by } => {
             let query = ListQuery { recorded_by, ..choice.query() };
             let captures = global.connect().await?.captures().all(&query).await?;
