@@ -75,7 +75,7 @@ pub struct Likeness {
     pub ssim: Option<f64>,
     /// FLIP of whole images, the difference that people see when one follows the other, 0 for equal ones.
     pub flip: Option<f64>,
-    /// LPIPS, 0 for equal images; measured where its network is given.
+    /// LPIPS, 0 for equal images; in twins of earlier versions.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub lpips: Option<f64>,
 }
