@@ -154,7 +154,7 @@ pub struct World {
     /// Grasps, shape [G].
     pub grasps: Vec<Grasp>,
     /// Width of the layer in which ground and colliders act [m]; 0 for impacts, as fitted. With a
-    /// width contact is a smooth force (`cpu/smooth.rs` has the formula), and so are gradients.
+    /// width contact is a smooth force (`cpu/collision/smooth.rs` has the formula), and so are gradients.
     pub smoothing_m: f32,
 }
 

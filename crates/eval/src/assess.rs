@@ -14,7 +14,7 @@ const OF_SIZE: [f64; 2] = [0.03, 0.06];
 const OF_STANDING_STILL: [f64; 2] = [0.2, 0.33];
 /// Share by which errors of two fits of one capture differ although only their seeds do
 /// (docs/use/accuracy.md): a smaller difference between two fits says nothing.
-const SEEDS_DIFFER: f64 = 0.1;
+const SEEDS_DIFFER: f64 = 0.15;
 
 /// Lengths that errors of a twin are compared with.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

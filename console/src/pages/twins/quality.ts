@@ -211,7 +211,7 @@ export function spreadText({ spread }: Quality): string | null {
 }
 
 /** Share by which errors of two fits differ although only their seeds do. */
-const SEEDS_DIFFER = 0.1;
+const SEEDS_DIFFER = 0.15;
 
 /** Two errors in a sentence: by how much the second is larger or smaller, if not by chance alone. */
 export function comparedText(first: string, second: string, a: number | null, b: number | null): string | null {

@@ -184,6 +184,7 @@ impl FitSettings {
         }
         fill.with(&mut filled.loss.sequences, &SEQUENCES);
         fill.with(&mut filled.search.starts, &STARTS);
+        filled.search.vary.get_or_insert(false);
         fill.with(&mut filled.search.generations, &GENERATIONS);
         fill.with(&mut filled.search.population, &POPULATION);
         fill.with(&mut filled.search.prior, &SEARCH_PRIOR);

@@ -302,7 +302,7 @@ fn only_the_cuda_crate_is_unsafe() {
 
 /// A release gives every crate that is not listed `opt-level = "z"`. Kits of tests are in none.
 #[test]
-fn arithmetic_is_optimised_in_both_profiles() {
+fn what_is_fast_in_tests_is_fast_in_a_release() {
     let text = std::fs::read_to_string(workspace::root().join("Cargo.toml")).unwrap();
     let manifest: toml::Table = text.parse().unwrap();
     let fast = |profile: &str| -> BTreeSet<String> {

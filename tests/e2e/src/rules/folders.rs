@@ -14,29 +14,13 @@ const PRODUCT: [&str; 6] = ["client/", "console/", "crates/", "proto/", "server/
 /// Parts of paths of other code in these folders.
 const ASIDE: [&str; 4] = ["/kernels/", "/migrations/", "/tests/", "console/stories/"];
 
-/// Larger folders, with their numbers of files and the reasons. Entries may only shrink and go.
-const LARGER: [(&str, usize, &str); 7] = [
-    ("client/cli/src", 35, "a file for each command; the developers' commands have yet to leave"),
-    ("client/python/src/bendtwin", 32, "public modules, whose paths are those of imports"),
-    ("client/rust/src", 26, "a file for each resource, beside the transport"),
-    ("console/src/play", 23, "pages, world and input have yet to be divided"),
-    ("crates/engine/src/conformance", 24, "cases of tests, a file for each part of the physics"),
-    ("crates/fit/src", 24, "stages of a fit have yet to be divided"),
-    ("server/src", 23, "modules of one file each beside the folders of the server"),
-];
-
 #[test]
 fn folders_are_small() {
     let names: Vec<_> = workspace::files().into_iter().map(|(name, _)| name).collect();
     let sizes = sizes(names.iter().map(String::as_str));
     assert!(sizes.contains_key("crates/engine/src/cpu"), "the source tree was not found");
     let large: BTreeMap<_, _> = sizes.into_iter().filter(|(_, files)| *files > MOST).collect();
-    let known = BTreeMap::from(LARGER.map(|(folder, files, _)| (folder, files)));
-    assert!(
-        large == known,
-        "a folder has at most {MOST} files: divide it by what they do. If one became smaller, lower or remove its \
-         entry in LARGER.\nfound: {large:#?}\nknown: {known:#?}"
-    );
+    assert!(large.is_empty(), "at most {MOST} files a folder: divide it by what they do: {large:#?}");
 }
 
 /// Number of files of each folder of product code.
